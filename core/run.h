@@ -1,0 +1,73 @@
+/* A run: a scene in motion. Opening makes the state and starts the plugins, advancing takes steps, closing ends the
+ * outputs; a run that failed or was interrupted keeps its last good state. */
+#ifndef HK_RUN_H
+#define HK_RUN_H
+
+#include "core/error.h"
+#include "core/scene.h"
+#include <signal.h>
+
+typedef struct hk_run_options {
+  const char *integrator; /* replaces the scene's choice; NULL: keep */
+  double dt, tol, until;  /* NAN: the scene's */
+  const char *out;        /* NULL: "out/NAME" */
+  bool no_output;
+  int progress;                             /* 0: quiet, 1: lines, 2: one line on a terminal */
+  const volatile sig_atomic_t *interrupted; /* NULL: cannot be */
+} hk_run_options;
+
+typedef struct hk_plugin_time {
+  const char *kind, *name, *label;
+  double seconds;
+} hk_plugin_time;
+
+typedef struct hk_summary {
+  const char *scene, *integrator;
+  hk_verdict verdict;
+  char reason[1024]; /* why it is not ok; "" otherwise */
+  double t;
+  size_t n, steps, force_evaluations, jacobian_evaluations, factorizations, linear_iterations, frames;
+  double dt_min, dt_max, dt_limit; /* s; limit: largest stable step of the linearised scene at the start, NAN unknown */
+  bool dt_chosen;
+  double wall_s, step_wall_s, start_wall_s;                    /* start: from opening to the first step */
+  double energy_first, energy_last, energy_work, energy_drift; /* J, J, J, relative; NAN: not known */
+  double kinetic_max;
+  double momentum_drift;       /* relative to the largest sum of m |v|; NAN: momentum is not conserved by the scene */
+  double constraint_violation; /* m */
+  double max_strain;           /* NAN: no elements */
+  double exact_error;          /* m, RMS at the end; NAN: no exact solution */
+  double verify_difference;    /* m, --verify: RMS difference to half the step; NAN */
+  size_t plugins;
+  hk_plugin_time *plugin;
+  size_t measures;
+  const char *const *measure_name;
+  const double *measure;
+  size_t warnings;
+  char **warning;
+} hk_summary;
+
+typedef struct hk_run hk_run;
+
+hk_status hk_run_open(hk_scene *, const hk_run_options *, hk_run **run, hk_error *error);
+/* Steps to time t (frames on the way are shown to measures and outputs). May be called again with a later t.
+ * HK_NOT_FINITE and HK_NOT_CONVERGED: diverged; HK_INTERRUPTED: the state is where it stopped. */
+hk_status hk_run_advance(hk_run *, double t, hk_error *error);
+/* Closes outputs; once. The run's data stay readable until hk_run_destroy. */
+hk_status hk_run_close(hk_run *, hk_error *error);
+void hk_run_destroy(hk_run *);
+
+/* For callbacks of scripts and for results. Indices of the view are particle indices. */
+const hk_view *hk_run_view(hk_run *);
+double hk_run_end(const hk_run *);                               /* s, duration or --until */
+bool hk_run_index(const hk_run *, uint32_t id, uint32_t *index); /* false: no such particle now */
+double hk_run_measure(const hk_run *, const char *name);         /* last value */
+hk_status hk_run_energy(hk_run *, double *kinetic, double *potential, double *work);
+hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
+hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *error); /* (l - L)/L, by magnitude */
+void hk_run_summary(hk_run *, hk_summary *); /* pointers valid until the run is destroyed */
+/* Final (or last good) state, "id,x,y,z,vx,vy,vz,mass", 17 digits. */
+hk_status hk_run_write_state(hk_run *, const char *path, hk_error *error);
+/* Everything that goes on: state, ids, plugin fields, random streams. */
+hk_status hk_run_save(hk_run *, const char *path, hk_error *error);
+
+#endif
