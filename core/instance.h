@@ -46,7 +46,8 @@ typedef struct hk_shared {
   uint64_t seed;
   hk_status (*path)(struct hk_shared *, const char *name, char *buffer, size_t size);
   void (*warn)(struct hk_shared *, const char *text);
-  void *context;         /* of path and warn */
+  const void *(*query)(struct hk_shared *, const char *service);
+  void *context;         /* of path, warn and query */
   long allocations_left; /* negative: no limit; tests make the k-th allocation fail */
 } hk_shared;
 
@@ -101,7 +102,7 @@ hk_status hk_instance_remap(hk_instance *, const uint32_t *map, size_t n_old, co
 hk_status hk_instance_set_time(hk_instance *, double t, hk_error *error);
 /* Works out which particles a force acts on. */
 hk_status hk_instance_select(hk_instance *, const hk_model *model, hk_error *error);
-/* The elements of a force, without those that join particles it does not act on being filtered. */
+/* The edges among the parameters, or NULL. */
 const hk_edges *hk_instance_edges(const hk_instance *);
 
 #endif

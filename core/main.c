@@ -1,0 +1,331 @@
+/* hooke: the command line. `run` is built in; `hooke NAME` runs tools/NAME.lua. Only here does the process exit, read
+ * the environment or catch a signal. */
+#include "core/error.h"
+#include "core/memory.h"
+#include "core/options.h"
+#include "core/registry.h"
+#include "core/report.h"
+#include "core/script.h"
+#include "core/tool.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define HK_VERSION "0.1.0"
+
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int signal_number) {
+  (void)signal_number;
+  interrupted = 1;
+}
+
+typedef struct places {
+  char plugins[PATH_MAX], scripts[PATH_MAX], tools[PATH_MAX], include[PATH_MAX];
+} places;
+
+/* The first of the candidates below the executable's folder that exists: the build tree, its sanitized variant, an
+ * installation. */
+static bool place(char *into, const char *base, const char *const *candidates) {
+  char path[PATH_MAX];
+  for (; *candidates; candidates++)
+    if (snprintf(path, sizeof path, "%s/%s", base, *candidates) < (int)sizeof path && realpath(path, into)) return true;
+  *into = 0;
+  return false;
+}
+
+static hk_status find_places(places *p, hk_error *error) {
+  char base[PATH_MAX];
+  ssize_t length = readlink("/proc/self/exe", base, sizeof base - 1);
+  if (length < 0) return hk_error_set(error, HK_IO, "cannot find hooke's own folder: %s", strerror(errno));
+  base[length] = 0;
+  *strrchr(base, '/') = 0;
+  static const char *const plugins[] = {"plugins", "../lib/hooke/plugins", NULL};
+  static const char *const scripts[] = {"../scripts/scenes/..", "../../scripts/scenes/..", "../share/hooke/scripts",
+                                        NULL};
+  static const char *const tools[] = {"../tools/explain.lua/..", "../tools", "../../tools", "../share/hooke/tools",
+                                      NULL};
+  static const char *const include[] = {"../core/plugin.h", "../../core/plugin.h", "../include/hooke/core/plugin.h",
+                                        NULL};
+  if (!place(p->plugins, base, plugins))
+    return hk_error_set(error, HK_IO, "no plugins beside %s: build with make, or install with make install", base);
+  place(p->scripts, base, scripts);
+  place(p->tools, base, tools);
+  if (place(p->include, base, include)) *strstr(p->include, "/core/plugin.h") = 0;
+  return HK_OK;
+}
+
+static int exit_code(hk_status status) {
+  switch (status) {
+  case HK_OK:
+    return 0;
+  case HK_BAD_PARAM:
+  case HK_SCRIPT:
+    return 1;
+  case HK_FAILED:
+  case HK_NO_MEMORY:
+    return 2;
+  case HK_NOT_FINITE:
+  case HK_NOT_CONVERGED:
+    return 3;
+  case HK_IO:
+    return 4;
+  case HK_INTERRUPTED:
+    return 130;
+  }
+  return 2;
+}
+
+static int verdict_code(hk_verdict verdict) {
+  return verdict == HK_INACCURATE ? 5 : verdict == HK_DIVERGED ? 3 : verdict == HK_STOPPED ? 130 : 0;
+}
+
+static int complain(const hk_error *error) {
+  fprintf(stderr, "hooke: %s\n", error->text);
+  return exit_code(error->status);
+}
+
+static void print_params(const hk_script *script) {
+  const hk_param_declared *params;
+  size_t count = hk_script_params(script, &params);
+  if (count) printf("\nparameters of this scene (name=value):\n");
+  for (size_t k = 0; k < count; k++)
+    printf("  %-12s %-12s %s\n", params[k].name, params[k].initial, params[k].help ? params[k].help : "");
+}
+
+static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
+  return (hk_script_options){.registry = registry,
+                             .library = library,
+                             .trust = o->trust,
+                             .run = &o->run,
+                             .threads = o->threads,
+                             .seed = o->seed,
+                             .given_count = o->given_count,
+                             .given = o->given};
+}
+
+/* ---- one run of a scene ---- */
+
+typedef struct result {
+  hk_status status;
+  hk_verdict verdict;
+  size_t n;
+  double *x; /* final positions, for --verify */
+  double dt; /* largest step taken */
+} result;
+
+static void keep_positions(hk_run *run, const hk_summary *s, result *r) {
+  const hk_view *view = hk_run_view(run);
+  r->n = view->n;
+  r->dt = s->dt_max;
+  r->x = malloc((3 * view->n + 1) * sizeof *r->x);
+  if (r->x) memcpy(r->x, view->x, 3 * view->n * sizeof *r->x);
+}
+
+/* To the end, outputs closed, the state written: whatever happens on the way, what there is is kept. */
+static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
+  hk_status status = hk_run_advance(run, hk_run_end(run), error);
+  hk_error later = {0};
+  hk_status closed = hk_run_close(run, &later);
+  if (o->state && closed == HK_OK)
+    closed = hk_run_write_state(run, o->state, &later);
+  else if (o->state)
+    hk_run_write_state(run, o->state, NULL);
+  if (status != HK_OK) {
+    if (closed != HK_OK) fprintf(stderr, "hooke: %s\n", later.text);
+    return status;
+  }
+  if (closed != HK_OK) hk_error_set(error, closed, "%s", later.text);
+  return closed;
+}
+
+static void half_the_step(const hk_options *o, hk_registry *registry, const char *library, const result *whole,
+                          double *difference) {
+  hk_options half = *o;
+  hk_script *script = NULL;
+  hk_run *run = NULL;
+  hk_error error = {0};
+  half.run.dt = whole->dt / 2;
+  half.run.tol = isnan(o->run.tol) ? NAN : o->run.tol / 10;
+  half.run.no_output = true;
+  half.run.progress = -1;
+  hk_script_options options = script_options(&half, registry, library);
+  hk_status status = hk_script_open(o->scene, &options, &script, &error);
+  hk_scene *scene = script ? hk_script_scene(script) : NULL;
+  if (status == HK_OK && scene) {
+    if (isnan(half.run.tol)) half.run.tol = scene->tol / 10;
+    status = hk_run_open(scene, &half.run, &run, &error);
+  }
+  if (status == HK_OK && run) status = hk_run_advance(run, hk_run_end(run), &error);
+  *difference = NAN;
+  if (status == HK_OK && run && hk_run_view(run)->n == whole->n && whole->x && whole->n) {
+    double sum = 0;
+    for (size_t k = 0; k < 3 * whole->n; k++)
+      sum += (hk_run_view(run)->x[k] - whole->x[k]) * (hk_run_view(run)->x[k] - whole->x[k]);
+    *difference = sqrt(sum / (double)whole->n);
+  }
+  if (status != HK_OK) fprintf(stderr, "hooke: --verify: %s\n", error.text);
+  if (run) hk_run_close(run, &error);
+  hk_run_destroy(run);
+  hk_script_close(script);
+}
+
+static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
+  char out[PATH_MAX];
+  snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
+  bool wrote = !o->run.no_output && (scene->output.count || scene->measures);
+  if (o->json)
+    hk_report_json(stdout, s);
+  else if (!o->quiet)
+    hk_report_text(stdout, s, wrote ? out : NULL);
+}
+
+static int run_scene(hk_script *script, const hk_options *o, hk_registry *registry, const char *library) {
+  hk_error error = {0};
+  hk_run *run;
+  hk_scene *scene = hk_script_scene(script);
+  hk_status status = hk_run_open(scene, &o->run, &run, &error);
+  if (status != HK_OK) return complain(&error);
+  status = finish(run, o, &error);
+  hk_summary summary;
+  result whole = {.status = status};
+  hk_run_summary(run, &summary);
+  int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
+  if (status == HK_OK && o->verify) {
+    keep_positions(run, &summary, &whole);
+    half_the_step(o, registry, library, &whole, &summary.verify_difference);
+    free(whole.x);
+  }
+  report(o, scene, &summary);
+  if (fflush(stdout) != 0) code = complain(&(hk_error){HK_IO, "cannot write to standard output"});
+  if (status != HK_OK) complain(&error);
+  hk_run_destroy(run);
+  return code;
+}
+
+static void catch_signals(void) {
+  struct sigaction action = {.sa_handler = interrupt};
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+}
+
+static int run_command(int argc, char **argv, hk_registry *registry, const places *p) {
+  hk_error error = {0};
+  hk_options o;
+  hk_script *script = NULL;
+  char library[PATH_MAX + 8];
+  snprintf(library, sizeof library, "%s/lib", p->scripts);
+  int code = 0;
+  if (hk_options_parse(&o, argc, argv, &error) != HK_OK) {
+    code = complain(&error);
+  } else if (o.help && !o.scene) {
+    hk_options_print();
+  } else {
+    catch_signals();
+    o.run.interrupted = &interrupted;
+    o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
+    registry->allow_script_folder = o.trust;
+    hk_script_options options = script_options(&o, registry, library);
+    hk_verdict worst = HK_VERDICT_OK;
+    hk_status status = hk_script_open(o.scene, &options, &script, &error);
+    if (o.help) {
+      hk_options_print();
+      if (script) print_params(script);
+      if (status != HK_OK && !script) code = complain(&error);
+    } else if (status != HK_OK)
+      code = complain(&error);
+    else if (hk_script_drove(script, &worst))
+      code = verdict_code(worst);
+    else
+      code = run_scene(script, &o, registry, library);
+  }
+  hk_script_close(script);
+  free(o.given);
+  return code;
+}
+
+/* ---- tools ---- */
+
+typedef struct commands {
+  size_t count;
+  char name[64][64];
+} commands;
+
+static const char *command_name(const void *context, size_t k) {
+  const commands *list = context;
+  return k < list->count ? list->name[k] : NULL;
+}
+
+static void list_commands(commands *list, const char *folder) {
+  strcpy(list->name[0], "run");
+  list->count = 1;
+  DIR *directory = *folder ? opendir(folder) : NULL;
+  for (struct dirent *entry; directory && list->count < 64 && (entry = readdir(directory));) {
+    size_t length = strlen(entry->d_name);
+    if (length < 5 || length > 60 || strcmp(entry->d_name + length - 4, ".lua") != 0) continue;
+    memcpy(list->name[list->count], entry->d_name, length - 4);
+    list->name[list->count++][length - 4] = 0;
+  }
+  if (directory) closedir(directory);
+}
+
+static int tool_command(int argc, char **argv, hk_registry *registry, const places *p) {
+  char path[PATH_MAX + 128], library[PATH_MAX + 8];
+  hk_error error = {0};
+  commands list;
+  snprintf(path, sizeof path, "%s/%s.lua", p->tools, argv[0]);
+  snprintf(library, sizeof library, "%s/lib", p->scripts);
+  if (strchr(argv[0], '/') || access(path, R_OK) != 0) {
+    list_commands(&list, p->tools);
+    const char *near = hk_nearest_name(argv[0], command_name, &list);
+    fprintf(stderr, "hooke: unknown command '%s'%s%s%s; see: hooke --help\n", argv[0], near ? "; did you mean '" : "",
+            near ? near : "", near ? "'?" : "");
+    return 1;
+  }
+  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .interrupted = &interrupted};
+  hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
+  int code = 0;
+  registry->allow_script_folder = true;
+  if (hk_tool_run(path, argc, argv, &options, &code, &error) != HK_OK) return complain(&error);
+  return code;
+}
+
+static int help(const places *p) {
+  static commands list;
+  list_commands(&list, p->tools);
+  printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n"
+         "  hooke run SCENE.lua [name=value ...] [options]\n");
+  for (size_t k = 1; k < list.count; k++) printf("  hooke %s ...\n", list.name[k]);
+  printf("  hooke --version | --cflags | --help\n\nhooke run --help lists its options; scenes are in %s/scenes\n",
+         p->scripts);
+  return 0;
+}
+
+int main(int argc, char **argv) {
+  hk_error error = {0};
+  places p = {0};
+  hk_registry registry;
+  if (find_places(&p, &error) != HK_OK ||
+      hk_registry_open(&registry, p.plugins, getenv("HK_PLUGIN_PATH"), &error) != HK_OK)
+    return complain(&error);
+  int code;
+  if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
+    code = help(&p), code = argc < 2;
+  else if (strcmp(argv[1], "--version") == 0)
+    code = printf("hooke " HK_VERSION "\n") < 0;
+  else if (strcmp(argv[1], "--cflags") == 0)
+    code = printf("-I%s\n", p.include) < 0;
+  else if (strcmp(argv[1], "run") == 0)
+    code = run_command(argc - 2, argv + 2, &registry, &p);
+  else
+    code = tool_command(argc - 1, argv + 1, &registry, &p);
+  hk_registry_close(&registry);
+  return code;
+}

@@ -1,0 +1,216 @@
+/* f(X, t): the sum of forces, divided by the masses, with pins and constraints in it; what integrators see.
+ *
+ * One evaluation: pins and time-dependent parameters of that time are imposed; every force adds to F; one pass divides
+ * by the masses and looks for numbers that are not finite, on data that are in the cache anyway; then slides are
+ * filtered and constraint forces join. Results do not depend on the number of threads: forces sum in the scene's order
+ * and the pass is per particle. Wall time by plugin is sampled at one evaluation in 64. */
+#include "core/engine.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { GRAIN = 4096, SAMPLE = 64 };
+
+double hk_clock(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static hk_run *run_of(hk_system *s) { return (hk_run *)(void *)s; }
+
+typedef struct pass {
+  const double *inverse_mass;
+  double *a;
+  uint64_t *bad;
+} pass;
+
+/* Divides by mass. An exponent of all ones, NaN or infinity, makes the top bit of (exponent + 1). The test is on F, so
+ * that what a force does to a fixed particle counts too. */
+static void divide_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const pass *p = context;
+  double *restrict a = p->a;
+  const double *restrict w = p->inverse_mass;
+  uint64_t bad = 0;
+  for (size_t i = begin; i < end; i++) {
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+      uint64_t bits;
+      memcpy(&bits, &a[c], sizeof bits);
+      bad |= (bits & 0x7ff0000000000000u) + 0x0010000000000000u;
+      a[c] *= w[i];
+    }
+  }
+  p->bad[chunk] = bad >> 63;
+}
+
+static hk_status divide(hk_run *run, double *a) {
+  size_t n = run->model.n, chunks = (n + GRAIN - 1) / GRAIN;
+  pass p = {run->inverse_mass, a, run->chunk_bad};
+  if (n <= GRAIN)
+    divide_chunk(&p, 0, n, 0);
+  else
+    hk_threads_for(run->scene->shared.threads, n, GRAIN, divide_chunk, &p);
+  for (size_t k = 0; k < chunks; k++)
+    if (run->chunk_bad[k]) return HK_NOT_FINITE;
+  return HK_OK;
+}
+
+static hk_status add_rate(hk_run *run, size_t k, double t, const double *y, double *dy) {
+  const hk_channel_spec *spec = &run->scene->channel[k];
+  size_t n = run->model.n, size = spec->size, begin = run->channel[k].offset * n;
+  if (!isnan(spec->decay)) {
+    for (size_t e = begin; e < begin + size * n; e++) dy[e] += spec->decay * y[e];
+    return HK_OK;
+  }
+  double in[18] = {t}, out[16];
+  for (size_t i = 0; spec->rate.call && i < n; i++) {
+    size_t got = 0;
+    in[1] = run->id[i];
+    memcpy(in + 2, y + begin + size * i, size * sizeof *in);
+    hk_status status = spec->rate.call(&spec->rate, in, 2 + size, out, 16, &got, &run->error);
+    if (status != HK_OK) return status;
+    if (got != size)
+      return hk_error_set(&run->error, HK_SCRIPT, "channel '%s': rate gave %zu numbers, expected %zu", spec->name, got,
+                          size);
+    for (size_t c = 0; c < size; c++) dy[begin + size * i + c] += out[c];
+  }
+  return HK_OK;
+}
+
+static void prepare_view(hk_run *run, size_t k, double t, const double *x, const double *v, const double *y,
+                         double *power) {
+  hk_view *view = &run->force_view[k];
+  view->t = t;
+  view->x = x;
+  view->v = v;
+  view->y = y;
+  view->power = power;
+}
+
+static hk_status add_force(hk_run *run, size_t k, double *F, double *dy) {
+  hk_instance *force = run->scene->force.item[k];
+  const hk_force *functions = force->plugin->force;
+  bool sample = run->evaluations % SAMPLE == 0;
+  double begin = sample ? hk_clock() : 0;
+  hk_status status = functions->add(force->self, &run->force_view[k], F);
+  if (status == HK_OK && functions->rates) status = functions->rates(force->self, &run->force_view[k], dy);
+  force->calls++;
+  if (sample) {
+    force->seconds += hk_clock() - begin;
+    force->sampled++;
+  }
+  return status;
+}
+
+/* A force without HK_POWER and without energy: its whole power is F.v, which needs its F alone. Such a scene's work is
+ * not known, and the summary says so; nothing is evaluated twice for it. */
+static hk_status sum_forces(hk_run *run, double t, const double *x, const double *v, const double *y, double *F,
+                            double *dy, double *power) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < run->scene->force.count && status == HK_OK; k++) {
+    if (!run->force_acts[k]) continue;
+    prepare_view(run, k, t, x, v, run->width ? y : NULL, power);
+    status = add_force(run, k, F, dy);
+  }
+  return status;
+}
+
+static hk_status accelerations(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy) {
+  hk_run *run = run_of(s);
+  size_t n = s->n, tail = s->size - 6 * n - 1;
+  double power = 0;
+  hk_status status = hk_pins_impose(run, t, x, v);
+  if (status != HK_OK) return status;
+  memset(a, 0, 3 * n * sizeof *a);
+  memset(dy, 0, (tail + 1) * sizeof *dy);
+  status = sum_forces(run, t, x, v, y, a, dy, &power);
+  for (size_t k = 0; k < run->scene->channels && status == HK_OK; k++) status = add_rate(run, k, t, y, dy);
+  if (status != HK_OK) return status;
+  if (run->has_paths) power += hk_pins_power(run, a, v);
+  dy[tail] = power;
+  run->evaluations++;
+  status = divide(run, a);
+  if (status != HK_OK) return hk_error_set(&run->error, status, "the forces are not finite");
+  if (run->has_slides) hk_pins_filter(run, a);
+  return run->constraints ? hk_constraints_accelerate(run, t, x, v, a) : HK_OK;
+}
+
+static hk_status rates(hk_system *s, double t, double *X, double *dX) {
+  size_t n = s->n;
+  double *x = X, *v = X + 3 * n;
+  hk_status status = s->accelerations(s, t, x, v, X + 6 * n, dX + 3 * n, dX + 6 * n);
+  memcpy(dX, v, 3 * n * sizeof *dX);
+  return status;
+}
+
+double hk_system_kinetic(const hk_run *run, const double *X) {
+  const double *v = X + 3 * run->model.n;
+  double sum = 0;
+  for (size_t i = 0; i < run->model.n; i++)
+    if (run->inverse_mass[i] > 0)
+      sum += run->mass[i] * (v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1] + v[3 * i + 2] * v[3 * i + 2]);
+  return sum / 2;
+}
+
+double hk_system_potential(hk_run *run, double t, const double *X) {
+  size_t n = run->model.n;
+  double sum = 0;
+  for (size_t k = 0; k < run->scene->force.count; k++) {
+    hk_instance *force = run->scene->force.item[k];
+    if (!run->force_acts[k] || !force->plugin->force->energy) continue;
+    prepare_view(run, k, t, X, X + 3 * n, run->width ? X + 6 * n : NULL, NULL);
+    sum += force->plugin->force->energy(force->self, &run->force_view[k]);
+  }
+  return sum;
+}
+
+bool hk_system_has_energy(const hk_run *run) {
+  for (size_t k = 0; k < run->scene->force.count; k++) {
+    const hk_instance *force = run->scene->force.item[k];
+    if (!force->plugin->force->energy && !(force->plugin->force->flags & HK_POWER)) return false;
+    if (force->plugin->force->energy && force->timed_count) return false;
+  }
+  return true;
+}
+
+static hk_status energy(hk_system *s, double t, const double *X, double *kinetic, double *potential) {
+  *kinetic = hk_system_kinetic(run_of(s), X);
+  *potential = hk_system_potential(run_of(s), t, X);
+  return HK_OK;
+}
+
+static void impose(hk_system *s, double t, double *x, double *v) { hk_pins_impose(run_of(s), t, x, v); }
+
+static void filter(hk_system *s, double *vector) { hk_pins_filter(run_of(s), vector); }
+
+hk_status hk_system_resize(hk_run *run) {
+  free(run->chunk_bad);
+  run->chunk_bad = calloc(run->model.n / GRAIN + 1, sizeof *run->chunk_bad);
+  if (!run->chunk_bad) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for %zu particles", run->model.n);
+  return HK_OK;
+}
+
+hk_status hk_system_open(hk_run *run) {
+  hk_system *s = &run->system;
+  s->accelerations = accelerations;
+  s->rates = rates;
+  s->energy = energy;
+  s->impose = impose;
+  s->filter = filter;
+  s->jacobian = hk_jacobian_assemble;
+  s->factorize = hk_jacobian_factorize;
+  s->solve = hk_jacobian_solve;
+  s->flags = 0;
+  for (size_t k = 0; k < run->scene->force.count; k++) {
+    const hk_instance *force = run->scene->force.item[k];
+    s->flags |=
+        force->plugin->force->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS);
+    if (force->timed_count) s->flags |= HK_DEPENDS_ON_T;
+  }
+  if (run->scene->constraint.count) s->flags |= HK_DEPENDS_ON_X | HK_DEPENDS_ON_V;
+  if (run->has_paths) s->flags |= HK_DEPENDS_ON_T;
+  return hk_system_resize(run);
+}
+
+void hk_system_close(hk_run *run) { free(run->chunk_bad); }

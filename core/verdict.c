@@ -1,0 +1,162 @@
+/* What went wrong and where. A run that diverged is traced to the first particle and the force behind it; one that
+ * finished is judged by what it measured. Nothing here changes the state. */
+#include "core/engine.h"
+#include "core/memory.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Above these a finished run is called inaccurate. Energy: a tenth of the largest kinetic energy is visible in any
+ * picture, while leapfrog at 0.9 of its limit oscillates by less on cloth. */
+static const double energy_growth_limit = 0.1, violation_limit = 1e-6;
+
+void hk_run_warn(hk_run *run, const char *format, ...) {
+  char text[1024];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  for (size_t k = 0; k < run->warnings; k++)
+    if (strcmp(run->warning[k], text) == 0) return;
+  char *copy = hk_string_copy(text), **grown = realloc(run->warning, (run->warnings + 1) * sizeof *grown);
+  if (grown) run->warning = grown;
+  if (grown && copy)
+    run->warning[run->warnings++] = copy;
+  else
+    free(copy);
+  if (run->options.progress >= 0) fprintf(stderr, "hooke: warning: %s\n", text);
+}
+
+void hk_snapshot_free(hk_snapshot *s) {
+  free(s->X);
+  free(s->id);
+  free(s->mass);
+  *s = (hk_snapshot){0};
+}
+
+hk_status hk_snapshot_take(hk_run *run, hk_snapshot *s) {
+  size_t n = run->model.n, size = run->system.size;
+  if (size > s->capacity) {
+    hk_snapshot_free(s);
+    s->X = malloc(size * sizeof *s->X);
+    s->id = malloc((n + 1) * sizeof *s->id);
+    s->mass = malloc((n + 1) * sizeof *s->mass);
+    if (!s->X || !s->id || !s->mass) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory to keep a good state");
+    s->capacity = size;
+  }
+  s->t = run->system.t;
+  s->n = n;
+  s->size = size;
+  memcpy(s->X, run->X, size * sizeof *s->X);
+  memcpy(s->id, run->id, n * sizeof *s->id);
+  memcpy(s->mass, run->mass, n * sizeof *s->mass);
+  return HK_OK;
+}
+
+static size_t first_bad(const double *list, size_t count) {
+  size_t k = 0;
+  while (k < count && isfinite(list[k])) k++;
+  return k;
+}
+
+static double size_of(const double *f) { return sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]); }
+
+/* One force alone at X; false when it failed. */
+static bool force_alone(hk_run *run, size_t k, const double *X, size_t n, double *F) {
+  hk_instance *force = run->scene->force.item[k];
+  hk_view view = run->force_view[k];
+  double power;
+  hk_error kept = run->error;
+  view.x = X;
+  view.v = X + 3 * n;
+  view.y = run->width ? X + 6 * n : NULL;
+  view.t = run->system.t;
+  view.power = &power;
+  memset(F, 0, 3 * n * sizeof *F);
+  bool fine = force->plugin->force->add(force->self, &view, F) == HK_OK;
+  run->error = kept;
+  return fine;
+}
+
+/* The force whose F is not finite, and its first such particle; else, given a particle, the largest on it. */
+static const char *culprit(hk_run *run, const double *X, size_t n, size_t *particle, double *newton) {
+  double *F = malloc((3 * n + 1) * sizeof *F), largest = -1;
+  const char *label = NULL;
+  for (size_t k = 0; F && k < run->scene->force.count; k++) {
+    if (!run->force_acts[k] || !force_alone(run, k, X, n, F)) continue;
+    size_t bad = first_bad(F, 3 * n);
+    if (bad < 3 * n) {
+      if (*particle == n) *particle = bad / 3;
+      label = run->scene->force.item[k]->label;
+      *newton = F[bad];
+      break;
+    }
+    double here = *particle < n ? size_of(F + 3 * *particle) : 0;
+    if (*particle < n && here > largest) {
+      largest = *newton = here;
+      label = run->scene->force.item[k]->label;
+    }
+  }
+  free(F);
+  return label;
+}
+
+static void remedy(const hk_run *run, char *text, size_t size) {
+  if (run->last_h > run->dt_limit)
+    snprintf(text, size, "; the step %g s is above the stable limit %g s: leave dt out or give less", run->last_h,
+             run->dt_limit);
+  else if (run->method->flags & HK_IMPLICIT)
+    snprintf(text, size, "; try a smaller dt or fps");
+  else
+    snprintf(text, size, "; try a smaller dt, and look at the masses and stiffnesses of that particle");
+}
+
+hk_status hk_diagnose(hk_run *run, hk_status cause) {
+  size_t n = run->model.n, particle = first_bad(run->X, 6 * n), where = particle % (3 * n + !n) / 3;
+  bool in_state = particle < 6 * n;
+  double newton = NAN;
+  char fix[200];
+  remedy(run, fix, sizeof fix);
+  if (cause == HK_NOT_CONVERGED) {
+    snprintf(run->reason, sizeof run->reason, "did not converge at step %zu, t = %g s: %.700s%s", run->steps + 1,
+             run->system.t, run->error.text, fix);
+    return cause;
+  }
+  particle = in_state ? where : n;
+  bool same = run->good.n == n;
+  const char *label = culprit(run, in_state && same ? run->good.X : run->X, n, &particle, &newton);
+  if (!label && particle == n && same) label = culprit(run, run->good.X, n, &particle, &newton);
+  snprintf(run->reason, sizeof run->reason, "diverged at step %zu, t = %g s: particle %u%s%s%s%s%s", run->steps + 1,
+           run->system.t, particle < n ? run->id[particle] : 0,
+           in_state ? " has a position or velocity that is not finite" : "",
+           label ? (in_state ? "; the largest force on it before was '" : " gets a force that is not finite from '")
+                 : "",
+           label ? label : "", label ? "'" : "", fix);
+  return cause;
+}
+
+static void add_reason(hk_run *run, const char *format, ...) {
+  size_t used = strlen(run->reason);
+  va_list arguments;
+  if (used && used + 2 < sizeof run->reason)
+    used += (size_t)snprintf(run->reason + used, sizeof run->reason - used, "; ");
+  va_start(arguments, format);
+  vsnprintf(run->reason + used, sizeof run->reason - used, format, arguments);
+  va_end(arguments);
+}
+
+void hk_judge(hk_run *run) {
+  hk_summary s;
+  hk_run_summary(run, &s);
+  *run->reason = 0;
+  bool explicit_fixed = !(run->method->flags & (HK_ADAPTIVE | HK_IMPLICIT));
+  if (explicit_fixed && !run->growth_expected && run->dt_max > run->dt_limit * (1 + 1e-9))
+    add_reason(run, "the step %g s is above the stable limit %g s", run->dt_max, run->dt_limit);
+  if (s.energy_drift > energy_growth_limit)
+    add_reason(run, "the energy grew by %.3g of the largest kinetic energy without a source", s.energy_drift);
+  if (run->worst_error > 1 + 1e-9) add_reason(run, "the error estimate was %.3g times the tolerance", run->worst_error);
+  if (run->violation_max > violation_limit) add_reason(run, "constraints were violated by %.3g m", run->violation_max);
+  run->verdict = *run->reason ? HK_INACCURATE : HK_VERDICT_OK;
+}
