@@ -88,9 +88,11 @@ struct hk_run {
 
   /* step.c, loop.c */
   const hk_integrator *method;
-  hk_spectrum *spectrum; /* NULL: not estimated */
-  double dt;             /* s, no step is longer; adaptive methods: what they would take next */
-  double dt_limit;       /* s, largest stable step; INFINITY: none, NAN: not known */
+  hk_spectrum spectrum;
+  double dt_suggested;  /* s, from the last estimate */
+  size_t estimate_cost; /* evaluations */
+  double dt;            /* s, no step is longer; adaptive methods: what they would take next */
+  double dt_limit;      /* s, largest stable step; INFINITY: none, NAN: not known */
   bool dt_chosen, growth_expected;
   double growth_rate;
   size_t estimated_at; /* evaluations when the limit was last estimated */
@@ -171,9 +173,9 @@ void hk_jacobian_close(hk_run *);
 hk_status hk_solver_get(hk_run *, hk_instance **solver);
 
 /* step.c */
+hk_status hk_step_estimate(hk_run *);           /* the spectrum and the limit, whatever the method */
 hk_status hk_step_choose(hk_run *);             /* dt from the scene, the options or the stable limit */
 hk_status hk_step_review(hk_run *, bool event); /* again when it could have shrunk */
-void hk_step_close(hk_run *);
 
 /* loop.c */
 hk_status hk_loop_to(hk_run *, double t);

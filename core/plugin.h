@@ -11,7 +11,8 @@
  * Every pointer handed to a plugin is owned by the host and valid during the call only, unless its comment says
  * longer. A function that can fail returns hk_status and makes its message where the cause is known:
  *     return host->fail(host, HK_BAD_PARAM, "rest: %g m is negative", rest);
- * A failed call changes nothing. Inside a step nobody allocates, prints or touches files (outputs excepted). */
+ * A failed call changes nothing, unless its comment says otherwise. Inside a step nobody allocates, prints or touches
+ * files (outputs excepted). */
 #ifndef HK_PLUGIN_H
 #define HK_PLUGIN_H
 
@@ -352,7 +353,8 @@ typedef struct hk_integrator {
    * on y' = -k y, a channel, it is amplification(0, h k) (which is never below 1: x'' = -g x' keeps a constant). */
   double (*amplification)(double hw, double hg);
   /* Advances s->X from s->t by one step, h or shorter, never beyond t_stop; fixed-step methods take h exactly.
-   * The host moves s->t. On failure s->X is as it was, or the status is HK_NOT_FINITE. */
+   * The host moves s->t. After HK_NOT_CONVERGED s->X is as it was, for the host may try a smaller step; after any other
+   * failure the run ends. */
   hk_status (*step)(void *self, hk_system *s, double t_stop, double h, hk_step *out);
   void (*reset)(void *self, hk_reason why); /* history and cached forces are void; NULL: keeps none */
 } hk_integrator;

@@ -193,7 +193,6 @@ void hk_run_destroy(hk_run *run) {
   hk_pins_close(run);
   hk_system_close(run);
   hk_folder_close(run);
-  hk_step_close(run);
   hk_state_close(run);
   hk_snapshot_free(&run->good);
   for (size_t k = 0; k < run->warnings; k++) free(run->warning[k]);

@@ -1,0 +1,15 @@
+/* How fast channels relax: see channel_rate.c. */
+#ifndef HK_CHANNEL_RATE_H
+#define HK_CHANNEL_RATE_H
+
+#include "core/plugin.h"
+
+typedef struct hk_channel_scratch {
+  double *x, *v, *a;             /* 3n each */
+  double *y, *dy[2], *direction; /* as many as y has numbers, each */
+} hk_channel_scratch;
+
+/* *rate: 1/s, the largest |k| of dy/dt = -k y; 0: none. *evaluations is counted up. */
+hk_status hk_channel_rate(hk_system *, const hk_channel_scratch *, double *rate, size_t *evaluations);
+
+#endif

@@ -1,0 +1,139 @@
+/* scene:run{}: scripts that drive. A run object steps on with another scene:run{ to = }; state() and summary() look at
+ * it. The run is closed when the script is. */
+#include "core/lua_internal.h"
+#include "core/report.h"
+
+static const char run_type[] = "hooke.run";
+
+static void set_number(lua_State *L, const char *key, double value) {
+  if (!isfinite(value)) return; /* not known: nil, as null in JSON */
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static void set_count(lua_State *L, const char *key, size_t value) {
+  lua_pushinteger(L, (lua_Integer)value);
+  lua_setfield(L, -2, key);
+}
+
+static void set_text(lua_State *L, const char *key, const char *value) {
+  lua_pushstring(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static void push_energy(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, 0, 4);
+  set_number(L, "first", s->energy_first);
+  set_number(L, "last", s->energy_last);
+  set_number(L, "work", s->energy_work);
+  set_number(L, "drift", s->energy_drift);
+  lua_setfield(L, -2, "energy");
+}
+
+static void push_lists(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, (int)s->plugins, 0);
+  for (size_t k = 0; k < s->plugins; k++) {
+    lua_createtable(L, 0, 4);
+    set_text(L, "kind", s->plugin[k].kind);
+    set_text(L, "name", s->plugin[k].name);
+    set_text(L, "label", s->plugin[k].label);
+    set_number(L, "seconds", s->plugin[k].seconds);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "plugins");
+  lua_createtable(L, 0, (int)s->measures);
+  for (size_t k = 0; k < s->measures; k++) set_number(L, s->measure_name[k], s->measure[k]);
+  lua_setfield(L, -2, "measures");
+}
+
+void hk_lua_push_summary(lua_State *L, hk_run *run) {
+  hk_summary s;
+  hk_run_summary(run, &s);
+  lua_createtable(L, 0, 24);
+  set_text(L, "scene", s.scene);
+  set_text(L, "integrator", s.integrator);
+  set_text(L, "verdict", hk_verdict_name(s.verdict));
+  set_text(L, "reason", s.reason);
+  set_number(L, "t", s.t);
+  set_count(L, "particles", s.n);
+  set_count(L, "steps", s.steps);
+  set_count(L, "frames", s.frames);
+  set_number(L, "dt_min", s.dt_min);
+  set_number(L, "dt_max", s.dt_max);
+  set_number(L, "dt_limit", s.dt_limit);
+  set_count(L, "force_evaluations", s.force_evaluations);
+  set_count(L, "jacobian_evaluations", s.jacobian_evaluations);
+  set_count(L, "factorizations", s.factorizations);
+  set_count(L, "linear_iterations", s.linear_iterations);
+  set_number(L, "wall_s", s.wall_s);
+  set_number(L, "step_wall_s", s.step_wall_s);
+  set_number(L, "momentum_drift", s.momentum_drift);
+  set_number(L, "constraint_violation", s.constraint_violation);
+  set_number(L, "max_strain", s.max_strain);
+  set_number(L, "exact_error", s.exact_error);
+  push_energy(L, &s);
+  push_lists(L, &s);
+}
+
+static hk_run *run_of(lua_State *L) {
+  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, run_type);
+  if (!scene->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
+  return scene->run;
+}
+
+static int state(lua_State *L) {
+  run_of(L);
+  hk_lua_push_state(L, *(hk_scene **)lua_touserdata(L, 1));
+  return 1;
+}
+
+static int summary(lua_State *L) {
+  hk_lua_push_summary(L, run_of(L));
+  return 1;
+}
+
+static int save(lua_State *L) {
+  hk_run *run = run_of(L);
+  hk_error error = {0};
+  if (!hk_lua_script(L)->options.trust)
+    return hk_lua_fail(L, HK_SCRIPT, "run:save writes a file: run with --trust to allow it");
+  if (hk_run_save(run, luaL_checkstring(L, 2), &error) != HK_OK) return hk_lua_raise(L, &error);
+  return 0;
+}
+
+static void note_verdict(hk_script *s, hk_run *run) {
+  hk_summary now;
+  hk_run_summary(run, &now);
+  if (now.verdict == HK_DIVERGED || now.verdict == HK_STOPPED) s->worst = now.verdict;
+}
+
+int hk_lua_scene_run(lua_State *L) {
+  static const char *const keys[] = {"to", NULL};
+  hk_script *s = hk_lua_script(L);
+  hk_scene *scene = hk_lua_scene(L, 1);
+  hk_error error = {0};
+  if (lua_istable(L, 2)) hk_lua_check_keys(L, 2, "run", keys);
+  if (!scene->run) {
+    hk_run *run;
+    if (hk_run_open(scene, &s->run_options, &run, &error) != HK_OK) return hk_lua_raise(L, &error);
+  }
+  double to =
+      lua_istable(L, 2) ? hk_lua_field_number(L, 2, "run", "to", hk_run_end(scene->run)) : hk_run_end(scene->run);
+  s->drove = true;
+  hk_status status = hk_run_advance(scene->run, to, &error);
+  note_verdict(s, scene->run);
+  if (status != HK_OK) return hk_lua_raise(L, &error);
+  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 0);
+  *holder = scene;
+  luaL_setmetatable(L, run_type);
+  return 1;
+}
+
+void hk_lua_open_run(lua_State *L) {
+  static const luaL_Reg methods[] = {{"state", state}, {"summary", summary}, {"save", save}, {NULL, NULL}};
+  luaL_newmetatable(L, run_type);
+  lua_newtable(L);
+  luaL_setfuncs(L, methods, 0);
+  lua_setfield(L, -2, "__index");
+  lua_pop(L, 1);
+}

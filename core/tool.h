@@ -1,0 +1,12 @@
+/* `hooke NAME`: runs tools/NAME.lua with full rights. */
+#ifndef HK_TOOL_H
+#define HK_TOOL_H
+
+#include "core/script.h"
+
+/* The script gets its arguments in `arg` and ends with the number it returns (nothing: 0). Beside what scenes have,
+ * `hooke` has catalogue(), load(), nearest() and paths; `require` finds modules beside the tool and in scripts/lib. */
+hk_status hk_tool_run(const char *path, int argc, char **argv, const hk_script_options *options, int *exit_code,
+                      hk_error *error);
+
+#endif

@@ -1,0 +1,20 @@
+/* What pictures are drawn on: a multisampled frame buffer, and the way from there to bytes. Needs a current context. */
+#ifndef HK_CANVAS_H
+#define HK_CANVAS_H
+
+#include <stdbool.h>
+
+typedef struct hk_canvas {
+  int width, height;
+  unsigned drawn, resolved;  /* frame buffers: many samples a pixel, one sample a pixel */
+  unsigned colour, depth, flat; /* their render buffers */
+} hk_canvas;
+
+/* False when the driver has no room for that size; the canvas can then only be closed. */
+bool hk_canvas_open(hk_canvas *, int width, int height);
+void hk_canvas_close(hk_canvas *);
+void hk_canvas_use(const hk_canvas *); /* drawing goes to it from here on */
+/* width x height x 4 bytes (red, green, blue, 255), the bottom row first. */
+void hk_canvas_read(const hk_canvas *, unsigned char *rgba);
+
+#endif

@@ -1,0 +1,30 @@
+/* Shots waiting in an unlinked file for what must be known of the whole motion: the camera, the range of colours. The
+ * file vanishes with its descriptor, however the program ends. */
+#ifndef HK_SPOOL_H
+#define HK_SPOOL_H
+
+#include "plugins/common/shot.h"
+
+typedef struct hk_spool_entry {
+  int64_t at, topology_at; /* bytes into the file */
+  size_t n, triangles, lines;
+  float low[3], high[3], reach; /* as in hk_shot */
+} hk_spool_entry;
+
+typedef struct hk_spool {
+  const hk_host *host;
+  int file;
+  int64_t end;
+  size_t count, room;
+  hk_spool_entry *entry;
+  uint64_t topology; /* of the last shot written */
+} hk_spool;
+
+/* `name`: of the file while it has one, inside the run's output folder, ending in XXXXXX. */
+hk_status hk_spool_open(hk_spool *, const hk_host *host, const char *name);
+hk_status hk_spool_add(hk_spool *, const hk_shot *shot);
+/* Reads shot k; what joins the particles only when `shot` does not hold it already. */
+hk_status hk_spool_read(const hk_spool *, size_t k, hk_shot *shot);
+void hk_spool_close(hk_spool *); /* also of a zeroed one */
+
+#endif

@@ -1,0 +1,51 @@
+/* Forces of damped springs, many at a time. With d = x_j - x_i, l = |d|, u = v_j - v_i, each spring has the scale
+ *     s = k (1 - L/l) + c (u.d)/l^2,      i gets the force s d and j gets -s d.
+ * At l = 0 both are zero; a spring with L = 0 is smooth there.
+ *
+ * The layout is made once per topology. Particles are cut into ranges by index; a group holds the springs between two
+ * ranges, and the rounds of a round-robin tournament pair the ranges so that no two groups of a round share one: the
+ * groups of a round can run on several threads without meeting. The number of ranges depends on the number of springs
+ * alone and sums are taken in a fixed order, so results do not depend on the threads. Inside a group, runs of springs
+ * (i+t, j+t) are found, whose particles are read and written as contiguous vectors; the others are sorted by blocks of
+ * particles, so that shuffled ids still find their data in the cache. */
+#ifndef HK_SPRING_KERNEL_H
+#define HK_SPRING_KERNEL_H
+
+#include "core/plugin.h"
+
+typedef enum hk_spring_kind {
+  HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ... */
+  HK_SPRING_LIST,  /* any pairs without the last particle (vector loads reach one number beyond a particle) */
+  HK_SPRING_SINGLE /* any pairs, one at a time */
+} hk_spring_kind;
+
+typedef struct hk_spring_run {
+  hk_spring_kind kind;
+  size_t begin, count; /* springs of the layout */
+} hk_spring_run;
+
+typedef struct hk_spring_layout {
+  size_t count;
+  uint32_t (*pair)[2];         /* count, in the layout's order */
+  double *k, *c, *L;           /* common: one number; else count, in the layout's order */
+  bool each_k, each_c, each_L; /* one per spring */
+  bool damped;                 /* some c > 0 */
+  size_t runs, groups, rounds;
+  hk_spring_run *run;
+  size_t *group;       /* groups + 1: runs of a group */
+  size_t *round;       /* rounds + 1: groups of a round */
+  double *group_power; /* groups, W */
+} hk_spring_layout;
+
+/* From edges and coefficients (common or one per edge), in the host's memory. Springs with an end where `is_active` is
+ * false are left out (NULL: all active). After HK_NO_MEMORY the layout can only be freed. */
+hk_status hk_spring_layout_build(hk_spring_layout *, const hk_host *host, size_t n, const hk_edges *edges,
+                                 const hk_per_edge *k, const hk_per_edge *c, const hk_per_edge *L,
+                                 const bool *is_active);
+void hk_spring_layout_free(hk_spring_layout *, const hk_host *host);
+
+/* F += the forces; *power += the power of the damping, -sum c (u.d)^2/l^2, when `power` is not NULL. */
+void hk_spring_forces(const hk_spring_layout *, const hk_host *host, const double *x, const double *v, double *F,
+                      double *power);
+
+#endif

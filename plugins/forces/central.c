@@ -1,0 +1,157 @@
+/* A pull towards (or push away from) a point or a line, with any power of the distance, softened.
+ *
+ * With r the vector from the centre (or from the nearest point of the line), s = sqrt(r^2 + softening^2):
+ *     F = -strength w s^(power - 1) r,     w = m (per = "mass") or 1 (per = "particle")
+ *     energy = strength w s^(power + 1) / (power + 1), or strength w ln s for power = -1
+ * power 1 is a harmonic pull, -2 Kepler's with strength GM (softening as Plummer's). At r = 0 the force is zero; for
+ * powers below 0 that is a convention, where the formula has no limit. */
+#include "core/plugin.h"
+
+typedef struct central {
+  double center[3], axis[3], strength, power, softening;
+  int per;
+} central;
+
+static const hk_param params[] = {
+    {"center",
+     "m",
+     "the point, or a point of the line",
+     HK_VECTOR,
+     {0, 0, 0},
+     0,
+     0,
+     offsetof(central, center),
+     HK_TIMED,
+     NULL},
+    {"axis",
+     "",
+     "direction of the line; left out: a point",
+     HK_VECTOR,
+     {0, 0, 0},
+     0,
+     0,
+     offsetof(central, axis),
+     0,
+     NULL},
+    {"strength",
+     "m^(1-p)/s^2",
+     "acceleration at distance 1 (per mass) or force (per particle); positive attracts",
+     HK_NUMBER,
+     {0},
+     0,
+     0,
+     offsetof(central, strength),
+     HK_TIMED | HK_REQUIRED,
+     NULL},
+    {"power", "", "power p of the distance", HK_NUMBER, {1}, -20, 20, offsetof(central, power), 0, NULL},
+    {"softening",
+     "m",
+     "added to the distance in quadrature",
+     HK_NUMBER,
+     {0},
+     0,
+     INFINITY,
+     offsetof(central, softening),
+     0,
+     NULL},
+    {"per",
+     "",
+     "whether strength is per mass or per particle",
+     HK_CHOICE,
+     {0},
+     0,
+     0,
+     offsetof(central, per),
+     0,
+     "mass|particle"},
+    {0},
+};
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  (void)host, (void)view;
+  double *a = ((central *)self)->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  for (int c = 0; c < 3 && length > 0; c++) a[c] /= length;
+  return HK_OK;
+}
+
+/* The vector r and s^2 of one particle. */
+static double offset(const central *p, const double *x, double r[3]) {
+  double along = 0;
+  for (int c = 0; c < 3; c++) r[c] = x[c] - p->center[c];
+  for (int c = 0; c < 3; c++) along += p->axis[c] * r[c];
+  for (int c = 0; c < 3; c++) r[c] -= along * p->axis[c];
+  return r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + p->softening * p->softening;
+}
+
+static double weight(const central *p, const hk_view *view, size_t i) {
+  return p->strength * (p->per == 0 ? view->model->mass[i] : 1);
+}
+
+/* s^(power - 1) from s^2; the common powers without pow. */
+static double scale(const central *p, double s2) {
+  if (p->power == 1) return 1;
+  if (s2 == 0) return 0;
+  if (p->power == -2) return 1 / (s2 * sqrt(s2));
+  return pow(s2, (p->power - 1) / 2);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const central *p = self;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    double r[3], s2 = offset(p, view->x + 3 * i, r), f = weight(p, view, i) * scale(p, s2);
+    for (int c = 0; c < 3; c++) F[3 * i + c] -= f * r[c];
+  }
+  return HK_OK;
+}
+
+static double energy(void *self, const hk_view *view) {
+  const central *p = self;
+  double sum = 0;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    double r[3], s2 = offset(p, view->x + 3 * i, r);
+    if (s2 == 0 && p->power <= -1) continue; /* no force there, so no energy is stored either */
+    sum += weight(p, view, i) * (p->power == -1 ? log(s2) / 2 : pow(s2, (p->power + 1) / 2) / (p->power + 1));
+  }
+  return sum;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
+  (void)self;
+  for (size_t k = 0; k < view->acting; k++) {
+    uint32_t i = view->active ? view->active[k] : (uint32_t)k;
+    pattern->block(pattern, i, i);
+  }
+}
+
+/* -dF/dx = w (s^(p-1) (I - a a^T) + (p-1) s^(p-3) r r^T). */
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const central *p = self;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    double r[3], s2 = offset(p, view->x + 3 * i, r), w = weight(p, view, i), s = scale(p, s2);
+    double *K = into->K + 9 * into->slot[k], second = s2 > 0 ? (p->power - 1) * s / s2 : 0;
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++) K[3 * a + b] += w * (s * ((a == b) - p->axis[a] * p->axis[b]) + second * r[a] * r[b]);
+  }
+  return HK_OK;
+}
+
+static const hk_force force = {.flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
+                               .add = add,
+                               .energy = energy,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "central",
+    .summary = "pull to a point or a line, F = -strength w s^(power-1) r, s^2 = r^2 + softening^2",
+    .reference = "softening: Plummer 1911; power -2: Kepler",
+    .instance_size = sizeof(central),
+    .params = params,
+    .create = create,
+    .force = &force,
+};

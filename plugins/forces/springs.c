@@ -1,0 +1,167 @@
+/* Hooke's springs, damped along the spring: the force on j is -(k (l - L) + c (u.d)/l) d/l, with d = x_j - x_i, l = |d|
+ * and u = v_j - v_i; i gets the opposite. Two particles at one point have no direction and get no force from their
+ * spring; with L = 0 that is also the limit. Energy 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
+#include "plugins/common/spring_kernel.h"
+
+typedef struct springs {
+  hk_edges edges;
+  hk_per_edge k, damping, rest;
+  hk_spring_layout layout;
+  const hk_host *host;
+} springs;
+
+static const hk_param params[] = {
+    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(springs, edges), HK_REQUIRED, NULL},
+    {"k", "N/m", "stiffness", HK_PER_EDGE, {0}, 0, INFINITY, offsetof(springs, k), HK_REQUIRED, NULL},
+    {"damping",
+     "N s/m",
+     "damping along the spring",
+     HK_PER_EDGE,
+     {0},
+     0,
+     INFINITY,
+     offsetof(springs, damping),
+     0,
+     NULL},
+    {"rest",
+     "m",
+     "rest length; left out: the initial length",
+     HK_PER_EDGE,
+     {0},
+     0,
+     INFINITY,
+     offsetof(springs, rest),
+     HK_OPTIONAL,
+     NULL},
+    {0},
+};
+
+static double difference(const double *x, const uint32_t pair[2], double d[3]) {
+  for (int c = 0; c < 3; c++) d[c] = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
+  return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static hk_status lengths_at_start(springs *s, const hk_host *host, const hk_view *view) {
+  double d[3], *rest = host->allocate(host, (s->edges.count + 1) * sizeof *rest);
+  if (!rest) return host->fail(host, HK_NO_MEMORY, "no memory for the rest lengths");
+  for (size_t e = 0; e < s->edges.count; e++) rest[e] = difference(view->x, s->edges.pair[e], d);
+  s->rest = (hk_per_edge){s->edges.count, rest};
+  return HK_OK;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  springs *s = self;
+  hk_spring_layout_free(&s->layout, s->host);
+  return hk_spring_layout_build(&s->layout, s->host, view->n, &s->edges, &s->k, &s->damping, &s->rest, view->is_active);
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  springs *s = self;
+  s->host = host;
+  hk_status status = s->rest.count == 0 ? lengths_at_start(s, host, view) : HK_OK;
+  return status == HK_OK ? topology(self, view) : status;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const springs *s = self;
+  hk_spring_forces(&s->layout, view->host, view->x, view->v, F, view->power);
+  return HK_OK;
+}
+
+static bool acts(const hk_view *view, const uint32_t pair[2]) {
+  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
+}
+
+static double energy(void *self, const hk_view *view) {
+  const springs *s = self;
+  double sum = 0, d[3];
+  for (size_t e = 0; e < s->edges.count; e++) {
+    if (!acts(view, s->edges.pair[e])) continue;
+    double stretch = difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
+    sum += hk_edge_value(&s->k, e) * stretch * stretch / 2;
+  }
+  return sum;
+}
+
+static void elements(void *self, hk_elements *out) {
+  const springs *s = self;
+  *out = (hk_elements){s->edges.count, s->edges.pair, s->k, s->damping, s->rest};
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  const springs *s = self;
+  for (size_t e = 0; e < s->edges.count; e++) {
+    uint32_t i = s->edges.pair[e][0], j = s->edges.pair[e][1];
+    if (!acts(view, s->edges.pair[e])) continue;
+    p->block(p, i, i);
+    p->block(p, i, j);
+    p->block(p, j, i);
+    p->block(p, j, j);
+  }
+}
+
+/* With n = d/l the force on j is f = -(k (l - L) + c u.n) n, so
+ *   -df/dx = k n n^T + k (1 - L/l) (I - n n^T) + (c/l) (n (u - (u.n) n)^T + (u.n) (I - n n^T)),   -df/dv = c n n^T,
+ * for x = x_j - x_i. The damping makes dF/dx unsymmetric. At l = 0: k I when L = 0, else nothing. */
+static void spring_blocks(double k, double c, double L, const double d[3], const double u[3], double l, double Kx[9],
+                          double Kv[9]) {
+  double n[3] = {0}, un = 0, tension = L == 0 ? k : 0;
+  for (int a = 0; a < 3 && l > 0; a++) n[a] = d[a] / l;
+  for (int a = 0; a < 3; a++) un += u[a] * n[a];
+  if (l > 0) tension = k * (1 - L / l);
+  double lateral = l > 0 ? c / l : 0;
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) {
+      double nn = n[a] * n[b], across = (a == b) - nn;
+      Kx[3 * a + b] = (l > 0 ? k * nn : 0) + tension * across + lateral * (n[a] * (u[b] - un * n[b]) + un * across);
+      Kv[3 * a + b] = c * nn;
+    }
+}
+
+static void add_blocks(double *into, const size_t slot[4], const double block[9]) {
+  for (int q = 0; q < 9; q++) {
+    into[9 * slot[0] + q] += block[q];
+    into[9 * slot[1] + q] -= block[q];
+    into[9 * slot[2] + q] -= block[q];
+    into[9 * slot[3] + q] += block[q];
+  }
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const springs *s = self;
+  const size_t *slot = into->slot;
+  for (size_t e = 0; e < s->edges.count; e++) {
+    const uint32_t *pair = s->edges.pair[e];
+    double d[3], u[3], Kx[9], Kv[9];
+    if (!acts(view, pair)) continue;
+    double l = difference(view->x, pair, d);
+    difference(view->v, pair, u);
+    spring_blocks(hk_edge_value(&s->k, e), hk_edge_value(&s->damping, e), hk_edge_value(&s->rest, e), d, u, l, Kx, Kv);
+    add_blocks(into->K, slot, Kx);
+    add_blocks(into->D, slot, Kv);
+    slot += 4;
+  }
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER,
+    .add = add,
+    .energy = energy,
+    .elements = elements,
+    .pattern = pattern,
+    .jacobian = jacobian,
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "springs",
+    .summary = "Hooke's springs damped along their direction, f = -(k (l - L) + c u.d/l) d/l",
+    .reference = "Hooke 1678; damping along the spring as in Baraff and Witkin 1998, section 4.5",
+    .instance_size = sizeof(springs),
+    .params = params,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};

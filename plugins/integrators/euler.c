@@ -1,0 +1,36 @@
+/* Explicit Euler. On an undamped oscillator every step grows by sqrt(1 + h^2 w^2). */
+#include "plugins/common/runge_kutta.h"
+
+static const hk_tableau tableau = {.stages = 1, .b = {1}};
+
+typedef struct euler {
+  double *k; /* stages and one more, shaped as X */
+} euler;
+
+static const hk_field fields[] = {
+    {"stages", HK_FIELD_STATE, 1 + 1, offsetof(euler, k), HK_SCRATCH},
+    {0},
+};
+
+static double amplification(double hw, double hg) { return hk_rk_amplification(&tableau, hw, hg); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  const euler *m = self;
+  (void)t_stop, (void)out;
+  hk_status status = hk_rk_stages(&tableau, s, h, m->k, 0);
+  if (status == HK_OK) hk_rk_advance(&tableau, s, h, m->k, s->X);
+  return status;
+}
+
+static const hk_integrator integrator = {.order = 1, .stages = 1, .amplification = amplification, .step = step};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "euler",
+    .summary = "explicit Euler, X + h f(X); order 1, unstable without damping",
+    .reference = "Euler 1768",
+    .instance_size = sizeof(euler),
+    .fields = fields,
+    .integrator = &integrator,
+};

@@ -1,0 +1,36 @@
+/* The explicit midpoint rule. No stable step on undamped oscillators: growth 1 + (h w)^4/8. */
+#include "plugins/common/runge_kutta.h"
+
+static const hk_tableau tableau = {.stages = 2, .c = {0, 0.5}, .a = {{0}, {0.5}}, .b = {0, 1}};
+
+typedef struct midpoint {
+  double *k; /* stages and one more, shaped as X */
+} midpoint;
+
+static const hk_field fields[] = {
+    {"stages", HK_FIELD_STATE, 2 + 1, offsetof(midpoint, k), HK_SCRATCH},
+    {0},
+};
+
+static double amplification(double hw, double hg) { return hk_rk_amplification(&tableau, hw, hg); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  const midpoint *m = self;
+  (void)t_stop, (void)out;
+  hk_status status = hk_rk_stages(&tableau, s, h, m->k, 0);
+  if (status == HK_OK) hk_rk_advance(&tableau, s, h, m->k, s->X);
+  return status;
+}
+
+static const hk_integrator integrator = {.order = 2, .stages = 2, .amplification = amplification, .step = step};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "midpoint",
+    .summary = "explicit midpoint rule, X + h f(X + h/2 f(X)); order 2",
+    .reference = "Runge 1895",
+    .instance_size = sizeof(midpoint),
+    .fields = fields,
+    .integrator = &integrator,
+};

@@ -1,0 +1,39 @@
+/* The classical Runge-Kutta method. Stable to h w = 2 sqrt 2 on oscillators, h k = 2.785 on decay. */
+#include "plugins/common/runge_kutta.h"
+
+static const hk_tableau tableau = {.stages = 4,
+                                   .c = {0, 0.5, 0.5, 1},
+                                   .a = {{0}, {0.5}, {0, 0.5}, {0, 0, 1}},
+                                   .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}};
+
+typedef struct rk4 {
+  double *k; /* stages and one more, shaped as X */
+} rk4;
+
+static const hk_field fields[] = {
+    {"stages", HK_FIELD_STATE, 4 + 1, offsetof(rk4, k), HK_SCRATCH},
+    {0},
+};
+
+static double amplification(double hw, double hg) { return hk_rk_amplification(&tableau, hw, hg); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  const rk4 *m = self;
+  (void)t_stop, (void)out;
+  hk_status status = hk_rk_stages(&tableau, s, h, m->k, 0);
+  if (status == HK_OK) hk_rk_advance(&tableau, s, h, m->k, s->X);
+  return status;
+}
+
+static const hk_integrator integrator = {.order = 4, .stages = 4, .amplification = amplification, .step = step};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "rk4",
+    .summary = "the classical Runge-Kutta method of order 4",
+    .reference = "Kutta 1901",
+    .instance_size = sizeof(rk4),
+    .fields = fields,
+    .integrator = &integrator,
+};

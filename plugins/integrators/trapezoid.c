@@ -1,0 +1,36 @@
+/* Heun's method, the explicit trapezoidal rule. No stable step on undamped oscillators: growth 1 + (h w)^4/8. */
+#include "plugins/common/runge_kutta.h"
+
+static const hk_tableau tableau = {.stages = 2, .c = {0, 1}, .a = {{0}, {1}}, .b = {0.5, 0.5}};
+
+typedef struct trapezoid {
+  double *k; /* stages and one more, shaped as X */
+} trapezoid;
+
+static const hk_field fields[] = {
+    {"stages", HK_FIELD_STATE, 2 + 1, offsetof(trapezoid, k), HK_SCRATCH},
+    {0},
+};
+
+static double amplification(double hw, double hg) { return hk_rk_amplification(&tableau, hw, hg); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  const trapezoid *m = self;
+  (void)t_stop, (void)out;
+  hk_status status = hk_rk_stages(&tableau, s, h, m->k, 0);
+  if (status == HK_OK) hk_rk_advance(&tableau, s, h, m->k, s->X);
+  return status;
+}
+
+static const hk_integrator integrator = {.order = 2, .stages = 2, .amplification = amplification, .step = step};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "trapezoid",
+    .summary = "Heun's explicit trapezoidal rule, X + h/2 (f(X) + f(X + h f(X))); order 2",
+    .reference = "Heun 1900",
+    .instance_size = sizeof(trapezoid),
+    .fields = fields,
+    .integrator = &integrator,
+};

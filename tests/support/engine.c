@@ -1,0 +1,84 @@
+#include "tests/support/engine.h"
+
+#include <limits.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void must(test_engine *e, hk_status status) {
+  if (status != HK_OK) fail_msg("%s", e->error.text);
+}
+
+void test_engine_open(test_engine *e) {
+  *e = (test_engine){.options = {.dt = NAN, .tol = NAN, .until = NAN, .no_output = true, .progress = -1}};
+  must(e, hk_registry_open(&e->registry, HK_BUILD "/plugins", NULL, &e->error));
+  e->registry.allow_script_folder = true;
+  e->scene = hk_scene_create("test.lua", &e->registry);
+  assert_non_null(e->scene);
+  e->scene->threads = 1;
+}
+
+void test_engine_close(test_engine *e) {
+  if (e->run) hk_run_close(e->run, NULL);
+  hk_run_destroy(e->run);
+  hk_scene_destroy(e->scene);
+  hk_registry_close(&e->registry);
+}
+
+uint32_t test_particle(test_engine *e, double x, double y, double z, double mass) {
+  uint32_t id = 0;
+  must(e, hk_scene_add_particles(e->scene, 1, (double[]){x, y, z}, NULL, NULL, mass, 0, &id, &e->error));
+  return id;
+}
+
+hk_instance *test_plugin(test_engine *e, hk_kind kind, const char *name) {
+  hk_instance *instance = NULL;
+  char path[PATH_MAX];
+  if (strncmp(name, "fixture:", 8) == 0) {
+    snprintf(path, sizeof path, HK_BUILD "/tests/fixtures/%s.so", name + 8);
+    name = path;
+  }
+  must(e, hk_scene_add_plugin(e->scene, kind, name, NULL, "", &instance, &e->error));
+  return instance;
+}
+
+static void set(test_engine *e, hk_instance *instance, const char *name, const hk_value *value) {
+  const hk_param *param = hk_instance_param(instance, name, &e->error);
+  if (!param) fail_msg("%s", e->error.text);
+  must(e, hk_instance_set(instance, param, value, e->scene->n, &e->error));
+}
+
+void test_number(test_engine *e, hk_instance *instance, const char *name, double value) {
+  set(e, instance, name, &(hk_value){.kind = HK_VALUE_NUMBER, .number = value});
+}
+
+void test_vector(test_engine *e, hk_instance *instance, const char *name, double x, double y, double z) {
+  set(e, instance, name, &(hk_value){.kind = HK_VALUE_LIST, .count = 3, .list = (double[]){x, y, z}});
+}
+
+void test_edges(test_engine *e, hk_instance *instance, const uint32_t (*edge)[2], size_t count) {
+  set(e, instance, "edges", &(hk_value){.kind = HK_VALUE_EDGES, .count = count, .edges = edge});
+}
+
+void test_pin(test_engine *e, hk_pin kind, uint32_t id, const double axis[3]) {
+  hk_pin_spec spec = {.kind = kind, .count = 1, .id = &id, .release = INFINITY};
+  if (axis) memcpy(spec.axis, axis, sizeof spec.axis);
+  must(e, hk_scene_add_pin(e->scene, &spec, &e->error));
+}
+
+void test_run(test_engine *e) { must(e, hk_run_open(e->scene, &e->options, &e->run, &e->error)); }
+
+void test_advance(test_engine *e, double t) { must(e, hk_run_advance(e->run, t, &e->error)); }
+
+const double *test_position(test_engine *e, uint32_t id) {
+  uint32_t index;
+  return hk_run_index(e->run, id, &index) ? hk_run_view(e->run)->x + 3 * index : NULL;
+}
+
+const double *test_velocity(test_engine *e, uint32_t id) {
+  uint32_t index;
+  return hk_run_index(e->run, id, &index) ? hk_run_view(e->run)->v + 3 * index : NULL;
+}

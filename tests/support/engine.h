@@ -1,0 +1,33 @@
+/* For tests that drive the engine through its C interface, without Lua. */
+#ifndef HK_TEST_ENGINE_H
+#define HK_TEST_ENGINE_H
+
+#include "core/run.h"
+#include "core/scene.h"
+
+typedef struct test_engine {
+  hk_registry registry;
+  hk_scene *scene;
+  hk_run *run;
+  hk_run_options options;
+  hk_error error;
+} test_engine;
+
+/* A registry of the built plugins and an empty scene. Fails the test when that cannot be had. */
+void test_engine_open(test_engine *);
+void test_engine_close(test_engine *);
+/* Adds one particle; returns its id. */
+uint32_t test_particle(test_engine *, double x, double y, double z, double mass);
+/* Adds a plugin by name, or a fixture by "fixture:NAME"; parameters are set with the functions below. */
+hk_instance *test_plugin(test_engine *, hk_kind kind, const char *name);
+void test_number(test_engine *, hk_instance *, const char *name, double value);
+void test_vector(test_engine *, hk_instance *, const char *name, double x, double y, double z);
+void test_edges(test_engine *, hk_instance *, const uint32_t (*edge)[2], size_t count);
+void test_pin(test_engine *, hk_pin kind, uint32_t id, const double axis[3]);
+/* Opens the run with the options; advances it. Both fail the test on an error. */
+void test_run(test_engine *);
+void test_advance(test_engine *, double t);
+const double *test_position(test_engine *, uint32_t id); /* NULL: no such particle */
+const double *test_velocity(test_engine *, uint32_t id);
+
+#endif
