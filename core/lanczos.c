@@ -68,7 +68,8 @@ static double root(const tridiagonal *t, double level) {
     low = fmax(low, t->a[j]);
     size = fmax(size, fabs(t->a[j]) + t->b[j]);
   }
-  double high = low, step = size > 0 ? size : 1e-300;
+  if (size == 0) return 0;
+  double high = low, step = size;
   while (!above(t, high, level)) {
     high = low + step;
     step *= 2;
@@ -112,7 +113,7 @@ static bool judge(hk_lanczos *l, const tridiagonal *t, double known, double shar
   bool complete = (size_t)t->k >= l->size || last <= breakdown * l->norm;
   l->theta = root(t, 0);
   l->bound = fmin(fmin(l->bound, known), complete ? l->theta : root(t, 1 / d));
-  return complete || l->bound <= settled * l->theta;
+  return complete || l->bound <= settled * l->theta + l->slack;
 }
 
 typedef struct collector {

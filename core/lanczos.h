@@ -17,6 +17,8 @@ typedef struct hk_lanczos {
   double *image;    /* size, scratch */
   double *ritz;     /* size; when `warm`: about the eigenvector, length 1 */
   bool warm;
+  double slack;          /* how much bound may exceed 1.12 theta at the end of a run */
+  double margin, before; /* the caller's: bound over theta when the bound was last sound; the last `known` */
 
   double theta;     /* the largest eigenvalue is at least this */
   double bound;     /* ... and at most this; never above `known` */
@@ -28,7 +30,7 @@ typedef struct hk_lanczos {
 /* Fills `vector` with a fixed pseudo-random direction, close to normal deviates. */
 void hk_lanczos_random(double *vector, size_t size);
 
-/* At most `steps` applications of A, ended when bound <= 1.12 theta. `known` is an upper bound from elsewhere,
+/* At most `steps` applications of A, ended when bound <= 1.12 theta + slack. `known` is an upper bound from elsewhere,
  * INFINITY: none. `share` in (0, 1]: the length of the random part of the start vector over its whole length. */
 hk_status hk_lanczos_run(hk_lanczos *, hk_lanczos_apply *apply, void *context, double known, double share, int steps);
 

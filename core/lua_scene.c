@@ -26,7 +26,7 @@ static hk_instance *add(lua_State *L, hk_scene *scene, hk_kind kind, const char 
   hk_error error = {0};
   hk_instance *instance;
   const char *label = NULL;
-  if (lua_istable(L, params) && lua_getfield(L, params, "label") != LUA_TNIL) {
+  if (params && lua_istable(L, params) && lua_getfield(L, params, "label") != LUA_TNIL) {
     label = lua_tostring(L, -1);
     if (!label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text", name);
   }

@@ -161,7 +161,7 @@ static bool common_option(lua_State *L, const hk_scene *scene, hk_instance *inst
 
 void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table) {
   hk_error error = {0};
-  if (lua_isnoneornil(L, table))
+  if (table == 0 || lua_isnoneornil(L, table))
     table = 0;
   else if (!lua_istable(L, table))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are a table, { k = 1000 }", instance->label);

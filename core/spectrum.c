@@ -1,267 +1,288 @@
-/* Bounds on the spectrum, without a matrix.
+/* Frequencies, damping rates and channel rates of the scene linearised at its present state, bounded from above.
  *
- * The operators K^ = M^-1/2 K M^-1/2 and D^ = M^-1/2 D M^-1/2 are applied by central differences of the accelerations.
- * Lanczos' three-term recurrence, from a fixed pseudo-random start, gives the largest Ritz value theta and the norm r
- * of its residual; as in Zhou and Li 2011 ("Bounding the spectrum of large Hermitian matrices") the bound is theta + r,
- * which iteration draws together, and not theta, which lies below (power iteration alone would make the step too
- * large). Where elements cover the forces, Gershgorin's rows over them bound it from above at any shape of the scene:
- * the smaller of the two is taken. Least damping: alpha from how a rigid motion is damped, beta as the least c/k. */
+ * The operators M^-1/2 K M^-1/2 and M^-1/2 D M^-1/2 (K = -dF/dx, D = -dF/dv) are applied by central differences of the
+ * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by the elements of
+ * the forces (element_bound.c); the smaller bound is taken. A mode u of the damped scene is a root of
+ * l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, whatever the damping, so bounds of the two operators
+ * bound every mode, and so does D >= alpha M + beta (K - tension) from below.
+ *
+ * K is taken at v = 0: what terms like damping times velocity add to it is small while no particle moves by its
+ * neighbour's distance in a step, and unsymmetric. alpha is the least damping rate of the particles when all move
+ * alike: springs between them then rest, and pins only add. This is exact for drag, an estimate for forces at large. */
 #include "core/spectrum.h"
+#include "core/channel_rate.h"
+#include "core/element_bound.h"
+#include "core/lanczos.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { ITERATIONS = 48 };
-static const double settled = 0.01; /* residual relative to theta: then the bound is within a percent */
+/* The differences are good to 1e-9 or so. Rounding of an acceleration: `ulps` in the last place. */
+static const double inflate = 1 + 1e-8, rounding = 2.2e-16, ulps = 64, warm_share = 0.6;
+/* Of w_max: a change of g that small changes the step, where w sets it, by about that part. */
+static const double damping_slack = 0.03;
 
-typedef struct probe {
-  hk_system *s;
-  hk_error *error;
-  size_t count;                          /* 3n */
-  double *x, *v, *y;                     /* the state, and room to move it */
-  double *forward, *backward, *dy, *dy2; /* accelerations */
-  double *q, *before, *next;             /* Lanczos vectors */
-  double *root;                          /* sqrt of the inverse mass, per component */
-  double step;                           /* m or m/s, largest displacement of a difference */
-  bool velocity;                         /* probe D instead of K */
-} probe;
+struct hk_spectrum_work {
+  size_t n, tail; /* tail: numbers of y */
+  double *memory; /* all the arrays */
+  double *x, *v, *a[2], *y, *dy[2], *direction;
+  hk_lanczos stiffness, damping;
+  bool covered;           /* as asked */
+  double length, spacing; /* m, see measure_scene; 0: not yet */
+  hk_spectrum bounds;
+};
 
-static void free_probe(probe *p) {
-  free(p->x);
-  free(p->forward);
-}
+typedef struct operation {
+  hk_spectrum_work *work;
+  hk_system *system;
+  bool velocity; /* D, not K */
+  double step;   /* m or m/s: the largest change of a component */
+} operation;
 
-static hk_status open_probe(probe *p) {
-  size_t n3 = p->count, size = p->s->size;
-  p->x = malloc((2 * size) * sizeof *p->x);
-  p->forward = calloc(6 * n3 + 2 * (size - 2 * n3) + 1, sizeof *p->forward);
-  if (!p->x || !p->forward) return hk_error_set(p->error, HK_NO_MEMORY, "no memory to estimate the stable step");
-  memcpy(p->x, p->s->X, size * sizeof *p->x);
-  p->v = p->x + n3;
-  p->y = p->x + 2 * n3;
-  p->backward = p->forward + n3;
-  p->q = p->backward + n3;
-  p->before = p->q + n3;
-  p->next = p->before + n3;
-  p->root = p->next + n3;
-  p->dy = p->root + n3;
-  p->dy2 = p->dy + (size - 2 * n3);
-  for (size_t e = 0; e < n3; e++) p->root[e] = sqrt(p->s->model->inverse_mass[e / 3]);
+static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
+  size_t n = system->n, tail = system->size - 6 * n, vector = 3 * n;
+  double *m = calloc(9 * vector + 4 * tail + 1, sizeof *m);
+  if (!m) return HK_NO_MEMORY;
+  free(s->memory);
+  *s = (hk_spectrum_work){.n = n, .tail = tail, .memory = m, .x = m, .v = m + vector};
+  s->a[0] = m + 2 * vector;
+  s->a[1] = m + 3 * vector;
+  s->stiffness = (hk_lanczos){.size = vector, .current = m + 4 * vector, .bound = INFINITY};
+  s->stiffness.previous = m + 5 * vector;
+  s->stiffness.image = m + 6 * vector;
+  s->damping = s->stiffness;
+  s->stiffness.ritz = m + 7 * vector;
+  s->damping.ritz = m + 8 * vector;
+  s->y = m + 9 * vector;
+  s->dy[0] = s->y + tail;
+  s->dy[1] = s->dy[0] + tail;
+  s->direction = s->dy[1] + tail;
   return HK_OK;
 }
 
-/* The smallest positive rest or edge length, else the extent of the scene, else 1 m. */
-static double length_scale(const hk_system *s) {
-  double least = INFINITY, low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY},
-         extent = 0;
-  for (size_t k = 0; k < s->model->element_lists; k++) {
-    const hk_elements *e = &s->model->element_list[k].elements;
-    for (size_t j = 0; j < e->rest.count; j++)
-      if (e->rest.value[j] > 0) least = fmin(least, e->rest.value[j]);
+/* x or v = that of X + factor * direction / sqrt(m). */
+static void displace(const operation *o, const double *direction, double factor) {
+  size_t n = o->system->n;
+  const double *base = o->system->X + (o->velocity ? 3 * n : 0), *w = o->system->model->inverse_mass;
+  double *into = o->velocity ? o->work->v : o->work->x;
+  for (size_t i = 0; i < n; i++) {
+    double f = factor * sqrt(w[i]);
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) into[c] = base[c] + f * direction[c];
   }
-  if (isfinite(least)) return least;
-  for (size_t e = 0; e < 3 * s->n; e++) {
-    low[e % 3] = fmin(low[e % 3], s->X[e]);
-    high[e % 3] = fmax(high[e % 3], s->X[e]);
-  }
-  for (int c = 0; c < 3 && s->n; c++) extent = fmax(extent, high[c] - low[c]);
-  return extent > 0 ? extent : 1;
 }
 
-/* next = K^ q (or D^ q): -(a(x + e d) - a(x - e d)) / 2e with d = M^-1/2 q, times M^1/2. */
-static hk_status apply(probe *p) {
-  double *moved = p->velocity ? p->v : p->x, largest = 0;
-  const double *still = p->s->X + (p->velocity ? p->count : 0);
-  for (size_t e = 0; e < p->count; e++) largest = fmax(largest, fabs(p->root[e] * p->q[e]));
-  double scale = largest > 0 ? p->step / largest : 0;
-  if (scale == 0) {
-    memset(p->next, 0, p->count * sizeof *p->next);
-    return HK_OK;
+static double largest_move(const hk_model *model, const double *direction) {
+  double most = 0;
+  for (size_t i = 0; i < model->n; i++) {
+    double f = sqrt(model->inverse_mass[i]);
+    for (size_t c = 3 * i; c < 3 * i + 3; c++)
+      if (f * fabs(direction[c]) > most) most = f * fabs(direction[c]);
   }
-  for (size_t e = 0; e < p->count; e++) moved[e] = still[e] + scale * p->root[e] * p->q[e];
-  hk_status status = p->s->accelerations(p->s, p->s->t, p->x, p->v, p->y, p->forward, p->dy);
-  for (size_t e = 0; e < p->count; e++) moved[e] = still[e] - scale * p->root[e] * p->q[e];
-  if (status == HK_OK) status = p->s->accelerations(p->s, p->s->t, p->x, p->v, p->y, p->backward, p->dy);
-  memcpy(moved, still, p->count * sizeof *moved);
-  for (size_t e = 0; e < p->count; e++)
-    p->next[e] = p->root[e] > 0 ? (p->backward[e] - p->forward[e]) / (2 * scale * p->root[e]) : 0;
-  return status;
+  return most;
 }
 
-static double dot(const double *a, const double *b, size_t count) {
-  double sum = 0;
-  for (size_t e = 0; e < count; e++) sum += a[e] * b[e];
-  return sum;
-}
-
-/* How many eigenvalues of the tridiagonal matrix are below z (Sturm's sequence). */
-static int below(const double *diagonal, const double *off, int m, double z) {
-  int count = 0;
-  double d = 1;
-  for (int k = 0; k < m; k++) {
-    d = diagonal[k] - z - (k ? off[k - 1] * off[k - 1] / d : 0);
-    if (d == 0) d = 1e-300;
-    count += d < 0;
-  }
-  return count;
-}
-
-static double largest_ritz(const double *diagonal, const double *off, int m) {
-  double low = -INFINITY, high = -INFINITY;
-  for (int k = 0; k < m; k++) {
-    double reach = (k ? fabs(off[k - 1]) : 0) + (k + 1 < m ? fabs(off[k]) : 0);
-    high = fmax(high, diagonal[k] + reach);
-    low = fmax(low, diagonal[k]); /* a Rayleigh quotient */
-  }
-  for (int k = 0; k < 60 && high - low > 1e-12 * fabs(high); k++) {
-    double middle = low + (high - low) / 2;
-    if (below(diagonal, off, m, middle) == m)
-      high = middle;
-    else
-      low = middle;
-  }
-  return high;
-}
-
-/* The last component of theta's unit eigenvector: times the next beta, the norm of its residual. */
-static double last_component(const double *diagonal, const double *off, int m, double theta) {
-  double s[ITERATIONS + 1] = {1}, sum = 1;
-  for (int k = 0; k + 1 < m; k++) {
-    if (off[k] == 0) return 0;
-    s[k + 1] = ((theta - diagonal[k]) * s[k] - (k ? off[k - 1] * s[k - 1] : 0)) / off[k];
-    sum += s[k + 1] * s[k + 1];
-  }
-  return fabs(s[m - 1]) / sqrt(sum);
-}
-
-static void random_start(probe *p) {
-  uint64_t state = 88172645463325252u; /* xorshift64, Marsaglia 2003 */
-  for (size_t e = 0; e < p->count; e++) {
-    state ^= state << 13;
-    state ^= state >> 7;
-    state ^= state << 17;
-    p->q[e] = p->root[e] > 0 ? (double)(state >> 11) * 0x1.0p-52 - 1 : 0;
-  }
-  p->s->filter(p->s, p->q);
-  double norm = sqrt(dot(p->q, p->q, p->count));
-  for (size_t e = 0; e < p->count && norm > 0; e++) p->q[e] /= norm;
-  memset(p->before, 0, p->count * sizeof *p->before);
-}
-
-static hk_status lanczos(probe *p, double *bound) {
-  double diagonal[ITERATIONS], off[ITERATIONS], beta = 0, theta = 0, residual = 0;
-  random_start(p);
-  for (int k = 0; k < ITERATIONS; k++) {
-    hk_status status = apply(p);
+static hk_status apply(void *context, const double *in, double *out) {
+  operation *o = context;
+  hk_spectrum_work *s = o->work;
+  const double *w = o->system->model->inverse_mass;
+  double most = largest_move(o->system->model, in), factor = most > 0 ? o->step / most : 0;
+  for (int side = 0; side < 2; side++) {
+    displace(o, in, side == 0 ? factor : -factor);
+    s->bounds.evaluations++;
+    hk_status status =
+        o->system->accelerations(o->system, o->system->t, s->x, s->v, o->system->X + 6 * s->n, s->a[side], s->dy[side]);
     if (status != HK_OK) return status;
-    diagonal[k] = dot(p->q, p->next, p->count);
-    for (size_t e = 0; e < p->count; e++) p->next[e] -= diagonal[k] * p->q[e] + beta * p->before[e];
-    off[k] = beta = sqrt(dot(p->next, p->next, p->count));
-    theta = largest_ritz(diagonal, off, k + 1);
-    residual = beta * last_component(diagonal, off, k + 1, theta);
-    bool exhausted = beta <= 1e-7 * fabs(theta) || k + 1 >= (int)p->count;
-    if (exhausted) residual = fmin(residual, 1e-6 * fabs(theta));
-    if (exhausted || beta == 0 || (k > 8 && residual < settled * theta)) break;
-    double *old = p->before;
-    p->before = p->q;
-    p->q = p->next;
-    p->next = old;
-    for (size_t e = 0; e < p->count; e++) p->q[e] /= beta;
   }
-  *bound = fmax(0, theta + residual);
+  for (size_t i = 0; i < s->n; i++) {
+    double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) out[c] = f * (s->a[0][c] - s->a[1][c]);
+  }
+  o->system->filter(o->system, out);
   return HK_OK;
 }
 
-/* Row sums over the elements; a compressed element's lateral stiffness may exceed its own. */
-static double gershgorin(const hk_system *s, double *row) {
-  double largest = 0;
-  memset(row, 0, s->n * sizeof *row);
-  for (size_t l = 0; l < s->model->element_lists; l++) {
-    const hk_elements *e = &s->model->element_list[l].elements;
-    for (size_t k = 0; k < e->count; k++) {
-      uint32_t i = e->pair[k][0], j = e->pair[k][1];
-      double wi = s->model->inverse_mass[i], wj = s->model->inverse_mass[j], length = 0;
-      for (int c = 0; c < 3; c++) length += pow(s->X[3 * (size_t)j + c] - s->X[3 * (size_t)i + c], 2);
-      double value = hk_edge_value(&e->stiffness, k), rest = hk_edge_value(&e->rest, k);
-      if (length > 0) value *= fmax(1, fabs(1 - rest / sqrt(length)));
-      row[i] += value * (wi + sqrt(wi * wj));
-      row[j] += value * (wj + sqrt(wi * wj));
-    }
-  }
-  for (size_t i = 0; i < s->n; i++) largest = fmax(largest, row[i]);
-  return largest;
+static double largest(const double *x, size_t count) {
+  double most = 0;
+  for (size_t c = 0; c < count; c++)
+    if (fabs(x[c]) > most) most = fabs(x[c]);
+  return most;
 }
 
-static double least_ratio(const hk_system *s) {
-  double least = INFINITY;
-  for (size_t l = 0; l < s->model->element_lists; l++) {
-    const hk_elements *e = &s->model->element_list[l].elements;
-    bool common = e->stiffness.count == 1 && e->damping.count == 1;
-    for (size_t k = 0; k < (common && e->count ? 1 : e->count); k++) {
-      double stiffness = hk_edge_value(&e->stiffness, k);
-      if (stiffness > 0) least = fmin(least, hk_edge_value(&e->damping, k) / stiffness);
-    }
-  }
-  return isfinite(least) ? least : 0;
+/* `length` is the coordinates' size, `spacing` that of what may change a force's regime: the shortest element, or the
+ * mean distance of particles. */
+static void measure_scene(hk_spectrum_work *s, const hk_system *system, double shortest) {
+  const double *x = system->X;
+  double size = 0;
+  for (size_t c = 3; c < 3 * s->n; c++)
+    if (fabs(x[c] - x[c % 3]) > size) size = fabs(x[c] - x[c % 3]);
+  s->length = fmax(largest(x, 3 * s->n), size);
+  if (!(s->length > 0)) s->length = 1;
+  s->spacing = isfinite(shortest) ? shortest : size > 0 ? size / cbrt((double)s->n) : s->length;
+  s->spacing = fmax(s->spacing, 1e-6 * s->length);
 }
 
-/* A rigid motion is damped by drag alone; springs to pinned neighbours only add to it. */
-static hk_status least_drag(probe *p, double *alpha) {
-  *alpha = INFINITY;
+/* The start vector: random, or where the last run ended mixed with a random direction that no eigenvector escapes.
+ * Returns the random part's share. */
+static double start(hk_lanczos *l, hk_system *system, bool warm) {
+  double length = 0, direct = sqrt(1 - warm_share * warm_share);
+  hk_lanczos_random(l->current, l->size);
+  for (size_t i = 0; i < system->n; i++)
+    if (!(system->model->inverse_mass[i] > 0)) memset(l->current + 3 * i, 0, 3 * sizeof *l->current);
+  system->filter(system, l->current);
+  for (size_t c = 0; c < l->size; c++) length += l->current[c] * l->current[c];
+  if (!warm || !l->warm || !(length > 0)) return 1;
+  length = sqrt(length);
+  for (size_t c = 0; c < l->size; c++) l->current[c] = warm_share / length * l->current[c] + direct * l->ritz[c];
+  return warm_share;
+}
+
+/* Bounds one operator's largest eigenvalue. When `steps` are too few for a bound, the last one grows with the
+ * eigenvalue reached, by the margin of the last sound one, and with the elements' bound. */
+static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, bool warm) {
+  double last = l->bound, grown = INFINITY;
+  double share = start(l, o->system, warm);
+  hk_status status = hk_lanczos_run(l, apply, o, known, share, steps);
+  if (status != HK_OK) return status;
+  if (warm && l->margin > 0) grown = fmax(last, l->margin * l->theta);
+  if (isfinite(known) && l->before > 0) grown = fmax(grown, last * known / l->before);
+  l->before = isfinite(known) ? known : 0;
+  if (grown < l->bound) {
+    l->bound = grown;
+    o->work->bounds.rigorous = false;
+  } else {
+    l->margin = l->theta > 0 ? l->bound / l->theta : 0;
+  }
+  return HK_OK;
+}
+
+static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool covered, int steps, bool warm) {
+  if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
+  hk_spectrum *b = &s->bounds;
+  hk_element_bound e = hk_element_bound_at(system->model, system->X, s->a[0]); /* 6n: both */
+  measure_scene(s, system, e.length);
+  /* Truncation (step/spacing)^2 and rounding 2e-16 length/step balance here, both below 1e-9 for usual scenes. */
+  operation o = {s, system, false, cbrt(rounding * s->length * s->spacing * s->spacing)};
+  memset(s->v, 0, 3 * s->n * sizeof *s->v);
+  hk_status status = bound(&o, &s->stiffness, covered ? e.stiffness : INFINITY, steps, warm);
+  if (status != HK_OK) return status;
+  double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
+  if (covered && s->stiffness.theta > e.stiffness * (1 + 1e-6) + noise) /* a force is stiffer than its elements say */
+    return bound_stiffness(s, system, false, steps, false);
+  b->covered = covered;
+  b->beta = covered ? e.beta : 0;
+  b->w_free = covered ? sqrt(e.tension) : 0;
+  if (s->stiffness.asymmetry > 1e-4 * s->stiffness.norm + noise) b->rigorous = false;
+  b->w_max = s->stiffness.bound > noise ? sqrt(s->stiffness.bound * inflate) : 0;
+  b->w_reached = s->stiffness.theta > noise ? sqrt(s->stiffness.theta) : 0;
+  return HK_OK;
+}
+
+/* Of the particles' 3x3 damping blocks in common motion, whose columns are the responses to the three directions, the
+ * least eigenvalue among directions that the pin allows (the others' is 0). */
+static double least_drag(const hk_model *model, double *const column[3]) {
+  double least = INFINITY, value[3];
+  for (size_t i = 0; i < model->n; i++) {
+    double w = model->inverse_mass[i];
+    const double *p = column[0] + 3 * i, *q = column[1] + 3 * i, *r = column[2] + 3 * i;
+    if (!(w > 0)) continue;
+    double a[6] = {p[0], (p[1] + q[0]) / 2, (p[2] + r[0]) / 2, q[1], (q[2] + r[1]) / 2, r[2]};
+    hk_symmetric_eigenvalues(a, value);
+    int blocked = model->pin[i] == HK_PIN_LINE ? 2 : model->pin[i] == HK_PIN_PLANE ? 1 : 0;
+    least = fmin(least, sqrt(w) * value[blocked]);
+  }
+  return isfinite(least) ? fmax(0, least) : 0;
+}
+
+static hk_status common_damping(operation *o, double *alpha) {
+  hk_spectrum_work *s = o->work;
+  const double *w = o->system->model->inverse_mass;
+  double *column[3] = {s->damping.current, s->damping.previous, s->damping.image}, *all = s->damping.ritz;
   for (size_t c = 0; c < 3; c++) {
-    for (size_t e = 0; e < p->count; e++) p->q[e] = e % 3 == c && p->root[e] > 0 ? 1 / p->root[e] : 0;
-    hk_status status = apply(p);
+    memset(all, 0, 3 * s->n * sizeof *all);
+    for (size_t i = 0; i < s->n; i++) all[3 * i + c] = w[i] > 0 ? 1 / sqrt(w[i]) : 0;
+    hk_status status = apply(o, all, column[c]);
     if (status != HK_OK) return status;
-    for (size_t e = c; e < p->count; e += 3)
-      if (p->root[e] > 0) *alpha = fmin(*alpha, p->next[e] * p->root[e]);
   }
-  if (!isfinite(*alpha) || *alpha < 1e-6) *alpha = 0;
+  *alpha = least_drag(o->system->model, column);
   return HK_OK;
 }
 
-static hk_status channel_rate(probe *p, double *rate) {
-  size_t tail = p->s->size - 2 * p->count, channels = tail - 1;
-  double largest = 0;
-  *rate = 0;
-  if (channels == 0) return HK_OK;
-  for (size_t e = 0; e < channels; e++) largest = fmax(largest, fabs(p->y[e]));
-  double move = 1e-6 * (largest > 0 ? largest : 1);
-  for (size_t e = 0; e < channels; e++) p->y[e] += move;
-  hk_status status = p->s->accelerations(p->s, p->s->t, p->x, p->v, p->y, p->forward, p->dy);
-  for (size_t e = 0; e < channels; e++) p->y[e] -= 2 * move;
-  if (status == HK_OK) status = p->s->accelerations(p->s, p->s->t, p->x, p->v, p->y, p->backward, p->dy2);
-  for (size_t e = 0; e < channels; e++) *rate = fmax(*rate, (p->dy2[e] - p->dy[e]) / (2 * move));
-  memcpy(p->y, p->s->X + 2 * p->count, tail * sizeof *p->y);
+/* Forces like v x B turn velocities and do not damp them: D is antisymmetric, with a norm G. A mode with such a D has a
+ * rate of at most (G + sqrt(G^2 + 4 w^2))/2. G is reached from below, hence a tenth more. */
+static void count_rotation(hk_spectrum *b, double norm) {
+  double G = 1.1 * norm;
+  b->rotates = true;
+  b->rigorous = false;
+  b->w_max = (G + sqrt(G * G + 4 * b->w_max * b->w_max)) / 2;
+  b->g_max = fmax(b->g_max, G);
+  b->alpha = b->beta = 0;
+}
+
+static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps, bool warm) {
+  hk_spectrum *b = &s->bounds;
+  b->beta = system->flags & HK_DEPENDS_ON_V ? b->beta : 0;
+  if (!(system->flags & HK_DEPENDS_ON_V)) return HK_OK;
+  if (!(s->length > 0)) measure_scene(s, system, INFINITY);
+  double speed = fmax(largest(system->X + 3 * s->n, 3 * s->n), s->spacing * b->w_max);
+  operation o = {s, system, true, 1e-5 * (speed > 0 ? speed : 1)};
+  memcpy(s->x, system->X, 3 * s->n * sizeof *s->x);
+  s->damping.slack = damping_slack * b->w_max;
+  hk_status status = warm ? HK_OK : common_damping(&o, &b->alpha);
+  if (status == HK_OK) status = bound(&o, &s->damping, INFINITY, steps, warm);
+  if (status != HK_OK) return status;
+  double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
+  b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
+  b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
+  if (s->damping.asymmetry > 1e-3 * s->damping.norm + noise) count_rotation(b, s->damping.norm);
+  return HK_OK;
+}
+
+/* A failed call leaves *spectrum as it was; what a warm start would use is void then. */
+static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
+  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .rigorous = true};
+  s->length = 0;
+  hk_status status = bound_stiffness(s, system, s->covered, steps, warm);
+  if (status == HK_OK) status = bound_damping(s, system, steps, warm);
+  if (status == HK_OK && system->model->channels > 0) {
+    hk_channel_scratch scratch = {s->x, s->v, s->a[0], s->y, {s->dy[0], s->dy[1]}, s->direction};
+    status = hk_channel_rate(system, &scratch, &s->bounds.channel_rate, &s->bounds.evaluations);
+  }
+  if (status == HK_OK) *spectrum = s->bounds;
+  if (status != HK_OK) s->n = SIZE_MAX; /* the next update begins anew */
   return status;
 }
 
-static hk_status frequencies(probe *p, bool covered, hk_spectrum *spectrum) {
-  double bound = 0;
-  if (!(p->s->flags & HK_DEPENDS_ON_X)) return HK_OK;
-  p->step = 1e-6 * length_scale(p->s); /* truncation (1e-6)^2, rounding eps/1e-6: both below 1e-9 of a spring's force */
-  hk_status status = lanczos(p, &bound);
-  if (status == HK_OK && covered) bound = fmin(bound, gershgorin(p->s, p->next));
-  spectrum->w_max = sqrt(bound);
-  if (covered) spectrum->beta = least_ratio(p->s);
-  return status;
+hk_status hk_spectrum_measure(hk_spectrum_work *s, hk_system *system, bool covered, hk_spectrum *spectrum) {
+  if (s->n != system->n || s->tail != system->size - 6 * system->n) {
+    hk_status status = reserve(s, system);
+    if (status != HK_OK) return status;
+  }
+  s->covered = covered;
+  return bound_all(s, system, HK_LANCZOS_STEPS, false, spectrum);
 }
 
-static hk_status damping(probe *p, hk_spectrum *spectrum) {
-  if (!(p->s->flags & HK_DEPENDS_ON_V)) return HK_OK;
-  p->velocity = true;
-  p->step = 1e-3 * length_scale(p->s);
-  hk_status status = lanczos(p, &spectrum->g_max);
-  if (status == HK_OK) status = least_drag(p, &spectrum->alpha);
-  return status;
+hk_status hk_spectrum_update(hk_spectrum_work *s, hk_system *system, int iterations, hk_spectrum *spectrum) {
+  if (s->n != system->n || s->tail != system->size - 6 * system->n)
+    return hk_spectrum_measure(s, system, s->covered, spectrum);
+  return bound_all(s, system, iterations > 0 ? iterations : 1, true, spectrum);
 }
 
-hk_status hk_spectrum_estimate(hk_system *s, bool covered, hk_spectrum *spectrum, hk_error *error) {
-  probe p = {.s = s, .error = error, .count = 3 * s->n};
-  *spectrum = (hk_spectrum){0};
-  hk_status status = open_probe(&p);
-  if (status == HK_OK) status = frequencies(&p, covered, spectrum);
-  if (status == HK_OK) status = damping(&p, spectrum);
-  if (status == HK_OK) status = channel_rate(&p, &spectrum->channel_rate);
-  free_probe(&p);
+hk_spectrum_work *hk_spectrum_create(const hk_system *system) {
+  hk_spectrum_work *s = calloc(1, sizeof *s);
+  if (s && reserve(s, system) == HK_OK) return s;
+  free(s);
+  return NULL;
+}
+
+void hk_spectrum_destroy(hk_spectrum_work *s) {
+  if (s) free(s->memory);
+  free(s);
+}
+
+hk_status hk_spectrum_estimate(hk_system *system, bool covered, hk_spectrum *spectrum, hk_error *error) {
+  hk_spectrum_work *s = hk_spectrum_create(system);
+  if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory to estimate the stable step");
+  hk_status status = hk_spectrum_measure(s, system, covered, spectrum);
+  hk_spectrum_destroy(s);
   return status;
 }

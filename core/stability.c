@@ -1,81 +1,84 @@
 /* The largest step at which no mode of the scene grows, from the method's amplification factor and the scene's bounds.
  *
- * The modes are (w, g) with 0 <= w <= w_max and floor(w) <= g <= g_max (spectrum.h), and (0, k) for the channels. They
- * are looked at on a grid, the corners included, because stability domains need not be convex and because the slow
- * modes may be those without damping. h runs up from 1e-4 of the fastest rate in steps of 3 % to the first h at which
- * one mode grows; bisection follows. The first, not the last: beyond a gap of instability a step is of no use.
+ * The modes are (w, g) with 0 <= w <= w_max and floor(w) <= g <= g_max (spectrum.h), and (0, k) for the channels. First
+ * the corners of that set: h runs up in steps of 2 % to the first h at which one grows, and bisection follows (the
+ * first, not the last: beyond a gap of instability a step is of no use). Then a grid over the whole set, at that h and
+ * at parts of it, since stability domains need not be convex and the slow modes may be those without damping; a mode
+ * that grows there joins the corners, and so on until none does. Some 1000 amplifications, a few milliseconds at most.
  *
- * "Grows" means an amplification above 1 + 1e-10, the rounding of double roots of a step matrix. Methods without any
- * stable step on the imaginary axis (euler, 1 + z^2/2; Heun and midpoint, 1 + z^4/8, z = h w) would so be granted a
- * step near zero. A limit below z = 0.01 (order 1) or 0.05 (order 2 and above) therefore counts as none, and that z is
- * taken instead, for accuracy: the fastest mode then grows by 3 % or 0.01 % per period. */
+ * "Grows" is by more than 2e-7 a step: less cannot be told from rounding and from defective matrices, whose spectral
+ * radius plugins/common/spectral.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis (euler,
+ * 1 + z^2/2; Heun and midpoint, 1 + z^4/8; z = h w) would so be granted a small step. A limit below z = 0.01 (order 1)
+ * or 0.05 (order 2 and above) therefore counts as none, and that z is taken instead, for accuracy: the fastest mode
+ * then grows by 3 % or 0.01 % a period. */
 #include "core/stability.h"
 
-static const double tolerance = 1e-10, least = 1e-4, most = 1e6;
-/* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1, where rounding grows to its root. */
+static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7;
+/* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
 static const double distinct = 1e-6;
 
-enum { W_POINTS = 13, G_POINTS = 6, POINTS = (W_POINTS + 1) * G_POINTS };
+enum { W_POINTS = 13, G_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 1) * G_POINTS }; /* 4 corners + JOINING fit */
 
 typedef struct mode {
   double w, g;
 } mode;
 
-typedef struct mode_grid {
+typedef struct mode_set {
   const hk_integrator *method;
   int count;
   mode point[POINTS];
-} mode_grid;
+} mode_set;
 
-static void add_modes(mode_grid *grid, double w, double low, double high) {
+static void add_mode(mode_set *set, double w, double g) { set->point[set->count++] = (mode){w, g}; }
+
+static double floor_of(const hk_spectrum *s, double w) { return fmin(hk_spectrum_floor(s, w), s->g_max); }
+
+/* Damping rates at one frequency. */
+static void add_rates(mode_set *set, double w, double low, double high) {
   static const double part[G_POINTS] = {0, 0.03, 0.12, 0.3, 0.6, 1};
-  for (int i = 0; i < G_POINTS; i++) {
-    grid->point[grid->count++] = (mode){w, low + part[i] * (high - low)};
-    if (!(high > low)) return;
-  }
+  for (int i = 0; i < (high > low ? G_POINTS : 1); i++) add_mode(set, w, low + part[i] * (high - low));
 }
 
-static mode_grid modes_of(const hk_integrator *method, const hk_spectrum *s) {
-  static const double part[W_POINTS - 1] = {1, 0.96, 0.9, 0.82, 0.72, 0.6, 0.45, 0.3, 0.15, 0.05, 0.01, 1e-3};
-  mode_grid grid = {.method = method, .count = 0};
-  for (int i = 0; i < W_POINTS - 1 && s->w_max > 0; i++) {
-    double w = part[i] * s->w_max;
-    add_modes(&grid, w, fmin(hk_spectrum_floor(s, w), s->g_max), s->g_max);
-  }
-  if (s->w_free > 0 && s->w_free < s->w_max) add_modes(&grid, s->w_free, fmin(s->g_floor, s->g_max), s->g_max);
-  double still = fmax(s->g_max, s->channel_rate); /* w = 0 */
-  if (still > 0) add_modes(&grid, 0, 0.01 * still, still);
-  return grid;
+static mode_set corners_of(const hk_integrator *method, const hk_spectrum *s) {
+  mode_set set = {.method = method, .count = 0};
+  double still = fmax(s->g_max, s->channel_rate);
+  if (s->w_max > 0) add_mode(&set, s->w_max, floor_of(s, s->w_max));
+  if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_mode(&set, s->w_max, s->g_max);
+  if (s->w_free > 0) add_mode(&set, fmin(s->w_free, s->w_max), floor_of(s, 0));
+  if (still > 0) add_mode(&set, 0, still);
+  return set;
 }
 
-/* The excess that rounding explains: a step matrix has numbers up to z^2. */
-static double rounding(double z) { return tolerance + 1e-16 * z * z; }
+static mode_set grid_of(const hk_integrator *method, const hk_spectrum *s) {
+  static const double part[W_POINTS] = {1, 0.96, 0.9, 0.82, 0.72, 0.6, 0.45, 0.3, 0.15, 0.05, 0.01, 1e-3, 1e-4};
+  mode_set set = {.method = method, .count = 0};
+  for (int i = 0; i < W_POINTS && s->w_max > 0; i++)
+    add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), s->g_max);
+  double still = fmax(s->g_max, s->channel_rate);
+  if (still > 0) add_rates(&set, 0, 0.01 * still, still);
+  return set;
+}
 
-/* Whether a mode grows at h; *worst: the first that does. */
-static bool grows(const mode_grid *grid, double h, mode *worst) {
-  for (int i = 0; i < grid->count; i++) {
-    double hw = h * grid->point[i].w, hg = h * grid->point[i].g;
-    if (hw < distinct && hg < distinct) continue;
-    if (grid->method->amplification(hw, hg) <= 1 + rounding(fmax(hw, hg))) continue; /* NAN grows */
-    *worst = grid->point[i];
-    return true;
-  }
+static bool mode_grows(const hk_integrator *method, mode m, double h) {
+  double hw = h * m.w, hg = h * m.g, z = fmax(hw, hg);
+  if (z < distinct) return false;
+  return !(method->amplification(hw, hg) <= 1 + tolerance + 1e-16 * z * z); /* rounding of a matrix with z^2 in it */
+}
+
+/* *which: the first mode that grows at h. */
+static bool grows(const mode_set *set, double h, mode *which) {
+  for (int i = 0; i < set->count; i++)
+    if (mode_grows(set->method, set->point[i], h)) {
+      *which = set->point[i];
+      return true;
+    }
   return false;
 }
 
-double hk_step_growth(const hk_integrator *method, const hk_spectrum *spectrum, double h) {
-  mode_grid grid = modes_of(method, spectrum);
-  double growth = 1;
-  for (int i = 0; i < grid.count; i++)
-    growth = fmax(growth, method->amplification(h * grid.point[i].w, h * grid.point[i].g));
-  return growth;
-}
-
-/* The largest h below `high` found stable, `low` being stable. */
-static double bisect(const mode_grid *grid, double low, double high, mode *worst) {
-  for (int i = 0; i < 50 && high - low > 1e-12 * high; i++) {
+static double bisect(const mode_set *set, double low, double high, mode *which) {
+  while (high - low > precision * high) {
     double middle = low + (high - low) / 2;
-    if (grows(grid, middle, worst))
+    if (grows(set, middle, which))
       high = middle;
     else
       low = middle;
@@ -83,44 +86,59 @@ static double bisect(const mode_grid *grid, double low, double high, mode *worst
   return low;
 }
 
-static double first_limit(const mode_grid *grid, double rate, mode *worst) {
-  double low = least / rate;
-  if (grows(grid, low, worst)) return 0;
+/* The first h from `begin` on at which the set grows; 0 when it does at once. */
+static double first_limit(const mode_set *set, double begin, double rate, mode *which) {
+  double low = begin;
+  if (grows(set, low, which)) return 0;
   while (low * rate < most) {
-    double high = low * (low * rate < 100 ? 1.03 : 1.5);
-    if (grows(grid, high, worst)) return bisect(grid, low, high, worst);
+    double high = low * (low * rate < 100 ? 1.02 : 2);
+    if (grows(set, high, which)) return bisect(set, low, high, which);
     low = high;
   }
   return INFINITY;
 }
 
-static const char *reason(const hk_spectrum *s, const mode *worst) {
-  if (worst->w > 0) return worst->g > 2 * worst->w ? "damping of the stiffest springs" : "fastest oscillation";
-  return s->channel_rate > s->g_max ? "fastest channel" : "strongest damping";
+/* Whether a mode of the grid grows at `limit` or at a part of it down to `begin`. */
+static bool grows_below(const mode_set *grid, double begin, double limit, double rate, mode *which) {
+  static const double part[] = {1, 0.8, 0.5, 0.2};
+  if (!isfinite(limit)) limit = 100 / rate;
+  for (size_t k = 0; k < sizeof part / sizeof *part; k++)
+    if (grows(grid, fmax(begin, part[k] * limit), which)) return true;
+  return grows(grid, begin, which);
 }
 
-static hk_step_choice for_accuracy(const hk_integrator *method, const hk_spectrum *s, double rate, double limit) {
-  hk_step_choice choice = {.limit = limit, .why = "accuracy: no useful step is stable"};
-  choice.h = (method->order < 2 ? 0.01 : 0.05) / rate;
-  choice.growth_rate = log(hk_step_growth(method, s, choice.h)) / choice.h;
-  return choice;
-}
-
-hk_step_choice hk_stable_step(const hk_integrator *method, const hk_spectrum *s) {
-  hk_step_choice any = {INFINITY, true, true, 0, INFINITY, 0, 0, "nothing limits the step"};
-  double rate = fmax(s->w_max, fmax(s->g_max, s->channel_rate));
-  if (!method->amplification)
-    return (hk_step_choice){.h = NAN, .limit = NAN, .why = "the method's growth is not known"};
-  if (!(rate > 0)) return any;
-  mode_grid grid = modes_of(method, s);
-  mode worst = {0, 0};
-  double limit = first_limit(&grid, rate, &worst);
-  if (!isfinite(limit)) return any;
-  hk_step_choice choice = {limit, true, false, 0, limit, worst.w, worst.g, reason(s, &worst)};
-  if (limit * rate < (method->order < 2 ? 0.01 : 0.05)) {
-    choice = for_accuracy(method, s, rate, limit);
-    choice.w = worst.w;
-    choice.g = worst.g;
+static double limit_of(const hk_integrator *method, const hk_spectrum *s, double begin, double rate, mode *which) {
+  mode_set set = corners_of(method, s), grid = grid_of(method, s);
+  double limit = first_limit(&set, begin, rate, which);
+  mode slow = {0, 0};
+  for (int k = 0; k < JOINING && limit > 0 && grows_below(&grid, begin, limit, rate, &slow); k++) {
+    add_mode(&set, slow.w, slow.g);
+    limit = first_limit(&set, begin, rate, which);
   }
-  return choice;
+  return limit;
+}
+
+double hk_stable_growth(const hk_integrator *method, const hk_spectrum *spectrum, double h) {
+  mode_set grid = grid_of(method, spectrum);
+  double growth = 1;
+  for (int i = 0; i < grid.count; i++)
+    growth = fmax(growth, method->amplification(h * grid.point[i].w, h * grid.point[i].g));
+  return growth;
+}
+
+static const char *reason(const hk_spectrum *s, mode m) {
+  if (m.w > 0) return m.g > 2 * m.w ? "the damping of the stiffest springs" : "the fastest oscillation";
+  return s->channel_rate > s->g_max ? "the fastest channel" : "the strongest damping";
+}
+
+hk_stable hk_stable_step(const hk_integrator *method, const hk_spectrum *s) {
+  double rate = fmax(s->w_max, fmax(s->g_max, s->channel_rate));
+  if (!method->amplification) return (hk_stable){NAN, NAN, 0, 0, 0, "the method does not state its growth"};
+  if (!(rate > 0)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the scene has no rate of its own"};
+  mode m = {0, 0};
+  double begin = (method->order < 2 ? 0.01 : 0.05) / rate, limit = limit_of(method, s, begin, rate, &m);
+  if (!isfinite(limit)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the method is stable at any step"};
+  if (limit > 0) return (hk_stable){limit, safety * limit, 0, m.w, m.g, reason(s, m)};
+  double growth = log(hk_stable_growth(method, s, begin)) / begin;
+  return (hk_stable){0, begin, growth, m.w, m.g, "accuracy, as no useful step is stable"};
 }

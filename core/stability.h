@@ -4,20 +4,17 @@
 
 #include "core/spectrum.h"
 
-typedef struct hk_step_choice {
-  double h;           /* s, the step; INFINITY: any, NAN: the method does not say how it amplifies */
-  bool stable;        /* no mode grows at h or below; false: h was chosen for accuracy and some grow */
-  bool unconditional; /* nothing in the scene limits the step of this method */
-  double growth_rate; /* 1/s, of the mode that grows fastest at h; 0 when stable */
-  double limit;       /* s, largest step without growth, however small; 0: none was found, INFINITY: any */
-  double w, g;        /* 1/s, the oscillation and the damping rate that set the limit */
-  const char *why;    /* the reason in a few words, for messages */
-} hk_step_choice;
+typedef struct hk_stable {
+  double limit;      /* s, largest step at which nothing grows; INFINITY: any; 0: none worth the name; NAN: not known */
+  double suggestion; /* s, 0.9 limit; chosen for accuracy where limit is 0 */
+  double growth_rate; /* 1/s, of the mode that grows fastest at `suggestion`; 0 below the limit */
+  double w, g;        /* 1/s, frequency and damping rate of the mode that sets the limit */
+  const char *why;    /* what sets it, in a few words; a constant */
+} hk_stable;
 
-/* No safety factor is applied: take 0.9 h. */
-hk_step_choice hk_stable_step(const hk_integrator *method, const hk_spectrum *spectrum);
+hk_stable hk_stable_step(const hk_integrator *method, const hk_spectrum *spectrum);
 
-/* Largest growth factor of a step h over all the scene's modes. */
-double hk_step_growth(const hk_integrator *method, const hk_spectrum *spectrum, double h);
+/* Largest growth factor of a step h over all the scene's modes; at least 1. */
+double hk_stable_growth(const hk_integrator *method, const hk_spectrum *spectrum, double h);
 
 #endif

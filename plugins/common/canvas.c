@@ -3,6 +3,7 @@
 #include "plugins/common/gl.h"
 
 enum { SAMPLES = 4 };
+enum { DRAWN, KEPT, FLAT };
 
 static unsigned make_buffer(int samples, GLenum format, int width, int height) {
   GLuint buffer;
@@ -23,28 +24,42 @@ static bool make_target(unsigned *target, unsigned colour, unsigned depth) {
 bool hk_canvas_open(hk_canvas *c, int width, int height) {
   *c = (hk_canvas){.width = width, .height = height};
   while (glGetError() != GL_NO_ERROR) {}
-  c->colour = make_buffer(SAMPLES, GL_RGBA8, width, height);
-  c->depth = make_buffer(SAMPLES, GL_DEPTH_COMPONENT24, width, height);
-  c->flat = make_buffer(0, GL_RGBA8, width, height);
+  for (int k = 0; k < 4; k++) c->buffer[k] = make_buffer(SAMPLES, k % 2 ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
+  c->buffer[4] = make_buffer(0, GL_RGBA8, width, height);
   if (glGetError() != GL_NO_ERROR) return false;
-  return make_target(&c->drawn, c->colour, c->depth) && make_target(&c->resolved, c->flat, 0);
+  return make_target(&c->target[DRAWN], c->buffer[0], c->buffer[1]) &&
+         make_target(&c->target[KEPT], c->buffer[2], c->buffer[3]) && make_target(&c->target[FLAT], c->buffer[4], 0);
 }
 
 void hk_canvas_close(hk_canvas *c) {
-  glDeleteFramebuffers(2, (GLuint[]){c->drawn, c->resolved});
-  glDeleteRenderbuffers(3, (GLuint[]){c->colour, c->depth, c->flat});
+  glDeleteFramebuffers(3, c->target);
+  glDeleteRenderbuffers(5, c->buffer);
 }
 
 void hk_canvas_use(const hk_canvas *c) {
-  glBindFramebuffer(GL_FRAMEBUFFER, c->drawn);
+  glBindFramebuffer(GL_FRAMEBUFFER, c->target[DRAWN]);
   glViewport(0, 0, c->width, c->height);
 }
 
+static void copy(const hk_canvas *c, int from, int to, GLbitfield what) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[from]);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, c->target[to]);
+  glBlitFramebuffer(0, 0, c->width, c->height, 0, 0, c->width, c->height, what, GL_NEAREST);
+}
+
+void hk_canvas_keep(const hk_canvas *c) {
+  copy(c, DRAWN, KEPT, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  hk_canvas_use(c);
+}
+
+void hk_canvas_restore(const hk_canvas *c) {
+  copy(c, KEPT, DRAWN, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  hk_canvas_use(c);
+}
+
 void hk_canvas_read(const hk_canvas *c, unsigned char *rgba) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->drawn);
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, c->resolved);
-  glBlitFramebuffer(0, 0, c->width, c->height, 0, 0, c->width, c->height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->resolved);
+  copy(c, DRAWN, FLAT, GL_COLOR_BUFFER_BIT);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[FLAT]);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, c->width, c->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
 }

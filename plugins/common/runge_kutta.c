@@ -1,10 +1,13 @@
-/* See runge_kutta.h. Stages are evaluated in order; the stability function comes from the same tableau, by applying
- * the method to y' = z y: Y_i = 1 + z sum a_ij Y_j, R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2).
- */
+/* See runge_kutta.h. Weights w of the velocity become w A for the position: x' = x + h (sum w) v + h^2 sum (w A)_l a_l
+ * (Hairer, Norsett and Wanner, Solving ODEs I, II.14). Sums run over chunks that stay in the first-level cache. The
+ * stability function comes from the same tableau, by applying the method to y' = z y: Y_i = 1 + z sum a_ij Y_j,
+ * R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2). */
 #include "plugins/common/runge_kutta.h"
 
 #include <complex.h>
 #include <string.h>
+
+enum { CHUNK = 512 };
 
 /* Dormand and Prince 1980, RK5(4)7M. */
 const hk_tableau hk_dormand_prince = {
@@ -20,38 +23,81 @@ const hk_tableau hk_dormand_prince = {
     .b = {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0},
 };
 
-static void combine(double *restrict into, const double *restrict X, const double *k, size_t size, const double *weight,
-                    int count, double h) {
-  if (into != X) memcpy(into, X, size * sizeof *into);
-  for (int j = 0; j < count; j++) {
-    const double *restrict kj = k + (size_t)j * size;
-    double w = h * weight[j];
-    if (w == 0) continue;
-    for (size_t e = 0; e < size; e++) into[e] += w * kj[e];
+static size_t stride(const hk_system *s) { return s->size - 3 * s->n; }
+
+double *hk_rk_slope(const hk_system *s, double *k, int i) { return k + (size_t)i * stride(s); }
+
+double *hk_rk_stage_state(const hk_tableau *T, const hk_system *s, double *k) { return hk_rk_slope(s, k, T->stages); }
+
+typedef struct blend {
+  int count;
+  double drift; /* h sum w */
+  const double *k[HK_RK_STAGES];
+  double x[HK_RK_STAGES], v[HK_RK_STAGES]; /* h^2 w A and h w */
+} blend;
+
+static blend weigh(const hk_tableau *T, const hk_system *s, double h, double *k, const double *w, int count,
+                   double total) {
+  blend b = {.drift = h * total};
+  for (int l = 0; l < count; l++) {
+    double x = 0;
+    for (int j = l + 1; j < count; j++) x += w[j] * T->a[j][l];
+    if (x == 0 && w[l] == 0) continue;
+    b.k[b.count] = hk_rk_slope(s, k, l);
+    b.x[b.count] = h * h * x;
+    b.v[b.count++] = h * w[l];
+  }
+  return b;
+}
+
+static void add(double *restrict to, const double *restrict k, size_t count, double w) {
+  if (w == 0) return;
+  for (size_t e = 0; e < count; e++) to[e] += w * k[e];
+}
+
+static void copy_drifted(double *restrict x_to, double *restrict v_to, const double *restrict x,
+                         const double *restrict v, size_t count, double drift) {
+  for (size_t e = 0; e < count; e++) {
+    x_to[e] = x[e] + drift * v[e];
+    v_to[e] = v[e];
   }
 }
 
-hk_status hk_rk_stages(const hk_tableau *T, hk_system *s, double h, double *k, int first) {
-  double *stage = k + (size_t)T->stages * s->size;
-  for (int i = first; i < T->stages; i++) {
-    double *X = s->X;
-    if (i > 0) {
-      combine(stage, s->X, k, s->size, T->a[i], i, h);
-      X = stage;
+void hk_rk_combine(const hk_tableau *T, const hk_system *s, double h, double *k, const double *weight, int count,
+                   double total, const double *X, double *into) {
+  size_t m = 3 * s->n, tail = s->size - 2 * m;
+  blend b = weigh(T, s, h, k, weight, count, total);
+  for (size_t begin = 0; begin < m; begin += CHUNK) {
+    size_t length = m - begin < CHUNK ? m - begin : CHUNK;
+    double *x = into + begin, *v = into + m + begin;
+    if (into == X)
+      add(x, v, length, b.drift);
+    else
+      copy_drifted(x, v, X + begin, X + m + begin, length, b.drift);
+    for (int j = 0; j < b.count; j++) {
+      add(x, b.k[j] + begin, length, b.x[j]);
+      add(v, b.k[j] + begin, length, b.v[j]);
     }
-    hk_status status = s->rates(s, s->t + T->c[i] * h, X, k + (size_t)i * s->size);
+  }
+  if (into != X) memcpy(into + 2 * m, X + 2 * m, tail * sizeof *into);
+  for (int j = 0; j < b.count; j++) add(into + 2 * m, b.k[j] + m, tail, b.v[j]);
+}
+
+hk_status hk_rk_stages(const hk_tableau *T, hk_system *s, double h, double *k, int first) {
+  size_t m = 3 * s->n;
+  for (int i = first; i < T->stages; i++) {
+    double *X = i == 0 ? s->X : hk_rk_stage_state(T, s, k), *slope = hk_rk_slope(s, k, i);
+    if (i > 0) hk_rk_combine(T, s, h, k, T->a[i], i, T->c[i], s->X, X);
+    hk_status status = s->accelerations(s, s->t + T->c[i] * h, X, X + m, X + 2 * m, slope, slope + m);
     if (status != HK_OK) return status;
   }
   return HK_OK;
 }
 
-void hk_rk_advance(const hk_tableau *T, const hk_system *s, double h, const double *k, double *X) {
-  for (int i = 0; i < T->stages; i++) {
-    const double *restrict ki = k + (size_t)i * s->size;
-    double *restrict into = X, w = h * T->b[i];
-    if (w == 0) continue;
-    for (size_t e = 0; e < s->size; e++) into[e] += w * ki[e];
-  }
+hk_status hk_rk_step(const hk_tableau *T, hk_system *s, double h, double *k) {
+  hk_status status = hk_rk_stages(T, s, h, k, 0);
+  if (status == HK_OK) hk_rk_combine(T, s, h, k, T->b, T->stages, 1, s->X, s->X);
+  return status;
 }
 
 static double stability(const hk_tableau *T, double complex z) {
@@ -65,6 +111,6 @@ static double stability(const hk_tableau *T, double complex z) {
 }
 
 double hk_rk_amplification(const hk_tableau *T, double hw, double hg) {
-  double complex root = csqrt(hg * hg - 4 * hw * hw);
-  return fmax(stability(T, (-hg + root) / 2), stability(T, (-hg - root) / 2));
+  double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
+  return fmax(stability(T, fast), stability(T, fast == 0 ? 0 : hw * hw / fast)); /* the roots' product is hw^2 */
 }

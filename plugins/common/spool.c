@@ -1,6 +1,7 @@
 #include "plugins/common/spool.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +16,9 @@ hk_status hk_spool_open(hk_spool *s, const hk_host *host, const char *name) {
   *s = (hk_spool){.host = host, .file = -1};
   hk_status status = host->path(host, name, path, sizeof path);
   if (status != HK_OK) return status;
-  s->file = mkostemp(path, 02000000 /* O_CLOEXEC */);
+  s->file = mkstemp(path);
   if (s->file < 0) return host->fail(host, HK_IO, "cannot create %s: %s", path, strerror(errno));
+  fcntl(s->file, F_SETFD, FD_CLOEXEC);
   unlink(path);
   return HK_OK;
 }
@@ -65,8 +67,9 @@ hk_status hk_spool_add(hk_spool *s, const hk_shot *shot) {
   if (status != HK_OK) return status;
   hk_spool_entry *e = s->entry + s->count;
   int64_t end = s->end;
-  bool same = s->count && shot->topology == s->topology;
-  *e = (hk_spool_entry){.n = shot->n, .triangles = shot->triangles, .lines = shot->lines, .reach = shot->reach};
+  bool same = s->count && e[-1].topology == shot->topology;
+  *e = (hk_spool_entry){.n = shot->n, .triangles = shot->triangles, .lines = shot->lines, .reach = shot->reach,
+                        .topology = shot->topology};
   memcpy(e->low, shot->low, sizeof e->low);
   memcpy(e->high, shot->high, sizeof e->high);
   e->topology_at = same ? e[-1].topology_at : s->end;
@@ -78,7 +81,6 @@ hk_status hk_spool_add(hk_spool *s, const hk_shot *shot) {
     s->end = end;
     return io_error(s, "write");
   }
-  s->topology = shot->topology;
   s->count++;
   return HK_OK;
 }
@@ -88,16 +90,16 @@ hk_status hk_spool_read(const hk_spool *s, size_t k, hk_shot *shot) {
   hk_status status = hk_shot_reserve(shot, e->n, e->triangles, e->lines);
   if (status != HK_OK) return status;
   int64_t at = e->topology_at;
-  uint64_t topology = (uint64_t)at + 1;
   bool ok = true;
-  if (shot->stale || shot->topology != topology)
+  if (shot->stale || shot->topology != e->topology)
     ok = get(s, &at, shot->mark, e->n) && get(s, &at, shot->triangle, e->triangles * sizeof *shot->triangle) &&
          get(s, &at, shot->line, e->lines * sizeof *shot->line);
   at = e->at;
   ok = ok && get(s, &at, shot->x, e->n * sizeof *shot->x) && get(s, &at, shot->ink, e->n * sizeof *shot->ink);
+  shot->stale = !ok;
   if (!ok) return io_error(s, "read");
   shot->n = e->n, shot->triangles = e->triangles, shot->lines = e->lines;
-  shot->topology = topology, shot->stale = false;
+  shot->topology = e->topology;
   memcpy(shot->low, e->low, sizeof e->low);
   memcpy(shot->high, e->high, sizeof e->high);
   shot->reach = e->reach;

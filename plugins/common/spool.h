@@ -7,6 +7,7 @@
 
 typedef struct hk_spool_entry {
   int64_t at, topology_at; /* bytes into the file */
+  uint64_t topology; /* as in hk_shot */
   size_t n, triangles, lines;
   float low[3], high[3], reach; /* as in hk_shot */
 } hk_spool_entry;
@@ -17,7 +18,6 @@ typedef struct hk_spool {
   int64_t end;
   size_t count, room;
   hk_spool_entry *entry;
-  uint64_t topology; /* of the last shot written */
 } hk_spool;
 
 /* `name`: of the file while it has one, inside the run's output folder, ending in XXXXXX. */

@@ -4,7 +4,7 @@
 static const hk_tableau tableau = {.stages = 1, .b = {1}};
 
 typedef struct euler {
-  double *k; /* stages and one more, shaped as X */
+  double *k; /* slopes and the state of a stage */
 } euler;
 
 static const hk_field fields[] = {
@@ -17,9 +17,7 @@ static double amplification(double hw, double hg) { return hk_rk_amplification(&
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   const euler *m = self;
   (void)t_stop, (void)out;
-  hk_status status = hk_rk_stages(&tableau, s, h, m->k, 0);
-  if (status == HK_OK) hk_rk_advance(&tableau, s, h, m->k, s->X);
-  return status;
+  return hk_rk_step(&tableau, s, h, m->k);
 }
 
 static const hk_integrator integrator = {.order = 1, .stages = 1, .amplification = amplification, .step = step};
@@ -29,7 +27,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_INTEGRATOR,
     .name = "euler",
     .summary = "explicit Euler, X + h f(X); order 1, unstable without damping",
-    .reference = "Euler 1768",
+    .reference = "Euler 1768, Institutionum calculi integralis I, II.7",
     .instance_size = sizeof(euler),
     .fields = fields,
     .integrator = &integrator,

@@ -7,7 +7,7 @@ static const hk_tableau tableau = {.stages = 4,
                                    .b = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}};
 
 typedef struct rk4 {
-  double *k; /* stages and one more, shaped as X */
+  double *k; /* slopes and the state of a stage */
 } rk4;
 
 static const hk_field fields[] = {
@@ -20,9 +20,7 @@ static double amplification(double hw, double hg) { return hk_rk_amplification(&
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   const rk4 *m = self;
   (void)t_stop, (void)out;
-  hk_status status = hk_rk_stages(&tableau, s, h, m->k, 0);
-  if (status == HK_OK) hk_rk_advance(&tableau, s, h, m->k, s->X);
-  return status;
+  return hk_rk_step(&tableau, s, h, m->k);
 }
 
 static const hk_integrator integrator = {.order = 4, .stages = 4, .amplification = amplification, .step = step};
@@ -31,8 +29,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_INTEGRATOR,
     .name = "rk4",
-    .summary = "the classical Runge-Kutta method of order 4",
-    .reference = "Kutta 1901",
+    .summary = "the classical Runge-Kutta method, X + h/6 (k1 + 2 k2 + 2 k3 + k4); order 4",
+    .reference = "Kutta 1901, Z. Math. Phys. 46; Hairer, Norsett and Wanner, Solving ODEs I, table II.1.2",
     .instance_size = sizeof(rk4),
     .fields = fields,
     .integrator = &integrator,

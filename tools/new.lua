@@ -1,0 +1,38 @@
+-- hooke new force NAME: writes NAME.c, a force that compiles, and NAME.lua, a scene that tests it, into this folder.
+local kind, name = arg[1], arg[2]
+
+local function fail(text)
+  io.stderr:write("hooke: new: " .. text .. "\n")
+  return 1
+end
+
+local function read(path)
+  local file = io.open(path, "r")
+  if not file then return nil end
+  local text = file:read("a")
+  file:close()
+  return text
+end
+
+if not kind or not name then return fail("usage: hooke new force NAME") end
+local template = read(("%s/templates/%s.c"):format(hooke.folder, kind))
+local scene = read(("%s/templates/%s.lua"):format(hooke.folder, kind))
+if not template or not scene then
+  local near = hooke.nearest(kind, { "force" })
+  return fail(("there is no template for '%s'%s"):format(kind, near and ("; did you mean '%s'?"):format(near) or ""))
+end
+if not name:match("^[a-z][a-z0-9_]*$") then return fail(("'%s' is no plugin name: use a-z, 0-9 and _"):format(name)) end
+
+for extension, text in pairs { c = template, lua = scene } do
+  local path = ("%s.%s"):format(name, extension)
+  if read(path) then return fail(path .. " exists already; it is left as it is") end
+  local file, message = io.open(path, "w")
+  if not file then return fail(message) end
+  local written, why = file:write((text:gsub("NAME", name)))
+  if not written or not file:close() then return fail(("cannot write %s: %s"):format(path, why or "disk full?")) end
+end
+
+print(([[wrote %s.c and %s.lua. Build and try it:
+  cc -O2 -shared -fPIC $(hooke --cflags) %s.c -o %s.so
+  hooke run --trust %s.lua]]):format(name, name, name, name, name))
+return 0

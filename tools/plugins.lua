@@ -1,0 +1,74 @@
+-- hooke plugins [NAME]: the catalogue; of one plugin its parameters, units, defaults, formula and source.
+local list, failed = hooke.catalogue()
+
+local function default(p)
+  if p.required then return "required" end
+  if p.optional then return "-" end
+  if p.type == "vector" then return ("{%g, %g, %g}"):format(p.initial[1], p.initial[2], p.initial[3]) end
+  if p.type == "string" then return p.text ~= "" and p.text or "-" end
+  if p.type == "boolean" then return tostring(p.initial[1] ~= 0) end
+  if p.type == "choice" then
+    local k = 0
+    for word in p.text:gmatch("[^|]+") do
+      if k == p.initial[1] then return word end
+      k = k + 1
+    end
+  end
+  if p.type == "edges" or p.type == "particles" or p.type == "numbers" then return "{}" end
+  return ("%g"):format(p.initial[1])
+end
+
+local function range(p)
+  if not p.min then return p.type == "choice" and p.text or "" end
+  return p.max <= p.min and (">= %g"):format(p.min) or p.max == math.huge and (">= %g"):format(p.min)
+    or ("%g to %g"):format(p.min, p.max)
+end
+
+local function show(plugin)
+  print(("%s '%s': %s"):format(plugin.kind, plugin.name, plugin.summary))
+  if plugin.reference ~= "" then print("  source      " .. plugin.reference) end
+  if plugin.order then
+    print(("  order       %d, %d evaluations of f a step%s%s%s"):format(plugin.order, plugin.stages,
+      plugin.symplectic and ", symplectic" or "", plugin.adaptive and ", adaptive" or "", plugin.implicit and ", implicit" or ""))
+  end
+  print("  file        " .. plugin.path)
+  for _, p in ipairs(plugin.params) do
+    print(("  %-11s %-12s %-9s default %-14s %s"):format(p.name, p.unit, p.type, default(p), p.help))
+    local limits = range(p)
+    if limits ~= "" or p.timed then
+      print(("  %-11s %s"):format("", limits .. (p.timed and (limits ~= "" and "; " or "") .. "may be a function of t" or "")))
+    end
+  end
+  if plugin.kind == "force" then print("  every force also takes label, only (ids) or group, from and to (s)") end
+end
+
+local function catalogue()
+  local kind
+  for _, plugin in ipairs(list) do
+    if plugin.kind ~= kind then
+      kind = plugin.kind
+      print((kind == "force" and "" or "\n") .. kind)
+    end
+    print(("  %-18s %s"):format(plugin.name, plugin.summary))
+  end
+  if #failed > 0 then print("\ncould not be loaded") end
+  for _, f in ipairs(failed) do print(("  %s: %s"):format(f.path, f.reason)) end
+end
+
+local name = arg[1]
+if not name then
+  catalogue()
+  return 0
+end
+local names, found = {}, false
+for _, plugin in ipairs(list) do
+  names[#names + 1] = plugin.name
+  if plugin.name == name then
+    show(plugin)
+    found = true
+  end
+end
+if found then return 0 end
+local near = hooke.nearest(name, names)
+io.stderr:write(("hooke: there is no plugin '%s'%s\n"):format(name, near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins"))
+return 1

@@ -1,0 +1,57 @@
+/* NAME: drag against air that moves, F = d (wind - v). Say here what the force does, its formula and its source. */
+#include "core/plugin.h"
+
+typedef struct NAME {
+  double wind[3]; /* m/s */
+  double d;       /* N s/m */
+} NAME;
+
+static const hk_param params[] = {
+    {"wind", "m/s", "velocity of the air", HK_VECTOR, {1, 0, 0}, 0, 0, offsetof(NAME, wind), HK_TIMED, NULL},
+    {"d", "N s/m", "drag of one particle", HK_NUMBER, {0.1}, 0, INFINITY, offsetof(NAME, d), 0, NULL},
+    {0},
+};
+
+/* Adds to F for the particles that the force acts on. Nothing may be allocated or printed here. */
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const NAME *p = self;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    for (int c = 0; c < 3; c++) {
+      double f = p->d * (p->wind[c] - view->v[3 * i + c]);
+      F[3 * i + c] += f;
+      if (view->power) *view->power += f * view->v[3 * i + c]; /* what is no gradient of an energy: its power */
+    }
+  }
+  return HK_OK;
+}
+
+/* Jacobian, first phase: which blocks there are. Second phase: their numbers, D = -dF/dv. */
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  (void)self;
+  for (size_t k = 0; k < view->acting; k++) {
+    uint32_t i = view->active ? view->active[k] : (uint32_t)k;
+    p->block(p, i, i);
+  }
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const NAME *p = self;
+  for (size_t k = 0; k < view->acting; k++)
+    for (int c = 0; c < 3; c++) into->D[9 * into->slot[k] + 4 * c] += p->d;
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_V | HK_SYMMETRIC_JACOBIAN | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "NAME",
+    .summary = "drag against moving air, F = d (wind - v)",
+    .reference = "",
+    .instance_size = sizeof(NAME),
+    .params = params,
+    .force = &force,
+};
