@@ -80,15 +80,16 @@ static int ids(lua_State *L) {
   return 1;
 }
 
-static int energy(lua_State *L) {
+static int push_energy(lua_State *L, bool with_kinetic, bool with_potential) {
   double kinetic, potential, work;
   hk_run_energy(run_of(L), &kinetic, &potential, &work);
-  lua_pushnumber(L, kinetic + potential);
-  lua_pushnumber(L, kinetic);
-  lua_pushnumber(L, potential);
-  lua_pushnumber(L, work);
-  return 4;
+  lua_pushnumber(L, (with_kinetic ? kinetic : 0) + (with_potential ? potential : 0));
+  return 1;
 }
+
+static int energy(lua_State *L) { return push_energy(L, true, true); }
+static int kinetic_energy(lua_State *L) { return push_energy(L, true, false); }
+static int potential_energy(lua_State *L) { return push_energy(L, false, true); }
 
 static int force(lua_State *L) {
   hk_run *run = run_of(L);
@@ -108,9 +109,17 @@ static int strain(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg methods[] = {{"position", position}, {"velocity", velocity}, {"mass", mass},
-                                   {"channel", channel},   {"ids", ids},           {"energy", energy},
-                                   {"force", force},       {"strain", strain},     {NULL, NULL}};
+static const luaL_Reg methods[] = {{"position", position},
+                                   {"velocity", velocity},
+                                   {"mass", mass},
+                                   {"channel", channel},
+                                   {"ids", ids},
+                                   {"energy", energy},
+                                   {"kinetic", kinetic_energy},
+                                   {"potential", potential_energy},
+                                   {"force", force},
+                                   {"strain", strain},
+                                   {NULL, NULL}};
 
 static const char *member_at(const void *context, size_t k) {
   const luaL_Reg *list = context;

@@ -327,11 +327,19 @@ static hk_status choose_label(hk_scene *scene, const hk_plugin *plugin, const ch
   return HK_OK;
 }
 
+/* "./wind.so" is beside the script. */
+static const char *beside_script(const hk_scene *scene, const char *name, char *path, size_t size) {
+  const char *slash = strrchr(scene->script, '/');
+  if (name[0] != '.' || !slash) return name;
+  return snprintf(path, size, "%.*s/%s", (int)(slash - scene->script), scene->script, name) < (int)size ? path : name;
+}
+
 hk_status hk_scene_add_plugin(hk_scene *scene, hk_kind kind, const char *name, const char *label, const char *where,
                               hk_instance **instance, hk_error *error) {
   const hk_plugin *plugin;
-  char chosen[128];
-  hk_status status = hk_registry_find(scene->registry, kind, name, &plugin, error);
+  char chosen[128], path[4096];
+  hk_status status =
+      hk_registry_find(scene->registry, kind, beside_script(scene, name, path, sizeof path), &plugin, error);
   if (status == HK_OK) status = choose_label(scene, plugin, label, chosen, sizeof chosen, error);
   if (status != HK_OK) return status;
   hk_instance *fresh = hk_instance_create(plugin, chosen, where, &scene->shared, error);
