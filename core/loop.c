@@ -143,6 +143,7 @@ static hk_status try_step(hk_run *run, double t_stop, double h, hk_step *out) {
   *out = (hk_step){h, h, NAN};
   hk_instance *integrator = run->scene->integrator;
   hk_status status = run->method->step(integrator->self, &run->system, t_stop, h, out);
+  if (status == HK_OK) run->error = (hk_error){0}; /* of an attempt that the method took back */
   if (out->error > run->worst_error) run->worst_error = out->error;
   return status;
 }
@@ -181,7 +182,7 @@ static hk_status fixed_segment(hk_run *run, double begin, double stop) {
 
 static hk_status adaptive_segment(hk_run *run, double stop) {
   while (run->system.t < stop) {
-    double t = run->system.t, h = fmin(run->dt, stop - t);
+    double t = run->system.t, h = run->dt;
     hk_step out;
     hk_status status = before_step(run, h);
     if (status == HK_OK) status = try_step(run, stop, h, &out);

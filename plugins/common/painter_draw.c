@@ -84,9 +84,9 @@ static void draw_backdrop(const hk_painter *p, const hk_stage *stage) {
   glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-/* The largest of 1, 2, 5 x 10^k below a third of the size. */
+/* The largest of 1, 2, 5 x 10^k below half the size. */
 static double grid_spacing(double size) {
-  double most = size / 3, decade = pow(10, floor(log10(most)));
+  double most = size / 2, decade = pow(10, floor(log10(most)));
   return decade * (most >= 5 * decade ? 5 : most >= 2 * decade ? 2 : 1);
 }
 

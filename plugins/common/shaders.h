@@ -7,9 +7,10 @@ static const char hk_light_glsl[] =
     "uniform vec3 key, sky;\n"
     "uniform float plain;\n" /* 1: no light, the colour as it is */
     "vec3 lit(vec3 base, vec3 n, vec3 toward) {\n"
-    "  float direct = clamp((dot(n, key) + 0.25) / 1.25, 0.0, 1.0);\n"
+    "  float facing = dot(n, key);\n" /* some light comes through from behind */
+    "  float direct = clamp((facing + 0.25) / 1.25, 0.0, 1.0) + 0.22 * max(-facing, 0.0);\n"
     "  float above = 0.5 + 0.5 * dot(n, sky);\n"
-    "  vec3 fill = mix(vec3(0.30, 0.28, 0.31), vec3(0.46, 0.50, 0.56), above);\n"
+    "  vec3 fill = mix(vec3(0.36, 0.34, 0.37), vec3(0.46, 0.50, 0.56), above);\n"
     "  float shine = max(dot(n, normalize(key + toward)), 0.0);\n"
     "  float edge = 1.0 - max(dot(n, toward), 0.0);\n"
     "  shine *= shine, shine *= shine, shine *= shine, shine *= shine, shine *= shine;\n" /* to the power 32 */

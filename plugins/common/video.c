@@ -55,19 +55,19 @@ static void last_line(int pipe, char *line, size_t size) {
   snprintf(line, size, "%s", start ? start + 1 : tail);
 }
 
-static int spawn(char *const arguments[], const int out[2], pid_t *child) {
+static int spawn(const char *const arguments[], const int out[2], pid_t *child) {
   posix_spawn_file_actions_t actions;
   int error = posix_spawn_file_actions_init(&actions);
   if (error) return error;
   error = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   if (!error) error = posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
   if (!error) error = posix_spawn_file_actions_adddup2(&actions, out[1], 2);
-  if (!error) error = posix_spawnp(child, "ffmpeg", &actions, NULL, arguments, environ);
+  if (!error) error = posix_spawnp(child, "ffmpeg", &actions, NULL, (char *const *)arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
   return error;
 }
 
-static hk_video_result run(char *const arguments[], char *why, size_t size) {
+static hk_video_result run(const char *const arguments[], char *why, size_t size) {
   int out[2], status = 0;
   pid_t child;
   if (pipe(out) != 0) {
@@ -94,7 +94,7 @@ hk_video_result hk_video_make(const char *folder, double fps, const char *file, 
     return HK_VIDEO_FAILED;
   }
   snprintf(rate, sizeof rate, "%.9g", fps);
-  char *arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-framerate", rate,
+  const char *const arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-framerate", rate,
                        "-i", input, "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast",
                        "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", output, NULL};
   return run(arguments, why, size);

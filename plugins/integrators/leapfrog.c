@@ -1,10 +1,10 @@
 /* Leapfrog, or velocity Verlet, with one evaluation a step:
  *     x' = x + h (v + h/2 a),  a' = a(x', v + h a),  v' = v + h/2 (a + a').
- * The acceleration of the end serves the next step. What depends on the velocity sees the predicted v + h a, which keeps
- * order 2 (the lagged v + h/2 a would be of order 1) and bounds the step by h w <= 2 (sqrt(1 + 4 xi^2) - 2 xi),
+ * The acceleration of the end serves the next step. What depends on the velocity sees the predicted v + h a, which
+ * keeps order 2 (the lagged v + h/2 a would be of order 1) and bounds the step by h w <= 2 (sqrt(1 + 4 xi^2) - 2 xi),
  * xi = g/(2w), with damping rate g; pure drag h g <= 1. Channels and work y go by the same prediction and average.
- * Without velocity-dependent forces it is symplectic and reversible. The new state is built beside X, which changes
- * when its evaluation has succeeded; forces that do not look at v see v itself, and nothing is predicted for them. */
+ * Without velocity-dependent forces it is symplectic and reversible. The velocity is predicted even then: the power of a
+ * force looks at it, and costs one store. The new state is built beside X, which changes once its evaluation succeeded. */
 #include "plugins/common/spectral.h"
 
 #include "core/plugin.h"
@@ -46,11 +46,6 @@ static void predict(double *restrict x_next, double *restrict v_next, const doub
   }
 }
 
-static void drift(double *restrict x_next, const double *restrict x, const double *restrict v,
-                  const double *restrict a, size_t count, double h) {
-  for (size_t e = 0; e < count; e++) x_next[e] = x[e] + h * (v[e] + h / 2 * a[e]);
-}
-
 static void commit(double *restrict x, double *restrict v, const double *restrict x_next, const double *restrict a,
                    const double *restrict a_next, size_t count, double half) {
   for (size_t e = 0; e < count; e++) {
@@ -64,17 +59,13 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
   double *X = s->X, *next = m->next, *a = m->slope + (m->current ? length : 0),
          *a_next = m->slope + (m->current ? 0 : length), t_next = fmin(t_stop, s->t + h);
-  bool look = s->flags & HK_DEPENDS_ON_V;
   (void)out;
   hk_status status = m->primed ? HK_OK : s->accelerations(s, s->t, X, X + v, X + y, a, a + v);
   m->primed = status == HK_OK;
   if (status != HK_OK) return status;
-  if (look)
-    predict(next, next + v, X, X + v, a, v, h);
-  else
-    drift(next, X, X + v, a, v, h);
+  predict(next, next + v, X, X + v, a, v, h);
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  status = s->accelerations(s, t_next, next, look ? next + v : X + v, next + y, a_next, a_next + v);
+  status = s->accelerations(s, t_next, next, next + v, next + y, a_next, a_next + v);
   if (status != HK_OK) return status;
   commit(X, X + v, next, a, a_next, v, h / 2);
   for (size_t e = y; e < s->size; e++) X[e] += h / 2 * (a[e - v] + a_next[e - v]);
@@ -95,7 +86,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .name = "leapfrog",
     .summary = "velocity Verlet, x' = x + h v + h^2/2 a, v' = v + h/2 (a + a'), forces at the end seeing v + h a; "
                "order 2, one evaluation a step",
-    .reference = "Verlet 1967; Swope and others 1982; Hairer, Lubich and Wanner, Geometric Numerical Integration, I.1.4",
+    .reference =
+        "Verlet 1967; Swope and others 1982; Hairer, Lubich and Wanner, Geometric Numerical Integration, I.1.4",
     .instance_size = sizeof(leapfrog),
     .fields = fields,
     .integrator = &integrator,

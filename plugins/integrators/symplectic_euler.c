@@ -2,13 +2,11 @@
 #include "core/plugin.h"
 
 typedef struct symplectic_euler {
-  double *a;  /* n x 3 */
-  double *dX; /* shaped as X; the rates of channels */
+  double *slope; /* (a, dy) */
 } symplectic_euler;
 
 static const hk_field fields[] = {
-    {"acceleration", HK_FIELD_PER_PARTICLE, 3, offsetof(symplectic_euler, a), HK_SCRATCH},
-    {"rates", HK_FIELD_STATE, 1, offsetof(symplectic_euler, dX), HK_SCRATCH},
+    {"slope", HK_FIELD_STATE, 1, offsetof(symplectic_euler, slope), HK_SCRATCH},
     {0},
 };
 
@@ -19,19 +17,21 @@ static double amplification(double hw, double hg) {
   return discriminant < 0 ? sqrt(determinant) : fabs(trace) / 2 + sqrt(discriminant);
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  const symplectic_euler *m = self;
-  size_t n = s->n, tail = s->size - 6 * n;
-  double *restrict x = s->X, *restrict v = s->X + 3 * n, *restrict y = s->X + 6 * n;
-  (void)t_stop, (void)out;
-  hk_status status = s->accelerations(s, s->t, x, v, y, m->a, m->dX);
-  if (status != HK_OK) return status;
-  const double *restrict a = m->a;
-  for (size_t e = 0; e < 3 * n; e++) {
+static void advance(double *restrict x, double *restrict v, const double *restrict a, size_t count, double h) {
+  for (size_t e = 0; e < count; e++) {
     v[e] += h * a[e];
     x[e] += h * v[e];
   }
-  for (size_t e = 0; e < tail; e++) y[e] += h * m->dX[e];
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  double *a = ((symplectic_euler *)self)->slope, *X = s->X;
+  size_t v = 3 * s->n, y = 6 * s->n;
+  (void)t_stop, (void)out;
+  hk_status status = s->accelerations(s, s->t, X, X + v, X + y, a, a + v);
+  if (status != HK_OK) return status;
+  advance(X, X + v, a, v, h);
+  for (size_t e = y; e < s->size; e++) X[e] += h * a[e - v];
   return HK_OK;
 }
 
@@ -43,7 +43,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_INTEGRATOR,
     .name = "symplectic_euler",
     .summary = "symplectic Euler: v += h a(x, v), then x += h v; order 1",
-    .reference = "de Vogelaere 1956; Hairer, Lubich and Wanner, Geometric Numerical Integration, I.1.2",
+    .reference = "de Vogelaere 1956; Hairer, Lubich and Wanner, Geometric Numerical Integration, (I.1.9)",
     .instance_size = sizeof(symplectic_euler),
     .fields = fields,
     .integrator = &integrator,

@@ -103,8 +103,10 @@ static void a_scene_may_begin_empty_with_a_source(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(births_append_new_ids_and_keep_the_old), cmocka_unit_test(deaths_close_ranks_and_take_their_springs),
-      cmocka_unit_test(strangers_do_not_disturb),               cmocka_unit_test(newborn_without_mass_is_refused),
+      cmocka_unit_test(births_append_new_ids_and_keep_the_old),
+      cmocka_unit_test(deaths_close_ranks_and_take_their_springs),
+      cmocka_unit_test(strangers_do_not_disturb),
+      cmocka_unit_test(newborn_without_mass_is_refused),
       cmocka_unit_test(a_scene_may_begin_empty_with_a_source),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -24,6 +24,7 @@ typedef struct fake {
   char error[512], warning[1024];
   void *memory[4096];
   size_t blocks;
+  long allocations_left; /* negative: no limit */
 } fake;
 
 static inline fake *fake_of(const hk_host *host) { return (fake *)(uintptr_t)host; }
@@ -47,6 +48,8 @@ static inline void fake_warn(const hk_host *host, const char *format, ...) {
 
 static inline void *fake_allocate(const hk_host *host, size_t bytes) {
   fake *f = fake_of(host);
+  if (f->allocations_left == 0) return NULL;
+  if (f->allocations_left > 0) f->allocations_left--;
   size_t size = (bytes + 63) / 64 * 64 + 64;
   void *memory = f->blocks < 4096 ? aligned_alloc(64, size) : NULL;
   if (memory) f->memory[f->blocks++] = memset(memory, 0, size);
@@ -106,7 +109,8 @@ static inline void fake_default(char *self, const hk_param *p) {
 static inline void fake_open(fake *f, const char *name) {
   char path[512];
   *f = (fake){.host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path,
-                       NULL}};
+                       NULL},
+              .allocations_left = -1};
   snprintf(path, sizeof path, strchr(name, '/') ? "%s" : HK_BUILD "/plugins/outputs/%s.so", name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   f->plugin = f->library ? dlsym(f->library, "hk_plugin_main") : NULL;

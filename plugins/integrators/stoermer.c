@@ -1,0 +1,29 @@
+/* Stoermer's multistep method of order 4: one evaluation a step, constant h, restarted by six-stage steps after events.
+ * Stable to h w = XX without damping, to h k = YY on decay. */
+#include "plugins/common/stoermer.h"
+
+enum { ORDER = 4 };
+
+static const hk_field fields[] = {HK_STOERMER_FIELDS(ORDER)};
+
+static double amplification(double hw, double hg) { return hk_stoermer_amplification(ORDER, hw, hg); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  (void)t_stop, (void)out;
+  return hk_stoermer_step(self, ORDER, s, h);
+}
+
+static const hk_integrator integrator = {
+    .order = ORDER, .stages = 1, .amplification = amplification, .step = step, .reset = hk_stoermer_reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "stoermer",
+    .summary = "Stoermer's explicit multistep method, x' - 2x + x_before = h^2 sum sigma_j D^j a, in summed form with "
+               "Adams-Bashforth 4 for v; order 4, one evaluation a step",
+    .reference = "Stoermer 1907; Hairer, Norsett and Wanner, Solving ODEs I, (III.10.9)",
+    .instance_size = sizeof(hk_stoermer),
+    .fields = fields,
+    .integrator = &integrator,
+};

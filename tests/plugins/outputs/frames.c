@@ -1,0 +1,417 @@
+/* Small pictures of small scenes, read back. What is looked for is painted pure red by a channel of three numbers:
+ * nothing else in a picture is. */
+#include "tests/plugins/outputs/fake_host.h"
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+#include <png.h>
+
+enum { SIDE = 12, MOST = SIDE * SIDE };
+
+typedef struct world {
+  fake f;
+  size_t n;
+  double x[3 * MOST], v[3 * MOST], y[3 * MOST], mass[MOST];
+  uint32_t id[MOST], group[MOST];
+  uint8_t pin[MOST];
+  uint32_t triangle[2 * MOST][3], pair[MOST][2];
+  double stiffness, damping, rest;
+  hk_channel channel;
+  hk_element_list list;
+  hk_model model;
+  hk_view view;
+  hk_frame frame;
+} world;
+
+typedef struct picture {
+  int width, height;
+  unsigned char *rgb;
+} picture;
+
+static void set_number(world *w, const char *name, double value) { *(double *)fake_field(&w->f, name) = value; }
+static void set_integer(world *w, const char *name, int64_t value) { *(int64_t *)fake_field(&w->f, name) = value; }
+static void set_switch(world *w, const char *name, bool value) { *(bool *)fake_field(&w->f, name) = value; }
+static void set_text(world *w, const char *name, const char *value) { *(const char **)fake_field(&w->f, name) = value; }
+static void set_vector(world *w, const char *name, double x, double y, double z) {
+  double *v = fake_field(&w->f, name);
+  v[0] = x, v[1] = y, v[2] = z;
+}
+
+/* n red particles at rest at the origin; 160 x 90 pixels, no video. */
+static void world_open(world *w, size_t n) {
+  static const char *const group_name[] = {"all"};
+  memset(w, 0, sizeof *w);
+  fake_open(&w->f, "frames");
+  w->n = n;
+  for (size_t i = 0; i < MOST; i++) w->mass[i] = 1, w->id[i] = (uint32_t)i + 1, w->y[3 * i] = 1;
+  w->channel = (hk_channel){"paint", 3, 0};
+  w->model = (hk_model){.n = n,
+                        .mass = w->mass,
+                        .inverse_mass = w->mass,
+                        .id = w->id,
+                        .group = w->group,
+                        .pin = w->pin,
+                        .groups = 1,
+                        .group_name = group_name,
+                        .channels = 1,
+                        .channel = &w->channel,
+                        .triangle = (const uint32_t(*)[3])w->triangle,
+                        .element_list = &w->list};
+  w->view = (hk_view){.n = n, .x = w->x, .v = w->v, .y = w->y, .model = &w->model, .host = &w->f.host};
+  w->frame.fps = 30;
+  set_integer(w, "width", 160);
+  set_integer(w, "height", 90);
+  set_text(w, "color", "paint");
+  set_switch(w, "video", false);
+}
+
+/* The particles become a cloth, one metre square in the xy-plane around `x`, 0, `z`. */
+static void make_cloth(world *w, double x, double z) {
+  w->model.triangles = 0;
+  for (uint32_t i = 0; i < SIDE; i++)
+    for (uint32_t j = 0; j < SIDE; j++) {
+      uint32_t a = i * SIDE + j;
+      w->x[3 * a] = x - 0.5 + (double)i / (SIDE - 1), w->x[3 * a + 1] = -0.5 + (double)j / (SIDE - 1);
+      w->x[3 * a + 2] = z;
+      if (i + 1 == SIDE || j + 1 == SIDE) continue;
+      uint32_t corner[2][3] = {{a, a + SIDE, a + SIDE + 1}, {a, a + SIDE + 1, a + 1}};
+      memcpy(w->triangle[w->model.triangles], corner, sizeof corner);
+      w->model.triangles += 2;
+    }
+}
+
+/* The particles become a chain along x with springs of 0.1 m, stretched by `strain`. */
+static void make_chain(world *w, double strain) {
+  for (uint32_t i = 0; i < w->n; i++) w->x[3 * i] = 0.1 * (1 + strain) * i;
+  for (uint32_t i = 0; i + 1 < w->n; i++) w->pair[i][0] = i, w->pair[i][1] = i + 1;
+  w->stiffness = 100, w->rest = 0.1;
+  w->list = (hk_element_list){
+      "springs", {w->n - 1, (const uint32_t(*)[2])w->pair, {1, &w->stiffness}, {1, &w->damping}, {1, &w->rest}}};
+  w->model.element_lists = 1;
+}
+
+static hk_status begin(world *w) {
+  hk_status status = w->f.plugin->create(w->f.self, &w->f.host, &w->view);
+  return status == HK_OK ? w->f.plugin->output->open(w->f.self, &w->view, &w->frame) : status;
+}
+
+static hk_status add(world *w) {
+  hk_status status = w->f.plugin->output->frame(w->f.self, &w->view, &w->frame);
+  w->frame.index++;
+  return status;
+}
+
+static hk_status end(world *w, hk_verdict verdict) { return w->f.plugin->output->close(w->f.self, verdict); }
+
+static void set_count(world *w, size_t n) {
+  w->n = w->view.n = w->model.n = n;
+  assert_int_equal(w->f.plugin->topology(w->f.self, &w->view), HK_OK);
+}
+
+static bool there_is(const world *w, const char *name) {
+  char path[512];
+  struct stat info;
+  snprintf(path, sizeof path, "%s/%s", w->f.folder, name);
+  return stat(path, &info) == 0 && info.st_size > 0;
+}
+
+static picture look(const world *w, size_t k) {
+  char path[512];
+  png_image image = {.version = PNG_IMAGE_VERSION};
+  snprintf(path, sizeof path, "%s/frames/%06zu.png", w->f.folder, k);
+  if (!png_image_begin_read_from_file(&image, path)) fail_msg("%s: %s", path, image.message);
+  image.format = PNG_FORMAT_RGB;
+  picture p = {(int)image.width, (int)image.height, malloc(PNG_IMAGE_SIZE(image))};
+  assert_true(png_image_finish_read(&image, NULL, p.rgb, 0, NULL));
+  return p;
+}
+
+static bool is_red(const picture *p, int x, int y) {
+  const unsigned char *c = p->rgb + 3 * (y * p->width + x);
+  return c[0] > c[1] + 40 && c[0] > c[2] + 40;
+}
+
+typedef struct extent {
+  int count, left, right, top, bottom; /* of red pixels */
+} extent;
+
+static extent find_red(const world *w, size_t k) {
+  picture p = look(w, k);
+  extent e = {0, p.width, -1, p.height, -1};
+  for (int y = 0; y < p.height; y++)
+    for (int x = 0; x < p.width; x++) {
+      if (!is_red(&p, x, y)) continue;
+      e.count++;
+      e.left = x < e.left ? x : e.left, e.right = x > e.right ? x : e.right;
+      e.top = y < e.top ? y : e.top, e.bottom = y > e.bottom ? y : e.bottom;
+    }
+  free(p.rgb);
+  return e;
+}
+
+static void frames_camera_sees_the_whole_motion(void **state) {
+  (void)state;
+  world w;
+  world_open(&w, MOST);
+  make_cloth(&w, 0, 0);
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 3; k++) {
+    make_cloth(&w, 1.5 * k, -0.4 * k * k);
+    assert_int_equal(add(&w), HK_OK);
+  }
+  assert_false(there_is(&w, "frames/000000.png")); /* the camera must know the motion first */
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  extent all = {0, 160, -1, 90, -1};
+  for (size_t k = 0; k < 3; k++) {
+    extent e = find_red(&w, k);
+    assert_true(e.count > 50);
+    all.left = e.left < all.left ? e.left : all.left, all.right = e.right > all.right ? e.right : all.right;
+    all.top = e.top < all.top ? e.top : all.top, all.bottom = e.bottom > all.bottom ? e.bottom : all.bottom;
+  }
+  assert_true(all.left > 2 && all.right < 157 && all.top > 2 && all.bottom < 87);
+  /* ... and stands no farther off than it must: the camera aims at 84 % of the picture in one direction. */
+  assert_true(all.right - all.left > 0.75 * 160 || all.bottom - all.top > 0.75 * 90);
+  fake_close(&w.f);
+}
+
+static void frames_light_both_sides_of_a_cloth(void **state) {
+  (void)state;
+  for (int side = -1; side <= 1; side += 2) {
+    world w;
+    world_open(&w, MOST);
+    make_cloth(&w, 0, 0);
+    for (size_t k = 0; k < 3 * MOST; k++) w.y[k] = 1;
+    set_switch(&w, "ground", false);
+    set_vector(&w, "camera", 0.1, -0.2, 2 * side);
+    set_vector(&w, "background", 0, 0, 0);
+    assert_int_equal(begin(&w), HK_OK);
+    assert_int_equal(add(&w), HK_OK);
+    assert_true(there_is(&w, "frames/000000.png")); /* nothing to wait for */
+    picture p = look(&w, 0);
+    const unsigned char *middle = p.rgb + 3 * (45 * 160 + 80);
+    for (int c = 0; c < 3; c++) {
+      assert_true(middle[c] > 80); /* of 255; white cloth */
+      assert_int_equal(p.rgb[c], 0);
+    }
+    free(p.rgb);
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+    fake_close(&w.f);
+  }
+}
+
+static void frames_show_the_floor_and_a_shadow_on_it(void **state) {
+  (void)state;
+  int darkest[2] = {255, 255};
+  for (int floor = 0; floor < 2; floor++) {
+    world w;
+    world_open(&w, MOST);
+    make_cloth(&w, 0, 0.3);
+    set_switch(&w, "ground", floor);
+    assert_int_equal(begin(&w), HK_OK);
+    assert_int_equal(add(&w), HK_OK);
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+    picture p = look(&w, 0);
+    for (int k = 0; k < 160 * 90; k++) {
+      const unsigned char *c = p.rgb + 3 * k;
+      bool grey = abs(c[0] - c[1]) < 12 && c[2] + 4 > c[1]; /* neither cloth nor its edge */
+      if (grey && c[1] < darkest[floor]) darkest[floor] = c[1];
+    }
+    free(p.rgb);
+    fake_close(&w.f);
+  }
+  assert_true(darkest[1] < darkest[0] - 20);
+}
+
+static void frames_have_the_size_asked_for_and_become_a_video(void **state) {
+  (void)state;
+  bool ffmpeg = system("command -v ffmpeg >/dev/null 2>&1") == 0;
+  world w;
+  world_open(&w, MOST);
+  make_cloth(&w, 0, 1);
+  set_integer(&w, "width", 161);
+  set_integer(&w, "height", 97);
+  set_integer(&w, "every", 2);
+  set_switch(&w, "video", true);
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 5; k++) assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(end(&w, HK_STOPPED), HK_OK);
+  picture p = look(&w, 0);
+  assert_int_equal(p.width, 161);
+  assert_int_equal(p.height, 97);
+  free(p.rgb);
+  assert_true(there_is(&w, "frames/000002.png"));
+  assert_false(there_is(&w, "frames/000003.png"));
+  assert_int_equal(there_is(&w, "video.mp4"), ffmpeg);
+  assert_int_equal(strstr(w.f.warning, "ffmpeg") == NULL, ffmpeg);
+  fake_close(&w.f);
+}
+
+static void frames_say_why_there_is_no_video(void **state) {
+  (void)state;
+  char *path = strdup(getenv("PATH")), program[512];
+  for (int broken = 0; broken < 2; broken++) {
+    world w;
+    world_open(&w, 1);
+    snprintf(program, sizeof program, "%s/ffmpeg", w.f.folder);
+    FILE *file = broken ? fopen(program, "w") : NULL;
+    if (file) {
+      fputs("#!/bin/sh\necho first >&2\necho the disk is sour >&2\nexit 3\n", file);
+      fclose(file);
+      chmod(program, 0700);
+    }
+    setenv("PATH", w.f.folder, 1);
+    set_switch(&w, "video", true);
+    assert_int_equal(begin(&w), HK_OK);
+    assert_int_equal(add(&w), HK_OK);
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+    setenv("PATH", path, 1);
+    assert_true(there_is(&w, "frames/000000.png"));
+    assert_non_null(strstr(w.f.warning, broken ? "no video: ffmpeg: the disk is sour" : "no video: there is no program"));
+    fake_close(&w.f);
+  }
+  free(path);
+}
+
+static void frames_follow_births_and_deaths(void **state) {
+  (void)state;
+  static const size_t count[] = {3, 0, 9, 144, 1};
+  world w;
+  world_open(&w, 3);
+  for (size_t i = 0; i < 3 * MOST; i++) w.x[i] = sin(12.9898 * (double)i);
+  assert_int_equal(begin(&w), HK_OK);
+  for (size_t k = 0; k < 5; k++) {
+    set_count(&w, count[k]);
+    assert_int_equal(add(&w), HK_OK);
+  }
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  for (size_t k = 0; k < 5; k++) assert_int_equal(find_red(&w, k).count > 0, count[k] > 0);
+  assert_true(find_red(&w, 3).count > 5 * find_red(&w, 2).count);
+  fake_close(&w.f);
+}
+
+static void frames_of_a_diverged_run_show_what_went_before(void **state) {
+  (void)state;
+  world w;
+  world_open(&w, MOST);
+  make_cloth(&w, 0, 0);
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 4; k++) assert_int_equal(add(&w), HK_OK);
+  w.x[0] = 1e30, w.x[4] = -1e300, w.x[8] = NAN, w.x[9] = INFINITY;
+  assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(end(&w, HK_DIVERGED), HK_OK);
+  extent before = find_red(&w, 0), after = find_red(&w, 4);
+  assert_true(before.right - before.left > 80 || before.bottom - before.top > 45);
+  assert_true(after.count > 0.8 * before.count); /* all but the triangles at four of 144 particles */
+  fake_close(&w.f);
+}
+
+static void frames_colour_springs_by_strain(void **state) {
+  (void)state;
+  for (int sign = -1; sign <= 1; sign += 2) {
+    const double range[] = {-0.1, 0.1};
+    world w;
+    world_open(&w, 8);
+    make_chain(&w, 0.1 * sign);
+    set_text(&w, "color", "auto");
+    set_switch(&w, "legend", false);
+    *(hk_numbers *)fake_field(&w.f, "range") = (hk_numbers){2, range};
+    assert_int_equal(begin(&w), HK_OK);
+    assert_int_equal(add(&w), HK_OK);
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+    picture p = look(&w, 0);
+    int red = 0, blue = 0;
+    for (int k = 0; k < 160 * 90; k++) {
+      red += p.rgb[3 * k] > p.rgb[3 * k + 2] + 60;
+      blue += p.rgb[3 * k + 2] > p.rgb[3 * k] + 60;
+    }
+    free(p.rgb);
+    assert_true(sign > 0 ? red > 50 && blue == 0 : blue > 50 && red == 0);
+    fake_close(&w.f);
+  }
+}
+
+static void frames_report_a_full_disk(void **state) {
+  (void)state;
+  world w;
+  char path[512];
+  world_open(&w, 1);
+  assert_int_equal(begin(&w), HK_OK);
+  snprintf(path, sizeof path, "%s/frames/000000.png", w.f.folder);
+  assert_int_equal(symlink("/dev/full", path), 0);
+  assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_IO);
+  assert_non_null(strstr(w.f.error, "000000.png: No space left on device"));
+  fake_close(&w.f);
+}
+
+static void frames_report_a_folder_that_cannot_be_used(void **state) {
+  (void)state;
+  world w;
+  char path[512];
+  world_open(&w, 1);
+  snprintf(path, sizeof path, "%s/frames", w.f.folder);
+  FILE *file = fopen(path, "w");
+  assert_non_null(file);
+  fclose(file);
+  assert_int_equal(begin(&w), HK_IO);
+  assert_non_null(strstr(w.f.error, "Not a directory"));
+  fake_close(&w.f);
+}
+
+static void frames_refuse_what_makes_no_picture(void **state) {
+  (void)state;
+  const double backwards[] = {1, 0};
+  world w;
+  world_open(&w, 1);
+  set_text(&w, "color", "temperature");
+  assert_int_equal(begin(&w), HK_BAD_PARAM);
+  assert_string_equal(w.f.error, "color: 'temperature' is not one of auto, none, strain, speed, group, paint");
+  fake_close(&w.f);
+  world_open(&w, 1);
+  *(hk_numbers *)fake_field(&w.f, "range") = (hk_numbers){2, backwards};
+  assert_int_equal(begin(&w), HK_BAD_PARAM);
+  fake_close(&w.f);
+}
+
+static void frames_survive_want_of_memory_anywhere(void **state) {
+  (void)state;
+  hk_status status = HK_NO_MEMORY;
+  for (long k = 0; status != HK_OK; k++) {
+    world w;
+    world_open(&w, 8);
+    make_chain(&w, 0);
+    set_number(&w, "radius", 0.02);
+    w.f.allocations_left = k;
+    hk_status opened = status = begin(&w);
+    if (status == HK_OK) status = add(&w);
+    if (opened == HK_OK) {
+      hk_status closed = end(&w, HK_STOPPED);
+      if (status == HK_OK) status = closed;
+    }
+    if (status != HK_OK) {
+      assert_int_equal(status, HK_NO_MEMORY);
+      assert_non_null(strstr(w.f.error, "no memory"));
+    }
+    fake_close(&w.f);
+    assert_true(k < 100);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(frames_camera_sees_the_whole_motion),
+      cmocka_unit_test(frames_light_both_sides_of_a_cloth),
+      cmocka_unit_test(frames_show_the_floor_and_a_shadow_on_it),
+      cmocka_unit_test(frames_have_the_size_asked_for_and_become_a_video),
+      cmocka_unit_test(frames_say_why_there_is_no_video),
+      cmocka_unit_test(frames_follow_births_and_deaths),
+      cmocka_unit_test(frames_of_a_diverged_run_show_what_went_before),
+      cmocka_unit_test(frames_colour_springs_by_strain),
+      cmocka_unit_test(frames_report_a_full_disk),
+      cmocka_unit_test(frames_report_a_folder_that_cannot_be_used),
+      cmocka_unit_test(frames_refuse_what_makes_no_picture),
+      cmocka_unit_test(frames_survive_want_of_memory_anywhere),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
