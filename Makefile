@@ -1,70 +1,197 @@
-# hooke: `make` builds, `make test` and `make run` also install what is missing. The folders are the lists: a new file
-# in core/, plugins/KIND/, tools/native/ or tests/ needs no line here.
+# make            builds hooke and its plugins       make run      simulates a cloth, with pictures in out/cloth
+# make test       builds and runs every test         make bench    the programs of tests/bench
+# make lint       clang-tidy, luacheck               make format   clang-format          make clean
+# make install    PREFIX=/usr/local DESTDIR=
 #
-#   make [all]   build/hooke, build/plugins/KIND/NAME.so, build/tools/NAME.so     V=1 shows the commands
-#   make run     builds and runs a first scene: a hanging cloth, with pictures in out/cloth
-#   make test    builds and runs the tests        SANITIZE=1: under the sanitizers   ONLY=TEXT: paths that contain it
-#   make bench   the programs of tests/bench, one after another
-#   make lint    clang-tidy and luacheck          make format   clang-format
-#   make install PREFIX=/usr/local DESTDIR=       make clean
+# SANITIZE=1: with sanitizers, in build/sanitize. ONLY=TEXT: only the tests with TEXT in their path. V=1: show commands.
+# The folders are the lists: a file in plugins/KIND is a plugin, in tools/native a Lua module, in tests a test program,
+# in tests/fixtures a plugin for tests, in tests/bench a benchmark. Nothing has to be added here for a new one.
 
-KINDS := forces constraints correctors sources integrators solvers outputs
 PREFIX ?= /usr/local
-PKG_CONFIG ?= pkg-config
-SANITIZE ?=
-WERROR ?= $(filter true 1,$(CI))
-B := $(if $(SANITIZE),build/sanitize,build)
+KINDS  := forces constraints correctors sources integrators solvers outputs
+B      := build$(if $(SANITIZE),/sanitize)
+Q      := $(if $(V),,@)
 
-# As many jobs as processors, unless the caller said a number or is a make that hands out jobs itself.
-ifeq ($(MAKELEVEL)$(findstring j,$(filter-out --%,$(MAKEFLAGS))),0)
-MAKEFLAGS += -j$(shell nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
+# As many jobs as processors, unless the caller says a number.
+ifeq ($(MAKELEVEL)$(filter -j%,$(MAKEFLAGS)),0)
+MAKEFLAGS += -j$(shell nproc 2>/dev/null || echo 1)
 endif
-
-# ---- Libraries. -isystem: their headers are not held to our warnings. Each variable can be given instead. ----------
-
-pkg_cflags = $(patsubst -I%,-isystem%,$(shell $(PKG_CONFIG) --cflags $(1) 2>/dev/null))
-pkg_libs = $(shell $(PKG_CONFIG) --libs $(1) 2>/dev/null)
-pkg_first = $(shell for p in $(1); do $(PKG_CONFIG) --exists $$p 2>/dev/null && echo $$p && break; done)
-
-LUA := $(call pkg_first,lua5.4 lua-5.4 lua54 lua)
-LUA_CFLAGS ?= $(call pkg_cflags,$(LUA))
-LUA_LIBS ?= $(call pkg_libs,$(LUA))
-CMOCKA_LIBS ?= $(or $(call pkg_libs,cmocka),-lcmocka)
-# SuiteSparse 5 comes without pkg-config files, 7 keeps the folder.
-SUITESPARSE_CFLAGS ?= -isystem/usr/include/suitesparse
-SUITESPARSE_LIBS ?= -lcholmod -lumfpack -lamd -lcolamd -lsuitesparseconfig
-# Pictures are drawn without a window: by OSMesa, or by EGL where Mesa no longer has OSMesa.
-GL ?= $(or $(call pkg_first,osmesa),$(if $(call pkg_first,egl),$(if $(call pkg_first,opengl gl),egl)))
-GL_MODULES = $(if $(filter egl,$(GL)),egl $(call pkg_first,opengl gl),$(GL))
-PNG ?= $(call pkg_first,libpng libpng16)
-ifneq ($(and $(GL),$(PNG)),)
-PICTURES_CFLAGS ?= $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call pkg_cflags,$(GL_MODULES) $(PNG))
-PICTURES_LIBS ?= $(call pkg_libs,$(GL_MODULES) $(PNG))
-endif
-
-# Expanded once: every := here is one child process less per compilation.
-$(foreach v,LUA_CFLAGS LUA_LIBS CMOCKA_LIBS PICTURES_CFLAGS PICTURES_LIBS,$(eval $v := $$($v)))
 
 # ---- Flags -----------------------------------------------------------------------------------------------------------
 
-CFLAGS ?= $(if $(SANITIZE),-O1,-O3) -g
-WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wold-style-definition -Wundef \
-  -Wwrite-strings -Wredundant-decls -Wdisabled-optimization -Wformat=2 $(if $(WERROR),-Werror)
-# No contraction into fused multiply-add: results are the same bits on every machine.
-FLOATS := -fno-math-errno -fno-trapping-math -ffp-contract=off
-SANITIZER := $(if $(SANITIZE),-fsanitize=address$(,)undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
-COMPILE := $(CC) -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(CPPFLAGS) $(WARNINGS) $(FLOATS) -fPIC \
-  -fvisibility=hidden -ffunction-sections -fdata-sections $(CFLAGS) $(SANITIZER) -MMD -MP
+# -ffp-contract=off: the same bits on every machine. No -march: fast paths are chosen when a plugin is loaded.
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wundef -Wwrite-strings \
+            -Wold-style-definition -Wredundant-decls -Wformat=2 -Wno-format-nonliteral \
+            $(if $(filter 1 true yes,$(CI) $(WERROR)),-Werror)
+FLAGS    := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -fPIC -fvisibility=hidden -ffunction-sections \
+            -fdata-sections -fno-math-errno -fno-trapping-math -ffp-contract=off -MMD -MP -g $(WARNINGS)
+LINK     := -Wl,--as-needed -Wl,--gc-sections
+ifdef SANITIZE
+FLAGS    += -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+LINK     += -fsanitize=address,undefined
+else
+FLAGS    += -O3
+# Nothing is left for a plugin to find in its host. (The sanitizers' own functions may be there.)
+COMPLETE := -Wl,-z,defs
+endif
 
-# What the files of each top folder see beyond that.
-FLAGS_core := $(LUA_CFLAGS)
-FLAGS_plugins := $(SUITESPARSE_CFLAGS) $(PICTURES_CFLAGS)
-FLAGS_tools := $(LUA_CFLAGS)
-FLAGS_tests := $(LUA_CFLAGS) $(FLAGS_plugins) -DHK_ROOT='"$(CURDIR)"' -DHK_BUILD='"$(CURDIR)/$(B)"'
+# Headers of libraries are not held to our warnings.
+exists   = $(firstword $(foreach p,$1,$(shell pkg-config --exists '$p' 2>/dev/null && echo $p)))
+cflags   = $(patsubst -I%,-isystem %,$(if $1,$(shell pkg-config --cflags $1)))
+libs     = $(if $1,$(shell pkg-config --libs $1))
 
-LINK := $(CC) $(CFLAGS) $(SANITIZER) $(LDFLAGS) -Wl,--as-needed -Wl,--gc-sections
-# A sanitizer's own symbols may be left to the program that loads the plugin.
-LINK_PLUGIN := $(LINK) -shared $(if $(SANITIZE),,-Wl,-z$(,)defs)
-SYSTEM_LIBS := -ldl -lpthread -lm
-LIBS_solvers := $(SUITESPARSE_LIBS)
-LIBS_outputs := $(PICTURES_LIBS)
+LUA          := $(call exists,lua5.4 lua-5.4 lua54 lua)
+LUA_CFLAGS   := $(call cflags,$(LUA))
+LUA_LIBS     := $(call libs,$(LUA))
+# SuiteSparse 5 has no pkg-config files.
+SPARSE_CFLAGS := $(addprefix -isystem ,$(wildcard /usr/include/suitesparse /usr/local/include/suitesparse))
+SPARSE_LIBS   := -lcholmod -lumfpack -lamd -lcolamd -lsuitesparseconfig
+# Pictures are drawn without a window: by OSMesa, or by EGL where Mesa has dropped it. GL=egl chooses.
+GL           := $(or $(call exists,osmesa),$(and $(call exists,egl),$(call exists,opengl gl),egl))
+PNG          := $(call exists,libpng)
+CMOCKA_LIBS  := $(call libs,$(call exists,cmocka))
+PICTURES     := $(and $(GL),$(PNG),$(subst egl,egl $(call exists,opengl gl),$(GL)) $(PNG))
+ifneq (,$(PICTURES))
+PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
+PICTURES_LIBS   := $(call libs,$(PICTURES))
+else # then what is written on OpenGL or libpng cannot be compiled
+LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*.c; do \
+              $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
+endif
+
+# ---- What there is to build ------------------------------------------------------------------------------------------
+
+object   = $(patsubst %.c,$B/obj/%.o,$1)
+core     := $(call object,$(filter-out core/main.c,$(wildcard core/*.c)))
+common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*.c)))
+support  := $(call object,$(wildcard tests/support/*.c))
+plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
+modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
+fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
+benches  := $(patsubst tests/%.c,$B/%,$(wildcard tests/bench/*.c))
+tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/bench/%,$(sort \
+              $(shell find tests -name '*.c'))))
+compiled := $(core) $B/obj/core/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
+              tools/native/*.c tests/fixtures/*.c tests/bench/*.c) $(tests:$B/%=%.c))
+
+# hooke takes the folder for the list as well: a plugin goes when its source goes.
+$(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugins/*/*.so $B/tools/*.so \
+  $B/tests/fixtures/*.so)))
+
+# These files are new when the flags, or the lists of files, are others than last time.
+settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(CURDIR)
+lists    := $(core) $(common) $(support)
+ifneq ($(file <$B/settings),$(settings))
+$(shell mkdir -p $B)$(file >$B/settings,$(settings))
+endif
+ifneq ($(file <$B/lists),$(lists))
+$(file >$B/lists,$(lists))
+endif
+
+# ---- Goals -----------------------------------------------------------------------------------------------------------
+
+.DELETE_ON_ERROR:
+.SECONDARY:
+.PHONY: all check build test-programs run test bench clean format lint install
+
+all: build
+build: $B/hooke $(plugins) $(modules)
+	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
+
+check:
+	$(if $(CHECKED),@:,@CC="$(CC)" tools/install-deps --check build)
+
+# The libraries are looked for when make starts: what was just installed is seen by the next one.
+again = +@$(MAKE) --no-print-directory CHECKED=1
+
+run:
+	@CC="$(CC)" tools/install-deps run
+	$(again) build
+	@$B/hooke run scripts/scenes/cloth.lua --out out/cloth
+
+test:
+	@CC="$(CC)" tools/install-deps test
+	$(again) test-programs
+	@HK_ROOT="$(CURDIR)" HK_BUILD="$(CURDIR)/$B" tests/run $B $(if $(ONLY),--only "$(ONLY)") $(tests)
+test-programs: build $(fixtures) $(tests)
+
+bench:
+	@CC="$(CC)" tools/install-deps run
+	$(again) build $(benches)
+	@for b in $(benches); do echo "== $$b"; $$b || exit 1; done
+
+# ---- How -------------------------------------------------------------------------------------------------------------
+
+say = $(if $(V),,@echo "  $1 $@")
+
+$B/obj/core/%.o: EXTRA = $(LUA_CFLAGS)
+$B/obj/tools/%.o: EXTRA = $(LUA_CFLAGS)
+$B/obj/plugins/%.o: EXTRA = $(SPARSE_CFLAGS) $(PICTURES_CFLAGS)
+$B/obj/tests/%.o: EXTRA = $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) \
+  -DHK_ROOT='"$(CURDIR)"' -DHK_BUILD='"$(CURDIR)/$B"'
+$B/obj/%.o: %.c $B/settings | check
+	@mkdir -p $(@D)
+	$(call say,compile)
+	$(Q)$(CC) $(FLAGS) $(EXTRA) $(CPPFLAGS) $(CFLAGS) -c $< -o $@
+
+$B/core.a: $(core)
+$B/plugins/common.a: $(common)
+$B/tests/support.a: $(support)
+$B/core.a $B/plugins/common.a $B/tests/support.a: $B/lists
+	@mkdir -p $(@D) && rm -f $@
+	$(call say,archive)
+	$(Q)$(AR) rcs $@ $(filter %.o,$^)
+
+# Programs and shared objects take from the archives, and of the libraries, what they use and no more.
+link = $(call say,link   )
+link_with = $(Q)mkdir -p $(@D) && $(CC) $(CFLAGS) $1 $(LINK) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LIBS) -ldl -lpthread -lm
+
+$B/hooke: LIBS = $(LUA_LIBS)
+$B/tests/% $B/bench/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS)
+$B/tests/fixtures/%: LIBS =
+$B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
+$B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
+
+$B/hooke: $B/obj/core/main.o $B/core.a
+	$(link)
+	$(call link_with)
+$B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
+	$(link)
+	$(call link_with,-shared $(COMPLETE))
+$B/tests/fixtures/%.so: $B/obj/tests/fixtures/%.o $B/plugins/common.a
+	$(link)
+	$(call link_with,-shared $(COMPLETE))
+# Lua's functions are those of the program that loads the module.
+$B/tools/%.so: $B/obj/tools/native/%.o $B/core.a
+	$(link)
+	$(call link_with,-shared)
+archives := $B/tests/support.a $B/core.a $B/plugins/common.a
+$(tests): $B/%: $B/obj/%.o $(archives)
+	$(link)
+	$(call link_with)
+$(benches): $B/bench/%: $B/obj/tests/bench/%.o $(archives)
+	$(link)
+	$(call link_with)
+
+clean:
+	rm -rf build
+
+c_files = $(shell find core plugins tests tools/native -name '*.[ch]' 2>/dev/null)
+format:
+	clang-format -i $(c_files)
+
+lint:
+	@CC="$(CC)" tools/install-deps lint
+	@printf '%s\n' $(filter-out tests/% $(LEFT_OUT),$(filter %.c,$(c_files))) | xargs -P 2 -I FILE clang-tidy --quiet FILE -- \
+	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS)
+	@luacheck --quiet scripts tools tests
+
+to = $(DESTDIR)$(PREFIX)
+install: build
+	install -D -t $(to)/bin $B/hooke
+	for f in $(patsubst $B/%,%,$(plugins) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
+	for f in core/plugin.h plugins/common/*.h; do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
+	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
+
+-include $(compiled:.o=.d)

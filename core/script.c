@@ -36,12 +36,14 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
 
 static void count_instructions(lua_State *L, lua_Debug *ar) {
   hk_script *s = hk_lua_script(L);
-  (void)ar;
   s->instructions += HOOK_COUNT;
   if (s->instructions > s->instruction_limit) {
     s->raised = HK_OK;
-    luaL_error(L, "the script ran beyond its limit of %d million instructions: is there an endless loop?",
-               (int)(s->instruction_limit / 1000000));
+    lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1); /* from now on everywhere, so that no pcall outlives it */
+    lua_getinfo(L, "Sl", ar);
+    lua_pushfstring(L, "%s:%d: the script ran beyond its limit of %d million instructions: is there an endless loop?",
+                    ar->short_src, ar->currentline, (int)(s->instruction_limit / 1000000));
+    lua_error(L);
   }
   if (s->run_options.interrupted && *s->run_options.interrupted) {
     s->raised = HK_INTERRUPTED;
@@ -96,6 +98,7 @@ hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error)
   hk_script *s = hk_lua_script(L);
   s->instructions = 0;
   s->raised = HK_OK;
+  lua_sethook(L, count_instructions, LUA_MASKCOUNT, HOOK_COUNT);
   int code = lua_pcall(L, arguments, results, 0);
   return code == LUA_OK ? HK_OK : take_error(L, code, error);
 }

@@ -113,27 +113,47 @@ static void remedy(const hk_run *run, char *text, size_t size) {
     snprintf(text, size, "; try a smaller dt, and look at the masses and stiffnesses of that particle");
 }
 
-hk_status hk_diagnose(hk_run *run, hk_status cause) {
-  size_t n = run->model.n, particle = first_bad(run->X, 6 * n), where = particle % (3 * n + !n) / 3;
-  bool in_state = particle < 6 * n;
+static size_t fastest(const double *v, size_t n) {
+  size_t best = 0;
+  for (size_t i = 1; i < n; i++)
+    if (size_of(v + 3 * i) > size_of(v + 3 * best)) best = i;
+  return best;
+}
+
+/* What blew up, in words: a state that is not finite, a force that is not, or else, where a method keeps the last
+ * finite state, the fastest particle in it. */
+static void explain(hk_run *run, char *text, size_t size) {
+  size_t n = run->model.n, bad = first_bad(run->X, 6 * n), particle = n;
   double newton = NAN;
-  char fix[200];
+  const char *label = NULL;
+  if (bad == 6 * n) {
+    label = culprit(run, run->X, n, &particle, &newton);
+    if (label) {
+      snprintf(text, size, "particle %u gets a force that is not finite from '%s'", run->id[particle], label);
+      return;
+    }
+    particle = fastest(run->X + 3 * n, n);
+    label = culprit(run, run->X, n, &particle, &newton);
+  } else {
+    particle = bad % (3 * n) / 3;
+    if (run->good.n == n) label = culprit(run, run->good.X, n, &particle, &newton);
+  }
+  snprintf(text, size, "particle %u %s%s%s%s", run->id[particle],
+           bad < 6 * n ? "has a position or velocity that is not finite" : "was the fastest",
+           label ? "; the largest force on it was '" : "", label ? label : "", label ? "'" : "");
+}
+
+hk_status hk_diagnose(hk_run *run, hk_status cause) {
+  char fix[200], what[400];
   remedy(run, fix, sizeof fix);
-  if (cause == HK_NOT_CONVERGED) {
+  if (cause == HK_NOT_CONVERGED)
     snprintf(run->reason, sizeof run->reason, "did not converge at step %zu, t = %g s: %.700s%s", run->steps + 1,
              run->system.t, run->error.text, fix);
-    return cause;
+  else {
+    explain(run, what, sizeof what);
+    snprintf(run->reason, sizeof run->reason, "diverged at step %zu, t = %g s: %s%s", run->steps + 1, run->system.t,
+             what, fix);
   }
-  particle = in_state ? where : n;
-  bool same = run->good.n == n;
-  const char *label = culprit(run, in_state && same ? run->good.X : run->X, n, &particle, &newton);
-  if (!label && particle == n && same) label = culprit(run, run->good.X, n, &particle, &newton);
-  snprintf(run->reason, sizeof run->reason, "diverged at step %zu, t = %g s: particle %u%s%s%s%s%s", run->steps + 1,
-           run->system.t, particle < n ? run->id[particle] : 0,
-           in_state ? " has a position or velocity that is not finite" : "",
-           label ? (in_state ? "; the largest force on it before was '" : " gets a force that is not finite from '")
-                 : "",
-           label ? label : "", label ? "'" : "", fix);
   return cause;
 }
 

@@ -23,8 +23,10 @@ static bool make_target(unsigned *target, unsigned colour, unsigned depth) {
 
 bool hk_canvas_open(hk_canvas *c, int width, int height) {
   *c = (hk_canvas){.width = width, .height = height};
-  while (glGetError() != GL_NO_ERROR) {}
-  for (int k = 0; k < 4; k++) c->buffer[k] = make_buffer(SAMPLES, k % 2 ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  for (int k = 0; k < 4; k++)
+    c->buffer[k] = make_buffer(SAMPLES, k % 2 ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
   c->buffer[4] = make_buffer(0, GL_RGBA8, width, height);
   if (glGetError() != GL_NO_ERROR) return false;
   return make_target(&c->target[DRAWN], c->buffer[0], c->buffer[1]) &&

@@ -13,7 +13,7 @@ typedef struct hk_canvas {
 /* False when the driver has no room for that size; the canvas can then only be closed. */
 bool hk_canvas_open(hk_canvas *, int width, int height);
 void hk_canvas_close(hk_canvas *);
-void hk_canvas_use(const hk_canvas *); /* drawing goes to it from here on */
+void hk_canvas_use(const hk_canvas *);     /* drawing goes to it from here on */
 void hk_canvas_keep(const hk_canvas *);    /* what is drawn so far is kept ... */
 void hk_canvas_restore(const hk_canvas *); /* ... and comes back, colour and depth */
 /* width x height x 4 bytes (red, green, blue, 255), the bottom row first. */

@@ -14,8 +14,7 @@ struct hk_gl_context {
 };
 
 static EGLDisplay open_display(void) {
-  PFNEGLGETPLATFORMDISPLAYEXTPROC get =
-      (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
+  PFNEGLGETPLATFORMDISPLAYEXTPROC get = (PFNEGLGETPLATFORMDISPLAYEXTPROC)eglGetProcAddress("eglGetPlatformDisplayEXT");
   return get ? get(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL) : EGL_NO_DISPLAY;
 }
 
@@ -57,9 +56,17 @@ struct hk_gl_context {
 };
 
 static const char *open_context(hk_gl_context *gl) {
-  static const int wanted[] = {OSMESA_FORMAT,  OSMESA_RGBA,           OSMESA_DEPTH_BITS, 24,
-                               OSMESA_PROFILE, OSMESA_COMPAT_PROFILE, OSMESA_CONTEXT_MAJOR_VERSION, 3,
-                               OSMESA_CONTEXT_MINOR_VERSION, 3,       0};
+  static const int wanted[] = {OSMESA_FORMAT,
+                               OSMESA_RGBA,
+                               OSMESA_DEPTH_BITS,
+                               24,
+                               OSMESA_PROFILE,
+                               OSMESA_COMPAT_PROFILE,
+                               OSMESA_CONTEXT_MAJOR_VERSION,
+                               3,
+                               OSMESA_CONTEXT_MINOR_VERSION,
+                               3,
+                               0};
   gl->context = OSMesaCreateContextAttribs(wanted, NULL);
   if (!gl->context) return "OSMesa cannot create an OpenGL 3.3 context";
   return hk_gl_context_use(gl) ? NULL : "OSMesa cannot make the context current";

@@ -7,12 +7,9 @@
 
 static hk_status make_programs(hk_painter *p) {
   static const char *const source[HK_PROGRAMS][2] = {
-      [HK_MESH] = {hk_mesh_vertex, hk_mesh_fragment},
-      [HK_TUBE] = {hk_tube_vertex, hk_tube_fragment},
-      [HK_BEAD] = {hk_bead_vertex, hk_bead_fragment},
-      [HK_FLOOR] = {hk_floor_vertex, hk_floor_fragment},
-      [HK_SHADE] = {hk_floor_vertex, hk_shade_fragment},
-      [HK_BACKDROP] = {hk_screen_vertex, hk_backdrop_fragment},
+      [HK_MESH] = {hk_mesh_vertex, hk_mesh_fragment},    [HK_TUBE] = {hk_tube_vertex, hk_tube_fragment},
+      [HK_BEAD] = {hk_bead_vertex, hk_bead_fragment},    [HK_FLOOR] = {hk_floor_vertex, hk_floor_fragment},
+      [HK_SHADE] = {hk_floor_vertex, hk_shade_fragment}, [HK_BACKDROP] = {hk_screen_vertex, hk_backdrop_fragment},
   };
   char log[512] = "";
   for (int k = 0; k < HK_PROGRAMS; k++) {

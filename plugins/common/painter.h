@@ -29,10 +29,11 @@ typedef struct hk_painter {
   const hk_host *host;
   hk_canvas canvas;
   unsigned program[HK_PROGRAMS];
-  unsigned mesh_array, mesh_buffer, index_buffer, tube_array, tube_buffer, bead_array, bead_buffer, corner_buffer, nothing;
+  unsigned mesh_array, mesh_buffer, index_buffer, tube_array, tube_buffer, bead_array, bead_buffer, corner_buffer,
+      nothing;
   unsigned shadow;      /* a texture */
   unsigned char *shade; /* its texels, HK_SHADOW_SIZE squared, and as many for the blur */
-  bool kept; /* backdrop and floor are in the canvas's keeping */
+  bool kept;            /* backdrop and floor are in the canvas's keeping */
   size_t room, triangle_room, tube_room, bead_room;
   hk_vertex *vertex;
   hk_tube *tube;
@@ -44,7 +45,8 @@ typedef struct hk_painter {
 hk_status hk_painter_open(hk_painter *, const hk_host *host, int width, int height);
 void hk_painter_close(hk_painter *); /* also of a zeroed one */
 
-/* Draws everything; `colour` has one per particle. The stage must be the same for all pictures of a painter. */
+/* Draws everything; `colour` has one per particle. Camera, floor and background must be the
+ * same for all pictures of a painter; the box may differ. */
 hk_status hk_painter_draw(hk_painter *, const hk_stage *stage, const hk_shot *shot, uint8_t (*colour)[4]);
 /* Draws strokes over the picture: coordinates in pixels from the lower left corner, half width in pixels. */
 void hk_painter_strokes(hk_painter *, const hk_tube *stroke, size_t count, double half_width);

@@ -6,8 +6,8 @@
 typedef struct scene {
   const hk_stage *stage;
   hk_lens lens;
-  double key[3]; /* towards the light, world axes */
-  float key_seen[3], sky_seen[3]; /* in the camera's axes */
+  double key[3];        /* towards the light, world axes */
+  float light[2][4][3]; /* key, sky, toward, between; in world axes and in the camera's */
 } scene;
 
 static int uniform(const hk_painter *p, int program, const char *name) {
@@ -20,24 +20,35 @@ static void set_matrices(const hk_painter *p, int program, const float view[16],
   glUniformMatrix4fv(uniform(p, program, "projection"), 1, GL_FALSE, projection);
 }
 
-static void set_light(const hk_painter *p, int program, const float key[3], const float sky[3], float plain) {
-  glUniform3fv(uniform(p, program, "key"), 1, key);
-  glUniform3fv(uniform(p, program, "sky"), 1, sky);
+static void set_light(const hk_painter *p, int program, const float light[4][3], float plain) {
+  static const char *const name[] = {"key", "sky", "toward", "between"};
+  for (int k = 0; k < 4; k++) glUniform3fv(uniform(p, program, name[k]), 1, light[k]);
   glUniform1f(uniform(p, program, "plain"), plain);
+}
+
+static void normalize(double v[3]) {
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  for (int c = 0; c < 3; c++) v[c] /= length;
 }
 
 /* From above, the left and behind the eye. */
 static void place_light(scene *s) {
-  double axis[3][3], sum = 0;
+  double axis[3][3], direction[4][3] = {{0}, {0, 0, 1}};
   hk_camera_axes(&s->stage->camera, axis[0], axis[1], axis[2]);
   for (int c = 0; c < 3; c++) s->key[c] = -0.42 * axis[0][c] + (c < 2 ? 0.3 * axis[2][c] : 1);
   s->key[2] = fmax(s->key[2], 0.5);
-  for (int c = 0; c < 3; c++) sum += s->key[c] * s->key[c];
-  for (int c = 0; c < 3; c++) s->key[c] /= sqrt(sum);
-  for (int i = 0; i < 3; i++) {
-    s->key_seen[i] = (float)(axis[i][0] * s->key[0] + axis[i][1] * s->key[1] + axis[i][2] * s->key[2]);
-    s->sky_seen[i] = (float)axis[i][2];
+  normalize(s->key);
+  for (int c = 0; c < 3; c++) {
+    direction[0][c] = s->key[c], direction[2][c] = axis[2][c];
+    direction[3][c] = s->key[c] + axis[2][c];
   }
+  normalize(direction[3]);
+  for (int k = 0; k < 4; k++)
+    for (int c = 0; c < 3; c++) {
+      const double *d = direction[k], *a = axis[c];
+      s->light[0][k][c] = (float)d[c];
+      s->light[1][k][c] = (float)(a[0] * d[0] + a[1] * d[1] + a[2] * d[2]);
+    }
 }
 
 static void upload(const hk_painter *p) {
@@ -45,7 +56,8 @@ static void upload(const hk_painter *p) {
   glBindBuffer(GL_ARRAY_BUFFER, p->mesh_buffer);
   if (p->triangles) {
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->vertices * sizeof *p->vertex), p->vertex, GL_STREAM_DRAW);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(p->triangles * sizeof *p->triangle), p->triangle, GL_STREAM_DRAW);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(p->triangles * sizeof *p->triangle), p->triangle,
+                 GL_STREAM_DRAW);
   }
   glBindBuffer(GL_ARRAY_BUFFER, p->tube_buffer);
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->tubes * sizeof *p->tube), p->tube, GL_STREAM_DRAW);
@@ -54,12 +66,9 @@ static void upload(const hk_painter *p) {
 }
 
 static void draw_mesh(const hk_painter *p, const scene *s) {
-  static const float sky[3] = {0, 0, 1};
-  const double *eye = s->stage->camera.eye;
   if (!p->triangles) return;
   set_matrices(p, HK_MESH, s->lens.view, s->lens.projection);
-  set_light(p, HK_MESH, (float[]){(float)s->key[0], (float)s->key[1], (float)s->key[2]}, sky, 0);
-  glUniform3f(uniform(p, HK_MESH, "eye"), (float)eye[0], (float)eye[1], (float)eye[2]);
+  set_light(p, HK_MESH, s->light[0], 0);
   glBindVertexArray(p->mesh_array);
   glDrawElements(GL_TRIANGLES, (GLsizei)(3 * p->triangles), GL_UNSIGNED_INT, NULL);
 }
@@ -67,7 +76,7 @@ static void draw_mesh(const hk_painter *p, const scene *s) {
 static void draw_instances(const hk_painter *p, const scene *s, int program, size_t count, double least) {
   if (!count) return;
   set_matrices(p, program, s->lens.view, s->lens.projection);
-  set_light(p, program, s->key_seen, s->sky_seen, 0);
+  set_light(p, program, s->light[1], 0);
   glUniform1f(uniform(p, program, "least"), (float)least);
   glUniform2f(uniform(p, program, "pixel"), 2.f / (float)p->canvas.width, 2.f / (float)p->canvas.height);
   if (program == HK_TUBE) glUniform1f(uniform(p, program, "radius"), (float)s->stage->tube);
@@ -164,13 +173,14 @@ hk_status hk_painter_draw(hk_painter *p, const hk_stage *stage, const hk_shot *s
 
 void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, double half_width) {
   float w = 2.f / (float)p->canvas.width, h = 2.f / (float)p->canvas.height;
-  float view[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1}, nothing[3] = {0, 0, 1};
+  float view[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
+  static const float unlit[4][3] = {{0}};
   float projection[16] = {[0] = w, [5] = h, [12] = -1, [13] = -1, [15] = 1};
   glDisable(GL_DEPTH_TEST);
   glBindBuffer(GL_ARRAY_BUFFER, p->tube_buffer);
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *stroke), stroke, GL_STREAM_DRAW);
   set_matrices(p, HK_TUBE, view, projection);
-  set_light(p, HK_TUBE, nothing, nothing, 1);
+  set_light(p, HK_TUBE, unlit, 1);
   glUniform1f(uniform(p, HK_TUBE, "radius"), 0);
   glUniform1f(uniform(p, HK_TUBE, "least"), (float)half_width);
   glUniform2f(uniform(p, HK_TUBE, "pixel"), w, h);

@@ -47,7 +47,7 @@ static double median_reach(const hk_spool *spool, float *scratch) {
 /* Radii: beads on springs are a little thicker than these; alone they share the room. */
 static void choose_radii(const hk_plan *plan, size_t n, size_t lines, hk_stage *stage) {
   double loose = fmin(fmax(0.34 / sqrt((double)n + 1), 0.004), 0.03);
-  stage->tube = stage->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.0045);
+  stage->tube = stage->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.006);
   stage->bead = lines ? 1.9 * stage->tube : loose * stage->size;
   if (!isnan(plan->radius)) stage->bead = plan->radius;
   stage->pin = 0.0065 * stage->size;
@@ -101,17 +101,17 @@ static double round_up(double value) {
   return unit * ceil(value / unit * (1 - 1e-9));
 }
 
-/* All but the outermost half per cent at each end. */
+/* All but the outermost one per cent at each end: a few corners may saturate so that the rest shows. */
 static void choose_range(hk_plan *plan, sample *s) {
   if (!isnan(plan->low)) return;
   plan->low = 0, plan->high = 1;
   if (!plan->counted || !s->count) return;
   qsort(s->number, s->count, sizeof *s->number, by_size);
-  double low = (double)s->number[s->count / 200], high = (double)s->number[s->count - 1 - s->count / 200];
+  double low = (double)s->number[s->count / 100], high = (double)s->number[s->count - 1 - s->count / 100];
   if (plan->centred) {
     high = fmax(round_up(fmax(fabs(low), fabs(high))), 1e-9);
     low = -high;
-  } else if (low >= 0 && low < 0.5 * high) {
+  } else if (low >= 0 && (low < 0.5 * high || high - low < 1e-3 * high)) {
     low = 0, high = round_up(high);
   }
   if (high <= low) high = low + fmax(fabs(low), 1) * 1e-3;
@@ -160,12 +160,26 @@ hk_status hk_plan_motion(hk_plan *plan, const hk_spool *spool, hk_shot *shot, do
   return status;
 }
 
+/* What the camera sees at its target's distance is the size; boxes may only grow to many times that. */
 void hk_plan_shot(hk_plan *plan, const hk_shot *shot, hk_stage *stage) {
+  bool first = stage->size == 0;
+  double sum = 0;
   begin_box(stage);
   add_box(stage, shot->low, shot->high);
   end_box(stage);
+  if (first) set_camera(plan, shot->origin, stage);
+  for (int c = 0; c < 3; c++) {
+    double side = stage->camera.eye[c] - stage->camera.target[c];
+    sum += side * side;
+  }
+  double distance = sqrt(sum);
+  stage->size = fmax(distance, 1e-9) * tan(plan->fov / 2);
+  for (int c = 0; c < 3; c++) {
+    stage->low[c] = fmax(stage->low[c], -50 * stage->size);
+    stage->high[c] = fmin(stage->high[c], 50 * stage->size);
+  }
+  if (!first) return;
   choose_radii(plan, shot->n, shot->lines, stage);
   choose_floor(plan, shot->origin, stage);
-  set_camera(plan, shot->origin, stage);
-  set_depths(stage);
+  stage->camera.near = 0.02 * distance, stage->camera.far = 60 * distance;
 }

@@ -9,8 +9,8 @@ typedef struct hk_plan {
   double eye[3], target[3]; /* in the scene's coordinates; NAN: chosen */
   double fov, aspect;
   bool floor;
-  double height; /* in the scene's coordinates; NAN: chosen */
-  double radius; /* of particles, m; NAN: chosen */
+  double height;    /* in the scene's coordinates; NAN: chosen */
+  double radius;    /* of particles, m; NAN: chosen */
   double low, high; /* range of the numbers; NAN: chosen */
   bool centred;     /* the range is even about zero */
   bool counted;     /* the shots' ink is numbers that need a range */
@@ -19,7 +19,8 @@ typedef struct hk_plan {
 /* Chooses for all shots of the spool, at least one; fills the plan's range. `shot` is used for reading. `wild` > 1:
  * frames that reach that many times farther than the median frame do not count (the run has diverged). */
 hk_status hk_plan_motion(hk_plan *, const hk_spool *spool, hk_shot *shot, double wild, hk_stage *stage);
-/* Chooses from one shot, for pictures that are drawn at once. */
+/* For pictures that are drawn at once, with a camera that is set: the first call, on a zeroed stage, chooses from the
+ * first shot; later ones follow its box. */
 void hk_plan_shot(hk_plan *, const hk_shot *shot, hk_stage *stage);
 
 #endif

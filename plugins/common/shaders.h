@@ -1,46 +1,43 @@
-/* The GLSL of the pictures. `key` points to the main light, `sky` up; both, and the normals, in world axes for meshes
- * and in the camera's axes for tubes and beads. */
+/* The GLSL of the pictures. Directions: `key` points to the main light, `sky` up, `toward` to the eye (taken as far
+ * away), `between` halfway from there to the light; they and the normals are in world axes for meshes and in the
+ * camera's axes for tubes and beads. */
 #ifndef HK_SHADERS_H
 #define HK_SHADERS_H
 
 static const char hk_light_glsl[] =
-    "uniform vec3 key, sky;\n"
+    "uniform vec3 key, sky, toward, between;\n"
     "uniform float plain;\n" /* 1: no light, the colour as it is */
-    "vec3 lit(vec3 base, vec3 n, vec3 toward) {\n"
+    "vec3 lit(vec3 base, vec3 n) {\n"
     "  float facing = dot(n, key);\n" /* some light comes through from behind */
-    "  float direct = clamp((facing + 0.25) / 1.25, 0.0, 1.0) + 0.22 * max(-facing, 0.0);\n"
+    "  float direct = clamp((facing + 0.25) / 1.25, 0.0, 1.0) + 0.34 * max(-facing, 0.0);\n"
     "  float above = 0.5 + 0.5 * dot(n, sky);\n"
-    "  vec3 fill = mix(vec3(0.36, 0.34, 0.37), vec3(0.46, 0.50, 0.56), above);\n"
-    "  float shine = max(dot(n, normalize(key + toward)), 0.0);\n"
+    "  vec3 fill = mix(vec3(0.43, 0.41, 0.43), vec3(0.42, 0.45, 0.50), above);\n"
+    "  float shine = max(dot(n, between), 0.0);\n"
     "  float edge = 1.0 - max(dot(n, toward), 0.0);\n"
     "  shine *= shine, shine *= shine, shine *= shine, shine *= shine, shine *= shine;\n" /* to the power 32 */
-    "  vec3 colour = base * (fill + direct * vec3(0.60, 0.57, 0.52)) + 0.10 * shine + 0.05 * edge * edge * edge;\n"
+    "  vec3 colour = base * (fill + 0.20 * (1.0 - edge) + direct * vec3(0.46, 0.44, 0.40)) + 0.10 * shine + 0.05 * "
+    "edge * edge * edge;\n"
     "  return mix(colour, base, plain);\n"
     "}\n";
 
-static const char hk_mesh_vertex[] =
-    "layout(location = 0) in vec3 position;\n"
-    "layout(location = 1) in vec3 normal;\n"
-    "layout(location = 2) in vec4 colour;\n"
-    "uniform mat4 view, projection;\n"
-    "out vec3 at, n;\n"
-    "out vec3 base;\n"
-    "void main() {\n"
-    "  at = position, n = normal, base = colour.rgb;\n"
-    "  gl_Position = projection * view * vec4(position, 1.0);\n"
-    "}\n";
+static const char hk_mesh_vertex[] = "layout(location = 0) in vec3 position;\n"
+                                     "layout(location = 1) in vec3 normal;\n"
+                                     "layout(location = 2) in vec4 colour;\n"
+                                     "uniform mat4 view, projection;\n"
+                                     "out vec3 n, base;\n"
+                                     "void main() {\n"
+                                     "  n = normal, base = colour.rgb;\n"
+                                     "  gl_Position = projection * view * vec4(position, 1.0);\n"
+                                     "}\n";
 
-static const char hk_mesh_fragment[] =
-    "in vec3 at, n;\n"
-    "in vec3 base;\n"
-    "uniform vec3 eye;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "  float front = gl_FrontFacing ? 1.0 : -1.0;\n"
-    "  vec3 unit = dot(n, n) > 0.0 ? normalize(n) * front : key;\n"
-    "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.86, 0.87, 0.92);\n"
-    "  result = vec4(lit(base * tint, unit, normalize(eye - at)), 1.0);\n"
-    "}\n";
+static const char hk_mesh_fragment[] = "in vec3 n, base;\n"
+                                       "out vec4 result;\n"
+                                       "void main() {\n"
+                                       "  float front = gl_FrontFacing ? 1.0 : -1.0;\n"
+                                       "  vec3 unit = dot(n, n) > 0.0 ? normalize(n) * front : key;\n"
+                                       "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.86, 0.87, 0.92);\n"
+                                       "  result = vec4(lit(base * tint, unit), 1.0);\n"
+                                       "}\n";
 
 /* Lines as ribbons that face the eye and are lit like cylinders: `corner` is (0 or 1 along, -1 or 1 across). */
 static const char hk_tube_vertex[] =
@@ -72,15 +69,13 @@ static const char hk_tube_vertex[] =
     "  base = which == 0 ? colour_a.rgb : colour_b.rgb;\n"
     "}\n";
 
-static const char hk_tube_fragment[] =
-    "in vec3 side, base;\n"
-    "in float across;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "  vec3 toward = vec3(0.0, 0.0, 1.0);\n"
-    "  float s = clamp(across, -1.0, 1.0);\n"
-    "  result = vec4(lit(base, side * s + toward * sqrt(1.0 - s * s), toward), 1.0);\n"
-    "}\n";
+static const char hk_tube_fragment[] = "in vec3 side, base;\n"
+                                       "in float across;\n"
+                                       "out vec4 result;\n"
+                                       "void main() {\n"
+                                       "  float s = clamp(across, -1.0, 1.0);\n"
+                                       "  result = vec4(lit(base, side * s + toward * sqrt(1.0 - s * s)), 1.0);\n"
+                                       "}\n";
 
 /* Particles as discs that face the eye and are lit like spheres. */
 static const char hk_bead_vertex[] =
@@ -102,46 +97,42 @@ static const char hk_bead_vertex[] =
     "  gl_Position = p, base = colour.rgb;\n"
     "}\n";
 
-static const char hk_bead_fragment[] =
-    "in vec2 place;\n"
-    "in vec3 base;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "  float r = length(place);\n"
-    "  float cover = clamp((1.0 - r) / fwidth(r) + 0.5, 0.0, 1.0);\n"
-    "  if (cover <= 0.0) discard;\n"
-    "  vec3 n = normalize(vec3(place, sqrt(max(1.0 - r * r, 0.0))));\n"
-    "  result = vec4(lit(base, n, vec3(0.0, 0.0, 1.0)), cover);\n"
-    "}\n";
+static const char hk_bead_fragment[] = "in vec2 place;\n"
+                                       "in vec3 base;\n"
+                                       "out vec4 result;\n"
+                                       "void main() {\n"
+                                       "  float r = length(place);\n"
+                                       "  float cover = clamp((1.0 - r) / fwidth(r) + 0.5, 0.0, 1.0);\n"
+                                       "  if (cover <= 0.0) discard;\n"
+                                       "  vec3 n = normalize(vec3(place, sqrt(max(1.0 - r * r, 0.0))));\n"
+                                       "  result = vec4(lit(base, n), cover);\n"
+                                       "}\n";
 
 /* The whole picture from one triangle. */
-static const char hk_screen_vertex[] =
-    "out vec2 uv;\n"
-    "void main() {\n"
-    "  uv = vec2((gl_VertexID & 1) * 2, gl_VertexID & 2);\n"
-    "  gl_Position = vec4(2.0 * uv - 1.0, 1.0, 1.0);\n"
-    "}\n";
+static const char hk_screen_vertex[] = "out vec2 uv;\n"
+                                       "void main() {\n"
+                                       "  uv = vec2((gl_VertexID & 1) * 2, gl_VertexID & 2);\n"
+                                       "  gl_Position = vec4(2.0 * uv - 1.0, 1.0, 1.0);\n"
+                                       "}\n";
 
-static const char hk_backdrop_fragment[] =
-    "in vec2 uv;\n"
-    "uniform vec3 low, high;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "  vec2 off = (uv - vec2(0.5, 0.55)) * vec2(1.0, 0.8);\n"
-    "  vec3 colour = mix(low, high, smoothstep(0.0, 1.0, uv.y));\n"
-    "  result = vec4(colour * (1.03 - 0.22 * dot(off, off)), 1.0);\n"
-    "}\n";
+static const char hk_backdrop_fragment[] = "in vec2 uv;\n"
+                                           "uniform vec3 low, high;\n"
+                                           "out vec4 result;\n"
+                                           "void main() {\n"
+                                           "  vec2 off = (uv - vec2(0.5, 0.55)) * vec2(1.0, 0.8);\n"
+                                           "  vec3 colour = mix(low, high, smoothstep(0.0, 1.0, uv.y));\n"
+                                           "  result = vec4(colour * (1.03 - 0.22 * dot(off, off)), 1.0);\n"
+                                           "}\n";
 
 /* A square in a horizontal plane. */
-static const char hk_floor_vertex[] =
-    "uniform mat4 view, projection;\n"
-    "uniform vec4 square;\n" /* centre x, y, z; half side */
-    "out vec2 at, place;\n"  /* m; -1..1 */
-    "void main() {\n"
-    "  place = vec2(float(gl_VertexID & 1), float(gl_VertexID / 2)) * 2.0 - 1.0;\n"
-    "  at = square.xy + place * square.w;\n"
-    "  gl_Position = projection * view * vec4(at, square.z, 1.0);\n"
-    "}\n";
+static const char hk_floor_vertex[] = "uniform mat4 view, projection;\n"
+                                      "uniform vec4 square;\n" /* centre x, y, z; half side */
+                                      "out vec2 at, place;\n"  /* m; -1..1 */
+                                      "void main() {\n"
+                                      "  place = vec2(float(gl_VertexID & 1), float(gl_VertexID / 2)) * 2.0 - 1.0;\n"
+                                      "  at = square.xy + place * square.w;\n"
+                                      "  gl_Position = projection * view * vec4(at, square.z, 1.0);\n"
+                                      "}\n";
 
 static const char hk_floor_fragment[] =
     "in vec2 at, place;\n"

@@ -1,6 +1,6 @@
 /* The light is directional: along it, everything is projected onto the floor, filled in on a small raster, and blurred
- * by box filters of running sums, three times (nearly a Gaussian). On the processor this takes a tenth of what OpenGL
- * in software does. */
+ * by box filters of running sums, three times (nearly a Gaussian). On the processor this takes a fraction of what
+ * OpenGL in software does. */
 #include "plugins/common/shadow.h"
 
 #include <string.h>
@@ -9,8 +9,8 @@ enum { SIZE = HK_SHADOW_SIZE, REACH = 3, PASSES = 3 };
 
 typedef struct caster {
   unsigned char *shade;
-  float lean[2];    /* metres along the floor for each metre of height */
-  float corner[2];  /* of the patch */
+  float lean[2];       /* metres along the floor for each metre of height */
+  float corner[2];     /* of the patch */
   float height, scale; /* of the floor; texels per metre */
 } caster;
 
@@ -112,6 +112,5 @@ void hk_shadow_cast(hk_painter *p, const hk_stage *stage, const double key[3], f
   }
   for (size_t k = 0; k < p->tubes; k++) fill_tube(&c, p->tube + k, stage->tube);
   for (size_t k = 0; k < p->beads; k++) fill_bead(&c, p->bead + k);
-  for (int k = 0; k < 2 * PASSES; k++)
-    blur(p->shade + (k % 2 ? SIZE * SIZE : 0), p->shade + (k % 2 ? 0 : SIZE * SIZE));
+  for (int k = 0; k < 2 * PASSES; k++) blur(p->shade + (k % 2 ? SIZE * SIZE : 0), p->shade + (k % 2 ? 0 : SIZE * SIZE));
 }

@@ -1,6 +1,35 @@
 #include "plugins/common/shot.h"
 
+#include <stdio.h>
 #include <string.h>
+
+static hk_status unknown_colour(const hk_host *host, const hk_model *m, const char *colour) {
+  char list[256] = "";
+  for (size_t k = 0, at = 0; k < m->channels && at < sizeof list; k++)
+    at += (size_t)snprintf(list + at, sizeof list - at, ", %s", m->channel[k].name);
+  return host->fail(host, HK_BAD_PARAM, "color: '%s' is not one of auto, none, strain, speed, group%s", colour, list);
+}
+
+hk_status hk_look_choose(hk_look *look, const hk_host *host, const hk_model *m, const char *colour,
+                         const char **label) {
+  static const char *const name[] = {"none", "strain", "speed", "group"}; /* as hk_paint */
+  static const char *const labels[] = {"", "strain %", "speed m/s", ""};
+  if (strcmp(colour, "auto") == 0) colour = m->element_lists ? "strain" : m->triangles ? "none" : "speed";
+  for (int k = 0; k < 4; k++)
+    if (strcmp(colour, name[k]) == 0) {
+      look->paint = (hk_paint)k;
+      *label = labels[k];
+      return HK_OK;
+    }
+  for (size_t k = 0; k < m->channels; k++)
+    if (strcmp(colour, m->channel[k].name) == 0) {
+      look->paint = m->channel[k].size == 3 ? HK_PAINT_RGB : HK_PAINT_CHANNEL;
+      look->channel = k;
+      *label = m->channel[k].name;
+      return HK_OK;
+    }
+  return unknown_colour(host, m, colour);
+}
 
 static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
   host->release(host, old);
@@ -145,12 +174,21 @@ static void take_ink(hk_shot *s, const hk_view *view, const hk_look *look) {
     hk_ink *ink = s->ink + i;
     const double *y = channel && view->y ? view->y + channel->offset * view->n + i * channel->size : NULL;
     switch (look->paint) {
-    case HK_PAINT_SPEED: ink->number = (float)length(view->v + 3 * i, 3); break;
-    case HK_PAINT_GROUP: memcpy(ink, &view->model->group[i], sizeof *ink); break;
-    case HK_PAINT_CHANNEL: ink->number = (float)length(y, channel->size); break;
-    case HK_PAINT_RGB: take_colour(ink, y); break;
+    case HK_PAINT_SPEED:
+      ink->number = (float)length(view->v + 3 * i, 3);
+      break;
+    case HK_PAINT_GROUP:
+      memcpy(ink, &view->model->group[i], sizeof *ink);
+      break;
+    case HK_PAINT_CHANNEL:
+      ink->number = (float)length(y, channel->size);
+      break;
+    case HK_PAINT_RGB:
+      take_colour(ink, y);
+      break;
     case HK_PAINT_NONE:
-    case HK_PAINT_STRAIN: ink->number = 0;
+    case HK_PAINT_STRAIN:
+      ink->number = 0;
     }
   }
 }

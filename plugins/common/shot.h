@@ -19,6 +19,10 @@ typedef struct hk_look {
   int springs, particles; /* 0 auto: those that nothing else shows; 1 all; 2 none */
 } hk_look;
 
+/* What `colour` names: auto, none, strain, speed, group or a channel; HK_BAD_PARAM when there is no such. `label`: what
+ * the numbers are, with their unit (a channel's name: the host's). */
+hk_status hk_look_choose(hk_look *, const hk_host *host, const hk_model *model, const char *colour, const char **label);
+
 typedef union hk_ink { /* hk_shot.ink: by hk_look.paint */
   float number;
   uint8_t colour[4];
@@ -31,10 +35,10 @@ typedef struct hk_shot {
   const hk_host *host;
   double origin[3];
   size_t n;
-  float (*x)[3];   /* n */
-  hk_ink *ink;     /* n */
-  uint8_t *mark;   /* n */
-  float *weight;   /* n, scratch */
+  float (*x)[3]; /* n */
+  hk_ink *ink;   /* n */
+  uint8_t *mark; /* n */
+  float *weight; /* n, scratch */
   size_t triangles, lines;
   uint32_t (*triangle)[3];
   uint32_t (*line)[2];

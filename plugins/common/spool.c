@@ -68,7 +68,10 @@ hk_status hk_spool_add(hk_spool *s, const hk_shot *shot) {
   hk_spool_entry *e = s->entry + s->count;
   int64_t end = s->end;
   bool same = s->count && e[-1].topology == shot->topology;
-  *e = (hk_spool_entry){.n = shot->n, .triangles = shot->triangles, .lines = shot->lines, .reach = shot->reach,
+  *e = (hk_spool_entry){.n = shot->n,
+                        .triangles = shot->triangles,
+                        .lines = shot->lines,
+                        .reach = shot->reach,
                         .topology = shot->topology};
   memcpy(e->low, shot->low, sizeof e->low);
   memcpy(e->high, shot->high, sizeof e->high);

@@ -7,7 +7,7 @@
 
 typedef struct hk_spool_entry {
   int64_t at, topology_at; /* bytes into the file */
-  uint64_t topology; /* as in hk_shot */
+  uint64_t topology;       /* as in hk_shot */
   size_t n, triangles, lines;
   float low[3], high[3], reach; /* as in hk_shot */
 } hk_spool_entry;

@@ -2,9 +2,9 @@
  *     d' = d + h sum sigma_j D^j a,   x' = x + h d',   v' = d' + h sum (gamma_j - sigma_j) D^(j-1) a,
  *     y' = y + h sum gamma_j D^j dy,
  * with d the last change of x over h, so that rounding does not grow as in x' - 2x + x_before (Hairer, Norsett and
- * Wanner, Solving ODEs I, III.10). v' is what Adams and Bashforth's method of the same order, gamma_j, gives; taken from
- * d' it cannot drift away from the change of x. The first steps are Dormand and Prince's, of order 5, whose change of x
- * starts d without a subtraction. */
+ * Wanner, Solving ODEs I, III.10). v' is what Adams and Bashforth's method of the same order, gamma_j, gives; taken
+ * from d' it cannot drift away from the change of x. The first steps are Dormand and Prince's, of order 5, whose change
+ * of x starts d without a subtraction. */
 #include "plugins/common/stoermer.h"
 #include "plugins/common/spectral.h"
 

@@ -81,21 +81,26 @@ static hk_video_result run(const char *const arguments[], char *why, size_t size
   if (!error) last_line(out[0], why, size);
   close(out[0]);
   if (error) return error == ENOENT ? HK_VIDEO_NO_PROGRAM : HK_VIDEO_FAILED;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return HK_VIDEO_MADE;
   if (!*why) snprintf(why, size, "it ended with status %d", status);
   return HK_VIDEO_FAILED;
 }
 
-hk_video_result hk_video_make(const char *folder, double fps, const char *file, char *why, size_t size) {
-  char input[PATH_MAX], output[PATH_MAX], rate[32];
-  if (!safe_name(folder, true, "/%06d.png", input, sizeof input) || !safe_name(file, false, "", output, sizeof output)) {
+hk_video_result hk_video_make(const char *folder, size_t count, double fps, const char *file, char *why, size_t size) {
+  char input[PATH_MAX], output[PATH_MAX], rate[32], frames[32];
+  if (!safe_name(folder, true, "/%06d.png", input, sizeof input) ||
+      !safe_name(file, false, "", output, sizeof output)) {
     snprintf(why, size, "the name of the file is too long");
     return HK_VIDEO_FAILED;
   }
   snprintf(rate, sizeof rate, "%.9g", fps);
-  const char *const arguments[] = {"ffmpeg", "-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-framerate", rate,
-                       "-i", input, "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast",
-                       "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart", output, NULL};
+  snprintf(frames, sizeof frames, "%zu", count);
+  const char *const arguments[] = {
+      "ffmpeg",  "-hide_banner", "-loglevel",  "error",     "-nostdin", "-y",  "-framerate",
+      rate,      "-i",           input,        "-frames:v", frames,     "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2",
+      "-c:v",    "libx264",      "-preset",    "veryfast",  "-crf",     "18",  "-pix_fmt",
+      "yuv420p", "-movflags",    "+faststart", output,      NULL};
   return run(arguments, why, size);
 }

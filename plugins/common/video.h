@@ -7,9 +7,9 @@
 
 typedef enum hk_video_result { HK_VIDEO_MADE, HK_VIDEO_NO_PROGRAM, HK_VIDEO_FAILED } hk_video_result;
 
-/* Encodes folder/000000.png, folder/000001.png ... as H.264 into `file`. When that fails, `why` is the last line that
- * ffmpeg wrote, or the system's word. */
-hk_video_result hk_video_make(const char *folder, double fps, const char *file, char *why, size_t size);
+/* Encodes the first `count` of folder/000000.png, folder/000001.png ... as H.264 into `file`. When that fails, `why` is
+ * the last line that ffmpeg wrote, or the system's word. */
+hk_video_result hk_video_make(const char *folder, size_t count, double fps, const char *file, char *why, size_t size);
 /* True when there is a program ffmpeg on the PATH. */
 bool hk_video_possible(void);
 

@@ -67,8 +67,8 @@ static double amplification(double hw, double hg) {
   increments(z, hg, 0, 1, 0, p);
   increments(z, hg, 0, 0, 1, q);
   double minors = x[0] * p[1] - p[0] * x[1] + x[0] * q[2] - q[0] * x[2] + p[1] * q[2] - q[1] * p[2];
-  double determinant = x[0] * (p[1] * q[2] - q[1] * p[2]) - p[0] * (x[1] * q[2] - q[1] * x[2]) +
-                       q[0] * (x[1] * p[2] - p[1] * x[2]);
+  double determinant =
+      x[0] * (p[1] * q[2] - q[1] * p[2]) - p[0] * (x[1] * q[2] - q[1] * x[2]) + q[0] * (x[1] * p[2] - p[1] * x[2]);
   return hk_polynomial_growth(3, (const double[]){-determinant, minors, -(x[0] + p[1] + q[2]), 1});
 }
 
@@ -129,8 +129,9 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_INTEGRATOR,
     .name = "blanes_moan",
-    .summary = "Runge-Kutta-Nystroem splitting of kicks v += b h a and drifts x += a h v, six evaluations a step; order "
-               "4 for forces F(x, t), 2 in what depends on the velocity",
+    .summary =
+        "Runge-Kutta-Nystroem splitting of kicks v += b h a and drifts x += a h v, six evaluations a step; order "
+        "4 for forces F(x, t), 2 in what depends on the velocity",
     .reference = "Blanes and Moan 2002, J. Comput. Appl. Math. 142, table 3, SRKN_6^b",
     .instance_size = sizeof(blanes_moan),
     .fields = fields,

@@ -1,161 +1,187 @@
-/* Dormand and Prince's method of order 5 with the error of its embedded order 4, adaptive.
+/* Dormand and Prince's embedded pair of order 5(4), with its own choice of the step.
  *
- * The error norm is the largest of three RMS values, over x, v and the channels, each relative to tol times a scale of
- * its kind: the largest distance moved since the start of the course and the largest speed times the step for x; the
- * largest speed for v; the largest value for a channel. Scales of a whole kind, not of each component, because a
- * component near zero says nothing, and because a scene far from the origin must be as accurate as one at it. The work,
- * the last of y, follows and does not steer. Steps: PI control and the starting step of Hairer, Norsett and Wanner,
- * Solving ODEs I, II.4; the last two steps before t_stop are made equal. */
+ * The error of a step is the largest of the relative errors, in the 2-norm, of positions, velocities and each channel,
+ * over `tol`; a step is taken when it is at most 1. Positions are measured against the scene's size, the RMS distance
+ * of the particles from their mean or, if that is larger, V^2/A, the radius of curvature of a path, with V and A the
+ * largest RMS speed and acceleration so far: neither depends on where the origin lies, and one particle alone has the
+ * second. Velocities are measured against V, a channel against its larger RMS at the two ends of the step. The work
+ * does not count. The next step follows from the last two errors (Hairer, Norsett and Wanner, Solving ODEs I, II.4;
+ * Hairer and Wanner II, IV.2). The seventh stage is the first of the next step. */
 #include "plugins/common/runge_kutta.h"
 
+#include <float.h>
 #include <string.h>
 
+enum { STAGES = 7, LANES = 8 };
+
+static const double error_weight[STAGES] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
+                                            -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+static const double safety = 0.9, least = 0.2, most = 10, beta = 0.04; /* bounds of the change of h; PI control */
+
 typedef struct dopri5 {
-  int64_t primed;      /* stage 7 of the last step is f at X */
-  double last_error;   /* of the last accepted step, for the controller */
-  double speed, reach; /* largest |v| and displacement scale seen, m/s and m */
-  double *k;           /* 7 stages and one more */
-  double *trial;       /* shaped as X */
+  int64_t primed;             /* whether `first` is the slope at X */
+  int64_t started;            /* whether a step has been taken */
+  double proposal;            /* s, what it would take next */
+  double last_error;          /* of the last step, for the control */
+  double speed, acceleration; /* largest RMS so far */
+  double *first;              /* slope at X */
+  double *k;                  /* slopes, then the state of a stage */
+  double *error;              /* shaped as X */
 } dopri5;
 
 static const hk_field fields[] = {
     {"primed", HK_FIELD_INTEGER, 1, offsetof(dopri5, primed), 0},
+    {"started", HK_FIELD_INTEGER, 1, offsetof(dopri5, started), 0},
+    {"proposal", HK_FIELD_NUMBER, 1, offsetof(dopri5, proposal), 0},
     {"last_error", HK_FIELD_NUMBER, 1, offsetof(dopri5, last_error), 0},
     {"speed", HK_FIELD_NUMBER, 1, offsetof(dopri5, speed), 0},
-    {"reach", HK_FIELD_NUMBER, 1, offsetof(dopri5, reach), 0},
-    {"stages", HK_FIELD_STATE, HK_RK_STAGES + 1, offsetof(dopri5, k), 0},
-    {"trial", HK_FIELD_STATE, 1, offsetof(dopri5, trial), HK_SCRATCH},
+    {"acceleration", HK_FIELD_NUMBER, 1, offsetof(dopri5, acceleration), 0},
+    {"first", HK_FIELD_STATE, 1, offsetof(dopri5, first), 0},
+    {"stages", HK_FIELD_STATE, STAGES + 1, offsetof(dopri5, k), HK_SCRATCH},
+    {"error", HK_FIELD_STATE, 1, offsetof(dopri5, error), HK_SCRATCH},
     {0},
 };
-
-enum { LAST = HK_RK_STAGES - 1 };
-
-/* b - b^ of the embedded method. */
-static const double error_weight[HK_RK_STAGES] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
-                                                  -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
 static double amplification(double hw, double hg) { return hk_rk_amplification(&hk_dormand_prince, hw, hg); }
 
 static void reset(void *self, hk_reason why) {
-  dopri5 *m = self;
   (void)why;
-  m->primed = 0;
-  m->last_error = 0;
+  ((dopri5 *)self)->primed = 0;
 }
 
-static double largest(const double *list, size_t count) {
-  double m = 0;
-  for (size_t e = 0; e < count; e++) m = fmax(m, fabs(list[e]));
-  return m;
+/* Sums in lanes, for speed; the order is fixed. */
+static double rms(const double *p, size_t count) {
+  double sum[LANES] = {0}, total = 0;
+  size_t e = 0;
+  for (; e + LANES <= count; e += LANES)
+    for (size_t l = 0; l < LANES; l++) sum[l] += p[e + l] * p[e + l];
+  for (; e < count; e++) sum[0] += p[e] * p[e];
+  for (size_t l = 0; l < LANES; l++) total += sum[l];
+  return count ? sqrt(total / (double)count) : 0;
 }
 
-static double rms(const double *list, size_t count) {
-  double sum = 0;
-  for (size_t e = 0; e < count; e++) sum += list[e] * list[e];
-  return count ? sqrt(sum / (double)count) : 0;
-}
-
-/* Extent of the positions about their mean: the length by which an error in x is large or small. */
-static double extent(const double *x, size_t n) {
-  double widest = 0;
-  for (size_t c = 0; c < 3; c++) {
-    double low = INFINITY, high = -INFINITY;
-    for (size_t i = 0; i < n; i++) {
-      low = fmin(low, x[3 * i + c]);
-      high = fmax(high, x[3 * i + c]);
+/* RMS of the coordinates about their means, relative to the first particle. */
+static double spread(const double *x, size_t n) {
+  double sum[3] = {0}, square[3] = {0}, total = 0;
+  for (size_t i = 1; i < n; i++)
+    for (size_t c = 0; c < 3; c++) {
+      double d = x[3 * i + c] - x[c];
+      sum[c] += d;
+      square[c] += d * d;
     }
-    if (high > low) widest = fmax(widest, high - low);
+  for (size_t c = 0; c < 3 && n; c++) total += fmax(0, square[c] - sum[c] * sum[c] / (double)n) / (3 * (double)n);
+  return sqrt(total);
+}
+
+static void notice(dopri5 *m, const double *v, const double *a, size_t count) {
+  m->speed = fmax(m->speed, rms(v, count));
+  m->acceleration = fmax(m->acceleration, rms(a, count));
+}
+
+static double extent(const double *x, size_t n, double V, double A) {
+  return fmax(spread(x, n), A > 0 ? V * V / A : 0);
+}
+
+static double ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
+
+/* Relative to tol; X_new is the state of the last stage. */
+static double estimate(dopri5 *m, const hk_system *s, double h) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  const double *X = hk_rk_stage_state(&hk_dormand_prince, s, m->k), *E = m->error;
+  memset(m->error, 0, s->size * sizeof *m->error);
+  hk_rk_combine(&hk_dormand_prince, s, h, m->k, error_weight, STAGES, 0, m->error, m->error);
+  double V = fmax(m->speed, rms(X + v, v));
+  double A = fmax(m->acceleration, rms(hk_rk_slope(s, m->k, STAGES - 1), v));
+  double worst = ratio(rms(E, v), extent(X, s->n, V, A)), next = ratio(rms(E + v, v), V);
+  worst = next <= worst ? worst : next; /* NAN stays */
+  for (size_t c = 0; c < s->model->channels; c++) {
+    size_t begin = y + s->model->channel[c].offset * s->n, count = s->model->channel[c].size * s->n;
+    next = ratio(rms(E + begin, count), fmax(rms(s->X + begin, count), rms(X + begin, count)));
+    worst = next <= worst ? worst : next;
   }
-  return widest;
+  return worst / s->tol;
 }
 
-static double ratio(double error, double scale) { return error == 0 ? 0 : error / scale; }
-
-static double error_norm(dopri5 *m, const hk_system *s, double h) {
-  size_t n3 = 3 * s->n, channels = s->size - 2 * n3 - 1;
-  double *e = m->k + (size_t)HK_RK_STAGES * s->size;
-  for (size_t q = 0; q < s->size; q++) {
-    double sum = 0;
-    for (int i = 0; i < HK_RK_STAGES; i++) sum += error_weight[i] * m->k[(size_t)i * s->size + q];
-    e[q] = h * sum;
-  }
-  m->speed = fmax(m->speed, fmax(largest(s->X + n3, n3), h > 0 ? largest(m->trial + n3, n3) : 0));
-  m->reach = fmax(m->reach, extent(m->trial, s->n));
-  for (size_t q = 0; q < n3; q++) m->reach = fmax(m->reach, fabs(m->trial[q] - s->X[q]));
-  double norm = fmax(ratio(rms(e, n3), s->tol * m->reach), ratio(rms(e + n3, n3), s->tol * m->speed));
-  double scale = fmax(largest(s->X + 2 * n3, channels), largest(m->trial + 2 * n3, channels));
-  return fmax(norm, ratio(rms(e + 2 * n3, channels), s->tol * scale));
-}
-
-/* h0 = 0.01 |X|/|f|, then from how f changes over it (II.4, starting step size, with the scales above). */
-static double starting_step(dopri5 *m, hk_system *s, double t_stop) {
-  size_t n3 = 3 * s->n;
-  const double *f = m->k;
-  double speed = largest(s->X + n3, n3), pull = largest(f + n3, n3), span = t_stop - s->t;
-  double h0 = pull > 0 && speed > 0 ? 0.01 * speed / pull : 1e-3 * span;
-  double y = largest(s->X + 2 * n3, s->size - 2 * n3 - 1), dy = largest(f + 2 * n3, s->size - 2 * n3 - 1);
-  if (dy > 0 && y > 0) h0 = fmin(h0, 0.01 * y / dy);
-  double *stage = m->k + (size_t)HK_RK_STAGES * s->size, *g = m->k + s->size;
-  h0 = fmin(h0, span);
-  for (size_t q = 0; q < s->size; q++) stage[q] = s->X[q] + h0 * f[q];
-  if (s->rates(s, s->t + h0, stage, g) != HK_OK) return h0 / 10;
-  double change = 0, rate = 0;
-  for (size_t q = n3; q < s->size - 1; q++) {
-    change = fmax(change, fabs(g[q] - f[q]) / h0);
-    rate = fmax(rate, fabs(f[q]));
-  }
-  double sharp = rate > 0 ? change / rate : 0; /* 1/s, how fast f changes */
-  double h1 = sharp > 0 ? pow(0.01 * s->tol, 0.2) / sharp : 100 * h0;
-  return fmin(fmin(fmax(h1, h0), 100 * h0), span);
-}
-
-/* Not beyond t_stop, and not leaving a sliver before it. */
-static double fit(double h, double left) { return h >= left ? left : h > left / 2 ? left / 2 : h; }
-
-static hk_status first_stage(dopri5 *m, hk_system *s) {
-  if (m->primed)
-    memcpy(m->k, m->k + LAST * s->size, s->size * sizeof *m->k);
-  else
-    return s->rates(s, s->t, s->X, m->k);
-  return HK_OK;
-}
-
-/* One attempt; HK_OK with a norm, INFINITY where the trial ran into numbers that are not finite. */
-static hk_status attempt(dopri5 *m, hk_system *s, double h, double *norm) {
-  hk_status status = hk_rk_stages(&hk_dormand_prince, s, h, m->k, 1);
-  *norm = INFINITY;
+/* The largest rate (1/s) at which the system changes, from f here and after a small Euler step; then Hairer's rule that
+ * (h rate)^5 is a hundredth of the tolerance, which so does not depend on the unit of time. */
+static hk_status first_step(dopri5 *m, hk_system *s, double span, double *h) {
+  size_t v = 3 * s->n;
+  const hk_tableau *T = &hk_dormand_prince;
+  double *X = hk_rk_stage_state(T, s, m->k), *a = hk_rk_slope(s, m->k, 0), *next = hk_rk_slope(s, m->k, 1);
+  double L = extent(s->X, s->n, m->speed, m->acceleration), V = fmax(m->speed, sqrt(L * m->acceleration));
+  double rate = fmax(ratio(m->speed, L), ratio(m->acceleration, V)), small = rate > 0 ? 0.01 / rate : 1e-3 * span;
+  if (!(small < span)) small = span;
+  hk_rk_combine(T, s, small, m->k, (const double[]){1}, 1, 1, s->X, X);
+  hk_status status = s->accelerations(s, s->t + small, X, X + v, X + 2 * v, next, next + v);
   if (status != HK_OK) return status;
-  memcpy(m->trial, s->X, s->size * sizeof *m->trial);
-  hk_rk_advance(&hk_dormand_prince, s, h, m->k, m->trial);
-  *norm = error_norm(m, s, h);
-  if (isnan(*norm)) *norm = INFINITY;
+  for (size_t e = 0; e < v; e++) m->error[e] = next[e] - a[e];
+  for (size_t e = v; e + v < s->size; e++) m->error[e] = 0;
+  V = fmax(V, small * rms(next, v)); /* from rest */
+  rate = fmax(rate, sqrt(ratio(rms(m->error, v), V * small)));
+  *h = rate > 0 ? pow(0.01 * s->tol, 0.2) / rate : small;
   return HK_OK;
+}
+
+static hk_status begin(dopri5 *m, hk_system *s, double span, double *h) {
+  size_t v = 3 * s->n;
+  double *X = s->X, *a = hk_rk_slope(s, m->k, 0);
+  hk_status status = HK_OK;
+  if (!(*h > 0) || *h > span * (1 - 1e-12)) *h = span; /* rounding aside, no longer than h */
+  if (m->primed)
+    memcpy(a, m->first, (s->size - v) * sizeof *a);
+  else
+    status = s->accelerations(s, s->t, X, X + v, X + 2 * v, a, a + v);
+  if (status != HK_OK) return status;
+  notice(m, X + v, a, v);
+  if (m->started) return HK_OK;
+  double first = span;
+  status = first_step(m, s, span, &first);
+  *h = fmin(*h, first);
+  return status;
+}
+
+static void accept(dopri5 *m, hk_system *s, double h, bool lands, bool retried, double error, hk_step *out) {
+  size_t v = 3 * s->n;
+  const double *X = hk_rk_stage_state(&hk_dormand_prince, s, m->k), *a = hk_rk_slope(s, m->k, STAGES - 1);
+  double last = m->started ? m->last_error : 1e-4;
+  double change = safety * pow(last, beta) / pow(error, 0.2 - 0.75 * beta);
+  double next = h * fmin(most, fmax(least, change));
+  if (retried) next = fmin(next, h);
+  if (lands && !retried && m->started) next = fmax(next, m->proposal); /* h was cut short */
+  memcpy(s->X, X, s->size * sizeof *X);
+  memcpy(m->first, a, (s->size - v) * sizeof *a);
+  notice(m, X + v, a, v);
+  m->primed = m->started = 1;
+  m->last_error = fmax(error, 1e-4);
+  m->proposal = next;
+  *out = (hk_step){h, next, error};
 }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   dopri5 *m = self;
-  double left = t_stop - s->t, norm;
-  hk_status status = first_stage(m, s);
+  double span = t_stop - s->t, error = NAN;
+  hk_status status = begin(m, s, span, &h);
   if (status != HK_OK) return status;
-  double wanted = isfinite(h) && h > 0 ? h : starting_step(m, s, t_stop);
-  bool rejected = false;
-  for (;;) {
-    h = fit(wanted, left);
-    if (h < 1e-14 * fmax(fabs(s->t), left))
-      return s->host->fail(s->host, HK_NOT_CONVERGED, "at t = %.9g s no step meets the tolerance %g", s->t, s->tol);
-    status = attempt(m, s, h, &norm);
-    if (status != HK_OK) return status;
-    if (norm <= 1) break;
-    rejected = true;
-    wanted = h * fmax(0.2, 0.9 * pow(norm, -0.2));
+  if (h < span && 2 * h > span) h = span / 2; /* no tiny last step */
+  for (bool retried = false;; retried = true) {
+    status = hk_rk_stages(&hk_dormand_prince, s, h, m->k, 1);
+    if (status == HK_OK)
+      error = estimate(m, s, h);
+    else if (status == HK_NOT_FINITE || status == HK_NOT_CONVERGED)
+      error = NAN;
+    else
+      return status;
+    if (error <= 1) {
+      accept(m, s, h, h >= span, retried, error, out);
+      return HK_OK;
+    }
+    h *= error < INFINITY ? fmax(least, safety * pow(error, -0.2)) : least;
+    if (!(h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)))
+      return s->host->fail(s->host, HK_NOT_CONVERGED,
+                           "no step from t = %.17g s meets the tolerance %g: tried down to %g s, where the error is %g "
+                           "times as large; give a larger tol, or look for a force that jumps",
+                           s->t, s->tol, h, error);
   }
-  double factor = norm > 0 ? 0.9 * pow(norm, -0.17) * pow(fmax(m->last_error, 1e-4), 0.04) : 5;
-  double next = h * fmin(rejected ? 1 : 5, fmax(0.2, factor));
-  memcpy(s->X, m->trial, s->size * sizeof *s->X);
-  m->last_error = norm;
-  m->primed = 1;
-  *out = (hk_step){h, h < wanted && next < wanted ? wanted : next, norm};
-  return HK_OK;
 }
 
 static const hk_integrator integrator = {
@@ -165,8 +191,11 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_INTEGRATOR,
     .name = "dopri5",
-    .summary = "Dormand and Prince's Runge-Kutta method 5(4), adaptive: steps follow the tolerance and land on frames",
-    .reference = "Dormand and Prince 1980, RK5(4)7M; Hairer, Norsett and Wanner, Solving ODEs I, II.4-II.5",
+    .summary =
+        "Dormand and Prince's Runge-Kutta method of order 5 with an error estimate of order 4; chooses its steps, "
+        "six evaluations each",
+    .reference =
+        "Dormand and Prince 1980, J. Comput. Appl. Math. 6; Hairer, Norsett and Wanner, Solving ODEs I, II.4-5",
     .instance_size = sizeof(dopri5),
     .fields = fields,
     .integrator = &integrator,

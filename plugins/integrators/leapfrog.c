@@ -3,8 +3,9 @@
  * The acceleration of the end serves the next step. What depends on the velocity sees the predicted v + h a, which
  * keeps order 2 (the lagged v + h/2 a would be of order 1) and bounds the step by h w <= 2 (sqrt(1 + 4 xi^2) - 2 xi),
  * xi = g/(2w), with damping rate g; pure drag h g <= 1. Channels and work y go by the same prediction and average.
- * Without velocity-dependent forces it is symplectic and reversible. The velocity is predicted even then: the power of a
- * force looks at it, and costs one store. The new state is built beside X, which changes once its evaluation succeeded. */
+ * Without velocity-dependent forces it is symplectic and reversible. The velocity is predicted even then: the power of
+ * a force looks at it, and costs one store. The new state is built beside X, which changes once its evaluation
+ * succeeded. */
 #include "plugins/common/spectral.h"
 
 #include "core/plugin.h"

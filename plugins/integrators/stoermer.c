@@ -1,5 +1,5 @@
 /* Stoermer's multistep method of order 4: one evaluation a step, constant h, restarted by six-stage steps after events.
- * Stable to h w = XX without damping, to h k = YY on decay. */
+ * Stable to h w = sqrt 2 without damping, to h k = 0.3 on decay. */
 #include "plugins/common/stoermer.h"
 
 enum { ORDER = 4 };

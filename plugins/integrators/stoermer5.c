@@ -1,5 +1,6 @@
 /* Stoermer's multistep method of order 5: one evaluation a step, constant h, restarted by six-stage steps after events.
- * Stable to h w = XX without damping, to h k = YY on decay. */
+ * For damped scenes: without damping oscillations grow by 2e-5 a step at h w = 0.3 (order 4 has none of that). On decay
+ * it is stable to h k = 0.163. */
 #include "plugins/common/stoermer.h"
 
 enum { ORDER = 5 };
@@ -21,7 +22,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_INTEGRATOR,
     .name = "stoermer5",
     .summary = "Stoermer's explicit multistep method, x' - 2x + x_before = h^2 sum sigma_j D^j a, in summed form with "
-               "Adams-Bashforth 5 for v; order 5, one evaluation a step",
+               "Adams-Bashforth 5 for v; order 5, one evaluation a step; needs some damping",
     .reference = "Stoermer 1907; Hairer, Norsett and Wanner, Solving ODEs I, (III.10.9)",
     .instance_size = sizeof(hk_stoermer),
     .fields = fields,

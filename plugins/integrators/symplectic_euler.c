@@ -1,4 +1,6 @@
 /* Symplectic Euler: v first, then x with the new v. Order 1; stable to h w = 2 without damping. */
+#include "plugins/common/spectral.h"
+
 #include "core/plugin.h"
 
 typedef struct symplectic_euler {
@@ -10,11 +12,11 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* Trace and determinant of v' = v - h w^2 x - h g v, x' = x + h v'. */
+/* The roots lambda = 1 + u of v' = v - h w^2 x - h g v, x' = x + h v'; without damping their product is 1. */
 static double amplification(double hw, double hg) {
-  double trace = 2 - hg - hw * hw, determinant = 1 - hg, discriminant = trace * trace / 4 - determinant;
-  if (hw == 0) return fmax(1, fabs(1 - hg));
-  return discriminant < 0 ? sqrt(determinant) : fabs(trace) / 2 + sqrt(discriminant);
+  double z = hw * hw;
+  if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
+  return hk_polynomial_growth(2, (const double[]){z, z + hg, 1});
 }
 
 static void advance(double *restrict x, double *restrict v, const double *restrict a, size_t count, double h) {

@@ -28,7 +28,6 @@ typedef struct frames {
   hk_plan plan;
   hk_stage stage;
   bool waiting; /* frames are drawn at the end */
-  bool staged;  /* plan and stage are made */
   bool changed; /* the topology, since the last shot */
   hk_shot shot;
   hk_spool spool;
@@ -38,82 +37,54 @@ typedef struct frames {
   size_t colours;
   unsigned char *picture; /* width x height x 4 */
   uint8_t table[HK_MAP_SIZE][4];
-  char label[64];
+  char label[64]; /* of the legend */
   size_t pictures;
   double fps;
 } frames;
 
+/* clang-format off */
 static const hk_param params[] = {
-    {"width", "pixels", "width of the pictures", HK_INTEGER, {1280}, 16, 8192, offsetof(frames, width), 0, NULL},
-    {"height", "pixels", "height of the pictures", HK_INTEGER, {720}, 16, 8192, offsetof(frames, height), 0, NULL},
-    {"every", "frames", "draw every so many frames", HK_INTEGER, {1}, 1, 1e9, offsetof(frames, every), 0, NULL},
+    {"width", "pixels", "width of the pictures",
+     HK_INTEGER, {1280}, 16, 8192, offsetof(frames, width), 0, NULL},
+    {"height", "pixels", "height of the pictures",
+     HK_INTEGER, {720}, 16, 8192, offsetof(frames, height), 0, NULL},
+    {"every", "frames", "draw every so many frames",
+     HK_INTEGER, {1}, 1, 1e9, offsetof(frames, every), 0, NULL},
     {"color", "", "auto, none, strain, speed, group, or the name of a channel (of three numbers: red, green, blue)",
      HK_STRING, {0}, 0, 0, offsetof(frames, color), 0, "auto"},
-    {"range", "", "smallest and largest number of the colours; left out: chosen from the whole motion", HK_NUMBERS, {0},
-     0, 0, offsetof(frames, range), HK_OPTIONAL, NULL},
-    {"camera", "m", "where the camera stands; left out: where it sees the whole motion", HK_VECTOR, {0}, 0, 0,
-     offsetof(frames, camera), HK_OPTIONAL, NULL},
-    {"target", "m", "what the camera looks at; left out: the middle", HK_VECTOR, {0}, 0, 0, offsetof(frames, target),
-     HK_OPTIONAL, NULL},
-    {"fov", "degrees", "angle from the bottom to the top of the picture", HK_NUMBER, {30}, 1, 150, offsetof(frames, fov),
-     0, NULL},
-    {"springs", "", "draw springs; auto: those with an end outside all triangles", HK_CHOICE, {0}, 0, 0,
-     offsetof(frames, springs), 0, "auto|on|off"},
-    {"particles", "", "draw particles; auto: those outside all triangles, and pins", HK_CHOICE, {0}, 0, 0,
-     offsetof(frames, particles), 0, "auto|on|off"},
-    {"radius", "m", "radius of drawn particles; left out: chosen", HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius),
-     HK_OPTIONAL, NULL},
-    {"ground", "", "draw the floor with its grid and the shadow", HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0,
-     NULL},
-    {"ground_height", "m", "height of the floor; left out: 0 or just below the motion", HK_NUMBER, {0}, 0, 0,
-     offsetof(frames, ground_height), HK_OPTIONAL, NULL},
-    {"background", "", "red, green and blue of the background", HK_VECTOR, {0.86, 0.885, 0.915}, 0, 1,
-     offsetof(frames, background), 0, NULL},
-    {"legend", "", "draw the bar of colours", HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
-    {"video", "", "make a video of the pictures, with ffmpeg", HK_BOOLEAN, {1}, 0, 0, offsetof(frames, video), 0, NULL},
-    {"folder", "", "folder of the pictures, inside the output folder", HK_STRING, {0}, 0, 0, offsetof(frames, folder), 0,
-     "frames"},
-    {"video_file", "", "name of the video, inside the output folder", HK_STRING, {0}, 0, 0, offsetof(frames, video_file),
-     0, "video.mp4"},
+    {"range", "", "smallest and largest number of the colours; left out: chosen from the whole motion",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, range), HK_OPTIONAL, NULL},
+    {"camera", "m", "where the camera stands; left out: where it sees the whole motion",
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL, NULL},
+    {"target", "m", "what the camera looks at; left out: the middle",
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL, NULL},
+    {"fov", "degrees", "angle from the bottom to the top of the picture",
+     HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
+    {"springs", "", "draw springs; auto: those with an end outside all triangles",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, springs), 0, "auto|on|off"},
+    {"particles", "", "draw particles; auto: those outside all triangles, and pins",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, particles), 0, "auto|on|off"},
+    {"radius", "m", "radius of drawn particles; left out: chosen",
+     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
+    {"ground", "", "draw the floor with its grid and the shadow",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0, NULL},
+    {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
+     HK_NUMBER, {0}, 0, 0, offsetof(frames, ground_height), HK_OPTIONAL, NULL},
+    {"background", "", "red, green and blue of the background, 0 to 1",
+     HK_VECTOR, {0.66, 0.705, 0.755}, 0, 1, offsetof(frames, background), 0, NULL},
+    {"legend", "", "draw the bar of colours",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
+    {"video", "", "make a video of the pictures, with ffmpeg",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, video), 0, NULL},
+    {"folder", "", "folder of the pictures, inside the output folder",
+     HK_STRING, {0}, 0, 0, offsetof(frames, folder), 0, "frames"},
+    {"video_file", "", "name of the video, inside the output folder",
+     HK_STRING, {0}, 0, 0, offsetof(frames, video_file), 0, "video.mp4"},
     {0},
 };
+/* clang-format on */
 
-static hk_status unknown_colour(const frames *f, const hk_host *host, const hk_model *m) {
-  char list[256] = "";
-  for (size_t k = 0, at = 0; k < m->channels && at < sizeof list; k++)
-    at += (size_t)snprintf(list + at, sizeof list - at, ", %s", m->channel[k].name);
-  return host->fail(host, HK_BAD_PARAM, "color: '%s' is not one of auto, none, strain, speed, group%s", f->color, list);
-}
-
-static hk_status choose_paint(frames *f, const hk_host *host, const hk_model *m) {
-  static const char *const name[] = {"none", "strain", "speed", "group"};
-  static const char *const label[] = {"", "strain %", "speed m/s", ""};
-  const char *wanted = f->color;
-  if (strcmp(wanted, "auto") == 0) wanted = m->element_lists ? "strain" : m->triangles ? "none" : "speed";
-  for (int k = 0; k < 4; k++)
-    if (strcmp(wanted, name[k]) == 0) {
-      f->look.paint = (hk_paint)k;
-      snprintf(f->label, sizeof f->label, "%s", label[k]);
-      return HK_OK;
-    }
-  for (size_t k = 0; k < m->channels; k++)
-    if (strcmp(wanted, m->channel[k].name) == 0) {
-      f->look.paint = m->channel[k].size == 3 ? HK_PAINT_RGB : HK_PAINT_CHANNEL;
-      f->look.channel = k;
-      snprintf(f->label, sizeof f->label, "%s", wanted);
-      return HK_OK;
-    }
-  return unknown_colour(f, host, m);
-}
-
-static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  frames *f = self;
-  f->host = host;
-  if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
-    return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
-  hk_status status = choose_paint(f, host, view->model);
-  if (status != HK_OK) return status;
-  f->look.springs = f->springs, f->look.particles = f->particles;
+static void make_plan(frames *f) {
   f->plan = (hk_plan){.fov = f->fov * acos(-1) / 180, .aspect = (double)f->width / (double)f->height};
   memcpy(f->plan.eye, f->camera, sizeof f->camera);
   memcpy(f->plan.target, f->target, sizeof f->target);
@@ -125,17 +96,31 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   for (int c = 0; c < 3; c++) f->stage.background[c] = (float)f->background[c];
   hk_colormap_fill(f->plan.centred ? HK_MAP_DIVERGING : HK_MAP_SEQUENTIAL, f->table);
   f->waiting = isnan(f->camera[0]) || (f->ground && isnan(f->ground_height)) || (f->plan.counted && isnan(f->plan.low));
-  return HK_OK;
+}
+
+/* What is wrong is said here; `open`, when the forces' springs are known, chooses again. */
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  frames *f = self;
+  const char *label;
+  f->host = host;
+  f->look.springs = f->springs, f->look.particles = f->particles;
+  if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
+    return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
+  return hk_look_choose(&f->look, host, view->model, f->color, &label);
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   frames *f = self;
   const hk_host *host = view->host;
-  const char *why;
+  const char *why, *label;
   char name[PATH_MAX];
+  hk_status status = hk_look_choose(&f->look, host, view->model, f->color, &label);
+  if (status != HK_OK) return status;
+  snprintf(f->label, sizeof f->label, "%s", label);
+  make_plan(f);
   f->gl = hk_gl_context_create(&why);
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
-  hk_status status = hk_painter_open(&f->painter, host, (int)f->width, (int)f->height);
+  status = hk_painter_open(&f->painter, host, (int)f->width, (int)f->height);
   if (status != HK_OK) return status;
   f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
   if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
@@ -192,8 +177,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   if (status != HK_OK) return status;
   f->changed = false;
   if (f->waiting) return hk_spool_add(&f->spool, &f->shot);
-  if (!f->staged) hk_plan_shot(&f->plan, &f->shot, &f->stage);
-  f->staged = true;
+  hk_plan_shot(&f->plan, &f->shot, &f->stage);
   if (!hk_gl_context_use(f->gl)) return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
   return draw(f);
 }
@@ -217,15 +201,16 @@ static hk_status make_video(frames *f) {
   if (status != HK_OK) return status;
   *strrchr(first, '/') = 0;
   if (!hk_video_possible()) {
-    f->host->warn(f->host,
-                  "no video: there is no program ffmpeg; the pictures are in %s, and where there is one, this makes the "
-                  "video: ffmpeg -framerate %g -i %s/%%06d.png -pix_fmt yuv420p %s",
-                  first, f->fps, first, f->video_file);
+    f->host->warn(
+        f->host,
+        "no video: there is no program ffmpeg; the pictures are in %s, and where there is one, this makes the "
+        "video: ffmpeg -framerate %g -i %s/%%06d.png -pix_fmt yuv420p %s",
+        first, f->fps, first, f->video_file);
     return HK_OK;
   }
   status = f->host->path(f->host, f->video_file, file, sizeof file);
   if (status != HK_OK) return status;
-  if (hk_video_make(first, f->fps, file, why, sizeof why) != HK_VIDEO_MADE)
+  if (hk_video_make(first, f->pictures, f->fps, file, why, sizeof why) != HK_VIDEO_MADE)
     f->host->warn(f->host, "no video: ffmpeg: %s; the pictures are in %s", why, first);
   return HK_OK;
 }

@@ -17,7 +17,15 @@ typedef struct table {
 } table;
 
 static const hk_param params[] = {
-    {"file", "", "name of the table, inside the output folder", HK_STRING, {0}, 0, 0, offsetof(table, name), 0,
+    {"file",
+     "",
+     "name of the table, inside the output folder",
+     HK_STRING,
+     {0},
+     0,
+     0,
+     offsetof(table, name),
+     0,
      "table.csv"},
     {"every", "frames", "a line every so many frames", HK_INTEGER, {1}, 1, 1e9, offsetof(table, every), 0, NULL},
     {0},
@@ -52,8 +60,9 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (status != HK_OK) return status;
   t->file = fopen(t->path, "w");
   if (!t->file) return io_error(t, "create");
-  fputs("t [s],kinetic [J],potential [J],work [J],energy [J],momentum x [kg m/s],momentum y [kg m/s],momentum z [kg m/s]",
-        t->file);
+  fputs(
+      "t [s],kinetic [J],potential [J],work [J],energy [J],momentum x [kg m/s],momentum y [kg m/s],momentum z [kg m/s]",
+      t->file);
   for (size_t k = 0; k < frame->measures; k++) {
     putc(',', t->file);
     write_name(t->file, frame->measure_name[k]);
@@ -65,14 +74,8 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   table *t = self;
   if (now->index % (size_t)t->every != 0) return HK_OK;
-  double number[] = {view->t,
-                     now->kinetic,
-                     now->potential,
-                     now->work,
-                     now->kinetic + now->potential,
-                     now->momentum[0],
-                     now->momentum[1],
-                     now->momentum[2]};
+  double number[] = {view->t,          now->kinetic,     now->potential,  now->work, now->kinetic + now->potential,
+                     now->momentum[0], now->momentum[1], now->momentum[2]};
   for (size_t k = 0; k < sizeof number / sizeof *number; k++) fprintf(t->file, k ? ",%.17g" : "%.17g", number[k]);
   for (size_t k = 0; k < now->measures; k++) fprintf(t->file, ",%.17g", now->measure[k]);
   putc('\n', t->file);

@@ -177,7 +177,7 @@ static void an_interrupted_run_keeps_its_state_and_closes_outputs(void **state) 
       "scene:output('%s/tests/fixtures/witness.so')\n" END,
       HK_BUILD);
   test_write("long.lua", scene);
-  test_hooke(&r, "timeout -s INT 1", "run long.lua --trust --state s2.csv --out long_out");
+  test_hooke(&r, "timeout --preserve-status -s INT 1", "run long.lua --trust --state s2.csv --out long_out");
   assert_int_equal(r.code, 130);
   assert_non_null(strstr(r.out, "interrupted"));
   assert_true(test_exists("s2.csv"));

@@ -92,15 +92,26 @@ static inline void *fake_field(fake *f, const char *name) {
 static inline void fake_default(char *self, const hk_param *p) {
   bool optional = p->flags & HK_OPTIONAL;
   switch (p->type) {
-  case HK_NUMBER: *(double *)(void *)(self + p->offset) = optional ? NAN : p->initial[0]; break;
-  case HK_INTEGER: *(int64_t *)(void *)(self + p->offset) = (int64_t)p->initial[0]; break;
-  case HK_BOOLEAN: *(bool *)(self + p->offset) = p->initial[0] != 0; break;
-  case HK_STRING: *(const char **)(void *)(self + p->offset) = p->text; break;
-  case HK_CHOICE: *(int *)(void *)(self + p->offset) = (int)p->initial[0]; break;
+  case HK_NUMBER:
+    *(double *)(void *)(self + p->offset) = optional ? NAN : p->initial[0];
+    break;
+  case HK_INTEGER:
+    *(int64_t *)(void *)(self + p->offset) = (int64_t)p->initial[0];
+    break;
+  case HK_BOOLEAN:
+    *(bool *)(self + p->offset) = p->initial[0] != 0;
+    break;
+  case HK_STRING:
+    *(const char **)(void *)(self + p->offset) = p->text;
+    break;
+  case HK_CHOICE:
+    *(int *)(void *)(self + p->offset) = (int)p->initial[0];
+    break;
   case HK_VECTOR:
     for (size_t c = 0; c < 3; c++) ((double *)(void *)(self + p->offset))[c] = optional ? NAN : p->initial[c];
     break;
-  default: break;
+  default:
+    break;
   }
 }
 
@@ -108,9 +119,9 @@ static inline void fake_default(char *self, const hk_param *p) {
  * temporary folder. */
 static inline void fake_open(fake *f, const char *name) {
   char path[512];
-  *f = (fake){.host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path,
-                       NULL},
-              .allocations_left = -1};
+  *f = (fake){
+      .host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path, NULL},
+      .allocations_left = -1};
   snprintf(path, sizeof path, strchr(name, '/') ? "%s" : HK_BUILD "/plugins/outputs/%s.so", name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   f->plugin = f->library ? dlsym(f->library, "hk_plugin_main") : NULL;

@@ -267,7 +267,8 @@ static void frames_say_why_there_is_no_video(void **state) {
     assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
     setenv("PATH", path, 1);
     assert_true(there_is(&w, "frames/000000.png"));
-    assert_non_null(strstr(w.f.warning, broken ? "no video: ffmpeg: the disk is sour" : "no video: there is no program"));
+    assert_non_null(
+        strstr(w.f.warning, broken ? "no video: ffmpeg: the disk is sour" : "no video: there is no program"));
     fake_close(&w.f);
   }
   free(path);
@@ -287,6 +288,27 @@ static void frames_follow_births_and_deaths(void **state) {
   assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
   for (size_t k = 0; k < 5; k++) assert_int_equal(find_red(&w, k).count > 0, count[k] > 0);
   assert_true(find_red(&w, 3).count > 5 * find_red(&w, 2).count);
+  fake_close(&w.f);
+}
+
+static void frames_drawn_at_once_follow_a_scene_that_starts_empty(void **state) {
+  (void)state;
+  world w;
+  world_open(&w, 0);
+  set_vector(&w, "camera", 0, -20, 5);
+  set_vector(&w, "target", 0, 0, 0);
+  set_number(&w, "ground_height", -2);
+  set_number(&w, "radius", 1);
+  assert_int_equal(begin(&w), HK_OK);
+  assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(find_red(&w, 0).count, 0);
+  set_count(&w, 1);
+  for (size_t k = 1; k < 4; k++) { /* coming from afar */
+    w.x[1] = 40.0 * (3 - (double)k);
+    assert_int_equal(add(&w), HK_OK);
+    assert_true(find_red(&w, k).count > find_red(&w, k - 1).count);
+  }
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
   fake_close(&w.f);
 }
 
@@ -406,6 +428,7 @@ int main(void) {
       cmocka_unit_test(frames_have_the_size_asked_for_and_become_a_video),
       cmocka_unit_test(frames_say_why_there_is_no_video),
       cmocka_unit_test(frames_follow_births_and_deaths),
+      cmocka_unit_test(frames_drawn_at_once_follow_a_scene_that_starts_empty),
       cmocka_unit_test(frames_of_a_diverged_run_show_what_went_before),
       cmocka_unit_test(frames_colour_springs_by_strain),
       cmocka_unit_test(frames_report_a_full_disk),

@@ -1,0 +1,19 @@
+/* A solver plugin together with the pattern it has analysed. */
+#ifndef HK_LINEAR_H
+#define HK_LINEAR_H
+
+#include "core/engine.h"
+
+typedef struct hk_linear {
+  hk_instance *solver;
+  uint64_t pattern; /* hash of what was analysed */
+  bool analyzed;
+} hk_linear;
+
+/* Analyses when the pattern is another than last time, then factorizes. */
+hk_status hk_linear_factorize(hk_run *, hk_linear *, const hk_matrix *A);
+hk_status hk_linear_solve(hk_run *, hk_linear *, const double *b, double *x, hk_solve_info *info); /* info: or NULL */
+/* A second, started instance of the scene's solver with the same parameters; the caller destroys it. */
+hk_status hk_linear_twin(hk_run *, hk_instance **solver);
+
+#endif

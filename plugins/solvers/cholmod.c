@@ -1,0 +1,218 @@
+/* Sparse Cholesky factorization A = P^T L L^T P of symmetric positive definite matrices, by CHOLMOD.
+ *
+ * `analyze` writes the upper triangle of the blocks as one scalar compressed-column matrix, which stays, and orders it;
+ * `factorize` refills its numbers and reuses the ordering and the structure of L; `solve` reuses its workspaces. Only
+ * that triangle is read: of a matrix that is symmetric up to rounding one half decides. Small fill takes the simplicial
+ * method, large fill the supernodal one on the BLAS; CHOLMOD chooses by counting. One BLAS thread is the default, since
+ * how a threaded BLAS cuts its sums depends on the machine (this is set for the whole process, where the BLAS is
+ * OpenBLAS). Invariant: between calls `A` has the pattern of the last analysis, and `ready` says that L has its numbers.
+ * Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
+#include "core/plugin.h"
+
+#include <cholmod.h>
+#include <string.h>
+
+enum { ORDER_BEST, ORDER_AMD, ORDER_METIS };
+
+typedef struct cholesky {
+  int ordering;
+  int64_t threads;
+  const hk_host *host;
+  cholmod_common common;
+  bool started, ready;
+  size_t rows, block; /* of the matrix analysed */
+  cholmod_sparse *A;
+  cholmod_factor *L;
+  cholmod_dense *b, *x, *y, *e; /* right-hand side, solution and CHOLMOD's workspaces */
+} cholesky;
+
+static const hk_param params[] = {
+    {"ordering",
+     "",
+     "fill-reducing ordering; best: AMD, and METIS where AMD fills too much",
+     HK_CHOICE,
+     {ORDER_BEST},
+     0,
+     0,
+     offsetof(cholesky, ordering),
+     0,
+     "best|amd|metis"},
+    {"threads",
+     "",
+     "threads of an OpenBLAS, for the whole process; more than 1 may change the last digit",
+     HK_INTEGER,
+     {1},
+     1,
+     1024,
+     offsetof(cholesky, threads),
+     0,
+     NULL},
+    {0},
+};
+
+extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* NULL with another BLAS */
+
+static void free_matrix(cholesky *s) {
+  cholmod_l_free_factor(&s->L, &s->common);
+  cholmod_l_free_sparse(&s->A, &s->common);
+  cholmod_l_free_dense(&s->b, &s->common);
+  cholmod_l_free_dense(&s->x, &s->common);
+  cholmod_l_free_dense(&s->y, &s->common);
+  cholmod_l_free_dense(&s->e, &s->common);
+  s->ready = false;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  cholesky *s = self;
+  (void)view;
+  s->host = host;
+  if (!cholmod_l_start(&s->common)) return host->fail(host, HK_FAILED, "CHOLMOD does not start");
+  s->started = true;
+  s->common.print = 0;
+  s->common.error_handler = NULL;
+  s->common.final_ll = 1; /* L D L^T would accept an indefinite matrix */
+  s->common.quick_return_if_not_posdef = 1;
+  if (s->ordering != ORDER_BEST) {
+    s->common.nmethods = 1;
+    s->common.method[0].ordering = s->ordering == ORDER_AMD ? CHOLMOD_AMD : CHOLMOD_METIS;
+    s->common.postorder = 1;
+  }
+  return HK_OK;
+}
+
+static void destroy(void *self, const hk_host *host) {
+  cholesky *s = self;
+  (void)host;
+  if (!s->started) return;
+  free_matrix(s);
+  cholmod_l_finish(&s->common);
+}
+
+static hk_status failed(cholesky *s, const char *what) {
+  int status = s->common.status;
+  if (status == CHOLMOD_OUT_OF_MEMORY)
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory to %s a matrix of %zu rows", what, s->rows * s->block);
+  return s->host->fail(s->host, HK_FAILED, "cannot %s a matrix of %zu rows: %s (CHOLMOD status %d)", what,
+                       s->rows * s->block, status == CHOLMOD_TOO_LARGE ? "it is too large" : "invalid input", status);
+}
+
+/* Blocks up to the diagonal in block row r. */
+static size_t upper_blocks(const hk_matrix *A, size_t r) {
+  size_t e = A->row_start[r];
+  while (e < A->row_start[r + 1] && A->column[e] <= r) e++;
+  return e - A->row_start[r];
+}
+
+static size_t upper_count(const hk_matrix *A) {
+  size_t b = A->block, count = 0;
+  for (size_t r = 0; r < A->rows; r++) {
+    size_t blocks = upper_blocks(A, r);
+    bool diagonal = blocks && A->column[A->row_start[r] + blocks - 1] == r;
+    count += blocks * b * b - (diagonal ? b * (b - 1) / 2 : 0);
+  }
+  return count;
+}
+
+/* Row 3r+k of A up to the diagonal is column 3r+k of its upper triangle. NULL structure: the numbers only. */
+static void fill_upper(const hk_matrix *A, int64_t *start, int64_t *row, double *value) {
+  size_t b = A->block, at = 0, column = 0;
+  for (size_t r = 0; r < A->rows; r++) {
+    size_t begin = A->row_start[r], end = begin + upper_blocks(A, r);
+    for (size_t k = 0; k < b; k++, column++) {
+      if (start) start[column] = (int64_t)at;
+      for (size_t e = begin; e < end; e++) {
+        size_t last = A->column[e] == r ? k + 1 : b;
+        for (size_t j = 0; j < last; j++, at++) {
+          if (row) row[at] = (int64_t)(b * A->column[e] + j);
+          value[at] = A->value[b * b * e + b * k + j];
+        }
+      }
+    }
+  }
+  if (start) start[column] = (int64_t)at;
+}
+
+static hk_status analyze(void *self, const hk_matrix *A) {
+  cholesky *s = self;
+  size_t n = A->rows * A->block;
+  free_matrix(s);
+  s->rows = A->rows;
+  s->block = A->block;
+  s->A = cholmod_l_allocate_sparse(n, n, upper_count(A), 1, 1, 1, CHOLMOD_REAL, &s->common);
+  s->b = cholmod_l_allocate_dense(n, 1, n, CHOLMOD_REAL, &s->common);
+  if (!s->A || !s->b) return failed(s, "store");
+  fill_upper(A, s->A->p, s->A->i, s->A->x);
+  s->L = cholmod_l_analyze(s->A, &s->common);
+  return s->L ? HK_OK : failed(s, "analyse");
+}
+
+static hk_status not_definite(cholesky *s) {
+  size_t minor = s->L->minor, column = minor < s->L->n && s->L->Perm ? (size_t)((int64_t *)s->L->Perm)[minor] : minor;
+  if (s->block != 3)
+    return s->host->fail(s->host, HK_NOT_CONVERGED, "the matrix is not positive definite, seen at row %zu", column + 1);
+  return s->host->fail(s->host, HK_NOT_CONVERGED,
+                       "the matrix is not positive definite, seen at the %zuth particle's %c: the step is too long for "
+                       "a force that pushes apart",
+                       column / 3 + 1, "xyz"[column % 3]);
+}
+
+static hk_status factorize(void *self, const hk_matrix *A) {
+  cholesky *s = self;
+  if (!s->L || A->rows != s->rows || A->block != s->block)
+    return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
+  s->ready = false;
+  fill_upper(A, NULL, NULL, s->A->x);
+  if (openblas_set_num_threads) openblas_set_num_threads((int)s->threads);
+  int fine = cholmod_l_factorize(s->A, s->L, &s->common);
+  if (s->common.status == CHOLMOD_NOT_POSDEF || (fine && s->L->minor < s->L->n)) return not_definite(s);
+  if (!fine) return failed(s, "factorize");
+  s->ready = true;
+  return HK_OK;
+}
+
+/* |b - A x| / |b|, from the upper triangle. b is overwritten. */
+static double residual(const cholesky *s, double *b, const double *x) {
+  const int64_t *start = s->A->p, *row = s->A->i;
+  const double *value = s->A->x;
+  double left = 0, whole = 0;
+  for (size_t j = 0; j < s->A->ncol; j++) whole += b[j] * b[j];
+  for (size_t j = 0; j < s->A->ncol; j++) {
+    double sum = 0;
+    for (int64_t e = start[j]; e < start[j + 1]; e++) {
+      size_t i = (size_t)row[e];
+      sum += value[e] * x[i];
+      if (i != j) b[i] -= value[e] * x[j];
+    }
+    b[j] -= sum;
+  }
+  for (size_t j = 0; j < s->A->ncol; j++) left += b[j] * b[j];
+  return whole > 0 ? sqrt(left / whole) : 0;
+}
+
+static hk_status solve(void *self, const double *b, double *x, hk_solve_info *info) {
+  cholesky *s = self;
+  size_t bytes = s->rows * s->block * sizeof *x;
+  if (!s->ready) return s->host->fail(s->host, HK_FAILED, "there is no factorization to solve with");
+  memcpy(s->b->x, b, bytes);
+  if (!cholmod_l_solve2(CHOLMOD_A, s->L, s->b, NULL, &s->x, NULL, &s->y, &s->e, &s->common)) return failed(s, "solve");
+  memcpy(x, s->x->x, bytes);
+  double left = residual(s, s->b->x, x);
+  if (!isfinite(left)) return s->host->fail(s->host, HK_NOT_FINITE, "the solution of a linear system is not finite");
+  if (info) *info = (hk_solve_info){0, left};
+  return HK_OK;
+}
+
+static const hk_solver solver = {.flags = 0, .analyze = analyze, .factorize = factorize, .solve = solve};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_SOLVER,
+    .name = "cholmod",
+    .summary = "sparse Cholesky, A = P^T L L^T P, for symmetric positive definite matrices",
+    .reference = "Chen, Davis, Hager and Rajamanickam 2008, ACM TOMS 35, algorithm 887; Davis, Direct methods, chapter 4",
+    .instance_size = sizeof(cholesky),
+    .params = params,
+    .create = create,
+    .destroy = destroy,
+    .solver = &solver,
+};
