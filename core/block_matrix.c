@@ -51,7 +51,7 @@ hk_status hk_block_matrix_build(hk_block_matrix *m) {
   if (m->out_of_range) return HK_FAILED;
   size_t keys = m->rows > m->columns ? m->rows : m->columns;
   size_t *order = malloc((m->named + 1) * sizeof *order), *start = malloc((keys + 1) * sizeof *start);
-  m->slot = malloc((m->named + 1) * sizeof *m->slot);
+  m->slot = calloc(m->named + 1, sizeof *m->slot);
   m->column = malloc((m->named + 1) * sizeof *m->column);
   m->row_start = calloc(m->rows + 1, sizeof *m->row_start);
   bool fine = order && start && m->slot && m->column && m->row_start && !m->no_memory;

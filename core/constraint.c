@@ -55,8 +55,8 @@ static hk_status path_acceleration(hk_run *run, const hk_pin_spec *spec, double 
   }
   double half = (time[2] - time[0]) / 2;
   for (int a = 0; a < 3; a++)
-    out[a] = got == 6 ? (at[2][3 + a] - at[0][3 + a]) / (2 * half)
-                      : (at[2][a] - 2 * at[1][a] + at[0][a]) / (half * half);
+    out[a] =
+        got == 6 ? (at[2][3 + a] - at[0][3 + a]) / (2 * half) : (at[2][a] - 2 * at[1][a] + at[0][a]) / (half * half);
   return HK_OK;
 }
 
@@ -108,8 +108,7 @@ static void account(hk_run *run, double seconds) {
   for (size_t k = 0; k < run->scene->constraint.count; k++) {
     const hk_constraints *c = run->constraints;
     hk_instance *instance = run->scene->constraint.item[k];
-    instance->seconds +=
-        seconds * (double)(c->equation_first[k + 1] - c->equation_first[k]) / (double)c->equations;
+    instance->seconds += seconds * (double)(c->equation_first[k + 1] - c->equation_first[k]) / (double)c->equations;
     instance->sampled++;
   }
 }

@@ -22,8 +22,8 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   free(c->block_first);
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
-  void *arrays[] = {c->J, c->WJ, c->pin, c->term, c->value, c->scale, c->g, c->c, c->rhs, c->solution, c->path,
-                    c->path_used};
+  void *arrays[] = {c->J, c->WJ, c->pin, c->term,     c->value, c->scale,
+                    c->g, c->c,  c->rhs, c->solution, c->path,  c->path_used};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   *c = (hk_constraints){.linear = {.solver = c->linear.solver}};
 }
@@ -54,8 +54,7 @@ static hk_status name_blocks(hk_run *run) {
   c->block_first = calloc(list->count + 1, sizeof *c->block_first);
   if (!c->equation_first || !c->block_first) return no_memory(run);
   for (size_t k = 0; k < list->count; k++)
-    c->equation_first[k + 1] =
-        c->equation_first[k] + list->item[k]->plugin->constraint->count(list->item[k]->self);
+    c->equation_first[k + 1] = c->equation_first[k] + list->item[k]->plugin->constraint->count(list->item[k]->self);
   c->equations = c->equation_first[list->count];
   hk_block_matrix_begin(&c->list, c->equations, run->model.n);
   for (size_t k = 0; k < list->count; k++) {

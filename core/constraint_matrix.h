@@ -7,18 +7,18 @@
 
 struct hk_constraints {
   size_t equations, blocks, terms;
-  size_t *equation_first;     /* one per instance, and the end */
-  size_t *block_first;        /* the same for blocks */
-  hk_block_matrix list;       /* pair[b]: equation and particle of block b; not built */
-  double (*J)[3], (*WJ)[3];   /* blocks: dg/dx, and what the pins leave of it divided by the mass */
-  uint32_t *pin;              /* blocks: position in run->pin_state, UINT32_MAX: never pinned */
-  hk_block_matrix matrix;     /* of A: 1 x 1 blocks; the diagonal is named first */
-  uint32_t (*term)[2];        /* terms: the blocks whose product is added to matrix.slot[equations + term] */
-  double *value;              /* of A */
-  double *scale;              /* equations: diagonal of S, 0 where no particle can move */
+  size_t *equation_first;         /* one per instance, and the end */
+  size_t *block_first;            /* the same for blocks */
+  hk_block_matrix list;           /* pair[b]: equation and particle of block b; not built */
+  double (*J)[3], (*WJ)[3];       /* blocks: dg/dx, and what the pins leave of it divided by the mass */
+  uint32_t *pin;                  /* blocks: position in run->pin_state, UINT32_MAX: never pinned */
+  hk_block_matrix matrix;         /* of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];            /* terms: the blocks whose product is added to matrix.slot[equations + term] */
+  double *value;                  /* of A */
+  double *scale;                  /* equations: diagonal of S, 0 where no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
-  double (*path)[3];          /* pins: acceleration of scripted particles, m/s^2 */
-  bool *path_used;            /* pins: a constraint holds a particle of it */
+  double (*path)[3];              /* pins: acceleration of scripted particles, m/s^2 */
+  bool *path_used;                /* pins: a constraint holds a particle of it */
   hk_linear linear;
 };
 

@@ -64,8 +64,8 @@ static hk_status build(hk_run *run, hk_assembly *s) {
     s->built = s->K && s->D;
   }
   if (s->built) return HK_OK;
-  return hk_error_set(&run->error, status == HK_OK ? HK_NO_MEMORY : status, "no memory for the Jacobian of %zu particles",
-                      run->model.n);
+  return hk_error_set(&run->error, status == HK_OK ? HK_NO_MEMORY : status,
+                      "no memory for the Jacobian of %zu particles", run->model.n);
 }
 
 static hk_status fill(hk_run *run, hk_assembly *s, double t, const double *X) {
@@ -130,7 +130,8 @@ hk_status hk_jacobian_factorize(hk_system *system, const hk_matrix *A) {
 hk_status hk_jacobian_solve(hk_system *system, const double *b, double *x, hk_solve_info *info) {
   hk_run *run = run_of(system);
   hk_assembly *s = run->assembly;
-  if (!s || !s->linear.analyzed) return hk_error_set(&run->error, HK_FAILED, "a system was solved before its factorization");
+  if (!s || !s->linear.analyzed)
+    return hk_error_set(&run->error, HK_FAILED, "a system was solved before its factorization");
   return hk_linear_solve(run, &s->linear, b, x, info);
 }
 

@@ -11,8 +11,7 @@ static const double asymmetry_limit = 1e-10; /* of the largest number in the mat
 static uint64_t pattern_hash(const hk_matrix *A) {
   uint64_t hash = 1469598103934665603u ^ A->block;
   for (size_t r = 0; r <= A->rows; r++) hash = (hash ^ A->row_start[r]) * 0x9E3779B97F4A7C15u + (hash >> 29);
-  for (size_t e = 0; e < A->row_start[A->rows]; e++)
-    hash = (hash ^ A->column[e]) * 0x9E3779B97F4A7C15u + (hash >> 29);
+  for (size_t e = 0; e < A->row_start[A->rows]; e++) hash = (hash ^ A->column[e]) * 0x9E3779B97F4A7C15u + (hash >> 29);
   return hash;
 }
 
@@ -120,8 +119,7 @@ static size_t field_size(hk_type type) {
 hk_status hk_linear_twin(hk_run *run, hk_instance **solver) {
   hk_scene *scene = run->scene;
   const hk_plugin *plugin = scene->solver ? scene->solver->plugin : NULL;
-  hk_status status =
-      plugin ? HK_OK : hk_registry_find(scene->registry, HK_SOLVER, "cholmod", &plugin, &run->error);
+  hk_status status = plugin ? HK_OK : hk_registry_find(scene->registry, HK_SOLVER, "cholmod", &plugin, &run->error);
   if (status != HK_OK) return status;
   hk_instance *twin =
       hk_instance_create(plugin, plugin->name, scene->solver ? scene->solver->where : "", &scene->shared, &run->error);

@@ -59,7 +59,7 @@ static double complex laguerre(int degree, const double *c, double complex u) {
     double complex G = over(d, p), GG = times(G, G), H = GG - 2 * over(dd, p);
     double complex root = csqrt((degree - 1) * (degree * H - GG)), plus = G + root, minus = G - root;
     double complex by = square(plus) > square(minus) ? plus : minus, step = by == 0 ? 1 + u : over(degree, by);
-    if (i % 10 == 9) step *= 0.3; /* out of a rare cycle */
+    if (i % 10 == 9) step = times(step, CMPLX(0.3, 0.4)); /* out of a cycle */
     u -= step;
     if (square(step) <= 1e-31 * square(u)) break;
   }
@@ -90,8 +90,10 @@ double hk_polynomial_growth(int degree, const double *c) {
   for (int rest = degree; rest > 0;) {
     double complex root = laguerre(rest, left, 0);
     if (rest < degree) root = laguerre(degree, c, root);
-    growth = fmax(growth, sqrt(square(1 + root)));
-    bool pair = rest > 1 && fabs(cimag(root)) > 1e-14 * fabs(creal(root));
+    double factor = sqrt(square(1 + root));
+    if (isnan(factor)) return NAN;
+    growth = fmax(growth, factor);
+    bool pair = rest > 1 && fabs(cimag(root)) > 1e-9 * fabs(creal(root));
     rest = divide(rest, left, pair ? 2 * creal(root) : creal(root), pair ? square(root) : 0, pair ? 2 : 1);
   }
   return growth;

@@ -84,6 +84,9 @@ static double extent(const double *x, size_t n, double V, double A) {
 
 static double ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
 
+/* NAN if one of them is. */
+static double larger(double a, double b) { return isnan(a) || a > b ? a : b; }
+
 /* Relative to tol; X_new is the state of the last stage. */
 static double estimate(dopri5 *m, const hk_system *s, double h) {
   size_t v = 3 * s->n, y = 6 * s->n;
@@ -92,12 +95,11 @@ static double estimate(dopri5 *m, const hk_system *s, double h) {
   hk_rk_combine(&hk_dormand_prince, s, h, m->k, error_weight, STAGES, 0, m->error, m->error);
   double V = fmax(m->speed, rms(X + v, v));
   double A = fmax(m->acceleration, rms(hk_rk_slope(s, m->k, STAGES - 1), v));
-  double worst = ratio(rms(E, v), extent(X, s->n, V, A)), next = ratio(rms(E + v, v), V);
-  worst = next <= worst ? worst : next; /* NAN stays */
+  double worst = larger(ratio(rms(E, v), extent(X, s->n, V, A)), ratio(rms(E + v, v), V));
   for (size_t c = 0; c < s->model->channels; c++) {
     size_t begin = y + s->model->channel[c].offset * s->n, count = s->model->channel[c].size * s->n;
-    next = ratio(rms(E + begin, count), fmax(rms(s->X + begin, count), rms(X + begin, count)));
-    worst = next <= worst ? worst : next;
+    double scale = fmax(rms(s->X + begin, count), rms(X + begin, count));
+    worst = larger(worst, ratio(rms(E + begin, count), scale));
   }
   return worst / s->tol;
 }

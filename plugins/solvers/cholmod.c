@@ -5,11 +5,13 @@
  * that triangle is read: of a matrix that is symmetric up to rounding one half decides. Small fill takes the simplicial
  * method, large fill the supernodal one on the BLAS; CHOLMOD chooses by counting. One BLAS thread is the default, since
  * how a threaded BLAS cuts its sums depends on the machine (this is set for the whole process, where the BLAS is
- * OpenBLAS). Invariant: between calls `A` has the pattern of the last analysis, and `ready` says that L has its numbers.
- * Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
+ * OpenBLAS). Invariant: between calls `A` has the pattern of the last analysis, and `ready` says that L has its
+ * numbers. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
+#define _GNU_SOURCE /* dladdr */
 #include "core/plugin.h"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 #include <string.h>
 
 enum { ORDER_BEST, ORDER_AMD, ORDER_METIS };
@@ -62,10 +64,20 @@ static void free_matrix(cholesky *s) {
   s->ready = false;
 }
 
+/* CHOLMOD's OpenMP and the BLAS leave threads that wait inside their libraries, so these must never be unloaded; they
+ * stay as long as this plugin does. */
+static void stay_loaded(void) {
+  Dl_info here;
+  if (!dladdr(&hk_plugin_main, &here) || !here.dli_fname) return;
+  void *handle = dlopen(here.dli_fname, RTLD_LAZY | RTLD_NODELETE);
+  if (handle) dlclose(handle);
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   cholesky *s = self;
   (void)view;
   s->host = host;
+  stay_loaded();
   if (!cholmod_l_start(&s->common)) return host->fail(host, HK_FAILED, "CHOLMOD does not start");
   s->started = true;
   s->common.print = 0;
@@ -209,7 +221,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_SOLVER,
     .name = "cholmod",
     .summary = "sparse Cholesky, A = P^T L L^T P, for symmetric positive definite matrices",
-    .reference = "Chen, Davis, Hager and Rajamanickam 2008, ACM TOMS 35, algorithm 887; Davis, Direct methods, chapter 4",
+    .reference =
+        "Chen, Davis, Hager and Rajamanickam 2008, ACM TOMS 35, algorithm 887; Davis, Direct methods, chapter 4",
     .instance_size = sizeof(cholesky),
     .params = params,
     .create = create,

@@ -208,7 +208,8 @@ static void long_chain_keeps_its_lengths_and_a_bar_between_pins_is_no_trouble(vo
   hk_summary s;
   hk_run_summary(e.run, &s);
   assert_true(s.constraint_violation < 1e-11);
-  assert_true(test_position(&e, LINKS + 1)[1] < -0.15); /* it fell: the free end faster than g t^2/2 = 0.196 m at most */
+  assert_true(test_position(&e, LINKS + 1)[1] <
+              -0.15); /* it fell: the free end faster than g t^2/2 = 0.196 m at most */
   assert_true(fabs(energy(&e) - first) < 1e-8 * s.kinetic_max);
   test_engine_close(&e);
 }

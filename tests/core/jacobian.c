@@ -136,7 +136,8 @@ static hk_status factorize(test_engine *e) {
   assert_int_equal(s->jacobian(s, 0, e->run->X, &K, &D), HK_OK);
   for (size_t r = 0; r < N; r++)
     for (size_t b = K.row_start[r]; b < K.row_start[r + 1]; b++)
-      for (size_t q = 0; q < 9; q++) K.value[9 * b + q] += D.value[9 * b + q] + (K.column[b] == r && q % 4 == 0 ? 200 : 0);
+      for (size_t q = 0; q < 9; q++)
+        K.value[9 * b + q] += D.value[9 * b + q] + (K.column[b] == r && q % 4 == 0 ? 200 : 0);
   return s->factorize(s, &K);
 }
 

@@ -141,7 +141,7 @@ static void compare(const char *name, rates r, double stated, double got) {
 }
 
 static void compare_on_grid(const char *name, const hk_integrator *method) {
-  static const double hw[] = {0, 0.01, 0.1, 0.37, 0.7, 0.99, 1.3, 1.45, 1.7, 1.99, 2.05, 2.5, 2.8, 3.1, 3.2};
+  static const double hw[] = {0, 0.01, 0.1, 0.37, 0.7, 0.99, 1.3, 1.45, 1.521, 1.7, 1.99, 2.05, 2.5, 2.8, 3.1, 3.2};
   static const double hg[] = {0, 0.001, 0.03, 0.1, 0.17, 0.29, 0.5, 0.99, 1.01, 1.9, 2.7, 3.3};
   for (size_t i = 0; i < sizeof hw / sizeof *hw; i++)
     for (size_t j = 0; j < sizeof hg / sizeof *hg; j++) {

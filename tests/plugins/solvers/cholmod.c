@@ -101,9 +101,7 @@ static double residual(const hk_matrix *A, const double *b, const double *x) {
   return sqrt(left / whole);
 }
 
-static hk_status factorize(fixture *f) {
-  return f->solver->plugin->solver->factorize(f->solver->self, &f->A);
-}
+static hk_status factorize(fixture *f) { return f->solver->plugin->solver->factorize(f->solver->self, &f->A); }
 
 /* Condition numbers are below 100 or so; a Cholesky solve leaves a residual of some eps times |A||x|/|b|. */
 static void check_solution(fixture *f) {
