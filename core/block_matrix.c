@@ -50,7 +50,7 @@ static void number(hk_block_matrix *m, const size_t *order) {
 hk_status hk_block_matrix_build(hk_block_matrix *m) {
   if (m->out_of_range) return HK_FAILED;
   size_t keys = m->rows > m->columns ? m->rows : m->columns;
-  size_t *order = malloc((m->named + 1) * sizeof *order), *start = malloc((keys + 1) * sizeof *start);
+  size_t *order = calloc(m->named + 1, sizeof *order), *start = malloc((keys + 1) * sizeof *start);
   m->slot = calloc(m->named + 1, sizeof *m->slot);
   m->column = malloc((m->named + 1) * sizeof *m->column);
   m->row_start = calloc(m->rows + 1, sizeof *m->row_start);

@@ -13,8 +13,8 @@
 struct hk_assembly {
   hk_block_matrix matrix;
   size_t *first; /* one per force: position in matrix.slot */
-  double *K, *D; /* blocks x 9 */
-  bool built, symmetric;
+  double *K, *D; /* blocks x 9; NULL: the pattern is void */
+  bool symmetric;
   hk_linear linear;
 };
 
@@ -48,11 +48,17 @@ static hk_status name_blocks(hk_run *run, hk_assembly *s) {
   return HK_OK;
 }
 
-static hk_status build(hk_run *run, hk_assembly *s) {
+static void drop(hk_assembly *s) {
+  hk_block_matrix_free(&s->matrix);
+  free(s->first);
   free(s->K);
   free(s->D);
-  free(s->first);
+  s->first = NULL;
   s->K = s->D = NULL;
+}
+
+static hk_status build(hk_run *run, hk_assembly *s) {
+  drop(s);
   s->first = calloc(run->scene->force.count + 1, sizeof *s->first);
   if (!s->first) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the Jacobian");
   hk_status status = name_blocks(run, s);
@@ -61,9 +67,8 @@ static hk_status build(hk_run *run, hk_assembly *s) {
     size_t blocks = s->matrix.row_start[s->matrix.rows];
     s->K = malloc((9 * blocks + 1) * sizeof *s->K);
     s->D = malloc((9 * blocks + 1) * sizeof *s->D);
-    s->built = s->K && s->D;
   }
-  if (s->built) return HK_OK;
+  if (s->K && s->D) return HK_OK;
   return hk_error_set(&run->error, status == HK_OK ? HK_NO_MEMORY : status,
                       "no memory for the Jacobian of %zu particles", run->model.n);
 }
@@ -92,7 +97,7 @@ hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, hk_matrix
   hk_run *run = run_of(system);
   hk_assembly *s = assembly_of(run);
   hk_status status = s ? hk_pins_impose(run, t, X, X + 3 * run->model.n) : HK_NO_MEMORY;
-  if (status == HK_OK && !s->built) status = build(run, s);
+  if (status == HK_OK && (!s->K || !s->D)) status = build(run, s);
   if (status == HK_OK) status = fill(run, s, t, X);
   if (status != HK_OK) return status;
   *K = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->K, s->symmetric};
@@ -137,17 +142,14 @@ hk_status hk_jacobian_solve(hk_system *system, const double *b, double *x, hk_so
 
 void hk_jacobian_topology(hk_run *run) {
   if (!run->assembly) return;
-  run->assembly->built = false;
+  drop(run->assembly);
   run->assembly->linear.analyzed = false;
 }
 
 void hk_jacobian_close(hk_run *run) {
   hk_assembly *s = run->assembly;
   if (!s) return;
-  hk_block_matrix_free(&s->matrix);
-  free(s->first);
-  free(s->K);
-  free(s->D);
+  drop(s);
   free(s);
   run->assembly = NULL;
 }

@@ -13,7 +13,7 @@
 #include <string.h>
 
 static const size_t default_memory = (size_t)512 << 20;  /* bytes */
-static const uint64_t default_instructions = 2000000000; /* some ten seconds */
+static const uint64_t default_instructions = 500000000; /* some three seconds */
 enum { HOOK_COUNT = 10000 };
 
 hk_script *hk_lua_script(lua_State *L) { return *(hk_script **)lua_getextraspace(L); }

@@ -1,0 +1,161 @@
+/* Every scene of scripts/scenes runs, and says a number that is known. */
+#include "tests/support/command.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static void run(const char *scene, const char *options) {
+  char arguments[1024];
+  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/%s.lua --json --quiet --no-output %s", HK_ROOT, scene,
+           options);
+  test_hooke(&r, NULL, arguments);
+  if (r.code != 0) fail_msg("%s: exit %d: %s", scene, r.code, r.err);
+}
+
+static double value(const char *key) { return test_json(r.out, key); }
+
+static void near(double got, double wanted, double tolerance) {
+  if (!(fabs(got - wanted) <= tolerance)) fail_msg("%.17g is not within %g of %.17g", got, tolerance, wanted);
+}
+
+static void every_scene_runs_and_opens_with_a_comment(void **state) {
+  (void)state;
+  DIR *folder = opendir(HK_ROOT "/scripts/scenes");
+  assert_non_null(folder);
+  int count = 0;
+  for (struct dirent *entry; (entry = readdir(folder));) {
+    char name[256], path[1024], line[256] = "", wanted[300];
+    size_t length = strlen(entry->d_name);
+    if (length < 5 || length > 200 || strcmp(entry->d_name + length - 4, ".lua") != 0) continue;
+    snprintf(name, sizeof name, "%.*s", (int)length - 4, entry->d_name);
+    snprintf(path, sizeof path, HK_ROOT "/scripts/scenes/%s", entry->d_name);
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    assert_non_null(fgets(line, sizeof line, file));
+    fclose(file);
+    snprintf(wanted, sizeof wanted, "-- %s: ", entry->d_name);
+    assert_memory_equal(line, wanted, strlen(wanted));
+    run(name, "--until 0.25");
+    near(value("t"), 0.25, 0);
+    count++;
+  }
+  closedir(folder);
+  assert_true(count >= 8);
+}
+
+/* y_(n+1) = (1 - h k) y_n, exactly: h = 1/20, k = 10: 100 steps of 0.5; h = 0.125: factor -0.25; h = 0.25: -1.5. */
+static void decay_follows_oscillates_and_explodes(void **state) {
+  (void)state;
+  run("decay", "--dt 0.05");
+  near(value("y") / pow(0.5, 100), 1, 1e-12); /* 100 roundings of 1e-16 each */
+  run("decay", "--dt 0.125 --until 0.375");
+  near(value("y"), -0.015625, 0); /* (-1/4)^3, exact in binary */
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/decay.lua --dt 0.25 --json --quiet", HK_ROOT);
+  test_hooke(&r, NULL, arguments);
+  assert_int_equal(r.code, 5); /* inaccurate: above the stable limit 2/k = 0.2 */
+  near(value("y"), pow(-1.5, 20), 1e-9);
+  near(value("dt_limit"), 0.2, 0.002); /* within 1 % of theory */
+}
+
+/* Leapfrog's phase error for w = 5, h = 1/480: w h^2 w^2 t / 24 = 9.04e-5 rad at t = 4, on a circle of radius 1, and
+ * its radius error (h w)^2/8 is 1.4e-5. */
+static void circle_closes(void **state) {
+  (void)state;
+  run("circle", "");
+  near(value("exact_error"), 9.04e-5, 1.5e-5);
+  near(value("radius"), 1, 2 * 1.36e-5);
+}
+
+/* Euler's growth, sqrt(1 + h^2 w^2) a step, 480 steps of 1/480 s with w = 5. */
+static void euler_leaves_the_circle_by_the_known_factor(void **state) {
+  (void)state;
+  char arguments[512];
+  snprintf(arguments, sizeof arguments,
+           "run %s/scripts/scenes/circle.lua --integrator euler --until 1 --json --quiet --no-output", HK_ROOT);
+  test_hooke(&r, NULL, arguments);
+  double h = 1.0 / 480;
+  near(value("radius"), pow(sqrt(1 + 25 * h * h), 480), 1e-12);
+}
+
+/* Phase error of leapfrog: w^3 h^2 t / 24 = 2^3 / 240^2 * 10 / 24 = 5.8e-5 rad times the amplitude 2. */
+static void sine_is_a_sine(void **state) {
+  (void)state;
+  run("sine", "");
+  near(value("exact_error"), 0, 1.3e-4);
+  near(value("y"), -2 * cos(20), 1.3e-4);
+}
+
+/* Leapfrog is exact for constant acceleration. */
+static void projectile_flies_its_parabola(void **state) {
+  (void)state;
+  run("projectile", "");
+  near(value("exact_error"), 0, 1e-12);
+  near(value("height"), 20 - 9.81 * 2, 1e-12);
+  run("projectile", "drag=0.5 --integrator rk4");
+  near(value("exact_error"), 0, 1e-9); /* (h rate)^4 of 20 m */
+}
+
+/* Kepler, e = 0.6: order 2 at h = 1/600; a step of half the length has a quarter of the error. */
+static void orbit_keeps_its_energy_and_converges(void **state) {
+  (void)state;
+  run("orbit", "--integrator rk4");
+  near(value("exact_error"), 0, 1e-7);
+  run("orbit", "");
+  double coarse = value("exact_error");
+  near(value("energy"), -0.5, 1e-4);
+  assert_true(value("drift") < 1e-4);
+  run("orbit", "--dt 0.000833");
+  near(coarse / value("exact_error"), 4, 0.2);
+}
+
+/* hang(32) at t = 0.5 s: lowest point -0.912538 in exact arithmetic (converged by independent codes). It converges
+ * slowly in h on a buckling knife-edge; at a quarter of the stable step stoermer and rk4 agree to 1e-4. */
+static void cloth_hangs_where_it_should(void **state) {
+  (void)state;
+  run("cloth", "--until 0.5 --dt 6e-5 --integrator rk4");
+  near(value("sag"), 0.912538, 2e-2);
+}
+
+static void curtain_agrees_between_methods(void **state) {
+  (void)state;
+  run("curtain", "--until 0.5 --integrator rk4 --dt 2e-4");
+  double lowest = value("lowest");
+  run("curtain", "--until 0.5 --integrator stoermer --dt 1e-4");
+  near(value("lowest"), lowest, 1e-6); /* rk4 at 2520 steps is good to 5e-8 m, stoermer at 5000 to 1e-8 m */
+  run("curtain", "--until 0.5");
+  near(value("lowest"), lowest, 1e-3); /* leapfrog at its own step: of order 1e-5 m in the mean, more at a corner */
+}
+
+static void string_reports_its_stretch(void **state) {
+  (void)state;
+  run("string", "");
+  assert_true(value("stretch") > 0 && value("stretch") < 0.2);
+  assert_true(value("drift") < 0.05);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_scene_runs_and_opens_with_a_comment),
+      cmocka_unit_test(decay_follows_oscillates_and_explodes),
+      cmocka_unit_test(circle_closes),
+      cmocka_unit_test(euler_leaves_the_circle_by_the_known_factor),
+      cmocka_unit_test(sine_is_a_sine),
+      cmocka_unit_test(projectile_flies_its_parabola),
+      cmocka_unit_test(orbit_keeps_its_energy_and_converges),
+      cmocka_unit_test(cloth_hangs_where_it_should),
+      cmocka_unit_test(curtain_agrees_between_methods),
+      cmocka_unit_test(string_reports_its_stretch),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
