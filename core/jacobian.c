@@ -69,8 +69,9 @@ static hk_status build(hk_run *run, hk_assembly *s) {
     s->D = malloc((9 * blocks + 1) * sizeof *s->D);
   }
   if (s->K && s->D) return HK_OK;
-  return hk_error_set(&run->error, status == HK_OK ? HK_NO_MEMORY : status,
-                      "no memory for the Jacobian of %zu particles", run->model.n);
+  if (status == HK_OK) status = HK_NO_MEMORY;
+  hk_error_set(&run->error, status, "no memory for the Jacobian of %zu particles", run->model.n);
+  return status;
 }
 
 static hk_status fill(hk_run *run, hk_assembly *s, double t, const double *X) {

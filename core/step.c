@@ -15,14 +15,25 @@ static bool covered(const hk_run *run) {
   return run->scene->constraint.count == 0;
 }
 
+/* Within a tenth of a percent: the limit is the same, and finding it costs more than many a small scene's frame. */
+static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
+
+static bool same(const hk_spectrum *a, const hk_spectrum *b) {
+  return close_to(a->w_max, b->w_max) && close_to(a->g_max, b->g_max) && close_to(a->alpha, b->alpha) &&
+         close_to(a->beta, b->beta) && close_to(a->w_free, b->w_free) && close_to(a->channel_rate, b->channel_rate) &&
+         a->evaluations > 0;
+}
+
 /* Evaluations and sampled times of an estimate are not the run's. */
 hk_status hk_step_estimate(hk_run *run) {
   size_t before = run->evaluations;
+  hk_spectrum before_it = run->spectrum;
   hk_status status = hk_spectrum_estimate(&run->system, covered(run), &run->spectrum, &run->error);
   run->estimate_cost = run->evaluations - before;
   run->evaluations = before;
   run->estimated_at = before;
   if (status != HK_OK) return status;
+  if (same(&before_it, &run->spectrum)) return HK_OK;
   hk_stable stable = hk_stable_step(run->method, &run->spectrum);
   run->dt_limit = stable.limit;
   run->dt_suggested = stable.suggestion;

@@ -197,13 +197,14 @@ static double imbalance(const char *method, double h, double *dissipated) {
   return fabs(s.energy_drift);
 }
 
+/* Steps small enough that the leading term rules: the exponent is then right to a third. */
 static void energy_balance_has_the_order_of_the_method(void **state) {
   (void)state;
   const struct {
     const char *name;
     double order, h;
   } cases[] = {
-      {"euler", 1, 1e-4}, {"leapfrog", 2, 5e-4}, {"midpoint", 2, 5e-4}, {"rk4", 4, 2e-3}, {"stoermer", 4, 1e-3}};
+      {"euler", 1, 1e-4}, {"leapfrog", 2, 2.5e-4}, {"midpoint", 2, 6.25e-5}, {"rk4", 4, 2.5e-4}, {"stoermer", 4, 1e-3}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     double work, coarse = imbalance(cases[k].name, cases[k].h, &work),
                  fine = imbalance(cases[k].name, cases[k].h / 2, &work);

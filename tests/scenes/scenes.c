@@ -58,8 +58,8 @@ static void decay_follows_oscillates_and_explodes(void **state) {
   (void)state;
   run("decay", "--dt 0.05");
   near(value("y") / pow(0.5, 100), 1, 1e-12); /* 100 roundings of 1e-16 each */
-  run("decay", "--dt 0.125 --until 0.375");
-  near(value("y"), -0.015625, 0); /* (-1/4)^3, exact in binary */
+  run("decay", "--dt 0.125 --until 0.5");
+  near(value("y"), 0.00390625, 0); /* (-1/4)^4, exact in binary */
   char arguments[512];
   snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/decay.lua --dt 0.25 --json --quiet", HK_ROOT);
   test_hooke(&r, NULL, arguments);
@@ -113,7 +113,7 @@ static void orbit_keeps_its_energy_and_converges(void **state) {
   near(value("exact_error"), 0, 1e-7);
   run("orbit", "");
   double coarse = value("exact_error");
-  near(value("energy"), -0.5, 1e-4);
+  near(test_json(strstr(r.out, "\"measures\""), "energy"), -0.5, 1e-4);
   assert_true(value("drift") < 1e-4);
   run("orbit", "--dt 0.000833");
   near(coarse / value("exact_error"), 4, 0.2);
