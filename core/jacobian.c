@@ -60,8 +60,7 @@ static void drop(hk_assembly *s) {
 static hk_status build(hk_run *run, hk_assembly *s) {
   drop(s);
   s->first = calloc(run->scene->force.count + 1, sizeof *s->first);
-  if (!s->first) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the Jacobian");
-  hk_status status = name_blocks(run, s);
+  hk_status status = s->first ? name_blocks(run, s) : HK_NO_MEMORY;
   if (status == HK_OK) status = hk_block_matrix_build(&s->matrix);
   if (status == HK_OK) {
     size_t blocks = s->matrix.row_start[s->matrix.rows];

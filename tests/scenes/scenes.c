@@ -115,7 +115,7 @@ static void orbit_keeps_its_energy_and_converges(void **state) {
   double coarse = value("exact_error");
   near(test_json(strstr(r.out, "\"measures\""), "energy"), -0.5, 1e-4);
   assert_true(value("drift") < 1e-4);
-  run("orbit", "--dt 0.000833");
+  run("orbit", "--dt 0.000834");
   near(coarse / value("exact_error"), 4, 0.2);
 }
 
