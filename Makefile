@@ -182,9 +182,9 @@ format:
 
 lint:
 	@CC="$(CC)" tools/install-deps lint
-	@printf '%s\n' $(filter-out tests/% $(LEFT_OUT),$(filter %.c,$(c_files))) | xargs -P 2 -I FILE clang-tidy --quiet FILE -- \
-	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS)
-	@luacheck --quiet scripts tools tests
+	@luacheck --quiet scripts tools tests; lua=$$?; \
+	printf '%s\n' $(filter-out tests/% $(LEFT_OUT),$(filter %.c,$(c_files))) | xargs -P 2 -I FILE clang-tidy --quiet FILE -- \
+	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) && exit $$lua
 
 to = $(DESTDIR)$(PREFIX)
 install: build

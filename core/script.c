@@ -47,6 +47,7 @@ static void count_instructions(lua_State *L, lua_Debug *ar) {
   }
   if (s->run_options.interrupted && *s->run_options.interrupted) {
     s->raised = HK_INTERRUPTED;
+    lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1);
     luaL_error(L, "interrupted");
   }
 }

@@ -2,11 +2,13 @@
  * sorted by blocks of particles. Everything is linear in the number of springs. */
 #include "plugins/common/spring_kernel.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum {
   SPRINGS_PER_RANGE = 4096, /* below twice that one thread is faster alone */
   RANGES_MAX = 16,
+  PIECE = 1024,   /* springs of a run at most: its particles fit the second-level cache beside those of others */
   RUN_MIN = 16,   /* shorter runs are not worth a call */
   BLOCK_BITS = 7, /* particles of a cache block, 128: measured best of 2^7 ... 2^12 with shuffled ids */
   SMALL = 8       /* springs that are summed one at a time */
@@ -91,16 +93,52 @@ static bool touches_last(const builder *b, uint32_t e) {
   return b->edges->pair[e][0] == b->n - 1 || b->edges->pair[e][1] == b->n - 1;
 }
 
+typedef struct placed_run {
+  uint32_t particle; /* of the run's first end */
+  hk_spring_run run;
+} placed_run;
+
+static int by_particle(const void *a, const void *b) {
+  const placed_run *p = a, *q = b;
+  if (p->particle != q->particle) return p->particle < q->particle ? -1 : 1;
+  return (p->run.begin > q->run.begin) - (p->run.begin < q->run.begin);
+}
+
+/* Runs of a group by their particles, so that the runs of different directions meet the same particles while these are
+ * in the cache. */
+static bool sort_runs(builder *b, size_t first_run, size_t begin) {
+  hk_spring_layout *s = b->layout;
+  size_t runs = s->runs - first_run, placed = 0;
+  if (runs == 0) return true;
+  placed_run *list = b->host->allocate(b->host, runs * sizeof *list);
+  if (!list) return false;
+  for (size_t r = 0; r < runs; r++) {
+    hk_spring_run run = s->run[first_run + r];
+    list[r] = (placed_run){b->edges->pair[b->order[run.begin]][0], run};
+  }
+  qsort(list, runs, sizeof *list, by_particle);
+  for (size_t r = 0; r < runs; r++) {
+    memcpy(b->scratch + placed, b->order + list[r].run.begin, list[r].run.count * sizeof *b->scratch);
+    s->run[first_run + r] = (hk_spring_run){HK_SPRING_RUN, begin + placed, list[r].run.count};
+    placed += list[r].run.count;
+  }
+  memcpy(b->order + begin, b->scratch, placed * sizeof *b->scratch);
+  b->host->release(b->host, list);
+  return true;
+}
+
 /* Springs begin..end of the order are one group: runs first, then the list, then those of the last particle. */
 static bool arrange_group(builder *b, size_t begin, size_t end) {
   uint32_t *order = b->order + begin;
-  size_t count = end - begin, placed = 0, rest = 0, singles = 0;
+  size_t first_run = b->layout->runs, count = end - begin, placed = 0, rest = 0, singles = 0;
   uint32_t *others = b->scratch + count; /* the scratch holds twice the springs */
   for (size_t e = 0; e < count;) {
     size_t length = 1;
     while (e + length < count && follows(b, order[e + length - 1], order[e + length])) length++;
     if (length >= RUN_MIN) {
-      if (!add_run(b, HK_SPRING_RUN, begin + placed, length)) return false;
+      for (size_t piece = 0; piece < length; piece += PIECE)
+        if (!add_run(b, HK_SPRING_RUN, begin + placed + piece, length - piece < PIECE ? length - piece : PIECE))
+          return false;
       memmove(order + placed, order + e, length * sizeof *order); /* placed <= e */
       placed += length;
     } else {
@@ -109,6 +147,7 @@ static bool arrange_group(builder *b, size_t begin, size_t end) {
     }
     e += length;
   }
+  if (!sort_runs(b, first_run, begin)) return false;
   size_t list = 0;
   for (size_t e = 0; e < rest; e++)
     if (!touches_last(b, others[e])) order[placed + list++] = others[e];
