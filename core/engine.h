@@ -5,7 +5,9 @@
  *   pins.c         imposing and filtering
  *   system.c       f(X, t): the sum of forces, what integrators see
  *   constraint.c   multipliers
+ *   constraint_matrix.c  the matrix of the multipliers
  *   jacobian.c     K and D in blocks; the scene's solver
+ *   linear.c, block_matrix.c  a solver with its matrix; patterns of blocks
  *   step.c         the choice of the step
  *   loop.c         the order of a step, frames and events
  *   energy.c       energy, momentum, strain

@@ -116,6 +116,8 @@ static hk_status build(hk_run *run) {
     run->force_acts[k] = run->system.t >= scene->force.item[k]->from && run->system.t < scene->force.item[k]->to;
   hk_state_view(run);
   status = hk_pins_impose(run, run->system.t, run->X, run->X + 3 * run->model.n);
+  if (status == HK_OK && run->constraints && !run->resumed)
+    status = hk_constraints_project(run, run->system.t, run->X, run->X + 3 * run->model.n);
   run->measure = calloc(scene->measures + 1, sizeof *run->measure);
   run->measure_name = calloc(scene->measures + 1, sizeof *run->measure_name);
   if (!run->measure || !run->measure_name) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the measures");

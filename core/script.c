@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const size_t default_memory = (size_t)512 << 20;  /* bytes */
+static const size_t default_memory = (size_t)512 << 20; /* bytes */
 static const uint64_t default_instructions = 500000000; /* some three seconds */
 enum { HOOK_COUNT = 10000 };
 

@@ -26,11 +26,12 @@ static bool same(const hk_spectrum *a, const hk_spectrum *b) {
 
 /* Evaluations and sampled times of an estimate are not the run's. */
 hk_status hk_step_estimate(hk_run *run) {
-  size_t before = run->evaluations;
+  size_t before = run->evaluations, factorizations = run->factorizations;
   hk_spectrum before_it = run->spectrum;
   hk_status status = hk_spectrum_estimate(&run->system, covered(run), &run->spectrum, &run->error);
   run->estimate_cost = run->evaluations - before;
   run->evaluations = before;
+  run->factorizations = factorizations;
   run->estimated_at = before;
   if (status != HK_OK) return status;
   if (same(&before_it, &run->spectrum)) return HK_OK;

@@ -165,7 +165,9 @@ double hk_system_potential(hk_run *run, double t, const double *X) {
   return sum;
 }
 
+/* What a scripted pin does through a constraint is not measured. */
 bool hk_system_has_energy(const hk_run *run) {
+  if (run->has_paths && run->constraints) return false;
   for (size_t k = 0; k < run->scene->force.count; k++) {
     const hk_instance *force = run->scene->force.item[k];
     if (!force->plugin->force->energy && !(force->plugin->force->flags & HK_POWER)) return false;
