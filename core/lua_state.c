@@ -19,7 +19,7 @@ static hk_run *run_of(lua_State *L) {
 }
 
 static uint32_t index_of(lua_State *L, hk_run *run, int argument) {
-  uint32_t index;
+  uint32_t index = 0;
   lua_Integer id = luaL_checkinteger(L, argument);
   if (id < 1 || id > UINT32_MAX || !hk_run_index(run, (uint32_t)id, &index))
     hk_lua_fail(L, HK_BAD_PARAM, "there is no particle %d now", (int)id);
