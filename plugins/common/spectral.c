@@ -38,7 +38,7 @@ double hk_spectral_radius(int n, const double *M) {
 
 /* Products without the search for infinities that `*` makes. */
 static double complex times(double complex a, double complex b) {
-  return ((creal(a) * creal(b) - cimag(a) * cimag(b)) + (creal(a) * I) * cimag(b) + cimag(a) * creal(b));
+  return creal(a) * creal(b) - cimag(a) * cimag(b) + (creal(a) * cimag(b) + cimag(a) * creal(b)) * I;
 }
 
 static double square(double complex a) { return creal(a) * creal(a) + cimag(a) * cimag(a); }
@@ -59,7 +59,7 @@ static double complex laguerre(int degree, const double *c, double complex u) {
     double complex G = over(d, p), GG = times(G, G), H = GG - 2 * over(dd, p);
     double complex root = csqrt((degree - 1) * (degree * H - GG)), plus = G + root, minus = G - root;
     double complex by = square(plus) > square(minus) ? plus : minus, step = by == 0 ? 1 + u : over(degree, by);
-    if (i % 10 == 9) step = times(step, ((0.3) + (0.4) * I)); /* out of a cycle */
+    if (i % 10 == 9) step = times(step, 0.3 + 0.4 * I); /* out of a cycle */
     u -= step;
     if (square(step) <= 1e-31 * square(u)) break;
   }

@@ -15,6 +15,7 @@
 enum { BLOCK = 256, LANES = 8 };
 
 typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double half __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* Macros, because vectors must not be passed between functions compiled for different instruction sets. */
 #define LOAD(p) (*(const vector *)(p))
@@ -22,7 +23,7 @@ typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
 #define PICK __builtin_shufflevector
 
 typedef struct block {
-  double d[3 * BLOCK]; /* runs: interleaved as x is; lists: all x, then y, then z */
+  double d[4 * BLOCK]; /* runs: interleaved as x is; lists: four numbers a spring, the last of no meaning */
   double l2[BLOCK];    /* d.d */
   double w[BLOCK];     /* u.d */
   double s[BLOCK];
@@ -91,9 +92,7 @@ VERSIONS static void list_differences(block *restrict b, size_t n, const uint32_
     vector d[4], u[4];
     for (size_t r = 0; r < 4; r++) d[r] = LOAD(x + 3 * (size_t)pair[e + r][1]) - LOAD(x + 3 * (size_t)pair[e + r][0]);
     COLUMNS(d, dx, dy, dz);
-    STORE(b->d + e, dx);
-    STORE(b->d + BLOCK + e, dy);
-    STORE(b->d + 2 * BLOCK + e, dz);
+    for (size_t r = 0; r < 4; r++) STORE(b->d + 4 * (e + r), d[r]);
     STORE(b->l2 + e, dx * dx + dy * dy + dz * dz);
     if (!damped) continue;
     for (size_t r = 0; r < 4; r++) u[r] = LOAD(v + 3 * (size_t)pair[e + r][1]) - LOAD(v + 3 * (size_t)pair[e + r][0]);
@@ -102,16 +101,15 @@ VERSIONS static void list_differences(block *restrict b, size_t n, const uint32_
   }
 }
 
-/* Component by component: a vector store here would hold up the next spring's load of a neighbouring particle. */
+/* x and y together, z alone, at both ends and always so: a wider store would hold up the next load of a neighbouring
+ * particle, which it overlaps. */
 static void list_forces(const block *restrict b, size_t n, const uint32_t (*restrict pair)[2], double *restrict F) {
   for (size_t e = 0; e < n; e++) {
-    double *Fi = F + 3 * (size_t)pair[e][0], *Fj = F + 3 * (size_t)pair[e][1];
-    double fx = b->s[e] * b->d[e], fy = b->s[e] * b->d[BLOCK + e], fz = b->s[e] * b->d[2 * BLOCK + e];
-    Fi[0] += fx;
-    Fi[1] += fy;
+    double *Fi = F + 3 * (size_t)pair[e][0], *Fj = F + 3 * (size_t)pair[e][1], fz = b->s[e] * b->d[4 * e + 2];
+    half fxy = b->s[e] * *(const half *)(b->d + 4 * e);
+    *(half *)Fi += fxy;
     Fi[2] += fz;
-    Fj[0] -= fx;
-    Fj[1] -= fy;
+    *(half *)Fj -= fxy;
     Fj[2] -= fz;
   }
 }
