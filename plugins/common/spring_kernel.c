@@ -12,7 +12,7 @@
 #define VERSIONS
 #endif
 
-enum { BLOCK = 256, LANES = 8 };
+enum { BLOCK = 256, LANES = 4 };
 
 typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double half __attribute__((vector_size(16), aligned(8), may_alias));
@@ -27,7 +27,6 @@ typedef struct block {
   double l2[BLOCK];    /* d.d */
   double w[BLOCK];     /* u.d */
   double s[BLOCK];
-  double p[BLOCK]; /* c w^2 / l^2 */
 } block __attribute__((aligned(64)));
 
 /* Sums of three neighbours: (a0+a1+a2, a3+b0+b1, b2+b3+c0, c1+c2+c3), each as (x + y) + z. */
@@ -121,17 +120,27 @@ static inline double scale(double l2, double w, double k, double c, double L, do
   return k * (l - L) * l * r + cwr;
 }
 
-VERSIONS static void scales_common(block *restrict b, size_t n, double k, double c, const double *restrict L,
-                                   bool each_L) {
-  if (each_L)
-    for (size_t e = 0; e < n; e++) b->s[e] = scale(b->l2[e], b->w[e], k, c, L[e], &b->p[e]);
-  else
-    for (size_t e = 0; e < n; e++) b->s[e] = scale(b->l2[e], b->w[e], k, c, *L, &b->p[e]);
+/* The scales of n springs, a multiple of four; returns the sum of c w^2 / l^2 in four interleaved parts, which are
+ * added last: vectorisable, and the same order everywhere. */
+VERSIONS static double scales_common(block *restrict b, size_t n, double k, double c, const double *restrict L) {
+  double part[LANES] = {0}, p[LANES];
+  for (size_t e = 0; e < n; e += LANES)
+    for (size_t q = 0; q < LANES; q++) {
+      b->s[e + q] = scale(b->l2[e + q], b->w[e + q], k, c, L[e + q], &p[q]);
+      part[q] += p[q];
+    }
+  return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-VERSIONS static void scales_each(block *restrict b, size_t n, const double *restrict k, const double *restrict c,
-                                 const double *restrict L) {
-  for (size_t e = 0; e < n; e++) b->s[e] = scale(b->l2[e], b->w[e], k[e], c[e], L[e], &b->p[e]);
+VERSIONS static double scales_each(block *restrict b, size_t n, const double *restrict k, const double *restrict c,
+                                   const double *restrict L) {
+  double part[LANES] = {0}, p[LANES];
+  for (size_t e = 0; e < n; e += LANES)
+    for (size_t q = 0; q < LANES; q++) {
+      b->s[e + q] = scale(b->l2[e + q], b->w[e + q], k[e + q], c[e + q], L[e + q], &p[q]);
+      part[q] += p[q];
+    }
+  return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
 static const double *spread(double *room, const double *list, bool each, size_t first, size_t n) {
@@ -140,26 +149,12 @@ static const double *spread(double *room, const double *list, bool each, size_t 
   return room;
 }
 
-static void scales(block *b, size_t n, const hk_spring_layout *s, size_t first) {
-  if (!s->damped) memset(b->w, 0, n * sizeof *b->w);
-  if (!s->each_k && !s->each_c) {
-    scales_common(b, n, *s->k, *s->c, s->L + (s->each_L ? first : 0), s->each_L);
-    return;
-  }
+static double scales(block *b, size_t n, const hk_spring_layout *s, size_t first) {
   double k[BLOCK], c[BLOCK], L[BLOCK];
-  scales_each(b, n, spread(k, s->k, s->each_k, first, n), spread(c, s->c, s->each_c, first, n),
-              spread(L, s->L, s->each_L, first, n));
-}
-
-/* Sums p in eight interleaved parts, then the parts: vectorisable, and the same order everywhere. */
-VERSIONS static double power_of(const block *b, size_t n) {
-  double part[LANES] = {0}, sum = 0;
-  size_t e = 0;
-  for (; e + LANES <= n; e += LANES)
-    for (size_t k = 0; k < LANES; k++) part[k] += b->p[e + k];
-  for (; e < n; e++) part[0] += b->p[e];
-  for (size_t k = 0; k < LANES; k++) sum += part[k];
-  return sum;
+  if (!s->damped) memset(b->w, 0, n * sizeof *b->w);
+  const double *rest = spread(L, s->L, s->each_L, first, n);
+  if (!s->each_k && !s->each_c) return scales_common(b, n, *s->k, *s->c, rest);
+  return scales_each(b, n, spread(k, s->k, s->each_k, first, n), spread(c, s->c, s->each_c, first, n), rest);
 }
 
 typedef struct task {
@@ -200,12 +195,12 @@ static double one_block(const task *t, block *b, hk_spring_kind kind, size_t beg
     run_differences(b, n, t->x + i, t->x + j, t->v + i, t->v + j, s->damped);
   else
     list_differences(b, n, pair, t->x, t->v, s->damped);
-  scales(b, n, s, begin);
+  double power = scales(b, n, s, begin);
   if (kind == HK_SPRING_RUN)
     run_forces(b, n, t->F + i, t->F + j);
   else
     list_forces(b, n, pair, t->F);
-  return t->wants_power && s->damped ? power_of(b, n) : 0;
+  return power;
 }
 
 static double one_run(const task *t, block *b, const hk_spring_run *run) {
