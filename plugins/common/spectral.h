@@ -1,12 +1,8 @@
-/* How fast a linear recurrence grows: spectral radius of a small matrix, largest root of a small polynomial. */
+/* How fast a linear recurrence grows: the largest root of a small polynomial. */
 #ifndef HK_SPECTRAL_H
 #define HK_SPECTRAL_H
 
 enum { HK_SPECTRAL_MAX = 12 };
-
-/* Spectral radius of the n x n matrix M (row-major, n <= HK_SPECTRAL_MAX), to about 1e-11, or to the matrix's own
- * sensitivity to rounding. */
-double hk_spectral_radius(int n, const double *M);
 
 /* The largest |1 + u| over the roots u of sum c_k u^k, degree <= HK_SPECTRAL_MAX. Characteristic polynomials in
  * u = lambda - 1 keep what lies next to lambda = 1 apart, where those in lambda have double roots: the slow modes of a
