@@ -1,0 +1,96 @@
+/* The tools as a user meets them: catalogue, explanation, and a plugin from the template that compiles and is right. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static void says(const char *arguments, int code, const char *text) {
+  test_hooke(&r, NULL, arguments);
+  if (r.code != code) fail_msg("%s: exit %d instead of %d: %s", arguments, r.code, code, r.err);
+  if (!strstr(code ? r.err : r.out, text)) fail_msg("%s: no '%s' in: %s%s", arguments, text, r.out, r.err);
+}
+
+static void plugins_lists_every_kind_and_describes_one(void **state) {
+  (void)state;
+  const char *const names[] = {"gravity", "drag",     "springs", "central", "leapfrog",
+                               "dopri5",  "stoermer", "cholmod", "frames",  "table"};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) says("plugins", 0, names[k]);
+  says("plugins springs", 0, "damping     N s/m");
+  says("plugins rk4", 0, "order       4, 4 evaluations");
+  says("plugins sprngs", 1, "did you mean 'springs'?");
+}
+
+static void failed_loads_are_listed_with_the_reason(void **state) {
+  (void)state;
+  char before[512];
+  snprintf(before, sizeof before,
+           "mkdir -p p/forces && cp %s/tests/fixtures/wrong_abi.so p/forces/ && HK_PLUGIN_PATH=p ", HK_BUILD);
+  test_hooke(&r, before, "plugins");
+  assert_int_equal(r.code, 0);
+  assert_non_null(strstr(r.out, "could not be loaded"));
+  assert_non_null(strstr(r.out, "built for plugin interface 2.0 and this hooke has 1.0"));
+}
+
+static void explain_tells_the_stable_steps(void **state) {
+  (void)state;
+  char arguments[512];
+  test_write("oscillator.lua", "local scene = hooke.scene {}\nscene:particle { position = {1, 0, 0}, mass = 2 }\n"
+                               "scene:force('central', { strength = 100 })\nreturn scene\n");
+  says("explain oscillator.lua", 0, "1 particles (0 pinned)");
+  const char *leapfrog = strstr(r.out, "  leapfrog");
+  double limit = leapfrog ? strtod(leapfrog + strlen("  leapfrog"), NULL) : NAN;
+  assert_true(fabs(limit - 0.2) < 0.002); /* 2/w, w = 10; within 1 % */
+  assert_non_null(strstr(r.out, "euler              none"));
+  snprintf(arguments, sizeof arguments, "explain %s/scripts/scenes/cloth.lua N=8", HK_ROOT);
+  says(arguments, 0, "64 particles (2 pinned)");
+  says("explain", 1, "no scene given");
+  says("explain oscillator.lua --fast", 1, "neither the scene nor name=value");
+}
+
+static void a_new_force_compiles_and_is_right(void **state) {
+  (void)state;
+  char before[1024];
+  says("new force wind", 0, "wrote wind.c and wind.lua");
+  says("new force wind", 1, "wind.c exists already");
+  says("new forse x", 1, "did you mean 'force'?");
+  /* the sanitizers' runtime is in hooke; the plugin itself is built as a user builds it */
+  snprintf(before, sizeof before,
+           "cc -O2 -Wall -Wextra -Werror -shared -fPIC $(%s/hooke --cflags) wind.c -o wind.so && ", HK_BUILD);
+  test_hooke(&r, before, "run --trust wind.lua --json --quiet --no-output");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  assert_true(test_json(r.out, "exact_error") < 1e-9); /* rk4 at h = 1/60, rate 0.5: (h rate)^4 = 5e-9 of some metres */
+  test_hooke(&r, NULL, "run wind.lua");
+  assert_int_equal(r.code, 2);
+  assert_non_null(strstr(r.err, "run with --trust"));
+}
+
+static void verify_prints_a_difference(void **state) {
+  (void)state;
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "run %s/scripts/scenes/circle.lua --verify --json --quiet --no-output",
+           HK_ROOT);
+  test_hooke(&r, NULL, arguments);
+  double error = test_json(r.out, "exact_error"), difference = test_json(r.out, "verify_difference");
+  assert_true(fabs(difference / error - 0.75) < 0.02); /* order 2: 1 - 1/4 of the error */
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(plugins_lists_every_kind_and_describes_one),
+      cmocka_unit_test(failed_loads_are_listed_with_the_reason),
+      cmocka_unit_test(explain_tells_the_stable_steps),
+      cmocka_unit_test(a_new_force_compiles_and_is_right),
+      cmocka_unit_test(verify_prints_a_difference),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
