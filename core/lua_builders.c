@@ -214,8 +214,9 @@ static int grid(lua_State *L) {
   size_t n = (size_t)h.nx * h.ny;
   double *x = lua_newuserdatauv(L, 3 * n * sizeof *x, 0);
   for (size_t k = 0; k < n; k++) {
+    size_t row = k / h.nx;
     double s = h.nx > 1 ? width * (double)(k % h.nx) / (h.nx - 1) : 0,
-           t = h.ny > 1 ? height * (double)(k / h.nx) / (h.ny - 1) : 0;
+           t = h.ny > 1 ? height * (double)row / (h.ny - 1) : 0;
     for (int c = 0; c < 3; c++) x[3 * k + c] = origin[c] + s * u[c] + t * v[c];
   }
   h.count = (uint32_t)n;

@@ -32,8 +32,8 @@ hk_script *hk_script_new(const char *path, const hk_script_options *options);
 void hk_lua_open_face(lua_State *L); /* Lua's libraries, `hooke` and `param` as globals */
 
 /* Raise, with the script's file and line in front. Do not return. */
-int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) HK_PRINTF(3, 4);
-int hk_lua_raise(lua_State *L, const hk_error *error);
+int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) HK_PRINTF(3, 4) __attribute__((noreturn));
+int hk_lua_raise(lua_State *L, const hk_error *error) __attribute__((noreturn));
 /* "file.lua:12" of the script's function that called; pushed on the stack too. */
 const char *hk_lua_where(lua_State *L);
 /* Calls the function below its arguments under the limits; turns an error into `error`. */

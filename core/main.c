@@ -297,7 +297,7 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
   return code;
 }
 
-static int help(const places *p) {
+static void help(const places *p) {
   static commands list;
   list_commands(&list, p->tools);
   printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n"
@@ -305,7 +305,6 @@ static int help(const places *p) {
   for (size_t k = 1; k < list.count; k++) printf("  hooke %s ...\n", list.name[k]);
   printf("  hooke --version | --cflags | --help\n\nhooke run --help lists its options; scenes are in %s/scenes\n",
          p->scripts);
-  return 0;
 }
 
 int main(int argc, char **argv) {
@@ -316,9 +315,10 @@ int main(int argc, char **argv) {
       hk_registry_open(&registry, p.plugins, getenv("HK_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);
   int code;
-  if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0)
-    code = help(&p), code = argc < 2;
-  else if (strcmp(argv[1], "--version") == 0)
+  if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+    help(&p);
+    code = argc < 2;
+  } else if (strcmp(argv[1], "--version") == 0)
     code = printf("hooke " HK_VERSION "\n") < 0;
   else if (strcmp(argv[1], "--cflags") == 0)
     code = printf("-I%s\n", p.include) < 0;

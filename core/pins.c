@@ -55,7 +55,7 @@ void hk_pins_close(hk_run *run) {
 /* The offset and velocity of a path at t; the velocity by central differences when the script gives none. Their step
  * balances truncation h^2 against rounding eps/h: eps^(1/3) of a second, or of t when that is larger. */
 static hk_status path_at(hk_run *run, const hk_pin_spec *spec, double t, double out[6]) {
-  double before[6], after[6], h = 6e-6 * fmax(1, fabs(t)), early = t - h, late = t + h;
+  double before[6] = {0}, after[6] = {0}, h = 6e-6 * fmax(1, fabs(t)), early = t - h, late = t + h;
   size_t got = 0;
   hk_status status = spec->path.call(&spec->path, &t, 1, out, 6, &got, &run->error);
   if (status != HK_OK) return status;

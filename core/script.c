@@ -69,7 +69,8 @@ int hk_lua_raise(lua_State *L, const hk_error *error) {
     lua_pushstring(L, error->text); /* it knows its place already */
   else
     lua_pushfstring(L, "%s: %s", hk_lua_where(L), error->text);
-  return lua_error(L);
+  lua_error(L);
+  abort(); /* lua_error does not return */
 }
 
 int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) {
@@ -78,7 +79,7 @@ int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) {
   va_start(arguments, format);
   hk_error_setv(&error, status, format, arguments);
   va_end(arguments);
-  return hk_lua_raise(L, &error);
+  hk_lua_raise(L, &error);
 }
 
 static hk_status take_error(lua_State *L, int code, hk_error *error) {
