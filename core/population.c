@@ -157,7 +157,7 @@ void hk_members_free(hk_members *m) {
 bool hk_members_allocate(hk_members *m, size_t n, size_t width) {
   m->n = n;
   m->X = calloc((6 + width) * n + 1, sizeof *m->X);
-  m->mass = malloc((n + 1) * sizeof *m->mass);
+  m->mass = calloc(n + 1, sizeof *m->mass);
   m->id = malloc((n + 1) * sizeof *m->id);
   m->group = malloc((n + 1) * sizeof *m->group);
   return m->X && m->mass && m->id && m->group;
