@@ -57,7 +57,9 @@ static void judge(const hk_plugin *p, char *reason, size_t size) {
 
 static void open_file(hk_loaded *item) {
   char reason[1200] = "";
-  item->handle = dlopen(item->path, RTLD_NOW | RTLD_LOCAL);
+  /* Libraries that plugins bring along (threads of a BLAS, a graphics driver's compiler) do not survive being unloaded,
+   * and the process ends soon after. */
+  item->handle = dlopen(item->path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!item->handle) {
     snprintf(reason, sizeof reason, "%s", dlerror());
   } else {

@@ -23,13 +23,15 @@ if not template or not scene then
 end
 if not name:match("^[a-z][a-z0-9_]*$") then return fail(("'%s' is no plugin name: use a-z, 0-9 and _"):format(name)) end
 
-for extension, text in pairs { c = template, lua = scene } do
-  local path = ("%s.%s"):format(name, extension)
-  if read(path) then return fail(path .. " exists already; it is left as it is") end
-  local file, message = io.open(path, "w")
+local files = { { name .. ".c", template }, { name .. ".lua", scene } }
+for _, f in ipairs(files) do
+  if read(f[1]) then return fail(f[1] .. " exists already; it is left as it is") end
+end
+for _, f in ipairs(files) do
+  local file, message = io.open(f[1], "w")
   if not file then return fail(message) end
-  local written, why = file:write((text:gsub("NAME", name)))
-  if not written or not file:close() then return fail(("cannot write %s: %s"):format(path, why or "disk full?")) end
+  local written, why = file:write((f[2]:gsub("NAME", name)))
+  if not written or not file:close() then return fail(("cannot write %s: %s"):format(f[1], why or "disk full?")) end
 end
 
 print(([[wrote %s.c and %s.lua. Build and try it:
