@@ -40,7 +40,8 @@ if s.channel_rate > 0 then print(("  channels decay at   %.4g 1/s"):format(s.cha
 print("\nlargest stable step")
 table.sort(e.steps, function(a, b) return a.limit > b.limit or (a.limit == b.limit and a.name < b.name) end)
 for _, step in ipairs(e.steps) do
-  local note = step.growth_rate > 0 and (" (chosen for accuracy: %.3g s; motion grows at %.3g 1/s)"):format(step.suggestion, step.growth_rate) or ""
+  local note = step.growth_rate > 0
+    and (" (chosen for accuracy: %.3g s; motion grows at %.3g 1/s)"):format(step.suggestion, step.growth_rate) or ""
   print(("  %-18s %-12s%s%s"):format(step.name, seconds(step.limit), note, step.name == e.integrator
     and ("  <- this scene; dt = %.4g s%s"):format(e.dt, e.dt_chosen and ", chosen" or ", given") or ""))
 end

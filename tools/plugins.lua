@@ -70,5 +70,6 @@ for _, plugin in ipairs(list) do
 end
 if found then return 0 end
 local near = hooke.nearest(name, names)
-io.stderr:write(("hooke: there is no plugin '%s'%s\n"):format(name, near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins"))
+io.stderr:write(("hooke: there is no plugin '%s'%s\n"):format(name,
+  near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins"))
 return 1
