@@ -35,6 +35,21 @@ static void forbid_function(lua_State *L, const char *name) {
   lua_setfield(L, -2, name);
 }
 
+/* Finalizers run where no limit reaches them, so scenes may not have any. */
+static int set_metatable(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  if (!lua_isnil(L, 2)) luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL) return luaL_error(L, "cannot change a protected metatable");
+  if (lua_istable(L, 2)) {
+    lua_pushliteral(L, "__gc");
+    if (lua_rawget(L, 2) != LUA_TNIL) return hk_lua_fail(L, HK_SCRIPT, "setmetatable: __gc is not available to scenes");
+  }
+  lua_settop(L, 2);
+  lua_setmetatable(L, 1);
+  return 1;
+}
+
 static int print_to_stderr(lua_State *L) {
   int count = lua_gettop(L);
   for (int k = 1; k <= count; k++) {
@@ -170,6 +185,8 @@ void hk_lua_push_sandbox(lua_State *L) {
   for (size_t k = 0; tables[k]; k++) copy_table(L, tables[k], "dump");
   for (size_t k = 0; libraries[k]; k++) forbid_library(L, libraries[k]);
   for (size_t k = 0; functions[k]; k++) forbid_function(L, functions[k]);
+  lua_pushcfunction(L, set_metatable);
+  lua_setfield(L, -2, "setmetatable");
   lua_pushcfunction(L, print_to_stderr);
   lua_setfield(L, -2, "print");
   lua_pushvalue(L, -1);

@@ -102,6 +102,8 @@ static void scripts_are_kept_in_their_sandbox(void **state) {
   test_refused("load('x = 1')()\n", "", 1, "load is not available to scenes");
   test_refused("require('../secret')\n", "", 1, "is not the name of a module");
   test_refused("('x').dump(print)\n", "", 1, "dump");
+  test_refused("setmetatable({}, { __gc = function() while true do end end })\n", "", 1,
+               "__gc is not available to scenes");
   test_refused(BALL, "", 1, "bad.lua returned no scene: end it with 'return scene'");
   test_refused(BALL "scene:measure('m', function(s) return s:position(9)[1] end)\n" END, "", 1,
                "bad.lua:3: there is no particle 9 now");
