@@ -89,8 +89,14 @@ double hk_exact_error(hk_run *run) {
   size_t room = 3 * run->model.n, got = 0;
   double *known = exact->call && room ? malloc(room * sizeof *known) : NULL, t = run->system.t, sum = 0;
   if (!known) return NAN;
+  hk_error kept = run->error;
+  run->error = (hk_error){0};
   hk_status status = exact->call(exact, &t, 1, known, room, &got, &run->error);
   for (size_t k = 0; k < got; k++) sum += (run->X[k] - known[k]) * (run->X[k] - known[k]);
   free(known);
+  if (status != HK_OK) {
+    hk_run_warn(run, "the exact solution is not known: %.900s", run->error.text);
+  }
+  run->error = kept;
   return status == HK_OK && got >= 3 ? sqrt(3 * sum / (double)got) : NAN;
 }

@@ -10,7 +10,7 @@ static const char handle_type[] = "hooke.handle";
 hk_lua_handle *hk_lua_to_handle(lua_State *L, int index) { return luaL_testudata(L, index, handle_type); }
 
 hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape) {
-  hk_lua_handle *h = lua_newuserdatauv(L, sizeof *h, 2); /* a mesh keeps its edges and triangles */
+  hk_lua_handle *h = lua_newuserdatauv(L, sizeof *h, 3); /* a mesh keeps its edges, triangles and flexion edges */
   *h = shape;
   luaL_setmetatable(L, handle_type);
   return h;
@@ -137,7 +137,7 @@ static int particles(lua_State *L) {
   }
   double mass = hk_lua_field_number(L, 2, "particles", "mass", 1);
   uint32_t first = hk_lua_add(L, scene, "particles", count, x, v, m, mass, hk_lua_group(L, scene, 2, "particles"));
-  hk_lua_push_handle(L, (hk_lua_handle){first, (uint32_t)count, (uint32_t)count, 1, false});
+  hk_lua_push_handle(L, (hk_lua_handle){first, (uint32_t)count, (uint32_t)count, 1, false, false});
   return 1;
 }
 
@@ -251,7 +251,7 @@ static int strand(lua_State *L) {
   double mass = hk_lua_field_number(L, 2, "strand", "mass", 1), *x = lua_newuserdatauv(L, 3 * n * sizeof *x, 0);
   for (uint32_t k = 0; k < n; k++)
     for (int c = 0; c < 3; c++) x[3 * k + c] = from[c] + (to[c] - from[c]) * k / (n - 1);
-  hk_lua_handle h = {0, n, n, 1, false};
+  hk_lua_handle h = {0, n, n, 1, false, true};
   h.first = hk_lua_add(L, scene, "strand", n, x, NULL, NULL, mass / n, hk_lua_group(L, scene, 2, "strand"));
   push_offsets(L, &h, structural_offsets, 1);
   add_edges(L, scene);
@@ -287,17 +287,22 @@ static int ids(lua_State *L) {
 }
 
 static int structural(lua_State *L) {
-  if (lua_getiuservalue(L, 1, 1) == LUA_TUSERDATA) return 1; /* a mesh's edges */
-  return push_offsets(L, self(L), structural_offsets, 2);
+  if (lua_getiuservalue(L, 1, 1) == LUA_TUSERDATA) return 1; /* a mesh's */
+  const hk_lua_handle *h = self(L);
+  if (h->grid || h->chain) return push_offsets(L, h, structural_offsets, 2);
+  return hk_lua_fail(L, HK_BAD_PARAM, "particles have no edges of their own: list them, { {1, 2}, {2, 3} }");
 }
 
 static int shear(lua_State *L) {
   int offset[2][2] = {{1, 1}, {-1, 1}};
+  if (!self(L)->grid) return hk_lua_fail(L, HK_BAD_PARAM, "only a grid has shear edges");
   return push_offsets(L, self(L), offset, 2);
 }
 
 static int flexion(lua_State *L) {
   int offset[2][2] = {{2, 0}, {0, 2}};
+  if (lua_getiuservalue(L, 1, 3) == LUA_TUSERDATA) return 1; /* a mesh's */
+  if (!self(L)->grid && !self(L)->chain) return hk_lua_fail(L, HK_BAD_PARAM, "particles have no flexion edges");
   return push_offsets(L, self(L), offset, 2);
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 static const char type_name[] = "hooke.edges";
+enum { DEEPEST = 16 }; /* lists in lists */
 
 hk_lua_edges *hk_lua_new_edges(lua_State *L, size_t count) {
   hk_lua_edges *e = lua_newuserdatauv(L, sizeof *e + count * sizeof e->pair[0], 0);
@@ -30,8 +31,8 @@ static bool is_pair(lua_State *L, int index) {
   return numbers;
 }
 
-/* How many edges a table of pairs and blocks holds; false: it holds something else. */
-static bool count_edges(lua_State *L, int table, size_t *count) {
+/* How many edges a table of pairs and blocks holds; false: it holds something else, or itself. */
+static bool count_edges(lua_State *L, int table, int depth, size_t *count) {
   *count = 0;
   for (lua_Integer k = 1;; k++) {
     if (lua_rawgeti(L, table, k) == LUA_TNIL) {
@@ -42,7 +43,7 @@ static bool count_edges(lua_State *L, int table, size_t *count) {
     bool pair = is_pair(L, lua_gettop(L));
     size_t inner = 0;
     bool nested =
-        !block && !pair && lua_istable(L, -1) && lua_checkstack(L, 8) && count_edges(L, lua_gettop(L), &inner);
+        !block && !pair && lua_istable(L, -1) && depth < DEEPEST && count_edges(L, lua_gettop(L), depth + 1, &inner);
     lua_pop(L, 1);
     if (!block && !pair && !nested) return false;
     *count += block ? block->count : pair ? 1 : inner;
@@ -73,7 +74,8 @@ hk_lua_edges *hk_lua_to_edges(lua_State *L, int index) {
     lua_pushvalue(L, index);
     return block;
   }
-  if (!lua_istable(L, index) || !count_edges(L, index, &count)) return NULL;
+  luaL_checkstack(L, 4 * DEEPEST, "lists of edges");
+  if (!lua_istable(L, index) || !count_edges(L, index, 0, &count)) return NULL;
   hk_lua_edges *made = hk_lua_new_edges(L, count);
   fill(L, index, made, &at);
   return made;

@@ -2,6 +2,7 @@
  * format the records v and f are read; f may have texture and normal indices, which are skipped, and negative ones. */
 #include "core/lua_builders.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,7 +65,9 @@ static const char *read_face(mesh *m, const char *text) {
     if (index < 0) index += (long)m->vertices + 1;
     if (index < 1 || (size_t)index > m->vertices) return "a face names a vertex that does not exist (yet)";
     text = end + strcspn(end, " \t\r\n");
+    if (count > 0 && (uint32_t)index - 1 == corner[count > 1]) return "a face names a vertex twice";
     if (count >= 2) {
+      if ((uint32_t)index - 1 == corner[0]) return "a face names a vertex twice";
       if (!grow(&m->triangle, &m->triangle_capacity, m->triangles, sizeof *m->triangle)) return "no memory";
       corner[2] = (uint32_t)index - 1;
       memcpy(m->triangle[m->triangles++], corner, sizeof corner);
@@ -79,32 +82,51 @@ static const char *read_file(mesh *m, FILE *file) {
   const char *wrong = NULL;
   for (m->line = 1; !wrong && fgets(line, sizeof line, file); m->line++) {
     if (!strchr(line, '\n') && !feof(file)) return "the line is too long";
-    if (strncmp(line, "v ", 2) == 0)
+    if (line[0] == 'v' && isspace((unsigned char)line[1]))
       wrong = read_vertex(m, line + 2);
-    else if (strncmp(line, "f ", 2) == 0)
+    else if (line[0] == 'f' && isspace((unsigned char)line[1]))
       wrong = read_face(m, line + 2);
   }
-  if (wrong) m->line--;
+  m->line--;
+  if (ferror(file)) return strerror(errno);
   return wrong ? wrong : m->vertices ? NULL : "it has no vertices";
 }
 
-static int by_pair(const void *a, const void *b) { return memcmp(a, b, 2 * sizeof(uint32_t)); }
+/* A side of a triangle and the corner opposite; the lower id first. */
+typedef struct side {
+  uint32_t a, b, opposite;
+} side;
 
-/* The sides of the triangles, each once, as a block of edges on the stack. */
-static hk_lua_edges *sides(lua_State *L, const mesh *m, uint32_t first) {
-  size_t count = 0;
-  uint32_t(*side)[2] = lua_newuserdatauv(L, (3 * m->triangles + 1) * sizeof *side, 0);
+static int by_ends(const void *left, const void *right) {
+  const side *s = left, *t = right;
+  if (s->a != t->a) return s->a < t->a ? -1 : 1;
+  if (s->b != t->b) return s->b < t->b ? -1 : 1;
+  return (s->opposite > t->opposite) - (s->opposite < t->opposite);
+}
+
+/* The sides of all triangles, sorted, as a block on the stack. */
+static side *push_sides(lua_State *L, const mesh *m, uint32_t first) {
+  side *list = lua_newuserdatauv(L, (3 * m->triangles + 1) * sizeof *list, 0);
   for (size_t k = 0; k < 3 * m->triangles; k++) {
-    uint32_t a = m->triangle[k / 3][k % 3], b = m->triangle[k / 3][(k + 1) % 3];
-    side[k][0] = first + (a < b ? a : b);
-    side[k][1] = first + (a < b ? b : a);
+    const uint32_t *corner = m->triangle[k / 3];
+    uint32_t a = corner[k % 3], b = corner[(k + 1) % 3], c = corner[(k + 2) % 3];
+    list[k] = (side){first + (a < b ? a : b), first + (a < b ? b : a), first + c};
   }
-  qsort(side, 3 * m->triangles, sizeof *side, by_pair);
-  for (size_t k = 0; k < 3 * m->triangles; k++)
-    if (count == 0 || memcmp(side[k], side[count - 1], sizeof *side) != 0) memcpy(side[count++], side[k], sizeof *side);
-  hk_lua_edges *edges = hk_lua_new_edges(L, count);
-  memcpy(edges->pair, side, count * sizeof *side);
-  lua_remove(L, -2);
+  qsort(list, 3 * m->triangles, sizeof *list, by_ends);
+  return list;
+}
+
+/* Pushes each side once; or, for flexion, the corners that face each other across a side. */
+static hk_lua_edges *push_pairs(lua_State *L, const side *list, size_t sides, bool facing) {
+  hk_lua_edges *edges = hk_lua_new_edges(L, sides); /* at most */
+  edges->count = 0;
+  for (size_t k = 0; k < sides; k++) {
+    bool again = k > 0 && list[k].a == list[k - 1].a && list[k].b == list[k - 1].b;
+    if (again != facing || (again && list[k].opposite == list[k - 1].opposite)) continue;
+    uint32_t *pair = edges->pair[edges->count++];
+    pair[0] = facing ? list[k - 1].opposite : list[k].a;
+    pair[1] = facing ? list[k].opposite : list[k].b;
+  }
   return edges;
 }
 
@@ -145,13 +167,18 @@ int hk_lua_mesh(lua_State *L) {
          origin[3] = {0};
   hk_lua_field_vector(L, 2, "mesh", "origin", origin);
   for (size_t k = 0; k < 3 * m->vertices; k++) m->vertex[k] = origin[k % 3] + scale * m->vertex[k];
-  hk_lua_handle h = {0, (uint32_t)m->vertices, (uint32_t)m->vertices, 1, false};
+  hk_lua_handle h = {0, (uint32_t)m->vertices, (uint32_t)m->vertices, 1, false, false};
   h.first = hk_lua_add(L, scene, "mesh", m->vertices, m->vertex, NULL, NULL, mass / (double)m->vertices,
                        hk_lua_group(L, scene, 2, "mesh"));
   hk_lua_push_handle(L, h);
-  const hk_lua_edges *edges = sides(L, m, h.first);
+  int handle = lua_gettop(L);
+  const side *list = push_sides(L, m, h.first);
+  const hk_lua_edges *edges = push_pairs(L, list, 3 * m->triangles, false);
   hk_status status = hk_scene_add_edges(scene, edges->count, (const uint32_t(*)[2])edges->pair, &error);
-  lua_setiuservalue(L, -2, 1);
+  lua_setiuservalue(L, handle, 1);
+  push_pairs(L, list, 3 * m->triangles, true);
+  lua_setiuservalue(L, handle, 3);
+  lua_settop(L, handle);
   for (size_t k = 0; k < 3 * m->triangles; k++) m->triangle[k / 3][k % 3] += h.first;
   if (status == HK_OK) status = hk_scene_add_triangles(scene, m->triangles, (const uint32_t(*)[3])m->triangle, &error);
   if (status != HK_OK) return hk_lua_raise(L, &error);

@@ -4,6 +4,7 @@
 #include "core/report.h"
 
 static const char run_type[] = "hooke.run";
+enum { CALL_COST = 100 }; /* of scene:run in the script's budget of instructions: an endless loop of it ends */
 
 static void set_number(lua_State *L, const char *key, double value) {
   if (!isfinite(value)) return; /* not known: nil, as null in JSON */
@@ -83,7 +84,8 @@ static hk_run *run_of(lua_State *L) {
 
 static int state(lua_State *L) {
   run_of(L);
-  hk_lua_push_state(L, *(hk_scene **)lua_touserdata(L, 1));
+  lua_getiuservalue(L, 1, 1);
+  hk_lua_push_state(L, -1);
   return 1;
 }
 
@@ -101,10 +103,26 @@ static int save(lua_State *L) {
   return 0;
 }
 
-static void note_verdict(hk_script *s, hk_run *run) {
+static int severity(hk_verdict verdict) {
+  return verdict == HK_DIVERGED ? 3 : verdict == HK_STOPPED ? 2 : verdict == HK_INACCURATE;
+}
+
+void hk_lua_note_verdict(hk_script *s, hk_run *run) {
   hk_summary now;
   hk_run_summary(run, &now);
-  if (now.verdict == HK_DIVERGED || now.verdict == HK_STOPPED) s->worst = now.verdict;
+  if (severity(now.verdict) > severity(s->worst)) s->worst = now.verdict;
+}
+
+/* To time `to`. At the end the run is closed, and so has its verdict; going on from there does nothing. */
+static hk_status drive(hk_scene *scene, const hk_run_options *options, double to, hk_error *error) {
+  hk_run *run = scene->run;
+  hk_status status = run ? HK_OK : hk_run_open(scene, options, &run, error);
+  if (status != HK_OK) return status;
+  double end = hk_run_end(run);
+  if (hk_run_view(run)->t >= end && end > 0) return HK_OK;
+  status = hk_run_advance(run, to < end ? to : end, error);
+  if (status == HK_OK && to >= end) status = hk_run_close(run, error);
+  return status;
 }
 
 int hk_lua_scene_run(lua_State *L) {
@@ -112,19 +130,29 @@ int hk_lua_scene_run(lua_State *L) {
   hk_script *s = hk_lua_script(L);
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_error error = {0};
-  if (lua_istable(L, 2)) hk_lua_check_keys(L, 2, "run", keys);
-  if (!scene->run) {
-    hk_run *run;
-    if (hk_run_open(scene, &s->run_options, &run, &error) != HK_OK) return hk_lua_raise(L, &error);
+  double to = INFINITY;
+  lua_State *outer = s->current;
+  lua_settop(L, 2);
+  if (lua_istable(L, 2)) {
+    hk_lua_check_keys(L, 2, "run", keys);
+    to = hk_lua_field_number(L, 2, "run", "to", INFINITY);
   }
-  double to =
-      lua_istable(L, 2) ? hk_lua_field_number(L, 2, "run", "to", hk_run_end(scene->run)) : hk_run_end(scene->run);
-  s->drove = true;
-  hk_status status = hk_run_advance(scene->run, to, &error);
-  note_verdict(s, scene->run);
+  if (to < INFINITY && to > scene->duration)
+    return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, scene->duration);
+  if (s->finished || s->driving)
+    return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");
+  s->drove = s->driving = true;
+  s->current = L;
+  hk_status status = drive(scene, &hk_lua_owner(L, 1)->run_options, to, &error);
+  s->current = outer;
+  s->driving = false;
+  s->instructions += CALL_COST;
+  if (scene->run && (status != HK_OK || to >= hk_run_end(scene->run))) hk_lua_note_verdict(s, scene->run);
   if (status != HK_OK) return hk_lua_raise(L, &error);
-  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 0);
+  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 1);
   *holder = scene;
+  lua_pushvalue(L, 1);
+  lua_setiuservalue(L, -2, 1); /* alive as long as this */
   luaL_setmetatable(L, run_type);
   return 1;
 }

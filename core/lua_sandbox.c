@@ -60,42 +60,41 @@ static int print_to_stderr(lua_State *L) {
   return 0;
 }
 
-/* Runs the text of a module file in the environment that is the function's upvalue. */
-static int load_module(lua_State *L, const char *folder, const char *name) {
-  char path[4096], chunk[300];
-  snprintf(path, sizeof path, "%s/%s.lua", folder, name);
-  snprintf(chunk, sizeof chunk, "@%s.lua", name);
-  FILE *file = fopen(path, "rb");
-  if (!file) return 0;
-  luaL_Buffer buffer;
-  luaL_buffinit(L, &buffer);
-  size_t got;
-  do {
-    got = fread(luaL_prepbuffer(&buffer), 1, LUAL_BUFFERSIZE, file);
-    luaL_addsize(&buffer, got);
-  } while (got == LUAL_BUFFERSIZE);
-  fclose(file);
-  luaL_pushresult(&buffer);
-  size_t length;
-  const char *text = lua_tolstring(L, -1, &length);
-  if (luaL_loadbufferx(L, text, length, chunk, "t") != LUA_OK) return lua_error(L);
+/* Runs a module's file in the environment that is the function's first upvalue; false: there is none. */
+static bool load_module(lua_State *L, const char *folder, const char *name) {
+  lua_pushfstring(L, "%s.lua", name);
+  lua_pushfstring(L, "%s/%s", folder, lua_tostring(L, -1));
+  int code = hk_lua_load(L, lua_tostring(L, -1), lua_tostring(L, -2));
+  if (code == LUA_ERRFILE) return false;
+  if (code != LUA_OK) lua_error(L);
   lua_pushvalue(L, lua_upvalueindex(1));
   lua_setupvalue(L, -2, 1);
   lua_call(L, 0, 1);
-  return 1;
+  return true;
 }
 
+static void mark_module(lua_State *L, const char *name, const void *mark) {
+  if (mark)
+    lua_pushlightuserdata(L, (void *)(uintptr_t)mark);
+  else
+    lua_pushnil(L);
+  lua_setfield(L, lua_upvalueindex(2), name);
+}
+
+/* The second upvalue holds the modules loaded; one that is being loaded is marked, so that a circle is seen. */
 static int require_module(lua_State *L) {
+  static const char loading;
   const hk_script *s = hk_lua_script(L);
   const char *name = luaL_checkstring(L, 1);
-  if (lua_getfield(L, lua_upvalueindex(2), name) != LUA_TNIL) return 1;
-  lua_pop(L, 1);
+  if (lua_getfield(L, lua_upvalueindex(2), name) != LUA_TNIL && lua_touserdata(L, -1) != &loading) return 1;
+  if (!lua_isnil(L, -1)) return hk_lua_fail(L, HK_SCRIPT, "require: '%s' requires itself, in a circle", name);
   if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != strlen(name))
     return hk_lua_fail(L, HK_SCRIPT, "require: '%s' is not the name of a module", name);
-  int loaded = load_module(L, s->folder, name);
-  if (!loaded && s->options.library) loaded = load_module(L, s->options.library, name);
-  if (!loaded)
+  mark_module(L, name, &loading);
+  if (!load_module(L, s->folder, name) && !(s->options.library && load_module(L, s->options.library, name))) {
+    mark_module(L, name, NULL);
     return hk_lua_fail(L, HK_SCRIPT, "require: there is no module '%s' beside the scene or in scripts/lib", name);
+  }
   if (lua_isnil(L, -1)) lua_pushboolean(L, 1);
   lua_pushvalue(L, -1);
   lua_setfield(L, lua_upvalueindex(2), name);
@@ -138,19 +137,11 @@ static void copy_table(lua_State *L, const char *name, const char *without) {
   lua_setfield(L, -2, name);
 }
 
+/* Methods of strings are those of the sandbox's own table. The environment is on top. */
 static void seal_strings(lua_State *L) {
   lua_pushliteral(L, "");
   lua_getmetatable(L, -1);
-  lua_newtable(L); /* methods of strings are those of the sandbox's own table */
-  lua_getglobal(L, "string");
-  for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
-    lua_pushvalue(L, -2);
-    lua_pushvalue(L, -2);
-    lua_settable(L, -6);
-  }
-  lua_pop(L, 1);
-  lua_pushnil(L);
-  lua_setfield(L, -2, "dump");
+  lua_getfield(L, -3, "string");
   lua_setfield(L, -2, "__index");
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");
@@ -176,7 +167,6 @@ void hk_lua_push_sandbox(lua_State *L) {
     add_require(L);
     return;
   }
-  seal_strings(L);
   lua_newtable(L);
   for (size_t k = 0; kept[k]; k++) {
     lua_getglobal(L, kept[k]);
@@ -187,6 +177,8 @@ void hk_lua_push_sandbox(lua_State *L) {
   for (size_t k = 0; functions[k]; k++) forbid_function(L, functions[k]);
   lua_pushcfunction(L, set_metatable);
   lua_setfield(L, -2, "setmetatable");
+  hk_lua_guard(L);
+  seal_strings(L);
   lua_pushcfunction(L, print_to_stderr);
   lua_setfield(L, -2, "print");
   lua_pushvalue(L, -1);

@@ -8,7 +8,11 @@
 
 static const char scene_type[] = "hooke.scene";
 
-hk_scene *hk_lua_scene(lua_State *L, int index) { return *(hk_scene **)luaL_checkudata(L, index, scene_type); }
+hk_scene *hk_lua_scene(lua_State *L, int index) {
+  hk_scene **scene = luaL_testudata(L, index, scene_type);
+  if (!scene) hk_lua_fail(L, HK_SCRIPT, "a scene's functions are called with a colon: scene:force(...)");
+  return *scene;
+}
 
 static hk_scene *editable(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
@@ -53,7 +57,7 @@ static void choose(lua_State *L, hk_scene *scene, hk_kind kind, const char *key)
     return;
   }
   int value = lua_gettop(L);
-  if (lua_isstring(L, value))
+  if (lua_type(L, value) == LUA_TSTRING)
     add(L, scene, kind, lua_tostring(L, value), 0);
   else if (lua_istable(L, value) && lua_rawgeti(L, value, 1) == LUA_TSTRING) {
     const char *name = lua_tostring(L, -1);
@@ -103,8 +107,9 @@ static int scene(lua_State *L) {
   made->fps = positive(L, "fps", made->fps);
   made->dt = positive(L, "dt", NAN);
   made->tol = positive(L, "tol", made->tol);
-  made->seed = s->options.seed ? s->options.seed : (uint64_t)hk_lua_field_number(L, 1, "scene", "seed", 0);
-  made->threads = s->options.threads ? s->options.threads : (int)hk_lua_field_number(L, 1, "scene", "threads", 0);
+  made->seed =
+      s->options.seed ? s->options.seed : hk_lua_field_whole(L, 1, "scene", "seed", 0, 9007199254740992.0); /* 2^53 */
+  made->threads = s->options.threads ? s->options.threads : (int)hk_lua_field_whole(L, 1, "scene", "threads", 0, 1024);
   made->shared.seed = made->seed;
   choose(L, made, HK_INTEGRATOR, "integrator");
   choose(L, made, HK_SOLVER, "solver");
@@ -189,7 +194,7 @@ static int channel(lua_State *L) {
   if (type == LUA_TNUMBER)
     decay = hk_lua_number(L, -1, "channel: rate");
   else if (type == LUA_TFUNCTION)
-    rate = hk_lua_function(L, lua_gettop(L));
+    rate = hk_lua_rate_function(L, lua_gettop(L));
   else if (type != LUA_TNIL && type != LUA_TSTRING)
     return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: expected a number, a function or the name of a plugin");
   check(L, hk_scene_add_channel(target, name, (size_t)size, initial, decay, rate.call ? &rate : NULL, &error), &error);

@@ -6,9 +6,12 @@
 
 static const char state_type[] = "hooke.state";
 
-void hk_lua_push_state(lua_State *L, hk_scene *scene) {
-  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 0);
-  *holder = scene;
+void hk_lua_push_state(lua_State *L, int scene) {
+  scene = lua_absindex(L, scene);
+  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 1);
+  *holder = hk_lua_scene(L, scene);
+  lua_pushvalue(L, scene);
+  lua_setiuservalue(L, -2, 1);
   luaL_setmetatable(L, state_type);
 }
 
@@ -22,7 +25,7 @@ static uint32_t index_of(lua_State *L, hk_run *run, int argument) {
   uint32_t index = 0;
   lua_Integer id = luaL_checkinteger(L, argument);
   if (id < 1 || id > UINT32_MAX || !hk_run_index(run, (uint32_t)id, &index))
-    hk_lua_fail(L, HK_BAD_PARAM, "there is no particle %d now", (int)id);
+    hk_lua_fail(L, HK_BAD_PARAM, "there is no particle %lld now", (long long)id);
   return index;
 }
 
@@ -95,8 +98,8 @@ static int force(lua_State *L) {
   hk_run *run = run_of(L);
   hk_error error = {0};
   double f[3];
-  lua_Integer id = luaL_checkinteger(L, 3);
-  if (hk_run_force(run, luaL_checkstring(L, 2), (uint32_t)id, f, &error) != HK_OK) return hk_lua_raise(L, &error);
+  uint32_t id = hk_run_view(run)->model->id[index_of(L, run, 3)];
+  if (hk_run_force(run, luaL_checkstring(L, 2), id, f, &error) != HK_OK) return hk_lua_raise(L, &error);
   push_numbers(L, f, 3);
   return 1;
 }
@@ -143,26 +146,6 @@ static int member(lua_State *L) {
                 : hk_lua_fail(L, HK_BAD_PARAM, "state has no '%s'", name);
   }
   return 1;
-}
-
-/* ---- functions that are called with the state at frames ---- */
-
-/* upvalues: the function, the state */
-static int with_state(lua_State *L) {
-  lua_settop(L, 0);
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_pushvalue(L, lua_upvalueindex(2));
-  lua_call(L, 1, LUA_MULTRET);
-  return lua_gettop(L);
-}
-
-hk_function hk_lua_frame_function(lua_State *L, int index) {
-  lua_pushvalue(L, index);
-  hk_lua_push_state(L, hk_lua_scene(L, 1));
-  lua_pushcclosure(L, with_state, 2);
-  hk_function function = hk_lua_function(L, lua_gettop(L));
-  lua_pop(L, 1);
-  return function;
 }
 
 void hk_lua_open_state(lua_State *L) {

@@ -47,6 +47,14 @@ double hk_lua_field_number(lua_State *L, int table, const char *what, const char
   return value;
 }
 
+uint64_t hk_lua_field_whole(lua_State *L, int table, const char *what, const char *key, uint64_t otherwise,
+                            double most) {
+  double value = hk_lua_field_number(L, table, what, key, (double)otherwise);
+  if (!(value >= 0 && value <= most && floor(value) == value))
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %g is not a whole number from 0 to %g", what, key, value, most);
+  return (uint64_t)value;
+}
+
 static const char *known_at(const void *context, size_t k) { return ((const char *const *)context)[k]; }
 
 void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known) {
@@ -182,5 +190,8 @@ void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int
       lua_settop(L, top);
     }
   }
+  if (instance->from >= instance->to)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", instance->label, instance->from,
+                instance->to);
   if (hk_instance_check(instance, &error) != HK_OK) hk_lua_raise(L, &error);
 }

@@ -1,8 +1,9 @@
-/* Running a scene script: the Lua state, its limits on memory and instructions, param(), and the way errors take.
+/* Running a scene script: the Lua state, its limits on memory and instructions, and the way errors take.
  *
  * An error raised by the engine carries a status beside its text; a plain Lua error is HK_SCRIPT. Every call into the
  * script, from the first line to a measure in the last frame, goes through hk_lua_call and starts a new budget of
- * instructions. */
+ * instructions, to which memory asked for is charged as well. A script that went beyond a limit once is spent: nothing
+ * it catches saves it. */
 #include "core/lua_internal.h"
 #include "core/memory.h"
 
@@ -14,11 +15,30 @@
 
 static const size_t default_memory = (size_t)512 << 20; /* bytes */
 static const uint64_t default_instructions = 500000000; /* some three seconds */
-enum { HOOK_COUNT = 10000 };
+/* Lua 5.4.4 reads a stale pointer when the stack moves inside a __concat of a chain, a .. b .. c, as scripts write with
+ * edges; room reserved at the bottom of the stack is never given back, so it does not move at ordinary depths. */
+enum { STACK_SLOTS = 4000 };
+
+enum { HOOK_COUNT = 10000, BYTES_PER_INSTRUCTION = 16, LARGE = 65536 };
 
 hk_script *hk_lua_script(lua_State *L) { return *(hk_script **)lua_getextraspace(L); }
 
 /* ---- limits ---- */
+
+/* Lua asks once more after it collected garbage: the second refusal of the same request, not granted since, is final.
+ */
+static bool refused(hk_script *s, const void *memory, size_t size, size_t more) {
+  bool over = s->instructions > s->instruction_limit && more > LARGE; /* small ones are left for the message */
+  bool full = s->memory + more > s->memory_limit;
+  bool same = s->refused_size == size && s->refused == memory;
+  if (full && same) s->spent = s->memory_spent = true;
+  if (full || same) {
+    s->refused = full ? memory : NULL;
+    s->refused_size = full ? size : 0;
+  }
+  if (!full) s->instructions += more / BYTES_PER_INSTRUCTION;
+  return full || over;
+}
 
 static void *allocate(void *context, void *memory, size_t old, size_t size) {
   hk_script *s = context;
@@ -28,28 +48,37 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
     s->memory -= before;
     return NULL;
   }
-  if (size > before && s->memory + (size - before) > s->memory_limit) return NULL;
+  if (size > before && refused(s, memory, size, size - before)) return NULL;
   void *grown = realloc(memory, size);
   if (grown) s->memory += size - before;
   return grown;
 }
 
+static void say_limit(hk_script *s, const char *place, int line) {
+  s->limit = (hk_error){0};
+  if (s->memory_spent)
+    hk_error_set(&s->limit, HK_SCRIPT, "%s: not enough memory: the script went beyond its limit of %zu MiB", s->name,
+                 s->memory_limit >> 20);
+  else
+    hk_error_set(&s->limit, HK_SCRIPT,
+                 "%s:%d: the script ran beyond its limit of %d million instructions: is there an endless loop?", place,
+                 line, (int)(s->instruction_limit / 1000000));
+}
+
 static void count_instructions(lua_State *L, lua_Debug *ar) {
   hk_script *s = hk_lua_script(L);
   s->instructions += HOOK_COUNT;
-  if (s->instructions > s->instruction_limit) {
-    s->raised = HK_OK;
-    lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1); /* from now on everywhere, so that no pcall outlives it */
-    lua_getinfo(L, "Sl", ar);
-    lua_pushfstring(L, "%s:%d: the script ran beyond its limit of %d million instructions: is there an endless loop?",
-                    ar->short_src, ar->currentline, (int)(s->instruction_limit / 1000000));
-    lua_error(L);
-  }
-  if (s->run_options.interrupted && *s->run_options.interrupted) {
-    s->raised = HK_INTERRUPTED;
-    lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1);
-    luaL_error(L, "interrupted");
-  }
+  bool interrupted = s->run_options.interrupted && *s->run_options.interrupted;
+  if (!s->spent && !interrupted && s->instructions <= s->instruction_limit) return;
+  s->spent = true;
+  lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1); /* from now on everywhere, so that no pcall outlives it */
+  lua_getinfo(L, "Sl", ar);
+  if (interrupted)
+    s->limit = (hk_error){HK_INTERRUPTED, "interrupted"};
+  else if (s->limit.status == HK_OK)
+    say_limit(s, ar->short_src, ar->currentline);
+  lua_pushstring(L, s->limit.text);
+  lua_error(L);
 }
 
 /* ---- errors ---- */
@@ -63,10 +92,20 @@ const char *hk_lua_where(lua_State *L) {
   return lua_pushfstring(L, "%s", hk_lua_script(L)->name);
 }
 
+/* Is there "file.lua:12:" in it? */
+static bool has_place(const hk_script *s, const char *text) {
+  size_t length = strlen(s->name);
+  if (strncmp(text, s->name, length) == 0 && text[length] == ':') return true;
+  for (const char *at = strstr(text, ".lua:"); at; at = strstr(at + 1, ".lua:"))
+    if (at[5] >= '0' && at[5] <= '9') return true;
+  return false;
+}
+
 int hk_lua_raise(lua_State *L, const hk_error *error) {
-  hk_lua_script(L)->raised = error->status;
-  if (strstr(error->text, ".lua:"))
-    lua_pushstring(L, error->text); /* it knows its place already */
+  hk_script *s = hk_lua_script(L);
+  s->raised = *error;
+  if (has_place(s, error->text))
+    lua_pushstring(L, error->text);
   else
     lua_pushfstring(L, "%s: %s", hk_lua_where(L), error->text);
   lua_error(L);
@@ -84,158 +123,34 @@ int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) {
 
 static hk_status take_error(lua_State *L, int code, hk_error *error) {
   hk_script *s = hk_lua_script(L);
-  const char *text = lua_tostring(L, -1);
-  hk_status status = s->raised != HK_OK ? s->raised : HK_SCRIPT;
-  if (code == LUA_ERRMEM)
-    hk_error_set(error, status = HK_SCRIPT, "%s: not enough memory: the script went beyond its limit of %zu MiB",
-                 s->name, s->memory_limit >> 20);
+  const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
+  bool ours = s->raised.status != HK_OK && text && strstr(text, s->raised.text);
+  hk_status status = ours ? s->raised.status : HK_SCRIPT;
+  if (code == LUA_ERRMEM) s->spent = true;
+  if (s->spent) { /* whatever the script made of it on the way */
+    if (s->instructions <= s->instruction_limit) s->memory_spent = true;
+    if (s->limit.status == HK_OK) say_limit(s, s->name, 1);
+    hk_error_set(error, status = s->limit.status, "%s", s->limit.text);
+  } else if (text)
+    hk_error_set(error, status, "%s", text);
   else
-    hk_error_set(error, status, "%s", text ? text : "the script raised an error that is not a text");
+    hk_error_set(error, status, "%s: the script raised an error that is a %s, not a text", s->name,
+                 luaL_typename(L, -1));
   lua_pop(L, 1);
-  s->raised = HK_OK;
   return status;
 }
 
+/* Calls nest: a script that drives calls scene:run, which calls its measures. Each has a budget of its own. */
 hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error) {
   hk_script *s = hk_lua_script(L);
+  uint64_t outer = s->instructions;
   s->instructions = 0;
-  s->raised = HK_OK;
+  s->raised.status = HK_OK;
   lua_sethook(L, count_instructions, LUA_MASKCOUNT, HOOK_COUNT);
   int code = lua_pcall(L, arguments, results, 0);
-  return code == LUA_OK ? HK_OK : take_error(L, code, error);
-}
-
-/* ---- functions of the script that the engine calls ---- */
-
-/* Pushes the result of a function: numbers, or one table of numbers and tables, flattened. */
-static hk_status flatten(lua_State *L, int index, double *out, size_t max, size_t *count, hk_error *error) {
-  if (lua_type(L, index) == LUA_TNUMBER) {
-    if (*count < max) out[*count] = lua_tonumber(L, index);
-    ++*count;
-    return HK_OK;
-  }
-  if (!lua_istable(L, index) || !lua_checkstack(L, 4))
-    return hk_error_set(error, HK_SCRIPT, "%s: a function of the script returned a %s where a number is needed",
-                        hk_lua_script(L)->name, luaL_typename(L, index));
-  hk_status status = HK_OK;
-  for (lua_Integer k = 1; status == HK_OK && lua_rawgeti(L, index, k) != LUA_TNIL; k++, lua_pop(L, 1))
-    status = flatten(L, lua_gettop(L), out, max, count, error);
-  lua_pop(L, 1);
+  hk_status status = code == LUA_OK ? HK_OK : take_error(L, code, error);
+  s->instructions = outer;
   return status;
-}
-
-static hk_status call_function(const hk_function *f, const double *in, size_t n_in, double *out, size_t max_out,
-                               size_t *n_out, hk_error *error) {
-  hk_script *s = f->context;
-  lua_State *L = s->L;
-  int top = lua_gettop(L);
-  lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
-  for (size_t k = 0; k < n_in; k++) {
-    if (k == 1)
-      lua_pushinteger(L, (lua_Integer)in[k]); /* the id in a channel's rate */
-    else
-      lua_pushnumber(L, in[k]);
-  }
-  hk_status status = hk_lua_call(L, (int)n_in, LUA_MULTRET, error);
-  *n_out = 0;
-  for (int k = top + 1; status == HK_OK && k <= lua_gettop(L); k++) status = flatten(L, k, out, max_out, n_out, error);
-  lua_settop(L, top);
-  if (*n_out > max_out) *n_out = max_out == 0 ? 0 : *n_out;
-  return status;
-}
-
-hk_function hk_lua_function(lua_State *L, int index) {
-  luaL_checktype(L, index, LUA_TFUNCTION);
-  lua_pushvalue(L, index);
-  return (hk_function){call_function, hk_lua_script(L), luaL_ref(L, LUA_REGISTRYINDEX)};
-}
-
-/* ---- param() ---- */
-
-static const char *text_of(lua_State *L, int index) {
-  return lua_isnil(L, index) ? "" : luaL_tolstring(L, index, NULL);
-}
-
-static void declare(lua_State *L, const char *name, const char *help, int initial, int value) {
-  hk_script *s = hk_lua_script(L);
-  void *list = s->param;
-  int failed = hk_array_reserve(&list, &s->param_capacity, s->params + 1, sizeof *s->param);
-  s->param = list;
-  if (failed) hk_lua_fail(L, HK_NO_MEMORY, "no memory for parameter '%s'", name);
-  hk_param_declared *p = &s->param[s->params];
-  *p = (hk_param_declared){0};
-  s->params++;
-  p->name = hk_string_copy(name);
-  p->help = hk_string_copy(help);
-  p->initial = hk_string_copy(text_of(L, initial));
-  p->value = hk_string_copy(text_of(L, value));
-}
-
-/* Pushes the given text as the default's type. */
-static void convert(lua_State *L, const char *name, const char *text) {
-  int type = lua_type(L, 2);
-  if (type == LUA_TBOOLEAN) {
-    bool yes = strcmp(text, "true") == 0;
-    if (!yes && strcmp(text, "false") != 0)
-      hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: '%s' is not true or false", name, text);
-    lua_pushboolean(L, yes);
-  } else if (type == LUA_TNUMBER) {
-    if (lua_stringtonumber(L, text) == 0)
-      hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: '%s' is not a number", name, text);
-    double value = lua_tonumber(L, -1);
-    if (!isfinite(value)) hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: '%s' is not finite", name, text);
-    if (lua_isinteger(L, 2) && !lua_isinteger(L, -1) && floor(value) == value && fabs(value) < 9e15) {
-      lua_pop(L, 1);
-      lua_pushinteger(L, (lua_Integer)value);
-    }
-  } else
-    lua_pushstring(L, text);
-}
-
-static int param(lua_State *L) {
-  static const char *const keys[] = {"min", "max", NULL};
-  hk_script *s = hk_lua_script(L);
-  const char *name = luaL_checkstring(L, 1), *help = luaL_optstring(L, 3, "");
-  luaL_checkany(L, 2);
-  lua_settop(L, 4);
-  lua_pushvalue(L, 2);
-  for (size_t k = 0; k < s->options.given_count; k++) {
-    if (strcmp(s->options.given[k].name, name) != 0) continue;
-    s->options.given[k].used = true;
-    convert(L, name, s->options.given[k].value);
-  }
-  int value = lua_gettop(L);
-  declare(L, name, help, 2, value);
-  lua_settop(L, value);
-  if (lua_istable(L, 4)) {
-    hk_lua_check_keys(L, 4, "param", keys);
-    double low = hk_lua_field_number(L, 4, "param", "min", -INFINITY),
-           high = hk_lua_field_number(L, 4, "param", "max", INFINITY);
-    double number = lua_tonumber(L, value);
-    if (number < low) hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: %g is below the minimum %g", name, number, low);
-    if (number > high) hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: %g is above the maximum %g", name, number, high);
-  }
-  lua_pushvalue(L, value);
-  return 1;
-}
-
-static const char *declared_name(const void *context, size_t k) {
-  const hk_script *s = context;
-  return k < s->params ? s->param[k].name : NULL;
-}
-
-static hk_status check_given(const hk_script *s, hk_error *error) {
-  for (size_t k = 0; k < s->options.given_count; k++) {
-    const hk_param_given *given = &s->options.given[k];
-    if (given->used) continue;
-    const char *near = hk_nearest_name(given->name, declared_name, s);
-    if (near)
-      return hk_error_set(error, HK_BAD_PARAM, "%s has no parameter '%s'; did you mean '%s'?", s->name, given->name,
-                          near);
-    return hk_error_set(error, HK_BAD_PARAM, "%s has no parameter '%s'; see: hooke run %s --help", s->name, given->name,
-                        s->path);
-  }
-  return HK_OK;
 }
 
 /* ---- opening ---- */
@@ -267,28 +182,33 @@ static hk_status no_file(const hk_script *s, hk_error *error) {
   return status;
 }
 
-static hk_status load_file(hk_script *s, hk_error *error) {
-  FILE *file = fopen(s->path, "rb");
-  if (!file) return no_file(s, error);
-  luaL_Buffer buffer;
-  luaL_buffinit(s->L, &buffer);
-  size_t got;
-  do {
-    got = fread(luaL_prepbuffer(&buffer), 1, LUAL_BUFFERSIZE, file);
-    luaL_addsize(&buffer, got);
-  } while (got == LUAL_BUFFERSIZE);
-  bool failed = ferror(file);
-  fclose(file);
-  luaL_pushresult(&buffer);
-  if (failed) return hk_error_set(error, HK_IO, "cannot read the scene %s", s->path);
-  size_t length;
-  const char *text = lua_tolstring(s->L, -1, &length);
-  size_t skip = text[0] == '#' ? strcspn(text, "\n") : 0; /* a first line for the shell */
-  char chunk[300];
-  snprintf(chunk, sizeof chunk, "@%s", s->name);
-  int code = luaL_loadbufferx(s->L, text + skip, length - skip, chunk, "t");
-  lua_remove(s->L, -2);
-  return code == LUA_OK ? HK_OK : take_error(s->L, code, error);
+typedef struct source {
+  FILE *file;
+  char block[4096];
+} source;
+
+static const char *next_block(lua_State *L, void *context, size_t *size) {
+  source *from = context;
+  (void)L;
+  *size = fread(from->block, 1, sizeof from->block, from->file);
+  return *size ? from->block : NULL;
+}
+
+int hk_lua_load(lua_State *L, const char *path, const char *name) {
+  source from = {.file = fopen(path, "rb")};
+  if (!from.file) return LUA_ERRFILE;
+  lua_pushfstring(L, "@%s", name);
+  int first = getc(from.file); /* a line for the shell is left out, its end is not */
+  for (bool shell = first == '#'; shell && first != EOF && first != '\n';) first = getc(from.file);
+  if (first != EOF) ungetc(first, from.file);
+  int code = lua_load(L, next_block, &from, lua_tostring(L, -1), "t"); /* catches errors itself */
+  int cause = ferror(from.file) ? errno : 0;
+  fclose(from.file);
+  lua_remove(L, -2);
+  if (!cause) return code;
+  lua_pop(L, 1);
+  errno = cause;
+  return LUA_ERRFILE;
 }
 
 void hk_lua_open_face(lua_State *L) {
@@ -297,14 +217,8 @@ void hk_lua_open_face(lua_State *L) {
   hk_lua_open_scene(L);
   hk_lua_open_state(L);
   hk_lua_open_run(L);
-  lua_pushcfunction(L, param);
+  lua_pushcfunction(L, hk_lua_param);
   lua_setglobal(L, "param");
-}
-
-static int open_libraries(lua_State *L) {
-  hk_lua_open_face(L);
-  hk_lua_push_sandbox(L);
-  return 1;
 }
 
 static bool set_names(hk_script *s, const char *path) {
@@ -332,26 +246,53 @@ hk_script *hk_script_new(const char *path, const hk_script_options *options) {
     return NULL;
   }
   *(hk_script **)lua_getextraspace(s->L) = s;
+  s->current = s->L;
   lua_sethook(s->L, count_instructions, LUA_MASKCOUNT, HOOK_COUNT);
   lua_gc(s->L, LUA_GCGEN, 0, 0);
+  lua_checkstack(s->L, STACK_SLOTS);
   return s;
+}
+
+/* Pushes the script as a function in its environment, or nil when the file cannot be read. */
+static int prepare(lua_State *L) {
+  const hk_script *s = hk_lua_script(L);
+  hk_lua_open_face(L);
+  hk_lua_push_sandbox(L);
+  int code = hk_lua_load(L, s->path, s->name);
+  if (code == LUA_ERRFILE) return 0;
+  if (code != LUA_OK) return lua_error(L);
+  lua_insert(L, -2);
+  lua_setupvalue(L, -2, 1); /* _ENV */
+  return 1;
+}
+
+/* What a script that drove left open ends with it. */
+static hk_status close_runs(hk_script *s, hk_error *error) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < s->scenes; k++) {
+    hk_run *run = s->scene[k]->run;
+    if (!run) continue;
+    hk_status closed = hk_run_close(run, error);
+    if (status == HK_OK) status = closed;
+    hk_lua_note_verdict(s, run);
+  }
+  return status;
 }
 
 static hk_status run_script(hk_script *s, hk_error *error) {
   lua_State *L = s->L;
-  lua_pushcfunction(L, open_libraries);
+  lua_pushcfunction(L, prepare);
   hk_status status = hk_lua_call(L, 0, 1, error);
-  if (status == HK_OK) status = load_file(s, error);
-  if (status != HK_OK) return status;
-  lua_insert(L, -2); /* the environment becomes the chunk's _ENV */
-  lua_setupvalue(L, -2, 1);
-  status = hk_lua_call(L, 0, 1, error);
-  if (status == HK_OK) status = check_given(s, error);
+  if (status == HK_OK && lua_isnil(L, -1)) return no_file(s, error);
+  if (status == HK_OK) status = hk_lua_call(L, 0, 1, error);
+  s->finished = true;
+  if (status == HK_OK) status = hk_lua_check_given(s, error);
   if (status != HK_OK) return status;
   hk_scene **returned = luaL_testudata(L, -1, "hooke.scene");
   if (returned) s->returned = *returned;
   lua_settop(L, 0);
-  if (s->returned || s->drove) return HK_OK;
+  if (s->returned) return HK_OK;
+  if (s->drove) return close_runs(s, error);
   return hk_error_set(error, HK_SCRIPT, "%s returned no scene: end it with 'return scene'", s->name);
 }
 

@@ -21,8 +21,8 @@ typedef struct hk_script_options {
   hk_registry *registry;
   const char *library;        /* folder of scripts/lib; NULL: none */
   bool trust;                 /* lifts the sandbox */
-  size_t memory_limit;        /* bytes, 0: the default of 1 GiB */
-  uint64_t instruction_limit; /* Lua VM instructions in one call into the script, 0: the default of 2e9 */
+  size_t memory_limit;        /* bytes, 0: the default of 512 MiB */
+  uint64_t instruction_limit; /* Lua VM instructions in one call into the script, 0: the default of 5e8 */
   const hk_run_options *run;  /* for scene:run{} in scripts that drive */
   int threads;
   uint64_t seed;

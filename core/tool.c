@@ -177,28 +177,16 @@ static void describe(lua_State *L, hk_run *run) {
   push_steps(L, run);
 }
 
-static size_t given_params(lua_State *L, hk_param_given *given, size_t room) {
-  size_t count = 0;
-  if (!lua_istable(L, 2)) return 0;
-  for (lua_pushnil(L); lua_next(L, 2) && count < room; lua_pop(L, 1)) {
-    if (lua_type(L, -2) != LUA_TSTRING) continue;
-    given[count++] = (hk_param_given){lua_tostring(L, -2), lua_tostring(L, -1), false};
-  }
-  return count;
-}
-
 static int explain(lua_State *L) {
   const hk_script *tool = hk_lua_script(L);
   hk_script_options options = tool->options;
   hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .no_output = true, .progress = -1};
-  hk_param_given given[64];
   hk_error error = {0};
   hk_script *script = NULL;
   hk_run *run = NULL;
   options.trust = false;
   options.run = &run_options;
-  options.given = given;
-  options.given_count = given_params(L, given, 64);
+  options.given = hk_lua_push_given(L, 2, &options.given_count);
   hk_status status = hk_registry_load_all(options.registry, &error);
   if (status == HK_OK) status = hk_script_open(luaL_checkstring(L, 1), &options, &script, &error);
   if (status == HK_OK && !hk_script_scene(script))
@@ -232,7 +220,7 @@ static int nearest(lua_State *L) {
 
 static void open_tool(lua_State *L, const hk_script *s, int argc, char **argv) {
   static const luaL_Reg functions[] = {
-      {"catalogue", catalogue}, {"explain", explain}, {"nearest", nearest}, {NULL, NULL}};
+      {"catalogue", catalogue}, {"explain", explain}, {"load", hk_lua_load_scene}, {"nearest", nearest}, {NULL, NULL}};
   lua_getglobal(L, "hooke");
   luaL_setfuncs(L, functions, 0);
   set_text(L, "plugins", s->options.registry->root);
@@ -250,7 +238,10 @@ static void open_tool(lua_State *L, const hk_script *s, int argc, char **argv) {
   lua_pushfstring(L, "%s/?.lua;%s/?.lua;%s", s->folder, s->options.library ? s->options.library : ".",
                   lua_tostring(L, -1));
   lua_setfield(L, -3, "path");
-  lua_pop(L, 2);
+  lua_getfield(L, -2, "cpath"); /* native modules of tools are built beside the plugins' folder */
+  lua_pushfstring(L, "%s/../tools/?.so;%s", s->options.registry->root, lua_tostring(L, -1));
+  lua_setfield(L, -4, "cpath");
+  lua_pop(L, 3);
 }
 
 typedef struct call {
