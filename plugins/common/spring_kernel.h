@@ -1,13 +1,14 @@
 /* Forces of damped springs, many at a time. With d = x_j - x_i, l = |d|, u = v_j - v_i, each spring has the scale
  *     s = k (1 - L/l) + c (u.d)/l^2,      i gets the force s d and j gets -s d.
- * At l = 0 both are zero; a spring with L = 0 is smooth there.
+ * At l = 0 both are zero (spring_path.h says where that begins); a spring with L = 0 is smooth there.
  *
- * The layout is made once per topology. Particles are cut into ranges by index; a group holds the springs between two
- * ranges, and the rounds of a round-robin tournament pair the ranges so that no two groups of a round share one: the
- * groups of a round can run on several threads without meeting. The number of ranges depends on the number of springs
- * alone and sums are taken in a fixed order, so results do not depend on the threads. Inside a group, runs of springs
- * (i+t, j+t) are found, whose particles are read and written as contiguous vectors; the others are sorted by blocks of
- * particles, so that shuffled ids still find their data in the cache. */
+ * The layout is made once per topology. Particles are cut into ranges, by index or, where indices say little of who is
+ * joined to whom (shuffled ids), by hk_particle_order. A group holds the springs between two ranges, and groups are put
+ * into rounds so that no two of a round share a range: those of a round can run on several threads without meeting. The
+ * number of ranges depends on the number of springs alone and sums are taken in a fixed order, so results do not depend
+ * on the threads. Inside a group, runs of springs (i+t, j+t) are found, whose particles are read and written as
+ * contiguous vectors; the others are sorted by blocks of particles, so that they find their data in the cache. Where a
+ * square root and a division are taken, and how wide the vectors are: spring_path.h. */
 #ifndef HK_SPRING_KERNEL_H
 #define HK_SPRING_KERNEL_H
 

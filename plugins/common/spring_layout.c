@@ -1,5 +1,6 @@
 /* The order in which springs are summed (see spring_kernel.h): counting sorts by group, runs found by a scan, the rest
  * sorted by blocks of particles. Everything is linear in the number of springs. */
+#include "plugins/common/particle_order.h"
 #include "plugins/common/spring_kernel.h"
 
 #include <stdlib.h>
@@ -10,8 +11,9 @@ enum {
   RANGES_MAX = 16,
   PIECE = 1024,   /* springs of a run at most: its particles fit the second-level cache beside those of others */
   RUN_MIN = 16,   /* shorter runs are not worth a call */
-  BLOCK_BITS = 7, /* particles of a cache block, 128: measured best of 2^7 ... 2^12 with shuffled ids */
-  SMALL = 8       /* springs that are summed one at a time */
+  BLOCK_BITS = 6, /* particles of a cache block, 64: 2^3 ... 2^7 measured alike with shuffled ids, more is slower */
+  SCATTERED_MIN = 2048, /* fewer particles stay in the caches in any order */
+  SMALL = 8             /* springs that are summed one at a time */
 };
 
 typedef struct builder {
@@ -20,29 +22,41 @@ typedef struct builder {
   const hk_edges *edges;
   size_t n, ranges, width; /* particles, ranges of them, particles of a range */
   uint32_t *order, *scratch, *count;
+  uint32_t *place; /* n: the particles' order for caches and ranges; NULL: by index */
   uint32_t group_of[RANGES_MAX][RANGES_MAX];
   size_t run_capacity;
 } builder;
 
-static size_t range_of(const builder *b, uint32_t particle) { return particle / b->width; }
+static uint32_t place_of(const builder *b, uint32_t particle) { return b->place ? b->place[particle] : particle; }
 
-/* Round 0: each range with itself. Then the circle method for an even number of players: in round r, player `last`
- * meets r, and r+q meets r-q. */
+static size_t range_of(const builder *b, uint32_t particle) { return place_of(b, particle) / b->width; }
+
+/* Groups for the pairs of ranges that have springs. A pair takes the first round that has neither of its ranges yet,
+ * and round 0 is that of each range with itself; of m = 2^q ranges all joined to all that makes m rounds. */
 static void pair_ranges(builder *b) {
   hk_spring_layout *s = b->layout;
-  size_t m = b->ranges, group = 0, last = m - 1;
-  s->round[0] = 0;
-  for (size_t a = 0; a < m; a++) b->group_of[a][a] = (uint32_t)group++;
-  s->round[1] = group;
-  s->rounds = 1;
-  for (size_t r = 0; r < last && m > 1; r++) {
-    for (size_t q = 0; q < m / 2; q++) {
-      size_t a = q ? (r + q) % last : last, c = q ? (r + last - q) % last : r;
-      b->group_of[a][c] = b->group_of[c][a] = (uint32_t)group++;
-    }
-    s->round[++s->rounds] = group;
+  uint32_t busy[RANGES_MAX] = {0}, round_of[RANGES_MAX][RANGES_MAX]; /* busy: a bit per round */
+  bool used[RANGES_MAX][RANGES_MAX] = {{false}};
+  for (size_t e = 0; e < s->count; e++) {
+    size_t i = range_of(b, b->edges->pair[b->order[e]][0]), j = range_of(b, b->edges->pair[b->order[e]][1]);
+    used[i < j ? i : j][i < j ? j : i] = true;
   }
-  s->groups = group;
+  for (size_t i = 0; i < b->ranges; i++)
+    for (size_t j = i; j < b->ranges; j++) {
+      uint32_t round = 0;
+      while (i != j && (round == 0 || ((busy[i] | busy[j]) >> round & 1))) round++;
+      round_of[i][j] = round;
+      if (!used[i][j]) continue;
+      busy[i] |= 1u << round;
+      busy[j] |= 1u << round;
+      if (s->rounds <= round) s->rounds = round + 1;
+    }
+  for (uint32_t r = 0; r < s->rounds; r++) {
+    for (size_t i = 0; i < b->ranges; i++)
+      for (size_t j = i; j < b->ranges; j++)
+        if (used[i][j] && round_of[i][j] == r) b->group_of[i][j] = b->group_of[j][i] = (uint32_t)s->groups++;
+    s->round[r + 1] = s->groups;
+  }
 }
 
 /* Stable; `key` below `keys`. */
@@ -60,12 +74,12 @@ static uint32_t by_group(const builder *b, uint32_t e) {
 }
 
 static uint32_t low_block(const builder *b, uint32_t e) {
-  uint32_t i = b->edges->pair[e][0], j = b->edges->pair[e][1];
+  uint32_t i = place_of(b, b->edges->pair[e][0]), j = place_of(b, b->edges->pair[e][1]);
   return (i < j ? i : j) >> BLOCK_BITS;
 }
 
 static uint32_t high_block(const builder *b, uint32_t e) {
-  uint32_t i = b->edges->pair[e][0], j = b->edges->pair[e][1];
+  uint32_t i = place_of(b, b->edges->pair[e][0]), j = place_of(b, b->edges->pair[e][1]);
   return (i < j ? j : i) >> BLOCK_BITS;
 }
 
@@ -205,9 +219,18 @@ static bool allocate(builder *b) {
   b->scratch = host->allocate(host, 2 * (s->count + 1) * sizeof *b->scratch);
   b->count = host->allocate(host, (keys + 1) * sizeof *b->count);
   s->group = host->allocate(host, (RANGES_MAX * (RANGES_MAX + 1) / 2 + 1) * sizeof *s->group);
-  s->round = host->allocate(host, (RANGES_MAX + 1) * sizeof *s->round);
+  s->round = host->allocate(host, (2 * RANGES_MAX + 1) * sizeof *s->round);
   s->group_power = host->allocate(host, RANGES_MAX * (RANGES_MAX + 1) / 2 * sizeof *s->group_power);
   return b->order && b->scratch && b->count && s->group && s->round && s->group_power;
+}
+
+/* Whether indices say little of who is joined to whom: shuffled ids are n/3 apart in the mean, those of a grid's
+ * neighbours at most a row or two. */
+static bool scattered(const builder *b) {
+  double apart = 0;
+  for (size_t e = 0; e < b->edges->count; e++)
+    apart += fabs((double)b->edges->pair[e][0] - (double)b->edges->pair[e][1]);
+  return b->n > SCATTERED_MIN && apart > (double)b->n / 8 * (double)b->edges->count;
 }
 
 static size_t ranges_for(size_t springs) {
@@ -221,6 +244,10 @@ hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, size_
   builder b = {.host = host, .layout = s, .edges = edges, .n = n};
   *s = (hk_spring_layout){.count = edges->count};
   bool fine = allocate(&b);
+  if (fine && scattered(&b)) {
+    b.place = host->allocate(host, n * sizeof *b.place);
+    fine = b.place && hk_particle_order(host, n, edges, b.place);
+  }
   if (fine) {
     s->count = 0;
     for (size_t e = 0; e < edges->count; e++)
@@ -234,6 +261,7 @@ hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, size_
   host->release(host, b.order);
   host->release(host, b.scratch);
   host->release(host, b.count);
+  host->release(host, b.place);
   return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu springs", edges->count);
 }
 

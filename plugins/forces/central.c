@@ -3,8 +3,10 @@
  * With r the vector from the centre (or from the nearest point of the line), s = sqrt(r^2 + softening^2):
  *     F = -strength w s^(power - 1) r,     w = m (per = "mass") or 1 (per = "particle")
  *     energy = strength w s^(power + 1) / (power + 1), or strength w ln s for power = -1
- * power 1 is a harmonic pull, -2 Kepler's with strength GM (softening as Plummer's). At r = 0 the force is zero; for
- * powers below 0 that is a convention, where the formula has no limit. */
+ * power 1 is a harmonic pull, -2 Kepler's with strength GM (softening as Plummer's). Where s is below 1e-100 m the
+ * force is zero: the limit for powers above 0, for the others a convention, before Kepler's leaves the range of
+ * doubles.
+ */
 #include "core/plugin.h"
 
 typedef struct central {
@@ -67,6 +69,8 @@ static const hk_param params[] = {
     {0},
 };
 
+static const double tiny = 1e-200; /* m^2 */
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)host, (void)view;
   double *a = ((central *)self)->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
@@ -90,18 +94,30 @@ static double weight(const central *p, const hk_view *view, size_t i) {
 /* s^(power - 1) from s^2; the common powers without pow. */
 static double scale(const central *p, double s2) {
   if (p->power == 1) return 1;
-  if (s2 == 0) return 0;
+  if (s2 < tiny) return 0;
   if (p->power == -2) return 1 / (s2 * sqrt(s2));
   return pow(s2, (p->power - 1) / 2);
 }
 
-static hk_status add(void *self, const hk_view *view, double *F) {
-  const central *p = self;
-  for (size_t k = 0; k < view->acting; k++) {
-    size_t i = view->active ? view->active[k] : k;
-    double r[3], s2 = offset(p, view->x + 3 * i, r), f = weight(p, view, i) * scale(p, s2);
-    for (int c = 0; c < 3; c++) F[3 * i + c] -= f * r[c];
+typedef struct task {
+  const central *self;
+  const hk_view *view;
+  double *F;
+} task;
+
+static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  const task *t = context;
+  for (size_t k = begin; k < end; k++) {
+    size_t i = t->view->active ? t->view->active[k] : k;
+    double r[3], s2 = offset(t->self, t->view->x + 3 * i, r), f = weight(t->self, t->view, i) * scale(t->self, s2);
+    for (int c = 0; c < 3; c++) t->F[3 * i + c] -= f * r[c];
   }
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  task t = {self, view, F};
+  view->host->parallel_for(view->host, view->acting, 1024, add_chunk, &t);
   return HK_OK;
 }
 
@@ -111,7 +127,7 @@ static double energy(void *self, const hk_view *view) {
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = view->active ? view->active[k] : k;
     double r[3], s2 = offset(p, view->x + 3 * i, r);
-    if (s2 == 0 && p->power <= -1) continue; /* no force there, so no energy is stored either */
+    if (s2 < tiny && p->power <= -1) continue; /* no force there, so no energy is stored either */
     sum += weight(p, view, i) * (p->power == -1 ? log(s2) / 2 : pow(s2, (p->power + 1) / 2) / (p->power + 1));
   }
   return sum;
@@ -131,9 +147,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = view->active ? view->active[k] : k;
     double r[3], s2 = offset(p, view->x + 3 * i, r), w = weight(p, view, i), s = scale(p, s2);
-    double *K = into->K + 9 * into->slot[k], second = s2 > 0 ? (p->power - 1) * s / s2 : 0;
+    double *K = into->K + 9 * into->slot[k], root = s2 < tiny ? 1 : sqrt(s2);
+    double second = s2 < tiny ? 0 : (p->power - 1) * s;
     for (int a = 0; a < 3; a++)
-      for (int b = 0; b < 3; b++) K[3 * a + b] += w * (s * ((a == b) - p->axis[a] * p->axis[b]) + second * r[a] * r[b]);
+      for (int b = 0; b < 3; b++)
+        K[3 * a + b] += w * (s * ((a == b) - p->axis[a] * p->axis[b]) + second * (r[a] / root) * (r[b] / root));
   }
   return HK_OK;
 }

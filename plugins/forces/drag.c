@@ -32,42 +32,37 @@ static double coefficient(const drag *p, const hk_view *view, size_t i) {
   return isnan(p->d) ? p->rate * view->model->mass[i] : p->d;
 }
 
-enum { GRAIN = 4096 };
+enum { GRAIN = 4096, CHUNKS = 64 };
 
 typedef struct task {
   const drag *self;
   const hk_view *view;
   double *F;
+  double power[CHUNKS]; /* summed in the order of the chunks, whatever thread took them */
 } task;
 
 static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
+  task *t = context;
   const hk_view *view = t->view;
   const double *restrict v = view->v, *restrict m = view->model->mass;
-  double *restrict F = t->F;
+  double *restrict F = t->F, power = 0;
   bool per_mass = isnan(t->self->d);
   for (size_t k = begin; k < end; k++) {
     size_t i = view->active ? view->active[k] : k;
     double d = per_mass ? t->self->rate * m[i] : t->self->d;
     for (int c = 0; c < 3; c++) F[3 * i + c] -= d * v[3 * i + c];
+    power -= d * (v[3 * i] * v[3 * i] + v[3 * i + 1] * v[3 * i + 1] + v[3 * i + 2] * v[3 * i + 2]);
   }
-}
-
-static double power(const drag *p, const hk_view *view) {
-  double sum = 0;
-  for (size_t k = 0; k < view->acting; k++) {
-    size_t i = view->active ? view->active[k] : k;
-    const double *v = view->v + 3 * i;
-    sum -= coefficient(p, view, i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  }
-  return sum;
+  t->power[chunk] = power;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {self, view, F};
-  view->host->parallel_for(view->host, view->acting, GRAIN, add_chunk, &t);
-  if (view->power) *view->power += power(self, view);
+  task t;
+  size_t grain = view->acting / CHUNKS + 1; /* never more than CHUNKS of them */
+  if (grain < GRAIN) grain = GRAIN;
+  t.self = self, t.view = view, t.F = F;
+  view->host->parallel_for(view->host, view->acting, grain, add_chunk, &t);
+  for (size_t c = 0; view->power && c * grain < view->acting; c++) *view->power += t.power[c];
   return HK_OK;
 }
 

@@ -178,12 +178,12 @@ static void compare(const char *what, uint32_t N, bool shuffle) {
   close_cloth(&c);
 }
 
-static void two_threads(uint32_t N) {
+static void two_threads(uint32_t N, bool shuffle) {
   enum { REPEATS = 21 };
   double a[REPEATS], b[REPEATS];
   cloth one, two;
-  open_cloth(&one, N, false, 1);
-  open_cloth(&two, N, false, 2);
+  open_cloth(&one, N, shuffle, 1);
+  open_cloth(&two, N, shuffle, 2);
   for (int r = 0; r < REPEATS; r++) {
     memset(one.F, 0, 3 * one.n * sizeof *one.F);
     memset(two.F, 0, 3 * two.n * sizeof *two.F);
@@ -239,9 +239,20 @@ static void small(void) {
   e.scene->fps = 1;
   e.options.until = 3000;
   test_run(&e);
+  enum { REPEATS = 11, CALLS = 100000 };
+  double list[REPEATS], F[6] = {0}, power = 0;
+  hk_view view = *hk_run_view(e.run);
+  view.host = &springs->host;
+  view.power = &power;
+  for (int r = 0; r < REPEATS; r++) {
+    double t0 = now();
+    for (int k = 0; k < CALLS; k++) springs->plugin->force->add(springs->self, &view, F);
+    list[r] = (now() - t0) / CALLS;
+  }
   double t0 = now();
   test_advance(&e, 3000);
-  printf("two particles: %.3g million leapfrog steps a second\n", 3 / (now() - t0));
+  printf("two particles: one spring %.1f ns; %.3g million leapfrog steps a second\n", median(list, REPEATS) * 1e9,
+         3 / (now() - t0));
   test_engine_close(&e);
 }
 
@@ -249,7 +260,9 @@ int main(void) {
   compare("128 x 128, grid order", 128, false);
   compare("128 x 128, shuffled, per edge", 128, true);
   compare("512 x 512, grid order", 512, false);
-  two_threads(512);
+  compare("512 x 512, shuffled, per edge", 512, true);
+  two_threads(512, false);
+  two_threads(512, true);
   step();
   small();
   return 0;

@@ -1,0 +1,12 @@
+/* An order of particles in which those that edges join lie near each other, for data that must find its way through
+ * caches when ids say nothing about place. */
+#ifndef HK_PARTICLE_ORDER_H
+#define HK_PARTICLE_ORDER_H
+
+#include "core/plugin.h"
+
+/* place[i], 0 <= place[i] < n: clusters of CLUSTER joined particles, each beside one that it touches. Linear in n and
+ * in the number of edges; false when there is no memory. */
+bool hk_particle_order(const hk_host *host, size_t n, const hk_edges *edges, uint32_t *place);
+
+#endif
