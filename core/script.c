@@ -291,6 +291,7 @@ static hk_status run_script(hk_script *s, hk_error *error) {
   hk_scene **returned = luaL_testudata(L, -1, "hooke.scene");
   if (returned) s->returned = *returned;
   lua_settop(L, 0);
+  lua_gc(L, LUA_GCCOLLECT, 0); /* lists of edges, which the plugins have copied, before the run asks for memory */
   if (s->returned) return HK_OK;
   if (s->drove) return close_runs(s, error);
   return hk_error_set(error, HK_SCRIPT, "%s returned no scene: end it with 'return scene'", s->name);
