@@ -6,7 +6,8 @@
  *   system.c       f(X, t): the sum of forces, what integrators see
  *   constraint.c   multipliers
  *   constraint_matrix.c  the matrix of the multipliers
- *   jacobian.c     K and D in blocks; the scene's solver
+ *   jacobian.c     K and D in blocks
+ *   implicit.c     the matrix of an implicit step; the scene's solver
  *   linear.c, block_matrix.c  a solver with its matrix; patterns of blocks
  *   step.c         the choice of the step
  *   loop.c         the order of a step, frames and events
@@ -78,7 +79,9 @@ struct hk_run {
 
   /* system.c */
   size_t evaluations, jacobians, factorizations, linear_iterations;
-  double *dy_scratch;
+  bool *takes;               /* one per force: system.takes */
+  hk_force_info *force_info; /* one per force: system.force */
+  bool solver_chosen;        /* the scene names none */
   unsigned chunk_bad_count;
   uint64_t *chunk_bad; /* one word per chunk of particles: not finite */
 
@@ -137,7 +140,7 @@ void hk_state_publish(hk_run *); /* the model's pointers follow the run's arrays
 void hk_state_view(hk_run *);    /* refreshes view, force views and system after X, n or t changed */
 hk_status hk_state_emit(hk_run *, double h, bool *changed);
 hk_status hk_state_start_file(hk_run *); /* save.c: after the plugins' start, what scene->start_file says */
-hk_status hk_elements_refresh(hk_run *);
+void hk_elements_refresh(hk_run *);
 
 /* pins.c */
 hk_status hk_pins_open(hk_run *);
@@ -152,6 +155,7 @@ bool hk_pins_release(hk_run *); /* true: something was let go at this time */
 hk_status hk_system_open(hk_run *);
 void hk_system_close(hk_run *);
 hk_status hk_system_resize(hk_run *);
+void hk_system_take_all(hk_run *); /* evaluations are of the whole f again */
 double hk_system_potential(hk_run *, double t, const double *X);
 double hk_system_kinetic(const hk_run *, const double *X);
 bool hk_system_has_energy(const hk_run *); /* every force's energy or power is known */
@@ -166,12 +170,17 @@ double hk_constraints_violation(hk_run *);
 hk_status hk_constraints_topology(hk_run *); /* particles were born or died */
 
 /* jacobian.c */
-hk_status hk_jacobian_assemble(hk_system *, double t, double *X, hk_matrix *K, hk_matrix *D);
-hk_status hk_jacobian_factorize(hk_system *, const hk_matrix *A);
-hk_status hk_jacobian_solve(hk_system *, const double *b, double *x, hk_solve_info *info);
+hk_status hk_jacobian_assemble(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
 void hk_jacobian_topology(hk_run *); /* the pattern is void */
 void hk_jacobian_close(hk_run *);
-/* The scene's solver, or the default `cholmod`, started; its instance. */
+
+/* implicit.c */
+hk_status hk_implicit_combine(hk_system *, double m, double d, double k, hk_matrix *A);
+hk_status hk_implicit_solver_flags(hk_system *, unsigned *flags);
+hk_status hk_implicit_factorize(hk_system *, const hk_matrix *A);
+hk_status hk_implicit_solve(hk_system *, const double *b, double *x, hk_solve_info *info);
+hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, size_t columns);
+/* The scene's solver, or the one that suits it, started; its instance. */
 hk_status hk_solver_get(hk_run *, hk_instance **solver);
 
 /* step.c */

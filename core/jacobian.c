@@ -1,26 +1,19 @@
-/* K = -dF/dx and D = -dF/dv of all forces together, in 3x3 blocks with one pattern, and the scene's solver.
+/* K = -dF/dx and D = -dF/dv of all forces together, in 3x3 blocks with one pattern.
  *
  * Once per topology every force names its blocks; after the whole diagonal they are merged into one pattern, and each
  * force keeps the slots of what it named. An evaluation zeroes the two value arrays and lets every acting force add.
  * The pattern holds all forces, acting or not, so that a force that sets in later costs no new analysis. Invariant:
  * slot[first[k] + e] is where the e-th block of force k goes. */
-#include "core/block_matrix.h"
-#include "core/linear.h"
+#include "core/assembly.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-struct hk_assembly {
-  hk_block_matrix matrix;
-  size_t *first; /* one per force: position in matrix.slot */
-  double *K, *D; /* blocks x 9; NULL: the pattern is void */
-  bool symmetric;
-  hk_linear linear;
-};
+enum { BLOCKS_GRAIN = 16384 };
 
 static hk_run *run_of(hk_system *s) { return (hk_run *)(void *)s; }
 
-static hk_assembly *assembly_of(hk_run *run) {
+hk_assembly *hk_assembly_of(hk_run *run) {
   if (!run->assembly) run->assembly = calloc(1, sizeof *run->assembly);
   if (!run->assembly) hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the Jacobian");
   return run->assembly;
@@ -29,7 +22,6 @@ static hk_assembly *assembly_of(hk_run *run) {
 static hk_status name_blocks(hk_run *run, hk_assembly *s) {
   size_t n = run->model.n;
   hk_block_matrix_begin(&s->matrix, n, n);
-  s->symmetric = true;
   for (size_t i = 0; i < n; i++) s->matrix.naming.block(&s->matrix.naming, (uint32_t)i, (uint32_t)i);
   for (size_t k = 0; k < run->scene->force.count; k++) {
     hk_instance *force = run->scene->force.item[k];
@@ -43,7 +35,6 @@ static hk_status name_blocks(hk_run *run, hk_assembly *s) {
     if (s->matrix.out_of_range)
       return hk_error_set(&run->error, HK_FAILED, "force '%s' names a block of a particle that is not there",
                           force->label);
-    s->symmetric = s->symmetric && functions->flags & HK_SYMMETRIC_JACOBIAN;
   }
   return HK_OK;
 }
@@ -53,8 +44,11 @@ static void drop(hk_assembly *s) {
   free(s->first);
   free(s->K);
   free(s->D);
+  free(s->A);
+  free(s->slide);
   s->first = NULL;
-  s->K = s->D = NULL;
+  s->K = s->D = s->A = NULL;
+  s->slide = NULL;
 }
 
 static hk_status build(hk_run *run, hk_assembly *s) {
@@ -73,71 +67,56 @@ static hk_status build(hk_run *run, hk_assembly *s) {
   return status;
 }
 
-static hk_status fill(hk_run *run, hk_assembly *s, double t, const double *X) {
-  size_t n = run->model.n, numbers = 9 * s->matrix.row_start[n];
-  memset(s->K, 0, numbers * sizeof *s->K);
-  memset(s->D, 0, numbers * sizeof *s->D);
+static bool joins(const hk_run *run, size_t k) {
+  return run->force_acts[k] && run->takes[k] && run->scene->force.item[k]->plugin->force->jacobian;
+}
+
+static bool is_symmetric(const hk_run *run, unsigned want) {
+  unsigned enough = HK_SYMMETRIC_JACOBIAN | (want & HK_WANT_SYMMETRIC ? HK_OFFERS_SYMMETRIC : 0);
+  for (size_t k = 0; k < run->scene->force.count; k++)
+    if (joins(run, k) && !(run->scene->force.item[k]->plugin->force->flags & enough)) return false;
+  return true;
+}
+
+static void clear_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  hk_assembly *s = context;
+  (void)chunk;
+  memset(s->K + 9 * begin, 0, 9 * (end - begin) * sizeof *s->K);
+  memset(s->D + 9 * begin, 0, 9 * (end - begin) * sizeof *s->D);
+}
+
+static hk_status fill(hk_run *run, hk_assembly *s, double t, const double *X, unsigned want) {
+  size_t n = run->model.n;
+  hk_threads_for(run->scene->shared.threads, s->matrix.row_start[n], BLOCKS_GRAIN, clear_chunk, s);
   hk_status status = HK_OK;
   for (size_t k = 0; k < run->scene->force.count && status == HK_OK; k++) {
-    const hk_instance *force = run->scene->force.item[k];
-    if (!run->force_acts[k] || !force->plugin->force->jacobian) continue;
+    hk_instance *force = run->scene->force.item[k];
+    if (!joins(run, k)) continue;
     hk_view view = run->force_view[k];
     view.t = t;
     view.x = X;
     view.v = X + 3 * n;
     view.y = run->width ? X + 6 * n : NULL;
     view.power = NULL;
-    hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D};
+    hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D, want};
     status = force->plugin->force->jacobian(force->self, &view, &into);
   }
   return status;
 }
 
-hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, hk_matrix *K, hk_matrix *D) {
+hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {
   hk_run *run = run_of(system);
-  hk_assembly *s = assembly_of(run);
+  hk_assembly *s = hk_assembly_of(run);
   hk_status status = s ? hk_pins_impose(run, t, X, X + 3 * run->model.n) : HK_NO_MEMORY;
   if (status == HK_OK && (!s->K || !s->D)) status = build(run, s);
-  if (status == HK_OK) status = fill(run, s, t, X);
+  if (status == HK_OK) status = fill(run, s, t, X, want);
   if (status != HK_OK) return status;
+  s->symmetric = is_symmetric(run, want);
   *K = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->K, s->symmetric};
   *D = *K;
   D->value = s->D;
   run->jacobians++;
   return HK_OK;
-}
-
-hk_status hk_solver_get(hk_run *run, hk_instance **solver) {
-  hk_scene *scene = run->scene;
-  hk_status status = HK_OK;
-  if (!scene->solver) {
-    status = hk_scene_add_plugin(scene, HK_SOLVER, "cholmod", NULL, "", &scene->solver, &run->error);
-    if (status == HK_OK) status = hk_instance_check(scene->solver, &run->error);
-    if (status != HK_OK) return status;
-  }
-  if (!scene->solver->started) {
-    hk_view view = run->view;
-    view.host = &scene->solver->host;
-    status = hk_instance_start(scene->solver, &view, run->system.size, &run->error);
-  }
-  *solver = scene->solver;
-  return status;
-}
-
-hk_status hk_jacobian_factorize(hk_system *system, const hk_matrix *A) {
-  hk_run *run = run_of(system);
-  hk_assembly *s = assembly_of(run);
-  hk_status status = s ? HK_OK : HK_NO_MEMORY;
-  if (status == HK_OK && !s->linear.solver) status = hk_solver_get(run, &s->linear.solver);
-  return status == HK_OK ? hk_linear_factorize(run, &s->linear, A) : status;
-}
-
-hk_status hk_jacobian_solve(hk_system *system, const double *b, double *x, hk_solve_info *info) {
-  hk_run *run = run_of(system);
-  hk_assembly *s = run->assembly;
-  if (!s || !s->linear.analyzed)
-    return hk_error_set(&run->error, HK_FAILED, "a system was solved before its factorization");
-  return hk_linear_solve(run, &s->linear, b, x, info);
 }
 
 void hk_jacobian_topology(hk_run *run) {

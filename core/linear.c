@@ -75,6 +75,7 @@ hk_status hk_linear_factorize(hk_run *run, hk_linear *linear, const hk_matrix *A
     if (functions->analyze) status = functions->analyze(linear->solver->self, A);
     if (status != HK_OK) return status;
     linear->pattern = pattern;
+    linear->rows = A->rows * A->block;
     linear->analyzed = true;
   }
   status = functions->factorize(linear->solver->self, A);
@@ -86,12 +87,39 @@ hk_status hk_linear_factorize(hk_run *run, hk_linear *linear, const hk_matrix *A
 }
 
 hk_status hk_linear_solve(hk_run *run, hk_linear *linear, const double *b, double *x, hk_solve_info *info) {
-  hk_solve_info own = {0, NAN};
+  hk_solve_info own = {0, NAN, info ? info->tolerance : 0};
   double begin = hk_clock();
   hk_status status = linear->solver->plugin->solver->solve(linear->solver->self, b, x, &own);
   linear->solver->seconds += hk_clock() - begin;
   run->linear_iterations += (size_t)own.iterations;
   if (info) *info = own;
+  return status;
+}
+
+/* One by one, where the solver takes no more. */
+static hk_status each_column(hk_linear *linear, const double *b, double *x, size_t columns) {
+  const hk_solver *functions = linear->solver->plugin->solver;
+  size_t rows = linear->rows;
+  double *one = malloc((2 * rows + 1) * sizeof *one);
+  hk_status status = one ? HK_OK : HK_NO_MEMORY;
+  for (size_t c = 0; c < columns && status == HK_OK; c++) {
+    hk_solve_info info = {0};
+    for (size_t r = 0; r < rows; r++) one[r] = b[columns * r + c];
+    status = functions->solve(linear->solver->self, one, one + rows, &info);
+    for (size_t r = 0; r < rows && status == HK_OK; r++) x[columns * r + c] = one[rows + r];
+  }
+  free(one);
+  return status;
+}
+
+hk_status hk_linear_solve_columns(hk_run *run, hk_linear *linear, const double *b, double *x, size_t columns) {
+  const hk_solver *functions = linear->solver->plugin->solver;
+  double begin = hk_clock();
+  hk_status status = functions->solve_columns ? functions->solve_columns(linear->solver->self, b, x, columns)
+                                              : each_column(linear, b, x, columns);
+  linear->solver->seconds += hk_clock() - begin;
+  if (status == HK_NO_MEMORY && !*run->error.text)
+    hk_error_set(&run->error, status, "no memory for a right-hand side of %zu rows", linear->rows);
   return status;
 }
 

@@ -8,11 +8,13 @@ typedef struct hk_linear {
   hk_instance *solver;
   uint64_t pattern; /* hash of what was analysed */
   bool analyzed;
+  size_t rows; /* numbers in a right-hand side */
 } hk_linear;
 
 /* Analyses when the pattern is another than last time, then factorizes. */
 hk_status hk_linear_factorize(hk_run *, hk_linear *, const hk_matrix *A);
 hk_status hk_linear_solve(hk_run *, hk_linear *, const double *b, double *x, hk_solve_info *info); /* info: or NULL */
+hk_status hk_linear_solve_columns(hk_run *, hk_linear *, const double *b, double *x, size_t columns);
 /* A second, started instance of the scene's solver with the same parameters; the caller destroys it. */
 hk_status hk_linear_twin(hk_run *, hk_instance **solver);
 

@@ -54,6 +54,7 @@ static hk_status begin_segment(hk_run *run, double stop) {
   double before = total_energy(run);
   for (size_t k = 0; k < run->scene->force.count; k++) run->force_acts[k] = acts_at(run, k, middle);
   hk_pins_release(run);
+  hk_elements_refresh(run);
   run->X[run->system.size - 1] += total_energy(run) - before;
   reset(run, HK_STATE_CHANGED);
   return hk_step_review(run, true);
@@ -143,6 +144,7 @@ static hk_status try_step(hk_run *run, double t_stop, double h, hk_step *out) {
   *out = (hk_step){h, h, NAN};
   hk_instance *integrator = run->scene->integrator;
   hk_status status = run->method->step(integrator->self, &run->system, t_stop, h, out);
+  hk_system_take_all(run);
   if (status == HK_OK) run->error = (hk_error){0}; /* of an attempt that the method took back */
   if (out->error > run->worst_error) run->worst_error = out->error;
   return status;

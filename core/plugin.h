@@ -168,6 +168,8 @@ typedef struct hk_elements {
 typedef struct hk_element_list {
   const char *force; /* the force's label */
   hk_elements elements;
+  size_t index; /* the force's place in hk_system.force */
+  bool acts;    /* at present, by its `from` and `to` */
 } hk_element_list;
 
 /* Constant during a step. */
@@ -246,12 +248,18 @@ struct hk_pattern {
   void (*block)(hk_pattern *, uint32_t row, uint32_t column);
 };
 
+enum {                        /* hk_blocks.want: what a method makes of the blocks; without any, they are exact */
+       HK_WANT_SYMMETRIC = 1, /* leave out what makes dF/dx unsymmetric, such as the turning of a damping's direction */
+       HK_WANT_DEFINITE = 2   /* and project each element's block to positive semi-definite */
+};
+
 /* Second phase: the e-th block named goes to K + 9*slot[e] (-dF/dx) and D + 9*slot[e] (-dF/dv). Blocks are added to.
  * Blocks that share a slot are the force's to keep apart when it uses several threads. */
 typedef struct hk_blocks {
   const size_t *slot;
-  double *K; /* N/m */
-  double *D; /* N s/m */
+  double *K;     /* N/m */
+  double *D;     /* N s/m */
+  unsigned want; /* honoured by forces that say so, HK_OFFERS_... */
 } hk_blocks;
 
 /* ---- Kinds ----------------------------------------------------------------------------------------------------- */
@@ -264,8 +272,10 @@ enum { /* hk_force.flags */
        HK_CONSERVES_MOMENTUM = 16,
        HK_CONSERVES_ANGULAR_MOMENTUM = 32,
        HK_SYMMETRIC_JACOBIAN = 64,
-       HK_POWER = 128 /* what is not the gradient of `energy` adds its power to *view->power; a force without this flag
-                         is wholly the gradient of its energy, or, without energy, of unknown work */
+       HK_POWER = 128, /* what is not the gradient of `energy` adds its power to *view->power; a force without this
+                          flag is wholly the gradient of its energy, or, without energy, of unknown work */
+       HK_OFFERS_SYMMETRIC = 256, /* `jacobian` honours HK_WANT_SYMMETRIC; not needed with HK_SYMMETRIC_JACOBIAN */
+       HK_OFFERS_DEFINITE = 512   /* `jacobian` honours HK_WANT_DEFINITE; not needed where it always is */
 };
 
 typedef struct hk_force {
@@ -274,7 +284,7 @@ typedef struct hk_force {
   hk_status (*add)(void *self, const hk_view *view, double *F);
   double (*energy)(void *self, const hk_view *view);                             /* J; NULL: has none */
   hk_status (*rates)(void *self, const hk_view *view, double *dy);               /* dy += channel rates; NULL */
-  void (*elements)(void *self, hk_elements *out);                                /* NULL: has none */
+  void (*elements)(void *self, const hk_view *view, hk_elements *out);           /* those that act; NULL: has none */
   void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);         /* NULL with jacobian */
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into); /* NULL: has none (no blocks) */
 } hk_force;
@@ -360,8 +370,9 @@ typedef struct hk_integrator {
 } hk_integrator;
 
 typedef struct hk_solve_info {
-  int iterations;  /* 0 for direct solvers */
-  double residual; /* |b - A x| / |b| */
+  int iterations;   /* 0 for direct solvers */
+  double residual;  /* |b - A x| / |b| */
+  double tolerance; /* in: the residual that will do, for iterative solvers; 0: the solver's own */
 } hk_solve_info;
 
 enum { HK_SOLVES_UNSYMMETRIC = 1, HK_SOLVES_INDEFINITE = 2, HK_ITERATIVE = 4 }; /* hk_solver.flags */
@@ -371,6 +382,8 @@ typedef struct hk_solver {
   hk_status (*analyze)(void *self, const hk_matrix *A);   /* the pattern; once per topology */
   hk_status (*factorize)(void *self, const hk_matrix *A); /* the numbers; HK_NOT_CONVERGED: not positive definite */
   hk_status (*solve)(void *self, const double *b, double *x, hk_solve_info *info); /* b, x: rows x block; b != x */
+  /* Several right-hand sides side by side: b, x: (rows x block) x columns. NULL: the host solves them one by one. */
+  hk_status (*solve_columns)(void *self, const double *b, double *x, size_t columns);
 } hk_solver;
 
 typedef enum hk_verdict { HK_RUNNING, HK_VERDICT_OK, HK_INACCURATE, HK_DIVERGED, HK_STOPPED } hk_verdict;
@@ -397,6 +410,13 @@ typedef struct hk_output {
 
 /* ---- The system, as integrators see it ------------------------------------------------------------------------- */
 
+/* A force as methods that split the sum see it. */
+typedef struct hk_force_info {
+  const char *label;
+  unsigned flags; /* hk_force.flags */
+  bool jacobian, elements;
+} hk_force_info;
+
 /* X = (x, v, y): x is n x 3, v is n x 3 at X + 3n, y the rest: channels, and last the work done on the scene by pins
  * and non-conservative forces (J), which is integrated like a channel so that the energy balance has the method's
  * order. Every evaluation first imposes the pins of time t on the x and v it is given. */
@@ -415,11 +435,25 @@ struct hk_system {
   void (*impose)(hk_system *, double t, double *x, double *v); /* the pins of time t */
   void (*filter)(hk_system *, double *vector);                 /* n x 3: zeroes what pins do not allow */
   /* K = -dF/dx, D = -dF/dv at (t, x, v), 3x3 blocks with one common pattern that holds the whole diagonal; not
-   * filtered, without masses. Valid until the next call. */
-  hk_status (*jacobian)(hk_system *, double t, double *X, hk_matrix *K, hk_matrix *D);
+   * filtered, without masses. `want`: HK_WANT_...; K->symmetric says what came of it. Valid until the next call. */
+  hk_status (*jacobian)(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
   /* The scene's solver. `analyze` is called by the host when the pattern (row_start, column) is another one. */
   hk_status (*factorize)(hk_system *, const hk_matrix *A);
   hk_status (*solve)(hk_system *, const double *b, double *x, hk_solve_info *info);
+  /* A = m M + d D + k K of the last `jacobian`, with the pins in it: A = S (m M + d D + k K) S + s (I - S), where S is
+   * `filter` and s a number of the size of the diagonal, so that the solution for a filtered right-hand side is what
+   * the pins allow (up to rounding on slides: filter it). Valid until the next call. */
+  hk_status (*combine)(hk_system *, double m, double d, double k, hk_matrix *A);
+  /* HK_SOLVES_... of the scene's solver, which is chosen by now: the direct one for symmetric matrices, unless a force
+   * has an unsymmetric Jacobian only, or the scene is very large. */
+  hk_status (*solver_flags)(hk_system *, unsigned *flags);
+  hk_status (*solve_columns)(hk_system *, const double *b, double *x, size_t columns); /* as hk_solver's */
+  /* The forces in the scene's order, and which of them evaluations, energies and Jacobians take in. All are taken in
+   * when a step begins; a method that splits the sum sets `takes` before its calls. */
+  size_t forces;
+  const hk_force_info *force;
+  bool *takes;
+  bool takes_channels; /* the channels' own rates */
 };
 
 /* ---- The plugin ------------------------------------------------------------------------------------------------ */

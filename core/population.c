@@ -206,7 +206,7 @@ hk_status hk_state_install(hk_run *run, const uint32_t *map, hk_members *members
   hk_state_view(run);
   hk_status status = remap_plugins(run, map, n_old);
   hk_state_view(run); /* selections are new as well */
-  if (status == HK_OK) status = hk_elements_refresh(run);
+  if (status == HK_OK) hk_elements_refresh(run);
   if (status == HK_OK) status = hk_system_resize(run);
   if (status == HK_OK) status = hk_constraints_topology(run);
   hk_jacobian_topology(run);

@@ -77,7 +77,7 @@ static hk_status start_plugins(hk_run *run) {
   if (status == HK_OK) status = start_list(run, &scene->source);
   if (status == HK_OK) status = start_instance(run, scene->integrator);
   if (status == HK_OK && !run->options.no_output) status = start_list(run, &scene->output);
-  if (status == HK_OK) status = hk_elements_refresh(run);
+  if (status == HK_OK) hk_elements_refresh(run);
   return status;
 }
 
@@ -115,6 +115,7 @@ static hk_status build(hk_run *run) {
   for (size_t k = 0; k < scene->force.count; k++)
     run->force_acts[k] = run->system.t >= scene->force.item[k]->from && run->system.t < scene->force.item[k]->to;
   hk_state_view(run);
+  hk_elements_refresh(run);
   status = hk_pins_impose(run, run->system.t, run->X, run->X + 3 * run->model.n);
   if (status == HK_OK && run->constraints && !run->resumed)
     status = hk_constraints_project(run, run->system.t, run->X, run->X + 3 * run->model.n);

@@ -141,17 +141,18 @@ void hk_state_close(hk_run *run) {
   free(run->channel);
 }
 
-hk_status hk_elements_refresh(hk_run *run) {
+void hk_elements_refresh(hk_run *run) {
   size_t lists = 0;
   for (size_t k = 0; k < run->scene->force.count; k++) {
     hk_instance *force = run->scene->force.item[k];
     if (!force->plugin->force->elements) continue;
     hk_element_list *list = &run->element_list[lists++];
     list->force = force->label;
-    force->plugin->force->elements(force->self, &list->elements);
+    list->index = k;
+    list->acts = run->force_acts[k];
+    force->plugin->force->elements(force->self, &run->force_view[k], &list->elements);
   }
   run->model.element_lists = lists;
-  return HK_OK;
 }
 
 bool hk_run_index(const hk_run *run, uint32_t id, uint32_t *index) {

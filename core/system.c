@@ -109,7 +109,7 @@ static hk_status sum_forces(hk_run *run, double t, const double *x, const double
                             double *dy, double *power) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < run->scene->force.count && status == HK_OK; k++) {
-    if (!run->force_acts[k]) continue;
+    if (!run->force_acts[k] || !run->takes[k]) continue;
     prepare_view(run, k, t, x, v, run->width ? y : NULL, power);
     status = add_force(run, k, F, dy);
   }
@@ -125,7 +125,8 @@ static hk_status accelerations(hk_system *s, double t, double *x, double *v, con
   memset(a, 0, 3 * n * sizeof *a);
   memset(dy, 0, (tail + 1) * sizeof *dy);
   status = sum_forces(run, t, x, v, y, a, dy, &power);
-  for (size_t k = 0; k < run->scene->channels && status == HK_OK; k++) status = add_rate(run, k, t, y, dy);
+  for (size_t k = 0; s->takes_channels && k < run->scene->channels && status == HK_OK; k++)
+    status = add_rate(run, k, t, y, dy);
   if (status != HK_OK) return status;
   if (run->has_paths) power += hk_pins_power(run, a, v);
   dy[tail] = power;
@@ -158,7 +159,7 @@ double hk_system_potential(hk_run *run, double t, const double *X) {
   double sum = 0;
   for (size_t k = 0; k < run->scene->force.count; k++) {
     hk_instance *force = run->scene->force.item[k];
-    if (!run->force_acts[k] || !force->plugin->force->energy) continue;
+    if (!run->force_acts[k] || !run->takes[k] || !force->plugin->force->energy) continue;
     prepare_view(run, k, t, X, X + 3 * n, run->width ? X + 6 * n : NULL, NULL);
     sum += force->plugin->force->energy(force->self, &run->force_view[k]);
   }
@@ -193,6 +194,30 @@ hk_status hk_system_resize(hk_run *run) {
   return HK_OK;
 }
 
+static hk_status list_forces(hk_run *run) {
+  hk_system *s = &run->system;
+  s->forces = run->scene->force.count;
+  run->takes = calloc(s->forces + 1, sizeof *run->takes);
+  run->force_info = calloc(s->forces + 1, sizeof *run->force_info);
+  if (!run->takes || !run->force_info)
+    return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for %zu forces", s->forces);
+  for (size_t k = 0; k < s->forces; k++) {
+    const hk_instance *force = run->scene->force.item[k];
+    const hk_force *functions = force->plugin->force;
+    run->force_info[k] =
+        (hk_force_info){force->label, functions->flags, functions->jacobian != NULL, functions->elements != NULL};
+  }
+  s->force = run->force_info;
+  s->takes = run->takes;
+  hk_system_take_all(run);
+  return HK_OK;
+}
+
+void hk_system_take_all(hk_run *run) {
+  run->system.takes_channels = true;
+  for (size_t k = 0; k < run->system.forces; k++) run->takes[k] = true;
+}
+
 hk_status hk_system_open(hk_run *run) {
   hk_system *s = &run->system;
   s->accelerations = accelerations;
@@ -201,8 +226,13 @@ hk_status hk_system_open(hk_run *run) {
   s->impose = impose;
   s->filter = filter;
   s->jacobian = hk_jacobian_assemble;
-  s->factorize = hk_jacobian_factorize;
-  s->solve = hk_jacobian_solve;
+  s->factorize = hk_implicit_factorize;
+  s->solve = hk_implicit_solve;
+  s->combine = hk_implicit_combine;
+  s->solver_flags = hk_implicit_solver_flags;
+  s->solve_columns = hk_implicit_solve_columns;
+  hk_status status = list_forces(run);
+  if (status != HK_OK) return status;
   s->flags = 0;
   for (size_t k = 0; k < run->scene->force.count; k++) {
     const hk_instance *force = run->scene->force.item[k];
@@ -215,4 +245,8 @@ hk_status hk_system_open(hk_run *run) {
   return hk_system_resize(run);
 }
 
-void hk_system_close(hk_run *run) { free(run->chunk_bad); }
+void hk_system_close(hk_run *run) {
+  free(run->chunk_bad);
+  free(run->takes);
+  free(run->force_info);
+}

@@ -1,7 +1,7 @@
 /* Hooke's springs, damped along the spring: the force on j is -(k (l - L) + c (u.d)/l) d/l, with d = x_j - x_i, l = |d|
  * and u = v_j - v_i; i gets the opposite. Two particles at one point have no direction and get no force from their
  * spring; with L = 0 that is also the limit. Energy 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
-#include "plugins/common/spring_kernel.h"
+#include "plugins/common/spring_blocks.h"
 
 typedef struct springs {
   hk_edges edges;
@@ -83,69 +83,35 @@ static double energy(void *self, const hk_view *view) {
   return sum;
 }
 
-static void elements(void *self, hk_elements *out) {
+/* Where only some particles are acted on, the layout has the springs that do act. */
+static void elements(void *self, const hk_view *view, hk_elements *out) {
   const springs *s = self;
-  *out = (hk_elements){s->edges.count, s->edges.pair, s->k, s->damping, s->rest};
+  const hk_spring_layout *a = &s->layout;
+  if (!view->is_active)
+    *out = (hk_elements){s->edges.count, s->edges.pair, s->k, s->damping, s->rest};
+  else
+    *out = (hk_elements){a->count,
+                         (const uint32_t(*)[2])a->pair,
+                         {a->each_k ? a->count : 1, a->k},
+                         {a->each_c ? a->count : 1, a->c},
+                         {a->each_L ? a->count : 1, a->L}};
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const springs *s = self;
-  for (size_t e = 0; e < s->edges.count; e++) {
-    uint32_t i = s->edges.pair[e][0], j = s->edges.pair[e][1];
-    if (!acts(view, s->edges.pair[e])) continue;
-    p->block(p, i, i);
-    p->block(p, i, j);
-    p->block(p, j, i);
-    p->block(p, j, j);
-  }
-}
-
-/* With n = d/l the force on j is f = -(k (l - L) + c u.n) n, so
- *   -df/dx = k n n^T + k (1 - L/l) (I - n n^T) + (c/l) (n (u - (u.n) n)^T + (u.n) (I - n n^T)),   -df/dv = c n n^T,
- * for x = x_j - x_i. The damping makes dF/dx unsymmetric. At l = 0: k I when L = 0, else nothing. */
-static void spring_blocks(double k, double c, double L, const double d[3], const double u[3], double l, double Kx[9],
-                          double Kv[9]) {
-  double n[3] = {0}, un = 0, tension = L == 0 ? k : 0;
-  for (int a = 0; a < 3 && l > 0; a++) n[a] = d[a] / l;
-  for (int a = 0; a < 3; a++) un += u[a] * n[a];
-  if (l > 0) tension = k * (1 - L / l);
-  double lateral = l > 0 ? c / l : 0;
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++) {
-      double nn = n[a] * n[b], across = (a == b) - nn;
-      Kx[3 * a + b] = (l > 0 ? k * nn : 0) + tension * across + lateral * (n[a] * (u[b] - un * n[b]) + un * across);
-      Kv[3 * a + b] = c * nn;
-    }
-}
-
-static void add_blocks(double *into, const size_t slot[4], const double block[9]) {
-  for (int q = 0; q < 9; q++) {
-    into[9 * slot[0] + q] += block[q];
-    into[9 * slot[1] + q] -= block[q];
-    into[9 * slot[2] + q] -= block[q];
-    into[9 * slot[3] + q] += block[q];
-  }
+  (void)view;
+  hk_spring_pattern(&s->layout, p);
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const springs *s = self;
-  const size_t *slot = into->slot;
-  for (size_t e = 0; e < s->edges.count; e++) {
-    const uint32_t *pair = s->edges.pair[e];
-    double d[3], u[3], Kx[9], Kv[9];
-    if (!acts(view, pair)) continue;
-    double l = difference(view->x, pair, d);
-    difference(view->v, pair, u);
-    spring_blocks(hk_edge_value(&s->k, e), hk_edge_value(&s->damping, e), hk_edge_value(&s->rest, e), d, u, l, Kx, Kv);
-    add_blocks(into->K, slot, Kx);
-    add_blocks(into->D, slot, Kv);
-    slot += 4;
-  }
+  hk_spring_blocks(&s->layout, view->host, view->x, view->v, into);
   return HK_OK;
 }
 
 static const hk_force force = {
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER,
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
+             HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,
     .elements = elements,

@@ -243,7 +243,7 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   memcpy(x, s->x->x, bytes);
   double left = residual(s, s->b->x, x);
   if (!isfinite(left)) return s->host->fail(s->host, HK_NOT_FINITE, "the solution of a linear system is not finite");
-  if (info) *info = (hk_solve_info){0, left};
+  if (info) info->iterations = 0, info->residual = left;
   return HK_OK;
 }
 

@@ -57,7 +57,7 @@ static void jacobian_is_minus_the_derivative_of_the_forces(void **state) {
   test_run(&e);
   hk_matrix K, D;
   double full[2][3 * N][3 * N], plus[3 * N], minus[3 * N], X[6 * N], h = 1e-5;
-  assert_int_equal(e.run->system.jacobian(&e.run->system, 0, e.run->X, &K, &D), HK_OK);
+  assert_int_equal(e.run->system.jacobian(&e.run->system, 0, e.run->X, 0, &K, &D), HK_OK);
   expand(&K, full[0]);
   expand(&D, full[1]);
   for (size_t k = 0; k < 6 * N; k++) {
@@ -79,7 +79,7 @@ static void jacobian_has_the_whole_diagonal_and_one_pattern(void **state) {
   hk_matrix K, D;
   test_particle(&e, 9, 9, 9, 1);
   test_run(&e);
-  assert_int_equal(e.run->system.jacobian(&e.run->system, 0, e.run->X, &K, &D), HK_OK);
+  assert_int_equal(e.run->system.jacobian(&e.run->system, 0, e.run->X, 0, &K, &D), HK_OK);
   assert_int_equal(K.rows, N + 1);
   assert_int_equal(K.row_start[N + 1], N + 1 + 2 * 4);
   assert_ptr_equal(K.column, D.column);
@@ -103,12 +103,12 @@ static void jacobian_again_is_the_same_and_follows_time(void **state) {
   hk_system *s = &e.run->system;
   double first[9 * 12], X[6 * N + 1];
   memcpy(X, e.run->X, sizeof X);
-  assert_int_equal(s->jacobian(s, 0, X, &K, &D), HK_OK);
+  assert_int_equal(s->jacobian(s, 0, X, 0, &K, &D), HK_OK);
   memcpy(first, K.value, 9 * K.row_start[N] * sizeof *first);
-  assert_int_equal(s->jacobian(s, 0, X, &K, &D), HK_OK);
+  assert_int_equal(s->jacobian(s, 0, X, 0, &K, &D), HK_OK);
   assert_memory_equal(first, K.value, 9 * K.row_start[N] * sizeof *first);
   test_advance(&e, 0.6);
-  assert_int_equal(s->jacobian(s, 0.6, e.run->X, &K, &D), HK_OK);
+  assert_int_equal(s->jacobian(s, 0.6, e.run->X, 0, &K, &D), HK_OK);
   assert_int_equal(K.row_start[N], 12); /* the pattern stays */
   for (size_t r = 0; r < N; r++)
     for (size_t b = K.row_start[r]; b < K.row_start[r + 1]; b++)
@@ -124,7 +124,7 @@ static void force_without_jacobian_is_refused_by_name(void **state) {
   test_plugin(&e, HK_FORCE, "fixture:kicker"); /* claims to depend on v */
   test_run(&e);
   hk_matrix K, D;
-  assert_int_equal(e.run->system.jacobian(&e.run->system, 0, e.run->X, &K, &D), HK_FAILED);
+  assert_int_equal(e.run->system.jacobian(&e.run->system, 0, e.run->X, 0, &K, &D), HK_FAILED);
   assert_string_equal(e.run->error.text, "force 'kicker' offers no Jacobian, which leapfrog needs");
   test_engine_close(&e);
 }
@@ -133,7 +133,7 @@ static void force_without_jacobian_is_refused_by_name(void **state) {
 static hk_status factorize(test_engine *e) {
   hk_system *s = &e->run->system;
   hk_matrix K, D;
-  assert_int_equal(s->jacobian(s, 0, e->run->X, &K, &D), HK_OK);
+  assert_int_equal(s->jacobian(s, 0, e->run->X, 0, &K, &D), HK_OK);
   for (size_t r = 0; r < N; r++)
     for (size_t b = K.row_start[r]; b < K.row_start[r + 1]; b++)
       for (size_t q = 0; q < 9; q++)

@@ -87,7 +87,9 @@ static void make_chain(world *w, double strain) {
   for (uint32_t i = 0; i + 1 < w->n; i++) w->pair[i][0] = i, w->pair[i][1] = i + 1;
   w->stiffness = 100, w->rest = 0.1;
   w->list = (hk_element_list){
-      "springs", {w->n - 1, (const uint32_t(*)[2])w->pair, {1, &w->stiffness}, {1, &w->damping}, {1, &w->rest}}};
+      .force = "springs",
+      .elements = {w->n - 1, (const uint32_t(*)[2])w->pair, {1, &w->stiffness}, {1, &w->damping}, {1, &w->rest}},
+      .acts = true};
   w->model.element_lists = 1;
 }
 

@@ -107,7 +107,7 @@ static hk_status factorize(fixture *f) { return f->solver->plugin->solver->facto
 static void check_solution(fixture *f) {
   size_t n = f->A.rows * f->A.block;
   double *b = calloc(n, sizeof *b), *x = calloc(n, sizeof *x);
-  hk_solve_info info = {-1, -1};
+  hk_solve_info info = {-1, -1, 0};
   for (size_t k = 0; k < n; k++) b[k] = noise();
   assert_int_equal(f->solver->plugin->solver->solve(f->solver->self, b, x, &info), HK_OK);
   assert_true(residual(&f->A, b, x) < 1e-14);
