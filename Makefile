@@ -58,6 +58,15 @@ else # then what is written on OpenGL or libpng cannot be compiled
 LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*.c; do \
               $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
 endif
+# SUNDIALS, 6 or later, has no pkg-config files in most systems; 7 keeps its context in a library of its own.
+SUNDIALS := $(firstword $(wildcard $(addsuffix /sundials/sundials_config.h,/usr/include /usr/local/include)))
+SUNDIALS := $(and $(SUNDIALS),$(shell sed -n 's/^.define SUNDIALS_VERSION_MAJOR *\([6-9]\|[1-9][0-9][0-9]*\)/\1/p' $(SUNDIALS)))
+ifneq (,$(SUNDIALS))
+SUNDIALS_LIBS := $(if $(filter 6,$(SUNDIALS)),,-lsundials_core)
+else
+LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials*.c) \
+            tests/bench/sundials.c
+endif
 
 # ---- What there is to build ------------------------------------------------------------------------------------------
 
@@ -68,7 +77,7 @@ support  := $(call object,$(wildcard tests/support/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
 modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
-benches  := $(patsubst tests/%.c,$B/%,$(wildcard tests/bench/*.c))
+benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
 tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/bench/%,$(sort \
               $(shell find tests -name '*.c'))))
 compiled := $(core) $B/obj/core/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
@@ -79,7 +88,7 @@ $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugi
   $B/tests/fixtures/*.so)))
 
 # These files are new when the flags, or the lists of files, are others than last time.
-settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(CURDIR)
+settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(CURDIR)
 lists    := $(core) $(common) $(support)
 ifneq ($(file <$B/settings),$(settings))
 $(shell mkdir -p $B)$(file >$B/settings,$(settings))
@@ -97,6 +106,7 @@ endif
 all: build
 build: $B/hooke $(plugins) $(modules)
 	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
+	$(if $(SUNDIALS),@:,@echo "hooke is built without SUNDIALS (plugins/integrators/cvode, arkode): tools/install-deps run gets it")
 
 check:
 	$(if $(CHECKED),@:,@CC="$(CC)" tools/install-deps --check build)
@@ -151,6 +161,9 @@ $B/tests/% $B/bench/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(SPARSE_LIBS) $(PICTUR
 $B/tests/fixtures/%: LIBS =
 $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
+$B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
+$B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
+$B/bench/sundials: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
 
 $B/hooke: $B/obj/core/main.o $B/core.a
 	$(link)

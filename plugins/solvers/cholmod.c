@@ -4,11 +4,12 @@
  * stays; `factorize` refills its numbers and reuses the ordering and the structure of L; `solve` reuses its workspaces.
  * Only that triangle is read: of a matrix that is symmetric up to rounding one half decides. Small fill takes the
  * simplicial method, large fill the supernodal one on the BLAS; CHOLMOD chooses by counting. One thread is the default:
- * how a threaded BLAS cuts its sums depends on the machine, and would show in the last digit. Invariant: between calls
- * `A` has the pattern of the last analysis, and `ready` says that L has its numbers.
- * Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
+ * how a threaded BLAS cuts its sums depends on the machine, and would show in the last digit. Several right-hand sides
+ * go through plugins/common/triangular.c, which copies L when a factor is first asked for them. Invariant: between
+ * calls `A` has the pattern of the last analysis, `ready` says that L has its numbers, `copied` that `columns` has them
+ * too. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
 #define _GNU_SOURCE /* dladdr */
-#include "core/plugin.h"
+#include "plugins/common/triangular.h"
 
 #include <cholmod.h>
 #include <dlfcn.h>
@@ -21,11 +22,13 @@ typedef struct cholesky {
   int64_t threads;
   const hk_host *host;
   cholmod_common common;
-  bool started, ready;
+  bool started, ready, copied;
   size_t rows, block; /* of the matrix analysed */
   cholmod_sparse *A;
   cholmod_factor *L;
   cholmod_dense *b, *x, *y, *e; /* right-hand side, solution and CHOLMOD's workspaces */
+  hk_triangular *columns;       /* NULL until several right-hand sides are asked for */
+  int64_t *shape;               /* of a factor_view of L */
 } cholesky;
 
 static const hk_param params[] = {
@@ -67,7 +70,11 @@ static void free_matrix(cholesky *s) {
   cholmod_l_free_dense(&s->x, &s->common);
   cholmod_l_free_dense(&s->y, &s->common);
   cholmod_l_free_dense(&s->e, &s->common);
-  s->ready = false;
+  hk_triangular_free(s->columns, s->host);
+  s->host->release(s->host, s->shape);
+  s->columns = NULL;
+  s->shape = NULL;
+  s->ready = s->copied = false;
 }
 
 /* CHOLMOD's OpenMP and the BLAS leave threads that wait inside their libraries, so these must never be unloaded; they
@@ -205,7 +212,7 @@ static hk_status factorize(void *self, const hk_matrix *A) {
   cholesky *s = self;
   if (!s->L || A->rows != s->rows || A->block != s->block)
     return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
-  s->ready = false;
+  s->ready = s->copied = false;
   fill_upper(A, NULL, NULL, s->A->x);
   set_threads((int)s->threads);
   int fine = cholmod_l_factorize(s->A, s->L, &s->common);
@@ -247,7 +254,70 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   return HK_OK;
 }
 
-static const hk_solver solver = {.flags = 0, .analyze = analyze, .factorize = factorize, .solve = solve};
+/* ---- Several right-hand sides ---- */
+
+static void supernodes_of(const cholmod_factor *L, hk_factor_view *f, int64_t *first, int64_t *list, int64_t *rows,
+                          int64_t *column) {
+  const int64_t *super = L->super, *index = L->pi, *value = L->px;
+  f->supernodes = L->nsuper;
+  f->row = L->s;
+  for (size_t k = 0; k < L->nsuper; k++) {
+    first[k] = super[k];
+    list[k] = index[k];
+    rows[k] = index[k + 1] - index[k];
+    for (int64_t c = super[k]; c < super[k + 1]; c++) column[c] = value[k] + (c - super[k]) * rows[k];
+  }
+  first[f->supernodes] = (int64_t)L->n;
+}
+
+/* A column joins the one before when it has the same rows without that one's diagonal. */
+static void columns_of(const cholmod_factor *L, hk_factor_view *f, int64_t *first, int64_t *list, int64_t *rows,
+                       int64_t *column) {
+  const int64_t *start = L->p, *count = L->nz, *row = L->i;
+  f->supernodes = 0;
+  f->row = row;
+  for (size_t j = 0; j < L->n; j++) {
+    bool joins = j > 0 && count[j - 1] == count[j] + 1 && row[start[j - 1] + 1] == (int64_t)j;
+    if (!joins) {
+      first[f->supernodes] = (int64_t)j;
+      list[f->supernodes] = start[j];
+      rows[f->supernodes++] = count[j];
+    }
+    column[j] = start[j] - ((int64_t)j - first[f->supernodes - 1]);
+  }
+  first[f->supernodes] = (int64_t)L->n;
+}
+
+static hk_status copy_factor(cholesky *s) {
+  size_t n = s->L->n;
+  if (!s->shape) s->shape = s->host->allocate(s->host, (4 * n + 1) * sizeof *s->shape);
+  if (s->shape) {
+    int64_t *first = s->shape, *list = first + n + 1, *rows = list + n, *column = rows + n;
+    hk_factor_view f = {.n = n, .first = first, .list = list, .rows = rows, .column = column};
+    f.value = s->L->x;
+    f.order = s->L->Perm;
+    (s->L->is_super ? supernodes_of : columns_of)(s->L, &f, first, list, rows, column);
+    if (!s->columns) s->columns = hk_triangular_create(s->host, &f);
+    if (s->columns) hk_triangular_fill(s->columns, &f);
+  }
+  s->copied = s->columns != NULL;
+  return s->copied ? HK_OK : s->host->fail(s->host, HK_NO_MEMORY, "no memory to copy a factor of %zu rows", n);
+}
+
+static hk_status solve_columns(void *self, const double *b, double *x, size_t columns) {
+  cholesky *s = self;
+  if (!s->ready) return s->host->fail(s->host, HK_FAILED, "there is no factorization to solve with");
+  hk_status status = s->copied ? HK_OK : copy_factor(s);
+  if (status != HK_OK) return status;
+  hk_triangular_solve(s->columns, b, x, columns);
+  double bad = 0;
+  for (size_t k = 0; k < columns * s->L->n; k++) bad += x[k] * 0;
+  if (bad != 0) return s->host->fail(s->host, HK_NOT_FINITE, "the solution of a linear system is not finite");
+  return HK_OK;
+}
+
+static const hk_solver solver = {
+    .flags = 0, .analyze = analyze, .factorize = factorize, .solve = solve, .solve_columns = solve_columns};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,0 +1,58 @@
+/* One stage of an implicit method: the v that solves
+ *     M (v - v*) = g F(t, x, v, y),   x = x* + g v,   y = y* + g dy/dt,      g = (the method's coefficient) h > 0.
+ * With F = -dE/dx this is the minimum of the incremental potential (x - x* - g v*)^T M (x - x* - g v*) / (2 g^2) +
+ * E(x), whose gradient the residual is (up to g): a Newton direction p has p.R < 0, and a step along it is shortened
+ * while p.R has grown to the other side (Nocedal and Wright, Numerical Optimization, chapter 3). With an unsymmetric
+ * Jacobian |R| has to fall instead.
+ *
+ * The matrix is A = M + g D + g^2 K. Its factors serve as long as they do: over iterations and steps while g is the
+ * same and the observed rate of convergence is below `slow`; then the matrix is assembled anew and, where the factors
+ * are still close, conjugate gradients preconditioned by them replace a factorization. Blocks are projected to positive
+ * semi-definite only when a factorization or a descent has failed. Convergence is judged as in CVODE (Hindmarsh and
+ * others 2005, section 2.1): |dv| min(1, rate) <= limit, in the RMS norm; below a few units of rounding of x nothing
+ * more can be had, and that counts as converged too.
+ *
+ * Springs damped along their direction have an unsymmetric dF/dx. A solver for unsymmetric matrices gets it whole, and
+ * convergence is quadratic; one for symmetric matrices gets it without the turning of the damping's direction, and
+ * convergence is linear at a rate of c |u|/(k l). */
+#ifndef HK_NEWTON_H
+#define HK_NEWTON_H
+
+#include "core/plugin.h"
+
+enum { HK_NEWTON_STATES = 6 }; /* width of the field that `memory` is, HK_FIELD_STATE and scratch */
+
+typedef struct hk_newton {
+  /* parameters */
+  double tolerance;   /* algebraic error of v in a step, relative to the largest RMS speed so far */
+  int64_t iterations; /* at most, per stage */
+  bool reuse;         /* keep factors; false: new ones in every iteration */
+  /* fields: saved */
+  double speed; /* m/s, largest RMS so far */
+  /* fields: scratch */
+  double *memory;
+  /* What is known of the factors in the solver; void after `create`. */
+  double factor_g;
+  double rate; /* of convergence with them, 0: not seen yet */
+  int definite; /* factorizations for which blocks are still projected */
+  int krylov_wait;
+} hk_newton;
+
+/* X: shaped as s->X. In: the guess of v at X + 3n (and y). Out: x, v and y of the stage; slopes are (X - base)/g. */
+typedef struct hk_stage {
+  double t, g;
+  double limit;       /* m/s, algebraic error allowed in v, RMS */
+  const double *base; /* x*, v*, y*; shaped as s->X */
+  double *X;
+} hk_stage;
+
+/* HK_NOT_CONVERGED: X is worth nothing. s->X is not touched, but for its pins. */
+hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);
+/* What a method with a fixed step asks of its stages: tolerance x the largest RMS speed so far, that of `v` included.
+ */
+double hk_newton_limit(hk_newton *, const hk_system *, const double *v);
+void hk_newton_forget(hk_newton *); /* the factors are void: other particles, other forces */
+/* After `solve`, for error estimates: x = (M + g D + g^2 K)^-1 M b with the factors at hand; b is overwritten. */
+hk_status hk_newton_smooth(hk_newton *, hk_system *, double *b, double *x);
+
+#endif

@@ -1,0 +1,57 @@
+/* See step_control.h. Sums run in lanes, for speed; their order is fixed. */
+#include "plugins/common/step_control.h"
+
+enum { LANES = 8 };
+
+double hk_rms(const double *p, size_t count) {
+  double sum[LANES] = {0}, total = 0;
+  size_t e = 0;
+  for (; e + LANES <= count; e += LANES)
+    for (size_t l = 0; l < LANES; l++) sum[l] += p[e + l] * p[e + l];
+  for (; e < count; e++) sum[0] += p[e] * p[e];
+  for (size_t l = 0; l < LANES; l++) total += sum[l];
+  return count ? sqrt(total / (double)count) : 0;
+}
+
+double hk_ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
+
+void hk_scales_notice(hk_scales *c, const hk_system *s, const double *v, const double *a) {
+  c->speed = fmax(c->speed, hk_rms(v, 3 * s->n));
+  c->acceleration = fmax(c->acceleration, hk_rms(a, 3 * s->n));
+}
+
+/* RMS of the coordinates about their means, relative to the first particle. */
+static double spread(const double *x, size_t n) {
+  double sum[3] = {0}, square[3] = {0}, total = 0;
+  for (size_t i = 1; i < n; i++)
+    for (size_t c = 0; c < 3; c++) {
+      double d = x[3 * i + c] - x[c];
+      sum[c] += d;
+      square[c] += d * d;
+    }
+  for (size_t c = 0; c < 3 && n; c++) total += fmax(0, square[c] - sum[c] * sum[c] / (double)n) / (3 * (double)n);
+  return sqrt(total);
+}
+
+static double extent(const double *x, size_t n, double V, double A) {
+  return fmax(spread(x, n), A > 0 ? V * V / A : 0);
+}
+
+double hk_scales_extent(const hk_scales *c, const hk_system *s, const double *x) {
+  return extent(x, s->n, c->speed, c->acceleration);
+}
+
+/* NAN if one of them is. */
+static double larger(double a, double b) { return isnan(a) || a > b ? a : b; }
+
+double hk_scales_error(const hk_scales *c, const hk_system *s, const double *X, const double *a, const double *E) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  double V = fmax(c->speed, hk_rms(X + v, v)), A = fmax(c->acceleration, hk_rms(a, v));
+  double worst = larger(hk_ratio(hk_rms(E, v), extent(X, s->n, V, A)), hk_ratio(hk_rms(E + v, v), V));
+  for (size_t k = 0; k < s->model->channels; k++) {
+    size_t begin = y + s->model->channel[k].offset * s->n, count = s->model->channel[k].size * s->n;
+    double scale = fmax(hk_rms(s->X + begin, count), hk_rms(X + begin, count));
+    worst = larger(worst, hk_ratio(hk_rms(E + begin, count), scale));
+  }
+  return worst;
+}

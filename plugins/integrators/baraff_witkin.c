@@ -1,0 +1,187 @@
+/* Baraff and Witkin's step: backward Euler with one linearisation,
+ *     (M + h D + h^2 K) dv = h (F(x, v) - h K v),   v' = v + dv,   x' = x + h v',
+ * and their control of the step: a step that changes the strain of any spring by more than `stretch` is discarded and
+ * tried at half the length; after `patience` good steps the length doubles again, up to a frame or `dt`. Scripted
+ * particles have a prescribed dv, which the right-hand side carries over to their neighbours. The step may turn
+ * indefinite where springs are compressed; their blocks are then projected. Baraff and Witkin 1998, equations (6) and
+ * (16), sections 5 and 6. */
+#include "core/plugin.h"
+#include "plugins/common/block_product.h"
+
+#include <float.h>
+#include <string.h>
+
+typedef struct baraff_witkin {
+  double stretch;
+  int64_t patience;
+  double length; /* s, of the next step */
+  int64_t good;  /* steps since the last change */
+  double *memory;
+} baraff_witkin;
+
+enum { STATES = 4 };
+
+static const hk_param params[] = {
+    {"stretch",
+     "",
+     "largest change of a spring's strain (l - L)/L in a step",
+     HK_NUMBER,
+     {0.1},
+     0,
+     INFINITY,
+     offsetof(baraff_witkin, stretch),
+     HK_ABOVE_MIN,
+     NULL},
+    {"patience",
+     "",
+     "steps that must go well before a longer one is tried",
+     HK_INTEGER,
+     {4},
+     1,
+     1000000,
+     offsetof(baraff_witkin, patience),
+     0,
+     NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"length", HK_FIELD_NUMBER, 1, offsetof(baraff_witkin, length), 0},
+    {"good", HK_FIELD_INTEGER, 1, offsetof(baraff_witkin, good), 0},
+    {"memory", HK_FIELD_STATE, STATES, offsetof(baraff_witkin, memory), HK_SCRATCH},
+    {0},
+};
+
+/* One linearisation of a linear equation is the whole of it: lambda (1 + h g + (h w)^2 - ...) as for backward Euler. */
+static double amplification(double hw, double hg) {
+  double sum = 2 + hg, product = 1 + hg + hw * hw, root = sum * sum - 4 * product;
+  if (root <= 0) return 1 / sqrt(product);
+  return (sum + sqrt(root)) / (2 * product);
+}
+
+static double length_of(const double *x, const uint32_t pair[2]) {
+  double sum = 0;
+  for (size_t c = 0; c < 3; c++) {
+    double d = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
+    sum += d * d;
+  }
+  return sqrt(sum);
+}
+
+/* The largest change of strain from x to x_new. */
+static double stretched(const hk_model *model, const double *x, const double *x_new) {
+  double largest = 0;
+  for (size_t k = 0; k < model->element_lists; k++) {
+    const hk_elements *list = &model->element_list[k].elements;
+    for (size_t e = 0; model->element_list[k].acts && e < list->count; e++) {
+      double rest = hk_edge_value(&list->rest, e);
+      if (!(rest > 0)) continue;
+      double change = fabs(length_of(x_new, list->pair[e]) - length_of(x, list->pair[e])) / rest;
+      if (!(change <= largest)) largest = change;
+    }
+  }
+  return largest;
+}
+
+typedef struct trial {
+  double *X, *a, *b, *dv, *z, *q; /* state; slopes; right-hand side and solution; prescribed changes, products */
+} trial;
+
+/* b = h F - K (h^2 v + h^2 z) - D h z, filtered. */
+static void right_hand_side(const hk_system *s, const hk_matrix *K, const hk_matrix *D, double h, trial *w) {
+  size_t m = 3 * s->n;
+  const double *v = s->X + m;
+  for (size_t e = 0; e < m; e++) w->b[e] = h * h * (v[e] + w->z[e]);
+  hk_block_product(s->host, K, w->b, w->q);
+  for (size_t e = 0; e < m; e++) w->b[e] = h * s->model->mass[e / 3] * w->a[e] - w->q[e];
+  for (size_t e = 0; e < m; e++) w->z[e] *= h;
+  hk_block_product(s->host, D, w->z, w->q);
+  for (size_t e = 0; e < m; e++) w->b[e] -= w->q[e];
+}
+
+static hk_status linearise(hk_system *s, double h, unsigned want, trial *w) {
+  size_t m = 3 * s->n;
+  hk_matrix K, D, A;
+  double *v = s->X + m;
+  hk_status status = s->jacobian(s, s->t, s->X, want, &K, &D);
+  if (status != HK_OK) return status;
+  memcpy(w->X, s->X, s->size * sizeof *w->X);
+  s->impose(s, s->t + h, w->X, w->X + m); /* where the scripts lead: what the filter does not let through */
+  for (size_t e = 0; e < m; e++) w->z[e] = s->model->inverse_mass[e / 3] > 0 ? 0 : w->X[m + e] - v[e];
+  right_hand_side(s, &K, &D, h, w);
+  s->filter(s, w->b);
+  status = s->combine(s, 1, h, h * h, &A);
+  if (status == HK_OK) status = s->factorize(s, &A);
+  if (status == HK_OK) status = s->solve(s, w->b, w->dv, NULL);
+  if (status != HK_OK) return status;
+  s->filter(s, w->dv);
+  for (size_t e = 0; e < m; e++) {
+    w->X[m + e] = v[e] + w->dv[e];
+    w->X[e] = s->X[e] + h * w->X[m + e];
+  }
+  for (size_t e = 2 * m; e < s->size; e++) w->X[e] = s->X[e] + h * w->a[e - m];
+  s->impose(s, s->t + h, w->X, w->X + m);
+  return HK_OK;
+}
+
+static trial begin(const baraff_witkin *m, const hk_system *s) {
+  size_t v = 3 * s->n;
+  double *at = m->memory;
+  return (trial){at, at + s->size, at + 2 * s->size, at + 2 * s->size + v, at + 3 * s->size, at + 3 * s->size + v};
+}
+
+static hk_status try_step(hk_system *s, double h, trial *w) {
+  unsigned flags;
+  hk_status status = s->solver_flags(s, &flags);
+  unsigned want = flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
+  if (status == HK_OK) status = linearise(s, h, want, w);
+  return status == HK_NOT_CONVERGED ? linearise(s, h, want | HK_WANT_DEFINITE, w) : status;
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  baraff_witkin *m = self;
+  size_t v = 3 * s->n;
+  double span = t_stop - s->t, asked = h, whole = fmin(h, span), moved = 0;
+  trial w = begin(m, s);
+  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, w.a, w.a + v);
+  if (status != HK_OK) return status;
+  double length = m->length > 0 ? m->length : span, pieces = ceil(fmin(whole, span) / length * (1 - 1e-9));
+  for (h = fmin(whole, span / fmax(1, pieces));; h /= 2) {
+    status = try_step(s, h, &w);
+    if (status == HK_OK) moved = stretched(s->model, s->X, w.X);
+    if (status == HK_OK && moved <= m->stretch) break;
+    if (status != HK_OK && status != HK_NOT_CONVERGED) return status;
+    m->good = 0;
+    m->length = h / 2;
+    if (!(h > 1e-9 * span))
+      return s->host->fail(s->host, HK_NOT_CONVERGED,
+                           "a step of %g s still changes a spring's strain by %g, more than stretch = %g", h, moved,
+                           m->stretch);
+  }
+  memcpy(s->X, w.X, s->size * sizeof *w.X);
+  if (m->length > 0 && ++m->good >= m->patience) {
+    m->length = fmin(2 * m->length, 1e9);
+    m->good = 0;
+  }
+  *out = (hk_step){h, asked, NAN};
+  return HK_OK;
+}
+
+static const hk_integrator integrator = {.order = 1,
+                                         .stages = 1,
+                                         .flags = HK_IMPLICIT | HK_ADAPTIVE | HK_NEEDS_JACOBIAN,
+                                         .amplification = amplification,
+                                         .step = step};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "baraff_witkin",
+    .summary =
+        "backward Euler with one linearisation, (M + h D + h^2 K) dv = h (F - h K v); the step follows the stretch",
+    .reference = "Baraff and Witkin 1998, Large steps in cloth simulation, equations (6) and (16), section 6",
+    .instance_size = sizeof(baraff_witkin),
+    .params = params,
+    .fields = fields,
+    .integrator = &integrator,
+};

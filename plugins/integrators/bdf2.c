@@ -1,0 +1,93 @@
+/* Backward differences of order 2, X' = 4/3 X - 1/3 X_before + 2/3 h f(t + h, X'): L-stable, one stage a step. The
+ * first step, and the first after anything that makes the history void (another h, events, births), is one of TR-BDF2,
+ * which is of order 2 as well. Choi and Ko 2002 took one Newton iteration of it for cloth. */
+#include "plugins/common/dirk.h"
+#include "plugins/common/spectral.h"
+
+#include <string.h>
+
+typedef struct bdf2 {
+  hk_dirk start; /* first member: hk_dirk_params */
+  int64_t known; /* `before` is the state h ago */
+  double h;
+  double *before;
+} bdf2;
+
+static const hk_field fields[] = {
+    {"primed", HK_FIELD_INTEGER, 1, offsetof(bdf2, start.primed), 0},
+    {"newton_speed", HK_FIELD_NUMBER, 1, offsetof(bdf2, start.newton.speed), 0},
+    {"slope", HK_FIELD_STATE, 1, offsetof(bdf2, start.slope), 0},
+    {"known", HK_FIELD_INTEGER, 1, offsetof(bdf2, known), 0},
+    {"h", HK_FIELD_NUMBER, 1, offsetof(bdf2, h), 0},
+    {"before", HK_FIELD_STATE, 1, offsetof(bdf2, before), 0},
+    {"stages", HK_FIELD_STATE, 5, offsetof(bdf2, start.k), HK_SCRATCH},
+    {"newton", HK_FIELD_STATE, HK_NEWTON_STATES, offsetof(bdf2, start.newton.memory), HK_SCRATCH},
+    {0},
+};
+
+/* In u = lambda - 1 the recurrence (3 lambda^2 - 4 lambda + 1)/2 = z lambda^2 for both components together is
+ * (u + 3/2 u^2)^2 + h g (u + 3/2 u^2) (1 + u)^2 + (h w)^2 (1 + u)^4 = 0. */
+static double amplification(double hw, double hg) {
+  double a = hg, b = hw * hw;
+  const double c[] = {b, a + 4 * b, 1 + 3.5 * a + 6 * b, 3 + 4 * a + 4 * b, 2.25 + 1.5 * a + b};
+  return hk_polynomial_growth(4, c);
+}
+
+static void reset(void *self, hk_reason why) {
+  bdf2 *m = self;
+  m->known = 0;
+  hk_dirk_reset(&m->start, why);
+}
+
+static hk_status advance(bdf2 *m, hk_system *s, double h, double *base, double *X) {
+  size_t v = 3 * s->n;
+  double g = 2 * h / 3;
+  for (size_t e = 0; e < s->size; e++) X[e] = base[e] = s->X[e] + (s->X[e] - m->before[e]) / 3;
+  for (size_t e = v; e < 2 * v; e++) X[e] += g * m->start.slope[e];
+  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X};
+  hk_status status = hk_newton_solve(&m->start.newton, s, &stage);
+  if (status != HK_OK) return status;
+  memcpy(m->start.slope, X + v, v * sizeof *X);
+  for (size_t e = v; e < s->size; e++) m->start.slope[e] = (X[e] - base[e]) / g;
+  return HK_OK;
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  bdf2 *m = self;
+  double *base = m->start.k, *X = base + s->size;
+  (void)t_stop, (void)out;
+  if (!m->known || h != m->h) {
+    hk_status status = hk_dirk_stages(&m->start, &hk_tr_bdf2, s, h, 0, &X);
+    if (status != HK_OK) return status;
+    memcpy(m->start.slope, m->start.k + 2 * s->size, s->size * sizeof *X);
+    m->start.primed = 1;
+  } else {
+    hk_status status = advance(m, s, h, base, X);
+    if (status != HK_OK) return status;
+  }
+  memcpy(m->before, s->X, s->size * sizeof *X);
+  memcpy(s->X, X, s->size * sizeof *X);
+  hk_newton_limit(&m->start.newton, s, s->X + 3 * s->n);
+  m->known = 1;
+  m->h = h;
+  return HK_OK;
+}
+
+static const hk_integrator integrator = {.order = 2,
+                                         .stages = 1,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "bdf2",
+    .summary = "backward differences, X' = 4/3 X - 1/3 X_before + 2/3 h f(X'); order 2, L-stable, one stage a step",
+    .reference = "Hairer, Norsett and Wanner, Solving ODEs I, III.1; Choi and Ko 2002, Stable but responsive cloth",
+    .instance_size = sizeof(bdf2),
+    .params = hk_dirk_params,
+    .fields = fields,
+    .integrator = &integrator,
+};

@@ -1,0 +1,49 @@
+/* Kennedy and Carpenter's ARK4(3)6L[2]SA, the implicit part: order 4 with an embedded method of order 3, L-stable,
+ * stage order 2, five implicit stages with one matrix; chooses its steps. Where h w is large and the forces are not
+ * linear the order falls towards the stage order. */
+#include "plugins/common/dirk.h"
+
+static const hk_dirk_tableau tableau = {
+    .stages = 6,
+    .c = {0, 1.0 / 2, 83.0 / 250, 31.0 / 50, 17.0 / 20, 1},
+    .a = {{0},
+          {1.0 / 4, 1.0 / 4},
+          {8611.0 / 62500, -1743.0 / 31250, 1.0 / 4},
+          {5012029.0 / 34652500, -654441.0 / 2922500, 174375.0 / 388108, 1.0 / 4},
+          {15267082809.0 / 155376265600, -71443401.0 / 120774400, 730878875.0 / 902184768, 2285395.0 / 8070912,
+           1.0 / 4},
+          {82889.0 / 524892, 0, 15625.0 / 83664, 69875.0 / 102672, -2260.0 / 8211, 1.0 / 4}},
+    .b = {82889.0 / 524892, 0, 15625.0 / 83664, 69875.0 / 102672, -2260.0 / 8211, 1.0 / 4},
+    .error = {82889.0 / 524892 - 4586570599.0 / 29645900160, 0, 15625.0 / 83664 - 178811875.0 / 945068544,
+              69875.0 / 102672 - 814220225.0 / 1159782912, -2260.0 / 8211 + 3700637.0 / 11593932,
+              1.0 / 4 - 61727.0 / 225920},
+    .error_order = 3,
+};
+
+static double amplification(double hw, double hg) { return hk_dirk_amplification(&tableau, hw, hg); }
+
+static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  return hk_dirk_adaptive_step(self, &tableau, s, t_stop, h, out);
+}
+
+static const hk_integrator integrator = {.order = 4,
+                                         .stages = 5,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "esdirk4",
+    .summary =
+        "diagonally implicit Runge-Kutta of order 4 with an embedded order 3; L-stable, one matrix, chooses its steps",
+    .reference = "Kennedy and Carpenter 2003, Applied Numerical Mathematics 44, ARK4(3)6L[2]SA",
+    .instance_size = sizeof(hk_dirk),
+    .params = hk_dirk_adaptive_params,
+    .fields = hk_dirk_fields,
+    .integrator = &integrator,
+};

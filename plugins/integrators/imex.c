@@ -1,0 +1,186 @@
+/* Stiff forces implicitly, the rest explicitly: ARS(2,2,2), order 2, L-stable in the implicit part. With
+ * g = 1 - sqrt(2)/2 and d = 1 - 1/(2g), E for the explicit and I for the implicit part (dx/dt = v among it),
+ *     X2 = X + h g E(X) + h g I(X2),   X' = X + h (d E(X) + (1 - d) E(X2)) + h ((1 - g) I(X2) + g I(X')).
+ * Both stages have one matrix, of the implicit part alone. Implicit are, unless `implicit` names others, the forces
+ * that depend on positions and have a symmetric Jacobian to give: springs, not wind or drag. Channels are explicit.
+ * Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6; patches in space are left to Boxerman
+ * and Ascher 2004. */
+#include "plugins/common/dirk.h"
+
+#include <string.h>
+
+enum { BASE = 0, STATE = 1, EXPLICIT = 2, EXPLICIT_2 = 3, IMPLICIT = 4, STATES = 5 };
+
+typedef struct imex {
+  hk_newton newton;
+  const char *names;
+  bool *implicit; /* one per force */
+  size_t forces;
+  double *memory;
+} imex;
+
+static const double g_ = 0.29289321881345248, d_ = -0.70710678118654752;
+
+static const hk_param params[] = {
+    {"tolerance",
+     "",
+     "algebraic error of a step's velocities, relative to the largest RMS speed so far",
+     HK_NUMBER,
+     {1e-6},
+     0,
+     1,
+     offsetof(imex, newton.tolerance),
+     HK_ABOVE_MIN,
+     NULL},
+    {"iterations",
+     "",
+     "of Newton's method in a stage, at most; then the step is halved",
+     HK_INTEGER,
+     {30},
+     1,
+     1000,
+     offsetof(imex, newton.iterations),
+     0,
+     NULL},
+    {"reuse",
+     "",
+     "keep the factors of the matrix while the iteration converges with them",
+     HK_BOOLEAN,
+     {1},
+     0,
+     0,
+     offsetof(imex, newton.reuse),
+     0,
+     NULL},
+    {"implicit",
+     "",
+     "labels of the forces to take implicitly, with spaces between",
+     HK_STRING,
+     {0},
+     0,
+     0,
+     offsetof(imex, names),
+     0,
+     NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"newton_speed", HK_FIELD_NUMBER, 1, offsetof(imex, newton.speed), 0},
+    {"memory", HK_FIELD_STATE, STATES, offsetof(imex, memory), HK_SCRATCH},
+    {"newton", HK_FIELD_STATE, HK_NEWTON_STATES, offsetof(imex, newton.memory), HK_SCRATCH},
+    {0},
+};
+
+/* With the explicit part integrated exactly, so to speak: the stable step is that of the explicit forces alone, which
+ * the linear oscillator does not tell. */
+static double amplification(double hw, double hg) {
+  static const hk_dirk_tableau implicit = {
+      .stages = 2,
+      .c = {0.29289321881345248, 1},
+      .a = {{0.29289321881345248}, {0.70710678118654752, 0.29289321881345248}},
+      .b = {0.70710678118654752, 0.29289321881345248},
+  };
+  return hk_dirk_amplification(&implicit, hw, hg);
+}
+
+static bool named(const char *names, const char *label) {
+  size_t length = strlen(label);
+  for (const char *at = strstr(names, label); at; at = strstr(at + 1, label))
+    if ((at == names || at[-1] == ' ') && (at[length] == 0 || at[length] == ' ')) return true;
+  return false;
+}
+
+static bool is_stiff(const imex *m, const hk_force_info *force) {
+  if (m->names) return named(m->names, force->label);
+  return force->jacobian && force->flags & HK_DEPENDS_ON_X &&
+         force->flags & (HK_SYMMETRIC_JACOBIAN | HK_OFFERS_SYMMETRIC);
+}
+
+static hk_status sort_forces(imex *m, hk_system *s) {
+  if (m->implicit) return HK_OK;
+  bool *implicit = s->host->allocate(s->host, s->forces + 1);
+  if (!implicit) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu forces", s->forces);
+  for (size_t k = 0; k < s->forces; k++) {
+    implicit[k] = is_stiff(m, &s->force[k]);
+    if (implicit[k] && !s->force[k].jacobian)
+      return s->host->fail(s->host, HK_BAD_PARAM, "implicit: force '%s' has no Jacobian", s->force[k].label);
+  }
+  m->implicit = implicit;
+  return HK_OK;
+}
+
+static void take(const imex *m, hk_system *s, bool implicit) {
+  for (size_t k = 0; k < s->forces; k++) s->takes[k] = m->implicit[k] == implicit;
+  s->takes_channels = !implicit;
+}
+
+static double *vector(const imex *m, const hk_system *s, int which) { return m->memory + (size_t)which * s->size; }
+
+/* The explicit slope: none of x. */
+static hk_status look(const imex *m, hk_system *s, double t, double *X, double *slope) {
+  size_t v = 3 * s->n;
+  take(m, s, false);
+  memset(slope, 0, v * sizeof *slope);
+  return s->accelerations(s, t, X, X + v, X + 2 * v, slope + v, slope + 2 * v);
+}
+
+static void add(double *restrict to, const double *restrict k, size_t count, double w) {
+  for (size_t e = 0; e < count; e++) to[e] += w * k[e];
+}
+
+static hk_status solve(imex *m, hk_system *s, double t, double g) {
+  double *base = vector(m, s, BASE), *X = vector(m, s, STATE);
+  memcpy(X, base, s->size * sizeof *X);
+  take(m, s, true);
+  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X};
+  return hk_newton_solve(&m->newton, s, &stage);
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  imex *m = self;
+  double *base = vector(m, s, BASE), *X = vector(m, s, STATE), *E = vector(m, s, EXPLICIT),
+         *E2 = vector(m, s, EXPLICIT_2), *I = vector(m, s, IMPLICIT), g = g_ * h;
+  (void)t_stop, (void)out;
+  hk_status status = sort_forces(m, s);
+  if (status == HK_OK) status = look(m, s, s->t, s->X, E);
+  if (status != HK_OK) return status;
+  memcpy(base, s->X, s->size * sizeof *base);
+  add(base, E, s->size, g);
+  status = solve(m, s, s->t + g, g);
+  if (status == HK_OK) status = look(m, s, s->t + g, X, E2);
+  if (status != HK_OK) return status;
+  for (size_t e = 0; e < s->size; e++) I[e] = (X[e] - base[e]) / g;
+  memcpy(base, s->X, s->size * sizeof *base);
+  add(base, E, s->size, h * d_);
+  add(base, E2, s->size, h * (1 - d_));
+  add(base, I, s->size, h * (1 - g_));
+  status = solve(m, s, s->t + h, g);
+  if (status != HK_OK) return status;
+  memcpy(s->X, X, s->size * sizeof *X);
+  hk_newton_limit(&m->newton, s, s->X + 3 * s->n);
+  return HK_OK;
+}
+
+static void reset(void *self, hk_reason why) {
+  if (why != HK_STEP_CHANGED) hk_newton_forget(&((imex *)self)->newton);
+}
+
+static const hk_integrator integrator = {.order = 2,
+                                         .stages = 2,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "imex",
+    .summary = "stiff forces implicitly, the rest explicitly, ARS(2,2,2); order 2, L-stable for the stiff ones",
+    .reference = "Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6",
+    .instance_size = sizeof(imex),
+    .params = params,
+    .fields = fields,
+    .integrator = &integrator,
+};

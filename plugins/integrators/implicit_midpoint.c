@@ -1,0 +1,34 @@
+/* The implicit midpoint rule, X' = X + h f(t + h/2, (X + X')/2): order 2, symplectic, reversible, keeps momenta and
+ * quadratic invariants; it damps nothing, so that what is stiff and not resolved goes on swinging at a wrong pace,
+ * (2/h) atan(h w/2). */
+#include "plugins/common/dirk.h"
+
+static const hk_dirk_tableau tableau = {.stages = 1, .c = {0.5}, .a = {{0.5}}, .b = {1}};
+
+static double amplification(double hw, double hg) { return hk_dirk_amplification(&tableau, hw, hg); }
+
+static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  (void)out;
+  return hk_dirk_step(self, &tableau, s, t_stop, h);
+}
+
+static const hk_integrator integrator = {.order = 2,
+                                         .stages = 1,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SYMPLECTIC | HK_REVERSIBLE,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "implicit_midpoint",
+    .summary = "implicit midpoint rule, X' = X + h f((X + X')/2); order 2, symplectic, damps nothing",
+    .reference = "Hairer, Lubich and Wanner, Geometric Numerical Integration, II.1 and VI.4",
+    .instance_size = sizeof(hk_dirk),
+    .params = hk_dirk_params,
+    .fields = hk_dirk_fields,
+    .integrator = &integrator,
+};
