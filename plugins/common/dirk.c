@@ -56,6 +56,16 @@ const hk_param hk_dirk_params[] = {
 };
 
 const hk_param hk_dirk_adaptive_params[] = {
+    {"tolerance",
+     "",
+     "algebraic error of a step's velocities, relative to the largest RMS speed so far; less where tol asks for less",
+     HK_NUMBER,
+     {1e-3},
+     0,
+     1,
+     offsetof(hk_dirk, newton.tolerance),
+     HK_ABOVE_MIN,
+     NULL},
     {"iterations",
      "",
      "of Newton's method in a stage, at most; then the step is made shorter",
@@ -182,7 +192,8 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
 /* The algebraic error is to be small beside the one allowed, in x and in v. */
 static double limit_of(const hk_dirk *m, const hk_system *s, double g, double h) {
   double V = fmax(m->scales.speed, h * m->scales.acceleration);
-  return algebraic * s->tol * fmin(hk_scales_extent(&m->scales, s, s->X) / g, V);
+  double asked = algebraic * s->tol * fmin(hk_scales_extent(&m->scales, s, s->X) / g, V);
+  return fmin(asked, m->newton.tolerance * V);
 }
 
 static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double span, double *h) {

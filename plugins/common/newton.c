@@ -16,10 +16,10 @@ typedef struct work {
   hk_system *s;
   const hk_stage *stage;
   size_t m; /* 3n */
-  double *a, *R, *dv, *v_old, *p, *q, *z, *r;
+  double *a, *R, *dv, *v_old, *p, *q, *z, *r, *y_last, *left_last;
   unsigned flags; /* the solver's */
   bool fresh;     /* the factors are those of the present iterate */
-  bool settled;   /* the channels have not changed in the last evaluation; the work follows and is not judged */
+  bool settled;   /* the channels are as the last evaluation asks */
   hk_matrix A;
 } work;
 
@@ -53,7 +53,9 @@ static work begin(hk_newton *w, hk_system *s, const hk_stage *stage) {
   k.R = at, k.dv = at + m, at += s->size;
   k.v_old = at, k.p = at + m, at += s->size;
   k.q = at, k.z = at + m, at += s->size;
-  k.r = at;
+  k.r = at, at += s->size;
+  k.y_last = at, at += s->size;
+  k.left_last = at;
   return k;
 }
 
@@ -63,30 +65,37 @@ static void set_positions(const work *k) {
   for (size_t e = 0; e < k->m; e++) X[e] = base[e] + g * X[k->m + e];
 }
 
-/* y := y* + g dy */
-static void set_channels(work *k) {
-  double *y = k->stage->X + 2 * k->m, off = 0, moved = 0;
+/* y := the solution of y = y* + g dy/dt, as far as dy tells: each number by the secant of its last two values, so that
+ * a channel's own decay, however fast, is solved for at the third look. The work depends on nothing and is not judged.
+ */
+static void set_channels(work *k, bool first) {
+  double *y = k->stage->X + 2 * k->m, off = 0, moved = 0, size = 0;
   const double *base = k->stage->base + 2 * k->m, *dy = k->a + k->m;
-  size_t count = k->s->size - 2 * k->m;
+  size_t count = k->s->size - 2 * k->m - 1;
   for (size_t e = 0; e < count; e++) {
-    double next = base[e] + k->stage->g * dy[e], change = next - y[e], span = next - base[e];
-    bool judged = e + 1 < count;
-    off += judged ? change * change : 0;
-    moved += judged ? span * span + rounding * rounding * next * next : 0;
-    y[e] = next;
+    double left = y[e] - base[e] - k->stage->g * dy[e], slope = 1;
+    if (!first && y[e] != k->y_last[e]) slope = (left - k->left_last[e]) / (y[e] - k->y_last[e]);
+    if (!(slope > 0.1)) slope = 1;
+    k->y_last[e] = y[e];
+    k->left_last[e] = left;
+    y[e] -= left / slope;
+    off += left / slope * (left / slope);
+    moved += (y[e] - base[e]) * (y[e] - base[e]);
+    size += y[e] * y[e];
   }
-  k->settled = !(off > k->w->tolerance * k->w->tolerance * moved);
+  y[count] = base[count] + k->stage->g * dy[count];
+  k->settled = sqrt(off) <= k->w->tolerance * sqrt(moved) + rounding * sqrt(size);
 }
 
 /* R = M (v - v* - g a) at v; x and y follow. */
-static hk_status residual(work *k) {
+static hk_status residual(work *k, bool first) {
   const hk_stage *stage = k->stage;
   hk_system *s = k->s;
   double *X = stage->X, *v = X + k->m, g = stage->g;
   set_positions(k);
   hk_status status = s->accelerations(s, stage->t, X, v, X + 2 * k->m, k->a, k->a + k->m);
   if (status != HK_OK) return status;
-  set_channels(k);
+  set_channels(k, first);
   for (size_t i = 0; i < s->n; i++)
     for (size_t e = 3 * i; e < 3 * i + 3; e++)
       k->R[e] = s->model->mass[i] * (v[e] - stage->base[k->m + e] - g * k->a[e]);
@@ -185,7 +194,7 @@ static void advance(const work *k, double alpha) {
 
 /* Whether a step is too long: p.R has grown to the other side, or |R| has not fallen. */
 static bool overshoots(const work *k, double slope, double size) {
-  if (k->flags & HK_SOLVES_UNSYMMETRIC) return !(dot(k->R, k->R, k->m) < size);
+  if (k->flags & HK_SOLVES_UNSYMMETRIC) return !(dot(k->R, k->R, k->m) <= size);
   return !(dot(k->dv, k->R, k->m) <= -0.9 * slope);
 }
 
@@ -195,7 +204,7 @@ static hk_status search(work *k, double *taken) {
   bool descends = slope < 0 || k->flags & HK_SOLVES_UNSYMMETRIC;
   for (int i = 0; i < BACKTRACKS && descends; i++, alpha /= 2) {
     advance(k, alpha);
-    hk_status status = residual(k);
+    hk_status status = residual(k, false);
     *taken = alpha;
     if (status == HK_NOT_FINITE) continue;
     if (status != HK_OK) return status;
@@ -244,7 +253,7 @@ static hk_status fall_back(work *k, pace *p, double size, double limit) {
   k->fresh = false;
   *p = (pace){0, 1, false};
   memcpy(k->stage->X + k->m, k->v_old, k->m * sizeof *k->v_old);
-  return residual(k);
+  return residual(k, false);
 }
 
 static hk_status iterate(work *k) {
@@ -281,7 +290,7 @@ static hk_status iterate(work *k) {
 hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   work k = begin(w, s, stage);
   hk_status status = s->solver_flags(s, &k.flags);
-  if (status == HK_OK) status = residual(&k);
+  if (status == HK_OK) status = residual(&k, true);
   if (status == HK_OK) status = iterate(&k);
   if (status != HK_OK && status != HK_NOT_CONVERGED) return status;
   if (status == HK_NOT_CONVERGED) hk_newton_forget(w);

@@ -20,7 +20,7 @@
 
 #include "core/plugin.h"
 
-enum { HK_NEWTON_STATES = 6 }; /* width of the field that `memory` is, HK_FIELD_STATE and scratch */
+enum { HK_NEWTON_STATES = 7 }; /* width of the field that `memory` is, HK_FIELD_STATE and scratch */
 
 typedef struct hk_newton {
   /* parameters */

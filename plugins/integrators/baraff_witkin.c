@@ -3,10 +3,11 @@
  * and their control of the step: a step that changes the strain of any spring by more than `stretch` is discarded and
  * tried at half the length; after `patience` good steps the length doubles again, up to a frame or `dt`. Scripted
  * particles have a prescribed dv, which the right-hand side carries over to their neighbours. The step may turn
- * indefinite where springs are compressed; their blocks are then projected. Baraff and Witkin 1998, equations (6) and
- * (16), sections 5 and 6. */
+ * indefinite where springs are compressed; their blocks are then projected. Channels are explicit. Baraff and Witkin
+ * 1998, equations (6) and (16), sections 5 and 6. */
 #include "core/plugin.h"
 #include "plugins/common/block_product.h"
+#include "plugins/common/spectral.h"
 
 #include <float.h>
 #include <string.h>
@@ -52,11 +53,11 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* One linearisation of a linear equation is the whole of it: lambda (1 + h g + (h w)^2 - ...) as for backward Euler. */
+/* One linearisation of a linear equation is the whole of it: backward Euler's, in u = lambda - 1,
+ * (1 + h g + (h w)^2) u^2 + (h g + 2 (h w)^2) u + (h w)^2 = 0. */
 static double amplification(double hw, double hg) {
-  double sum = 2 + hg, product = 1 + hg + hw * hw, root = sum * sum - 4 * product;
-  if (root <= 0) return 1 / sqrt(product);
-  return (sum + sqrt(root)) / (2 * product);
+  const double z = hw * hw, c[] = {z, hg + 2 * z, 1 + hg + z};
+  return hk_polynomial_growth(2, c);
 }
 
 static double length_of(const double *x, const uint32_t pair[2]) {

@@ -1,5 +1,5 @@
 /* See fake_system.h. */
-#include "tests/support/fake_system.h"
+#include "tests/support/fake_solver.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -79,6 +79,8 @@ static hk_status accelerations(hk_system *s, double t, double *x, double *v, con
   memset(a, 0, 3 * s->n * sizeof *a);
   memset(dy, 0, (s->size - 6 * s->n) * sizeof *dy);
   f->problem.f(f->problem.context, t, x, v, y, a, dy);
+  if (!f->takes) memset(a, 0, 3 * s->n * sizeof *a);
+  if (!s->takes_channels) memset(dy, 0, (s->size - 6 * s->n) * sizeof *dy);
   return HK_OK;
 }
 
@@ -137,11 +139,19 @@ fake_system *fake_system_create(const fake_problem *problem) {
                           .rates = rates,
                           .energy = energy,
                           .impose = impose,
-                          .filter = filter};
+                          .filter = filter,
+                          .forces = 1,
+                          .force = &f->force,
+                          .takes = &f->takes,
+                          .takes_channels = true};
+  f->force = (hk_force_info){"f", problem->flags | HK_SYMMETRIC_JACOBIAN, true, false};
+  f->takes = true;
+  fake_solver_attach(f);
   return f;
 }
 
 void fake_system_destroy(fake_system *f) {
+  fake_solver_detach(f);
   free(f->system.X);
   free(f->mass);
   free(f->id);
@@ -249,12 +259,28 @@ bool fake_method_explicit(const fake_method *m) {
   return !(m->plugin->integrator->flags & (HK_IMPLICIT | HK_NEEDS_JACOBIAN));
 }
 
+bool fake_method_implicit(const fake_method *m) {
+  unsigned both = HK_IMPLICIT | HK_NEEDS_JACOBIAN;
+  return (m->plugin->integrator->flags & both) == both && strcmp(m->plugin->name, "cvode") != 0 &&
+         strcmp(m->plugin->name, "arkode") != 0;
+}
+
+bool fake_method_set(const fake_method *m, const char *name, double value) {
+  for (const hk_param *p = m->plugin->params; p && p->name; p++)
+    if (strcmp(p->name, name) == 0 && p->type == HK_NUMBER) {
+      *(double *)member(m, p->offset) = value;
+      return true;
+    }
+  return false;
+}
+
 hk_status fake_method_step(fake_method *m, double h, hk_step *out) {
   hk_system *s = &m->system->system;
   hk_step own;
   if (!out) out = &own;
   *out = (hk_step){h, h, NAN};
   hk_status status = m->plugin->integrator->step(m->self, s, s->t + h, h, out);
+  m->system->takes = s->takes_channels = true;
   if (status == HK_OK) s->t += out->h;
   return status;
 }

@@ -23,7 +23,10 @@ typedef struct fake_system {
   uint32_t *id, *group;
   uint8_t *pin;
   const char *group_name;
-  size_t evaluations;
+  hk_force_info force; /* one, all of f but the channels */
+  bool takes;
+  struct fake_solver *solver;
+  size_t evaluations, jacobians, factorizations;
   size_t fails_at; /* the evaluation, counted from 1, that fails; 0: none */
   hk_status fails_with;
   char message[512]; /* of host->fail */
@@ -49,6 +52,10 @@ fake_method fake_method_open(const char *name, fake_system *);
 void fake_method_close(fake_method *);
 /* Whether the method needs no more than f. */
 bool fake_method_explicit(const fake_method *);
+/* Whether it needs f and its Jacobians, and is the project's own; a plugin on another library's integrators is not. */
+bool fake_method_implicit(const fake_method *);
+/* Sets a parameter that is a number; false: it has none of that name. */
+bool fake_method_set(const fake_method *, const char *name, double value);
 /* One step of h; moves the system's t. */
 hk_status fake_method_step(fake_method *, double h, hk_step *out);
 /* `steps` equal steps to t_end; fails the test when one fails. */
