@@ -125,8 +125,10 @@ static void take_slope(const hk_system *s, double g, const double *base, const d
 }
 
 static hk_status first_slope(hk_dirk *m, hk_system *s, double *k) {
+  size_t v = 3 * s->n;
   if (!m->primed) return s->rates(s, s->t, s->X, k);
-  memcpy(k, m->slope, s->size * sizeof *k);
+  memcpy(k, s->X + v, v * sizeof *k);
+  memcpy(k + v, m->slope + v, (s->size - v) * sizeof *k);
   return HK_OK;
 }
 
@@ -180,7 +182,10 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
   double *E = slope_of(m, s, T->stages), *smooth = slope_of(m, s, 0);
   size_t v = 3 * s->n;
   memset(E, 0, s->size * sizeof *E);
-  for (int j = 0; j < T->stages; j++) add(E, slope_of(m, s, j), s->size, h * T->error[j]);
+  for (int j = 1; j < T->stages; j++) { /* the weights sum to 0: against the first slope, steady motion has no error */
+    const double *restrict k = slope_of(m, s, j), *restrict first = slope_of(m, s, 0);
+    for (size_t e = 0; e < s->size; e++) E[e] += h * T->error[j] * (k[e] - first[e]);
+  }
   hk_status status = hk_newton_smooth(&m->newton, s, E, smooth);
   if (status == HK_OK) status = hk_newton_smooth(&m->newton, s, E + v, smooth + v);
   if (status != HK_OK) return status;
@@ -210,7 +215,7 @@ static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double
   if (!(*h > 0) || *h > span) *h = span;
   if (m->started) return HK_OK;
   double L = hk_scales_extent(&m->scales, s, s->X), A = m->scales.acceleration;
-  double V = fmax(m->scales.speed, sqrt(L * A)), rate = fmax(hk_ratio(m->scales.speed, L), hk_ratio(A, V));
+  double V = fmax(m->scales.speed, sqrt(L * A)), rate = fmax(L > 0 ? m->scales.speed / L : 0, hk_ratio(A, V));
   if (rate > 0) *h = fmin(*h, pow(0.01 * s->tol, 1.0 / (T->error_order + 1)) / rate);
   return HK_OK;
 }

@@ -141,7 +141,8 @@ static void compare(const char *name, rates r, double stated, double got) {
     fail_msg("%s at hw = %g, hg = %g, hk = %g: states %.12g, measured %.12g", name, r.hw, r.hg, r.hk, stated, got);
 }
 
-/* Implicit for the forces, explicit for the channels, as their files say: the linear oscillator tells nothing of these. */
+/* Implicit for the forces, explicit for the channels, as their files say: the linear oscillator tells nothing of these.
+ */
 static bool channels_are_explicit(const char *name) {
   return strcmp(name, "imex") == 0 || strcmp(name, "baraff_witkin") == 0;
 }
