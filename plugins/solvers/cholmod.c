@@ -17,6 +17,8 @@
 
 enum { ORDER_BEST, ORDER_AMD, ORDER_METIS };
 
+static const double metis_pays = 1e9; /* operations of a factorization by AMD's order */
+
 typedef struct cholesky {
   int ordering;
   int64_t threads;
@@ -31,29 +33,17 @@ typedef struct cholesky {
   int64_t *shape;               /* of a factor_view of L */
 } cholesky;
 
+/* clang-format off */
 static const hk_param params[] = {
-    {"ordering",
-     "",
-     "fill-reducing ordering; best: AMD, and METIS where AMD fills too much",
-     HK_CHOICE,
-     {ORDER_BEST},
-     0,
-     0,
-     offsetof(cholesky, ordering),
-     0,
-     "best|amd|metis"},
-    {"threads",
-     "",
+    {"ordering", "",
+     "fill-reducing ordering; best: AMD, or METIS where the factorization is long and METIS makes it shorter",
+     HK_CHOICE, {ORDER_BEST}, 0, 0, offsetof(cholesky, ordering), 0, "best|amd|metis"},
+    {"threads", "",
      "threads of CHOLMOD and of an OpenBLAS, for the whole process; more than 1 may change the last digit",
-     HK_INTEGER,
-     {1},
-     1,
-     1024,
-     offsetof(cholesky, threads),
-     0,
-     NULL},
+     HK_INTEGER, {1}, 1, 1024, offsetof(cholesky, threads), 0, NULL},
     {0},
 };
+/* clang-format on */
 
 extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* NULL with another BLAS */
 extern void omp_set_max_active_levels(int levels) __attribute__((weak)); /* NULL when CHOLMOD has no OpenMP */
@@ -152,29 +142,53 @@ static void fill_upper(const hk_matrix *A, int64_t *start, int64_t *row, double 
   if (start) start[column] = (int64_t)at;
 }
 
-static void choose_ordering(cholesky *s, int ordering) {
-  s->common.nmethods = ordering >= 0 ? 1 : 0; /* 0: CHOLMOD's own strategy */
-  if (ordering >= 0) s->common.method[0].ordering = ordering;
-  s->common.postorder = 1;
-}
-
 /* The numbers of a particle stay together, so the graph of blocks is ordered, which is 9 times smaller. */
-static int64_t *order_blocks(cholesky *s, const hk_matrix *A) {
-  size_t n = A->rows, b = A->block, count = 0;
+static cholmod_sparse *graph_of(cholesky *s, const hk_matrix *A) {
+  size_t n = A->rows, count = 0;
   for (size_t r = 0; r < n; r++) count += upper_blocks(A, r);
   cholmod_sparse *graph = cholmod_l_allocate_sparse(n, n, count, 1, 1, 1, CHOLMOD_PATTERN, &s->common);
-  int64_t *order = s->host->allocate(s->host, (n * b + 1) * sizeof *order), *start = graph ? graph->p : NULL;
+  int64_t *start = graph ? graph->p : NULL;
   for (size_t r = 0; graph && r < n; r++) {
     start[r + 1] = start[r] + (int64_t)upper_blocks(A, r);
     for (int64_t e = 0; e < start[r + 1] - start[r]; e++)
       ((int64_t *)graph->i)[start[r] + e] = A->column[A->row_start[r] + (size_t)e];
   }
-  cholmod_factor *L = graph && order ? cholmod_l_analyze(graph, &s->common) : NULL;
-  for (size_t k = 0; L && k < n * b; k++) order[k] = (int64_t)b * ((int64_t *)L->Perm)[k / b] + (int64_t)(k % b);
-  if (!L) {
-    s->host->release(s->host, order);
-    order = NULL;
+  return graph;
+}
+
+static cholmod_factor *order_by(cholesky *s, cholmod_sparse *graph, int ordering, double *flops) {
+  s->common.nmethods = 1;
+  s->common.method[0].ordering = ordering;
+  s->common.postorder = 1;
+  cholmod_factor *L = cholmod_l_analyze(graph, &s->common);
+  *flops = s->common.fl * pow((double)s->block, 3);
+  return L;
+}
+
+/* METIS takes some ten times as long as AMD, so it is asked where the factorization that it may shorten takes as long
+ * as itself; fewer operations decide. */
+static cholmod_factor *order_graph(cholesky *s, cholmod_sparse *graph) {
+  double flops, other;
+  if (s->ordering == ORDER_METIS) return order_by(s, graph, CHOLMOD_METIS, &flops);
+  cholmod_factor *L = order_by(s, graph, CHOLMOD_AMD, &flops);
+  if (!L || s->ordering == ORDER_AMD || flops < metis_pays) return L;
+  cholmod_factor *second = order_by(s, graph, CHOLMOD_METIS, &other);
+  if (second && other < flops) {
+    cholmod_l_free_factor(&L, &s->common);
+    return second;
   }
+  cholmod_l_free_factor(&second, &s->common);
+  return L;
+}
+
+/* The order of the matrix's rows from that of its blocks; NULL: it failed. */
+static int64_t *order_rows(cholesky *s, const hk_matrix *A) {
+  size_t n = A->rows, b = A->block;
+  cholmod_sparse *graph = graph_of(s, A);
+  cholmod_factor *L = graph ? order_graph(s, graph) : NULL;
+  int64_t *order = L ? s->host->allocate(s->host, (n * b + 1) * sizeof *order) : NULL;
+  if (L && !order) s->common.status = CHOLMOD_OUT_OF_MEMORY;
+  for (size_t k = 0; order && k < n * b; k++) order[k] = (int64_t)b * ((int64_t *)L->Perm)[k / b] + (int64_t)(k % b);
   cholmod_l_free_factor(&L, &s->common);
   cholmod_l_free_sparse(&graph, &s->common);
   return order;
@@ -190,9 +204,10 @@ static hk_status analyze(void *self, const hk_matrix *A) {
   s->b = cholmod_l_allocate_dense(n, 1, n, CHOLMOD_REAL, &s->common);
   if (!s->A || !s->b) return failed(s, "store");
   fill_upper(A, s->A->p, s->A->i, s->A->x);
-  choose_ordering(s, s->ordering == ORDER_BEST ? -1 : s->ordering == ORDER_AMD ? CHOLMOD_AMD : CHOLMOD_METIS);
-  int64_t *order = A->block > 1 ? order_blocks(s, A) : NULL;
-  if (order) choose_ordering(s, CHOLMOD_GIVEN);
+  int64_t *order = order_rows(s, A);
+  if (!order) return failed(s, "order");
+  s->common.nmethods = 1;
+  s->common.method[0].ordering = CHOLMOD_GIVEN;
   s->L = cholmod_l_analyze_p(s->A, (void *)order, NULL, 0, &s->common);
   s->host->release(s->host, order);
   return s->L ? HK_OK : failed(s, "analyse");

@@ -137,7 +137,9 @@ static void angular_momentum_drifts_at_the_order_of_the_others(void **state) {
   const struct {
     const char *name;
     double order, h;
-  } cases[] = {{"euler", 1, 1e-4}, {"midpoint", 2, 4e-4}, {"trapezoid", 2, 4e-4}, {"rk4", 4, 2e-3}};
+  } cases[] = {{"euler", 1, 1e-4}, {"midpoint", 2, 4e-4},           {"trapezoid", 2, 4e-4},
+               {"rk4", 4, 2e-3},   {"backward_euler", 1, 1e-4},     {"baraff_witkin", 1, 1e-4},
+               {"bdf2", 2, 4e-4},  {"implicit_trapezoid", 2, 1e-3}, {"imex", 2, 4e-4}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     double linear, coarse, fine;
     drift(cases[k].name, cases[k].h, &linear, &coarse);
@@ -145,6 +147,24 @@ static void angular_momentum_drifts_at_the_order_of_the_others(void **state) {
     double order = log2(coarse / fine);
     if (!(order > cases[k].order - 0.34)) fail_msg("%s: angular momentum drifts at order %.2f", cases[k].name, order);
   }
+}
+
+/* A quadratic invariant: kept up to the algebraic error, 1e-12 of the speed in each of 100 steps. */
+static void angular_momentum_is_kept_by_the_implicit_midpoint_rule(void **state) {
+  (void)state;
+  test_engine e;
+  test_engine_open(&e);
+  free_cloth(&e, 0);
+  test_number(&e, test_plugin(&e, HK_INTEGRATOR, "implicit_midpoint"), "tolerance", 1e-12);
+  e.options.dt = 2e-3;
+  test_run(&e);
+  moments before = moments_of(hk_run_view(e.run));
+  test_advance(&e, 0.2);
+  moments after = moments_of(hk_run_view(e.run));
+  double off = distance(before.l, after.l) / before.scale;
+  print_message("implicit_midpoint: angular momentum drifts by %g\n", off);
+  assert_true(off < 1e-11);
+  test_engine_close(&e);
 }
 
 /* In uniform gravity the centre of mass moves as one particle does under the same integrator and step. */
@@ -171,9 +191,10 @@ static void centre_of_mass_falls_as_a_point_does(void **state) {
     test_run(&point);
     test_advance(&point, 0.25);
     double off = distance(end.x, test_position(&point, 1));
-    /* both integrate a constant acceleration; rounding of 1250 steps (adaptive steps differ, but are exact here) */
-
-    if (!(off < 1e-12)) fail_msg("%s: the centre of mass is %g m off", methods[k], off);
+    /* both integrate a constant acceleration; rounding of 1250 steps (adaptive steps differ, but are exact here, save
+     * those of cvode, which starts at order 1 and so is as exact as its tolerance, 1e-6) */
+    if (!(off < (strcmp(methods[k], "cvode") == 0 ? 1e-6 : 1e-12)))
+      fail_msg("%s: the centre of mass is %g m off", methods[k], off);
     test_engine_close(&cloth);
     test_engine_close(&point);
   }
@@ -203,8 +224,9 @@ static void energy_balance_has_the_order_of_the_method(void **state) {
   const struct {
     const char *name;
     double order, h;
-  } cases[] = {
-      {"euler", 1, 1e-4}, {"leapfrog", 2, 2.5e-4}, {"midpoint", 2, 6.25e-5}, {"rk4", 4, 2.5e-4}, {"stoermer", 4, 1e-3}};
+  } cases[] = {{"euler", 1, 1e-4},    {"leapfrog", 2, 2.5e-4},     {"midpoint", 2, 6.25e-5},       {"rk4", 4, 2.5e-4},
+               {"stoermer", 4, 1e-3}, {"backward_euler", 1, 1e-4}, {"implicit_midpoint", 2, 1e-3}, {"bdf2", 2, 2.5e-4},
+               {"imex", 2, 1e-3}};
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     double work, coarse = imbalance(cases[k].name, cases[k].h, &work),
                  fine = imbalance(cases[k].name, cases[k].h / 2, &work);
@@ -272,6 +294,7 @@ int main(void) {
       cmocka_unit_test(linear_momentum_is_kept_to_rounding_by_every_method),
       cmocka_unit_test(angular_momentum_is_kept_to_rounding_by_leapfrog),
       cmocka_unit_test(angular_momentum_drifts_at_the_order_of_the_others),
+      cmocka_unit_test(angular_momentum_is_kept_by_the_implicit_midpoint_rule),
       cmocka_unit_test(centre_of_mass_falls_as_a_point_does),
       cmocka_unit_test(energy_balance_has_the_order_of_the_method),
       cmocka_unit_test(frame_times_are_exact_after_a_million_frames),

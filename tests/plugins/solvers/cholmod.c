@@ -208,6 +208,113 @@ static void factorizing_another_pattern_is_refused(void **state) {
   close_solver(&f);
 }
 
+static hk_status solve_columns(fixture *f, const double *b, double *x, size_t columns) {
+  return f->solver->plugin->solver->solve_columns(f->solver->self, b, x, columns);
+}
+
+/* `solve` is cholmod_solve2, which shares nothing with the columns' substitution. Both leave errors of some eps times
+ * the condition number, at most 1e3 here. */
+static void check_columns(fixture *f, size_t columns) {
+  size_t n = f->A.rows * f->A.block;
+  double *b = calloc(2 * (columns + 1) * n, sizeof *b), *x = b + columns * n, *one = x + columns * n,
+         *expected = one + n;
+  for (size_t k = 0; k < columns * n; k++) b[k] = noise();
+  assert_int_equal(solve_columns(f, b, x, columns), HK_OK);
+  for (size_t c = 0; c < columns; c++) {
+    double largest = 0, off = 0;
+    for (size_t k = 0; k < n; k++) one[k] = b[columns * k + c];
+    assert_int_equal(f->solver->plugin->solver->solve(f->solver->self, one, expected, NULL), HK_OK);
+    for (size_t k = 0; k < n; k++) {
+      largest = fmax(largest, fabs(expected[k]));
+      off = fmax(off, fabs(expected[k] - x[columns * k + c]));
+    }
+    if (!(off <= 1e-13 * largest))
+      fail_msg("%zu rows, column %zu of %zu: differs by %g of %g", n, c, columns, off, largest);
+  }
+  assert_int_equal(solve_columns(f, b, b, columns), HK_OK); /* in place */
+  assert_memory_equal(b, x, columns * n * sizeof *b);
+  free(b);
+}
+
+/* Rings go the simplicial way, the chords' fill the supernodal one with panels of every width. */
+static void columns_are_solved_as_one_by_one(void **state) {
+  (void)state;
+  static const size_t sizes[][3] = {{1, 1, 0}, {2, 3, 0}, {50, 1, 0}, {333, 1, 60}, {2000, 1, 2500}, {400, 3, 500}};
+  fixture f;
+  open_solver(&f, "best");
+  for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+    make_pattern(&f, sizes[k][0], sizes[k][1], sizes[k][2]);
+    assert_int_equal(f.solver->plugin->solver->analyze(f.solver->self, &f.A), HK_OK);
+    for (int again = 0; again < 2; again++) { /* the copy follows the new numbers */
+      fill(&f, 0.5);
+      assert_int_equal(factorize(&f), HK_OK);
+      for (size_t columns = 1; columns <= 9; columns += columns < 5 ? 1 : 4) check_columns(&f, columns);
+    }
+  }
+  close_solver(&f);
+}
+
+/* What is known of the answer without any solver: of a path with weights 1 and ends held, A = tridiagonal (-1, 2, -1),
+ * the inverse is min(i, j)(n + 1 - max(i, j))/(n + 1). Condition 4 n^2/pi^2 = 1e4: 1e-11. */
+static void columns_of_a_known_inverse_come_out(void **state) {
+  (void)state;
+  enum { COUNT = 150 };
+  fixture f;
+  open_solver(&f, "best");
+  hk_block_matrix_begin(&f.pattern, COUNT, COUNT);
+  for (uint32_t i = 0; i < COUNT; i++)
+    for (uint32_t j = i ? i - 1 : 0; j <= i + 1 && j < COUNT; j++) f.pattern.naming.block(&f.pattern.naming, i, j);
+  assert_int_equal(hk_block_matrix_build(&f.pattern), HK_OK);
+  f.A = (hk_matrix){COUNT, 1, f.pattern.row_start, f.pattern.column, calloc(3 * COUNT, sizeof(double)), true};
+  for (size_t i = 0; i < COUNT; i++)
+    for (size_t e = f.A.row_start[i]; e < f.A.row_start[i + 1]; e++) f.A.value[e] = f.A.column[e] == i ? 2 : -1;
+  assert_int_equal(f.solver->plugin->solver->analyze(f.solver->self, &f.A), HK_OK);
+  assert_int_equal(factorize(&f), HK_OK);
+  double b[3 * COUNT] = {0}, x[3 * COUNT];
+  static const size_t at[3] = {0, 70, 149};
+  for (size_t c = 0; c < 3; c++) b[3 * at[c] + c] = 1;
+  assert_int_equal(solve_columns(&f, b, x, 3), HK_OK);
+  for (size_t i = 0; i < COUNT; i++)
+    for (size_t c = 0; c < 3; c++) {
+      size_t low = i < at[c] ? i : at[c], high = i < at[c] ? at[c] : i;
+      double expected = (double)(low + 1) * (double)(COUNT - high) / (COUNT + 1);
+      assert_true(fabs(x[3 * i + c] - expected) < 1e-11);
+    }
+  close_solver(&f);
+}
+
+static void columns_without_a_factor_are_refused(void **state) {
+  (void)state;
+  fixture f;
+  open_solver(&f, "best");
+  make_pattern(&f, 30, 1, 10);
+  double b[90] = {0}, x[90];
+  assert_int_equal(f.solver->plugin->solver->analyze(f.solver->self, &f.A), HK_OK);
+  assert_int_equal(solve_columns(&f, b, x, 3), HK_FAILED);
+  fill(&f, 0.5);
+  assert_int_equal(factorize(&f), HK_OK);
+  assert_int_equal(solve_columns(&f, b, x, 3), HK_OK);
+  f.A.value[find(&f.A, 7, 7)] = -1;
+  f.e.error = (hk_error){0};
+  assert_int_equal(factorize(&f), HK_NOT_CONVERGED);
+  assert_int_equal(solve_columns(&f, b, x, 3), HK_FAILED); /* not with the factor before */
+  close_solver(&f);
+}
+
+static void a_right_hand_side_that_is_not_finite_is_said(void **state) {
+  (void)state;
+  fixture f;
+  open_solver(&f, "best");
+  make_pattern(&f, 30, 1, 10);
+  double b[90] = {0}, x[90];
+  b[40] = NAN;
+  fill(&f, 0.5);
+  assert_int_equal(f.solver->plugin->solver->analyze(f.solver->self, &f.A), HK_OK);
+  assert_int_equal(factorize(&f), HK_OK);
+  assert_int_equal(solve_columns(&f, b, x, 3), HK_NOT_FINITE);
+  close_solver(&f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(systems_are_solved_to_rounding),
@@ -215,6 +322,10 @@ int main(void) {
       cmocka_unit_test(diagonal_matrix_names_the_particle_at_fault),
       cmocka_unit_test(factors_repeat_bit_by_bit),
       cmocka_unit_test(factorizing_another_pattern_is_refused),
+      cmocka_unit_test(columns_are_solved_as_one_by_one),
+      cmocka_unit_test(columns_of_a_known_inverse_come_out),
+      cmocka_unit_test(columns_without_a_factor_are_refused),
+      cmocka_unit_test(a_right_hand_side_that_is_not_finite_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

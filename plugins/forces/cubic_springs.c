@@ -1,0 +1,124 @@
+/* Springs that harden with the cube of the stretch: with d = x_j - x_i, l = |d|, s = l - L and n = d/l the force on j
+ * is -k s^3 n, i gets the opposite; energy 1/4 k s^4. At rest they have no stiffness, so they offer no elements. With
+ * k = 4 they are the soft springs of the Fermi-Pasta-Ulam problem in Hairer, Lubich and Wanner, Geometric Numerical
+ * Integration, section I.5.1, whose energy is s^4. Two particles at one point have no direction and get no force from
+ * their spring; with L = 0 that is also the limit.
+ *
+ * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
+ * never negative and two lateral ones that are when the spring is pressed; HK_WANT_DEFINITE takes those for 0. */
+#include "core/plugin.h"
+
+typedef struct cubic_springs {
+  hk_edges edges;
+  hk_per_edge k, rest;
+} cubic_springs;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(cubic_springs, edges), HK_REQUIRED, NULL},
+    {"k", "N/m^3", "force over the cube of the stretch",
+     HK_PER_EDGE, {0}, 0, INFINITY, offsetof(cubic_springs, k), HK_REQUIRED, NULL},
+    {"rest", "m", "rest length; left out: the initial length",
+     HK_PER_EDGE, {0}, 0, INFINITY, offsetof(cubic_springs, rest), HK_OPTIONAL, NULL},
+    {0},
+};
+/* clang-format on */
+
+static double difference(const double *x, const uint32_t pair[2], double d[3]) {
+  for (int c = 0; c < 3; c++) d[c] = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
+  return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  cubic_springs *s = self;
+  if (s->rest.count) return HK_OK;
+  double d[3], *rest = host->allocate(host, (s->edges.count + 1) * sizeof *rest);
+  if (!rest) return host->fail(host, HK_NO_MEMORY, "no memory for the rest lengths");
+  for (size_t e = 0; e < s->edges.count; e++) rest[e] = difference(view->x, s->edges.pair[e], d);
+  s->rest = (hk_per_edge){s->edges.count, rest};
+  return HK_OK;
+}
+
+static bool acts(const hk_view *view, const uint32_t pair[2]) {
+  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const cubic_springs *s = self;
+  for (size_t e = 0; e < s->edges.count; e++) {
+    const uint32_t *pair = s->edges.pair[e];
+    if (!acts(view, pair)) continue;
+    double d[3], l = difference(view->x, pair, d), stretch = l - hk_edge_value(&s->rest, e);
+    double f = l > 0 ? hk_edge_value(&s->k, e) * stretch * stretch * stretch / l : 0;
+    for (int c = 0; c < 3; c++) {
+      F[3 * (size_t)pair[0] + c] += f * d[c];
+      F[3 * (size_t)pair[1] + c] -= f * d[c];
+    }
+  }
+  return HK_OK;
+}
+
+static double energy(void *self, const hk_view *view) {
+  const cubic_springs *s = self;
+  double sum = 0, d[3];
+  for (size_t e = 0; e < s->edges.count; e++) {
+    if (!acts(view, s->edges.pair[e])) continue;
+    double stretch = difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
+    sum += hk_edge_value(&s->k, e) * stretch * stretch * stretch * stretch / 4;
+  }
+  return sum;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  const cubic_springs *s = self;
+  for (size_t e = 0; e < s->edges.count; e++)
+    for (int b = 0; b < 4 && acts(view, s->edges.pair[e]); b++)
+      p->block(p, s->edges.pair[e][b / 2], s->edges.pair[e][b % 2]);
+}
+
+static void spring_block(double k, double L, const double d[3], double l, bool definite, double block[9]) {
+  double s = l - L, axial = l > 0 ? 3 * k * s * s : 0, lateral = l > 0 ? k * s * s * s / l : 0, n[3] = {0};
+  if (definite && lateral < 0) lateral = 0;
+  for (int c = 0; c < 3 && l > 0; c++) n[c] = d[c] / l;
+  for (int q = 0; q < 9; q++) {
+    double nn = n[q / 3] * n[q % 3];
+    block[q] = axial * nn + lateral * ((q % 4 == 0) - nn);
+  }
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const cubic_springs *s = self;
+  const size_t *slot = into->slot;
+  for (size_t e = 0; e < s->edges.count; e++) {
+    const uint32_t *pair = s->edges.pair[e];
+    double d[3], block[9];
+    if (!acts(view, pair)) continue;
+    double l = difference(view->x, pair, d);
+    spring_block(hk_edge_value(&s->k, e), hk_edge_value(&s->rest, e), d, l, into->want & HK_WANT_DEFINITE, block);
+    for (int b = 0; b < 4; b++)
+      for (int q = 0; q < 9; q++) into->K[9 * slot[b] + q] += b % 3 == 0 ? block[q] : -block[q];
+    slot += 4;
+  }
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+             HK_OFFERS_DEFINITE,
+    .add = add,
+    .energy = energy,
+    .pattern = pattern,
+    .jacobian = jacobian,
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "cubic_springs",
+    .summary = "springs that harden with the cube of the stretch, f = -k (l - L)^3 d/l",
+    .reference = "Fermi, Pasta and Ulam 1955; Hairer, Lubich and Wanner, Geometric Numerical Integration, I.5.1",
+    .instance_size = sizeof(cubic_springs),
+    .params = params,
+    .create = create,
+    .force = &force,
+};

@@ -1,0 +1,301 @@
+/* Wind on the scene's triangles. With w the air's velocity, v_T the mean velocity of the corners, u = w - v_T the
+ * relative wind, n the unit normal, A the area and alpha the angle of attack (sin alpha = |u.n|/|u|), a triangle feels
+ *     drag 1/2 rho A |u|^2 (drag sin^2 alpha + friction cos^2 alpha) along u,
+ *     lift 1/2 rho A |u|^2 lift sin 2 alpha, perpendicular to u in the plane of u and n, and
+ *     linear A (u.n) n,
+ * a third on each corner. The first two are the translational forces on a plate of Andersen, Pesavento and Wang, J.
+ * Fluid Mech. 541 (2005): a drag coefficient A - B cos 2 alpha (drag = A + B, friction = A - B) and a circulation that
+ * makes the lift coefficient proportional to sin 2 alpha. drag = 2 lift and friction = 0 push along the normal alone.
+ * The third is the fluid force of Provot, Graphics Interface 1995, per area instead of per particle.
+ *
+ * In N = 2 A n and q = N.u all of this is polynomial but for 1/|N| and 1/|u|:
+ *     F = rho/4 (friction |N| |u| + b q^2 / (|N| |u|)) u + (rho/2 lift |u| + linear/2) q / |N| N,
+ * b = drag - friction - 2 lift. Invariants: turning a triangle over changes nothing; F is continuously differentiable
+ * in u everywhere, and in N but at N = 0, where it is 0; there the Jacobian, which has no limit, is taken as 0. */
+#include "core/plugin.h"
+
+#include <string.h>
+
+enum { LANES = 16, GRAIN = 2048, ROWS = 256, CHUNKS = 64 }; /* ROWS: grain of a Jacobian; CHUNKS: at most */
+
+static const double TINY = 1e-150; /* m^2, m/s */
+
+typedef struct wind {
+  double velocity[3], density, drag, lift, friction, linear;
+
+  const hk_host *host;
+  size_t count;            /* triangles that act */
+  uint32_t (*triangle)[3]; /* count */
+  size_t *first;           /* n + 2: the corners at particle i are corner[first[i]] ... corner[first[i + 1] - 1] */
+  uint32_t *corner;        /* 3 count: 3 t + r, rising for each particle */
+  double (*load)[3];       /* count, N: on each corner, in one evaluation */
+} wind;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"velocity", "m/s", "of the air", HK_VECTOR, {5, 0, 0}, 0, 0, offsetof(wind, velocity), HK_TIMED, NULL},
+    {"density", "kg/m^3", "of the air", HK_NUMBER, {1.2}, 0, INFINITY, offsetof(wind, density), 0, NULL},
+    {"drag", "", "drag coefficient of a triangle that faces the wind",
+     HK_NUMBER, {1.2}, 0, INFINITY, offsetof(wind, drag), 0, NULL},
+    {"lift", "", "lift coefficient at 45 degrees, where it is largest",
+     HK_NUMBER, {0.6}, 0, INFINITY, offsetof(wind, lift), 0, NULL},
+    {"friction", "", "drag coefficient of a triangle edge-on to the wind",
+     HK_NUMBER, {0}, 0, INFINITY, offsetof(wind, friction), 0, NULL},
+    {"linear", "N s/m^3", "drag in proportion to the normal wind, per area",
+     HK_NUMBER, {0}, 0, INFINITY, offsetof(wind, linear), 0, NULL},
+    {0},
+};
+/* clang-format on */
+
+/* ---- The triangles that act, and the corners at each particle ---------------------------------------------------- */
+
+static bool acts(const hk_view *view, const uint32_t corner[3]) {
+  const bool *is = view->is_active;
+  return !is || (is[corner[0]] && is[corner[1]] && is[corner[2]]);
+}
+
+static void release(wind *w) {
+  void *const memory[] = {w->triangle, w->first, w->corner, w->load};
+  for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) w->host->release(w->host, memory[k]);
+  w->triangle = NULL, w->first = NULL, w->corner = NULL, w->load = NULL;
+  w->count = 0;
+}
+
+static void fill(wind *w, const hk_view *view) {
+  const hk_model *m = view->model;
+  for (size_t k = 0, t = 0; k < m->triangles; k++)
+    if (acts(view, m->triangle[k])) memcpy(w->triangle[t++], m->triangle[k], sizeof *w->triangle);
+  for (size_t k = 0; k < 3 * w->count; k++) w->first[w->triangle[k / 3][k % 3] + 2]++;
+  for (size_t i = 2; i < view->n + 2; i++) w->first[i] += w->first[i - 1];
+  for (size_t k = 0; k < 3 * w->count; k++) w->corner[w->first[w->triangle[k / 3][k % 3] + 1]++] = (uint32_t)k;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  wind *w = self;
+  const hk_host *host = w->host;
+  size_t count = 0;
+  release(w);
+  for (size_t k = 0; k < view->model->triangles; k++) count += acts(view, view->model->triangle[k]);
+  w->triangle = host->allocate(host, (count + 1) * sizeof *w->triangle);
+  w->first = host->allocate(host, (view->n + 2) * sizeof *w->first);
+  w->corner = host->allocate(host, (3 * count + 1) * sizeof *w->corner);
+  w->load = host->allocate(host, (count + 1) * sizeof *w->load);
+  if (!w->triangle || !w->first || !w->corner || !w->load)
+    return host->fail(host, HK_NO_MEMORY, "no memory for %zu triangles", count);
+  w->count = count;
+  fill(w, view);
+  return HK_OK;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  wind *w = self;
+  w->host = host;
+  hk_status status = topology(self, view);
+  if (status == HK_OK && w->count == 0)
+    return host->fail(host, HK_BAD_PARAM,
+                      view->model->triangles
+                          ? "no triangle has all its corners among `only` or `group`: nothing to blow on"
+                          : "the scene has no triangles to blow on: scene:grid and scene:mesh make some");
+  return status;
+}
+
+/* ---- One triangle ------------------------------------------------------------------------------------------------ */
+
+static inline double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static inline void cross(const double a[3], const double b[3], double out[3]) {
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+typedef struct flow {
+  double N[3], u[3];          /* m^2, m/s */
+  double area, speed;         /* |N|, |u| */
+  double per_area, per_speed; /* their inverses, or 0 */
+  double q;                   /* N.u */
+} flow;
+
+static inline double inverse(double length) { return length > TINY ? 1 / length : 0; }
+
+static inline void measure(const wind *w, const hk_view *view, const uint32_t corner[3], flow *f) {
+  const double *a = view->x + 3 * (size_t)corner[0], *b = view->x + 3 * (size_t)corner[1];
+  const double *c = view->x + 3 * (size_t)corner[2], *va = view->v + 3 * (size_t)corner[0];
+  const double *vb = view->v + 3 * (size_t)corner[1], *vc = view->v + 3 * (size_t)corner[2];
+  double ab[3], ac[3];
+  for (int k = 0; k < 3; k++) {
+    ab[k] = b[k] - a[k];
+    ac[k] = c[k] - a[k];
+    f->u[k] = w->velocity[k] - (va[k] + vb[k] + vc[k]) / 3;
+  }
+  cross(ab, ac, f->N);
+  f->area = sqrt(dot(f->N, f->N));
+  f->speed = sqrt(dot(f->u, f->u));
+  f->per_area = inverse(f->area);
+  f->per_speed = inverse(f->speed);
+  f->q = dot(f->N, f->u);
+}
+
+/* G = dF/dN and H = dF/du. With m = N/|N|, e = u/|u|, p = m.u, s = |u|, L = rho/2 lift and c = L s + linear/2:
+ *   G = rho/4 (friction s u m^T + b e (2 p u - p^2 m)^T) + c (m u^T + p (I - m m^T)),
+ *   H = |N| (rho/4 (friction (s I + u e^T) + b (2 p e m^T + p^2 (I - e e^T)/s)) + L p m e^T + c m m^T). */
+static void slopes(const wind *w, const flow *f, double G[9], double H[9]) {
+  double rho = w->density / 4, a = rho * w->friction, b = rho * (w->drag - w->friction - 2 * w->lift);
+  double L = 2 * rho * w->lift, c = L * f->speed + w->linear / 2, p = f->q * f->per_area, m[3], e[3];
+  double bent = b * p * p * f->per_speed; /* of b p^2 de/du */
+  for (int k = 0; k < 3; k++) m[k] = f->N[k] * f->per_area, e[k] = f->u[k] * f->per_speed;
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++) {
+      double one = i == j;
+      G[3 * i + j] = a * f->speed * f->u[i] * m[j] + b * e[i] * p * (2 * f->u[j] - p * m[j]) +
+                     c * (m[i] * f->u[j] + p * (one - m[i] * m[j]));
+      H[3 * i + j] = f->area * (a * (f->speed * one + f->u[i] * e[j]) + 2 * b * p * e[i] * m[j] +
+                                bent * (one - e[i] * e[j]) + L * p * m[i] * e[j] + c * m[i] * m[j]);
+    }
+}
+
+/* ---- All triangles: loads are computed by triangle and collected by particle, so no two threads add to one. ------ */
+
+typedef struct task {
+  const wind *self;
+  const hk_view *view;
+  double *F;
+  const hk_blocks *into;
+  double power[CHUNKS]; /* summed in the order of the chunks, whatever thread took them */
+} task;
+
+/* LANES triangles side by side, so that square roots and divisions are done several at a time. */
+typedef struct batch {
+  double ab[3][LANES], ac[3][LANES], v[3][LANES]; /* v: three times v_T */
+  double load[3][LANES], power[LANES];
+} batch;
+
+static inline void gather(const hk_view *view, const uint32_t (*corner)[3], size_t count, batch *q) {
+  for (size_t t = 0; t < count; t++) {
+    size_t a = 3 * (size_t)corner[t][0], b = 3 * (size_t)corner[t][1], c = 3 * (size_t)corner[t][2];
+    for (size_t k = 0; k < 3; k++) {
+      q->ab[k][t] = view->x[b + k] - view->x[a + k];
+      q->ac[k][t] = view->x[c + k] - view->x[a + k];
+      q->v[k][t] = view->v[a + k] + view->v[b + k] + view->v[c + k];
+    }
+  }
+}
+
+/* A third of each F, and its power. */
+static void batch_loads(const wind *w, batch *q) {
+  double rho = w->density / 4, b = rho * (w->drag - w->friction - 2 * w->lift), friction = rho * w->friction;
+  double lift = 2 * rho * w->lift, linear = w->linear / 2;
+  double wx = w->velocity[0], wy = w->velocity[1], wz = w->velocity[2];
+  for (int t = 0; t < LANES; t++) {
+    double nx = q->ab[1][t] * q->ac[2][t] - q->ab[2][t] * q->ac[1][t];
+    double ny = q->ab[2][t] * q->ac[0][t] - q->ab[0][t] * q->ac[2][t];
+    double nz = q->ab[0][t] * q->ac[1][t] - q->ab[1][t] * q->ac[0][t];
+    double vx = q->v[0][t] / 3, vy = q->v[1][t] / 3, vz = q->v[2][t] / 3;
+    double ux = wx - vx, uy = wy - vy, uz = wz - vz, flux = nx * ux + ny * uy + nz * uz;
+    double area = sqrt(nx * nx + ny * ny + nz * nz), speed = sqrt(ux * ux + uy * uy + uz * uz);
+    double p = flux * (1 / (area > TINY ? area : INFINITY));
+    double along = (friction * area * speed + b * p * flux * (1 / (speed > TINY ? speed : INFINITY))) / 3;
+    double across = (lift * speed + linear) * p / 3;
+    q->load[0][t] = along * ux + across * nx;
+    q->load[1][t] = along * uy + across * ny;
+    q->load[2][t] = along * uz + across * nz;
+    q->power[t] = 3 * (q->load[0][t] * vx + q->load[1][t] * vy + q->load[2][t] * vz);
+  }
+}
+
+static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  task *t = context;
+  double power = 0;
+  batch q = {0};
+  for (size_t k = begin; k < end; k += LANES) {
+    size_t count = end - k < LANES ? end - k : LANES;
+    gather(t->view, (const uint32_t(*)[3])t->self->triangle + k, count, &q);
+    batch_loads(t->self, &q);
+    for (size_t i = 0; i < count; i++) {
+      for (int c = 0; c < 3; c++) t->self->load[k + i][c] = q.load[c][i];
+      power += q.power[i];
+    }
+  }
+  t->power[chunk] = power;
+}
+
+static void collect_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  const task *t = context;
+  const wind *w = t->self;
+  for (size_t i = begin; i < end; i++)
+    for (size_t k = w->first[i]; k < w->first[i + 1]; k++) {
+      const double *load = w->load[w->corner[k] / 3];
+      for (int c = 0; c < 3; c++) t->F[3 * i + c] += load[c];
+    }
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  wind *w = self;
+  task t;
+  size_t grain = w->count / CHUNKS + 1; /* never more than CHUNKS of them */
+  if (grain < GRAIN) grain = GRAIN;
+  t.self = w, t.view = view, t.F = F;
+  view->host->parallel_for(view->host, w->count, grain, load_chunk, &t);
+  view->host->parallel_for(view->host, view->n, 2 * GRAIN, collect_chunk, &t);
+  for (size_t c = 0; view->power && c * grain < w->count; c++) *view->power += t.power[c];
+  return HK_OK;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  const wind *w = self;
+  (void)view;
+  for (size_t t = 0; t < w->count; t++)
+    for (int b = 0; b < 9; b++) p->block(p, w->triangle[t][b / 3], w->triangle[t][b % 3]);
+}
+
+/* dN/dx_c moves N by dx x side_c, side_c = x_(c+1) - x_(c+2), so a row g of G gives the row side_c x g of dF/dx_c. */
+static void add_row(const wind *w, const hk_view *view, const hk_blocks *into, uint32_t corner) {
+  const uint32_t *at = w->triangle[corner / 3];
+  const size_t *slot = into->slot + 3 * (size_t)corner;
+  flow f;
+  double G[9], H[9], side[3], row[3];
+  measure(w, view, at, &f);
+  slopes(w, &f, G, H);
+  for (int c = 0; c < 3; c++) {
+    const double *next = view->x + 3 * (size_t)at[(c + 1) % 3], *last = view->x + 3 * (size_t)at[(c + 2) % 3];
+    double *K = into->K + 9 * slot[c], *D = into->D + 9 * slot[c];
+    for (int k = 0; k < 3; k++) side[k] = next[k] - last[k];
+    for (int r = 0; r < 3; r++) {
+      cross(side, G + 3 * r, row);
+      for (int k = 0; k < 3; k++) K[3 * r + k] -= row[k] / 3, D[3 * r + k] += H[3 * r + k] / 9;
+    }
+  }
+}
+
+/* By block rows, each the particle's own: a triangle is measured three times, which costs less than keeping G and H. */
+static void row_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  const task *t = context;
+  for (size_t k = t->self->first[begin]; k < t->self->first[end]; k++)
+    add_row(t->self, t->view, t->into, t->self->corner[k]);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  task t;
+  t.self = self, t.view = view, t.into = into;
+  view->host->parallel_for(view->host, view->n, ROWS, row_chunk, &t);
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "wind",
+    .summary =
+        "drag and lift of moving air on triangles, 1/2 rho A |u|^2 (drag sin^2 a + friction cos^2 a, lift sin 2a)",
+    .reference = "Andersen, Pesavento and Wang, J. Fluid Mech. 541 (2005), translational forces; linear: Provot 1995",
+    .instance_size = sizeof(wind),
+    .params = params,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};

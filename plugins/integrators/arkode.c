@@ -1,0 +1,246 @@
+/* SUNDIALS' ARKODE (ARKStep): embedded Runge-Kutta pairs with its own control of the step, as a general-purpose
+ * yardstick.
+ *
+ * erk is explicit, dirk diagonally implicit with Newton's iteration on hooke's Jacobian and the scene's solver; see
+ * plugins/common/sundials.c for the weights of errors and for the linear algebra. A dt that the user gives makes the
+ * steps fixed, as many equal ones as it takes to land on what the host asks for, and no error is then estimated; the
+ * flags, the order and the amplification are those of the default, Dormand and Prince's pair of order 5. Otherwise
+ * ARKODE chooses the steps and its stop time makes it land. It keeps no history but the length of the step. */
+#include "plugins/common/runge_kutta.h"
+#include "plugins/common/sundials.h"
+
+#include <arkode/arkode_arkstep.h>
+#include <string.h>
+
+/* From SUNDIALS 7.1 on what all of ARKODE's methods share has a common name. */
+#if SUNDIALS_VERSION_MAJOR > 7 || (SUNDIALS_VERSION_MAJOR == 7 && SUNDIALS_VERSION_MINOR >= 1)
+#define ARK(name) ARKode##name
+#else
+#define ARK(name) ARKStep##name
+#endif
+
+enum { ERK, DIRK, PATIENCE = 20 };
+enum { SPARSE, KRYLOV };
+
+typedef struct arkode {
+  hk_sundials sundials; /* first member */
+  int method, solver;
+  int64_t order;
+  void *memory;
+  N_Vector error, weight;
+  int64_t started; /* whether a step has been asked for in this run */
+  double fixed;    /* s, the dt that the user gave; 0: none, the steps are ARKODE's */
+  bool running;    /* ARKODE's state is X */
+  double planned;  /* s, the step that ARKODE would take next */
+  double t;        /* s, ARKODE's time */
+} arkode;
+
+static const hk_param params[] = {
+    {"method", "", "explicit or diagonally implicit", HK_CHOICE, {ERK}, 0, 0, offsetof(arkode, method), 0, "erk|dirk"},
+    {"order", "", "order of the pair's better half", HK_INTEGER, {5}, 2, 5, offsetof(arkode, order), 0, NULL},
+    {"solver",
+     "",
+     "of dirk: Newton with the scene's solver, or with GMRES",
+     HK_CHOICE,
+     {SPARSE},
+     0,
+     0,
+     offsetof(arkode, solver),
+     0,
+     "sparse|krylov"},
+    {"preconditioner",
+     "",
+     "of GMRES: a factorization kept over steps, the diagonal blocks, or none",
+     HK_CHOICE,
+     {HK_PRECONDITION_FACTOR},
+     0,
+     0,
+     offsetof(arkode, sundials.preconditioner),
+     0,
+     "factor|block_jacobi|none"},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"started", HK_FIELD_INTEGER, 1, offsetof(arkode, started), 0},
+    {"fixed", HK_FIELD_NUMBER, 1, offsetof(arkode, fixed), 0},
+    {"state", HK_FIELD_STATE, 1, offsetof(arkode, sundials.state), HK_SCRATCH},
+    {"work", HK_FIELD_STATE, 2, offsetof(arkode, sundials.work), HK_SCRATCH},
+    {0},
+};
+
+/* By order; SUNDIALS' own defaults differ between its versions. */
+static const ARKODE_ERKTableID explicit_table[] = {ARKODE_HEUN_EULER_2_1_2, ARKODE_BOGACKI_SHAMPINE_4_2_3,
+                                                   ARKODE_ZONNEVELD_5_3_4, ARKODE_DORMAND_PRINCE_7_4_5};
+static const ARKODE_DIRKTableID implicit_table[] = {ARKODE_SDIRK_2_1_2, ARKODE_ESDIRK324L2SA_4_2_3,
+                                                    ARKODE_ESDIRK436L2SA_6_3_4, ARKODE_ESDIRK547L2SA2_7_4_5};
+
+static double amplification(double hw, double hg) { return hk_rk_amplification(&hk_dormand_prince, hw, hg); }
+
+static int linear_system(double t, N_Vector X, N_Vector f, SUNMatrix A, SUNMatrix M, int reuse, int *current,
+                         double gamma, void *self, N_Vector u, N_Vector v, N_Vector w) {
+  (void)f, (void)A, (void)M, (void)u, (void)v, (void)w;
+  return hk_sundials_factorize(self, t, X, reuse, current, gamma);
+}
+
+static hk_status attach_solver(arkode *m) {
+  hk_sundials *s = &m->sundials;
+  if (m->method == ERK) return HK_OK;
+  hk_status status = m->solver == SPARSE ? hk_sundials_direct(s) : hk_sundials_krylov(s);
+  if (status != HK_OK) return status;
+  int flag = ARK(SetLinearSolver)(m->memory, s->linear, s->matrix);
+  if (flag == 0 && m->solver == SPARSE) flag = ARK(SetLinSysFn)(m->memory, linear_system);
+  if (flag == 0 && m->solver == KRYLOV && s->preconditioner != HK_PRECONDITION_NONE)
+    flag = ARK(SetPreconditioner)(m->memory, hk_sundials_precondition, hk_sundials_preconditioned);
+  return hk_sundials_setup(s, flag);
+}
+
+/* Its dense output, which nobody asks for, would cost evaluations were it Hermite's. */
+static int set_options(arkode *m) {
+  hk_sundials *s = &m->sundials;
+  int flag = ARK(SetUserData)(m->memory, s);
+#if SUNDIALS_VERSION_MAJOR < 7
+  if (flag == 0) flag = ARKStepSetErrHandlerFn(m->memory, hk_sundials_hear, s);
+#endif
+  if (flag == 0) flag = ARK(WFtolerances)(m->memory, hk_sundials_weights);
+  if (flag == 0 && m->method == ERK)
+    flag = ARKStepSetTableNum(m->memory, ARKODE_DIRK_NONE, explicit_table[m->order - 2]);
+  if (flag == 0 && m->method == DIRK)
+    flag = ARKStepSetTableNum(m->memory, implicit_table[m->order - 2], ARKODE_ERK_NONE);
+  if (flag == 0) flag = ARK(SetInterpolantType)(m->memory, ARK_INTERP_LAGRANGE);
+  if (flag == 0) flag = ARK(SetInterpolantDegree)(m->memory, 0);
+  if (flag == 0) flag = ARK(SetMaxHnilWarns)(m->memory, -1);
+  return flag;
+}
+
+static void destroy(void *self, const hk_host *host) {
+  arkode *m = self;
+  (void)host;
+#if SUNDIALS_VERSION_MAJOR > 7 || (SUNDIALS_VERSION_MAJOR == 7 && SUNDIALS_VERSION_MINOR >= 1)
+  if (m->memory) ARKodeFree(&m->memory);
+#else
+  if (m->memory) ARKStepFree(&m->memory);
+#endif
+  if (m->error) N_VDestroy(m->error);
+  if (m->weight) N_VDestroy(m->weight);
+  m->error = m->weight = NULL;
+  hk_sundials_close(&m->sundials);
+}
+
+static hk_status set_up(arkode *m, const hk_host *host, const hk_view *view) {
+  hk_sundials *s = &m->sundials;
+  destroy(m, host);
+  m->running = false;
+  hk_status status = hk_sundials_open(s, host, view);
+  if (status != HK_OK) return status;
+  ARKRhsFn explicit_part = m->method == ERK ? hk_sundials_rates : NULL;
+  m->memory = ARKStepCreate(explicit_part, explicit_part ? NULL : hk_sundials_rates, view->t, s->X, s->context);
+  m->error = N_VClone(s->X);
+  m->weight = N_VClone(s->X);
+  if (!m->memory || !m->error || !m->weight) return host->fail(host, HK_NO_MEMORY, "no memory for ARKODE");
+  status = hk_sundials_setup(s, set_options(m));
+  return status == HK_OK ? attach_solver(m) : status;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) { return set_up(self, host, view); }
+
+static hk_status topology(void *self, const hk_view *view) { return set_up(self, view->host, view); }
+
+static void reset(void *self, hk_reason why) {
+  (void)why;
+  ((arkode *)self)->running = false;
+}
+
+static hk_status start(arkode *m, hk_system *s, double span, double h) {
+  hk_status status = m->fixed > 0 && m->method == ERK ? HK_OK : hk_sundials_scale(&m->sundials, s, span);
+  if (status != HK_OK) return status;
+  memcpy(m->sundials.state, s->X, s->size * sizeof *s->X);
+  m->t = s->t;
+  m->planned = INFINITY;
+  ARKRhsFn explicit_part = m->method == ERK ? hk_sundials_rates : NULL;
+  int flag = ARKStepReInit(m->memory, explicit_part, explicit_part ? NULL : hk_sundials_rates, s->t, m->sundials.X);
+  if (flag == 0) flag = ARK(SetInitStep)(m->memory, h < INFINITY ? h : 0);
+  if (flag == 0 && m->fixed > 0 && m->method == DIRK)
+    flag = ARK(SetMaxNonlinIters)(m->memory, PATIENCE); /* no shorter step can help */
+  return hk_sundials_setup(&m->sundials, flag);
+}
+
+static bool rates_failed(int flag) {
+  return flag == ARK_RHSFUNC_FAIL || flag == ARK_FIRST_RHSFUNC_ERR || flag == ARK_REPTD_RHSFUNC_ERR ||
+         flag == ARK_UNREC_RHSFUNC_ERR;
+}
+
+static double error_of(const arkode *m) {
+  if (m->fixed > 0) return NAN;
+  ARK(GetEstLocalErrors)(m->memory, m->error);
+  ARK(GetErrWeights)(m->memory, m->weight);
+  return hk_sundials_norm(m->error, m->weight);
+}
+
+/* The next step's length and end. A fixed one is told to ARKODE, a stop otherwise. */
+static int prepare(arkode *m, const hk_system *s, double t_stop, double h, double *stop) {
+  double span = t_stop - s->t;
+  *stop = t_stop;
+  if (!(m->fixed > 0)) {
+    if (h < m->planned * (1 - 1e-12) && s->t + h < t_stop) *stop = s->t + h;
+    return ARK(SetStopTime)(m->memory, *stop);
+  }
+  double pieces = ceil(span / m->fixed * (1 - 1e-12)), length = pieces > 1 ? span / pieces : span;
+  if (pieces > 1) *stop = s->t + length;
+  return ARK(SetFixedStep)(m->memory, length);
+}
+
+/* At the first step of a run. */
+static void settle(arkode *m, double h) {
+  m->fixed = h < INFINITY ? h : 0;
+  if (m->fixed > 0)
+    m->sundials.host->warn(
+        m->sundials.host,
+        "dt = %g s is given, so steps are fixed and tol is not used; leave dt out to have them chosen", h);
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  arkode *m = self;
+  double stop;
+  m->sundials.system = s;
+  m->sundials.status = HK_OK;
+  *m->sundials.message = 0;
+  if (!m->started) settle(m, h);
+  if (!m->running || !hk_sundials_follows(&m->sundials, s)) {
+    hk_status status = start(m, s, t_stop - s->t, m->started ? fmin(h, t_stop - s->t) : INFINITY);
+    if (status != HK_OK) return status;
+  }
+  m->started = 1;
+  m->running = false;
+  int flag = prepare(m, s, t_stop, h, &stop);
+  if (flag >= 0) flag = ARK(Evolve)(m->memory, stop, m->sundials.X, &m->t, ARK_ONE_STEP);
+  if (flag < 0) return hk_sundials_failed(&m->sundials, flag, rates_failed(flag));
+  bool lands = m->fixed > 0 || flag == ARK_TSTOP_RETURN;
+  double taken = (lands ? stop : m->t) - s->t;
+  if (!(taken > 0)) return hk_sundials_stuck(&m->sundials);
+  m->running = true;
+  ARK(GetCurrentStep)(m->memory, &m->planned);
+  memcpy(s->X, m->sundials.state, s->size * sizeof *s->X);
+  if (lands && !(m->fixed > 0)) hk_sundials_rescale(&m->sundials, s);
+  *out = (hk_step){taken, m->fixed > 0 ? m->fixed : m->planned, error_of(m)};
+  return HK_OK;
+}
+
+static const hk_integrator integrator = {
+    .order = 5, .stages = 7, .flags = HK_ADAPTIVE, .amplification = amplification, .step = step, .reset = reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "arkode",
+    .summary = "SUNDIALS' ARKODE: explicit (erk) or diagonally implicit (dirk) Runge-Kutta pairs of orders 2 to 5; "
+               "chooses its steps by the tolerance, or takes the given dt",
+    .reference = "Reynolds and others 2023, ACM TOMS 49, ARKODE; Dormand and Prince 1980; Kennedy and Carpenter 2019",
+    .instance_size = sizeof(arkode),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .integrator = &integrator,
+};

@@ -1,0 +1,237 @@
+/* SUNDIALS' CVODE: multistep methods of variable order and step, as a general-purpose yardstick.
+ *
+ * BDF (orders 1 to 5) with Newton's iteration on hooke's Jacobian and the scene's solver, or Adams-Moulton (orders 1 to
+ * 12) with functional iteration; see plugins/common/sundials.c for the weights of errors and for the linear algebra.
+ * CVODE itself decides on steps, orders and when a Jacobian or a factorization is due. It takes one step a call, and
+ * its stop time makes it land on what the host asks for. What voids its history (an event, a birth, a corrector, a
+ * resumed run) starts it anew at order 1. Constraint forces are in f but not in the Jacobian. */
+#include "plugins/common/sundials.h"
+
+#include <complex.h>
+#include <cvode/cvode.h>
+#include <cvode/cvode_ls.h>
+#include <string.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+enum { BDF, ADAMS };
+enum { AUTO, SPARSE, KRYLOV, FIXED_POINT };
+
+typedef struct cvode {
+  hk_sundials sundials; /* first member */
+  int method, solver;
+  int64_t max_order;
+  bool stability_detection;
+  void *memory;
+  N_Vector error, weight; /* NULL without `estimate` */
+  bool running;           /* CVODE's history is that of X */
+  double planned;         /* s, the step that CVODE would take next */
+  double t;               /* s, CVODE's time */
+} cvode;
+
+static const hk_param params[] = {
+    {"method", "", "family of methods", HK_CHOICE, {BDF}, 0, 0, offsetof(cvode, method), 0, "bdf|adams"},
+    {"max_order",
+     "",
+     "highest order; 0: the method's own, 5 (bdf) or 12 (adams); bdf of 3 and more is unstable for fast undamped "
+     "motion",
+     HK_INTEGER,
+     {0},
+     0,
+     12,
+     offsetof(cvode, max_order),
+     0,
+     NULL},
+    {"solver",
+     "",
+     "Newton with the scene's solver or with GMRES, or functional iteration; auto: sparse (bdf), fixed_point (adams)",
+     HK_CHOICE,
+     {AUTO},
+     0,
+     0,
+     offsetof(cvode, solver),
+     0,
+     "auto|sparse|krylov|fixed_point"},
+    {"preconditioner",
+     "",
+     "of GMRES: a factorization kept over steps, the diagonal blocks, or none",
+     HK_CHOICE,
+     {HK_PRECONDITION_FACTOR},
+     0,
+     0,
+     offsetof(cvode, sundials.preconditioner),
+     0,
+     "factor|block_jacobi|none"},
+    {"stability_detection",
+     "",
+     "whether BDF lowers its order where it sees orders 3 to 5 near their limit of stability",
+     HK_BOOLEAN,
+     {1},
+     0,
+     0,
+     offsetof(cvode, stability_detection),
+     0,
+     NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"state", HK_FIELD_STATE, 1, offsetof(cvode, sundials.state), HK_SCRATCH},
+    {"work", HK_FIELD_STATE, 2, offsetof(cvode, sundials.work), HK_SCRATCH},
+    {0},
+};
+
+/* Backward Euler, as which BDF starts and which is its only order that is stable for every oscillation. */
+static double amplification(double hw, double hg) {
+  double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
+  double complex slow = fast == 0 ? 0 : hw * hw / fast;
+  return fmax(1 / cabs(1 - fast), 1 / cabs(1 - slow));
+}
+
+static int linear_system(double t, N_Vector X, N_Vector f, SUNMatrix A, int reuse, int *current, double gamma,
+                         void *self, N_Vector u, N_Vector v, N_Vector w) {
+  (void)f, (void)A, (void)u, (void)v, (void)w;
+  return hk_sundials_factorize(self, t, X, reuse, current, gamma);
+}
+
+static hk_status attach_fixed_point(cvode *m) {
+  hk_sundials *s = &m->sundials;
+  s->nonlinear = SUNNonlinSol_FixedPoint(s->X, 0, s->context);
+  if (!s->nonlinear) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for CVODE's functional iteration");
+  return hk_sundials_setup(s, CVodeSetNonlinearSolver(m->memory, s->nonlinear));
+}
+
+static hk_status attach_solver(cvode *m) {
+  hk_sundials *s = &m->sundials;
+  int kind = m->solver == AUTO ? (m->method == BDF ? SPARSE : FIXED_POINT) : m->solver;
+  if (kind == FIXED_POINT) return attach_fixed_point(m);
+  hk_status status = kind == SPARSE ? hk_sundials_direct(s) : hk_sundials_krylov(s);
+  if (status != HK_OK) return status;
+  int flag = CVodeSetLinearSolver(m->memory, s->linear, s->matrix);
+  if (flag == 0 && kind == SPARSE) flag = CVodeSetLinSysFn(m->memory, linear_system);
+  if (flag == 0 && kind == KRYLOV && s->preconditioner != HK_PRECONDITION_NONE)
+    flag = CVodeSetPreconditioner(m->memory, hk_sundials_precondition, hk_sundials_preconditioned);
+  return hk_sundials_setup(s, flag);
+}
+
+static int set_options(cvode *m) {
+  hk_sundials *s = &m->sundials;
+  int order = m->max_order > 0 ? (int)m->max_order : m->method == BDF ? 5 : 12;
+  int flag = CVodeSetUserData(m->memory, s);
+#if SUNDIALS_VERSION_MAJOR < 7
+  if (flag == 0) flag = CVodeSetErrHandlerFn(m->memory, hk_sundials_hear, s);
+#endif
+  if (flag == 0) flag = CVodeWFtolerances(m->memory, hk_sundials_weights);
+  if (flag == 0) flag = CVodeSetMaxOrd(m->memory, order);
+  if (flag == 0 && m->method == BDF) flag = CVodeSetStabLimDet(m->memory, m->stability_detection);
+  if (flag == 0) flag = CVodeSetMaxHnilWarns(m->memory, -1);
+  return flag;
+}
+
+static void destroy(void *self, const hk_host *host) {
+  cvode *m = self;
+  (void)host;
+  if (m->memory) CVodeFree(&m->memory);
+  if (m->error) N_VDestroy(m->error);
+  if (m->weight) N_VDestroy(m->weight);
+  m->error = m->weight = NULL;
+  hk_sundials_close(&m->sundials);
+}
+
+static hk_status set_up(cvode *m, const hk_host *host, const hk_view *view) {
+  hk_sundials *s = &m->sundials;
+  destroy(m, host);
+  m->running = false;
+  hk_status status = hk_sundials_open(s, host, view);
+  if (status != HK_OK) return status;
+  m->memory = CVodeCreate(m->method == BDF ? CV_BDF : CV_ADAMS, s->context);
+  m->error = N_VClone(s->X);
+  m->weight = N_VClone(s->X);
+  if (!m->memory || !m->error || !m->weight) return host->fail(host, HK_NO_MEMORY, "no memory for CVODE");
+  status = hk_sundials_setup(s, CVodeInit(m->memory, hk_sundials_rates, view->t, s->X));
+  if (status == HK_OK) status = hk_sundials_setup(s, set_options(m));
+  return status == HK_OK ? attach_solver(m) : status;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  const cvode *m = self;
+  if (m->method == BDF && m->max_order > 5)
+    return host->fail(host, HK_BAD_PARAM, "max_order: bdf has orders 1 to 5, not %d; adams has 12", (int)m->max_order);
+  return set_up(self, host, view);
+}
+
+static hk_status topology(void *self, const hk_view *view) { return set_up(self, view->host, view); }
+
+static void reset(void *self, hk_reason why) {
+  (void)why;
+  ((cvode *)self)->running = false;
+}
+
+static hk_status start(cvode *m, hk_system *s, double span) {
+  hk_status status = hk_sundials_scale(&m->sundials, s, span);
+  if (status != HK_OK) return status;
+  memcpy(m->sundials.state, s->X, s->size * sizeof *s->X);
+  m->t = s->t;
+  m->planned = INFINITY;
+  return hk_sundials_setup(&m->sundials, CVodeReInit(m->memory, s->t, m->sundials.X));
+}
+
+static bool rates_failed(int flag) {
+  return flag == CV_RHSFUNC_FAIL || flag == CV_FIRST_RHSFUNC_ERR || flag == CV_REPTD_RHSFUNC_ERR ||
+         flag == CV_UNREC_RHSFUNC_ERR;
+}
+
+static double error_of(const cvode *m) {
+  CVodeGetEstLocalErrors(m->memory, m->error);
+  CVodeGetErrWeights(m->memory, m->weight);
+  return hk_sundials_norm(m->error, m->weight);
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  cvode *m = self;
+  double stop = t_stop;
+  m->sundials.system = s;
+  m->sundials.status = HK_OK;
+  *m->sundials.message = 0;
+  if (!m->running || !hk_sundials_follows(&m->sundials, s)) {
+    hk_status status = start(m, s, t_stop - s->t);
+    if (status != HK_OK) return status;
+  }
+  if (h < m->planned * (1 - 1e-12) && s->t + h < t_stop) stop = s->t + h;
+  m->running = false;
+  int flag = CVodeSetStopTime(m->memory, stop);
+  if (flag >= 0) flag = CVode(m->memory, stop, m->sundials.X, &m->t, CV_ONE_STEP);
+  if (flag < 0) return hk_sundials_failed(&m->sundials, flag, rates_failed(flag));
+  bool lands = flag == CV_TSTOP_RETURN;
+  double taken = (lands ? stop : m->t) - s->t;
+  if (!(taken > 0)) return hk_sundials_stuck(&m->sundials);
+  m->running = true;
+  CVodeGetCurrentStep(m->memory, &m->planned);
+  memcpy(s->X, m->sundials.state, s->size * sizeof *s->X);
+  if (lands) hk_sundials_rescale(&m->sundials, s);
+  *out = (hk_step){taken, m->planned, error_of(m)};
+  return HK_OK;
+}
+
+static const hk_integrator integrator = {.order = 5,
+                                         .stages = 1,
+                                         .flags = HK_ADAPTIVE | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "cvode",
+    .summary =
+        "SUNDIALS' CVODE: BDF (orders 1 to 5, Newton with the scene's solver) or Adams-Moulton (orders 1 to 12); "
+        "chooses steps and orders by the tolerance",
+    .reference = "Hindmarsh and others 2005, ACM TOMS 31, SUNDIALS; Cohen and Hindmarsh 1996, Computers in Physics 10",
+    .instance_size = sizeof(cvode),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .integrator = &integrator,
+};

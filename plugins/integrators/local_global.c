@@ -1,0 +1,387 @@
+/* Backward Euler by local and global iterations. A step minimises
+ *     g(x) = 1/2 (x - y)^T M (x - y) + h^2 E(x),      y = x_n + h v_n + h^2 M^-1 f_explicit,      v = (x - x_n)/h,
+ * E the energy of the springs. The local half finds the best direction of every spring's rest length, the global half
+ * minimises the quadratic that is left, whose matrix A = M + h^2 L is n x n and constant: one factorization, three
+ * right-hand sides. Both are written as a correction, x <- x + A^-1 r, r = -dg/dx = M (y - x) + h^2 f(x): the same
+ * iterates, but rounding is relative to the correction, and r is the springs' force itself. For the same reason the
+ * unknown is the displacement d = x - x_n: v = d/h loses no digits at small steps. g falls at every iteration,
+ * for the quadratic lies above g and touches it at x.
+ *
+ * Damping along a spring acts in the direction that it had at the start of the step: with n = d(x_n)/|d(x_n)| and the
+ * velocities (x - x_n)/h its force is -(c/h) (n.delta) n, delta the change of d in the step. That is the gradient of a
+ * quadratic, h c |delta|^2/2 lies above it, and A = M + h^2 L_k + h L_c stays constant. Forces without elements
+ * (gravity, drag, wind) are explicit, of the start of the step; where one depends on the velocity so strongly that this
+ * would grow (h g > 2), the step is refused. One that acts between particles without saying how is refused by name.
+ * Particles that slide are held exactly (slides.h). Channels and the work of explicit forces follow Euler's rule; the
+ * work of dampers and paths is that of the new state.
+ *
+ * Invariant: `h` is that of the factor in the solver, 0 when there is none. The matrix is made again when h, the
+ * springs or the pins change, and only then.
+ * Liu, Bargteil, O'Brien and Kavan, Fast simulation of mass-spring systems, ACM TOG 32 (2013); acceleration: Peng and
+ * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018). */
+#include "plugins/common/anderson.h"
+#include "plugins/common/element_edges.h"
+#include "plugins/common/laplacian.h"
+#include "plugins/common/slides.h"
+#include "plugins/common/spring_kernel.h"
+
+#include <string.h>
+
+enum { PLAIN, ANDERSON };
+
+/* A relative change worth a warning: cloth contracts errors by 0.99 or so an iteration, so 1e-3 leaves some 10 %. */
+static const double telling = 1e-3;
+
+typedef struct local_global {
+  int64_t iterations, window;
+  int acceleration;
+  double tolerance;
+
+  const hk_host *host;
+  hk_element_edges edges;
+  hk_laplacian laplacian;
+  hk_slides slides;
+  hk_spring_layout springs, dampers; /* without damping; without stiffness */
+  double *weight;                    /* edges: of the matrix */
+  double h;
+  hk_anderson anderson;
+
+  int64_t warned;
+  double change; /* of the last iteration, relative to the step's displacement */
+  double *d, *y; /* n x 3, m: displacements in this step, of x and of free flight */
+  double *F, *r, *dx, *scratch;
+  double *next, *slope; /* shaped as X: the new state; (a, dy) */
+} local_global;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"iterations", "", "local and global iterations a step",
+     HK_INTEGER, {10}, 1, 1e6, offsetof(local_global, iterations), 0, NULL},
+    {"tolerance", "", "stops when an iteration moves positions by less than this part of what the step does; not "
+                      "reached, the step is halved. 0: all iterations, whatever they leave",
+     HK_NUMBER, {0}, 0, 1, offsetof(local_global, tolerance), 0, NULL},
+    {"acceleration", "", "of the iteration",
+     HK_CHOICE, {PLAIN}, 0, 0, offsetof(local_global, acceleration), 0, "none|anderson"},
+    {"window", "", "iterations that anderson looks back",
+     HK_INTEGER, {5}, 1, HK_ANDERSON_MOST, offsetof(local_global, window), 0, NULL},
+    {0},
+};
+/* clang-format on */
+
+static const hk_field fields[] = {
+    {"warned", HK_FIELD_INTEGER, 1, offsetof(local_global, warned), 0},
+    {"change", HK_FIELD_NUMBER, 1, offsetof(local_global, change), 0},
+    {"displacement", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, d), HK_SCRATCH},
+    {"inertia", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, y), HK_SCRATCH},
+    {"force", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, F), HK_SCRATCH},
+    {"gradient", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, r), HK_SCRATCH},
+    {"correction", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, dx), HK_SCRATCH},
+    {"scratch", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, scratch), HK_SCRATCH},
+    {"next", HK_FIELD_STATE, 1, offsetof(local_global, next), HK_SCRATCH},
+    {"slope", HK_FIELD_STATE, 1, offsetof(local_global, slope), HK_SCRATCH},
+    {0},
+};
+
+/* Roots of (1 + z^2 + hg) lambda^2 - (2 + hg) lambda + 1, z = hw, for damping by springs. */
+static double amplification(double hw, double hg) {
+  double z = 2 * hw, leading = 1 + hw * hw + hg;
+  if (hg < z) return 1 / sqrt(leading);
+  return fmin(1, (2 + hg + sqrt((hg - z) * (hg + z))) / (2 * leading));
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  local_global *m = self;
+  (void)view;
+  m->host = host;
+  return HK_OK;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  local_global *m = self;
+  (void)view;
+  hk_element_edges_drop(&m->edges);
+  return HK_OK;
+}
+
+/* ---- The matrix ---- */
+
+static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
+  const hk_edges edges = {m->edges.count, (const uint32_t(*)[2])m->edges.pair};
+  double zero = 0;
+  const hk_per_edge none = {1, &zero}, k = {edges.count, m->edges.stiffness}, c = {edges.count, m->edges.damping},
+                    rest = {edges.count, m->edges.rest};
+  hk_spring_layout_free(&m->springs, host);
+  hk_spring_layout_free(&m->dampers, host);
+  if (edges.count == 0) return HK_OK;
+  hk_status status = hk_spring_layout_build(&m->springs, host, n, &edges, &k, &none, &rest, NULL);
+  double damping = 0;
+  for (size_t e = 0; e < edges.count; e++) damping = fmax(damping, m->edges.damping[e]);
+  if (status != HK_OK || damping == 0) return status;
+  return hk_spring_layout_build(&m->dampers, host, n, &edges, &none, &c, &none, NULL);
+}
+
+static hk_status rebuild(local_global *m, hk_system *s) {
+  hk_status status = hk_slides_build(&m->slides, m->host, &m->edges);
+  if (status == HK_OK)
+    status = hk_laplacian_build(&m->laplacian, m->host, s->n, m->edges.count, (const uint32_t(*)[2])m->edges.pair);
+  if (status == HK_OK) status = lay_out(m, m->host, s->n);
+  m->host->release(m->host, m->weight);
+  m->weight = m->host->allocate(m->host, (m->edges.count + 1) * sizeof *m->weight);
+  if (status == HK_OK && !m->weight)
+    status = m->host->fail(m->host, HK_NO_MEMORY, "no memory for the weights of %zu springs", m->edges.count);
+  if (status == HK_OK && m->acceleration == ANDERSON)
+    status = hk_anderson_reserve(&m->anderson, m->host, 3 * s->n, (size_t)m->window);
+  return status;
+}
+
+static hk_status prepare(local_global *m, hk_system *s, double h) {
+  bool changed;
+  hk_status status = hk_element_edges_take(&m->edges, s, m->scratch, &changed);
+  if (status != HK_OK) return status;
+  if (changed) {
+    m->h = 0;
+    status = rebuild(m, s);
+    if (status != HK_OK) hk_element_edges_drop(&m->edges); /* the next try starts from the beginning */
+  }
+  if (status != HK_OK || h == m->h) return status;
+  m->h = 0;
+  for (size_t e = 0; e < m->edges.count; e++) m->weight[e] = h * (h * m->edges.stiffness[e] + m->edges.damping[e]);
+  hk_laplacian_fill(&m->laplacian, s->model->mass, s->model->inverse_mass, m->weight);
+  status = s->factorize(s, &m->laplacian.matrix);
+  if (status == HK_OK) status = hk_slides_factorize(&m->slides, s, m->r, m->dx);
+  if (status == HK_OK) m->h = h;
+  return status;
+}
+
+/* ---- The explicit part ---- */
+
+/* The rate g at which the explicit forces answer to the velocity, seen along the acceleration: explicit steps on
+ * v' = -g v grow beyond h g = 2. */
+static hk_status check_rate(local_global *m, hk_system *s, double h) {
+  bool depends = false;
+  for (size_t k = 0; k < s->forces; k++) depends |= s->takes[k] && s->force[k].flags & HK_DEPENDS_ON_V;
+  if (!depends) return HK_OK;
+  size_t n = 3 * s->n;
+  double *x = m->next, *v = m->next + n, *a = m->slope, *other = m->F, whole = 0, part = 0;
+  memcpy(x, s->X, 2 * n * sizeof *x);
+  for (size_t e = 0; e < n; e++) v[e] += h * a[e];
+  hk_status status = s->accelerations(s, s->t, x, v, s->X + 2 * n, other, m->next + 2 * n);
+  for (size_t e = 0; e < n && status == HK_OK; e++) {
+    whole += a[e] * a[e];
+    part += (other[e] - a[e]) * (other[e] - a[e]);
+  }
+  if (status != HK_OK || !(part > 4 * whole)) return status;
+  return m->host->fail(m->host, HK_NOT_CONVERGED,
+                       "forces that depend on the velocity and are taken explicitly change by %.3g times themselves in "
+                       "a step of %g s, more than 2: take a shorter step, or an integrator that solves for them",
+                       sqrt(part / whole), h);
+}
+
+static void place(local_global *m, const hk_system *s) {
+  for (size_t e = 0; e < 3 * s->n; e++) m->next[e] = s->X[e] + m->d[e];
+}
+
+static hk_status predict(local_global *m, hk_system *s, double h, double t_next) {
+  size_t n = 3 * s->n;
+  const double *x = s->X, *v = s->X + n, *a = m->slope;
+  hk_status status = s->accelerations(s, s->t, s->X, s->X + n, s->X + 2 * n, m->slope, m->slope + n);
+  if (status == HK_OK) status = check_rate(m, s, h);
+  if (status != HK_OK) return status;
+  for (size_t i = 0; i < s->n; i++) {
+    bool moves = s->model->inverse_mass[i] > 0;
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) m->d[e] = moves ? h * (v[e] + h * a[e]) : 0;
+  }
+  place(m, s);
+  memcpy(m->next + n, v, n * sizeof *v);
+  s->impose(s, t_next, m->next, m->next + n);
+  for (size_t i = 0; i < s->n && m->edges.paths > 0; i++)
+    for (size_t e = 3 * i; m->edges.pin[i] == HK_PIN_PATH && e < 3 * i + 3; e++) m->d[e] = m->next[e] - x[e];
+  memcpy(m->y, m->d, n * sizeof *m->y);
+  return HK_OK;
+}
+
+/* ---- The iteration ---- */
+
+/* F = forces of springs and dampers at the new x; *power += the dampers', NULL: not wanted. */
+static void forces(local_global *m, const hk_system *s, double h, double *power) {
+  const double *x = m->next;
+  memset(m->F, 0, 3 * s->n * sizeof *m->F);
+  hk_spring_forces(&m->springs, m->host, x, x, m->F, NULL);
+  if (!m->dampers.damped) return;
+  for (size_t e = 0; e < 3 * s->n; e++) m->scratch[e] = m->d[e] / h;
+  hk_spring_forces(&m->dampers, m->host, s->X, m->scratch, m->F, power);
+}
+
+static void residual(local_global *m, const hk_system *s, double h) {
+  const double *restrict d = m->d, *restrict y = m->y, *restrict F = m->F;
+  double *restrict r = m->r;
+  for (size_t i = 0; i < s->n; i++) {
+    bool moves = s->model->inverse_mass[i] > 0;
+    double mass = moves ? s->model->mass[i] : 0, hh = moves ? h * h : 0;
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) r[e] = mass * (y[e] - d[e]) + hh * F[e];
+  }
+}
+
+/* g at the new x. */
+static double objective(const local_global *m, const hk_system *s, double h) {
+  const double *x = m->next;
+  double inertia = 0, springs = 0, dampers = 0;
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t e = 3 * i; s->model->inverse_mass[i] > 0 && e < 3 * i + 3; e++)
+      inertia += s->model->mass[i] * (m->d[e] - m->y[e]) * (m->d[e] - m->y[e]);
+  for (size_t e = 0; e < m->edges.count; e++) {
+    size_t i = 3 * (size_t)m->edges.pair[e][0], j = 3 * (size_t)m->edges.pair[e][1];
+    double l2 = 0, l02 = 0, along = 0;
+    for (size_t c = 0; c < 3; c++) {
+      double d = x[j + c] - x[i + c], d0 = s->X[j + c] - s->X[i + c];
+      l2 += d * d;
+      l02 += d0 * d0;
+      along += d0 * (d - d0);
+    }
+    double stretch = sqrt(l2) - m->edges.rest[e];
+    springs += m->edges.stiffness[e] * stretch * stretch;
+    if (l02 > 0) dampers += m->edges.damping[e] * along * along / l02;
+  }
+  return inertia / 2 + h * (h * springs + dampers) / 2;
+}
+
+static void accelerate(local_global *m, size_t n) {
+  double *G = m->scratch;
+  for (size_t e = 0; e < n; e++) G[e] = m->d[e] + m->dx[e];
+  hk_anderson_next(&m->anderson, m->dx, G, m->r, m->d);
+}
+
+/* When g rose, the accelerated x is dropped for the plain one, by which it cannot, and acceleration begins again. */
+static void safeguard(local_global *m, const hk_system *s, double h, double *g) {
+  double now = objective(m, s, h);
+  if (now > *g) {
+    memcpy(m->d, m->anderson.g_last, 3 * s->n * sizeof *m->d);
+    place(m, s);
+    hk_anderson_clear(&m->anderson);
+    now = objective(m, s, h);
+  }
+  *g = now;
+}
+
+static void move(local_global *m, size_t n) {
+  double *restrict d = m->d;
+  const double *restrict dx = m->dx;
+  for (size_t e = 0; e < n; e++) d[e] += dx[e];
+}
+
+/* |dx| against what the step moves, each with masses: |x - x_n| or |y - x_n|, whichever is larger. */
+static double relative_change(const local_global *m, const hk_system *s) {
+  double change = 0, moved = 0, inertia = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    double a = 0, b = 0, c = 0;
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) {
+      a += m->dx[e] * m->dx[e];
+      b += m->d[e] * m->d[e];
+      c += m->y[e] * m->y[e];
+    }
+    change += s->model->mass[i] * a;
+    moved += s->model->mass[i] * b;
+    inertia += s->model->mass[i] * c;
+  }
+  double scale = fmax(moved, inertia);
+  return scale > 0 ? sqrt(change / scale) : 0;
+}
+
+static hk_status iterate(local_global *m, hk_system *s, double h) {
+  size_t n = 3 * s->n;
+  double g = INFINITY;
+  hk_anderson_clear(&m->anderson);
+  for (int64_t k = 0; k < m->iterations; k++) {
+    place(m, s);
+    if (m->acceleration == ANDERSON) safeguard(m, s, h, &g);
+    forces(m, s, h, NULL);
+    residual(m, s, h);
+    hk_status status = s->solve_columns(s, m->r, m->dx, 3);
+    if (status == HK_OK) status = hk_slides_correct(&m->slides, s, m->dx, m->F, m->scratch);
+    if (status != HK_OK) return status;
+    m->change = relative_change(m, s);
+    if (m->acceleration == ANDERSON && k + 1 < m->iterations && !(m->change <= m->tolerance))
+      accelerate(m, n);
+    else
+      move(m, n);
+    if (m->change <= m->tolerance) break;
+  }
+  return HK_OK;
+}
+
+/* A fixed number of iterations ends where it ends: said once, when it is far from backward Euler. */
+static void warn_once(local_global *m) {
+  if (m->warned || m->change <= telling) return;
+  m->warned = 1;
+  m->host->warn(
+      m->host,
+      "the last of %lld iterations still changes positions by %.2g of what the step moves: more iterations, a "
+      "tolerance or acceleration = \"anderson\" bring the step nearer to backward Euler",
+      (long long)m->iterations, m->change);
+}
+
+static hk_status check_convergence(local_global *m, hk_step *out) {
+  if (m->tolerance == 0) {
+    warn_once(m);
+    return HK_OK;
+  }
+  out->error = m->change / m->tolerance;
+  if (m->change <= m->tolerance) return HK_OK;
+  return m->host->fail(
+      m->host, HK_NOT_CONVERGED,
+      "%lld iterations leave a relative change of %.3g, above the tolerance %g: allow more iterations, "
+      "take acceleration = \"anderson\", or a shorter step",
+      (long long)m->iterations, m->change, m->tolerance);
+}
+
+/* ---- The step ---- */
+
+/* What paths do against the springs, J; the explicit forces' part is in the power. */
+static double work_of_paths(const local_global *m, const hk_system *s) {
+  double work = 0;
+  for (size_t i = 0; m->edges.paths > 0 && i < s->n; i++)
+    for (size_t e = 3 * i; m->edges.pin[i] == HK_PIN_PATH && e < 3 * i + 3; e++) work -= m->F[e] * m->d[e];
+  return work;
+}
+
+static void finish(local_global *m, hk_system *s, double h, double t_next) {
+  size_t n = 3 * s->n;
+  double power = 0, *v = m->next + n;
+  place(m, s);
+  if (m->dampers.damped || m->edges.paths > 0) forces(m, s, h, &power);
+  for (size_t e = 0; e < n; e++) v[e] = m->d[e] / h;
+  double work = h * power + work_of_paths(m, s);
+  s->impose(s, t_next, m->next, v);
+  for (size_t e = 2 * n; e < s->size; e++) s->X[e] += h * m->slope[e - n];
+  s->X[s->size - 1] += work;
+  memcpy(s->X, m->next, 2 * n * sizeof *v);
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  local_global *m = self;
+  double t_next = fmin(t_stop, s->t + h);
+  hk_status status = prepare(m, s, h);
+  if (status == HK_OK) status = predict(m, s, h, t_next);
+  if (status == HK_OK) status = iterate(m, s, h);
+  if (status == HK_OK) status = check_convergence(m, out);
+  if (status == HK_OK) finish(m, s, h, t_next);
+  return status;
+}
+
+static const hk_integrator integrator = {
+    .order = 1, .stages = 1, .flags = HK_IMPLICIT, .amplification = amplification, .step = step};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "local_global",
+    .summary = "backward Euler by local and global iterations, (M + h^2 L) dx = M (y - x) + h^2 f(x), with one "
+               "prefactored n x n matrix; order 1",
+    .reference = "Liu, Bargteil, O'Brien and Kavan 2013, ACM TOG 32, section 4; Peng and others 2018, algorithm 1",
+    .instance_size = sizeof(local_global),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .integrator = &integrator,
+};
