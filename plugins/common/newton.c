@@ -7,9 +7,9 @@
 #include <float.h>
 #include <string.h>
 
-enum { BACKTRACKS = 10, KRYLOV_MOST = 10, KRYLOV_PAUSE = 4, DEFINITE_FOR = 8, LANES = 8 };
+enum { BACKTRACKS = 10, DEFINITE_FOR = 8, LONGEST = 5, LANES = 8 };
 
-static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.02;
+static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1;
 
 typedef struct work {
   hk_newton *w;
@@ -42,7 +42,7 @@ double hk_newton_limit(hk_newton *w, const hk_system *s, const double *v) {
 
 void hk_newton_forget(hk_newton *w) {
   w->factor_g = 0;
-  w->krylov_wait = 0;
+  w->krylov = w->chord = (hk_shortcut){0};
 }
 
 static work begin(hk_newton *w, hk_system *s, const hk_stage *stage) {
@@ -141,7 +141,7 @@ static bool krylov(work *k) {
   negate(r, k->R, m);
   memset(k->dv, 0, m * sizeof *k->dv);
   double rz = 0, first = 0;
-  for (int i = 0; i < KRYLOV_MOST; i++) {
+  for (int i = 0; i <= k->w->krylov_most; i++) {
     if (k->s->solve(k->s, r, z, NULL) != HK_OK) return false;
     k->s->filter(k->s, z);
     double next = dot(r, z, m);
@@ -162,18 +162,27 @@ static bool krylov(work *k) {
   return false;
 }
 
+/* Whether a shortcut is to be tried now: each time in a row that it failed, it is left out for twice as long. */
+static bool pays(hk_shortcut *c) {
+  if (c->wait == 0) return true;
+  c->wait--;
+  return false;
+}
+
+static void judge(hk_shortcut *c, bool good) {
+  c->failures = good ? 0 : c->failures < LONGEST ? c->failures + 1 : LONGEST;
+  c->wait = good ? 0 : (1 << c->failures) - 1;
+}
+
 /* A direction of Newton's own: from the matrix of the present iterate. */
 static hk_status newton_direction(work *k) {
-  bool stale = k->w->factor_g > 0 && k->w->reuse && !(k->flags & (HK_ITERATIVE | HK_SOLVES_UNSYMMETRIC));
+  bool stale = k->w->factor_g > 0 && k->w->reuse && !k->fresh && !(k->flags & (HK_ITERATIVE | HK_SOLVES_UNSYMMETRIC));
   hk_status status = assemble(k);
   if (status != HK_OK) return status;
-  if (stale && !k->fresh) {
-    if (k->w->krylov_wait > 0)
-      k->w->krylov_wait--;
-    else if (krylov(k))
-      return HK_OK;
-    else
-      k->w->krylov_wait = KRYLOV_PAUSE;
+  if (stale && pays(&k->w->krylov)) {
+    bool solved = krylov(k);
+    judge(&k->w->krylov, solved);
+    if (solved) return HK_OK;
   }
   status = factorize_and_solve(k);
   if (status != HK_NOT_CONVERGED || k->w->definite > 0) return status;
@@ -231,15 +240,22 @@ typedef struct pace {
 static pace start_pace(const work *k) {
   const hk_newton *w = k->w;
   bool same = w->factor_g > 0 && fabs(w->factor_g - k->stage->g) <= 1e-9 * k->stage->g;
-  bool chord = same && w->reuse && !(k->flags & HK_ITERATIVE) && w->rate < slow;
-  return (pace){0, chord && w->rate > 0 ? w->rate : 1, chord};
+  bool chord = same && w->reuse && !(k->flags & HK_ITERATIVE) && pays(&k->w->chord);
+  return (pace){0, chord && w->rate > 0 ? fmax(w->rate, slow) : 1, chord};
+}
+
+/* sqrt(dv.A dv / M) for A dv = -R: as |dv|, but what stretches springs counts as the energy it puts there. */
+static double energy_norm(const work *k) {
+  double mass = 0;
+  for (size_t i = 0; i < k->s->n; i++) mass += k->s->model->inverse_mass[i] > 0 ? k->s->model->mass[i] : 0;
+  return mass > 0 ? sqrt(fabs(dot(k->dv, k->R, k->m)) / (3 * mass)) : 0;
 }
 
 static hk_status next_direction(work *k, pace *p, double *size) {
   hk_status status = p->chord ? chord_direction(k) : newton_direction(k);
   if (status != HK_OK) return status;
   k->s->filter(k->s, k->dv);
-  *size = hk_rms(k->dv, k->m);
+  *size = k->flags & HK_SOLVES_UNSYMMETRIC ? hk_rms(k->dv, k->m) : energy_norm(k);
   if (p->last > 0) p->rate = fmax(0.3 * p->rate, *size / p->last);
   if (p->last > 0 && p->chord) k->w->rate = p->rate;
   return isnan(*size) ? HK_NOT_FINITE : HK_OK;
@@ -273,13 +289,16 @@ static hk_status iterate(work *k) {
     double alpha = 1;
     status = search(k, &alpha);
     if (status == HK_NOT_CONVERGED) {
+      if (p.chord) judge(&k->w->chord, false);
       status = fall_back(k, &p, size, limit);
       if (status != HK_OK) return status;
       continue;
     }
     if (status != HK_OK) return status;
-    bool full = alpha == 1, slows = p.last > 0 && size > slow * p.last;
-    p.chord = k->w->reuse && full && !slows && (p.chord || k->fresh) && !(k->flags & HK_ITERATIVE);
+    bool full = alpha == 1, was = p.chord, slows = p.last > 0 && size > slow * p.last;
+    if (was && (slows || !full)) judge(&k->w->chord, false);
+    if (was && p.last > 0 && !slows && full) judge(&k->w->chord, true);
+    p.chord = k->w->reuse && full && !slows && (was || (k->fresh && pays(&k->w->chord))) && !(k->flags & HK_ITERATIVE);
     p.last = full ? size : 0;
     if (!full) p.rate = 1;
     k->fresh = false;

@@ -111,6 +111,7 @@ static double measured(const char *name, rates r) {
   else
     X[0] = X[3] = 1;
   fake_method m = fake_method_open(name, f);
+  fake_method_set(&m, "tolerance", 1e-12);
   size_t count = fake_method_memory(&m, address, MOST);
   assert_true(count < MOST);
   double growth = growth_of_motion(&m, address, count);
