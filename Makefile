@@ -1,5 +1,6 @@
 # make            builds hooke and its plugins       make run      simulates a cloth, with pictures in out/cloth
-# make test       builds and runs every test         make bench    the programs of tests/bench
+# make test       builds and runs every test         make bench    the programs of tests/bench (minutes)
+# make study      the programs of tests/study (hours)
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
 # make install    PREFIX=/usr/local DESTDIR=
 #
@@ -78,10 +79,11 @@ plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%
 modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
-tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/bench/%,$(sort \
+studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
+tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/bench/% tests/study/%,$(sort \
               $(shell find tests -name '*.c'))))
 compiled := $(core) $B/obj/core/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
-              tools/native/*.c tests/fixtures/*.c tests/bench/*.c) $(tests:$B/%=%.c))
+              tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c) $(tests:$B/%=%.c))
 
 # hooke takes the folder for the list as well: a plugin goes when its source goes.
 $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugins/*/*.so $B/tools/*.so \
@@ -101,7 +103,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build test-programs run test bench clean format lint install
+.PHONY: all check build test-programs run test bench study clean format lint install
 
 all: build
 build: $B/hooke $(plugins) $(modules)
@@ -130,6 +132,11 @@ bench:
 	$(again) build $(benches)
 	@for b in $(benches); do echo "== $$b"; $$b || exit 1; done
 
+study:
+	@CC="$(CC)" tools/install-deps run
+	$(again) build $(studies)
+	@for b in $(studies); do echo "== $$b"; $$b || exit 1; done
+
 # ---- How -------------------------------------------------------------------------------------------------------------
 
 say = $(if $(V),,@echo "  $1 $@")
@@ -157,7 +164,7 @@ link = $(call say,link   )
 link_with = $(Q)mkdir -p $(@D) && $(CC) $(CFLAGS) $1 $(LINK) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LIBS) -ldl -lpthread -lm
 
 $B/hooke: LIBS = $(LUA_LIBS)
-$B/tests/% $B/bench/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS)
+$B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS)
 $B/tests/fixtures/%: LIBS =
 $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
@@ -183,6 +190,9 @@ $(tests): $B/%: $B/obj/%.o $(archives)
 	$(link)
 	$(call link_with)
 $(benches): $B/bench/%: $B/obj/tests/bench/%.o $(archives)
+	$(link)
+	$(call link_with)
+$(studies): $B/study/%: $B/obj/tests/study/%.o $(archives)
 	$(link)
 	$(call link_with)
 

@@ -26,7 +26,19 @@ static void check(lua_State *L, hk_status status, const hk_error *error) {
 
 /* ---- plugins ---- */
 
+/* "auto": no solver is named, and the run takes the one that suits its forces and its size. */
+static void forget_solver(lua_State *L, hk_scene *scene, int params) {
+  lua_pushnil(L);
+  if (params && lua_istable(L, params) && lua_next(L, params))
+    hk_lua_fail(L, HK_BAD_PARAM, "solver: auto has no parameters; name the solver to set its own");
+  if (scene->solver) hk_scene_drop(scene, scene->solver);
+}
+
 static hk_instance *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
+  if (kind == HK_SOLVER && strcmp(name, "auto") == 0) {
+    forget_solver(L, scene, params);
+    return NULL;
+  }
   hk_error error = {0};
   hk_instance *instance;
   const char *label = NULL;

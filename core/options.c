@@ -20,6 +20,8 @@ typedef struct option {
 static const option options[] = {
     {"--integrator", "NAME", "the integrator, in place of the scene's choice and its parameters", TEXT,
      AT(run.integrator)},
+    {"--solver", "NAME", "the linear solver, in place of the scene's choice; auto: by the forces and the size", TEXT,
+     AT(run.solver)},
     {"--dt", "SECONDS", "the longest step", POSITIVE, AT(run.dt)},
     {"--tol", "X", "relative tolerance of adaptive integrators", POSITIVE, AT(run.tol)},
     {"--until", "SECONDS", "end there instead of at the scene's duration", NOT_NEGATIVE, AT(run.until)},

@@ -64,8 +64,12 @@ void hk_report_text(FILE *f, const hk_summary *s, const char *out) {
   fprintf(f, "  steps             %zu, force evaluations %zu", s->steps, s->force_evaluations);
   if (s->jacobian_evaluations)
     fprintf(f, ", Jacobians %zu, factorisations %zu", s->jacobian_evaluations, s->factorizations);
+  if (s->linear_iterations) fprintf(f, ", linear iterations %zu", s->linear_iterations);
   fputc('\n', f);
   text_step(f, s);
+  if (s->solver)
+    fprintf(f, "  solver            %s%s\n", s->solver,
+            s->solver_chosen ? " (chosen for the forces and the size)" : "");
   text_accuracy(f, s);
   for (size_t k = 0; k < s->measures; k++) fprintf(f, "  %-17s %.9g\n", s->measure_name[k], s->measure[k]);
   text_times(f, s);
@@ -133,6 +137,7 @@ void hk_report_json(FILE *f, const hk_summary *s) {
   fputc('{', f);
   json_text(f, "scene", s->scene);
   json_text(f, "integrator", s->integrator);
+  json_text(f, "solver", s->solver ? s->solver : "");
   json_text(f, "verdict", hk_verdict_name(s->verdict));
   json_text(f, "reason", s->reason);
   json_count(f, "particles", s->n);

@@ -21,6 +21,17 @@ static hk_status start_threads(hk_run *run) {
   return HK_OK;
 }
 
+static hk_status choose_solver(hk_run *run) {
+  hk_scene *scene = run->scene;
+  const char *name = run->options.solver;
+  hk_instance *instance;
+  if (!name) return HK_OK;
+  if (scene->solver) hk_scene_drop(scene, scene->solver);
+  if (strcmp(name, "auto") == 0) return HK_OK;
+  hk_status status = hk_scene_add_plugin(scene, HK_SOLVER, name, NULL, "", &instance, &run->error);
+  return status == HK_OK ? hk_instance_check(instance, &run->error) : status;
+}
+
 static hk_status choose_integrator(hk_run *run) {
   hk_scene *scene = run->scene;
   const char *name = run->options.integrator;
@@ -31,7 +42,13 @@ static hk_status choose_integrator(hk_run *run) {
     if (status == HK_OK) status = hk_instance_check(instance, &run->error);
     if (status != HK_OK) return status;
   }
+  hk_status status = choose_solver(run);
+  if (status != HK_OK) return status;
   run->method = scene->integrator->plugin->integrator;
+  if (scene->constraint.count && run->method->flags & HK_IMPLICIT)
+    return hk_error_set(&run->error, HK_BAD_PARAM,
+                        "%s takes no constraints ('%s'): choose an explicit integrator, or stiff springs instead",
+                        scene->integrator->plugin->name, scene->constraint.item[0]->label);
   run->system.host = &scene->integrator->host;
   run->system.tol = isnan(run->options.tol) ? scene->tol : run->options.tol;
   return HK_OK;

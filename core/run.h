@@ -9,6 +9,7 @@
 
 typedef struct hk_run_options {
   const char *integrator; /* replaces the scene's choice; NULL: keep */
+  const char *solver;     /* the same; "auto": chosen */
   double dt, tol, until;  /* NAN: the scene's */
   const char *out;        /* NULL: "out/NAME" */
   bool no_output;
@@ -23,6 +24,8 @@ typedef struct hk_plugin_time {
 
 typedef struct hk_summary {
   const char *scene, *integrator;
+  const char *solver; /* of linear systems; NULL: none was needed */
+  bool solver_chosen; /* by hooke, for the forces and the number of unknowns */
   hk_verdict verdict;
   char reason[1024]; /* why it is not ok; "" otherwise */
   double t;

@@ -56,6 +56,8 @@ static void energies(hk_run *run, hk_summary *s) {
 void hk_run_summary(hk_run *run, hk_summary *s) {
   *s = (hk_summary){.scene = run->scene->name, .integrator = run->scene->integrator->plugin->name};
   s->verdict = run->verdict;
+  if (run->scene->solver && run->scene->solver->started) s->solver = run->scene->solver->plugin->name;
+  s->solver_chosen = run->solver_chosen;
   snprintf(s->reason, sizeof s->reason, "%s", run->reason);
   s->t = run->verdict == HK_DIVERGED ? run->good.t : run->system.t;
   s->n = run->model.n;
