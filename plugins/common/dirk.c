@@ -186,7 +186,7 @@ static void accept(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const dou
 }
 
 hk_status hk_dirk_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double t_stop, double h) {
-  double *X;
+  double *X = NULL;
   (void)t_stop;
   hk_status status = hk_dirk_stages(m, T, s, h, 0, &X);
   if (status != HK_OK) return status;
@@ -254,30 +254,43 @@ static double change_of(const hk_dirk *m, const hk_dirk_tableau *T, double error
   return change >= 1 && change < keep ? 1 : change; /* a little longer is not worth new factors */
 }
 
+/* Takes the step to X and proposes the next; `wanted` is longer than h where h was cut short to land. */
+static void take(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const double *X, double h, double wanted,
+                 bool retried, double error, hk_step *out) {
+  double next = h * change_of(m, T, error);
+  if (retried)
+    next = fmin(next, h);
+  else if (h < wanted)
+    next = fmax(next, fmin(wanted, most * h));
+  accept(m, T, s, X);
+  hk_scales_notice(&m->scales, s, s->X + 3 * s->n, m->slope + 3 * s->n);
+  m->started = 1;
+  m->last_error = fmax(error, 1e-4);
+  m->proposal = next;
+  *out = (hk_step){h, next, error};
+}
+
+/* A step of h into X; its error is infinite when the stages do not converge or are not finite. */
+static hk_status attempt(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double h, double **X, double *error) {
+  double g = h * T->a[T->stages - 1][T->stages - 1];
+  *error = INFINITY;
+  hk_status status = hk_dirk_stages(m, T, s, h, limit_of(m, s, g, h), X);
+  if (status == HK_OK) status = estimate(m, T, s, h, *X, error);
+  return status == HK_NOT_CONVERGED || status == HK_NOT_FINITE ? HK_OK : status;
+}
+
 hk_status hk_dirk_adaptive_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double t_stop, double h,
                                 hk_step *out) {
-  double span = t_stop - s->t, error = INFINITY, *X, g_of_h = T->a[T->stages - 1][T->stages - 1];
+  double span = t_stop - s->t, error, *X = NULL;
   hk_status status = look(m, T, s, span, &h);
   if (status != HK_OK) return status;
   double wanted = m->started && m->proposal > h ? m->proposal : h;
   h = divide(span, h);
   for (bool retried = false;; retried = true) {
-    status = hk_dirk_stages(m, T, s, h, limit_of(m, s, g_of_h * h, h), &X);
-    if (status == HK_OK) status = estimate(m, T, s, h, X, &error);
-    if (status != HK_OK && status != HK_NOT_CONVERGED && status != HK_NOT_FINITE) return status;
-    if (status != HK_OK) error = INFINITY;
+    status = attempt(m, T, s, h, &X, &error);
+    if (status != HK_OK) return status;
     if (error <= 1) {
-      double next = h * change_of(m, T, error);
-      if (retried)
-        next = fmin(next, h);
-      else if (h < wanted)
-        next = fmax(next, fmin(wanted, most * h)); /* h was cut short to land */
-      accept(m, T, s, X);
-      hk_scales_notice(&m->scales, s, s->X + 3 * s->n, m->slope + 3 * s->n);
-      m->started = 1;
-      m->last_error = fmax(error, 1e-4);
-      m->proposal = next;
-      *out = (hk_step){h, next, error};
+      take(m, T, s, X, h, wanted, retried, error, out);
       return HK_OK;
     }
     h *= error < INFINITY ? fmax(least, fmin(0.9, change_of(m, T, error))) : 0.25;

@@ -23,6 +23,7 @@
 /* GRAIN: batches, some 30 us of work; a colour of less than two grains does not pay for waking threads. */
 enum { SUBSTEPS = 10, LANES = 4, COLOURS_FROM = 1000, COLOURS = 64, GRAIN = 1024 };
 enum { ORDER_AUTO, ORDER_SCENE, ORDER_COLOURS };
+enum { FORWARD, ALTERNATE };
 
 typedef struct spring {
   uint32_t i, j;
@@ -38,9 +39,12 @@ typedef double vector __attribute__((vector_size(8 * LANES)));
 typedef int64_t mask __attribute__((vector_size(8 * LANES)));
 
 typedef struct xpbd {
-  int64_t substeps, iterations;
-  int order;
-  double *next, *slope, *imposed; /* shaped as X: new state; (a, dy); pins at the end of the substep */
+  int64_t substeps, iterations, bdf;
+  int order, sweeps;
+  double *next, *older, *guess, *slope, *imposed; /* shaped as X: states; (a, dy); pins at the end of the substep */
+  double *before;                                 /* shaped as X: a substep of `part` before X ... */
+  int64_t known;                                  /* ... if it is known */
+  double part;
   hk_element_edges edges;
   double h;                /* s, that the springs' numbers are for; 0: none */
   size_t springs, batches; /* solved one by one; in fours */
@@ -85,11 +89,36 @@ static const hk_param params[] = {
      offsetof(xpbd, order),
      0,
      "auto|scene|colours"},
+    {"bdf",
+     "",
+     "order of the backward differences of a substep: 1, backward Euler, or 2; stated growth factors are for 1",
+     HK_INTEGER,
+     {1},
+     1,
+     2,
+     offsetof(xpbd, bdf),
+     0,
+     NULL},
+    {"sweeps",
+     "",
+     "through the springs: always forward, or back every second time",
+     HK_CHOICE,
+     {FORWARD},
+     0,
+     0,
+     offsetof(xpbd, sweeps),
+     0,
+     "forward|alternate"},
     {0},
 };
 
 static const hk_field fields[] = {
     {"next", HK_FIELD_STATE, 1, offsetof(xpbd, next), HK_SCRATCH},
+    {"before", HK_FIELD_STATE, 1, offsetof(xpbd, before), 0},
+    {"known", HK_FIELD_INTEGER, 1, offsetof(xpbd, known), 0},
+    {"part", HK_FIELD_NUMBER, 1, offsetof(xpbd, part), 0},
+    {"older", HK_FIELD_STATE, 1, offsetof(xpbd, older), HK_SCRATCH},
+    {"guess", HK_FIELD_STATE, 1, offsetof(xpbd, guess), HK_SCRATCH},
     {"slope", HK_FIELD_STATE, 1, offsetof(xpbd, slope), HK_SCRATCH},
     {"imposed", HK_FIELD_STATE, 1, offsetof(xpbd, imposed), HK_SCRATCH},
     {0},
@@ -317,10 +346,12 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 /* One sweep over all springs; returns the work. */
-static double sweep_once(const xpbd *m, const hk_host *host, double h, bool last) {
+static double sweep_once(const xpbd *m, const hk_host *host, double h, bool last, bool back) {
   bool wide = has_wide();
   double work = 0;
-  for (size_t c = 0; c < m->colours; c++) {
+  for (size_t k = 0; k < m->springs && back; k++) work += solve_one(m, &m->spring[m->springs - 1 - k], h, last);
+  for (size_t turn = 0; turn < m->colours; turn++) {
+    size_t c = back ? m->colours - 1 - turn : turn;
     size_t count = m->colour[c + 1] - m->colour[c], grain = count > 2 * GRAIN ? GRAIN : count;
     sweep s = {m, m->colour[c], h, last, wide};
     if (grain < count)
@@ -329,60 +360,86 @@ static double sweep_once(const xpbd *m, const hk_host *host, double h, bool last
       sweep_chunk(&s, 0, count, 0);
     for (size_t k = 0; k * grain < count; k++) work += m->work[k];
   }
-  for (size_t k = 0; k < m->springs; k++) work += solve_one(m, &m->spring[k], h, last);
+  for (size_t k = 0; k < m->springs && !back; k++) work += solve_one(m, &m->spring[k], h, last);
   return work;
 }
 
-static double solve_springs(xpbd *m, const hk_host *host, double h) {
+static double solve_springs(xpbd *m, const hk_host *host, double h, int64_t nth) {
   double work = 0;
   for (size_t k = 0; k < m->springs; k++) m->spring[k].P = 0;
   for (size_t k = 0; k < m->batches && m->iterations > 1; k++) memset(m->batch[k].P, 0, sizeof m->batch[k].P);
-  for (int64_t k = 1; k <= m->iterations; k++) work += sweep_once(m, host, h, k == m->iterations);
+  for (int64_t k = 1; k <= m->iterations; k++) {
+    bool back = m->sweeps == ALTERNATE && (nth * m->iterations + k) % 2 == 0;
+    work += sweep_once(m, host, h, k == m->iterations, back);
+  }
   return work;
 }
 
 /* ---- the step ---- */
 
+/* A substep from X and, for backward differences of order 2, from `older`, the state before it: the unknowns are
+ * X' = X + r (X - older) + g f, with r = 0, g = h or r = 1/3, g = 2/3 h. It is written to `older`, which may be X. */
+typedef struct part {
+  double *X, *older, t, t_next, r, g;
+  int64_t nth;
+} part;
+
 /* Path pins go straight to where they are at the end. */
-static void spread(xpbd *m, const double *x, const double *v, const double *a, double h) {
+static void spread(xpbd *m, const part *p, const double *a) {
+  size_t n3 = 3 * m->edges.n;
   for (size_t i = 0; i < m->edges.n; i++) {
     bool path = m->edges.pin[i] == HK_PIN_PATH;
     for (size_t c = 0, k = 3 * i; c < 3; c++, k++) {
-      m->x[i][c] = x[k];
-      m->v[i][c] = path ? (m->imposed[k] - x[k]) / h : v[k] + h * a[k];
+      double x = p->X[k] + p->r * (p->X[k] - p->older[k]), v = p->X[n3 + k];
+      v += p->r * (v - p->older[n3 + k]);
+      m->x[i][c] = x;
+      m->v[i][c] = path ? (m->imposed[k] - x) / p->g : v + p->g * a[k];
     }
   }
 }
 
-static void gather(const xpbd *m, double *x, double *v, double h) {
+static void gather(const xpbd *m, const part *p) {
+  double *x = p->older, *v = x + 3 * m->edges.n;
   for (size_t i = 0; i < m->edges.n; i++) {
-    if (m->edges.pin[i] == HK_PIN_FIXED) continue;
-    bool path = m->edges.pin[i] == HK_PIN_PATH;
+    bool path = m->edges.pin[i] == HK_PIN_PATH, fixed = m->edges.pin[i] == HK_PIN_FIXED;
     for (size_t c = 0, k = 3 * i; c < 3; c++, k++) {
-      v[k] = path ? m->imposed[3 * m->edges.n + k] : m->v[i][c];
-      x[k] = path ? m->imposed[k] : x[k] + h * v[k];
+      v[k] = path ? m->imposed[3 * m->edges.n + k] : fixed ? p->X[3 * m->edges.n + k] : m->v[i][c];
+      x[k] = path ? m->imposed[k] : fixed ? p->X[k] : m->x[i][c] + p->g * v[k];
     }
   }
 }
 
-static hk_status substep(xpbd *m, hk_system *s, double t, double t_next, double h) {
+/* What is taken explicitly: at the start of the substep, or for order 2 where X and `older` point to at its end. */
+static hk_status explicit_forces(xpbd *m, hk_system *s, const part *p) {
   size_t v = 3 * s->n, y = 6 * s->n;
-  double *X = m->next, *a = m->slope;
-  hk_status status = s->accelerations(s, t, X, X + v, X + y, a, a + v);
+  double *X = p->X, t = p->t;
+  if (p->r > 0) {
+    X = m->guess;
+    t = p->t_next;
+    for (size_t e = 0; e < s->size; e++) X[e] = p->X[e] + (p->X[e] - p->older[e]);
+  }
+  return s->accelerations(s, t, X, X + v, X + y, m->slope, m->slope + v);
+}
+
+static hk_status substep(xpbd *m, hk_system *s, const part *p) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  const double *a = m->slope;
+  if (p->g != m->h) set_numbers(m, p->g);
+  hk_status status = explicit_forces(m, s, p);
   if (status != HK_OK) return status;
   if (m->edges.paths > 0) {
-    memcpy(m->imposed, X, y * sizeof *X);
-    s->impose(s, t_next, m->imposed, m->imposed + v);
+    memcpy(m->imposed, p->X, y * sizeof *p->X);
+    s->impose(s, p->t_next, m->imposed, m->imposed + v);
   }
-  spread(m, X, X + v, a, h);
-  double work = solve_springs(m, s->host, h);
-  gather(m, X, X + v, h);
-  for (size_t k = y; k < s->size; k++) X[k] += h * a[k - v];
-  X[s->size - 1] += work;
+  spread(m, p, a);
+  double work = solve_springs(m, s->host, p->g, p->nth);
+  gather(m, p);
+  for (size_t k = y; k < s->size; k++) p->older[k] = p->X[k] + p->r * (p->X[k] - p->older[k]) + p->g * a[k - v];
+  p->older[s->size - 1] += work;
   return HK_OK;
 }
 
-static hk_status prepare(xpbd *m, hk_system *s, double h) {
+static hk_status prepare(xpbd *m, hk_system *s) {
   bool fresh = !m->edges.valid, changed;
   hk_status status = hk_element_edges_take(&m->edges, s, m->imposed, &changed);
   if (status == HK_OK && fresh) status = reserve(m, s->host);
@@ -391,23 +448,42 @@ static hk_status prepare(xpbd *m, hk_system *s, double h) {
     return status;
   }
   if (changed) arrange(m);
-  if (changed || h != m->h) set_numbers(m, h);
+  if (changed) m->h = 0;
   return HK_OK;
+}
+
+static void reset(void *self, hk_reason why) {
+  (void)why;
+  ((xpbd *)self)->known = 0;
 }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   xpbd *m = self;
-  double part = h / (double)m->substeps, t = s->t;
+  double length = h / (double)m->substeps;
+  bool two = m->bdf == 2, known = two && m->known && m->part == length;
+  part p = {.X = m->next, .older = two ? m->older : m->next, .t = s->t};
+  size_t bytes = s->size * sizeof *s->X;
   (void)out;
-  hk_status status = prepare(m, s, part);
-  memcpy(m->next, s->X, s->size * sizeof *s->X);
-  for (int64_t k = 1; k <= m->substeps && status == HK_OK; k++) {
-    double t_next = k == m->substeps ? fmin(t_stop, s->t + h) : s->t + (double)k * part;
-    status = substep(m, s, t, t_next, part);
-    t = t_next;
+  hk_status status = prepare(m, s);
+  memcpy(m->next, s->X, bytes);
+  if (two) memcpy(m->older, known ? m->before : s->X, bytes);
+  for (p.nth = 1; p.nth <= m->substeps && status == HK_OK; p.nth++) {
+    p.t_next = p.nth == m->substeps ? fmin(t_stop, s->t + h) : s->t + (double)p.nth * length;
+    p.r = known ? 1.0 / 3 : 0;
+    p.g = known ? 2 * length / 3 : length;
+    status = substep(m, s, &p);
+    p.t = p.t_next;
+    double *X = p.older;
+    p.older = p.X;
+    p.X = X;
+    known = two;
   }
-  if (status == HK_OK) memcpy(s->X, m->next, s->size * sizeof *s->X);
-  return status;
+  if (status != HK_OK) return status;
+  memcpy(s->X, p.X, bytes);
+  if (two) memcpy(m->before, p.older, bytes);
+  m->known = two;
+  m->part = length;
+  return HK_OK;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -417,7 +493,7 @@ static hk_status topology(void *self, const hk_view *view) {
 }
 
 static const hk_integrator integrator = {
-    .order = 1, .stages = SUBSTEPS, .flags = HK_IMPLICIT, .amplification = amplification, .step = step};
+    .order = 1, .stages = SUBSTEPS, .flags = HK_IMPLICIT, .amplification = amplification, .step = step, .reset = reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
