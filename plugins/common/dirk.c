@@ -152,6 +152,12 @@ static hk_status first_slope(hk_dirk *m, hk_system *s, double *k) {
   return HK_OK;
 }
 
+static bool stiffly_accurate(const hk_dirk_tableau *T) {
+  for (int j = 0; j < T->stages; j++)
+    if (T->b[j] != T->a[T->stages - 1][j]) return false;
+  return true;
+}
+
 hk_status hk_dirk_stages(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double h, double limit, double **X_new) {
   double *base = slope_of(m, s, T->stages), *X = slope_of(m, s, T->stages + 1);
   const double *known = m->primed ? m->slope : NULL;
@@ -173,7 +179,7 @@ hk_status hk_dirk_stages(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, dou
     known = k;
   }
   *X_new = X;
-  if (memcmp(T->b, T->a[T->stages - 1], sizeof T->b) == 0) return HK_OK; /* stiffly accurate */
+  if (stiffly_accurate(T)) return HK_OK;
   memcpy(X, s->X, s->size * sizeof *X);
   for (int j = 0; j < T->stages; j++) add(X, slope_of(m, s, j), s->size, h * T->b[j]);
   return HK_OK;
