@@ -69,7 +69,7 @@ static void fill_chunk(void *context, size_t begin, size_t end, size_t chunk) {
     for (size_t s = m->slot_start[g]; s < m->slot_start[g + 1]; s++, to += LANES * (packed ? 6 : bb))
       for (size_t lane = 0; lane < LANES; lane++) {
         const uint32_t *source = m->source + LANES * s + lane;
-        double whole[9 * LANES];
+        double whole[9 * LANES] = {0};
         bool diagonal = s == m->slot_start[g];
         fill_lane(m, t->A, source, packed && !diagonal ? to + lane : whole, packed && !diagonal);
         if (packed && !diagonal) continue;
