@@ -14,8 +14,6 @@ enum { BASE = 0, STATE = 1, EXPLICIT = 2, EXPLICIT_2 = 3, IMPLICIT = 4, STATES =
 typedef struct imex {
   hk_newton newton;
   const char *names;
-  bool *implicit; /* one per force */
-  size_t forces;
   double *memory;
 } imex;
 
@@ -107,21 +105,15 @@ static bool is_stiff(const imex *m, const hk_force_info *force) {
          force->flags & (HK_SYMMETRIC_JACOBIAN | HK_OFFERS_SYMMETRIC);
 }
 
-static hk_status sort_forces(imex *m, hk_system *s) {
-  if (m->implicit) return HK_OK;
-  bool *implicit = s->host->allocate(s->host, s->forces + 1);
-  if (!implicit) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu forces", s->forces);
-  for (size_t k = 0; k < s->forces; k++) {
-    implicit[k] = is_stiff(m, &s->force[k]);
-    if (implicit[k] && !s->force[k].jacobian)
+static hk_status check_forces(const imex *m, hk_system *s) {
+  for (size_t k = 0; k < s->forces; k++)
+    if (is_stiff(m, &s->force[k]) && !s->force[k].jacobian)
       return s->host->fail(s->host, HK_BAD_PARAM, "implicit: force '%s' has no Jacobian", s->force[k].label);
-  }
-  m->implicit = implicit;
   return HK_OK;
 }
 
 static void take(const imex *m, hk_system *s, bool implicit) {
-  for (size_t k = 0; k < s->forces; k++) s->takes[k] = m->implicit[k] == implicit;
+  for (size_t k = 0; k < s->forces; k++) s->takes[k] = is_stiff(m, &s->force[k]) == implicit;
   s->takes_channels = !implicit;
 }
 
@@ -152,7 +144,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE), *E = vector(m, s, EXPLICIT),
          *E2 = vector(m, s, EXPLICIT_2), *I = vector(m, s, IMPLICIT), g = g_ * h;
   (void)t_stop, (void)out;
-  hk_status status = sort_forces(m, s);
+  hk_status status = check_forces(m, s);
   if (status == HK_OK) status = look(m, s, s->t, s->X, E);
   if (status != HK_OK) return status;
   memcpy(base, s->X, s->size * sizeof *base);

@@ -8,6 +8,13 @@
  * substep; a single spring is there after one solve, since its direction then no longer turns: backward Euler exactly.
  * Several springs reach a fixed point that is backward Euler up to the turning of directions, which vanishes with h_s.
  *
+ * With bdf = 2 the substeps are backward differences of order 2: X' = X + (X - X_before)/3 + g f' is backward Euler of
+ * g = 2/3 h_s from another start, so the same sweeps solve it, and explicit forces are those of 2 X - X_before at the
+ * end of the substep. The first substep after a start or a reset is backward Euler. Both hold as far as the sweeps
+ * come: one sweep adds a compliance of about g^2 W to every spring. In the forward order that also is not symmetric,
+ * which order 2, less damped, bears only where h_s is long against the springs' periods or short enough for the sweeps
+ * to converge; a symmetric sweep bears it always.
+ *
  * Velocities are the unknowns, x is x_n + h_s v: what one end loses the other gains, and momentum keeps to rounding.
  * From COLOURS_FROM springs on they are solved colour by colour, in a colour no two share a particle, four at a time;
  * results depend on that order, never on threads. Sliding particles move by S n/m, S what the pin allows. Channels and
@@ -23,7 +30,7 @@
 /* GRAIN: batches, some 30 us of work; a colour of less than two grains does not pay for waking threads. */
 enum { SUBSTEPS = 10, LANES = 4, COLOURS_FROM = 1000, COLOURS = 64, GRAIN = 1024 };
 enum { ORDER_AUTO, ORDER_SCENE, ORDER_COLOURS };
-enum { FORWARD, ALTERNATE };
+enum { FORWARD, SYMMETRIC };
 
 typedef struct spring {
   uint32_t i, j;
@@ -40,11 +47,11 @@ typedef int64_t mask __attribute__((vector_size(8 * LANES)));
 
 typedef struct xpbd {
   int64_t substeps, iterations, bdf;
-  int order, sweeps;
+  int order, sweep;
   double *next, *older, *guess, *slope, *imposed; /* shaped as X: states; (a, dy); pins at the end of the substep */
-  double *before;                                 /* shaped as X: a substep of `part` before X ... */
+  double *before;                                 /* shaped as X: a substep of `length` before X ... */
   int64_t known;                                  /* ... if it is known */
-  double part;
+  double length;
   hk_element_edges edges;
   double h;                /* s, that the springs' numbers are for; 0: none */
   size_t springs, batches; /* solved one by one; in fours */
@@ -99,16 +106,16 @@ static const hk_param params[] = {
      offsetof(xpbd, bdf),
      0,
      NULL},
-    {"sweeps",
+    {"sweep",
      "",
-     "through the springs: always forward, or back every second time",
+     "one sweep through the springs: forward, or there and back (twice the work)",
      HK_CHOICE,
      {FORWARD},
      0,
      0,
-     offsetof(xpbd, sweeps),
+     offsetof(xpbd, sweep),
      0,
-     "forward|alternate"},
+     "forward|symmetric"},
     {0},
 };
 
@@ -116,7 +123,7 @@ static const hk_field fields[] = {
     {"next", HK_FIELD_STATE, 1, offsetof(xpbd, next), HK_SCRATCH},
     {"before", HK_FIELD_STATE, 1, offsetof(xpbd, before), 0},
     {"known", HK_FIELD_INTEGER, 1, offsetof(xpbd, known), 0},
-    {"part", HK_FIELD_NUMBER, 1, offsetof(xpbd, part), 0},
+    {"length", HK_FIELD_NUMBER, 1, offsetof(xpbd, length), 0},
     {"older", HK_FIELD_STATE, 1, offsetof(xpbd, older), HK_SCRATCH},
     {"guess", HK_FIELD_STATE, 1, offsetof(xpbd, guess), HK_SCRATCH},
     {"slope", HK_FIELD_STATE, 1, offsetof(xpbd, slope), HK_SCRATCH},
@@ -340,7 +347,7 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const sweep *s = context;
   const xpbd *m = s->m;
   batch *q = m->batch + s->first + begin;
-  bool keep = m->iterations > 1;
+  bool keep = m->iterations > 1 || m->sweep == SYMMETRIC;
   m->work[chunk] = s->wide ? solve_wide(q, end - begin, m->x, m->v, s->h, keep, s->last)
                            : solve_plain(q, end - begin, m->x, m->v, s->h, keep, s->last);
 }
@@ -364,14 +371,12 @@ static double sweep_once(const xpbd *m, const hk_host *host, double h, bool last
   return work;
 }
 
-static double solve_springs(xpbd *m, const hk_host *host, double h, int64_t nth) {
+static double solve_springs(xpbd *m, const hk_host *host, double h) {
   double work = 0;
+  int64_t each = m->sweep == SYMMETRIC ? 2 : 1, sweeps = m->iterations * each;
   for (size_t k = 0; k < m->springs; k++) m->spring[k].P = 0;
-  for (size_t k = 0; k < m->batches && m->iterations > 1; k++) memset(m->batch[k].P, 0, sizeof m->batch[k].P);
-  for (int64_t k = 1; k <= m->iterations; k++) {
-    bool back = m->sweeps == ALTERNATE && (nth * m->iterations + k) % 2 == 0;
-    work += sweep_once(m, host, h, k == m->iterations, back);
-  }
+  for (size_t k = 0; k < m->batches && sweeps > 1; k++) memset(m->batch[k].P, 0, sizeof m->batch[k].P);
+  for (int64_t k = 0; k < sweeps; k++) work += sweep_once(m, host, h, k + 1 == sweeps, k % each == 1);
   return work;
 }
 
@@ -381,7 +386,6 @@ static double solve_springs(xpbd *m, const hk_host *host, double h, int64_t nth)
  * X' = X + r (X - older) + g f, with r = 0, g = h or r = 1/3, g = 2/3 h. It is written to `older`, which may be X. */
 typedef struct part {
   double *X, *older, t, t_next, r, g;
-  int64_t nth;
 } part;
 
 /* Path pins go straight to where they are at the end. */
@@ -432,7 +436,7 @@ static hk_status substep(xpbd *m, hk_system *s, const part *p) {
     s->impose(s, p->t_next, m->imposed, m->imposed + v);
   }
   spread(m, p, a);
-  double work = solve_springs(m, s->host, p->g, p->nth);
+  double work = solve_springs(m, s->host, p->g);
   gather(m, p);
   for (size_t k = y; k < s->size; k++) p->older[k] = p->X[k] + p->r * (p->X[k] - p->older[k]) + p->g * a[k - v];
   p->older[s->size - 1] += work;
@@ -457,32 +461,40 @@ static void reset(void *self, hk_reason why) {
   ((xpbd *)self)->known = 0;
 }
 
+/* Of `substeps` of `length`, the first a backward Euler where the state before it is not known. */
+static hk_status substeps(xpbd *m, hk_system *s, double t_stop, double length, bool known, part *p) {
+  hk_status status = HK_OK;
+  for (int64_t k = 1; k <= m->substeps && status == HK_OK; k++) {
+    p->t_next = k == m->substeps ? t_stop : s->t + (double)k * length;
+    p->r = known ? 1.0 / 3 : 0;
+    p->g = known ? 2 * length / 3 : length;
+    status = substep(m, s, p);
+    p->t = p->t_next;
+    double *X = p->older;
+    p->older = p->X;
+    p->X = X;
+    known = m->bdf == 2;
+  }
+  return status;
+}
+
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   xpbd *m = self;
   double length = h / (double)m->substeps;
-  bool two = m->bdf == 2, known = two && m->known && m->part == length;
+  bool two = m->bdf == 2, known = two && m->known && m->length == length;
   part p = {.X = m->next, .older = two ? m->older : m->next, .t = s->t};
   size_t bytes = s->size * sizeof *s->X;
   (void)out;
   hk_status status = prepare(m, s);
+  if (status != HK_OK) return status;
   memcpy(m->next, s->X, bytes);
   if (two) memcpy(m->older, known ? m->before : s->X, bytes);
-  for (p.nth = 1; p.nth <= m->substeps && status == HK_OK; p.nth++) {
-    p.t_next = p.nth == m->substeps ? fmin(t_stop, s->t + h) : s->t + (double)p.nth * length;
-    p.r = known ? 1.0 / 3 : 0;
-    p.g = known ? 2 * length / 3 : length;
-    status = substep(m, s, &p);
-    p.t = p.t_next;
-    double *X = p.older;
-    p.older = p.X;
-    p.X = X;
-    known = two;
-  }
+  status = substeps(m, s, fmin(t_stop, s->t + h), length, known, &p);
   if (status != HK_OK) return status;
   memcpy(s->X, p.X, bytes);
   if (two) memcpy(m->before, p.older, bytes);
   m->known = two;
-  m->part = length;
+  m->length = length;
   return HK_OK;
 }
 
