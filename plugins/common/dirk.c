@@ -216,14 +216,15 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
   if (status == HK_OK) status = hk_newton_smooth(&m->newton, s, E + v, smooth + v);
   if (status != HK_OK) return status;
   memcpy(smooth + 2 * v, E + 2 * v, (s->size - 2 * v) * sizeof *E);
-  *error = hk_scales_error(&m->scales, s, X, slope_of(m, s, T->stages - 1) + v, smooth) / s->tol;
+  *error = hk_scales_error(&m->scales, s, h, X, slope_of(m, s, T->stages - 1) + v, smooth) / s->tol;
   return HK_OK;
 }
 
 /* The algebraic error is to be small beside the one allowed, in x and in v. */
 static double limit_of(const hk_dirk *m, const hk_system *s, double g, double h) {
-  double V = fmax(m->scales.speed, h * m->scales.acceleration);
-  double asked = algebraic * s->tol * fmin(hk_scales_extent(&m->scales, s, s->X) / g, V);
+  double L = hk_scales_extent(&m->scales, s, s->X);
+  double V = fmax(hk_scales_speed(&m->scales, L, h), h * m->scales.acceleration);
+  double asked = algebraic * s->tol * fmin(L / g, V);
   return fmin(asked, m->newton.tolerance * V);
 }
 
@@ -300,11 +301,13 @@ hk_status hk_dirk_adaptive_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system 
       return HK_OK;
     }
     h *= error < INFINITY ? fmax(least, fmin(0.9, change_of(m, T, error))) : 0.25;
-    if (!(h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)))
-      return s->host->fail(s->host, HK_NOT_CONVERGED,
-                           "no step from t = %.17g s meets the tolerance %g: tried down to %g s; give a larger tol, or "
-                           "look for a force that jumps",
-                           s->t, s->tol, h);
+    if (h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)) continue;
+    if (status == HK_NOT_FINITE || (status == HK_OK && !isfinite(error)))
+      return HK_NOT_FINITE; /* the host says where */
+    return s->host->fail(s->host, HK_NOT_CONVERGED,
+                         "no step from t = %.17g s meets the tolerance %g: tried down to %g s; give a larger tol, or "
+                         "look for a force that jumps",
+                         s->t, s->tol, h);
   }
 }
 

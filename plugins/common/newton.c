@@ -275,13 +275,14 @@ static hk_status fall_back(work *k, pace *p, double size, double limit) {
 static hk_status iterate(work *k) {
   const hk_stage *stage = k->stage;
   double floor = rounding * (hk_rms(stage->X, k->m) / stage->g + hk_rms(stage->X + k->m, k->m));
-  double limit = fmax(stage->limit, floor), size = 0;
+  double limit = stage->limit, size = 0;
   pace p = start_pace(k);
   for (int64_t i = 0; i < k->w->iterations; i++) {
     hk_status status = next_direction(k, &p, &size);
     if (status != HK_OK) return status;
     memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
-    if (size * fmin(1, p.rate) <= limit && k->settled) {
+    bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
+    if (close && k->settled) {
       advance(k, 1);
       set_positions(k);
       return HK_OK;

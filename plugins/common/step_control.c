@@ -3,6 +3,8 @@
 
 enum { LANES = 8 };
 
+static const double at_rest = 1e-6; /* of the extent in a step */
+
 double hk_rms(const double *p, size_t count) {
   double sum[LANES] = {0}, total = 0;
   size_t e = 0;
@@ -44,10 +46,14 @@ double hk_scales_extent(const hk_scales *c, const hk_system *s, const double *x)
 /* NAN if one of them is. */
 static double larger(double a, double b) { return isnan(a) || a > b ? a : b; }
 
-double hk_scales_error(const hk_scales *c, const hk_system *s, const double *X, const double *a, const double *E) {
+double hk_scales_speed(const hk_scales *c, double extent, double h) { return fmax(c->speed, at_rest * extent / h); }
+
+double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const double *X, const double *a,
+                       const double *E) {
   size_t v = 3 * s->n, y = 6 * s->n;
   double V = fmax(c->speed, hk_rms(X + v, v)), A = fmax(c->acceleration, hk_rms(a, v));
-  double worst = larger(hk_ratio(hk_rms(E, v), extent(X, s->n, V, A)), hk_ratio(hk_rms(E + v, v), V));
+  double L = extent(X, s->n, V, A);
+  double worst = larger(hk_ratio(hk_rms(E, v), L), hk_ratio(hk_rms(E + v, v), fmax(V, at_rest * L / h)));
   for (size_t k = 0; k < s->model->channels; k++) {
     size_t begin = y + s->model->channel[k].offset * s->n, count = s->model->channel[k].size * s->n;
     double scale = fmax(hk_rms(s->X + begin, count), hk_rms(X + begin, count));

@@ -3,7 +3,8 @@
  * It is the largest of the relative errors, in the RMS norm, of positions, velocities and each channel. Positions are
  * measured against the scene's size, the RMS distance of the particles from their mean or, if that is larger, V^2/A,
  * the radius of curvature of a path, with V and A the largest RMS speed and acceleration so far: neither depends on
- * where the origin lies, and one particle alone has the second. Velocities are measured against V, a channel against
+ * where the origin lies, and one particle alone has the second. Velocities are measured against V, but no less than a
+ * millionth of the extent in a step, so that a scene at rest is not held to its rounding; a channel against
  * its larger RMS at the two ends of the step. The work does not count. */
 #ifndef HK_STEP_CONTROL_H
 #define HK_STEP_CONTROL_H
@@ -17,8 +18,10 @@ typedef struct hk_scales {
 double hk_rms(const double *list, size_t count);
 void hk_scales_notice(hk_scales *, const hk_system *, const double *v, const double *a);
 double hk_scales_extent(const hk_scales *, const hk_system *, const double *x); /* m */
-/* Of the estimate E, shaped as X, where the step ends at X_new with the accelerations a. NAN when something is. */
-double hk_scales_error(const hk_scales *, const hk_system *, const double *X_new, const double *a, const double *E);
+/* Of the estimate E, shaped as X, where a step of h ends at X_new with the accelerations a. NAN when something is. */
+double hk_scales_error(const hk_scales *, const hk_system *, double h, const double *X_new, const double *a,
+                       const double *E);
+double hk_scales_speed(const hk_scales *, double extent, double h); /* m/s, what velocities are measured against */
 double hk_ratio(double value, double scale); /* value/scale, 0 for 0/0 */
 
 #endif

@@ -154,10 +154,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
     if (status != HK_OK && status != HK_NOT_CONVERGED) return status;
     m->good = 0;
     m->length = h / 2;
-    if (!(h > 1e-9 * span))
-      return s->host->fail(s->host, HK_NOT_CONVERGED,
-                           "a step of %g s still changes a spring's strain by %g, more than stretch = %g", h, moved,
-                           m->stretch);
+    if (h > 1e-9 * span) continue;
+    if (status == HK_OK && !isfinite(moved)) return HK_NOT_FINITE; /* the host says where */
+    return s->host->fail(s->host, HK_NOT_CONVERGED,
+                         "a step of %g s still changes a spring's strain by %g, more than stretch = %g", h, moved,
+                         m->stretch);
   }
   memcpy(s->X, w.X, s->size * sizeof *w.X);
   if (m->length > 0 && ++m->good >= m->patience) {

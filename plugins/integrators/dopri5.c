@@ -51,7 +51,7 @@ static double estimate(dopri5 *m, const hk_system *s, double h) {
   const double *X = hk_rk_stage_state(&hk_dormand_prince, s, m->k);
   memset(m->error, 0, s->size * sizeof *m->error);
   hk_rk_combine(&hk_dormand_prince, s, h, m->k, error_weight, STAGES, 0, m->error, m->error);
-  return hk_scales_error(&m->scales, s, X, hk_rk_slope(s, m->k, STAGES - 1), m->error) / s->tol;
+  return hk_scales_error(&m->scales, s, h, X, hk_rk_slope(s, m->k, STAGES - 1), m->error) / s->tol;
 }
 
 /* The largest rate (1/s) at which the system changes, from f here and after a small Euler step; then Hairer's rule that
