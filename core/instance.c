@@ -24,6 +24,13 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
   const char *separator = *instance->where ? ": " : "";
+  hk_error *error = instance->shared->error;
+  if (instance->plugin->kind == HK_INTEGRATOR && error->status != HK_OK) { /* it has tried again since, and gives up */
+    hk_error before = *error;
+    *error = (hk_error){0};
+    return hk_error_set(error, status, "%s%s%s: %s (first: %.400s)", instance->where, separator, instance->label, text,
+                        before.text);
+  }
   return hk_error_set(instance->shared->error, status, "%s%s%s: %s", instance->where, separator, instance->label, text);
 }
 

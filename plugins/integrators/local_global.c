@@ -23,6 +23,7 @@
 #include "plugins/common/element_edges.h"
 #include "plugins/common/laplacian.h"
 #include "plugins/common/slides.h"
+#include "plugins/common/step_control.h"
 #include "plugins/common/spring_kernel.h"
 
 #include <string.h>
@@ -30,6 +31,7 @@
 enum { PLAIN, ANDERSON };
 
 /* A relative change worth a warning: cloth contracts errors by 0.99 or so an iteration, so 1e-3 leaves some 10 %. */
+static const double at_rest = 1e-3; /* of the extent */
 static const double telling = 1e-3;
 
 typedef struct local_global {
@@ -269,27 +271,26 @@ static void move(local_global *m, size_t n) {
   for (size_t e = 0; e < n; e++) d[e] += dx[e];
 }
 
-/* |dx| against what the step moves, each with masses: |x - x_n| or |y - x_n|, whichever is larger. */
-static double relative_change(const local_global *m, const hk_system *s) {
-  double change = 0, moved = 0, inertia = 0;
+/* |dx| against what the step moves, |x - x_n|, each with masses; near rest against a thousandth of the scene's size. */
+static double relative_change(const local_global *m, const hk_system *s, double extent) {
+  double change = 0, moved = 0, mass = 0;
   for (size_t i = 0; i < s->n; i++) {
-    double a = 0, b = 0, c = 0;
+    double a = 0, b = 0;
     for (size_t e = 3 * i; e < 3 * i + 3; e++) {
       a += m->dx[e] * m->dx[e];
       b += m->d[e] * m->d[e];
-      c += m->y[e] * m->y[e];
     }
     change += s->model->mass[i] * a;
     moved += s->model->mass[i] * b;
-    inertia += s->model->mass[i] * c;
+    mass += 3 * s->model->mass[i];
   }
-  double scale = fmax(moved, inertia);
+  double scale = fmax(moved, mass * at_rest * at_rest * extent * extent);
   return scale > 0 ? sqrt(change / scale) : 0;
 }
 
 static hk_status iterate(local_global *m, hk_system *s, double h) {
   size_t n = 3 * s->n;
-  double g = INFINITY;
+  double g = INFINITY, extent = hk_scales_extent(&(hk_scales){0}, s, s->X);
   hk_anderson_clear(&m->anderson);
   for (int64_t k = 0; k < m->iterations; k++) {
     place(m, s);
@@ -299,7 +300,7 @@ static hk_status iterate(local_global *m, hk_system *s, double h) {
     hk_status status = s->solve_columns(s, m->r, m->dx, 3);
     if (status == HK_OK) status = hk_slides_correct(&m->slides, s, m->dx, m->F, m->scratch);
     if (status != HK_OK) return status;
-    m->change = relative_change(m, s);
+    m->change = relative_change(m, s, extent);
     if (m->acceleration == ANDERSON && k + 1 < m->iterations && !(m->change <= m->tolerance))
       accelerate(m, n);
     else
