@@ -103,6 +103,8 @@ int main(int count, char **argument) {
       {"xpbd", "substeps=100", "--dt 0.0167"},
       {"xpbd", "substeps=600", "--dt 0.0167"},
       {"xpbd", "substeps=2000", "--dt 0.0167"},
+      {"xpbd", "substeps=100 bdf=2", "--dt 0.0167"},
+      {"xpbd", "substeps=150 iterations=3 bdf=2", "--dt 0.0167"},
   };
   static outcome explicit_, reference, other;
   char folder[] = "/tmp/hooke-crossing-XXXXXX", path[256], what[128];
