@@ -22,6 +22,6 @@ double hk_scales_extent(const hk_scales *, const hk_system *, const double *x); 
 double hk_scales_error(const hk_scales *, const hk_system *, double h, const double *X_new, const double *a,
                        const double *E);
 double hk_scales_speed(const hk_scales *, double extent, double h); /* m/s, what velocities are measured against */
-double hk_ratio(double value, double scale); /* value/scale, 0 for 0/0 */
+double hk_ratio(double value, double scale);                        /* value/scale, 0 for 0/0 */
 
 #endif

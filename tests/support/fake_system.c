@@ -33,16 +33,35 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
 
 static void host_warn(const hk_host *host, const char *format, ...) { (void)host, (void)format; }
 
+/* In front of what is given out; 64 bytes keep the alignment. What is not released is freed with the system. */
+typedef struct fake_block {
+  struct fake_block *next, *last;
+} fake_block;
+
+enum { HEAD = 64 };
+
 static void *host_allocate(const hk_host *host, size_t bytes) {
-  (void)host;
-  size_t rounded = (bytes + 127) / 64 * 64;
-  void *p = aligned_alloc(64, rounded);
-  return p ? memset(p, 0, rounded) : NULL;
+  fake_system *f = system_of(host);
+  size_t rounded = HEAD + (bytes + 127) / 64 * 64;
+  fake_block *b = aligned_alloc(64, rounded);
+  if (!b) return NULL;
+  memset(b, 0, rounded);
+  b->next = f->blocks;
+  if (b->next) b->next->last = b;
+  f->blocks = b;
+  return (char *)b + HEAD;
 }
 
 static void host_release(const hk_host *host, void *memory) {
-  (void)host;
-  free(memory);
+  fake_system *f = system_of(host);
+  fake_block *b = memory ? (fake_block *)(void *)((char *)memory - HEAD) : NULL;
+  if (!b) return;
+  if (b->next) b->next->last = b->last;
+  if (b->last)
+    b->last->next = b->next;
+  else
+    f->blocks = b->next;
+  free(b);
 }
 
 static void host_parallel_for(const hk_host *host, size_t count, size_t grain,
@@ -151,6 +170,7 @@ fake_system *fake_system_create(const fake_problem *problem) {
 }
 
 void fake_system_destroy(fake_system *f) {
+  while (f->blocks) host_release(&f->host, (char *)f->blocks + HEAD);
   fake_solver_detach(f);
   free(f->system.X);
   free(f->mass);

@@ -26,6 +26,7 @@ typedef struct fake_system {
   hk_force_info force; /* one, all of f but the channels */
   bool takes;
   struct fake_solver *solver;
+  struct fake_block *blocks; /* what host->allocate has given out */
   size_t evaluations, jacobians, factorizations;
   size_t fails_at; /* the evaluation, counted from 1, that fails; 0: none */
   hk_status fails_with;
