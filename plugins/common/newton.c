@@ -9,7 +9,7 @@
 
 enum { BACKTRACKS = 10, DEFINITE_FOR = 8, LONGEST = 5, LANES = 8 };
 
-static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1;
+static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1, drop = 1e-3;
 
 typedef struct work {
   hk_newton *w;
@@ -280,6 +280,7 @@ static hk_status iterate(work *k) {
   for (int64_t i = 0; i < k->w->iterations; i++) {
     hk_status status = next_direction(k, &p, &size);
     if (status != HK_OK) return status;
+    if (i == 0 && stage->fixed) limit = fmin(limit, drop * size);
     memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
     bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
     if (close && k->settled) {

@@ -55,6 +55,8 @@ typedef struct hk_stage {
   double limit;       /* m/s, algebraic error allowed in v, RMS */
   const double *base; /* x*, v*, y*; shaped as s->X */
   double *X;
+  bool fixed; /* of a method with a fixed step: the algebraic error stays far below the first change as well, which is
+                 about the error of the step, so that it does not show however short the step */
 } hk_stage;
 
 /* HK_NOT_CONVERGED: X is worth nothing. s->X is not touched, but for its pins. */

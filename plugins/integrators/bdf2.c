@@ -44,7 +44,7 @@ static hk_status advance(bdf2 *m, hk_system *s, double h, double *base, double *
   double g = 2 * h / 3;
   for (size_t e = 0; e < s->size; e++) X[e] = base[e] = s->X[e] + (s->X[e] - m->before[e]) / 3;
   for (size_t e = v; e < 2 * v; e++) X[e] += g * m->start.slope[e];
-  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X};
+  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true};
   hk_status status = hk_newton_solve(&m->start.newton, s, &stage);
   if (status != HK_OK) return status;
   memcpy(m->start.slope, X + v, v * sizeof *X);

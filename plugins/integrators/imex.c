@@ -135,7 +135,7 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE);
   memcpy(X, base, s->size * sizeof *X);
   take(m, s, true);
-  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X};
+  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true};
   return hk_newton_solve(&m->newton, s, &stage);
 }
 
