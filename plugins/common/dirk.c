@@ -131,11 +131,10 @@ static void add(double *restrict to, const double *restrict k, size_t count, dou
 static double *slope_of(const hk_dirk *m, const hk_system *s, int i) { return m->k + (size_t)i * s->size; }
 
 /* v := v* + g a, with the acceleration known last. */
-static void guess(const hk_dirk *m, const hk_system *s, double g, const double *a, const double *base, double *X) {
+static void guess(const hk_system *s, double g, const double *a, const double *base, double *X) {
   size_t v = 3 * s->n;
   memcpy(X, base, s->size * sizeof *X);
   if (a) add(X + v, a + v, v, g);
-  (void)m;
 }
 
 static void take_slope(const hk_system *s, double g, const double *base, const double *X, double *k) {
@@ -169,7 +168,7 @@ hk_status hk_dirk_stages(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, dou
     else {
       memcpy(base, s->X, s->size * sizeof *base);
       for (int j = 0; j < i; j++) add(base, slope_of(m, s, j), s->size, h * T->a[i][j]);
-      guess(m, s, g, known, base, X);
+      guess(s, g, known, base, X);
       hk_stage stage = {s->t + T->c[i] * h, g, limit, base, X, !(limit > 0)};
       if (!(limit > 0)) stage.limit = hk_newton_limit(&m->newton, s, X + 3 * s->n);
       status = hk_newton_solve(&m->newton, s, &stage);
@@ -212,8 +211,8 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
     const double *restrict k = slope_of(m, s, j), *restrict first = slope_of(m, s, 0);
     for (size_t e = 0; e < s->size; e++) E[e] += h * T->error[j] * (k[e] - first[e]);
   }
-  hk_status status = hk_newton_smooth(&m->newton, s, E, smooth);
-  if (status == HK_OK) status = hk_newton_smooth(&m->newton, s, E + v, smooth + v);
+  hk_status status = hk_newton_smooth(s, E, smooth);
+  if (status == HK_OK) status = hk_newton_smooth(s, E + v, smooth + v);
   if (status != HK_OK) return status;
   memcpy(smooth + 2 * v, E + 2 * v, (s->size - 2 * v) * sizeof *E);
   *error = hk_scales_error(&m->scales, s, h, X, slope_of(m, s, T->stages - 1) + v, smooth) / s->tol;

@@ -313,13 +313,11 @@ hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   hk_status status = s->solver_flags(s, &k.flags);
   if (status == HK_OK) status = residual(&k, true);
   if (status == HK_OK) status = iterate(&k);
-  if (status != HK_OK && status != HK_NOT_CONVERGED) return status;
   if (status == HK_NOT_CONVERGED) hk_newton_forget(w);
   return status;
 }
 
-hk_status hk_newton_smooth(hk_newton *w, hk_system *s, double *b, double *x) {
-  (void)w;
+hk_status hk_newton_smooth(hk_system *s, double *b, double *x) {
   for (size_t i = 0; i < s->n; i++)
     for (size_t e = 3 * i; e < 3 * i + 3; e++) b[e] *= s->model->mass[i];
   s->filter(s, b);

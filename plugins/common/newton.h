@@ -66,6 +66,6 @@ hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);
 double hk_newton_limit(hk_newton *, const hk_system *, const double *v);
 void hk_newton_forget(hk_newton *); /* the factors are void: other particles, other forces */
 /* After `solve`, for error estimates: x = (M + g D + g^2 K)^-1 M b with the factors at hand; b is overwritten. */
-hk_status hk_newton_smooth(hk_newton *, hk_system *, double *b, double *x);
+hk_status hk_newton_smooth(hk_system *, double *b, double *x);
 
 #endif

@@ -3,6 +3,7 @@
  * speed V or, from rest, sqrt(L A), that of a channel its RMS; so tol is SUNDIALS' relative tolerance as it stands.
  * The work weighs nothing. */
 #include "plugins/common/sundials.h"
+#include "plugins/common/step_control.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -112,32 +113,13 @@ void hk_sundials_close(hk_sundials *m) {
 
 /* ---- weights ---- */
 
-static double rms(const double *p, size_t count) {
-  double sum = 0;
-  for (size_t e = 0; e < count; e++) sum += p[e] * p[e];
-  return count ? sqrt(sum / (double)count) : 0;
-}
-
-/* RMS of the coordinates about their means, relative to the first particle. */
-static double spread(const double *x, size_t n) {
-  double sum[3] = {0}, square[3] = {0}, total = 0;
-  for (size_t i = 1; i < n; i++)
-    for (size_t c = 0; c < 3; c++) {
-      double d = x[3 * i + c] - x[c];
-      sum[c] += d;
-      square[c] += d * d;
-    }
-  for (size_t c = 0; c < 3 && n; c++) total += fmax(0, square[c] - sum[c] * sum[c] / (double)n) / (3 * (double)n);
-  return sqrt(total);
-}
-
 void hk_sundials_rescale(hk_sundials *m, hk_system *s) {
   size_t v = 3 * s->n;
-  m->length = fmax(m->length, spread(s->X, s->n));
-  m->speed = fmax(m->speed, rms(s->X + v, v));
+  m->length = fmax(m->length, hk_scales_extent(&(hk_scales){0, 0}, s, s->X));
+  m->speed = fmax(m->speed, hk_rms(s->X + v, v));
   for (size_t c = 0; c < m->channels; c++) {
     const hk_channel *channel = &s->model->channel[c];
-    m->channel[c] = fmax(m->channel[c], rms(s->X + (6 + channel->offset) * s->n, channel->size * s->n));
+    m->channel[c] = fmax(m->channel[c], hk_rms(s->X + (6 + channel->offset) * s->n, channel->size * s->n));
   }
 }
 
@@ -152,7 +134,7 @@ hk_status hk_sundials_scale(hk_sundials *m, hk_system *s, double span) {
     memcpy(X, s->X, s->size * sizeof *X);
     hk_status status = s->rates(s, s->t + k * span, X, dX);
     if (status != HK_OK) return status;
-    A = rms(dX + v, v);
+    A = hk_rms(dX + v, v);
   }
   if (A > 0) m->length = fmax(m->length, m->speed * m->speed / A);
   m->speed = fmax(m->speed, m->length > 0 ? sqrt(m->length * A) : A * span);
@@ -162,7 +144,7 @@ hk_status hk_sundials_scale(hk_sundials *m, hk_system *s, double span) {
   for (size_t c = 0; c < m->channels; c++) {
     const hk_channel *channel = &s->model->channel[c];
     if (m->channel[c] > 0) continue;
-    m->channel[c] = span * rms(dX + (6 + channel->offset) * s->n, channel->size * s->n);
+    m->channel[c] = span * hk_rms(dX + (6 + channel->offset) * s->n, channel->size * s->n);
     if (!(m->channel[c] > 0)) m->channel[c] = 1;
   }
   return HK_OK;

@@ -8,11 +8,10 @@
  * go through plugins/common/triangular.c, which copies L when a factor is first asked for them. Invariant: between
  * calls `A` has the pattern of the last analysis, `ready` says that L has its numbers, `copied` that `columns` has them
  * too. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
-#define _GNU_SOURCE /* dladdr */
+#include "plugins/common/blas.h"
 #include "plugins/common/triangular.h"
 
 #include <cholmod.h>
-#include <dlfcn.h>
 #include <string.h>
 
 enum { ORDER_BEST, ORDER_AMD, ORDER_METIS };
@@ -45,14 +44,6 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
-extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* NULL with another BLAS */
-extern void omp_set_max_active_levels(int levels) __attribute__((weak)); /* NULL when CHOLMOD has no OpenMP */
-
-static void set_threads(int threads) {
-  if (openblas_set_num_threads) openblas_set_num_threads(threads);
-  if (omp_set_max_active_levels) omp_set_max_active_levels(threads > 1); /* 0: CHOLMOD's loops stay on this thread */
-}
-
 static void free_matrix(cholesky *s) {
   cholmod_l_free_factor(&s->L, &s->common);
   cholmod_l_free_sparse(&s->A, &s->common);
@@ -67,20 +58,11 @@ static void free_matrix(cholesky *s) {
   s->ready = s->copied = false;
 }
 
-/* CHOLMOD's OpenMP and the BLAS leave threads that wait inside their libraries, so these must never be unloaded; they
- * stay as long as this plugin does. */
-static void stay_loaded(void) {
-  Dl_info here;
-  if (!dladdr(&hk_plugin_main, &here) || !here.dli_fname) return;
-  void *handle = dlopen(here.dli_fname, RTLD_LAZY | RTLD_NODELETE);
-  if (handle) dlclose(handle);
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   cholesky *s = self;
   (void)view;
   s->host = host;
-  stay_loaded();
+  hk_blas_stay_loaded();
   if (!cholmod_l_start(&s->common)) return host->fail(host, HK_FAILED, "CHOLMOD does not start");
   s->started = true;
   s->common.print = 0;
@@ -229,7 +211,7 @@ static hk_status factorize(void *self, const hk_matrix *A) {
     return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
   s->ready = s->copied = false;
   fill_upper(A, NULL, NULL, s->A->x);
-  set_threads((int)s->threads);
+  hk_blas_threads((int)s->threads);
   int fine = cholmod_l_factorize(s->A, s->L, &s->common);
   if (s->common.status == CHOLMOD_NOT_POSDEF || (fine && s->L->minor < s->L->n)) return not_definite(s);
   if (!fine) return failed(s, "factorize");

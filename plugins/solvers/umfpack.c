@@ -8,10 +8,9 @@
  * One thread is used by the BLAS: how a threaded one cuts its sums depends on the machine. Invariant: `symbolic` fits
  * start and row; `numeric` is there only if the numbers in `value` were factorized. Davis, Algorithm 832: UMFPACK V4.3,
  * ACM TOMS 30 (2004). */
-#define _GNU_SOURCE /* dladdr */
 #include "core/plugin.h"
+#include "plugins/common/blas.h"
 
-#include <dlfcn.h>
 #include <float.h>
 #include <umfpack.h>
 
@@ -38,27 +37,11 @@ typedef struct lu {
   double *work;      /* 5 unknowns */
 } lu;
 
-extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* NULL with another BLAS */
-extern void omp_set_max_active_levels(int levels) __attribute__((weak)); /* NULL without OpenMP */
-
-static void use_one_thread(void) {
-  if (openblas_set_num_threads) openblas_set_num_threads(1);
-  if (omp_set_max_active_levels) omp_set_max_active_levels(0);
-}
-
-/* The BLAS leaves threads that wait inside it, so it must never be unloaded; it stays as long as this plugin does. */
-static void stay_loaded(void) {
-  Dl_info here;
-  if (!dladdr(&hk_plugin_main, &here) || !here.dli_fname) return;
-  void *handle = dlopen(here.dli_fname, RTLD_LAZY | RTLD_NODELETE);
-  if (handle) dlclose(handle);
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   lu *s = self;
   (void)view;
   s->host = host;
-  stay_loaded();
+  hk_blas_stay_loaded();
   return HK_OK;
 }
 
@@ -132,7 +115,7 @@ static hk_status analyze(void *self, const hk_matrix *A) {
     return failed(s, "store", n, UMFPACK_ERROR_out_of_memory);
   }
   fill(A, s->start, s->row, s->value);
-  use_one_thread();
+  hk_blas_threads(1);
   integer status = umfpack_dl_symbolic((integer)n, (integer)n, s->start, s->row, NULL, &s->symbolic, NULL, NULL);
   if (status == UMFPACK_OK) return HK_OK;
   forget(s);
@@ -197,7 +180,7 @@ static hk_status factorize(void *self, const hk_matrix *A) {
   fill(A, NULL, NULL, s->value);
   hk_status fine = not_finite(s);
   if (fine != HK_OK) return fine;
-  use_one_thread();
+  hk_blas_threads(1);
   integer status = umfpack_dl_numeric(s->start, s->row, s->value, s->symbolic, &s->numeric, NULL, NULL);
   if (status != UMFPACK_OK && status != UMFPACK_WARNING_singular_matrix)
     return failed(s, "factorize", s->unknowns, status);
