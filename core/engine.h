@@ -1,5 +1,6 @@
 /* A run from the inside: what the parts of the engine share. Only core/ includes this.
  *
+ *   choose.c       what the command line changes in the scene
  *   state.c        the vector X, ids and masses
  *   population.c   births and deaths
  *   pins.c         imposing and filtering
@@ -133,11 +134,15 @@ struct hk_run {
 
 double hk_clock(void); /* s, monotonic */
 
+/* choose.c: the integrator and solver asked for, with their parameters; what is left out. */
+hk_status hk_choose(hk_run *);
+
 /* state.c */
 hk_status hk_state_open(hk_run *);
 void hk_state_close(hk_run *);
 void hk_state_publish(hk_run *); /* the model's pointers follow the run's arrays */
 void hk_state_view(hk_run *);    /* refreshes view, force views and system after X, n or t changed */
+void hk_state_disturb(hk_run *); /* options.disturb: free particles, at random */
 hk_status hk_state_emit(hk_run *, double h, bool *changed);
 hk_status hk_state_start_file(hk_run *); /* save.c: after the plugins' start, what scene->start_file says */
 void hk_elements_refresh(hk_run *);

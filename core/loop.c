@@ -134,6 +134,9 @@ static hk_status finish_step(hk_run *run, double t, double h) {
 static hk_status before_step(hk_run *run, double h) {
   if (run->options.interrupted && *run->options.interrupted)
     return hk_error_set(&run->error, HK_INTERRUPTED, "interrupted at t = %g s", run->system.t);
+  if (run->options.step_limit && run->steps >= run->options.step_limit)
+    return hk_error_set(&run->error, HK_INTERRUPTED, "stopped after %zu steps at t = %g s, as asked", run->steps,
+                        run->system.t);
   hk_status status = run->scene->source.count && !run->emitted ? births(run, h) : HK_OK;
   run->emitted = true;
   if (status == HK_OK && run->scene->corrector.count) status = keep_before(run);

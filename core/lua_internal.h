@@ -98,7 +98,6 @@ void hk_lua_open_scene(lua_State *L);
 
 /* lua_state.c */
 void hk_lua_push_state(lua_State *L, int scene); /* of the scene at that index, which it keeps alive */
-void hk_lua_push_summary(lua_State *L, hk_run *run);
 void hk_lua_open_state(lua_State *L);
 
 /* lua_run.c */

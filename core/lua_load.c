@@ -56,36 +56,77 @@ hk_param_given *hk_lua_push_given(lua_State *L, int table, size_t *count) {
   return given;
 }
 
+static const char *text_field(lua_State *L, int table, const char *key) {
+  lua_getfield(L, table, key);
+  const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL; /* stays alive in the table */
+  lua_pop(L, 1);
+  return text;
+}
+
+static bool flag_field(lua_State *L, int table, const char *key) {
+  lua_getfield(L, table, key);
+  bool set = lua_toboolean(L, -1);
+  lua_pop(L, 1);
+  return set;
+}
+
+/* The labels in `without`; the block that holds them stays on the stack. */
+static void read_without(lua_State *L, int table, hk_run_options *run) {
+  if (lua_getfield(L, table, "without") == LUA_TTABLE) {
+    size_t count = lua_rawlen(L, -1);
+    const char **label = lua_newuserdatauv(L, (count + 1) * sizeof *label, 0);
+    for (size_t k = 0; k < count; k++, lua_pop(L, 1)) {
+      if (lua_rawgeti(L, -2, (lua_Integer)k + 1) != LUA_TSTRING)
+        hk_lua_fail(L, HK_BAD_PARAM, "load: without: expected a list of labels");
+      label[k] = lua_tostring(L, -1);
+    }
+    run->without = label;
+    run->without_count = count;
+    lua_setfield(L, table, "without labels"); /* alive as long as the table */
+  }
+  lua_pop(L, 1);
+}
+
 static void read_options(lua_State *L, int table, hk_script_options *options, hk_run_options *run) {
-  static const char *const keys[] = {"integrator", "dt",   "tol",     "until", "out",
-                                     "output",     "seed", "threads", "trust", NULL};
+  static const char *const keys[] = {"integrator", "solver",  "dt",    "tol",          "until", "accuracy",
+                                     "out",        "output",  "seed",  "threads",      "trust", "without",
+                                     "step_limit", "disturb", "blind", "disturb_seed", NULL};
   static const char what[] = "load";
+  static const double most = 9007199254740992.0; /* 2^53 */
   hk_lua_check_keys(L, table, what, keys);
   run->dt = hk_lua_field_number(L, table, what, "dt", NAN);
   run->tol = hk_lua_field_number(L, table, what, "tol", NAN);
   run->until = hk_lua_field_number(L, table, what, "until", NAN);
-  options->seed = hk_lua_field_whole(L, table, what, "seed", 0, 9007199254740992.0); /* 2^53 */
+  run->accuracy = hk_lua_field_number(L, table, what, "accuracy", NAN);
+  run->step_limit = hk_lua_field_whole(L, table, what, "step_limit", 0, most);
+  run->disturb = hk_lua_field_number(L, table, what, "disturb", 0);
+  run->disturb_seed = hk_lua_field_whole(L, table, what, "disturb_seed", 1, most);
+  run->integrator = text_field(L, table, "integrator");
+  run->solver = text_field(L, table, "solver");
+  run->out = text_field(L, table, "out");
+  run->no_output = !flag_field(L, table, "output");
+  run->blind = flag_field(L, table, "blind");
+  options->seed = hk_lua_field_whole(L, table, what, "seed", 0, most);
   options->threads = (int)hk_lua_field_whole(L, table, what, "threads", 0, 1024);
-  if (lua_getfield(L, table, "integrator") == LUA_TSTRING) run->integrator = lua_tostring(L, -1);
-  if (lua_getfield(L, table, "out") == LUA_TSTRING) run->out = lua_tostring(L, -1);
-  lua_getfield(L, table, "output");
-  run->no_output = !lua_toboolean(L, -1);
-  lua_getfield(L, table, "trust");
-  options->trust = lua_toboolean(L, -1);
-  lua_pop(L, 4);
+  options->trust = flag_field(L, table, "trust");
+  read_without(L, table, run);
 }
 
 int hk_lua_load_scene(lua_State *L) {
   const hk_script *tool = hk_lua_script(L);
   const char *path = luaL_checkstring(L, 1);
   hk_script_options options = tool->options;
-  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .no_output = true, .progress = -1};
+  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
   hk_error error = {0};
   lua_settop(L, 3);
-  if (lua_isnil(L, 3)) {
-    lua_newtable(L);
-    lua_replace(L, 3);
+  lua_newtable(L); /* a copy, which keeps what the options point to */
+  for (lua_pushnil(L); lua_istable(L, 3) && lua_next(L, 3); lua_pop(L, 1)) {
+    lua_pushvalue(L, -2);
+    lua_pushvalue(L, -2);
+    lua_settable(L, 4);
   }
+  lua_settop(L, 4);
+  lua_replace(L, 3);
   read_options(L, 3, &options, &run);
   run.interrupted = tool->run_options.interrupted;
   options.run = &run;

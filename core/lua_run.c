@@ -2,6 +2,7 @@
  * it. The run is closed when the script is. */
 #include "core/lua_internal.h"
 #include "core/report.h"
+#include "core/verify.h"
 
 static const char run_type[] = "hooke.run";
 enum { CALL_COST = 100 }; /* of scene:run in the script's budget of instructions: an endless loop of it ends */
@@ -47,33 +48,37 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   lua_setfield(L, -2, "measures");
 }
 
-void hk_lua_push_summary(lua_State *L, hk_run *run) {
-  hk_summary s;
-  hk_run_summary(run, &s);
-  lua_createtable(L, 0, 24);
-  set_text(L, "scene", s.scene);
-  set_text(L, "integrator", s.integrator);
-  set_text(L, "verdict", hk_verdict_name(s.verdict));
-  set_text(L, "reason", s.reason);
-  set_number(L, "t", s.t);
-  set_count(L, "particles", s.n);
-  set_count(L, "steps", s.steps);
-  set_count(L, "frames", s.frames);
-  set_number(L, "dt_min", s.dt_min);
-  set_number(L, "dt_max", s.dt_max);
-  set_number(L, "dt_limit", s.dt_limit);
-  set_count(L, "force_evaluations", s.force_evaluations);
-  set_count(L, "jacobian_evaluations", s.jacobian_evaluations);
-  set_count(L, "factorizations", s.factorizations);
-  set_count(L, "linear_iterations", s.linear_iterations);
-  set_number(L, "wall_s", s.wall_s);
-  set_number(L, "step_wall_s", s.step_wall_s);
-  set_number(L, "momentum_drift", s.momentum_drift);
-  set_number(L, "constraint_violation", s.constraint_violation);
-  set_number(L, "max_strain", s.max_strain);
-  set_number(L, "exact_error", s.exact_error);
-  push_energy(L, &s);
-  push_lists(L, &s);
+static void push_summary(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, 0, 32);
+  set_text(L, "scene", s->scene);
+  set_text(L, "integrator", s->integrator);
+  set_text(L, "verdict", hk_verdict_name(s->verdict));
+  set_text(L, "reason", s->reason);
+  set_number(L, "t", s->t);
+  set_number(L, "end", s->end);
+  set_number(L, "fps", s->fps);
+  set_count(L, "particles", s->n);
+  set_count(L, "steps", s->steps);
+  set_count(L, "frames", s->frames);
+  set_number(L, "dt_min", s->dt_min);
+  set_number(L, "dt_max", s->dt_max);
+  set_number(L, "dt_limit", s->dt_limit);
+  set_count(L, "force_evaluations", s->force_evaluations);
+  set_count(L, "jacobian_evaluations", s->jacobian_evaluations);
+  set_count(L, "factorizations", s->factorizations);
+  set_count(L, "linear_iterations", s->linear_iterations);
+  if (s->solver) set_text(L, "solver", s->solver);
+  set_number(L, "kinetic_max", s->kinetic_max);
+  set_number(L, "wall_s", s->wall_s);
+  set_number(L, "step_wall_s", s->step_wall_s);
+  set_number(L, "momentum_drift", s->momentum_drift);
+  set_number(L, "constraint_violation", s->constraint_violation);
+  set_number(L, "max_strain", s->max_strain);
+  set_number(L, "exact_error", s->exact_error);
+  set_number(L, "accuracy", s->accuracy);
+  set_number(L, "verify_difference", s->verify_difference);
+  push_energy(L, s);
+  push_lists(L, s);
 }
 
 static hk_run *run_of(lua_State *L) {
@@ -90,7 +95,42 @@ static int state(lua_State *L) {
 }
 
 static int summary(lua_State *L) {
-  hk_lua_push_summary(L, run_of(L));
+  hk_summary s;
+  hk_run_summary(run_of(L), &s);
+  push_summary(L, &s);
+  return 1;
+}
+
+/* Tools: the summary after a second run has checked it, and what that run died of. */
+static int verify(lua_State *L) {
+  hk_run *run = run_of(L);
+  lua_getiuservalue(L, 1, 1);
+  hk_script *owner = hk_lua_owner(L, -1);
+  hk_summary s;
+  hk_error error = {0};
+  if (owner == hk_lua_script(L)) return hk_lua_fail(L, HK_SCRIPT, "run:verify is for scenes that hooke.load loaded");
+  hk_run_summary(run, &s);
+  hk_status status = hk_verify(owner->path, &owner->options, &owner->run_options, run, &s, &error);
+  push_summary(L, &s);
+  if (status == HK_OK) return 1;
+  lua_pushstring(L, error.text);
+  return 2;
+}
+
+/* The state as a string of doubles: n, t, then ids, positions and velocities, n, 3n and 3n of them. */
+static int packed(lua_State *L) {
+  const hk_view *view = hk_run_view(run_of(L));
+  luaL_Buffer buffer;
+  double head[2] = {(double)view->n, view->t};
+  luaL_buffinit(L, &buffer);
+  luaL_addlstring(&buffer, (const char *)head, sizeof head);
+  for (size_t i = 0; i < view->n; i++) {
+    double id = view->model->id[i];
+    luaL_addlstring(&buffer, (const char *)&id, sizeof id);
+  }
+  luaL_addlstring(&buffer, (const char *)view->x, 3 * view->n * sizeof *view->x);
+  luaL_addlstring(&buffer, (const char *)view->v, 3 * view->n * sizeof *view->v);
+  luaL_pushresult(&buffer);
   return 1;
 }
 
@@ -158,7 +198,8 @@ int hk_lua_scene_run(lua_State *L) {
 }
 
 void hk_lua_open_run(lua_State *L) {
-  static const luaL_Reg methods[] = {{"state", state}, {"summary", summary}, {"save", save}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"state", state},   {"summary", summary}, {"save", save},
+                                     {"verify", verify}, {"packed", packed},   {NULL, NULL}};
   luaL_newmetatable(L, run_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);

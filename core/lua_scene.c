@@ -106,7 +106,8 @@ static hk_scene *new_scene(lua_State *L) {
 }
 
 static int scene(lua_State *L) {
-  static const char *const keys[] = {"duration", "fps", "dt", "tol", "integrator", "solver", "seed", "threads", NULL};
+  static const char *const keys[] = {"duration",   "fps",    "dt",   "tol",     "accuracy",
+                                     "integrator", "solver", "seed", "threads", NULL};
   const hk_script *s = hk_lua_script(L);
   if (lua_isnoneornil(L, 1)) lua_newtable(L);
   luaL_checktype(L, 1, LUA_TTABLE);
@@ -119,6 +120,7 @@ static int scene(lua_State *L) {
   made->fps = positive(L, "fps", made->fps);
   made->dt = positive(L, "dt", NAN);
   made->tol = positive(L, "tol", made->tol);
+  made->accuracy = positive(L, "accuracy", NAN);
   made->seed =
       s->options.seed ? s->options.seed : hk_lua_field_whole(L, 1, "scene", "seed", 0, 9007199254740992.0); /* 2^53 */
   made->threads = s->options.threads ? s->options.threads : (int)hk_lua_field_whole(L, 1, "scene", "threads", 0, 1024);

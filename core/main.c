@@ -7,6 +7,7 @@
 #include "core/report.h"
 #include "core/script.h"
 #include "core/tool.h"
+#include "core/verify.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -112,22 +113,6 @@ static hk_script_options script_options(const hk_options *o, hk_registry *regist
 
 /* ---- one run of a scene ---- */
 
-typedef struct result {
-  hk_status status;
-  hk_verdict verdict;
-  size_t n;
-  double *x; /* final positions, for --verify */
-  double dt; /* largest step taken */
-} result;
-
-static void keep_positions(hk_run *run, const hk_summary *s, result *r) {
-  const hk_view *view = hk_run_view(run);
-  r->n = view->n;
-  r->dt = s->dt_max;
-  r->x = malloc((3 * view->n + 1) * sizeof *r->x);
-  if (r->x) memcpy(r->x, view->x, 3 * view->n * sizeof *r->x);
-}
-
 /* To the end, outputs closed, the state written: whatever happens on the way, what there is is kept. */
 static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   hk_status status = hk_run_advance(run, hk_run_end(run), error);
@@ -143,37 +128,6 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   }
   if (closed != HK_OK) hk_error_set(error, closed, "%s", later.text);
   return closed;
-}
-
-static void half_the_step(const hk_options *o, hk_registry *registry, const char *library, const result *whole,
-                          double *difference) {
-  hk_options half = *o;
-  hk_script *script = NULL;
-  hk_run *run = NULL;
-  hk_error error = {0};
-  half.run.dt = whole->dt / 2;
-  half.run.tol = isnan(o->run.tol) ? NAN : o->run.tol / 10;
-  half.run.no_output = true;
-  half.run.progress = -1;
-  hk_script_options options = script_options(&half, registry, library);
-  hk_status status = hk_script_open(o->scene, &options, &script, &error);
-  hk_scene *scene = script ? hk_script_scene(script) : NULL;
-  if (status == HK_OK && scene) {
-    if (isnan(half.run.tol)) half.run.tol = scene->tol / 10;
-    status = hk_run_open(scene, &half.run, &run, &error);
-  }
-  if (status == HK_OK && run) status = hk_run_advance(run, hk_run_end(run), &error);
-  *difference = NAN;
-  if (status == HK_OK && run && hk_run_view(run)->n == whole->n && whole->x && whole->n) {
-    double sum = 0;
-    for (size_t k = 0; k < 3 * whole->n; k++)
-      sum += (hk_run_view(run)->x[k] - whole->x[k]) * (hk_run_view(run)->x[k] - whole->x[k]);
-    *difference = sqrt(sum / (double)whole->n);
-  }
-  if (status != HK_OK) fprintf(stderr, "hooke: --verify: %s\n", error.text);
-  if (run) hk_run_close(run, &error);
-  hk_run_destroy(run);
-  hk_script_close(script);
 }
 
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
@@ -194,14 +148,14 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   if (status != HK_OK) return complain(&error);
   status = finish(run, o, &error);
   hk_summary summary;
-  result whole = {.status = status};
   hk_run_summary(run, &summary);
-  int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
-  if (status == HK_OK && o->verify) {
-    keep_positions(run, &summary, &whole);
-    half_the_step(o, registry, library, &whole, &summary.verify_difference);
-    free(whole.x);
+  if (status == HK_OK && (o->verify || summary.accuracy > 0)) {
+    hk_script_options options = script_options(o, registry, library);
+    hk_error second = {0};
+    if (hk_verify(o->scene, &options, &o->run, run, &summary, &second) != HK_OK)
+      fprintf(stderr, "hooke: with half the step: %s\n", second.text);
   }
+  int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
   if (fflush(stdout) != 0) code = complain(&(hk_error){HK_IO, "cannot write to standard output"});
   if (status != HK_OK) complain(&error);
@@ -289,7 +243,7 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
             near ? near : "", near ? "'?" : "");
     return 1;
   }
-  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .interrupted = &interrupted};
+  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
   int code = 0;
   registry->allow_script_folder = true;

@@ -18,12 +18,14 @@ typedef struct option {
 #define AT(field) offsetof(hk_options, field)
 
 static const option options[] = {
-    {"--integrator", "NAME", "the integrator, in place of the scene's choice and its parameters", TEXT,
+    {"--integrator", "NAME", "in place of the scene's choice; with parameters: NAME:parameter=value,...", TEXT,
      AT(run.integrator)},
     {"--solver", "NAME", "the linear solver, in place of the scene's choice; auto: by the forces and the size", TEXT,
      AT(run.solver)},
     {"--dt", "SECONDS", "the longest step", POSITIVE, AT(run.dt)},
     {"--tol", "X", "relative tolerance of adaptive integrators", POSITIVE, AT(run.tol)},
+    {"--accuracy", "METRES", "of the positions at the end; the run is then checked with half the step", POSITIVE,
+     AT(run.accuracy)},
     {"--until", "SECONDS", "end there instead of at the scene's duration", NOT_NEGATIVE, AT(run.until)},
     {"--threads", "N", "number of threads; results do not depend on it", COUNT, AT(threads)},
     {"--seed", "N", "seed of all random numbers, default 0", WHOLE, AT(seed)},
@@ -116,7 +118,7 @@ static void keep_param(hk_options *into, char *word) {
 }
 
 hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *error) {
-  *into = (hk_options){.run = {.dt = NAN, .tol = NAN, .until = NAN}};
+  *into = (hk_options){.run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN}};
   into->given = calloc((size_t)argc + 1, sizeof *into->given);
   if (!into->given) return hk_error_set(error, HK_NO_MEMORY, "no memory for the options");
   for (int i = 0; i < argc; i++) {

@@ -47,7 +47,9 @@ static void text_accuracy(FILE *f, const hk_summary *s) {
     fprintf(f, "  constraints       violated by at most %.3g m\n", s->constraint_violation);
   if (isfinite(s->exact_error))
     fprintf(f, "  error             %.4g m RMS against the exact solution\n", s->exact_error);
-  if (isfinite(s->verify_difference)) fprintf(f, "  half the step     differs by %.4g m RMS\n", s->verify_difference);
+  if (isfinite(s->verify_difference))
+    fprintf(f, "  half the step     differs by %.4g m RMS (from a start off by 1e-10 of the extent)\n",
+            s->verify_difference);
 }
 
 static void text_times(FILE *f, const hk_summary *s) {
@@ -159,6 +161,7 @@ void hk_report_json(FILE *f, const hk_summary *s) {
   json_measured(f, "constraint_violation", s->constraint_violation);
   json_measured(f, "max_strain", s->max_strain);
   json_measured(f, "exact_error", s->exact_error);
+  json_measured(f, "accuracy", s->accuracy);
   json_measured(f, "verify_difference", s->verify_difference);
   json_plugins(f, s);
   fputs("\"measures\":{", f);

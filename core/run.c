@@ -21,39 +21,6 @@ static hk_status start_threads(hk_run *run) {
   return HK_OK;
 }
 
-static hk_status choose_solver(hk_run *run) {
-  hk_scene *scene = run->scene;
-  const char *name = run->options.solver;
-  hk_instance *instance;
-  if (!name) return HK_OK;
-  if (scene->solver) hk_scene_drop(scene, scene->solver);
-  if (strcmp(name, "auto") == 0) return HK_OK;
-  hk_status status = hk_scene_add_plugin(scene, HK_SOLVER, name, NULL, "", &instance, &run->error);
-  return status == HK_OK ? hk_instance_check(instance, &run->error) : status;
-}
-
-static hk_status choose_integrator(hk_run *run) {
-  hk_scene *scene = run->scene;
-  const char *name = run->options.integrator;
-  if (name || !scene->integrator) {
-    hk_instance *instance;
-    hk_status status =
-        hk_scene_add_plugin(scene, HK_INTEGRATOR, name ? name : "leapfrog", NULL, "", &instance, &run->error);
-    if (status == HK_OK) status = hk_instance_check(instance, &run->error);
-    if (status != HK_OK) return status;
-  }
-  hk_status status = choose_solver(run);
-  if (status != HK_OK) return status;
-  run->method = scene->integrator->plugin->integrator;
-  if (scene->constraint.count && run->method->flags & HK_IMPLICIT)
-    return hk_error_set(&run->error, HK_BAD_PARAM,
-                        "%s takes no constraints ('%s'): choose an explicit integrator, or stiff springs instead",
-                        scene->integrator->plugin->name, scene->constraint.item[0]->label);
-  run->system.host = &scene->integrator->host;
-  run->system.tol = isnan(run->options.tol) ? scene->tol : run->options.tol;
-  return HK_OK;
-}
-
 static hk_status start_instance(hk_run *run, hk_instance *instance) {
   hk_view view = run->view;
   view.host = &instance->host;
@@ -121,7 +88,7 @@ static hk_status show_start(hk_run *run) {
 static hk_status build(hk_run *run) {
   hk_scene *scene = run->scene;
   hk_status status = start_threads(run);
-  if (status == HK_OK) status = choose_integrator(run);
+  if (status == HK_OK) status = hk_choose(run);
   if (status == HK_OK) status = hk_folder_open(run);
   if (status == HK_OK) status = hk_state_open(run);
   if (status == HK_OK) status = hk_system_open(run);
@@ -133,6 +100,7 @@ static hk_status build(hk_run *run) {
     run->force_acts[k] = run->system.t >= scene->force.item[k]->from && run->system.t < scene->force.item[k]->to;
   hk_state_view(run);
   hk_elements_refresh(run);
+  if (run->options.disturb > 0) hk_state_disturb(run);
   status = hk_pins_impose(run, run->system.t, run->X, run->X + 3 * run->model.n);
   if (status == HK_OK && run->constraints && !run->resumed)
     status = hk_constraints_project(run, run->system.t, run->X, run->X + 3 * run->model.n);

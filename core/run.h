@@ -8,9 +8,16 @@
 #include <signal.h>
 
 typedef struct hk_run_options {
-  const char *integrator; /* replaces the scene's choice; NULL: keep */
+  const char *integrator; /* "name" or "name:parameter=value,..." replaces the scene's choice; NULL: keep */
   const char *solver;     /* the same; "auto": chosen */
   double dt, tol, until;  /* NAN: the scene's */
+  double accuracy;        /* m, of the positions at the end (RMS); NAN: the scene's; 0: none is asked for */
+  size_t step_limit;      /* HK_INTERRUPTED after so many steps; 0: none */
+  double disturb;         /* start positions are off by up to this part of the scene's extent in every direction */
+  uint64_t disturb_seed;
+  bool blind; /* judge without the scene's exact solution, as one without it is judged */
+  size_t without_count;
+  const char *const *without; /* labels of what is left out of the scene */
   const char *out;        /* NULL: "out/NAME" */
   bool no_output;
   int progress;                             /* 0: quiet, 1: lines, 2: one line on a terminal */
@@ -28,7 +35,7 @@ typedef struct hk_summary {
   bool solver_chosen; /* by hooke, for the forces and the number of unknowns */
   hk_verdict verdict;
   char reason[1024]; /* why it is not ok; "" otherwise */
-  double t;
+  double t, end, fps; /* s, s, 1/s: reached, meant to be reached, frames */
   size_t n, steps, force_evaluations, jacobian_evaluations, factorizations, linear_iterations, frames;
   double dt_min, dt_max, dt_limit; /* s; limit: largest stable step of the linearised scene at the start, NAN unknown */
   bool dt_chosen;
@@ -39,7 +46,8 @@ typedef struct hk_summary {
   double constraint_violation; /* m */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
-  double verify_difference;    /* m, --verify: RMS difference to half the step; NAN */
+  double accuracy;             /* m, asked for; NAN: none */
+  double verify_difference;    /* m, RMS difference to half the step from a disturbed start (verify.h); NAN */
   size_t plugins;
   hk_plugin_time *plugin;
   size_t measures;
@@ -68,6 +76,7 @@ hk_status hk_run_energy(hk_run *, double *kinetic, double *potential, double *wo
 hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
 hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *error); /* (l - L)/L, by magnitude */
 void hk_run_summary(hk_run *, hk_summary *); /* pointers valid until the run is destroyed */
+double hk_run_extent(const hk_run *); /* m, longest side of the box around the particles; 1 when there is none */
 /* Final (or last good) state, "id,x,y,z,vx,vy,vz,mass", 17 digits. */
 hk_status hk_run_write_state(hk_run *, const char *path, hk_error *error);
 /* Everything that goes on: state, ids, plugin fields, random streams. */

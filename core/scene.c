@@ -29,6 +29,7 @@ hk_scene *hk_scene_create(const char *script, hk_registry *registry) {
   scene->fps = 60;
   scene->dt = NAN;
   scene->tol = 1e-6;
+  scene->accuracy = NAN;
   scene->shared.allocations_left = -1;
   uint32_t group;
   if (!scene->name || !scene->script || hk_scene_add_group(scene, "default", &group, NULL) != HK_OK) {

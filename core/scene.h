@@ -46,6 +46,7 @@ typedef struct hk_scene {
   double fps;      /* default 60 */
   double dt;       /* s, or NAN: chosen */
   double tol;      /* default 1e-6 */
+  double accuracy; /* m, asked for the positions at the end (RMS); NAN: not said */
   uint64_t seed;
   hk_registry *registry;
   int threads;      /* 0: one per processor */

@@ -4,6 +4,7 @@
  * appended, so an id is found by bisection. */
 #include "core/engine.h"
 #include "core/memory.h"
+#include "core/random.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -124,6 +125,30 @@ hk_status hk_state_open(hk_run *run) {
   set_inverse_mass(run);
   hk_state_view(run);
   return HK_OK;
+}
+
+double hk_run_extent(const hk_run *run) {
+  double extent = 0;
+  for (int c = 0; c < 3; c++) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; i < run->model.n; i++) {
+      low = fmin(low, run->X[3 * i + (size_t)c]);
+      high = fmax(high, run->X[3 * i + (size_t)c]);
+    }
+    extent = fmax(extent, high - low);
+  }
+  return extent > 0 ? extent : 1;
+}
+
+void hk_state_disturb(hk_run *run) {
+  uint64_t random[4];
+  double size = run->options.disturb * hk_run_extent(run);
+  hk_random_seed(random, run->options.disturb_seed);
+  for (size_t i = 0; i < run->model.n; i++)
+    for (int c = 0; c < 3; c++) {
+      double off = size * (2 * hk_random_uniform(random) - 1);
+      if (run->pin[i] == HK_FREE) run->X[3 * i + (size_t)c] += off;
+    }
 }
 
 void hk_state_close(hk_run *run) {

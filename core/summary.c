@@ -60,6 +60,8 @@ void hk_run_summary(hk_run *run, hk_summary *s) {
   s->solver_chosen = run->solver_chosen;
   snprintf(s->reason, sizeof s->reason, "%s", run->reason);
   s->t = run->verdict == HK_DIVERGED ? run->good.t : run->system.t;
+  s->end = run->end;
+  s->fps = run->scene->fps;
   s->n = run->model.n;
   s->steps = run->steps;
   s->frames = run->frame;
@@ -80,6 +82,8 @@ void hk_run_summary(hk_run *run, hk_summary *s) {
   bool found;
   double now = hk_strain_largest(run, NULL, &found);
   s->max_strain = !found ? NAN : fabs(now) > fabs(run->strain_max) || !isfinite(now) ? now : run->strain_max;
+  s->accuracy = isnan(run->options.accuracy) ? run->scene->accuracy : run->options.accuracy;
+  if (!(s->accuracy > 0)) s->accuracy = NAN;
   s->exact_error = run->verdict == HK_DIVERGED ? NAN : hk_exact_error(run);
   s->verify_difference = NAN;
   s->plugins = plugin_times(run);

@@ -180,7 +180,7 @@ static void describe(lua_State *L, hk_run *run) {
 static int explain(lua_State *L) {
   const hk_script *tool = hk_lua_script(L);
   hk_script_options options = tool->options;
-  hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .no_output = true, .progress = -1};
+  hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
   hk_error error = {0};
   hk_script *script = NULL;
   hk_run *run = NULL;

@@ -17,7 +17,7 @@
 static hk_registry registry;
 static hk_error error;
 static hk_verdict worst;
-static hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .no_output = true, .progress = -1};
+static hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
 
 static int open_registry(void **state) {
   (void)state;

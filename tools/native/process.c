@@ -1,0 +1,138 @@
+/* process: child processes, pipes and clocks, which Lua lacks (Debian's lua-posix stops at Lua 5.3). A call that the
+ * system refuses raises an error with the system's words, unless it says otherwise. */
+#include <errno.h>
+#include <lauxlib.h>
+#include <lua.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static int refuse(lua_State *L, const char *what) { return luaL_error(L, "%s: %s", what, strerror(errno)); }
+
+/* clock() -> s, of a clock that only goes forward. */
+static int get_clock(lua_State *L) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  lua_pushnumber(L, (double)t.tv_sec + 1e-9 * (double)t.tv_nsec);
+  return 1;
+}
+
+/* terminal(fd) -> whether it is one. processors() -> how many are at hand. */
+static int is_terminal(lua_State *L) {
+  lua_pushboolean(L, isatty((int)luaL_checkinteger(L, 1)));
+  return 1;
+}
+
+static int processors(lua_State *L) {
+  long online = sysconf(_SC_NPROCESSORS_ONLN);
+  lua_pushinteger(L, online > 0 ? online : 1);
+  return 1;
+}
+
+/* fork() -> in the parent: pid, fd to read what the child writes; in the child: 0, fd to write to. */
+static int start(lua_State *L) {
+  int fd[2];
+  if (pipe(fd) != 0) return refuse(L, "pipe");
+  fflush(NULL);
+  pid_t pid = fork();
+  if (pid < 0) {
+    close(fd[0]);
+    close(fd[1]);
+    return refuse(L, "fork");
+  }
+  close(fd[pid == 0 ? 0 : 1]);
+  lua_pushinteger(L, pid);
+  lua_pushinteger(L, fd[pid == 0 ? 1 : 0]);
+  return 2;
+}
+
+/* write(fd, text) -> whether all of it went out (the reader may be gone). */
+static int write_all(lua_State *L) {
+  size_t size, at = 0;
+  int fd = (int)luaL_checkinteger(L, 1);
+  const char *text = luaL_checklstring(L, 2, &size);
+  while (at < size) {
+    ssize_t count = write(fd, text + at, size - at);
+    if (count < 0 && errno != EINTR) break;
+    if (count > 0) at += (size_t)count;
+  }
+  lua_pushboolean(L, at == size);
+  return 1;
+}
+
+/* read(fd) -> what there is, "" at the end. */
+static int read_some(lua_State *L) {
+  luaL_Buffer buffer;
+  enum { ROOM = 1 << 16 };
+  char *room = luaL_buffinitsize(L, &buffer, ROOM);
+  ssize_t count;
+  do count = read((int)luaL_checkinteger(L, 1), room, ROOM);
+  while (count < 0 && errno == EINTR);
+  luaL_pushresultsize(&buffer, count > 0 ? (size_t)count : 0);
+  return 1;
+}
+
+static int close_fd(lua_State *L) {
+  close((int)luaL_checkinteger(L, 1));
+  return 0;
+}
+
+/* ready({fd, ...}, s) -> { [fd] = true } of those that can be read, or were closed; waits so long for the first. */
+static int ready(lua_State *L) {
+  enum { MOST = 256 };
+  struct pollfd list[MOST];
+  luaL_checktype(L, 1, LUA_TTABLE);
+  size_t count = lua_rawlen(L, 1);
+  luaL_argcheck(L, count <= MOST, 1, "more than 256 processes at once");
+  for (size_t k = 0; k < count; k++, lua_pop(L, 1)) {
+    lua_rawgeti(L, 1, (lua_Integer)k + 1);
+    list[k] = (struct pollfd){.fd = (int)lua_tointeger(L, -1), .events = POLLIN};
+  }
+  if (poll(list, (nfds_t)count, (int)(1e3 * luaL_checknumber(L, 2))) < 0 && errno != EINTR) return refuse(L, "poll");
+  lua_newtable(L);
+  for (size_t k = 0; k < count; k++) {
+    if (!list[k].revents) continue;
+    lua_pushboolean(L, 1);
+    lua_rawseti(L, -2, list[k].fd);
+  }
+  return 1;
+}
+
+/* wait(pid) -> "exit" or "signal", and its number. */
+static int wait_for(lua_State *L) {
+  int status;
+  pid_t pid = (pid_t)luaL_checkinteger(L, 1), got;
+  do got = waitpid(pid, &status, 0);
+  while (got < 0 && errno == EINTR);
+  if (got < 0) return refuse(L, "waitpid");
+  lua_pushstring(L, WIFSIGNALED(status) ? "signal" : "exit");
+  lua_pushinteger(L, WIFSIGNALED(status) ? WTERMSIG(status) : WEXITSTATUS(status));
+  return 2;
+}
+
+static int kill_it(lua_State *L) {
+  kill((pid_t)luaL_checkinteger(L, 1), SIGKILL);
+  return 0;
+}
+
+/* exit(code): at once, without what was registered for the end of the parent. */
+static int exit_now(lua_State *L) {
+  fflush(NULL);
+  _exit((int)luaL_checkinteger(L, 1));
+}
+
+__attribute__((visibility("default"))) int luaopen_process(lua_State *L);
+
+int luaopen_process(lua_State *L) {
+  static const luaL_Reg functions[] = {{"clock", get_clock}, {"terminal", is_terminal}, {"processors", processors},
+                                       {"fork", start},      {"write", write_all},      {"read", read_some},
+                                       {"close", close_fd},  {"ready", ready},          {"wait", wait_for},
+                                       {"kill", kill_it},    {"exit", exit_now},        {NULL, NULL}};
+  signal(SIGPIPE, SIG_IGN); /* a child whose parent is gone is told by write */
+  luaL_newlib(L, functions);
+  return 1;
+}
