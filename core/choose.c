@@ -71,6 +71,9 @@ hk_status hk_choose(hk_run *run) {
   const hk_run_options *o = &run->options;
   hk_status status = HK_OK;
   for (size_t k = 0; k < o->without_count && status == HK_OK; k++) status = leave_out(run, o->without[k]);
+  if (status == HK_OK && !o->integrator && scene->integrator_auto)
+    return hk_error_set(&run->error, HK_BAD_PARAM,
+                        "the scene's integrator is 'auto', which `hooke run` chooses: name one (--integrator NAME)");
   if (status == HK_OK && (o->integrator || !scene->integrator))
     status = add_with_settings(run, HK_INTEGRATOR, o->integrator ? o->integrator : "leapfrog");
   if (status == HK_OK && o->solver && scene->solver) hk_scene_drop(scene, scene->solver);

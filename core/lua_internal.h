@@ -27,6 +27,7 @@ struct hk_script {
   hk_scene *returned;
   bool drove;
   hk_verdict worst;
+  hk_choice chosen; /* a tool's answer */
   size_t params, param_capacity;
   hk_param_declared *param;
 };

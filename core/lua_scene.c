@@ -26,19 +26,23 @@ static void check(lua_State *L, hk_status status, const hk_error *error) {
 
 /* ---- plugins ---- */
 
-/* "auto": no solver is named, and the run takes the one that suits its forces and its size. */
-static void forget_solver(lua_State *L, hk_scene *scene, int params) {
+/* "auto": none is named. The run takes the solver that suits its forces and its size; the integrator is chosen by
+ * measuring, before. */
+static void forget(lua_State *L, hk_scene *scene, hk_kind kind, int params) {
+  hk_instance *old = kind == HK_SOLVER ? scene->solver : scene->integrator;
   lua_pushnil(L);
   if (params && lua_istable(L, params) && lua_next(L, params))
-    hk_lua_fail(L, HK_BAD_PARAM, "solver: auto has no parameters; name the solver to set its own");
-  if (scene->solver) hk_scene_drop(scene, scene->solver);
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: auto has no parameters; name one to set its own", hk_kind_name(kind));
+  if (old) hk_scene_drop(scene, old);
+  if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
 }
 
 static hk_instance *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
-  if (kind == HK_SOLVER && strcmp(name, "auto") == 0) {
-    forget_solver(L, scene, params);
+  if ((kind == HK_SOLVER || kind == HK_INTEGRATOR) && strcmp(name, "auto") == 0) {
+    forget(L, scene, kind, params);
     return NULL;
   }
+  if (kind == HK_INTEGRATOR) scene->integrator_auto = false;
   hk_error error = {0};
   hk_instance *instance;
   const char *label = NULL;

@@ -18,7 +18,8 @@ typedef struct option {
 #define AT(field) offsetof(hk_options, field)
 
 static const option options[] = {
-    {"--integrator", "NAME", "in place of the scene's choice; with parameters: NAME:parameter=value,...", TEXT,
+    {"--integrator", "NAME",
+     "in place of the scene's choice; NAME:parameter=value,... sets its own; auto: chosen by measuring", TEXT,
      AT(run.integrator)},
     {"--solver", "NAME", "the linear solver, in place of the scene's choice; auto: by the forces and the size", TEXT,
      AT(run.solver)},

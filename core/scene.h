@@ -66,6 +66,7 @@ typedef struct hk_scene {
   hk_pin_spec *pin;
   hk_instances force, constraint, corrector, source, output;
   hk_instance *integrator, *solver; /* NULL: the default ("leapfrog", "cholmod") */
+  bool integrator_auto;             /* none is named: it is to be chosen by measuring (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */

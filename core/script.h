@@ -17,6 +17,11 @@ typedef struct hk_param_declared { /* by param() in the script */
   char *initial, *value; /* as text */
 } hk_param_declared;
 
+typedef struct hk_choice { /* of an integrator and its step */
+  char integrator[256];    /* "name" or "name:parameter=value,..."; "": none */
+  double dt, tol;          /* NAN: its own */
+} hk_choice;
+
 typedef struct hk_script_options {
   hk_registry *registry;
   const char *library;        /* folder of scripts/lib; NULL: none */

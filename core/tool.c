@@ -162,7 +162,7 @@ static void describe(lua_State *L, hk_run *run) {
   for (size_t k = 0; k < run->pins; k++) pinned += run->pin_state[k].count;
   lua_newtable(L);
   set_text(L, "scene", scene->name);
-  set_text(L, "integrator", scene->integrator->plugin->name);
+  set_text(L, "integrator", scene->integrator_auto ? "auto" : scene->integrator->plugin->name);
   set_number(L, "particles", (double)run->model.n);
   set_number(L, "pinned", (double)pinned);
   set_number(L, "triangles", (double)run->model.triangles);
@@ -180,7 +180,8 @@ static void describe(lua_State *L, hk_run *run) {
 static int explain(lua_State *L) {
   const hk_script *tool = hk_lua_script(L);
   hk_script_options options = tool->options;
-  hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
+  hk_run_options run_options = {
+      .dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
   hk_error error = {0};
   hk_script *script = NULL;
   hk_run *run = NULL;
@@ -191,6 +192,7 @@ static int explain(lua_State *L) {
   if (status == HK_OK) status = hk_script_open(luaL_checkstring(L, 1), &options, &script, &error);
   if (status == HK_OK && !hk_script_scene(script))
     status = hk_error_set(&error, HK_SCRIPT, "the script drives its own runs");
+  if (status == HK_OK && hk_script_scene(script)->integrator_auto) run_options.integrator = "leapfrog";
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
   if (status == HK_OK) status = hk_step_estimate(run);
   if (status == HK_OK)
@@ -218,9 +220,20 @@ static int nearest(lua_State *L) {
   return 1;
 }
 
+/* hooke.chosen(integrator, dt, tol): the answer of tools/auto.lua; dt and tol may be nil. */
+static int chosen(lua_State *L) {
+  hk_choice *choice = &hk_lua_script(L)->chosen;
+  const char *name = luaL_checkstring(L, 1);
+  luaL_argcheck(L, strlen(name) < sizeof choice->integrator, 1, "too long");
+  strcpy(choice->integrator, name);
+  choice->dt = luaL_optnumber(L, 2, NAN);
+  choice->tol = luaL_optnumber(L, 3, NAN);
+  return 0;
+}
+
 static void open_tool(lua_State *L, const hk_script *s, int argc, char **argv) {
-  static const luaL_Reg functions[] = {
-      {"catalogue", catalogue}, {"explain", explain}, {"load", hk_lua_load_scene}, {"nearest", nearest}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"catalogue", catalogue}, {"explain", explain}, {"load", hk_lua_load_scene},
+                                       {"nearest", nearest},     {"chosen", chosen},   {NULL, NULL}};
   lua_getglobal(L, "hooke");
   luaL_setfuncs(L, functions, 0);
   set_text(L, "plugins", s->options.registry->root);
@@ -262,7 +275,7 @@ static int run_tool(lua_State *L) {
 }
 
 hk_status hk_tool_run(const char *path, int argc, char **argv, const hk_script_options *options, int *exit_code,
-                      hk_error *error) {
+                      hk_choice *choice, hk_error *error) {
   hk_script *s = hk_script_new(path, options);
   call c = {argc, argv, 0};
   if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory for the tool %s", argv[0]);
@@ -270,6 +283,7 @@ hk_status hk_tool_run(const char *path, int argc, char **argv, const hk_script_o
   lua_pushlightuserdata(s->L, &c);
   hk_status status = hk_lua_call(s->L, 1, 0, error);
   *exit_code = c.exit_code;
+  if (choice) *choice = s->chosen;
   hk_script_close(s);
   return status;
 }
