@@ -254,7 +254,7 @@ static void tools_load_and_drive_scenes(void **state) {
                               "return 7");
   hk_script_options options = {.registry = &registry, .trust = true, .run = &run_options};
   error = (hk_error){0};
-  hk_tool_run(tool, 1, arguments, &options, &code, &error);
+  hk_tool_run(tool, 1, arguments, &options, &code, NULL, &error);
   assert_string_equal(error.text, "");
   assert_int_equal(code, 7);
 }
