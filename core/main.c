@@ -1,5 +1,6 @@
 /* hooke: the command line. `run` is built in; `hooke NAME` runs tools/NAME.lua. Only here does the process exit, read
  * the environment or catch a signal. */
+#include "core/auto.h"
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/options.h"
@@ -12,9 +13,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <limits.h>
-#include <math.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,66 +164,6 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   return code;
 }
 
-/* ---- --integrator auto ---- */
-
-/* The words after "hooke" that ask tools/auto.lua: what `run` was given, with the accuracy. */
-typedef struct words {
-  int count;
-  char **word;
-} words;
-
-static bool add_word(words *w, const char *format, ...) {
-  char text[PATH_MAX];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return (w->word[w->count++] = hk_string_copy(text)) != NULL;
-}
-
-static bool question(words *w, const hk_options *o, double accuracy) {
-  w->count = 0;
-  w->word = calloc(o->given_count + 12, sizeof *w->word);
-  bool fine = w->word && add_word(w, "auto") && add_word(w, "%s", o->scene);
-  for (size_t k = 0; k < o->given_count && fine; k++) fine = add_word(w, "%s=%s", o->given[k].name, o->given[k].value);
-  fine = fine && add_word(w, "--accuracy") && add_word(w, "%.17g", accuracy);
-  if (fine && !isnan(o->run.until)) fine = add_word(w, "--until") && add_word(w, "%.17g", o->run.until);
-  if (fine && o->quiet) fine = add_word(w, "--quiet");
-  if (fine && o->trust) fine = add_word(w, "--trust");
-  return fine;
-}
-
-/* Asks tools/auto.lua, which measures, and puts what it chose in the options. */
-static hk_status choose_by_measuring(hk_options *o, const hk_scene *scene, hk_registry *registry, const places *p,
-                                     const char *library, hk_choice *choice, hk_error *error) {
-  double accuracy = isnan(o->run.accuracy) ? scene->accuracy : o->run.accuracy;
-  char path[PATH_MAX + 16];
-  words w;
-  int code = 0;
-  if (!(accuracy > 0))
-    return hk_error_set(error, HK_BAD_PARAM,
-                        "integrator 'auto' needs to know the accuracy that is asked for: accuracy = 1e-3 (m) in "
-                        "hooke.scene{}, or --accuracy 1e-3");
-  snprintf(path, sizeof path, "%s/auto.lua", p->tools);
-  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
-  hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
-  hk_status status = question(&w, o, accuracy) ? hk_tool_run(path, w.count, w.word, &options, &code, choice, error)
-                                               : hk_error_set(error, HK_NO_MEMORY, "no memory to choose an integrator");
-  for (int k = 0; k < w.count; k++) free(w.word[k]);
-  free(w.word);
-  if (status == HK_OK && (code != 0 || !*choice->integrator))
-    status = hk_error_set(error, HK_FAILED, "no integrator was chosen for %s: name one (--integrator NAME)", o->scene);
-  if (status != HK_OK) return status;
-  o->run.integrator = choice->integrator;
-  if (isnan(o->run.dt)) o->run.dt = choice->dt;
-  if (isnan(o->run.tol)) o->run.tol = choice->tol;
-  return HK_OK;
-}
-
-static bool wants_choice(const hk_options *o, const hk_scene *scene) {
-  return o->run.integrator ? strcmp(o->run.integrator, "auto") == 0 : scene->integrator_auto;
-}
-
 static void catch_signals(void) {
   struct sigaction action = {.sa_handler = interrupt};
   sigemptyset(&action.sa_mask);
@@ -260,8 +199,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
       code = complain(&error);
     else if (hk_script_drove(script, &worst))
       code = verdict_code(worst);
-    else if (wants_choice(&o, hk_script_scene(script)) &&
-             choose_by_measuring(&o, hk_script_scene(script), registry, p, library, &choice, &error) != HK_OK)
+    else if (hk_auto_asked(&o, hk_script_scene(script)) &&
+             hk_auto_choose(&o, hk_script_scene(script), p->tools, &options, &choice, &error) != HK_OK)
       code = complain(&error);
     else
       code = run_scene(script, &o, registry, library);
@@ -332,7 +271,7 @@ int main(int argc, char **argv) {
   places p = {0};
   hk_registry registry;
   if (find_places(&p, &error) != HK_OK ||
-      hk_registry_open(&registry, p.plugins, getenv("HK_PLUGIN_PATH"), &error) != HK_OK)
+      hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);
   int code;
   if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {

@@ -179,7 +179,7 @@ static hk_status find_path(const hk_registry *registry, const char *name, char *
   return hk_error_set(
       error, HK_FAILED,
       "the plugin %s is native code outside the installation: run with --trust to allow it, or name its "
-      "folder in HK_PLUGIN_PATH",
+      "folder in HOOKE_PLUGIN_PATH",
       name);
 }
 

@@ -1,4 +1,4 @@
-/* Finding and loading plugins: the installation's folders, HK_PLUGIN_PATH's, and files named by path.
+/* Finding and loading plugins: the installation's folders, HOOKE_PLUGIN_PATH's, and files named by path.
  *
  * A plugin is opened when a scene names it, never before; the catalogue opens all. A load that failed is listed with
  * its reason. */

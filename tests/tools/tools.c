@@ -34,7 +34,7 @@ static void failed_loads_are_listed_with_the_reason(void **state) {
   (void)state;
   char before[512];
   snprintf(before, sizeof before,
-           "mkdir -p p/forces && cp %s/tests/fixtures/wrong_abi.so p/forces/ && HK_PLUGIN_PATH=p ", HK_BUILD);
+           "mkdir -p p/forces && cp %s/tests/fixtures/wrong_abi.so p/forces/ && HOOKE_PLUGIN_PATH=p ", HK_BUILD);
   test_hooke(&r, before, "plugins");
   assert_int_equal(r.code, 0);
   assert_non_null(strstr(r.out, "could not be loaded"));
