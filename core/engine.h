@@ -13,6 +13,7 @@
  *   step.c         the choice of the step
  *   loop.c         the order of a step, frames and events
  *   energy.c       energy, momentum, strain
+ *   resolve.c      what implicit steps do not resolve
  *   verdict.c      what went wrong and where
  *   run.c          opening and closing
  *   folder.c       the output folder
@@ -83,8 +84,9 @@ struct hk_run {
   bool *takes;               /* one per force: system.takes */
   hk_force_info *force_info; /* one per force: system.force */
   bool solver_chosen;        /* the scene names none */
-  unsigned chunk_bad_count;
-  uint64_t *chunk_bad; /* one word per chunk of particles: not finite */
+  uint64_t *chunk_bad;       /* one word per chunk of particles: not finite */
+  double *slope[2];          /* resolve.c: n x 3 each, with the channels' rates behind */
+  double *metered;           /* n x 3, the F of one force alone; NULL: none has to be */
 
   hk_constraints *constraints; /* NULL: the scene has none */
   hk_assembly *assembly;       /* NULL until a Jacobian is asked for */
@@ -117,6 +119,10 @@ struct hk_run {
   double *measure;
   const char **measure_name;
   double violation_max, strain_max;
+  bool energy_settles; /* its drift was seen to vanish with the step */
+  bool looking;        /* resolve.c: between begin and end */
+  size_t looks;
+  double *unresolved; /* m, one per look, see resolve.c */
 
   /* verdict.c */
   hk_snapshot good;
@@ -163,7 +169,7 @@ hk_status hk_system_resize(hk_run *);
 void hk_system_take_all(hk_run *); /* evaluations are of the whole f again */
 double hk_system_potential(hk_run *, double t, const double *X);
 double hk_system_kinetic(const hk_run *, const double *X);
-bool hk_system_has_energy(const hk_run *); /* every force's energy or power is known */
+bool hk_system_has_energy(const hk_run *); /* the work that comes in is known */
 
 /* constraint.c. `a` holds F/m filtered on entry, with constraint forces on return. */
 hk_status hk_constraints_open(hk_run *);
@@ -201,6 +207,12 @@ hk_status hk_loop_frame(hk_run *); /* shows the present state */
 hk_status hk_frame_figures(hk_run *, hk_frame *frame);
 double hk_strain_largest(hk_run *, const char *label, bool *found);
 double hk_exact_error(hk_run *);
+
+/* resolve.c: what an implicit step does not resolve. Begin before the step to look at, end after it. */
+void hk_resolve_begin(hk_run *);
+void hk_resolve_end(hk_run *, double h);
+double hk_unresolved(hk_run *); /* m, the median of the frames */
+void hk_resolve_close(hk_run *);
 
 /* verdict.c */
 hk_status hk_diagnose(hk_run *, hk_status cause); /* names step, time, particle and force; returns the status */

@@ -167,10 +167,16 @@ static hk_status fixed_step(hk_run *run, double t_end, double h, int halvings) {
   return status;
 }
 
+/* Not what is left by rounding between the last frame and the end. */
+static bool refines(const hk_run *run, double begin, double stop) {
+  return run->options.refine && stop - begin > 1e-12 * fabs(stop);
+}
+
 static hk_status fixed_segment(hk_run *run, double begin, double stop) {
   bool whole = run->frame > 0 && begin == frame_time(run, run->frame - 1) && stop == frame_time(run, run->frame);
   double length = whole ? 1 / run->scene->fps : stop - begin, pieces = ceil(length / run->dt * (1 - 1e-12));
   size_t n = pieces > 1 ? (size_t)pieces : 1;
+  if (refines(run, begin, stop)) n = 2 * n + 1;
   double h = whole ? 1 / (run->scene->fps * (double)n) : length / (double)n;
   if (run->last_h != 0 && h != run->last_h) reset(run, HK_STEP_CHANGED);
   run->last_h = h;
@@ -179,15 +185,28 @@ static hk_status fixed_segment(hk_run *run, double begin, double stop) {
     hk_status status = before_step(run, h);
     if (status == HK_OK && run->dt < dt) return HK_OK; /* a source made the scene stiffer: cut the rest anew */
     if (run->steps % PROGRESS_EVERY == 0) hk_progress(run, false);
+    bool look = i == n && run->method->flags & HK_IMPLICIT;
+    if (status == HK_OK && look) hk_resolve_begin(run);
     if (status == HK_OK) status = fixed_step(run, i == n ? stop : begin + (double)i * h, h, HALVINGS);
+    if (status == HK_OK && look) hk_resolve_end(run, h);
     if (status != HK_OK) return status;
   }
   return HK_OK;
 }
 
+/* What an adaptive method is offered: its own choice, or in a refined run equal parts of what is left, none longer than
+ * `most`. The first step is its own: methods take what is given there for the user's word. */
+static double offered(const hk_run *run, double stop, double most) {
+  double left = stop - run->system.t;
+  if (run->steps == 0 || !(most < run->dt)) return run->dt;
+  return fmin(run->dt, left / ceil(left / most * (1 - 1e-9)));
+}
+
 static hk_status adaptive_segment(hk_run *run, double stop) {
+  double most = run->options.dt_most > 0 ? run->options.dt_most : INFINITY;
+  if (refines(run, run->system.t, stop)) most = fmin(most, (stop - run->system.t) / 3);
   while (run->system.t < stop) {
-    double t = run->system.t, h = run->dt;
+    double t = run->system.t, h = offered(run, stop, most);
     hk_step out;
     hk_status status = before_step(run, h);
     if (status == HK_OK) status = try_step(run, stop, h, &out);

@@ -59,6 +59,7 @@ static int add_kind(lua_State *L) {
   hk_kind kind = (hk_kind)lua_tointeger(L, lua_upvalueindex(1));
   hk_scene *scene = editable(L);
   const char *name = luaL_checkstring(L, 2);
+  if (kind == HK_OUTPUT && hk_lua_script(L)->run_options.no_output) return 0; /* not even loaded */
   lua_settop(L, 3);
   add(L, scene, kind, name, 3);
   return 0;

@@ -116,7 +116,7 @@ hk_status hk_pins_impose(hk_run *run, double t, double *x, double *v) {
   if (run->has_timed && t != run->imposed_t)
     for (size_t k = 0; k < run->scene->force.count && status == HK_OK; k++)
       status = hk_instance_set_time(run->scene->force.item[k], t, &run->error);
-  run->imposed_t = t;
+  run->imposed_t = status == HK_OK ? t : NAN;
   return status;
 }
 

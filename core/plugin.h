@@ -273,7 +273,8 @@ enum { /* hk_force.flags */
        HK_CONSERVES_ANGULAR_MOMENTUM = 32,
        HK_SYMMETRIC_JACOBIAN = 64,
        HK_POWER = 128, /* what is not the gradient of `energy` adds its power to *view->power; a force without this
-                          flag is wholly the gradient of its energy, or, without energy, of unknown work */
+                          flag is wholly the gradient of its energy, or, without energy, metered by the host:
+                          all of F.v is its work (also where a parameter is a function of time) */
        HK_OFFERS_SYMMETRIC = 256, /* `jacobian` honours HK_WANT_SYMMETRIC; not needed with HK_SYMMETRIC_JACOBIAN */
        HK_OFFERS_DEFINITE = 512   /* `jacobian` honours HK_WANT_DEFINITE; not needed where it always is */
 };

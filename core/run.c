@@ -180,6 +180,7 @@ void hk_run_destroy(hk_run *run) {
   hk_jacobian_close(run);
   hk_pins_close(run);
   hk_system_close(run);
+  hk_resolve_close(run);
   hk_folder_close(run);
   hk_state_close(run);
   hk_snapshot_free(&run->good);

@@ -15,10 +15,12 @@ typedef struct hk_run_options {
   size_t step_limit;      /* HK_INTERRUPTED after so many steps; 0: none */
   double disturb;         /* start positions are off by up to this part of the scene's extent in every direction */
   uint64_t disturb_seed;
-  bool blind; /* judge without the scene's exact solution, as one without it is judged */
+  bool refine;    /* n steps between two cuts become 2n + 1: twice as fine, and never in step with the first run */
+  double dt_most; /* s, longest step of an adaptive method; 0: any */
+  bool blind;     /* judge without the scene's exact solution, as one without it is judged */
   size_t without_count;
   const char *const *without; /* labels of what is left out of the scene */
-  const char *out;        /* NULL: "out/NAME" */
+  const char *out;            /* NULL: "out/NAME" */
   bool no_output;
   int progress;                             /* 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* NULL: cannot be */
@@ -34,7 +36,7 @@ typedef struct hk_summary {
   const char *solver; /* of linear systems; NULL: none was needed */
   bool solver_chosen; /* by hooke, for the forces and the number of unknowns */
   hk_verdict verdict;
-  char reason[1024]; /* why it is not ok; "" otherwise */
+  char reason[1024];  /* why it is not ok; "" otherwise */
   double t, end, fps; /* s, s, 1/s: reached, meant to be reached, frames */
   size_t n, steps, force_evaluations, jacobian_evaluations, factorizations, linear_iterations, frames;
   double dt_min, dt_max, dt_limit; /* s; limit: largest stable step of the linearised scene at the start, NAN unknown */
@@ -76,7 +78,7 @@ hk_status hk_run_energy(hk_run *, double *kinetic, double *potential, double *wo
 hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
 hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *error); /* (l - L)/L, by magnitude */
 void hk_run_summary(hk_run *, hk_summary *); /* pointers valid until the run is destroyed */
-double hk_run_extent(const hk_run *); /* m, longest side of the box around the particles; 1 when there is none */
+double hk_run_extent(const hk_run *);        /* m, longest side of the box around the particles; 1 when there is none */
 /* Final (or last good) state, "id,x,y,z,vx,vy,vz,mass", 17 digits. */
 hk_status hk_run_write_state(hk_run *, const char *path, hk_error *error);
 /* Everything that goes on: state, ids, plugin fields, random streams. */

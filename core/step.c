@@ -104,8 +104,10 @@ hk_status hk_step_review(hk_run *run, bool event) {
   if (!event && run->evaluations - run->estimated_at < REVIEW_EVERY * run->estimate_cost) return HK_OK;
   if (!(run->system.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V)) || run->model.n == 0) return HK_OK;
   double old = run->dt_limit;
+  bool expected = run->growth_expected;
   hk_status status = hk_step_estimate(run);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
+  run->growth_expected |= expected;
   if (run->dt_limit > old) run->dt_limit = old; /* keep the worst that was seen, for the verdict */
   if (run->dt_chosen && run->dt_suggested < run->dt) run->dt = run->dt_suggested;
   return HK_OK;

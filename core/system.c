@@ -103,15 +103,34 @@ static hk_status add_force(hk_run *run, size_t k, double *F, double *dy) {
   return status;
 }
 
-/* A force without HK_POWER and without energy: its whole power is F.v, which needs its F alone. Such a scene's work is
- * not known, and the summary says so; nothing is evaluated twice for it. */
+/* A force whose energy is not known, or is another one at another time: all that it does counts as work, F.v, which
+ * needs its F alone. */
+static bool metered(const hk_instance *force) {
+  const hk_force *functions = force->plugin->force;
+  return functions->energy ? force->timed_count > 0 : !(functions->flags & HK_POWER);
+}
+
+static hk_status add_metered(hk_run *run, size_t k, double *F, double *dy, const double *v, double *power) {
+  size_t count = 3 * run->model.n;
+  double *alone = run->metered, sum = 0;
+  memset(alone, 0, count * sizeof *alone);
+  hk_status status = add_force(run, k, alone, dy);
+  for (size_t e = 0; e < count; e++) {
+    F[e] += alone[e];
+    sum += alone[e] * v[e];
+  }
+  *power += sum;
+  return status;
+}
+
 static hk_status sum_forces(hk_run *run, double t, const double *x, const double *v, const double *y, double *F,
                             double *dy, double *power) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < run->scene->force.count && status == HK_OK; k++) {
     if (!run->force_acts[k] || !run->takes[k]) continue;
-    prepare_view(run, k, t, x, v, run->width ? y : NULL, power);
-    status = add_force(run, k, F, dy);
+    bool whole = metered(run->scene->force.item[k]);
+    prepare_view(run, k, t, x, v, run->width ? y : NULL, whole ? NULL : power);
+    status = whole ? add_metered(run, k, F, dy, v, power) : add_force(run, k, F, dy);
   }
   return status;
 }
@@ -159,7 +178,7 @@ double hk_system_potential(hk_run *run, double t, const double *X) {
   double sum = 0;
   for (size_t k = 0; k < run->scene->force.count; k++) {
     hk_instance *force = run->scene->force.item[k];
-    if (!run->force_acts[k] || !run->takes[k] || !force->plugin->force->energy) continue;
+    if (!run->force_acts[k] || !run->takes[k] || !force->plugin->force->energy || metered(force)) continue;
     prepare_view(run, k, t, X, X + 3 * n, run->width ? X + 6 * n : NULL, NULL);
     sum += force->plugin->force->energy(force->self, &run->force_view[k]);
   }
@@ -167,15 +186,7 @@ double hk_system_potential(hk_run *run, double t, const double *X) {
 }
 
 /* What a scripted pin does through a constraint is not measured. */
-bool hk_system_has_energy(const hk_run *run) {
-  if (run->has_paths && run->constraints) return false;
-  for (size_t k = 0; k < run->scene->force.count; k++) {
-    const hk_instance *force = run->scene->force.item[k];
-    if (!force->plugin->force->energy && !(force->plugin->force->flags & HK_POWER)) return false;
-    if (force->plugin->force->energy && force->timed_count) return false;
-  }
-  return true;
-}
+bool hk_system_has_energy(const hk_run *run) { return !(run->has_paths && run->constraints); }
 
 static hk_status energy(hk_system *s, double t, const double *X, double *kinetic, double *potential) {
   *kinetic = hk_system_kinetic(run_of(s), X);
@@ -188,9 +199,14 @@ static void impose(hk_system *s, double t, double *x, double *v) { hk_pins_impos
 static void filter(hk_system *s, double *vector) { hk_pins_filter(run_of(s), vector); }
 
 hk_status hk_system_resize(hk_run *run) {
+  bool meter = false;
+  for (size_t k = 0; k < run->scene->force.count; k++) meter |= metered(run->scene->force.item[k]);
   free(run->chunk_bad);
+  free(run->metered);
   run->chunk_bad = calloc(run->model.n / GRAIN + 1, sizeof *run->chunk_bad);
-  if (!run->chunk_bad) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for %zu particles", run->model.n);
+  run->metered = meter ? calloc(3 * run->model.n + 1, sizeof *run->metered) : NULL;
+  if (!run->chunk_bad || (meter && !run->metered))
+    return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for %zu particles", run->model.n);
   return HK_OK;
 }
 
@@ -247,6 +263,7 @@ hk_status hk_system_open(hk_run *run) {
 
 void hk_system_close(hk_run *run) {
   free(run->chunk_bad);
+  free(run->metered);
   free(run->takes);
   free(run->force_info);
 }

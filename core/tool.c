@@ -180,8 +180,7 @@ static void describe(lua_State *L, hk_run *run) {
 static int explain(lua_State *L) {
   const hk_script *tool = hk_lua_script(L);
   hk_script_options options = tool->options;
-  hk_run_options run_options = {
-      .dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
+  hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .progress = -1};
   hk_error error = {0};
   hk_script *script = NULL;
   hk_run *run = NULL;
@@ -192,6 +191,7 @@ static int explain(lua_State *L) {
   if (status == HK_OK) status = hk_script_open(luaL_checkstring(L, 1), &options, &script, &error);
   if (status == HK_OK && !hk_script_scene(script))
     status = hk_error_set(&error, HK_SCRIPT, "the script drives its own runs");
+  run_options.no_output = true; /* they are listed, not opened */
   if (status == HK_OK && hk_script_scene(script)->integrator_auto) run_options.integrator = "leapfrog";
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
   if (status == HK_OK) status = hk_step_estimate(run);

@@ -11,8 +11,8 @@
 /* Above these a finished run is called inaccurate. Energy that came from nowhere or went there, beyond the work of pins
  * and damping: a tenth of the largest kinetic energy is visible in any picture, while leapfrog at 0.9 of its limit
  * oscillates by less on cloth. */
-static const double energy_limit = 0.1, violation_limit = 1e-6,
-                    energy_rounding = 1e-11; /* of the energy held: a scene at rest has a kinetic energy of rounding */
+static const double energy_limit = 0.1, violation_limit = 1e-6, unresolved_limit = 0.1, /* of the extent, in a step */
+    energy_rounding = 1e-11; /* of the energy held: a scene at rest has a kinetic energy of rounding */
 
 void hk_run_warn(hk_run *run, const char *format, ...) {
   char text[1024];
@@ -177,9 +177,13 @@ void hk_judge(hk_run *run) {
   if (explicit_fixed && !run->growth_expected && run->dt_max > run->dt_limit * (1 + 1e-9))
     add_reason(run, "the step %g s is above the stable limit %g s", run->dt_max, run->dt_limit);
   double gone = fabs(s.energy_drift) * s.kinetic_max, held = fabs(s.energy_first) + fabs(s.energy_last);
-  if (fabs(s.energy_drift) > energy_limit && gone > energy_rounding * held)
+  if (fabs(s.energy_drift) > energy_limit && gone > energy_rounding * held && !run->energy_settles)
     add_reason(run, "the energy %s by %.3g of the largest kinetic energy without a %s",
                s.energy_drift > 0 ? "grew" : "fell", fabs(s.energy_drift), s.energy_drift > 0 ? "source" : "sink");
+  double allowed = s.accuracy > 0 ? s.accuracy : unresolved_limit * hk_run_extent(run), unresolved = hk_unresolved(run);
+  if (unresolved > allowed)
+    add_reason(run, "the steps do not resolve what swings: a step is off by %.3g m by the change of its accelerations",
+               unresolved);
   if (run->worst_error > 1 + 1e-9) add_reason(run, "the error estimate was %.3g times the tolerance", run->worst_error);
   if (run->violation_max > violation_limit) add_reason(run, "constraints were violated by %.3g m", run->violation_max);
   run->verdict = *run->reason ? HK_INACCURATE : HK_VERDICT_OK;

@@ -1,7 +1,9 @@
-/* The cheapest honest error bar, for any scene: the run again, with half the step (an adaptive method: a tenth of the
- * tolerance), from start positions disturbed by 1e-10 of the scene's extent. The first shows what the step costs (a
- * method of order p is off by the difference times 2^p/(2^p - 1), so by twice the difference at most); the second shows
- * a motion that nobody can know, such as a strut that is balanced on its buckling load. */
+/* The cheapest honest error bar, for any scene: the run again, with less than half the step (n steps of a frame become
+ * 2n + 1, so that what is in step with the first run is not with the second; an adaptive method: a tenth of the tolerance
+ * and at most half its longest step), from start positions disturbed by 1e-10 of the scene's extent. The first shows
+ * what the step costs: a method of order 1 is off by twice the difference, one of a higher order by less, and twice the
+ * difference is held against the accuracy. The second shows a motion that nobody can know, such as a strut
+ * that is balanced on its buckling load. */
 #ifndef HK_VERIFY_H
 #define HK_VERIFY_H
 

@@ -240,8 +240,9 @@ static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double
   hk_scales_notice(&m->scales, s, s->X + v, m->slope + v);
   if (!(*h > 0) || *h > span) *h = span;
   if (m->started) return HK_OK;
-  double L = hk_scales_extent(&m->scales, s, s->X), A = m->scales.acceleration;
-  double V = fmax(m->scales.speed, sqrt(L * A)), rate = fmax(L > 0 ? m->scales.speed / L : 0, hk_ratio(A, V));
+  status = hk_scales_foresee(&m->scales, s, span, slope_of(m, s, 1), slope_of(m, s, 2));
+  if (status != HK_OK) return status;
+  double V, rate = hk_scales_rate(&m->scales, hk_scales_extent(&m->scales, s, s->X), &V);
   if (rate > 0) *h = fmin(*h, pow(0.01 * s->tol, 1.0 / (T->error_order + 1)) / rate);
   return HK_OK;
 }

@@ -1,6 +1,8 @@
 /* See step_control.h. Sums run in lanes, for speed; their order is fixed. */
 #include "plugins/common/step_control.h"
 
+#include <string.h>
+
 enum { LANES = 8 };
 
 static const double at_rest = 1e-6; /* of the extent in a step */
@@ -39,8 +41,25 @@ static double extent(const double *x, size_t n, double V, double A) {
   return fmax(spread(x, n), A > 0 ? V * V / A : 0);
 }
 
+hk_status hk_scales_foresee(hk_scales *c, hk_system *s, double span, double *X, double *rates) {
+  size_t v = 3 * s->n;
+  if (c->speed > 0 || c->acceleration > 0 || spread(s->X, s->n) > 0) return HK_OK;
+  memcpy(X, s->X, s->size * sizeof *X);
+  hk_status status = s->rates(s, s->t + span, X, rates);
+  if (status != HK_OK) return status;
+  c->acceleration = hk_rms(rates + v, v);
+  c->speed = fmax(hk_rms(X + v, v), c->acceleration * span);
+  return HK_OK;
+}
+
 double hk_scales_extent(const hk_scales *c, const hk_system *s, const double *x) {
   return extent(x, s->n, c->speed, c->acceleration);
+}
+
+double hk_scales_rate(const hk_scales *c, double L, double *speed) {
+  double V = fmax(c->speed, sqrt(L * c->acceleration));
+  *speed = V;
+  return fmax(L > 0 ? c->speed / L : 0, V > 0 ? c->acceleration / V : 0);
 }
 
 /* NAN if one of them is. */

@@ -60,9 +60,8 @@ static hk_status first_step(dopri5 *m, hk_system *s, double span, double *h) {
   size_t v = 3 * s->n;
   const hk_tableau *T = &hk_dormand_prince;
   double *X = hk_rk_stage_state(T, s, m->k), *a = hk_rk_slope(s, m->k, 0), *next = hk_rk_slope(s, m->k, 1);
-  double L = hk_scales_extent(&m->scales, s, s->X), V = fmax(m->scales.speed, sqrt(L * m->scales.acceleration));
-  double rate = fmax(hk_ratio(m->scales.speed, L), hk_ratio(m->scales.acceleration, V)),
-         small = rate > 0 ? 0.01 / rate : 1e-3 * span;
+  double V, rate = hk_scales_rate(&m->scales, hk_scales_extent(&m->scales, s, s->X), &V);
+  double small = rate > 0 ? 0.01 / rate : 1e-3 * span;
   if (!(small < span)) small = span;
   hk_rk_combine(T, s, small, m->k, (const double[]){1}, 1, 1, s->X, X);
   hk_status status = s->accelerations(s, s->t + small, X, X + v, X + 2 * v, next, next + v);
@@ -88,7 +87,8 @@ static hk_status begin(dopri5 *m, hk_system *s, double span, double *h) {
   hk_scales_notice(&m->scales, s, X + v, a);
   if (m->started) return HK_OK;
   double first = span;
-  status = first_step(m, s, span, &first);
+  status = hk_scales_foresee(&m->scales, s, span, hk_rk_stage_state(&hk_dormand_prince, s, m->k), m->error);
+  if (status == HK_OK) status = first_step(m, s, span, &first);
   *h = fmin(*h, first);
   return status;
 }
