@@ -51,8 +51,8 @@ static hk_status find_places(places *p, hk_error *error) {
   static const char *const plugins[] = {"plugins", "../lib/hooke/plugins", NULL};
   static const char *const scripts[] = {"../scripts/scenes/..", "../../scripts/scenes/..", "../share/hooke/scripts",
                                         NULL};
-  static const char *const tools[] = {"../tools/explain.lua/..", "../tools", "../../tools", "../share/hooke/tools",
-                                      NULL};
+  static const char *const tools[] = {"../tools/templates/..", "../../tools/templates/..",
+                                      "../share/hooke/tools/templates/..", NULL};
   static const char *const include[] = {"../core/plugin.h", "../../core/plugin.h", "../include/hooke/core/plugin.h",
                                         NULL};
   if (!place(p->plugins, base, plugins))
