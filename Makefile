@@ -66,7 +66,7 @@ ifneq (,$(SUNDIALS))
 SUNDIALS_LIBS := $(if $(filter 6,$(SUNDIALS)),,-lsundials_core)
 else
 LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials*.c) \
-            tests/bench/sundials.c
+            tests/bench/sundials.c tests/bench/rivals.c
 endif
 
 # ---- What there is to build ------------------------------------------------------------------------------------------
@@ -170,7 +170,7 @@ $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
-$B/bench/sundials: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
+$B/bench/sundials $B/bench/rivals: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
 
 $B/hooke: $B/obj/core/main.o $B/core.a
 	$(link)

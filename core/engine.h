@@ -101,6 +101,8 @@ struct hk_run {
   size_t estimate_cost; /* evaluations */
   double dt;            /* s, no step is longer; adaptive methods: what they would take next */
   double dt_limit;      /* s, largest stable step; INFINITY: none, NAN: not known */
+  double limit_now;     /* the same, as last estimated; dt_limit is the least so far */
+  double dt_beyond;     /* s, the longest step taken above the limit of its time; 0: none */
   bool dt_chosen, growth_expected;
   double growth_rate;
   size_t estimated_at; /* evaluations when the limit was last estimated */

@@ -11,6 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const double golden = 0.61803398874989485;
+
 enum { CHECK_EVERY = 32, HALVINGS = 12, PROGRESS_EVERY = 1024 };
 
 static double frame_time(const hk_run *run, size_t frame) { return (double)frame / run->scene->fps; }
@@ -28,6 +30,14 @@ static double next_stop(const hk_run *run, double target) {
   }
   for (size_t k = 0; k < run->pins; k++) sooner(&stop, t, run->pin_state[k].spec->release);
   return stop;
+}
+
+/* A refined run cuts frames at the golden section, too, where something depends on time: what is in step with every
+ * division of a frame is not in step with that. */
+static double refined_stop(const hk_run *run, double stop) {
+  double t = run->system.t;
+  bool cut = run->options.refine && run->system.flags & HK_DEPENDS_ON_T && run->frame > 0;
+  return cut && t == frame_time(run, run->frame - 1) ? t + golden * (stop - t) : stop;
 }
 
 static double total_energy(hk_run *run) {
@@ -114,6 +124,7 @@ static void note_step(hk_run *run, double h) {
   run->steps++;
   if (h < run->dt_min) run->dt_min = h;
   if (h > run->dt_max) run->dt_max = h;
+  if (h > run->limit_now * (1 + 1e-9) && h > run->dt_beyond) run->dt_beyond = h;
 }
 
 /* After the integrator: constraints exactly, pins exactly, correctors. `t` is the new time. */
@@ -127,7 +138,10 @@ static hk_status finish_step(hk_run *run, double t, double h) {
   if (run->has_paths || run->has_slides) status = hk_pins_impose(run, t, run->X, run->X + 3 * n);
   if (status == HK_OK && run->constraints) status = hk_constraints_project(run, t, run->X, run->X + 3 * n);
   if (status == HK_OK && run->scene->corrector.count) status = correct(run, h);
-  if (status == HK_OK && run->steps % CHECK_EVERY == 0) status = check_finite(run);
+  if (status == HK_OK && run->steps % CHECK_EVERY == 0) {
+    status = check_finite(run);
+    run->kinetic_max = fmax(run->kinetic_max, hk_system_kinetic(run, run->X)); /* frames may see every swing at rest */
+  }
   return status;
 }
 
@@ -226,7 +240,7 @@ hk_status hk_loop_to(hk_run *run, double target) {
   hk_status status = HK_OK;
   if (!(run->first_step_at > 0)) run->first_step_at = loop_begin;
   while (status == HK_OK && run->system.t < target) {
-    double begin = run->system.t, stop = next_stop(run, target);
+    double begin = run->system.t, stop = refined_stop(run, next_stop(run, target));
     status = begin_segment(run, stop);
     if (status == HK_OK)
       status = run->method->flags & HK_ADAPTIVE ? adaptive_segment(run, stop) : fixed_segment(run, begin, stop);

@@ -122,7 +122,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->scene = scene;
   run->options = *options;
   run->end = isnan(options->until) ? scene->duration : options->until;
-  run->dt_limit = NAN;
+  run->dt_limit = run->limit_now = NAN;
   run->dt_min = INFINITY;
   scene->run = run;
   hk_status status = build(run);

@@ -4,7 +4,9 @@
  * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by the elements of
  * the forces (element_bound.c); the smaller bound is taken. A mode u of the damped scene is a root of
  * l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, whatever the damping, so bounds of the two operators
- * bound every mode, and so does D >= alpha M + beta (K - tension) from below.
+ * bound every mode, and so does D >= alpha M + beta (K - tension) from below. Where damping is strong, the largest
+ * eigenvalue of the pencil D - slope K, slope = g_max/w_max^2, tells in the same way how far a mode's g may be above
+ * slope w^2: with damping in proportion to stiffness slow modes then are not taken for overdamped ones.
  *
  * K is taken at v = 0: what terms like damping times velocity add to it is small while no particle moves by its
  * neighbour's distance in a step, and unsymmetric. alpha is the least damping rate of the particles when all move
@@ -21,11 +23,13 @@
 static const double inflate = 1 + 1e-8, rounding = 2.2e-16, ulps = 64, warm_share = 0.6;
 /* Of w_max: a change of g that small changes the step, where w sets it, by about that part. */
 static const double damping_slack = 0.03;
+/* The pencil is looked at where g_max is above this part of w_max; of g_max, what its bound may leave open. */
+static const double strong_damping = 0.2, pencil_slack = 0.03;
 
 struct hk_spectrum_work {
   size_t n, tail; /* tail: numbers of y */
   double *memory; /* all the arrays */
-  double *x, *v, *a[2], *y, *dy[2], *direction;
+  double *x, *v, *a[2], *y, *dy[2], *direction, *scratch;
   hk_lanczos stiffness, damping;
   bool covered;           /* as asked */
   double length, spacing; /* m, see measure_scene; 0: not yet */
@@ -41,7 +45,7 @@ typedef struct operation {
 
 static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
   size_t n = system->n, tail = system->size - 6 * n, vector = 3 * n;
-  double *m = calloc(9 * vector + 4 * tail + 1, sizeof *m);
+  double *m = calloc(10 * vector + 4 * tail + 1, sizeof *m);
   if (!m) return HK_NO_MEMORY;
   free(s->memory);
   *s = (hk_spectrum_work){.n = n, .tail = tail, .memory = m, .x = m, .v = m + vector};
@@ -53,7 +57,8 @@ static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
   s->damping = s->stiffness;
   s->stiffness.ritz = m + 7 * vector;
   s->damping.ritz = m + 8 * vector;
-  s->y = m + 9 * vector;
+  s->scratch = m + 9 * vector;
+  s->y = m + 10 * vector;
   s->dy[0] = s->y + tail;
   s->dy[1] = s->dy[0] + tail;
   s->direction = s->dy[1] + tail;
@@ -155,13 +160,17 @@ static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, boo
   return HK_OK;
 }
 
+/* Truncation (step/spacing)^2 and rounding 2e-16 length/step balance here, both below 1e-9 for usual scenes. */
+static double difference_step(const hk_spectrum_work *s) {
+  return cbrt(rounding * s->length * s->spacing * s->spacing);
+}
+
 static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool covered, int steps, bool warm) {
   if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
   hk_spectrum *b = &s->bounds;
   hk_element_bound e = hk_element_bound_at(system->model, system->X, s->a[0]); /* 6n: both */
   measure_scene(s, system, e.length);
-  /* Truncation (step/spacing)^2 and rounding 2e-16 length/step balance here, both below 1e-9 for usual scenes. */
-  operation o = {s, system, false, cbrt(rounding * s->length * s->spacing * s->spacing)};
+  operation o = {s, system, false, difference_step(s)};
   memset(s->v, 0, 3 * s->n * sizeof *s->v);
   hk_status status = bound(&o, &s->stiffness, covered ? e.stiffness : INFINITY, steps, warm);
   if (status != HK_OK) return status;
@@ -218,6 +227,41 @@ static void count_rotation(hk_spectrum *b, double norm) {
   b->alpha = b->beta = 0;
 }
 
+typedef struct pencil {
+  operation stiffness, damping;
+  double slope;
+} pencil;
+
+/* out = (D - slope K) in */
+static hk_status apply_pencil(void *context, const double *in, double *out) {
+  pencil *p = context;
+  hk_spectrum_work *s = p->damping.work;
+  const double *X = p->damping.system->X;
+  size_t vector = 3 * s->n;
+  memset(s->v, 0, vector * sizeof *s->v);
+  hk_status status = apply(&p->stiffness, in, s->scratch);
+  if (status != HK_OK) return status;
+  memcpy(s->x, X, vector * sizeof *s->x);
+  status = apply(&p->damping, in, out);
+  for (size_t c = 0; c < vector; c++) out[c] -= p->slope * s->scratch[c];
+  return status;
+}
+
+/* The vectors of the damping's iteration serve again: a first run without `known` keeps nothing in them. */
+static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const operation *damping) {
+  hk_spectrum *b = &s->bounds;
+  pencil p = {{s, system, false, difference_step(s)}, *damping, b->g_max / (b->w_max * b->w_max)};
+  hk_lanczos l = s->damping;
+  l.bound = INFINITY;
+  l.slack = pencil_slack * b->g_max;
+  start(&l, system, false);
+  hk_status status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY, 1, HK_LANCZOS_STEPS);
+  if (status != HK_OK) return status;
+  b->slope = p.slope;
+  b->aside = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are good to 1e-9 or so */
+  return HK_OK;
+}
+
 static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps, bool warm) {
   hk_spectrum *b = &s->bounds;
   b->beta = system->flags & HK_DEPENDS_ON_V ? b->beta : 0;
@@ -234,7 +278,8 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
   b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
   if (s->damping.asymmetry > 1e-3 * s->damping.norm + noise) count_rotation(b, s->damping.norm);
-  return HK_OK;
+  bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && !b->rotates;
+  return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
 }
 
 /* A failed call leaves *spectrum as it was; what a warm start would use is void then. */

@@ -5,13 +5,16 @@
 #include "core/error.h"
 #include "core/plugin.h"
 
-/* Every mode is an oscillator x'' = -g x' - w^2 x with w <= w_max and hk_spectrum_floor(s, w) <= g <= g_max. */
+/* Every mode is an oscillator x'' = -g x' - w^2 x with w <= w_max and
+ * hk_spectrum_floor(s, w) <= g <= hk_spectrum_ceiling(s, w). */
 typedef struct hk_spectrum {
   double w_max;        /* 1/s, no frequency is higher; 0: nothing oscillates */
   double w_reached;    /* 1/s, at least one is as high */
   double g_max;        /* 1/s, no damping rate is higher */
   double alpha;        /* 1/s, drag that all modes feel (an estimate, see spectrum.c) */
   double beta;         /* s, least damping over stiffness of the elements */
+  double slope;        /* s; 0: not known, and nor is `aside` */
+  double aside;        /* 1/s, no damping rate is above slope w^2 + aside */
   double w_free;       /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
   double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
   bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
@@ -24,9 +27,13 @@ static inline double hk_spectrum_floor(const hk_spectrum *s, double w) {
   return s->alpha + s->beta * fmax(0, w * w - s->w_free * s->w_free);
 }
 
+static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
+  return s->slope > 0 ? fmin(s->g_max, s->slope * w * w + s->aside) : s->g_max;
+}
+
 /* Estimates them at (system->t, system->X), which stay as they are. `covered`: every acting force that depends on x
  * offers its elements, so that they bound the frequencies too and tell the least damping. On failure *spectrum is as it
- * was. Some 30 to 180 evaluations; memory is taken and given back. */
+ * was. Some 30 to 180 evaluations, twice as many for strong damping; memory is taken and given back. */
 hk_status hk_spectrum_estimate(hk_system *system, bool covered, hk_spectrum *spectrum, hk_error *error);
 
 /* The same in three parts, for estimates that are repeated: arrays of nine times x (and four times y) are kept. */

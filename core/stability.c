@@ -1,10 +1,11 @@
 /* The largest step at which no mode of the scene grows, from the method's amplification factor and the scene's bounds.
  *
- * The modes are (w, g) with 0 <= w <= w_max and floor(w) <= g <= g_max (spectrum.h), and (0, k) for the channels. First
- * the corners of that set: h runs up in steps of 2 % to the first h at which one grows, and bisection follows (the
- * first, not the last: beyond a gap of instability a step is of no use). Then a grid over the whole set, at that h and
- * at parts of it, since stability domains need not be convex and the slow modes may be those without damping; a mode
- * that grows there joins the corners, and so on until none does. Some 1000 amplifications, a few milliseconds at most.
+ * The modes are (w, g) with 0 <= w <= w_max and floor(w) <= g <= ceiling(w) (spectrum.h), and (0, k) for the channels.
+ * First the corners of that set: h runs up in steps of 2 % to the first h at which one grows, and bisection follows
+ * (the first, not the last: beyond a gap of instability a step is of no use). Then a grid over the whole set, at that h
+ * and at parts of it, since stability domains need not be convex and the slow modes may be those without damping; a
+ * mode that grows there joins the corners, and so on until none does. Some 1000 amplifications, a few milliseconds at
+ * most.
  *
  * "Grows" is by more than 2e-7 a step: less cannot be told from rounding and from defective matrices, whose spectral
  * radius plugins/common/spectral.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis (euler,
@@ -17,7 +18,7 @@ static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7
 /* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
 static const double distinct = 1e-6;
 
-enum { W_POINTS = 13, G_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 1) * G_POINTS }; /* 4 corners + JOINING fit */
+enum { W_POINTS = 13, G_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 1) * G_POINTS }; /* 5 corners + JOINING fit */
 
 typedef struct mode {
   double w, g;
@@ -33,6 +34,11 @@ static void add_mode(mode_set *set, double w, double g) { set->point[set->count+
 
 static double floor_of(const hk_spectrum *s, double w) { return fmin(hk_spectrum_floor(s, w), s->g_max); }
 
+/* The least frequency at which a rate of g_max is possible. */
+static double overdamped_from(const hk_spectrum *s) {
+  return s->slope > 0 ? sqrt(fmax(0, s->g_max - s->aside) / s->slope) : 0;
+}
+
 /* Damping rates at one frequency. */
 static void add_rates(mode_set *set, double w, double low, double high) {
   static const double part[G_POINTS] = {0, 0.03, 0.12, 0.3, 0.6, 1};
@@ -41,9 +47,10 @@ static void add_rates(mode_set *set, double w, double low, double high) {
 
 static mode_set corners_of(const hk_integrator *method, const hk_spectrum *s) {
   mode_set set = {.method = method, .count = 0};
-  double still = fmax(s->g_max, s->channel_rate);
+  double still = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate), lowest = overdamped_from(s);
   if (s->w_max > 0) add_mode(&set, s->w_max, floor_of(s, s->w_max));
   if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_mode(&set, s->w_max, s->g_max);
+  if (lowest > 0 && lowest < s->w_max) add_mode(&set, lowest, s->g_max);
   if (s->w_free > 0) add_mode(&set, fmin(s->w_free, s->w_max), floor_of(s, 0));
   if (still > 0) add_mode(&set, 0, still);
   return set;
@@ -53,8 +60,8 @@ static mode_set grid_of(const hk_integrator *method, const hk_spectrum *s) {
   static const double part[W_POINTS] = {1, 0.96, 0.9, 0.82, 0.72, 0.6, 0.45, 0.3, 0.15, 0.05, 0.01, 1e-3, 1e-4};
   mode_set set = {.method = method, .count = 0};
   for (int i = 0; i < W_POINTS && s->w_max > 0; i++)
-    add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), s->g_max);
-  double still = fmax(s->g_max, s->channel_rate);
+    add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), hk_spectrum_ceiling(s, part[i] * s->w_max));
+  double still = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate);
   if (still > 0) add_rates(&set, 0, 0.01 * still, still);
   return set;
 }

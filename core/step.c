@@ -36,7 +36,7 @@ hk_status hk_step_estimate(hk_run *run) {
   if (status != HK_OK) return status;
   if (same(&before_it, &run->spectrum)) return HK_OK;
   hk_stable stable = hk_stable_step(run->method, &run->spectrum);
-  run->dt_limit = stable.limit;
+  run->dt_limit = run->limit_now = stable.limit;
   run->dt_suggested = stable.suggestion;
   run->growth_rate = stable.growth_rate;
   run->growth_expected = stable.limit == 0;
@@ -87,7 +87,7 @@ hk_status hk_step_choose(hk_run *run) {
   hk_status status = hk_step_estimate(run);
   if (status == HK_NOT_FINITE) { /* not a matter of steps: the run itself will say what is wrong */
     run->error = (hk_error){0};
-    run->dt_limit = NAN;
+    run->dt_limit = run->limit_now = NAN;
     run->dt = isnan(given) ? 1 / run->scene->fps : given;
     return HK_OK;
   }
@@ -108,7 +108,7 @@ hk_status hk_step_review(hk_run *run, bool event) {
   hk_status status = hk_step_estimate(run);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
   run->growth_expected |= expected;
-  if (run->dt_limit > old) run->dt_limit = old; /* keep the worst that was seen, for the verdict */
+  if (run->dt_limit > old) run->dt_limit = old; /* keep the worst that was seen, for the summary */
   if (run->dt_chosen && run->dt_suggested < run->dt) run->dt = run->dt_suggested;
   return HK_OK;
 }

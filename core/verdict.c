@@ -174,8 +174,8 @@ void hk_judge(hk_run *run) {
   hk_run_summary(run, &s);
   *run->reason = 0;
   bool explicit_fixed = !(run->method->flags & (HK_ADAPTIVE | HK_IMPLICIT));
-  if (explicit_fixed && !run->growth_expected && run->dt_max > run->dt_limit * (1 + 1e-9))
-    add_reason(run, "the step %g s is above the stable limit %g s", run->dt_max, run->dt_limit);
+  if (explicit_fixed && !run->growth_expected && run->dt_beyond > 0)
+    add_reason(run, "the step %g s is above the stable limit, %g s at its least", run->dt_beyond, run->dt_limit);
   double gone = fabs(s.energy_drift) * s.kinetic_max, held = fabs(s.energy_first) + fabs(s.energy_last);
   if (fabs(s.energy_drift) > energy_limit && gone > energy_rounding * held && !run->energy_settles)
     add_reason(run, "the energy %s by %.3g of the largest kinetic energy without a %s",

@@ -13,12 +13,7 @@
 --   keep                      true: result.states comes back, too
 -- A result is the run's summary (scripts/README.md, run:summary) with, when there is none, `failed`, the cause as a
 -- text, and `fits` = false when the scene or its options were refused before the first step.
-local json = require("cjson").new()
 local process = require("process")
-
-json.encode_invalid_numbers(true)
-json.decode_invalid_numbers(true)
-json.encode_sparse_array(true)
 
 local trial = {}
 
@@ -82,10 +77,20 @@ end
 
 -- ---- processes ----
 
+-- A value as Lua's own text, numbers to the last bit.
+local function dump(value)
+  if type(value) ~= "table" then return ("%q"):format(value) end
+  local parts = {}
+  for key, item in pairs(value) do parts[#parts + 1] = ("[%s]=%s"):format(dump(key), dump(item)) end
+  return "{" .. table.concat(parts, ",") .. "}"
+end
+
+local function undump(text) return assert(load("return " .. text, "=result", "t", {}))() end
+
 local function child(case, fd)
   local fine, result, states = pcall(trial.execute, case)
   if not fine then result = { failed = tostring(result) } end
-  local parts = { string.pack("<s8", json.encode(result)) }
+  local parts = { string.pack("<s8", dump(result)) }
   for _, state in ipairs(case.keep and states or {}) do parts[#parts + 1] = string.pack("<s8", state) end
   process.write(fd, table.concat(parts))
   process.exit(0)
@@ -102,7 +107,7 @@ end
 local function unpack_result(text, keep)
   local fine, encoded, at = pcall(string.unpack, "<s8", text)
   if not fine then return nil end
-  local result = json.decode(encoded)
+  local result = undump(encoded)
   if keep then result.states = {} end
   while keep and at <= #text do
     result.states[#result.states + 1], at = string.unpack("<s8", text, at)

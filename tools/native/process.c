@@ -7,6 +7,9 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -45,6 +48,9 @@ static int start(lua_State *L) {
     return refuse(L, "fork");
   }
   close(fd[pid == 0 ? 0 : 1]);
+#ifdef __linux__
+  if (pid == 0) prctl(PR_SET_PDEATHSIG, SIGKILL); /* no run outlives the tool that wants its result */
+#endif
   lua_pushinteger(L, pid);
   lua_pushinteger(L, fd[pid == 0 ? 1 : 0]);
   return 2;

@@ -1,0 +1,103 @@
+/* Follower forces: of constant size, along an edge and turning with it, such as the thrust of an engine on a rod. With
+ * d = x_j - x_i and n = d/|d| the force f n acts on the second end j, on the first end i, or half of it on each. It has
+ * no energy: what it brings depends on the way, and its power is that of f n. Ends at one point have no direction and
+ * get no force.
+ *
+ * -dF/dx_j = dF/dx_i = -(f/|d|) (I - n n^T) in the rows of the ends it acts on alone, so it is not symmetric: a loaded
+ * column flutters where weight would only buckle it. Beck, ZAMP 3 (1952). */
+#include "core/plugin.h"
+
+enum { SECOND, FIRST, BOTH };
+
+typedef struct follower {
+  hk_edges edges;
+  hk_per_edge f;
+  int on;
+} follower;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"edges", "", "pairs of particles that give the direction, from the first to the second", HK_EDGES, {0}, 0, 0,
+     offsetof(follower, edges), HK_REQUIRED, NULL},
+    {"f", "N", "size of the force; negative: towards the first end", HK_PER_EDGE, {0}, 0, 0, offsetof(follower, f),
+     HK_REQUIRED, NULL},
+    {"on", "", "the end it acts on; both: half on each", HK_CHOICE, {SECOND}, 0, 0, offsetof(follower, on), 0,
+     "second|first|both"},
+    {0},
+};
+/* clang-format on */
+
+static bool acts(const hk_view *view, const uint32_t pair[2]) {
+  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
+}
+
+/* The part of f on end 0 (first) or 1 (second). */
+static double share(const follower *p, int end) { return p->on == BOTH ? 0.5 : end == (p->on == SECOND); }
+
+/* The unit vector along an edge; returns 1/|d|, or 0 where there is no direction. */
+static double direction(const hk_view *view, const uint32_t pair[2], double n[3]) {
+  double square = 0;
+  for (int c = 0; c < 3; c++) n[c] = view->x[3 * (size_t)pair[1] + c] - view->x[3 * (size_t)pair[0] + c];
+  for (int c = 0; c < 3; c++) square += n[c] * n[c];
+  double inverse = square > 0 ? 1 / sqrt(square) : 0;
+  for (int c = 0; c < 3; c++) n[c] *= inverse;
+  return inverse;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const follower *p = self;
+  for (size_t e = 0; e < p->edges.count; e++) {
+    const uint32_t *pair = p->edges.pair[e];
+    double n[3], power = 0;
+    if (!acts(view, pair)) continue;
+    direction(view, pair, n);
+    for (int end = 0; end < 2; end++)
+      for (int c = 0; c < 3; c++) {
+        double f = share(p, end) * hk_edge_value(&p->f, e) * n[c];
+        F[3 * (size_t)pair[end] + c] += f;
+        power += f * view->v[3 * (size_t)pair[end] + c];
+      }
+    if (view->power) *view->power += power;
+  }
+  return HK_OK;
+}
+
+/* Rows of the ends it acts on; the columns of both ends. */
+static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
+  const follower *p = self;
+  for (size_t e = 0; e < p->edges.count; e++)
+    for (int b = 0; b < 4; b++)
+      if (acts(view, p->edges.pair[e]) && share(p, b / 2) > 0)
+        pattern->block(pattern, p->edges.pair[e][b / 2], p->edges.pair[e][b % 2]);
+}
+
+static void add_block(double *K, double f, const double n[3]) {
+  for (int q = 0; q < 9; q++) K[q] += f * ((q % 4 == 0) - n[q / 3] * n[q % 3]);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const follower *p = self;
+  const size_t *slot = into->slot;
+  for (size_t e = 0; e < p->edges.count; e++) {
+    double n[3];
+    if (!acts(view, p->edges.pair[e])) continue;
+    double stiffness = hk_edge_value(&p->f, e) * direction(view, p->edges.pair[e], n);
+    for (int b = 0; b < 4; b++)
+      if (share(p, b / 2) > 0) add_block(into->K + 9 * *slot++, share(p, b / 2) * stiffness * (b % 2 ? -1 : 1), n);
+  }
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_X | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "follower",
+    .summary = "force of constant size along an edge, turning with it, F = f d/|d|",
+    .reference = "Beck, Die Knicklast des einseitig eingespannten, tangential gedrueckten Stabes, ZAMP 3 (1952)",
+    .instance_size = sizeof(follower),
+    .params = params,
+    .force = &force,
+};

@@ -1,0 +1,95 @@
+/* The force of a uniform magnetic field on moving charges, F = q v x B, with q of each particle or in proportion to its
+ * mass. It turns velocities at the rate q B/m and does no work. With ratio = 1 and B = 2 W it is the Coriolis force in
+ * a frame that turns at W (the centrifugal force is `central` with an axis and strength -W^2).
+ *
+ * -dF/dv is antisymmetric and there is nothing else to its Jacobian, so a symmetric form is not offered: leaving it out
+ * would leave nothing. */
+#include "core/plugin.h"
+
+typedef struct magnetic {
+  double B[3], charge, ratio;
+} magnetic;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"B", "T", "the field", HK_VECTOR, {0, 0, 1}, 0, 0, offsetof(magnetic, B), HK_TIMED | HK_REQUIRED, NULL},
+    {"charge", "C", "charge q of a particle", HK_NUMBER, {0}, 0, 0, offsetof(magnetic, charge), HK_OPTIONAL, NULL},
+    {"ratio", "C/kg", "charge over mass, q = ratio m", HK_NUMBER, {0}, 0, 0, offsetof(magnetic, ratio), HK_OPTIONAL,
+     NULL},
+    {0},
+};
+/* clang-format on */
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  (void)view;
+  const magnetic *p = self;
+  if (isnan(p->charge) == isnan(p->ratio))
+    return host->fail(host, HK_BAD_PARAM, "give either charge (C, per particle) or ratio (C/kg, per mass)");
+  return HK_OK;
+}
+
+static double charge_of(const magnetic *p, const hk_view *view, size_t i) {
+  return isnan(p->charge) ? p->ratio * view->model->mass[i] : p->charge;
+}
+
+static uint32_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : (uint32_t)k; }
+
+typedef struct task {
+  const magnetic *self;
+  const hk_view *view;
+  double *F;
+} task;
+
+static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  const task *t = context;
+  const double *B = t->self->B;
+  for (size_t k = begin; k < end; k++) {
+    size_t i = acting(t->view, k);
+    const double *v = t->view->v + 3 * i;
+    double q = charge_of(t->self, t->view, i);
+    for (int c = 0; c < 3; c++) {
+      int d = (c + 1) % 3, e = (c + 2) % 3;
+      t->F[3 * i + (size_t)c] += q * (v[d] * B[e] - v[e] * B[d]);
+    }
+  }
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  task t = {self, view, F};
+  view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
+  return HK_OK; /* *view->power stays: v.(v x B) = 0 */
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  (void)self;
+  for (size_t k = 0; k < view->acting; k++) p->block(p, acting(view, k), acting(view, k));
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const magnetic *p = self;
+  for (size_t k = 0; k < view->acting; k++) {
+    double *D = into->D + 9 * into->slot[k], q = charge_of(p, view, acting(view, k));
+    for (int c = 0; c < 3; c++) {
+      int d = (c + 1) % 3, e = (c + 2) % 3;
+      D[3 * c + d] -= q * p->B[e];
+      D[3 * c + e] += q * p->B[d];
+    }
+  }
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_V | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "magnetic",
+    .summary = "uniform magnetic field, F = q v x B; also the Coriolis force",
+    .reference = "Lorentz 1895",
+    .instance_size = sizeof(magnetic),
+    .params = params,
+    .create = create,
+    .force = &force,
+};

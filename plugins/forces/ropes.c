@@ -1,0 +1,150 @@
+/* Ropes: springs that pull and never push. With d = x_j - x_i, l = |d|, n = d/l, s = l - L and u = v_j - v_i a rope is
+ * taut where s > 0; its tension is then T = max(0, k s + c u.n), the force on j is -T n and i gets the opposite. Slack
+ * ropes do nothing. Energy 1/2 k s^2 where taut; the rest of T has the power -(T - k s) u.n.
+ *
+ * -df/dx for x = x_j - x_i is (k - b) n n^T + b I + (c/l) n (u - (u.n) n)^T with b = T/l, and -df/dv is c n n^T, as of
+ * springs (spring_blocks.h); b is never negative, so without the last term, which HK_WANT_SYMMETRIC leaves out, it is
+ * definite. At s = 0 the stiffness jumps: methods lose their order there, though not the motion its continuity.
+ *
+ * No elements are offered: methods that work spring by spring would push with them. */
+#include "core/plugin.h"
+
+typedef struct ropes {
+  hk_edges edges;
+  hk_per_edge k, damping, rest;
+} ropes;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(ropes, edges), HK_REQUIRED, NULL},
+    {"k", "N/m", "stiffness where taut", HK_PER_EDGE, {0}, 0, INFINITY, offsetof(ropes, k), HK_REQUIRED, NULL},
+    {"damping", "N s/m", "damping along the rope where taut", HK_PER_EDGE, {0}, 0, INFINITY, offsetof(ropes, damping),
+     0, NULL},
+    {"rest", "m", "length up to which it is slack; left out: the initial length", HK_PER_EDGE, {0}, 0, INFINITY,
+     offsetof(ropes, rest), HK_OPTIONAL, NULL},
+    {0},
+};
+/* clang-format on */
+
+static double difference(const double *x, const uint32_t pair[2], double d[3]) {
+  for (int c = 0; c < 3; c++) d[c] = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
+  return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  ropes *s = self;
+  if (s->rest.count) return HK_OK;
+  double d[3], *rest = host->allocate(host, (s->edges.count + 1) * sizeof *rest);
+  if (!rest) return host->fail(host, HK_NO_MEMORY, "no memory for the rest lengths");
+  for (size_t e = 0; e < s->edges.count; e++) rest[e] = difference(view->x, s->edges.pair[e], d);
+  s->rest = (hk_per_edge){s->edges.count, rest};
+  return HK_OK;
+}
+
+static bool acts(const hk_view *view, const uint32_t pair[2]) {
+  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
+}
+
+/* One rope that is taut and pulls. */
+typedef struct taut {
+  double n[3], u[3], l; /* m, m/s */
+  double rate;          /* u.n, m/s */
+  double spring, T;     /* k s and the tension, N */
+} taut;
+
+/* False where the rope is slack. */
+static bool measure(const ropes *s, const hk_view *view, size_t e, taut *r) {
+  const uint32_t *pair = s->edges.pair[e];
+  r->l = difference(view->x, pair, r->n);
+  if (!(r->l > hk_edge_value(&s->rest, e))) return false;
+  difference(view->v, pair, r->u);
+  r->rate = 0;
+  for (int c = 0; c < 3; c++) r->n[c] /= r->l, r->rate += r->u[c] * r->n[c];
+  r->spring = hk_edge_value(&s->k, e) * (r->l - hk_edge_value(&s->rest, e));
+  r->T = fmax(0, r->spring + hk_edge_value(&s->damping, e) * r->rate);
+  return true;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const ropes *s = self;
+  for (size_t e = 0; e < s->edges.count; e++) {
+    const uint32_t *pair = s->edges.pair[e];
+    taut r;
+    if (!acts(view, pair) || !measure(s, view, e, &r)) continue;
+    for (int c = 0; c < 3; c++) {
+      F[3 * (size_t)pair[0] + c] += r.T * r.n[c];
+      F[3 * (size_t)pair[1] + c] -= r.T * r.n[c];
+    }
+    if (view->power) *view->power -= (r.T - r.spring) * r.rate;
+  }
+  return HK_OK;
+}
+
+static double energy(void *self, const hk_view *view) {
+  const ropes *s = self;
+  double sum = 0, d[3];
+  for (size_t e = 0; e < s->edges.count; e++) {
+    if (!acts(view, s->edges.pair[e])) continue;
+    double stretch = fmax(0, difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e));
+    sum += hk_edge_value(&s->k, e) * stretch * stretch / 2;
+  }
+  return sum;
+}
+
+/* Slack ropes are named as well: they may be taut at the next step. */
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  const ropes *s = self;
+  for (size_t e = 0; e < s->edges.count; e++)
+    for (int b = 0; b < 4 && acts(view, s->edges.pair[e]); b++)
+      p->block(p, s->edges.pair[e][b / 2], s->edges.pair[e][b % 2]);
+}
+
+static void rope_blocks(const ropes *s, size_t e, const taut *r, bool symmetric, double K[9], double D[9]) {
+  double b = r->T / r->l, k = hk_edge_value(&s->k, e), c = hk_edge_value(&s->damping, e);
+  for (int q = 0; q < 9; q++) {
+    double nn = r->n[q / 3] * r->n[q % 3], across = r->u[q % 3] - r->rate * r->n[q % 3];
+    K[q] = (k - b) * nn + b * (q % 4 == 0) + (symmetric ? 0 : c / r->l * r->n[q / 3] * across);
+    D[q] = c * nn;
+  }
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const ropes *s = self;
+  const size_t *slot = into->slot;
+  for (size_t e = 0; e < s->edges.count; e++) {
+    taut r;
+    double K[9], D[9];
+    if (!acts(view, s->edges.pair[e])) continue;
+    if (measure(s, view, e, &r) && r.T > 0) {
+      rope_blocks(s, e, &r, into->want & HK_WANT_SYMMETRIC, K, D);
+      for (int b = 0; b < 4; b++)
+        for (int q = 0; q < 9; q++) {
+          into->K[9 * slot[b] + (size_t)q] += b % 3 == 0 ? K[q] : -K[q];
+          into->D[9 * slot[b] + (size_t)q] += b % 3 == 0 ? D[q] : -D[q];
+        }
+    }
+    slot += 4;
+  }
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
+             HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
+    .add = add,
+    .energy = energy,
+    .pattern = pattern,
+    .jacobian = jacobian,
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "ropes",
+    .summary = "springs that pull and never push, f = -max(0, k (l - L) + c u.d/l) d/l where l > L",
+    .reference = "",
+    .instance_size = sizeof(ropes),
+    .params = params,
+    .create = create,
+    .force = &force,
+};
