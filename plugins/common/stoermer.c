@@ -4,16 +4,14 @@
  * with d the last change of x over h, so that rounding does not grow as in x' - 2x + x_before (Hairer, Norsett and
  * Wanner, Solving ODEs I, III.10). v' is what Adams and Bashforth's method of the same order, gamma_j, gives; taken
  * from d' it cannot drift away from the change of x. The first steps are Dormand and Prince's, of order 5, whose change
- * of x starts d without a subtraction. */
+ * of x starts d without a subtraction.
+ *
+ * The coefficients are the method's: the series' own up to its order, and beyond it what widens the range of stable
+ * steps. */
 #include "plugins/common/stoermer.h"
 #include "plugins/common/spectral.h"
 
 #include <string.h>
-
-enum { CHUNK = 256 };
-
-static const double sigma[HK_STOERMER_ORDER_MAX] = {1, 0, 1.0 / 12, 1.0 / 12, 19.0 / 240};
-static const double gamma_[HK_STOERMER_ORDER_MAX] = {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, 251.0 / 720};
 
 static double binomial(int n, int k) { return k == 0 ? 1 : binomial(n, k - 1) * (n - k + 1) / k; }
 
@@ -24,66 +22,78 @@ static void add_term(double *c, double factor, int power, int rest) {
 
 /* With lambda = 1 + u, D is u/(1 + u), and the recurrence's polynomial is
  *     u^2 (1 + u)^(k-1) + (h w)^2 sum sigma_j u^j (1 + u)^(k-j) + h g sum gamma_j u^(j+1) (1 + u)^(k-1-j). */
-double hk_stoermer_amplification(int order, double hw, double hg) {
-  double c[HK_STOERMER_ORDER_MAX + 2] = {0};
-  add_term(c, 1, 2, order - 1);
-  for (int j = 0; j < order; j++) {
-    add_term(c, hw * hw * sigma[j], j, order - j);
-    add_term(c, hg * gamma_[j], j + 1, order - 1 - j);
+double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double hg) {
+  double c[HK_STOERMER_TERMS + 2] = {0};
+  add_term(c, 1, 2, f->terms - 1);
+  for (int j = 0; j < f->terms; j++) {
+    add_term(c, hw * hw * f->sigma[j], j, f->terms - j);
+    add_term(c, hg * f->gamma[j], j + 1, f->terms - 1 - j);
   }
-  return hk_polynomial_growth(order + 1, c);
+  return hk_polynomial_growth(f->terms + 1, c);
 }
 
-/* The history, newest first, with its weights. */
+/* The history, newest first, with its weights; those of a term that the method has not are zero. */
 typedef struct past {
-  int count;
-  const double *slope[HK_STOERMER_ORDER_MAX];
-  double change[HK_STOERMER_ORDER_MAX], lead[HK_STOERMER_ORDER_MAX], rate[HK_STOERMER_ORDER_MAX];
+  const double *slope[HK_STOERMER_TERMS];
+  double change[HK_STOERMER_TERMS], lead[HK_STOERMER_TERMS], rate[HK_STOERMER_TERMS];
 } past;
 
-static double *ring(const hk_stoermer *m, const hk_system *s, int order, int64_t place) {
-  return m->slope + (size_t)(place % order) * (s->size - 3 * s->n);
+static double *ring(const hk_stoermer *m, const hk_system *s, int terms, int64_t place) {
+  return m->slope + (size_t)(place % terms) * (s->size - 3 * s->n);
 }
 
-static past recall(const hk_stoermer *m, const hk_system *s, int order, double h) {
-  past p = {.count = order};
-  for (int j = 0; j < order; j++) {
-    p.slope[j] = ring(m, s, order, m->head + order - j);
+static past recall(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, double h) {
+  past p = {.slope = {NULL}};
+  for (int j = 0; j < HK_STOERMER_TERMS; j++) {
+    p.slope[j] = ring(m, s, f->terms, j < f->terms ? m->head + f->terms - j : m->head);
     for (int i = 0; i <= j; i++) {
       double w = h * binomial(j, i) * (i % 2 ? -1 : 1);
-      p.change[i] += sigma[j] * w;
-      p.rate[i] += gamma_[j] * w;
-      if (i < j) p.lead[i] += (gamma_[j] - sigma[j]) * h * binomial(j - 1, i) * (i % 2 ? -1 : 1);
+      p.change[i] += f->sigma[j] * w;
+      p.rate[i] += f->gamma[j] * w;
+      if (i < j) p.lead[i] += (f->gamma[j] - f->sigma[j]) * h * binomial(j - 1, i) * (i % 2 ? -1 : 1);
     }
   }
   return p;
 }
 
-static void advance_chunk(double *restrict x, double *restrict v, double *restrict d, const past *p, size_t begin,
-                          size_t count, double h) {
-  double change[CHUNK] = {0}, lead[CHUNK] = {0};
-  for (int j = 0; j < p->count; j++) {
-    const double *restrict a = p->slope[j] + begin;
-    double w = p->change[j], l = p->lead[j];
-    for (size_t e = 0; e < count; e++) {
-      change[e] += w * a[e];
-      lead[e] += l * a[e];
-    }
-  }
+/* One pass over all, for it is memory that a step waits for. */
+#define INLINE static inline __attribute__((always_inline))
+INLINE void sweep(double *restrict x, double *restrict v, double *restrict d, const past *p, size_t count, double h) {
+  const double *restrict a0 = p->slope[0], *restrict a1 = p->slope[1], *restrict a2 = p->slope[2],
+                         *restrict a3 = p->slope[3], *restrict a4 = p->slope[4];
+  const past q = *p;
   for (size_t e = 0; e < count; e++) {
-    d[e] += change[e];
-    x[e] += h * d[e];
-    v[e] = d[e] + lead[e];
+    double change = q.change[0] * a0[e] + q.change[1] * a1[e] + q.change[2] * a2[e] + q.change[3] * a3[e];
+    double lead = q.lead[0] * a0[e] + q.lead[1] * a1[e] + q.lead[2] * a2[e] + q.lead[3] * a3[e];
+    double next = d[e] + (change + q.change[4] * a4[e]);
+    d[e] = next;
+    x[e] += h * next;
+    v[e] = next + lead; /* of the last term nothing is left: lead has one difference less */
   }
 }
 
-static void advance(hk_stoermer *m, hk_system *s, int order, double h) {
+typedef void sweeping(double *x, double *v, double *d, const past *p, size_t count, double h);
+
+static void sweep_narrow(double *x, double *v, double *d, const past *p, size_t count, double h) {
+  sweep(x, v, d, p, count, h);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void sweep_wide(double *x, double *v, double *d, const past *p, size_t count,
+                                                       double h) {
+  sweep(x, v, d, p, count, h);
+}
+
+static sweeping *best(void) { return __builtin_cpu_supports("avx2") ? sweep_wide : sweep_narrow; }
+#else
+static sweeping *best(void) { return sweep_narrow; }
+#endif
+
+static void advance(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double h) {
   size_t v = 3 * s->n, y = 6 * s->n;
-  past p = recall(m, s, order, h);
-  for (size_t begin = 0; begin < v; begin += CHUNK)
-    advance_chunk(s->X + begin, s->X + v + begin, m->change + begin, &p, begin, v - begin < CHUNK ? v - begin : CHUNK,
-                  h);
-  for (int j = 0; j < order; j++)
+  past p = recall(m, s, f, h);
+  best()(s->X, s->X + v, m->change, &p, v, h);
+  for (int j = 0; j < f->terms; j++)
     for (size_t e = y; e < s->size; e++) s->X[e] += p.rate[j] * p.slope[j][e - v];
 }
 
@@ -106,20 +116,20 @@ static hk_status start(hk_stoermer *m, hk_system *s, const double *slope, double
   return HK_OK;
 }
 
-hk_status hk_stoermer_step(hk_stoermer *m, int order, hk_system *s, double h) {
+hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
   size_t v = 3 * s->n;
-  double *a = ring(m, s, order, m->head);
+  double *a = ring(m, s, f->terms, m->head);
   if (h != m->h) m->known = 0;
   hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, a, a + v);
   if (status != HK_OK) return status;
-  if (m->known < order - 1)
+  if (m->known < f->terms - 1)
     status = start(m, s, a, h);
   else
-    advance(m, s, order, h);
+    advance(m, s, f, h);
   if (status != HK_OK) return status;
   m->h = h;
-  m->head = (m->head + 1) % order;
-  if (m->known < order - 1) m->known++;
+  m->head = (m->head + 1) % f->terms;
+  if (m->known < f->terms - 1) m->known++;
   return HK_OK;
 }
 

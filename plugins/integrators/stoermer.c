@@ -4,13 +4,15 @@
 
 enum { ORDER = 4 };
 
+static const hk_stoermer_method method = {ORDER, {1, 0, 1.0 / 12, 1.0 / 12}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8}};
+
 static const hk_field fields[] = {HK_STOERMER_FIELDS(ORDER)};
 
-static double amplification(double hw, double hg) { return hk_stoermer_amplification(ORDER, hw, hg); }
+static double amplification(double hw, double hg) { return hk_stoermer_amplification(&method, hw, hg); }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   (void)t_stop, (void)out;
-  return hk_stoermer_step(self, ORDER, s, h);
+  return hk_stoermer_step(self, &method, s, h);
 }
 
 static const hk_integrator integrator = {

