@@ -1,0 +1,96 @@
+-- SQLite through luasql: a database that is opened with its schema, transactions, rows as tables. A call that the
+-- database refuses raises an error with SQLite's words and the file's name. Several processes may write at the same
+-- time: each waits for the others.
+local database = {}
+database.__index = database
+
+-- Errors of files: a text with the exit code of hooke for them.
+local failure = { __tostring = function(e) return e.text end }
+
+function database.fail(text, ...)
+  error(setmetatable({ text = text:format(...), code = 4 }, failure), 0)
+end
+
+local driver
+
+local function sqlite()
+  local fine, module = pcall(require, "luasql.sqlite3")
+  if not fine then
+    error("Lua's SQLite library luasql.sqlite3 (Debian: lua-sql-sqlite3) is missing: tools/install-deps run gets it", 0)
+  end
+  driver = driver or module.sqlite3()
+  return driver
+end
+
+-- A value as it stands in SQL; nil is NULL. Text ends at a zero byte, so there it shows as \0.
+function database.quote(value)
+  if value == nil then return "NULL" end
+  if math.type(value) == "integer" then return ("%d"):format(value) end
+  if type(value) == "number" then
+    if value ~= value then return "NULL" end
+    if value == math.huge then return "9e999" end
+    return value == -math.huge and "-9e999" or ("%.17g"):format(value):gsub("^(-?%d+)$", "%1.0")
+  end
+  return "'" .. tostring(value):gsub("'", "''"):gsub("\0", "\\0") .. "'"
+end
+
+-- (v, v, ...) for n values, some of which may be nil.
+function database.tuple(n, ...)
+  local list = {}
+  for k = 1, n do list[k] = database.quote((select(k, ...))) end
+  return "(" .. table.concat(list, ",") .. ")"
+end
+
+-- journal: "wal" (the default: readers do not wait, a commit costs no fsync) or "delete", for network file systems,
+-- where a write-ahead log does not work.
+function database.open(path, journal)
+  local connection, message = sqlite():connect(path)
+  if not connection then database.fail("cannot open the database %s: %s", path, message) end
+  local db = setmetatable({ connection = connection, path = path }, database)
+  db:execute("PRAGMA busy_timeout = 60000")
+  db:execute("PRAGMA journal_mode = " .. (journal or "wal"))
+  db:execute("PRAGMA synchronous = NORMAL") -- with the log, only a crash of the whole machine may cost the last rows
+  return db
+end
+
+local function run(db, sql)
+  local result, message = db.connection:execute(sql)
+  if not result then database.fail("%s: %s", db.path, (message:gsub("^LuaSQL: ", ""))) end
+  return result
+end
+
+function database:execute(sql)
+  local result = run(self, sql)
+  if type(result) == "userdata" then result:close() end
+end
+
+-- for row in db:rows(sql): tables by the names of the columns.
+function database:rows(sql)
+  local cursor = run(self, sql)
+  return function() return cursor:fetch({}, "a") end -- closed at the end by the driver
+end
+
+-- The first column of the first row, or nil.
+function database:value(sql)
+  local cursor = run(self, sql)
+  local value = cursor:fetch()
+  if value ~= nil then cursor:close() end
+  return value
+end
+
+-- All of what `act` does, or nothing.
+function database:transaction(act)
+  self:execute("BEGIN IMMEDIATE")
+  local fine, message = pcall(act)
+  if not fine then
+    pcall(self.execute, self, "ROLLBACK")
+    error(message, 0)
+  end
+  self:execute("COMMIT")
+end
+
+function database:close()
+  self.connection:close()
+end
+
+return database

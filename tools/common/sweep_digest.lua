@@ -1,0 +1,115 @@
+-- What a case's result depends on, as text and as a number: the scene's text, the files and plugins that it names, the
+-- engine. A file counts by its bytes, whatever its date or place, so that the same case has the same key on every host.
+local lfs = require("lfs")
+
+local digest = {}
+
+-- 128 bits in two lanes of multiply, rotate and add, each finished by MurmurHash3's fmix64. No defence against an
+-- adversary: whoever compares digests also compares what they stand for (sweep_store).
+local function finish(h)
+  h = (h ~ (h >> 33)) * 0xFF51AFD7ED558CCD
+  h = (h ~ (h >> 33)) * 0xC4CEB9FE1A85EC53
+  return h ~ (h >> 33)
+end
+
+function digest.of(text)
+  local a, b = 0x9E3779B97F4A7C15 ~ #text, 0xC2B2AE3D27D4EB4F + #text
+  local whole = #text - #text % 16
+  local unpack = string.unpack
+  for at = 1, whole, 16 do
+    local x, y = unpack("<i8i8", text, at)
+    a = ((a ~ x) * 0x9FB21C651E98DF25)
+    a = ((a << 31) | (a >> 33)) + y
+    b = ((b ~ y) * 0xA0761D6478BD642F)
+    b = ((b << 29) | (b >> 35)) + (x ~ a)
+  end
+  local x, y = unpack("<i8i8", text:sub(whole + 1) .. ("\0"):rep(16), 1)
+  a, b = finish((a ~ x) * 0x9FB21C651E98DF25 + y), finish((b ~ y) * 0xA0761D6478BD642F + x)
+  return ("%016x%016x"):format(a + b, finish(b ~ (a << 1)))
+end
+
+local function read(path)
+  local file = lfs.attributes(path, "mode") == "file" and io.open(path, "rb")
+  if not file then return nil end
+  local text = file:read("a")
+  file:close()
+  return text
+end
+
+local known = {}
+function digest.file(path)
+  if known[path] == nil then
+    local text = read(path)
+    known[path] = text and digest.of(text) or false
+  end
+  return known[path]
+end
+
+-- ---- what a scene names ----
+
+-- Calls found(text) for every string of Lua source that may be a name.
+local function literals(source, found)
+  for text in source:gmatch('"([^"\n]+)"') do found(text) end
+  for text in source:gmatch("'([^'\n]+)'") do found(text) end
+end
+
+local function beside(path)
+  return path:match("^(.*)/[^/]*$") or "."
+end
+
+-- The scene, and every file that a string in it names: modules that it requires, meshes, start states, and so on
+-- through the modules; with the strings that were met. A name that the scene puts together is not seen.
+local function closure(scene)
+  local files, order, words = {}, {}, {}
+  local folder = beside(scene)
+  local function visit(path, name)
+    local text = not files[path] and read(path)
+    if not text then return end
+    files[path] = true
+    order[#order + 1] = { name = name, path = path, text = text }
+    if not path:match("%.lua$") then return end
+    literals(text, function(word)
+      words[word] = true
+      for _, candidate in ipairs { folder .. "/" .. word, folder .. "/" .. word .. ".lua",
+        hooke.library .. "/" .. word .. ".lua" } do
+        visit(candidate, word)
+      end
+    end)
+  end
+  visit(scene, scene:match("[^/]*$"))
+  return order, words
+end
+
+-- Of any method a scene may take without naming it: the default integrator, and the solvers that are chosen among.
+local function implied(plugin, case)
+  return plugin.kind == "solver" and not case.solver or plugin.kind == "integrator" and plugin.name == "leapfrog"
+end
+
+local function plugin_lines(plugins, words, case, lines)
+  local chosen = {}
+  for _, key in ipairs { "integrator", "solver" } do
+    if case[key] then chosen[case[key]:match("^[^:]*")] = true end
+  end
+  for _, plugin in ipairs(plugins) do
+    if words[plugin.name] or chosen[plugin.name] or implied(plugin, case) then
+      lines[#lines + 1] = ("plugin %s %s %s"):format(plugin.kind, plugin.name, digest.file(plugin.path))
+    end
+  end
+end
+
+-- The text that says what a case with this scene, integrator and solver runs on; plugins: hooke.catalogue().
+local grounds = {}
+function digest.grounds(case, plugins)
+  local key = table.concat({ case.scene, case.integrator or "", case.solver or "" }, "\0")
+  if grounds[key] then return grounds[key] end
+  local files, words = closure(case.scene)
+  local lines = { ("hooke %s %s"):format(hooke.version, digest.file("/proc/self/exe") or "") }
+  for k, file in ipairs(files) do
+    lines[#lines + 1] = ("%s %s %s"):format(k == 1 and "scene" or "file", file.name, digest.of(file.text))
+  end
+  plugin_lines(plugins, words, case, lines)
+  grounds[key] = table.concat(lines, "\n")
+  return grounds[key]
+end
+
+return digest
