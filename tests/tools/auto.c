@@ -1,0 +1,109 @@
+/* --integrator auto: it chooses what reaches the accuracy, says why, keeps the choice on file for just this scene,
+ * these parameters and this accuracy, and says so where no method can. */
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static void hooke(const char *arguments) { test_hooke(&r, "XDG_CACHE_HOME=cache", arguments); }
+
+static void expect(int code, const char *text) {
+  if (r.code != code) fail_msg("exit %d instead of %d: %s%s", r.code, code, r.out, r.err);
+  if (!strstr(r.err, text)) fail_msg("no '%s' in: %s", text, r.err);
+}
+
+#define SCENES HK_ROOT "/scripts/scenes/"
+
+static void the_choice_reaches_the_accuracy_and_says_why(void **state) {
+  (void)state;
+  hooke("run " SCENES "circle.lua --integrator auto --accuracy 1e-4 --json --no-output");
+  expect(0, "measured");
+  assert_non_null(strstr(r.err, "m at ")); /* the error and its price */
+  assert_non_null(strstr(r.err, "the next is"));
+  assert_true(test_json(r.out, "exact_error") <= 1e-4 && test_json(r.out, "verify_difference") <= 0.5e-4);
+}
+
+static void the_choice_is_kept_for_scene_parameters_and_accuracy(void **state) {
+  (void)state;
+  static const char line[] = "auto " SCENES "sine.lua k=5 --accuracy 1e-3";
+  hooke(line);
+  expect(0, "kept in cache/hooke/auto-");
+  hooke(line);
+  expect(0, "chosen before, from cache/hooke/auto-");
+  hooke("auto " SCENES "sine.lua k=6 --accuracy 1e-3");
+  expect(0, "measured in");
+  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-5");
+  expect(0, "measured in");
+  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-3 --again");
+  expect(0, "measured in");
+  hooke("auto " SCENES "sine.lua k=5 --accuracy 1e-3 --quiet");
+  assert_true(r.code == 0 && !*r.err && !*r.out);
+}
+
+/* A module beside the scene belongs to it. */
+static void the_choice_is_made_anew_when_a_module_changes(void **state) {
+  (void)state;
+  test_write("pull.lua", "return 30\n");
+  test_write("with.lua", "local scene = hooke.scene { duration = 1, fps = 30 }\n"
+                         "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
+                         "scene:force('central', { strength = require('pull') })\nreturn scene\n");
+  hooke("auto with.lua --accuracy 1e-3");
+  expect(0, "measured in");
+  hooke("auto with.lua --accuracy 1e-3");
+  expect(0, "chosen before");
+  test_write("pull.lua", "return 31\n");
+  hooke("auto with.lua --accuracy 1e-3");
+  expect(0, "measured in");
+}
+
+static void a_scene_asks_for_it_itself(void **state) {
+  (void)state;
+  test_write("mine.lua", "local scene = hooke.scene { duration = 1, fps = 30, integrator = 'auto', accuracy = 1e-5 }\n"
+                         "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
+                         "scene:force('central', { strength = 30 })\n"
+                         "scene:exact(function(t) return math.cos(math.sqrt(30) * t), 0, 0 end)\nreturn scene\n");
+  hooke("run mine.lua --json --no-output");
+  expect(0, "measured");
+  assert_true(test_json(r.out, "exact_error") <= 1e-5);
+  hooke("run " SCENES "circle.lua --integrator auto --no-output");
+  expect(1, "needs to know the accuracy");
+  hooke("auto " SCENES "circle.lua");
+  expect(1, "--accuracy METRES is needed");
+}
+
+/* A cloth: the pilot sees a part of it only; the run is judged over all of it. */
+static void a_cloth_is_right_to_the_accuracy_in_the_end(void **state) {
+  (void)state;
+  hooke("run " SCENES "curtain.lua N=8 --until 0.5 --integrator auto --accuracy 1e-3 --json --no-output");
+  expect(0, "measured");
+  assert_true(test_json(r.out, "verify_difference") <= 0.5e-3);
+}
+
+/* The double pendulum for 60 s: no method can, and the verdict says so. */
+static void what_is_not_determined_is_not_promised(void **state) {
+  (void)state;
+  hooke("run " SCENES "double_pendulum.lua --integrator auto --accuracy 1e-3 --json --no-output");
+  expect(5, "s two good methods part");
+  assert_non_null(strstr(r.out, "\"verdict\":\"inaccurate\""));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_choice_reaches_the_accuracy_and_says_why),
+      cmocka_unit_test(the_choice_is_kept_for_scene_parameters_and_accuracy),
+      cmocka_unit_test(the_choice_is_made_anew_when_a_module_changes),
+      cmocka_unit_test(a_scene_asks_for_it_itself),
+      cmocka_unit_test(a_cloth_is_right_to_the_accuracy_in_the_end),
+      cmocka_unit_test(what_is_not_determined_is_not_promised),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

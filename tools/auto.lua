@@ -1,0 +1,227 @@
+-- hooke auto SCENE.lua [name=value ...] --accuracy METRES: which integrator, and which step, tolerance or substeps, has
+-- the scene's positions right to that at the least cost. What `hooke run --integrator auto` asks.
+--
+-- A short bench (tools/common/pilot.lua) of the first part of the scene, as much as a few seconds allow, with the
+-- methods of order 2 and more. Errors add up: over a part of the duration only that part of the accuracy may be used
+-- up, and of it a quarter, for the run is judged (core/verify.h) by twice its difference to half the step, at the end.
+-- Where a method's ladder stopped short of it, its last two errors tell how much further it has to go. The choice is
+-- kept on file, by the scene's text, its parameters, the accuracy, the end and the plugins' contents.
+local argparse = require("argparse")
+local methods = require("common.methods")
+local pilot = require("common.pilot")
+local process = require("process")
+local record = require("common.record")
+local trial = require("common.trial")
+
+local margin = 1 / 4
+local most_doublings, most_decades = 5, 4 -- beyond what was measured
+local reference_costs = 10                -- leapfrog runs, about
+local least_frames = 4
+
+local function parser()
+  local p = argparse("hooke auto", "Chooses an integrator and its step by measuring.")
+  p:argument("scene", "the scene's script")
+  p:argument("params", "name=value: parameters of the scene"):args("*")
+  p:option("--accuracy", "of the positions at the end, RMS, m"):convert(tonumber)
+  p:option("--until", "end of the run, s"):target("until_"):convert(tonumber)
+  p:option("--budget", "s that measuring may take, about"):default("6"):convert(tonumber)
+  p:flag("--again", "measure even if a choice is on file")
+  p:flag("--quiet", "say nothing")
+  p:flag("--trust", "the scene is trusted")
+  return p
+end
+
+local function complain(format, ...)
+  io.stderr:write("hooke: auto: ", format:format(...), "\n")
+  return 1
+end
+
+-- ---- what is kept ----
+
+local function folder()
+  local base = os.getenv("XDG_CACHE_HOME")
+  if not base or base == "" then
+    local home = os.getenv("HOME")
+    base = home and home ~= "" and home .. "/.cache" or nil
+  end
+  return base and base .. "/hooke"
+end
+
+local function kept(path)
+  local text = path and record.read(path)
+  local fine, choice = pcall(record.json.decode, text or "")
+  return fine and type(choice) == "table" and choice.integrator and choice or nil
+end
+
+local function keep(path, choice)
+  if not path then return end
+  os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
+  local fine, why = record.write(path, record.json.encode(choice) .. "\n")
+  if not fine then io.stderr:write("hooke: auto: the choice is not kept: ", why, "\n") end
+end
+
+-- ---- how long the pilot is ----
+
+local function pilot_end(o, explained)
+  local whole = o.until_ or explained.duration
+  local frame = 1 / explained.fps
+  local tried = math.min(whole, least_frames * frame)
+  local result = trial.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
+    timeout = 0.2 * o.budget, trust = o.trust }
+  local cost = (result.step_wall_s or 0.2 * o.budget) / tried -- s per simulated second
+  local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
+  if afford >= whole then return whole end
+  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)
+end
+
+-- ---- from errors to a setting ----
+
+local function last_two(method)
+  local one, two
+  for _, row in ipairs(method.rows) do
+    if row.verdict == "ok" and row.error and row.error > 0 and row.wall_s
+      and (not two or row.result.steps ~= two.result.steps or row.rung.substeps) then one, two = two, row end
+  end
+  return one, two
+end
+
+local function further(method, row, rungs)
+  local rung = {}
+  for key, value in pairs(row.rung) do rung[key] = value end
+  if rung.tol then
+    rung.tol = rung.tol / 10 ^ rungs
+    return rung, row.wall_s * methods.growth(method) ^ rungs
+  elseif rung.substeps then
+    rung.integrator = rung.integrator:gsub("substeps=%d+", ("substeps=%d"):format(rung.substeps << rungs))
+    rung.substeps = rung.substeps << rungs
+  else
+    rung.dt = rung.dt / 2 ^ rungs
+  end
+  return rung, row.wall_s * 2 ^ rungs
+end
+
+-- The cheapest setting of a method for the target: measured, or as many rungs further as its last errors say.
+local function setting(method, goal)
+  local best
+  for _, row in ipairs(method.rows) do
+    if row.verdict == "ok" and row.error and row.wall_s and math.max(row.error, goal.support) <= goal.target
+      and (not best or row.wall_s < best.wall) then
+      best = { method = method, rung = row.rung, wall = row.wall_s, row = row }
+      best.error = math.max(row.error, goal.support)
+    end
+  end
+  if best then return best end
+  local one, two = last_two(method)
+  if not one or two.error > 0.7 * one.error or two.error <= goal.support then return nil end
+  local unit = two.rung.tol and math.log(one.rung.tol / two.rung.tol, 10) or 1
+  local fall = math.min((one.error / two.error) ^ (1 / unit), two.rung.tol and 10 or 2 ^ method.order)
+  local rungs = math.ceil(math.log(two.error / goal.target) / math.log(fall))
+  if rungs > (two.rung.tol and most_decades or most_doublings) then return nil end
+  local rung, wall = further(method, two, rungs)
+  return { method = method, rung = rung, wall = wall, error = two.error / fall ^ rungs, row = two, further = true }
+end
+
+local function ranking(b)
+  local list = {}
+  for _, method in ipairs(b.methods) do list[#list + 1] = setting(method, b.goal) end
+  table.sort(list, function(a, c) return a.wall < c.wall end)
+  return list
+end
+
+-- ---- the choice ----
+
+local function orders_of_two(list)
+  local fit = {}
+  for _, method in ipairs(list) do
+    if method.order >= 2 then fit[#fit + 1] = method end
+  end
+  return fit
+end
+
+local function phrase(s, b)
+  return ("%s, %s (%s %.1e m at %.2g s per simulated second)"):format(s.method.label, methods.rung_text(s.rung),
+    s.further and "expected" or "measured", s.error, s.wall / b.limit)
+end
+
+-- The first rung of an explicit method is the step that a run chooses for itself, and makes shorter when the scene
+-- stiffens: then none is given, unless the scene has one of its own.
+local function step_of(s, b)
+  local own = not s.further and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
+  if own and b.explained.dt_chosen then return nil end
+  return s.rung.dt
+end
+
+local function measure(o)
+  local explained, why = hooke.explain(o.scene, o.params)
+  if not explained then return nil, why end
+  local whole, part = o.until_ or explained.duration, pilot_end(o, explained)
+  local target = margin * o.accuracy * part / whole
+  local b
+  for _ = 1, 3 do
+    b, why = pilot.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = target,
+      budget = o.budget, metric = "x", only_best = true, trust = o.trust }
+    if not b then return nil, why end
+    b.methods = orders_of_two(b.methods)
+    local fine
+    fine, why = pilot.measure(b, function() end)
+    if fine then break end
+    b, part = nil, math.max(part / 4, least_frames / explained.fps)
+    target = margin * o.accuracy * part / whole
+  end
+  if not b then return nil, why end
+  target = margin * o.accuracy * b.limit / whole -- the limit may be less than was meant to be
+  b.goal.target = math.max(target, b.goal.support)
+  local list = ranking(b)
+  local first, second = list[1], list[2]
+  if not first then
+    return nil, ("no integrator came to %.2g m in the first %.3g s, which %g m at %.4g s take: ask less, or name one")
+      :format(b.goal.target, b.limit, o.accuracy, whole)
+  end
+  local text = ("%s; %.1e m may be used up over the first %.3g s of %.4g s"):format(phrase(first, b), b.goal.target,
+    b.limit, whole)
+  if second then text = ("%s; the next is %s"):format(text, phrase(second, b)) end
+  if b.goal.target > target then
+    text = ("%s; %.1e m were meant to be, and errors below %.1e m cannot be told here"):format(text, target,
+      b.goal.support)
+  end
+  if b.horizon then
+    text = ("%s; beyond %.3g s two good methods part%s"):format(text, b.horizon, b.cut_from.late
+      and ", in the time given" or ": the motion is not determined there")
+  end
+  return { integrator = first.rung.integrator, dt = step_of(first, b), tol = first.rung.tol, why = text }
+end
+
+local function main()
+  local o = parser():parse(arg)
+  local params = {}
+  for _, word in ipairs(o.params) do
+    local name, value = word:match("^([%w_]+)=(.*)$")
+    if not name then return complain("'%s' is not name=value", word) end
+    params[name] = value
+  end
+  o.params = params
+  if not (o.accuracy and o.accuracy > 0) then
+    return complain("--accuracy METRES is needed, such as --accuracy 1e-3")
+  end
+  local place = folder()
+  local path = place and ("%s/auto-%s.json"):format(place, record.hash(record.of_scene(o.scene, params)
+    .. record.canonical { accuracy = o.accuracy, until_ = o.until_ }))
+  local choice, begun = not o.again and kept(path), process.clock()
+  local known = choice ~= nil and choice ~= false
+  if not known then
+    local why
+    choice, why = measure(o)
+    if not choice then return complain("%s", why) end
+    choice.scene, choice.accuracy, choice.seconds = o.scene, o.accuracy, process.clock() - begun
+    keep(path, choice)
+  end
+  if not o.quiet then
+    io.stderr:write(("hooke: auto: %s\n"):format(choice.why))
+    io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(path)
+      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, path and ", kept in " .. path or ""))
+  end
+  if hooke.chosen then hooke.chosen(choice.integrator, choice.dt, choice.tol) end
+  return 0
+end
+
+return main()

@@ -1,0 +1,208 @@
+-- hooke bench SCENE.lua [name=value ...]: what accuracy costs in this scene with every integrator that fits it, and
+-- which one to take. See tools/common: pilot.lua (the phases), reference.lua, conditioning.lua, ladder.lua, report.lua.
+--
+-- The error x of a run: at a frame, the root mean square over all particles of the distance to the reference; of these,
+-- the root mean square over the frames after the start (m). v: the same of velocities (m/s). energy: the energy that
+-- came or went unaccounted for, over the largest kinetic energy. A measure: the root mean square over the frames.
+-- Cost: wall time of the time loop, the median of repeats, of which the first has warmed the machine up.
+local argparse = require("argparse")
+local pilot = require("common.pilot")
+local process = require("process")
+local progress = require("common.progress")
+local record = require("common.record")
+local report = require("common.report")
+
+local function parser()
+  local p = argparse("hooke bench", "What accuracy costs in a scene, with every integrator that fits it.")
+  p:argument("scene", "the scene's script")
+  p:argument("params", "name=value: parameters of the scene"):args("*")
+  p:option("--integrators", "only these: a,b,c; a name may have settings, xpbd:substeps=20")
+  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(tonumber)
+  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(tonumber)
+  p:option("--metric", "x, v, energy, or a measure of the scene"):default("x")
+  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(tonumber)
+  p:option("--budget", "s for all of it, about"):default("120"):convert(tonumber)
+  p:option("--threads", "of each run"):default("1"):convert(math.tointeger)
+  p:option("--jobs", "processes at once for the reference (timed runs are alone)"):convert(math.tointeger)
+  p:option("--out", "where the results go (out/bench/SCENE)")
+  p:flag("--trust", "the scene may use plugins beside it")
+  p:flag("--quiet", "no progress")
+  return p
+end
+
+local function complain(format, ...)
+  io.stderr:write("hooke: bench: ", format:format(...), "\n")
+  return 1
+end
+
+local function params_of(list)
+  local params = {}
+  for _, word in ipairs(list) do
+    local name, value = word:match("^([%w_]+)=(.*)$")
+    if not name then return nil, ("'%s' is not name=value"):format(word) end
+    params[name] = value
+  end
+  return params
+end
+
+local function make_folder(path)
+  local fine = os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'")
+  return fine
+end
+
+-- ---- what is printed ----
+
+local function print_reference(b)
+  local r = b.reference
+  if b.exact then
+    print(("reference     the scene's exact solution; beside it %s, %.1e m off it"):format(r.words, b.exact))
+  else
+    print(("reference     %s; they differ by %.1e%s"):format(r.words, r.size, b.goal.unit))
+  end
+  if b.doubted then
+    print("warning: these two methods agree far better with one another than with the scene's exact solution: "
+      .. "is it right?")
+  end
+  if not b.horizon then return end
+  print(("horizon       %.4g s: over %.4g s the references end %.2g m apart, %s;\n              errors mean something "
+    .. "up to the horizon, and are measured there"):format(b.horizon, b.cut_from.t, b.cut_from.size, b.cut_from.late
+    and "and there was no time to refine them (a larger --budget may take them further)"
+    or "however fine: the motion is not determined (chaos, or a force that is not smooth)"))
+end
+
+local function print_conditioning(b)
+  local c = b.conditioning
+  if not c then return print(("conditioning  not measured: %s"):format(b.conditioning_failed)) end
+  local sizes = {}
+  for _, s in ipairs(c.sizes) do
+    sizes[#sizes + 1] = ("%.2g (at worst %.2g) for %.0e"):format(s.growth, s.worst, s.size)
+  end
+  print(("conditioning  random displacements of the start, relative to %.3g m, have grown at the end by %s (%d seeds)")
+    :format(c.extent, table.concat(sizes, ", "), c.seeds))
+  local small, large = c.sizes[1], c.sizes[#c.sizes]
+  if small.growth > 3 * large.growth or large.growth > 3 * small.growth then
+    print("              the growth depends on the size: the start balances on an edge, as cloth that will buckle")
+  end
+  print(("floor         rounding alone: %.1e%s in double precision, %.1e in single; errors below %.1e are not told")
+    :format(c.floor, b.goal.unit, c.floor_single, b.goal.support))
+  if b.goal.support > b.goal.target then
+    print(("              this is above the target, %.1e: methods are compared down to it"):format(b.goal.target))
+  end
+end
+
+-- Methods that are refused for the same reason share a line: the reason names the plugin, which is left out for that.
+local function print_refused(b)
+  local reasons, labels = {}, {}
+  for _, method in ipairs(b.methods) do
+    local why = method.refused and method.refused:gsub("%s+", " "):gsub("^" .. method.plugin .. ": ", "")
+    if why and not labels[why] then
+      reasons[#reasons + 1], labels[why] = why, {}
+    end
+    if why then table.insert(labels[why], method.label) end
+  end
+  if #reasons > 0 then print("\nthese do not fit the scene") end
+  for _, why in ipairs(reasons) do print(("  %s: %s"):format(table.concat(labels[why], ", "), why)) end
+end
+
+local function print_warnings(b)
+  for _, method in ipairs(b.methods) do
+    if report.weak_order(method, method.observed) then
+      print(("warning: %s does not show its order here: observed %.1f, declared %g"):format(method.label,
+        method.observed, method.order))
+    end
+    local halved = report.halved(method, b.goal)
+    if halved then
+      print(("warning: %s halved its steps where Newton's iteration did not converge%s; a force with a "
+        .. "wrong dF/dx does that, too: hooke check"):format(method.label, halved.longest
+        and (" (not at dt %.3g s)"):format(halved.longest) or ""))
+    end
+  end
+end
+
+local function print_all(b)
+  print_reference(b)
+  print_conditioning(b)
+  print_refused(b)
+  report.table(b.ranking, b.goal, io.stdout)
+  print_warnings(b)
+  print("\n" .. (b.recommended and "take " or "") .. b.recommendation)
+  print(("bench itself: %.2g s beside %.3g s of timed runs (%.1f %%); reference and conditioning: %.3g s"):format(
+    b.own_s, b.timed, 100 * b.own_s / math.max(b.timed, 1e-9), b.reference_s))
+end
+
+-- ---- what is written ----
+
+local function more_of(b, o)
+  local c, r = b.conditioning, b.reference
+  local chosen = b.recommended
+  return {
+    scene = b.explained.scene, params = o.params, metric = b.metric, target = o.target, finest = o.finest,
+    until_s = b.limit, fps = b.fps, particles = b.explained.particles, horizon_s = b.horizon,
+    error_definition = "RMS over the particles at each frame, then RMS (max: largest) over the frames after the start",
+    reference = { methods = r.words, error = r.size, exact = b.exact ~= nil, exact_error = b.exact,
+      supports_errors_above = b.goal.support },
+    conditioning = c and { growth = c.growth, floor = c.floor, floor_single = c.floor_single, extent = c.extent,
+      seeds = c.seeds, sizes = c.sizes },
+    recommendation = { text = b.recommendation, row = chosen and report.flat(chosen, b.goal) },
+    overhead_s = b.own_s, timed_s = b.timed, threads = o.threads }
+end
+
+local function draw(b, out)
+  local goal = b.goal
+  local n = b.explained.particles
+  goal.title = ("Speed against error: %s, %d particle%s, %.4g s"):format(b.explained.scene, n, n == 1 and "" or "s",
+    b.limit)
+  goal.axis = goal.metric == "energy" and "energy drift, relative" or goal.metric == "x"
+    and "RMS error of the positions, m" or goal.metric == "v" and "RMS error of the velocities, m/s"
+    or "error of " .. goal.metric
+  return report.draw(b.methods, goal, b.recommended, out .. "/bench")
+end
+
+local function write_all(b, o, out)
+  assert(report.csv(b.methods, b.goal, out .. "/bench.csv"))
+  assert(report.json(b.methods, b.goal, more_of(b, o), out .. "/bench.json"))
+  local fine, why = draw(b, out)
+  print(("wrote %s/bench.csv, bench.json%s"):format(out, fine and ", bench.png, bench.svg" or ""))
+  if not fine then io.stderr:write("hooke: bench: ", why, "\n") end
+  return fine and 0 or 4
+end
+
+-- ---- all of it ----
+
+local function fingerprint(o)
+  local told = { metric = o.metric, target = o.target, finest = o.finest, until_ = o.until_, threads = o.threads }
+  return record.hash(record.of_scene(o.scene, o.params) .. record.canonical(told))
+end
+
+local function main()
+  local o = parser():parse(arg)
+  local why
+  o.params, why = params_of(o.params)
+  if not o.params then return complain("%s", why) end
+  if not (o.target and o.target > 0 and o.budget > 0) then return complain("--target and --budget must be positive") end
+  o.finest = o.finest or o.target / 10
+  local b
+  b, why = pilot.new(o)
+  if not b then return complain("%s", why) end
+  local name = o.scene:match("([^/]+)%.lua$") or o.scene
+  local out = o.out or "out/bench/" .. name
+  if not make_folder(out) then return complain("the folder %s cannot be made", out) end
+  b.record = record.open(out .. "/bench.state.jsonl", fingerprint(o))
+  local bar, phase = progress.new { what = "bench " .. name, quiet = o.quiet }, nil
+  if b.record.count > 0 then bar:say(("taking up %d runs of an interrupted bench"):format(b.record.count)) end
+  b.each = function(case, result)
+    bar:add { failed = result.failed ~= nil and result.fits ~= false, note = ("%s: %s"):format(phase, case.integrator),
+      part = math.min((process.clock() - bar.begun) / o.budget, 0.99) } -- it ends by its budget, if not before
+  end
+  b.tick = function() bar:tick() end
+  local fine
+  fine, why = pilot.measure(b, function(what) phase = what end)
+  bar:finish()
+  if not fine then return complain("%s", why) end
+  print_all(b)
+  local code = write_all(b, o, out)
+  b.record:remove()
+  return code
+end
+
+return main()

@@ -1,0 +1,121 @@
+-- The integrators as methods to compare: each with the one number that buys accuracy (a step, a tolerance, substeps),
+-- and a ladder of its values from cheap to accurate. A plugin is found by itself; what is written down here is only
+-- where one plugin is several methods, and where its accuracy is not bought by the step or the tolerance.
+local methods = {}
+
+local variants = {
+  arkode = { { settings = "method=erk", order = 5 }, { settings = "method=dirk", order = 5 } },
+  cvode = { { settings = "method=bdf" }, { settings = "method=adams" } },
+  local_global = { { settings = "iterations=10" }, { settings = "iterations=100" } },
+  xpbd = { { by = "substeps" }, { settings = "bdf=2", by = "substeps", order = 2 } },
+  baraff_witkin = { { by = "dt" } }, -- its steps follow the stretch, below a longest one
+}
+
+local first_substeps, first_tolerance, last_tolerance = 4, -2, -12
+
+local function text_of(name, settings)
+  return settings and name .. ":" .. settings or name
+end
+
+local function method_of(plugin, variant, step)
+  local by = variant.by or plugin.adaptive and "tol" or "dt"
+  return { plugin = plugin.name, label = text_of(plugin.name, variant.settings), settings = variant.settings, by = by,
+    implicit = plugin.implicit, adaptive = plugin.adaptive, stages = plugin.stages,
+    order = variant.order or plugin.order,
+    varies = plugin.name == "cvode", -- its order is what it finds best
+    longest = not plugin.implicit and step and step.suggestion or math.huge, rows = {} }
+end
+
+-- All methods of the catalogue; `steps` are those of hooke.explain.
+function methods.all(catalogue, steps)
+  local list, step = {}, {}
+  for _, s in ipairs(steps) do step[s.name] = s end
+  for _, plugin in ipairs(catalogue) do
+    if plugin.kind == "integrator" then
+      for _, variant in ipairs(variants[plugin.name] or { {} }) do
+        list[#list + 1] = method_of(plugin, variant, step[plugin.name])
+      end
+    end
+  end
+  return list
+end
+
+-- "a,b:x=1,y=2,c" -> { "a", "b:x=1,y=2", "c" }: a comma also stands between the parameters of one.
+function methods.split(text)
+  local list = {}
+  for part in text:gmatch("[^,]+") do
+    local last = list[#list]
+    if last and last:find(":", 1, true) and part:find("=", 1, true) and not part:find(":", 1, true) then
+      list[#list] = last .. "," .. part
+    else
+      list[#list + 1] = part
+    end
+  end
+  return list
+end
+
+-- Those that the user names: a plugin's name stands for all its variants, "name:parameter=value" for just that one.
+function methods.chosen(catalogue, steps, text)
+  local all, list, names, by_name = methods.all(catalogue, steps), {}, {}, {}
+  for _, plugin in ipairs(catalogue) do
+    if plugin.kind == "integrator" then
+      names[#names + 1] = plugin.name
+      by_name[plugin.name] = plugin
+    end
+  end
+  local step = {}
+  for _, s in ipairs(steps) do step[s.name] = s end
+  for _, choice in ipairs(methods.split(text)) do
+    local name, settings = choice:match("^([^:]+):?(.*)$")
+    if not name or not by_name[name] then
+      local near = hooke.nearest(name or choice, names)
+      return nil, ("there is no integrator '%s'%s"):format(name or choice,
+        near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins")
+    end
+    if settings == "" then
+      for _, method in ipairs(all) do
+        if method.plugin == name then list[#list + 1] = method end
+      end
+    else
+      local base = (variants[name] or { {} })[1]
+      for _, variant in ipairs(variants[name] or {}) do
+        if variant.settings and settings:find(variant.settings, 1, true) then base = variant end
+      end
+      local by = base.by == "substeps" and settings:find("substeps=", 1, true) and "dt" or base.by
+      list[#list + 1] = method_of(by_name[name], { settings = settings, by = by, order = base.order }, step[name])
+    end
+  end
+  return list
+end
+
+-- ---- the ladder ----
+
+local function pieces(method, fps)
+  local n = math.ceil(1 / (fps * method.longest) * (1 - 1e-12))
+  return math.max(n, 1)
+end
+
+-- Rung k (0, 1, ...): what the run is given, and `cost`, how much more it will take than rung 0, about; nil: no more.
+function methods.rung(method, k, fps)
+  if method.by == "substeps" then
+    local settings = ("substeps=%d"):format(first_substeps << k)
+    if method.settings then settings = method.settings .. "," .. settings end
+    return { integrator = text_of(method.plugin, settings), dt = 1 / fps, substeps = first_substeps << k }
+  elseif method.by == "tol" then
+    if first_tolerance - k < last_tolerance then return nil end
+    return { integrator = method.label, tol = tonumber(("1e%d"):format(first_tolerance - k)) }
+  end
+  return { integrator = method.label, dt = 1 / (fps * (pieces(method, fps) << k)) }
+end
+
+-- What its next rung costs of the last one's time.
+function methods.growth(method)
+  return method.by == "tol" and 10 ^ (1 / math.max(method.order, 1)) or 2
+end
+
+function methods.rung_text(rung)
+  if rung.substeps then return ("%d substeps"):format(rung.substeps) end
+  return rung.tol and ("tol %.0e"):format(rung.tol) or ("dt %.3g s"):format(rung.dt)
+end
+
+return methods
