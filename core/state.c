@@ -147,7 +147,8 @@ void hk_state_disturb(hk_run *run) {
   for (size_t i = 0; i < run->model.n; i++)
     for (int c = 0; c < 3; c++) {
       double off = size * (2 * hk_random_uniform(random) - 1);
-      if (run->pin[i] == HK_FREE) run->X[3 * i + (size_t)c] += off;
+      bool moves = run->pin[i] == HK_FREE || run->pin[i] == HK_PIN_LINE || run->pin[i] == HK_PIN_PLANE;
+      if (moves) run->X[3 * i + (size_t)c] += off; /* what slides is put back on its line when pins are imposed */
     }
 }
 

@@ -94,7 +94,7 @@ static int catalogue(lua_State *L) {
   return 2;
 }
 
-/* ---- hooke.explain(path, {name = value}) ---- */
+/* ---- hooke.explain(path, {name = value}, {trust = true}) ---- */
 
 static void push_force(lua_State *L, const hk_instance *instance) {
   const hk_edges *edges = hk_instance_edges(instance);
@@ -185,6 +185,12 @@ static int explain(lua_State *L) {
   hk_script *script = NULL;
   hk_run *run = NULL;
   options.trust = false;
+  if (lua_istable(L, 3)) {
+    lua_getfield(L, 3, "trust");
+    options.trust = lua_toboolean(L, -1);
+    lua_pop(L, 1);
+  }
+  options.registry->allow_script_folder = options.trust;
   options.run = &run_options;
   options.given = hk_lua_push_given(L, 2, &options.given_count);
   hk_status status = hk_registry_load_all(options.registry, &error);

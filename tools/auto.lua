@@ -152,7 +152,7 @@ local function step_of(s, b)
 end
 
 local function measure(o)
-  local explained, why = hooke.explain(o.scene, o.params)
+  local explained, why = hooke.explain(o.scene, o.params, { trust = o.trust })
   if not explained then return nil, why end
   local whole, part = o.until_ or explained.duration, pilot_end(o, explained)
   local target = margin * o.accuracy * part / whole

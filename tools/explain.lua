@@ -10,7 +10,8 @@ end
 
 -- ---- the command line ----
 
-local kinds = { cost = "flag", json = "flag", integrator = "text", ["until"] = "number", repeats = "count" }
+local kinds = { cost = "flag", json = "flag", trust = "flag", integrator = "text", ["until"] = "number",
+  repeats = "count" }
 local needs_cost = { "integrator", "until", "repeats" }
 
 local function value_of(kind, text)
@@ -43,7 +44,7 @@ local function parse()
     elseif option then o[option] = found
     elseif found then return nil, found
     elseif arg[k]:sub(1, 1) == "-" or o.path then
-      return nil, ("'%s' is neither the scene nor name=value, nor one of --cost, --json, --integrator NAME, "
+      return nil, ("'%s' is neither the scene nor name=value, nor one of --cost, --json, --trust, --integrator NAME, "
         .. "--until SECONDS, --repeats N"):format(arg[k])
     else o.path, used = arg[k], 1 end
     k = k + used
@@ -89,7 +90,7 @@ local function print_steps(e)
 end
 
 local function explain(o)
-  local e, message = hooke.explain(o.path, o.given)
+  local e, message = hooke.explain(o.path, o.given, { trust = o.trust })
   if not e then return fail(message) end
   if o.json then
     print(json.encode(e))
@@ -113,7 +114,7 @@ end
 local function explain_cost(o)
   local report = require("common.cost_report")
   local study, message = require("common.cost").study { scene = o.path, params = o.given, integrator = o.integrator,
-    ["until"] = o["until"], repeats = o.repeats, tick = progress() }
+    ["until"] = o["until"], trust = o.trust, repeats = o.repeats, tick = progress() }
   if not study then return fail(message) end
   if o.json then
     print(json.encode(report.plain(study)))

@@ -3,8 +3,9 @@ what: damping ratio 1e4: a thrust is stopped within 50 us, then the mass creeps 
 right: closed form, a damped oscillator
 must: leapfrog, rk4, dopri5, cvode, arkode, bdf2, tr_bdf2, esdirk4
 ]]
--- The damping acts within a step of the explicit methods, so they cannot sum its work: some say so, and are right all the
--- same; they are not in the list above. The bound: it creeps by m g/c T = 1.2e-4 m, and the thrust carries it by v m/c = 5e-5 m: a tenth of both.
+-- The bound: it creeps by m g/c T = 1.2e-4 m, and the thrust carries it by v m/c = 5e-5 m: a tenth of both. The damping
+-- acts within a step of most methods, which so cannot sum its work; some say that of themselves, and are right all the
+-- same: they are not in the list above.
 local scene = hooke.scene { duration = 0.25, tol = 1e-8, accuracy = 2e-5 }
 local k, c, g, v0 = 1, 2e4, 9.81, 1 -- N/m, N s/m, m/s^2, m/s; 1 kg
 

@@ -18,7 +18,7 @@
 static test_result r;
 
 static void sweep(const char *arguments, int code) {
-  char all[2048];
+  char all[4096];
   snprintf(all, sizeof all, "sweep %s", arguments);
   test_hooke(&r, NULL, all);
   if (r.code != code) fail_msg("%s: exit %d instead of %d: %s%s", arguments, r.code, code, r.out, r.err);

@@ -34,8 +34,8 @@ end
 
 -- The options of a case of the study; an accuracy would have every run checked by a second one.
 local function case_of(study, changes)
-  local case = { scene = study.scene, params = study.params, integrator = study.integrator, ["until"] = study["until"],
-    accuracy = 0 }
+  local case = { scene = study.scene, params = study.params, integrator = study.integrator,
+    ["until"] = study["until"], trust = study.trust, accuracy = 0 }
   for key, value in pairs(changes) do case[key] = value end
   return case
 end
@@ -201,7 +201,7 @@ end
 -- What the scene is made of, and what accuracy it asks for.
 local function look(study)
   local scene, refused = hooke.load(study.scene, study.params,
-    { integrator = study.integrator, ["until"] = study["until"], threads = 1 })
+    { integrator = study.integrator, ["until"] = study["until"], threads = 1, trust = study.trust })
   if not scene then return nil, refused end
   local fine, run = pcall(scene.run, scene, { to = 0 })
   if not fine then return nil, cause(run) end

@@ -78,7 +78,7 @@ end
 -- (methods that are slower than the best at the target need not go on). Of what it returns the caller may set `record`
 -- (tools/common/record.lua), each(case, result) and tick().
 function pilot.new(options)
-  local explained, why = hooke.explain(options.scene, options.params)
+  local explained, why = hooke.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
   local catalogue = hooke.catalogue()
   local list = methods.all(catalogue, explained.steps)
