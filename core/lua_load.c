@@ -108,7 +108,7 @@ static void read_options(lua_State *L, int table, hk_script_options *options, hk
   run->blind = flag_field(L, table, "blind");
   options->seed = hk_lua_field_whole(L, table, what, "seed", 0, most);
   options->threads = (int)hk_lua_field_whole(L, table, what, "threads", 0, 1024);
-  options->trust = options->registry->allow_script_folder = flag_field(L, table, "trust");
+  options->trust = flag_field(L, table, "trust");
   read_without(L, table, run);
 }
 

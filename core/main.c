@@ -251,6 +251,7 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
   int code = 0;
+  registry->allow_script_folder = true; /* of the tool's own; scenes are opened as they are trusted */
   if (hk_tool_run(path, argc, argv, &options, &code, NULL, &error) != HK_OK) return complain(&error);
   return code;
 }

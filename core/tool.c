@@ -190,7 +190,6 @@ static int explain(lua_State *L) {
     options.trust = lua_toboolean(L, -1);
     lua_pop(L, 1);
   }
-  options.registry->allow_script_folder = options.trust;
   options.run = &run_options;
   options.given = hk_lua_push_given(L, 2, &options.given_count);
   hk_status status = hk_registry_load_all(options.registry, &error);

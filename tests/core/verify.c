@@ -235,8 +235,8 @@ static void implicit_methods_refuse_constraints_before_the_first_step(void **sta
   char scene[1024];
   snprintf(scene, sizeof scene, "%sscene:constraint('%s/tests/fixtures/bar.so', { edges = {{a, b}}, label = 'bar' })\n",
            pair, HK_BUILD);
-  tool(joined(scene, ""), "says(refused { integrator = 'bdf2' }, \"takes no constraints ('bar')\")\n"
-                          "load { integrator = 'bdf2', without = { 'bar' } }:run { to = 0 }\n");
+  tool(joined(scene, ""), "says(refused { integrator = 'bdf2', trust = true }, \"takes no constraints ('bar')\")\n"
+                          "load { integrator = 'bdf2', trust = true, without = { 'bar' } }:run { to = 0 }\n");
 }
 
 int main(void) {
