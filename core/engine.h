@@ -14,6 +14,7 @@
  *   loop.c         the order of a step, frames and events
  *   energy.c       energy, momentum, strain
  *   resolve.c      what implicit steps do not resolve
+ *   unseen.c       what changes in time between the steps
  *   verdict.c      what went wrong and where
  *   run.c          opening and closing
  *   folder.c       the output folder
@@ -215,6 +216,9 @@ void hk_resolve_begin(hk_run *);
 void hk_resolve_end(hk_run *, double h);
 double hk_unresolved(hk_run *); /* m, the median of the frames */
 void hk_resolve_close(hk_run *);
+
+/* unseen.c */
+bool hk_varies_unseen(hk_run *); /* a function of time changes between the steps that were taken */
 
 /* verdict.c */
 hk_status hk_diagnose(hk_run *, hk_status cause); /* names step, time, particle and force; returns the status */

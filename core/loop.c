@@ -190,7 +190,7 @@ static hk_status fixed_segment(hk_run *run, double begin, double stop) {
   bool whole = run->frame > 0 && begin == frame_time(run, run->frame - 1) && stop == frame_time(run, run->frame);
   double length = whole ? 1 / run->scene->fps : stop - begin, pieces = ceil(length / run->dt * (1 - 1e-12));
   size_t n = pieces > 1 ? (size_t)pieces : 1;
-  if (refines(run, begin, stop)) n = 2 * n + 1;
+  if (refines(run, begin, stop)) n = 2 * run->options.refine * n + 1;
   double h = whole ? 1 / (run->scene->fps * (double)n) : length / (double)n;
   if (run->last_h != 0 && h != run->last_h) reset(run, HK_STEP_CHANGED);
   run->last_h = h;
@@ -218,7 +218,8 @@ static double offered(const hk_run *run, double stop, double most) {
 
 static hk_status adaptive_segment(hk_run *run, double stop) {
   double most = run->options.dt_most > 0 ? run->options.dt_most : INFINITY;
-  if (refines(run, run->system.t, stop)) most = fmin(most, (stop - run->system.t) / 3);
+  if (refines(run, run->system.t, stop))
+    most = fmin(most, (stop - run->system.t) / (2 * (double)run->options.refine + 1));
   while (run->system.t < stop) {
     double t = run->system.t, h = offered(run, stop, most);
     hk_step out;

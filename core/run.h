@@ -15,7 +15,7 @@ typedef struct hk_run_options {
   size_t step_limit;      /* HK_INTERRUPTED after so many steps; 0: none */
   double disturb;         /* start positions are off by up to this part of the scene's extent in every direction */
   uint64_t disturb_seed;
-  bool refine;    /* n steps between two cuts become 2n + 1: twice as fine, and never in step with the first run */
+  size_t refine;  /* r > 0: n steps between two cuts become 2rn + 1: finer, and never in step with the first run */
   double dt_most; /* s, longest step of an adaptive method; 0: any */
   bool blind;     /* judge without the scene's exact solution, as one without it is judged */
   size_t without_count;

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+enum { FINEST = 16 };
 static const double disturbance = 1e-10, margin = 2, rounding = 1e-9;
 
 static double difference(hk_run *a, hk_run *b) {
@@ -13,16 +14,17 @@ static double difference(hk_run *a, hk_run *b) {
   return sqrt(sum / (double)n);
 }
 
-/* The same step, refined; where an adaptive method was given one, it may take it for a fixed step. */
-static hk_run_options finer(const hk_run *whole, const hk_run_options *first) {
+/* The same step, refined, the more where something changes between the steps; where an adaptive method was given one,
+ * it may take it for a fixed step. */
+static hk_run_options finer(hk_run *whole, const hk_run_options *first) {
   hk_run_options o = *first;
   double given = isnan(first->dt) ? whole->scene->dt : first->dt;
   bool adaptive = whole->method->flags & HK_ADAPTIVE;
   o.dt = adaptive ? given / 2 : given;
   o.tol = whole->system.tol / 10;
-  o.refine = true;
-  o.dt_most = whole->dt_max / 2;
-  o.step_limit *= 4;
+  o.refine = hk_varies_unseen(whole) ? FINEST : 1;
+  o.dt_most = whole->dt_max / (2 * (double)o.refine);
+  o.step_limit *= 4 * o.refine;
   o.disturb = disturbance;
   o.disturb_seed = 1;
   o.no_output = true;

@@ -32,6 +32,7 @@ typedef struct arkode {
   double fixed;    /* s, the dt that the user gave; 0: none, the steps are ARKODE's */
   bool running;    /* ARKODE's state is X */
   double planned;  /* s, the step that ARKODE would take next */
+  double most;     /* s, the last step that the host wanted shorter than that; 0: none, so that it may grow freely */
   double t;        /* s, ARKODE's time */
 } arkode;
 
@@ -182,7 +183,9 @@ static int prepare(arkode *m, const hk_system *s, double t_stop, double h, doubl
   double span = t_stop - s->t;
   *stop = t_stop;
   if (!(m->fixed > 0)) {
-    if (h < m->planned * (1 - 1e-12) && s->t + h < t_stop) *stop = s->t + h;
+    if (h < m->planned * (1 - 1e-12) && m->planned < INFINITY) m->most = h;
+    double limit = m->most > 0 ? m->most : m->planned < INFINITY ? INFINITY : h;
+    if (t_stop - s->t > limit * (1 + 1e-9)) *stop = s->t + limit;
     return ARK(SetStopTime)(m->memory, *stop);
   }
   double pieces = ceil(span / m->fixed * (1 - 1e-12)), length = pieces > 1 ? span / pieces : span;

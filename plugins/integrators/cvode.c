@@ -25,7 +25,8 @@ typedef struct cvode {
   N_Vector error, weight; /* NULL without `estimate` */
   bool running;           /* CVODE's history is that of X */
   double planned;         /* s, the step that CVODE would take next */
-  double t;               /* s, CVODE's time */
+  double most; /* s, the last step that the host wanted shorter than that; 0: none, so that it may grow freely */
+  double t;    /* s, CVODE's time */
 } cvode;
 
 static const hk_param params[] = {
@@ -196,7 +197,9 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
     hk_status status = start(m, s, t_stop - s->t);
     if (status != HK_OK) return status;
   }
-  if (h < m->planned * (1 - 1e-12) && s->t + h < t_stop) stop = s->t + h;
+  if (h < m->planned * (1 - 1e-12) && m->planned < INFINITY) m->most = h;
+  double limit = m->most > 0 ? m->most : m->planned < INFINITY ? INFINITY : h;
+  if (t_stop - s->t > limit * (1 + 1e-9)) stop = s->t + limit;
   m->running = false;
   int flag = CVodeSetStopTime(m->memory, stop);
   if (flag >= 0) flag = CVode(m->memory, stop, m->sundials.X, &m->t, CV_ONE_STEP);

@@ -107,6 +107,17 @@ static void damping_makes_euler_possible(void **state) {
   assert_true(stable(EULER, s).limit == 0);
 }
 
+/* With damping in proportion to stiffness, g = 4e-3 w^2, only the fastest mode is damped critically: its two rates are
+ * 500/s, and 2/500 s is euler's limit. Were slow modes damped as much, one would have a rate of 1000/s. */
+static void damping_that_rises_with_frequency_leaves_slow_modes_alone(void **state) {
+  (void)state;
+  hk_spectrum s = {.w_max = 500, .g_max = 1000, .slope = 4e-3, .beta = 4e-3}, box = {.w_max = 500, .g_max = 1000};
+  assert_near(stable(EULER, s).limit, 2.0 / 500);
+  assert_near(stable(EULER, box).limit, 0);
+  box.alpha = 1000; /* a strong drag: w = 0 is damped as much */
+  assert_near(stable(EULER, box).limit, 2.0 / 1000);
+}
+
 static void methods_without_a_stable_step_get_an_accurate_one(void **state) {
   (void)state;
   hk_spectrum s = {.w_max = 40};
@@ -180,6 +191,7 @@ int main(void) {
       cmocka_unit_test(rates_are_limited_on_the_real_axis),
       cmocka_unit_test(damping_shortens_the_symplectic_step),
       cmocka_unit_test(damping_makes_euler_possible),
+      cmocka_unit_test(damping_that_rises_with_frequency_leaves_slow_modes_alone),
       cmocka_unit_test(methods_without_a_stable_step_get_an_accurate_one),
       cmocka_unit_test(nothing_limits_implicit_methods_and_free_flight),
       cmocka_unit_test(the_first_gap_ends_the_search),

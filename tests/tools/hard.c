@@ -1,0 +1,30 @@
+/* The corpus of hard cases, tests/hard: every integrator reaches a case's bound or says that it did not, and those that
+ * have to reach it do. Runs of at most 10,000 steps; `make study` holds the long ones. */
+#include "tests/support/command.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static void no_run_says_ok_beyond_its_bound(void **state) {
+  (void)state;
+  char arguments[512];
+  snprintf(arguments, sizeof arguments, "stability --hard %s/tests/hard --quiet --timeout 300", HK_ROOT);
+  test_hooke(&r, NULL, arguments);
+  const char *counts = strstr(r.out, "\nslowest");
+  print_message("%s", counts ? counts : r.out);
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  assert_non_null(strstr(r.out, " 0 failed"));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(no_run_says_ok_beyond_its_bound)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,262 @@
+-- hooke stability                 the largest stable step of every integrator on the linear oscillator, beside theory
+-- hooke stability SCENE.lua       the largest stable step on a scene, measured, beside the estimate that dt = auto uses
+-- hooke stability --hard [DIR]    the corpus of hard cases with every integrator
+-- See common/region.lua, common/limits.lua and common/hard.lua for what is measured and how.
+local argparse = require("argparse")
+local json = require("cjson").new()
+local lfs = require("lfs")
+local process = require("process")
+
+json.encode_invalid_numbers(true)
+
+local function fail(message)
+  io.stderr:write("hooke: stability: " .. message .. "\n")
+  return 1
+end
+
+-- ---- the command line ----
+
+local function split(text)
+  local list = {}
+  for word in text:gmatch("[^,]+") do list[#list + 1] = word end
+  return list
+end
+
+local function parser_of()
+  local p = argparse("hooke stability", "Largest stable steps, measured; and the corpus of hard cases (--hard).")
+  p:argument("scene", "a scene, then name=value; with --hard the folder of cases (tests/hard)"):args("*")
+  p:option("--integrators", "only these: a,b,c"):convert(split)
+  p:option("-j --jobs", "processes at a time"):convert(tonumber)
+  p:option("--out", "folder for table and pictures (out/stability)")
+  p:option("--over", "a ladder: NAME=VALUE,VALUE,...; may be repeated"):count("*")
+  p:option("--csv", "also write the rows to this file")
+  p:flag("--json", "print the rows as JSON, and nothing else on standard output")
+  p:flag("--quiet", "no progress")
+  p:flag("--hard", "run the corpus of hard cases")
+  p:flag("--long", "with --hard: the long cases as well, and no limit of steps")
+  p:flag("--reasons", "with --hard: say of every run how it ended")
+  p:option("--case", "with --hard: only this case; may be repeated"):count("*")
+  p:option("--timeout", "with --hard: seconds that a run may take"):convert(tonumber)
+  return p
+end
+
+local function parse()
+  local fine, o = parser_of():pparse(arg)
+  if not fine then return nil, o end
+  o.given = {}
+  for _, word in ipairs(o.scene) do
+    local name, value = word:match("^([%a_][%w_]*)=(.*)$")
+    if name then o.given[name] = value
+    elseif o.path then return nil, ("'%s' is neither the scene nor name=value"):format(word)
+    else o.path = word end
+  end
+  if next(o.given) and (o.hard or not o.path) then return nil, "name=value is for a scene" end
+  if o.jobs and not (o.jobs >= 1 and math.tointeger(o.jobs)) then return nil, "-j: not a whole number above 0" end
+  o.jobs = o.jobs or process.processors()
+  o.out = o.out or "out/stability"
+  return o
+end
+
+local function chosen_integrators(o)
+  local all, found = {}, {}
+  for _, plugin in ipairs((hooke.catalogue())) do
+    if plugin.kind == "integrator" then
+      all[#all + 1] = plugin
+      found[plugin.name] = plugin
+    end
+  end
+  local class = function(p) return (p.implicit and 2 or 0) + (p.adaptive and 1 or 0) end
+  table.sort(all, function(a, b)
+    if class(a) ~= class(b) then return class(a) < class(b) end
+    return a.order < b.order or a.order == b.order and a.name < b.name
+  end)
+  local names = {}
+  for k, plugin in ipairs(all) do names[k] = plugin.name end
+  if not o.integrators then return all, names, names end
+  local chosen = {}
+  for k, name in ipairs(o.integrators) do
+    if not found[name] then
+      local near = hooke.nearest(name, names)
+      return nil, ("--integrators: there is no '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near) or "")
+    end
+    chosen[k] = found[name]
+  end
+  return chosen, o.integrators, names
+end
+
+-- ---- writing ----
+
+local function csv_text(value)
+  if value == nil then return "" end
+  if math.type(value) == "float" then return ("%.9g"):format(value) end
+  local text = tostring(value)
+  return text:find('[,"\n]') and '"' .. text:gsub('"', '""') .. '"' or text
+end
+
+local function csv_of(columns, rows)
+  local lines = { table.concat(columns, ",") }
+  for _, row in ipairs(rows) do
+    local cells = {}
+    for k, column in ipairs(columns) do cells[k] = csv_text(row[column]) end
+    lines[#lines + 1] = table.concat(cells, ",")
+  end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+local function write(path, text)
+  local file, why = io.open(path, "w")
+  if not file then return nil, why end
+  local fine = file:write(text)
+  return file:close() and fine, path .. " cannot be written"
+end
+
+-- ---- the corpus ----
+
+local function print_hard(o, hard, cases, names, cells)
+  local count = hard.counts(cells)
+  print(hard.matrix(cases, names, cells))
+  print("\n" .. hard.legend)
+  local also = {}
+  for _, cell in ipairs(cells) do
+    if o.reasons or cell.run.text then also[#also + 1] = "  " .. hard.describe(cell) end
+  end
+  if #also > 0 then print((o.reasons and "\nall runs\n" or "\nwith given settings\n") .. table.concat(also, "\n")) end
+  print("\nslowest")
+  for _, cell in ipairs(hard.slowest(cells, 8)) do
+    print(("  %6.2f s  %-20s %s"):format(cell.result.process_s, cell.case.name, cell.run.text or cell.run.integrator))
+  end
+  print(("\n%d cases, %d runs: %d ok, %d said they are not, %d above the limit of steps, %d do not fit; %d failed"):format(
+    #cases, #cells, count.ok, count.said, count.limit, count.unfit, count.failed))
+  for _, cell in ipairs(cells) do
+    if cell.failed then print("  " .. hard.describe(cell)) end
+  end
+end
+
+local function chosen_cases(o, hard)
+  local cases, why = hard.cases(o.path or "tests/hard")
+  if not cases then return nil, why end
+  local kept, names, found = {}, {}, {}
+  for k, case in ipairs(cases) do names[k], found[case.name] = case.name, case end
+  for _, name in ipairs(o.case) do
+    if not found[name] then
+      local near = hooke.nearest(name, names)
+      return nil, ("--case: there is no '%s'%s"):format(name, near and (", did you mean '%s'?"):format(near) or "")
+    end
+    kept[#kept + 1] = found[name]
+  end
+  if #o.case > 0 then return kept end
+  for _, case in ipairs(cases) do
+    if o.long or not case.long then kept[#kept + 1] = case end
+  end
+  return kept
+end
+
+local function run_hard(o)
+  local hard, progress = require("common.hard"), require("common.progress")
+  local _, names, all = chosen_integrators(o)
+  if not all then return fail(names) end
+  local cases, why = chosen_cases(o, hard)
+  if cases then why = select(2, hard.check(cases, all)) end
+  if why then return fail(why) end
+  o.timeout = o.timeout or (o.long and 600 or 60)
+  local cells = hard.cells(cases, names, o)
+  local bar = progress.new { what = "hard cases", total = #cells, quiet = o.quiet or o.json }
+  hard.run(cells, o.jobs, function(cell) bar:add { failed = cell.failed } end, function() bar:tick() end)
+  bar:finish()
+  if o.json then print(hard.json(cells)) else print_hard(o, hard, cases, names, cells) end
+  local rows = {}
+  for k, cell in ipairs(cells) do rows[k] = hard.row(cell) end
+  if o.csv then
+    local fine, refused = write(o.csv, csv_of(hard.columns, rows))
+    if not fine then io.stderr:write("hooke: stability: " .. refused .. "\n") return 4 end
+  end
+  return hard.counts(cells).failed > 0 and 1 or 0
+end
+
+-- ---- the linear oscillator ----
+
+local function ready_folder(path)
+  local built = path:sub(1, 1) == "/" and "" or "."
+  for part in path:gmatch("[^/]+") do
+    built = built .. "/" .. part
+    if lfs.attributes(built, "mode") ~= "directory" then
+      local fine, refused = lfs.mkdir(built)
+      if not fine then return nil, ("%s cannot be made: %s"):format(built, refused) end
+    end
+  end
+  return true
+end
+
+local function unwritten(message)
+  io.stderr:write("hooke: stability: " .. message .. "\n")
+  return 4
+end
+
+-- The rows as CSV and, where asked for, JSON; nil when written, else the exit code.
+local function write_rows(o, name, columns, rows)
+  local fine, refused = ready_folder(o.out)
+  if fine then fine, refused = write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
+  if o.json then print(json.encode(rows)) end
+  if not fine then return unwritten(refused) end
+end
+
+local function say_pictures(o, name, drawn, refused)
+  if not drawn then io.stderr:write("hooke: stability: " .. refused .. "\n")
+  elseif not o.json then print(("\nwrote %s/%s.csv, .png and .svg"):format(o.out, name)) end
+end
+
+local function run_linear(o)
+  local region, progress = require("common.region"), require("common.progress")
+  local plugins, refused = chosen_integrators(o)
+  if not plugins then return fail(refused) end
+  local bar = progress.new { what = "integrators", total = #plugins, quiet = o.quiet or o.json }
+  local rows = region.all(plugins, o.jobs, function(plugin) bar:add { note = plugin.name } end, function() bar:tick() end)
+  bar:finish()
+  if not o.json then print(region.table(rows)) end
+  local code = write_rows(o, "linear", region.columns, region.rows(rows))
+  if code then return code end
+  say_pictures(o, "linear", region.draw(o.out .. "/linear", plugins))
+  local wrong = region.overstated(rows)
+  for _, line in ipairs(wrong) do io.stderr:write("hooke: stability: " .. line .. "\n") end
+  return #wrong > 0 and 1 or 0
+end
+
+-- ---- a scene ----
+
+local function ladders_of(o, limits)
+  local ladders = {}
+  for k, text in ipairs(o.over) do
+    local ladder, refused = limits.ladder(text)
+    if not ladder then return nil, refused end
+    ladders[k] = ladder
+  end
+  return #ladders > 0 and ladders or limits.usual(o.path, o.given)
+end
+
+local function run_scene(o)
+  local limits, progress = require("common.limits"), require("common.progress")
+  local plugins, refused = chosen_integrators(o)
+  if not plugins then return fail(refused) end
+  local ladders, tasks
+  ladders, refused = ladders_of(o, limits)
+  if ladders then tasks, refused = limits.tasks(o.path, o.given, ladders, plugins) end
+  if not tasks then return fail(refused) end
+  local bar = progress.new { what = "limits", total = #tasks, quiet = o.quiet or o.json }
+  limits.run(tasks, o.jobs, function(task) bar:add { note = task.integrator } end, function() bar:tick() end)
+  bar:finish()
+  if not o.json then print(limits.table(tasks)) end
+  local rows = {}
+  for k, task in ipairs(tasks) do rows[k] = limits.row(task) end
+  local code = write_rows(o, "limits", limits.columns, rows)
+  if code then return code end
+  say_pictures(o, "limits", limits.draw(o.out .. "/limits", tasks))
+  local wrong = limits.wrong(tasks)
+  for _, line in ipairs(wrong) do io.stderr:write("hooke: stability: " .. line .. "\n") end
+  return #wrong > 0 and 1 or 0
+end
+
+local o, why = parse()
+if not o then return fail(why) end
+if o.hard then return run_hard(o) end
+if o.path then return run_scene(o) end
+return run_linear(o)
