@@ -10,7 +10,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { GRAIN = 4096, SAMPLE = 64 };
+enum { GRAIN = 4096, SAMPLE = 64, LANES = 4 };
 
 double hk_clock(void) {
   struct timespec now;
@@ -26,22 +26,34 @@ typedef struct pass {
   uint64_t *bad;
 } pass;
 
-/* Divides by mass. An exponent of all ones, NaN or infinity, makes the top bit of (exponent + 1). The test is on F, so
- * that what a force does to a fixed particle counts too. */
+/* The top bit of (exponent + 1) is set by an exponent of all ones, NaN or infinity. */
+static inline uint64_t not_finite(double value) {
+  uint64_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  return (bits & 0x7ff0000000000000u) + 0x0010000000000000u;
+}
+
+/* Divides by mass, four particles side by side. The test is on F, so that what a force does to a fixed particle counts
+ * too. */
 static void divide_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const pass *p = context;
-  double *restrict a = p->a;
-  const double *restrict w = p->inverse_mass;
-  uint64_t bad = 0;
-  for (size_t i = begin; i < end; i++) {
-    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
-      uint64_t bits;
-      memcpy(&bits, &a[c], sizeof bits);
-      bad |= (bits & 0x7ff0000000000000u) + 0x0010000000000000u;
-      a[c] *= w[i];
+  const double *restrict inverse = p->inverse_mass;
+  uint64_t bad[3 * LANES] = {0};
+  size_t i = begin;
+  for (; i + LANES <= end; i += LANES) {
+    double *restrict a = p->a + 3 * i, w[3 * LANES];
+    for (size_t l = 0; l < 3 * LANES; l++) w[l] = inverse[i + l / 3];
+    for (size_t l = 0; l < 3 * LANES; l++) {
+      bad[l] |= not_finite(a[l]);
+      a[l] *= w[l];
     }
   }
-  p->bad[chunk] = bad >> 63;
+  for (size_t c = 3 * i; c < 3 * end; c++) {
+    bad[0] |= not_finite(p->a[c]);
+    p->a[c] *= inverse[c / 3];
+  }
+  for (size_t l = 1; l < 3 * LANES; l++) bad[0] |= bad[l];
+  p->bad[chunk] = bad[0] >> 63;
 }
 
 static hk_status divide(hk_run *run, double *a) {

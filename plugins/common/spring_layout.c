@@ -9,6 +9,7 @@
 enum {
   SPRINGS_PER_RANGE = 4096, /* below twice that one thread is faster alone */
   RANGES_MAX = 16,
+  LANES = 4,      /* runs are of so many springs times a whole number: what is left at their ends joins the list */
   PIECE = 1024,   /* springs of a run at most: its particles fit the second-level cache beside those of others */
   RUN_MIN = 16,   /* shorter runs are not worth a call */
   BLOCK_BITS = 6, /* particles of a cache block, 64: 2^3 ... 2^7 measured alike with shuffled ids, more is slower */
@@ -149,16 +150,14 @@ static bool arrange_group(builder *b, size_t begin, size_t end) {
   for (size_t e = 0; e < count;) {
     size_t length = 1;
     while (e + length < count && follows(b, order[e + length - 1], order[e + length])) length++;
-    if (length >= RUN_MIN) {
-      for (size_t piece = 0; piece < length; piece += PIECE)
-        if (!add_run(b, HK_SPRING_RUN, begin + placed + piece, length - piece < PIECE ? length - piece : PIECE))
-          return false;
-      memmove(order + placed, order + e, length * sizeof *order); /* placed <= e */
-      placed += length;
-    } else {
-      memcpy(others + rest, order + e, length * sizeof *order);
-      rest += length;
-    }
+    size_t whole = length >= RUN_MIN ? length - length % LANES : 0;
+    for (size_t piece = 0; piece < whole; piece += PIECE)
+      if (!add_run(b, HK_SPRING_RUN, begin + placed + piece, whole - piece < PIECE ? whole - piece : PIECE))
+        return false;
+    memmove(order + placed, order + e, whole * sizeof *order); /* placed <= e */
+    memcpy(others + rest, order + e + whole, (length - whole) * sizeof *order);
+    placed += whole;
+    rest += length - whole;
     e += length;
   }
   if (!sort_runs(b, first_run, begin)) return false;

@@ -8,7 +8,7 @@
 --     commands = { "any gnuplot command before the plot" },
 --     more = { "any further item of the plot command" },      -- such as '$GIVEN with filledcurves ...'
 --     data = { { name =, rows = { {..}, ... } } },            -- further blocks of data, by name
---     width = 1200, height = 760,                             -- pixels of the PNG
+--     width = 1200, height = 760,                             -- pixels of the PNG; higher where the legend needs it
 --     matrix = { rows = { { x, y, z }, ... }, label = }       -- a heat map instead of curves
 --   })
 -- returns true; or nil and why there is no picture (the files are written all the same).
@@ -18,9 +18,9 @@ local colours = { "#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F0
 local points = { 7, 5, 9, 11, 13, 6, 4, 8, 10, 12, 2, 1, 3 } -- gnuplot's: filled ones first
 local dashes = { "1", "(12,5)", "(4,4)", "(14,4,3,4)", "(14,4,3,4,3,4)", "(20,6)" }
 
--- A text in gnuplot's quotes; "_" and the like are letters.
+-- A text in gnuplot's quotes, on one line; "_" and the like are letters.
 function plot.quote(text)
-  return "'" .. text:gsub("'", "''") .. "'"
+  return "'" .. text:gsub("%c", " "):gsub("'", "''") .. "'"
 end
 
 local function style_line(k)
@@ -73,7 +73,7 @@ end
 
 local function settings(figure, lines)
   if figure.title then lines[#lines + 1] = ("set title %s noenhanced"):format(plot.quote(figure.title)) end
-  lines[#lines + 1] = "set key outside right top vertical Left reverse samplen 4 spacing 1.15 width 1"
+  lines[#lines + 1] = "set key outside right top vertical maxcols 1 Left reverse samplen 4 spacing 1.1 width 1"
   lines[#lines + 1] = "set border lw 1.2"
   lines[#lines + 1] = "set tics nomirror scale 0.8"
   lines[#lines + 1] = "set grid xtics ytics lc rgb '#DDDDDD' lt 1 lw 0.6"
@@ -123,7 +123,8 @@ local function shell(text) return "'" .. text:gsub("'", "'\\''") .. "'" end
 local function render(folder, name, figure)
   local script = {}
   for _, terminal in ipairs(terminals) do
-    script[#script + 1] = terminal.text:format(figure.width or 1200, figure.height or 760)
+    script[#script + 1] = terminal.text:format(figure.width or 1200,
+      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- room for the legend
     script[#script + 1] = ("set output '%s.%s'"):format(name, terminal.ending)
     script[#script + 1] = ("load '%s.gp'"):format(name)
   end
