@@ -337,6 +337,8 @@ local theory = {
   dopri5 = dormand_prince,
   arkode = dormand_prince,
   stoermer = function() return { root(2) } end,
+  stoermer_wide2 = at_ratios(function(x) return 2 * (root(1 + x * x) - x) end), -- (h w)^2 + 2 h g = 4
+  stoermer_wide4 = at_ratios(function(x) return root(16 * x * x + 3) - 4 * x end), -- (h w)^2 + 4 h g = 3
   backward_euler = any,
   implicit_midpoint = any,
   implicit_trapezoid = any,
