@@ -4,7 +4,8 @@
 #include <string.h>
 
 enum { FINEST = 16 };
-static const double disturbance = 1e-10, margin = 2, rounding = 1e-9;
+static const double disturbance = 1e-10, margin = 2, rounding = 1e-9,
+                    visible = 0.1; /* of the kinetic energy, as in verdict.c */
 
 static double difference(hk_run *a, hk_run *b) {
   size_t n = a->model.n;
@@ -103,8 +104,8 @@ static double remains(const hk_summary *s, const second_run *second, int order) 
  * missing of the energy, a part of the work done, vanishes with the step, it says nothing about them. */
 static bool settles(const hk_run *run, const hk_summary *s, const second_run *second) {
   double left = fmin(fabs(remains(s, second, 1)), fabs(remains(s, second, run->method->order)));
-  return margin * s->verify_difference <= s->accuracy && fabs(missing(s)) < 2 * fabs(s->energy_work) &&
-         (left < 0.1 * fabs(missing(s)) || fabs(second->missing) < 0.1 * second->kinetic);
+  bool vanishes = fmin(left, fabs(second->missing)) < visible * second->kinetic;
+  return margin * s->verify_difference <= s->accuracy && fabs(missing(s)) < 2 * fabs(s->energy_work) && vanishes;
 }
 
 static double free_mass(const hk_run *run) {

@@ -1,7 +1,7 @@
 --[[
 what: a pressed strut, off by a micrometre, buckles at a rate of 632 1/s, which long steps cannot follow
 right: closed form, it comes to rest where its springs have their length
-must: leapfrog, stoermer, blanes_moan, rk4, dopri5, arkode
+must: leapfrog, stoermer, rk4, dopri5, arkode
 also: backward_euler dt=1/60; bdf2 dt=1/60; tr_bdf2 dt=1/60; esdirk4 dt=1/60; implicit_midpoint dt=1/60
 ]]
 -- The bound: a thousandth of the deflection of 0.66 m. Of the swing, exp(-75 t) x 0.4 m = 1e-7 m is left.

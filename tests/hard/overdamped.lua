@@ -1,7 +1,7 @@
 --[[
 what: damping ratio 1e4: a thrust is stopped within 50 us, then the mass creeps under its weight
 right: closed form, a damped oscillator
-must: leapfrog, rk4, dopri5, cvode, arkode, bdf2, tr_bdf2, esdirk4
+must: leapfrog, dopri5, cvode, arkode, tr_bdf2, esdirk4
 ]]
 -- The bound: it creeps by m g/c T = 1.2e-4 m, and the thrust carries it by v m/c = 5e-5 m: a tenth of both. The damping
 -- acts within a step of most methods, which so cannot sum its work; some say that of themselves, and are right all the
