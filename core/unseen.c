@@ -6,24 +6,25 @@
 #include <string.h>
 
 enum { PER_STEP = 64, MOST = 3 };
-static const double most_samples = 1e5, hidden = 1.5;
+static const size_t most_samples = 100000;
+static const double hidden = 1.5;
 
 static bool hides(hk_run *run, const hk_function *f) {
-  double steps = fmax(1, (double)run->steps), fine = fmin(PER_STEP, floor(most_samples / steps));
+  size_t steps = run->steps ? run->steps : 1, fine = most_samples / steps < PER_STEP ? most_samples / steps : PER_STEP;
   double last[MOST] = {0}, last_seen[MOST] = {0}, variation = 0, seen = 0, size = 0;
   hk_error error = {0};
   if (!f->call || fine < 2) return false;
-  for (double k = 0; k <= steps * fine; k++) {
-    double t = run->system.t * k / (steps * fine), value[2 * MOST] = {0};
+  for (size_t k = 0; k <= steps * fine; k++) {
+    double t = run->system.t * (double)k / (double)(steps * fine), value[2 * MOST] = {0};
     size_t got = 0;
     if (f->call(f, &t, 1, value, 2 * MOST, &got, &error) != HK_OK) return false; /* the run did not ask for this t */
     for (int c = 0; c < MOST; c++) {
       if (k > 0) variation += fabs(value[c] - last[c]);
-      if (k > 0 && fmod(k, fine) == 0) seen += fabs(value[c] - last_seen[c]);
+      if (k > 0 && k % fine == 0) seen += fabs(value[c] - last_seen[c]);
       size = fmax(size, fabs(value[c]));
     }
     memcpy(last, value, sizeof last);
-    if (fmod(k, fine) == 0) memcpy(last_seen, value, sizeof last_seen);
+    if (k % fine == 0) memcpy(last_seen, value, sizeof last_seen);
   }
   return variation > hidden * seen + 1e-9 * size;
 }
