@@ -87,7 +87,7 @@ function hard.cases(folder)
   local cases = {}
   if lfs.attributes(folder, "mode") ~= "directory" then return nil, folder .. " is not a folder of cases" end
   for file in lfs.dir(folder) do
-    if file:match("%.lua$") then
+    if file:match("^[^_].*%.lua$") then -- _NAME.lua is what cases share
       local case, why = hard.read(folder .. "/" .. file)
       if not case then return nil, why end
       cases[#cases + 1] = case
