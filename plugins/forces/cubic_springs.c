@@ -6,6 +6,7 @@
  *
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
  * never negative and two lateral ones that are when the spring is pressed; HK_WANT_DEFINITE takes those for 0. */
+#include "plugins/common/edge.h"
 #include "core/plugin.h"
 
 typedef struct cubic_springs {
@@ -24,31 +25,17 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
-static double difference(const double *x, const uint32_t pair[2], double d[3]) {
-  for (int c = 0; c < 3; c++) d[c] = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
-  return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   cubic_springs *s = self;
-  if (s->rest.count) return HK_OK;
-  double d[3], *rest = host->allocate(host, (s->edges.count + 1) * sizeof *rest);
-  if (!rest) return host->fail(host, HK_NO_MEMORY, "no memory for the rest lengths");
-  for (size_t e = 0; e < s->edges.count; e++) rest[e] = difference(view->x, s->edges.pair[e], d);
-  s->rest = (hk_per_edge){s->edges.count, rest};
-  return HK_OK;
-}
-
-static bool acts(const hk_view *view, const uint32_t pair[2]) {
-  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
+  return hk_edge_rest(host, view, &s->edges, &s->rest);
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   const cubic_springs *s = self;
   for (size_t e = 0; e < s->edges.count; e++) {
     const uint32_t *pair = s->edges.pair[e];
-    if (!acts(view, pair)) continue;
-    double d[3], l = difference(view->x, pair, d), stretch = l - hk_edge_value(&s->rest, e);
+    if (!hk_edge_acts(view, pair)) continue;
+    double d[3], l = hk_edge_difference(view->x, pair, d), stretch = l - hk_edge_value(&s->rest, e);
     double f = l > 0 ? hk_edge_value(&s->k, e) * stretch * stretch * stretch / l : 0;
     for (int c = 0; c < 3; c++) {
       F[3 * (size_t)pair[0] + c] += f * d[c];
@@ -62,8 +49,8 @@ static double energy(void *self, const hk_view *view) {
   const cubic_springs *s = self;
   double sum = 0, d[3];
   for (size_t e = 0; e < s->edges.count; e++) {
-    if (!acts(view, s->edges.pair[e])) continue;
-    double stretch = difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
+    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
+    double stretch = hk_edge_difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
     sum += hk_edge_value(&s->k, e) * stretch * stretch * stretch * stretch / 4;
   }
   return sum;
@@ -72,7 +59,7 @@ static double energy(void *self, const hk_view *view) {
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const cubic_springs *s = self;
   for (size_t e = 0; e < s->edges.count; e++)
-    for (int b = 0; b < 4 && acts(view, s->edges.pair[e]); b++)
+    for (int b = 0; b < 4 && hk_edge_acts(view, s->edges.pair[e]); b++)
       p->block(p, s->edges.pair[e][b / 2], s->edges.pair[e][b % 2]);
 }
 
@@ -92,8 +79,8 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   for (size_t e = 0; e < s->edges.count; e++) {
     const uint32_t *pair = s->edges.pair[e];
     double d[3], block[9];
-    if (!acts(view, pair)) continue;
-    double l = difference(view->x, pair, d);
+    if (!hk_edge_acts(view, pair)) continue;
+    double l = hk_edge_difference(view->x, pair, d);
     spring_block(hk_edge_value(&s->k, e), hk_edge_value(&s->rest, e), d, l, into->want & HK_WANT_DEFINITE, block);
     for (int b = 0; b < 4; b++)
       for (int q = 0; q < 9; q++) into->K[9 * slot[b] + q] += b % 3 == 0 ? block[q] : -block[q];

@@ -5,6 +5,7 @@
  *
  * -dF/dx_j = dF/dx_i = -(f/|d|) (I - n n^T) in the rows of the ends it acts on alone, so it is not symmetric: a loaded
  * column flutters where weight would only buckle it. Beck, ZAMP 3 (1952). */
+#include "plugins/common/edge.h"
 #include "core/plugin.h"
 
 enum { SECOND, FIRST, BOTH };
@@ -27,10 +28,6 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
-static bool acts(const hk_view *view, const uint32_t pair[2]) {
-  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
-}
-
 /* The part of f on end 0 (first) or 1 (second). */
 static double share(const follower *p, int end) { return p->on == BOTH ? 0.5 : end == (p->on == SECOND); }
 
@@ -49,7 +46,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   for (size_t e = 0; e < p->edges.count; e++) {
     const uint32_t *pair = p->edges.pair[e];
     double n[3], power = 0;
-    if (!acts(view, pair)) continue;
+    if (!hk_edge_acts(view, pair)) continue;
     direction(view, pair, n);
     for (int end = 0; end < 2; end++)
       for (int c = 0; c < 3; c++) {
@@ -67,7 +64,7 @@ static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   const follower *p = self;
   for (size_t e = 0; e < p->edges.count; e++)
     for (int b = 0; b < 4; b++)
-      if (acts(view, p->edges.pair[e]) && share(p, b / 2) > 0)
+      if (hk_edge_acts(view, p->edges.pair[e]) && share(p, b / 2) > 0)
         pattern->block(pattern, p->edges.pair[e][b / 2], p->edges.pair[e][b % 2]);
 }
 
@@ -80,7 +77,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   const size_t *slot = into->slot;
   for (size_t e = 0; e < p->edges.count; e++) {
     double n[3];
-    if (!acts(view, p->edges.pair[e])) continue;
+    if (!hk_edge_acts(view, p->edges.pair[e])) continue;
     double stiffness = hk_edge_value(&p->f, e) * direction(view, p->edges.pair[e], n);
     for (int b = 0; b < 4; b++)
       if (share(p, b / 2) > 0) add_block(into->K + 9 * *slot++, share(p, b / 2) * stiffness * (b % 2 ? -1 : 1), n);

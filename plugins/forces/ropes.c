@@ -7,6 +7,7 @@
  * definite. At s = 0 the stiffness jumps: methods lose their order there, though not the motion its continuity.
  *
  * No elements are offered: methods that work spring by spring would push with them. */
+#include "plugins/common/edge.h"
 #include "core/plugin.h"
 
 typedef struct ropes {
@@ -26,23 +27,9 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
-static double difference(const double *x, const uint32_t pair[2], double d[3]) {
-  for (int c = 0; c < 3; c++) d[c] = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
-  return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   ropes *s = self;
-  if (s->rest.count) return HK_OK;
-  double d[3], *rest = host->allocate(host, (s->edges.count + 1) * sizeof *rest);
-  if (!rest) return host->fail(host, HK_NO_MEMORY, "no memory for the rest lengths");
-  for (size_t e = 0; e < s->edges.count; e++) rest[e] = difference(view->x, s->edges.pair[e], d);
-  s->rest = (hk_per_edge){s->edges.count, rest};
-  return HK_OK;
-}
-
-static bool acts(const hk_view *view, const uint32_t pair[2]) {
-  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
+  return hk_edge_rest(host, view, &s->edges, &s->rest);
 }
 
 /* One rope that is taut and pulls. */
@@ -55,9 +42,9 @@ typedef struct taut {
 /* False where the rope is slack. */
 static bool measure(const ropes *s, const hk_view *view, size_t e, taut *r) {
   const uint32_t *pair = s->edges.pair[e];
-  r->l = difference(view->x, pair, r->n);
+  r->l = hk_edge_difference(view->x, pair, r->n);
   if (!(r->l > hk_edge_value(&s->rest, e))) return false;
-  difference(view->v, pair, r->u);
+  hk_edge_difference(view->v, pair, r->u);
   r->rate = 0;
   for (int c = 0; c < 3; c++) r->n[c] /= r->l, r->rate += r->u[c] * r->n[c];
   r->spring = hk_edge_value(&s->k, e) * (r->l - hk_edge_value(&s->rest, e));
@@ -70,7 +57,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   for (size_t e = 0; e < s->edges.count; e++) {
     const uint32_t *pair = s->edges.pair[e];
     taut r;
-    if (!acts(view, pair) || !measure(s, view, e, &r)) continue;
+    if (!hk_edge_acts(view, pair) || !measure(s, view, e, &r)) continue;
     for (int c = 0; c < 3; c++) {
       F[3 * (size_t)pair[0] + c] += r.T * r.n[c];
       F[3 * (size_t)pair[1] + c] -= r.T * r.n[c];
@@ -84,8 +71,8 @@ static double energy(void *self, const hk_view *view) {
   const ropes *s = self;
   double sum = 0, d[3];
   for (size_t e = 0; e < s->edges.count; e++) {
-    if (!acts(view, s->edges.pair[e])) continue;
-    double stretch = fmax(0, difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e));
+    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
+    double stretch = fmax(0, hk_edge_difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e));
     sum += hk_edge_value(&s->k, e) * stretch * stretch / 2;
   }
   return sum;
@@ -95,7 +82,7 @@ static double energy(void *self, const hk_view *view) {
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const ropes *s = self;
   for (size_t e = 0; e < s->edges.count; e++)
-    for (int b = 0; b < 4 && acts(view, s->edges.pair[e]); b++)
+    for (int b = 0; b < 4 && hk_edge_acts(view, s->edges.pair[e]); b++)
       p->block(p, s->edges.pair[e][b / 2], s->edges.pair[e][b % 2]);
 }
 
@@ -114,7 +101,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   for (size_t e = 0; e < s->edges.count; e++) {
     taut r;
     double K[9], D[9];
-    if (!acts(view, s->edges.pair[e])) continue;
+    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
     if (measure(s, view, e, &r) && r.T > 0) {
       rope_blocks(s, e, &r, into->want & HK_WANT_SYMMETRIC, K, D);
       for (int b = 0; b < 4; b++)

@@ -1,6 +1,7 @@
 /* Hooke's springs, damped along the spring: the force on j is -(k (l - L) + c (u.d)/l) d/l, with d = x_j - x_i, l = |d|
  * and u = v_j - v_i; i gets the opposite. Two particles at one point have no direction and get no force from their
  * spring; with L = 0 that is also the limit. Energy 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
+#include "plugins/common/edge.h"
 #include "plugins/common/spring_blocks.h"
 
 typedef struct springs {
@@ -36,19 +37,6 @@ static const hk_param params[] = {
     {0},
 };
 
-static double difference(const double *x, const uint32_t pair[2], double d[3]) {
-  for (int c = 0; c < 3; c++) d[c] = x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];
-  return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
-
-static hk_status lengths_at_start(springs *s, const hk_host *host, const hk_view *view) {
-  double d[3], *rest = host->allocate(host, (s->edges.count + 1) * sizeof *rest);
-  if (!rest) return host->fail(host, HK_NO_MEMORY, "no memory for the rest lengths");
-  for (size_t e = 0; e < s->edges.count; e++) rest[e] = difference(view->x, s->edges.pair[e], d);
-  s->rest = (hk_per_edge){s->edges.count, rest};
-  return HK_OK;
-}
-
 static hk_status topology(void *self, const hk_view *view) {
   springs *s = self;
   hk_spring_layout_free(&s->layout, s->host);
@@ -58,7 +46,7 @@ static hk_status topology(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   springs *s = self;
   s->host = host;
-  hk_status status = s->rest.count == 0 ? lengths_at_start(s, host, view) : HK_OK;
+  hk_status status = hk_edge_rest(host, view, &s->edges, &s->rest);
   return status == HK_OK ? topology(self, view) : status;
 }
 
@@ -68,16 +56,12 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return HK_OK;
 }
 
-static bool acts(const hk_view *view, const uint32_t pair[2]) {
-  return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
-}
-
 static double energy(void *self, const hk_view *view) {
   const springs *s = self;
   double sum = 0, d[3];
   for (size_t e = 0; e < s->edges.count; e++) {
-    if (!acts(view, s->edges.pair[e])) continue;
-    double stretch = difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
+    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
+    double stretch = hk_edge_difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
     sum += hk_edge_value(&s->k, e) * stretch * stretch / 2;
   }
   return sum;
