@@ -94,17 +94,20 @@ static void add_reason(hk_summary *s, double astray, bool blind) {
   s->verdict = HK_INACCURATE;
 }
 
-/* What is missing with a step of length 0, by the two runs, if the rest is of that order in the step. */
-static double remains(const hk_summary *s, const second_run *second, int order) {
+/* J, what would be missing with a step of length 0, by the two runs, if the rest goes with that power of the step. */
+static double remains_at(const hk_summary *s, const second_run *second, int order) {
   double part = pow(second->step, order);
-  return (second->missing - part * missing(s)) / (1 - part);
+  return fabs((second->missing - part * missing(s)) / (1 - part));
+}
+
+static double remains(const hk_run *run, const hk_summary *s, const second_run *second) {
+  return fmin(remains_at(s, second, 1), remains_at(s, second, run->method->order));
 }
 
 /* Damping that acts within less than a step is summed badly, whatever the motion: where the positions hold and what is
  * missing of the energy, a part of the work done, vanishes with the step, it says nothing about them. */
 static bool settles(const hk_run *run, const hk_summary *s, const second_run *second) {
-  double left = fmin(fabs(remains(s, second, 1)), fabs(remains(s, second, run->method->order)));
-  bool vanishes = fmin(left, fabs(second->missing)) < visible * second->kinetic;
+  bool vanishes = fmin(remains(run, s, second), fabs(second->missing)) < visible * second->kinetic;
   return margin * s->verify_difference <= s->accuracy && fabs(missing(s)) < 2 * fabs(s->energy_work) && vanishes;
 }
 
@@ -125,7 +128,7 @@ static bool damps(const hk_run *run, const hk_summary *s, const hk_spectrum *spe
 /* Energy that such a method still misses with a step of length 0 was that of swings which both runs have damped away:
  * positions agree all the same. As a speed it would have taken the particles so far, RMS, by the end. */
 static double led_astray(const hk_run *run, const hk_summary *s, const second_run *second) {
-  double left = fmin(fabs(remains(s, second, 1)), fabs(remains(s, second, run->method->order)));
+  double left = remains(run, s, second);
   double held = fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max;
   if (isnan(left) || left < rounding * held || fabs(s->energy_work) > 0.5 * left) return 0;
   return damps(run, s, &second->spectrum) ? sqrt(2 * left / free_mass(run)) * s->t : 0;
@@ -137,7 +140,7 @@ hk_status hk_verify(const char *path, const hk_script_options *options, const hk
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE;
   hk_status status = run_again(path, options, run, whole, &second, error);
   s->verify_difference = second.difference;
-  if (!judged || !(s->accuracy > 0) || status == HK_INTERRUPTED) return status;
+  if (!judged || !(s->accuracy > 0)) return status;
   whole->energy_settles = settles(whole, s, &second);
   hk_judge(whole);
   hk_run_summary(whole, s);
