@@ -183,18 +183,29 @@ static hk_status find_path(const hk_registry *registry, const char *name, char *
       name);
 }
 
+static const hk_loaded *load_usable(hk_registry *registry, const char *path, const char *name, hk_error *error) {
+  const hk_loaded *item = load(registry, path, error);
+  if (!item || item->plugin) return item;
+  hk_error_set(error, HK_FAILED, "the plugin %s cannot be loaded: %s", name, item->reason);
+  return NULL;
+}
+
+const hk_loaded *hk_registry_load(hk_registry *registry, const char *name, hk_error *error) {
+  char path[PATH_MAX];
+  return find_path(registry, name, path, error) == HK_OK ? load_usable(registry, path, name, error) : NULL;
+}
+
 hk_status hk_registry_find(hk_registry *registry, hk_kind kind, const char *name, const hk_plugin **plugin,
                            hk_error *error) {
   char path[PATH_MAX];
-  if (strchr(name, '/')) {
-    hk_status status = find_path(registry, name, path, error);
-    if (status != HK_OK) return status;
-  } else if (!find_file(registry, kind, name, path, sizeof path)) {
+  const hk_loaded *item;
+  if (strchr(name, '/'))
+    item = hk_registry_load(registry, name, error);
+  else if (find_file(registry, kind, name, path, sizeof path))
+    item = load_usable(registry, path, name, error);
+  else
     return unknown(registry, kind, name, error);
-  }
-  hk_loaded *item = load(registry, path, error);
-  if (!item) return HK_NO_MEMORY;
-  if (!item->plugin) return hk_error_set(error, HK_FAILED, "the plugin %s cannot be loaded: %s", name, item->reason);
+  if (!item) return error->status;
   if (item->plugin->kind != kind)
     return hk_error_set(error, HK_BAD_PARAM, "the plugin %s is of the kind '%s', not '%s'", name,
                         kind_name[item->plugin->kind], kind_name[kind]);

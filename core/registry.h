@@ -28,6 +28,8 @@ hk_status hk_registry_open(hk_registry *, const char *root, const char *search, 
 void hk_registry_close(hk_registry *); /* after every instance is gone */
 /* "springs", or a path with a slash; the error of an unknown name offers the nearest and lists failed loads. */
 hk_status hk_registry_find(hk_registry *, hk_kind kind, const char *name, const hk_plugin **plugin, hk_error *error);
+/* The plugin in a file, whatever its kind; NULL with `error`. */
+const hk_loaded *hk_registry_load(hk_registry *, const char *path, hk_error *error);
 hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* for the catalogue */
 const char *hk_kind_name(hk_kind kind);                         /* "force" */
 const char *hk_kind_folder(hk_kind kind);                       /* "forces" */

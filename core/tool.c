@@ -35,6 +35,7 @@ static void push_param(lua_State *L, const hk_param *p) {
   set_flag(L, "required", p->flags & HK_REQUIRED);
   set_flag(L, "optional", p->flags & HK_OPTIONAL);
   set_flag(L, "timed", p->flags & HK_TIMED);
+  set_flag(L, "above_min", p->flags & HK_ABOVE_MIN);
   if (p->min != 0 || p->max != 0) {
     set_number(L, "min", p->min);
     set_number(L, "max", p->max);
@@ -47,6 +48,29 @@ static void push_param(lua_State *L, const hk_param *p) {
   lua_setfield(L, -2, "initial");
 }
 
+static void set_force(lua_State *L, const hk_force *f) {
+  set_flag(L, "on_x", f->flags & HK_DEPENDS_ON_X);
+  set_flag(L, "on_v", f->flags & HK_DEPENDS_ON_V);
+  set_flag(L, "on_t", f->flags & HK_DEPENDS_ON_T);
+  set_flag(L, "momentum", f->flags & HK_CONSERVES_MOMENTUM);
+  set_flag(L, "angular_momentum", f->flags & HK_CONSERVES_ANGULAR_MOMENTUM);
+  set_flag(L, "symmetric", f->flags & HK_SYMMETRIC_JACOBIAN);
+  set_flag(L, "power", f->flags & HK_POWER);
+  set_flag(L, "offers_symmetric", f->flags & HK_OFFERS_SYMMETRIC);
+  set_flag(L, "offers_definite", f->flags & HK_OFFERS_DEFINITE);
+  set_flag(L, "energy", f->energy != NULL);
+  set_flag(L, "jacobian", f->jacobian != NULL);
+}
+
+static void set_method(lua_State *L, const hk_integrator *m) {
+  set_number(L, "order", m->order);
+  set_number(L, "stages", m->stages);
+  set_flag(L, "implicit", m->flags & HK_IMPLICIT);
+  set_flag(L, "adaptive", m->flags & HK_ADAPTIVE);
+  set_flag(L, "symplectic", m->flags & HK_SYMPLECTIC);
+  set_flag(L, "reversible", m->flags & HK_REVERSIBLE);
+}
+
 static void push_plugin(lua_State *L, const hk_loaded *item) {
   const hk_plugin *plugin = item->plugin;
   lua_newtable(L);
@@ -55,13 +79,8 @@ static void push_plugin(lua_State *L, const hk_loaded *item) {
   set_text(L, "name", plugin->name);
   set_text(L, "summary", plugin->summary);
   set_text(L, "reference", plugin->reference);
-  if (plugin->kind == HK_INTEGRATOR) {
-    set_number(L, "order", plugin->integrator->order);
-    set_number(L, "stages", plugin->integrator->stages);
-    set_flag(L, "implicit", plugin->integrator->flags & HK_IMPLICIT);
-    set_flag(L, "adaptive", plugin->integrator->flags & HK_ADAPTIVE);
-    set_flag(L, "symplectic", plugin->integrator->flags & HK_SYMPLECTIC);
-  }
+  if (plugin->kind == HK_FORCE) set_force(L, plugin->force);
+  if (plugin->kind == HK_INTEGRATOR) set_method(L, plugin->integrator);
   lua_newtable(L);
   lua_Integer count = 0;
   for (const hk_param *p = plugin->params; p && p->name; p++) {
@@ -91,6 +110,19 @@ static int catalogue(lua_State *L) {
       lua_rawseti(L, -2, ++bad);
     }
   }
+  return 2;
+}
+
+/* hooke.describe(path): one plugin of the catalogue, by its file; or nil and the reason. */
+static int describe_plugin(lua_State *L) {
+  hk_error error = {0};
+  const hk_loaded *item = hk_registry_load(hk_lua_script(L)->options.registry, luaL_checkstring(L, 1), &error);
+  if (item) {
+    push_plugin(L, item);
+    return 1;
+  }
+  lua_pushnil(L);
+  lua_pushstring(L, error.text);
   return 2;
 }
 
@@ -237,8 +269,13 @@ static int chosen(lua_State *L) {
 }
 
 static void open_tool(lua_State *L, const hk_script *s, int argc, char **argv) {
-  static const luaL_Reg functions[] = {{"catalogue", catalogue}, {"explain", explain}, {"load", hk_lua_load_scene},
-                                       {"nearest", nearest},     {"chosen", chosen},   {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"catalogue", catalogue},
+                                       {"describe", describe_plugin},
+                                       {"explain", explain},
+                                       {"load", hk_lua_load_scene},
+                                       {"nearest", nearest},
+                                       {"chosen", chosen},
+                                       {NULL, NULL}};
   lua_getglobal(L, "hooke");
   luaL_setfuncs(L, functions, 0);
   set_text(L, "plugins", s->options.registry->root);

@@ -45,7 +45,7 @@ for k = 1, #arg do
 end
 if not path then return fail("no plugin given: hooke check PLUGIN.so [name=value ...]") end
 
-local plugin, why = require("describe").open(path)
+local plugin, why = hooke.describe(path)
 if not plugin then return fail(why) end
 local looks = kinds[plugin.kind]
 if not looks then

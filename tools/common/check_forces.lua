@@ -36,6 +36,8 @@ local function value_for(p, edges)
   return nil
 end
 
+local function is_zero(p) return p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0 end
+
 -- Settings of the parameters: what is required, and numbers that are zero by default; then one more at a time, what may
 -- be left out and every other choice.
 local function settings_of(plugin)
@@ -43,7 +45,7 @@ local function settings_of(plugin)
   for _, p in ipairs(plugin.params) do
     local scalar = p.type == "number" or p.type == "per edge" or p.type == "vector"
     if plugin.given[p.name] then base[p.name] = plugin.given[p.name]
-    elseif p.required or (scalar and p.zero and not p.optional) then base[p.name] = p
+    elseif p.required or (scalar and is_zero(p) and not p.optional) then base[p.name] = p
     elseif p.optional or p.type == "particles" then more[#more + 1] = { p, p }
     elseif p.type == "boolean" then
       more[#more + 1] = { p, true }
@@ -189,7 +191,7 @@ local function refusals(plugin, setting, report)
   end
 end
 
--- Checks the force that describe.open described; `path` and `given` are in it, too.
+-- Checks the force that hooke.describe described; `path` and `given` are in it, too.
 return function(plugin, report)
   local first, refused
   for _, setting in ipairs(settings_of(plugin)) do

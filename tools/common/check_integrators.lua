@@ -157,7 +157,7 @@ local function reversibility(plugin, report, step_error)
   report:most("it returns when velocities are turned, as claimed, m", apart(begin, back), 1e-3 * step_error)
 end
 
--- Checks the integrator that describe.open described; `path` and `given` are in it, too.
+-- Checks the integrator that hooke.describe described; `path` and `given` are in it, too.
 return function(plugin, report)
   if plugin.adaptive and tolerance(plugin, report) then return end
   local step_error = order(plugin, report)
