@@ -56,7 +56,7 @@ ifneq (,$(PICTURES))
 PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
 PICTURES_LIBS   := $(call libs,$(PICTURES))
 else # then what is written on OpenGL or libpng cannot be compiled
-LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*.c; do \
+LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*/*.c; do \
               $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
 endif
 # SUNDIALS, 6 or later, has no pkg-config files in most systems; 7 keeps its context in a library of its own.
@@ -65,15 +65,15 @@ SUNDIALS := $(and $(SUNDIALS),$(shell sed -n 's/^.define SUNDIALS_VERSION_MAJOR 
 ifneq (,$(SUNDIALS))
 SUNDIALS_LIBS := $(if $(filter 6,$(SUNDIALS)),,-lsundials_core)
 else
-LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials*.c) \
+LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials/*.c) \
             tests/bench/sundials.c tests/bench/rivals.c
 endif
 
 # ---- What there is to build ------------------------------------------------------------------------------------------
 
 object   = $(patsubst %.c,$B/obj/%.o,$1)
-core     := $(call object,$(filter-out core/main.c,$(wildcard core/*.c)))
-common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*.c)))
+core     := $(call object,$(filter-out core/command/main.c,$(wildcard core/*/*.c)))
+common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*.c)))
 support  := $(call object,$(wildcard tests/support/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
 modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
@@ -82,7 +82,7 @@ benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/
 studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
 tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/bench/% tests/study/%,$(sort \
               $(shell find tests -name '*.c'))))
-compiled := $(core) $B/obj/core/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
+compiled := $(core) $B/obj/core/command/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
               tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c) $(tests:$B/%=%.c))
 
 # hooke takes the folder for the list as well: a plugin goes when its source goes.
@@ -172,7 +172,7 @@ $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
 $B/bench/sundials $B/bench/rivals: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
 
-$B/hooke: $B/obj/core/main.o $B/core.a
+$B/hooke: $B/obj/core/command/main.o $B/core.a
 	$(link)
 	$(call link_with)
 $B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
@@ -213,7 +213,7 @@ to = $(DESTDIR)$(PREFIX)
 install: build
 	install -D -t $(to)/bin $B/hooke
 	for f in $(patsubst $B/%,%,$(plugins) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
-	for f in core/plugin.h plugins/common/*.h; do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
+	for f in core/plugin.h; do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 

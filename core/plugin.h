@@ -273,7 +273,7 @@ enum { /* hk_force.flags */
        HK_CONSERVES_ANGULAR_MOMENTUM = 32,
        HK_SYMMETRIC_JACOBIAN = 64,
        HK_POWER = 128, /* what is not the gradient of `energy` adds its power to *view->power; a force without this
-                          flag is wholly the gradient of its energy, or, without energy, metered by the host:
+                          flag is wholly the gradient of its energy, or, without energy, works_unaccounted by the host:
                           all of F.v is its work (also where a parameter is a function of time) */
        HK_OFFERS_SYMMETRIC = 256, /* `jacobian` honours HK_WANT_SYMMETRIC; not needed with HK_SYMMETRIC_JACOBIAN */
        HK_OFFERS_DEFINITE = 512   /* `jacobian` honours HK_WANT_DEFINITE; not needed where it always is */
@@ -327,8 +327,8 @@ typedef struct hk_birth {
  * appended with new ids. Edges of forces to the dead go with them. */
 typedef struct hk_population hk_population;
 struct hk_population {
-  hk_status (*bear)(hk_population *, const hk_birth *birth, uint32_t *id); /* id may be NULL */
-  hk_status (*remove)(hk_population *, uint32_t index);                    /* twice the same is once */
+  hk_status (*add)(hk_population *, const hk_birth *birth, uint32_t *id); /* id may be NULL */
+  hk_status (*remove)(hk_population *, uint32_t index);                   /* twice the same is once */
 };
 
 typedef struct hk_source {

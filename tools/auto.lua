@@ -1,17 +1,17 @@
 -- hooke auto SCENE.lua [name=value ...] --accuracy METRES: which integrator, and which step, tolerance or substeps, has
 -- the scene's positions right to that at the least cost. What `hooke run --integrator auto` asks.
 --
--- A short bench (tools/common/pilot.lua) of the first part of the scene, as much as a few seconds allow, with the
+-- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with the
 -- methods of order 2 and more. Errors add up: over a part of the duration only that part of the accuracy may be used
 -- up, and of it a quarter, for the run is judged (core/verify.h) by twice its difference to half the step, at the end.
 -- Where a method's ladder stopped short of it, its last two errors tell how much further it has to go. The choice is
 -- kept on file, by the scene's text, its parameters, the accuracy, the end and the plugins' contents.
 local argparse = require("argparse")
-local methods = require("common.methods")
-local pilot = require("common.pilot")
+local methods = require("common.bench.methods")
+local benchmark = require("common.bench.benchmark")
 local process = require("process")
-local record = require("common.record")
-local trial = require("common.trial")
+local journal = require("common.bench.journal")
+local case_process = require("common.run.case_process")
 
 local margin = 1 / 4
 local most_doublings, most_decades = 5, 4 -- beyond what was measured
@@ -48,15 +48,15 @@ local function folder()
 end
 
 local function kept(path)
-  local text = path and record.read(path)
-  local fine, choice = pcall(record.json.decode, text or "")
+  local text = path and journal.read(path)
+  local fine, choice = pcall(journal.json.decode, text or "")
   return fine and type(choice) == "table" and choice.integrator and choice or nil
 end
 
 local function keep(path, choice)
   if not path then return end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
-  local fine, why = record.write(path, record.json.encode(choice) .. "\n")
+  local fine, why = journal.write(path, journal.json.encode(choice) .. "\n")
   if not fine then io.stderr:write("hooke: auto: the choice is not kept: ", why, "\n") end
 end
 
@@ -66,7 +66,7 @@ local function pilot_end(o, explained)
   local whole = o.until_ or explained.duration
   local frame = 1 / explained.fps
   local tried = math.min(whole, least_frames * frame)
-  local result = trial.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
+  local result = case_process.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
     timeout = 0.2 * o.budget, trust = o.trust }
   local cost = (result.step_wall_s or 0.2 * o.budget) / tried -- s per simulated second
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
@@ -158,12 +158,12 @@ local function measure(o)
   local target = margin * o.accuracy * part / whole
   local b
   for _ = 1, 3 do
-    b, why = pilot.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = target,
+    b, why = benchmark.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = target,
       budget = o.budget, metric = "x", only_best = true, trust = o.trust }
     if not b then return nil, why end
     b.methods = orders_of_two(b.methods)
     local fine
-    fine, why = pilot.measure(b, function() end)
+    fine, why = benchmark.measure(b, function() end)
     if fine then break end
     b, part = nil, math.max(part / 4, least_frames / explained.fps)
     target = margin * o.accuracy * part / whole
@@ -204,8 +204,8 @@ local function main()
     return complain("--accuracy METRES is needed, such as --accuracy 1e-3")
   end
   local place = folder()
-  local path = place and ("%s/auto-%s.json"):format(place, record.hash(record.of_scene(o.scene, params)
-    .. record.canonical { accuracy = o.accuracy, until_ = o.until_ }))
+  local path = place and ("%s/auto-%s.json"):format(place, journal.hash(journal.of_scene(o.scene, params)
+    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_ }))
   local choice, begun = not o.again and kept(path), process.clock()
   local known = choice ~= nil and choice ~= false
   if not known then

@@ -1,16 +1,16 @@
 -- hooke bench SCENE.lua [name=value ...]: what accuracy costs in this scene with every integrator that fits it, and
--- which one to take. See tools/common: pilot.lua (the phases), reference.lua, conditioning.lua, ladder.lua, report.lua.
+-- which one to take. See tools/common: bench/benchmark.lua (the phases), reference.lua, bench/sensitivity.lua, bench/refinement.lua, report.lua.
 --
 -- The error x of a run: at a frame, the root mean square over all particles of the distance to the reference; of these,
 -- the root mean square over the frames after the start (m). v: the same of velocities (m/s). energy: the energy that
 -- came or went unaccounted for, over the largest kinetic energy. A measure: the root mean square over the frames.
 -- Cost: wall time of the time loop, the median of repeats, of which the first has warmed the machine up.
 local argparse = require("argparse")
-local pilot = require("common.pilot")
+local benchmark = require("common.bench.benchmark")
 local process = require("process")
-local progress = require("common.progress")
-local record = require("common.record")
-local report = require("common.report")
+local progress = require("common.run.progress")
+local journal = require("common.bench.journal")
+local report = require("common.bench.report")
 
 local function parser()
   local p = argparse("hooke bench", "What accuracy costs in a scene, with every integrator that fits it.")
@@ -171,7 +171,7 @@ end
 
 local function fingerprint(o)
   local told = { metric = o.metric, target = o.target, finest = o.finest, until_ = o.until_, threads = o.threads }
-  return record.hash(record.of_scene(o.scene, o.params) .. record.canonical(told))
+  return journal.hash(journal.of_scene(o.scene, o.params) .. journal.canonical(told))
 end
 
 local function main()
@@ -182,12 +182,12 @@ local function main()
   if not (o.target and o.target > 0 and o.budget > 0) then return complain("--target and --budget must be positive") end
   o.finest = o.finest or o.target / 10
   local b
-  b, why = pilot.new(o)
+  b, why = benchmark.new(o)
   if not b then return complain("%s", why) end
   local name = o.scene:match("([^/]+)%.lua$") or o.scene
   local out = o.out or "out/bench/" .. name
   if not make_folder(out) then return complain("the folder %s cannot be made", out) end
-  b.record = record.open(out .. "/bench.state.jsonl", fingerprint(o))
+  b.record = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
   local bar, phase = progress.new { what = "bench " .. name, quiet = o.quiet }, nil
   if b.record.count > 0 then bar:say(("taking up %d runs of an interrupted bench"):format(b.record.count)) end
   b.each = function(case, result)
@@ -196,7 +196,7 @@ local function main()
   end
   b.tick = function() bar:tick() end
   local fine
-  fine, why = pilot.measure(b, function(what) phase = what end)
+  fine, why = benchmark.measure(b, function(what) phase = what end)
   bar:finish()
   if not fine then return complain("%s", why) end
   print_all(b)

@@ -3,8 +3,8 @@
 -- property, with the figure and its bound; the exit code is 1 when one fails. name=value sets numbers of the plugin.
 local inspect = require("inspect")
 local process = require("process")
-local forces = require("common.check_forces")
-local integrators = require("common.check_integrators")
+local forces = require("common.check.forces")
+local integrators = require("common.check.integrators")
 
 local kinds = { force = forces, integrator = integrators }
 

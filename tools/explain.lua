@@ -1,5 +1,5 @@
 -- hooke explain SCENE.lua [name=value ...]: what will be loaded, sizes, stiffness, and the stable step per integrator.
--- With --cost: what each force, constraint, corrector and source costs and what it is worth (common/cost.lua).
+-- With --cost: what each force, constraint, corrector and source costs and what it is worth (common/cost/cost.lua).
 local json = require("cjson").new()
 json.encode_invalid_numbers("null")
 
@@ -112,8 +112,8 @@ local function progress()
 end
 
 local function explain_cost(o)
-  local report = require("common.cost_report")
-  local study, message = require("common.cost").study { scene = o.path, params = o.given, integrator = o.integrator,
+  local report = require("common.cost.cost_report")
+  local study, message = require("common.cost.cost").study { scene = o.path, params = o.given, integrator = o.integrator,
     ["until"] = o["until"], trust = o.trust, repeats = o.repeats, tick = progress() }
   if not study then return fail(message) end
   if o.json then

@@ -1,7 +1,7 @@
 -- hooke stability                 the largest stable step of every integrator on the linear oscillator, beside theory
 -- hooke stability SCENE.lua       the largest stable step on a scene, measured, beside the estimate that dt = auto uses
 -- hooke stability --hard [DIR]    the corpus of hard cases with every integrator
--- See common/region.lua, common/limits.lua and common/hard.lua for what is measured and how.
+-- See common/stability/stability_region.lua, common/stability/largest_step.lua and common/stability/hard.lua for what is measured and how.
 local argparse = require("argparse")
 local json = require("cjson").new()
 local lfs = require("lfs")
@@ -152,7 +152,7 @@ local function chosen_cases(o, hard)
 end
 
 local function run_hard(o)
-  local hard, progress = require("common.hard"), require("common.progress")
+  local hard, progress = require("common.stability.hard"), require("common.run.progress")
   local _, names, all = chosen_integrators(o)
   if not all then return fail(names) end
   local cases, why = chosen_cases(o, hard)
@@ -206,51 +206,51 @@ local function say_pictures(o, name, drawn, refused)
 end
 
 local function run_linear(o)
-  local region, progress = require("common.region"), require("common.progress")
+  local stability_region, progress = require("common.stability.stability_region"), require("common.run.progress")
   local plugins, refused = chosen_integrators(o)
   if not plugins then return fail(refused) end
   local bar = progress.new { what = "integrators", total = #plugins, quiet = o.quiet or o.json }
-  local rows = region.all(plugins, o.jobs, function(plugin) bar:add { note = plugin.name } end, function() bar:tick() end)
+  local rows = stability_region.all(plugins, o.jobs, function(plugin) bar:add { note = plugin.name } end, function() bar:tick() end)
   bar:finish()
-  if not o.json then print(region.table(rows)) end
-  local code = write_rows(o, "linear", region.columns, region.rows(rows))
+  if not o.json then print(stability_region.table(rows)) end
+  local code = write_rows(o, "linear", stability_region.columns, stability_region.rows(rows))
   if code then return code end
-  say_pictures(o, "linear", region.draw(o.out .. "/linear", plugins))
-  local wrong = region.overstated(rows)
+  say_pictures(o, "linear", stability_region.draw(o.out .. "/linear", plugins))
+  local wrong = stability_region.overstated(rows)
   for _, line in ipairs(wrong) do io.stderr:write("hooke: stability: " .. line .. "\n") end
   return #wrong > 0 and 1 or 0
 end
 
 -- ---- a scene ----
 
-local function ladders_of(o, limits)
+local function ladders_of(o, largest_step)
   local ladders = {}
   for k, text in ipairs(o.over) do
-    local ladder, refused = limits.ladder(text)
+    local ladder, refused = largest_step.ladder(text)
     if not ladder then return nil, refused end
     ladders[k] = ladder
   end
-  return #ladders > 0 and ladders or limits.usual(o.path, o.given)
+  return #ladders > 0 and ladders or largest_step.usual(o.path, o.given)
 end
 
 local function run_scene(o)
-  local limits, progress = require("common.limits"), require("common.progress")
+  local largest_step, progress = require("common.stability.largest_step"), require("common.run.progress")
   local plugins, refused = chosen_integrators(o)
   if not plugins then return fail(refused) end
   local ladders, tasks
-  ladders, refused = ladders_of(o, limits)
-  if ladders then tasks, refused = limits.tasks(o.path, o.given, ladders, plugins) end
+  ladders, refused = ladders_of(o, largest_step)
+  if ladders then tasks, refused = largest_step.tasks(o.path, o.given, ladders, plugins) end
   if not tasks then return fail(refused) end
   local bar = progress.new { what = "limits", total = #tasks, quiet = o.quiet or o.json }
-  limits.run(tasks, o.jobs, function(task) bar:add { note = task.integrator } end, function() bar:tick() end)
+  largest_step.run(tasks, o.jobs, function(task) bar:add { note = task.integrator } end, function() bar:tick() end)
   bar:finish()
-  if not o.json then print(limits.table(tasks)) end
+  if not o.json then print(largest_step.table(tasks)) end
   local rows = {}
-  for k, task in ipairs(tasks) do rows[k] = limits.row(task) end
-  local code = write_rows(o, "limits", limits.columns, rows)
+  for k, task in ipairs(tasks) do rows[k] = largest_step.row(task) end
+  local code = write_rows(o, "limits", largest_step.columns, rows)
   if code then return code end
-  say_pictures(o, "limits", limits.draw(o.out .. "/limits", tasks))
-  local wrong = limits.wrong(tasks)
+  say_pictures(o, "limits", largest_step.draw(o.out .. "/limits", tasks))
+  local wrong = largest_step.wrong(tasks)
   for _, line in ipairs(wrong) do io.stderr:write("hooke: stability: " .. line .. "\n") end
   return #wrong > 0 and 1 or 0
 end

@@ -1,16 +1,16 @@
 -- hooke sweep SWEEP.lua | SCENE.lua [name=values ...] [options]: a scene with many values of its parameters,
 -- integrators and steps; every case in a process of its own, its result in a database before the next one is asked for.
-local child = require("common.sweep_child")
-local command = require("common.sweep_command")
-local database = require("common.database")
-local figures = require("common.sweep_plot")
-local plan = require("common.sweep_plan")
+local child = require("common.sweep.child")
+local command = require("common.sweep.command")
+local database = require("common.sweep.database")
+local figures = require("common.sweep.plot")
+local plan = require("common.sweep.plan")
 local process = require("process")
-local progress = require("common.progress")
-local rows = require("common.sweep_table")
-local slurm = require("common.sweep_slurm")
-local store = require("common.sweep_store")
-local trial = require("common.trial")
+local progress = require("common.run.progress")
+local rows = require("common.sweep.table")
+local slurm = require("common.sweep.slurm")
+local store = require("common.sweep.store")
+local case_process = require("common.run.case_process")
 
 -- ---- checks before the first case ----
 
@@ -20,7 +20,7 @@ local function measures_of(the)
   for _, case in ipairs(the.cases) do
     if not seen[case.scene] then
       seen[case.scene] = true
-      local result = trial.run { scene = case.scene, params = case.params, integrator = case.integrator,
+      local result = case_process.run { scene = case.scene, params = case.params, integrator = case.integrator,
         solver = case.solver, trust = case.trust, ["until"] = 0, timeout = 60 }
       if not result.measures then return nil end
       for name in pairs(result.measures) do names[#names + 1] = name end
@@ -117,7 +117,7 @@ local function run(the, cases, results)
   end
   collectgarbage() -- a collection in a case's process would copy every page that it shares with this one
   collectgarbage("stop")
-  trial.each(the.definition.jobs or process.processors(), next_case, done, function() bar:tick() end)
+  case_process.each(the.definition.jobs or process.processors(), next_case, done, function() bar:tick() end)
   collectgarbage("restart")
   bar:finish()
 end

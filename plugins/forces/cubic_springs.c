@@ -6,7 +6,7 @@
  *
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
  * never negative and two lateral ones that are when the spring is pressed; HK_WANT_DEFINITE takes those for 0. */
-#include "plugins/common/edge.h"
+#include "plugins/common/springs/edge.h"
 #include "core/plugin.h"
 
 typedef struct cubic_springs {

@@ -5,7 +5,7 @@
  *
  * -dF/dx_j = dF/dx_i = -(f/|d|) (I - n n^T) in the rows of the ends it acts on alone, so it is not symmetric: a loaded
  * column flutters where weight would only buckle it. Beck, ZAMP 3 (1952). */
-#include "plugins/common/edge.h"
+#include "plugins/common/springs/edge.h"
 #include "core/plugin.h"
 
 enum { SECOND, FIRST, BOTH };

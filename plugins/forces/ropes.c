@@ -7,7 +7,7 @@
  * definite. At s = 0 the stiffness jumps: methods lose their order there, though not the motion its continuity.
  *
  * No elements are offered: methods that work spring by spring would push with them. */
-#include "plugins/common/edge.h"
+#include "plugins/common/springs/edge.h"
 #include "core/plugin.h"
 
 typedef struct ropes {

@@ -1,8 +1,8 @@
 /* Hooke's springs, damped along the spring: the force on j is -(k (l - L) + c (u.d)/l) d/l, with d = x_j - x_i, l = |d|
  * and u = v_j - v_i; i gets the opposite. Two particles at one point have no direction and get no force from their
  * spring; with L = 0 that is also the limit. Energy 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
-#include "plugins/common/edge.h"
-#include "plugins/common/spring_blocks.h"
+#include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/spring_blocks.h"
 
 typedef struct springs {
   hk_edges edges;

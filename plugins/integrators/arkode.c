@@ -6,8 +6,8 @@
  * steps fixed, as many equal ones as it takes to land on what the host asks for, and no error is then estimated; the
  * flags, the order and the amplification are those of the default, Dormand and Prince's pair of order 5. Otherwise
  * ARKODE chooses the steps and its stop time makes it land. It keeps no history but the length of the step. */
-#include "plugins/common/runge_kutta.h"
-#include "plugins/common/sundials.h"
+#include "plugins/common/integrate/runge_kutta.h"
+#include "plugins/common/sundials/sundials.h"
 
 #include <arkode/arkode_arkstep.h>
 #include <string.h>

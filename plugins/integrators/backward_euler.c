@@ -1,6 +1,6 @@
 /* Backward Euler, X' = X + h f(t + h, X'), by Newton's method in full: order 1, damps everything that moves fast,
  * |R| = (1 + (h w)^2)^(-1/2) on an undamped oscillator. */
-#include "plugins/common/dirk.h"
+#include "plugins/common/integrate/dirk.h"
 
 static const hk_dirk_tableau tableau = {.stages = 1, .c = {1}, .a = {{1}}, .b = {1}};
 

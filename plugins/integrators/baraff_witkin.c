@@ -6,8 +6,8 @@
  * indefinite where springs are compressed; their blocks are then projected. Channels are explicit. Baraff and Witkin
  * 1998, equations (6) and (16), sections 5 and 6. */
 #include "core/plugin.h"
-#include "plugins/common/block_product.h"
-#include "plugins/common/spectral.h"
+#include "plugins/common/linear/block_product.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include <float.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 /* Backward differences of order 2, X' = 4/3 X - 1/3 X_before + 2/3 h f(t + h, X'): L-stable, one stage a step. The
  * first step, and the first after anything that makes the history void (another h, events, births), is one of TR-BDF2,
  * which is of order 2 as well. Choi and Ko 2002 took one Newton iteration of it for cloth. */
-#include "plugins/common/dirk.h"
-#include "plugins/common/spectral.h"
+#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include <string.h>
 
@@ -44,7 +44,7 @@ static hk_status advance(bdf2 *m, hk_system *s, double h, double *base, double *
   double g = 2 * h / 3;
   for (size_t e = 0; e < s->size; e++) X[e] = base[e] = s->X[e] + (s->X[e] - m->before[e]) / 3;
   for (size_t e = v; e < 2 * v; e++) X[e] += g * m->start.slope[e];
-  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true};
+  hk_view_setup stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true};
   hk_status status = hk_newton_solve(&m->start.newton, s, &stage);
   if (status != HK_OK) return status;
   memcpy(m->start.slope, X + v, v * sizeof *X);

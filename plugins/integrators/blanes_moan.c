@@ -5,7 +5,7 @@
  * What depends on the velocity sees it in the middle of its kick, predicted with the acceleration of the kick before:
  * order 2 in drag, channels' own rates and power, at no further evaluation. Channel rates that depend on x and t alone
  * are kicked like v and have order 4. */
-#include "plugins/common/spectral.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 

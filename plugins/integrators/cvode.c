@@ -5,7 +5,7 @@
  * CVODE itself decides on steps, orders and when a Jacobian or a factorization is due. It takes one step a call, and
  * its stop time makes it land on what the host asks for. What voids its history (an event, a birth, a corrector, a
  * resumed run) starts it anew at order 1. Constraint forces are in f but not in the Jacobian. */
-#include "plugins/common/sundials.h"
+#include "plugins/common/sundials/sundials.h"
 
 #include <complex.h>
 #include <cvode/cvode.h>

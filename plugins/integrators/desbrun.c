@@ -17,9 +17,9 @@
  *
  * The strain limit that the paper applies after each step is a corrector's affair. Channels and work go by Euler's
  * rule. Desbrun, Schroeder and Barr 1999, Interactive animation of structured deformable objects, sections 3 and 4. */
-#include "plugins/common/laplacian.h"
-#include "plugins/common/slides.h"
-#include "plugins/common/spectral.h"
+#include "plugins/common/integrate/laplacian.h"
+#include "plugins/common/integrate/slide_pins.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 
@@ -43,7 +43,7 @@ typedef struct desbrun {
   double h;       /* s, of the factorization; 0: none */
   double *weight; /* h^2 k, one per spring */
   hk_laplacian laplacian;
-  hk_slides slides;
+  hk_slide_pins slides;
   size_t bodies;
   body *body;
   uint32_t *label; /* n: the particle's body; NOBODY: pinned */
@@ -267,7 +267,7 @@ static hk_status reserve(desbrun *m, const hk_host *host) {
 
 static hk_status arrange(desbrun *m, hk_system *s, bool fresh) {
   hk_status status = fresh ? reserve(m, s->host) : HK_OK;
-  if (status == HK_OK) status = hk_slides_build(&m->slides, s->host, &m->edges);
+  if (status == HK_OK) status = hk_slide_pins_build(&m->slides, s->host, &m->edges);
   if (status == HK_OK)
     status = hk_laplacian_build(&m->laplacian, s->host, s->n, m->edges.count, (const uint32_t(*)[2])m->edges.pair);
   if (status == HK_OK) find_bodies(m);
@@ -280,7 +280,7 @@ static hk_status factorize(desbrun *m, hk_system *s, double h) {
   for (size_t q = 0; q < m->edges.count; q++) m->weight[q] = h * h * m->edges.stiffness[q];
   hk_laplacian_fill(&m->laplacian, s->model->mass, s->model->inverse_mass, m->weight);
   hk_status status = s->factorize(s, &m->laplacian.matrix);
-  if (status == HK_OK) status = hk_slides_factorize(&m->slides, s, m->force, m->force + 3 * s->n);
+  if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->force, m->force + 3 * s->n);
   if (status == HK_OK) m->h = h;
   return status;
 }
@@ -338,7 +338,7 @@ static double path_power(const desbrun *m, const double *F, const double *a, con
 /* a = (M - h^2 H)^-1 F among what pins allow. Held particles have equations of their own, whose part is dropped. */
 static hk_status filter_forces(desbrun *m, hk_system *s, const double *F, double *a) {
   hk_status status = s->solve_columns(s, F, a, 3);
-  if (status == HK_OK) status = hk_slides_correct(&m->slides, s, a, m->scratch, m->scratch + 3 * s->n);
+  if (status == HK_OK) status = hk_slide_pins_correct(&m->slides, s, a, m->scratch, m->scratch + 3 * s->n);
   if (status == HK_OK) s->filter(s, a);
   return status;
 }

@@ -3,8 +3,8 @@
  * A step is taken when its error (step_control.h) is at most `tol`. The next step follows from the last two errors
  * (Hairer, Norsett and Wanner, Solving ODEs I, II.4; Hairer and Wanner II, IV.2). The seventh stage is the first of the
  * next step. */
-#include "plugins/common/runge_kutta.h"
-#include "plugins/common/step_control.h"
+#include "plugins/common/integrate/runge_kutta.h"
+#include "plugins/common/integrate/step_control.h"
 
 #include <float.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Explicit Euler. On an undamped oscillator every step grows by sqrt(1 + h^2 w^2). */
-#include "plugins/common/runge_kutta.h"
+#include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 1, .b = {1}};
 

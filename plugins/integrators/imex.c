@@ -5,7 +5,7 @@
  * that depend on positions and have a symmetric Jacobian to give: springs, not wind or drag. Channels are explicit.
  * Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6; patches in space are left to Boxerman
  * and Ascher 2004. */
-#include "plugins/common/dirk.h"
+#include "plugins/common/integrate/dirk.h"
 
 #include <string.h>
 
@@ -135,7 +135,7 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE);
   memcpy(X, base, s->size * sizeof *X);
   take(m, s, true);
-  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true};
+  hk_view_setup stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true};
   return hk_newton_solve(&m->newton, s, &stage);
 }
 

@@ -6,7 +6,7 @@
  * Without velocity-dependent forces it is symplectic and reversible. The velocity is predicted even then: the power of
  * a force looks at it, and costs one store. The new state is built beside X, which changes once its evaluation
  * succeeded. */
-#include "plugins/common/spectral.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 

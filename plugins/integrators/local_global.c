@@ -19,12 +19,12 @@
  * springs or the pins change, and only then.
  * Liu, Bargteil, O'Brien and Kavan, Fast simulation of mass-spring systems, ACM TOG 32 (2013); acceleration: Peng and
  * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018). */
-#include "plugins/common/anderson.h"
-#include "plugins/common/element_edges.h"
-#include "plugins/common/laplacian.h"
-#include "plugins/common/slides.h"
-#include "plugins/common/step_control.h"
-#include "plugins/common/spring_kernel.h"
+#include "plugins/common/integrate/anderson.h"
+#include "plugins/common/springs/element_edges.h"
+#include "plugins/common/integrate/laplacian.h"
+#include "plugins/common/integrate/slide_pins.h"
+#include "plugins/common/integrate/step_control.h"
+#include "plugins/common/springs/spring_kernel.h"
 
 #include <string.h>
 
@@ -42,7 +42,7 @@ typedef struct local_global {
   const hk_host *host;
   hk_element_edges edges;
   hk_laplacian laplacian;
-  hk_slides slides;
+  hk_slide_pins slides;
   hk_spring_layout springs, dampers; /* without damping; without stiffness */
   double *weight;                    /* edges: of the matrix */
   double h;
@@ -123,7 +123,7 @@ static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
 }
 
 static hk_status rebuild(local_global *m, hk_system *s) {
-  hk_status status = hk_slides_build(&m->slides, m->host, &m->edges);
+  hk_status status = hk_slide_pins_build(&m->slides, m->host, &m->edges);
   if (status == HK_OK)
     status = hk_laplacian_build(&m->laplacian, m->host, s->n, m->edges.count, (const uint32_t(*)[2])m->edges.pair);
   if (status == HK_OK) status = lay_out(m, m->host, s->n);
@@ -150,7 +150,7 @@ static hk_status prepare(local_global *m, hk_system *s, double h) {
   for (size_t e = 0; e < m->edges.count; e++) m->weight[e] = h * (h * m->edges.stiffness[e] + m->edges.damping[e]);
   hk_laplacian_fill(&m->laplacian, s->model->mass, s->model->inverse_mass, m->weight);
   status = s->factorize(s, &m->laplacian.matrix);
-  if (status == HK_OK) status = hk_slides_factorize(&m->slides, s, m->r, m->dx);
+  if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->r, m->dx);
   if (status == HK_OK) m->h = h;
   return status;
 }
@@ -298,7 +298,7 @@ static hk_status iterate(local_global *m, hk_system *s, double h) {
     forces(m, s, h, NULL);
     residual(m, s, h);
     hk_status status = s->solve_columns(s, m->r, m->dx, 3);
-    if (status == HK_OK) status = hk_slides_correct(&m->slides, s, m->dx, m->F, m->scratch);
+    if (status == HK_OK) status = hk_slide_pins_correct(&m->slides, s, m->dx, m->F, m->scratch);
     if (status != HK_OK) return status;
     m->change = relative_change(m, s, extent);
     if (m->acceleration == ANDERSON && k + 1 < m->iterations && !(m->change <= m->tolerance))

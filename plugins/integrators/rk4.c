@@ -1,5 +1,5 @@
 /* The classical Runge-Kutta method. Stable to h w = 2 sqrt 2 on oscillators, h k = 2.785 on decay. */
-#include "plugins/common/runge_kutta.h"
+#include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 4,
                                    .c = {0, 0.5, 0.5, 1},

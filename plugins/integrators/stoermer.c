@@ -1,6 +1,6 @@
 /* Stoermer's multistep method of order 4: one evaluation a step, constant h, restarted by six-stage steps after events.
  * Stable to h w = sqrt 2 without damping, to h k = 0.3 on decay. */
-#include "plugins/common/stoermer.h"
+#include "plugins/common/integrate/stoermer.h"
 
 enum { ORDER = 4 };
 

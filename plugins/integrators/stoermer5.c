@@ -1,7 +1,7 @@
 /* Stoermer's multistep method of order 5: one evaluation a step, constant h, restarted by six-stage steps after events.
  * For damped scenes: without damping oscillations grow by 2e-5 a step at h w = 0.3 (order 4 has none of that). On decay
  * it is stable to h k = 0.163. */
-#include "plugins/common/stoermer.h"
+#include "plugins/common/integrate/stoermer.h"
 
 enum { ORDER = 5 };
 

@@ -2,7 +2,7 @@
  * chosen for long steps: stable while (h w)^2 + 2 h g <= 4, as `symplectic_euler` of order 1; `leapfrog`: while (h w)^2
  * + 4 h g <= 4. At a damping ratio of 0.145, as in a curtain of 64 x 64 particles, that is a step 15 % longer. Without
  * damping it takes leapfrog's positions, with velocities whose error is larger: leapfrog is the better then. */
-#include "plugins/common/stoermer.h"
+#include "plugins/common/integrate/stoermer.h"
 
 enum { ORDER = 2, TERMS = 3 };
 

@@ -6,7 +6,7 @@
  *
  * On a curtain of 32 x 32 particles 1e-7 m take 2,546 evaluations (`stoermer`: 2,911, its limit), of 64 x 64 4,800
  * (7,900). */
-#include "plugins/common/stoermer.h"
+#include "plugins/common/integrate/stoermer.h"
 
 enum { ORDER = 4, TERMS = 5 };
 

@@ -1,5 +1,5 @@
 /* Symplectic Euler: v first, then x with the new v. Order 1; stable to h w = 2 without damping. */
-#include "plugins/common/spectral.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 

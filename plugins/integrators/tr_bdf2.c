@@ -1,6 +1,6 @@
 /* TR-BDF2: the trapezoidal rule to t + (2 - sqrt 2) h, then the backward difference formula of order 2 to t + h, both
  * with the same matrix. Order 2, L-stable, with an error estimate and its own choice of the step. */
-#include "plugins/common/dirk.h"
+#include "plugins/common/integrate/dirk.h"
 
 static double amplification(double hw, double hg) { return hk_dirk_amplification(&hk_tr_bdf2, hw, hg); }
 

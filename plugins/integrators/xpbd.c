@@ -13,8 +13,8 @@
  * work go by the same rule.
  *
  * Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26); Macklin and others 2019, Small steps, algorithm 1. */
-#include "plugins/common/spectral.h"
-#include "plugins/common/xpbd_springs.h"
+#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/common/integrate/xpbd_springs.h"
 
 #include "core/plugin.h"
 

@@ -2,12 +2,12 @@
  * depends on frames to come; as long as the camera, the range of colours or the floor is to suit the whole motion,
  * frames wait in an unlinked file and are drawn at the end, whatever the verdict. */
 #include "core/plugin.h"
-#include "plugins/common/gl_context.h"
-#include "plugins/common/legend.h"
-#include "plugins/common/painter.h"
-#include "plugins/common/plan.h"
-#include "plugins/common/png_file.h"
-#include "plugins/common/video.h"
+#include "plugins/common/picture/gl_context.h"
+#include "plugins/common/picture/legend.h"
+#include "plugins/common/picture/painter.h"
+#include "plugins/common/picture/framing.h"
+#include "plugins/common/picture/png_file.h"
+#include "plugins/common/picture/video.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -25,12 +25,12 @@ typedef struct frames {
 
   const hk_host *host;
   hk_look look;
-  hk_plan plan;
-  hk_stage stage;
+  hk_framing plan;
+  hk_view_setup stage;
   bool waiting; /* frames are drawn at the end */
   bool changed; /* the topology, since the last shot */
-  hk_shot shot;
-  hk_spool spool;
+  hk_snapshot3d shot;
+  hk_frame_spool spool;
   hk_gl_context *gl;
   hk_painter painter;
   uint8_t (*colour)[4]; /* one per particle */
@@ -85,7 +85,7 @@ static const hk_param params[] = {
 /* clang-format on */
 
 static void make_plan(frames *f) {
-  f->plan = (hk_plan){.fov = f->fov * acos(-1) / 180, .aspect = (double)f->width / (double)f->height};
+  f->plan = (hk_framing){.fov = f->fov * acos(-1) / 180, .aspect = (double)f->width / (double)f->height};
   memcpy(f->plan.eye, f->camera, sizeof f->camera);
   memcpy(f->plan.target, f->target, sizeof f->target);
   f->plan.floor = f->ground, f->plan.height = f->ground_height, f->plan.radius = f->radius;
@@ -127,12 +127,12 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   f->fps = frame->fps / (double)f->every;
   f->changed = true;
   snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->folder);
-  return f->waiting ? hk_spool_open(&f->spool, host, name) : HK_OK;
+  return f->waiting ? hk_frame_spool_open(&f->spool, host, name) : HK_OK;
 }
 
 static hk_status colour_particles(frames *f) {
   static const uint8_t plain[4] = {84, 132, 190, 255};
-  const hk_shot *s = &f->shot;
+  const hk_snapshot3d *s = &f->shot;
   if (s->n >= f->colours) {
     f->host->release(f->host, f->colour);
     f->colours = s->n + s->n / 2 + 1;
@@ -173,11 +173,11 @@ static hk_status draw(frames *f) {
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
   if (now->index % (size_t)f->every != 0) return HK_OK;
-  hk_status status = hk_shot_take(&f->shot, view, &f->look, f->changed);
+  hk_status status = hk_snapshot3d_take(&f->shot, view, &f->look, f->changed);
   if (status != HK_OK) return status;
   f->changed = false;
-  if (f->waiting) return hk_spool_add(&f->spool, &f->shot);
-  hk_plan_shot(&f->plan, &f->shot, &f->stage);
+  if (f->waiting) return hk_frame_spool_add(&f->spool, &f->shot);
+  hk_framing_snapshot(&f->plan, &f->shot, &f->stage);
   if (!hk_gl_context_use(f->gl)) return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
   return draw(f);
 }
@@ -186,9 +186,9 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
  * too, but has no say in where the camera stands. */
 static hk_status draw_waiting(frames *f, hk_verdict verdict) {
   if (!f->spool.count) return HK_OK;
-  hk_status status = hk_plan_motion(&f->plan, &f->spool, &f->shot, verdict == HK_DIVERGED ? 5 : 1000, &f->stage);
+  hk_status status = hk_framing_motion(&f->plan, &f->spool, &f->shot, verdict == HK_DIVERGED ? 5 : 1000, &f->stage);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
-    status = hk_spool_read(&f->spool, k, &f->shot);
+    status = hk_frame_spool_read(&f->spool, k, &f->shot);
     if (status == HK_OK) status = draw(f);
   }
   return status;
@@ -228,8 +228,8 @@ static void destroy(void *self, const hk_host *host) {
   (void)host;
   if (f->gl && hk_gl_context_use(f->gl)) hk_painter_close(&f->painter);
   hk_gl_context_destroy(f->gl);
-  hk_spool_close(&f->spool);
-  hk_shot_free(&f->shot);
+  hk_frame_spool_close(&f->spool);
+  hk_snapshot3d_free(&f->shot);
 }
 
 static hk_status topology(void *self, const hk_view *view) {

@@ -8,8 +8,8 @@
  * go through plugins/common/triangular.c, which copies L when a factor is first asked for them. Invariant: between
  * calls `A` has the pattern of the last analysis, `ready` says that L has its numbers, `copied` that `columns` has them
  * too. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
-#include "plugins/common/blas.h"
-#include "plugins/common/triangular.h"
+#include "plugins/common/linear/blas.h"
+#include "plugins/common/linear/triangular.h"
 
 #include <cholmod.h>
 #include <string.h>

@@ -11,8 +11,8 @@
  * of the last analysis, and `ready` says that they have its numbers. Hestenes and Stiefel 1952, J. Res. NBS 49; Baraff
  * and Witkin 1998, Large steps in cloth simulation. */
 #include "core/plugin.h"
-#include "plugins/common/incomplete_cholesky.h"
-#include "plugins/common/upper_matrix.h"
+#include "plugins/common/linear/incomplete_cholesky.h"
+#include "plugins/common/linear/upper_matrix.h"
 
 #include <string.h>
 

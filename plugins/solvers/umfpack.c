@@ -9,7 +9,7 @@
  * start and row; `numeric` is there only if the numbers in `value` were factorized. Davis, Algorithm 832: UMFPACK V4.3,
  * ACM TOMS 30 (2004). */
 #include "core/plugin.h"
-#include "plugins/common/blas.h"
+#include "plugins/common/linear/blas.h"
 
 #include <float.h>
 #include <umfpack.h>

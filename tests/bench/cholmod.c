@@ -2,7 +2,7 @@
  * BLAS threads, on the implicit matrix M + h D + h^2 K of a stiff cloth (k = 1e5 N/m, h = 1/60 s); and what assembly
  * takes of a Newton iteration. To reach: factorize at most 1.1 of CHOLMOD's best, assembly at most 15 %. Then three
  * right-hand sides on the n x n matrix of local_global, against cholmod_solve2. */
-#include "core/engine.h"
+#include "core/run/engine.h"
 #include "tests/bench/cloth.h"
 
 #include <cholmod.h>

@@ -4,7 +4,7 @@
 #ifndef HK_BENCH_PLAIN_H
 #define HK_BENCH_PLAIN_H
 
-#include "core/engine.h"
+#include "core/run/engine.h"
 #include "tests/bench/cloth.h"
 
 #include <string.h>

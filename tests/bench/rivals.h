@@ -3,7 +3,7 @@
 #ifndef HK_BENCH_RIVALS_H
 #define HK_BENCH_RIVALS_H
 
-#include "plugins/common/sundials.h"
+#include "plugins/common/sundials/sundials.h"
 #include "tests/bench/plain.h"
 
 #include <arkode/arkode_erkstep.h>

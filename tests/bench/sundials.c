@@ -3,7 +3,7 @@
  * arithmetic, so that only the plumbing differs; with SUNDIALS' own vectors; and with a plain scalar loop for the
  * forces. Medians of repeats taken in turn. The sides have the same weights of errors, so steps and evaluations agree
  * up to rounding. */
-#include "plugins/common/sundials.h"
+#include "plugins/common/sundials/sundials.h"
 #include "tests/support/engine.h"
 
 #include <arkode/arkode_arkstep.h>

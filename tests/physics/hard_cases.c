@@ -10,7 +10,7 @@
  */
 #include "tests/support/engine.h"
 
-#include "core/engine.h"
+#include "core/run/engine.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

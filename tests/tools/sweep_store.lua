@@ -8,8 +8,8 @@ for _, name in ipairs { "luasql.sqlite3", "lfs" } do
     os.exit(77)
   end
 end
-local digest = require("common.sweep_digest")
-local store = require("common.sweep_store")
+local digest = require("common.sweep.digest")
+local store = require("common.sweep.store")
 
 -- ---- digests ----
 

@@ -2,9 +2,9 @@
  * whose scene has the force first is evaluated at states made here, random or degenerate; the run itself is not
  * changed. Differences are central ones, and the best of several steps counts: too long a step shows curvature, too
  * short a one rounding. */
-#include "core/engine.h"
-#include "core/lua_internal.h"
-#include "core/random.h"
+#include "core/run/engine.h"
+#include "core/lua/internal.h"
+#include "core/base/random.h"
 
 #include <lauxlib.h>
 #include <lua.h>

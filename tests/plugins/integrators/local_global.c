@@ -1,6 +1,6 @@
 /* local_global against backward Euler solved here by a dense Newton of its own, and what its theory promises of every
  * single iteration. */
-#include "core/engine.h"
+#include "core/run/engine.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

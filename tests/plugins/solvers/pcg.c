@@ -1,11 +1,11 @@
 /* Conjugate gradients: products against plain loops, solutions against elimination, pins that stay bitwise exact, the
  * same bits for any number of threads, and refusals of what is not positive definite, singular or too ill-conditioned.
  */
-#include "core/block_matrix.h"
-#include "core/threads.h"
-#include "plugins/common/block_product.h"
-#include "plugins/common/incomplete_cholesky.h"
-#include "plugins/common/upper_matrix.h"
+#include "core/dynamics/block_matrix.h"
+#include "core/base/threads.h"
+#include "plugins/common/linear/block_product.h"
+#include "plugins/common/linear/incomplete_cholesky.h"
+#include "plugins/common/linear/upper_matrix.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

@@ -1,0 +1,290 @@
+/* hooke: the command line. `run` is built in; `hooke NAME` runs tools/NAME.lua. Only here does the process exit, read
+ * the environment or catch a signal. */
+#include "core/command/auto.h"
+#include "core/base/error.h"
+#include "core/base/memory.h"
+#include "core/command/options.h"
+#include "core/host/registry.h"
+#include "core/report/report.h"
+#include "core/lua/script.h"
+#include "core/command/tool.h"
+#include "core/run/verify.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define HK_VERSION "0.1.0"
+
+static volatile sig_atomic_t interrupted;
+
+static void interrupt(int signal_number) {
+  (void)signal_number;
+  interrupted = 1;
+}
+
+typedef struct places {
+  char plugins[PATH_MAX], scripts[PATH_MAX], tools[PATH_MAX], include[PATH_MAX];
+} places;
+
+/* The first of the candidates below the executable's folder that exists: the build tree, its sanitized variant, an
+ * installation. */
+static bool place(char *into, const char *base, const char *const *candidates) {
+  char path[PATH_MAX];
+  for (; *candidates; candidates++)
+    if (snprintf(path, sizeof path, "%s/%s", base, *candidates) < (int)sizeof path && realpath(path, into)) return true;
+  *into = 0;
+  return false;
+}
+
+static hk_status find_places(places *p, hk_error *error) {
+  char base[PATH_MAX];
+  ssize_t length = readlink("/proc/self/exe", base, sizeof base - 1);
+  if (length < 0) return hk_error_set(error, HK_IO, "cannot find hooke's own folder: %s", strerror(errno));
+  base[length] = 0;
+  *strrchr(base, '/') = 0;
+  static const char *const plugins[] = {"plugins", "../lib/hooke/plugins", NULL};
+  static const char *const scripts[] = {"../scripts/scenes/..", "../../scripts/scenes/..", "../share/hooke/scripts",
+                                        NULL};
+  static const char *const tools[] = {"../tools/templates/..", "../../tools/templates/..",
+                                      "../share/hooke/tools/templates/..", NULL};
+  static const char *const include[] = {"../core/plugin.h", "../../core/plugin.h", "../include/hooke/core/plugin.h",
+                                        NULL};
+  if (!place(p->plugins, base, plugins))
+    return hk_error_set(error, HK_IO, "no plugins beside %s: build with make, or install with make install", base);
+  place(p->scripts, base, scripts);
+  place(p->tools, base, tools);
+  if (place(p->include, base, include)) *strstr(p->include, "/core/plugin.h") = 0;
+  return HK_OK;
+}
+
+static int exit_code(hk_status status) {
+  switch (status) {
+  case HK_OK:
+    return 0;
+  case HK_BAD_PARAM:
+  case HK_SCRIPT:
+    return 1;
+  case HK_FAILED:
+  case HK_NO_MEMORY:
+    return 2;
+  case HK_NOT_FINITE:
+  case HK_NOT_CONVERGED:
+    return 3;
+  case HK_IO:
+    return 4;
+  case HK_INTERRUPTED:
+    return 130;
+  }
+  return 2;
+}
+
+static int verdict_code(hk_verdict verdict) {
+  return verdict == HK_INACCURATE ? 5 : verdict == HK_DIVERGED ? 3 : verdict == HK_STOPPED ? 130 : 0;
+}
+
+static int complain(const hk_error *error) {
+  fprintf(stderr, "hooke: %s\n", error->text);
+  return exit_code(error->status);
+}
+
+static void print_params(const hk_script *script) {
+  const hk_param_declared *params;
+  size_t count = hk_script_params(script, &params);
+  if (count) printf("\nparameters of this scene (name=value):\n");
+  for (size_t k = 0; k < count; k++)
+    printf("  %-12s %-12s %s\n", params[k].name, params[k].initial, params[k].help ? params[k].help : "");
+}
+
+static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
+  return (hk_script_options){.registry = registry,
+                             .library = library,
+                             .trust = o->trust,
+                             .run = &o->run,
+                             .threads = o->threads,
+                             .seed = o->seed,
+                             .given_count = o->given_count,
+                             .given = o->given};
+}
+
+/* ---- one run of a scene ---- */
+
+/* To the end, outputs closed, the state written: whatever happens on the way, what there is is kept. */
+static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
+  hk_status status = hk_run_advance(run, hk_run_end(run), error);
+  hk_error later = {0};
+  hk_status closed = hk_run_close(run, &later);
+  if (o->state && closed == HK_OK)
+    closed = hk_run_write_state(run, o->state, &later);
+  else if (o->state)
+    hk_run_write_state(run, o->state, NULL);
+  if (status != HK_OK) {
+    if (closed != HK_OK) fprintf(stderr, "hooke: %s\n", later.text);
+    return status;
+  }
+  if (closed != HK_OK) hk_error_set(error, closed, "%s", later.text);
+  return closed;
+}
+
+static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
+  char out[PATH_MAX];
+  snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
+  bool wrote = !o->run.no_output && (scene->output.count || scene->measures);
+  if (o->json)
+    hk_report_json(stdout, s);
+  else if (!o->quiet)
+    hk_report_text(stdout, s, wrote ? out : NULL);
+}
+
+static int run_scene(hk_script *script, const hk_options *o, hk_registry *registry, const char *library) {
+  hk_error error = {0};
+  hk_run *run;
+  hk_scene *scene = hk_script_scene(script);
+  hk_status status = hk_run_open(scene, &o->run, &run, &error);
+  if (status != HK_OK) return complain(&error);
+  status = finish(run, o, &error);
+  hk_summary summary;
+  hk_run_summary(run, &summary);
+  if (status == HK_OK && (o->verify || summary.accuracy > 0)) {
+    hk_script_options options = script_options(o, registry, library);
+    hk_error second = {0};
+    if (hk_verify(o->scene, &options, &o->run, run, &summary, &second) != HK_OK)
+      fprintf(stderr, "hooke: with half the step: %s\n", second.text);
+  }
+  int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
+  report(o, scene, &summary);
+  if (fflush(stdout) != 0) code = complain(&(hk_error){HK_IO, "cannot write to standard output"});
+  if (status != HK_OK) complain(&error);
+  hk_run_destroy(run);
+  return code;
+}
+
+static void catch_signals(void) {
+  struct sigaction action = {.sa_handler = interrupt};
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+}
+
+static int run_command(int argc, char **argv, hk_registry *registry, const places *p) {
+  hk_error error = {0};
+  hk_options o;
+  hk_script *script = NULL;
+  hk_choice choice = {.dt = NAN};
+  char library[PATH_MAX + 8];
+  snprintf(library, sizeof library, "%s/lib", p->scripts);
+  int code = 0;
+  if (hk_options_parse(&o, argc, argv, &error) != HK_OK) {
+    code = complain(&error);
+  } else if (o.help && !o.scene) {
+    hk_options_print();
+  } else {
+    catch_signals();
+    o.run.interrupted = &interrupted;
+    o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
+    registry->allow_script_folder = o.trust;
+    hk_script_options options = script_options(&o, registry, library);
+    hk_verdict worst = HK_VERDICT_OK;
+    hk_status status = hk_script_open(o.scene, &options, &script, &error);
+    if (o.help) {
+      hk_options_print();
+      if (script) print_params(script);
+      if (status != HK_OK && !script) code = complain(&error);
+    } else if (status != HK_OK)
+      code = complain(&error);
+    else if (hk_script_drove(script, &worst))
+      code = verdict_code(worst);
+    else if (hk_auto_asked(&o, hk_script_scene(script)) &&
+             hk_auto_choose(&o, hk_script_scene(script), p->tools, &options, &choice, &error) != HK_OK)
+      code = complain(&error);
+    else
+      code = run_scene(script, &o, registry, library);
+  }
+  hk_script_close(script);
+  free(o.given);
+  return code;
+}
+
+/* ---- tools ---- */
+
+typedef struct commands {
+  size_t count;
+  char name[64][64];
+} commands;
+
+static const char *command_name(const void *context, size_t k) {
+  const commands *list = context;
+  return k < list->count ? list->name[k] : NULL;
+}
+
+static void list_commands(commands *list, const char *folder) {
+  strcpy(list->name[0], "run");
+  list->count = 1;
+  DIR *directory = *folder ? opendir(folder) : NULL;
+  for (struct dirent *entry; directory && list->count < 64 && (entry = readdir(directory));) {
+    size_t length = strlen(entry->d_name);
+    if (length < 5 || length > 60 || strcmp(entry->d_name + length - 4, ".lua") != 0) continue;
+    memcpy(list->name[list->count], entry->d_name, length - 4);
+    list->name[list->count++][length - 4] = 0;
+  }
+  if (directory) closedir(directory);
+}
+
+static int tool_command(int argc, char **argv, hk_registry *registry, const places *p) {
+  char path[PATH_MAX + 128], library[PATH_MAX + 8];
+  hk_error error = {0};
+  commands list;
+  snprintf(path, sizeof path, "%s/%s.lua", p->tools, argv[0]);
+  snprintf(library, sizeof library, "%s/lib", p->scripts);
+  if (strchr(argv[0], '/') || access(path, R_OK) != 0) {
+    list_commands(&list, p->tools);
+    const char *near = hk_nearest_name(argv[0], command_name, &list);
+    fprintf(stderr, "hooke: unknown command '%s'%s%s%s; see: hooke --help\n", argv[0], near ? "; did you mean '" : "",
+            near ? near : "", near ? "'?" : "");
+    return 1;
+  }
+  hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
+  hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
+  int code = 0;
+  registry->allow_script_folder = true; /* of the tool's own; scenes are opened as they are trusted */
+  if (hk_tool_run(path, argc, argv, &options, &code, NULL, &error) != HK_OK) return complain(&error);
+  return code;
+}
+
+static void help(const places *p) {
+  static commands list;
+  list_commands(&list, p->tools);
+  printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n"
+         "  hooke run SCENE.lua [name=value ...] [options]\n");
+  for (size_t k = 1; k < list.count; k++) printf("  hooke %s ...\n", list.name[k]);
+  printf("  hooke --version | --cflags | --help\n\nhooke run --help lists its options; scenes are in %s/scenes\n",
+         p->scripts);
+}
+
+int main(int argc, char **argv) {
+  hk_error error = {0};
+  places p = {0};
+  hk_registry registry;
+  if (find_places(&p, &error) != HK_OK ||
+      hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
+    return complain(&error);
+  int code;
+  if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+    help(&p);
+    code = argc < 2;
+  } else if (strcmp(argv[1], "--version") == 0)
+    code = printf("hooke " HK_VERSION "\n") < 0;
+  else if (strcmp(argv[1], "--cflags") == 0)
+    code = printf("-I%s\n", p.include) < 0;
+  else if (strcmp(argv[1], "run") == 0)
+    code = run_command(argc - 2, argv + 2, &registry, &p);
+  else
+    code = tool_command(argc - 1, argv + 1, &registry, &p);
+  hk_registry_close(&registry);
+  return code;
+}

@@ -1,0 +1,151 @@
+/* Options are one table that drives parsing, checking and help; name=value is kept for the script's param(). */
+#include "core/command/options.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum option_type { FLAG, TEXT, POSITIVE, NOT_NEGATIVE, COUNT, WHOLE } option_type;
+
+typedef struct option {
+  const char *name, *value, *help;
+  option_type type;
+  size_t offset;
+} option;
+
+#define AT(field) offsetof(hk_options, field)
+
+static const option options[] = {
+    {"--integrator", "NAME",
+     "in place of the scene's choice; NAME:parameter=value,... sets its own; auto: chosen by measuring", TEXT,
+     AT(run.integrator)},
+    {"--solver", "NAME", "the linear solver, in place of the scene's choice; auto: by the forces and the size", TEXT,
+     AT(run.solver)},
+    {"--dt", "SECONDS", "the longest step", POSITIVE, AT(run.dt)},
+    {"--tol", "X", "relative tolerance of adaptive integrators", POSITIVE, AT(run.tol)},
+    {"--accuracy", "METRES", "of the positions at the end; the run is then checked with half the step", POSITIVE,
+     AT(run.accuracy)},
+    {"--until", "SECONDS", "end there instead of at the scene's duration", NOT_NEGATIVE, AT(run.until)},
+    {"--threads", "N", "number of threads; results do not depend on it", COUNT, AT(threads)},
+    {"--seed", "N", "seed of all random numbers, default 0", WHOLE, AT(seed)},
+    {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass", TEXT, AT(state)},
+    {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out)},
+    {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json)},
+    {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet)},
+    {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output)},
+    {"--verify", NULL, "run again with half the step and print the difference", FLAG, AT(verify)},
+    {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust)},
+    {"--help", NULL, "this text, with the scene's own parameters when one is named", FLAG, AT(help)},
+};
+
+enum { OPTIONS = sizeof options / sizeof *options };
+
+static const char *option_name(const void *context, size_t k) {
+  (void)context;
+  return k < OPTIONS ? options[k].name : NULL;
+}
+
+static hk_status unknown(const char *word, hk_error *error) {
+  const char *near = hk_nearest_name(word, option_name, NULL);
+  if (near) return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; did you mean '%s'?", word, near);
+  return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; see: hooke run --help", word);
+}
+
+static hk_status bad_value(const option *o, const char *value, hk_error *error) {
+  static const char *const wanted[] = {
+      "", "", "a positive number", "a number not below 0", "a whole number from 1 to 1024", "a whole number"};
+  return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not %s", o->name, value, wanted[o->type]);
+}
+
+static hk_status store(const option *o, hk_options *into, const char *value, hk_error *error) {
+  void *field = (char *)into + o->offset;
+  char *end;
+  errno = 0;
+  switch (o->type) {
+  case FLAG:
+    *(bool *)field = true;
+    return HK_OK;
+  case TEXT:
+    *(const char **)field = value;
+    return HK_OK;
+  case POSITIVE:
+  case NOT_NEGATIVE: {
+    double number = strtod(value, &end);
+    bool fine =
+        end != value && *end == 0 && isfinite(number) && (number > 0 || (o->type == NOT_NEGATIVE && number == 0));
+    if (!fine) return bad_value(o, value, error);
+    *(double *)field = number;
+    return HK_OK;
+  }
+  case COUNT: {
+    long number = strtol(value, &end, 10);
+    if (end == value || *end || errno || number < 1 || number > 1024) return bad_value(o, value, error);
+    *(int *)field = (int)number;
+    return HK_OK;
+  }
+  case WHOLE: {
+    unsigned long long number = strtoull(value, &end, 10);
+    if (end == value || *end || errno || *value == '-') return bad_value(o, value, error);
+    *(uint64_t *)field = number;
+    return HK_OK;
+  }
+  }
+  return HK_FAILED;
+}
+
+/* "--name value" and "--name=value"; `used` is the number of words beyond the first. */
+static hk_status parse_option(hk_options *into, const char *word, const char *next, int *used, hk_error *error) {
+  size_t length = strcspn(word, "=");
+  for (size_t k = 0; k < OPTIONS; k++) {
+    const option *o = &options[k];
+    if (strlen(o->name) != length || strncmp(o->name, word, length) != 0) continue;
+    if (o->type == FLAG && word[length]) return hk_error_set(error, HK_BAD_PARAM, "%s takes no value", o->name);
+    const char *value = word[length] ? word + length + 1 : next;
+    *used = o->type != FLAG && !word[length];
+    if (o->type != FLAG && !value)
+      return hk_error_set(error, HK_BAD_PARAM, "%s needs a value: %s %s", o->name, o->name, o->value);
+    return store(o, into, value, error);
+  }
+  return unknown(word, error);
+}
+
+/* NAME=VALUE in place: the word is cut in two. */
+static void keep_param(hk_options *into, char *word) {
+  char *equals = strchr(word, '=');
+  *equals = 0;
+  into->given[into->given_count++] = (hk_param_given){word, equals + 1, false};
+}
+
+hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *error) {
+  *into = (hk_options){.run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN}};
+  into->given = calloc((size_t)argc + 1, sizeof *into->given);
+  if (!into->given) return hk_error_set(error, HK_NO_MEMORY, "no memory for the options");
+  for (int i = 0; i < argc; i++) {
+    int used = 0;
+    hk_status status = HK_OK;
+    if (argv[i][0] == '-' && argv[i][1])
+      status = parse_option(into, argv[i], i + 1 < argc ? argv[i + 1] : NULL, &used, error);
+    else if (strchr(argv[i], '=') && into->scene)
+      keep_param(into, argv[i]);
+    else if (!into->scene)
+      into->scene = argv[i];
+    else
+      status = hk_error_set(error, HK_BAD_PARAM, "'%s' is neither an option nor name=value", argv[i]);
+    if (status != HK_OK) return status;
+    i += used;
+  }
+  if (!into->scene && !into->help) return hk_error_set(error, HK_BAD_PARAM, "no scene given: hooke run SCENE.lua");
+  return HK_OK;
+}
+
+void hk_options_print(void) {
+  printf("usage: hooke run SCENE.lua [name=value ...] [options]\n\n");
+  for (size_t k = 0; k < OPTIONS; k++) {
+    char left[64];
+    snprintf(left, sizeof left, "%s %s", options[k].name, options[k].value ? options[k].value : "");
+    printf("  %-20s %s\n", left, options[k].help);
+  }
+  printf("\nexit: 0 ok, 1 wrong use, 2 plugin failed, 3 diverged, 4 file error, 5 inaccurate, 130 interrupted\n");
+}

@@ -1,0 +1,22 @@
+/* The command line of `hooke run`. */
+#ifndef HK_OPTIONS_H
+#define HK_OPTIONS_H
+
+#include "core/run/run.h"
+#include "core/lua/script.h"
+
+typedef struct hk_options {
+  hk_run_options run;
+  const char *scene, *state;
+  int threads;
+  uint64_t seed;
+  bool json, quiet, trust, verify, help;
+  size_t given_count;
+  hk_param_given *given; /* one per argument at most */
+} hk_options;
+
+/* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` afterwards. */
+hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error);
+void hk_options_print(void); /* the help, on standard output */
+
+#endif

@@ -1,0 +1,191 @@
+/* The matrix of an implicit step, A = m M + d D + k K, with the pins in it, and its solution by the scene's solver.
+ *
+ * Pins are a projection S, so A becomes S A S + s (I - S): what they forbid is an equation of its own, s x = 0, with s
+ * of the size of the diagonal to leave the conditioning alone. Rows and columns of fixed and scripted particles hold
+ * nothing else, so their part of the solution is exactly 0 (Baraff and Witkin 1998, section 5, as a matrix instead of a
+ * filter in the iteration). Each row is made by one thread: the numbers do not depend on how many there are. */
+#include "core/dynamics/implicit_matrix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS_GRAIN = 1024, LARGE = 300000 }; /* LARGE: unknowns, where the factors of a surface take gigabytes */
+
+static hk_run *run_of(hk_system *s) { return (hk_run *)(void *)s; }
+
+typedef struct combination {
+  const hk_run *run;
+  hk_implicit_matrix *s;
+  double m, d, k;
+} combination;
+
+/* P = S of a sliding particle. */
+static void projection(const hk_pin_spec *spec, double P[9]) {
+  const double *a = spec->axis;
+  for (int p = 0; p < 9; p++) {
+    double along = a[p / 3] * a[p % 3];
+    P[p] = spec->kind == HK_PIN_LINE ? along : (p % 4 == 0) - along;
+  }
+}
+
+static void multiply(const double A[9], const double B[9], double C[9]) {
+  for (int p = 0; p < 9; p++) {
+    const double *a = A + p / 3 * 3, *b = B + p % 3;
+    C[p] = a[0] * b[0] + a[1] * b[3] + a[2] * b[6];
+  }
+}
+
+static void slide_block(double *A, const hk_pin_spec *row, const hk_pin_spec *column) {
+  double P[9], B[9];
+  if (row) {
+    projection(row, P);
+    multiply(P, A, B);
+    memcpy(A, B, sizeof B);
+  }
+  if (column) {
+    projection(column, P);
+    multiply(A, P, B);
+    memcpy(A, B, sizeof B);
+  }
+}
+
+static bool held(const hk_run *run, size_t i) { return run->pin[i] == HK_PIN_FIXED || run->pin[i] == HK_PIN_PATH; }
+
+/* A := S A S + s (I - S) on a diagonal block. */
+static void pin_diagonal(double *A, const hk_pin_spec *slide, bool fixed) {
+  double scale = fmax(fabs(A[0]), fmax(fabs(A[4]), fabs(A[8]))), P[9] = {0};
+  if (!(scale > 0)) scale = 1;
+  if (fixed)
+    memset(A, 0, 9 * sizeof *A);
+  else {
+    slide_block(A, slide, slide);
+    projection(slide, P);
+  }
+  for (int p = 0; p < 9; p++) A[p] += scale * ((p % 4 == 0) - P[p]);
+}
+
+static void combine_rows(void *context, size_t begin, size_t end, size_t chunk) {
+  const combination *c = context;
+  const hk_implicit_matrix *s = c->s;
+  (void)chunk;
+  for (size_t r = begin; r < end; r++) {
+    bool row_held = held(c->run, r);
+    for (size_t e = s->matrix.row_start[r]; e < s->matrix.row_start[r + 1]; e++) {
+      size_t column = s->matrix.column[e];
+      const double *K = s->K + 9 * e, *D = s->D + 9 * e;
+      double *A = s->A + 9 * e;
+      for (int p = 0; p < 9; p++) A[p] = c->d * D[p] + c->k * K[p];
+      if (column == r) {
+        for (int p = 0; p < 9; p += 4) A[p] += c->m * c->run->mass[r];
+        if (row_held || (s->slide && s->slide[r])) pin_diagonal(A, s->slide ? s->slide[r] : NULL, row_held);
+      } else if (row_held || held(c->run, column))
+        memset(A, 0, 9 * sizeof *A);
+      else if (s->slide)
+        slide_block(A, s->slide[r], s->slide[column]);
+    }
+  }
+}
+
+static hk_status find_slides(hk_run *run, hk_implicit_matrix *s) {
+  if (!run->has_slides) {
+    free(s->slide);
+    s->slide = NULL;
+    return HK_OK;
+  }
+  if (!s->slide) s->slide = malloc((run->model.n + 1) * sizeof *s->slide);
+  if (!s->slide) return HK_NO_MEMORY;
+  for (size_t i = 0; i < run->model.n; i++) s->slide[i] = NULL;
+  for (size_t k = 0; k < run->pins; k++) {
+    const hk_pin_state *pin = &run->pin_state[k];
+    bool slides = pin->spec->kind == HK_PIN_LINE || pin->spec->kind == HK_PIN_PLANE;
+    for (size_t j = 0; slides && !pin->released && j < pin->count; j++) s->slide[pin->index[j]] = pin->spec;
+  }
+  return HK_OK;
+}
+
+hk_status hk_implicit_combine(hk_system *system, double m, double d, double k, hk_matrix *A) {
+  hk_run *run = run_of(system);
+  hk_implicit_matrix *s = run->assembly;
+  if (!s || !s->K) return hk_error_set(&run->error, HK_FAILED, "a matrix was combined before its Jacobian");
+  if (!s->A) s->A = malloc((9 * s->matrix.row_start[s->matrix.rows] + 1) * sizeof *s->A);
+  if (!s->A || find_slides(run, s) != HK_OK)
+    return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the matrix of %zu particles", run->model.n);
+  combination c = {run, s, m, d, k};
+  hk_threads_for(run->scene->shared.threads, s->matrix.rows, ROWS_GRAIN, combine_rows, &c);
+  *A = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->A, s->symmetric};
+  return HK_OK;
+}
+
+/* ---- the scene's solver ---- */
+
+static bool truly_unsymmetric(const hk_run *run) {
+  for (size_t k = 0; k < run->scene->force.count; k++) {
+    const hk_force *force = run->scene->force.item[k]->plugin->force;
+    if (force->jacobian && !(force->flags & (HK_SYMMETRIC_JACOBIAN | HK_OFFERS_SYMMETRIC))) return true;
+  }
+  return false;
+}
+
+/* By the kind of the forces and the number of unknowns, never by a clock: runs repeat. */
+static const char *choose_solver(const hk_run *run) {
+  if (truly_unsymmetric(run)) return "umfpack";
+  return 3 * run->model.n > LARGE ? "pcg" : "cholmod";
+}
+
+hk_status hk_solver_get(hk_run *run, hk_instance **solver) {
+  hk_scene *scene = run->scene;
+  hk_status status = HK_OK;
+  if (!scene->solver) {
+    const char *name = choose_solver(run);
+    status = hk_scene_add_plugin(scene, HK_SOLVER, name, NULL, "", &scene->solver, &run->error);
+    if (status == HK_OK) status = hk_instance_check(scene->solver, &run->error);
+    if (status != HK_OK) return status;
+    run->solver_chosen = true;
+  }
+  if (!scene->solver->started) {
+    hk_view view = run->view;
+    view.host = &scene->solver->host;
+    status = hk_instance_start(scene->solver, &view, run->system.size, &run->error);
+  }
+  *solver = scene->solver;
+  return status;
+}
+
+static hk_status linear_of(hk_run *run, hk_linear_system **linear) {
+  hk_implicit_matrix *s = hk_implicit_matrix_of(run);
+  if (!s) return HK_NO_MEMORY;
+  *linear = &s->linear;
+  return s->linear.solver ? HK_OK : hk_solver_get(run, &s->linear.solver);
+}
+
+hk_status hk_implicit_solver_flags(hk_system *system, unsigned *flags) {
+  hk_linear_system *linear = NULL;
+  hk_status status = linear_of(run_of(system), &linear);
+  if (status == HK_OK) *flags = linear->solver->plugin->solver->flags;
+  return status;
+}
+
+hk_status hk_implicit_factorize(hk_system *system, const hk_matrix *A) {
+  hk_linear_system *linear = NULL;
+  hk_status status = linear_of(run_of(system), &linear);
+  return status == HK_OK ? hk_linear_system_factorize(run_of(system), linear, A) : status;
+}
+
+static hk_status ready(hk_run *run, hk_linear_system **linear) {
+  if (!run->assembly || !run->assembly->linear.analyzed)
+    return hk_error_set(&run->error, HK_FAILED, "a system was solved before its factorization");
+  *linear = &run->assembly->linear;
+  return HK_OK;
+}
+
+hk_status hk_implicit_solve(hk_system *system, const double *b, double *x, hk_solve_info *info) {
+  hk_linear_system *linear = NULL;
+  hk_status status = ready(run_of(system), &linear);
+  return status == HK_OK ? hk_linear_system_solve(run_of(system), linear, b, x, info) : status;
+}
+
+hk_status hk_implicit_solve_columns(hk_system *system, const double *b, double *x, size_t columns) {
+  hk_linear_system *linear = NULL;
+  hk_status status = ready(run_of(system), &linear);
+  return status == HK_OK ? hk_linear_system_solve_columns(run_of(system), linear, b, x, columns) : status;
+}

@@ -1,0 +1,21 @@
+/* The Jacobian of a run and the system that an implicit step solves with it: jacobian.c fills K and D, implicit.c makes
+ * A of them and hands it to the scene's solver. */
+#ifndef HK_ASSEMBLY_H
+#define HK_ASSEMBLY_H
+
+#include "core/dynamics/block_matrix.h"
+#include "core/dynamics/linear_system.h"
+
+struct hk_implicit_matrix {
+  hk_block_matrix matrix;
+  size_t *first;             /* one per force: position in matrix.slot */
+  double *K, *D;             /* blocks x 9; NULL: the pattern is void */
+  double *A;                 /* blocks x 9; NULL until it is asked for */
+  const hk_pin_spec **slide; /* one per particle: how it slides, NULL: it does not; NULL until needed */
+  bool symmetric;            /* K and D, as last assembled */
+  hk_linear_system linear;
+};
+
+hk_implicit_matrix *hk_implicit_matrix_of(hk_run *); /* made when asked for first; NULL: no memory, the error is set */
+
+#endif

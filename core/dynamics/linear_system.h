@@ -1,0 +1,22 @@
+/* A solver plugin together with the pattern it has analysed. */
+#ifndef HK_LINEAR_H
+#define HK_LINEAR_H
+
+#include "core/run/engine.h"
+
+typedef struct hk_linear_system {
+  hk_instance *solver;
+  uint64_t pattern; /* hash of what was analysed */
+  bool analyzed;
+  size_t rows; /* numbers in a right-hand side */
+} hk_linear_system;
+
+/* Analyses when the pattern is another than last time, then factorizes. */
+hk_status hk_linear_system_factorize(hk_run *, hk_linear_system *, const hk_matrix *A);
+hk_status hk_linear_system_solve(hk_run *, hk_linear_system *, const double *b, double *x,
+                                 hk_solve_info *info); /* info: or NULL */
+hk_status hk_linear_system_solve_columns(hk_run *, hk_linear_system *, const double *b, double *x, size_t columns);
+/* A second, started instance of the scene's solver with the same parameters; the caller destroys it. */
+hk_status hk_linear_system_twin(hk_run *, hk_instance **solver);
+
+#endif

@@ -1,0 +1,343 @@
+/* Builders: particle, particles, grid, strand, mesh, and the handles that they return. A handle is a range of ids and,
+ * for a grid, its shape; lists of edges are made when asked for. */
+#include "core/lua/builders.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char handle_type[] = "hooke.handle";
+
+hk_lua_handle *hk_lua_to_handle(lua_State *L, int index) { return luaL_testudata(L, index, handle_type); }
+
+hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape) {
+  hk_lua_handle *h = lua_newuserdatauv(L, sizeof *h, 3); /* a mesh keeps its edges, triangles and flexion edges */
+  *h = shape;
+  luaL_setmetatable(L, handle_type);
+  return h;
+}
+
+double *hk_lua_to_ids(lua_State *L, int index, size_t *count) {
+  index = lua_absindex(L, index);
+  const hk_lua_handle *h = hk_lua_to_handle(L, index);
+  bool single = lua_type(L, index) == LUA_TNUMBER;
+  if (!h && !single && !lua_istable(L, index)) return NULL;
+  *count = h ? h->count : single ? 1 : lua_rawlen(L, index);
+  double *ids = lua_newuserdatauv(L, (*count + 1) * sizeof *ids, 0);
+  for (size_t k = 0; k < *count; k++) {
+    if (h)
+      ids[k] = h->first + (double)k;
+    else if (single)
+      ids[k] = lua_tonumber(L, index);
+    else {
+      bool number = lua_rawgeti(L, index, (lua_Integer)k + 1) == LUA_TNUMBER;
+      ids[k] = lua_tonumber(L, -1);
+      lua_pop(L, 1);
+      if (!number) return NULL;
+    }
+  }
+  return ids;
+}
+
+uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what) {
+  hk_error error = {0};
+  uint32_t group = 0;
+  if (lua_getfield(L, table, "group") != LUA_TNIL) {
+    if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: group: expected a name", what);
+    if (hk_scene_add_group(scene, lua_tostring(L, -1), &group, &error) != HK_OK) hk_lua_raise(L, &error);
+  }
+  lua_pop(L, 1);
+  return group;
+}
+
+static void prefix_raise(lua_State *L, const char *what, const hk_error *error) {
+  hk_lua_fail(L, error->status, "%s: %s", what, error->text);
+}
+
+uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t count, const double *x, const double *v,
+                    const double *mass, double common, uint32_t group) {
+  hk_error error = {0};
+  uint32_t first = 0;
+  if (scene->run) hk_lua_fail(L, HK_BAD_PARAM, "%s: the scene runs and can no longer be edited", what);
+  if (hk_scene_add_particles(scene, count, x, v, mass, common, group, &first, &error) != HK_OK)
+    prefix_raise(L, what, &error);
+  return first;
+}
+
+/* ---- particle ---- */
+
+static void set_channels(lua_State *L, hk_scene *scene, int table, uint32_t id) {
+  for (size_t k = 0; k < scene->channels; k++) {
+    const hk_channel_spec *channel = &scene->channel[k];
+    hk_error error = {0};
+    if (lua_getfield(L, table, channel->name) != LUA_TNIL) {
+      size_t count = 1;
+      double number, *list = &number;
+      if (lua_isnumber(L, -1))
+        number = lua_tonumber(L, -1);
+      else
+        list = hk_lua_to_ids(L, -1, &count); /* any list of numbers */
+      if (!list) hk_lua_fail(L, HK_BAD_PARAM, "particle: %s: expected numbers", channel->name);
+      if (hk_scene_set_channel(scene, channel->name, id, list, count, &error) != HK_OK)
+        prefix_raise(L, "particle", &error);
+    }
+    lua_settop(L, table);
+  }
+}
+
+static int particle(lua_State *L) {
+  const char *keys[64] = {"position", "velocity", "mass", "group"};
+  hk_scene *scene = hk_lua_scene(L, 1);
+  double x[3] = {0}, v[3] = {0};
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  for (size_t k = 0; k < scene->channels && k < 58; k++) keys[4 + k] = scene->channel[k].name;
+  hk_lua_check_keys(L, 2, "particle", keys);
+  hk_lua_field_vector(L, 2, "particle", "position", x);
+  hk_lua_field_vector(L, 2, "particle", "velocity", v);
+  double mass = hk_lua_field_number(L, 2, "particle", "mass", 1);
+  uint32_t id = hk_lua_add(L, scene, "particle", 1, x, v, NULL, mass, hk_lua_group(L, scene, 2, "particle"));
+  set_channels(L, scene, 2, id);
+  lua_pushinteger(L, id);
+  return 1;
+}
+
+/* ---- particles ---- */
+
+/* A list of triples as a block left on the stack; NULL: the key is absent. */
+static double *triples(lua_State *L, int table, const char *key, size_t *count) {
+  char what[64];
+  if (lua_getfield(L, table, key) == LUA_TNIL) return NULL;
+  int list = lua_gettop(L);
+  if (!lua_istable(L, list)) hk_lua_fail(L, HK_BAD_PARAM, "particles: %s: expected a list of {x, y, z}", key);
+  *count = lua_rawlen(L, list);
+  double *block = lua_newuserdatauv(L, (3 * *count + 1) * sizeof *block, 0);
+  for (size_t k = 0; k < *count; k++) {
+    snprintf(what, sizeof what, "particles: %s[%zu]", key, k + 1);
+    lua_rawgeti(L, list, (lua_Integer)k + 1);
+    hk_lua_vector(L, -1, what, block + 3 * k);
+    lua_pop(L, 1);
+  }
+  return block;
+}
+
+static int particles(lua_State *L) {
+  static const char *const keys[] = {"positions", "velocities", "masses", "mass", "group", NULL};
+  hk_scene *scene = hk_lua_scene(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_keys(L, 2, "particles", keys);
+  size_t count = 0, velocities = 0, masses = 0;
+  const double *x = triples(L, 2, "positions", &count), *v = triples(L, 2, "velocities", &velocities), *m = NULL;
+  if (!x) return hk_lua_fail(L, HK_BAD_PARAM, "particles: positions is required");
+  if (v && velocities != count)
+    return hk_lua_fail(L, HK_BAD_PARAM, "particles: %d velocities for %d positions", (int)velocities, (int)count);
+  if (lua_getfield(L, 2, "masses") != LUA_TNIL) {
+    m = hk_lua_to_ids(L, -1, &masses);
+    if (!m || masses != count)
+      return hk_lua_fail(L, HK_BAD_PARAM, "particles: masses: expected %d numbers", (int)count);
+  }
+  double mass = hk_lua_field_number(L, 2, "particles", "mass", 1);
+  uint32_t first = hk_lua_add(L, scene, "particles", count, x, v, m, mass, hk_lua_group(L, scene, 2, "particles"));
+  hk_lua_push_handle(L, (hk_lua_handle){first, (uint32_t)count, (uint32_t)count, 1, false, false});
+  return 1;
+}
+
+/* ---- grid ---- */
+
+static uint32_t whole(lua_State *L, int table, const char *what, const char *key, double least) {
+  double value = hk_lua_field_number(L, table, what, key, NAN);
+  if (isnan(value)) hk_lua_fail(L, HK_BAD_PARAM, "%s: %s is required", what, key);
+  if (value < least || value > 1e6 || floor(value) != value)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %g is not a whole number of at least %g", what, key, value, least);
+  return (uint32_t)value;
+}
+
+/* Writes the pairs (i, j)-(i + di, j + dj) row by row. */
+static void offset_edges(const hk_lua_handle *h, int di, int dj, hk_lua_edges *into, size_t *at) {
+  uint32_t i0 = di < 0 ? (uint32_t)-di : 0, i1 = h->nx - (di > 0 ? (uint32_t)di : 0);
+  for (uint32_t j = 0; j + (uint32_t)dj < h->ny; j++)
+    for (uint32_t i = i0; i < i1; i++, ++*at) {
+      into->pair[*at][0] = h->first + j * h->nx + i;
+      into->pair[*at][1] = h->first + (j + (uint32_t)dj) * h->nx + (uint32_t)((int)i + di);
+    }
+}
+
+static size_t offset_count(const hk_lua_handle *h, int di, int dj) {
+  size_t across = (size_t)abs(di), along = (size_t)dj;
+  return h->nx > across && h->ny > along ? (h->nx - across) * (h->ny - along) : 0;
+}
+
+static int push_offsets(lua_State *L, const hk_lua_handle *h, int (*offset)[2], size_t count) {
+  size_t total = 0, at = 0;
+  for (size_t k = 0; k < count; k++) total += offset_count(h, offset[k][0], offset[k][1]);
+  hk_lua_edges *edges = hk_lua_new_edges(L, total);
+  for (size_t k = 0; k < count; k++)
+    if (offset_count(h, offset[k][0], offset[k][1])) offset_edges(h, offset[k][0], offset[k][1], edges, &at);
+  return 1;
+}
+
+static void add_surface(lua_State *L, hk_scene *scene, const hk_lua_handle *h) {
+  hk_error error = {0};
+  size_t cells = (size_t)(h->nx - 1) * (h->ny - 1), at = 0;
+  uint32_t(*triangle)[3] = lua_newuserdatauv(L, (2 * cells + 1) * sizeof *triangle, 0);
+  for (uint32_t j = 0; j + 1 < h->ny; j++)
+    for (uint32_t i = 0; i + 1 < h->nx; i++) {
+      uint32_t a = h->first + j * h->nx + i, b = a + 1, c = a + h->nx, d = c + 1;
+      memcpy(triangle[at++], (uint32_t[]){a, b, d}, sizeof *triangle);
+      memcpy(triangle[at++], (uint32_t[]){a, d, c}, sizeof *triangle);
+    }
+  if (hk_scene_add_triangles(scene, 2 * cells, (const uint32_t(*)[3])triangle, &error) != HK_OK)
+    hk_lua_raise(L, &error);
+}
+
+static void add_edges(lua_State *L, hk_scene *scene) {
+  hk_error error = {0};
+  const hk_lua_edges *edges = hk_lua_to_edges(L, -1);
+  if (hk_scene_add_edges(scene, edges->count, (const uint32_t(*)[2])edges->pair, &error) != HK_OK)
+    hk_lua_raise(L, &error);
+}
+
+static int structural_offsets[2][2] = {{1, 0}, {0, 1}};
+
+static int grid(lua_State *L) {
+  static const char *const keys[] = {"nx", "ny", "width", "height", "mass", "origin", "u", "v", "group", NULL};
+  hk_scene *scene = hk_lua_scene(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  hk_lua_check_keys(L, 2, "grid", keys);
+  hk_lua_handle h = {.nx = whole(L, 2, "grid", "nx", 1), .ny = whole(L, 2, "grid", "ny", 1), .grid = true};
+  double origin[3] = {0, 0, 0}, u[3] = {1, 0, 0}, v[3] = {0, 1, 0};
+  double width = hk_lua_field_number(L, 2, "grid", "width", 1), height = hk_lua_field_number(L, 2, "grid", "height", 1);
+  double mass = hk_lua_field_number(L, 2, "grid", "mass", 1);
+  hk_lua_field_vector(L, 2, "grid", "origin", origin);
+  hk_lua_field_vector(L, 2, "grid", "u", u);
+  hk_lua_field_vector(L, 2, "grid", "v", v);
+  size_t n = (size_t)h.nx * h.ny;
+  double *x = lua_newuserdatauv(L, 3 * n * sizeof *x, 0);
+  for (size_t k = 0; k < n; k++) {
+    size_t row = k / h.nx;
+    double s = h.nx > 1 ? width * (double)(k % h.nx) / (h.nx - 1) : 0,
+           t = h.ny > 1 ? height * (double)row / (h.ny - 1) : 0;
+    for (int c = 0; c < 3; c++) x[3 * k + c] = origin[c] + s * u[c] + t * v[c];
+  }
+  h.count = (uint32_t)n;
+  h.first = hk_lua_add(L, scene, "grid", n, x, NULL, NULL, mass / (double)n, hk_lua_group(L, scene, 2, "grid"));
+  lua_settop(L, 2);
+  push_offsets(L, &h, structural_offsets, 2);
+  add_edges(L, scene);
+  if (h.nx > 1 && h.ny > 1) add_surface(L, scene, &h);
+  lua_settop(L, 2);
+  hk_lua_push_handle(L, h);
+  return 1;
+}
+
+/* ---- strand ---- */
+
+static int strand(lua_State *L) {
+  static const char *const keys[] = {"n", "from", "to", "length", "direction", "mass", "group", NULL};
+  hk_scene *scene = hk_lua_scene(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  hk_lua_check_keys(L, 2, "strand", keys);
+  uint32_t n = whole(L, 2, "strand", "n", 2);
+  double from[3] = {0, 0, 0}, to[3], direction[3] = {0, 0, -1};
+  hk_lua_field_vector(L, 2, "strand", "from", from);
+  if (!hk_lua_field_vector(L, 2, "strand", "to", to)) {
+    hk_lua_field_vector(L, 2, "strand", "direction", direction);
+    double size = sqrt(direction[0] * direction[0] + direction[1] * direction[1] + direction[2] * direction[2]);
+    double length = hk_lua_field_number(L, 2, "strand", "length", 1);
+    if (size == 0) return hk_lua_fail(L, HK_BAD_PARAM, "strand: direction: must not be zero");
+    for (int c = 0; c < 3; c++) to[c] = from[c] + length * direction[c] / size;
+  }
+  double mass = hk_lua_field_number(L, 2, "strand", "mass", 1), *x = lua_newuserdatauv(L, 3 * n * sizeof *x, 0);
+  for (uint32_t k = 0; k < n; k++)
+    for (int c = 0; c < 3; c++) x[3 * k + c] = from[c] + (to[c] - from[c]) * k / (n - 1);
+  hk_lua_handle h = {0, n, n, 1, false, true};
+  h.first = hk_lua_add(L, scene, "strand", n, x, NULL, NULL, mass / n, hk_lua_group(L, scene, 2, "strand"));
+  push_offsets(L, &h, structural_offsets, 1);
+  add_edges(L, scene);
+  hk_lua_push_handle(L, h);
+  return 1;
+}
+
+/* ---- handles ---- */
+
+static hk_lua_handle *self(lua_State *L) { return luaL_checkudata(L, 1, handle_type); }
+
+static int at(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1);
+  if (i < 1 || i > h->nx || j < 1 || j > h->ny) {
+    if (h->grid)
+      return hk_lua_fail(L, HK_BAD_PARAM, "at(%d, %d) is outside the grid of %d x %d", (int)i, (int)j, (int)h->nx,
+                         (int)h->ny);
+    return hk_lua_fail(L, HK_BAD_PARAM, "at(%d) is outside 1 to %d", (int)i, (int)h->nx);
+  }
+  lua_pushinteger(L, h->first + (j - 1) * h->nx + (i - 1));
+  return 1;
+}
+
+static int ids(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  lua_createtable(L, (int)h->count, 0);
+  for (uint32_t k = 0; k < h->count; k++) {
+    lua_pushinteger(L, h->first + k);
+    lua_rawseti(L, -2, k + 1);
+  }
+  return 1;
+}
+
+static int structural(lua_State *L) {
+  if (lua_getiuservalue(L, 1, 1) == LUA_TUSERDATA) return 1; /* a mesh's */
+  const hk_lua_handle *h = self(L);
+  if (h->grid || h->chain) return push_offsets(L, h, structural_offsets, 2);
+  return hk_lua_fail(L, HK_BAD_PARAM, "particles have no edges of their own: list them, { {1, 2}, {2, 3} }");
+}
+
+static int shear(lua_State *L) {
+  int offset[2][2] = {{1, 1}, {-1, 1}};
+  if (!self(L)->grid) return hk_lua_fail(L, HK_BAD_PARAM, "only a grid has shear edges");
+  return push_offsets(L, self(L), offset, 2);
+}
+
+static int flexion(lua_State *L) {
+  int offset[2][2] = {{2, 0}, {0, 2}};
+  if (lua_getiuservalue(L, 1, 3) == LUA_TUSERDATA) return 1; /* a mesh's */
+  if (!self(L)->grid && !self(L)->chain) return hk_lua_fail(L, HK_BAD_PARAM, "particles have no flexion edges");
+  return push_offsets(L, self(L), offset, 2);
+}
+
+static int triangles(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  if (lua_getiuservalue(L, 1, 2) == LUA_TTABLE) return 1;
+  lua_newtable(L);
+  lua_Integer count = 0;
+  for (uint32_t j = 0; h->grid && j + 1 < h->ny; j++)
+    for (uint32_t i = 0; i + 1 < h->nx; i++)
+      for (int half = 0; half < 2; half++) {
+        uint32_t a = h->first + j * h->nx + i, c = a + h->nx;
+        uint32_t corner[3] = {a, half ? c + 1 : a + 1, half ? c : c + 1};
+        lua_createtable(L, 3, 0);
+        for (int k = 0; k < 3; k++) {
+          lua_pushinteger(L, corner[k]);
+          lua_rawseti(L, -2, k + 1);
+        }
+        lua_rawseti(L, -2, ++count);
+      }
+  return 1;
+}
+
+void hk_lua_open_builders(lua_State *L) {
+  static const luaL_Reg builders[] = {{"particle", particle}, {"particles", particles}, {"grid", grid},
+                                      {"strand", strand},     {"mesh", hk_lua_mesh},    {NULL, NULL}};
+  static const luaL_Reg methods[] = {
+      {"at", at},       {"ids", ids},         {"edges", structural},    {"structural", structural},
+      {"shear", shear}, {"flexion", flexion}, {"triangles", triangles}, {NULL, NULL}};
+  luaL_setfuncs(L, builders, 0);
+  luaL_newmetatable(L, handle_type);
+  lua_newtable(L);
+  luaL_setfuncs(L, methods, 0);
+  lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
+  lua_pop(L, 1);
+}

@@ -1,0 +1,96 @@
+/* Functions of the script that the engine calls: parameters of time, paths, rates, measures, on_frame, exact. A call
+ * runs under the script's limits and allocates nothing outside a protected call. */
+#include "core/lua/internal.h"
+
+enum { DEEPEST = 4, ROOM = DEEPEST + 8 }; /* a list of triples is 2 deep */
+
+static hk_status wrong_result(const hk_function *f, lua_State *L, hk_error *error, const char *what) {
+  lua_Debug ar;
+  lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
+  if (lua_iscfunction(L, -1)) lua_getupvalue(L, -1, 1); /* an adapter of ours around the script's function */
+  if (!lua_isfunction(L, -1) || !lua_getinfo(L, ">S", &ar) || ar.linedefined < 1)
+    return hk_error_set(error, HK_SCRIPT, "%s: a function returned %s", hk_lua_script(L)->name, what);
+  return hk_error_set(error, HK_SCRIPT, "%s:%d: this function returned %s", ar.short_src, ar.linedefined, what);
+}
+
+/* Appends the value at `index`, a number or a table of numbers and tables; NULL or what is wrong with it. */
+static const char *flatten(lua_State *L, int index, int depth, double *out, size_t max, size_t *count) {
+  int type = lua_type(L, index);
+  if (type == LUA_TNUMBER) {
+    if (*count == max) return "more numbers than are expected";
+    out[(*count)++] = lua_tonumber(L, index);
+    return NULL;
+  }
+  if (type == LUA_TNIL) return "nil where a number is needed";
+  if (type != LUA_TTABLE) return "something else where a number is needed";
+  if (depth == DEEPEST) return "tables nested too deeply";
+  const char *wrong = NULL;
+  for (lua_Integer k = 1; !wrong && lua_rawgeti(L, index, k) != LUA_TNIL; k++) {
+    wrong = flatten(L, lua_gettop(L), depth + 1, out, max, count);
+    lua_pop(L, 1);
+  }
+  if (!wrong) lua_pop(L, 1);
+  return wrong;
+}
+
+static hk_status call_function(const hk_function *f, const double *in, size_t n_in, double *out, size_t max_out,
+                               size_t *n_out, hk_error *error) {
+  lua_State *L = ((hk_script *)f->context)->current;
+  int top = lua_gettop(L);
+  const char *wrong = NULL;
+  *n_out = 0;
+  if (!lua_checkstack(L, (int)n_in + ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
+  lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
+  for (size_t k = 0; k < n_in; k++) lua_pushnumber(L, in[k]);
+  hk_status status = hk_lua_call(L, (int)n_in, max_out ? LUA_MULTRET : 0, error);
+  if (status == HK_OK && !lua_checkstack(L, ROOM)) wrong = "too many values";
+  for (int k = top + 1, last = lua_gettop(L); status == HK_OK && !wrong && k <= last; k++)
+    wrong = flatten(L, k, 0, out, max_out, n_out);
+  if (wrong) status = wrong_result(f, L, error, wrong);
+  lua_settop(L, top);
+  return status;
+}
+
+hk_function hk_lua_function(lua_State *L, int index) {
+  luaL_checktype(L, index, LUA_TFUNCTION);
+  lua_pushvalue(L, index);
+  return (hk_function){call_function, hk_lua_script(L), luaL_ref(L, LUA_REGISTRYINDEX)};
+}
+
+/* ---- adapters; their first upvalue is the script's function ---- */
+
+/* t -> function(state); the state is the second upvalue */
+static int with_state(lua_State *L) {
+  lua_settop(L, 0);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_pushvalue(L, lua_upvalueindex(2));
+  lua_call(L, 1, LUA_MULTRET);
+  return lua_gettop(L);
+}
+
+hk_function hk_lua_frame_function(lua_State *L, int index) {
+  lua_pushvalue(L, index);
+  hk_lua_push_state(L, 1);
+  lua_pushcclosure(L, with_state, 2);
+  hk_function function = hk_lua_function(L, lua_gettop(L));
+  lua_pop(L, 1);
+  return function;
+}
+
+/* t, id, y... -> function(t, id, y...), the id a whole number */
+static int with_id(lua_State *L) {
+  lua_pushinteger(L, (lua_Integer)lua_tonumber(L, 2));
+  lua_replace(L, 2);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+  return lua_gettop(L);
+}
+
+hk_function hk_lua_rate_function(lua_State *L, int index) {
+  lua_pushvalue(L, index);
+  lua_pushcclosure(L, with_id, 1);
+  hk_function function = hk_lua_function(L, lua_gettop(L));
+  lua_pop(L, 1);
+  return function;
+}

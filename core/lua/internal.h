@@ -1,0 +1,120 @@
+/* What the files of the Lua face share. */
+#ifndef HK_LUA_INTERNAL_H
+#define HK_LUA_INTERNAL_H
+
+#include "core/lua/script.h"
+
+#include <lauxlib.h>
+#include <lua.h>
+#include <lualib.h>
+
+struct hk_script {
+  lua_State *L;
+  lua_State *current; /* L, or the coroutine in which the script drives a run */
+  hk_script_options options;
+  hk_run_options run_options;
+  char *path, *name, *folder; /* as given; file name; folder, "." at least */
+  size_t memory, memory_limit;
+  uint64_t instructions, instruction_limit; /* of the call in progress */
+  const void *refused;                      /* the last request for memory that was refused, see allocate() */
+  size_t refused_size;
+  bool finished, driving;   /* the script itself has ended; it is inside scene:run */
+  bool spent, memory_spent; /* beyond a limit (of memory), once and for all */
+  hk_error limit;           /* which, HK_OK while within all */
+  hk_error raised;          /* the engine's last error raised in the script */
+  size_t scenes;
+  hk_scene **scene;
+  hk_scene *returned;
+  bool drove;
+  hk_verdict worst;
+  hk_choice chosen; /* a tool's answer */
+  size_t params, param_capacity;
+  hk_param_declared *param;
+};
+
+hk_script *hk_lua_script(lua_State *L);
+/* A script without its file run: limits and Lua state, no libraries. NULL: no memory. */
+hk_script *hk_script_new(const char *path, const hk_script_options *options);
+
+void hk_lua_open_face(lua_State *L); /* Lua's libraries, `hooke` and `param` as globals */
+
+/* Raise, with the script's file and line in front. Do not return. */
+int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) HK_PRINTF(3, 4) __attribute__((noreturn));
+int hk_lua_raise(lua_State *L, const hk_error *error) __attribute__((noreturn));
+/* "file.lua:12" of the script's function that called; pushed on the stack too. */
+const char *hk_lua_where(lua_State *L);
+/* Calls the function below its arguments under the limits; turns an error into `error`. */
+hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error);
+/* Pushes the script at `path`, compiled, or the error's text. LUA_ERRFILE, nothing pushed: it cannot be read, errno. */
+int hk_lua_load(lua_State *L, const char *path, const char *name);
+
+/* lua_function.c: makes the engine's handle of the function at `index`. */
+hk_function hk_lua_function(lua_State *L, int index);
+hk_function hk_lua_frame_function(lua_State *L, int index); /* called with the state of the scene at index 1 */
+hk_function hk_lua_rate_function(lua_State *L, int index);  /* called with t, id, y... */
+
+/* lua_param.c: param(), and that every name=value was asked for. */
+int hk_lua_param(lua_State *L);
+hk_status hk_lua_check_given(const hk_script *, hk_error *error);
+
+/* Every key of the table at `index` must be in `known` (NULL ends it); else the error offers the nearest. */
+void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known);
+double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
+void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
+bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
+                         double into[3]); /* false: absent */
+double hk_lua_field_number(lua_State *L, int table, const char *what, const char *key, double otherwise);
+uint64_t hk_lua_field_whole(lua_State *L, int table, const char *what, const char *key, uint64_t otherwise,
+                            double most); /* 0 to most */
+
+/* lua_edges.c: a block of pairs of ids. */
+typedef struct hk_lua_edges {
+  size_t count;
+  uint32_t pair[][2];
+} hk_lua_edges;
+
+hk_lua_edges *hk_lua_new_edges(lua_State *L, size_t count);
+/* The edges at `index`: a block, or a table of pairs and blocks, flattened into a new block left on the stack. NULL:
+ * it is neither. */
+hk_lua_edges *hk_lua_to_edges(lua_State *L, int index);
+void hk_lua_open_edges(lua_State *L);
+
+/* lua_builders.c */
+typedef struct hk_lua_handle {
+  uint32_t first, count, nx, ny; /* ny 1: not a grid */
+  bool grid, chain;              /* neither: edges, if any, are kept with it */
+} hk_lua_handle;
+
+hk_lua_handle *hk_lua_to_handle(lua_State *L, int index); /* NULL: it is none */
+/* The ids at `index` (a list, a handle or one number) as a block of numbers left on the stack; NULL: none of these. */
+double *hk_lua_to_ids(lua_State *L, int index, size_t *count);
+void hk_lua_open_builders(lua_State *L); /* adds to the method table on top of the stack */
+
+/* lua_values.c */
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table);
+
+/* lua_scene.c */
+hk_scene *hk_lua_scene(lua_State *L, int index);
+void hk_lua_open_scene(lua_State *L);
+
+/* lua_state.c */
+void hk_lua_push_state(lua_State *L, int scene); /* of the scene at that index, which it keeps alive */
+void hk_lua_open_state(lua_State *L);
+
+/* lua_run.c */
+int hk_lua_scene_run(lua_State *L); /* scene:run{} */
+void hk_lua_note_verdict(hk_script *, hk_run *);
+void hk_lua_open_run(lua_State *L);
+
+/* lua_sandbox.c: leaves the environment of scenes on the stack. */
+void hk_lua_push_sandbox(lua_State *L);
+void hk_lua_guard(lua_State *L); /* lua_guards.c: what could outlive the limits, in the environment on top */
+
+/* lua_load.c: the table {name = value} at `table`, or nothing, as a block left on the stack. */
+hk_param_given *hk_lua_push_given(lua_State *L, int table, size_t *count);
+/* hooke.load(path, {name = value}, {option = value}) of tools. */
+int hk_lua_load_scene(lua_State *L);
+/* The script that a tool loaded the scene at `index` from; the state's own script otherwise. */
+hk_script *hk_lua_owner(lua_State *L, int index);
+
+#endif

@@ -1,0 +1,208 @@
+/* scene:run{}: scripts that drive. A run object steps on with another scene:run{ to = }; state() and summary() look at
+ * it. The run is closed when the script is. */
+#include "core/lua/internal.h"
+#include "core/report/report.h"
+#include "core/run/verify.h"
+
+static const char run_type[] = "hooke.run";
+enum { CALL_COST = 100 }; /* of scene:run in the script's budget of instructions: an endless loop of it ends */
+
+static void set_number(lua_State *L, const char *key, double value) {
+  if (!isfinite(value)) return; /* not known: nil, as null in JSON */
+  lua_pushnumber(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static void set_count(lua_State *L, const char *key, size_t value) {
+  lua_pushinteger(L, (lua_Integer)value);
+  lua_setfield(L, -2, key);
+}
+
+static void set_text(lua_State *L, const char *key, const char *value) {
+  lua_pushstring(L, value);
+  lua_setfield(L, -2, key);
+}
+
+static void push_energy(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, 0, 4);
+  set_number(L, "first", s->energy_first);
+  set_number(L, "last", s->energy_last);
+  set_number(L, "work", s->energy_work);
+  set_number(L, "drift", s->energy_drift);
+  lua_setfield(L, -2, "energy");
+}
+
+static void push_lists(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, (int)s->plugins, 0);
+  for (size_t k = 0; k < s->plugins; k++) {
+    lua_createtable(L, 0, 4);
+    set_text(L, "kind", s->plugin[k].kind);
+    set_text(L, "name", s->plugin[k].name);
+    set_text(L, "label", s->plugin[k].label);
+    set_number(L, "seconds", s->plugin[k].seconds);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "plugins");
+  lua_createtable(L, 0, (int)s->measures);
+  for (size_t k = 0; k < s->measures; k++) set_number(L, s->measure_name[k], s->measure[k]);
+  lua_setfield(L, -2, "measures");
+}
+
+static void push_summary(lua_State *L, const hk_summary *s) {
+  lua_createtable(L, 0, 32);
+  set_text(L, "scene", s->scene);
+  set_text(L, "integrator", s->integrator);
+  set_text(L, "verdict", hk_verdict_name(s->verdict));
+  set_text(L, "reason", s->reason);
+  set_number(L, "t", s->t);
+  set_number(L, "end", s->end);
+  set_number(L, "fps", s->fps);
+  set_count(L, "particles", s->n);
+  set_count(L, "steps", s->steps);
+  set_count(L, "frames", s->frames);
+  set_number(L, "dt_min", s->dt_min);
+  set_number(L, "dt_max", s->dt_max);
+  set_number(L, "dt_limit", s->dt_limit);
+  set_count(L, "force_evaluations", s->force_evaluations);
+  set_count(L, "jacobian_evaluations", s->jacobian_evaluations);
+  set_count(L, "factorizations", s->factorizations);
+  set_count(L, "linear_iterations", s->linear_iterations);
+  if (s->solver) set_text(L, "solver", s->solver);
+  set_number(L, "kinetic_max", s->kinetic_max);
+  set_number(L, "wall_s", s->wall_s);
+  set_number(L, "step_wall_s", s->step_wall_s);
+  set_number(L, "momentum_drift", s->momentum_drift);
+  set_number(L, "constraint_violation", s->constraint_violation);
+  set_number(L, "max_strain", s->max_strain);
+  set_number(L, "exact_error", s->exact_error);
+  set_number(L, "accuracy", s->accuracy);
+  set_number(L, "verify_difference", s->verify_difference);
+  push_energy(L, s);
+  push_lists(L, s);
+}
+
+static hk_run *run_of(lua_State *L) {
+  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, run_type);
+  if (!scene->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
+  return scene->run;
+}
+
+static int state(lua_State *L) {
+  run_of(L);
+  lua_getiuservalue(L, 1, 1);
+  hk_lua_push_state(L, -1);
+  return 1;
+}
+
+static int summary(lua_State *L) {
+  hk_summary s;
+  hk_run_summary(run_of(L), &s);
+  push_summary(L, &s);
+  return 1;
+}
+
+/* Tools: the summary after a second run has checked it, and what that run died of. */
+static int verify(lua_State *L) {
+  hk_run *run = run_of(L);
+  lua_getiuservalue(L, 1, 1);
+  hk_script *owner = hk_lua_owner(L, -1);
+  hk_summary s;
+  hk_error error = {0};
+  if (owner == hk_lua_script(L)) return hk_lua_fail(L, HK_SCRIPT, "run:verify is for scenes that hooke.load loaded");
+  hk_run_summary(run, &s);
+  hk_status status = hk_verify(owner->path, &owner->options, &owner->run_options, run, &s, &error);
+  push_summary(L, &s);
+  if (status == HK_OK) return 1;
+  lua_pushstring(L, error.text);
+  return 2;
+}
+
+/* The state as a string of doubles: n, t, then ids, positions and velocities, n, 3n and 3n of them. */
+static int packed(lua_State *L) {
+  const hk_view *view = hk_run_view(run_of(L));
+  luaL_Buffer buffer;
+  double head[2] = {(double)view->n, view->t};
+  luaL_buffinit(L, &buffer);
+  luaL_addlstring(&buffer, (const char *)head, sizeof head);
+  for (size_t i = 0; i < view->n; i++) {
+    double id = view->model->id[i];
+    luaL_addlstring(&buffer, (const char *)&id, sizeof id);
+  }
+  luaL_addlstring(&buffer, (const char *)view->x, 3 * view->n * sizeof *view->x);
+  luaL_addlstring(&buffer, (const char *)view->v, 3 * view->n * sizeof *view->v);
+  luaL_pushresult(&buffer);
+  return 1;
+}
+
+static int save(lua_State *L) {
+  hk_run *run = run_of(L);
+  hk_error error = {0};
+  if (!hk_lua_script(L)->options.trust)
+    return hk_lua_fail(L, HK_SCRIPT, "run:save writes a file: run with --trust to allow it");
+  if (hk_run_save(run, luaL_checkstring(L, 2), &error) != HK_OK) return hk_lua_raise(L, &error);
+  return 0;
+}
+
+static int severity(hk_verdict verdict) {
+  return verdict == HK_DIVERGED ? 3 : verdict == HK_STOPPED ? 2 : verdict == HK_INACCURATE;
+}
+
+void hk_lua_note_verdict(hk_script *s, hk_run *run) {
+  hk_summary now;
+  hk_run_summary(run, &now);
+  if (severity(now.verdict) > severity(s->worst)) s->worst = now.verdict;
+}
+
+/* To time `to`. At the end the run is closed, and so has its verdict; going on from there does nothing. */
+static hk_status drive(hk_scene *scene, const hk_run_options *options, double to, hk_error *error) {
+  hk_run *run = scene->run;
+  hk_status status = run ? HK_OK : hk_run_open(scene, options, &run, error);
+  if (status != HK_OK) return status;
+  double end = hk_run_end(run);
+  if (hk_run_view(run)->t >= end && end > 0) return HK_OK;
+  status = hk_run_advance(run, to < end ? to : end, error);
+  if (status == HK_OK && to >= end) status = hk_run_close(run, error);
+  return status;
+}
+
+int hk_lua_scene_run(lua_State *L) {
+  static const char *const keys[] = {"to", NULL};
+  hk_script *s = hk_lua_script(L);
+  hk_scene *scene = hk_lua_scene(L, 1);
+  hk_error error = {0};
+  double to = INFINITY;
+  lua_State *outer = s->current;
+  lua_settop(L, 2);
+  if (lua_istable(L, 2)) {
+    hk_lua_check_keys(L, 2, "run", keys);
+    to = hk_lua_field_number(L, 2, "run", "to", INFINITY);
+  }
+  if (to < INFINITY && to > scene->duration)
+    return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, scene->duration);
+  if (s->finished || s->driving)
+    return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");
+  s->drove = s->driving = true;
+  s->current = L;
+  hk_status status = drive(scene, &hk_lua_owner(L, 1)->run_options, to, &error);
+  s->current = outer;
+  s->driving = false;
+  s->instructions += CALL_COST;
+  if (scene->run && (status != HK_OK || to >= hk_run_end(scene->run))) hk_lua_note_verdict(s, scene->run);
+  if (status != HK_OK) return hk_lua_raise(L, &error);
+  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 1);
+  *holder = scene;
+  lua_pushvalue(L, 1);
+  lua_setiuservalue(L, -2, 1); /* alive as long as this */
+  luaL_setmetatable(L, run_type);
+  return 1;
+}
+
+void hk_lua_open_run(lua_State *L) {
+  static const luaL_Reg methods[] = {{"state", state},   {"summary", summary}, {"save", save},
+                                     {"verify", verify}, {"packed", packed},   {NULL, NULL}};
+  luaL_newmetatable(L, run_type);
+  lua_newtable(L);
+  luaL_setfuncs(L, methods, 0);
+  lua_setfield(L, -2, "__index");
+  lua_pop(L, 1);
+}

@@ -1,0 +1,309 @@
+/* hooke.scene{} and its methods. A method checks its arguments, calls hk_scene_*, and raises what that refuses with
+ * the script's line in front. */
+#include "core/lua/internal.h"
+#include "core/base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char scene_type[] = "hooke.scene";
+
+hk_scene *hk_lua_scene(lua_State *L, int index) {
+  hk_scene **scene = luaL_testudata(L, index, scene_type);
+  if (!scene) hk_lua_fail(L, HK_SCRIPT, "a scene's functions are called with a colon: scene:force(...)");
+  return *scene;
+}
+
+static hk_scene *editable(lua_State *L) {
+  hk_scene *scene = hk_lua_scene(L, 1);
+  if (scene->run) hk_lua_fail(L, HK_BAD_PARAM, "the scene runs and can no longer be edited");
+  return scene;
+}
+
+static void check(lua_State *L, hk_status status, const hk_error *error) {
+  if (status != HK_OK) hk_lua_raise(L, error);
+}
+
+/* ---- plugins ---- */
+
+/* "auto": none is named. The run takes the solver that suits its forces and its size; the integrator is chosen by
+ * measuring, before. */
+static void forget(lua_State *L, hk_scene *scene, hk_kind kind, int params) {
+  hk_instance *old = kind == HK_SOLVER ? scene->solver : scene->integrator;
+  lua_pushnil(L);
+  if (params && lua_istable(L, params) && lua_next(L, params))
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: auto has no parameters; name one to set its own", hk_kind_name(kind));
+  if (old) hk_scene_drop(scene, old);
+  if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
+}
+
+static hk_instance *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
+  if ((kind == HK_SOLVER || kind == HK_INTEGRATOR) && strcmp(name, "auto") == 0) {
+    forget(L, scene, kind, params);
+    return NULL;
+  }
+  if (kind == HK_INTEGRATOR) scene->integrator_auto = false;
+  hk_error error = {0};
+  hk_instance *instance;
+  const char *label = NULL;
+  if (params && lua_istable(L, params) && lua_getfield(L, params, "label") != LUA_TNIL) {
+    label = lua_tostring(L, -1);
+    if (!label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text", name);
+  }
+  check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &instance, &error), &error);
+  hk_lua_set_params(L, scene, instance, params);
+  return instance;
+}
+
+static int add_kind(lua_State *L) {
+  hk_kind kind = (hk_kind)lua_tointeger(L, lua_upvalueindex(1));
+  hk_scene *scene = editable(L);
+  const char *name = luaL_checkstring(L, 2);
+  if (kind == HK_OUTPUT && hk_lua_script(L)->run_options.no_output) return 0; /* not even loaded */
+  lua_settop(L, 3);
+  add(L, scene, kind, name, 3);
+  return 0;
+}
+
+/* ---- hooke.scene{} ---- */
+
+/* integrator = "name" or {"name", param = value}. */
+static void choose(lua_State *L, hk_scene *scene, hk_kind kind, const char *key) {
+  if (lua_getfield(L, 1, key) == LUA_TNIL) {
+    lua_pop(L, 1);
+    return;
+  }
+  int value = lua_gettop(L);
+  if (lua_type(L, value) == LUA_TSTRING)
+    add(L, scene, kind, lua_tostring(L, value), 0);
+  else if (lua_istable(L, value) && lua_rawgeti(L, value, 1) == LUA_TSTRING) {
+    const char *name = lua_tostring(L, -1);
+    lua_newtable(L); /* the named ones are the parameters */
+    for (lua_pushnil(L); lua_next(L, value); lua_pop(L, 1)) {
+      if (lua_type(L, -2) != LUA_TSTRING) continue;
+      lua_pushvalue(L, -2);
+      lua_pushvalue(L, -2);
+      lua_settable(L, -5);
+    }
+    add(L, scene, kind, name, lua_gettop(L));
+  } else
+    hk_lua_fail(L, HK_BAD_PARAM, "scene: %s: expected a name or { \"name\", parameter = value }", key);
+  lua_settop(L, value - 1);
+}
+
+static double positive(lua_State *L, const char *key, double otherwise) {
+  double value = hk_lua_field_number(L, 1, "scene", key, otherwise);
+  if (value <= 0) hk_lua_fail(L, HK_BAD_PARAM, "scene: %s: %g must be positive", key, value);
+  return value;
+}
+
+static hk_scene *new_scene(lua_State *L) {
+  hk_script *s = hk_lua_script(L);
+  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 0);
+  *holder = NULL;
+  luaL_setmetatable(L, scene_type);
+  hk_scene **grown = realloc(s->scene, (s->scenes + 1) * sizeof *grown);
+  if (grown) s->scene = grown;
+  *holder = grown ? hk_scene_create(s->path, s->options.registry) : NULL;
+  if (!*holder) hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
+  s->scene[s->scenes++] = *holder; /* the script owns it */
+  return *holder;
+}
+
+static int scene(lua_State *L) {
+  static const char *const keys[] = {"duration",   "fps",    "dt",   "tol",     "accuracy",
+                                     "integrator", "solver", "seed", "threads", NULL};
+  const hk_script *s = hk_lua_script(L);
+  if (lua_isnoneornil(L, 1)) lua_newtable(L);
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  hk_lua_check_keys(L, 1, "scene", keys);
+  hk_scene *made = new_scene(L);
+  made->duration = hk_lua_field_number(L, 1, "scene", "duration", made->duration);
+  if (made->duration < 0)
+    return hk_lua_fail(L, HK_BAD_PARAM, "scene: duration: %g s is below the minimum 0", made->duration);
+  made->fps = positive(L, "fps", made->fps);
+  made->dt = positive(L, "dt", NAN);
+  made->tol = positive(L, "tol", made->tol);
+  made->accuracy = positive(L, "accuracy", NAN);
+  made->seed =
+      s->options.seed ? s->options.seed : hk_lua_field_whole(L, 1, "scene", "seed", 0, 9007199254740992.0); /* 2^53 */
+  made->threads = s->options.threads ? s->options.threads : (int)hk_lua_field_whole(L, 1, "scene", "threads", 0, 1024);
+  made->shared.seed = made->seed;
+  choose(L, made, HK_INTEGRATOR, "integrator");
+  choose(L, made, HK_SOLVER, "solver");
+  lua_settop(L, 2);
+  return 1;
+}
+
+/* ---- pins ---- */
+
+static void pin_options(lua_State *L, hk_pin_spec *spec) {
+  static const char *const keys[] = {"path", "axes", "normal", "release", NULL};
+  hk_lua_check_keys(L, 3, "pin", keys);
+  bool line = hk_lua_field_vector(L, 3, "pin", "axes", spec->axis);
+  bool plane = hk_lua_field_vector(L, 3, "pin", "normal", line ? (double[3]){0} : spec->axis);
+  bool path = lua_getfield(L, 3, "path") != LUA_TNIL;
+  if (line + plane + path > 1) hk_lua_fail(L, HK_BAD_PARAM, "pin: give one of path, axes and normal");
+  if (path && !lua_isfunction(L, -1)) hk_lua_fail(L, HK_BAD_PARAM, "pin: path: expected a function of t");
+  if (path) spec->path = hk_lua_function(L, lua_gettop(L));
+  spec->kind = line ? HK_PIN_LINE : plane ? HK_PIN_PLANE : path ? HK_PIN_PATH : HK_PIN_FIXED;
+  spec->release = hk_lua_field_number(L, 3, "pin", "release", INFINITY);
+}
+
+static int pin(lua_State *L) {
+  hk_scene *target = editable(L);
+  hk_error error = {0};
+  hk_pin_spec spec = {.kind = HK_PIN_FIXED, .release = INFINITY};
+  lua_settop(L, 3);
+  const double *ids = hk_lua_to_ids(L, 2, &spec.count);
+  if (!ids) return hk_lua_fail(L, HK_BAD_PARAM, "pin: expected particle ids, scene:pin { 1, 2 }");
+  spec.id = lua_newuserdatauv(L, (spec.count + 1) * sizeof *spec.id, 0);
+  for (size_t k = 0; k < spec.count; k++) {
+    bool fine = ids[k] >= 1 && ids[k] <= (double)target->n && floor(ids[k]) == ids[k];
+    if (!fine)
+      return hk_lua_fail(L, HK_BAD_PARAM, "pin: there is no particle %.15g (ids are 1 to %zu)", ids[k], target->n);
+    spec.id[k] = (uint32_t)ids[k];
+  }
+  if (lua_istable(L, 3)) pin_options(L, &spec);
+  spec.where = (char *)(uintptr_t)hk_lua_where(L); /* copied */
+  check(L, hk_scene_add_pin(target, &spec, &error), &error);
+  return 0;
+}
+
+/* ---- channels ---- */
+
+static size_t initial_values(lua_State *L, double *into, size_t room) {
+  if (lua_isnumber(L, -1)) {
+    into[0] = lua_tonumber(L, -1);
+    return 1;
+  }
+  size_t count = lua_istable(L, -1) ? lua_rawlen(L, -1) : 0;
+  if (count < 1 || count > room)
+    hk_lua_fail(L, HK_BAD_PARAM, "channel: initial: expected a number or up to %d numbers", (int)room);
+  for (size_t k = 0; k < count; k++) {
+    lua_rawgeti(L, -1, (lua_Integer)k + 1);
+    into[k] = hk_lua_number(L, -1, "channel: initial");
+    lua_pop(L, 1);
+  }
+  return count;
+}
+
+static int channel(lua_State *L) {
+  static const char *const keys[] = {"size", "initial", "rate", NULL};
+  hk_scene *target = editable(L);
+  hk_error error = {0};
+  const char *name = luaL_checkstring(L, 2);
+  double initial[16] = {0}, decay = NAN;
+  hk_function rate = {0};
+  lua_settop(L, 3);
+  if (lua_isnil(L, 3)) {
+    lua_newtable(L);
+    lua_replace(L, 3);
+  }
+  luaL_checktype(L, 3, LUA_TTABLE);
+  hk_lua_check_keys(L, 3, "channel", keys);
+  size_t given = lua_getfield(L, 3, "initial") != LUA_TNIL ? initial_values(L, initial, 16) : 0;
+  double size = hk_lua_field_number(L, 3, "channel", "size", given ? (double)given : 1);
+  if (size < 1 || size > 16 || floor(size) != size)
+    return hk_lua_fail(L, HK_BAD_PARAM, "channel: size: %g is not 1 to 16", size);
+  if (given && given != (size_t)size)
+    return hk_lua_fail(L, HK_BAD_PARAM, "channel: initial has %d numbers for size %d", (int)given, (int)size);
+  int type = lua_getfield(L, 3, "rate");
+  if (type == LUA_TNUMBER)
+    decay = hk_lua_number(L, -1, "channel: rate");
+  else if (type == LUA_TFUNCTION)
+    rate = hk_lua_rate_function(L, lua_gettop(L));
+  else if (type != LUA_TNIL && type != LUA_TSTRING)
+    return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: expected a number, a function or the name of a plugin");
+  check(L, hk_scene_add_channel(target, name, (size_t)size, initial, decay, rate.call ? &rate : NULL, &error), &error);
+  if (type == LUA_TSTRING) {
+    const hk_instance *force = add(L, target, HK_FORCE, lua_tostring(L, -1), 0);
+    if (!force->plugin->force->rates)
+      return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: the plugin '%s' gives no rates", force->plugin->name);
+  }
+  return 0;
+}
+
+/* ---- functions of the script ---- */
+
+static int measure(lua_State *L) {
+  hk_scene *target = editable(L);
+  hk_error error = {0};
+  const char *name = luaL_checkstring(L, 2);
+  luaL_checktype(L, 3, LUA_TFUNCTION);
+  hk_function function = hk_lua_frame_function(L, 3);
+  check(L, hk_scene_add_measure(target, name, hk_lua_where(L), &function, &error), &error);
+  return 0;
+}
+
+static int on_frame(lua_State *L) {
+  hk_scene *target = editable(L);
+  luaL_checktype(L, 2, LUA_TFUNCTION);
+  target->on_frame = hk_lua_frame_function(L, 2);
+  return 0;
+}
+
+static int exact(lua_State *L) {
+  hk_scene *target = editable(L);
+  target->exact = hk_lua_function(L, 2);
+  return 0;
+}
+
+static int start(lua_State *L) {
+  static const char *const keys[] = {"file", NULL};
+  hk_scene *target = editable(L);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_keys(L, 2, "start", keys);
+  if (lua_getfield(L, 2, "file") != LUA_TSTRING) return hk_lua_fail(L, HK_BAD_PARAM, "start: file is required");
+  free(target->start_file);
+  target->start_file = hk_string_copy(lua_tostring(L, -1));
+  return 0;
+}
+
+/* An unknown method offers the nearest. */
+static const char *method_at(const void *context, size_t k) {
+  const luaL_Reg *list = context;
+  return list[k].name;
+}
+
+static const luaL_Reg methods[] = {
+    {"pin", pin},     {"channel", channel}, {"measure", measure},      {"on_frame", on_frame},
+    {"exact", exact}, {"start", start},     {"run", hk_lua_scene_run}, {NULL, NULL}};
+
+static int unknown_method(lua_State *L) {
+  static const luaL_Reg all[] = {{"pin", NULL},        {"channel", NULL},   {"measure", NULL},  {"on_frame", NULL},
+                                 {"exact", NULL},      {"start", NULL},     {"run", NULL},      {"force", NULL},
+                                 {"constraint", NULL}, {"corrector", NULL}, {"source", NULL},   {"integrator", NULL},
+                                 {"solver", NULL},     {"output", NULL},    {"particle", NULL}, {"particles", NULL},
+                                 {"grid", NULL},       {"strand", NULL},    {"mesh", NULL},     {NULL, NULL}};
+  const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, all);
+  if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
+  return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);
+}
+
+void hk_lua_open_scene(lua_State *L) {
+  luaL_newmetatable(L, scene_type);
+  lua_newtable(L);
+  luaL_setfuncs(L, methods, 0);
+  for (int kind = 0; kind < HK_KINDS; kind++) {
+    lua_pushinteger(L, kind);
+    lua_pushcclosure(L, add_kind, 1);
+    lua_setfield(L, -2, hk_kind_name((hk_kind)kind));
+  }
+  hk_lua_open_builders(L);
+  lua_createtable(L, 0, 1);
+  lua_pushcfunction(L, unknown_method);
+  lua_setfield(L, -2, "__index");
+  lua_setmetatable(L, -2);
+  lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
+  lua_pop(L, 1);
+  lua_createtable(L, 0, 2);
+  lua_pushcfunction(L, scene);
+  lua_setfield(L, -2, "scene");
+  lua_pushfstring(L, "%d.%d", HK_ABI_MAJOR, HK_ABI_MINOR);
+  lua_setfield(L, -2, "version");
+  lua_setglobal(L, "hooke");
+}

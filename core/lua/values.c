@@ -1,0 +1,197 @@
+/* From Lua values to parameters: the plugin's table says what is wanted, hk_instance_set checks it. The options that
+ * every force has (only, group, from, to) are filled in here; `label` was read before. */
+#include "core/lua/internal.h"
+#include "core/base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+double hk_lua_number(lua_State *L, int index, const char *what) {
+  if (lua_type(L, index) != LUA_TNUMBER)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: expected a number, got a %s", what, luaL_typename(L, index));
+  double value = lua_tonumber(L, index);
+  if (!isfinite(value)) hk_lua_fail(L, HK_BAD_PARAM, "%s: %g is not a finite number", what, value);
+  return value;
+}
+
+void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]) {
+  index = lua_absindex(L, index);
+  if (!lua_istable(L, index) || lua_rawlen(L, index) != 3)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: expected three numbers, {x, y, z}", what);
+  for (int c = 0; c < 3; c++) {
+    lua_rawgeti(L, index, c + 1);
+    into[c] = hk_lua_number(L, -1, what);
+    lua_pop(L, 1);
+  }
+}
+
+static void name_field(char *name, size_t size, const char *what, const char *key) {
+  snprintf(name, size, "%s: %s", what, key);
+}
+
+bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key, double into[3]) {
+  char name[128];
+  name_field(name, sizeof name, what, key);
+  bool there = lua_getfield(L, table, key) != LUA_TNIL;
+  if (there) hk_lua_vector(L, -1, name, into);
+  lua_pop(L, 1);
+  return there;
+}
+
+double hk_lua_field_number(lua_State *L, int table, const char *what, const char *key, double otherwise) {
+  char name[128];
+  name_field(name, sizeof name, what, key);
+  double value = otherwise;
+  if (lua_getfield(L, table, key) != LUA_TNIL) value = hk_lua_number(L, -1, name);
+  lua_pop(L, 1);
+  return value;
+}
+
+uint64_t hk_lua_field_whole(lua_State *L, int table, const char *what, const char *key, uint64_t otherwise,
+                            double most) {
+  double value = hk_lua_field_number(L, table, what, key, (double)otherwise);
+  if (!(value >= 0 && value <= most && floor(value) == value))
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %g is not a whole number from 0 to %g", what, key, value, most);
+  return (uint64_t)value;
+}
+
+static const char *known_at(const void *context, size_t k) { return ((const char *const *)context)[k]; }
+
+void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known) {
+  index = lua_absindex(L, index);
+  for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+    if (lua_type(L, -2) != LUA_TSTRING)
+      hk_lua_fail(L, HK_BAD_PARAM, "%s: only named values are expected, as in { key = value }", what);
+    const char *key = lua_tostring(L, -2);
+    size_t k = 0;
+    while (known[k] && strcmp(known[k], key) != 0) k++;
+    if (known[k]) continue;
+    const char *near = hk_nearest_name(key, known_at, known);
+    if (near) hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'; did you mean '%s'?", what, key, near);
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'", what, key);
+  }
+}
+
+/* A list of numbers, as a block left on the stack; NULL: it is not one. */
+static double *to_numbers(lua_State *L, int index, size_t *count) {
+  if (!lua_istable(L, index)) return NULL;
+  *count = lua_rawlen(L, index);
+  double *list = lua_newuserdatauv(L, (*count + 1) * sizeof *list, 0);
+  for (size_t k = 0; k < *count; k++) {
+    bool number = lua_rawgeti(L, index, (lua_Integer)k + 1) == LUA_TNUMBER;
+    list[k] = lua_tonumber(L, -1);
+    lua_pop(L, 1);
+    if (!number) return NULL;
+  }
+  return list;
+}
+
+/* The value at `index` as parameter p wants it; what it points to is on the Lua stack. */
+static hk_value to_value(lua_State *L, int index, const hk_param *p, const char *label) {
+  hk_value value = {.kind = HK_VALUE_NUMBER};
+  const hk_lua_edges *edges;
+  switch (lua_type(L, index)) {
+  case LUA_TNUMBER:
+    value.number = lua_tonumber(L, index);
+    return value;
+  case LUA_TBOOLEAN:
+    return (hk_value){.kind = HK_VALUE_BOOLEAN, .boolean = lua_toboolean(L, index)};
+  case LUA_TSTRING:
+    return (hk_value){.kind = HK_VALUE_STRING, .text = lua_tostring(L, index)};
+  case LUA_TFUNCTION:
+    return (hk_value){.kind = HK_VALUE_FUNCTION, .function = hk_lua_function(L, index)};
+  default:
+    break;
+  }
+  if (p->type == HK_EDGES && (edges = hk_lua_to_edges(L, index)) != NULL)
+    return (hk_value){.kind = HK_VALUE_EDGES, .count = edges->count, .edges = (const uint32_t(*)[2])edges->pair};
+  value.kind = HK_VALUE_LIST;
+  value.list = p->type == HK_PARTICLES ? hk_lua_to_ids(L, index, &value.count) : to_numbers(L, index, &value.count);
+  if (!value.list) {
+    static const char *const wanted[] = {"a number",
+                                         "an integer",
+                                         "true or false",
+                                         "a string",
+                                         "a string",
+                                         "a list of three numbers",
+                                         "a list of numbers",
+                                         "a list of particle ids",
+                                         "a list of edges, {{1, 2}, {2, 3}}",
+                                         "a number or a list with one number per edge"};
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected %s, got %s", label, p->name, wanted[p->type],
+                lua_istable(L, index) ? "another kind of list" : luaL_typename(L, index));
+  }
+  return value;
+}
+
+static int by_index(const void *a, const void *b) {
+  uint32_t i = *(const uint32_t *)a, j = *(const uint32_t *)b;
+  return (i > j) - (i < j);
+}
+
+static void set_only(lua_State *L, const hk_scene *scene, hk_instance *instance) {
+  size_t count, kept = 0;
+  const double *ids = hk_lua_to_ids(L, -1, &count);
+  if (!ids) hk_lua_fail(L, HK_BAD_PARAM, "%s: only: expected a list of particle ids", instance->label);
+  for (size_t k = 0; k < count; k++)
+    if (!(ids[k] >= 1 && ids[k] <= (double)scene->n && floor(ids[k]) == ids[k]))
+      hk_lua_fail(L, HK_BAD_PARAM, "%s: only[%d]: there is no particle %g (ids are 1 to %d)", instance->label,
+                  (int)k + 1, ids[k], (int)scene->n);
+  instance->only = malloc((count + 1) * sizeof *instance->only);
+  if (!instance->only) hk_lua_fail(L, HK_NO_MEMORY, "%s: no memory for the selection", instance->label);
+  for (size_t k = 0; k < count; k++) instance->only[k] = (uint32_t)ids[k] - 1;
+  qsort(instance->only, count, sizeof *instance->only, by_index);
+  for (size_t k = 0; k < count; k++)
+    if (kept == 0 || instance->only[kept - 1] != instance->only[k]) instance->only[kept++] = instance->only[k];
+  instance->only_count = kept;
+  lua_pop(L, 1); /* the ids */
+}
+
+/* True: `key` is an option that the host handles; its value is on top of the stack. */
+static bool common_option(lua_State *L, const hk_scene *scene, hk_instance *instance, const char *key) {
+  if (strcmp(key, "label") == 0) return true;
+  if (instance->plugin->kind != HK_FORCE) return false;
+  char name[160];
+  snprintf(name, sizeof name, "%s: %s", instance->label, key);
+  if (strcmp(key, "only") == 0)
+    set_only(L, scene, instance);
+  else if (strcmp(key, "from") == 0)
+    instance->from = hk_lua_number(L, -1, name);
+  else if (strcmp(key, "to") == 0)
+    instance->to = hk_lua_number(L, -1, name);
+  else if (strcmp(key, "group") == 0) {
+    if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected the name of a group", name);
+    instance->group = hk_string_copy(lua_tostring(L, -1));
+  } else
+    return false;
+  return true;
+}
+
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table) {
+  hk_error error = {0};
+  if (table == 0 || lua_isnoneornil(L, table))
+    table = 0;
+  else if (!lua_istable(L, table))
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are a table, { k = 1000 }", instance->label);
+  if (table) {
+    for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
+      if (lua_type(L, -2) != LUA_TSTRING)
+        hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are named, { k = 1000 }", instance->label);
+      const char *key = lua_tostring(L, -2);
+      int top = lua_gettop(L);
+      const hk_param *own = NULL;
+      for (const hk_param *p = instance->plugin->params; p && p->name; p++)
+        if (strcmp(p->name, key) == 0) own = p;
+      if (!own && common_option(L, scene, instance, key)) continue;
+      const hk_param *param = hk_instance_param(instance, key, &error);
+      if (!param) hk_lua_raise(L, &error);
+      hk_value value = to_value(L, top, param, instance->label);
+      if (hk_instance_set(instance, param, &value, scene->n, &error) != HK_OK) hk_lua_raise(L, &error);
+      lua_settop(L, top);
+    }
+  }
+  if (instance->from >= instance->to)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", instance->label, instance->from,
+                instance->to);
+  if (hk_instance_check(instance, &error) != HK_OK) hk_lua_raise(L, &error);
+}

@@ -1,0 +1,150 @@
+#include "core/run/verify.h"
+#include "core/run/engine.h"
+
+#include <string.h>
+
+enum { FINEST = 16 };
+static const double disturbance = 1e-10, margin = 2, rounding = 1e-9,
+                    visible = 0.1; /* of the kinetic energy, as in verdict.c */
+
+static double difference(hk_run *a, hk_run *b) {
+  size_t n = a->model.n;
+  double sum = 0;
+  if (n == 0 || b->model.n != n || memcmp(a->id, b->id, n * sizeof *a->id) != 0) return NAN;
+  for (size_t k = 0; k < 3 * n; k++) sum += (a->X[k] - b->X[k]) * (a->X[k] - b->X[k]);
+  return sqrt(sum / (double)n);
+}
+
+/* The same step, refined, the more where something changes between the steps; where an adaptive method was given one,
+ * it may take it for a fixed step. */
+static hk_run_options finer(hk_run *whole, const hk_run_options *first) {
+  hk_run_options o = *first;
+  double given = isnan(first->dt) ? whole->scene->dt : first->dt;
+  bool adaptive = whole->method->flags & HK_ADAPTIVE;
+  o.dt = adaptive ? given / 2 : given;
+  o.tol = whole->system.tol / 10;
+  o.refine = hk_varies_between_steps(whole) ? FINEST : 1;
+  o.dt_most = whole->dt_max / (2 * (double)o.refine);
+  o.step_limit *= 4 * o.refine;
+  o.perturb = disturbance;
+  o.perturb_seed = 1;
+  o.no_output = true;
+  o.progress = -1;
+  return o;
+}
+
+/* J, what the energy balance misses or has too much. */
+static double missing(const hk_summary *s) { return s->energy_drift * s->kinetic_max; }
+
+typedef struct second_run {
+  double difference; /* m, RMS of the positions */
+  double missing;    /* J, see missing() */
+  double kinetic;    /* J, the largest */
+  double step;       /* its longest step, as a part of the first run's */
+  hk_spectrum spectrum;
+} second_run;
+
+static hk_status run_again(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
+                           second_run *found, hk_error *error) {
+  hk_script_options script_options = *options;
+  hk_run_options fine = finer(whole, run);
+  hk_script *script = NULL;
+  hk_run *again = NULL;
+  hk_summary second;
+  script_options.run = &fine;
+  hk_status status = hk_script_open(path, &script_options, &script, error);
+  if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &fine, &again, error);
+  if (status == HK_OK && !(again->spectrum.w_max > 0)) hk_step_estimate(again); /* implicit methods did not ask */
+  if (status == HK_OK) found->spectrum = again->spectrum;
+  if (status == HK_OK) status = hk_run_advance(again, whole->system.t, error);
+  if (status == HK_OK) {
+    hk_run_summary(again, &second);
+    found->difference = difference(whole, again);
+    found->missing = missing(&second);
+    found->kinetic = second.kinetic_max;
+    found->step = second.dt_max / whole->dt_max;
+  }
+  if (again) hk_run_close(again, error);
+  hk_run_destroy(again);
+  hk_script_close(script);
+  return status;
+}
+
+static void add_reason(hk_summary *s, double astray, bool blind) {
+  char why[400];
+  size_t used = strlen(s->reason);
+  if (isnan(s->verify_difference))
+    snprintf(why, sizeof why, "the accuracy asked for, %g m, could not be checked", s->accuracy);
+  else if (margin * s->verify_difference > s->accuracy)
+    snprintf(why, sizeof why,
+             "half the step from a start that is off by 1e-10 of the extent ends %.3g m away: the accuracy asked for, "
+             "%g m, is not reached",
+             s->verify_difference, s->accuracy);
+  else if (astray > s->accuracy)
+    snprintf(
+        why, sizeof why,
+        "the steps damp fast swings, whose energy is missing with half the step, too: as a speed it would have taken "
+        "the particles %.3g m by the end, above the accuracy asked for, %g m",
+        astray, s->accuracy);
+  else if (!blind && s->exact_error > s->accuracy)
+    snprintf(why, sizeof why, "the error of %.3g m is above the accuracy asked for, %g m", s->exact_error, s->accuracy);
+  else
+    return;
+  snprintf(s->reason + used, sizeof s->reason - used, "%s%s", used ? "; " : "", why);
+  s->verdict = HK_INACCURATE;
+}
+
+/* J, what would be missing with a step of length 0, by the two runs, if the rest goes with that power of the step. */
+static double remains_at(const hk_summary *s, const second_run *second, int order) {
+  double part = pow(second->step, order);
+  return fabs((second->missing - part * missing(s)) / (1 - part));
+}
+
+static double remains(const hk_run *run, const hk_summary *s, const second_run *second) {
+  return fmin(remains_at(s, second, 1), remains_at(s, second, run->method->order));
+}
+
+/* Damping that acts within less than a step is summed badly, whatever the motion: where the positions hold and what is
+ * missing of the energy, a part of the work done, vanishes with the step, it says nothing about them. */
+static bool settles(const hk_run *run, const hk_summary *s, const second_run *second) {
+  bool vanishes = fmin(remains(run, s, second), fabs(second->missing)) < visible * second->kinetic;
+  return margin * s->verify_difference <= s->accuracy && fabs(missing(s)) < 2 * fabs(s->energy_work) && vanishes;
+}
+
+static double free_mass(const hk_run *run) {
+  double sum = 0;
+  for (size_t i = 0; i < run->model.n; i++) sum += run->inverse_mass[i] > 0 ? run->mass[i] : 0;
+  return sum;
+}
+
+/* Whether the steps alone damp the fastest mode by half within the run. Methods that estimate their errors see that. */
+static bool damps(const hk_run *run, const hk_summary *s, const hk_spectrum *spectrum) {
+  const hk_integrator *m = run->method;
+  double h = s->dt_max, w = spectrum->w_max, g = hk_spectrum_floor(spectrum, w);
+  if (run->worst_error > 0 || !m->amplification || !(w > 0)) return false;
+  return (double)s->steps * (log(m->amplification(h * w, h * g)) + fmin(h * g / 2, h * w)) < log(0.5);
+}
+
+/* Energy that such a method still misses with a step of length 0 was that of swings which both runs have damped away:
+ * positions agree all the same. As a speed it would have taken the particles so far, RMS, by the end. */
+static double lost_energy_displacement(const hk_run *run, const hk_summary *s, const second_run *second) {
+  double left = remains(run, s, second);
+  double held = fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max;
+  if (isnan(left) || left < rounding * held || fabs(s->energy_work) > 0.5 * left) return 0;
+  return damps(run, s, &second->spectrum) ? sqrt(2 * left / free_mass(run)) * s->t : 0;
+}
+
+hk_status hk_verify(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
+                    hk_summary *s, hk_error *error) {
+  second_run second = {.difference = NAN, .missing = NAN, .step = NAN};
+  bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE;
+  hk_status status = run_again(path, options, run, whole, &second, error);
+  s->verify_difference = second.difference;
+  if (!judged || !(s->accuracy > 0)) return status;
+  whole->energy_converges = settles(whole, s, &second);
+  hk_judge(whole);
+  hk_run_summary(whole, s);
+  s->verify_difference = second.difference;
+  add_reason(s, lost_energy_displacement(whole, s, &second), run->ignore_exact);
+  return status;
+}

@@ -1,0 +1,373 @@
+/* Scenes: growing arrays of what the script described. Every builder checks first and writes last, so a refused call
+ * leaves the scene as it was. */
+#include "core/scene/scene.h"
+#include "core/base/memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static hk_status no_memory(hk_error *error, const char *what) {
+  return hk_error_set(error, HK_NO_MEMORY, "no memory for %s", what);
+}
+
+static char *scene_name(const char *script) {
+  const char *slash = strrchr(script, '/');
+  char *name = hk_string_copy(slash ? slash + 1 : script);
+  size_t length = name ? strlen(name) : 0;
+  if (length > 4 && strcmp(name + length - 4, ".lua") == 0) name[length - 4] = 0;
+  return name;
+}
+
+hk_scene *hk_scene_create(const char *script, hk_registry *registry) {
+  hk_scene *scene = calloc(1, sizeof *scene);
+  if (!scene) return NULL;
+  scene->name = scene_name(script);
+  scene->script = hk_string_copy(script);
+  scene->registry = registry;
+  scene->duration = 1;
+  scene->fps = 60;
+  scene->dt = NAN;
+  scene->tol = 1e-6;
+  scene->accuracy = NAN;
+  scene->shared.allocations_left = -1;
+  uint32_t group;
+  if (!scene->name || !scene->script || hk_scene_add_group(scene, "default", &group, NULL) != HK_OK) {
+    hk_scene_destroy(scene);
+    return NULL;
+  }
+  return scene;
+}
+
+static void destroy_instances(hk_instances *list) {
+  for (size_t k = 0; k < list->count; k++) hk_instance_destroy(list->item[k]);
+  free(list->item);
+}
+
+static void destroy_lists(hk_scene *scene) {
+  for (size_t k = 0; k < scene->groups; k++) free(scene->group_name[k]);
+  for (size_t k = 0; k < scene->channels; k++) {
+    free(scene->channel[k].name);
+    free(scene->channel[k].initial);
+    free(scene->channel[k].value);
+  }
+  for (size_t k = 0; k < scene->pins; k++) {
+    free(scene->pin[k].id);
+    free(scene->pin[k].where);
+  }
+  for (size_t k = 0; k < scene->measures; k++) {
+    free(scene->measure[k].name);
+    free(scene->measure[k].where);
+  }
+}
+
+void hk_scene_destroy(hk_scene *scene) {
+  if (!scene) return;
+  destroy_lists(scene);
+  destroy_instances(&scene->force);
+  destroy_instances(&scene->constraint);
+  destroy_instances(&scene->corrector);
+  destroy_instances(&scene->source);
+  destroy_instances(&scene->output);
+  hk_instance_destroy(scene->integrator);
+  hk_instance_destroy(scene->solver);
+  free(scene->group_name);
+  free(scene->channel);
+  free(scene->pin);
+  free(scene->measure);
+  free(scene->position);
+  free(scene->velocity);
+  free(scene->mass);
+  free(scene->group);
+  free(scene->edge);
+  free(scene->triangle);
+  free(scene->start_file);
+  free(scene->name);
+  free(scene->script);
+  free(scene);
+}
+
+static hk_status check_vectors(const char *what, const double *list, size_t count, hk_error *error) {
+  for (size_t k = 0; list && k < 3 * count; k++)
+    if (!isfinite(list[k]))
+      return hk_error_set(error, HK_BAD_PARAM, "%s[%zu]: component %c is %g, not a finite number", what, k / 3 + 1,
+                          "xyz"[k % 3], list[k]);
+  return HK_OK;
+}
+
+static hk_status check_masses(const double *mass, size_t count, hk_error *error) {
+  for (size_t i = 0; i < count; i++) {
+    if (!isfinite(mass[i])) return hk_error_set(error, HK_BAD_PARAM, "mass: %g kg is not a finite number", mass[i]);
+    if (mass[i] < 0) return hk_error_set(error, HK_BAD_PARAM, "mass: %g kg is below the minimum 0", mass[i]);
+  }
+  return HK_OK;
+}
+
+static hk_status resize(void *array, size_t count, size_t size) {
+  void *memory; /* `array` is the address of a pointer of any type: copied, since those types do not alias */
+  memcpy(&memory, array, sizeof memory);
+  void *bigger = realloc(memory, count * size);
+  if (!bigger) return HK_NO_MEMORY;
+  memcpy(array, &bigger, sizeof bigger);
+  return HK_OK;
+}
+
+static hk_status reserve_particles(hk_scene *scene, size_t wanted) {
+  if (wanted <= scene->capacity) return HK_OK;
+  size_t grown = wanted > 2 * scene->capacity ? wanted : 2 * scene->capacity;
+  if (resize(&scene->position, grown, 3 * sizeof(double)) != HK_OK ||
+      resize(&scene->velocity, grown, 3 * sizeof(double)) != HK_OK ||
+      resize(&scene->mass, grown, sizeof(double)) != HK_OK || resize(&scene->group, grown, sizeof(uint32_t)) != HK_OK)
+    return HK_NO_MEMORY;
+  for (size_t k = 0; k < scene->channels; k++)
+    if (resize(&scene->channel[k].value, grown, scene->channel[k].size * sizeof(double)) != HK_OK) return HK_NO_MEMORY;
+  scene->capacity = grown;
+  return HK_OK;
+}
+
+static void fill_channels(hk_channel_spec *channel, size_t first, size_t count) {
+  for (size_t i = first; i < first + count; i++)
+    memcpy(channel->value + i * channel->size, channel->initial, channel->size * sizeof(double));
+}
+
+hk_status hk_scene_add_particles(hk_scene *scene, size_t count, const double *position, const double *velocity,
+                                 const double *mass, double common_mass, uint32_t group, uint32_t *first_id,
+                                 hk_error *error) {
+  hk_status status = check_vectors("position", position, count, error);
+  if (status == HK_OK) status = check_vectors("velocity", velocity, count, error);
+  if (status == HK_OK) status = mass ? check_masses(mass, count, error) : check_masses(&common_mass, 1, error);
+  if (status != HK_OK) return status;
+  if (count > UINT32_MAX - 1 - scene->n)
+    return hk_error_set(error, HK_BAD_PARAM, "too many particles: at most %u", UINT32_MAX - 1);
+  if (reserve_particles(scene, scene->n + count) != HK_OK) return no_memory(error, "the particles");
+  size_t first = scene->n;
+  if (count) memcpy(scene->position + 3 * first, position, 3 * count * sizeof(double));
+  for (size_t k = 0; k < 3 * count; k++) scene->velocity[3 * first + k] = velocity ? velocity[k] : 0;
+  for (size_t i = 0; i < count; i++) {
+    scene->mass[first + i] = mass ? mass[i] : common_mass;
+    scene->group[first + i] = group;
+  }
+  for (size_t k = 0; k < scene->channels; k++) fill_channels(&scene->channel[k], first, count);
+  scene->n += count;
+  *first_id = (uint32_t)first + 1;
+  return HK_OK;
+}
+
+hk_status hk_scene_add_group(hk_scene *scene, const char *name, uint32_t *group, hk_error *error) {
+  for (size_t k = 0; k < scene->groups; k++)
+    if (strcmp(scene->group_name[k], name) == 0) {
+      *group = (uint32_t)k;
+      return HK_OK;
+    }
+  char *copy = hk_string_copy(name);
+  if (!copy || resize(&scene->group_name, scene->groups + 1, sizeof(char *)) != HK_OK) {
+    free(copy);
+    return no_memory(error, "the group");
+  }
+  *group = (uint32_t)scene->groups;
+  scene->group_name[scene->groups++] = copy;
+  return HK_OK;
+}
+
+static hk_channel_spec *find_channel(const hk_scene *scene, const char *name) {
+  for (size_t k = 0; k < scene->channels; k++)
+    if (strcmp(scene->channel[k].name, name) == 0) return &scene->channel[k];
+  return NULL;
+}
+
+hk_status hk_scene_add_channel(hk_scene *scene, const char *name, size_t size, const double *initial, double decay,
+                               const hk_function *rate, hk_error *error) {
+  if (find_channel(scene, name)) return hk_error_set(error, HK_BAD_PARAM, "there is already a channel '%s'", name);
+  if (size < 1) return hk_error_set(error, HK_BAD_PARAM, "channel '%s': size must be at least 1", name);
+  for (size_t k = 0; initial && k < size; k++)
+    if (!isfinite(initial[k]))
+      return hk_error_set(error, HK_BAD_PARAM, "channel '%s': initial: %g is not finite", name, initial[k]);
+  hk_channel_spec channel = {.size = size, .decay = decay};
+  if (rate) channel.rate = *rate;
+  channel.name = hk_string_copy(name);
+  channel.initial = calloc(size, sizeof(double));
+  channel.value = malloc((scene->capacity * size + 1) * sizeof(double));
+  if (!channel.name || !channel.initial || !channel.value ||
+      resize(&scene->channel, scene->channels + 1, sizeof channel) != HK_OK) {
+    free(channel.name);
+    free(channel.initial);
+    free(channel.value);
+    return no_memory(error, "the channel");
+  }
+  if (initial) memcpy(channel.initial, initial, size * sizeof(double));
+  fill_channels(&channel, 0, scene->n);
+  scene->channel[scene->channels++] = channel;
+  return HK_OK;
+}
+
+static const char *channel_name(const void *context, size_t k) {
+  const hk_scene *scene = context;
+  return k < scene->channels ? scene->channel[k].name : NULL;
+}
+
+static hk_status check_id(const hk_scene *scene, uint32_t id, const char *what, hk_error *error) {
+  if (id >= 1 && id <= scene->n) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM, "%s: there is no particle %u (ids are 1 to %zu)", what, id, scene->n);
+}
+
+hk_status hk_scene_set_channel(hk_scene *scene, const char *name, uint32_t id, const double *value, size_t count,
+                               hk_error *error) {
+  hk_channel_spec *channel = find_channel(scene, name);
+  if (!channel) {
+    const char *near = hk_nearest_name(name, channel_name, scene);
+    return hk_error_set(error, HK_BAD_PARAM, "there is no channel '%s'%s%s%s", name, near ? "; did you mean '" : "",
+                        near ? near : "", near ? "'?" : "");
+  }
+  hk_status status = check_id(scene, id, name, error);
+  if (status != HK_OK) return status;
+  if (count != channel->size)
+    return hk_error_set(error, HK_BAD_PARAM, "channel '%s' takes %zu numbers, got %zu", name, channel->size, count);
+  for (size_t k = 0; k < count; k++)
+    if (!isfinite(value[k])) return hk_error_set(error, HK_BAD_PARAM, "channel '%s': %g is not finite", name, value[k]);
+  memcpy(channel->value + (id - 1) * channel->size, value, count * sizeof(double));
+  return HK_OK;
+}
+
+hk_status hk_scene_add_pin(hk_scene *scene, const hk_pin_spec *spec, hk_error *error) {
+  for (size_t k = 0; k < spec->count; k++) {
+    hk_status status = check_id(scene, spec->id[k], "pin", error);
+    if (status != HK_OK) return status;
+  }
+  hk_pin_spec pin = *spec;
+  double length = sqrt(pin.axis[0] * pin.axis[0] + pin.axis[1] * pin.axis[1] + pin.axis[2] * pin.axis[2]);
+  if (pin.kind == HK_PIN_LINE || pin.kind == HK_PIN_PLANE) {
+    if (!isfinite(length) || length == 0)
+      return hk_error_set(error, HK_BAD_PARAM, "pin: the direction must not be zero");
+    for (int c = 0; c < 3; c++) pin.axis[c] /= length;
+  }
+  if (isnan(pin.release)) return hk_error_set(error, HK_BAD_PARAM, "pin: release: not a number");
+  pin.where = hk_string_copy(spec->where ? spec->where : "");
+  pin.id = malloc((spec->count + 1) * sizeof *pin.id);
+  if (!pin.where || !pin.id || resize(&scene->pin, scene->pins + 1, sizeof pin) != HK_OK) {
+    free(pin.where);
+    free(pin.id);
+    return no_memory(error, "the pin");
+  }
+  if (spec->count) memcpy(pin.id, spec->id, spec->count * sizeof *pin.id);
+  scene->pin[scene->pins++] = pin;
+  return HK_OK;
+}
+
+hk_status hk_scene_add_edges(hk_scene *scene, size_t count, const uint32_t (*edge)[2], hk_error *error) {
+  for (size_t k = 0; k < 2 * count; k++) {
+    hk_status status = check_id(scene, edge[k / 2][k % 2], "edge", error);
+    if (status != HK_OK) return status;
+  }
+  if (count == 0) return HK_OK;
+  if (resize(&scene->edge, scene->edges + count, sizeof *edge) != HK_OK) return no_memory(error, "the edges");
+  memcpy(scene->edge + scene->edges, edge, count * sizeof *edge);
+  scene->edges += count;
+  return HK_OK;
+}
+
+hk_status hk_scene_add_triangles(hk_scene *scene, size_t count, const uint32_t (*triangle)[3], hk_error *error) {
+  for (size_t k = 0; k < 3 * count; k++) {
+    hk_status status = check_id(scene, triangle[k / 3][k % 3], "triangle", error);
+    if (status != HK_OK) return status;
+  }
+  if (count == 0) return HK_OK;
+  if (resize(&scene->triangle, scene->triangles + count, sizeof *triangle) != HK_OK)
+    return no_memory(error, "the triangles");
+  memcpy(scene->triangle + scene->triangles, triangle, count * sizeof *triangle);
+  scene->triangles += count;
+  return HK_OK;
+}
+
+hk_status hk_scene_add_measure(hk_scene *scene, const char *name, const char *where, const hk_function *value,
+                               hk_error *error) {
+  for (size_t k = 0; k < scene->measures; k++)
+    if (strcmp(scene->measure[k].name, name) == 0)
+      return hk_error_set(error, HK_BAD_PARAM, "there is already a measure '%s'", name);
+  hk_measure measure = {hk_string_copy(name), hk_string_copy(where ? where : ""), *value};
+  if (!measure.name || !measure.where || resize(&scene->measure, scene->measures + 1, sizeof measure) != HK_OK) {
+    free(measure.name);
+    free(measure.where);
+    return no_memory(error, "the measure");
+  }
+  scene->measure[scene->measures++] = measure;
+  return HK_OK;
+}
+
+static hk_instances *list_of(hk_scene *scene, hk_kind kind) {
+  switch (kind) {
+  case HK_FORCE:
+    return &scene->force;
+  case HK_CONSTRAINT:
+    return &scene->constraint;
+  case HK_CORRECTOR:
+    return &scene->corrector;
+  case HK_SOURCE:
+    return &scene->source;
+  case HK_OUTPUT:
+    return &scene->output;
+  default:
+    return NULL;
+  }
+}
+
+static bool label_taken(hk_scene *scene, const char *label) {
+  for (int kind = 0; kind < HK_KINDS; kind++) {
+    hk_instances *list = list_of(scene, (hk_kind)kind);
+    for (size_t k = 0; list && k < list->count; k++)
+      if (strcmp(list->item[k]->label, label) == 0) return true;
+  }
+  return false;
+}
+
+static hk_status choose_label(hk_scene *scene, const hk_plugin *plugin, const char *label, char *chosen, size_t size,
+                              hk_error *error) {
+  snprintf(chosen, size, "%s", label ? label : plugin->name);
+  if (label && label_taken(scene, label))
+    return hk_error_set(error, HK_BAD_PARAM, "%s: the label '%s' is taken", plugin->name, label);
+  for (int k = 2; !label && label_taken(scene, chosen); k++) snprintf(chosen, size, "%s#%d", plugin->name, k);
+  return HK_OK;
+}
+
+/* "./wind.so" is beside the script. */
+static const char *beside_script(const hk_scene *scene, const char *name, char *path, size_t size) {
+  const char *slash = strrchr(scene->script, '/');
+  if (name[0] != '.' || !slash) return name;
+  return snprintf(path, size, "%.*s/%s", (int)(slash - scene->script), scene->script, name) < (int)size ? path : name;
+}
+
+hk_status hk_scene_add_plugin(hk_scene *scene, hk_kind kind, const char *name, const char *label, const char *where,
+                              hk_instance **instance, hk_error *error) {
+  const hk_plugin *plugin;
+  char chosen[128], path[4096];
+  hk_status status =
+      hk_registry_find(scene->registry, kind, beside_script(scene, name, path, sizeof path), &plugin, error);
+  if (status == HK_OK) status = choose_label(scene, plugin, label, chosen, sizeof chosen, error);
+  if (status != HK_OK) return status;
+  hk_instance *fresh = hk_instance_create(plugin, chosen, where, &scene->shared, error);
+  if (!fresh) return HK_NO_MEMORY;
+  hk_instances *list = list_of(scene, kind);
+  if (!list) {
+    hk_instance **single = kind == HK_INTEGRATOR ? &scene->integrator : &scene->solver;
+    hk_instance_destroy(*single);
+    *single = fresh;
+  } else {
+    if (resize(&list->item, list->count + 1, sizeof fresh) != HK_OK) {
+      hk_instance_destroy(fresh);
+      return no_memory(error, "the plugin");
+    }
+    list->item[list->count++] = fresh;
+  }
+  *instance = fresh;
+  return HK_OK;
+}
+
+void hk_scene_drop(hk_scene *scene, hk_instance *instance) {
+  if (scene->integrator == instance) scene->integrator = NULL;
+  if (scene->solver == instance) scene->solver = NULL;
+  hk_instances *list = list_of(scene, instance->plugin->kind);
+  size_t kept = 0;
+  for (size_t k = 0; list && k < list->count; k++)
+    if (list->item[k] != instance) list->item[kept++] = list->item[k];
+  if (list) list->count = kept;
+  hk_instance_destroy(instance);
+}

@@ -1,0 +1,151 @@
+/* The largest step at which no mode of the scene grows, from the method's amplification factor and the scene's bounds.
+ *
+ * The modes are (w, g) with 0 <= w <= w_max and floor(w) <= g <= ceiling(w) (spectrum.h), and (0, k) for the channels.
+ * First the corners of that set: h runs up in steps of 2 % to the first h at which one grows, and bisection follows
+ * (the first, not the last: beyond a gap of instability a step is of no use). Then a grid over the whole set, at that h
+ * and at parts of it, since stability domains need not be convex and the slow modes may be those without damping; a
+ * mode that grows there joins the corners, and so on until none does. Some 1000 amplifications, a few milliseconds at
+ * most.
+ *
+ * "Grows" is by more than 2e-7 a step: less cannot be told from rounding and from defective matrices, whose spectral
+ * radius plugins/common/spectral.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis (euler,
+ * 1 + z^2/2; Heun and midpoint, 1 + z^4/8; z = h w) would so be granted a small step. A limit below z = 0.01 (order 1)
+ * or 0.05 (order 2 and above) therefore counts as none, and that z is taken instead, for accuracy: the fastest mode
+ * then grows by 3 % or 0.01 % a period. */
+#include "core/stability/largest_step.h"
+
+static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7;
+/* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
+static const double distinct = 1e-6;
+
+enum { W_POINTS = 13, G_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 1) * G_POINTS }; /* 5 corners + JOINING fit */
+
+typedef struct mode {
+  double w, g;
+} mode;
+
+typedef struct mode_set {
+  const hk_integrator *method;
+  int count;
+  mode point[POINTS];
+} mode_set;
+
+static void add_mode(mode_set *set, double w, double g) { set->point[set->count++] = (mode){w, g}; }
+
+static double floor_of(const hk_spectrum *s, double w) { return fmin(hk_spectrum_floor(s, w), s->g_max); }
+
+/* The least frequency at which a rate of g_max is possible. */
+static double overdamped_from(const hk_spectrum *s) {
+  return s->damping_slope > 0 ? sqrt(fmax(0, s->g_max - s->damping_offset) / s->damping_slope) : 0;
+}
+
+/* Damping rates at one frequency. */
+static void add_rates(mode_set *set, double w, double low, double high) {
+  static const double part[G_POINTS] = {0, 0.03, 0.12, 0.3, 0.6, 1};
+  for (int i = 0; i < (high > low ? G_POINTS : 1); i++) add_mode(set, w, low + part[i] * (high - low));
+}
+
+static mode_set corners_of(const hk_integrator *method, const hk_spectrum *s) {
+  mode_set set = {.method = method, .count = 0};
+  double still = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate), lowest = overdamped_from(s);
+  if (s->w_max > 0) add_mode(&set, s->w_max, floor_of(s, s->w_max));
+  if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_mode(&set, s->w_max, s->g_max);
+  if (lowest > 0 && lowest < s->w_max) add_mode(&set, lowest, s->g_max);
+  if (s->w_undamped > 0) add_mode(&set, fmin(s->w_undamped, s->w_max), floor_of(s, 0));
+  if (still > 0) add_mode(&set, 0, still);
+  return set;
+}
+
+static mode_set grid_of(const hk_integrator *method, const hk_spectrum *s) {
+  static const double part[W_POINTS] = {1, 0.96, 0.9, 0.82, 0.72, 0.6, 0.45, 0.3, 0.15, 0.05, 0.01, 1e-3, 1e-4};
+  mode_set set = {.method = method, .count = 0};
+  for (int i = 0; i < W_POINTS && s->w_max > 0; i++)
+    add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), hk_spectrum_ceiling(s, part[i] * s->w_max));
+  double still = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate);
+  if (still > 0) add_rates(&set, 0, 0.01 * still, still);
+  return set;
+}
+
+static bool mode_grows(const hk_integrator *method, mode m, double h) {
+  double hw = h * m.w, hg = h * m.g, z = fmax(hw, hg);
+  if (z < distinct) return false;
+  return !(method->amplification(hw, hg) <= 1 + tolerance + 1e-16 * z * z); /* rounding of a matrix with z^2 in it */
+}
+
+/* *which: the first mode that grows at h. */
+static bool grows(const mode_set *set, double h, mode *which) {
+  for (int i = 0; i < set->count; i++)
+    if (mode_grows(set->method, set->point[i], h)) {
+      *which = set->point[i];
+      return true;
+    }
+  return false;
+}
+
+static double bisect(const mode_set *set, double low, double high, mode *which) {
+  while (high - low > precision * high) {
+    double middle = low + (high - low) / 2;
+    if (grows(set, middle, which))
+      high = middle;
+    else
+      low = middle;
+  }
+  return low;
+}
+
+/* The first h from `begin` on at which the set grows; 0 when it does at once. */
+static double first_limit(const mode_set *set, double begin, double rate, mode *which) {
+  double low = begin;
+  if (grows(set, low, which)) return 0;
+  while (low * rate < most) {
+    double high = low * (low * rate < 100 ? 1.02 : 2);
+    if (grows(set, high, which)) return bisect(set, low, high, which);
+    low = high;
+  }
+  return INFINITY;
+}
+
+/* Whether a mode of the grid grows at `limit` or at a part of it down to `begin`. */
+static bool grows_below(const mode_set *grid, double begin, double limit, double rate, mode *which) {
+  static const double part[] = {1, 0.8, 0.5, 0.2};
+  if (!isfinite(limit)) limit = 100 / rate;
+  for (size_t k = 0; k < sizeof part / sizeof *part; k++)
+    if (grows(grid, fmax(begin, part[k] * limit), which)) return true;
+  return grows(grid, begin, which);
+}
+
+static double limit_of(const hk_integrator *method, const hk_spectrum *s, double begin, double rate, mode *which) {
+  mode_set set = corners_of(method, s), grid = grid_of(method, s);
+  double limit = first_limit(&set, begin, rate, which);
+  mode slow = {0, 0};
+  for (int k = 0; k < JOINING && limit > 0 && grows_below(&grid, begin, limit, rate, &slow); k++) {
+    add_mode(&set, slow.w, slow.g);
+    limit = first_limit(&set, begin, rate, which);
+  }
+  return limit;
+}
+
+double hk_stable_growth(const hk_integrator *method, const hk_spectrum *spectrum, double h) {
+  mode_set grid = grid_of(method, spectrum);
+  double growth = 1;
+  for (int i = 0; i < grid.count; i++)
+    growth = fmax(growth, method->amplification(h * grid.point[i].w, h * grid.point[i].g));
+  return growth;
+}
+
+static const char *reason(const hk_spectrum *s, mode m) {
+  if (m.w > 0) return m.g > 2 * m.w ? "the damping of the stiffest springs" : "the fastest oscillation";
+  return s->channel_rate > s->g_max ? "the fastest channel" : "the strongest damping";
+}
+
+hk_stable hk_stable_step(const hk_integrator *method, const hk_spectrum *s) {
+  double rate = fmax(s->w_max, fmax(s->g_max, s->channel_rate));
+  if (!method->amplification) return (hk_stable){NAN, NAN, 0, 0, 0, "the method does not state its growth"};
+  if (!(rate > 0)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the scene has no rate of its own"};
+  mode m = {0, 0};
+  double begin = (method->order < 2 ? 0.01 : 0.05) / rate, limit = limit_of(method, s, begin, rate, &m);
+  if (!isfinite(limit)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the method is stable at any step"};
+  if (limit > 0) return (hk_stable){limit, safety * limit, 0, m.w, m.g, reason(s, m)};
+  double growth = log(hk_stable_growth(method, s, begin)) / begin;
+  return (hk_stable){0, begin, growth, m.w, m.g, "accuracy, as no useful step is stable"};
+}

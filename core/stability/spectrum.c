@@ -1,0 +1,333 @@
+/* Frequencies, damping rates and channel rates of the scene linearised at its present state, bounded from above.
+ *
+ * The operators M^-1/2 K M^-1/2 and M^-1/2 D M^-1/2 (K = -dF/dx, D = -dF/dv) are applied by central differences of the
+ * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by the elements of
+ * the forces (element_bound.c); the smaller bound is taken. A mode u of the damped scene is a root of
+ * l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, whatever the damping, so bounds of the two operators
+ * bound every mode, and so does D >= alpha M + beta (K - tension) from below. Where damping is strong, the largest
+ * eigenvalue of the pencil D - slope K, slope = g_max/w_max^2, tells in the same way how far a mode's g may be above
+ * slope w^2: with damping in proportion to stiffness slow modes then are not taken for overdamped ones.
+ *
+ * K is taken at v = 0: what terms like damping times velocity add to it is small while no particle moves by its
+ * neighbour's distance in a step, and unsymmetric. alpha is the least damping rate of the particles when all move
+ * alike: springs between them then rest, and pins only add. This is exact for drag, an estimate for forces at large. */
+#include "core/stability/spectrum.h"
+#include "core/stability/channel_rate.h"
+#include "core/stability/element_bound.h"
+#include "core/stability/lanczos.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* The differences are good to 1e-9 or so. Rounding of an acceleration: `ulps` in the last place. */
+static const double inflate = 1 + 1e-8, rounding = 2.2e-16, ulps = 64, warm_share = 0.6;
+/* Of w_max: a change of g that small changes the step, where w sets it, by about that part. */
+static const double damping_slack = 0.03;
+/* The pencil is looked at where g_max is above this part of w_max; of g_max, what its bound may leave open. */
+static const double strong_damping = 0.2, pencil_slack = 0.03;
+
+struct hk_spectrum_work {
+  size_t n, tail; /* tail: numbers of y */
+  double *memory; /* all the arrays */
+  double *x, *v, *a[2], *y, *dy[2], *direction, *scratch;
+  hk_lanczos stiffness, damping;
+  bool covered;           /* as asked */
+  double length, spacing; /* m, see measure_scene; 0: not yet */
+  hk_spectrum bounds;
+};
+
+typedef struct operation {
+  hk_spectrum_work *work;
+  hk_system *system;
+  bool velocity; /* D, not K */
+  double step;   /* m or m/s: the largest change of a component */
+} operation;
+
+static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
+  size_t n = system->n, tail = system->size - 6 * n, vector = 3 * n;
+  double *m = calloc(10 * vector + 4 * tail + 1, sizeof *m);
+  if (!m) return HK_NO_MEMORY;
+  free(s->memory);
+  *s = (hk_spectrum_work){.n = n, .tail = tail, .memory = m, .x = m, .v = m + vector};
+  s->a[0] = m + 2 * vector;
+  s->a[1] = m + 3 * vector;
+  s->stiffness = (hk_lanczos){.size = vector, .current = m + 4 * vector, .bound = INFINITY};
+  s->stiffness.previous = m + 5 * vector;
+  s->stiffness.image = m + 6 * vector;
+  s->damping = s->stiffness;
+  s->stiffness.ritz = m + 7 * vector;
+  s->damping.ritz = m + 8 * vector;
+  s->scratch = m + 9 * vector;
+  s->y = m + 10 * vector;
+  s->dy[0] = s->y + tail;
+  s->dy[1] = s->dy[0] + tail;
+  s->direction = s->dy[1] + tail;
+  return HK_OK;
+}
+
+/* x or v = that of X + factor * direction / sqrt(m). */
+static void displace(const operation *o, const double *direction, double factor) {
+  size_t n = o->system->n;
+  const double *base = o->system->X + (o->velocity ? 3 * n : 0), *w = o->system->model->inverse_mass;
+  double *into = o->velocity ? o->work->v : o->work->x;
+  for (size_t i = 0; i < n; i++) {
+    double f = factor * sqrt(w[i]);
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) into[c] = base[c] + f * direction[c];
+  }
+}
+
+static double largest_move(const hk_model *model, const double *direction) {
+  double most = 0;
+  for (size_t i = 0; i < model->n; i++) {
+    double f = sqrt(model->inverse_mass[i]);
+    for (size_t c = 3 * i; c < 3 * i + 3; c++)
+      if (f * fabs(direction[c]) > most) most = f * fabs(direction[c]);
+  }
+  return most;
+}
+
+static hk_status apply(void *context, const double *in, double *out) {
+  operation *o = context;
+  hk_spectrum_work *s = o->work;
+  const double *w = o->system->model->inverse_mass;
+  double most = largest_move(o->system->model, in), factor = most > 0 ? o->step / most : 0;
+  for (int side = 0; side < 2; side++) {
+    displace(o, in, side == 0 ? factor : -factor);
+    s->bounds.evaluations++;
+    hk_status status =
+        o->system->accelerations(o->system, o->system->t, s->x, s->v, o->system->X + 6 * s->n, s->a[side], s->dy[side]);
+    if (status != HK_OK) return status;
+  }
+  for (size_t i = 0; i < s->n; i++) {
+    double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) out[c] = f * (s->a[0][c] - s->a[1][c]);
+  }
+  o->system->filter(o->system, out);
+  return HK_OK;
+}
+
+static double largest(const double *x, size_t count) {
+  double most = 0;
+  for (size_t c = 0; c < count; c++)
+    if (fabs(x[c]) > most) most = fabs(x[c]);
+  return most;
+}
+
+/* `length` is the coordinates' size, `spacing` that of what may change a force's regime: the shortest element, or the
+ * mean distance of particles. */
+static void measure_scene(hk_spectrum_work *s, const hk_system *system, double shortest) {
+  const double *x = system->X;
+  double size = 0;
+  for (size_t c = 3; c < 3 * s->n; c++)
+    if (fabs(x[c] - x[c % 3]) > size) size = fabs(x[c] - x[c % 3]);
+  s->length = fmax(largest(x, 3 * s->n), size);
+  if (!(s->length > 0)) s->length = 1;
+  s->spacing = isfinite(shortest) ? shortest : size > 0 ? size / cbrt((double)s->n) : s->length;
+  s->spacing = fmax(s->spacing, 1e-6 * s->length);
+}
+
+/* The start vector: random, or where the last run ended mixed with a random direction that no eigenvector escapes.
+ * Returns the random part's share. */
+static double start(hk_lanczos *l, hk_system *system, bool warm) {
+  double length = 0, direct = sqrt(1 - warm_share * warm_share);
+  hk_lanczos_random(l->current, l->size);
+  for (size_t i = 0; i < system->n; i++)
+    if (!(system->model->inverse_mass[i] > 0)) memset(l->current + 3 * i, 0, 3 * sizeof *l->current);
+  system->filter(system, l->current);
+  for (size_t c = 0; c < l->size; c++) length += l->current[c] * l->current[c];
+  if (!warm || !l->warm || !(length > 0)) return 1;
+  length = sqrt(length);
+  for (size_t c = 0; c < l->size; c++) l->current[c] = warm_share / length * l->current[c] + direct * l->ritz[c];
+  return warm_share;
+}
+
+/* Bounds one operator's largest eigenvalue. When `steps` are too few for a bound, the last one grows with the
+ * eigenvalue reached, by the margin of the last sound one, and with the elements' bound. */
+static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, bool warm) {
+  double last = l->bound, grown = INFINITY;
+  double share = start(l, o->system, warm);
+  hk_status status = hk_lanczos_run(l, apply, o, known, share, steps);
+  if (status != HK_OK) return status;
+  if (warm && l->margin > 0) grown = fmax(last, l->margin * l->theta);
+  if (isfinite(known) && l->before > 0) grown = fmax(grown, last * known / l->before);
+  l->before = isfinite(known) ? known : 0;
+  if (grown < l->bound) {
+    l->bound = grown;
+    o->work->bounds.rigorous = false;
+  } else {
+    l->margin = l->theta > 0 ? l->bound / l->theta : 0;
+  }
+  return HK_OK;
+}
+
+/* Truncation (step/spacing)^2 and rounding 2e-16 length/step balance here, both below 1e-9 for usual scenes. */
+static double difference_step(const hk_spectrum_work *s) {
+  return cbrt(rounding * s->length * s->spacing * s->spacing);
+}
+
+static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool covered, int steps, bool warm) {
+  if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
+  hk_spectrum *b = &s->bounds;
+  hk_element_bound e = hk_element_bound_at(system->model, system->X, s->a[0]); /* 6n: both */
+  measure_scene(s, system, e.length);
+  operation o = {s, system, false, difference_step(s)};
+  memset(s->v, 0, 3 * s->n * sizeof *s->v);
+  hk_status status = bound(&o, &s->stiffness, covered ? e.stiffness : INFINITY, steps, warm);
+  if (status != HK_OK) return status;
+  double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
+  if (covered && s->stiffness.theta > e.stiffness * (1 + 1e-6) + noise) /* a force is stiffer than its elements say */
+    return bound_stiffness(s, system, false, steps, false);
+  b->covered = covered;
+  b->beta = covered ? e.beta : 0;
+  b->w_undamped = covered ? sqrt(e.tension) : 0;
+  if (s->stiffness.asymmetry > 1e-4 * s->stiffness.norm + noise) b->rigorous = false;
+  b->w_max = s->stiffness.bound > noise ? sqrt(s->stiffness.bound * inflate) : 0;
+  b->w_reached = s->stiffness.theta > noise ? sqrt(s->stiffness.theta) : 0;
+  return HK_OK;
+}
+
+/* Of the particles' 3x3 damping blocks in common motion, whose columns are the responses to the three directions, the
+ * least eigenvalue among directions that the pin allows (the others' is 0). */
+static double least_drag(const hk_model *model, double *const column[3]) {
+  double least = INFINITY, value[3];
+  for (size_t i = 0; i < model->n; i++) {
+    double w = model->inverse_mass[i];
+    const double *p = column[0] + 3 * i, *q = column[1] + 3 * i, *r = column[2] + 3 * i;
+    if (!(w > 0)) continue;
+    double a[6] = {p[0], (p[1] + q[0]) / 2, (p[2] + r[0]) / 2, q[1], (q[2] + r[1]) / 2, r[2]};
+    hk_symmetric_eigenvalues(a, value);
+    int blocked = model->pin[i] == HK_PIN_LINE ? 2 : model->pin[i] == HK_PIN_PLANE ? 1 : 0;
+    least = fmin(least, sqrt(w) * value[blocked]);
+  }
+  return isfinite(least) ? fmax(0, least) : 0;
+}
+
+static hk_status common_damping(operation *o, double *alpha) {
+  hk_spectrum_work *s = o->work;
+  const double *w = o->system->model->inverse_mass;
+  double *column[3] = {s->damping.current, s->damping.previous, s->damping.image}, *all = s->damping.ritz;
+  for (size_t c = 0; c < 3; c++) {
+    memset(all, 0, 3 * s->n * sizeof *all);
+    for (size_t i = 0; i < s->n; i++) all[3 * i + c] = w[i] > 0 ? 1 / sqrt(w[i]) : 0;
+    hk_status status = apply(o, all, column[c]);
+    if (status != HK_OK) return status;
+  }
+  *alpha = least_drag(o->system->model, column);
+  return HK_OK;
+}
+
+/* Forces like v x B turn velocities and do not damp them: D is antisymmetric, with a norm G. A mode with such a D has a
+ * rate of at most (G + sqrt(G^2 + 4 w^2))/2. G is reached from below, hence a tenth more. */
+static void count_rotation(hk_spectrum *b, double norm) {
+  double G = 1.1 * norm;
+  b->rotates = true;
+  b->rigorous = false;
+  b->w_max = (G + sqrt(G * G + 4 * b->w_max * b->w_max)) / 2;
+  b->g_max = fmax(b->g_max, G);
+  b->alpha = b->beta = 0;
+}
+
+typedef struct pencil {
+  operation stiffness, damping;
+  double slope;
+} pencil;
+
+/* out = (D - slope K) in */
+static hk_status apply_pencil(void *context, const double *in, double *out) {
+  pencil *p = context;
+  hk_spectrum_work *s = p->damping.work;
+  const double *X = p->damping.system->X;
+  size_t vector = 3 * s->n;
+  memset(s->v, 0, vector * sizeof *s->v);
+  hk_status status = apply(&p->stiffness, in, s->scratch);
+  if (status != HK_OK) return status;
+  memcpy(s->x, X, vector * sizeof *s->x);
+  status = apply(&p->damping, in, out);
+  for (size_t c = 0; c < vector; c++) out[c] -= p->slope * s->scratch[c];
+  return status;
+}
+
+/* The vectors of the damping's iteration serve again: a first run without `known` keeps nothing in them. */
+static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const operation *damping) {
+  hk_spectrum *b = &s->bounds;
+  pencil p = {{s, system, false, difference_step(s)}, *damping, b->g_max / (b->w_max * b->w_max)};
+  hk_lanczos l = s->damping;
+  l.bound = INFINITY;
+  l.slack = pencil_slack * b->g_max;
+  start(&l, system, false);
+  hk_status status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY, 1, HK_LANCZOS_STEPS);
+  if (status != HK_OK) return status;
+  b->damping_slope = p.slope;
+  b->damping_offset = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are good to 1e-9 or so */
+  return HK_OK;
+}
+
+static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps, bool warm) {
+  hk_spectrum *b = &s->bounds;
+  b->beta = system->flags & HK_DEPENDS_ON_V ? b->beta : 0;
+  if (!(system->flags & HK_DEPENDS_ON_V)) return HK_OK;
+  if (!(s->length > 0)) measure_scene(s, system, INFINITY);
+  double speed = fmax(largest(system->X + 3 * s->n, 3 * s->n), s->spacing * b->w_max);
+  operation o = {s, system, true, 1e-5 * (speed > 0 ? speed : 1)};
+  memcpy(s->x, system->X, 3 * s->n * sizeof *s->x);
+  s->damping.slack = damping_slack * b->w_max;
+  hk_status status = warm ? HK_OK : common_damping(&o, &b->alpha);
+  if (status == HK_OK) status = bound(&o, &s->damping, INFINITY, steps, warm);
+  if (status != HK_OK) return status;
+  double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
+  b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
+  b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
+  if (s->damping.asymmetry > 1e-3 * s->damping.norm + noise) count_rotation(b, s->damping.norm);
+  bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && !b->rotates;
+  return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
+}
+
+/* A failed call leaves *spectrum as it was; what a warm start would use is void then. */
+static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
+  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .rigorous = true};
+  s->length = 0;
+  hk_status status = bound_stiffness(s, system, s->covered, steps, warm);
+  if (status == HK_OK) status = bound_damping(s, system, steps, warm);
+  if (status == HK_OK && system->model->channels > 0) {
+    hk_channel_scratch scratch = {s->x, s->v, s->a[0], s->y, {s->dy[0], s->dy[1]}, s->direction};
+    status = hk_channel_rate(system, &scratch, &s->bounds.channel_rate, &s->bounds.evaluations);
+  }
+  if (status == HK_OK) *spectrum = s->bounds;
+  if (status != HK_OK) s->n = SIZE_MAX; /* the next update begins anew */
+  return status;
+}
+
+hk_status hk_spectrum_measure(hk_spectrum_work *s, hk_system *system, bool covered, hk_spectrum *spectrum) {
+  if (s->n != system->n || s->tail != system->size - 6 * system->n) {
+    hk_status status = reserve(s, system);
+    if (status != HK_OK) return status;
+  }
+  s->covered = covered;
+  return bound_all(s, system, HK_LANCZOS_STEPS, false, spectrum);
+}
+
+hk_status hk_spectrum_update(hk_spectrum_work *s, hk_system *system, int iterations, hk_spectrum *spectrum) {
+  if (s->n != system->n || s->tail != system->size - 6 * system->n)
+    return hk_spectrum_measure(s, system, s->covered, spectrum);
+  return bound_all(s, system, iterations > 0 ? iterations : 1, true, spectrum);
+}
+
+hk_spectrum_work *hk_spectrum_create(const hk_system *system) {
+  hk_spectrum_work *s = calloc(1, sizeof *s);
+  if (s && reserve(s, system) == HK_OK) return s;
+  free(s);
+  return NULL;
+}
+
+void hk_spectrum_destroy(hk_spectrum_work *s) {
+  if (s) free(s->memory);
+  free(s);
+}
+
+hk_status hk_spectrum_estimate(hk_system *system, bool covered, hk_spectrum *spectrum, hk_error *error) {
+  hk_spectrum_work *s = hk_spectrum_create(system);
+  if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory to estimate the stable step");
+  hk_status status = hk_spectrum_measure(s, system, covered, spectrum);
+  hk_spectrum_destroy(s);
+  return status;
+}

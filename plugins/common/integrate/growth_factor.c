@@ -1,0 +1,73 @@
+/* Roots by Laguerre's method from 0, which finds small roots first, with deflation; every root is then refined on the
+ * whole polynomial. */
+#include "plugins/common/integrate/growth_factor.h"
+
+#include <complex.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+enum { ITERATIONS = 60 };
+
+/* Products without the search for infinities that `*` makes. */
+static double complex times(double complex a, double complex b) {
+  return creal(a) * creal(b) - cimag(a) * cimag(b) + (creal(a) * cimag(b) + cimag(a) * creal(b)) * I;
+}
+
+static double square(double complex a) { return creal(a) * creal(a) + cimag(a) * cimag(a); }
+
+static double complex over(double complex a, double complex b) { return times(a, conj(b)) / square(b); }
+
+static double complex laguerre(int degree, const double *c, double complex u) {
+  for (int i = 0; i < ITERATIONS; i++) {
+    double complex p = c[degree], d = 0, dd = 0; /* value, derivative, half the second one */
+    double size = fabs(c[degree]), distance = sqrt(square(u));
+    for (int k = degree - 1; k >= 0; k--) {
+      dd = times(dd, u) + d;
+      d = times(d, u) + p;
+      p = times(p, u) + c[k];
+      size = size * distance + fabs(c[k]);
+    }
+    if (square(p) <= 1e-32 * size * size) break; /* as small as rounding lets it be */
+    double complex G = over(d, p), GG = times(G, G), H = GG - 2 * over(dd, p);
+    double complex root = csqrt((degree - 1) * (degree * H - GG)), plus = G + root, minus = G - root;
+    double complex by = square(plus) > square(minus) ? plus : minus, step = by == 0 ? 1 + u : over(degree, by);
+    if (i % 10 == 9) step = times(step, 0.3 + 0.4 * I); /* out of a cycle */
+    u -= step;
+    if (square(step) <= 1e-31 * square(u)) break;
+  }
+  return u;
+}
+
+/* Divides by (u - a), or by (u^2 - sum u + product); returns the degree left. */
+static int divide(int degree, double *c, double sum, double product, int by) {
+  double next = 0, after = 0; /* of the quotient, one and two degrees up */
+  for (int k = degree - by; k >= 0; k--) {
+    double now = c[k + by] + sum * next - product * after;
+    after = next;
+    next = c[k + by] = now;
+  }
+  memmove(c, c + by, (size_t)(degree - by + 1) * sizeof *c);
+  return degree - by;
+}
+
+double hk_polynomial_growth(int degree, const double *c) {
+  double left[HK_GROWTH_FACTOR_MAX + 1], growth = 0;
+  while (degree > 0 && c[degree] == 0) degree--;
+  while (degree > 0 && c[0] == 0) {
+    growth = 1;
+    c++;
+    degree--;
+  }
+  memcpy(left, c, (size_t)(degree + 1) * sizeof *c);
+  for (int rest = degree; rest > 0;) {
+    double complex root = laguerre(rest, left, 0);
+    if (rest < degree) root = laguerre(degree, c, root);
+    double factor = sqrt(square(1 + root));
+    if (isnan(factor)) return NAN;
+    growth = fmax(growth, factor);
+    bool pair = rest > 1 && fabs(cimag(root)) > 1e-9 * fabs(creal(root));
+    rest = divide(rest, left, pair ? 2 * creal(root) : creal(root), pair ? square(root) : 0, pair ? 2 : 1);
+  }
+  return growth;
+}

@@ -1,0 +1,327 @@
+/* See newton.h. The invariant of the iteration: R is the filtered residual at the X of the stage, so every direction
+ * starts from what was evaluated last; an iteration costs one evaluation. */
+#include "plugins/common/integrate/newton.h"
+#include "plugins/common/linear/block_product.h"
+#include "plugins/common/integrate/step_control.h"
+
+#include <float.h>
+#include <string.h>
+
+enum { BACKTRACKS = 10, DEFINITE_FOR = 8, LONGEST = 5, LANES = 8 };
+
+static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1, drop = 1e-3;
+
+typedef struct work {
+  hk_newton *w;
+  hk_system *s;
+  const hk_view_setup *stage;
+  size_t m; /* 3n */
+  double *a, *R, *dv, *v_old, *p, *q, *z, *r, *y_last, *left_last;
+  unsigned flags; /* the solver's */
+  bool fresh;     /* the factors are those of the present iterate */
+  bool settled;   /* the channels are as the last evaluation asks */
+  hk_matrix A;
+} work;
+
+/* Sums in lanes, for speed; the order is fixed. */
+static double dot(const double *a, const double *b, size_t count) {
+  double sum[LANES] = {0}, total = 0;
+  size_t e = 0;
+  for (; e + LANES <= count; e += LANES)
+    for (size_t l = 0; l < LANES; l++) sum[l] += a[e + l] * b[e + l];
+  for (; e < count; e++) sum[0] += a[e] * b[e];
+  for (size_t l = 0; l < LANES; l++) total += sum[l];
+  return total;
+}
+
+double hk_newton_limit(hk_newton *w, const hk_system *s, const double *v) {
+  double now = hk_rms(v, 3 * s->n);
+  if (now > w->speed) w->speed = now;
+  return w->tolerance * w->speed;
+}
+
+void hk_newton_forget(hk_newton *w) {
+  w->factor_g = 0;
+  w->krylov = w->chord = (hk_shortcut){0};
+}
+
+static work begin(hk_newton *w, hk_system *s, const hk_view_setup *stage) {
+  size_t m = 3 * s->n;
+  double *at = w->memory;
+  work k = {.w = w, .s = s, .stage = stage, .m = m, .a = at};
+  at += s->size; /* a and dy */
+  k.R = at, k.dv = at + m, at += s->size;
+  k.v_old = at, k.p = at + m, at += s->size;
+  k.q = at, k.z = at + m, at += s->size;
+  k.r = at, at += s->size;
+  k.y_last = at, at += s->size;
+  k.left_last = at;
+  return k;
+}
+
+static void set_positions(const work *k) {
+  const double *restrict base = k->stage->base;
+  double *restrict X = k->stage->X, g = k->stage->g;
+  for (size_t e = 0; e < k->m; e++) X[e] = base[e] + g * X[k->m + e];
+}
+
+/* y := the solution of y = y* + g dy/dt, as far as dy tells: each number by the secant of its last two values, so that
+ * a channel's own decay, however fast, is solved for at the third look. The work depends on nothing and is not judged.
+ */
+static void set_channels(work *k, bool first) {
+  double *y = k->stage->X + 2 * k->m, off = 0, moved = 0, size = 0;
+  const double *base = k->stage->base + 2 * k->m, *dy = k->a + k->m;
+  size_t count = k->s->size - 2 * k->m - 1;
+  for (size_t e = 0; e < count; e++) {
+    double left = y[e] - base[e] - k->stage->g * dy[e], slope = 1;
+    if (!first && y[e] != k->y_last[e]) slope = (left - k->left_last[e]) / (y[e] - k->y_last[e]);
+    if (!(slope > 0.1)) slope = 1;
+    k->y_last[e] = y[e];
+    k->left_last[e] = left;
+    y[e] -= left / slope;
+    off += left / slope * (left / slope);
+    moved += (y[e] - base[e]) * (y[e] - base[e]);
+    size += y[e] * y[e];
+  }
+  y[count] = base[count] + k->stage->g * dy[count];
+  k->settled = sqrt(off) <= k->w->tolerance * sqrt(moved) + rounding * sqrt(size);
+}
+
+/* R = M (v - v* - g a) at v; x and y follow. */
+static hk_status residual(work *k, bool first) {
+  const hk_view_setup *stage = k->stage;
+  hk_system *s = k->s;
+  double *X = stage->X, *v = X + k->m, g = stage->g;
+  set_positions(k);
+  hk_status status = s->accelerations(s, stage->t, X, v, X + 2 * k->m, k->a, k->a + k->m);
+  if (status != HK_OK) return status;
+  set_channels(k, first);
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t e = 3 * i; e < 3 * i + 3; e++)
+      k->R[e] = s->model->mass[i] * (v[e] - stage->base[k->m + e] - g * k->a[e]);
+  s->filter(s, k->R);
+  return HK_OK;
+}
+
+static hk_status assemble(work *k) {
+  hk_matrix K, D;
+  double g = k->stage->g;
+  unsigned want = k->flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
+  if (k->w->definite > 0) want |= HK_WANT_DEFINITE;
+  hk_status status = k->s->jacobian(k->s, k->stage->t, k->stage->X, want, &K, &D);
+  return status == HK_OK ? k->s->combine(k->s, 1, g, g * g, &k->A) : status;
+}
+
+static hk_status solve(work *k, const double *b, double *x) {
+  hk_solve_info info = {.tolerance = k->flags & HK_ITERATIVE ? forcing : 0};
+  return k->s->solve(k->s, b, x, &info);
+}
+
+static void negate(double *to, const double *from, size_t count) {
+  for (size_t e = 0; e < count; e++) to[e] = -from[e];
+}
+
+static hk_status factorize_and_solve(work *k) {
+  hk_status status = k->s->factorize(k->s, &k->A);
+  k->w->factor_g = 0;
+  if (status != HK_OK) return status;
+  k->w->factor_g = k->stage->g;
+  k->w->rate = 0;
+  k->fresh = true;
+  if (k->w->definite > 0) k->w->definite--;
+  negate(k->p, k->R, k->m);
+  return solve(k, k->p, k->dv);
+}
+
+/* Conjugate gradients on A dv = -R with the factors at hand as preconditioner. False: too slow, or A is not positive
+ * definite; dv is then void. */
+static bool krylov(work *k) {
+  size_t m = k->m;
+  double *r = k->r, *p = k->p, *q = k->q, *z = k->z;
+  negate(r, k->R, m);
+  memset(k->dv, 0, m * sizeof *k->dv);
+  double rz = 0, first = 0;
+  for (int i = 0; i <= k->w->krylov_most; i++) {
+    if (k->s->solve(k->s, r, z, NULL) != HK_OK) return false;
+    k->s->filter(k->s, z);
+    double next = dot(r, z, m);
+    if (!(next >= 0)) return false;
+    if (i == 0) first = next;
+    if (next <= forcing * forcing * first) return true;
+    for (size_t e = 0; e < m; e++) p[e] = i == 0 ? z[e] : z[e] + next / rz * p[e];
+    rz = next;
+    hk_block_product(k->s->host, &k->A, p, q);
+    double curvature = dot(p, q, m);
+    if (!(curvature > 0)) return false;
+    double alpha = rz / curvature;
+    for (size_t e = 0; e < m; e++) {
+      k->dv[e] += alpha * p[e];
+      r[e] -= alpha * q[e];
+    }
+  }
+  return false;
+}
+
+/* Whether a shortcut is to be tried now: each time in a row that it failed, it is left out for twice as long. */
+static bool pays(hk_shortcut *c) {
+  if (c->wait == 0) return true;
+  c->wait--;
+  return false;
+}
+
+static void judge(hk_shortcut *c, bool good) {
+  c->failures = good ? 0 : c->failures < LONGEST ? c->failures + 1 : LONGEST;
+  c->wait = good ? 0 : (1 << c->failures) - 1;
+}
+
+/* A direction of Newton's own: from the matrix of the present iterate. */
+static hk_status newton_direction(work *k) {
+  bool stale = k->w->factor_g > 0 && k->w->reuse && !k->fresh && !(k->flags & (HK_ITERATIVE | HK_SOLVES_UNSYMMETRIC));
+  hk_status status = assemble(k);
+  if (status != HK_OK) return status;
+  if (stale && pays(&k->w->krylov)) {
+    bool solved = krylov(k);
+    judge(&k->w->krylov, solved);
+    if (solved) return HK_OK;
+  }
+  status = factorize_and_solve(k);
+  if (status != HK_NOT_CONVERGED || k->w->definite > 0) return status;
+  k->w->definite = DEFINITE_FOR;
+  status = assemble(k);
+  return status == HK_OK ? factorize_and_solve(k) : status;
+}
+
+static hk_status chord_direction(work *k) {
+  negate(k->p, k->R, k->m);
+  return solve(k, k->p, k->dv);
+}
+
+static void advance(const work *k, double alpha) {
+  double *v = k->stage->X + k->m;
+  for (size_t e = 0; e < k->m; e++) v[e] = k->v_old[e] + alpha * k->dv[e];
+}
+
+/* Whether a step is too long: p.R has grown to the other side, or |R| has not fallen. */
+static bool overshoots(const work *k, double slope, double size) {
+  if (k->flags & HK_SOLVES_UNSYMMETRIC) return !(dot(k->R, k->R, k->m) <= size);
+  return !(dot(k->dv, k->R, k->m) <= -0.9 * slope);
+}
+
+/* Along dv from v_old, until the step is not too long; R is that of the new v. HK_NOT_CONVERGED: there is none. */
+static hk_status search(work *k, double *taken) {
+  double slope = dot(k->dv, k->R, k->m), size = dot(k->R, k->R, k->m), alpha = 1;
+  bool descends = slope < 0 || k->flags & HK_SOLVES_UNSYMMETRIC;
+  for (int i = 0; i < BACKTRACKS && descends; i++, alpha /= 2) {
+    advance(k, alpha);
+    hk_status status = residual(k, false);
+    *taken = alpha;
+    if (status == HK_NOT_FINITE) continue;
+    if (status != HK_OK) return status;
+    if (!overshoots(k, slope, size)) return HK_OK;
+  }
+  return HK_NOT_CONVERGED;
+}
+
+static hk_status gave_up(const work *k, double size, double limit) {
+  return k->s->host->fail(k->s->host, HK_NOT_CONVERGED,
+                          "Newton's iteration stands at a change of %.3g m/s after %lld iterations, where %.3g m/s is "
+                          "asked: the step may be too long for the forces",
+                          size, (long long)k->w->iterations, limit);
+}
+
+/* What the iteration knows of itself. */
+typedef struct pace {
+  double last; /* size of the last change, 0: not comparable */
+  double rate; /* of convergence, 1 until it is seen */
+  bool chord;  /* with factors of an earlier iterate */
+} pace;
+
+/* Factors of an earlier stage are tried first when they have served well, or have not been tried. */
+static pace start_pace(const work *k) {
+  const hk_newton *w = k->w;
+  bool same = w->factor_g > 0 && fabs(w->factor_g - k->stage->g) <= 1e-9 * k->stage->g;
+  bool chord = same && w->reuse && !(k->flags & HK_ITERATIVE) && pays(&k->w->chord);
+  return (pace){0, chord && w->rate > 0 ? fmax(w->rate, slow) : 1, chord};
+}
+
+/* sqrt(dv.A dv / M) for A dv = -R: as |dv|, but what stretches springs counts as the energy it puts there. */
+static double energy_norm(const work *k) {
+  double mass = 0;
+  for (size_t i = 0; i < k->s->n; i++) mass += k->s->model->inverse_mass[i] > 0 ? k->s->model->mass[i] : 0;
+  return mass > 0 ? sqrt(fabs(dot(k->dv, k->R, k->m)) / (3 * mass)) : 0;
+}
+
+static hk_status next_direction(work *k, pace *p, double *size) {
+  hk_status status = p->chord ? chord_direction(k) : newton_direction(k);
+  if (status != HK_OK) return status;
+  k->s->filter(k->s, k->dv);
+  *size = k->flags & HK_SOLVES_UNSYMMETRIC ? hk_rms(k->dv, k->m) : energy_norm(k);
+  if (p->last > 0) p->rate = fmax(0.3 * p->rate, *size / p->last);
+  if (p->last > 0 && p->chord) k->w->rate = p->rate;
+  return isnan(*size) ? HK_NOT_FINITE : HK_OK;
+}
+
+/* The direction led nowhere: from the same place again with the matrix of this place, and then a definite one. */
+static hk_status fall_back(work *k, pace *p, double size, double limit) {
+  if (k->fresh && k->w->definite > 0) return gave_up(k, size, limit);
+  if (k->fresh) k->w->definite = DEFINITE_FOR;
+  k->w->factor_g = 0;
+  k->fresh = false;
+  *p = (pace){0, 1, false};
+  memcpy(k->stage->X + k->m, k->v_old, k->m * sizeof *k->v_old);
+  return residual(k, false);
+}
+
+static hk_status iterate(work *k) {
+  const hk_view_setup *stage = k->stage;
+  double floor = rounding * (hk_rms(stage->X, k->m) / stage->g + hk_rms(stage->X + k->m, k->m));
+  double limit = stage->limit, size = 0;
+  pace p = start_pace(k);
+  for (int64_t i = 0; i < k->w->iterations; i++) {
+    hk_status status = next_direction(k, &p, &size);
+    if (status != HK_OK) return status;
+    if (i == 0 && stage->fixed) limit = fmin(limit, drop * size);
+    memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
+    bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
+    if (close && k->settled) {
+      advance(k, 1);
+      set_positions(k);
+      return HK_OK;
+    }
+    double alpha = 1;
+    status = search(k, &alpha);
+    if (status == HK_NOT_CONVERGED) {
+      if (p.chord) judge(&k->w->chord, false);
+      status = fall_back(k, &p, size, limit);
+      if (status != HK_OK) return status;
+      continue;
+    }
+    if (status != HK_OK) return status;
+    bool full = alpha == 1, was = p.chord, slows = p.last > 0 && size > slow * p.last;
+    if (was && (slows || !full)) judge(&k->w->chord, false);
+    if (was && p.last > 0 && !slows && full) judge(&k->w->chord, true);
+    p.chord = k->w->reuse && full && !slows && (was || (k->fresh && pays(&k->w->chord))) && !(k->flags & HK_ITERATIVE);
+    p.last = full ? size : 0;
+    if (!full) p.rate = 1;
+    k->fresh = false;
+  }
+  return gave_up(k, size, limit);
+}
+
+hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_view_setup *stage) {
+  work k = begin(w, s, stage);
+  hk_status status = s->solver_flags(s, &k.flags);
+  if (status == HK_OK) status = residual(&k, true);
+  if (status == HK_OK) status = iterate(&k);
+  if (status == HK_NOT_CONVERGED) hk_newton_forget(w);
+  return status;
+}
+
+hk_status hk_newton_smooth(hk_system *s, double *b, double *x) {
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t e = 3 * i; e < 3 * i + 3; e++) b[e] *= s->model->mass[i];
+  s->filter(s, b);
+  hk_status status = s->solve(s, b, x, NULL);
+  if (status == HK_OK) s->filter(s, x);
+  return status;
+}

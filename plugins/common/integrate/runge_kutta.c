@@ -1,0 +1,116 @@
+/* See runge_kutta.h. Weights w of the velocity become w A for the position: x' = x + h (sum w) v + h^2 sum (w A)_l a_l
+ * (Hairer, Norsett and Wanner, Solving ODEs I, II.14). Sums run over chunks that stay in the first-level cache. The
+ * stability function comes from the same tableau, by applying the method to y' = z y: Y_i = 1 + z sum a_ij Y_j,
+ * R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2). */
+#include "plugins/common/integrate/runge_kutta.h"
+
+#include <complex.h>
+#include <string.h>
+
+enum { CHUNK = 512 };
+
+/* Dormand and Prince 1980, RK5(4)7M. */
+const hk_tableau hk_dormand_prince = {
+    .stages = 7,
+    .c = {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1},
+    .a = {{0},
+          {1.0 / 5},
+          {3.0 / 40, 9.0 / 40},
+          {44.0 / 45, -56.0 / 15, 32.0 / 9},
+          {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+          {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+          {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}},
+    .b = {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0},
+};
+
+static size_t stride(const hk_system *s) { return s->size - 3 * s->n; }
+
+double *hk_rk_slope(const hk_system *s, double *k, int i) { return k + (size_t)i * stride(s); }
+
+double *hk_rk_stage_state(const hk_tableau *T, const hk_system *s, double *k) { return hk_rk_slope(s, k, T->stages); }
+
+typedef struct blend {
+  int count;
+  double drift; /* h sum w */
+  const double *k[HK_RK_STAGES];
+  double x[HK_RK_STAGES], v[HK_RK_STAGES]; /* h^2 w A and h w */
+} blend;
+
+static blend weigh(const hk_tableau *T, const hk_system *s, double h, double *k, const double *w, int count,
+                   double total) {
+  blend b = {.drift = h * total};
+  for (int l = 0; l < count; l++) {
+    double x = 0;
+    for (int j = l + 1; j < count; j++) x += w[j] * T->a[j][l];
+    if (x == 0 && w[l] == 0) continue;
+    b.k[b.count] = hk_rk_slope(s, k, l);
+    b.x[b.count] = h * h * x;
+    b.v[b.count++] = h * w[l];
+  }
+  return b;
+}
+
+static void add(double *restrict to, const double *restrict k, size_t count, double w) {
+  if (w == 0) return;
+  for (size_t e = 0; e < count; e++) to[e] += w * k[e];
+}
+
+static void copy_drifted(double *restrict x_to, double *restrict v_to, const double *restrict x,
+                         const double *restrict v, size_t count, double drift) {
+  for (size_t e = 0; e < count; e++) {
+    x_to[e] = x[e] + drift * v[e];
+    v_to[e] = v[e];
+  }
+}
+
+void hk_rk_combine(const hk_tableau *T, const hk_system *s, double h, double *k, const double *weight, int count,
+                   double total, const double *X, double *into) {
+  size_t m = 3 * s->n, tail = s->size - 2 * m;
+  blend b = weigh(T, s, h, k, weight, count, total);
+  for (size_t begin = 0; begin < m; begin += CHUNK) {
+    size_t length = m - begin < CHUNK ? m - begin : CHUNK;
+    double *x = into + begin, *v = into + m + begin;
+    if (into == X)
+      add(x, v, length, b.drift);
+    else
+      copy_drifted(x, v, X + begin, X + m + begin, length, b.drift);
+    for (int j = 0; j < b.count; j++) {
+      add(x, b.k[j] + begin, length, b.x[j]);
+      add(v, b.k[j] + begin, length, b.v[j]);
+    }
+  }
+  if (into != X) memcpy(into + 2 * m, X + 2 * m, tail * sizeof *into);
+  for (int j = 0; j < b.count; j++) add(into + 2 * m, b.k[j] + m, tail, b.v[j]);
+}
+
+hk_status hk_rk_stages(const hk_tableau *T, hk_system *s, double h, double *k, int first) {
+  size_t m = 3 * s->n;
+  for (int i = first; i < T->stages; i++) {
+    double *X = i == 0 ? s->X : hk_rk_stage_state(T, s, k), *slope = hk_rk_slope(s, k, i);
+    if (i > 0) hk_rk_combine(T, s, h, k, T->a[i], i, T->c[i], s->X, X);
+    hk_status status = s->accelerations(s, s->t + T->c[i] * h, X, X + m, X + 2 * m, slope, slope + m);
+    if (status != HK_OK) return status;
+  }
+  return HK_OK;
+}
+
+hk_status hk_rk_step(const hk_tableau *T, hk_system *s, double h, double *k) {
+  hk_status status = hk_rk_stages(T, s, h, k, 0);
+  if (status == HK_OK) hk_rk_combine(T, s, h, k, T->b, T->stages, 1, s->X, s->X);
+  return status;
+}
+
+static double stability(const hk_tableau *T, double complex z) {
+  double complex Y[HK_RK_STAGES], R = 1;
+  for (int i = 0; i < T->stages; i++) {
+    Y[i] = 1;
+    for (int j = 0; j < i; j++) Y[i] += z * T->a[i][j] * Y[j];
+    R += z * T->b[i] * Y[i];
+  }
+  return cabs(R);
+}
+
+double hk_rk_amplification(const hk_tableau *T, double hw, double hg) {
+  double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
+  return fmax(stability(T, fast), stability(T, fast == 0 ? 0 : hw * hw / fast)); /* the roots' product is hw^2 */
+}

@@ -1,0 +1,139 @@
+/* Stoermer's method in summed form, with backward differences D of the accelerations at the last steps:
+ *     d' = d + h sum sigma_j D^j a,   x' = x + h d',   v' = d' + h sum (gamma_j - sigma_j) D^(j-1) a,
+ *     y' = y + h sum gamma_j D^j dy,
+ * with d the last change of x over h, so that rounding does not grow as in x' - 2x + x_before (Hairer, Norsett and
+ * Wanner, Solving ODEs I, III.10). v' is what Adams and Bashforth's method of the same order, gamma_j, gives; taken
+ * from d' it cannot drift away from the change of x. The first steps are Dormand and Prince's, of order 5, whose change
+ * of x starts d without a subtraction.
+ *
+ * The coefficients are the method's: the series' own up to its order, and beyond it what widens the range of stable
+ * steps. */
+#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/integrate/growth_factor.h"
+
+#include <string.h>
+
+static double binomial(int n, int k) { return k == 0 ? 1 : binomial(n, k - 1) * (n - k + 1) / k; }
+
+/* c += factor u^power (1 + u)^rest */
+static void add_term(double *c, double factor, int power, int rest) {
+  for (int k = 0; k <= rest; k++) c[power + k] += factor * binomial(rest, k);
+}
+
+/* With lambda = 1 + u, D is u/(1 + u), and the recurrence's polynomial is
+ *     u^2 (1 + u)^(k-1) + (h w)^2 sum sigma_j u^j (1 + u)^(k-j) + h g sum gamma_j u^(j+1) (1 + u)^(k-1-j). */
+double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double hg) {
+  double c[HK_STOERMER_TERMS + 2] = {0};
+  add_term(c, 1, 2, f->terms - 1);
+  for (int j = 0; j < f->terms; j++) {
+    add_term(c, hw * hw * f->sigma[j], j, f->terms - j);
+    add_term(c, hg * f->gamma[j], j + 1, f->terms - 1 - j);
+  }
+  return hk_polynomial_growth(f->terms + 1, c);
+}
+
+/* The history, newest first, with its weights; those of a term that the method has not are zero. */
+typedef struct past {
+  const double *slope[HK_STOERMER_TERMS];
+  double change[HK_STOERMER_TERMS], lead[HK_STOERMER_TERMS], rate[HK_STOERMER_TERMS];
+} past;
+
+static double *ring(const hk_stoermer *m, const hk_system *s, int terms, int64_t place) {
+  return m->slope + (size_t)(place % terms) * (s->size - 3 * s->n);
+}
+
+static past recall(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, double h) {
+  past p = {.slope = {NULL}};
+  for (int j = 0; j < HK_STOERMER_TERMS; j++) {
+    p.slope[j] = ring(m, s, f->terms, j < f->terms ? m->head + f->terms - j : m->head);
+    for (int i = 0; i <= j; i++) {
+      double w = h * binomial(j, i) * (i % 2 ? -1 : 1);
+      p.change[i] += f->sigma[j] * w;
+      p.rate[i] += f->gamma[j] * w;
+      if (i < j) p.lead[i] += (f->gamma[j] - f->sigma[j]) * h * binomial(j - 1, i) * (i % 2 ? -1 : 1);
+    }
+  }
+  return p;
+}
+
+/* One pass over all, for it is memory that a step waits for. */
+#define INLINE static inline __attribute__((always_inline))
+INLINE void sweep(double *restrict x, double *restrict v, double *restrict d, const past *p, size_t count, double h) {
+  const double *restrict a0 = p->slope[0], *restrict a1 = p->slope[1], *restrict a2 = p->slope[2],
+                         *restrict a3 = p->slope[3], *restrict a4 = p->slope[4];
+  const past q = *p;
+  for (size_t e = 0; e < count; e++) {
+    double change = q.change[0] * a0[e] + q.change[1] * a1[e] + q.change[2] * a2[e] + q.change[3] * a3[e];
+    double lead = q.lead[0] * a0[e] + q.lead[1] * a1[e] + q.lead[2] * a2[e] + q.lead[3] * a3[e];
+    double next = d[e] + (change + q.change[4] * a4[e]);
+    d[e] = next;
+    x[e] += h * next;
+    v[e] = next + lead; /* of the last term nothing is left: lead has one difference less */
+  }
+}
+
+typedef void sweeping(double *x, double *v, double *d, const past *p, size_t count, double h);
+
+static void sweep_narrow(double *x, double *v, double *d, const past *p, size_t count, double h) {
+  sweep(x, v, d, p, count, h);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void sweep_wide(double *x, double *v, double *d, const past *p, size_t count,
+                                                       double h) {
+  sweep(x, v, d, p, count, h);
+}
+
+static sweeping *best(void) { return __builtin_cpu_supports("avx2") ? sweep_wide : sweep_narrow; }
+#else
+static sweeping *best(void) { return sweep_narrow; }
+#endif
+
+static void advance(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double h) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  past p = recall(m, s, f, h);
+  best()(s->X, s->X + v, m->change, &p, v, h);
+  for (int j = 0; j < f->terms; j++)
+    for (size_t e = y; e < s->size; e++) s->X[e] += p.rate[j] * p.slope[j][e - v];
+}
+
+/* One step of Dormand and Prince, whose first slope is known; d = v + h sum (b A)_l a_l is the change of x over h. */
+static hk_status start(hk_stoermer *m, hk_system *s, const double *slope, double h) {
+  hk_tableau T = hk_dormand_prince;
+  T.stages = 6; /* the seventh serves the error estimate */
+  size_t v = 3 * s->n;
+  memcpy(m->start, slope, (s->size - v) * sizeof *slope);
+  hk_status status = hk_rk_stages(&T, s, h, m->start, 1);
+  if (status != HK_OK) return status;
+  memcpy(m->change, s->X + v, v * sizeof *slope);
+  for (int l = 0; l < T.stages; l++) {
+    double w = 0;
+    for (int j = l + 1; j < T.stages; j++) w += h * T.b[j] * T.a[j][l];
+    const double *a = hk_rk_slope(s, m->start, l);
+    for (size_t e = 0; e < v; e++) m->change[e] += w * a[e];
+  }
+  hk_rk_combine(&T, s, h, m->start, T.b, T.stages, 1, s->X, s->X);
+  return HK_OK;
+}
+
+hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
+  size_t v = 3 * s->n;
+  double *a = ring(m, s, f->terms, m->head);
+  if (h != m->h) m->known = 0;
+  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, a, a + v);
+  if (status != HK_OK) return status;
+  if (m->known < f->terms - 1)
+    status = start(m, s, a, h);
+  else
+    advance(m, s, f, h);
+  if (status != HK_OK) return status;
+  m->h = h;
+  m->head = (m->head + 1) % f->terms;
+  if (m->known < f->terms - 1) m->known++;
+  return HK_OK;
+}
+
+void hk_stoermer_reset(void *self, hk_reason why) {
+  (void)why;
+  ((hk_stoermer *)self)->known = 0;
+}

@@ -1,0 +1,40 @@
+/* Stoermer's explicit multistep methods for x'' = a(x, v, t), as integrators. */
+#ifndef HK_STOERMER_H
+#define HK_STOERMER_H
+
+#include "plugins/common/integrate/runge_kutta.h"
+
+enum { HK_STOERMER_TERMS = 5 }; /* at most */
+
+/* What multiplies the backward differences of a; to order p the first p numbers are the series' own. */
+typedef struct hk_stoermer_method {
+  int terms;
+  double sigma[HK_STOERMER_TERMS]; /* of x; 1, 0, 1/12, 1/12, 19/240 */
+  double gamma[HK_STOERMER_TERMS]; /* of v and channels; 1, 1/2, 5/12, 3/8, 251/720 */
+} hk_stoermer_method;
+
+typedef struct hk_stoermer {
+  int64_t known;  /* slopes of earlier steps that are of use, at most terms - 1 */
+  int64_t head;   /* where the next slope goes */
+  double h;       /* s, the step of the history */
+  double *slope;  /* HK_FIELD_STATE of width `terms`: a ring of (a, dy) */
+  double *change; /* n x 3, m/s: (x - x before) / h */
+  double *start;  /* HK_FIELD_STATE of width HK_RK_STAGES, scratch */
+} hk_stoermer;
+
+/* The fields of an instance that begins with hk_stoermer. */
+#define HK_STOERMER_FIELDS(terms)                                                                                      \
+  {"known", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, known), 0},                                                     \
+      {"head", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, head), 0},                                                   \
+      {"h", HK_FIELD_NUMBER, 1, offsetof(hk_stoermer, h), 0},                                                          \
+      {"slopes", HK_FIELD_STATE, terms, offsetof(hk_stoermer, slope), 0},                                              \
+      {"change", HK_FIELD_PER_PARTICLE, 3, offsetof(hk_stoermer, change), 0},                                          \
+      {"start", HK_FIELD_STATE, HK_RK_STAGES, offsetof(hk_stoermer, start), HK_SCRATCH}, {                             \
+    0                                                                                                                  \
+  }
+
+double hk_stoermer_amplification(const hk_stoermer_method *, double hw, double hg);
+hk_status hk_stoermer_step(hk_stoermer *, const hk_stoermer_method *, hk_system *s, double h);
+void hk_stoermer_reset(void *self, hk_reason why);
+
+#endif

@@ -1,0 +1,21 @@
+/* See blas.h. How a threaded BLAS cuts its sums depends on the machine, and would show in the last digit. */
+#define _GNU_SOURCE /* dladdr */
+#include "plugins/common/linear/blas.h"
+#include "core/plugin.h"
+
+#include <dlfcn.h>
+
+extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* NULL with another BLAS */
+extern void omp_set_max_active_levels(int levels) __attribute__((weak)); /* NULL without OpenMP */
+
+void hk_blas_threads(int threads) {
+  if (openblas_set_num_threads) openblas_set_num_threads(threads);
+  if (omp_set_max_active_levels) omp_set_max_active_levels(threads > 1); /* 0: its loops stay on this thread */
+}
+
+void hk_blas_stay_loaded(void) {
+  Dl_info here;
+  if (!dladdr(&hk_plugin_main, &here) || !here.dli_fname) return;
+  void *handle = dlopen(here.dli_fname, RTLD_LAZY | RTLD_NODELETE);
+  if (handle) dlclose(handle);
+}

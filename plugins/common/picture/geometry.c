@@ -1,0 +1,100 @@
+#include "plugins/common/picture/geometry.h"
+
+#include <string.h>
+
+static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
+  host->release(host, old);
+  return host->allocate(host, count * bytes);
+}
+
+static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
+  if (s->n >= p->room) {
+    p->room = p->bead_room = s->n + s->n / 2 + 1;
+    p->vertex = renew(p->host, p->vertex, p->room, sizeof *p->vertex);
+    p->bead = renew(p->host, p->bead, p->room, sizeof *p->bead);
+  }
+  if (s->triangles >= p->triangle_room) {
+    p->triangle_room = s->triangles + s->triangles / 2 + 1;
+    p->triangle = renew(p->host, p->triangle, p->triangle_room, sizeof *p->triangle);
+  }
+  if (s->lines >= p->tube_room) {
+    p->tube_room = s->lines + s->lines / 2 + 1;
+    p->tube = renew(p->host, p->tube, p->tube_room, sizeof *p->tube);
+  }
+  if (p->vertex && p->bead && p->triangle && p->tube) return HK_OK;
+  p->room = p->triangle_room = p->tube_room = 0;
+  return p->host->fail(p->host, HK_NO_MEMORY, "no memory to draw %zu particles", s->n);
+}
+
+static bool has_place(const float x[3], float limit) {
+  return fabsf(x[0]) < limit && fabsf(x[1]) < limit && fabsf(x[2]) < limit;
+}
+
+/* Triangles and the sum of their normals, weighted by area, at each corner. */
+static void add_triangles(hk_painter *p, const hk_snapshot3d *s, float limit) {
+  for (size_t k = 0; k < s->triangles; k++) {
+    const uint32_t *t = s->triangle[k];
+    const float *a = s->x[t[0]], *b = s->x[t[1]], *c = s->x[t[2]];
+    if (!has_place(a, limit) || !has_place(b, limit) || !has_place(c, limit)) continue;
+    float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    float normal[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    for (int i = 0; i < 3; i++)
+      for (int d = 0; d < 3; d++) p->vertex[t[i]].normal[d] += normal[d];
+    memcpy(p->triangle[p->triangles++], t, sizeof *s->triangle);
+  }
+}
+
+/* Squares of small areas would underflow in the shader. */
+static void normalize(float v[3]) {
+  float most = fmaxf(fabsf(v[0]), fmaxf(fabsf(v[1]), fabsf(v[2])));
+  if (most > 0)
+    for (int c = 0; c < 3; c++) v[c] /= most;
+}
+
+static void add_bead(hk_painter *p, const float x[3], double radius, const uint8_t colour[4]) {
+  hk_bead *bead = p->bead + p->beads++;
+  memcpy(bead->centre, x, sizeof bead->centre);
+  memcpy(bead->colour, colour, sizeof bead->colour);
+  bead->radius = (float)radius;
+}
+
+static void add_beads(hk_painter *p, const hk_view_setup *stage, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                      float limit) {
+  static const uint8_t pin[4] = {52, 58, 70, 255};
+  for (size_t i = 0; i < s->n; i++) {
+    if (!s->mark[i] || !has_place(s->x[i], limit)) continue;
+    bool held = s->mark[i] & HK_MARK_PIN;
+    add_bead(p, s->x[i], held ? stage->pin : stage->bead, held ? pin : colour[i]);
+  }
+}
+
+static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], float limit) {
+  for (size_t k = 0; k < s->lines; k++) {
+    uint32_t i = s->line[k][0], j = s->line[k][1];
+    if (!has_place(s->x[i], limit) || !has_place(s->x[j], limit)) continue;
+    hk_tube *tube = p->tube + p->tubes++;
+    memcpy(tube->a, s->x[i], sizeof tube->a);
+    memcpy(tube->b, s->x[j], sizeof tube->b);
+    memcpy(tube->colour_a, colour[i], sizeof tube->colour_a);
+    memcpy(tube->colour_b, colour[j], sizeof tube->colour_b);
+  }
+}
+
+hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *stage, const hk_snapshot3d *s, uint8_t (*colour)[4]) {
+  float limit = (float)(50 * stage->size);
+  hk_status status = make_room(p, s);
+  if (status != HK_OK) return status;
+  p->vertices = s->n;
+  p->triangles = p->tubes = p->beads = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    hk_vertex *v = p->vertex + i;
+    memcpy(v->x, s->x[i], sizeof v->x);
+    memset(v->normal, 0, sizeof v->normal);
+    memcpy(v->colour, colour[i], sizeof v->colour);
+  }
+  add_triangles(p, s, limit);
+  for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
+  add_tubes(p, s, colour, limit);
+  add_beads(p, stage, s, colour, limit);
+  return HK_OK;
+}

@@ -1,0 +1,123 @@
+#include "plugins/common/picture/legend.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { STROKES = 1024, SEGMENTS = 96 };
+
+/* A glyph is polylines on a grid of 5 x 9 points: "xy xy xy  xy xy", baseline at y = 2, capitals up to 8. */
+static const char *const digit[] = {"12 32 43 47 38 18 07 03 12",
+                                    "07 28 22  12 32",
+                                    "07 18 38 47 46 02 42",
+                                    "07 18 38 47 46 35 15  35 44 43 32 12 03",
+                                    "32 38 04 44",
+                                    "48 08 05 35 44 43 32 12 03",
+                                    "47 38 18 07 03 12 32 43 44 35 15 04",
+                                    "08 48 22",
+                                    "15 06 07 18 38 47 46 35 15 04 03 12 32 43 44 35",
+                                    "03 12 32 43 47 38 18 07 06 15 35 46"};
+static const char *const letter[] = {"06 36 45 42  44 14 03 12 32 43",
+                                     "08 02 32 43 45 36 06",
+                                     "46 16 05 03 12 42",
+                                     "48 42 12 03 05 16 46",
+                                     "04 44 45 36 16 05 03 12 32",
+                                     "12 17 28 38  06 36",
+                                     "46 16 05 03 12 42  46 41 30 10",
+                                     "08 02  05 16 36 45 42",
+                                     "22 26  28 28",
+                                     "26 21 10  28 28",
+                                     "08 02  46 04 42",
+                                     "28 23 32",
+                                     "02 06  05 16 25 22  25 36 45 42",
+                                     "02 06  05 16 36 45 42",
+                                     "12 32 43 45 36 16 05 03 12",
+                                     "00 06 36 45 43 32 02",
+                                     "40 46 16 05 03 12 42",
+                                     "02 06  05 16 36",
+                                     "46 16 05 14 34 43 32 02",
+                                     "18 13 22 32  06 36",
+                                     "06 03 12 32 43  46 42",
+                                     "06 22 46",
+                                     "06 12 25 32 46",
+                                     "06 42  02 46",
+                                     "06 22  46 00",
+                                     "06 46 02 42"};
+static const char signs[] = "-+.%/_";
+static const char *const sign[] = {"05 45", "05 45  23 27", "22 22", "02 48  08 18 17 07 08  32 42 43 33 32",
+                                   "02 48", "01 41"};
+
+static const char *glyph(int c) {
+  const char *at = strchr(signs, c);
+  if (isdigit(c)) return digit[c - '0'];
+  if (isalpha(c)) return letter[tolower(c) - 'a'];
+  return at && *at ? sign[at - signs] : "";
+}
+
+typedef struct strokes {
+  hk_tube tube[STROKES];
+  size_t count;
+} strokes;
+
+static void add_stroke(strokes *s, double ax, double ay, double bx, double by, const uint8_t colour[4]) {
+  if (s->count == STROKES) return;
+  hk_tube *t = s->tube + s->count++;
+  *t = (hk_tube){.a = {(float)ax, (float)ay, 0}, .b = {(float)bx, (float)by, 0}};
+  memcpy(t->colour_a, colour, 4);
+  memcpy(t->colour_b, colour, 4);
+}
+
+static double text_width(const char *text, double unit) { return unit * (6 * (double)strlen(text) - 2); }
+
+/* `align` 0: x is the left end, 0.5: the middle, 1: the right end. `unit`: of the glyphs' grid, pixels. */
+static void add_text(strokes *s, const char *text, double x, double y, double unit, double align) {
+  static const uint8_t ink[4] = {62, 68, 80, 255};
+  x -= align * text_width(text, unit);
+  for (; *text; text++, x += 6 * unit) {
+    const char *g = glyph((unsigned char)*text);
+    for (; *g && g[2] != 0; g += 3) {
+      if (g[2] == ' ' && g[3] == ' ') {
+        g++; /* the pen is lifted: the next pair begins after two spaces */
+        continue;
+      }
+      add_stroke(s, x + (g[0] - '0') * unit, y + (g[1] - '2') * unit, x + (g[3] - '0') * unit, y + (g[4] - '2') * unit,
+                 ink);
+    }
+  }
+}
+
+static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const double at[2], double length,
+                     double thickness) {
+  s->count = 0;
+  for (int k = 0; k < SEGMENTS; k++) {
+    double left = at[0] + length * k / SEGMENTS, right = at[0] + length * (k + 1) / SEGMENTS;
+    double y = at[1] + thickness / 2;
+    /* A stroke is longer than its ends by half its width on both sides. */
+    add_stroke(s, left + thickness / 4, y, fmax(right - thickness / 4, left + thickness / 4), y,
+               legend->table[k * HK_MAP_SIZE / SEGMENTS + HK_MAP_SIZE / SEGMENTS / 2]);
+  }
+  hk_painter_strokes(p, s->tube, s->count, thickness / 2);
+}
+
+static void number_text(char *text, size_t size, double value, double most) {
+  if (fabs(value) < 1e-9 * most) value = 0;
+  snprintf(text, size, "%.3g", value);
+}
+
+void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
+  int width = p->canvas.width, height = p->canvas.height;
+  if (height < 200 || width < 200) return;
+  strokes s = {.count = 0};
+  char text[32];
+  double unit = fmax(height / 420.0, 1), margin = 0.04 * height, length = fmin(0.3 * height, 0.3 * width);
+  double thickness = fmax(0.013 * height, 5), at[2] = {margin, margin + 11 * unit};
+  double most = fmax(fabs(legend->low), fabs(legend->high));
+  draw_bar(p, &s, legend, at, length, thickness);
+  s.count = 0;
+  add_text(&s, legend->label, at[0], at[1] + thickness + 5 * unit, unit, 0);
+  for (int k = 0; k < 3; k++) {
+    number_text(text, sizeof text, legend->low + (legend->high - legend->low) * k / 2, most);
+    add_text(&s, text, at[0] + length * k / 2, at[1] - 11 * unit, unit, k / 2.0);
+  }
+  hk_painter_strokes(p, s.tube, s.count, 0.42 * unit + 0.15);
+}

@@ -1,0 +1,189 @@
+/* The passes of a picture: backdrop, floor with the shadow, cloth, springs, particles. */
+#include "plugins/common/picture/geometry.h"
+#include "plugins/common/picture/gl.h"
+#include "plugins/common/picture/shadow.h"
+
+typedef struct scene {
+  const hk_view_setup *stage;
+  hk_lens lens;
+  double key[3];        /* towards the light, world axes */
+  float light[2][4][3]; /* key, sky, toward, between; in world axes and in the camera's */
+} scene;
+
+static int uniform(const hk_painter *p, int program, const char *name) {
+  return glGetUniformLocation(p->program[program], name);
+}
+
+static void set_matrices(const hk_painter *p, int program, const float view[16], const float projection[16]) {
+  glUseProgram(p->program[program]);
+  glUniformMatrix4fv(uniform(p, program, "view"), 1, GL_FALSE, view);
+  glUniformMatrix4fv(uniform(p, program, "projection"), 1, GL_FALSE, projection);
+}
+
+static void set_light(const hk_painter *p, int program, const float light[4][3], float plain) {
+  static const char *const name[] = {"key", "sky", "toward", "between"};
+  for (int k = 0; k < 4; k++) glUniform3fv(uniform(p, program, name[k]), 1, light[k]);
+  glUniform1f(uniform(p, program, "plain"), plain);
+}
+
+static void normalize(double v[3]) {
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  for (int c = 0; c < 3; c++) v[c] /= length;
+}
+
+/* From above, the left and behind the eye. */
+static void place_light(scene *s) {
+  double axis[3][3], direction[4][3] = {{0}, {0, 0, 1}};
+  hk_camera_axes(&s->stage->camera, axis[0], axis[1], axis[2]);
+  for (int c = 0; c < 3; c++) s->key[c] = -0.42 * axis[0][c] + (c < 2 ? 0.3 * axis[2][c] : 1);
+  s->key[2] = fmax(s->key[2], 0.5);
+  normalize(s->key);
+  for (int c = 0; c < 3; c++) {
+    direction[0][c] = s->key[c], direction[2][c] = axis[2][c];
+    direction[3][c] = s->key[c] + axis[2][c];
+  }
+  normalize(direction[3]);
+  for (int k = 0; k < 4; k++)
+    for (int c = 0; c < 3; c++) {
+      const double *d = direction[k], *a = axis[c];
+      s->light[0][k][c] = (float)d[c];
+      s->light[1][k][c] = (float)(a[0] * d[0] + a[1] * d[1] + a[2] * d[2]);
+    }
+}
+
+static void upload(const hk_painter *p) {
+  glBindVertexArray(p->mesh_array); /* an element buffer belongs to it */
+  glBindBuffer(GL_ARRAY_BUFFER, p->mesh_buffer);
+  if (p->triangles) {
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->vertices * sizeof *p->vertex), p->vertex, GL_STREAM_DRAW);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(p->triangles * sizeof *p->triangle), p->triangle,
+                 GL_STREAM_DRAW);
+  }
+  glBindBuffer(GL_ARRAY_BUFFER, p->tube_buffer);
+  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->tubes * sizeof *p->tube), p->tube, GL_STREAM_DRAW);
+  glBindBuffer(GL_ARRAY_BUFFER, p->bead_buffer);
+  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->beads * sizeof *p->bead), p->bead, GL_STREAM_DRAW);
+}
+
+static void draw_mesh(const hk_painter *p, const scene *s) {
+  if (!p->triangles) return;
+  set_matrices(p, HK_MESH, s->lens.view, s->lens.projection);
+  set_light(p, HK_MESH, s->light[0], 0);
+  glBindVertexArray(p->mesh_array);
+  glDrawElements(GL_TRIANGLES, (GLsizei)(3 * p->triangles), GL_UNSIGNED_INT, NULL);
+}
+
+static void draw_instances(const hk_painter *p, const scene *s, int program, size_t count, double least) {
+  if (!count) return;
+  set_matrices(p, program, s->lens.view, s->lens.projection);
+  set_light(p, program, s->light[1], 0);
+  glUniform1f(uniform(p, program, "least"), (float)least);
+  glUniform2f(uniform(p, program, "pixel"), 2.f / (float)p->canvas.width, 2.f / (float)p->canvas.height);
+  if (program == HK_TUBE) glUniform1f(uniform(p, program, "radius"), (float)s->stage->tube);
+  glBindVertexArray(program == HK_TUBE ? p->tube_array : p->bead_array);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
+}
+
+static void draw_backdrop(const hk_painter *p, const hk_view_setup *stage) {
+  const float *b = stage->background;
+  glUseProgram(p->program[HK_BACKDROP]);
+  glUniform3f(uniform(p, HK_BACKDROP, "low"), 1.02f * b[0], 1.01f * b[1], b[2]);
+  glUniform3f(uniform(p, HK_BACKDROP, "high"), 0.84f * b[0], 0.89f * b[1], 0.95f * b[2]);
+  glBindVertexArray(p->nothing);
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
+/* The largest of 1, 2, 5 x 10^k below half the size. */
+static double grid_spacing(double size) {
+  double most = size / 2, decade = pow(10, floor(log10(most)));
+  return decade * (most >= 5 * decade ? 5 : most >= 2 * decade ? 2 : 1);
+}
+
+static void draw_square(hk_painter *p, const scene *s, int program, const float square[4]) {
+  set_matrices(p, program, s->lens.view, s->lens.projection);
+  glUniform4fv(uniform(p, program, "square"), 1, square);
+  glBindVertexArray(p->nothing);
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  glDisable(GL_BLEND);
+}
+
+/* Behind what lies on it, by the polygon offset. */
+static void draw_floor(hk_painter *p, const scene *s) {
+  const hk_view_setup *stage = s->stage;
+  const float *b = stage->background;
+  double spacing = grid_spacing(stage->size);
+  float square[4] = {(float)((stage->low[0] + stage->high[0]) / 2), (float)((stage->low[1] + stage->high[1]) / 2),
+                     (float)stage->height, (float)(6 * stage->size)};
+  glUseProgram(p->program[HK_FLOOR]);
+  glUniform3f(uniform(p, HK_FLOOR, "grid"), (float)spacing, (float)-fmod(stage->offset[0], spacing),
+              (float)-fmod(stage->offset[1], spacing));
+  glUniform3f(uniform(p, HK_FLOOR, "colour"), fminf(1.03f * b[0], 1), fminf(1.03f * b[1], 1), fminf(1.02f * b[2], 1));
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1, 16);
+  draw_square(p, s, HK_FLOOR, square);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+static void draw_shadow(hk_painter *p, const scene *s) {
+  float patch[3];
+  hk_shadow_cast(p, s->stage, s->key, patch);
+  glBindTexture(GL_TEXTURE_2D, p->shadow);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_SHADOW_SIZE, HK_SHADOW_SIZE, GL_RED, GL_UNSIGNED_BYTE, p->shade);
+  glDepthMask(GL_FALSE);
+  draw_square(p, s, HK_SHADE, (float[]){patch[0], patch[1], (float)s->stage->height, patch[2]});
+  glDepthMask(GL_TRUE);
+}
+
+/* Backdrop and floor are the same for all pictures: drawn once. */
+static void draw_surroundings(hk_painter *p, const scene *s) {
+  if (p->kept) {
+    hk_canvas_restore(&p->canvas);
+    return;
+  }
+  hk_canvas_use(&p->canvas);
+  glDepthMask(GL_TRUE);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glDisable(GL_DEPTH_TEST);
+  draw_backdrop(p, s->stage);
+  glEnable(GL_DEPTH_TEST);
+  if (s->stage->floor) draw_floor(p, s);
+  hk_canvas_keep(&p->canvas);
+  p->kept = true;
+}
+
+hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *stage, const hk_snapshot3d *shot, uint8_t (*colour)[4]) {
+  scene s = {.stage = stage};
+  hk_status status = hk_geometry_fill(p, stage, shot, colour);
+  if (status != HK_OK) return status;
+  hk_camera_lens(&stage->camera, &s.lens);
+  place_light(&s);
+  upload(p);
+  draw_surroundings(p, &s);
+  glEnable(GL_DEPTH_TEST);
+  if (stage->floor) draw_shadow(p, &s);
+  draw_mesh(p, &s);
+  draw_instances(p, &s, HK_TUBE, p->tubes, 0.75);
+  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  draw_instances(p, &s, HK_BEAD, p->beads, stage->bead_pixels);
+  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  return HK_OK;
+}
+
+void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, double half_width) {
+  float w = 2.f / (float)p->canvas.width, h = 2.f / (float)p->canvas.height;
+  float view[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
+  static const float unlit[4][3] = {{0}};
+  float projection[16] = {[0] = w, [5] = h, [12] = -1, [13] = -1, [15] = 1};
+  glDisable(GL_DEPTH_TEST);
+  glBindBuffer(GL_ARRAY_BUFFER, p->tube_buffer);
+  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *stroke), stroke, GL_STREAM_DRAW);
+  set_matrices(p, HK_TUBE, view, projection);
+  set_light(p, HK_TUBE, unlit, 1);
+  glUniform1f(uniform(p, HK_TUBE, "radius"), 0);
+  glUniform1f(uniform(p, HK_TUBE, "least"), (float)half_width);
+  glUniform2f(uniform(p, HK_TUBE, "pixel"), w, h);
+  glBindVertexArray(p->tube_array);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
+}

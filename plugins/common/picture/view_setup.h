@@ -1,0 +1,21 @@
+/* What the pictures of a motion have in common. Lengths in m, from the shots' origin. */
+#ifndef HK_VIEW_SETUP_H
+#define HK_VIEW_SETUP_H
+
+#include "plugins/common/picture/camera.h"
+
+#include <stdbool.h>
+
+typedef struct hk_view_setup {
+  hk_camera camera;
+  double low[3], high[3]; /* box of the motion */
+  double size;            /* half its diagonal, never 0 */
+  bool floor;
+  double height;          /* of the floor */
+  double offset[2];       /* of the origin from the scene's, so that grid lines lie at round coordinates */
+  double bead, tube, pin; /* radii of particles, springs and pinned particles */
+  double bead_pixels;     /* the smallest radius of a particle on the picture */
+  float background[3];    /* 0..1, of its middle */
+} hk_view_setup;
+
+#endif

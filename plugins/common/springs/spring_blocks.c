@@ -1,0 +1,83 @@
+/* See spring_blocks.h. Each spring takes one square root and adds nine numbers to four blocks; the order in which a
+ * block's springs are added is the layout's, whatever the number of threads. */
+#include "plugins/common/springs/spring_blocks.h"
+
+void hk_spring_pattern(const hk_spring_layout *s, hk_pattern *p) {
+  for (size_t e = 0; e < s->count; e++) {
+    uint32_t i = s->pair[e][0], j = s->pair[e][1];
+    p->block(p, i, i);
+    p->block(p, i, j);
+    p->block(p, j, i);
+    p->block(p, j, j);
+  }
+}
+
+typedef struct task {
+  const hk_spring_layout *s;
+  const double *x, *v;
+  const hk_blocks *into;
+  size_t first_group;
+} task;
+
+static void add(double *into, const size_t slot[4], const double block[9]) {
+  double *ii = into + 9 * slot[0], *ij = into + 9 * slot[1], *ji = into + 9 * slot[2], *jj = into + 9 * slot[3];
+  for (int q = 0; q < 9; q++) {
+    ii[q] += block[q];
+    ij[q] -= block[q];
+    ji[q] -= block[q];
+    jj[q] += block[q];
+  }
+}
+
+static void at_one_point(const task *t, size_t e, double k, double L) {
+  double block[9] = {k, 0, 0, 0, k, 0, 0, 0, k};
+  if (L == 0) add(t->into->K, t->into->slot + 4 * e, block);
+}
+
+static void spring(const task *t, size_t e) {
+  const hk_spring_layout *s = t->s;
+  size_t i = 3 * (size_t)s->pair[e][0], j = 3 * (size_t)s->pair[e][1];
+  double k = s->k[s->each_k ? e : 0], c = s->c[s->each_c ? e : 0], L = s->L[s->each_L ? e : 0];
+  double n[3], u[3], K[9], D[9], ll = 0, un = 0;
+  for (int a = 0; a < 3; a++) {
+    n[a] = t->x[j + a] - t->x[i + a];
+    u[a] = t->v[j + a] - t->v[i + a];
+    ll += n[a] * n[a];
+  }
+  if (!(ll > 0)) {
+    at_one_point(t, e, k, L);
+    return;
+  }
+  double r = 1 / sqrt(ll);
+  for (int a = 0; a < 3; a++) un += u[a] * (n[a] *= r);
+  double b = k * (1 - L * r) + c * r * un;
+  if (b < 0 && t->into->want & HK_WANT_DEFINITE) b = 0;
+  bool turning = !(t->into->want & HK_WANT_SYMMETRIC) && c != 0;
+  for (int q = 0; q < 9; q++) {
+    double nn = n[q / 3] * n[q % 3];
+    K[q] = (k - b) * nn + (q % 4 == 0 ? b : 0);
+    if (turning) K[q] += c * r * (n[q / 3] * u[q % 3] - un * nn);
+    D[q] = c * nn;
+  }
+  add(t->into->K, t->into->slot + 4 * e, K);
+  if (c != 0) add(t->into->D, t->into->slot + 4 * e, D);
+}
+
+static void add_groups(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  (void)chunk;
+  for (size_t g = t->first_group + begin; g < t->first_group + end; g++)
+    for (size_t r = t->s->group[g]; r < t->s->group[g + 1]; r++) {
+      const hk_spring_run *run = &t->s->run[r];
+      for (size_t e = run->begin; e < run->begin + run->count; e++) spring(t, e);
+    }
+}
+
+void hk_spring_blocks(const hk_spring_layout *s, const hk_host *host, const double *x, const double *v,
+                      const hk_blocks *into) {
+  task t = {s, x, v, into, 0};
+  for (size_t round = 0; round < s->rounds; round++) {
+    t.first_group = s->round[round];
+    host->parallel_for(host, s->round[round + 1] - t.first_group, 1, add_groups, &t);
+  }
+}

@@ -1,0 +1,258 @@
+/* What core/verify.c and core/choose.c promise: an accuracy that is asked for is judged by half the step from a
+ * disturbed start; runs can leave parts out, be disturbed, be cut short and be given an integrator with its parameters.
+ * Through `hooke run`, and through hooke.load in a tool. */
+#include "core/command/tool.h"
+#include "tests/support/command.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+static void run(const char *scene, const char *arguments, int code) {
+  char all[512];
+  test_write("scene.lua", scene);
+  snprintf(all, sizeof all, "run scene.lua --json --quiet --no-output %s", arguments);
+  test_hooke(&r, NULL, all);
+  if (r.code != code) fail_msg("%s: exit %d instead of %d: %s%s", all, r.code, code, r.err, r.out);
+}
+
+/* Runs `body` as a tool with the scene in scene.lua: it asserts. `load(options)` gives the scene, `ends(options)` its
+ * summary and packed state at the end, `refused(options)` why it does not start. */
+static void tool(const char *scene, const char *body) {
+  static const char head[] =
+      "package.path = '" HK_ROOT "/tools/?.lua;' .. package.path\n"
+      "local states = require('states')\n"
+      "local here = hooke.folder .. '/scene.lua'\n"
+      "local function load(o) return assert(hooke.load(here, {}, o)) end\n"
+      "local function ends(o) local run = load(o):run() return run:summary(), run:packed() end\n"
+      "local function refused(o)\n"
+      "  local scene, why = hooke.load(here, {}, o)\n"
+      "  if not scene then return why end\n"
+      "  local fine, message = pcall(scene.run, scene, { to = 0 })\n"
+      "  assert(not fine, 'it was not refused')\n"
+      "  return tostring(message)\n"
+      "end\n"
+      "local function says(text, wanted) assert(text:find(wanted, 1, true), wanted .. ' is not in: ' .. text) end\n"
+      "local _ = { states, ends, refused, says }\n";
+  static char text[8192];
+  hk_registry registry;
+  hk_error error = {0};
+  hk_run_options options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN};
+  hk_script_options script = {.registry = &registry, .trust = true, .run = &options};
+  char path[512], *argv[] = {(char *)(uintptr_t) "probe"};
+  int code = 0;
+  test_write("scene.lua", scene);
+  snprintf(text, sizeof text, "%s%s", head, body);
+  snprintf(path, sizeof path, "%s", test_write("probe.lua", text));
+  assert_int_equal(hk_registry_open(&registry, HK_BUILD "/plugins", NULL, &error), HK_OK);
+  registry.allow_script_folder = true; /* as for every tool */
+  if (hk_tool_run(path, 1, argv, &script, &code, NULL, &error) != HK_OK) fail_msg("%s", error.text);
+  hk_registry_close(&registry);
+}
+
+/* x'' = -w^2 x, w = 4 1/s, from 1 m; leapfrog is off by the phase w^3 h^2 t/24, so at t = 1 s and h = 1/100 by
+ * 2.7e-4 sin(4) = 2.0e-4 m, and half the step by a quarter of that (201 steps in place of 100: 0.2475). */
+static const char oscillator[] =
+    "local scene = hooke.scene { duration = 1, fps = 1, dt = 0.01 }\n"
+    "scene:particle { position = {1, 0, 0}, mass = 1 }\nscene:force('central', { strength = 16 })\n";
+static const char exact[] = "scene:exact(function(t) return math.cos(4 * t), 0, 0 end)\n";
+
+static char *joined(const char *a, const char *b) {
+  static char text[4096];
+  snprintf(text, sizeof text, "%s%sreturn scene\n", a, b);
+  return text;
+}
+
+static void the_difference_is_what_richardson_says(void **state) {
+  (void)state;
+  run(joined(oscillator, exact), "--accuracy 1e-2", 0);
+  double error = test_json(r.out, "exact_error"), difference = test_json(r.out, "verify_difference");
+  double phase = 64 * 1e-4 / 24, expected = fabs(cos(4) - cos(4 * (1 + phase / 4)));
+  assert_true(fabs(error / expected - 1) < 0.02); /* the next term of the phase is (w h)^2 of it, 2e-3 */
+  assert_true(fabs(difference / error - 0.75) < 0.01);
+  assert_true(test_json(r.out, "accuracy") == 1e-2);
+}
+
+static void twice_the_difference_is_the_bound(void **state) {
+  (void)state;
+  char arguments[64];
+  run(joined(oscillator, ""), "--verify", 0);
+  double difference = test_json(r.out, "verify_difference");
+  snprintf(arguments, sizeof arguments, "--accuracy %.17g", 2.01 * difference);
+  run(joined(oscillator, ""), arguments, 0);
+  snprintf(arguments, sizeof arguments, "--accuracy %.17g", 1.99 * difference);
+  run(joined(oscillator, ""), arguments, 5);
+  assert_non_null(strstr(r.out, "\"verdict\":\"inaccurate\""));
+  assert_non_null(strstr(r.out, "is not reached"));
+}
+
+static void nothing_asked_for_nothing_judged(void **state) {
+  (void)state;
+  run(joined(oscillator, "scene:measure('z', function(s) return s:position(1)[3] end)\n"), "", 0);
+  assert_true(isnan(test_json(r.out, "accuracy")) && isnan(test_json(r.out, "verify_difference")));
+  test_write("asked.lua", "local scene = hooke.scene { duration = 1, fps = 1, dt = 0.01, accuracy = 1e-6 }\n"
+                          "scene:particle { position = {1, 0, 0}, mass = 1 }\n"
+                          "scene:force('central', { strength = 16 })\nreturn scene\n");
+  test_hooke(&r, NULL, "run asked.lua --json --quiet");
+  assert_int_equal(r.code, 5);
+  test_hooke(&r, NULL, "run asked.lua --json --quiet --accuracy 1e-2"); /* the command line has the last word */
+  assert_int_equal(r.code, 0);
+}
+
+/* At rest on the top of a hill, x'' = 100 x: it stays there to the last bit with any step, and 1e-10 m off it is
+ * 1e-10 e^(10 t)/2 away, 1e-10 e^30/2 = 500 m after 3 s. */
+static void a_balanced_start_is_found_out(void **state) {
+  (void)state;
+  const char hill[] = "local scene = hooke.scene { duration = 3, fps = 100, dt = 0.01 }\n"
+                      "scene:particle { position = {0, 0, 0}, mass = 1 }\n"
+                      "scene:force('central', { strength = -100 })\n"
+                      "scene:exact(function(t) return 0, 0, 0 end)\nreturn scene\n";
+  run(hill, "--accuracy 1e-3", 5);
+  assert_true(test_json(r.out, "exact_error") == 0);
+  double off = test_json(r.out, "verify_difference");
+  assert_true(off > 1 && off < 1e3);
+  assert_non_null(strstr(r.out, "off by 1e-10 of the extent"));
+}
+
+/* The solution said to be exact is a metre off, and only one judge looks at it. */
+static void a_blind_judge_does_not_see_the_exact_solution(void **state) {
+  (void)state;
+  const char *wrong = joined(oscillator, "scene:exact(function(t) return math.cos(4 * t) + 1, 0, 0 end)\n");
+  tool(wrong, "local seen = load({ accuracy = 1e-2 }):run():verify()\n"
+              "assert(seen.verdict == 'inaccurate' and seen.exact_error > 0.9)\n"
+              "says(seen.reason, 'is above the accuracy asked for')\n"
+              "local unseen = load({ accuracy = 1e-2, ignore_exact = true }):run():verify()\n"
+              "assert(unseen.verdict == 'ok', unseen.reason)\n"
+              "assert(unseen.verify_difference == seen.verify_difference)\n");
+}
+
+/* The force fails at its 150th evaluation: the run of 100 steps does not get there, and that of 201 does. */
+static void a_second_run_that_fails_is_no_agreement(void **state) {
+  (void)state;
+  char scene[1024];
+  snprintf(scene, sizeof scene,
+           "local scene = hooke.scene { duration = 1, fps = 1, dt = 0.01 }\n"
+           "scene:particle { position = {1, 0, 0}, mass = 1 }\nscene:force('central', { strength = 16 })\n"
+           "scene:force('%s/tests/fixtures/kicker.so', { fail_at = 150 })\nreturn scene\n",
+           HK_BUILD);
+  run(scene, "--trust", 0);
+  run(scene, "--trust --accuracy 1e-2", 5);
+  assert_non_null(strstr(r.err, "with half the step: scene.lua:4: kicker: asked to fail"));
+  assert_non_null(strstr(r.out, "\"verdict\":\"inaccurate\""));
+  assert_non_null(strstr(r.out, "could not be checked"));
+}
+
+/* The error goes with the tolerance (per step, so with its power 5/4 at the end): a tenth of it leaves 0.06 to 0.1. */
+static void adaptive_methods_are_checked_by_their_tolerance(void **state) {
+  (void)state;
+  const char circle[] = "local scene = hooke.scene { duration = 3, fps = 1, tol = 1e-7 }\n"
+                        "scene:particle { position = {1, 0, 0}, velocity = {0, 4, 0}, mass = 1 }\n"
+                        "scene:force('central', { strength = 16 })\n"
+                        "scene:exact(function(t) return math.cos(4 * t), math.sin(4 * t), 0 end)\nreturn scene\n";
+  run(circle, "--integrator dopri5 --accuracy 1e-2", 0);
+  double error = test_json(r.out, "exact_error"), difference = test_json(r.out, "verify_difference");
+  if (!(difference > 0.85 * error && difference < error)) fail_msg("%g of %g", difference, error);
+  run(circle, "--integrator dopri5 --accuracy 1e-7", 5);
+}
+
+/* ---- hooke.load's options ---- */
+
+static const char pair[] = "local scene = hooke.scene { duration = 0.1, fps = 100, dt = 0.01 }\n"
+                           "local a = scene:particle { position = {0, 0, 0}, mass = 1 }\n"
+                           "local b = scene:particle { position = {2, 0, 0}, mass = 1 }\n"
+                           "scene:pin { a }\n"
+                           "scene:force('springs', { edges = {{a, b}}, k = 100, rest = 1, label = 'rod' })\n"
+                           "scene:force('gravity', { g = {0, 0, -10} })\n";
+
+static void a_disturbance_moves_free_particles_by_its_size(void **state) {
+  (void)state;
+  tool(joined(pair, ""),
+       "local function start(o) local s = load(o) return s:run({ to = 0 }):packed() end\n"
+       "local still, moved = start {}, start { perturb = 1e-6 }\n"
+       "local off = states.distance(still, moved)\n"
+       "assert(off.x_max > 0 and off.x_max <= 2e-6 * math.sqrt(3), off.x_max)\n" /* of the extent, 2 m, per axis */
+       "local far = math.abs(off.x_rms * math.sqrt(2) / off.x_max - 1)\n"
+       "assert(far < 1e-12, 'the pinned one moved')\n"
+       "assert(off.v_max == 0)\n"
+       "assert(start { perturb = 1e-6 } == moved, 'the same seed')\n"
+       "assert(start { perturb = 1e-6, perturb_seed = 2 } ~= moved, 'another seed')\n"
+       "local small = states.distance(still, start { perturb = 1e-9 })\n"
+       "assert(math.abs(small.x_rms / off.x_rms / 1e-3 - 1) < 1e-6)\n" /* 1e-9 of 2 m, rounded to 16 digits */
+  );
+}
+
+static void what_is_left_out_does_not_act(void **state) {
+  (void)state;
+  tool(joined(pair, ""), "local _, whole = ends {}\n"
+                         "local s, rest = ends { without = { 'gravity', 'rod' } }\n"
+                         "assert(states.distance(whole, rest).x_max > 0.01)\n"
+                         "assert(states.distance(rest, load({}):run({ to = 0 }):packed()).x_max == 0, 'it moved')\n"
+                         "for _, p in ipairs(s.plugins) do assert(p.kind ~= 'force', p.label) end\n"
+                         "says(refused { without = { 'roods' } }, \"nothing labelled 'roods'\")\n"
+                         "says(refused { without = { 'rod', 'rod' } }, \"nothing labelled 'rod'\")\n");
+}
+
+static void a_limit_of_steps_ends_the_run_there(void **state) {
+  (void)state;
+  tool(joined(pair, ""), "local scene = load { step_limit = 7 }\n"
+                         "local run = scene:run { to = 0 }\n"
+                         "local fine, message = pcall(scene.run, scene)\n"
+                         "assert(not fine and run:summary().steps == 7)\n"
+                         "says(tostring(message), '7 steps')\n"
+                         "assert(ends({ step_limit = 10 }).steps == 10)\n"); /* the whole run: not one too many */
+}
+
+static void an_integrator_comes_with_its_parameters(void **state) {
+  (void)state;
+  tool(joined(pair, ""),
+       "local s = ends { integrator = 'xpbd:substeps=3,bdf=2' }\n"
+       "assert(s.integrator == 'xpbd' and s.steps == 10 and s.force_evaluations <= 3 * 10 + 1, s.force_evaluations)\n"
+       "local _, few = ends { integrator = 'xpbd:substeps=3' }\n"
+       "local _, many = ends { integrator = 'xpbd:substeps=4' }\n"
+       "assert(few ~= many)\n"
+       "assert(ends({ integrator = 'bdf2', solver = 'pcg:preconditioner=block_jacobi' }).solver == 'pcg')\n"
+       "says(refused { integrator = 'xpbd:substep=3' }, \"did you mean 'substeps'?\")\n"
+       "says(refused { integrator = 'xpbd:substeps' }, 'is not parameter=value')\n"
+       "says(refused { integrator = 'xpbd:substeps=few' }, 'substeps')\n"
+       "says(refused { integrator = 'xpbd:substeps=0' }, 'substeps')\n"
+       "says(refused { integrator = 'xpbd:sweep=sideways' }, 'sweep')\n"
+       "says(refused { integrator = 'leapfog' }, \"did you mean 'leapfrog'?\")\n"
+       "says(refused { integrator = 'bdf2', solver = 'pcj' }, \"did you mean 'pcg'?\")\n"
+       "says(select(2, pcall(hooke.load, here, {}, { sed = 1 })), \"did you mean 'seed'?\")\n");
+}
+
+static void implicit_methods_refuse_constraints_before_the_first_step(void **state) {
+  (void)state;
+  char scene[1024];
+  snprintf(scene, sizeof scene, "%sscene:constraint('%s/tests/fixtures/bar.so', { edges = {{a, b}}, label = 'bar' })\n",
+           pair, HK_BUILD);
+  tool(joined(scene, ""), "says(refused { integrator = 'bdf2', trust = true }, \"takes no constraints ('bar')\")\n"
+                          "load { integrator = 'bdf2', trust = true, without = { 'bar' } }:run { to = 0 }\n");
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_difference_is_what_richardson_says),
+      cmocka_unit_test(twice_the_difference_is_the_bound),
+      cmocka_unit_test(nothing_asked_for_nothing_judged),
+      cmocka_unit_test(a_balanced_start_is_found_out),
+      cmocka_unit_test(a_blind_judge_does_not_see_the_exact_solution),
+      cmocka_unit_test(a_second_run_that_fails_is_no_agreement),
+      cmocka_unit_test(adaptive_methods_are_checked_by_their_tolerance),
+      cmocka_unit_test(a_disturbance_moves_free_particles_by_its_size),
+      cmocka_unit_test(what_is_left_out_does_not_act),
+      cmocka_unit_test(a_limit_of_steps_ends_the_run_there),
+      cmocka_unit_test(an_integrator_comes_with_its_parameters),
+      cmocka_unit_test(implicit_methods_refuse_constraints_before_the_first_step),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

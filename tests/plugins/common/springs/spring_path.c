@@ -1,0 +1,68 @@
+/* The paths of the springs kernel give the same bits. */
+#include "plugins/common/springs/spring_path.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { PARTICLES = 700, SPRINGS = HK_SPRING_BLOCK };
+
+typedef struct state {
+  double x[3 * PARTICLES + 1], v[3 * PARTICLES + 1], k[SPRINGS], c[SPRINGS], L[SPRINGS];
+  uint32_t pair[SPRINGS][2];
+} state;
+
+typedef struct result {
+  double F[3 * PARTICLES], power;
+} result;
+
+static void fill(state *s) {
+  for (size_t q = 0; q < 3 * PARTICLES; q++) s->x[q] = sin(1.3 * (double)q), s->v[q] = cos(2.1 * (double)q);
+  for (size_t e = 0; e < SPRINGS; e++) {
+    s->k[e] = 100 + (double)(e % 17), s->c[e] = 0.1 * (double)(e % 5), s->L[e] = 0.3 * (double)(e % 3);
+    s->pair[e][0] = (uint32_t)(e * e % 601), s->pair[e][1] = s->pair[e][0] + 1 + (uint32_t)(e % 7);
+  }
+  memcpy(s->x + 3 * 300, s->x + 3 * 299, 3 * sizeof *s->x); /* a coincident pair of the near run */
+}
+
+/* Common coefficients when `each` is 0, or one per spring. */
+static void run(const hk_spring_path *path, const state *s, size_t each, bool damped, result out[3]) {
+  double k[HK_SPRING_LANES] = {70, 70, 70, 70}, c[HK_SPRING_LANES] = {2, 2, 2, 2}, L[HK_SPRING_LANES] = {0};
+  hk_spring_numbers q = {each ? s->k : k, each ? s->c : c, each ? s->L : L, each, each, each};
+  const double *xi = s->x + 3 * 100, *vi = s->v + 3 * 100;
+  memset(out, 0, 3 * sizeof *out);
+  out[0].power =
+      path->far_run(&q, SPRINGS, xi, xi + 3 * 300, vi, vi + 3 * 300, out[0].F + 300, out[0].F + 1200, damped);
+  out[1].power = path->near_run(&q, SPRINGS, xi, xi + 3, vi, vi + 3, out[1].F + 300, out[1].F + 303, damped);
+  out[2].power = path->list(&q, SPRINGS, s->pair, s->x, s->v, out[2].F, damped);
+}
+
+static void paths_give_the_same_bits(void **unused) {
+  (void)unused;
+  if (!hk_spring_wide()) return; /* this processor has one path only */
+  state *s = calloc(1, sizeof *s);
+  result *wide = calloc(3, sizeof *wide), *narrow = calloc(3, sizeof *narrow);
+  fill(s);
+  for (int variant = 0; variant < 4; variant++) {
+    run(hk_spring_wide(), s, variant & 1 ? ~(size_t)0 : 0, variant & 2, wide);
+    run(&hk_spring_narrow, s, variant & 1 ? ~(size_t)0 : 0, variant & 2, narrow);
+    for (int r = 0; r < 3; r++) {
+      assert_memory_equal(&wide[r], &narrow[r], sizeof *wide);
+      double sum = 0;
+      for (size_t q = 0; q < 3 * PARTICLES; q++) sum += fabs(wide[r].F[q]);
+      assert_true((wide[r].power > 0) == (variant >= 2) && isfinite(sum) && sum > 100);
+    }
+  }
+  free(s);
+  free(wide);
+  free(narrow);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(paths_give_the_same_bits)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

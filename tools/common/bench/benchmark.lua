@@ -1,0 +1,300 @@
+-- A bench from the reference to the ranking, without printing: what tools/bench.lua shows and tools/auto.lua decides
+-- by. The phases and their part of the time:
+--   reference     two methods refined until they agree; where they cannot, up to the horizon until which they do
+--   conditioning  how disturbances grow, and the floor that this sets
+--   ladders       every method from cheap to accurate, one process at a time, errors against the reference
+--   repeats       the settings that matter, timed again in turns
+local sensitivity = require("common.bench.sensitivity")
+local refinement = require("common.bench.refinement")
+local methods = require("common.bench.methods")
+local sampled_run = require("common.bench.sampled_run")
+local process = require("process")
+local journal = require("common.bench.journal")
+local reference = require("common.bench.reference")
+local report = require("common.bench.report")
+local states = require("states")
+local case_process = require("common.run.case_process")
+
+local benchmark = {}
+
+local part = { reference = 0.3, conditioning = 0.1, ladder = 0.4 } -- of the time; repeats have what is left
+local most_state_bytes = 64e6 -- of the reference's frames that are kept
+local energy_rounding = 2e-14 -- of the largest kinetic energy: a hundred roundings
+local exact_rounding = 2e-15  -- of the size of the motion: some roundings in the exact solution's own formula
+
+case_process.execute = sampled_run.execute
+
+-- ---- trials ----
+
+local function key_of(case)
+  local told = {}
+  for _, name in ipairs { "integrator", "dt", "tol", "until", "every", "perturb", "perturb_seed", "motion", "turn",
+    "threads", "repeats" } do told[name] = case[name] end
+  told.compared = case.against and true or nil
+  return journal.canonical(told)
+end
+
+local function still_good(result, case)
+  return result and (result.verdict ~= "timeout" or (result.patience or 0) >= 0.9 * (case.timeout or math.huge))
+end
+
+-- Runs what next() gives (or a list), takes what is on file, and hands each result to done(case, result).
+local function run_all(self, source, done, jobs)
+  local next_case = source
+  if type(source) == "table" then
+    local at = 0
+    next_case = function()
+      at = at + 1
+      return source[at]
+    end
+  end
+  local function fresh()
+    while true do
+      local case = next_case()
+      if not case then return nil end
+      local known = self.record and self.record:get(key_of(case))
+      if not still_good(known, case) then return case end
+      self.taken = (self.taken or 0) + 1
+      done(case, known)
+    end
+  end
+  case_process.each(jobs or self.jobs, fresh, function(case, result)
+    if result.verdict == "timeout" then result.patience = case.timeout end
+    if self.record then self.record:put(key_of(case), result) end
+    if jobs == 1 then
+      for _, time in ipairs(result.times or { result.step_wall_s }) do
+        self.timed = self.timed + time + (result.start_wall_s or 0)
+      end
+      if result.verdict == "timeout" then self.timed = self.timed + case.timeout end
+    end
+    if self.each then self.each(case, result) end
+    done(case, result)
+  end, self.tick)
+end
+
+-- ---- the scene ----
+
+-- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), only_best
+-- (methods that are slower than the best at the target need not go on). Of what it returns the caller may set `record`
+-- (tools/common/bench/journal.lua), each(case, result) and tick().
+function benchmark.new(options)
+  local explained, why = hooke.explain(options.scene, options.params, { trust = options.trust })
+  if not explained then return nil, why end
+  local catalogue = hooke.catalogue()
+  local list = methods.all(catalogue, explained.steps)
+  if options.integrators then
+    list, why = methods.chosen(catalogue, explained.steps, options.integrators)
+    if not list then return nil, why end
+  end
+  local self = { options = options, explained = explained, methods = list, step = {}, fps = explained.fps, timed = 0,
+    jobs = options.jobs or process.processors(), metric = options.metric or "x",
+    limit = options.until_ or explained.duration }
+  for _, s in ipairs(explained.steps) do self.step[s.name] = s end
+  self.stages, self.implicit = {}, {}
+  for _, plugin in ipairs(catalogue) do
+    if plugin.kind == "integrator" then
+      self.stages[plugin.name], self.implicit[plugin.name] = plugin.stages, plugin.implicit
+    end
+  end
+  local frames = math.ceil(self.limit * self.fps) + 1
+  self.every = math.max(1, math.ceil(frames * explained.particles * 56 / most_state_bytes))
+  function self.case()
+    return { scene = options.scene, params = options.params, ["until"] = self.limit, threads = options.threads or 1,
+      every = self.every, trust = options.trust }
+  end
+  function self.run(cases, done, jobs) run_all(self, cases, done, jobs) end
+  return self
+end
+
+local function still(motion)
+  for _, state in ipairs(motion.states) do
+    local d = states.distance(motion.states[1], state)
+    if not d or d.x_rms > 0 or d.v_rms > 0 then return false end
+  end
+  return true
+end
+
+local function names_of(measures)
+  local names = {}
+  for name in pairs(measures) do names[#names + 1] = name end
+  table.sort(names)
+  return names
+end
+
+local function check_metric(self, motion)
+  local names = names_of(motion.measures)
+  local known = self.metric == "x" or self.metric == "v" or self.metric == "energy" or motion.measures[self.metric]
+  if not known then
+    local near = hooke.nearest(self.metric, names)
+    return nil, ("--metric %s: the scene has no such measure%s; x, v, energy%s can be chosen"):format(self.metric,
+      near and (", did you mean '%s'?"):format(near) or "", #names > 0 and " and " .. table.concat(names, ", ") or "")
+  end
+  if (self.metric == "x" or self.metric == "v") and still(motion) then
+    return nil, ("nothing moves in this scene, so positions say nothing of a method: choose a measure with --metric%s")
+      :format(#names > 0 and " (" .. table.concat(names, ", ") .. ")" or "; the scene has none")
+  end
+  return true
+end
+
+-- ---- the phases ----
+
+local function shorten(motion, frames)
+  local cut = { states = table.move(motion.states, 1, frames, 1, {}), t = table.move(motion.t, 1, frames, 1, {}),
+    exact = table.move(motion.exact or {}, 1, frames, 1, {}), measures = {} }
+  for name, list in pairs(motion.measures) do cut.measures[name] = table.move(list, 1, frames, 1, {}) end
+  return cut
+end
+
+local function size_of(difference, metric)
+  return metric == "v" and difference.v_rms or difference.measure[metric] or difference.x_rms
+end
+
+-- The reference up to `frames` frames after the start.
+local function cut(self, found, frames)
+  found.motion, found.other = shorten(found.motion, frames + 1), shorten(found.other, frames + 1)
+  found.method = { case = found.method.case, time = found.method.time,
+    motion = shorten(found.method.motion, frames + 1) }
+  found.error = sampled_run.compare(found.motion, found.other)
+  found.size = size_of(found.error, self.metric)
+  self.limit = found.motion.t[frames + 1]
+end
+
+local function scale_of(motion)
+  local far = 0
+  for _, state in ipairs(motion.states) do
+    local d = states.distance(motion.states[1], state)
+    if d then far = math.max(far, d.x_rms) end
+  end
+  return far
+end
+
+local function exact_of(motion)
+  if #motion.exact < #motion.t then return nil end
+  local sum = 0
+  for k = 2, #motion.exact do sum = sum + motion.exact[k] ^ 2 end
+  return math.sqrt(sum / math.max(#motion.exact - 1, 1))
+end
+
+-- Where the two methods cannot agree to the target's hundredth, what is left is the time until they do.
+local function find_reference(self)
+  local aim = self.options.finest / reference.margin
+  local found, why = reference.compute(self, aim, part.reference * self.options.budget)
+  if not found then return nil, why end
+  local fine
+  fine, why = check_metric(self, found.motion)
+  if not fine then return nil, why end
+  self.scale, self.exact = scale_of(found.motion), exact_of(found.motion)
+  self.doubted = self.exact and self.exact > reference.margin * found.error.x_rms + exact_rounding * self.scale
+  if found.size * reference.margin > self.options.target and not (self.exact and self.metric == "x") then
+    self.cut_from = { t = self.limit, size = found.size, late = found.late }
+    if found.frames < 1 then
+      return nil, ("%s differ from the first frame on, by %.2g over all: an error cannot be told in this scene; "
+        .. "a larger --target or --budget may help"):format(found.words, found.size)
+    end
+    cut(self, found, found.frames)
+    self.horizon = self.limit
+  end
+  self.reference = found
+  return true
+end
+
+-- Disturbances that have grown to the size of the motion itself say no more how they grow.
+local function saturated_at(self, found)
+  for k, growth in ipairs(found.by_frame) do
+    if growth * sensitivity.sizes[1] * found.extent > 0.03 * self.scale then return k end
+  end
+end
+
+local function condition(self)
+  local found, why = sensitivity.measure(self, self.reference.method, part.conditioning * self.options.budget)
+  if not found then
+    self.conditioning_failed = why
+    return
+  end
+  local k = saturated_at(self, found)
+  if k and k > 1 then
+    self.cut_from = self.cut_from or { t = self.limit, size = self.reference.size }
+    cut(self, self.reference, k - 1)
+    self.horizon = self.limit
+    found.growth = found.by_frame[k - 1]
+    sensitivity.set_floor(found, found.growth)
+  end
+  self.conditioning = found
+end
+
+-- Below these, by column, nothing is told: a hundred times the reference's own error; of the positions, where the scene
+-- knows them exactly, some roundings; and of the metric the floor that the conditioning sets.
+local function supports_of(self)
+  local error, floor = self.reference.error, self.conditioning and self.conditioning.floor or 0
+  local supports, metric = { measure = {} }, self.metric
+  for _, name in ipairs { "x_rms", "x_max", "v_rms", "v_max" } do supports[name] = reference.margin * error[name] end
+  for name, value in pairs(error.measure) do supports.measure[name] = reference.margin * value end
+  if self.exact then
+    supports.x_rms = exact_rounding * self.scale
+    if self.explained.particles == 1 then supports.x_max = supports.x_rms end
+  end
+  if metric == "x" or metric == "v" then
+    for _, name in ipairs { "_rms", "_max" } do supports[metric .. name] = math.max(supports[metric .. name], floor) end
+  elseif metric ~= "energy" then
+    supports.measure[metric] = math.max(supports.measure[metric], floor)
+  end
+  return supports
+end
+
+local function goal_of(self)
+  local supports, o = supports_of(self), self.options
+  local metric = self.metric
+  local support = metric == "energy" and energy_rounding or supports[metric .. "_rms"] or supports.measure[metric]
+  local unit = metric == "x" and " m" or metric == "v" and " m/s" or ""
+  local word = metric == "energy" and "energy drift" or metric == "x" and "error" or "error of " .. metric
+  return { metric = metric, fps = self.fps, motion = self.reference.motion, finest = o.finest, target = o.target,
+    only_best = o.only_best, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
+    scale = metric == "x" and self.scale > 0 and self.scale or math.huge }
+end
+
+local function rows_that_matter(self, ranking)
+  local rows, seen = {}, {}
+  for _, entry in ipairs(ranking) do
+    if entry.row then
+      rows[#rows + 1] = entry.row
+      seen[entry.row] = true
+    end
+  end
+  for _, row in ipairs(report.front(self.methods, self.goal)) do
+    if not seen[row] then rows[#rows + 1] = row end
+  end
+  return rows
+end
+
+local function rank(self)
+  self.front = report.front(self.methods, self.goal)
+  self.ranking = report.ranking(self.methods, self.goal)
+end
+
+-- say(text) is told what happens. Returns nil and why, or true: self.ranking, self.recommended, ...
+function benchmark.measure(self, say)
+  local budget = self.options.budget
+  say("reference")
+  local begun = process.clock()
+  local fine, why = find_reference(self)
+  if not fine then return nil, why end
+  say("conditioning")
+  condition(self)
+  self.reference_s, self.reference.other, self.reference.method = process.clock() - begun, nil, nil
+  self.goal = goal_of(self)
+  collectgarbage() -- the states of what was tried: every process of a timed run would have them, too
+  say("ladders")
+  local ladder_begun = process.clock()
+  refinement.climb(self.methods, self, self.goal, part.ladder * budget)
+  for _, method in ipairs(self.methods) do method.observed = report.order(method, self.goal) end
+  rank(self)
+  say("repeats")
+  local left = budget - (process.clock() - begun)
+  refinement.repeat_rows(rows_that_matter(self, self.ranking), self, 3, math.min(left, 0.5 * budget))
+  rank(self)
+  self.own_s = process.clock() - ladder_begun - self.timed
+  self.recommended, self.recommendation = report.recommend(self.ranking, self.goal)
+  return true
+end
+
+return benchmark

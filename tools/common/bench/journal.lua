@@ -1,0 +1,141 @@
+-- What a tool has found out, kept line by line (JSON) as it is found: after an interruption the same command takes up
+-- what is there. A record belongs to a fingerprint of everything that the results depend on; of another fingerprint it
+-- is begun anew. Long strings (packed states) are kept in files of their own beside it.
+local json = require("cjson").new()
+json.encode_invalid_numbers(true)
+json.decode_invalid_numbers(true)
+json.encode_sparse_array(true)
+
+local journal = {}
+local store = {}
+store.__index = store
+
+-- FNV-1a of 64 bits (Fowler, Noll and Vo), as 16 hexadecimal digits.
+function journal.hash(text)
+  local h = 0xcbf29ce484222325
+  for k = 1, #text do h = (h ~ text:byte(k)) * 0x100000001b3 end
+  return ("%016x"):format(h)
+end
+
+function journal.read(path)
+  local file = io.open(path, "rb")
+  if not file then return nil end
+  local text = file:read("a")
+  file:close()
+  return text
+end
+
+-- All or nothing: what is at `path` is the old text or the new one.
+function journal.write(path, text)
+  local file, why = io.open(path .. ".new", "wb")
+  if not file then return nil, why end
+  local fine = file:write(text)
+  if not (file:close() and fine) then return nil, path .. ".new cannot be written" end
+  return os.rename(path .. ".new", path)
+end
+
+-- A table as a text that is the same for the same contents.
+function journal.canonical(value)
+  if type(value) ~= "table" then return math.type(value) == "float" and ("%.17g"):format(value) or tostring(value) end
+  local keys, parts = {}, {}
+  for key in pairs(value) do keys[#keys + 1] = key end
+  table.sort(keys, function(a, b) return tostring(a) < tostring(b) end)
+  for _, key in ipairs(keys) do parts[#parts + 1] = tostring(key) .. "=" .. journal.canonical(value[key]) end
+  return "{" .. table.concat(parts, ",") .. "}"
+end
+
+local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
+
+-- The text of a script and of every file that it names in quotes: modules, meshes, start states.
+local function texts_of(path, seen, texts)
+  local text, folder = journal.read(path), path:match("^(.*/)") or ""
+  if seen[path] or not text then return texts end
+  seen[path] = true
+  texts[#texts + 1] = text
+  if not path:find("%.lua$") then return texts end
+  for word in text:gmatch("[\"']([^\"'\n]+)[\"']") do
+    local module = word:gsub("%.", "/") .. ".lua"
+    texts_of(folder .. word, seen, texts)
+    texts_of(folder .. module, seen, texts)
+    if hooke.library then texts_of(hooke.library .. "/" .. module, seen, texts) end
+  end
+  return texts
+end
+
+-- The scene's text and the files it names, its parameters, and the contents of the plugins at hand.
+function journal.of_scene(path, params)
+  local files = {}
+  for k, plugin in ipairs((hooke.catalogue())) do files[k] = quoted(plugin.path) end
+  local sums = io.popen("cksum " .. table.concat(files, " "))
+  local parts = texts_of(path, {}, {})
+  parts[#parts + 1] = journal.canonical(params)
+  parts[#parts + 1] = hooke.version .. sums:read("a")
+  sums:close()
+  return journal.hash(table.concat(parts, "\0"))
+end
+
+local function states_path(self, key) return ("%s.%s"):format(self.path, journal.hash(key)) end
+
+-- Rows of an earlier run; those of another fingerprint are forgotten, with their files.
+local function take_up(self, text, fingerprint)
+  local stranger = false
+  for line in text:gmatch("[^\n]+") do
+    local fine, row = pcall(json.decode, line)
+    if not fine then return end -- the last line, cut off
+    stranger = stranger or row.fingerprint and row.fingerprint ~= fingerprint
+    if row.key and stranger then
+      if row.result.kept then os.remove(states_path(self, row.key)) end
+    elseif row.key then
+      self.known[row.key] = row.result
+      self.count = self.count + 1
+    end
+  end
+end
+
+function journal.open(path, fingerprint)
+  local self = setmetatable({ path = path, known = {}, count = 0 }, store)
+  take_up(self, journal.read(path) or "", fingerprint)
+  self.file = assert(io.open(path, "wb"))
+  self.file:write(json.encode { fingerprint = fingerprint }, "\n")
+  for key, result in pairs(self.known) do self.file:write(json.encode { key = key, result = result }, "\n") end
+  self.file:flush()
+  return self
+end
+
+-- The result that is on file, its states with it, or nil.
+function store:get(key)
+  local kept, result = self.known[key], {}
+  if not kept or not kept.kept then return kept end
+  local text, at = journal.read(states_path(self, key)), 1
+  if not text then return nil end
+  for name, value in pairs(kept) do result[name] = value end
+  result.states = {}
+  while at <= #text do result.states[#result.states + 1], at = string.unpack("<s8", text, at) end
+  return result
+end
+
+function store:put(key, result)
+  local kept = {}
+  for name, value in pairs(result) do kept[name] = value end
+  if result.states then
+    local parts = {}
+    for k, state in ipairs(result.states) do parts[k] = string.pack("<s8", state) end
+    assert(journal.write(states_path(self, key), table.concat(parts)))
+    kept.states, kept.kept = nil, true
+  end
+  self.file:write(json.encode { key = key, result = kept }, "\n")
+  self.file:flush()
+  self.known[key] = kept
+end
+
+-- All is done: nothing to take up.
+function store:remove()
+  self.file:close()
+  for key, result in pairs(self.known) do
+    if result.kept then os.remove(states_path(self, key)) end
+  end
+  os.remove(self.path)
+end
+
+journal.json = json
+return journal

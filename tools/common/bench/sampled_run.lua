@@ -1,0 +1,135 @@
+-- A run that is looked at in every frame: the motion (packed states) and the scene's measures, compared with those of
+-- another run. To be taken as trial.execute; a case (tools/common/run/case_process.lua) then also has
+--   every          look at every so many-th frame (1), and at the last
+--   motion         true: the result has `motion`, what compare() takes, and with keep = true the states come along
+--   against        a motion that is known: the result has `error`, the differences to it
+--   repeats, repeat_s   run it so many times more at most, without looking, while all runs together take less than
+--                  repeat_s seconds: result.times lists step_wall_s of each run, the first one included
+--
+-- Errors: at a frame, the root mean square (and the largest) over all particles of the distance between the positions,
+-- and between the velocities; of these the root mean square (the largest) over the frames after the start. Of a
+-- measure: the root mean square over the frames of the difference. Where the scene gives its exact solution, the error
+-- of the positions is against that; the exact solution gives neither the largest error nor velocities of several
+-- particles.
+local process = require("process")
+local states = require("states")
+
+local sampled_run = {}
+
+local function rms(list)
+  local sum = 0
+  for _, value in ipairs(list) do sum = sum + value * value end
+  return #list > 0 and math.sqrt(sum / #list) or 0
+end
+
+local function most(list)
+  local largest = 0
+  for _, value in ipairs(list) do
+    if value > largest or value ~= value then largest = value end
+  end
+  return largest
+end
+
+-- Differences over the frames after the start. `last`: up to that frame only. The x of every frame comes, too.
+function sampled_run.compare(a, b, last)
+  local x, x_max, v, v_max, measure = {}, {}, {}, {}, {}
+  local count = math.min(#a.states, #b.states, last or math.huge)
+  if not last and #a.states ~= #b.states then return nil, "one of the runs did not reach the end" end
+  for k = 2, count do
+    local d, why = states.distance(a.states[k], b.states[k])
+    if not d then return nil, why end
+    x[k - 1], x_max[k - 1], v[k - 1], v_max[k - 1] = d.x_rms, d.x_max, d.v_rms, d.v_max
+  end
+  for name, list in pairs(a.measures) do
+    local other, difference = b.measures[name] or {}, {}
+    for k = 2, count do difference[k - 1] = math.abs((list[k] or 0 / 0) - (other[k] or 0 / 0)) end
+    measure[name] = rms(difference)
+  end
+  return { x_rms = rms(x), x_max = most(x_max), v_rms = rms(v), v_max = most(v_max), measure = measure, x = x, v = v }
+end
+
+-- ---- one run ----
+
+local function look(run, motion)
+  local summary = run:summary()
+  motion.states[#motion.states + 1] = run:packed()
+  motion.t[#motion.t + 1] = summary.t
+  motion.exact[#motion.exact + 1] = summary.exact_error
+  for name, value in pairs(summary.measures) do
+    motion.measures[name] = motion.measures[name] or {}
+    motion.measures[name][#motion.t] = value
+  end
+end
+
+local function advance(scene, case, motion)
+  local run = scene:run { to = 0 }
+  local summary = run:summary()
+  look(run, motion)
+  for k = case.every or 1, math.huge, case.every or 1 do
+    local t = k / summary.fps
+    if t >= summary["end"] * (1 - 1e-12) then break end
+    scene:run { to = t }
+    look(run, motion)
+  end
+  scene:run()
+  look(run, motion)
+  return run
+end
+
+local function errors(case, motion)
+  local error, why = sampled_run.compare(motion, case.against, nil)
+  if not error then return { failed = why } end
+  error.x, error.v = nil, nil
+  if #motion.exact == #motion.t then
+    local after = table.move(motion.exact, 2, #motion.exact, 1, {})
+    error.x_rms = rms(after)
+    if #motion.states[1] == (2 + 7) * 8 then error.x_max = most(after) end -- of one particle
+    error.exact = true
+  end
+  return error
+end
+
+local function again(case)
+  local options = { threads = case.threads or 1 }
+  for _, key in ipairs { "integrator", "solver", "dt", "tol", "until", "seed", "trust" } do options[key] = case[key] end
+  local scene = hooke.load(case.scene, case.params, options)
+  return scene:run():summary().step_wall_s
+end
+
+local function time(case, first)
+  local times, total = { first }, first
+  while #times <= (case.repeats or 0) and total < (case.repeat_s or math.huge) do
+    local begun = process.clock()
+    times[#times + 1] = again(case)
+    total = total + process.clock() - begun
+  end
+  return times
+end
+
+-- The engine's message without the line of this file that Lua puts before it.
+local function bare(message) return (tostring(message):gsub("^[^\n]-sampled_run%.lua:%d+: ", "")) end
+
+function sampled_run.execute(case)
+  local options = { threads = case.threads or 1, ignore_exact = true }
+  for _, key in ipairs { "integrator", "solver", "dt", "tol", "until", "seed", "trust", "perturb", "perturb_seed" } do
+    options[key] = case[key]
+  end
+  local scene, refused = hooke.load(case.scene, case.params, options)
+  if not scene then return { failed = refused, fits = false } end
+  local begun, first = pcall(scene.run, scene, { to = 0 })
+  if not begun then return { failed = bare(first), fits = false } end
+  local motion = { states = {}, t = {}, exact = {}, measures = {} }
+  local fine, message = pcall(advance, scene, case, motion)
+  local result = first:summary()
+  if not fine then
+    result.failed = bare(message)
+    if result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
+    return result
+  end
+  if case.against then result.error = errors(case, motion) end
+  if case.motion then result.motion = { t = motion.t, exact = motion.exact, measures = motion.measures } end
+  if case.repeats and result.verdict == "ok" then result.times = time(case, result.step_wall_s) end
+  return result, motion.states
+end
+
+return sampled_run

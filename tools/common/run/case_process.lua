@@ -1,0 +1,180 @@
+-- One run of a scene, in a process of its own: what diverges, crashes or runs away takes nothing else with it.
+--
+-- A case is a table:
+--   scene                     the script's path
+--   params                    { name = value } of the scene
+--   integrator, solver        "name" or "name:parameter=value,..."; nil: the scene's choice
+--   dt, tol, ["until"], accuracy, seed, threads (1), without (labels), step_limit, perturb, perturb_seed, ignore_exact
+--                             as hooke run and core/run.h have them
+--   verify                    true: checked by a second run (hooke run --verify; always, where the scene asks for accuracy)
+--   timeout                   s, of wall time; the process is then ended
+--   frames                    true: the states of all frames are at hand to `finish`, packed (tools/native/states.c)
+--   finish                    function(result, states) called in the process after the run: adds to the result
+--   keep                      true: result.states comes back, too
+-- A result is the run's summary (scripts/README.md, run:summary) with, when there is none, `failed`, the cause as a
+-- text, and `fits` = false when the scene or its options were refused before the first step.
+local process = require("process")
+
+local case_process = {}
+
+local passed_on = { "integrator", "solver", "dt", "tol", "until", "accuracy", "seed", "without", "step_limit", "perturb",
+  "perturb_seed", "ignore_exact", "trust" }
+
+local function options_of(case)
+  local options = { threads = case.threads or 1 }
+  for _, key in ipairs(passed_on) do options[key] = case[key] end
+  return options
+end
+
+local function advance(scene, case, states)
+  local run = scene:run { to = 0 }
+  local summary = run:summary()
+  if not case.frames then return scene:run() end
+  states[1] = run:packed()
+  for k = 1, math.huge do
+    local t = k / summary.fps
+    if t >= summary["end"] * (1 - 1e-12) then break end
+    scene:run { to = t }
+    states[#states + 1] = run:packed()
+  end
+  scene:run()
+  states[#states + 1] = run:packed()
+  return run
+end
+
+-- The case, here: the process of the caller is at its mercy. The second result is the list of states.
+function case_process.execute(case)
+  local scene, refused = hooke.load(case.scene, case.params, options_of(case))
+  if not scene then return { failed = refused, fits = false } end
+  local states = {}
+  local begun, first = pcall(scene.run, scene, { to = 0 })
+  if not begun then return { failed = first, fits = false } end
+  local fine, message = pcall(advance, scene, case, states)
+  local result = first:summary()
+  if fine and result.accuracy or case.verify and fine then
+    local again
+    result, again = first:verify()
+    result.second_failed = again
+  end
+  if not fine then result.failed = message end
+  if not fine and result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
+  if case.finish then case.finish(result, states) end
+  return result, states
+end
+
+-- Loads the plugins that a case names, so that the processes that run it need not.
+local warmed = {}
+function case_process.warm(case)
+  local key = case.scene .. "\0" .. (case.integrator or "") .. "\0" .. (case.solver or "")
+  if warmed[key] then return end
+  warmed[key] = true
+  local scene = hooke.load(case.scene, case.params, options_of(case))
+  if not scene then return end
+  for method, choice in pairs { integrator = case.integrator, solver = case.solver } do
+    pcall(scene[method], scene, (choice:gsub(":.*", "")))
+  end
+end
+
+-- ---- processes ----
+
+-- A value as Lua's own text, numbers to the last bit.
+local function dump(value)
+  if type(value) ~= "table" then return ("%q"):format(value) end
+  local parts = {}
+  for key, item in pairs(value) do parts[#parts + 1] = ("[%s]=%s"):format(dump(key), dump(item)) end
+  return "{" .. table.concat(parts, ",") .. "}"
+end
+
+local function undump(text) return assert(load("return " .. text, "=result", "t", {}))() end
+
+local function child(case, fd)
+  local fine, result, states = pcall(case_process.execute, case)
+  if not fine then result = { failed = tostring(result) } end
+  local parts = { string.pack("<s8", dump(result)) }
+  for _, state in ipairs(case.keep and states or {}) do parts[#parts + 1] = string.pack("<s8", state) end
+  process.write(fd, table.concat(parts))
+  process.exit(0)
+end
+
+local function start(case)
+  case_process.warm(case)
+  local pid, fd = process.fork()
+  if pid == 0 then child(case, fd) end
+  local now = process.clock()
+  return { case = case, pid = pid, fd = fd, parts = {}, begun = now, deadline = now + (case.timeout or math.huge) }
+end
+
+local function unpack_result(text, keep)
+  local fine, encoded, at = pcall(string.unpack, "<s8", text)
+  if not fine then return nil end
+  local result = undump(encoded)
+  if keep then result.states = {} end
+  while keep and at <= #text do
+    result.states[#result.states + 1], at = string.unpack("<s8", text, at)
+  end
+  return result
+end
+
+local function finish(job)
+  process.close(job.fd)
+  local how, code = process.wait(job.pid)
+  local result = unpack_result(table.concat(job.parts), job.case.keep)
+  if job.late then
+    result = { failed = ("ended after %g s"):format(job.case.timeout), verdict = "timeout" }
+  elseif not result then
+    result = { failed = ("the process crashed (%s %d)"):format(how == "signal" and how or "exit code", code),
+      verdict = "crashed" }
+  end
+  result.process_s = process.clock() - job.begun
+  return result
+end
+
+local function watch(jobs)
+  local fds, ended = {}, {}
+  for fd in pairs(jobs) do fds[#fds + 1] = fd end
+  local ready = process.ready(fds, 0.1)
+  for fd, job in pairs(jobs) do
+    local text = ready[fd] and process.read(fd)
+    if text and text ~= "" then
+      job.parts[#job.parts + 1] = text
+    elseif text then
+      ended[#ended + 1] = job
+    elseif process.clock() > job.deadline then
+      process.kill(job.pid)
+      job.late = true
+      ended[#ended + 1] = job
+    end
+  end
+  return ended
+end
+
+-- Runs cases, `jobs` at a time: next() gives one or nil, done(case, result) takes each as it ends (in any order), and
+-- tick() is called some times a second.
+function case_process.each(jobs, next, done, tick)
+  local running, count, more = {}, 0, true
+  while more or count > 0 do
+    while more and count < jobs do
+      local case = next()
+      if not case then more = false break end
+      local job = start(case)
+      running[job.fd] = job
+      count = count + 1
+    end
+    for _, job in ipairs(count > 0 and watch(running) or {}) do
+      running[job.fd] = nil
+      count = count - 1
+      done(job.case, finish(job))
+    end
+    if tick then tick() end
+  end
+end
+
+-- One case.
+function case_process.run(case)
+  local result
+  local rest = { case }
+  case_process.each(1, function() return table.remove(rest) end, function(_, r) result = r end)
+  return result
+end
+
+return case_process

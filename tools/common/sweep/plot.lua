@@ -1,0 +1,207 @@
+-- Diagrams of a sweep: a measure against one parameter (a line for each combination of the others), as colour over two,
+-- or the paths of a particle in panels. Repeats, and samples that share a place, are drawn as their median. Cases that
+-- diverged or failed are left out, and the title says how many.
+local maps = require("common.sweep.maps")
+local paths = require("common.sweep.paths")
+local plan = require("common.sweep.plan")
+local plot = require("common.run.plot")
+local points = require("common.sweep.points")
+local rows = require("common.sweep.table")
+
+local figures = {}
+
+-- ---- what to draw ----
+
+local known = { "measure", "over", "name", "title", "xlabel", "ylabel", "logx", "logy", "min", "max", "path", "axes",
+  "panels", "curves", "range", "width", "height" }
+
+local function check(figure, k)
+  local names = {}
+  for _, name in ipairs(known) do names[name] = true end
+  for name in pairs(figure) do
+    if not names[name] then plan.unknown("field of plots[" .. k .. "]", name, known) end
+  end
+  if not figure.measure and not figure.path then plan.refuse("plots[%d]: neither measure nor path", k) end
+  local over = points.over(figure)
+  if figure.measure and #over ~= 1 and #over ~= 2 then
+    plan.refuse("plots[%d]: over: expected a parameter (lines) or two (a heat map)", k)
+  end
+end
+
+-- Texts go into gnuplot's script: a line's end in one would end the command.
+local function clean(figure)
+  for key, value in pairs(figure) do
+    if type(value) == "string" then figure[key] = value:gsub("%c", " ") end
+  end
+  return figure
+end
+
+local function parse(text)
+  local measure, x, z = text:match("^(.-):([^,]+),?(.*)$")
+  if not measure or measure == "" then plan.refuse("--plot: '%s' is not MEASURE:PARAMETER[,PARAMETER]", text) end
+  return { measure = measure, over = z ~= "" and { x, z } or x }
+end
+
+-- The figures of the script and of the command line; what cannot be drawn is refused.
+function figures.list(plots, asked, the)
+  local list = {}
+  for k, figure in ipairs(plots or {}) do
+    check(figure, k)
+    list[#list + 1] = clean(figure)
+  end
+  for _, text in ipairs(asked or {}) do list[#list + 1] = parse(text) end
+  for _, figure in ipairs(list) do
+    if figure.path then paths.check(the, figure)
+    elseif #points.over(figure) == 2 then maps.check(the, figure) end
+  end
+  return list
+end
+
+-- The names that a figure takes from the results.
+function figures.measures(figure)
+  if figure.path then return {} end
+  return { figure.measure, table.unpack(points.over(figure)) }
+end
+
+-- ---- points ----
+
+-- { { x, y }, ... }: the median where several cases have the same x.
+local function points_of(cases, x, y)
+  local list, by_x = {}, {}
+  for _, case in ipairs(cases) do
+    local at, value = rows.value(case, x), rows.value(case, y)
+    if points.good(case) and at ~= nil and type(value) == "number" then
+      if not by_x[at] then
+        by_x[at] = {}
+        list[#list + 1] = { at }
+      end
+      table.insert(by_x[at], value)
+    end
+  end
+  for _, point in ipairs(list) do point[2] = points.median(by_x[point[1]]) end
+  if #list > 0 and type(list[1][1]) == "number" then table.sort(list, function(a, b) return a[1] < b[1] end) end
+  return list
+end
+
+-- Three or more, in equal factors (to one in a million).
+local function geometric(numbers)
+  for k, x in ipairs(numbers) do
+    if type(x) ~= "number" or x <= 0 then return false end
+    if k > 2 and math.abs(x * numbers[k - 2] / numbers[k - 1] ^ 2 - 1) > 1e-6 then return false end
+  end
+  return #numbers > 2
+end
+
+local function distinct(values)
+  local list, seen = {}, {}
+  for _, value in ipairs(values) do
+    if not seen[value] then list[#list + 1] = value end
+    seen[value] = true
+  end
+  return list
+end
+
+-- ---- lines ----
+
+-- Tics at the values themselves where they are few.
+local function tics(letter, values)
+  local list = {}
+  for k, value in ipairs(values) do
+    list[k] = ("%s %s"):format(plot.quote(points.text(value)), type(value) == "number" and ("%.9g"):format(value) or k)
+  end
+  return ("set %stics (%s)"):format(letter, table.concat(list, ", "))
+end
+
+local function named(values)
+  for _, value in ipairs(values) do
+    if type(value) ~= "number" then return true end
+  end
+  return false
+end
+
+-- A little room beside the first and the last.
+local function margins(numbers, log)
+  local low, high = math.huge, -math.huge
+  for _, x in ipairs(numbers) do low, high = math.min(low, x), math.max(high, x) end
+  if low >= high then return nil end
+  if log then
+    local room = (high / low) ^ 0.04
+    return low / room, high * room
+  end
+  return low - 0.04 * (high - low), high + 0.04 * (high - low)
+end
+
+local function horizontal(the, figure, x, curves)
+  local values, scale = points.axis(the, x)
+  local axis, commands = { label = figure.xlabel or x }, {}
+  if values and named(values) then
+    local place = {}
+    for k, value in ipairs(values) do place[value] = k end
+    for _, curve in ipairs(curves) do
+      for _, point in ipairs(curve.points) do point[1] = place[point[1]] end
+      curve.lines = false -- there is nothing between two names
+    end
+    commands[1], axis.min, axis.max = tics("x", values), 0.5, #values + 0.5
+    return axis, commands
+  end
+  local numbers = {}
+  for _, curve in ipairs(curves) do
+    for _, point in ipairs(curve.points) do numbers[#numbers + 1] = point[1] end
+  end
+  axis.log = figure.logx
+  if axis.log == nil then axis.log = scale == "log" or geometric(values or {}) or points.wants_log(numbers) end
+  numbers = distinct(numbers)
+  axis.min, axis.max = margins(numbers, axis.log)
+  if #numbers <= 8 and values then commands[1] = tics("x", numbers) end
+  return axis, commands
+end
+
+local function vertical(figure, curves)
+  local numbers = {}
+  for _, curve in ipairs(curves) do
+    for _, point in ipairs(curve.points) do numbers[#numbers + 1] = point[2] end
+  end
+  local axis = { label = figure.ylabel or figure.measure, log = figure.logy, min = figure.min, max = figure.max }
+  if axis.log == nil then axis.log = points.wants_log(numbers) end
+  return axis, #numbers
+end
+
+local function draw_lines(the, figure, path)
+  local x = points.over(figure)[1]
+  local names, curves = points.others(the, { x }), {}
+  for _, group in ipairs(points.grouped(the.cases, names)) do
+    local list = points_of(group, x, figure.measure)
+    if #list > 0 then
+      curves[#curves + 1] = { title = group.label, points = list, lines = not points.sampled(the, x) }
+    end
+  end
+  local y_axis, count = vertical(figure, curves)
+  if count == 0 then return nil, ("no picture %s.png: no case that ended well has '%s' and '%s'"):format(path,
+    figure.measure, x) end
+  local x_axis, commands = horizontal(the, figure, x, curves)
+  if #curves == 1 and curves[1].title == "" then commands[#commands + 1] = "unset key" end
+  local title = figure.title or ("%s: %s"):format(the.definition.name, figure.measure)
+  return plot.draw(path, { title = points.title(the, title), x = x_axis, y = y_axis, curves = curves,
+    commands = commands, width = figure.width, height = figure.height })
+end
+
+-- ---- one figure ----
+
+local function file_part(text)
+  return (text:gsub("[^%w_.-]+", "-"))
+end
+
+-- Draws; returns what the pictures are called, without the ending, or nil and why there are none.
+function figures.draw(the, results, figure, base)
+  local over = figure.path and { "paths" } or points.over(figure)
+  local path = ("%s-%s"):format(base, file_part(figure.name or figure.path and "paths" or
+    figure.measure .. "-" .. table.concat(over, "-")))
+  local fine, why
+  if figure.path then fine, why = paths.draw(the, results, figure, path)
+  elseif #over == 2 then fine, why = maps.draw(the, figure, path)
+  else fine, why = draw_lines(the, figure, path) end
+  if not fine then return nil, why end
+  return path .. (fine == true and "" or fine)
+end
+
+return figures

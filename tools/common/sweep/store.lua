@@ -1,0 +1,334 @@
+-- The results of sweeps in SQLite: one transaction a case, so that a process may be killed at any moment and what was
+-- done stays done. A case is found by the digest of its description (what it runs on and with, sweep_digest), and the
+-- description stands beside it: two that differ are never taken for one. Several sweeps may share a database and cases.
+local database = require("common.sweep.database")
+local digest = require("common.sweep.digest")
+local lfs = require("lfs")
+
+local store = {}
+store.__index = store
+
+-- What a run reports, { column, type, where it stands in the summary }.
+store.reported = {
+  { "t", "REAL" }, { "particles", "INTEGER" }, { "steps", "INTEGER" }, { "force_evaluations", "INTEGER" },
+  { "jacobian_evaluations", "INTEGER" }, { "factorizations", "INTEGER" }, { "linear_iterations", "INTEGER" },
+  { "dt_min", "REAL" }, { "dt_max", "REAL" }, { "wall_s", "REAL" }, { "step_wall_s", "REAL" },
+  { "energy_drift", "REAL", "energy.drift" }, { "momentum_drift", "REAL" }, { "constraint_violation", "REAL" },
+  { "max_strain", "REAL" }, { "exact_error", "REAL" }, { "verify_difference", "REAL" }, { "process_s", "REAL" },
+}
+
+local fixed = { "key TEXT NOT NULL UNIQUE", "description TEXT NOT NULL", "scene TEXT NOT NULL", "integrator TEXT",
+  "solver TEXT", "dt REAL", "tol REAL", "repeat INTEGER", "verdict TEXT NOT NULL", "reason TEXT", "finished TEXT" }
+
+local function names(list)
+  local out = {}
+  for k, column in ipairs(list) do out[k] = type(column) == "table" and column[1] or column:match("^%S+") end
+  return out
+end
+
+local columns = table.concat(names(fixed), ", ") .. ", " .. table.concat(names(store.reported), ", ")
+
+local function schema()
+  local reported = {}
+  for k, column in ipairs(store.reported) do reported[k] = column[1] .. " " .. column[2] end
+  return {
+    "CREATE TABLE IF NOT EXISTS sweeps (id INTEGER PRIMARY KEY, name TEXT NOT NULL, definition TEXT NOT NULL, " ..
+      "started TEXT, UNIQUE (name, definition))",
+    "CREATE TABLE IF NOT EXISTS cases (id INTEGER PRIMARY KEY, " .. table.concat(fixed, ", ") .. ", " ..
+      table.concat(reported, ", ") .. ")",
+    "CREATE TABLE IF NOT EXISTS params (case_id INTEGER REFERENCES cases, name TEXT, value, " ..
+      "PRIMARY KEY (case_id, name)) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS measures (case_id INTEGER REFERENCES cases, name TEXT, value REAL, " ..
+      "PRIMARY KEY (case_id, name)) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS paths (case_id INTEGER REFERENCES cases, particle INTEGER, frame INTEGER, t REAL, " ..
+      "x REAL, y REAL, z REAL, PRIMARY KEY (case_id, particle, frame)) WITHOUT ROWID",
+    "CREATE TABLE IF NOT EXISTS members (sweep_id INTEGER REFERENCES sweeps, number INTEGER, " ..
+      "case_id INTEGER REFERENCES cases, PRIMARY KEY (sweep_id, number)) WITHOUT ROWID",
+  }
+end
+
+local version = 1
+
+function store.exists(path)
+  return lfs.attributes(path, "mode") == "file"
+end
+
+local function make_folder(path)
+  local folder = path:match("^(.*)/[^/]*$")
+  if not folder or folder == "" or lfs.attributes(folder, "mode") then return end
+  make_folder(folder)
+  local fine, why = lfs.mkdir(folder)
+  if not fine and not lfs.attributes(folder, "mode") then
+    database.fail("cannot make the folder %s: %s", folder, why)
+  end
+end
+store.make_folder = make_folder
+
+function store.open(path, journal)
+  make_folder(path)
+  local self = setmetatable({ path = path, db = database.open(path, journal) }, store)
+  local found = self.db:value("PRAGMA user_version")
+  if found ~= 0 and found ~= version then
+    database.fail("%s has tables of version %d and this hooke writes %d: take another file", path, found, version)
+  end
+  if found == 0 then
+    self.db:transaction(function()
+      for _, sql in ipairs(schema()) do self.db:execute(sql) end
+      self.db:execute("PRAGMA user_version = " .. version)
+    end)
+  end
+  return self
+end
+
+function store:close() self.db:close() end
+
+-- ---- which case is which ----
+
+local function text_of(value)
+  return math.type(value) == "float" and ("%.17g"):format(value) or tostring(value)
+end
+
+local said = { "solver", "integrator", "dt", "tol", "until", "accuracy", "verify", "seed", "step_limit" }
+
+-- What a case's result depends on, as text. (Put together when it is needed: what cases run on is long, and the same.)
+local function description_of(case)
+  return case.grounds .. "\n" .. case.settings
+end
+
+-- Gives every case its key. plugins: hooke.catalogue(); paths: ids of particles.
+function store.identify(cases, plugins, paths)
+  for _, case in ipairs(cases) do
+    local lines, keys = {}, {}
+    for name in pairs(case.params) do keys[#keys + 1] = name end
+    table.sort(keys)
+    for _, name in ipairs(keys) do lines[#lines + 1] = ("param %s = %s"):format(name, text_of(case.params[name])) end
+    for _, name in ipairs(said) do
+      if case[name] ~= nil then lines[#lines + 1] = ("%s = %s"):format(name, text_of(case[name])) end
+    end
+    if case["repeat"] > 1 then lines[#lines + 1] = "repeat = " .. case["repeat"] end
+    if paths then lines[#lines + 1] = "paths = " .. table.concat(paths, ",") end
+    case.grounds, case.settings = digest.grounds(case, plugins), table.concat(lines, "\n")
+    case.key = digest.of(description_of(case))
+  end
+end
+
+-- Rows of a query that ends in "IN", for the values some hundred at a time.
+local function rows_in(db, query, values)
+  return coroutine.wrap(function()
+    for at = 1, #values, 500 do
+      local list = table.concat(values, ",", at, math.min(at + 499, #values))
+      for row in db:rows(("%s (%s)"):format(query, list)) do coroutine.yield(row) end
+    end
+  end)
+end
+
+-- Marks the cases that are done: case.row = its id. Returns how many.
+function store:find(cases)
+  local by_key, keys, count = {}, {}, 0
+  for k, case in ipairs(cases) do
+    by_key[case.key] = case
+    keys[k] = database.quote(case.key)
+  end
+  local clash
+  for row in rows_in(self.db, "SELECT id, key, description FROM cases WHERE key IN", keys) do
+    if row.description ~= description_of(by_key[row.key]) then clash = row.key end
+    by_key[row.key].row = row.id
+  end
+  if clash then
+    database.fail("%s: two different cases have the key %s; take another file with --db", self.path, clash)
+  end
+  for _, case in ipairs(cases) do
+    case.row = by_key[case.key].row -- of twins, too
+    if case.row then count = count + 1 end
+  end
+  return count
+end
+
+-- ---- writing ----
+
+function store:begin(name, definition)
+  local db, q = self.db, database.quote
+  db:transaction(function()
+    db:execute("INSERT OR IGNORE INTO sweeps (name, definition, started) VALUES (" ..
+      ("%s, %s, datetime('now'))"):format(q(name), q(definition)))
+  end)
+  self.sweep = db:value(("SELECT id FROM sweeps WHERE name = %s AND definition = %s"):format(q(name), q(definition)))
+end
+
+local function reported_values(result)
+  local values = {}
+  for k, column in ipairs(store.reported) do
+    local value = result
+    for part in (column[3] or column[1]):gmatch("[^.]+") do value = type(value) == "table" and value[part] or nil end
+    values[k] = database.quote(type(value) == "number" and value or nil)
+  end
+  return table.concat(values, ",")
+end
+
+local function first_of(...)
+  for k = 1, select("#", ...) do
+    local value = select(k, ...)
+    if value and value ~= "" then return value end
+  end
+end
+
+-- How a case ended: the run's verdict; "refused": before the first step; "failed": by an error of the script or of a
+-- plugin; "crashed", "timeout": its process.
+local stopped = { interrupted = true, running = true, ok = true, inaccurate = true }
+
+function store.verdict(result, case)
+  if result.fits == false then return "refused" end
+  if result.verdict == "interrupted" and case.step_limit then return "interrupted" end
+  if result.failed and (not result.verdict or stopped[result.verdict]) then return "failed" end
+  return result.verdict or "failed"
+end
+
+local function insert_rows(db, into, rows)
+  if #rows > 0 then db:execute(("INSERT INTO %s VALUES %s"):format(into, table.concat(rows, ","))) end
+end
+
+local function insert_numbers(db, into, id, numbers)
+  local rows = {}
+  for name, value in pairs(numbers or {}) do rows[#rows + 1] = database.tuple(3, id, name, value) end
+  insert_rows(db, into, rows)
+end
+
+local function insert_paths(db, id, points)
+  local rows = {}
+  for _, p in ipairs(points or {}) do rows[#rows + 1] = database.tuple(7, id, table.unpack(p, 1, 6)) end
+  insert_rows(db, "paths", rows)
+end
+
+function store:link(case)
+  self.db:execute("INSERT OR REPLACE INTO members VALUES " .. database.tuple(3, self.sweep, case.number, case.row))
+end
+
+-- A case and its result, as one transaction. Another process may have been faster with the same case: its row stays.
+function store:add(case, result)
+  local db = self.db
+  db:transaction(function()
+    case.row = db:value("SELECT id FROM cases WHERE key = " .. database.quote(case.key))
+    if case.row then return self:link(case) end
+    local known = database.tuple(10, case.key, description_of(case), case.values.scene,
+      first_of(result.integrator, case.integrator), first_of(result.solver, case.solver), case.dt,
+      case.tol, case["repeat"], store.verdict(result, case), first_of(result.failed, result.reason))
+    db:execute(("INSERT INTO cases (%s) VALUES (%s, datetime('now'), %s)"):format(columns, known:sub(2, -2),
+      reported_values(result)))
+    case.row = db:value("SELECT last_insert_rowid()")
+    insert_numbers(db, "params", case.row, case.params)
+    insert_numbers(db, "measures", case.row, result.measures)
+    insert_paths(db, case.row, result.paths)
+    self:link(case)
+  end)
+end
+
+-- Members of the sweep that were done already, perhaps by another sweep.
+function store:link_all(cases)
+  self.db:transaction(function()
+    for _, case in ipairs(cases) do
+      if case.row then self:link(case) end
+    end
+  end)
+end
+
+-- Those whose process crashed or ran out of time.
+function store:broken(cases)
+  local list, bad = {}, {}
+  for row in self.db:rows("SELECT id FROM cases WHERE verdict IN ('crashed', 'timeout')") do bad[row.id] = true end
+  for _, case in ipairs(cases) do
+    if bad[case.row] then list[#list + 1] = case end
+  end
+  return list
+end
+
+-- Forgets these cases' results.
+function store:forget(cases)
+  self.db:transaction(function()
+    for _, case in ipairs(cases) do
+      for _, name in ipairs { "params", "measures", "paths", "members" } do
+        if case.row then self.db:execute(("DELETE FROM %s WHERE case_id = %d"):format(name, case.row)) end
+      end
+      if case.row then self.db:execute(("DELETE FROM cases WHERE id = %d"):format(case.row)) end
+      case.row = nil
+    end
+  end)
+end
+
+-- ---- merging ----
+
+local function merge_statements()
+  local fresh = "IN (SELECT key FROM temp.fresh)"
+  local same = "JOIN part.cases c ON c.id = p.case_id JOIN main.cases m ON m.key = c.key WHERE c.key " .. fresh
+  return {
+    ("INSERT INTO main.cases (%s) SELECT %s FROM part.cases WHERE key %s"):format(columns, columns, fresh),
+    "INSERT INTO main.params SELECT m.id, p.name, p.value FROM part.params p " .. same,
+    "INSERT INTO main.measures SELECT m.id, p.name, p.value FROM part.measures p " .. same,
+    "INSERT INTO main.paths SELECT m.id, particle, frame, p.t, x, y, z FROM part.paths p " .. same,
+    "INSERT OR IGNORE INTO main.sweeps (name, definition, started) SELECT name, definition, started FROM part.sweeps",
+    "INSERT OR IGNORE INTO main.members SELECT ms.id, p.number, m.id FROM part.members p " ..
+      "JOIN part.sweeps ps ON ps.id = p.sweep_id " ..
+      "JOIN main.sweeps ms ON ms.name = ps.name AND ms.definition = ps.definition " ..
+      "JOIN part.cases c ON c.id = p.case_id JOIN main.cases m ON m.key = c.key",
+  }
+end
+
+local function merge_attached(self, path)
+  local db = self.db
+  local found = db:value("PRAGMA part.user_version")
+  if found == 0 then return 0 end -- killed before its first case
+  if found ~= version then
+    database.fail("%s has tables of version %d, %s of %d", path, found, self.path, version)
+  end
+  local clash = db:value("SELECT c.key FROM part.cases c JOIN main.cases m ON m.key = c.key " ..
+    "WHERE m.description <> c.description")
+  if clash then database.fail("%s and %s: two different cases have the key %s", self.path, path, clash) end
+  db:execute("DROP TABLE IF EXISTS temp.fresh")
+  db:execute("CREATE TEMP TABLE fresh AS SELECT key FROM part.cases WHERE key NOT IN (SELECT key FROM main.cases)")
+  local count = db:value("SELECT count(*) FROM temp.fresh")
+  db:transaction(function()
+    for _, sql in ipairs(merge_statements()) do db:execute(sql) end
+  end)
+  return count
+end
+
+-- Takes over what another database of sweeps holds; returns how many cases were new.
+function store:merge(path)
+  if not store.exists(path) then database.fail("cannot merge %s: there is no such file", path) end
+  self.db:execute("ATTACH DATABASE " .. database.quote(path) .. " AS part")
+  local fine, count = pcall(merge_attached, self, path)
+  pcall(self.db.execute, self.db, "DETACH DATABASE part")
+  if not fine then error(count, 0) end
+  return count
+end
+
+-- ---- reading ----
+
+-- Fills in case.result = { verdict =, reason =, [column] = value, measures = { name = value } } of those that are done.
+function store:read(cases)
+  local results, ids = {}, {}
+  for _, case in ipairs(cases) do
+    if case.row and not results[case.row] then
+      results[case.row] = { measures = {} }
+      ids[#ids + 1] = case.row
+    end
+    case.result = results[case.row]
+  end
+  for row in rows_in(self.db, "SELECT id, " .. columns .. " FROM cases WHERE id IN", ids) do
+    for name, value in pairs(row) do results[row.id][name] = value end
+  end
+  for row in rows_in(self.db, "SELECT case_id, name, value FROM measures WHERE case_id IN", ids) do
+    results[row.case_id].measures[row.name] = row.value
+  end
+end
+
+-- { { t, x, y, z }, ... } of a particle.
+function store:path_of(case, particle)
+  local points = {}
+  for p in self.db:rows("SELECT t, x, y, z FROM paths WHERE " ..
+    ("case_id = %d AND particle = %d ORDER BY frame"):format(case.row, particle)) do
+    points[#points + 1] = p
+  end
+  return points
+end
+
+return store
