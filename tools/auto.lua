@@ -3,7 +3,7 @@
 --
 -- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with the
 -- methods of order 2 and more. Errors add up: over a part of the duration only that part of the accuracy may be used
--- up, and of it a quarter, for the run is judged (core/verify.h) by twice its difference to half the step, at the end.
+-- up, and of it a quarter, for the run is judged (core/run/verify.h) by twice its difference to half the step, at the end.
 -- Where a method's ladder stopped short of it, its last two errors tell how much further it has to go. The choice is
 -- kept on file, by the scene's text, its parameters, the accuracy, the end and the plugins' contents.
 local argparse = require("argparse")

@@ -1,6 +1,5 @@
 #include "core/command/auto.h"
 #include "core/base/memory.h"
-#include "core/command/tool.h"
 
 #include <limits.h>
 #include <math.h>

@@ -3,6 +3,7 @@
 #define HK_AUTO_H
 
 #include "core/command/options.h"
+#include "core/tools/tools.h"
 
 /* Whether the command line, or the scene when it says nothing, leaves the integrator to be chosen. */
 bool hk_auto_asked(const hk_options *, const hk_scene *);

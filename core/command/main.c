@@ -6,9 +6,8 @@
 #include "core/command/options.h"
 #include "core/host/registry.h"
 #include "core/report/report.h"
-#include "core/lua/script.h"
-#include "core/command/tool.h"
-#include "core/run/verify.h"
+#include "core/lua/lua.h"
+#include "core/tools/tools.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -153,7 +152,7 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   if (status == HK_OK && (o->verify || summary.accuracy > 0)) {
     hk_script_options options = script_options(o, registry, library);
     hk_error second = {0};
-    if (hk_verify(o->scene, &options, &o->run, run, &summary, &second) != HK_OK)
+    if (hk_script_verify(o->scene, &options, &o->run, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);
   }
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);

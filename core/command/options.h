@@ -3,7 +3,7 @@
 #define HK_OPTIONS_H
 
 #include "core/run/run.h"
-#include "core/lua/script.h"
+#include "core/lua/lua.h"
 
 typedef struct hk_options {
   hk_run_options run;

@@ -1,42 +1,9 @@
-/* Builders: particle, particles, grid, strand, mesh, and the handles that they return. A handle is a range of ids and,
- * for a grid, its shape; lists of edges are made when asked for. */
-#include "core/lua/builders.h"
+/* Builders: particle, particles, grid and strand. They add particles, edges and triangles to the scene and return a
+ * handle. */
+#include "core/lua/internal.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static const char handle_type[] = "hooke.handle";
-
-hk_lua_handle *hk_lua_to_handle(lua_State *L, int index) { return luaL_testudata(L, index, handle_type); }
-
-hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape) {
-  hk_lua_handle *h = lua_newuserdatauv(L, sizeof *h, 3); /* a mesh keeps its edges, triangles and flexion edges */
-  *h = shape;
-  luaL_setmetatable(L, handle_type);
-  return h;
-}
-
-double *hk_lua_to_ids(lua_State *L, int index, size_t *count) {
-  index = lua_absindex(L, index);
-  const hk_lua_handle *h = hk_lua_to_handle(L, index);
-  bool single = lua_type(L, index) == LUA_TNUMBER;
-  if (!h && !single && !lua_istable(L, index)) return NULL;
-  *count = h ? h->count : single ? 1 : lua_rawlen(L, index);
-  double *ids = lua_newuserdatauv(L, (*count + 1) * sizeof *ids, 0);
-  for (size_t k = 0; k < *count; k++) {
-    if (h)
-      ids[k] = h->first + (double)k;
-    else if (single)
-      ids[k] = lua_tonumber(L, index);
-    else {
-      bool number = lua_rawgeti(L, index, (lua_Integer)k + 1) == LUA_TNUMBER;
-      ids[k] = lua_tonumber(L, -1);
-      lua_pop(L, 1);
-      if (!number) return NULL;
-    }
-  }
-  return ids;
-}
 
 uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what) {
   hk_error error = {0};
@@ -151,30 +118,6 @@ static uint32_t whole(lua_State *L, int table, const char *what, const char *key
   return (uint32_t)value;
 }
 
-/* Writes the pairs (i, j)-(i + di, j + dj) row by row. */
-static void offset_edges(const hk_lua_handle *h, int di, int dj, hk_lua_edges *into, size_t *at) {
-  uint32_t i0 = di < 0 ? (uint32_t)-di : 0, i1 = h->nx - (di > 0 ? (uint32_t)di : 0);
-  for (uint32_t j = 0; j + (uint32_t)dj < h->ny; j++)
-    for (uint32_t i = i0; i < i1; i++, ++*at) {
-      into->pair[*at][0] = h->first + j * h->nx + i;
-      into->pair[*at][1] = h->first + (j + (uint32_t)dj) * h->nx + (uint32_t)((int)i + di);
-    }
-}
-
-static size_t offset_count(const hk_lua_handle *h, int di, int dj) {
-  size_t across = (size_t)abs(di), along = (size_t)dj;
-  return h->nx > across && h->ny > along ? (h->nx - across) * (h->ny - along) : 0;
-}
-
-static int push_offsets(lua_State *L, const hk_lua_handle *h, int (*offset)[2], size_t count) {
-  size_t total = 0, at = 0;
-  for (size_t k = 0; k < count; k++) total += offset_count(h, offset[k][0], offset[k][1]);
-  hk_lua_edges *edges = hk_lua_new_edges(L, total);
-  for (size_t k = 0; k < count; k++)
-    if (offset_count(h, offset[k][0], offset[k][1])) offset_edges(h, offset[k][0], offset[k][1], edges, &at);
-  return 1;
-}
-
 static void add_surface(lua_State *L, hk_scene *scene, const hk_lua_handle *h) {
   hk_error error = {0};
   size_t cells = (size_t)(h->nx - 1) * (h->ny - 1), at = 0;
@@ -195,8 +138,6 @@ static void add_edges(lua_State *L, hk_scene *scene) {
   if (hk_scene_add_edges(scene, edges->count, (const uint32_t(*)[2])edges->pair, &error) != HK_OK)
     hk_lua_raise(L, &error);
 }
-
-static int structural_offsets[2][2] = {{1, 0}, {0, 1}};
 
 static int grid(lua_State *L) {
   static const char *const keys[] = {"nx", "ny", "width", "height", "mass", "origin", "u", "v", "group", NULL};
@@ -222,7 +163,7 @@ static int grid(lua_State *L) {
   h.count = (uint32_t)n;
   h.first = hk_lua_add(L, scene, "grid", n, x, NULL, NULL, mass / (double)n, hk_lua_group(L, scene, 2, "grid"));
   lua_settop(L, 2);
-  push_offsets(L, &h, structural_offsets, 2);
+  hk_lua_push_structural(L, &h);
   add_edges(L, scene);
   if (h.nx > 1 && h.ny > 1) add_surface(L, scene, &h);
   lua_settop(L, 2);
@@ -253,91 +194,14 @@ static int strand(lua_State *L) {
     for (int c = 0; c < 3; c++) x[3 * k + c] = from[c] + (to[c] - from[c]) * k / (n - 1);
   hk_lua_handle h = {0, n, n, 1, false, true};
   h.first = hk_lua_add(L, scene, "strand", n, x, NULL, NULL, mass / n, hk_lua_group(L, scene, 2, "strand"));
-  push_offsets(L, &h, structural_offsets, 1);
+  hk_lua_push_structural(L, &h);
   add_edges(L, scene);
   hk_lua_push_handle(L, h);
   return 1;
 }
 
-/* ---- handles ---- */
-
-static hk_lua_handle *self(lua_State *L) { return luaL_checkudata(L, 1, handle_type); }
-
-static int at(lua_State *L) {
-  const hk_lua_handle *h = self(L);
-  lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1);
-  if (i < 1 || i > h->nx || j < 1 || j > h->ny) {
-    if (h->grid)
-      return hk_lua_fail(L, HK_BAD_PARAM, "at(%d, %d) is outside the grid of %d x %d", (int)i, (int)j, (int)h->nx,
-                         (int)h->ny);
-    return hk_lua_fail(L, HK_BAD_PARAM, "at(%d) is outside 1 to %d", (int)i, (int)h->nx);
-  }
-  lua_pushinteger(L, h->first + (j - 1) * h->nx + (i - 1));
-  return 1;
-}
-
-static int ids(lua_State *L) {
-  const hk_lua_handle *h = self(L);
-  lua_createtable(L, (int)h->count, 0);
-  for (uint32_t k = 0; k < h->count; k++) {
-    lua_pushinteger(L, h->first + k);
-    lua_rawseti(L, -2, k + 1);
-  }
-  return 1;
-}
-
-static int structural(lua_State *L) {
-  if (lua_getiuservalue(L, 1, 1) == LUA_TUSERDATA) return 1; /* a mesh's */
-  const hk_lua_handle *h = self(L);
-  if (h->grid || h->chain) return push_offsets(L, h, structural_offsets, 2);
-  return hk_lua_fail(L, HK_BAD_PARAM, "particles have no edges of their own: list them, { {1, 2}, {2, 3} }");
-}
-
-static int shear(lua_State *L) {
-  int offset[2][2] = {{1, 1}, {-1, 1}};
-  if (!self(L)->grid) return hk_lua_fail(L, HK_BAD_PARAM, "only a grid has shear edges");
-  return push_offsets(L, self(L), offset, 2);
-}
-
-static int flexion(lua_State *L) {
-  int offset[2][2] = {{2, 0}, {0, 2}};
-  if (lua_getiuservalue(L, 1, 3) == LUA_TUSERDATA) return 1; /* a mesh's */
-  if (!self(L)->grid && !self(L)->chain) return hk_lua_fail(L, HK_BAD_PARAM, "particles have no flexion edges");
-  return push_offsets(L, self(L), offset, 2);
-}
-
-static int triangles(lua_State *L) {
-  const hk_lua_handle *h = self(L);
-  if (lua_getiuservalue(L, 1, 2) == LUA_TTABLE) return 1;
-  lua_newtable(L);
-  lua_Integer count = 0;
-  for (uint32_t j = 0; h->grid && j + 1 < h->ny; j++)
-    for (uint32_t i = 0; i + 1 < h->nx; i++)
-      for (int half = 0; half < 2; half++) {
-        uint32_t a = h->first + j * h->nx + i, c = a + h->nx;
-        uint32_t corner[3] = {a, half ? c + 1 : a + 1, half ? c : c + 1};
-        lua_createtable(L, 3, 0);
-        for (int k = 0; k < 3; k++) {
-          lua_pushinteger(L, corner[k]);
-          lua_rawseti(L, -2, k + 1);
-        }
-        lua_rawseti(L, -2, ++count);
-      }
-  return 1;
-}
-
 void hk_lua_open_builders(lua_State *L) {
-  static const luaL_Reg builders[] = {{"particle", particle}, {"particles", particles}, {"grid", grid},
-                                      {"strand", strand},     {"mesh", hk_lua_mesh},    {NULL, NULL}};
-  static const luaL_Reg methods[] = {
-      {"at", at},       {"ids", ids},         {"edges", structural},    {"structural", structural},
-      {"shear", shear}, {"flexion", flexion}, {"triangles", triangles}, {NULL, NULL}};
+  static const luaL_Reg builders[] = {
+      {"particle", particle}, {"particles", particles}, {"grid", grid}, {"strand", strand}, {NULL, NULL}};
   luaL_setfuncs(L, builders, 0);
-  luaL_newmetatable(L, handle_type);
-  lua_newtable(L);
-  luaL_setfuncs(L, methods, 0);
-  lua_setfield(L, -2, "__index");
-  lua_pushboolean(L, 0);
-  lua_setfield(L, -2, "__metatable");
-  lua_pop(L, 1);
 }

@@ -1,11 +1,10 @@
-/* What the files of the Lua face share. */
+/* What the files of the Lua face share: the script, and what each file declares for the others. */
 #ifndef HK_LUA_INTERNAL_H
 #define HK_LUA_INTERNAL_H
 
-#include "core/lua/script.h"
+#include "core/lua/lua.h"
 
 #include <lauxlib.h>
-#include <lua.h>
 #include <lualib.h>
 
 struct hk_script {
@@ -27,47 +26,28 @@ struct hk_script {
   hk_scene *returned;
   bool drove;
   hk_verdict worst;
-  hk_choice chosen; /* a tool's answer */
   size_t params, param_capacity;
   hk_param_declared *param;
 };
 
-hk_script *hk_lua_script(lua_State *L);
-/* A script without its file run: limits and Lua state, no libraries. NULL: no memory. */
-hk_script *hk_script_new(const char *path, const hk_script_options *options);
+/* limits.c */
+bool hk_limits_open(hk_script *); /* makes the Lua state, without libraries; false: no memory */
+/* lua_pcall with a budget of instructions of its own. After an error, `spent` says whether a limit was passed, and then
+ * `limit` which. */
+int hk_limits_call(lua_State *L, int arguments, int results);
 
-void hk_lua_open_face(lua_State *L); /* Lua's libraries, `hooke` and `param` as globals */
-
-/* Raise, with the script's file and line in front. Do not return. */
-int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) HK_PRINTF(3, 4) __attribute__((noreturn));
-int hk_lua_raise(lua_State *L, const hk_error *error) __attribute__((noreturn));
+/* errors.c */
 /* "file.lua:12" of the script's function that called; pushed on the stack too. */
 const char *hk_lua_where(lua_State *L);
 /* Calls the function below its arguments under the limits; turns an error into `error`. */
 hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error);
+
+/* chunk.c */
 /* Pushes the script at `path`, compiled, or the error's text. LUA_ERRFILE, nothing pushed: it cannot be read, errno. */
 int hk_lua_load(lua_State *L, const char *path, const char *name);
+hk_status hk_lua_no_file(const hk_script *, hk_error *error); /* why its file cannot be read, by errno */
 
-/* lua_function.c: makes the engine's handle of the function at `index`. */
-hk_function hk_lua_function(lua_State *L, int index);
-hk_function hk_lua_frame_function(lua_State *L, int index); /* called with the state of the scene at index 1 */
-hk_function hk_lua_rate_function(lua_State *L, int index);  /* called with t, id, y... */
-
-/* lua_param.c: param(), and that every name=value was asked for. */
-int hk_lua_param(lua_State *L);
-hk_status hk_lua_check_given(const hk_script *, hk_error *error);
-
-/* Every key of the table at `index` must be in `known` (NULL ends it); else the error offers the nearest. */
-void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known);
-double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
-void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
-bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
-                         double into[3]); /* false: absent */
-double hk_lua_field_number(lua_State *L, int table, const char *what, const char *key, double otherwise);
-uint64_t hk_lua_field_whole(lua_State *L, int table, const char *what, const char *key, uint64_t otherwise,
-                            double most); /* 0 to most */
-
-/* lua_edges.c: a block of pairs of ids. */
+/* edges.c: a block of pairs of ids. */
 typedef struct hk_lua_edges {
   size_t count;
   uint32_t pair[][2];
@@ -79,42 +59,61 @@ hk_lua_edges *hk_lua_new_edges(lua_State *L, size_t count);
 hk_lua_edges *hk_lua_to_edges(lua_State *L, int index);
 void hk_lua_open_edges(lua_State *L);
 
-/* lua_builders.c */
+/* handle.c */
 typedef struct hk_lua_handle {
   uint32_t first, count, nx, ny; /* ny 1: not a grid */
   bool grid, chain;              /* neither: edges, if any, are kept with it */
 } hk_lua_handle;
 
+hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape);
 hk_lua_handle *hk_lua_to_handle(lua_State *L, int index); /* NULL: it is none */
 /* The ids at `index` (a list, a handle or one number) as a block of numbers left on the stack; NULL: none of these. */
 double *hk_lua_to_ids(lua_State *L, int index, size_t *count);
-void hk_lua_open_builders(lua_State *L); /* adds to the method table on top of the stack */
+int hk_lua_push_structural(lua_State *L, const hk_lua_handle *); /* the edges between neighbours; 1 */
+void hk_lua_open_handles(lua_State *L);
 
-/* lua_values.c */
-void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table);
-
-/* lua_scene.c */
+/* owner.c */
+extern const char hk_lua_scene_type[]; /* the name of the metatable */
 hk_scene *hk_lua_scene(lua_State *L, int index);
-void hk_lua_open_scene(lua_State *L);
 
-/* lua_state.c */
+/* state.c */
 void hk_lua_push_state(lua_State *L, int scene); /* of the scene at that index, which it keeps alive */
 void hk_lua_open_state(lua_State *L);
 
-/* lua_run.c */
+/* function.c: makes the engine's handle of the function at `index`. */
+hk_function hk_lua_function(lua_State *L, int index);
+hk_function hk_lua_frame_function(lua_State *L, int index); /* called with the state of the scene at index 1 */
+hk_function hk_lua_rate_function(lua_State *L, int index);  /* called with t, id, y... */
+
+/* values.c */
+double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
+void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
+bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
+                         double into[3]); /* false: absent */
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table);
+
+/* param.c: param(), and that every name=value was asked for. */
+int hk_lua_param(lua_State *L);
+hk_status hk_lua_check_given(const hk_script *, hk_error *error);
+
+/* builders.c */
+uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what); /* of the key "group" */
+/* Adds particles; returns the first id. Errors begin with `what`. */
+uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t count, const double *x, const double *v,
+                    const double *mass, double common, uint32_t group);
+void hk_lua_open_builders(lua_State *L); /* adds to the method table on top of the stack */
+void hk_lua_open_mesh(lua_State *L);     /* mesh.c: likewise */
+
+/* run.c */
 int hk_lua_scene_run(lua_State *L); /* scene:run{} */
 void hk_lua_note_verdict(hk_script *, hk_run *);
 void hk_lua_open_run(lua_State *L);
 
-/* lua_sandbox.c: leaves the environment of scenes on the stack. */
-void hk_lua_push_sandbox(lua_State *L);
-void hk_lua_guard(lua_State *L); /* lua_guards.c: what could outlive the limits, in the environment on top */
+/* scene.c */
+void hk_lua_open_scene(lua_State *L);
 
-/* lua_load.c: the table {name = value} at `table`, or nothing, as a block left on the stack. */
-hk_param_given *hk_lua_push_given(lua_State *L, int table, size_t *count);
-/* hooke.load(path, {name = value}, {option = value}) of tools. */
-int hk_lua_load_scene(lua_State *L);
-/* The script that a tool loaded the scene at `index` from; the state's own script otherwise. */
-hk_script *hk_lua_owner(lua_State *L, int index);
+/* sandbox.c: leaves the environment of scenes on the stack. */
+void hk_lua_push_sandbox(lua_State *L);
+void hk_lua_guard(lua_State *L); /* guards.c: what could outlive the limits, in the environment on top */
 
 #endif

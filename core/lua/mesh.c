@@ -1,6 +1,6 @@
 /* scene:mesh{ file = "name.obj" }: vertices become particles, faces triangles, their sides edges. Of the Wavefront OBJ
  * format the records v and f are read; f may have texture and normal indices, which are skipped, and negative ones. */
-#include "core/lua/builders.h"
+#include "core/lua/internal.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -152,7 +152,7 @@ static void load(lua_State *L, mesh *m, const char *name) {
   if (wrong) hk_lua_fail(L, HK_IO, "mesh: %s:%d: %s", name, (int)m->line, wrong);
 }
 
-int hk_lua_mesh(lua_State *L) {
+static int mesh_builder(lua_State *L) {
   static const char *const keys[] = {"file", "mass", "scale", "origin", "group", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_error error = {0};
@@ -185,4 +185,9 @@ int hk_lua_mesh(lua_State *L) {
   push_triangles(L, m);
   lua_setiuservalue(L, -2, 2);
   return 1;
+}
+
+void hk_lua_open_mesh(lua_State *L) {
+  lua_pushcfunction(L, mesh_builder);
+  lua_setfield(L, -2, "mesh");
 }

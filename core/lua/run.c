@@ -2,9 +2,8 @@
  * it. The run is closed when the script is. */
 #include "core/lua/internal.h"
 #include "core/report/report.h"
-#include "core/run/verify.h"
 
-static const char run_type[] = "hooke.run";
+const char hk_lua_run_type[] = "hooke.run";
 enum { CALL_COST = 100 }; /* of scene:run in the script's budget of instructions: an endless loop of it ends */
 
 static void set_number(lua_State *L, const char *key, double value) {
@@ -48,7 +47,7 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   lua_setfield(L, -2, "measures");
 }
 
-static void push_summary(lua_State *L, const hk_summary *s) {
+void hk_lua_push_summary(lua_State *L, const hk_summary *s) {
   lua_createtable(L, 0, 32);
   set_text(L, "scene", s->scene);
   set_text(L, "integrator", s->integrator);
@@ -81,14 +80,14 @@ static void push_summary(lua_State *L, const hk_summary *s) {
   push_lists(L, s);
 }
 
-static hk_run *run_of(lua_State *L) {
-  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, run_type);
+hk_run *hk_lua_run(lua_State *L) {
+  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, hk_lua_run_type);
   if (!scene->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
   return scene->run;
 }
 
 static int state(lua_State *L) {
-  run_of(L);
+  hk_lua_run(L);
   lua_getiuservalue(L, 1, 1);
   hk_lua_push_state(L, -1);
   return 1;
@@ -96,30 +95,14 @@ static int state(lua_State *L) {
 
 static int summary(lua_State *L) {
   hk_summary s;
-  hk_run_summary(run_of(L), &s);
-  push_summary(L, &s);
+  hk_run_summary(hk_lua_run(L), &s);
+  hk_lua_push_summary(L, &s);
   return 1;
-}
-
-/* Tools: the summary after a second run has checked it, and what that run died of. */
-static int verify(lua_State *L) {
-  hk_run *run = run_of(L);
-  lua_getiuservalue(L, 1, 1);
-  hk_script *owner = hk_lua_owner(L, -1);
-  hk_summary s;
-  hk_error error = {0};
-  if (owner == hk_lua_script(L)) return hk_lua_fail(L, HK_SCRIPT, "run:verify is for scenes that hooke.load loaded");
-  hk_run_summary(run, &s);
-  hk_status status = hk_verify(owner->path, &owner->options, &owner->run_options, run, &s, &error);
-  push_summary(L, &s);
-  if (status == HK_OK) return 1;
-  lua_pushstring(L, error.text);
-  return 2;
 }
 
 /* The state as a string of doubles: n, t, then ids, positions and velocities, n, 3n and 3n of them. */
 static int packed(lua_State *L) {
-  const hk_view *view = hk_run_view(run_of(L));
+  const hk_view *view = hk_run_view(hk_lua_run(L));
   luaL_Buffer buffer;
   double head[2] = {(double)view->n, view->t};
   luaL_buffinit(L, &buffer);
@@ -135,7 +118,7 @@ static int packed(lua_State *L) {
 }
 
 static int save(lua_State *L) {
-  hk_run *run = run_of(L);
+  hk_run *run = hk_lua_run(L);
   hk_error error = {0};
   if (!hk_lua_script(L)->options.trust)
     return hk_lua_fail(L, HK_SCRIPT, "run:save writes a file: run with --trust to allow it");
@@ -193,14 +176,14 @@ int hk_lua_scene_run(lua_State *L) {
   *holder = scene;
   lua_pushvalue(L, 1);
   lua_setiuservalue(L, -2, 1); /* alive as long as this */
-  luaL_setmetatable(L, run_type);
+  luaL_setmetatable(L, hk_lua_run_type);
   return 1;
 }
 
 void hk_lua_open_run(lua_State *L) {
-  static const luaL_Reg methods[] = {{"state", state},   {"summary", summary}, {"save", save},
-                                     {"verify", verify}, {"packed", packed},   {NULL, NULL}};
-  luaL_newmetatable(L, run_type);
+  static const luaL_Reg methods[] = {
+      {"state", state}, {"summary", summary}, {"save", save}, {"packed", packed}, {NULL, NULL}};
+  luaL_newmetatable(L, hk_lua_run_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
   lua_setfield(L, -2, "__index");

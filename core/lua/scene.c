@@ -6,14 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char scene_type[] = "hooke.scene";
-
-hk_scene *hk_lua_scene(lua_State *L, int index) {
-  hk_scene **scene = luaL_testudata(L, index, scene_type);
-  if (!scene) hk_lua_fail(L, HK_SCRIPT, "a scene's functions are called with a colon: scene:force(...)");
-  return *scene;
-}
-
 static hk_scene *editable(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
   if (scene->run) hk_lua_fail(L, HK_BAD_PARAM, "the scene runs and can no longer be edited");
@@ -99,15 +91,13 @@ static double positive(lua_State *L, const char *key, double otherwise) {
 
 static hk_scene *new_scene(lua_State *L) {
   hk_script *s = hk_lua_script(L);
-  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 0);
-  *holder = NULL;
-  luaL_setmetatable(L, scene_type);
+  hk_lua_scene_handle *holder = hk_lua_push_scene(L);
   hk_scene **grown = realloc(s->scene, (s->scenes + 1) * sizeof *grown);
   if (grown) s->scene = grown;
-  *holder = grown ? hk_scene_create(s->path, s->options.registry) : NULL;
-  if (!*holder) hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
-  s->scene[s->scenes++] = *holder; /* the script owns it */
-  return *holder;
+  holder->scene = grown ? hk_scene_create(s->path, s->options.registry) : NULL;
+  if (!holder->scene) hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
+  s->scene[s->scenes++] = holder->scene; /* the script owns it */
+  return holder->scene;
 }
 
 static int scene(lua_State *L) {
@@ -283,7 +273,7 @@ static int unknown_method(lua_State *L) {
 }
 
 void hk_lua_open_scene(lua_State *L) {
-  luaL_newmetatable(L, scene_type);
+  luaL_newmetatable(L, hk_lua_scene_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
   for (int kind = 0; kind < HK_KINDS; kind++) {
@@ -292,6 +282,7 @@ void hk_lua_open_scene(lua_State *L) {
     lua_setfield(L, -2, hk_kind_name((hk_kind)kind));
   }
   hk_lua_open_builders(L);
+  hk_lua_open_mesh(L);
   lua_createtable(L, 0, 1);
   lua_pushcfunction(L, unknown_method);
   lua_setfield(L, -2, "__index");

@@ -44,16 +44,12 @@ typedef struct second_run {
   hk_spectrum spectrum;
 } second_run;
 
-static hk_status run_again(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
-                           second_run *found, hk_error *error) {
-  hk_script_options script_options = *options;
+static hk_status run_again(const hk_reopen *reopen, const hk_run_options *run, hk_run *whole, second_run *found,
+                           hk_error *error) {
   hk_run_options fine = finer(whole, run);
-  hk_script *script = NULL;
   hk_run *again = NULL;
   hk_summary second;
-  script_options.run = &fine;
-  hk_status status = hk_script_open(path, &script_options, &script, error);
-  if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &fine, &again, error);
+  hk_status status = reopen->open(reopen->context, &fine, &again, error);
   if (status == HK_OK && !(again->spectrum.w_max > 0)) hk_step_estimate(again); /* implicit methods did not ask */
   if (status == HK_OK) found->spectrum = again->spectrum;
   if (status == HK_OK) status = hk_run_advance(again, whole->system.t, error);
@@ -65,8 +61,7 @@ static hk_status run_again(const char *path, const hk_script_options *options, c
     found->step = second.dt_max / whole->dt_max;
   }
   if (again) hk_run_close(again, error);
-  hk_run_destroy(again);
-  hk_script_close(script);
+  reopen->close(reopen->context, again);
   return status;
 }
 
@@ -134,11 +129,10 @@ static double lost_energy_displacement(const hk_run *run, const hk_summary *s, c
   return damps(run, s, &second->spectrum) ? sqrt(2 * left / free_mass(run)) * s->t : 0;
 }
 
-hk_status hk_verify(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
-                    hk_summary *s, hk_error *error) {
+hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *run, hk_run *whole, hk_summary *s, hk_error *error) {
   second_run second = {.difference = NAN, .missing = NAN, .step = NAN};
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE;
-  hk_status status = run_again(path, options, run, whole, &second, error);
+  hk_status status = run_again(reopen, run, whole, &second, error);
   s->verify_difference = second.difference;
   if (!judged || !(s->accuracy > 0)) return status;
   whole->energy_converges = settles(whole, s, &second);

@@ -7,13 +7,19 @@
 #ifndef HK_VERIFY_H
 #define HK_VERIFY_H
 
-#include "core/lua/script.h"
+#include "core/run/run.h"
 
-/* Fills `verify_difference` of the summary of `whole`, a run of the script at `path` that went to its end; where an
- * accuracy is asked for and twice the difference is above it, the verdict becomes `inaccurate` and the reason says so.
- * It also does when the second run fails: then the difference is NAN, and `error` has the cause. `options` and `run`
- * are those of the first run. */
-hk_status hk_verify(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
-                    hk_summary *summary, hk_error *error);
+typedef struct hk_reopen { /* how the scene of a run is opened a second time */
+  /* HK_OK: `again` is a run of the same scene, opened with these options. */
+  hk_status (*open)(void *context, const hk_run_options *, hk_run **again, hk_error *);
+  /* Called once after `open`, even a failed one (`again` is NULL then): destroys the run and what it was made of. */
+  void (*close)(void *context, hk_run *again);
+  void *context;
+} hk_reopen;
+
+/* Fills `verify_difference` of the summary of `whole`, a run that went to its end; where an accuracy is asked for and
+ * twice the difference is above it, the verdict becomes `inaccurate` and the reason says so. It also does when the
+ * second run fails: then the difference is NAN, and `error` has the cause. `run` are the options of the first run. */
+hk_status hk_verify(const hk_reopen *, const hk_run_options *run, hk_run *whole, hk_summary *summary, hk_error *error);
 
 #endif

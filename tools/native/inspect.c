@@ -3,7 +3,7 @@
  * changed. Differences are central ones, and the best of several steps counts: too long a step shows curvature, too
  * short a one rounding. */
 #include "core/run/engine.h"
-#include "core/lua/internal.h"
+#include "core/lua/lua.h"
 #include "core/base/random.h"
 
 #include <lauxlib.h>
@@ -29,7 +29,7 @@ static int set_threads(lua_State *L) {
 
 /* quiet(): runs of this tool warn no more, such as of steps above the limit, which are what is looked at here. */
 static int be_quiet(lua_State *L) {
-  (*(hk_script **)lua_getextraspace(L))->run_options.progress = -1;
+  hk_script_run_options(hk_lua_script(L))->progress = -1;
   return 0;
 }
 

@@ -1,6 +1,6 @@
 /* Scripts: their limits hold whatever they catch, errors keep their place and status, driving gives verdicts. */
-#include "core/lua/script.h"
-#include "core/command/tool.h"
+#include "core/lua/lua.h"
+#include "core/tools/tools.h"
 #include "tests/support/command.h"
 
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 /* What core/verify.c and core/choose.c promise: an accuracy that is asked for is judged by half the step from a
  * disturbed start; runs can leave parts out, be disturbed, be cut short and be given an integrator with its parameters.
  * Through `hooke run`, and through hooke.load in a tool. */
-#include "core/command/tool.h"
+#include "core/tools/tools.h"
 #include "tests/support/command.h"
 
 #include <math.h>

@@ -1,15 +1,12 @@
 /* hooke.load() of tools: a scene script, run in a Lua state and sandbox of its own, whose scene the tool then drives.
  * The script lives as long as the scene's userdata. */
-#include "core/lua/internal.h"
+#include "core/tools/tools.h"
+
+#include <lauxlib.h>
+#include <math.h>
+#include <stdio.h>
 
 static const char loaded_type[] = "hooke.loaded";
-
-hk_script *hk_lua_owner(lua_State *L, int index) {
-  hk_script **loaded = lua_getiuservalue(L, index, 1) == LUA_TUSERDATA ? luaL_testudata(L, -1, loaded_type) : NULL;
-  hk_script *owner = loaded ? *loaded : hk_lua_script(L);
-  lua_pop(L, 1);
-  return owner;
-}
 
 static int close_loaded(lua_State *L) {
   hk_script **loaded = lua_touserdata(L, 1);
@@ -37,7 +34,7 @@ static const char *push_text(lua_State *L, int index) {
   return lua_pushstring(L, digits);
 }
 
-hk_param_given *hk_lua_push_given(lua_State *L, int table, size_t *count) {
+hk_param_given *hk_tool_push_given(lua_State *L, int table, size_t *count) {
   size_t k = 0;
   *count = 0;
   if (!lua_isnoneornil(L, table)) luaL_checktype(L, table, LUA_TTABLE);
@@ -112,10 +109,10 @@ static void read_options(lua_State *L, int table, hk_script_options *options, hk
   read_without(L, table, run);
 }
 
-int hk_lua_load_scene(lua_State *L) {
-  const hk_script *tool = hk_lua_script(L);
+int hk_tool_load(lua_State *L) {
+  hk_script *tool = hk_lua_script(L);
   const char *path = luaL_checkstring(L, 1);
-  hk_script_options options = tool->options;
+  hk_script_options options = *hk_script_asked(tool);
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
   hk_error error = {0};
   lua_settop(L, 3);
@@ -128,17 +125,17 @@ int hk_lua_load_scene(lua_State *L) {
   lua_settop(L, 4);
   lua_replace(L, 3);
   read_options(L, 3, &options, &run);
-  run.interrupted = tool->run_options.interrupted;
+  run.interrupted = hk_script_run_options(tool)->interrupted;
   options.run = &run;
   hk_script **loaded = push_owner(L);
   lua_pushvalue(L, 3);
   lua_setiuservalue(L, 4, 1);
-  options.given = hk_lua_push_given(L, 2, &options.given_count);
+  options.given = hk_tool_push_given(L, 2, &options.given_count);
   lua_setiuservalue(L, 4, 2);
-  hk_scene **scene = lua_newuserdatauv(L, sizeof *scene, 1);
+  hk_lua_scene_handle *handle = hk_lua_push_scene(L);
   hk_status status = hk_script_open(path, &options, loaded, &error);
-  *scene = *loaded ? hk_script_scene(*loaded) : NULL;
-  if (status == HK_OK && !*scene) hk_error_set(&error, HK_SCRIPT, "%s drives its own runs", path);
+  *handle = (hk_lua_scene_handle){*loaded ? hk_script_scene(*loaded) : NULL, *loaded};
+  if (status == HK_OK && !handle->scene) hk_error_set(&error, HK_SCRIPT, "%s drives its own runs", path);
   if (error.status != HK_OK) {
     lua_pushnil(L);
     lua_pushstring(L, error.text);
@@ -146,6 +143,5 @@ int hk_lua_load_scene(lua_State *L) {
   }
   lua_pushvalue(L, 4);
   lua_setiuservalue(L, -2, 1);
-  luaL_setmetatable(L, "hooke.scene");
   return 1;
 }

@@ -1,0 +1,21 @@
+/* What Lua holds of a scene: a userdata with the scene and the script that owns it, which is the state's own script or,
+ * for a tool, the one it loaded. Whoever loads a script keeps it alive by the first user value. */
+#include "core/lua/internal.h"
+
+const char hk_lua_scene_type[] = "hooke.scene";
+
+hk_lua_scene_handle *hk_lua_push_scene(lua_State *L) {
+  hk_lua_scene_handle *handle = lua_newuserdatauv(L, sizeof *handle, 1);
+  *handle = (hk_lua_scene_handle){NULL, hk_lua_script(L)};
+  luaL_setmetatable(L, hk_lua_scene_type);
+  return handle;
+}
+
+static hk_lua_scene_handle *handle_at(lua_State *L, int index) {
+  hk_lua_scene_handle *handle = luaL_testudata(L, index, hk_lua_scene_type);
+  if (!handle) hk_lua_fail(L, HK_SCRIPT, "a scene's functions are called with a colon: scene:force(...)");
+  return handle;
+}
+
+hk_scene *hk_lua_scene(lua_State *L, int index) { return handle_at(L, index)->scene; }
+hk_script *hk_lua_owner(lua_State *L, int index) { return handle_at(L, index)->owner; }

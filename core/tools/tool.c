@@ -1,0 +1,101 @@
+/* Tools: Lua scripts with full rights, the Lua face, and what only they need. */
+#include "core/tools/tools.h"
+
+#include <lauxlib.h>
+#include <math.h>
+#include <string.h>
+
+/* hooke.nearest(word, list) */
+static const char *item_at(const void *context, size_t k) {
+  lua_State *L = *(lua_State *const *)context;
+  lua_rawgeti(L, 2, (lua_Integer)k + 1);
+  const char *text = lua_tostring(L, -1); /* stays alive in the list */
+  lua_pop(L, 1);
+  return text;
+}
+
+static int nearest(lua_State *L) {
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_pushstring(L, hk_nearest_name(luaL_checkstring(L, 1), item_at, &L));
+  return 1;
+}
+
+/* hooke.chosen(integrator, dt, tol): the answer of tools/auto.lua; dt and tol may be nil. */
+static int chosen(lua_State *L) {
+  hk_choice *choice = lua_touserdata(L, lua_upvalueindex(1));
+  const char *name = luaL_checkstring(L, 1);
+  luaL_argcheck(L, strlen(name) < sizeof choice->integrator, 1, "too long");
+  strcpy(choice->integrator, name);
+  choice->dt = luaL_optnumber(L, 2, NAN);
+  choice->tol = luaL_optnumber(L, 3, NAN);
+  return 0;
+}
+
+typedef struct tool {
+  int argc;
+  char **argv;
+  int exit_code;
+  hk_choice choice; /* what it said with hooke.chosen() */
+} tool;
+
+static void open_functions(lua_State *L, tool *t) {
+  static const luaL_Reg functions[] = {
+      {"catalogue", hk_tool_catalogue}, {"describe", hk_tool_describe}, {"explain", hk_tool_explain},
+      {"load", hk_tool_load},           {"nearest", nearest},           {NULL, NULL}};
+  const hk_script *s = hk_lua_script(L);
+  lua_getglobal(L, "hooke");
+  luaL_setfuncs(L, functions, 0);
+  lua_pushlightuserdata(L, &t->choice);
+  lua_pushcclosure(L, chosen, 1);
+  lua_setfield(L, -2, "chosen");
+  hk_tool_set_text(L, "plugins", hk_script_asked(s)->registry->root);
+  hk_tool_set_text(L, "library", hk_script_asked(s)->library);
+  hk_tool_set_text(L, "folder", hk_script_folder(s));
+  lua_pop(L, 1);
+  hk_tool_open_verify(L);
+}
+
+static void open_arguments(lua_State *L, const tool *t) {
+  lua_createtable(L, t->argc, 0);
+  for (int k = 0; k < t->argc; k++) {
+    lua_pushstring(L, t->argv[k]);
+    lua_rawseti(L, -2, k);
+  }
+  lua_setglobal(L, "arg");
+}
+
+/* Modules are found beside the tool and in scripts/lib; native ones are built beside the plugins' folder. */
+static void open_modules(lua_State *L) {
+  const hk_script *s = hk_lua_script(L);
+  const hk_script_options *options = hk_script_asked(s);
+  lua_getglobal(L, "package");
+  lua_getfield(L, -1, "path");
+  lua_pushfstring(L, "%s/?.lua;%s/?.lua;%s", hk_script_folder(s), options->library ? options->library : ".",
+                  lua_tostring(L, -1));
+  lua_setfield(L, -3, "path");
+  lua_getfield(L, -2, "cpath");
+  lua_pushfstring(L, "%s/../tools/?.so;%s", options->registry->root, lua_tostring(L, -1));
+  lua_setfield(L, -4, "cpath");
+  lua_pop(L, 3);
+}
+
+static int run_tool(lua_State *L) {
+  tool *t = lua_touserdata(L, 1);
+  lua_settop(L, 0);
+  open_functions(L, t);
+  open_arguments(L, t);
+  open_modules(L);
+  if (luaL_loadfilex(L, hk_script_path(hk_lua_script(L)), "t") != LUA_OK) return lua_error(L);
+  lua_call(L, 0, 1);
+  t->exit_code = (int)luaL_optinteger(L, -1, 0);
+  return 0;
+}
+
+hk_status hk_tool_run(const char *path, int argc, char **argv, const hk_script_options *options, int *exit_code,
+                      hk_choice *choice, hk_error *error) {
+  tool t = {.argc = argc, .argv = argv};
+  hk_status status = hk_script_host(path, options, run_tool, &t, error);
+  *exit_code = t.exit_code;
+  if (choice) *choice = t.choice;
+  return status;
+}

@@ -1,0 +1,29 @@
+/* run:verify() of tools: the summary after a second run, of the scene loaded again, has checked it; and what that run
+ * died of. */
+#include "core/tools/tools.h"
+
+#include <lauxlib.h>
+
+static int verify(lua_State *L) {
+  hk_run *run = hk_lua_run(L);
+  lua_getiuservalue(L, 1, 1);
+  hk_script *owner = hk_lua_owner(L, -1);
+  hk_summary s;
+  hk_error error = {0};
+  if (owner == hk_lua_script(L)) return hk_lua_fail(L, HK_SCRIPT, "run:verify is for scenes that hooke.load loaded");
+  hk_run_summary(run, &s);
+  hk_status status =
+      hk_script_verify(hk_script_path(owner), hk_script_asked(owner), hk_script_run_options(owner), run, &s, &error);
+  hk_lua_push_summary(L, &s);
+  if (status == HK_OK) return 1;
+  lua_pushstring(L, error.text);
+  return 2;
+}
+
+void hk_tool_open_verify(lua_State *L) {
+  luaL_getmetatable(L, hk_lua_run_type);
+  lua_getfield(L, -1, "__index");
+  lua_pushcfunction(L, verify);
+  lua_setfield(L, -2, "verify");
+  lua_pop(L, 2);
+}
