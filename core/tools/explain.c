@@ -86,6 +86,20 @@ static void describe(lua_State *L, hk_run *run) {
   push_steps(L, run);
 }
 
+/* For a scene that leaves its integrator to be chosen, since a run needs one: the explicit symplectic and reversible
+ * method with the fewest stages. NULL: there is none. */
+static const char *simplest_method(const hk_registry *registry) {
+  const hk_plugin *found = NULL;
+  for (size_t k = 0; k < registry->count; k++) {
+    const hk_plugin *plugin = registry->item[k].plugin;
+    if (!plugin || plugin->kind != HK_INTEGRATOR) continue;
+    unsigned wanted = HK_SYMPLECTIC | HK_REVERSIBLE, flags = plugin->integrator->flags;
+    if ((flags & (wanted | HK_IMPLICIT | HK_ADAPTIVE)) != wanted) continue;
+    if (!found || plugin->integrator->stages < found->integrator->stages) found = plugin;
+  }
+  return found ? found->name : NULL;
+}
+
 int hk_tool_explain(lua_State *L) {
   hk_script_options options = *hk_script_asked(hk_lua_script(L));
   hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .progress = -1};
@@ -105,7 +119,8 @@ int hk_tool_explain(lua_State *L) {
   if (status == HK_OK && !hk_script_scene(script))
     status = hk_error_set(&error, HK_SCRIPT, "the script drives its own runs");
   run_options.no_output = true; /* they are listed, not opened */
-  if (status == HK_OK && hk_script_scene(script)->integrator_auto) run_options.integrator = "leapfrog";
+  if (status == HK_OK && hk_script_scene(script)->integrator_auto)
+    run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
   if (status == HK_OK) status = hk_step_estimate(run);
   if (status == HK_OK)

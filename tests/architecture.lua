@@ -1,0 +1,434 @@
+-- The architecture: arrows between files run one way. An arrow goes from a file to one that it includes (#include), whose
+-- symbol its object file takes (nm), or which it requires (Lua). A .c and the .h of the same name are one file. Checked
+-- are the order of the rooms, circles of files (strongly connected components, Tarjan 1972), the size of rooms, the one
+-- header of a room, the lines of the small core, and that core/ names no plugin. All findings are printed, one a line.
+-- Every check is first run on a made-up example with planted faults, which it has to find.
+
+-- ---- what is allowed ----
+
+-- An arrow goes from a room to itself or to one further up in this list.
+local order = { "plugin", "base", "host", "stability", "scene", "state", "dynamics", "loop", "judge", "storage", "report",
+  "run", "lua", "tools", "command" }
+local most_files = 20
+local small_core_below = 3500 -- lines
+local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/", "^core/dynamics/" }
+local not_small_core = { "/constraint", "/jacobian", "/implicit_matrix", "/linear_system", "/block_matrix", "solver" }
+
+-- Headers beside a room's one header that other rooms may include. To be emptied.
+local further_headers = {
+  ["core/base/error.h"] = true,
+  ["core/base/memory.h"] = true,
+  ["core/base/random.h"] = true,
+  ["core/base/threads.h"] = true,
+}
+
+-- Plugins that are called by an ordinary word: what the word means in core/.
+local ordinary_words = {
+  code = { table = "a table of Lua or of parameters", frames = "the frames of a run" },
+  comment = {
+    table = "a table of Lua or of parameters", frames = "the frames of a run", midpoint = "the middle of an interval",
+    trapezoid = "the rule of integration", central = "central differences", drag = "the resistance of the air",
+    wind = "the motion of the air", euler = "the author",
+  },
+}
+
+-- ---- rooms ----
+
+local rank = {}
+for k, room in ipairs(order) do rank[room] = k end
+
+local function room_of(path)
+  if path == "core/plugin.h" then return "plugin" end
+  return path:match("^core/([%w_]+)/")
+end
+
+-- Why an arrow is not allowed; nil: it is.
+local function forbidden(from, to)
+  local source, target = room_of(from), room_of(to)
+  if source then
+    if not target then return "core/ is below everything else" end
+    if not rank[source] or not rank[target] then
+      return ("the room %s is not in the list of rooms"):format(rank[source] and target or source)
+    end
+    if rank[target] > rank[source] then return ("%s is below %s"):format(source, target) end
+  elseif from:find("^plugins/") then
+    if target ~= "plugin" and not to:find("^plugins/common/") then return "a plugin sees the ABI and plugins/common only" end
+  elseif from:find("^tools/native/") then
+    if not target and not to:find("^tools/native/") then return "a native module of tools sees core/ only" end
+  elseif from:find("^tools/common/") then
+    if not (to:find("^tools/common/") or to:find("^tools/native/") or to:find("^scripts/lib/")) then
+      return "tools/common sees native modules and scripts/lib only"
+    end
+  elseif from:find("^tools/") then
+    if not (to:find("^tools/common/") or to:find("^tools/native/") or to:find("^scripts/lib/")) then
+      return "a tool sees tools/common, native modules and scripts/lib only"
+    end
+  elseif from:find("^scripts/lib/") and not to:find("^scripts/lib/") then
+    return "scripts/lib sees itself only"
+  end
+end
+
+-- ---- checks: each takes what was read and returns a list of findings ----
+
+local function against_order(arrows)
+  local findings = {}
+  for _, a in ipairs(arrows) do
+    local why = forbidden(a.from, a.to)
+    if why then findings[#findings + 1] = ("order: %s -> %s (%s): %s"):format(a.from, a.to, a.by, why) end
+  end
+  return findings
+end
+
+local function file_of(path) return (path:gsub("%.[ch]$", "")) end
+
+-- { [file] = { [file] = by } }, and the files in a fixed order.
+local function graph_of(arrows)
+  local graph, files = {}, {}
+  local function add(file)
+    if not graph[file] then graph[file], files[#files + 1] = {}, file end
+  end
+  for _, a in ipairs(arrows) do
+    local from, to = file_of(a.from), file_of(a.to)
+    add(from)
+    add(to)
+    if from ~= to then graph[from][to] = graph[from][to] or a.by end
+  end
+  table.sort(files)
+  return graph, files
+end
+
+-- Strongly connected components of more than one file.
+local function components(graph, files)
+  local index, low, on_stack, stack, count, found = {}, {}, {}, {}, 0, {}
+  local function visit(v)
+    count = count + 1
+    index[v], low[v], on_stack[v], stack[#stack + 1] = count, count, true, v
+    for w in pairs(graph[v]) do
+      if not index[w] then
+        visit(w)
+        low[v] = math.min(low[v], low[w])
+      elseif on_stack[w] then low[v] = math.min(low[v], index[w]) end
+    end
+    if low[v] < index[v] then return end
+    local members = {}
+    repeat
+      local w = table.remove(stack)
+      on_stack[w], members[#members + 1] = nil, w
+    until w == v
+    table.sort(members)
+    if #members > 1 then found[#found + 1] = members end
+  end
+  for _, v in ipairs(files) do
+    if not index[v] then visit(v) end
+  end
+  return found
+end
+
+-- The shortest way from a file back to itself, with what each arrow is made of.
+local function circle_from(graph, start)
+  local before, queue = {}, { start }
+  for _, v in ipairs(queue) do
+    for w in pairs(graph[v]) do
+      if w == start then
+        local way = ("%s (%s)"):format(w, graph[v][w])
+        while v ~= start do
+          way = ("%s (%s) -> %s"):format(v, graph[before[v]][v], way)
+          v = before[v]
+        end
+        return start .. " -> " .. way
+      elseif not before[w] then before[w], queue[#queue + 1] = v, w end
+    end
+  end
+end
+
+local function circles(arrows)
+  local graph, files = graph_of(arrows)
+  local findings = {}
+  for _, members in ipairs(components(graph, files)) do
+    findings[#findings + 1] = ("circle of %d files: %s; one way round: %s"):format(#members, table.concat(members, ", "),
+      circle_from(graph, members[1]))
+  end
+  return findings
+end
+
+-- Rooms are folders of core/, plugins/common/ and tools/common/; in plugins/KIND the folder is the list of plugins.
+local function crowded(paths)
+  local count, findings = {}, {}
+  for _, path in ipairs(paths) do
+    local folder = path:match("^(.*)/[^/]*$")
+    if folder and (folder:find("^core") or folder:find("/common")) then count[folder] = (count[folder] or 0) + 1 end
+  end
+  for folder, n in pairs(count) do
+    if n > most_files then findings[#findings + 1] = ("size: %s has %d files, %d are allowed"):format(folder, n, most_files) end
+  end
+  table.sort(findings)
+  return findings
+end
+
+local function further_includes(includes)
+  local by, findings = {}, {}
+  for _, a in ipairs(includes) do
+    local room = room_of(a.to)
+    if room and room ~= "plugin" and room_of(a.from) ~= room and a.to ~= ("core/%s/%s.h"):format(room, room)
+      and not further_headers[a.to] then
+      by[a.to] = by[a.to] or {}
+      table.insert(by[a.to], a.from)
+    end
+  end
+  for header, from in pairs(by) do
+    table.sort(from)
+    findings[#findings + 1] = ("header: %s is not the header of its room (core/%s/%s.h), but included by %s"):format(header,
+      room_of(header), room_of(header), table.concat(from, ", "))
+  end
+  table.sort(findings)
+  return findings
+end
+
+local function matches(path, patterns)
+  for _, pattern in ipairs(patterns) do
+    if path:find(pattern) then return true end
+  end
+  return false
+end
+
+local function is_small_core(path) return matches(path, small_core) and not matches(path, not_small_core) end
+
+-- The text's code, strings included, and its comments, each with the line breaks of the whole.
+local function split(text)
+  local code, comment, at = {}, {}, 1
+  local function blank(s) return (s:gsub("[^\n]", " ")) end
+  while at <= #text do
+    local start, _, opening = text:find('(["\'/])', at)
+    if not start then break end
+    local piece
+    if opening == "/" then
+      local two = text:sub(start, start + 1)
+      piece = two == "/*" and text:sub(start, select(2, text:find("*/", start + 2, true)) or -1)
+        or two == "//" and text:match("^[^\n]*", start)
+    end
+    local before = text:sub(at, start - 1)
+    local is_comment = piece and true or false
+    if not piece and opening ~= "/" then
+      local stop = start + 1
+      while stop < #text and text:sub(stop, stop) ~= opening do
+        stop = stop + (text:sub(stop, stop) == "\\" and 2 or 1)
+      end
+      piece = text:sub(start, stop)
+    end
+    piece = piece or opening
+    code[#code + 1] = before .. (is_comment and blank(piece) or piece)
+    comment[#comment + 1] = blank(before) .. (is_comment and piece or blank(piece))
+    at = start + #piece
+  end
+  code[#code + 1] = text:sub(at)
+  return table.concat(code), table.concat(comment)
+end
+
+-- Names of plugins in the text: as a word, or as a part of an identifier between underscores.
+local function named(path, text, names)
+  local findings, code, comment = {}, split(text)
+  for where, part in pairs { code = code, comment = comment } do
+    local number = 0
+    for line in (part .. "\n"):gmatch("(.-)\n") do
+      number = number + 1
+      local function say(what)
+        findings[#findings + 1] = ("name: %s:%d: %s in its %s"):format(path, number, what,
+          where == "code" and "code" or "comments")
+      end
+      local lower = line:lower()
+      if lower:find("spring", 1, true) then say("a spring") end
+      local words = "_" .. lower:gsub("[^%w_]", "_  _") .. "_"
+      for _, name in ipairs(names) do
+        if not ordinary_words[where][name] and not name:find("spring", 1, true)
+          and words:find("_" .. name .. "_", 1, true) then
+          say(("the plugin '%s'"):format(name))
+        end
+      end
+    end
+  end
+  table.sort(findings)
+  return findings
+end
+
+-- ---- reading ----
+
+local function includes_of(path, text, exists)
+  local arrows = {}
+  for name in ("\n" .. text):gmatch('\n[ \t]*#[ \t]*include[ \t]*"([^"]+)"') do
+    local beside = path:match("^(.*/)") .. name
+    arrows[#arrows + 1] = { from = path, to = exists[name] and name or exists[beside] and beside or name, by = "include" }
+  end
+  return arrows
+end
+
+-- Lines of `nm -A -g`, as arrows between sources. A plugin takes symbols from plugins/, everything else from core/.
+local function symbols_of(lines, source_of)
+  local definer, taken, arrows = { core = {}, plugins = {} }, {}, {}
+  for line in lines:gmatch("[^\n]+") do
+    local object, kind, symbol = line:match("^(.-):%s*%x*%s+(%a)%s+(%S+)$")
+    local source = object and source_of(object)
+    local top = source and source:match("^%w+")
+    if source and (kind == "U" or kind == "w" or kind == "v") then
+      taken[#taken + 1] = { from = source, symbol = symbol, side = top == "plugins" and "plugins" or "core" }
+    elseif source and kind:find("[%uiu]") and (top == "core" or source:find("^plugins/common/")) then
+      definer[top][symbol] = source
+    end
+  end
+  for _, t in ipairs(taken) do
+    local to = definer[t.side][t.symbol]
+    if to and to ~= t.from then arrows[#arrows + 1] = { from = t.from, to = to, by = t.symbol } end
+  end
+  return arrows
+end
+
+local function requires_of(path, text, exists)
+  local arrows = {}
+  text = text:gsub("%-%-[^\n]*", "")
+  for name in text:gmatch("require%s*%(?%s*[\"']([%w_.%-]+)[\"']") do
+    local file = name:gsub("%.", "/")
+    for _, to in ipairs { ("tools/%s.lua"):format(file), ("tools/native/%s.c"):format(file),
+      ("scripts/lib/%s.lua"):format(file) } do
+      if exists[to] then arrows[#arrows + 1] = { from = path, to = to, by = "require" } end
+    end
+  end
+  return arrows
+end
+
+-- ---- the checks find what is planted ----
+
+local function check_the_checks()
+  local function arrow(from, to) return { from = from, to = to, by = "planted" } end
+  local good = { arrow("core/loop/a.c", "core/base/b.h"), arrow("core/base/b.c", "core/base/c.h"),
+    arrow("core/base/b.c", "core/base/b.h"), arrow("plugins/forces/f.c", "core/plugin.h"),
+    arrow("tools/run.lua", "tools/common/x/y.lua") }
+  assert(#circles(good) == 0 and #against_order(good) == 0, "a graph without faults")
+  local round = { arrow("core/base/c.c", "core/loop/a.h"), table.unpack(good) } -- a -> b -> c -> a through headers
+  local found = circles(round)
+  assert(#found == 1 and found[1]:find("circle of 3 files: core/base/b, core/base/c, core/loop/a", 1, true), found[1])
+  found = against_order(round)
+  assert(#found == 1 and found[1]:find("core/base/c.c -> core/loop/a.h", 1, true), found[1])
+  for _, bad in ipairs { arrow("plugins/forces/f.c", "core/base/b.h"), arrow("plugins/forces/f.c", "plugins/forces/g.c"),
+    arrow("core/base/b.c", "plugins/common/x/y.h"), arrow("core/base/b.c", "core/attic/z.h"),
+    arrow("tools/common/x/y.lua", "tools/run.lua"), arrow("scripts/lib/a.lua", "tools/common/x/y.lua"),
+    arrow("tools/native/n.c", "plugins/common/x/y.h") } do
+    assert(#against_order { bad } == 1, bad.from .. " -> " .. bad.to)
+  end
+
+  local paths = {}
+  for k = 1, most_files + 1 do paths[k] = ("core/base/f%d.c"):format(k) end
+  assert(#crowded(paths) == 1)
+  paths[1] = "core/host/f.c"
+  assert(#crowded(paths) == 0)
+
+  assert(#further_includes { arrow("core/loop/a.c", "core/scene/scene.h"), arrow("core/scene/b.c", "core/scene/c.h") } == 0)
+  assert(#further_includes { arrow("core/loop/a.c", "core/scene/c.h") } == 1)
+
+  assert(is_small_core("core/dynamics/evaluate.c") and not is_small_core("core/dynamics/constraint_matrix.h"))
+
+  local text = '/* leapfrog */ int x = 1; // a\nf("rk4 /* pcg */"); int hk_pcg_size; /* "umfpack" */ int leapfrogs, a/b;\n'
+  local code, comment = split(text)
+  assert(#code == #text and code:find('"rk4 /* pcg */"', 1, true) and not code:find("leapfrog ", 1, true))
+  assert(code:find("a/b", 1, true) and comment:find('"umfpack"', 1, true) and not comment:find("rk4", 1, true))
+  assert(#named("f.c", text, { "leapfrog", "rk4", "pcg", "umfpack" }) == 4)
+  assert(#named("f.c", "int offspring; /* table */", { "table" }) == 1) -- a spring, but no table
+
+  local exists = { ["core/base/b.h"] = true, ["core/loop/c.h"] = true, ["tools/common/x/y.lua"] = true }
+  found = includes_of("core/loop/a.c", '#include "core/base/b.h"\n#include <core/x.h>\n#include "c.h"\n', exists)
+  assert(#found == 2 and found[1].to == "core/base/b.h" and found[2].to == "core/loop/c.h")
+  found = requires_of("tools/run.lua", 'local y = require("common.x.y") -- require("common.x.y")\nrequire "cjson"', exists)
+  assert(#found == 1 and found[1].to == "tools/common/x/y.lua")
+  local lines = "o/core/a.o:                 U f\no/core/b.o:0000000000000000 T f\no/core/b.o:0000000000000010 t g\n"
+    .. "o/core/a.o:                 U g\no/plugins/p.o:                 U f\n"
+  found = symbols_of(lines, function(object) return object:match("^o/(.*)o$") .. "c" end)
+  assert(#found == 1 and found[1].from == "core/a.c" and found[1].to == "core/b.c" and found[1].by == "f")
+end
+
+-- ---- the house ----
+
+local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
+local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
+
+local function output_of(command)
+  local pipe = assert(io.popen(command))
+  local text = pipe:read("a")
+  assert(pipe:close(), command)
+  return text
+end
+
+local function read(path)
+  local file = assert(io.open(("%s/%s"):format(root, path)))
+  local text = file:read("a")
+  file:close()
+  return text
+end
+
+local function house()
+  local h = { paths = {}, exists = {}, text = {}, includes = {}, arrows = {}, plugins = {} }
+  local listing = output_of(("cd '%s' && find core plugins tools scripts/lib -type f | LC_ALL=C sort"):format(root))
+  for path in listing:gmatch("[^\n]+") do
+    if path:find("%.[ch]$") or path:find("%.lua$") then
+      h.paths[#h.paths + 1], h.exists[path] = path, true
+      local name = path:match("^plugins/[%w_]+/([%w_]+)%.c$")
+      if name then h.plugins[#h.plugins + 1] = name end
+    end
+  end
+  for _, path in ipairs(h.paths) do
+    if not path:find("^tools/templates/") then
+      local is_lua = path:find("%.lua$") ~= nil
+      h.text[path] = read(path)
+      for _, a in ipairs((is_lua and requires_of or includes_of)(path, h.text[path], h.exists)) do
+        h.arrows[#h.arrows + 1] = a
+        if not is_lua then h.includes[#h.includes + 1] = a end
+      end
+    end
+  end
+  return h
+end
+
+-- The source of an object file; nil: the source is gone.
+local function source_in(h)
+  return function(object)
+    local source = object:sub(#build + #"/obj/" + 1):gsub("o$", "c")
+    return h.exists[source] and source or nil
+  end
+end
+
+local function add_symbols(h)
+  local objects = ("find '%s/obj/core' '%s/obj/plugins' '%s/obj/tools' -name '*.o'"):format(build, build, build)
+  local lines, seen, source_of = output_of(objects .. " | xargs nm -A -g"), {}, source_in(h)
+  for object in output_of(objects):gmatch("[^\n]+") do seen[source_of(object) or ""] = true end
+  for _, path in ipairs(h.paths) do
+    assert(seen[path] or not path:find("^core/.*%.c$"), path .. " was not compiled: make build")
+  end
+  for _, a in ipairs(symbols_of(lines, source_of)) do h.arrows[#h.arrows + 1] = a end
+end
+
+local function lines_of_small_core(h)
+  local lines = 0
+  for _, path in ipairs(h.paths) do
+    if is_small_core(path) then lines = lines + select(2, h.text[path]:gsub("\n", "")) end
+  end
+  return lines
+end
+
+check_the_checks()
+local h = house()
+add_symbols(h)
+local findings = {}
+local function add(list) table.move(list, 1, #list, #findings + 1, findings) end
+add(against_order(h.arrows))
+add(circles(h.arrows))
+add(crowded(h.paths))
+add(further_includes(h.includes))
+for _, path in ipairs(h.paths) do
+  if path:find("^core/") then add(named(path, h.text[path], h.plugins)) end
+end
+local lines = lines_of_small_core(h)
+if lines >= small_core_below then
+  findings[#findings + 1] = ("lines: the small core has %d lines, below %d are allowed"):format(lines, small_core_below)
+end
+print(("the small core (base, host, state, evaluation of f, loop) has %d lines; %d files, %d arrows"):format(lines, #h.paths,
+  #h.arrows))
+for _, finding in ipairs(findings) do print(finding) end
+print(#findings == 0 and "passed" or ("%d findings"):format(#findings))
+os.exit(#findings == 0)
