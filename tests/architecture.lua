@@ -26,9 +26,9 @@ local further_headers = {
 local ordinary_words = {
   code = { table = "a table of Lua or of parameters", frames = "the frames of a run" },
   comment = {
-    table = "a table of Lua or of parameters", frames = "the frames of a run", midpoint = "the middle of an interval",
-    trapezoid = "the rule of integration", central = "central differences", drag = "the resistance of the air",
-    wind = "the motion of the air", euler = "the author",
+    table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
+    midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
+    drag = "the resistance of the air",
   },
 }
 

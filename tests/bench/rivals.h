@@ -4,6 +4,7 @@
 #define HK_BENCH_RIVALS_H
 
 #include "plugins/common/sundials/sundials.h"
+#include "plugins/common/sundials/sundials_vector.h"
 #include "tests/bench/plain.h"
 
 #include <arkode/arkode_erkstep.h>

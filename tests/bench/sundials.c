@@ -4,6 +4,7 @@
  * forces. Medians of repeats taken in turn. The sides have the same weights of errors, so steps and evaluations agree
  * up to rounding. */
 #include "plugins/common/sundials/sundials.h"
+#include "plugins/common/sundials/sundials_vector.h"
 #include "tests/support/engine.h"
 
 #include <arkode/arkode_arkstep.h>

@@ -3,6 +3,7 @@
  * speed V or, from rest, sqrt(L A), that of a channel its RMS; so tol is SUNDIALS' relative tolerance as it stands.
  * The work weighs nothing. */
 #include "plugins/common/sundials/sundials.h"
+#include "plugins/common/sundials/sundials_vector.h"
 #include "plugins/common/integrate/step_control.h"
 
 #include <stdio.h>

@@ -36,9 +36,6 @@ typedef struct hk_sundials {
   double *inverse; /* n x 9, of the diagonal blocks (block Jacobi); NULL */
 } hk_sundials;
 
-/* A vector over `data` with arithmetic of its own, see sundials_vector.c; NULL: no memory. */
-N_Vector hk_sundials_vector(size_t size, double *data, SUNContext context);
-
 /* Context, vector and scales for the particles of `view`; what was there goes. */
 hk_status hk_sundials_open(hk_sundials *, const hk_host *host, const hk_view *view);
 void hk_sundials_close(hk_sundials *);

@@ -2,7 +2,9 @@
  * optimisation, where the sums over stages and past steps cost more than a cloth's forces. Vectors cloned from one
  * inherit it. Sums over a vector run in lanes whose order is fixed; sums of several vectors run over chunks that stay
  * in the first-level cache. What is not here is SUNDIALS' own. */
-#include "plugins/common/sundials/sundials.h"
+#include "plugins/common/sundials/sundials_vector.h"
+
+#include <math.h>
 
 enum { LANES = 8, CHUNK = 512 };
 
