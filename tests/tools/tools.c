@@ -57,6 +57,14 @@ static void explain_tells_the_stable_steps(void **state) {
   says("explain oscillator.lua --fast", 1, "neither the scene nor name=value");
 }
 
+static void explain_leaves_an_integrator_that_is_to_be_chosen_open(void **state) {
+  (void)state;
+  test_write("open.lua", "local scene = hooke.scene { duration = 1, integrator = 'auto', accuracy = 1e-3 }\n"
+                         "scene:particle { position = { 0, 0, 1 } }\n"
+                         "scene:force('gravity')\nreturn scene\n");
+  says("explain open.lua", 0, "with auto");
+}
+
 static void a_new_force_compiles_and_is_right(void **state) {
   (void)state;
   char before[1024];
@@ -90,6 +98,7 @@ int main(void) {
       cmocka_unit_test(plugins_lists_every_kind_and_describes_one),
       cmocka_unit_test(failed_loads_are_listed_with_the_reason),
       cmocka_unit_test(explain_tells_the_stable_steps),
+      cmocka_unit_test(explain_leaves_an_integrator_that_is_to_be_chosen_open),
       cmocka_unit_test(a_new_force_compiles_and_is_right),
       cmocka_unit_test(verify_prints_a_difference),
   };

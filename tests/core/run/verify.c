@@ -1,8 +1,10 @@
-/* What core/verify.c and core/choose.c promise: an accuracy that is asked for is judged by half the step from a
- * disturbed start; runs can leave parts out, be disturbed, be cut short and be given an integrator with its parameters.
- * Through `hooke run`, and through hooke.load in a tool. */
+/* What core/run/verify.c and core/scene/overrides.c promise: an accuracy that is asked for is judged by half the step
+ * from a disturbed start; runs can leave parts out, be disturbed, be cut short and be given an integrator with its
+ * parameters. Through `hooke run`, and through hooke.load in a tool. */
 #include "core/tools/tools.h"
+#include "core/run/verify.h"
 #include "tests/support/command.h"
+#include "tests/support/engine.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -239,6 +241,60 @@ static void implicit_methods_refuse_constraints_before_the_first_step(void **sta
                           "load { integrator = 'bdf2', trust = true, without = { 'bar' } }:run { to = 0 }\n");
 }
 
+typedef struct reopening { /* of a scene that opens with `status` */
+  hk_scene *scene;
+  hk_status status;
+  int opened, closed;
+} reopening;
+
+static hk_status open_again(void *context, const hk_run_options *options, hk_run **again, hk_error *error) {
+  reopening *second = context;
+  second->opened++;
+  if (second->status != HK_OK) return hk_error_set(error, second->status, "the file is gone");
+  return hk_run_open(second->scene, options, again, error);
+}
+
+static void close_again(void *context, hk_run *again) {
+  reopening *second = context;
+  assert_true((again != NULL) == (second->status == HK_OK));
+  hk_run_destroy(again);
+  second->closed++;
+}
+
+static void fall(test_engine *e) {
+  test_engine_open(e);
+  test_particle(e, 0, 0, 1, 1);
+  test_plugin(e, HK_FORCE, "gravity");
+  e->scene->duration = 0.5;
+  e->options.accuracy = 1e-6;
+}
+
+/* The second run is another scene's, of the same description: verifying knows of no script. */
+static void the_second_scene_is_opened_and_closed_once(void **state) {
+  const hk_status statuses[] = {HK_OK, HK_IO};
+  (void)state;
+  for (size_t k = 0; k < 2; k++) {
+    test_engine first, other;
+    hk_summary summary;
+    hk_error error = {0};
+    fall(&first);
+    fall(&other);
+    test_run(&first);
+    test_advance(&first, 0.5);
+    assert_int_equal(hk_run_close(first.run, &error), HK_OK);
+    hk_run_summary(first.run, &summary);
+    reopening second = {.scene = other.scene, .status = statuses[k]};
+    hk_reopen reopen = {open_again, close_again, &second};
+    assert_int_equal(hk_verify(&reopen, &first.options, first.run, &summary, &error), statuses[k]);
+    assert_true(second.opened == 1 && second.closed == 1);
+    assert_true(isnan(summary.verify_difference) == (statuses[k] != HK_OK));
+    assert_int_equal(summary.verdict, statuses[k] == HK_OK ? HK_VERDICT_OK : HK_INACCURATE);
+    if (statuses[k] != HK_OK) assert_string_equal(error.text, "the file is gone");
+    test_engine_close(&other);
+    test_engine_close(&first);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_difference_is_what_richardson_says),
@@ -247,6 +303,7 @@ int main(void) {
       cmocka_unit_test(a_balanced_start_is_found_out),
       cmocka_unit_test(a_blind_judge_does_not_see_the_exact_solution),
       cmocka_unit_test(a_second_run_that_fails_is_no_agreement),
+      cmocka_unit_test(the_second_scene_is_opened_and_closed_once),
       cmocka_unit_test(adaptive_methods_are_checked_by_their_tolerance),
       cmocka_unit_test(a_disturbance_moves_free_particles_by_its_size),
       cmocka_unit_test(what_is_left_out_does_not_act),
