@@ -1,8 +1,12 @@
 -- The architecture: arrows between files run one way. An arrow goes from a file to one that it includes (#include), whose
--- symbol its object file takes (nm), or which it requires (Lua). A .c and the .h of the same name are one file. Checked
--- are the order of the rooms, circles of files (strongly connected components, Tarjan 1972), the size of rooms, the one
--- header of a room, the lines of the small core, and that core/ names no plugin. All findings are printed, one a line.
--- Every check is first run on a made-up example with planted faults, which it has to find.
+-- symbol its object file takes (nm), or which it requires (Lua). Checked are the order of the rooms, circles of files,
+-- the size of rooms, the one header of a room, the lines of the small core, and that core/ names no plugin. All findings
+-- are printed, one a line. Every check is first run on a made-up example with planted faults, which it has to find.
+
+local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
+local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
+package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
+local source_graph = require("source_graph")
 
 -- ---- what is allowed ----
 
@@ -79,74 +83,12 @@ local function against_order(arrows)
   return findings
 end
 
-local function file_of(path) return (path:gsub("%.[ch]$", "")) end
-
--- { [file] = { [file] = by } }, and the files in a fixed order.
-local function graph_of(arrows)
-  local graph, files = {}, {}
-  local function add(file)
-    if not graph[file] then graph[file], files[#files + 1] = {}, file end
-  end
-  for _, a in ipairs(arrows) do
-    local from, to = file_of(a.from), file_of(a.to)
-    add(from)
-    add(to)
-    if from ~= to then graph[from][to] = graph[from][to] or a.by end
-  end
-  table.sort(files)
-  return graph, files
-end
-
--- Strongly connected components of more than one file.
-local function components(graph, files)
-  local index, low, on_stack, stack, count, found = {}, {}, {}, {}, 0, {}
-  local function visit(v)
-    count = count + 1
-    index[v], low[v], on_stack[v], stack[#stack + 1] = count, count, true, v
-    for w in pairs(graph[v]) do
-      if not index[w] then
-        visit(w)
-        low[v] = math.min(low[v], low[w])
-      elseif on_stack[w] then low[v] = math.min(low[v], index[w]) end
-    end
-    if low[v] < index[v] then return end
-    local members = {}
-    repeat
-      local w = table.remove(stack)
-      on_stack[w], members[#members + 1] = nil, w
-    until w == v
-    table.sort(members)
-    if #members > 1 then found[#found + 1] = members end
-  end
-  for _, v in ipairs(files) do
-    if not index[v] then visit(v) end
-  end
-  return found
-end
-
--- The shortest way from a file back to itself, with what each arrow is made of.
-local function circle_from(graph, start)
-  local before, queue = {}, { start }
-  for _, v in ipairs(queue) do
-    for w in pairs(graph[v]) do
-      if w == start then
-        local way = ("%s (%s)"):format(w, graph[v][w])
-        while v ~= start do
-          way = ("%s (%s) -> %s"):format(v, graph[before[v]][v], way)
-          v = before[v]
-        end
-        return start .. " -> " .. way
-      elseif not before[w] then before[w], queue[#queue + 1] = v, w end
-    end
-  end
-end
-
 local function circles(arrows)
-  local graph, files = graph_of(arrows)
+  local graph, files = source_graph.graph_of(arrows)
   local findings = {}
-  for _, members in ipairs(components(graph, files)) do
+  for _, members in ipairs(source_graph.components(graph, files)) do
     findings[#findings + 1] = ("circle of %d files: %s; one way round: %s"):format(#members, table.concat(members, ", "),
-      circle_from(graph, members[1]))
+      source_graph.circle_from(graph, members[1]))
   end
   return findings
 end
@@ -193,40 +135,9 @@ end
 
 local function is_small_core(path) return matches(path, small_core) and not matches(path, not_small_core) end
 
--- The text's code, strings included, and its comments, each with the line breaks of the whole.
-local function split(text)
-  local code, comment, at = {}, {}, 1
-  local function blank(s) return (s:gsub("[^\n]", " ")) end
-  while at <= #text do
-    local start, _, opening = text:find('(["\'/])', at)
-    if not start then break end
-    local piece
-    if opening == "/" then
-      local two = text:sub(start, start + 1)
-      piece = two == "/*" and text:sub(start, select(2, text:find("*/", start + 2, true)) or -1)
-        or two == "//" and text:match("^[^\n]*", start)
-    end
-    local before = text:sub(at, start - 1)
-    local is_comment = piece and true or false
-    if not piece and opening ~= "/" then
-      local stop = start + 1
-      while stop < #text and text:sub(stop, stop) ~= opening do
-        stop = stop + (text:sub(stop, stop) == "\\" and 2 or 1)
-      end
-      piece = text:sub(start, stop)
-    end
-    piece = piece or opening
-    code[#code + 1] = before .. (is_comment and blank(piece) or piece)
-    comment[#comment + 1] = blank(before) .. (is_comment and piece or blank(piece))
-    at = start + #piece
-  end
-  code[#code + 1] = text:sub(at)
-  return table.concat(code), table.concat(comment)
-end
-
 -- Names of plugins in the text: as a word, or as a part of an identifier between underscores.
 local function named(path, text, names)
-  local findings, code, comment = {}, split(text)
+  local findings, code, comment = {}, source_graph.split(text)
   for where, part in pairs { code = code, comment = comment } do
     local number = 0
     for line in (part .. "\n"):gmatch("(.-)\n") do
@@ -248,50 +159,6 @@ local function named(path, text, names)
   end
   table.sort(findings)
   return findings
-end
-
--- ---- reading ----
-
-local function includes_of(path, text, exists)
-  local arrows = {}
-  for name in ("\n" .. text):gmatch('\n[ \t]*#[ \t]*include[ \t]*"([^"]+)"') do
-    local beside = path:match("^(.*/)") .. name
-    arrows[#arrows + 1] = { from = path, to = exists[name] and name or exists[beside] and beside or name, by = "include" }
-  end
-  return arrows
-end
-
--- Lines of `nm -A -g`, as arrows between sources. A plugin takes symbols from plugins/, everything else from core/.
-local function symbols_of(lines, source_of)
-  local definer, taken, arrows = { core = {}, plugins = {} }, {}, {}
-  for line in lines:gmatch("[^\n]+") do
-    local object, kind, symbol = line:match("^(.-):%s*%x*%s+(%a)%s+(%S+)$")
-    local source = object and source_of(object)
-    local top = source and source:match("^%w+")
-    if source and (kind == "U" or kind == "w" or kind == "v") then
-      taken[#taken + 1] = { from = source, symbol = symbol, side = top == "plugins" and "plugins" or "core" }
-    elseif source and kind:find("[%uiu]") and (top == "core" or source:find("^plugins/common/")) then
-      definer[top][symbol] = source
-    end
-  end
-  for _, t in ipairs(taken) do
-    local to = definer[t.side][t.symbol]
-    if to and to ~= t.from then arrows[#arrows + 1] = { from = t.from, to = to, by = t.symbol } end
-  end
-  return arrows
-end
-
-local function requires_of(path, text, exists)
-  local arrows = {}
-  text = text:gsub("%-%-[^\n]*", "")
-  for name in text:gmatch("require%s*%(?%s*[\"']([%w_.%-]+)[\"']") do
-    local file = name:gsub("%.", "/")
-    for _, to in ipairs { ("tools/%s.lua"):format(file), ("tools/native/%s.c"):format(file),
-      ("scripts/lib/%s.lua"):format(file) } do
-      if exists[to] then arrows[#arrows + 1] = { from = path, to = to, by = "require" } end
-    end
-  end
-  return arrows
 end
 
 -- ---- the checks find what is planted ----
@@ -326,27 +193,24 @@ local function check_the_checks()
   assert(is_small_core("core/dynamics/evaluate.c") and not is_small_core("core/dynamics/constraint_matrix.h"))
 
   local text = '/* leapfrog */ int x = 1; // a\nf("rk4 /* pcg */"); int hk_pcg_size; /* "umfpack" */ int leapfrogs, a/b;\n'
-  local code, comment = split(text)
+  local code, comment = source_graph.split(text)
   assert(#code == #text and code:find('"rk4 /* pcg */"', 1, true) and not code:find("leapfrog ", 1, true))
   assert(code:find("a/b", 1, true) and comment:find('"umfpack"', 1, true) and not comment:find("rk4", 1, true))
   assert(#named("f.c", text, { "leapfrog", "rk4", "pcg", "umfpack" }) == 4)
   assert(#named("f.c", "int offspring; /* table */", { "table" }) == 1) -- a spring, but no table
 
   local exists = { ["core/base/b.h"] = true, ["core/loop/c.h"] = true, ["tools/common/x/y.lua"] = true }
-  found = includes_of("core/loop/a.c", '#include "core/base/b.h"\n#include <core/x.h>\n#include "c.h"\n', exists)
+  found = source_graph.includes_of("core/loop/a.c", '#include "core/base/b.h"\n#include <core/x.h>\n#include "c.h"\n', exists)
   assert(#found == 2 and found[1].to == "core/base/b.h" and found[2].to == "core/loop/c.h")
-  found = requires_of("tools/run.lua", 'local y = require("common.x.y") -- require("common.x.y")\nrequire "cjson"', exists)
+  found = source_graph.requires_of("tools/run.lua", 'local y = require("common.x.y") -- require("common.x.y")\nrequire "cjson"', exists)
   assert(#found == 1 and found[1].to == "tools/common/x/y.lua")
   local lines = "o/core/a.o:                 U f\no/core/b.o:0000000000000000 T f\no/core/b.o:0000000000000010 t g\n"
     .. "o/core/a.o:                 U g\no/plugins/p.o:                 U f\n"
-  found = symbols_of(lines, function(object) return object:match("^o/(.*)o$") .. "c" end)
+  found = source_graph.symbols_of(lines, function(object) return object:match("^o/(.*)o$") .. "c" end)
   assert(#found == 1 and found[1].from == "core/a.c" and found[1].to == "core/b.c" and found[1].by == "f")
 end
 
 -- ---- the house ----
-
-local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
-local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
 
 local function output_of(command)
   local pipe = assert(io.popen(command))
@@ -376,7 +240,7 @@ local function house()
     if not path:find("^tools/templates/") then
       local is_lua = path:find("%.lua$") ~= nil
       h.text[path] = read(path)
-      for _, a in ipairs((is_lua and requires_of or includes_of)(path, h.text[path], h.exists)) do
+      for _, a in ipairs((is_lua and source_graph.requires_of or source_graph.includes_of)(path, h.text[path], h.exists)) do
         h.arrows[#h.arrows + 1] = a
         if not is_lua then h.includes[#h.includes + 1] = a end
       end
@@ -400,7 +264,7 @@ local function add_symbols(h)
   for _, path in ipairs(h.paths) do
     assert(seen[path] or not path:find("^core/.*%.c$"), path .. " was not compiled: make build")
   end
-  for _, a in ipairs(symbols_of(lines, source_of)) do h.arrows[#h.arrows + 1] = a end
+  for _, a in ipairs(source_graph.symbols_of(lines, source_of)) do h.arrows[#h.arrows + 1] = a end
 end
 
 local function lines_of_small_core(h)
