@@ -188,6 +188,20 @@ static double total_mass(const hk_run *run) {
   return sum;
 }
 
+/* What solves linear systems, and what the plugins said when they were started. */
+static void push_solver(lua_State *L, const hk_run *run) {
+  char libraries[160];
+  hk_solver_libraries(run, libraries, sizeof libraries);
+  if (run->scene->solver) set_text(L, "solver", run->scene->solver->plugin->name);
+  if (*libraries) set_text(L, "solver_libraries", libraries);
+  lua_newtable(L);
+  for (size_t k = 0; k < run->warnings; k++) {
+    lua_pushstring(L, run->warning[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "warnings");
+}
+
 static void describe(lua_State *L, hk_run *run) {
   const hk_scene *scene = run->scene;
   size_t pinned = 0;
@@ -205,8 +219,17 @@ static void describe(lua_State *L, hk_run *run) {
   set_number(L, "dt", run->dt);
   set_flag(L, "dt_chosen", run->dt_chosen);
   push_plugins(L, scene);
+  push_solver(L, run);
   push_spectrum(L, &run->spectrum);
   push_steps(L, run);
+}
+
+/* Implicit methods start their solver in the first step, which is not taken here. */
+static hk_status start_solver(hk_run *run, hk_error *error) {
+  hk_instance *solver;
+  if (!(run->method->flags & HK_IMPLICIT)) return HK_OK;
+  hk_status status = hk_solver_get(run, &solver);
+  return status == HK_OK ? status : hk_error_set(error, status, "%s", run->error.text);
 }
 
 static int explain(lua_State *L) {
@@ -232,6 +255,7 @@ static int explain(lua_State *L) {
   if (status == HK_OK && hk_script_scene(script)->integrator_auto) run_options.integrator = "leapfrog";
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
   if (status == HK_OK) status = hk_step_estimate(run);
+  if (status == HK_OK) status = start_solver(run, &error);
   if (status == HK_OK)
     describe(L, run);
   else
