@@ -385,6 +385,8 @@ typedef struct hk_solver {
   hk_status (*solve)(void *self, const double *b, double *x, hk_solve_info *info); /* b, x: rows x block; b != x */
   /* Several right-hand sides side by side: b, x: (rows x block) x columns. NULL: the host solves them one by one. */
   hk_status (*solve_columns)(void *self, const double *b, double *x, size_t columns);
+  /* The libraries in use, "CHOLMOD 3.0.14, OpenBLAS 0.3.21", at any time after create. NULL: there is none to name. */
+  void (*describe)(const void *self, char *text, size_t size);
 } hk_solver;
 
 typedef enum hk_verdict { HK_RUNNING, HK_VERDICT_OK, HK_INACCURATE, HK_DIVERGED, HK_STOPPED } hk_verdict;

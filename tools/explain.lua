@@ -72,6 +72,14 @@ local function print_loaded(e)
   end
 end
 
+local function print_solver(e)
+  if e.solver_libraries then print(("\nlinear systems\n  %s"):format(e.solver_libraries)) end
+end
+
+local function print_warnings(e)
+  for k, warning in ipairs(e.warnings) do print((k == 1 and "\n" or "") .. "warning: " .. warning) end
+end
+
 local function print_steps(e)
   local s = e.spectrum
   print("\nlinearised at the start")
@@ -96,7 +104,9 @@ local function explain(o)
     print(json.encode(e))
   else
     print_loaded(e)
+    print_solver(e)
     print_steps(e)
+    print_warnings(e)
   end
   return 0
 end

@@ -1,5 +1,6 @@
 /* The figures of a run, gathered once; summary_text.c and the JSON writer print the same ones. */
 #include "core/run/engine.h"
+#include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
 
@@ -54,11 +55,20 @@ static void energies(hk_run *run, hk_summary *s) {
   if (!hk_system_has_energy(run)) s->energy_work = NAN;
 }
 
+/* Constraints have an instance of the solver of their own. */
+void hk_solver_libraries(const hk_run *run, char *text, size_t size) {
+  const hk_instance *solver = run->scene->solver;
+  if (!(solver && solver->started)) solver = run->constraints ? run->constraints->linear.solver : NULL;
+  *text = 0;
+  if (solver && solver->plugin->solver->describe) solver->plugin->solver->describe(solver->self, text, size);
+}
+
 void hk_run_summary(hk_run *run, hk_summary *s) {
   *s = (hk_summary){.scene = run->scene->name, .integrator = run->scene->integrator->plugin->name};
   s->verdict = run->verdict;
   if (run->scene->solver && run->scene->solver->started) s->solver = run->scene->solver->plugin->name;
   s->solver_chosen = run->solver_chosen;
+  hk_solver_libraries(run, s->solver_libraries, sizeof s->solver_libraries);
   snprintf(s->reason, sizeof s->reason, "%s", run->reason);
   s->t = run->verdict == HK_DIVERGED ? run->last_good.t : run->system.t;
   s->end = run->end;

@@ -67,6 +67,7 @@ void hk_lua_push_summary(lua_State *L, const hk_summary *s) {
   set_count(L, "factorizations", s->factorizations);
   set_count(L, "linear_iterations", s->linear_iterations);
   if (s->solver) set_text(L, "solver", s->solver);
+  if (*s->solver_libraries) set_text(L, "solver_libraries", s->solver_libraries);
   set_number(L, "kinetic_max", s->kinetic_max);
   set_number(L, "wall_s", s->wall_s);
   set_number(L, "step_wall_s", s->step_wall_s);

@@ -72,6 +72,7 @@ void hk_report_text(FILE *f, const hk_summary *s, const char *out) {
   if (s->solver)
     fprintf(f, "  solver            %s%s\n", s->solver,
             s->solver_chosen ? " (chosen for the forces and the size)" : "");
+  if (*s->solver_libraries) fprintf(f, "  solver libraries  %s\n", s->solver_libraries);
   text_accuracy(f, s);
   for (size_t k = 0; k < s->measures; k++) fprintf(f, "  %-17s %.9g\n", s->measure_name[k], s->measure[k]);
   text_times(f, s);
@@ -140,6 +141,7 @@ void hk_report_json(FILE *f, const hk_summary *s) {
   json_text(f, "scene", s->scene);
   json_text(f, "integrator", s->integrator);
   json_text(f, "solver", s->solver ? s->solver : "");
+  json_text(f, "solver_libraries", s->solver_libraries);
   json_text(f, "verdict", hk_verdict_name(s->verdict));
   json_text(f, "reason", s->reason);
   json_count(f, "particles", s->n);

@@ -196,6 +196,8 @@ hk_status hk_implicit_solve(hk_system *, const double *b, double *x, hk_solve_in
 hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, size_t columns);
 /* The scene's solver, or the one that suits it, started; its instance. */
 hk_status hk_solver_get(hk_run *, hk_instance **solver);
+/* summary.c: the libraries of the solver that has started, of the constraints' otherwise; "": none or not known */
+void hk_solver_libraries(const hk_run *, char *text, size_t size);
 
 /* step.c */
 hk_status hk_step_estimate(hk_run *);               /* the spectrum and the limit, whatever the method */

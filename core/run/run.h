@@ -33,8 +33,9 @@ typedef struct hk_plugin_time {
 
 typedef struct hk_summary {
   const char *scene, *integrator;
-  const char *solver; /* of linear systems; NULL: none was needed */
-  bool solver_chosen; /* by hooke, for the forces and the number of unknowns */
+  const char *solver;         /* of linear systems; NULL: none was needed */
+  bool solver_chosen;         /* by hooke, for the forces and the number of unknowns */
+  char solver_libraries[160]; /* as hk_solver.describe says; "" when it does not, or no system was solved */
   hk_verdict verdict;
   char reason[1024];  /* why it is not ok; "" otherwise */
   double t, end, fps; /* s, s, 1/s: reached, meant to be reached, frames */

@@ -9,9 +9,11 @@
  * calls `A` has the pattern of the last analysis, `ready` says that L has its numbers, `copied` that `columns` has them
  * too. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
 #include "plugins/common/linear/blas.h"
+#include "plugins/common/linear/blas_name.h"
 #include "plugins/common/linear/triangular.h"
 
 #include <cholmod.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { ORDER_BEST, ORDER_AMD, ORDER_METIS };
@@ -63,6 +65,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)view;
   s->host = host;
   hk_blas_stay_loaded();
+  hk_blas_warn(host, "CHOLMOD");
   if (!cholmod_l_start(&s->common)) return host->fail(host, HK_FAILED, "CHOLMOD does not start");
   s->started = true;
   s->common.print = 0;
@@ -313,8 +316,21 @@ static hk_status solve_columns(void *self, const double *b, double *x, size_t co
   return HK_OK;
 }
 
-static const hk_solver solver = {
-    .flags = 0, .analyze = analyze, .factorize = factorize, .solve = solve, .solve_columns = solve_columns};
+static void describe(const void *self, char *text, size_t size) {
+  char library[64];
+  int version[3];
+  (void)self;
+  cholmod_l_version(version);
+  snprintf(library, sizeof library, "CHOLMOD %d.%d.%d", version[0], version[1], version[2]);
+  hk_blas_describe(library, text, size);
+}
+
+static const hk_solver solver = {.flags = 0,
+                                 .analyze = analyze,
+                                 .factorize = factorize,
+                                 .solve = solve,
+                                 .solve_columns = solve_columns,
+                                 .describe = describe};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -10,8 +10,10 @@
  * ACM TOMS 30 (2004). */
 #include "core/plugin.h"
 #include "plugins/common/linear/blas.h"
+#include "plugins/common/linear/blas_name.h"
 
 #include <float.h>
+#include <stdio.h>
 #include <umfpack.h>
 
 /* SuiteSparse 5 has a type of its own, which later versions know as int64_t. */
@@ -42,6 +44,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)view;
   s->host = host;
   hk_blas_stay_loaded();
+  hk_blas_warn(host, "UMFPACK");
   return HK_OK;
 }
 
@@ -213,8 +216,19 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   return HK_OK;
 }
 
-static const hk_solver solver = {
-    .flags = HK_SOLVES_UNSYMMETRIC | HK_SOLVES_INDEFINITE, .analyze = analyze, .factorize = factorize, .solve = solve};
+static void describe(const void *self, char *text, size_t size) {
+  char library[64];
+  (void)self;
+  snprintf(library, sizeof library, "UMFPACK %d.%d.%d", UMFPACK_MAIN_VERSION, UMFPACK_SUB_VERSION,
+           UMFPACK_SUBSUB_VERSION);
+  hk_blas_describe(library, text, size);
+}
+
+static const hk_solver solver = {.flags = HK_SOLVES_UNSYMMETRIC | HK_SOLVES_INDEFINITE,
+                                 .analyze = analyze,
+                                 .factorize = factorize,
+                                 .solve = solve,
+                                 .describe = describe};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
