@@ -5,11 +5,11 @@
 # make install    PREFIX=/usr/local DESTDIR=
 #
 # SANITIZE=1: with sanitizers, in build/sanitize. ONLY=TEXT: only the tests with TEXT in their path. V=1: show commands.
-# The folders are the lists: a file in plugins/KIND is a plugin, in tools/native a Lua module, in tests a test program,
+# The folders are the lists: a C file in plugins/KIND is a plugin, in tools/native a Lua module, in tests a test program,
 # in tests/fixtures a plugin for tests, in tests/bench a benchmark. Nothing has to be added here for a new one.
 
 PREFIX ?= /usr/local
-KINDS  := forces constraints correctors sources integrators solvers outputs
+KINDS  := forces constraints correctors sources integrators solvers outputs services
 B      := build$(if $(SANITIZE),/sanitize)
 Q      := $(if $(V),,@)
 
@@ -76,6 +76,7 @@ core     := $(call object,$(filter-out core/command/main.c,$(wildcard core/*/*.c
 common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*.c)))
 support  := $(call object,$(wildcard tests/support/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
+defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)))
 modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
@@ -106,7 +107,7 @@ endif
 .PHONY: all check build test-programs run test bench study clean format lint install
 
 all: build
-build: $B/hooke $(plugins) $(modules)
+build: $B/hooke $(plugins) $(defaults) $(modules)
 	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
 	$(if $(SUNDIALS),@:,@echo "hooke is built without SUNDIALS (plugins/integrators/cvode, arkode): tools/install-deps run gets it")
 
@@ -181,6 +182,11 @@ $B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
 $B/tests/fixtures/%.so: $B/obj/tests/fixtures/%.o $B/plugins/common.a
 	$(link)
 	$(call link_with,-shared $(COMPLETE))
+# Which plugin of a kind is taken where a scene names none: a text file, names in the order of preference.
+$(defaults): $B/%: %
+	@mkdir -p $(@D)
+	$(call say,copy   )
+	$(Q)cp $< $@
 # Lua's functions are those of the program that loads the module.
 $B/tools/%.so: $B/obj/tools/native/%.o $B/core.a
 	$(link)
@@ -212,8 +218,8 @@ lint:
 to = $(DESTDIR)$(PREFIX)
 install: build
 	install -D -t $(to)/bin $B/hooke
-	for f in $(patsubst $B/%,%,$(plugins) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
-	for f in core/plugin.h; do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
+	for f in $(patsubst $B/%,%,$(plugins) $(defaults) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
+	for f in core/plugin.h $(wildcard core/plugin/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 

@@ -14,7 +14,8 @@ local function default(p)
       k = k + 1
     end
   end
-  if p.type == "edges" or p.type == "particles" or p.type == "numbers" then return "{}" end
+  local lists = { particles = true, edges = true, triangles = true, tetrahedra = true, numbers = true }
+  if lists[p.type] then return "{}" end
   return ("%g"):format(p.initial[1])
 end
 

@@ -1,5 +1,5 @@
 /* Errors and the nearest name. The first error set is the cause and stays; what follows from it does not replace it. */
-#include "core/base/error.h"
+#include "core/base/base.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Blocks carry a header of one cache line in front of the memory given out, which keeps the 64-byte alignment. */
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <stdint.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* A pool for parallel_for. Work is published under a lock as a generation; threads then take chunks from an atomic
  * counter. Between two loops a thread spins for some microseconds before it sleeps, because the loops of one step
  * follow each other closely. Invariant: when hk_threads_for returns, no thread touches the body or its context. */
-#include "core/base/threads.h"
+#include "core/base/base.h"
 
 #include <pthread.h>
 #include <sched.h>

@@ -1,5 +1,5 @@
 #include "core/command/auto.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,10 +1,9 @@
 /* hooke: the command line. `run` is built in; `hooke NAME` runs tools/NAME.lua. Only here does the process exit, read
  * the environment or catch a signal. */
 #include "core/command/auto.h"
-#include "core/base/error.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 #include "core/command/options.h"
-#include "core/host/registry.h"
+#include "core/host/host.h"
 #include "core/report/report.h"
 #include "core/lua/lua.h"
 #include "core/tools/tools.h"
@@ -133,7 +132,7 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
   char out[PATH_MAX];
   snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
-  bool wrote = !o->run.no_output && (scene->output.count || scene->measures);
+  bool wrote = !o->run.no_output && (scene->plugin[HK_OUTPUT].count || scene->measures);
   if (o->json)
     hk_report_json(stdout, s);
   else if (!o->quiet)

@@ -2,7 +2,7 @@
  * pairs together in the order of the matrix; each run of them is one block. Time and memory are linear in the pairs,
  * the rows and the columns, whatever the shape: a row may as well hold all of them. */
 #include "core/dynamics/block_matrix.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <stdlib.h>
 
@@ -47,6 +47,13 @@ static void number(hk_block_matrix *m, const size_t *order) {
   for (size_t r = 0; r < m->rows; r++) m->row_start[r + 1] += m->row_start[r];
 }
 
+uint64_t hk_pattern_number(size_t rows, size_t block, const size_t *row_start, const uint32_t *column) {
+  uint64_t hash = 1469598103934665603u ^ block;
+  for (size_t r = 0; r <= rows; r++) hash = (hash ^ row_start[r]) * 0x9E3779B97F4A7C15u + (hash >> 29);
+  for (size_t e = 0; e < row_start[rows]; e++) hash = (hash ^ column[e]) * 0x9E3779B97F4A7C15u + (hash >> 29);
+  return hash | 1; /* 0 says that there is no number */
+}
+
 hk_status hk_block_matrix_build(hk_block_matrix *m) {
   if (m->out_of_range) return HK_FAILED;
   size_t keys = m->rows > m->columns ? m->rows : m->columns;
@@ -61,6 +68,7 @@ hk_status hk_block_matrix_build(hk_block_matrix *m) {
     number(m, order);
     uint32_t *tight = realloc(m->column, (m->row_start[m->rows] + 1) * sizeof *tight);
     if (tight) m->column = tight;
+    m->number = hk_pattern_number(m->rows, 3, m->row_start, m->column);
     free(m->pair);
     m->pair = NULL;
     m->capacity = 0;

@@ -18,55 +18,53 @@ enum { ITERATIONS = 25, SAMPLE = 64 };
  * |J||v|. Convergence by less than `slow` a round asks for a new factorization. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1;
 
-static hk_status prepare(hk_run *run) {
-  hk_status status = hk_constraint_matrix_build(run);
-  if (status != HK_OK || run->constraints->equations == 0) return status;
-  hk_constraint_matrix_linearise(run, run->system.t, run->X, run->X + 3 * run->model.n);
-  return hk_constraint_matrix_check(run, false, HK_BAD_PARAM);
+static hk_status prepare(hk_dynamics *d) {
+  hk_status status = hk_constraint_matrix_build(d);
+  if (status != HK_OK || d->constraints->equations == 0) return status;
+  hk_constraint_matrix_linearise(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
+  return hk_constraint_matrix_check(d, false, HK_BAD_PARAM);
 }
 
-hk_status hk_constraints_open(hk_run *run) {
-  if (run->scene->constraint.count == 0) return HK_OK;
-  run->constraints = calloc(1, sizeof *run->constraints);
-  if (!run->constraints) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the constraints");
+hk_status hk_constraints_open(hk_dynamics *d) {
+  if (d->plugins->kind[HK_CONSTRAINT].count == 0) return HK_OK;
+  d->constraints = calloc(1, sizeof *d->constraints);
+  if (!d->constraints) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
   /* An instance of their own: the scene's solver keeps the factors of an implicit method between evaluations. */
-  hk_status status = hk_linear_system_twin(run, &run->constraints->linear.solver);
-  return status == HK_OK ? prepare(run) : status;
+  hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
+  return status == HK_OK ? prepare(d) : status;
 }
 
-hk_status hk_constraints_topology(hk_run *run) { return run->constraints ? prepare(run) : HK_OK; }
+hk_status hk_constraints_topology(hk_dynamics *d) { return d->constraints ? prepare(d) : HK_OK; }
 
-void hk_constraints_close(hk_run *run) {
-  if (!run->constraints) return;
-  hk_constraint_matrix_free(run->constraints);
-  hk_instance_destroy(run->constraints->linear.solver);
-  free(run->constraints);
-  run->constraints = NULL;
-}
-
-/* Acceleration of a path: differences of its velocity when the script gives one, else second differences of the
- * offset. Their step balances truncation h^2 against rounding eps/h^2: eps^(1/4) of a second, or of t when larger. */
-static hk_status path_acceleration(hk_run *run, const hk_pin_spec *spec, double t, double out[3]) {
-  double at[3][6] = {{0}}, h = 1.2e-4 * fmax(1, fabs(t)), time[3] = {t - h, t, t + h};
-  size_t got = 0;
-  for (int k = 0; k < 3; k++) {
-    hk_status status = spec->path.call(&spec->path, &time[k], 1, at[k], 6, &got, &run->error);
+hk_status hk_constraints_update(hk_dynamics *d) {
+  bool any = false;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    bool changed = false;
+    if (!instance->plugin->constraint->update) continue;
+    hk_view view = hk_instance_view(instance, &d->state->view);
+    hk_status status = instance->plugin->constraint->update(instance->self, &view, &changed);
     if (status != HK_OK) return status;
+    any |= changed;
   }
-  double half = (time[2] - time[0]) / 2;
-  for (int a = 0; a < 3; a++)
-    out[a] =
-        got == 6 ? (at[2][3 + a] - at[0][3 + a]) / (2 * half) : (at[2][a] - 2 * at[1][a] + at[0][a]) / (half * half);
-  return HK_OK;
+  return any ? prepare(d) : HK_OK;
 }
 
-static hk_status find_path_accelerations(hk_run *run, double t) {
-  hk_constraints *c = run->constraints;
+void hk_constraints_close(hk_dynamics *d) {
+  if (!d->constraints) return;
+  hk_constraint_matrix_free(d->constraints);
+  hk_instance_destroy(d->constraints->linear.solver);
+  free(d->constraints);
+  d->constraints = NULL;
+}
+
+static hk_status find_path_accelerations(hk_dynamics *d, double t) {
+  hk_constraints *c = d->constraints;
   hk_status status = HK_OK;
-  for (size_t k = 0; k < run->pins && status == HK_OK; k++) {
-    const hk_pin_state *pin = &run->pin_state[k];
+  for (size_t k = 0; k < d->pins->count && status == HK_OK; k++) {
+    const hk_pin_state *pin = &d->pins->item[k];
     if (pin->spec->kind == HK_PIN_PATH && !pin->released && c->path_used[k])
-      status = path_acceleration(run, pin->spec, t, c->path[k]);
+      status = hk_pin_acceleration(pin->spec, t, c->path[k], d->error);
   }
   return status;
 }
@@ -81,53 +79,54 @@ static void move(const hk_constraints *c, double sign, double *vector) {
   }
 }
 
-static hk_status accelerate(hk_run *run, double t, const double *x, const double *v, double *a) {
-  hk_constraints *c = run->constraints;
-  hk_status status = run->has_paths ? find_path_accelerations(run, t) : HK_OK;
+static hk_status accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a) {
+  hk_constraints *c = d->constraints;
+  hk_status status = d->pins->has_paths ? find_path_accelerations(d, t) : HK_OK;
   if (status != HK_OK) return status;
-  hk_constraint_matrix_linearise(run, t, x, v);
-  for (size_t k = 0; k < run->scene->constraint.count; k++) {
-    const hk_instance *instance = run->scene->constraint.item[k];
-    hk_view view = hk_constraint_view(run, instance, t, x, v);
+  hk_constraint_matrix_linearise(d, t, x, v);
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    hk_view view = hk_constraint_view(d, instance, t, x, v);
     instance->plugin->constraint->curvature(instance->self, &view, c->c + c->equation_first[k]);
   }
-  status = hk_constraint_matrix_factorize(run);
+  status = hk_constraint_matrix_factorize(d);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->c[k];
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t i = c->list.pair[b][1];
-    c->rhs[c->list.pair[b][0]] -= dot(c->J[b], run->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
+    c->rhs[c->list.pair[b][0]] -=
+        dot(c->J[b], d->state->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
   }
-  status = hk_constraint_matrix_solve(run);
+  status = hk_constraint_matrix_solve(d);
   if (status == HK_OK) move(c, 1, a);
   return status;
 }
 
 /* The time is the constraints', by their share of the equations. */
-static void account(hk_run *run, double seconds) {
-  for (size_t k = 0; k < run->scene->constraint.count; k++) {
-    const hk_constraints *c = run->constraints;
-    hk_instance *instance = run->scene->constraint.item[k];
+static void account(hk_dynamics *d, double seconds) {
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+    const hk_constraints *c = d->constraints;
+    hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     instance->seconds += seconds * (double)(c->equation_first[k + 1] - c->equation_first[k]) / (double)c->equations;
     instance->sampled++;
   }
 }
 
-hk_status hk_constraints_accelerate(hk_run *run, double t, const double *x, const double *v, double *a) {
-  if (run->constraints->equations == 0) return HK_OK;
-  bool sample = run->scene->constraint.item[0]->calls % SAMPLE == 0;
+hk_status hk_constraints_accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a) {
+  if (d->constraints->equations == 0) return HK_OK;
+  bool sample = d->plugins->kind[HK_CONSTRAINT].item[0]->calls % SAMPLE == 0;
   double begin = sample ? hk_clock() : 0;
-  hk_status status = accelerate(run, t, x, v, a);
-  for (size_t k = 0; k < run->scene->constraint.count; k++) run->scene->constraint.item[k]->calls++;
-  if (sample) account(run, hk_clock() - begin);
+  hk_status status = accelerate(d, t, x, v, a);
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) d->plugins->kind[HK_CONSTRAINT].item[k]->calls++;
+  if (sample) account(d, hk_clock() - begin);
   return status;
 }
 
-static void evaluate(hk_run *run, double t, const double *x, const double *v) {
-  hk_constraints *c = run->constraints;
-  for (size_t k = 0; k < run->scene->constraint.count; k++) {
-    const hk_instance *instance = run->scene->constraint.item[k];
-    hk_view view = hk_constraint_view(run, instance, t, x, v);
+static void evaluate(hk_dynamics *d, double t, const double *x, const double *v) {
+  hk_constraints *c = d->constraints;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    hk_view view = hk_constraint_view(d, instance, t, x, v);
     instance->plugin->constraint->value(instance->self, &view, c->g + c->equation_first[k]);
   }
 }
@@ -150,40 +149,40 @@ static double extent(const hk_constraints *c, const double *x) {
   return largest;
 }
 
-static hk_status gave_up(hk_run *run, size_t equation, const char *what, double left, const char *unit) {
+static hk_status gave_up(hk_dynamics *d, size_t equation, const char *what, double left, const char *unit) {
   size_t number;
-  const hk_instance *instance = hk_constraint_of(run, equation, &number);
-  return hk_error_set(&run->error, isfinite(left) ? HK_NOT_CONVERGED : HK_NOT_FINITE,
+  const hk_instance *instance = hk_constraint_of(d, equation, &number);
+  return hk_error_set(d->error, isfinite(left) ? HK_NOT_CONVERGED : HK_NOT_FINITE,
                       "%s: the %s of equation %zu cannot be brought onto the constraint: %.3g %s are left",
                       instance->label, what, number, left, unit);
 }
 
-static hk_status renew(hk_run *run, double t, const double *x, const double *v, bool *factorized) {
-  hk_constraint_matrix_linearise(run, t, x, v);
+static hk_status renew(hk_dynamics *d, double t, const double *x, const double *v, bool *factorized) {
+  hk_constraint_matrix_linearise(d, t, x, v);
   *factorized = true;
-  return hk_constraint_matrix_factorize(run);
+  return hk_constraint_matrix_factorize(d);
 }
 
 /* x -= W J^T (J W J^T)^-1 g until g is rounding. J is that of the first round, as long as it serves. */
-static hk_status project_positions(hk_run *run, double t, double *x, const double *v, bool *factorized) {
-  hk_constraints *c = run->constraints;
+static hk_status project_positions(hk_dynamics *d, double t, double *x, const double *v, bool *factorized) {
+  hk_constraints *c = d->constraints;
   double tolerance = position_tolerance * extent(c, x), last = INFINITY;
   size_t worst = SIZE_MAX;
   hk_status status = HK_OK;
-  hk_constraint_matrix_linearise(run, t, x, v);
+  hk_constraint_matrix_linearise(d, t, x, v);
   for (int round = 0; round < ITERATIONS && status == HK_OK; round++) {
-    evaluate(run, t, x, v);
+    evaluate(d, t, x, v);
     worst = worst_of(c, true);
     double size = worst == SIZE_MAX ? 0 : fabs(c->g[worst]);
     if (size <= tolerance) return HK_OK;
     if (!isfinite(size)) break;
-    if (round == 0 || size > slow * last) status = renew(run, t, x, v, factorized);
+    if (round == 0 || size > slow * last) status = renew(d, t, x, v, factorized);
     last = size;
     memcpy(c->rhs, c->g, c->equations * sizeof *c->rhs);
-    if (status == HK_OK) status = hk_constraint_matrix_solve(run);
+    if (status == HK_OK) status = hk_constraint_matrix_solve(d);
     if (status == HK_OK) move(c, -1, x);
   }
-  return status == HK_OK ? gave_up(run, worst, "position", c->g[worst], "m") : status;
+  return status == HK_OK ? gave_up(d, worst, "position", c->g[worst], "m") : status;
 }
 
 /* rhs = J v; the largest of it relative to the sum of |J||v|, and its equation. */
@@ -208,37 +207,37 @@ static double velocity_residual(hk_constraints *c, const double *v, size_t *wors
 }
 
 /* v -= W J^T (J W J^T)^-1 J v, J at the new positions; the factors may be those of positions close by. */
-static hk_status project_velocities(hk_run *run, double t, const double *x, double *v, bool factorized) {
-  hk_constraints *c = run->constraints;
+static hk_status project_velocities(hk_dynamics *d, double t, const double *x, double *v, bool factorized) {
+  hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0;
   size_t worst = 0;
   hk_status status = HK_OK;
-  hk_constraint_matrix_linearise(run, t, x, v);
+  hk_constraint_matrix_linearise(d, t, x, v);
   for (int round = 0; round < ITERATIONS && status == HK_OK; round++) {
     double relative = velocity_residual(c, v, &worst);
     if (relative <= velocity_tolerance) return HK_OK;
     left = c->rhs[worst];
     if (!isfinite(relative)) break;
     if (!factorized || relative > slow * last) {
-      status = renew(run, t, x, v, &factorized);
+      status = renew(d, t, x, v, &factorized);
       velocity_residual(c, v, &worst); /* linearising used rhs */
     }
     last = relative;
-    if (status == HK_OK) status = hk_constraint_matrix_solve(run);
+    if (status == HK_OK) status = hk_constraint_matrix_solve(d);
     if (status == HK_OK) move(c, -1, v);
   }
-  return status == HK_OK ? gave_up(run, worst, "velocity", left, "m/s") : status;
+  return status == HK_OK ? gave_up(d, worst, "velocity", left, "m/s") : status;
 }
 
-hk_status hk_constraints_project(hk_run *run, double t, double *x, double *v) {
+hk_status hk_constraints_project(hk_dynamics *d, double t, double *x, double *v) {
   bool factorized = false;
-  if (run->constraints->equations == 0) return HK_OK;
-  hk_status status = project_positions(run, t, x, v, &factorized);
-  return status == HK_OK ? project_velocities(run, t, x, v, factorized) : status;
+  if (d->constraints->equations == 0) return HK_OK;
+  hk_status status = project_positions(d, t, x, v, &factorized);
+  return status == HK_OK ? project_velocities(d, t, x, v, factorized) : status;
 }
 
-double hk_constraints_violation(hk_run *run) {
-  if (!run->constraints || run->constraints->equations == 0) return 0;
-  evaluate(run, run->system.t, run->X, run->X + 3 * run->model.n);
-  return fabs(run->constraints->g[worst_of(run->constraints, false)]);
+double hk_constraints_violation(hk_dynamics *d) {
+  if (!d->constraints || d->constraints->equations == 0) return 0;
+  evaluate(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
+  return fabs(d->constraints->g[worst_of(d->constraints, false)]);
 }

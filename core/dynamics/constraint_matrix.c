@@ -28,8 +28,8 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   *c = (hk_constraints){.linear = {.solver = c->linear.solver}};
 }
 
-static hk_status no_memory(hk_run *run) {
-  return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the constraints");
+static hk_status no_memory(hk_dynamics *d) {
+  return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
 }
 
 /* The equations of an instance are numbered from 0; the list has them from `base`. */
@@ -47,32 +47,32 @@ static void name_shifted(hk_pattern *pattern, uint32_t equation, uint32_t partic
   s->list->naming.block(&s->list->naming, s->base + equation, particle);
 }
 
-static hk_status name_blocks(hk_run *run) {
-  hk_constraints *c = run->constraints;
-  const hk_instances *list = &run->scene->constraint;
+static hk_status name_blocks(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  const hk_instances *list = &d->plugins->kind[HK_CONSTRAINT];
   c->equation_first = calloc(list->count + 1, sizeof *c->equation_first);
   c->block_first = calloc(list->count + 1, sizeof *c->block_first);
-  if (!c->equation_first || !c->block_first) return no_memory(run);
+  if (!c->equation_first || !c->block_first) return no_memory(d);
   for (size_t k = 0; k < list->count; k++)
     c->equation_first[k + 1] = c->equation_first[k] + list->item[k]->plugin->constraint->count(list->item[k]->self);
   c->equations = c->equation_first[list->count];
-  hk_block_matrix_begin(&c->list, c->equations, run->model.n);
+  hk_block_matrix_begin(&c->list, c->equations, d->state->model.n);
   for (size_t k = 0; k < list->count; k++) {
     const hk_instance *instance = list->item[k];
     size_t base = c->equation_first[k];
     shifted s = {{name_shifted}, &c->list, (uint32_t)base, c->equation_first[k + 1] - base, false};
     instance->plugin->constraint->pattern(instance->self, &s.naming);
     if (s.out_of_range || c->list.out_of_range)
-      return hk_error_set(&run->error, HK_FAILED, "constraint '%s' names an equation or particle that is not there",
+      return hk_error_set(d->error, HK_FAILED, "constraint '%s' names an equation or particle that is not there",
                           instance->label);
     c->block_first[k + 1] = c->list.named;
   }
   c->blocks = c->list.named;
-  return c->list.no_memory ? no_memory(run) : HK_OK;
+  return c->list.no_memory ? no_memory(d) : HK_OK;
 }
 
-static hk_status allocate(hk_run *run) {
-  hk_constraints *c = run->constraints;
+static hk_status allocate(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
   size_t m = c->equations + 1, b = c->blocks + 1;
   c->J = calloc(b, sizeof *c->J);
   c->WJ = calloc(b, sizeof *c->WJ);
@@ -82,84 +82,85 @@ static hk_status allocate(hk_run *run) {
   c->c = calloc(m, sizeof *c->c);
   c->rhs = calloc(m, sizeof *c->rhs);
   c->solution = calloc(m, sizeof *c->solution);
-  c->path = calloc(run->pins + 1, sizeof *c->path);
-  c->path_used = calloc(run->pins + 1, sizeof *c->path_used);
+  c->path = calloc(d->pins->count + 1, sizeof *c->path);
+  c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
   bool fine = c->J && c->WJ && c->pin && c->scale && c->g && c->c && c->rhs && c->solution;
-  return fine && c->path && c->path_used ? HK_OK : no_memory(run);
+  return fine && c->path && c->path_used ? HK_OK : no_memory(d);
 }
 
 /* `pin_of` gets the pin of every particle. */
-static void find_pins(hk_run *run, uint32_t *pin_of) {
-  hk_constraints *c = run->constraints;
-  memset(pin_of, 0xff, run->model.n * sizeof *pin_of);
-  for (size_t k = 0; k < run->pins; k++)
-    for (size_t j = 0; j < run->pin_state[k].count; j++) pin_of[run->pin_state[k].index[j]] = (uint32_t)k;
+static void find_pins(hk_dynamics *d, uint32_t *pin_of) {
+  hk_constraints *c = d->constraints;
+  memset(pin_of, 0xff, d->state->model.n * sizeof *pin_of);
+  for (size_t k = 0; k < d->pins->count; k++)
+    for (size_t j = 0; j < d->pins->item[k].count; j++) pin_of[d->pins->item[k].index[j]] = (uint32_t)k;
   for (size_t b = 0; b < c->blocks; b++) {
     c->pin[b] = pin_of[c->list.pair[b][1]];
     if (c->pin[b] != UINT32_MAX) c->path_used[c->pin[b]] = true;
   }
 }
 
-static bool held_for_ever(const hk_run *run, uint32_t pin) {
+static bool held_for_ever(const hk_dynamics *d, uint32_t pin) {
   if (pin == UINT32_MAX) return false;
-  const hk_pin_spec *spec = run->pin_state[pin].spec;
+  const hk_pin_spec *spec = d->pins->item[pin].spec;
   return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
 }
 
 /* Blocks by particle: those of particle i are order[start[i]..start[i+1]]. `start` has n + 2 zeros. */
-static void by_particle(const hk_run *run, size_t *start, uint32_t *order) {
-  const hk_constraints *c = run->constraints;
-  size_t n = run->model.n;
+static void by_particle(const hk_dynamics *d, size_t *start, uint32_t *order) {
+  const hk_constraints *c = d->constraints;
+  size_t n = d->state->model.n;
   for (size_t b = 0; b < c->blocks; b++)
-    if (!held_for_ever(run, c->pin[b])) start[c->list.pair[b][1] + 2]++;
+    if (!held_for_ever(d, c->pin[b])) start[c->list.pair[b][1] + 2]++;
   for (size_t i = 0; i < n; i++) start[i + 2] += start[i + 1];
   for (size_t b = 0; b < c->blocks; b++)
-    if (!held_for_ever(run, c->pin[b])) order[start[c->list.pair[b][1] + 1]++] = (uint32_t)b;
+    if (!held_for_ever(d, c->pin[b])) order[start[c->list.pair[b][1] + 1]++] = (uint32_t)b;
 }
 
-static hk_status name_terms(hk_run *run, const size_t *start, const uint32_t *order) {
-  hk_constraints *c = run->constraints;
-  for (size_t i = 0; i < run->model.n; i++) c->terms += (start[i + 1] - start[i]) * (start[i + 1] - start[i]);
+static hk_status name_terms(hk_dynamics *d, const size_t *start, const uint32_t *order) {
+  hk_constraints *c = d->constraints;
+  for (size_t i = 0; i < d->state->model.n; i++) c->terms += (start[i + 1] - start[i]) * (start[i + 1] - start[i]);
   c->term = malloc((c->terms + 1) * sizeof *c->term);
-  if (!c->term) return no_memory(run);
+  if (!c->term) return no_memory(d);
   hk_block_matrix_begin(&c->matrix, c->equations, c->equations);
   for (size_t k = 0; k < c->equations; k++) c->matrix.naming.block(&c->matrix.naming, (uint32_t)k, (uint32_t)k);
   size_t count = 0;
-  for (size_t i = 0; i < run->model.n; i++)
+  for (size_t i = 0; i < d->state->model.n; i++)
     for (size_t p = start[i]; p < start[i + 1]; p++)
       for (size_t q = start[i]; q < start[i + 1]; q++, count++) {
         c->term[count][0] = order[p];
         c->term[count][1] = order[q];
         c->matrix.naming.block(&c->matrix.naming, c->list.pair[order[p]][0], c->list.pair[order[q]][0]);
       }
-  if (hk_block_matrix_build(&c->matrix) != HK_OK) return no_memory(run);
+  if (hk_block_matrix_build(&c->matrix) != HK_OK) return no_memory(d);
   c->value = calloc(c->matrix.row_start[c->equations] + 1, sizeof *c->value);
-  return c->value ? HK_OK : no_memory(run);
+  return c->value ? HK_OK : no_memory(d);
 }
 
-hk_status hk_constraint_matrix_build(hk_run *run) {
-  size_t n = run->model.n;
-  hk_constraint_matrix_free(run->constraints);
-  hk_status status = name_blocks(run);
-  if (status == HK_OK) status = allocate(run);
+hk_status hk_constraint_matrix_build(hk_dynamics *d) {
+  size_t n = d->state->model.n;
+  hk_constraint_matrix_free(d->constraints);
+  hk_status status = name_blocks(d);
+  if (status == HK_OK) status = allocate(d);
   if (status != HK_OK) return status;
   uint32_t *pin_of = malloc((n + 1) * sizeof *pin_of);
-  uint32_t *order = malloc((run->constraints->blocks + 1) * sizeof *order);
+  uint32_t *order = malloc((d->constraints->blocks + 1) * sizeof *order);
   size_t *start = calloc(n + 2, sizeof *start);
   status = HK_NO_MEMORY;
   if (pin_of && order && start) {
-    find_pins(run, pin_of);
-    by_particle(run, start, order);
-    status = name_terms(run, start, order);
+    find_pins(d, pin_of);
+    by_particle(d, start, order);
+    status = name_terms(d, start, order);
   }
   free(pin_of);
   free(order);
   free(start);
-  return status == HK_OK ? HK_OK : no_memory(run);
+  return status == HK_OK ? HK_OK : no_memory(d);
 }
 
-hk_view hk_constraint_view(const hk_run *run, const hk_instance *instance, double t, const double *x, const double *v) {
-  hk_view view = run->view;
+hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
+                           const double *v) {
+  hk_view view = d->state->view;
   view.t = t;
   view.x = x;
   view.v = v;
@@ -171,32 +172,29 @@ hk_view hk_constraint_view(const hk_run *run, const hk_instance *instance, doubl
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 /* W J of one block. */
-static void weigh(const hk_run *run, uint32_t pin, uint32_t particle, const double J[3], double WJ[3]) {
-  double w = run->inverse_mass[particle];
-  hk_pin kind = (hk_pin)run->pin[particle];
-  const double *axis = kind == HK_PIN_LINE || kind == HK_PIN_PLANE ? run->pin_state[pin].spec->axis : NULL;
-  double along = axis ? dot(axis, J) : 0;
-  for (int a = 0; a < 3; a++) {
-    double kept = !axis ? J[a] : kind == HK_PIN_LINE ? along * axis[a] : J[a] - along * axis[a];
-    WJ[a] = w * kept;
-  }
+static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const double J[3], double WJ[3]) {
+  double w = d->state->inverse_mass[particle];
+  memcpy(WJ, J, 3 * sizeof *WJ);
+  if (d->state->pin[particle] == HK_PIN_LINE || d->state->pin[particle] == HK_PIN_PLANE)
+    hk_pin_project(d->pins->item[pin].spec, WJ);
+  for (int a = 0; a < 3; a++) WJ[a] *= w;
 }
 
-void hk_constraint_matrix_linearise(hk_run *run, double t, const double *x, const double *v) {
-  hk_constraints *c = run->constraints;
+void hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, const double *v) {
+  hk_constraints *c = d->constraints;
   double *whole = c->rhs;
-  for (size_t k = 0; k < run->scene->constraint.count; k++) {
-    const hk_instance *instance = run->scene->constraint.item[k];
-    hk_view view = hk_constraint_view(run, instance, t, x, v);
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    hk_view view = hk_constraint_view(d, instance, t, x, v);
     instance->plugin->constraint->jacobian(instance->self, &view, c->J + c->block_first[k]);
   }
   memset(c->scale, 0, c->equations * sizeof *c->scale);
   memset(whole, 0, c->equations * sizeof *whole);
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t k = c->list.pair[b][0], i = c->list.pair[b][1];
-    weigh(run, c->pin[b], i, c->J[b], c->WJ[b]);
+    weigh(d, c->pin[b], i, c->J[b], c->WJ[b]);
     c->scale[k] += dot(c->J[b], c->WJ[b]);
-    whole[k] += run->inverse_mass[i] * dot(c->J[b], c->J[b]);
+    whole[k] += d->state->inverse_mass[i] * dot(c->J[b], c->J[b]);
   }
   for (size_t k = 0; k < c->equations; k++)
     c->scale[k] = c->scale[k] > no_direction * whole[k] ? 1 / sqrt(c->scale[k]) : 0;
@@ -211,22 +209,22 @@ static hk_matrix assemble(hk_constraints *c) {
     double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
     c->value[c->matrix.slot[c->equations + e]] += scale * dot(c->J[p], c->WJ[q]);
   }
-  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, true};
+  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, true, c->matrix.number};
 }
 
-hk_status hk_constraint_matrix_factorize(hk_run *run) {
-  hk_matrix A = assemble(run->constraints);
-  hk_error before = run->error;
-  hk_status status = hk_linear_system_factorize(run, &run->constraints->linear, &A);
+hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
+  hk_matrix A = assemble(d->constraints);
+  hk_error before = *d->error;
+  hk_status status = hk_linear_system_factorize(d, &d->constraints->linear, &A);
   if (status != HK_NOT_CONVERGED) return status;
-  run->error = before; /* the solver's message names a row; the check names the equation */
-  return hk_constraint_matrix_check(run, true, HK_NOT_CONVERGED);
+  *d->error = before; /* the solver's message names a row; the check names the equation */
+  return hk_constraint_matrix_check(d, true, HK_NOT_CONVERGED);
 }
 
-hk_status hk_constraint_matrix_solve(hk_run *run) {
-  hk_constraints *c = run->constraints;
+hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
-  hk_status status = hk_linear_system_solve(run, &c->linear, c->rhs, c->solution, NULL);
+  hk_status status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
 }
@@ -247,8 +245,8 @@ static void normalise(double *to, const double *from, size_t count) {
 }
 
 /* The vector of the smallest eigenvalue, into c->rhs; its quotient. */
-static hk_status weakest(hk_run *run, double *smallest) {
-  hk_constraints *c = run->constraints;
+static hk_status weakest(hk_dynamics *d, double *smallest) {
+  hk_constraints *c = d->constraints;
   hk_matrix A = assemble(c);
   uint64_t bits = 88172645463325252u; /* xorshift: a start vector that is not orthogonal to anything by design */
   for (size_t k = 0; k < c->equations; k++) {
@@ -259,34 +257,34 @@ static hk_status weakest(hk_run *run, double *smallest) {
   }
   normalise(c->rhs, c->solution, c->equations);
   for (size_t k = 0; k < c->equations; k++) c->value[c->matrix.slot[k]] += shift;
-  hk_status status = hk_linear_system_factorize(run, &c->linear, &A);
+  hk_status status = hk_linear_system_factorize(d, &c->linear, &A);
   for (int i = 0; i < INVERSE_ITERATIONS && status == HK_OK; i++) {
-    status = hk_linear_system_solve(run, &c->linear, c->rhs, c->solution, NULL);
+    status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
     normalise(c->rhs, c->solution, c->equations);
   }
   *smallest = quotient(c, &A) - shift;
   return status;
 }
 
-hk_status hk_constraint_matrix_check(hk_run *run, bool known, hk_status status) {
-  const hk_constraints *c = run->constraints;
-  hk_error before = run->error;
+hk_status hk_constraint_matrix_check(hk_dynamics *d, bool known, hk_status status) {
+  const hk_constraints *c = d->constraints;
+  hk_error before = *d->error;
   double smallest = 0;
-  hk_status found = weakest(run, &smallest);
+  hk_status found = weakest(d, &smallest);
   if (found != HK_OK && found != HK_NOT_CONVERGED) return found;
-  run->error = before;
+  *d->error = before;
   if (!known && found == HK_OK && smallest > dependent) return HK_OK;
   size_t worst = 0, number;
   for (size_t k = 0; k < c->equations; k++)
     if (fabs(c->rhs[k]) > fabs(c->rhs[worst])) worst = k;
-  const hk_instance *instance = hk_constraint_of(run, worst, &number);
-  return hk_error_set(&run->error, status, "%s%sconstraints are redundant or contradict each other: %s equation %zu",
+  const hk_instance *instance = hk_constraint_of(d, worst, &number);
+  return hk_error_set(d->error, status, "%s%sconstraints are redundant or contradict each other: %s equation %zu",
                       instance->where, *instance->where ? ": " : "", instance->label, number);
 }
 
-const hk_instance *hk_constraint_of(const hk_run *run, size_t equation, size_t *number) {
+const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {
   size_t k = 0;
-  while (run->constraints->equation_first[k + 1] <= equation) k++;
-  *number = equation - run->constraints->equation_first[k] + 1;
-  return run->scene->constraint.item[k];
+  while (d->constraints->equation_first[k + 1] <= equation) k++;
+  *number = equation - d->constraints->equation_first[k] + 1;
+  return d->plugins->kind[HK_CONSTRAINT].item[k];
 }

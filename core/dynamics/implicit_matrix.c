@@ -9,22 +9,28 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS_GRAIN = 1024, LARGE = 300000 }; /* LARGE: unknowns, where the factors of a surface take gigabytes */
+enum { ROWS_GRAIN = 1024 };
 
-static hk_run *run_of(hk_system *s) { return (hk_run *)(void *)s; }
+static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
+
+hk_implicit_matrix *hk_implicit_matrix_of(hk_dynamics *d) {
+  if (!d->matrix) d->matrix = calloc(1, sizeof *d->matrix);
+  if (!d->matrix) hk_error_set(d->error, HK_NO_MEMORY, "no memory for the Jacobian");
+  return d->matrix;
+}
 
 typedef struct combination {
-  const hk_run *run;
+  const hk_dynamics *dynamics;
   hk_implicit_matrix *s;
   double m, d, k;
 } combination;
 
-/* P = S of a sliding particle. */
+/* P = S of a sliding particle, symmetric. */
 static void projection(const hk_pin_spec *spec, double P[9]) {
-  const double *a = spec->axis;
-  for (int p = 0; p < 9; p++) {
-    double along = a[p / 3] * a[p % 3];
-    P[p] = spec->kind == HK_PIN_LINE ? along : (p % 4 == 0) - along;
+  for (int c = 0; c < 3; c++) {
+    double unit[3] = {c == 0, c == 1, c == 2};
+    hk_pin_project(spec, unit);
+    memcpy(P + 3 * c, unit, sizeof unit);
   }
 }
 
@@ -49,7 +55,9 @@ static void slide_block(double *A, const hk_pin_spec *row, const hk_pin_spec *co
   }
 }
 
-static bool held(const hk_run *run, size_t i) { return run->pin[i] == HK_PIN_FIXED || run->pin[i] == HK_PIN_PATH; }
+static bool held(const hk_dynamics *d, size_t i) {
+  return d->state->pin[i] == HK_PIN_FIXED || d->state->pin[i] == HK_PIN_PATH;
+}
 
 /* A := S A S + s (I - S) on a diagonal block. */
 static void pin_diagonal(double *A, const hk_pin_spec *slide, bool fixed) {
@@ -69,16 +77,16 @@ static void combine_rows(void *context, size_t begin, size_t end, size_t chunk) 
   const hk_implicit_matrix *s = c->s;
   (void)chunk;
   for (size_t r = begin; r < end; r++) {
-    bool row_held = held(c->run, r);
+    bool row_held = held(c->dynamics, r);
     for (size_t e = s->matrix.row_start[r]; e < s->matrix.row_start[r + 1]; e++) {
       size_t column = s->matrix.column[e];
       const double *K = s->K + 9 * e, *D = s->D + 9 * e;
       double *A = s->A + 9 * e;
       for (int p = 0; p < 9; p++) A[p] = c->d * D[p] + c->k * K[p];
       if (column == r) {
-        for (int p = 0; p < 9; p += 4) A[p] += c->m * c->run->mass[r];
+        for (int p = 0; p < 9; p += 4) A[p] += c->m * c->dynamics->state->mass[r];
         if (row_held || (s->slide && s->slide[r])) pin_diagonal(A, s->slide ? s->slide[r] : NULL, row_held);
-      } else if (row_held || held(c->run, column))
+      } else if (row_held || held(c->dynamics, column))
         memset(A, 0, 9 * sizeof *A);
       else if (s->slide)
         slide_block(A, s->slide[r], s->slide[column]);
@@ -86,17 +94,17 @@ static void combine_rows(void *context, size_t begin, size_t end, size_t chunk) 
   }
 }
 
-static hk_status find_slides(hk_run *run, hk_implicit_matrix *s) {
-  if (!run->has_slides) {
+static hk_status find_slides(hk_dynamics *d, hk_implicit_matrix *s) {
+  if (!d->pins->has_slides) {
     free(s->slide);
     s->slide = NULL;
     return HK_OK;
   }
-  if (!s->slide) s->slide = malloc((run->model.n + 1) * sizeof *s->slide);
+  if (!s->slide) s->slide = malloc((d->state->model.n + 1) * sizeof *s->slide);
   if (!s->slide) return HK_NO_MEMORY;
-  for (size_t i = 0; i < run->model.n; i++) s->slide[i] = NULL;
-  for (size_t k = 0; k < run->pins; k++) {
-    const hk_pin_state *pin = &run->pin_state[k];
+  for (size_t i = 0; i < d->state->model.n; i++) s->slide[i] = NULL;
+  for (size_t k = 0; k < d->pins->count; k++) {
+    const hk_pin_state *pin = &d->pins->item[k];
     bool slides = pin->spec->kind == HK_PIN_LINE || pin->spec->kind == HK_PIN_PLANE;
     for (size_t j = 0; slides && !pin->released && j < pin->count; j++) s->slide[pin->index[j]] = pin->spec;
   }
@@ -104,88 +112,60 @@ static hk_status find_slides(hk_run *run, hk_implicit_matrix *s) {
 }
 
 hk_status hk_implicit_combine(hk_system *system, double m, double d, double k, hk_matrix *A) {
-  hk_run *run = run_of(system);
-  hk_implicit_matrix *s = run->assembly;
-  if (!s || !s->K) return hk_error_set(&run->error, HK_FAILED, "a matrix was combined before its Jacobian");
+  hk_dynamics *dynamics = dynamics_of(system);
+  hk_implicit_matrix *s = dynamics->matrix;
+  if (!s || !s->K) return hk_error_set(dynamics->error, HK_FAILED, "a matrix was combined before its Jacobian");
   if (!s->A) s->A = malloc((9 * s->matrix.row_start[s->matrix.rows] + 1) * sizeof *s->A);
-  if (!s->A || find_slides(run, s) != HK_OK)
-    return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the matrix of %zu particles", run->model.n);
-  combination c = {run, s, m, d, k};
-  hk_threads_for(run->scene->shared.threads, s->matrix.rows, ROWS_GRAIN, combine_rows, &c);
-  *A = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->A, s->symmetric};
+  if (!s->A || find_slides(dynamics, s) != HK_OK)
+    return hk_error_set(dynamics->error, HK_NO_MEMORY, "no memory for the matrix of %zu particles",
+                        dynamics->state->model.n);
+  combination c = {dynamics, s, m, d, k};
+  hk_threads_for(dynamics->shared->threads, s->matrix.rows, ROWS_GRAIN, combine_rows, &c);
+  *A = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->A, s->symmetric, s->matrix.number};
   return HK_OK;
 }
 
-/* ---- the scene's solver ---- */
+/* ---- its solution ---- */
 
-static bool truly_unsymmetric(const hk_run *run) {
-  for (size_t k = 0; k < run->scene->force.count; k++) {
-    const hk_force *force = run->scene->force.item[k]->plugin->force;
-    if (force->jacobian && !(force->flags & (HK_SYMMETRIC_JACOBIAN | HK_OFFERS_SYMMETRIC))) return true;
-  }
-  return false;
-}
-
-/* By the kind of the forces and the number of unknowns, never by a clock: runs repeat. */
-static const char *choose_solver(const hk_run *run) {
-  if (truly_unsymmetric(run)) return "umfpack";
-  return 3 * run->model.n > LARGE ? "pcg" : "cholmod";
-}
-
-hk_status hk_solver_get(hk_run *run, hk_instance **solver) {
-  hk_scene *scene = run->scene;
-  hk_status status = HK_OK;
-  if (!scene->solver) {
-    const char *name = choose_solver(run);
-    status = hk_scene_add_plugin(scene, HK_SOLVER, name, NULL, "", &scene->solver, &run->error);
-    if (status == HK_OK) status = hk_instance_check(scene->solver, &run->error);
-    if (status != HK_OK) return status;
-    run->solver_chosen = true;
-  }
-  if (!scene->solver->started) {
-    hk_view view = run->view;
-    view.host = &scene->solver->host;
-    status = hk_instance_start(scene->solver, &view, run->system.size, &run->error);
-  }
-  *solver = scene->solver;
-  return status;
-}
-
-static hk_status linear_of(hk_run *run, hk_linear_system **linear) {
-  hk_implicit_matrix *s = hk_implicit_matrix_of(run);
+static hk_status linear_of(hk_dynamics *d, hk_linear_system **linear) {
+  hk_implicit_matrix *s = hk_implicit_matrix_of(d);
   if (!s) return HK_NO_MEMORY;
+  if (!d->solver)
+    return hk_error_set(d->error, HK_FAILED, "%s solves linear systems but does not declare it (HK_NEEDS_SOLVER)",
+                        hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name);
+  s->linear.solver = d->solver;
   *linear = &s->linear;
-  return s->linear.solver ? HK_OK : hk_solver_get(run, &s->linear.solver);
+  return HK_OK;
 }
 
 hk_status hk_implicit_solver_flags(hk_system *system, unsigned *flags) {
   hk_linear_system *linear = NULL;
-  hk_status status = linear_of(run_of(system), &linear);
+  hk_status status = linear_of(dynamics_of(system), &linear);
   if (status == HK_OK) *flags = linear->solver->plugin->solver->flags;
   return status;
 }
 
 hk_status hk_implicit_factorize(hk_system *system, const hk_matrix *A) {
   hk_linear_system *linear = NULL;
-  hk_status status = linear_of(run_of(system), &linear);
-  return status == HK_OK ? hk_linear_system_factorize(run_of(system), linear, A) : status;
+  hk_status status = linear_of(dynamics_of(system), &linear);
+  return status == HK_OK ? hk_linear_system_factorize(dynamics_of(system), linear, A) : status;
 }
 
-static hk_status ready(hk_run *run, hk_linear_system **linear) {
-  if (!run->assembly || !run->assembly->linear.analyzed)
-    return hk_error_set(&run->error, HK_FAILED, "a system was solved before its factorization");
-  *linear = &run->assembly->linear;
+static hk_status ready(hk_dynamics *d, hk_linear_system **linear) {
+  if (!d->matrix || !d->matrix->linear.analyzed)
+    return hk_error_set(d->error, HK_FAILED, "a system was solved before its factorization");
+  *linear = &d->matrix->linear;
   return HK_OK;
 }
 
 hk_status hk_implicit_solve(hk_system *system, const double *b, double *x, hk_solve_info *info) {
   hk_linear_system *linear = NULL;
-  hk_status status = ready(run_of(system), &linear);
-  return status == HK_OK ? hk_linear_system_solve(run_of(system), linear, b, x, info) : status;
+  hk_status status = ready(dynamics_of(system), &linear);
+  return status == HK_OK ? hk_linear_system_solve(dynamics_of(system), linear, b, x, info) : status;
 }
 
 hk_status hk_implicit_solve_columns(hk_system *system, const double *b, double *x, size_t columns) {
   hk_linear_system *linear = NULL;
-  hk_status status = ready(run_of(system), &linear);
-  return status == HK_OK ? hk_linear_system_solve_columns(run_of(system), linear, b, x, columns) : status;
+  hk_status status = ready(dynamics_of(system), &linear);
+  return status == HK_OK ? hk_linear_system_solve_columns(dynamics_of(system), linear, b, x, columns) : status;
 }

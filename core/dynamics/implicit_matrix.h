@@ -16,6 +16,7 @@ struct hk_implicit_matrix {
   hk_linear_system linear;
 };
 
-hk_implicit_matrix *hk_implicit_matrix_of(hk_run *); /* made when asked for first; NULL: no memory, the error is set */
+hk_implicit_matrix *
+hk_implicit_matrix_of(hk_dynamics *); /* made when asked for first; NULL: no memory, the error is set */
 
 #endif

@@ -11,29 +11,23 @@
 
 enum { BLOCKS_GRAIN = 16384 };
 
-static hk_run *run_of(hk_system *s) { return (hk_run *)(void *)s; }
+static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
 
-hk_implicit_matrix *hk_implicit_matrix_of(hk_run *run) {
-  if (!run->assembly) run->assembly = calloc(1, sizeof *run->assembly);
-  if (!run->assembly) hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the Jacobian");
-  return run->assembly;
-}
-
-static hk_status name_blocks(hk_run *run, hk_implicit_matrix *s) {
-  size_t n = run->model.n;
+static hk_status name_blocks(hk_dynamics *d, hk_implicit_matrix *s) {
+  size_t n = d->state->model.n;
   hk_block_matrix_begin(&s->matrix, n, n);
   for (size_t i = 0; i < n; i++) s->matrix.naming.block(&s->matrix.naming, (uint32_t)i, (uint32_t)i);
-  for (size_t k = 0; k < run->scene->force.count; k++) {
-    hk_instance *force = run->scene->force.item[k];
+  for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count; k++) {
+    hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
     const hk_force *functions = force->plugin->force;
     s->first[k] = s->matrix.named;
     if (!functions->jacobian && functions->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V))
-      return hk_error_set(&run->error, HK_FAILED, "force '%s' offers no Jacobian, which %s needs", force->label,
-                          run->scene->integrator->plugin->name);
+      return hk_error_set(d->error, HK_FAILED, "force '%s' offers no Jacobian, which %s needs", force->label,
+                          hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name);
     if (!functions->jacobian) continue;
-    if (functions->pattern) functions->pattern(force->self, &run->force_view[k], &s->matrix.naming);
+    if (functions->pattern) functions->pattern(force->self, &d->force_view[k], &s->matrix.naming);
     if (s->matrix.out_of_range)
-      return hk_error_set(&run->error, HK_FAILED, "force '%s' names a block of a particle that is not there",
+      return hk_error_set(d->error, HK_FAILED, "force '%s' names a block of a particle that is not there",
                           force->label);
   }
   return HK_OK;
@@ -51,10 +45,10 @@ static void drop(hk_implicit_matrix *s) {
   s->slide = NULL;
 }
 
-static hk_status build(hk_run *run, hk_implicit_matrix *s) {
+static hk_status build(hk_dynamics *d, hk_implicit_matrix *s) {
   drop(s);
-  s->first = calloc(run->scene->force.count + 1, sizeof *s->first);
-  hk_status status = s->first ? name_blocks(run, s) : HK_NO_MEMORY;
+  s->first = calloc(d->plugins->kind[HK_FORCE].count + 1, sizeof *s->first);
+  hk_status status = s->first ? name_blocks(d, s) : HK_NO_MEMORY;
   if (status == HK_OK) status = hk_block_matrix_build(&s->matrix);
   if (status == HK_OK) {
     size_t blocks = s->matrix.row_start[s->matrix.rows];
@@ -63,18 +57,18 @@ static hk_status build(hk_run *run, hk_implicit_matrix *s) {
   }
   if (s->K && s->D) return HK_OK;
   if (status == HK_OK) status = HK_NO_MEMORY;
-  hk_error_set(&run->error, status, "no memory for the Jacobian of %zu particles", run->model.n);
+  hk_error_set(d->error, status, "no memory for the Jacobian of %zu particles", d->state->model.n);
   return status;
 }
 
-static bool joins(const hk_run *run, size_t k) {
-  return run->force_acts[k] && run->takes[k] && run->scene->force.item[k]->plugin->force->jacobian;
+static bool joins(const hk_dynamics *d, size_t k) {
+  return d->force_acts[k] && d->takes[k] && d->plugins->kind[HK_FORCE].item[k]->plugin->force->jacobian;
 }
 
-static bool is_symmetric(const hk_run *run, unsigned want) {
+static bool is_symmetric(const hk_dynamics *d, unsigned want) {
   unsigned enough = HK_SYMMETRIC_JACOBIAN | (want & HK_WANT_SYMMETRIC ? HK_OFFERS_SYMMETRIC : 0);
-  for (size_t k = 0; k < run->scene->force.count; k++)
-    if (joins(run, k) && !(run->scene->force.item[k]->plugin->force->flags & enough)) return false;
+  for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count; k++)
+    if (joins(d, k) && !(d->plugins->kind[HK_FORCE].item[k]->plugin->force->flags & enough)) return false;
   return true;
 }
 
@@ -85,18 +79,18 @@ static void clear_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   memset(s->D + 9 * begin, 0, 9 * (end - begin) * sizeof *s->D);
 }
 
-static hk_status fill(hk_run *run, hk_implicit_matrix *s, double t, const double *X, unsigned want) {
-  size_t n = run->model.n;
-  hk_threads_for(run->scene->shared.threads, s->matrix.row_start[n], BLOCKS_GRAIN, clear_chunk, s);
+static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const double *X, unsigned want) {
+  size_t n = d->state->model.n;
+  hk_threads_for(d->shared->threads, s->matrix.row_start[n], BLOCKS_GRAIN, clear_chunk, s);
   hk_status status = HK_OK;
-  for (size_t k = 0; k < run->scene->force.count && status == HK_OK; k++) {
-    hk_instance *force = run->scene->force.item[k];
-    if (!joins(run, k)) continue;
-    hk_view view = run->force_view[k];
+  for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count && status == HK_OK; k++) {
+    hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+    if (!joins(d, k)) continue;
+    hk_view view = d->force_view[k];
     view.t = t;
     view.x = X;
     view.v = X + 3 * n;
-    view.y = run->width ? X + 6 * n : NULL;
+    view.y = d->state->width ? X + 6 * n : NULL;
     view.power = NULL;
     hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D, want};
     status = force->plugin->force->jacobian(force->self, &view, &into);
@@ -105,30 +99,30 @@ static hk_status fill(hk_run *run, hk_implicit_matrix *s, double t, const double
 }
 
 hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {
-  hk_run *run = run_of(system);
-  hk_implicit_matrix *s = hk_implicit_matrix_of(run);
-  hk_status status = s ? hk_pins_impose(run, t, X, X + 3 * run->model.n) : HK_NO_MEMORY;
-  if (status == HK_OK && (!s->K || !s->D)) status = build(run, s);
-  if (status == HK_OK) status = fill(run, s, t, X, want);
+  hk_dynamics *d = dynamics_of(system);
+  hk_implicit_matrix *s = hk_implicit_matrix_of(d);
+  hk_status status = s ? hk_dynamics_impose(d, t, X, X + 3 * d->state->model.n) : HK_NO_MEMORY;
+  if (status == HK_OK && (!s->K || !s->D)) status = build(d, s);
+  if (status == HK_OK) status = fill(d, s, t, X, want);
   if (status != HK_OK) return status;
-  s->symmetric = is_symmetric(run, want);
-  *K = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->K, s->symmetric};
+  s->symmetric = is_symmetric(d, want);
+  *K = (hk_matrix){s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, s->K, s->symmetric, s->matrix.number};
   *D = *K;
   D->value = s->D;
-  run->jacobians++;
+  d->count.jacobians++;
   return HK_OK;
 }
 
-void hk_jacobian_topology(hk_run *run) {
-  if (!run->assembly) return;
-  drop(run->assembly);
-  run->assembly->linear.analyzed = false;
+void hk_jacobian_topology(hk_dynamics *d) {
+  if (!d->matrix) return;
+  drop(d->matrix);
+  d->matrix->linear.analyzed = false;
 }
 
-void hk_jacobian_close(hk_run *run) {
-  hk_implicit_matrix *s = run->assembly;
+void hk_jacobian_close(hk_dynamics *d) {
+  hk_implicit_matrix *s = d->matrix;
   if (!s) return;
   drop(s);
   free(s);
-  run->assembly = NULL;
+  d->matrix = NULL;
 }

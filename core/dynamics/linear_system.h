@@ -2,7 +2,7 @@
 #ifndef HK_LINEAR_H
 #define HK_LINEAR_H
 
-#include "core/run/engine.h"
+#include "core/dynamics/dynamics.h"
 
 typedef struct hk_linear_system {
   hk_instance *solver;
@@ -12,11 +12,9 @@ typedef struct hk_linear_system {
 } hk_linear_system;
 
 /* Analyses when the pattern is another than last time, then factorizes. */
-hk_status hk_linear_system_factorize(hk_run *, hk_linear_system *, const hk_matrix *A);
-hk_status hk_linear_system_solve(hk_run *, hk_linear_system *, const double *b, double *x,
+hk_status hk_linear_system_factorize(hk_dynamics *, hk_linear_system *, const hk_matrix *A);
+hk_status hk_linear_system_solve(hk_dynamics *, hk_linear_system *, const double *b, double *x,
                                  hk_solve_info *info); /* info: or NULL */
-hk_status hk_linear_system_solve_columns(hk_run *, hk_linear_system *, const double *b, double *x, size_t columns);
-/* A second, started instance of the scene's solver with the same parameters; the caller destroys it. */
-hk_status hk_linear_system_twin(hk_run *, hk_instance **solver);
+hk_status hk_linear_system_solve_columns(hk_dynamics *, hk_linear_system *, const double *b, double *x, size_t columns);
 
 #endif

@@ -1,8 +1,8 @@
 /* Plugins are found by folder and file name: KIND/NAME.so below the root and below each folder of the search path; a
  * name with a slash is a file. The exported constant is read before any code of the plugin runs; constructors aside,
  * which style forbids. Invariant: an item's plugin is NULL exactly when its reason is set. */
-#include "core/host/registry.h"
-#include "core/base/memory.h"
+#include "core/host/host.h"
+#include "core/base/base.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -14,9 +14,9 @@
 #include <unistd.h>
 
 static const char *const kind_name[HK_KINDS] = {"force",      "constraint", "corrector", "source",
-                                                "integrator", "solver",     "output"};
+                                                "integrator", "solver",     "output",    "service"};
 static const char *const kind_folder[HK_KINDS] = {"forces",      "constraints", "correctors", "sources",
-                                                  "integrators", "solvers",     "outputs"};
+                                                  "integrators", "solvers",     "outputs",    "services"};
 
 const char *hk_kind_name(hk_kind kind) { return kind_name[kind]; }
 const char *hk_kind_folder(hk_kind kind) { return kind_folder[kind]; }
@@ -33,6 +33,7 @@ hk_status hk_registry_open(hk_registry *registry, const char *root, const char *
 void hk_registry_close(hk_registry *registry) {
   for (size_t k = 0; k < registry->count; k++) {
     if (registry->item[k].handle) dlclose(registry->item[k].handle);
+    free((void *)(uintptr_t)registry->item[k].plugin);
     free(registry->item[k].path);
     free(registry->item[k].reason);
   }
@@ -55,6 +56,34 @@ static void judge(const hk_plugin *p, char *reason, size_t size) {
     snprintf(reason, size, "its name, summary or functions are missing");
 }
 
+typedef struct plugin_copy {
+  hk_plugin plugin;
+  union {
+    hk_force force;
+    hk_constraint constraint;
+    hk_corrector corrector;
+    hk_source source;
+    hk_integrator integrator;
+    hk_solver solver;
+    hk_output output;
+    hk_service service;
+  } table;
+} plugin_copy;
+
+/* The constant with a table as long as this host's: what the plugin's does not have yet is zero. */
+static const hk_plugin *copy_plugin(const hk_plugin *plugin) {
+  static const size_t length[HK_KINDS] = {sizeof(hk_force),  sizeof(hk_constraint), sizeof(hk_corrector),
+                                          sizeof(hk_source), sizeof(hk_integrator), sizeof(hk_solver),
+                                          sizeof(hk_output), sizeof(hk_service)};
+  plugin_copy *c = calloc(1, sizeof *c);
+  if (!c) return NULL;
+  size_t size = plugin->force->size, known = length[plugin->kind]; /* `size` is the first member of every table */
+  c->plugin = *plugin;
+  memcpy(&c->table, plugin->force, size < known ? size : known);
+  c->plugin.force = &c->table.force;
+  return &c->plugin;
+}
+
 static void open_file(hk_loaded *item) {
   char reason[1200] = "";
   /* Libraries that plugins bring along (threads of a BLAS, a graphics driver's compiler) do not survive being unloaded,
@@ -68,7 +97,7 @@ static void open_file(hk_loaded *item) {
       snprintf(reason, sizeof reason, "it exports no hk_plugin_main: it is not a plugin of hooke");
     else
       judge(plugin, reason, sizeof reason);
-    if (!*reason) item->plugin = plugin;
+    if (!*reason && !(item->plugin = copy_plugin(plugin))) snprintf(reason, sizeof reason, "there is no memory for it");
   }
   if (!item->plugin) item->reason = hk_string_copy(reason);
 }
@@ -225,4 +254,35 @@ hk_status hk_registry_load_all(hk_registry *registry, hk_error *error) {
     if (!loaded) return HK_NO_MEMORY;
   }
   return HK_OK;
+}
+
+static hk_status try_name(hk_registry *registry, hk_kind kind, const char *name,
+                          bool (*suits)(const hk_plugin *, const void *), const void *context, const hk_plugin **plugin,
+                          hk_error *error) {
+  char path[PATH_MAX];
+  if (!find_file(registry, kind, name, path, sizeof path)) return HK_OK;
+  const hk_loaded *item = load(registry, path, error);
+  if (!item) return HK_NO_MEMORY;
+  if (item->plugin && item->plugin->kind == kind && suits(item->plugin, context)) *plugin = item->plugin;
+  return HK_OK;
+}
+
+hk_status hk_registry_prefer(hk_registry *registry, hk_kind kind, bool (*suits)(const hk_plugin *, const void *context),
+                             const void *context, const hk_plugin **plugin, hk_error *error) {
+  char path[PATH_MAX], name[64];
+  hk_status status = HK_OK;
+  *plugin = NULL;
+  snprintf(path, sizeof path, "%s/%s/default", registry->root, kind_folder[kind]);
+  FILE *file = fopen(path, "r");
+  while (file && !*plugin && status == HK_OK && fscanf(file, "%63s", name) == 1)
+    status = try_name(registry, kind, name, suits, context, plugin, error);
+  if (file) fclose(file);
+  if (status != HK_OK || *plugin) return status;
+  name_list list = collect(registry, kind);
+  for (size_t k = 0; k < list.count && !*plugin && status == HK_OK; k++)
+    status = try_name(registry, kind, list.name[k], suits, context, plugin, error);
+  free_names(&list);
+  if (status != HK_OK || *plugin) return status;
+  return hk_error_set(error, HK_FAILED, "no %s that suits this scene is installed; see: hooke plugins",
+                      kind_name[kind]);
 }

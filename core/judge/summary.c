@@ -1,107 +1,148 @@
-/* The figures of a run, gathered once; summary_text.c and the JSON writer print the same ones. */
-#include "core/run/engine.h"
-#include "core/dynamics/constraint_matrix.h"
+/* The figures of a run, gathered once. */
+#include "core/judge/judge.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
-static void add_time(hk_run *run, size_t *count, const hk_instance *instance) {
-  if (!instance || !instance->started) return;
-  double seconds = instance->seconds;
-  if (instance->sampled && instance->calls > instance->sampled)
-    seconds *= (double)instance->calls / (double)instance->sampled;
-  run->plugin_time[(*count)++] =
-      (hk_plugin_time){hk_kind_name(instance->plugin->kind), instance->plugin->name, instance->label, seconds};
+const char *hk_verdict_name(hk_verdict verdict) {
+  switch (verdict) {
+  case HK_VERDICT_OK:
+    return "ok";
+  case HK_INACCURATE:
+    return "inaccurate";
+  case HK_DIVERGED:
+    return "diverged";
+  case HK_STOPPED:
+    return "interrupted";
+  case HK_RUNNING:
+    break;
+  }
+  return "running";
 }
 
-static size_t plugin_times(hk_run *run) {
-  const hk_scene *scene = run->scene;
-  const hk_instances *lists[] = {&scene->force, &scene->constraint, &scene->corrector, &scene->source, &scene->output};
-  size_t room = 2, count = 0;
-  for (size_t l = 0; l < 5; l++) room += lists[l]->count;
-  free(run->plugin_time);
-  run->plugin_time = calloc(room, sizeof *run->plugin_time);
-  if (!run->plugin_time) return 0;
-  for (size_t l = 0; l < 5; l++)
-    for (size_t k = 0; k < lists[l]->count; k++) add_time(run, &count, lists[l]->item[k]);
+static double seconds_of(const hk_instance *instance) {
+  bool sampled = instance->sampled && instance->calls > instance->sampled;
+  return instance->seconds * (sampled ? (double)instance->calls / (double)instance->sampled : 1);
+}
+
+/* What the integrator took is what the steps cost beside the forces. */
+static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
+  static const hk_kind order[] = {HK_FORCE,  HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE,
+                                  HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER};
+  size_t room = 0;
   double forces = 0;
-  for (size_t k = 0; k < count; k++)
-    if (run->plugin_time[k].kind == hk_kind_name(HK_FORCE)) forces += run->plugin_time[k].seconds;
-  add_time(run, &count, scene->integrator);
-  run->plugin_time[count - 1].seconds = fmax(0, run->loop_s - forces); /* what the steps cost beside the forces */
-  add_time(run, &count, scene->solver);
-  return count;
+  for (int kind = 0; kind < HK_KINDS; kind++) room += loop->plugins->kind[kind].count;
+  free(j->plugin_time);
+  j->plugin_time = calloc(room + 1, sizeof *j->plugin_time);
+  for (size_t o = 0; j->plugin_time && o < sizeof order / sizeof *order; o++)
+    for (size_t k = 0; k < loop->plugins->kind[order[o]].count; k++) {
+      const hk_instance *instance = loop->plugins->kind[order[o]].item[k];
+      double seconds = seconds_of(instance);
+      if (!instance->started) continue;
+      if (order[o] == HK_FORCE) forces += seconds;
+      if (order[o] == HK_INTEGRATOR) seconds = fmax(0, loop->seconds - forces);
+      j->plugin_time[s->plugins++] =
+          (hk_plugin_time){hk_kind_name(order[o]), instance->plugin->name, instance->label, seconds};
+    }
+  s->plugin = j->plugin_time;
 }
 
-static double momentum_drift(const hk_run *run) {
-  bool kept = run->pins == 0 && !run->corrected && !run->sourced && run->momentum_scale > 0;
-  for (size_t k = 0; k < run->scene->force.count; k++)
-    kept = kept && run->scene->force.item[k]->plugin->force->flags & HK_CONSERVES_MOMENTUM;
-  if (!kept) return NAN;
+static double momentum_drift(const hk_loop *loop, const hk_judgement *j) {
+  const hk_record *r = loop->record;
+  const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
+  bool kept = loop->pins->count == 0 && !r->moved && !r->sourced;
+  for (size_t k = 0; k < forces->count; k++)
+    kept = kept && forces->item[k]->plugin->force->flags & HK_CONSERVES_MOMENTUM;
+  if (!kept || !(r->momentum_scale > 0)) return NAN;
   double sum = 0;
-  for (int c = 0; c < 3; c++)
-    sum +=
-        (run->last_frame.momentum[c] - run->momentum_first[c]) * (run->last_frame.momentum[c] - run->momentum_first[c]);
-  return sqrt(sum) / run->momentum_scale;
+  for (int c = 0; c < 3; c++) {
+    double change = j->last_frame.momentum[c] - r->momentum_first[c];
+    sum += change * change;
+  }
+  return sqrt(sum) / r->momentum_scale;
 }
 
-static void energies(hk_run *run, hk_summary *s) {
-  double kinetic, potential;
-  hk_run_energy(run, &kinetic, &potential, &s->energy_work);
-  s->energy_first = run->energy_first;
-  s->energy_last = kinetic + potential;
-  s->kinetic_max = fmax(run->kinetic_max, kinetic);
-  bool known = hk_system_has_energy(run) && !run->corrected && !run->sourced && s->kinetic_max > 0;
+static void energies(hk_loop *loop, hk_summary *s) {
+  const hk_state *state = loop->state;
+  const hk_record *r = loop->record;
+  double kinetic = hk_state_kinetic(state, state->X);
+  bool balanced = hk_probe_has_energy(loop->dynamics);
+  s->energy_first = r->energy_first;
+  s->energy_last = kinetic + hk_probe_potential(loop->dynamics, state->t, state->X);
+  s->energy_work = balanced ? state->X[state->size - 1] : NAN;
+  s->kinetic_max = fmax(r->kinetic_max, kinetic);
+  bool known = balanced && !r->corrected && !r->sourced && s->kinetic_max > 0;
   s->energy_drift = known ? (s->energy_last - s->energy_first - s->energy_work) / s->kinetic_max : NAN;
-  if (!hk_system_has_energy(run)) s->energy_work = NAN;
 }
 
-/* Constraints have an instance of the solver of their own. */
-void hk_solver_libraries(const hk_run *run, char *text, size_t size) {
-  const hk_instance *solver = run->scene->solver;
-  if (!(solver && solver->started)) solver = run->constraints ? run->constraints->linear.solver : NULL;
-  *text = 0;
-  if (solver && solver->plugin->solver->describe) solver->plugin->solver->describe(solver->self, text, size);
+static void solvers(const hk_dynamics *d, hk_summary *s) {
+  if (!d->solver || (d->count.factorizations == 0 && !d->constraints && !d->matrix)) return;
+  const hk_plugin *plugin = d->solver->plugin;
+  s->solver = plugin->name;
+  s->solver_choice = d->solver_spec ? "chosen for the forces and the size" : "";
+  if (plugin->solver->describe)
+    plugin->solver->describe(d->solver->self, s->solver_libraries, sizeof s->solver_libraries);
 }
 
-void hk_run_summary(hk_run *run, hk_summary *s) {
-  *s = (hk_summary){.scene = run->scene->name, .integrator = run->scene->integrator->plugin->name};
-  s->verdict = run->verdict;
-  if (run->scene->solver && run->scene->solver->started) s->solver = run->scene->solver->plugin->name;
-  s->solver_chosen = run->solver_chosen;
-  hk_solver_libraries(run, s->solver_libraries, sizeof s->solver_libraries);
-  snprintf(s->reason, sizeof s->reason, "%s", run->reason);
-  s->t = run->verdict == HK_DIVERGED ? run->last_good.t : run->system.t;
-  s->end = run->end;
-  s->fps = run->scene->fps;
-  s->n = run->model.n;
-  s->steps = run->steps;
-  s->frames = run->frame;
-  s->force_evaluations = run->evaluations;
-  s->jacobian_evaluations = run->jacobians;
-  s->factorizations = run->factorizations;
-  s->linear_iterations = run->linear_iterations;
-  s->dt_min = run->steps ? run->dt_min : NAN;
-  s->dt_max = run->steps ? run->dt_max : NAN;
-  s->dt_limit = run->dt_limit;
-  s->dt_chosen = run->dt_chosen;
-  s->start_wall_s = run->first_step_at > 0 ? run->first_step_at - run->opened_at : NAN;
-  s->wall_s = hk_clock() - run->opened_at;
-  s->step_wall_s = run->loop_s;
-  energies(run, s);
-  s->momentum_drift = momentum_drift(run);
-  s->constraint_violation = run->violation_max;
+static void steps(const hk_loop *loop, hk_summary *s) {
+  const hk_record *r = loop->record;
+  const char *how = loop->step->chosen ? "chosen" : "given";
+  char limit[64] = "";
+  s->steps = r->steps;
+  s->frames = r->frames;
+  s->rejected_steps = r->rejected;
+  s->dt_min = r->steps ? r->dt_min : NAN;
+  s->dt_max = r->steps ? r->dt_max : NAN;
+  s->dt_limit = loop->step->dt_limit;
+  s->dt_chosen = loop->step->chosen;
+  if (isfinite(s->dt_limit)) snprintf(limit, sizeof limit, "; largest stable step %.4g s", s->dt_limit);
+  if (r->steps && s->dt_max - s->dt_min > 1e-9 * s->dt_max)
+    snprintf(s->step, sizeof s->step, "%.4g to %.4g s (%s%s)", s->dt_min, s->dt_max, how, limit);
+  else if (r->steps)
+    snprintf(s->step, sizeof s->step, "%.6g s (%s%s)", s->dt_max, how, limit);
+}
+
+static void walls(const hk_loop *loop, const hk_asked *asked, hk_summary *s) {
+  s->start_wall_s = loop->first_step_at > 0 ? loop->first_step_at - asked->opened_at : NAN;
+  s->wall_s = hk_clock() - asked->opened_at;
+  s->step_wall_s = loop->seconds;
+  s->steps_per_s = loop->seconds > 0 ? (double)s->steps / loop->seconds : NAN;
+}
+
+static void accuracies(hk_loop *loop, const hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   bool found;
-  double now = hk_strain_largest(run, NULL, &found);
-  s->max_strain = !found ? NAN : fabs(now) > fabs(run->strain_max) || !isfinite(now) ? now : run->strain_max;
-  s->accuracy = isnan(run->options.accuracy) ? run->scene->accuracy : run->options.accuracy;
-  if (!(s->accuracy > 0)) s->accuracy = NAN;
-  s->exact_error = run->verdict == HK_DIVERGED ? NAN : hk_exact_error(run);
+  double strain = hk_probe_strain(loop->dynamics, NULL, &found), most = loop->record->strain_max;
+  s->momentum_drift = momentum_drift(loop, j);
+  s->constraint_violation = loop->record->violation_max;
+  s->max_strain = !found ? NAN : fabs(strain) > fabs(most) || !isfinite(strain) ? strain : most;
+  s->accuracy = asked->accuracy > 0 ? asked->accuracy : NAN;
+  s->exact_error = j->verdict == HK_DIVERGED ? NAN : hk_figures_exact_error(loop);
   s->verify_difference = NAN;
-  s->plugins = plugin_times(run);
-  s->plugin = run->plugin_time;
-  s->measures = run->scene->measures;
-  s->measure_name = run->measure_name;
-  s->measure = run->measure;
-  s->warnings = run->warnings;
-  s->warning = run->warning;
+}
+
+void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_summary *s) {
+  const hk_counts *count = &loop->dynamics->count;
+  *s = (hk_summary){.scene = loop->scene->name, .integrator = loop->step->method_name, .solver_choice = ""};
+  s->verdict = j->verdict;
+  s->verdict_name = hk_verdict_name(j->verdict);
+  snprintf(s->reason, sizeof s->reason, "%s", j->reason);
+  s->t = j->verdict == HK_DIVERGED ? j->last_good.t : loop->state->t;
+  s->end = asked->end;
+  s->fps = loop->fps;
+  s->n = loop->state->model.n;
+  s->force_evaluations = count->evaluations;
+  s->jacobian_evaluations = count->jacobians;
+  s->factorizations = count->factorizations;
+  s->linear_iterations = count->linear_iterations;
+  solvers(loop->dynamics, s);
+  steps(loop, s);
+  walls(loop, asked, s);
+  energies(loop, s);
+  accuracies(loop, j, asked, s);
+  plugin_times(loop, j, s);
+  s->measures = loop->scene->measures;
+  s->measure_name = j->measure_name;
+  s->measure = j->measure;
+  s->warnings = loop->warnings->count;
+  s->warning = loop->warnings->text;
 }

@@ -4,40 +4,40 @@
  * the two ends of a step have little to do with each other: h^2 (a1 - a0)/12, the trapezoid rule's own error of a step,
  * is as large as (h w)^2/6 of the amplitude. It is looked at in one step of each frame, two evaluations; the least of
  * all frames counts, so that what dies out within the run is not held against it. */
-#include "core/run/engine.h"
+#include "core/judge/judge.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* false: no figure can be had here; what is wrong, the run itself will find out, if it matters to it. */
-static bool slope(hk_run *run, size_t which) {
-  hk_system *s = &run->system;
-  size_t n = s->n, evaluations = run->evaluations;
-  hk_error kept = run->error;
-  double *grown = realloc(run->slope[which], s->size * sizeof *grown);
+static bool slope(hk_loop *loop, hk_judgement *j, size_t which) {
+  hk_system *s = &loop->dynamics->system;
+  size_t n = s->n, evaluations = loop->dynamics->count.evaluations;
+  hk_error kept = *loop->error;
+  double *grown = realloc(j->slope[which], s->size * sizeof *grown);
   if (!grown) return false;
-  run->slope[which] = grown;
+  j->slope[which] = grown;
   hk_status status = s->accelerations(s, s->t, s->X, s->X + 3 * n, s->X + 6 * n, grown, grown + 3 * n);
-  run->evaluations = evaluations;
-  run->error = kept;
+  loop->dynamics->count.evaluations = evaluations;
+  *loop->error = kept;
   return status == HK_OK;
 }
 
-void hk_under_resolved_begin(hk_run *run) { run->sampling = slope(run, 0); }
+void hk_under_resolved_before(hk_loop *loop, hk_judgement *j) { j->sampling = slope(loop, j, 0); }
 
-void hk_under_resolved_end(hk_run *run, double h) {
-  size_t n = run->model.n, moving = 0;
-  double sum = 0, *grown = realloc(run->unresolved, (run->samples + 1) * sizeof *grown);
-  if (grown) run->unresolved = grown;
-  if (!run->sampling || !grown || !slope(run, 1)) return;
+void hk_under_resolved_after(hk_loop *loop, hk_judgement *j, double h) {
+  size_t n = loop->state->model.n, moving = 0;
+  double sum = 0, *grown = realloc(j->unresolved, (j->samples + 1) * sizeof *grown);
+  if (grown) j->unresolved = grown;
+  if (!j->sampling || !grown || !slope(loop, j, 1)) return;
   for (size_t i = 0; i < n; i++) {
-    moving += run->inverse_mass[i] > 0;
+    moving += loop->state->inverse_mass[i] > 0;
     for (size_t e = 3 * i; e < 3 * i + 3; e++) {
-      double change = run->slope[1][e] - run->slope[0][e];
+      double change = j->slope[1][e] - j->slope[0][e];
       sum += change * change;
     }
   }
-  run->unresolved[run->samples++] = moving ? h * h / 12 * sqrt(sum / (double)moving) : 0;
+  j->unresolved[j->samples++] = moving ? h * h / 12 * sqrt(sum / (double)moving) : 0;
 }
 
 static int by_size(const void *a, const void *b) {
@@ -45,14 +45,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-double hk_under_resolved_error(hk_run *run) {
-  if (run->samples == 0) return 0;
-  qsort(run->unresolved, run->samples, sizeof *run->unresolved, by_size);
-  return run->unresolved[run->samples / 2];
-}
-
-void hk_under_resolved_close(hk_run *run) {
-  free(run->slope[0]);
-  free(run->slope[1]);
-  free(run->unresolved);
+double hk_under_resolved_error(hk_judgement *j) {
+  if (j->samples == 0) return 0;
+  qsort(j->unresolved, j->samples, sizeof *j->unresolved, by_size);
+  return j->unresolved[j->samples / 2];
 }

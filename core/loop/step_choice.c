@@ -1,19 +1,9 @@
 /* The choice of the step: what the scene or the command line asks, checked against the stable limit; or, left out, the
  * limit times a safety factor. The limit is estimated at the start and again after events and, now and then, at frames;
  * how often is a count of evaluations, so that the estimates cost a few percent and runs repeat bit by bit. */
-#include "core/run/engine.h"
-
-#include <stdlib.h>
+#include "core/loop/loop.h"
 
 enum { REVIEW_EVERY = 40 }; /* evaluations of the run for each one of an estimate */
-
-static bool covered(const hk_run *run) {
-  for (size_t k = 0; k < run->scene->force.count; k++) {
-    const hk_force *force = run->scene->force.item[k]->plugin->force;
-    if (run->force_acts[k] && (force->flags & HK_DEPENDS_ON_X) && !force->elements) return false;
-  }
-  return run->scene->constraint.count == 0;
-}
 
 /* Within a tenth of a percent: the limit is the same, and finding it costs more than many a small scene's frame. */
 static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
@@ -25,90 +15,87 @@ static bool same(const hk_spectrum *a, const hk_spectrum *b) {
 }
 
 /* Evaluations and sampled times of an estimate are not the run's. */
-hk_status hk_step_estimate(hk_run *run) {
-  size_t before = run->evaluations, factorizations = run->factorizations;
-  hk_spectrum before_it = run->spectrum;
-  hk_status status = hk_spectrum_estimate(&run->system, covered(run), &run->spectrum, &run->error);
-  run->estimate_cost = run->evaluations - before;
-  run->evaluations = before;
-  run->factorizations = factorizations;
-  run->estimated_at = before;
-  if (status != HK_OK) return status;
-  if (same(&before_it, &run->spectrum)) return HK_OK;
-  hk_stable stable = hk_stable_step(run->method, &run->spectrum);
-  run->dt_limit = run->limit_now = stable.limit;
-  run->dt_suggested = stable.suggestion;
-  run->growth_rate = stable.growth_rate;
-  run->growth_expected = stable.limit == 0;
+hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
+  hk_counts before = d->count;
+  hk_spectrum last = c->spectrum;
+  hk_status status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
+  c->estimate_cost = d->count.evaluations - before.evaluations;
+  d->count = before;
+  c->estimated_at = before.evaluations;
+  if (status != HK_OK || same(&last, &c->spectrum)) return status;
+  hk_stable stable = hk_stable_step(c->method, c->parameters, &c->spectrum);
+  c->dt_limit = c->limit_now = stable.limit;
+  c->dt_suggested = stable.suggestion;
+  c->growth_rate = stable.growth_rate;
+  c->growth_expected = stable.limit == 0;
   return HK_OK;
 }
 
-static void choose(hk_run *run) {
-  double frame = 1 / run->scene->fps;
-  run->dt_chosen = true;
-  run->dt = run->method->flags & HK_IMPLICIT ? frame / 2 : fmin(run->dt_suggested, frame);
-  if (run->growth_expected)
-    hk_run_warn(run,
-                "%s has no stable step on this scene; dt = %.3g s is chosen for accuracy, and motion may grow at a "
-                "rate of %.3g 1/s",
-                run->scene->integrator->plugin->name, run->dt, run->growth_rate);
+static void choose(hk_step_choice *c, hk_warnings *warnings) {
+  double frame = 1 / c->fps;
+  c->chosen = true;
+  c->dt = c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame);
+  if (c->growth_expected)
+    hk_warn(warnings,
+            "%s has no stable step on this scene; dt = %.3g s is chosen for accuracy, and motion may grow at a rate of "
+            "%.3g 1/s",
+            c->method_name, c->dt, c->growth_rate);
 }
 
-static void check_given(hk_run *run, double given) {
-  double frame = 1 / run->scene->fps;
-  run->dt = given;
+static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) {
+  double frame = 1 / c->fps;
+  c->dt = given;
   if (given > frame * (1 + 1e-9))
-    hk_run_warn(run, "dt = %g s is longer than a frame of %g s, so steps are of one frame; fps = %g allows it", given,
-                frame, 1 / given);
+    hk_warn(warnings, "dt = %g s is longer than a frame of %g s, so steps are of one frame; fps = %g allows it", given,
+            frame, 1 / given);
   double h = fmin(given, frame);
-  if (run->growth_expected)
-    hk_run_warn(run, "%s has no stable step on this scene; motion may grow", run->scene->integrator->plugin->name);
-  else if (h > run->dt_limit)
-    hk_run_warn(
-        run, "dt = %g s is above the largest stable step, %.4g s: expect an explosion; leave dt out to have it chosen",
-        h, run->dt_limit);
+  if (c->growth_expected)
+    hk_warn(warnings, "%s has no stable step on this scene; motion may grow", c->method_name);
+  else if (h > c->dt_limit)
+    hk_warn(warnings,
+            "dt = %g s is above the largest stable step, %.4g s: expect an explosion; leave dt out to have it chosen",
+            h, c->dt_limit);
 }
 
-hk_status hk_step_choose(hk_run *run) {
-  double given = isnan(run->options.dt) ? run->scene->dt : run->options.dt;
-  if (run->resumed) given = run->dt;
-  if (run->method->flags & HK_ADAPTIVE) {
-    run->dt = isnan(given) ? INFINITY : given;
-    run->dt_chosen = isnan(given);
+hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
+  hk_warnings *warnings = d->shared->warnings;
+  if (c->method->flags & HK_ADAPTIVE) {
+    c->dt = isnan(given) ? INFINITY : given;
+    c->chosen = isnan(given);
     return HK_OK;
   }
-  if (run->method->flags & HK_IMPLICIT) {
+  if (c->method->flags & HK_IMPLICIT) {
     if (isnan(given))
-      choose(run);
+      choose(c, warnings);
     else
-      run->dt = given;
+      c->dt = given;
     return HK_OK;
   }
-  hk_status status = hk_step_estimate(run);
+  hk_status status = hk_step_estimate(c, d);
   if (status == HK_NOT_FINITE) { /* not a matter of steps: the run itself will say what is wrong */
-    run->error = (hk_error){0};
-    run->dt_limit = run->limit_now = NAN;
-    run->dt = isnan(given) ? 1 / run->scene->fps : given;
+    *d->error = (hk_error){0};
+    c->dt_limit = c->limit_now = NAN;
+    c->dt = isnan(given) ? 1 / c->fps : given;
     return HK_OK;
   }
   if (status != HK_OK) return status;
   if (isnan(given))
-    choose(run);
+    choose(c, warnings);
   else
-    check_given(run, given);
+    check_given(c, given, warnings);
   return HK_OK;
 }
 
-hk_status hk_step_reestimate(hk_run *run, bool event) {
-  if (run->method->flags & (HK_ADAPTIVE | HK_IMPLICIT)) return HK_OK;
-  if (!event && run->evaluations - run->estimated_at < REVIEW_EVERY * run->estimate_cost) return HK_OK;
-  if (!(run->system.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V)) || run->model.n == 0) return HK_OK;
-  double old = run->dt_limit;
-  bool expected = run->growth_expected;
-  hk_status status = hk_step_estimate(run);
+hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
+  if (c->method->flags & (HK_ADAPTIVE | HK_IMPLICIT)) return HK_OK;
+  if (!event && d->count.evaluations - c->estimated_at < REVIEW_EVERY * c->estimate_cost) return HK_OK;
+  if (!(d->system.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V)) || d->state->model.n == 0) return HK_OK;
+  double old = c->dt_limit;
+  bool expected = c->growth_expected;
+  hk_status status = hk_step_estimate(c, d);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
-  run->growth_expected |= expected;
-  if (run->dt_limit > old) run->dt_limit = old; /* keep the worst that was seen, for the summary */
-  if (run->dt_chosen && run->dt_suggested < run->dt) run->dt = run->dt_suggested;
+  c->growth_expected |= expected;
+  if (c->dt_limit > old) c->dt_limit = old; /* keep the worst that was seen, for the summary */
+  if (c->chosen && c->dt_suggested < c->dt) c->dt = c->dt_suggested;
   return HK_OK;
 }

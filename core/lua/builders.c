@@ -24,7 +24,7 @@ uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t coun
                     const double *mass, double common, uint32_t group) {
   hk_error error = {0};
   uint32_t first = 0;
-  if (scene->run) hk_lua_fail(L, HK_BAD_PARAM, "%s: the scene runs and can no longer be edited", what);
+  if (scene->frozen) hk_lua_fail(L, HK_BAD_PARAM, "%s: the scene runs and can no longer be edited", what);
   if (hk_scene_add_particles(scene, count, x, v, mass, common, group, &first, &error) != HK_OK)
     prefix_raise(L, what, &error);
   return first;

@@ -33,20 +33,37 @@ static const char *flatten(lua_State *L, int index, int depth, double *out, size
   return wrong;
 }
 
-static hk_status call_function(const hk_function *f, const double *in, size_t n_in, double *out, size_t max_out,
-                               size_t *n_out, hk_error *error) {
-  lua_State *L = ((hk_script *)f->context)->current;
+/* What is not a number is nobody's wish: the function is named where it is, not what it makes diverge. */
+static hk_status check_finite(const hk_function *f, lua_State *L, double t, const double *out, size_t count,
+                              hk_error *error) {
+  char what[80];
+  for (size_t k = 0; k < count; k++)
+    if (!isfinite(out[k])) {
+      snprintf(what, sizeof what, "%g at t = %.9g s", out[k], t);
+      return wrong_result(f, L, error, what);
+    }
+  return HK_OK;
+}
+
+static hk_status call_function(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                               size_t max_out, size_t *n_out, hk_error *error) {
+  hk_script *s = f->context;
+  const hk_run *outer = s->calling;
+  lua_State *L = s->current;
   int top = lua_gettop(L);
   const char *wrong = NULL;
   *n_out = 0;
   if (!lua_checkstack(L, (int)n_in + ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
   for (size_t k = 0; k < n_in; k++) lua_pushnumber(L, in[k]);
+  s->calling = caller;
   hk_status status = hk_lua_call(L, (int)n_in, max_out ? LUA_MULTRET : 0, error);
+  s->calling = outer;
   if (status == HK_OK && !lua_checkstack(L, ROOM)) wrong = "too many values";
   for (int k = top + 1, last = lua_gettop(L); status == HK_OK && !wrong && k <= last; k++)
     wrong = flatten(L, k, 0, out, max_out, n_out);
   if (wrong) status = wrong_result(f, L, error, wrong);
+  if (status == HK_OK && n_in) status = check_finite(f, L, in[0], out, *n_out, error);
   lua_settop(L, top);
   return status;
 }

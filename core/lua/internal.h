@@ -21,9 +21,10 @@ struct hk_script {
   bool spent, memory_spent; /* beyond a limit (of memory), once and for all */
   hk_error limit;           /* which, HK_OK while within all */
   hk_error raised;          /* the engine's last error raised in the script */
-  size_t scenes;
-  hk_scene **scene;
-  hk_scene *returned;
+  size_t slots;
+  hk_lua_slot **slot;
+  hk_lua_slot *returned;
+  const hk_run *calling; /* whose state a function that is being called looks at; NULL: none */
   bool drove;
   hk_verdict worst;
   size_t params, param_capacity;
@@ -75,6 +76,7 @@ void hk_lua_open_handles(lua_State *L);
 /* owner.c */
 extern const char hk_lua_scene_type[]; /* the name of the metatable */
 hk_scene *hk_lua_scene(lua_State *L, int index);
+hk_lua_slot *hk_lua_slot_at(lua_State *L, int index);
 
 /* state.c */
 void hk_lua_push_state(lua_State *L, int scene); /* of the scene at that index, which it keeps alive */
@@ -90,7 +92,7 @@ double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */
-void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table);
+void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table);
 
 /* param.c: param(), and that every name=value was asked for. */
 int hk_lua_param(lua_State *L);

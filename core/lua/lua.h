@@ -3,10 +3,7 @@
 #ifndef HK_LUA_FACE_H
 #define HK_LUA_FACE_H
 
-#include "core/base/error.h"
-#include "core/host/registry.h"
 #include "core/run/run.h"
-#include "core/scene/scene.h"
 
 #include <lua.h>
 
@@ -39,8 +36,9 @@ typedef struct hk_script hk_script;
  * and hk_script_drove says so. A script that returns nothing and drove nothing is HK_SCRIPT with a clear message.
  * A name=value that no param() asked for is HK_BAD_PARAM with the nearest name. */
 hk_status hk_script_open(const char *path, const hk_script_options *, hk_script **script, hk_error *error);
-void hk_script_close(hk_script *); /* destroys its scenes and runs as well */
-hk_scene *hk_script_scene(hk_script *);
+void hk_script_close(hk_script *);               /* destroys its scenes and runs as well */
+hk_scene *hk_script_scene(const hk_script *);    /* NULL: it returned none */
+struct hk_lua_slot *hk_script_slot(hk_script *); /* of that scene */
 bool hk_script_drove(const hk_script *, hk_verdict *worst);
 size_t hk_script_params(const hk_script *, const hk_param_declared **params); /* for --help; filled even on errors */
 
@@ -71,10 +69,16 @@ double hk_lua_field_number(lua_State *L, int table, const char *what, const char
 uint64_t hk_lua_field_whole(lua_State *L, int table, const char *what, const char *key, uint64_t otherwise,
                             double most); /* 0 to most */
 
+/* A scene of a script, with the run that the script itself drives; NULL: it drives none. */
+typedef struct hk_lua_slot {
+  hk_scene *scene;
+  hk_run *run;
+} hk_lua_slot;
+
 /* What Lua holds of a scene. Its first user value keeps alive what the owner needs. */
 typedef struct hk_lua_scene_handle {
-  hk_scene *scene;
-  hk_script *owner; /* the script that the scene is of */
+  hk_lua_slot *slot; /* the owner's */
+  hk_script *owner;  /* the script that the scene is of */
 } hk_lua_scene_handle;
 
 hk_lua_scene_handle *hk_lua_push_scene(lua_State *L); /* of no scene yet; the owner is the state's script */

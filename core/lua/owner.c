@@ -17,5 +17,6 @@ static hk_lua_scene_handle *handle_at(lua_State *L, int index) {
   return handle;
 }
 
-hk_scene *hk_lua_scene(lua_State *L, int index) { return handle_at(L, index)->scene; }
+hk_lua_slot *hk_lua_slot_at(lua_State *L, int index) { return handle_at(L, index)->slot; }
+hk_scene *hk_lua_scene(lua_State *L, int index) { return handle_at(L, index)->slot->scene; }
 hk_script *hk_lua_owner(lua_State *L, int index) { return handle_at(L, index)->owner; }

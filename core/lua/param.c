@@ -1,7 +1,7 @@
 /* param(name, default, help [, {min =, max =}]): the value given on the command line, as the default's type, or the
  * default. All that a script declares is kept for --help. */
 #include "core/lua/internal.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <string.h>
 

@@ -1,7 +1,6 @@
 /* scene:run{}: scripts that drive. A run object steps on with another scene:run{ to = }; state() and summary() look at
  * it. The run is closed when the script is. */
 #include "core/lua/internal.h"
-#include "core/report/report.h"
 
 const char hk_lua_run_type[] = "hooke.run";
 enum { CALL_COST = 100 }; /* of scene:run in the script's budget of instructions: an endless loop of it ends */
@@ -12,23 +11,9 @@ static void set_number(lua_State *L, const char *key, double value) {
   lua_setfield(L, -2, key);
 }
 
-static void set_count(lua_State *L, const char *key, size_t value) {
-  lua_pushinteger(L, (lua_Integer)value);
-  lua_setfield(L, -2, key);
-}
-
 static void set_text(lua_State *L, const char *key, const char *value) {
   lua_pushstring(L, value);
   lua_setfield(L, -2, key);
-}
-
-static void push_energy(lua_State *L, const hk_summary *s) {
-  lua_createtable(L, 0, 4);
-  set_number(L, "first", s->energy_first);
-  set_number(L, "last", s->energy_last);
-  set_number(L, "work", s->energy_work);
-  set_number(L, "drift", s->energy_drift);
-  lua_setfield(L, -2, "energy");
 }
 
 static void push_lists(lua_State *L, const hk_summary *s) {
@@ -47,44 +32,36 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   lua_setfield(L, -2, "measures");
 }
 
+static void set_figure(lua_State *L, const hk_summary *s, const hk_figure *f) {
+  const void *field = (const char *)s + f->offset;
+  if (f->type == HK_FIGURE_NUMBER)
+    set_number(L, f->key, *(const double *)field);
+  else if (f->type == HK_FIGURE_COUNT) {
+    lua_pushinteger(L, (lua_Integer) * (const size_t *)field);
+    lua_setfield(L, -2, f->key);
+  } else
+    set_text(L, f->key, f->type == HK_FIGURE_BUFFER ? field : *(const char *const *)field); /* NULL: nil */
+}
+
 void hk_lua_push_summary(lua_State *L, const hk_summary *s) {
-  lua_createtable(L, 0, 32);
-  set_text(L, "scene", s->scene);
-  set_text(L, "integrator", s->integrator);
-  set_text(L, "verdict", hk_verdict_name(s->verdict));
-  set_text(L, "reason", s->reason);
-  set_number(L, "t", s->t);
-  set_number(L, "end", s->end);
-  set_number(L, "fps", s->fps);
-  set_count(L, "particles", s->n);
-  set_count(L, "steps", s->steps);
-  set_count(L, "frames", s->frames);
-  set_number(L, "dt_min", s->dt_min);
-  set_number(L, "dt_max", s->dt_max);
-  set_number(L, "dt_limit", s->dt_limit);
-  set_count(L, "force_evaluations", s->force_evaluations);
-  set_count(L, "jacobian_evaluations", s->jacobian_evaluations);
-  set_count(L, "factorizations", s->factorizations);
-  set_count(L, "linear_iterations", s->linear_iterations);
-  if (s->solver) set_text(L, "solver", s->solver);
-  if (*s->solver_libraries) set_text(L, "solver_libraries", s->solver_libraries);
-  set_number(L, "kinetic_max", s->kinetic_max);
-  set_number(L, "wall_s", s->wall_s);
-  set_number(L, "step_wall_s", s->step_wall_s);
-  set_number(L, "momentum_drift", s->momentum_drift);
-  set_number(L, "constraint_violation", s->constraint_violation);
-  set_number(L, "max_strain", s->max_strain);
-  set_number(L, "exact_error", s->exact_error);
-  set_number(L, "accuracy", s->accuracy);
-  set_number(L, "verify_difference", s->verify_difference);
-  push_energy(L, s);
+  lua_createtable(L, 0, 48);
+  for (const hk_figure *f = hk_figure_table; f->key; f++) {
+    if (f->group && lua_getfield(L, -1, f->group) == LUA_TNIL) {
+      lua_pop(L, 1);
+      lua_newtable(L);
+      lua_pushvalue(L, -1);
+      lua_setfield(L, -3, f->group);
+    }
+    set_figure(L, s, f);
+    if (f->group) lua_pop(L, 1);
+  }
   push_lists(L, s);
 }
 
 hk_run *hk_lua_run(lua_State *L) {
-  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, hk_lua_run_type);
-  if (!scene->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
-  return scene->run;
+  const hk_lua_slot *slot = *(hk_lua_slot **)luaL_checkudata(L, 1, hk_lua_run_type);
+  if (!slot->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
+  return slot->run;
 }
 
 static int state(lua_State *L) {
@@ -138,10 +115,10 @@ void hk_lua_note_verdict(hk_script *s, hk_run *run) {
 }
 
 /* To time `to`. At the end the run is closed, and so has its verdict; going on from there does nothing. */
-static hk_status drive(hk_scene *scene, const hk_run_options *options, double to, hk_error *error) {
-  hk_run *run = scene->run;
-  hk_status status = run ? HK_OK : hk_run_open(scene, options, &run, error);
+static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double to, hk_error *error) {
+  hk_status status = slot->run ? HK_OK : hk_run_open(slot->scene, options, &slot->run, error);
   if (status != HK_OK) return status;
+  hk_run *run = slot->run;
   double end = hk_run_end(run);
   if (hk_run_view(run)->t >= end && end > 0) return HK_OK;
   status = hk_run_advance(run, to < end ? to : end, error);
@@ -152,7 +129,7 @@ static hk_status drive(hk_scene *scene, const hk_run_options *options, double to
 int hk_lua_scene_run(lua_State *L) {
   static const char *const keys[] = {"to", NULL};
   hk_script *s = hk_lua_script(L);
-  hk_scene *scene = hk_lua_scene(L, 1);
+  hk_lua_slot *slot = hk_lua_slot_at(L, 1);
   hk_error error = {0};
   double to = INFINITY;
   lua_State *outer = s->current;
@@ -161,20 +138,20 @@ int hk_lua_scene_run(lua_State *L) {
     hk_lua_check_keys(L, 2, "run", keys);
     to = hk_lua_field_number(L, 2, "run", "to", INFINITY);
   }
-  if (to < INFINITY && to > scene->duration)
-    return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, scene->duration);
+  if (to < INFINITY && to > slot->scene->duration)
+    return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, slot->scene->duration);
   if (s->finished || s->driving)
     return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");
   s->drove = s->driving = true;
   s->current = L;
-  hk_status status = drive(scene, &hk_lua_owner(L, 1)->run_options, to, &error);
+  hk_status status = drive(slot, &hk_lua_owner(L, 1)->run_options, to, &error);
   s->current = outer;
   s->driving = false;
   s->instructions += CALL_COST;
-  if (scene->run && (status != HK_OK || to >= hk_run_end(scene->run))) hk_lua_note_verdict(s, scene->run);
+  if (slot->run && (status != HK_OK || to >= hk_run_end(slot->run))) hk_lua_note_verdict(s, slot->run);
   if (status != HK_OK) return hk_lua_raise(L, &error);
-  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 1);
-  *holder = scene;
+  hk_lua_slot **holder = lua_newuserdatauv(L, sizeof *holder, 1);
+  *holder = slot;
   lua_pushvalue(L, 1);
   lua_setiuservalue(L, -2, 1); /* alive as long as this */
   luaL_setmetatable(L, hk_lua_run_type);

@@ -1,14 +1,14 @@
 /* hooke.scene{} and its methods. A method checks its arguments, calls hk_scene_*, and raises what that refuses with
  * the script's line in front. */
 #include "core/lua/internal.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static hk_scene *editable(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
-  if (scene->run) hk_lua_fail(L, HK_BAD_PARAM, "the scene runs and can no longer be edited");
+  if (scene->frozen) hk_lua_fail(L, HK_BAD_PARAM, "the scene runs and can no longer be edited");
   return scene;
 }
 
@@ -21,30 +21,30 @@ static void check(lua_State *L, hk_status status, const hk_error *error) {
 /* "auto": none is named. The run takes the solver that suits its forces and its size; the integrator is chosen by
  * measuring, before. */
 static void forget(lua_State *L, hk_scene *scene, hk_kind kind, int params) {
-  hk_instance *old = kind == HK_SOLVER ? scene->solver : scene->integrator;
+  hk_specs *list = &scene->plugin[kind];
   lua_pushnil(L);
   if (params && lua_istable(L, params) && lua_next(L, params))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: auto has no parameters; name one to set its own", hk_kind_name(kind));
-  if (old) hk_scene_drop(scene, old);
+  if (list->count) hk_scene_drop(scene, list->item[0]);
   if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
 }
 
-static hk_instance *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
+static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
   if ((kind == HK_SOLVER || kind == HK_INTEGRATOR) && strcmp(name, "auto") == 0) {
     forget(L, scene, kind, params);
     return NULL;
   }
   if (kind == HK_INTEGRATOR) scene->integrator_auto = false;
   hk_error error = {0};
-  hk_instance *instance;
+  hk_plugin_spec *spec;
   const char *label = NULL;
   if (params && lua_istable(L, params) && lua_getfield(L, params, "label") != LUA_TNIL) {
     label = lua_tostring(L, -1);
     if (!label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text", name);
   }
-  check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &instance, &error), &error);
-  hk_lua_set_params(L, scene, instance, params);
-  return instance;
+  check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &spec, &error), &error);
+  hk_lua_set_params(L, scene, spec, params);
+  return spec;
 }
 
 static int add_kind(lua_State *L) {
@@ -92,12 +92,15 @@ static double positive(lua_State *L, const char *key, double otherwise) {
 static hk_scene *new_scene(lua_State *L) {
   hk_script *s = hk_lua_script(L);
   hk_lua_scene_handle *holder = hk_lua_push_scene(L);
-  hk_scene **grown = realloc(s->scene, (s->scenes + 1) * sizeof *grown);
-  if (grown) s->scene = grown;
-  holder->scene = grown ? hk_scene_create(s->path, s->options.registry) : NULL;
-  if (!holder->scene) hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
-  s->scene[s->scenes++] = holder->scene; /* the script owns it */
-  return holder->scene;
+  hk_lua_slot **grown = realloc(s->slot, (s->slots + 1) * sizeof *grown), *slot = calloc(1, sizeof *slot);
+  if (grown) s->slot = grown;
+  if (slot) slot->scene = grown ? hk_scene_create(s->path, s->options.registry) : NULL;
+  if (!slot || !slot->scene) {
+    free(slot);
+    hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
+  }
+  holder->slot = s->slot[s->slots++] = slot; /* the script owns it */
+  return slot->scene;
 }
 
 static int scene(lua_State *L) {
@@ -119,7 +122,6 @@ static int scene(lua_State *L) {
   made->seed =
       s->options.seed ? s->options.seed : hk_lua_field_whole(L, 1, "scene", "seed", 0, 9007199254740992.0); /* 2^53 */
   made->threads = s->options.threads ? s->options.threads : (int)hk_lua_field_whole(L, 1, "scene", "threads", 0, 1024);
-  made->shared.seed = made->seed;
   choose(L, made, HK_INTEGRATOR, "integrator");
   choose(L, made, HK_SOLVER, "solver");
   lua_settop(L, 2);
@@ -208,7 +210,7 @@ static int channel(lua_State *L) {
     return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: expected a number, a function or the name of a plugin");
   check(L, hk_scene_add_channel(target, name, (size_t)size, initial, decay, rate.call ? &rate : NULL, &error), &error);
   if (type == LUA_TSTRING) {
-    const hk_instance *force = add(L, target, HK_FORCE, lua_tostring(L, -1), 0);
+    const hk_plugin_spec *force = add(L, target, HK_FORCE, lua_tostring(L, -1), 0);
     if (!force->plugin->force->rates)
       return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: the plugin '%s' gives no rates", force->plugin->name);
   }

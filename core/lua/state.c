@@ -1,5 +1,5 @@
-/* `state`, what callbacks of a script see of a run: t, n, position(id) and so on. It holds the scene and looks at its
- * present run, so it never goes stale. */
+/* `state`, what callbacks of a script see of a run: t, n, position(id) and so on. It holds the scene; in a function
+ * that a run calls it is the state of that run, else of the one that the script drives. */
 #include "core/lua/internal.h"
 
 #include <string.h>
@@ -8,17 +8,19 @@ static const char state_type[] = "hooke.state";
 
 void hk_lua_push_state(lua_State *L, int scene) {
   scene = lua_absindex(L, scene);
-  hk_scene **holder = lua_newuserdatauv(L, sizeof(hk_scene *), 1);
-  *holder = hk_lua_scene(L, scene);
+  hk_lua_slot **holder = lua_newuserdatauv(L, sizeof *holder, 1);
+  *holder = hk_lua_slot_at(L, scene);
   lua_pushvalue(L, scene);
   lua_setiuservalue(L, -2, 1);
   luaL_setmetatable(L, state_type);
 }
 
 static hk_run *run_of(lua_State *L) {
-  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, state_type);
-  if (!scene->run) hk_lua_fail(L, HK_BAD_PARAM, "there is no state: the scene does not run");
-  return scene->run;
+  const hk_lua_slot *slot = *(hk_lua_slot **)luaL_checkudata(L, 1, state_type);
+  const hk_run *calling = hk_lua_script(L)->calling;
+  hk_run *run = calling && calling->scene == slot->scene ? (hk_run *)(uintptr_t)calling : slot->run;
+  if (!run) hk_lua_fail(L, HK_BAD_PARAM, "there is no state: the scene does not run");
+  return run;
 }
 
 static uint32_t index_of(lua_State *L, hk_run *run, int argument) {

@@ -2,8 +2,7 @@
  * library, runs the file in its sandbox and keeps the scene that it returns. A tool's state differs in two things: it
  * has full rights, and the room above registers what only tools have. */
 #include "core/lua/internal.h"
-#include "core/base/memory.h"
-#include "core/run/verify.h"
+#include "core/base/base.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -57,8 +56,8 @@ static int prepare(lua_State *L) {
 /* What a script that drove left open ends with it. */
 static hk_status close_runs(hk_script *s, hk_error *error) {
   hk_status status = HK_OK;
-  for (size_t k = 0; k < s->scenes; k++) {
-    hk_run *run = s->scene[k]->run;
+  for (size_t k = 0; k < s->slots; k++) {
+    hk_run *run = s->slot[k]->run;
     if (!run) continue;
     hk_status closed = hk_run_close(run, error);
     if (status == HK_OK) status = closed;
@@ -77,7 +76,8 @@ static hk_status run_script(hk_script *s, hk_error *error) {
   if (status == HK_OK) status = hk_lua_check_given(s, error);
   if (status != HK_OK) return status;
   const hk_lua_scene_handle *returned = luaL_testudata(L, -1, hk_lua_scene_type);
-  if (returned) s->returned = returned->scene;
+  if (returned) s->returned = returned->slot;
+  for (size_t k = 0; k < s->slots; k++) s->slot[k]->scene->frozen = true;
   lua_settop(L, 0);
   lua_gc(L, LUA_GCCOLLECT, 0); /* lists of edges, which the plugins have copied, before the run asks for memory */
   if (s->returned) return HK_OK;
@@ -98,11 +98,12 @@ hk_status hk_script_open(const char *path, const hk_script_options *options, hk_
 
 void hk_script_close(hk_script *s) {
   if (!s) return;
-  for (size_t k = 0; k < s->scenes; k++) {
-    hk_run *run = s->scene[k]->run;
+  for (size_t k = 0; k < s->slots; k++) {
+    hk_run *run = s->slot[k]->run;
     if (run) hk_run_close(run, NULL);
     hk_run_destroy(run);
-    hk_scene_destroy(s->scene[k]);
+    hk_scene_destroy(s->slot[k]->scene);
+    free(s->slot[k]);
   }
   if (s->L) lua_close(s->L);
   for (size_t k = 0; k < s->params; k++) {
@@ -112,14 +113,15 @@ void hk_script_close(hk_script *s) {
     free(s->param[k].value);
   }
   free(s->param);
-  free(s->scene);
+  free(s->slot);
   free(s->path);
   free(s->name);
   free(s->folder);
   free(s);
 }
 
-hk_scene *hk_script_scene(hk_script *s) { return s->returned; }
+hk_lua_slot *hk_script_slot(hk_script *s) { return s->returned; }
+hk_scene *hk_script_scene(const hk_script *s) { return s->returned ? s->returned->scene : NULL; }
 
 bool hk_script_drove(const hk_script *s, hk_verdict *worst) {
   *worst = s->worst;

@@ -1,7 +1,7 @@
-/* From Lua values to parameters: the plugin's table says what is wanted, hk_instance_set checks it. The options that
+/* From Lua values to parameters: the plugin's table says what is wanted, hk_spec_set checks it. The options that
  * every force has (only, group, from, to) are filled in here; `label` was read before. */
 #include "core/lua/internal.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,6 +86,27 @@ static double *to_numbers(lua_State *L, int index, size_t *count) {
   return list;
 }
 
+/* A list of lists of `arity` ids, as a block left on the stack. False: it is not one. */
+static bool to_tuples(lua_State *L, int index, unsigned arity, hk_value *value) {
+  if (!lua_istable(L, index)) return false;
+  size_t count = lua_rawlen(L, index);
+  uint32_t *block = lua_newuserdatauv(L, (count * arity + 1) * sizeof *block, 0);
+  bool fine = count > 0;
+  for (size_t k = 0; k < count && fine; k++) {
+    fine = lua_rawgeti(L, index, (lua_Integer)k + 1) == LUA_TTABLE && lua_rawlen(L, -1) == arity;
+    for (unsigned c = 0; c < arity && fine; c++) {
+      fine = lua_rawgeti(L, -1, (lua_Integer)c + 1) == LUA_TNUMBER;
+      double id = lua_tonumber(L, -1);
+      fine = fine && id >= 0 && id <= UINT32_MAX && floor(id) == id;
+      block[arity * k + c] = fine ? (uint32_t)id : 0;
+      lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
+  }
+  *value = (hk_value){.kind = HK_VALUE_TUPLES, .count = count, .arity = arity, .tuples = block};
+  return fine;
+}
+
 /* The value at `index` as parameter p wants it; what it points to is on the Lua stack. */
 static hk_value to_value(lua_State *L, int index, const hk_param *p, const char *label) {
   hk_value value = {.kind = HK_VALUE_NUMBER};
@@ -104,7 +125,9 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
     break;
   }
   if (p->type == HK_EDGES && (edges = hk_lua_to_edges(L, index)) != NULL)
-    return (hk_value){.kind = HK_VALUE_EDGES, .count = edges->count, .edges = (const uint32_t(*)[2])edges->pair};
+    return (hk_value){.kind = HK_VALUE_TUPLES, .count = edges->count, .arity = 2, .tuples = &edges->pair[0][0]};
+  unsigned arity = hk_param_arity(p);
+  if (arity > 2 && to_tuples(L, index, arity, &value)) return value;
   value.kind = HK_VALUE_LIST;
   value.list = p->type == HK_PARTICLES ? hk_lua_to_ids(L, index, &value.count) : to_numbers(L, index, &value.count);
   if (!value.list) {
@@ -117,7 +140,9 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
                                          "a list of numbers",
                                          "a list of particle ids",
                                          "a list of edges, {{1, 2}, {2, 3}}",
-                                         "a number or a list with one number per edge"};
+                                         "a list of triangles, {{1, 2, 3}}",
+                                         "a list of tetrahedra or hinges, {{1, 2, 3, 4}}",
+                                         "a number or a list with one number per tuple"};
     hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected %s, got %s", label, p->name, wanted[p->type],
                 lua_istable(L, index) ? "another kind of list" : luaL_typename(L, index));
   }
@@ -129,69 +154,68 @@ static int by_index(const void *a, const void *b) {
   return (i > j) - (i < j);
 }
 
-static void set_only(lua_State *L, const hk_scene *scene, hk_instance *instance) {
+static void set_only(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec) {
   size_t count, kept = 0;
   const double *ids = hk_lua_to_ids(L, -1, &count);
-  if (!ids) hk_lua_fail(L, HK_BAD_PARAM, "%s: only: expected a list of particle ids", instance->label);
+  if (!ids) hk_lua_fail(L, HK_BAD_PARAM, "%s: only: expected a list of particle ids", spec->label);
   for (size_t k = 0; k < count; k++)
     if (!(ids[k] >= 1 && ids[k] <= (double)scene->n && floor(ids[k]) == ids[k]))
-      hk_lua_fail(L, HK_BAD_PARAM, "%s: only[%d]: there is no particle %g (ids are 1 to %d)", instance->label,
-                  (int)k + 1, ids[k], (int)scene->n);
-  instance->only = malloc((count + 1) * sizeof *instance->only);
-  if (!instance->only) hk_lua_fail(L, HK_NO_MEMORY, "%s: no memory for the selection", instance->label);
-  for (size_t k = 0; k < count; k++) instance->only[k] = (uint32_t)ids[k] - 1;
-  qsort(instance->only, count, sizeof *instance->only, by_index);
+      hk_lua_fail(L, HK_BAD_PARAM, "%s: only[%d]: there is no particle %g (ids are 1 to %d)", spec->label, (int)k + 1,
+                  ids[k], (int)scene->n);
+  spec->only = malloc((count + 1) * sizeof *spec->only);
+  if (!spec->only) hk_lua_fail(L, HK_NO_MEMORY, "%s: no memory for the selection", spec->label);
+  for (size_t k = 0; k < count; k++) spec->only[k] = (uint32_t)ids[k] - 1;
+  qsort(spec->only, count, sizeof *spec->only, by_index);
   for (size_t k = 0; k < count; k++)
-    if (kept == 0 || instance->only[kept - 1] != instance->only[k]) instance->only[kept++] = instance->only[k];
-  instance->only_count = kept;
+    if (kept == 0 || spec->only[kept - 1] != spec->only[k]) spec->only[kept++] = spec->only[k];
+  spec->only_count = kept;
   lua_pop(L, 1); /* the ids */
 }
 
 /* True: `key` is an option that the host handles; its value is on top of the stack. */
-static bool common_option(lua_State *L, const hk_scene *scene, hk_instance *instance, const char *key) {
+static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, const char *key) {
   if (strcmp(key, "label") == 0) return true;
-  if (instance->plugin->kind != HK_FORCE) return false;
+  if (spec->plugin->kind != HK_FORCE) return false;
   char name[160];
-  snprintf(name, sizeof name, "%s: %s", instance->label, key);
+  snprintf(name, sizeof name, "%s: %s", spec->label, key);
   if (strcmp(key, "only") == 0)
-    set_only(L, scene, instance);
+    set_only(L, scene, spec);
   else if (strcmp(key, "from") == 0)
-    instance->from = hk_lua_number(L, -1, name);
+    spec->from = hk_lua_number(L, -1, name);
   else if (strcmp(key, "to") == 0)
-    instance->to = hk_lua_number(L, -1, name);
+    spec->to = hk_lua_number(L, -1, name);
   else if (strcmp(key, "group") == 0) {
     if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected the name of a group", name);
-    instance->group = hk_string_copy(lua_tostring(L, -1));
+    spec->group = hk_string_copy(lua_tostring(L, -1));
   } else
     return false;
   return true;
 }
 
-void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_instance *instance, int table) {
+void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table) {
   hk_error error = {0};
   if (table == 0 || lua_isnoneornil(L, table))
     table = 0;
   else if (!lua_istable(L, table))
-    hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are a table, { k = 1000 }", instance->label);
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are a table, { k = 1000 }", spec->label);
   if (table) {
     for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
       if (lua_type(L, -2) != LUA_TSTRING)
-        hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are named, { k = 1000 }", instance->label);
+        hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are named, { k = 1000 }", spec->label);
       const char *key = lua_tostring(L, -2);
       int top = lua_gettop(L);
       const hk_param *own = NULL;
-      for (const hk_param *p = instance->plugin->params; p && p->name; p++)
+      for (const hk_param *p = spec->plugin->params; p && p->name; p++)
         if (strcmp(p->name, key) == 0) own = p;
-      if (!own && common_option(L, scene, instance, key)) continue;
-      const hk_param *param = hk_instance_param(instance, key, &error);
+      if (!own && common_option(L, scene, spec, key)) continue;
+      const hk_param *param = hk_spec_param(spec, key, &error);
       if (!param) hk_lua_raise(L, &error);
-      hk_value value = to_value(L, top, param, instance->label);
-      if (hk_instance_set(instance, param, &value, scene->n, &error) != HK_OK) hk_lua_raise(L, &error);
+      hk_value value = to_value(L, top, param, spec->label);
+      if (hk_spec_set(spec, param, &value, scene->n, &error) != HK_OK) hk_lua_raise(L, &error);
       lua_settop(L, top);
     }
   }
-  if (instance->from >= instance->to)
-    hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", instance->label, instance->from,
-                instance->to);
-  if (hk_instance_check(instance, &error) != HK_OK) hk_lua_raise(L, &error);
+  if (spec->from >= spec->to)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", spec->label, spec->from, spec->to);
+  if (hk_spec_check(spec, &error) != HK_OK) hk_lua_raise(L, &error);
 }

@@ -1,12 +1,22 @@
-/* Printing a summary. */
+/* The figures of a run, printed: one table (judge/figure_table.c) for people and for programs; and its progress. */
 #ifndef HK_REPORT_H
 #define HK_REPORT_H
 
-#include "core/run/run.h"
+#include "core/judge/judge.h"
 #include <stdio.h>
 
 void hk_report_text(FILE *, const hk_summary *, const char *out); /* out: where the outputs are, or NULL */
 void hk_report_json(FILE *, const hk_summary *);                  /* one object, one line; NAN is null */
-const char *hk_verdict_name(hk_verdict);                          /* "ok", "inaccurate", "diverged", "interrupted" */
+
+/* progress.c: on standard error, one line that is rewritten on a terminal, or a line every few seconds in a pipe. */
+typedef struct hk_progress {
+  int mode;   /* not above 0: quiet, 1: lines, 2: one line on a terminal */
+  double end; /* s */
+  double at;  /* s, wall: of the last line */
+  bool shown;
+} hk_progress;
+
+void hk_progress_show(hk_progress *, const hk_loop *, const hk_frame *last);
+void hk_progress_end(hk_progress *);
 
 #endif

@@ -1,5 +1,5 @@
-#include "core/run/verify.h"
-#include "core/run/engine.h"
+/* The verdict by a second run: see run.h. */
+#include "core/run/run.h"
 
 #include <string.h>
 
@@ -8,10 +8,10 @@ static const double disturbance = 1e-10, margin = 2, rounding = 1e-9,
                     visible = 0.1; /* of the kinetic energy, as in verdict.c */
 
 static double difference(hk_run *a, hk_run *b) {
-  size_t n = a->model.n;
+  size_t n = a->state.model.n;
   double sum = 0;
-  if (n == 0 || b->model.n != n || memcmp(a->id, b->id, n * sizeof *a->id) != 0) return NAN;
-  for (size_t k = 0; k < 3 * n; k++) sum += (a->X[k] - b->X[k]) * (a->X[k] - b->X[k]);
+  if (n == 0 || b->state.model.n != n || memcmp(a->state.id, b->state.id, n * sizeof *a->state.id) != 0) return NAN;
+  for (size_t k = 0; k < 3 * n; k++) sum += (a->state.X[k] - b->state.X[k]) * (a->state.X[k] - b->state.X[k]);
   return sqrt(sum / (double)n);
 }
 
@@ -20,11 +20,11 @@ static double difference(hk_run *a, hk_run *b) {
 static hk_run_options finer(hk_run *whole, const hk_run_options *first) {
   hk_run_options o = *first;
   double given = isnan(first->dt) ? whole->scene->dt : first->dt;
-  bool adaptive = whole->method->flags & HK_ADAPTIVE;
+  bool adaptive = whole->step.method->flags & HK_ADAPTIVE;
   o.dt = adaptive ? given / 2 : given;
-  o.tol = whole->system.tol / 10;
-  o.refine = hk_varies_between_steps(whole) ? FINEST : 1;
-  o.dt_most = whole->dt_max / (2 * (double)o.refine);
+  o.tol = whole->dynamics.system.tol / 10;
+  o.refine = hk_varies_between_steps(&whole->loop) ? FINEST : 1;
+  o.dt_most = whole->record.dt_max / (2 * (double)o.refine);
   o.step_limit *= 4 * o.refine;
   o.perturb = disturbance;
   o.perturb_seed = 1;
@@ -50,15 +50,16 @@ static hk_status run_again(const hk_reopen *reopen, const hk_run_options *run, h
   hk_run *again = NULL;
   hk_summary second;
   hk_status status = reopen->open(reopen->context, &fine, &again, error);
-  if (status == HK_OK && !(again->spectrum.w_max > 0)) hk_step_estimate(again); /* implicit methods did not ask */
-  if (status == HK_OK) found->spectrum = again->spectrum;
-  if (status == HK_OK) status = hk_run_advance(again, whole->system.t, error);
+  if (status == HK_OK && !(again->step.spectrum.w_max > 0))
+    hk_step_estimate(&again->step, &again->dynamics); /* implicit methods did not ask */
+  if (status == HK_OK) found->spectrum = again->step.spectrum;
+  if (status == HK_OK) status = hk_run_advance(again, whole->state.t, error);
   if (status == HK_OK) {
     hk_run_summary(again, &second);
     found->difference = difference(whole, again);
     found->missing = missing(&second);
     found->kinetic = second.kinetic_max;
-    found->step = second.dt_max / whole->dt_max;
+    found->step = second.dt_max / whole->record.dt_max;
   }
   if (again) hk_run_close(again, error);
   reopen->close(reopen->context, again);
@@ -87,6 +88,7 @@ static void add_reason(hk_summary *s, double astray, bool blind) {
     return;
   snprintf(s->reason + used, sizeof s->reason - used, "%s%s", used ? "; " : "", why);
   s->verdict = HK_INACCURATE;
+  s->verdict_name = hk_verdict_name(s->verdict);
 }
 
 /* J, what would be missing with a step of length 0, by the two runs, if the rest goes with that power of the step. */
@@ -96,7 +98,7 @@ static double remains_at(const hk_summary *s, const second_run *second, int orde
 }
 
 static double remains(const hk_run *run, const hk_summary *s, const second_run *second) {
-  return fmin(remains_at(s, second, 1), remains_at(s, second, run->method->order));
+  return fmin(remains_at(s, second, 1), remains_at(s, second, run->step.method->order));
 }
 
 /* Damping that acts within less than a step is summed badly, whatever the motion: where the positions hold and what is
@@ -108,16 +110,17 @@ static bool settles(const hk_run *run, const hk_summary *s, const second_run *se
 
 static double free_mass(const hk_run *run) {
   double sum = 0;
-  for (size_t i = 0; i < run->model.n; i++) sum += run->inverse_mass[i] > 0 ? run->mass[i] : 0;
+  for (size_t i = 0; i < run->state.model.n; i++) sum += run->state.inverse_mass[i] > 0 ? run->state.mass[i] : 0;
   return sum;
 }
 
 /* Whether the steps alone damp the fastest mode by half within the run. Methods that estimate their errors see that. */
 static bool damps(const hk_run *run, const hk_summary *s, const hk_spectrum *spectrum) {
-  const hk_integrator *m = run->method;
+  const hk_integrator *m = run->step.method;
   double h = s->dt_max, w = spectrum->w_max, g = hk_spectrum_floor(spectrum, w);
-  if (run->worst_error > 0 || !m->amplification || !(w > 0)) return false;
-  return (double)s->steps * (log(m->amplification(h * w, h * g)) + fmin(h * g / 2, h * w)) < log(0.5);
+  if (run->record.worst_error > 0 || !m->amplification || !(w > 0)) return false;
+  return (double)s->steps * (log(m->amplification(run->step.parameters, h * w, h * g)) + fmin(h * g / 2, h * w)) <
+         log(0.5);
 }
 
 /* Energy that such a method still misses with a step of length 0 was that of swings which both runs have damped away:
@@ -135,8 +138,8 @@ hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *run, hk_run *
   hk_status status = run_again(reopen, run, whole, &second, error);
   s->verify_difference = second.difference;
   if (!judged || !(s->accuracy > 0)) return status;
-  whole->energy_converges = settles(whole, s, &second);
-  hk_judge(whole);
+  whole->judgement.energy_converges = settles(whole, s, &second);
+  hk_judge(&whole->loop, &whole->judgement, &whole->asked);
   hk_run_summary(whole, s);
   s->verify_difference = second.difference;
   add_reason(s, lost_energy_displacement(whole, s, &second), run->ignore_exact);

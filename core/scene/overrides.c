@@ -1,12 +1,9 @@
-/* What the command line changes in a scene before it runs: the integrator with its parameters, the solver, and what is
- * left out. */
-#include "core/run/engine.h"
-#include "core/base/memory.h"
+/* What the command line says in place of the script: the integrator with its parameters, the solver, and what is left
+ * out. The scene stays as it is; what is chosen here belongs to one run. */
+#include "core/scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- "name:parameter=value,parameter=value" ---- */
 
 /* A text as the parameter wants it: true and false are booleans, what reads as a number is one, the rest is text. */
 static hk_value value_of(const hk_param *p, const char *text) {
@@ -19,73 +16,96 @@ static hk_value value_of(const hk_param *p, const char *text) {
   return (hk_value){.kind = HK_VALUE_STRING, .text = text};
 }
 
-static hk_status set_one(hk_run *run, hk_instance *instance, char *setting) {
+static hk_status set_one(hk_plugin_spec *spec, char *setting, size_t n, hk_error *error) {
   char *equals = strchr(setting, '=');
   if (!equals)
-    return hk_error_set(&run->error, HK_BAD_PARAM, "%s: '%s' is not parameter=value, as in xpbd:substeps=10,bdf=2",
-                        instance->label, setting);
+    return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not parameter=value, as in %s:threads=1", spec->label,
+                        setting, spec->label);
   *equals = 0;
-  const hk_param *p = hk_instance_param(instance, setting, &run->error);
+  const hk_param *p = hk_spec_param(spec, setting, error);
   if (!p) return HK_BAD_PARAM;
   hk_value value = value_of(p, equals + 1);
-  return hk_instance_set(instance, p, &value, run->scene->n, &run->error);
+  return hk_spec_set(spec, p, &value, n, error);
 }
 
-static hk_status add_with_settings(hk_run *run, hk_kind kind, const char *choice) {
+/* "name:parameter=value,parameter=value" */
+static hk_status make_spec(const hk_scene *scene, hk_kind kind, const char *choice, hk_plugin_spec **made,
+                           hk_error *error) {
   char *text = hk_string_copy(choice), *settings = text ? strchr(text, ':') : NULL, *rest = NULL;
-  hk_instance *instance;
-  if (!text) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the choice '%s'", choice);
+  if (!text) return hk_error_set(error, HK_NO_MEMORY, "no memory for the choice '%s'", choice);
   if (settings) *settings++ = 0;
-  hk_status status = hk_scene_add_plugin(run->scene, kind, text, NULL, "", &instance, &run->error);
+  const hk_plugin *plugin;
+  hk_status status = hk_registry_find(scene->registry, kind, text, &plugin, error);
+  if (status == HK_OK && !(*made = hk_spec_create(plugin, plugin->name, "", error))) status = HK_NO_MEMORY;
   for (char *one = settings ? strtok_r(settings, ",", &rest) : NULL; one && status == HK_OK;
        one = strtok_r(NULL, ",", &rest))
-    status = set_one(run, instance, one);
-  if (status == HK_OK) status = hk_instance_check(instance, &run->error);
+    status = set_one(*made, one, scene->n, error);
+  if (status == HK_OK) status = hk_spec_check(*made, error);
   free(text);
   return status;
 }
 
-/* ---- what is left out ---- */
+static bool is_default_method(const hk_plugin *plugin, const void *context) {
+  (void)context;
+  return !(plugin->integrator->flags & (HK_IMPLICIT | HK_ADAPTIVE));
+}
 
-static bool drop_from(hk_scene *scene, const hk_instances *list, const char *label) {
-  for (size_t k = 0; k < list->count; k++)
-    if (strcmp(list->item[k]->label, label) == 0) {
-      hk_scene_drop(scene, list->item[k]);
-      return true;
-    }
+static hk_status default_method(const hk_scene *scene, hk_plugin_spec **made, hk_error *error) {
+  const hk_plugin *plugin;
+  hk_status status = hk_registry_prefer(scene->registry, HK_INTEGRATOR, is_default_method, NULL, &plugin, error);
+  if (status == HK_OK && !(*made = hk_spec_create(plugin, plugin->name, "", error))) status = HK_NO_MEMORY;
+  return status;
+}
+
+static bool in_scene(const hk_scene *scene, const char *label) {
+  for (int kind = 0; kind < HK_KINDS; kind++)
+    for (size_t k = 0; k < scene->plugin[kind].count; k++)
+      if (kind != HK_INTEGRATOR && kind != HK_SOLVER && strcmp(scene->plugin[kind].item[k]->label, label) == 0)
+        return true;
   return false;
 }
 
-static hk_status leave_out(hk_run *run, const char *label) {
-  hk_scene *scene = run->scene;
-  const hk_instances *lists[] = {&scene->force, &scene->constraint, &scene->corrector, &scene->source, &scene->output};
-  for (size_t k = 0; k < sizeof lists / sizeof *lists; k++)
-    if (drop_from(scene, lists[k], label)) return HK_OK;
-  return hk_error_set(&run->error, HK_BAD_PARAM, "there is nothing labelled '%s' to leave out", label);
+static hk_status choose_integrator(hk_overrides *o, const hk_scene *scene, const char *integrator, hk_error *error) {
+  hk_status status = HK_OK;
+  o->integrator = hk_scene_one(scene, HK_INTEGRATOR);
+  if (!integrator && scene->integrator_auto)
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "the scene's integrator is 'auto', which `hooke run` chooses: name one (--integrator NAME)");
+  if (integrator)
+    status = make_spec(scene, HK_INTEGRATOR, integrator, &o->own[0], error);
+  else if (!o->integrator)
+    status = default_method(scene, &o->own[0], error);
+  if (o->own[0]) o->integrator = o->own[0];
+  return status;
 }
 
-/* ---- all of it ---- */
+hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *integrator, const char *solver,
+                            size_t without_count, const char *const *without, hk_error *error) {
+  *o = (hk_overrides){.without_count = without_count, .without = without};
+  for (size_t k = 0; k < without_count; k++) {
+    if (!in_scene(scene, without[k]))
+      return hk_error_set(error, HK_BAD_PARAM, "there is nothing labelled '%s' to leave out", without[k]);
+    for (size_t j = 0; j < k; j++)
+      if (strcmp(without[j], without[k]) == 0)
+        return hk_error_set(error, HK_BAD_PARAM,
+                            "there is nothing labelled '%s' to leave out a second time: name it once", without[k]);
+  }
+  hk_status status = choose_integrator(o, scene, integrator, error);
+  bool named = solver && strcmp(solver, "auto") != 0;
+  o->solver = solver ? NULL : hk_scene_one(scene, HK_SOLVER);
+  if (status == HK_OK && named) status = make_spec(scene, HK_SOLVER, solver, &o->own[1], error);
+  if (o->own[1]) o->solver = o->own[1];
+  return status;
+}
 
-hk_status hk_overrides_apply(hk_run *run) {
-  hk_scene *scene = run->scene;
-  const hk_run_options *o = &run->options;
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < o->without_count && status == HK_OK; k++) status = leave_out(run, o->without[k]);
-  if (status == HK_OK && !o->integrator && scene->integrator_auto)
-    return hk_error_set(&run->error, HK_BAD_PARAM,
-                        "the scene's integrator is 'auto', which `hooke run` chooses: name one (--integrator NAME)");
-  if (status == HK_OK && (o->integrator || !scene->integrator))
-    status = add_with_settings(run, HK_INTEGRATOR, o->integrator ? o->integrator : "leapfrog");
-  if (status == HK_OK && o->solver && scene->solver) hk_scene_drop(scene, scene->solver);
-  if (status == HK_OK && o->solver && strcmp(o->solver, "auto") != 0)
-    status = add_with_settings(run, HK_SOLVER, o->solver);
-  if (status != HK_OK) return status;
-  run->method = scene->integrator->plugin->integrator;
-  if (scene->constraint.count && run->method->flags & HK_IMPLICIT)
-    return hk_error_set(&run->error, HK_BAD_PARAM,
-                        "%s takes no constraints ('%s'): choose an explicit integrator, or stiff springs instead",
-                        scene->integrator->plugin->name, scene->constraint.item[0]->label);
-  run->system.host = &scene->integrator->host;
-  run->system.tol = isnan(o->tol) ? scene->tol : o->tol;
-  return HK_OK;
+void hk_overrides_close(hk_overrides *o) {
+  hk_spec_destroy(o->own[0]);
+  hk_spec_destroy(o->own[1]);
+  *o = (hk_overrides){0};
+}
+
+bool hk_overrides_leave_out(const hk_overrides *o, const hk_plugin_spec *spec) {
+  for (size_t k = 0; k < o->without_count; k++)
+    if (strcmp(o->without[k], spec->label) == 0) return true;
+  return false;
 }

@@ -1,7 +1,7 @@
 /* Scenes: growing arrays of what the script described. Every builder checks first and writes last, so a refused call
  * leaves the scene as it was. */
 #include "core/scene/scene.h"
-#include "core/base/memory.h"
+#include "core/base/base.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,7 +30,6 @@ hk_scene *hk_scene_create(const char *script, hk_registry *registry) {
   scene->dt = NAN;
   scene->tol = 1e-6;
   scene->accuracy = NAN;
-  scene->shared.allocations_left = -1;
   uint32_t group;
   if (!scene->name || !scene->script || hk_scene_add_group(scene, "default", &group, NULL) != HK_OK) {
     hk_scene_destroy(scene);
@@ -39,8 +38,8 @@ hk_scene *hk_scene_create(const char *script, hk_registry *registry) {
   return scene;
 }
 
-static void destroy_instances(hk_instances *list) {
-  for (size_t k = 0; k < list->count; k++) hk_instance_destroy(list->item[k]);
+static void destroy_specs(hk_specs *list) {
+  for (size_t k = 0; k < list->count; k++) hk_spec_destroy(list->item[k]);
   free(list->item);
 }
 
@@ -64,13 +63,7 @@ static void destroy_lists(hk_scene *scene) {
 void hk_scene_destroy(hk_scene *scene) {
   if (!scene) return;
   destroy_lists(scene);
-  destroy_instances(&scene->force);
-  destroy_instances(&scene->constraint);
-  destroy_instances(&scene->corrector);
-  destroy_instances(&scene->source);
-  destroy_instances(&scene->output);
-  hk_instance_destroy(scene->integrator);
-  hk_instance_destroy(scene->solver);
+  for (int kind = 0; kind < HK_KINDS; kind++) destroy_specs(&scene->plugin[kind]);
   free(scene->group_name);
   free(scene->channel);
   free(scene->pin);
@@ -293,27 +286,10 @@ hk_status hk_scene_add_measure(hk_scene *scene, const char *name, const char *wh
   return HK_OK;
 }
 
-static hk_instances *list_of(hk_scene *scene, hk_kind kind) {
-  switch (kind) {
-  case HK_FORCE:
-    return &scene->force;
-  case HK_CONSTRAINT:
-    return &scene->constraint;
-  case HK_CORRECTOR:
-    return &scene->corrector;
-  case HK_SOURCE:
-    return &scene->source;
-  case HK_OUTPUT:
-    return &scene->output;
-  default:
-    return NULL;
-  }
-}
-
 static bool label_taken(hk_scene *scene, const char *label) {
   for (int kind = 0; kind < HK_KINDS; kind++) {
-    hk_instances *list = list_of(scene, (hk_kind)kind);
-    for (size_t k = 0; list && k < list->count; k++)
+    const hk_specs *list = &scene->plugin[kind];
+    for (size_t k = 0; k < list->count; k++)
       if (strcmp(list->item[k]->label, label) == 0) return true;
   }
   return false;
@@ -328,46 +304,45 @@ static hk_status choose_label(hk_scene *scene, const hk_plugin *plugin, const ch
   return HK_OK;
 }
 
-/* "./wind.so" is beside the script. */
+/* A path that begins with a dot is beside the script. */
 static const char *beside_script(const hk_scene *scene, const char *name, char *path, size_t size) {
   const char *slash = strrchr(scene->script, '/');
   if (name[0] != '.' || !slash) return name;
   return snprintf(path, size, "%.*s/%s", (int)(slash - scene->script), scene->script, name) < (int)size ? path : name;
 }
 
+static bool is_single(hk_kind kind) { return kind == HK_INTEGRATOR || kind == HK_SOLVER; }
+
 hk_status hk_scene_add_plugin(hk_scene *scene, hk_kind kind, const char *name, const char *label, const char *where,
-                              hk_instance **instance, hk_error *error) {
+                              hk_plugin_spec **spec, hk_error *error) {
   const hk_plugin *plugin;
   char chosen[128], path[4096];
   hk_status status =
       hk_registry_find(scene->registry, kind, beside_script(scene, name, path, sizeof path), &plugin, error);
   if (status == HK_OK) status = choose_label(scene, plugin, label, chosen, sizeof chosen, error);
   if (status != HK_OK) return status;
-  hk_instance *fresh = hk_instance_create(plugin, chosen, where, &scene->shared, error);
+  hk_plugin_spec *fresh = hk_spec_create(plugin, chosen, where, error);
   if (!fresh) return HK_NO_MEMORY;
-  hk_instances *list = list_of(scene, kind);
-  if (!list) {
-    hk_instance **single = kind == HK_INTEGRATOR ? &scene->integrator : &scene->solver;
-    hk_instance_destroy(*single);
-    *single = fresh;
-  } else {
-    if (resize(&list->item, list->count + 1, sizeof fresh) != HK_OK) {
-      hk_instance_destroy(fresh);
-      return no_memory(error, "the plugin");
-    }
-    list->item[list->count++] = fresh;
+  hk_specs *list = &scene->plugin[kind];
+  if (is_single(kind) && list->count) hk_scene_drop(scene, list->item[0]);
+  if (resize(&list->item, list->count + 1, sizeof fresh) != HK_OK) {
+    hk_spec_destroy(fresh);
+    return no_memory(error, "the plugin");
   }
-  *instance = fresh;
+  list->item[list->count++] = fresh;
+  *spec = fresh;
   return HK_OK;
 }
 
-void hk_scene_drop(hk_scene *scene, hk_instance *instance) {
-  if (scene->integrator == instance) scene->integrator = NULL;
-  if (scene->solver == instance) scene->solver = NULL;
-  hk_instances *list = list_of(scene, instance->plugin->kind);
+const hk_plugin_spec *hk_scene_one(const hk_scene *scene, hk_kind kind) {
+  return scene->plugin[kind].count ? scene->plugin[kind].item[0] : NULL;
+}
+
+void hk_scene_drop(hk_scene *scene, hk_plugin_spec *spec) {
+  hk_specs *list = &scene->plugin[spec->plugin->kind];
   size_t kept = 0;
-  for (size_t k = 0; list && k < list->count; k++)
-    if (list->item[k] != instance) list->item[kept++] = list->item[k];
-  if (list) list->count = kept;
-  hk_instance_destroy(instance);
+  for (size_t k = 0; k < list->count; k++)
+    if (list->item[k] != spec) list->item[kept++] = list->item[k];
+  list->count = kept;
+  hk_spec_destroy(spec);
 }

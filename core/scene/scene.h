@@ -1,12 +1,11 @@
-/* A scene: what a script describes, before and while it runs. Plain data with a few builders; it knows no Lua and takes
- * no step. Until the run opens, the index of a particle is its id - 1. */
+/* A scene: what a script describes. Plain data with a few builders; it knows no Lua, takes no step and is changed by no
+ * run: any number of runs can be made of it, one after the other or side by side. The index of a particle is its id
+ * - 1.
+ */
 #ifndef HK_SCENE_H
 #define HK_SCENE_H
 
-#include "core/base/error.h"
-#include "core/host/instance.h"
-#include "core/plugin.h"
-#include "core/host/registry.h"
+#include "core/host/host.h"
 
 typedef struct hk_pin_spec {
   hk_pin kind;
@@ -33,11 +32,11 @@ typedef struct hk_measure {
   hk_function value; /* t -> one number; the script looks at the state */
 } hk_measure;
 
-/* A growing list of instances of one kind, in the order of the script. */
-typedef struct hk_instances {
+/* What the script says of the plugins of one kind, in its order. */
+typedef struct hk_specs {
   size_t count;
-  hk_instance **item;
-} hk_instances;
+  hk_plugin_spec **item;
+} hk_specs;
 
 typedef struct hk_scene {
   char *name;      /* the script's file name without folder and ".lua" */
@@ -49,8 +48,7 @@ typedef struct hk_scene {
   double accuracy; /* m, asked for the positions at the end (RMS); NAN: not said */
   uint64_t seed;
   hk_registry *registry;
-  int threads;      /* 0: one per processor */
-  hk_shared shared; /* threads and the output folder join it when the run opens */
+  int threads; /* 0: one per processor */
   /* particles; the position in these arrays is id - 1 */
   size_t n, capacity;
   double *position, *velocity, *mass; /* capacity x 3, x 3, x 1 */
@@ -64,15 +62,14 @@ typedef struct hk_scene {
   uint32_t (*triangle)[3]; /* ids */
   size_t pins;
   hk_pin_spec *pin;
-  hk_instances force, constraint, corrector, source, output;
-  hk_instance *integrator, *solver; /* NULL: the default ("leapfrog", "cholmod") */
-  bool integrator_auto;             /* none is named: it is to be chosen by measuring (tools/auto.lua) */
+  hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; none: the default */
+  bool integrator_auto;      /* none is named: it is to be chosen by measuring (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */
   hk_function exact;    /* t -> x1, y1, z1, x2, ... of the first particles (as many as it returns) */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
-  struct hk_run *run;   /* the run in progress, or NULL; a scene that runs is not edited */
+  bool frozen;          /* a run was made of it, or the script has ended: no builder takes it any more */
 } hk_scene;
 
 hk_scene *hk_scene_create(const char *script, hk_registry *registry); /* NULL: no memory */
@@ -95,11 +92,30 @@ hk_status hk_scene_add_triangles(hk_scene *, size_t count, const uint32_t (*tria
 hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
                                hk_error *error);
 
-/* Adds a plugin by kind and name ("springs" or a path with a slash); a kind of which a scene has one (integrator,
- * solver) is replaced. `label` NULL: the name, with "#2" etc. when taken. Set its parameters on the instance, then
- * call hk_instance_check; on a failure afterwards take it away again with hk_scene_drop. */
+/* Adds a plugin by kind and name or path; a kind of which a scene has one (integrator,
+ * solver) is replaced. `label` NULL: the name, with "#2" etc. when taken. Set its parameters on the spec, then call
+ * hk_spec_check; on a failure afterwards take it away again with hk_scene_drop. */
 hk_status hk_scene_add_plugin(hk_scene *, hk_kind kind, const char *name, const char *label, const char *where,
-                              hk_instance **instance, hk_error *error);
-void hk_scene_drop(hk_scene *, hk_instance *);
+                              hk_plugin_spec **spec, hk_error *error);
+void hk_scene_drop(hk_scene *, hk_plugin_spec *);
+const hk_plugin_spec *hk_scene_one(const hk_scene *,
+                                   hk_kind kind); /* the integrator, the solver; NULL: none is named */
+
+/* ---- overrides.c: what the command line says in place of the script, for one run ---- */
+
+typedef struct hk_overrides {
+  const hk_plugin_spec *integrator; /* the scene's, or its own */
+  const hk_plugin_spec *solver;     /* NULL: chosen when a linear system comes up */
+  hk_plugin_spec *own[2];
+  size_t without_count;
+  const char *const *without; /* labels of what is left out */
+} hk_overrides;
+
+/* `integrator`, `solver`: "name" or "name:parameter=value,...", NULL: the scene's; "auto" of the solver: chosen. Labels
+ * must be of the scene. What failed is to be closed as well. */
+hk_status hk_overrides_open(hk_overrides *, const hk_scene *, const char *integrator, const char *solver,
+                            size_t without_count, const char *const *without, hk_error *error);
+void hk_overrides_close(hk_overrides *);
+bool hk_overrides_leave_out(const hk_overrides *, const hk_plugin_spec *);
 
 #endif

@@ -8,11 +8,11 @@
  * most.
  *
  * "Grows" is by more than 2e-7 a step: less cannot be told from rounding and from defective matrices, whose spectral
- * radius plugins/common/spectral.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis (euler,
- * 1 + z^2/2; Heun and midpoint, 1 + z^4/8; z = h w) would so be granted a small step. A limit below z = 0.01 (order 1)
- * or 0.05 (order 2 and above) therefore counts as none, and that z is taken instead, for accuracy: the fastest mode
- * then grows by 3 % or 0.01 % a period. */
-#include "core/stability/largest_step.h"
+ * radius plugins/common/integrate/growth_factor.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis
+ * (euler, 1 + z^2/2; Heun and midpoint, 1 + z^4/8; z = h w) would so be granted a small step. A limit below z = 0.01
+ * (order 1) or 0.05 (order 2 and above) therefore counts as none, and that z is taken instead, for accuracy: the
+ * fastest mode then grows by 3 % or 0.01 % a period. */
+#include "core/stability/stability.h"
 
 static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7;
 /* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
@@ -26,6 +26,7 @@ typedef struct mode {
 
 typedef struct mode_set {
   const hk_integrator *method;
+  const void *parameters;
   int count;
   mode point[POINTS];
 } mode_set;
@@ -45,8 +46,8 @@ static void add_rates(mode_set *set, double w, double low, double high) {
   for (int i = 0; i < (high > low ? G_POINTS : 1); i++) add_mode(set, w, low + part[i] * (high - low));
 }
 
-static mode_set corners_of(const hk_integrator *method, const hk_spectrum *s) {
-  mode_set set = {.method = method, .count = 0};
+static mode_set corners_of(const hk_integrator *method, const void *parameters, const hk_spectrum *s) {
+  mode_set set = {.method = method, .parameters = parameters, .count = 0};
   double still = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate), lowest = overdamped_from(s);
   if (s->w_max > 0) add_mode(&set, s->w_max, floor_of(s, s->w_max));
   if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_mode(&set, s->w_max, s->g_max);
@@ -56,9 +57,9 @@ static mode_set corners_of(const hk_integrator *method, const hk_spectrum *s) {
   return set;
 }
 
-static mode_set grid_of(const hk_integrator *method, const hk_spectrum *s) {
+static mode_set grid_of(const hk_integrator *method, const void *parameters, const hk_spectrum *s) {
   static const double part[W_POINTS] = {1, 0.96, 0.9, 0.82, 0.72, 0.6, 0.45, 0.3, 0.15, 0.05, 0.01, 1e-3, 1e-4};
-  mode_set set = {.method = method, .count = 0};
+  mode_set set = {.method = method, .parameters = parameters, .count = 0};
   for (int i = 0; i < W_POINTS && s->w_max > 0; i++)
     add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), hk_spectrum_ceiling(s, part[i] * s->w_max));
   double still = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate);
@@ -66,16 +67,17 @@ static mode_set grid_of(const hk_integrator *method, const hk_spectrum *s) {
   return set;
 }
 
-static bool mode_grows(const hk_integrator *method, mode m, double h) {
+static bool mode_grows(const mode_set *set, mode m, double h) {
   double hw = h * m.w, hg = h * m.g, z = fmax(hw, hg);
   if (z < distinct) return false;
-  return !(method->amplification(hw, hg) <= 1 + tolerance + 1e-16 * z * z); /* rounding of a matrix with z^2 in it */
+  return !(set->method->amplification(set->parameters, hw, hg) <=
+           1 + tolerance + 1e-16 * z * z); /* rounding of a matrix with z^2 in it */
 }
 
 /* *which: the first mode that grows at h. */
 static bool grows(const mode_set *set, double h, mode *which) {
   for (int i = 0; i < set->count; i++)
-    if (mode_grows(set->method, set->point[i], h)) {
+    if (mode_grows(set, set->point[i], h)) {
       *which = set->point[i];
       return true;
     }
@@ -114,8 +116,9 @@ static bool grows_below(const mode_set *grid, double begin, double limit, double
   return grows(grid, begin, which);
 }
 
-static double limit_of(const hk_integrator *method, const hk_spectrum *s, double begin, double rate, mode *which) {
-  mode_set set = corners_of(method, s), grid = grid_of(method, s);
+static double limit_of(const hk_integrator *method, const void *parameters, const hk_spectrum *s, double begin,
+                       double rate, mode *which) {
+  mode_set set = corners_of(method, parameters, s), grid = grid_of(method, parameters, s);
   double limit = first_limit(&set, begin, rate, which);
   mode slow = {0, 0};
   for (int k = 0; k < JOINING && limit > 0 && grows_below(&grid, begin, limit, rate, &slow); k++) {
@@ -125,27 +128,27 @@ static double limit_of(const hk_integrator *method, const hk_spectrum *s, double
   return limit;
 }
 
-double hk_stable_growth(const hk_integrator *method, const hk_spectrum *spectrum, double h) {
-  mode_set grid = grid_of(method, spectrum);
+double hk_stable_growth(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum, double h) {
+  mode_set grid = grid_of(method, parameters, spectrum);
   double growth = 1;
   for (int i = 0; i < grid.count; i++)
-    growth = fmax(growth, method->amplification(h * grid.point[i].w, h * grid.point[i].g));
+    growth = fmax(growth, method->amplification(parameters, h * grid.point[i].w, h * grid.point[i].g));
   return growth;
 }
 
 static const char *reason(const hk_spectrum *s, mode m) {
-  if (m.w > 0) return m.g > 2 * m.w ? "the damping of the stiffest springs" : "the fastest oscillation";
+  if (m.w > 0) return m.g > 2 * m.w ? "the strongest damping" : "the fastest oscillation";
   return s->channel_rate > s->g_max ? "the fastest channel" : "the strongest damping";
 }
 
-hk_stable hk_stable_step(const hk_integrator *method, const hk_spectrum *s) {
+hk_stable hk_stable_step(const hk_integrator *method, const void *parameters, const hk_spectrum *s) {
   double rate = fmax(s->w_max, fmax(s->g_max, s->channel_rate));
   if (!method->amplification) return (hk_stable){NAN, NAN, 0, 0, 0, "the method does not state its growth"};
   if (!(rate > 0)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the scene has no rate of its own"};
   mode m = {0, 0};
-  double begin = (method->order < 2 ? 0.01 : 0.05) / rate, limit = limit_of(method, s, begin, rate, &m);
+  double begin = (method->order < 2 ? 0.01 : 0.05) / rate, limit = limit_of(method, parameters, s, begin, rate, &m);
   if (!isfinite(limit)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the method is stable at any step"};
   if (limit > 0) return (hk_stable){limit, safety * limit, 0, m.w, m.g, reason(s, m)};
-  double growth = log(hk_stable_growth(method, s, begin)) / begin;
+  double growth = log(hk_stable_growth(method, parameters, s, begin)) / begin;
   return (hk_stable){0, begin, growth, m.w, m.g, "accuracy, as no useful step is stable"};
 }

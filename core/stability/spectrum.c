@@ -1,19 +1,21 @@
 /* Frequencies, damping rates and channel rates of the scene linearised at its present state, bounded from above.
  *
  * The operators M^-1/2 K M^-1/2 and M^-1/2 D M^-1/2 (K = -dF/dx, D = -dF/dv) are applied by central differences of the
- * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by the elements of
- * the forces (element_bound.c); the smaller bound is taken. A mode u of the damped scene is a root of
- * l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, whatever the damping, so bounds of the two operators
- * bound every mode, and so does D >= alpha M + beta (K - tension) from below. Where damping is strong, the largest
- * eigenvalue of the pencil D - slope K, slope = g_max/w_max^2, tells in the same way how far a mode's g may be above
- * slope w^2: with damping in proportion to stiffness slow modes then are not taken for overdamped ones.
+ * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by what the
+ * forces state (stiffness.c); the smaller bound is taken, except that what may become stiffer counts as it may become.
+ * A mode u of the damped scene is a root of l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, whatever the
+ * damping, so bounds of the two operators bound every mode, and so does D >= alpha M + beta (K - tension) from below.
+ * Where damping is strong, the largest eigenvalue of the pencil D - slope K, slope = g_max/w_max^2, tells in the same
+ * way how far a mode's g may be above slope w^2: with damping in proportion to stiffness slow modes then are not taken
+ * for overdamped ones.
  *
  * K is taken at v = 0: what terms like damping times velocity add to it is small while no particle moves by its
  * neighbour's distance in a step, and unsymmetric. alpha is the least damping rate of the particles when all move
- * alike: springs between them then rest, and pins only add. This is exact for drag, an estimate for forces at large. */
-#include "core/stability/spectrum.h"
+ * alike: elements between them then rest, and pins only add. This is exact for drag, an estimate for forces at large.
+ */
+#include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
-#include "core/stability/element_bound.h"
+#include "core/stability/stiffness.h"
 #include "core/stability/lanczos.h"
 
 #include <stdlib.h>
@@ -31,8 +33,8 @@ struct hk_spectrum_work {
   double *memory; /* all the arrays */
   double *x, *v, *a[2], *y, *dy[2], *direction, *scratch;
   hk_lanczos stiffness, damping;
-  bool covered;           /* as asked */
-  double length, spacing; /* m, see measure_scene; 0: not yet */
+  double stiffening_damping; /* 1/s, see stiffness.h */
+  double length, spacing;    /* m, see measure_scene; 0: not yet */
   hk_spectrum bounds;
 };
 
@@ -165,30 +167,35 @@ static double difference_step(const hk_spectrum_work *s) {
   return cbrt(rounding * s->length * s->spacing * s->spacing);
 }
 
-static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool covered, int steps, bool warm) {
+/* Without what the forces state, where that has been found too low. */
+static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool believe, int steps, bool warm) {
   if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
   hk_spectrum *b = &s->bounds;
-  hk_element_bound e = hk_element_bound_at(system->model, system->X, s->a[0]); /* 6n: both */
-  measure_scene(s, system, e.length);
+  hk_stiffness stated = hk_stiffness_of(system, (double(*)[6])(void *)s->a[0]); /* 6n: both */
+  bool covered = believe && stated.covered;
+  measure_scene(s, system, stated.length);
+  s->stiffening_damping = stated.stiffening_damping;
   operation o = {s, system, false, difference_step(s)};
   memset(s->v, 0, 3 * s->n * sizeof *s->v);
-  hk_status status = bound(&o, &s->stiffness, covered ? e.stiffness : INFINITY, steps, warm);
+  hk_status status = bound(&o, &s->stiffness, covered ? stated.whole : INFINITY, steps, warm);
   if (status != HK_OK) return status;
   double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
-  if (covered && s->stiffness.theta > e.stiffness * (1 + 1e-6) + noise) /* a force is stiffer than its elements say */
+  if (covered && s->stiffness.theta > stated.whole * (1 + 1e-6) + noise) /* a force is stiffer than it states */
     return bound_stiffness(s, system, false, steps, false);
+  double most = s->stiffness.bound + stated.stiffening; /* of what is now, and of what may come */
+  if (covered) most = fmin(most, stated.whole);
   b->covered = covered;
-  b->beta = covered ? e.beta : 0;
-  b->w_undamped = covered ? sqrt(e.tension) : 0;
+  b->beta = covered ? stated.beta : 0;
+  b->w_undamped = covered ? sqrt(stated.undamped) : 0;
   if (s->stiffness.asymmetry > 1e-4 * s->stiffness.norm + noise) b->rigorous = false;
-  b->w_max = s->stiffness.bound > noise ? sqrt(s->stiffness.bound * inflate) : 0;
+  b->w_max = most > noise ? sqrt(most * inflate) : 0;
   b->w_reached = s->stiffness.theta > noise ? sqrt(s->stiffness.theta) : 0;
   return HK_OK;
 }
 
 /* Of the particles' 3x3 damping blocks in common motion, whose columns are the responses to the three directions, the
  * least eigenvalue among directions that the pin allows (the others' is 0). */
-static double least_drag(const hk_model *model, double *const column[3]) {
+static double least_damping(const hk_model *model, double *const column[3]) {
   double least = INFINITY, value[3];
   for (size_t i = 0; i < model->n; i++) {
     double w = model->inverse_mass[i];
@@ -212,7 +219,7 @@ static hk_status common_damping(operation *o, double *alpha) {
     hk_status status = apply(o, all, column[c]);
     if (status != HK_OK) return status;
   }
-  *alpha = least_drag(o->system->model, column);
+  *alpha = least_damping(o->system->model, column);
   return HK_OK;
 }
 
@@ -276,6 +283,7 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   if (status != HK_OK) return status;
   double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
   b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
+  b->g_max += s->stiffening_damping;
   b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
   if (s->damping.asymmetry > 1e-3 * s->damping.norm + noise) count_rotation(b, s->damping.norm);
   bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && !b->rotates;
@@ -285,8 +293,8 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
 /* A failed call leaves *spectrum as it was; what a warm start would use is void then. */
 static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
   s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .rigorous = true};
-  s->length = 0;
-  hk_status status = bound_stiffness(s, system, s->covered, steps, warm);
+  s->length = s->stiffening_damping = 0;
+  hk_status status = bound_stiffness(s, system, true, steps, warm);
   if (status == HK_OK) status = bound_damping(s, system, steps, warm);
   if (status == HK_OK && system->model->channels > 0) {
     hk_channel_scratch scratch = {s->x, s->v, s->a[0], s->y, {s->dy[0], s->dy[1]}, s->direction};
@@ -297,18 +305,16 @@ static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bo
   return status;
 }
 
-hk_status hk_spectrum_measure(hk_spectrum_work *s, hk_system *system, bool covered, hk_spectrum *spectrum) {
+hk_status hk_spectrum_measure(hk_spectrum_work *s, hk_system *system, hk_spectrum *spectrum) {
   if (s->n != system->n || s->tail != system->size - 6 * system->n) {
     hk_status status = reserve(s, system);
     if (status != HK_OK) return status;
   }
-  s->covered = covered;
   return bound_all(s, system, HK_LANCZOS_STEPS, false, spectrum);
 }
 
 hk_status hk_spectrum_update(hk_spectrum_work *s, hk_system *system, int iterations, hk_spectrum *spectrum) {
-  if (s->n != system->n || s->tail != system->size - 6 * system->n)
-    return hk_spectrum_measure(s, system, s->covered, spectrum);
+  if (s->n != system->n || s->tail != system->size - 6 * system->n) return hk_spectrum_measure(s, system, spectrum);
   return bound_all(s, system, iterations > 0 ? iterations : 1, true, spectrum);
 }
 
@@ -324,10 +330,10 @@ void hk_spectrum_destroy(hk_spectrum_work *s) {
   free(s);
 }
 
-hk_status hk_spectrum_estimate(hk_system *system, bool covered, hk_spectrum *spectrum, hk_error *error) {
+hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error) {
   hk_spectrum_work *s = hk_spectrum_create(system);
   if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory to estimate the stable step");
-  hk_status status = hk_spectrum_measure(s, system, covered, spectrum);
+  hk_status status = hk_spectrum_measure(s, system, spectrum);
   hk_spectrum_destroy(s);
   return status;
 }

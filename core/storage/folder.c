@@ -1,7 +1,6 @@
 /* The output folder. A hidden list in it names the scene and every file this scene wrote there; a new run of the same
  * scene removes exactly those. A file that is not on the list is somebody else's and never touched. */
-#include "core/run/engine.h"
-#include "core/base/memory.h"
+#include "core/storage/storage.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -15,35 +14,38 @@ struct hk_folder {
   FILE *list; /* NULL until the first file is asked for */
   size_t count;
   char **name; /* files of this run */
+  char *scene;
 };
 
 static const char list_name[] = ".hooke-files";
 
-static hk_status io_error(hk_run *run, const char *doing, const char *path) {
-  return hk_error_set(&run->error, HK_IO, "cannot %s %s: %s", doing, path, strerror(errno));
+static hk_status io_error(hk_error *error, const char *doing, const char *path) {
+  return hk_error_set(error, HK_IO, "cannot %s %s: %s", doing, path, strerror(errno));
 }
 
-hk_status hk_folder_open(hk_run *run) {
-  run->folder = calloc(1, sizeof *run->folder);
-  if (!run->folder) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the output folder");
-  int length = run->options.out ? snprintf(run->folder->path, sizeof run->folder->path, "%s", run->options.out)
-                                : snprintf(run->folder->path, sizeof run->folder->path, "out/%s", run->scene->name);
-  if (length >= (int)sizeof run->folder->path)
-    return hk_error_set(&run->error, HK_BAD_PARAM, "the name of the output folder is too long");
-  run->scene->shared.path = hk_folder_path;
-  run->scene->shared.context = run;
-  return HK_OK;
+hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
+  hk_folder *f = calloc(1, sizeof *f);
+  if (f) f->scene = hk_string_copy(scene);
+  if (!f || !f->scene) {
+    hk_folder_close(f);
+    hk_error_set(error, HK_NO_MEMORY, "no memory for the output folder");
+    return NULL;
+  }
+  int length = snprintf(f->path, sizeof f->path, out ? "%s" : "out/%s", out ? out : scene);
+  if (length > 0 && length < (int)sizeof f->path) return f;
+  hk_error_set(error, HK_BAD_PARAM,
+               length ? "the name of the output folder is too long" : "--out: the folder has no name");
+  hk_folder_close(f);
+  return NULL;
 }
 
-void hk_folder_close(hk_run *run) {
-  hk_folder *f = run->folder;
+void hk_folder_close(hk_folder *f) {
   if (!f) return;
   if (f->list) fclose(f->list);
   for (size_t k = 0; k < f->count; k++) free(f->name[k]);
   free(f->name);
+  free(f->scene);
   free(f);
-  run->folder = NULL;
-  run->scene->shared.path = NULL;
 }
 
 /* Makes every folder on the way to the last slash of `path`. */
@@ -82,24 +84,22 @@ static void remove_listed(const hk_folder *f, FILE *list) {
 }
 
 /* Removes what an earlier run of this scene left, and begins a new list. */
-static hk_status begin_list(hk_run *run) {
-  hk_folder *f = run->folder;
+static hk_status begin_list(hk_folder *f, hk_error *error) {
   char path[PATH_MAX], owner[256] = "";
   snprintf(path, sizeof path, "%s/%s", f->path, list_name);
-  if (make_parents(path) != 0) return io_error(run, "create the folder", f->path);
+  if (make_parents(path) != 0) return io_error(error, "create the folder", f->path);
   FILE *old = fopen(path, "r");
   if (old) {
     if (fgets(owner, sizeof owner, old)) owner[strcspn(owner, "\n")] = 0;
-    bool ours = strcmp(owner, run->scene->name) == 0;
+    bool ours = strcmp(owner, f->scene) == 0;
     if (ours) remove_listed(f, old);
     fclose(old);
     if (!ours)
-      return hk_error_set(&run->error, HK_IO, "%s holds the output of the scene '%s': name another folder with --out",
+      return hk_error_set(error, HK_IO, "%s holds the output of the scene '%s': name another folder with --out",
                           f->path, owner);
   }
   f->list = fopen(path, "w");
-  if (!f->list || fprintf(f->list, "%s\n", run->scene->name) < 0 || fflush(f->list) != 0)
-    return io_error(run, "write", path);
+  if (!f->list || fprintf(f->list, "%s\n", f->scene) < 0 || fflush(f->list) != 0) return io_error(error, "write", path);
   return HK_OK;
 }
 
@@ -109,34 +109,31 @@ static bool written_by_us(const hk_folder *f, const char *name) {
   return false;
 }
 
-static hk_status enlist(hk_run *run, const char *name) {
-  hk_folder *f = run->folder;
+static hk_status enlist(hk_folder *f, const char *name, hk_error *error) {
   char **grown = realloc(f->name, (f->count + 1) * sizeof *grown), *copy = hk_string_copy(name);
   if (grown) f->name = grown;
   if (!grown || !copy) {
     free(copy);
-    return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the list of files");
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for the list of files");
   }
   f->name[f->count++] = copy;
-  if (fprintf(f->list, "%s\n", name) < 0 || fflush(f->list) != 0) return io_error(run, "write", list_name);
+  if (fprintf(f->list, "%s\n", name) < 0 || fflush(f->list) != 0) return io_error(error, "write", list_name);
   return HK_OK;
 }
 
-hk_status hk_folder_path(hk_shared *shared, const char *name, char *buffer, size_t size) {
-  hk_run *run = shared->context;
-  hk_folder *f = run->folder;
+hk_status hk_folder_path(hk_folder *f, const char *name, char *buffer, size_t size, hk_error *error) {
   struct stat info;
   if (!safe_name(name))
-    return hk_error_set(&run->error, HK_BAD_PARAM, "'%s' is not a file name inside the output folder", name);
-  hk_status status = f->list ? HK_OK : begin_list(run);
+    return hk_error_set(error, HK_BAD_PARAM, "'%s' is not a file name inside the output folder", name);
+  hk_status status = f->list ? HK_OK : begin_list(f, error);
   if (status != HK_OK) return status;
   if (snprintf(buffer, size, "%s/%s", f->path, name) >= (int)size)
-    return hk_error_set(&run->error, HK_IO, "the path %s/%s is too long", f->path, name);
-  if (make_parents(buffer) != 0) return io_error(run, "create the folder of", buffer);
+    return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);
+  if (make_parents(buffer) != 0) return io_error(error, "create the folder of", buffer);
   if (lstat(buffer, &info) == 0) {
     if (written_by_us(f, name)) return HK_OK;
-    return hk_error_set(&run->error, HK_IO,
-                        "%s is not from a run of this scene: move it, or name another folder with --out", buffer);
+    return hk_error_set(error, HK_IO, "%s is not from a run of this scene: move it, or name another folder with --out",
+                        buffer);
   }
-  return enlist(run, name);
+  return enlist(f, name, error);
 }

@@ -1,36 +1,36 @@
 /* measures.csv: a row per frame, flushed, so that an interrupted run keeps what it measured. */
-#include "core/run/engine.h"
+#include "core/storage/storage.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <string.h>
 
-static hk_status failed(hk_run *run) {
-  return hk_error_set(&run->error, HK_IO, "cannot write measures.csv: %s", strerror(errno));
+static hk_status failed(hk_error *error) {
+  return hk_error_set(error, HK_IO, "cannot write measures.csv: %s", strerror(errno));
 }
 
-hk_status hk_measures_open(hk_run *run) {
+hk_status hk_measures_open(hk_folder *folder, const hk_scene *scene, FILE **file, hk_error *error) {
   char path[PATH_MAX];
-  if (run->scene->measures == 0 || run->options.no_output) return HK_OK;
-  hk_status status = hk_folder_path(&run->scene->shared, "measures.csv", path, sizeof path);
+  if (scene->measures == 0) return HK_OK;
+  hk_status status = hk_folder_path(folder, "measures.csv", path, sizeof path, error);
   if (status != HK_OK) return status;
-  run->measures_file = fopen(path, "w");
-  if (!run->measures_file) return failed(run);
-  fputs("t", run->measures_file);
-  for (size_t k = 0; k < run->scene->measures; k++) fprintf(run->measures_file, ",%s", run->scene->measure[k].name);
-  return fputc('\n', run->measures_file) == EOF ? failed(run) : HK_OK;
+  *file = fopen(path, "w");
+  if (!*file) return failed(error);
+  fputs("t", *file);
+  for (size_t k = 0; k < scene->measures; k++) fprintf(*file, ",%s", scene->measure[k].name);
+  return fputc('\n', *file) == EOF ? failed(error) : HK_OK;
 }
 
-hk_status hk_measures_write(hk_run *run) {
-  if (!run->measures_file) return HK_OK;
-  fprintf(run->measures_file, "%.17g", run->system.t);
-  for (size_t k = 0; k < run->scene->measures; k++) fprintf(run->measures_file, ",%.17g", run->measure[k]);
-  fputc('\n', run->measures_file);
-  return fflush(run->measures_file) == 0 ? HK_OK : failed(run);
+hk_status hk_measures_write(FILE *file, double t, const hk_frame *frame, hk_error *error) {
+  if (!file) return HK_OK;
+  fprintf(file, "%.17g", t);
+  for (size_t k = 0; k < frame->measures; k++) fprintf(file, ",%.17g", frame->measure[k]);
+  fputc('\n', file);
+  return fflush(file) == 0 ? HK_OK : failed(error);
 }
 
-hk_status hk_measures_close(hk_run *run) {
-  FILE *file = run->measures_file;
-  run->measures_file = NULL;
-  return !file || fclose(file) == 0 ? HK_OK : failed(run);
+hk_status hk_measures_close(FILE **file, hk_error *error) {
+  FILE *open = *file;
+  *file = NULL;
+  return !open || fclose(open) == 0 ? HK_OK : failed(error);
 }

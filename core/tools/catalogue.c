@@ -4,8 +4,11 @@
 #include <lauxlib.h>
 
 static void push_param(lua_State *L, const hk_param *p) {
-  static const char *const type[] = {"number", "integer", "boolean",   "string", "choice",
-                                     "vector", "numbers", "particles", "edges",  "per edge"};
+  static const char *const type[] = {
+      [HK_NUMBER] = "number",       [HK_INTEGER] = "integer",       [HK_BOOLEAN] = "boolean",
+      [HK_STRING] = "string",       [HK_CHOICE] = "choice",         [HK_VECTOR] = "vector",
+      [HK_NUMBERS] = "numbers",     [HK_PARTICLES] = "particles",   [HK_EDGES] = "edges",
+      [HK_TRIANGLES] = "triangles", [HK_TETRAHEDRA] = "tetrahedra", [HK_PER_TUPLE] = "per tuple"};
   lua_newtable(L);
   hk_tool_set_text(L, "name", p->name);
   hk_tool_set_text(L, "unit", p->unit);

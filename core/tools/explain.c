@@ -1,35 +1,41 @@
 /* hooke.explain(path, {name = value}, {trust = true}): what a scene loads, its sizes, its spectrum, and the stable step
  * of every integrator. The scene is opened as a run that makes no step. */
 #include "core/tools/tools.h"
-#include "core/run/engine.h"
 
 #include <lauxlib.h>
 
-static void push_force(lua_State *L, const hk_instance *instance) {
-  const hk_edges *edges = hk_instance_edges(instance);
+static void push_plugin(lua_State *L, const hk_plugin_spec *spec) {
+  static const char *const what[] = {"particles", "edges", "triangles", "tetrahedra"};
   lua_newtable(L);
-  hk_tool_set_text(L, "kind", hk_kind_name(instance->plugin->kind));
-  hk_tool_set_text(L, "name", instance->plugin->name);
-  hk_tool_set_text(L, "label", instance->label);
-  hk_tool_set_text(L, "where", instance->where);
-  if (edges) hk_tool_set_number(L, "edges", (double)edges->count);
-}
-
-static void push_list(lua_State *L, const hk_instances *list) {
-  for (size_t k = 0; k < list->count; k++) {
-    push_force(L, list->item[k]);
-    lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+  hk_tool_set_text(L, "kind", hk_kind_name(spec->plugin->kind));
+  hk_tool_set_text(L, "name", spec->plugin->name);
+  hk_tool_set_text(L, "label", spec->label);
+  hk_tool_set_text(L, "where", spec->where);
+  for (const hk_param *p = spec->plugin->params; p && p->name; p++) {
+    const void *field = (const char *)spec->values + p->offset;
+    if (hk_param_arity(p))
+      hk_tool_set_number(L, what[hk_param_arity(p) - 1], (double)((const hk_tuples *)field)->count);
   }
 }
 
 static void push_plugins(lua_State *L, const hk_scene *scene) {
+  static const hk_kind order[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
   lua_newtable(L);
-  push_list(L, &scene->force);
-  push_list(L, &scene->constraint);
-  push_list(L, &scene->corrector);
-  push_list(L, &scene->source);
-  push_list(L, &scene->output);
+  for (size_t o = 0; o < sizeof order / sizeof *order; o++)
+    for (size_t k = 0; k < scene->plugin[order[o]].count; k++) {
+      push_plugin(L, scene->plugin[order[o]].item[k]);
+      lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+    }
   lua_setfield(L, -2, "plugins");
+}
+
+/* The stable step of a method with its default parameters. */
+static hk_stable stable_step(const hk_plugin *plugin, const hk_spectrum *spectrum, hk_error *error) {
+  hk_plugin_spec *spec = hk_spec_create(plugin, plugin->name, "", error);
+  hk_stable stable = {.limit = NAN, .suggestion = NAN};
+  if (spec) stable = hk_stable_step(plugin->integrator, spec->values, spectrum);
+  hk_spec_destroy(spec);
+  return stable;
 }
 
 static void push_steps(lua_State *L, const hk_run *run) {
@@ -38,7 +44,8 @@ static void push_steps(lua_State *L, const hk_run *run) {
   for (size_t k = 0; k < registry->count; k++) {
     const hk_plugin *plugin = registry->item[k].plugin;
     if (!plugin || plugin->kind != HK_INTEGRATOR) continue;
-    hk_stable stable = hk_stable_step(plugin->integrator, &run->spectrum);
+    hk_error error = {0};
+    hk_stable stable = stable_step(plugin, &run->step.spectrum, &error);
     lua_newtable(L);
     hk_tool_set_text(L, "name", plugin->name);
     hk_tool_set_number(L, "limit", stable.limit);
@@ -61,28 +68,45 @@ static void push_spectrum(lua_State *L, const hk_spectrum *s) {
 
 static double total_mass(const hk_run *run) {
   double sum = 0;
-  for (size_t i = 0; i < run->model.n; i++) sum += run->mass[i];
+  for (size_t i = 0; i < run->state.model.n; i++) sum += run->state.mass[i];
   return sum;
 }
 
-static void describe(lua_State *L, hk_run *run) {
+/* What solves linear systems, and what the plugins said when they were started. */
+static void push_solver(lua_State *L, const hk_run *run) {
+  const hk_instance *solver = run->dynamics.solver;
+  char libraries[160] = "";
+  if (solver) hk_tool_set_text(L, "solver", solver->plugin->name);
+  if (solver && solver->plugin->solver->describe)
+    solver->plugin->solver->describe(solver->self, libraries, sizeof libraries);
+  if (*libraries) hk_tool_set_text(L, "solver_libraries", libraries);
+  lua_newtable(L);
+  for (size_t k = 0; k < run->warnings.count; k++) {
+    lua_pushstring(L, run->warnings.text[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "warnings");
+}
+
+static void describe(lua_State *L, const hk_run *run) {
   const hk_scene *scene = run->scene;
   size_t pinned = 0;
-  for (size_t k = 0; k < run->pins; k++) pinned += run->pin_state[k].count;
+  for (size_t k = 0; k < run->pins.count; k++) pinned += run->pins.item[k].count;
   lua_newtable(L);
   hk_tool_set_text(L, "scene", scene->name);
-  hk_tool_set_text(L, "integrator", scene->integrator_auto ? "auto" : scene->integrator->plugin->name);
-  hk_tool_set_number(L, "particles", (double)run->model.n);
+  hk_tool_set_text(L, "integrator", scene->integrator_auto ? "auto" : run->step.method_name);
+  hk_tool_set_number(L, "particles", (double)run->state.model.n);
   hk_tool_set_number(L, "pinned", (double)pinned);
-  hk_tool_set_number(L, "triangles", (double)run->model.triangles);
+  hk_tool_set_number(L, "triangles", (double)run->state.model.triangles.count);
   hk_tool_set_number(L, "mass", total_mass(run));
-  hk_tool_set_number(L, "state_bytes", 8.0 * (double)run->system.size);
-  hk_tool_set_number(L, "duration", run->end);
+  hk_tool_set_number(L, "state_bytes", 8.0 * (double)run->state.size);
+  hk_tool_set_number(L, "duration", run->asked.end);
   hk_tool_set_number(L, "fps", scene->fps);
-  hk_tool_set_number(L, "dt", run->dt);
-  hk_tool_set_flag(L, "dt_chosen", run->dt_chosen);
+  hk_tool_set_number(L, "dt", run->step.dt);
+  hk_tool_set_flag(L, "dt_chosen", run->step.chosen);
   push_plugins(L, scene);
-  push_spectrum(L, &run->spectrum);
+  push_solver(L, run);
+  push_spectrum(L, &run->step.spectrum);
   push_steps(L, run);
 }
 
@@ -122,7 +146,7 @@ int hk_tool_explain(lua_State *L) {
   if (status == HK_OK && hk_script_scene(script)->integrator_auto)
     run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
-  if (status == HK_OK) status = hk_step_estimate(run);
+  if (status == HK_OK) status = hk_step_estimate(&run->step, &run->dynamics);
   if (status == HK_OK)
     describe(L, run);
   else

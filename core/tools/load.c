@@ -134,8 +134,8 @@ int hk_tool_load(lua_State *L) {
   lua_setiuservalue(L, 4, 2);
   hk_lua_scene_handle *handle = hk_lua_push_scene(L);
   hk_status status = hk_script_open(path, &options, loaded, &error);
-  *handle = (hk_lua_scene_handle){*loaded ? hk_script_scene(*loaded) : NULL, *loaded};
-  if (status == HK_OK && !handle->scene) hk_error_set(&error, HK_SCRIPT, "%s drives its own runs", path);
+  *handle = (hk_lua_scene_handle){*loaded ? hk_script_slot(*loaded) : NULL, *loaded};
+  if (status == HK_OK && !handle->slot) hk_error_set(&error, HK_SCRIPT, "%s drives its own runs", path);
   if (error.status != HK_OK) {
     lua_pushnil(L);
     lua_pushstring(L, error.text);

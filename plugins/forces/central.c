@@ -156,7 +156,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
+static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,

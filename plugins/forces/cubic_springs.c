@@ -10,17 +10,17 @@
 #include "core/plugin.h"
 
 typedef struct cubic_springs {
-  hk_edges edges;
-  hk_per_edge k, rest;
+  hk_tuples edges;
+  hk_per_tuple k, rest;
 } cubic_springs;
 
 /* clang-format off */
 static const hk_param params[] = {
     {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(cubic_springs, edges), HK_REQUIRED, NULL},
     {"k", "N/m^3", "force over the cube of the stretch",
-     HK_PER_EDGE, {0}, 0, INFINITY, offsetof(cubic_springs, k), HK_REQUIRED, NULL},
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(cubic_springs, k), HK_REQUIRED, NULL},
     {"rest", "m", "rest length; left out: the initial length",
-     HK_PER_EDGE, {0}, 0, INFINITY, offsetof(cubic_springs, rest), HK_OPTIONAL, NULL},
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(cubic_springs, rest), HK_OPTIONAL, NULL},
     {0},
 };
 /* clang-format on */
@@ -33,10 +33,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static hk_status add(void *self, const hk_view *view, double *F) {
   const cubic_springs *s = self;
   for (size_t e = 0; e < s->edges.count; e++) {
-    const uint32_t *pair = s->edges.pair[e];
+    const uint32_t *pair = hk_tuple(&s->edges, e);
     if (!hk_edge_acts(view, pair)) continue;
-    double d[3], l = hk_edge_difference(view->x, pair, d), stretch = l - hk_edge_value(&s->rest, e);
-    double f = l > 0 ? hk_edge_value(&s->k, e) * stretch * stretch * stretch / l : 0;
+    double d[3], l = hk_edge_difference(view->x, pair, d), stretch = l - hk_tuple_value(&s->rest, e);
+    double f = l > 0 ? hk_tuple_value(&s->k, e) * stretch * stretch * stretch / l : 0;
     for (int c = 0; c < 3; c++) {
       F[3 * (size_t)pair[0] + c] += f * d[c];
       F[3 * (size_t)pair[1] + c] -= f * d[c];
@@ -49,9 +49,9 @@ static double energy(void *self, const hk_view *view) {
   const cubic_springs *s = self;
   double sum = 0, d[3];
   for (size_t e = 0; e < s->edges.count; e++) {
-    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
-    double stretch = hk_edge_difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
-    sum += hk_edge_value(&s->k, e) * stretch * stretch * stretch * stretch / 4;
+    if (!hk_edge_acts(view, hk_tuple(&s->edges, e))) continue;
+    double stretch = hk_edge_difference(view->x, hk_tuple(&s->edges, e), d) - hk_tuple_value(&s->rest, e);
+    sum += hk_tuple_value(&s->k, e) * stretch * stretch * stretch * stretch / 4;
   }
   return sum;
 }
@@ -59,8 +59,8 @@ static double energy(void *self, const hk_view *view) {
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const cubic_springs *s = self;
   for (size_t e = 0; e < s->edges.count; e++)
-    for (int b = 0; b < 4 && hk_edge_acts(view, s->edges.pair[e]); b++)
-      p->block(p, s->edges.pair[e][b / 2], s->edges.pair[e][b % 2]);
+    for (int b = 0; b < 4 && hk_edge_acts(view, hk_tuple(&s->edges, e)); b++)
+      p->block(p, hk_tuple(&s->edges, e)[b / 2], hk_tuple(&s->edges, e)[b % 2]);
 }
 
 static void spring_block(double k, double L, const double d[3], double l, bool definite, double block[9]) {
@@ -77,11 +77,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   const cubic_springs *s = self;
   const size_t *slot = into->slot;
   for (size_t e = 0; e < s->edges.count; e++) {
-    const uint32_t *pair = s->edges.pair[e];
+    const uint32_t *pair = hk_tuple(&s->edges, e);
     double d[3], block[9];
     if (!hk_edge_acts(view, pair)) continue;
     double l = hk_edge_difference(view->x, pair, d);
-    spring_block(hk_edge_value(&s->k, e), hk_edge_value(&s->rest, e), d, l, into->want & HK_WANT_DEFINITE, block);
+    spring_block(hk_tuple_value(&s->k, e), hk_tuple_value(&s->rest, e), d, l, into->want & HK_WANT_DEFINITE, block);
     for (int b = 0; b < 4; b++)
       for (int q = 0; q < 9; q++) into->K[9 * slot[b] + q] += b % 3 == 0 ? block[q] : -block[q];
     slot += 4;
@@ -89,8 +89,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {
-    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
              HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,

@@ -11,8 +11,8 @@
 enum { SECOND, FIRST, BOTH };
 
 typedef struct follower {
-  hk_edges edges;
-  hk_per_edge f;
+  hk_tuples edges;
+  hk_per_tuple f;
   int on;
 } follower;
 
@@ -20,7 +20,7 @@ typedef struct follower {
 static const hk_param params[] = {
     {"edges", "", "pairs of particles that give the direction, from the first to the second", HK_EDGES, {0}, 0, 0,
      offsetof(follower, edges), HK_REQUIRED, NULL},
-    {"f", "N", "size of the force; negative: towards the first end", HK_PER_EDGE, {0}, 0, 0, offsetof(follower, f),
+    {"f", "N", "size of the force; negative: towards the first end", HK_PER_TUPLE, {0}, 0, 0, offsetof(follower, f),
      HK_REQUIRED, NULL},
     {"on", "", "the end it acts on; both: half on each", HK_CHOICE, {SECOND}, 0, 0, offsetof(follower, on), 0,
      "second|first|both"},
@@ -44,13 +44,13 @@ static double direction(const hk_view *view, const uint32_t pair[2], double n[3]
 static hk_status add(void *self, const hk_view *view, double *F) {
   const follower *p = self;
   for (size_t e = 0; e < p->edges.count; e++) {
-    const uint32_t *pair = p->edges.pair[e];
+    const uint32_t *pair = hk_tuple(&p->edges, e);
     double n[3], power = 0;
     if (!hk_edge_acts(view, pair)) continue;
     direction(view, pair, n);
     for (int end = 0; end < 2; end++)
       for (int c = 0; c < 3; c++) {
-        double f = share(p, end) * hk_edge_value(&p->f, e) * n[c];
+        double f = share(p, end) * hk_tuple_value(&p->f, e) * n[c];
         F[3 * (size_t)pair[end] + c] += f;
         power += f * view->v[3 * (size_t)pair[end] + c];
       }
@@ -64,8 +64,8 @@ static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   const follower *p = self;
   for (size_t e = 0; e < p->edges.count; e++)
     for (int b = 0; b < 4; b++)
-      if (hk_edge_acts(view, p->edges.pair[e]) && share(p, b / 2) > 0)
-        pattern->block(pattern, p->edges.pair[e][b / 2], p->edges.pair[e][b % 2]);
+      if (hk_edge_acts(view, hk_tuple(&p->edges, e)) && share(p, b / 2) > 0)
+        pattern->block(pattern, hk_tuple(&p->edges, e)[b / 2], hk_tuple(&p->edges, e)[b % 2]);
 }
 
 static void add_block(double *K, double f, const double n[3]) {
@@ -77,16 +77,15 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   const size_t *slot = into->slot;
   for (size_t e = 0; e < p->edges.count; e++) {
     double n[3];
-    if (!hk_edge_acts(view, p->edges.pair[e])) continue;
-    double stiffness = hk_edge_value(&p->f, e) * direction(view, p->edges.pair[e], n);
+    if (!hk_edge_acts(view, hk_tuple(&p->edges, e))) continue;
+    double stiffness = hk_tuple_value(&p->f, e) * direction(view, hk_tuple(&p->edges, e), n);
     for (int b = 0; b < 4; b++)
       if (share(p, b / 2) > 0) add_block(into->K + 9 * *slot++, share(p, b / 2) * stiffness * (b % 2 ? -1 : 1), n);
   }
   return HK_OK;
 }
 
-static const hk_force force = {
-    .flags = HK_DEPENDS_ON_X | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

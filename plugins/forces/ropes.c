@@ -8,20 +8,21 @@
  *
  * No elements are offered: methods that work spring by spring would push with them. */
 #include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
 
 typedef struct ropes {
-  hk_edges edges;
-  hk_per_edge k, damping, rest;
+  hk_tuples edges;
+  hk_per_tuple k, damping, rest;
 } ropes;
 
 /* clang-format off */
 static const hk_param params[] = {
     {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(ropes, edges), HK_REQUIRED, NULL},
-    {"k", "N/m", "stiffness where taut", HK_PER_EDGE, {0}, 0, INFINITY, offsetof(ropes, k), HK_REQUIRED, NULL},
-    {"damping", "N s/m", "damping along the rope where taut", HK_PER_EDGE, {0}, 0, INFINITY, offsetof(ropes, damping),
+    {"k", "N/m", "stiffness where taut", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(ropes, k), HK_REQUIRED, NULL},
+    {"damping", "N s/m", "damping along the rope where taut", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(ropes, damping),
      0, NULL},
-    {"rest", "m", "length up to which it is slack; left out: the initial length", HK_PER_EDGE, {0}, 0, INFINITY,
+    {"rest", "m", "length up to which it is slack; left out: the initial length", HK_PER_TUPLE, {0}, 0, INFINITY,
      offsetof(ropes, rest), HK_OPTIONAL, NULL},
     {0},
 };
@@ -41,21 +42,21 @@ typedef struct taut {
 
 /* False where the rope is slack. */
 static bool measure(const ropes *s, const hk_view *view, size_t e, taut *r) {
-  const uint32_t *pair = s->edges.pair[e];
+  const uint32_t *pair = hk_tuple(&s->edges, e);
   r->l = hk_edge_difference(view->x, pair, r->n);
-  if (!(r->l > hk_edge_value(&s->rest, e))) return false;
+  if (!(r->l > hk_tuple_value(&s->rest, e))) return false;
   hk_edge_difference(view->v, pair, r->u);
   r->rate = 0;
   for (int c = 0; c < 3; c++) r->n[c] /= r->l, r->rate += r->u[c] * r->n[c];
-  r->spring = hk_edge_value(&s->k, e) * (r->l - hk_edge_value(&s->rest, e));
-  r->T = fmax(0, r->spring + hk_edge_value(&s->damping, e) * r->rate);
+  r->spring = hk_tuple_value(&s->k, e) * (r->l - hk_tuple_value(&s->rest, e));
+  r->T = fmax(0, r->spring + hk_tuple_value(&s->damping, e) * r->rate);
   return true;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   const ropes *s = self;
   for (size_t e = 0; e < s->edges.count; e++) {
-    const uint32_t *pair = s->edges.pair[e];
+    const uint32_t *pair = hk_tuple(&s->edges, e);
     taut r;
     if (!hk_edge_acts(view, pair) || !measure(s, view, e, &r)) continue;
     for (int c = 0; c < 3; c++) {
@@ -71,9 +72,9 @@ static double energy(void *self, const hk_view *view) {
   const ropes *s = self;
   double sum = 0, d[3];
   for (size_t e = 0; e < s->edges.count; e++) {
-    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
-    double stretch = fmax(0, hk_edge_difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e));
-    sum += hk_edge_value(&s->k, e) * stretch * stretch / 2;
+    if (!hk_edge_acts(view, hk_tuple(&s->edges, e))) continue;
+    double stretch = fmax(0, hk_edge_difference(view->x, hk_tuple(&s->edges, e), d) - hk_tuple_value(&s->rest, e));
+    sum += hk_tuple_value(&s->k, e) * stretch * stretch / 2;
   }
   return sum;
 }
@@ -82,12 +83,12 @@ static double energy(void *self, const hk_view *view) {
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const ropes *s = self;
   for (size_t e = 0; e < s->edges.count; e++)
-    for (int b = 0; b < 4 && hk_edge_acts(view, s->edges.pair[e]); b++)
-      p->block(p, s->edges.pair[e][b / 2], s->edges.pair[e][b % 2]);
+    for (int b = 0; b < 4 && hk_edge_acts(view, hk_tuple(&s->edges, e)); b++)
+      p->block(p, hk_tuple(&s->edges, e)[b / 2], hk_tuple(&s->edges, e)[b % 2]);
 }
 
 static void rope_blocks(const ropes *s, size_t e, const taut *r, bool symmetric, double K[9], double D[9]) {
-  double b = r->T / r->l, k = hk_edge_value(&s->k, e), c = hk_edge_value(&s->damping, e);
+  double b = r->T / r->l, k = hk_tuple_value(&s->k, e), c = hk_tuple_value(&s->damping, e);
   for (int q = 0; q < 9; q++) {
     double nn = r->n[q / 3] * r->n[q % 3], across = r->u[q % 3] - r->rate * r->n[q % 3];
     K[q] = (k - b) * nn + b * (q % 4 == 0) + (symmetric ? 0 : c / r->l * r->n[q / 3] * across);
@@ -101,7 +102,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   for (size_t e = 0; e < s->edges.count; e++) {
     taut r;
     double K[9], D[9];
-    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
+    if (!hk_edge_acts(view, hk_tuple(&s->edges, e))) continue;
     if (measure(s, view, e, &r) && r.T > 0) {
       rope_blocks(s, e, &r, into->want & HK_WANT_SYMMETRIC, K, D);
       for (int b = 0; b < 4; b++)
@@ -115,13 +116,20 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
+/* Of all ropes taut, however far they are drawn: a rope that is slack now is not so later. */
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const ropes *s = self;
+  const hk_edge_stiffness of = {&s->edges, &s->k, &s->damping, &s->rest, true};
+  hk_edge_stiffness_bound(&of, view, part == HK_STIFFNESS_UNDAMPED ? HK_STIFFNESS_WHOLE : part, block);
+}
+
+static const hk_force force = {.size = sizeof(hk_force), .flags = HK_STIFFENS | HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -2,22 +2,23 @@
  * and u = v_j - v_i; i gets the opposite. Two particles at one point have no direction and get no force from their
  * spring; with L = 0 that is also the limit. Energy 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
 #include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/edge_stiffness.h"
 #include "plugins/common/springs/spring_blocks.h"
 
 typedef struct springs {
-  hk_edges edges;
-  hk_per_edge k, damping, rest;
+  hk_tuples edges;
+  hk_per_tuple k, damping, rest;
   hk_spring_layout layout;
   const hk_host *host;
 } springs;
 
 static const hk_param params[] = {
     {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(springs, edges), HK_REQUIRED, NULL},
-    {"k", "N/m", "stiffness", HK_PER_EDGE, {0}, 0, INFINITY, offsetof(springs, k), HK_REQUIRED, NULL},
+    {"k", "N/m", "stiffness", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(springs, k), HK_REQUIRED, NULL},
     {"damping",
      "N s/m",
      "damping along the spring",
-     HK_PER_EDGE,
+     HK_PER_TUPLE,
      {0},
      0,
      INFINITY,
@@ -27,7 +28,7 @@ static const hk_param params[] = {
     {"rest",
      "m",
      "rest length; left out: the initial length",
-     HK_PER_EDGE,
+     HK_PER_TUPLE,
      {0},
      0,
      INFINITY,
@@ -60,9 +61,9 @@ static double energy(void *self, const hk_view *view) {
   const springs *s = self;
   double sum = 0, d[3];
   for (size_t e = 0; e < s->edges.count; e++) {
-    if (!hk_edge_acts(view, s->edges.pair[e])) continue;
-    double stretch = hk_edge_difference(view->x, s->edges.pair[e], d) - hk_edge_value(&s->rest, e);
-    sum += hk_edge_value(&s->k, e) * stretch * stretch / 2;
+    if (!hk_edge_acts(view, hk_tuple(&s->edges, e))) continue;
+    double stretch = hk_edge_difference(view->x, hk_tuple(&s->edges, e), d) - hk_tuple_value(&s->rest, e);
+    sum += hk_tuple_value(&s->k, e) * stretch * stretch / 2;
   }
   return sum;
 }
@@ -72,13 +73,19 @@ static void elements(void *self, const hk_view *view, hk_elements *out) {
   const springs *s = self;
   const hk_spring_layout *a = &s->layout;
   if (!view->is_active)
-    *out = (hk_elements){s->edges.count, s->edges.pair, s->k, s->damping, s->rest};
+    *out = (hk_elements){.node = s->edges, .stiffness = s->k, .damping = s->damping, .rest = s->rest};
   else
-    *out = (hk_elements){a->count,
-                         (const uint32_t(*)[2])a->pair,
-                         {a->each_k ? a->count : 1, a->k},
-                         {a->each_c ? a->count : 1, a->c},
-                         {a->each_L ? a->count : 1, a->L}};
+    *out = (hk_elements){.node = {a->count, 2, a->count ? &a->pair[0][0] : NULL},
+                         .stiffness = {a->each_k ? a->count : 1, a->k},
+                         .damping = {a->each_c ? a->count : 1, a->c},
+                         .rest = {a->each_L ? a->count : 1, a->L}};
+  out->values = 1;
+}
+
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const springs *s = self;
+  const hk_edge_stiffness of = {&s->edges, &s->k, &s->damping, &s->rest, false};
+  hk_edge_stiffness_bound(&of, view, part, block);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
@@ -93,14 +100,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
+static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,
     .elements = elements,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -63,8 +63,8 @@ static void release(wind *w) {
 
 static void fill(wind *w, const hk_view *view) {
   const hk_model *m = view->model;
-  for (size_t k = 0, t = 0; k < m->triangles; k++)
-    if (acts(view, m->triangle[k])) memcpy(w->triangle[t++], m->triangle[k], sizeof *w->triangle);
+  for (size_t k = 0, t = 0; k < m->triangles.count; k++)
+    if (acts(view, hk_tuple(&m->triangles, k))) memcpy(w->triangle[t++], hk_tuple(&m->triangles, k), sizeof *w->triangle);
   for (size_t k = 0; k < 3 * w->count; k++) w->first[w->triangle[k / 3][k % 3] + 2]++;
   for (size_t i = 2; i < view->n + 2; i++) w->first[i] += w->first[i - 1];
   for (size_t k = 0; k < 3 * w->count; k++) w->corner[w->first[w->triangle[k / 3][k % 3] + 1]++] = (uint32_t)k;
@@ -75,7 +75,7 @@ static hk_status topology(void *self, const hk_view *view) {
   const hk_host *host = w->host;
   size_t count = 0;
   release(w);
-  for (size_t k = 0; k < view->model->triangles; k++) count += acts(view, view->model->triangle[k]);
+  for (size_t k = 0; k < view->model->triangles.count; k++) count += acts(view, hk_tuple(&view->model->triangles, k));
   w->triangle = host->allocate(host, (count + 1) * sizeof *w->triangle);
   w->first = host->allocate(host, (view->n + 2) * sizeof *w->first);
   w->corner = host->allocate(host, (3 * count + 1) * sizeof *w->corner);
@@ -93,7 +93,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hk_status status = topology(self, view);
   if (status == HK_OK && w->count == 0)
     return host->fail(host, HK_BAD_PARAM,
-                      view->model->triangles
+                      view->model->triangles.count
                           ? "no triangle has all its corners among `only` or `group`: nothing to blow on"
                           : "the scene has no triangles to blow on: scene:grid and scene:mesh make some");
   return status;
@@ -283,8 +283,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {
-    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -76,7 +76,10 @@ static const ARKODE_ERKTableID explicit_table[] = {ARKODE_HEUN_EULER_2_1_2, ARKO
 static const ARKODE_DIRKTableID implicit_table[] = {ARKODE_SDIRK_2_1_2, ARKODE_ESDIRK324L2SA_4_2_3,
                                                     ARKODE_ESDIRK436L2SA_6_3_4, ARKODE_ESDIRK547L2SA2_7_4_5};
 
-static double amplification(double hw, double hg) { return hk_rk_amplification(&hk_dormand_prince, hw, hg); }
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+  return hk_rk_amplification(&hk_dormand_prince, hw, hg);
+}
 
 static int linear_system(double t, N_Vector X, N_Vector f, SUNMatrix A, SUNMatrix M, int reuse, int *current,
                          double gamma, void *self, N_Vector u, N_Vector v, N_Vector w) {
@@ -229,8 +232,14 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {
-    .order = 5, .stages = 7, .flags = HK_ADAPTIVE, .amplification = amplification, .step = step, .reset = reset};
+/* dirk has matrices, erk has none: the solver is there for both. */
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 5,
+                                         .stages = 7,
+                                         .flags = HK_ADAPTIVE | HK_NEEDS_SOLVER,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -55,7 +55,9 @@ static const hk_field fields[] = {
 
 /* One linearisation of a linear equation is the whole of it: backward Euler's, in u = lambda - 1,
  * (1 + h g + (h w)^2) u^2 + (h g + 2 (h w)^2) u + (h w)^2 = 0. */
-static double amplification(double hw, double hg) {
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+ 
   const double z = hw * hw, c[] = {z, hg + 2 * z, 1 + hg + z};
   return hk_polynomial_growth(2, c);
 }
@@ -74,10 +76,10 @@ static double stretched(const hk_model *model, const double *x, const double *x_
   double largest = 0;
   for (size_t k = 0; k < model->element_lists; k++) {
     const hk_elements *list = &model->element_list[k].elements;
-    for (size_t e = 0; model->element_list[k].acts && e < list->count; e++) {
-      double rest = hk_edge_value(&list->rest, e);
+    for (size_t e = 0; model->element_list[k].acts && list->node.arity == 2 && e < list->node.count; e++) {
+      double rest = list->rest.count ? hk_tuple_value(&list->rest, e) : 0;
       if (!(rest > 0)) continue;
-      double change = fabs(length_of(x_new, list->pair[e]) - length_of(x, list->pair[e])) / rest;
+      double change = fabs(length_of(x_new, hk_tuple(&list->node, e)) - length_of(x, hk_tuple(&list->node, e))) / rest;
       if (!(change <= largest)) largest = change;
     }
   }
@@ -169,10 +171,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.order = 1,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 1,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_ADAPTIVE | HK_NEEDS_JACOBIAN,
-                                         .amplification = amplification,
+                                         .without_constraints = "its stages do not solve for multipliers yet",
+ .amplification = amplification,
                                          .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

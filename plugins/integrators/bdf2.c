@@ -27,7 +27,9 @@ static const hk_field fields[] = {
 
 /* In u = lambda - 1 the recurrence (3 lambda^2 - 4 lambda + 1)/2 = z lambda^2 for both components together is
  * (u + 3/2 u^2)^2 + h g (u + 3/2 u^2) (1 + u)^2 + (h w)^2 (1 + u)^4 = 0. */
-static double amplification(double hw, double hg) {
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+ 
   double a = hg, b = hw * hw;
   const double c[] = {b, a + 4 * b, 1 + 3.5 * a + 6 * b, 3 + 4 * a + 4 * b, 2.25 + 1.5 * a + b};
   return hk_polynomial_growth(4, c);
@@ -44,7 +46,7 @@ static hk_status advance(bdf2 *m, hk_system *s, double h, double *base, double *
   double g = 2 * h / 3;
   for (size_t e = 0; e < s->size; e++) X[e] = base[e] = s->X[e] + (s->X[e] - m->before[e]) / 3;
   for (size_t e = v; e < 2 * v; e++) X[e] += g * m->start.slope[e];
-  hk_view_setup stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true};
+  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true};
   hk_status status = hk_newton_solve(&m->start.newton, s, &stage);
   if (status != HK_OK) return status;
   memcpy(m->start.slope, X + v, v * sizeof *X);
@@ -73,10 +75,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.order = 2,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .amplification = amplification,
+                                         .without_constraints = "its stages do not solve for multipliers yet",
+ .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

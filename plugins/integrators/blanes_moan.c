@@ -60,7 +60,9 @@ static double undamped(double z) {
   return fabs(half) <= 1 ? 1 : fabs(half) + sqrt(half * half - 1);
 }
 
-static double amplification(double hw, double hg) {
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+ 
   double x[3], p[3], q[3], z = hw * hw;
   if (hg == 0) return undamped(z);
   increments(z, hg, 1, 0, 0, x);
@@ -118,7 +120,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.order = 4,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 4,
                                          .stages = STAGES,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
                                          .amplification = amplification,

@@ -82,7 +82,9 @@ static const hk_field fields[] = {
 };
 
 /* Backward Euler, as which BDF starts and which is its only order that is stable for every oscillation. */
-static double amplification(double hw, double hg) {
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+ 
   double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
   double complex slow = fast == 0 ? 0 : hw * hw / fast;
   return fmax(1 / cabs(1 - fast), 1 / cabs(1 - slow));
@@ -215,10 +217,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.order = 5,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 5,
                                          .stages = 1,
                                          .flags = HK_ADAPTIVE | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .amplification = amplification,
+                                         .without_constraints = "its stages do not solve for multipliers yet",
+ .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

@@ -20,7 +20,9 @@ static const hk_dirk_tableau tableau = {
     .error_order = 3,
 };
 
-static double amplification(double hw, double hg) { return hk_dirk_amplification(&tableau, hw, hg); }
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+  return hk_dirk_amplification(&tableau, hw, hg); }
 
 static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
 
@@ -28,10 +30,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return hk_dirk_adaptive_step(self, &tableau, s, t_stop, h, out);
 }
 
-static const hk_integrator integrator = {.order = 4,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 4,
                                          .stages = 5,
                                          .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
-                                         .amplification = amplification,
+                                         .without_constraints = "its stages do not solve for multipliers yet",
+ .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

@@ -82,7 +82,9 @@ static const hk_field fields[] = {
 
 /* With the explicit part integrated exactly, so to speak: the stable step is that of the explicit forces alone, which
  * the linear oscillator does not tell. */
-static double amplification(double hw, double hg) {
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+ 
   static const hk_dirk_tableau implicit = {
       .stages = 2,
       .c = {0.29289321881345248, 1},
@@ -135,7 +137,7 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE);
   memcpy(X, base, s->size * sizeof *X);
   take(m, s, true);
-  hk_view_setup stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true};
+  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true};
   return hk_newton_solve(&m->newton, s, &stage);
 }
 
@@ -168,10 +170,11 @@ static void reset(void *self, hk_reason why) {
   if (why != HK_STEP_CHANGED) hk_newton_forget(&((imex *)self)->newton);
 }
 
-static const hk_integrator integrator = {.order = 2,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2,
                                          .stages = 2,
                                          .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .amplification = amplification,
+                                         .without_constraints = "its stages do not solve for multipliers yet",
+ .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

@@ -2,12 +2,12 @@
  * depends on frames to come; as long as the camera, the range of colours or the floor is to suit the whole motion,
  * frames wait in an unlinked file and are drawn at the end, whatever the verdict. */
 #include "core/plugin.h"
-#include "plugins/common/picture/gl_context.h"
+#include "plugins/common/gl/gl_context.h"
 #include "plugins/common/picture/legend.h"
 #include "plugins/common/picture/painter.h"
 #include "plugins/common/picture/framing.h"
-#include "plugins/common/picture/png_file.h"
-#include "plugins/common/picture/video.h"
+#include "plugins/common/film/png_file.h"
+#include "plugins/common/film/video.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -239,7 +239,7 @@ static hk_status topology(void *self, const hk_view *view) {
   return HK_OK;
 }
 
-static const hk_output output = {.open = open, .frame = frame, .close = close};
+static const hk_output output = {.size = sizeof(hk_output), .open = open, .frame = frame, .close = close};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -96,7 +96,7 @@ static void destroy(void *self, const hk_host *host) {
   if (t->file) fclose(t->file);
 }
 
-static const hk_output output = {.open = open, .frame = frame, .close = close};
+static const hk_output output = {.size = sizeof(hk_output), .open = open, .frame = frame, .close = close};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -325,7 +325,8 @@ static void describe(const void *self, char *text, size_t size) {
   hk_blas_describe(library, text, size);
 }
 
-static const hk_solver solver = {.flags = 0,
+static const hk_solver solver = {.size = sizeof(hk_solver),
+                                 .flags = 0,
                                  .analyze = analyze,
                                  .factorize = factorize,
                                  .solve = solve,

@@ -328,7 +328,7 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   return HK_OK;
 }
 
-static const hk_solver solver = {.flags = HK_ITERATIVE, .analyze = analyze, .factorize = factorize, .solve = solve};
+static const hk_solver solver = {.size = sizeof(hk_solver), .flags = HK_ITERATIVE, .analyze = analyze, .factorize = factorize, .solve = solve};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

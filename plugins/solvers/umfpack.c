@@ -224,7 +224,8 @@ static void describe(const void *self, char *text, size_t size) {
   hk_blas_describe(library, text, size);
 }
 
-static const hk_solver solver = {.flags = HK_SOLVES_UNSYMMETRIC | HK_SOLVES_INDEFINITE,
+static const hk_solver solver = {.size = sizeof(hk_solver),
+                                 .flags = HK_SOLVES_UNSYMMETRIC | HK_SOLVES_INDEFINITE,
                                  .analyze = analyze,
                                  .factorize = factorize,
                                  .solve = solve,

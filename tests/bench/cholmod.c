@@ -2,7 +2,6 @@
  * BLAS threads, on the implicit matrix M + h D + h^2 K of a stiff cloth (k = 1e5 N/m, h = 1/60 s); and what assembly
  * takes of a Newton iteration. To reach: factorize at most 1.1 of CHOLMOD's best, assembly at most 15 %. Then three
  * right-hand sides on the n x n matrix of local_global, against cholmod_solve2. */
-#include "core/run/engine.h"
 #include "tests/bench/cloth.h"
 
 #include <cholmod.h>
@@ -101,7 +100,7 @@ typedef struct timing {
 
 /* Assembly, factorization and one solution through the system, as an integrator has them. */
 static void plugin(test_engine *e, double *X, const double *b, double *x, hk_matrix *A, timing *t, int repeat) {
-  hk_system *s = &e->run->system;
+  hk_system *s = &e->run->dynamics.system;
   hk_matrix K, D;
   double h = 1.0 / 60, t0 = clock_of(1);
   must(e, s->jacobian(s, 0, X, HK_WANT_SYMMETRIC, &K, &D));
@@ -145,7 +144,7 @@ static void newton(uint32_t N) {
   hk_matrix A;
   open_cloth(&e, N, 1e5);
   test_run(&e);
-  hk_system *s = &e.run->system;
+  hk_system *s = &e.run->dynamics.system;
   size_t n = 3 * s->n;
   double *X = malloc(s->size * sizeof *X), *b = malloc(2 * n * sizeof *b);
   for (size_t k = 0; k < s->size; k++) X[k] = 1.02 * s->X[k]; /* stretched: the matrix is definite */
@@ -192,7 +191,7 @@ static void columns(uint32_t N) {
   e.scene->fps = 30;
   e.options.dt = 1.0 / 30;
   test_run(&e);
-  hk_system *s = &e.run->system;
+  hk_system *s = &e.run->dynamics.system;
   factorize = s->factorize;
   s->factorize = look;
   test_advance(&e, 1.0 / 30);

@@ -38,7 +38,7 @@ static inline void add_springs(test_engine *e, uint32_t N, const int offset[2][2
         edge[count][0] = j * N + i + 1;
         edge[count++][1] = (j + (uint32_t)offset[o][1]) * N + (uint32_t)other + 1;
       }
-  hk_instance *springs = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])edge, count);
   test_number(e, springs, "k", k);
   test_number(e, springs, "damping", damping);

@@ -2,7 +2,7 @@
  * on the matrix of a stiff cloth of 128 x 128, M + h^2 K with k = 1e5 N/m and h = 1/60 s, curtain's masses and pins.
  * Times are medians of repeats taken in turn, so that both sides see the same machine. */
 #include "core/dynamics/block_matrix.h"
-#include "core/base/threads.h"
+#include "core/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/upper_matrix.h"
 #include "tests/support/engine.h"
@@ -99,7 +99,8 @@ static void open_cloth(cloth *c, uint32_t side, double k, double h) {
   for (uint32_t i = 0; i < n; i++) c->pattern.naming.block(&c->pattern.naming, i, i);
   each_spring(c, 0, name_spring);
   if (hk_block_matrix_build(&c->pattern) != HK_OK) exit(1);
-  c->A = (hk_matrix){n, 3, c->pattern.row_start, c->pattern.column, NULL, true};
+  c->A = (hk_matrix){
+      .rows = n, .block = 3, .row_start = c->pattern.row_start, .column = c->pattern.column, .symmetric = true};
   c->A.value = calloc(9 * c->pattern.row_start[n], sizeof(double));
   for (uint32_t i = 0; i < n; i++)
     for (int q = 0; q < 9; q += 4) block(c, i, i)[q] = i / side + 1 < side ? 0.15 / (double)n : h * h * k;
@@ -114,22 +115,29 @@ static void close_cloth(cloth *c) {
 
 /* ---- the solver's host ---- */
 
-static hk_instance *open_solver(test_engine *e, const char *preconditioner, int threads) {
+typedef struct bench_solver {
+  test_engine e;
+  hk_shared shared;
+  hk_instance *instance;
+} bench_solver;
+
+static hk_instance *open_solver(bench_solver *b, const char *preconditioner, int threads) {
+  test_engine *e = &b->e;
   test_engine_open(e);
-  e->scene->shared.error = &e->error;
-  e->scene->shared.threads = hk_threads_create(threads);
-  hk_instance *solver = test_plugin(e, HK_SOLVER, "pcg");
+  b->shared = (hk_shared){.error = &e->error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  hk_plugin_spec *solver = test_plugin(e, HK_SOLVER, "pcg");
   hk_value value = {.kind = HK_VALUE_STRING, .text = preconditioner};
-  const hk_param *param = hk_instance_param(solver, "preconditioner", &e->error);
-  if (hk_instance_set(solver, param, &value, 0, &e->error) != HK_OK) exit(1);
-  if (hk_instance_start(solver, &(hk_view){.host = &solver->host}, 1, &e->error) != HK_OK) exit(1);
-  return solver;
+  const hk_param *param = hk_spec_param(solver, "preconditioner", &e->error);
+  if (hk_spec_set(solver, param, &value, 0, &e->error) != HK_OK) exit(1);
+  hk_instance *i = b->instance = hk_instance_create(solver, &b->shared, &e->error);
+  if (!i || hk_instance_start(i, &(hk_view){.host = &i->host}, 1, &e->error) != HK_OK) exit(1);
+  return i;
 }
 
-static void close_solver(test_engine *e) {
-  hk_threads_destroy(e->scene->shared.threads);
-  e->scene->shared.threads = NULL;
-  test_engine_close(e);
+static void close_solver(bench_solver *b) {
+  hk_instance_destroy(b->instance);
+  hk_threads_destroy(b->shared.threads);
+  test_engine_close(&b->e);
 }
 
 /* ---- the product ---- */
@@ -174,8 +182,8 @@ static double bytes_read(const hk_upper *m) {
 static void product(cloth *c, int threads) {
   enum { REPEATS = 41, GRAIN = 1 << 18 };
   double list[3][REPEATS];
-  test_engine e;
-  const hk_host *host = &open_solver(&e, "block_jacobi", threads)->host;
+  bench_solver opened;
+  const hk_host *host = &open_solver(&opened, "block_jacobi", threads)->host;
   size_t n = 3 * c->A.rows, blocks = (c->A.row_start[c->A.rows] + c->A.rows) / 2;
   double *x = calloc(n, sizeof *x), *y = calloc(n, sizeof *y);
   for (size_t k = 0; k < n; k++) x[k] = noise(k);
@@ -203,14 +211,14 @@ static void product(cloth *c, int threads) {
   free(s.part);
   free(x);
   free(y);
-  close_solver(&e);
+  close_solver(&opened);
 }
 
 /* ---- the solver ---- */
 
 static void solve(cloth *c, const char *preconditioner, int threads) {
-  test_engine e;
-  hk_instance *solver = open_solver(&e, preconditioner, threads);
+  bench_solver opened;
+  hk_instance *solver = open_solver(&opened, preconditioner, threads);
   size_t n = 3 * c->A.rows;
   double *b = calloc(n, sizeof *b), *x = calloc(n, sizeof *x), m = 0.15 / (double)c->A.rows;
   for (size_t k = 0; k < n; k++)
@@ -229,10 +237,10 @@ static void solve(cloth *c, const char *preconditioner, int threads) {
       "%.1e%s%s\n",
       c->side, c->side, preconditioner, threads, threads > 1 ? "s" : "", (t1 - t0) * 1e3, (t2 - t1) * 1e3,
       info.iterations, (t3 - t2) * 1e3, (t3 - t2) * 1e3 / info.iterations, info.residual, status == HK_OK ? "" : ": ",
-      status == HK_OK ? "" : e.error.text);
+      status == HK_OK ? "" : opened.e.error.text);
   free(b);
   free(x);
-  close_solver(&e);
+  close_solver(&opened);
 }
 
 int main(void) {

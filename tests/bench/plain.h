@@ -4,7 +4,6 @@
 #ifndef HK_BENCH_PLAIN_H
 #define HK_BENCH_PLAIN_H
 
-#include "core/run/engine.h"
 #include "tests/bench/cloth.h"
 
 #include <string.h>
@@ -46,20 +45,20 @@ static inline void open_reference(test_engine *e, uint32_t N, bool curtain, doub
 
 /* Masses, springs and start of a scene that runs with leapfrog. */
 static inline plain plain_of(const test_engine *e) {
-  const hk_system *s = &e->run->system;
-  plain p = {.n = s->n, .limit = e->run->dt_limit};
+  const hk_system *s = &e->run->dynamics.system;
+  plain p = {.n = s->n, .limit = e->run->step.dt_limit};
   p.start = memory(6 * s->n, sizeof *p.start);
   p.w = memory(s->n, sizeof *p.w);
   memcpy(p.start, s->X, 6 * s->n * sizeof *p.start);
   memcpy(p.w, s->model->inverse_mass, s->n * sizeof *p.w);
-  for (size_t l = 0; l < s->model->element_lists; l++) p.count += s->model->element_list[l].elements.count;
+  for (size_t l = 0; l < s->model->element_lists; l++) p.count += s->model->element_list[l].elements.node.count;
   p.springs = memory(p.count, sizeof *p.springs);
   spring *next = p.springs;
   for (size_t l = 0; l < s->model->element_lists; l++) {
     const hk_elements *E = &s->model->element_list[l].elements;
-    for (size_t q = 0; q < E->count; q++)
-      *next++ = (spring){E->pair[q][0], E->pair[q][1], hk_edge_value(&E->stiffness, q), hk_edge_value(&E->damping, q),
-                         hk_edge_value(&E->rest, q)};
+    for (size_t q = 0; q < E->node.count; q++)
+      *next++ = (spring){hk_tuple(&E->node, q)[0], hk_tuple(&E->node, q)[1], hk_tuple_value(&E->stiffness, q),
+                         hk_tuple_value(&E->damping, q), hk_tuple_value(&E->rest, q)};
   }
   return p;
 }

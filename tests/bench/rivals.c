@@ -266,7 +266,7 @@ static void print_evaluation(const problem *q) {
   test_engine e;
   open_reference(&e, q->N, true, end);
   test_run(&e);
-  hk_system *s = &e.run->system;
+  hk_system *s = &e.run->dynamics.system;
   double *a = memory(s->size, sizeof *a), ours = INFINITY, theirs = INFINITY;
   for (int r = 0; r < REPEATS; r++) {
     double begin = own();

@@ -63,9 +63,9 @@ static void run_hooke(const method *m, const problem *q, double setting, outcome
   double begin = own();
   hk_status status = hk_run_advance(e.run, end, &e.error);
   out->seconds = own() - begin;
-  out->evaluations = e.run->evaluations;
+  out->evaluations = e.run->dynamics.count.evaluations;
   out->error = status == HK_OK ? 0 : INFINITY;
-  memcpy(x, e.run->X, 3 * q->p.n * sizeof *x);
+  memcpy(x, e.run->state.X, 3 * q->p.n * sizeof *x);
   test_engine_close(&e);
 }
 
@@ -213,7 +213,7 @@ static void run_sundials(const method *m, const problem *q, double setting, outc
   if (hooke) {
     open_reference(&e, q->N, true, end);
     test_run(&e);
-    r.s = &e.run->system;
+    r.s = &e.run->dynamics.system;
   }
   double *X = memory(size, sizeof *X);
   memcpy(X, q->p.start, size * sizeof *X);

@@ -65,12 +65,12 @@ static uint32_t *ids(uint32_t n, bool shuffle) {
   return id;
 }
 
-static void set_list(cloth *c, hk_instance *instance, const char *name, double value, size_t count, bool each) {
+static void set_list(cloth *c, hk_plugin_spec *spec, const char *name, double value, size_t count, bool each) {
   double *list = malloc((count + 1) * sizeof *list);
   for (size_t e = 0; e < count; e++) list[e] = value * (1 + (each ? 1e-3 * (double)(e % 7) : 0));
   hk_value v = {.kind = each ? HK_VALUE_LIST : HK_VALUE_NUMBER, .number = value, .count = count, .list = list};
-  const hk_param *p = hk_instance_param(instance, name, &c->e.error);
-  if (hk_instance_set(instance, p, &v, c->n, &c->e.error) != HK_OK) exit(1);
+  const hk_param *p = hk_spec_param(spec, name, &c->e.error);
+  if (hk_spec_set(spec, p, &v, c->n, &c->e.error) != HK_OK) exit(1);
   free(list);
 }
 
@@ -86,7 +86,7 @@ static void add_springs(cloth *c, uint32_t N, const uint32_t *id, const int (*of
         edge[count][0] = id[j * N + i];
         edge[count++][1] = id[(j + (uint32_t)offset[o][1]) * N + (uint32_t)other];
       }
-  hk_instance *springs = test_plugin(&c->e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(&c->e, HK_FORCE, "springs");
   test_edges(&c->e, springs, (const uint32_t(*)[2])edge, count);
   set_list(c, springs, "k", k, count, each);
   set_list(c, springs, "damping", damping, count, each);
@@ -148,7 +148,7 @@ static void plugin(cloth *c) {
   view.v = c->v;
   view.power = &power;
   for (size_t k = 0; k < 3; k++) {
-    hk_instance *force = c->e.scene->force.item[k];
+    hk_instance *force = c->e.run->plugins.kind[HK_FORCE].item[k];
     view.host = &force->host;
     force->plugin->force->add(force->self, &view, c->F);
   }
@@ -207,7 +207,7 @@ static void step(void) {
   double a[REPEATS], b[REPEATS], t = 0;
   cloth c;
   open_cloth(&c, 128, false, 1);
-  hk_system *s = (hk_system *)(void *)c.e.run; /* the system is the run's first member */
+  hk_system *s = &c.e.run->dynamics.system;
   double *x = malloc(s->size * sizeof *x), *dX = malloc(s->size * sizeof *dX);
   for (int r = 0; r < REPEATS; r++) {
     memcpy(x, s->X, s->size * sizeof *x);
@@ -230,7 +230,7 @@ static void small(void) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 1, 0, 0, 1);
-  hk_instance *springs = test_plugin(&e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
   uint32_t edge[1][2] = {{1, 2}};
   test_edges(&e, springs, (const uint32_t(*)[2])edge, 1);
   test_number(&e, springs, "k", 100);
@@ -241,12 +241,13 @@ static void small(void) {
   test_run(&e);
   enum { REPEATS = 11, CALLS = 100000 };
   double list[REPEATS], F[6] = {0}, power = 0;
+  const hk_instance *force = test_instance(&e, springs);
   hk_view view = *hk_run_view(e.run);
-  view.host = &springs->host;
+  view.host = &force->host;
   view.power = &power;
   for (int r = 0; r < REPEATS; r++) {
     double t0 = now();
-    for (int k = 0; k < CALLS; k++) springs->plugin->force->add(springs->self, &view, F);
+    for (int k = 0; k < CALLS; k++) force->plugin->force->add(force->self, &view, F);
     list[r] = (now() - t0) / CALLS;
   }
   double t0 = now();

@@ -72,7 +72,7 @@ static void add_springs(curtain *c, const int (*offset)[2], double k, double dam
         edge[count][0] = (uint32_t)(j * SIDE + i + 1);
         edge[count++][1] = (uint32_t)((j + offset[o][1]) * SIDE + other + 1);
       }
-  hk_instance *springs = test_plugin(&c->e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(&c->e, HK_FORCE, "springs");
   test_edges(&c->e, springs, (const uint32_t(*)[2])edge, count);
   test_number(&c->e, springs, "k", k);
   test_number(&c->e, springs, "damping", damping);
@@ -83,9 +83,10 @@ static void add_springs(curtain *c, const int (*offset)[2], double k, double dam
 }
 
 static void choose(curtain *c, const char *plugin, const char *name, const char *value) {
-  const hk_param *p = hk_instance_param(c->e.scene->integrator, name, &c->e.error);
+  hk_plugin_spec *integrator = c->e.scene->plugin[HK_INTEGRATOR].item[0];
+  const hk_param *p = hk_spec_param(integrator, name, &c->e.error);
   hk_value v = {.kind = HK_VALUE_STRING, .text = value};
-  if (!p || hk_instance_set(c->e.scene->integrator, p, &v, c->e.scene->n, &c->e.error) != HK_OK) {
+  if (!p || hk_spec_set(integrator, p, &v, c->e.scene->n, &c->e.error) != HK_OK) {
     fprintf(stderr, "%s: %s\n", plugin, c->e.error.text);
     exit(1);
   }
@@ -226,7 +227,7 @@ typedef struct outcome {
 
 static void run_by_hand(curtain *c, method which, int side, outcome *out) {
   program p = {
-      .c = c, .s = (hk_system *)(void *)c->e.run, .plain = side == PLAIN, .end = ends[which], .context = context_of()};
+      .c = c, .s = &c->e.run->dynamics.system, .plain = side == PLAIN, .end = ends[which], .context = context_of()};
   sunindextype size = (sunindextype)p.s->size;
   double *X = malloc(p.s->size * sizeof *X);
   memcpy(X, p.s->X, p.s->size * sizeof *X);

@@ -36,10 +36,10 @@ static const method methods[] = {
 };
 enum { METHODS = sizeof methods / sizeof *methods };
 
-static void set_text(test_engine *e, hk_instance *i, const char *name, const char *text) {
-  const hk_param *p = hk_instance_param(i, name, &e->error);
+static void set_text(test_engine *e, hk_plugin_spec *i, const char *name, const char *text) {
+  const hk_param *p = hk_spec_param(i, name, &e->error);
   hk_value value = {.kind = HK_VALUE_STRING, .text = text};
-  if (p && hk_instance_set(i, p, &value, e->scene->n, &e->error) == HK_OK) return;
+  if (p && hk_spec_set(i, p, &value, e->scene->n, &e->error) == HK_OK) return;
   fprintf(stderr, "xpbd: %s\n", e->error.text);
   exit(1);
 }
@@ -47,7 +47,7 @@ static void set_text(test_engine *e, hk_instance *i, const char *name, const cha
 static outcome with_hooke(const method *m, size_t steps, double *x) {
   test_engine e;
   open_reference(&e, SIDE, false, end);
-  hk_instance *i = test_plugin(&e, HK_INTEGRATOR, m->plugin);
+  hk_plugin_spec *i = test_plugin(&e, HK_INTEGRATOR, m->plugin);
   e.options.dt = m->xpbd ? end : end / (double)steps;
   if (m->xpbd) {
     test_number(&e, i, "substeps", (double)steps);
@@ -59,7 +59,7 @@ static outcome with_hooke(const method *m, size_t steps, double *x) {
   double begin = own();
   hk_status status = hk_run_advance(e.run, end, &e.error);
   outcome out = {status == HK_OK ? 0 : INFINITY, own() - begin};
-  memcpy(x, e.run->X, 3 * e.run->system.n * sizeof *x);
+  memcpy(x, e.run->state.X, 3 * e.run->dynamics.system.n * sizeof *x);
   test_engine_close(&e);
   return out;
 }

@@ -56,7 +56,7 @@ static void free_cloth(test_engine *e, double damping) {
       if (j + 1 < N) edge[edges][0] = a, edge[edges++][1] = a + N;
       if (i + 1 < N && j + 1 < N) edge[edges][0] = a, edge[edges++][1] = a + N + 1;
     }
-  hk_instance *springs = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])edge, edges);
   test_number(e, springs, "k", 50);
   test_number(e, springs, "damping", damping);
@@ -274,7 +274,7 @@ static void threads_do_not_show_in_the_result(void **state) {
       if (k % SIDE) edge[edges][0] = k, edge[edges++][1] = k + 1;
       if (k + SIDE <= SIDE * SIDE) edge[edges][0] = k, edge[edges++][1] = k + SIDE;
     }
-    hk_instance *springs = test_plugin(&e, HK_FORCE, "springs");
+    hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
     test_edges(&e, springs, (const uint32_t(*)[2])edge, edges);
     test_number(&e, springs, "k", 100);
     test_number(&e, springs, "damping", 0.001);

@@ -10,8 +10,6 @@
  */
 #include "tests/support/engine.h"
 
-#include "core/run/engine.h"
-
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -62,9 +60,9 @@ static double noise(uint64_t *seed) {
 
 /* ---- scenes ---- */
 
-static hk_instance *link_edges(test_engine *e, const uint32_t (*edge)[2], size_t edges, double k, double c,
-                               double rest) {
-  hk_instance *springs = test_plugin(e, HK_FORCE, "springs");
+static hk_plugin_spec *link_edges(test_engine *e, const uint32_t (*edge)[2], size_t edges, double k, double c,
+                                  double rest) {
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, edge, edges);
   test_number(e, springs, "k", k);
   test_number(e, springs, "damping", c);
@@ -454,9 +452,9 @@ static void fast_cloth(test_engine *e) {
 
 /* ---- pins ---- */
 
-static hk_status rush(const hk_function *f, const double *in, size_t n_in, double *out, size_t max, size_t *n_out,
-                      hk_error *error) {
-  (void)f, (void)n_in, (void)max, (void)error;
+static hk_status rush(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out, size_t max,
+                      size_t *n_out, hk_error *error) {
+  (void)caller, (void)f, (void)n_in, (void)max, (void)error;
   const double at[6] = {-50 * in[0], 0, 0, -50, 0, 0};
   memcpy(out, at, sizeof at);
   *n_out = 6;
@@ -529,7 +527,7 @@ static void swinging(test_engine *e) {
 
 static void bearing(test_engine *e) {
   swinging(e);
-  hk_instance *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
   test_number(e, emitter, "every", 1.5e-3);
   test_vector(e, emitter, "position", 5, 5, 5);
 }
@@ -644,7 +642,7 @@ static void newton_errors(const char *solver, double damping, double error[ITERA
   e.options.integrator = "backward_euler";
   e.options.solver = solver;
   test_run(&e);
-  hk_system *s = &e.run->system;
+  hk_system *s = &e.run->dynamics.system;
   newton_run w = {3 * s->n, 5e-3, memory[0], memory[1], memory[2], memory[3], memory[4], memory[5]};
   assert_true(s->size <= SIZE);
   memcpy(w.base, s->X, s->size * sizeof *w.base);

@@ -35,33 +35,54 @@ uint32_t test_particle(test_engine *e, double x, double y, double z, double mass
   return id;
 }
 
-hk_instance *test_plugin(test_engine *e, hk_kind kind, const char *name) {
-  hk_instance *instance = NULL;
+hk_plugin_spec *test_plugin(test_engine *e, hk_kind kind, const char *name) {
+  hk_plugin_spec *spec = NULL;
   char path[PATH_MAX];
   if (strncmp(name, "fixture:", 8) == 0) {
     snprintf(path, sizeof path, HK_BUILD "/tests/fixtures/%s.so", name + 8);
     name = path;
   }
-  must(e, hk_scene_add_plugin(e->scene, kind, name, NULL, "", &instance, &e->error));
-  return instance;
+  must(e, hk_scene_add_plugin(e->scene, kind, name, NULL, "", &spec, &e->error));
+  return spec;
 }
 
-static void set(test_engine *e, hk_instance *instance, const char *name, const hk_value *value) {
-  const hk_param *param = hk_instance_param(instance, name, &e->error);
+static void set(test_engine *e, hk_plugin_spec *spec, const char *name, const hk_value *value) {
+  const hk_param *param = hk_spec_param(spec, name, &e->error);
   if (!param) fail_msg("%s", e->error.text);
-  must(e, hk_instance_set(instance, param, value, e->scene->n, &e->error));
+  must(e, hk_spec_set(spec, param, value, e->scene->n, &e->error));
 }
 
-void test_number(test_engine *e, hk_instance *instance, const char *name, double value) {
-  set(e, instance, name, &(hk_value){.kind = HK_VALUE_NUMBER, .number = value});
+void test_number(test_engine *e, hk_plugin_spec *spec, const char *name, double value) {
+  set(e, spec, name, &(hk_value){.kind = HK_VALUE_NUMBER, .number = value});
 }
 
-void test_vector(test_engine *e, hk_instance *instance, const char *name, double x, double y, double z) {
-  set(e, instance, name, &(hk_value){.kind = HK_VALUE_LIST, .count = 3, .list = (double[]){x, y, z}});
+void test_vector(test_engine *e, hk_plugin_spec *spec, const char *name, double x, double y, double z) {
+  set(e, spec, name, &(hk_value){.kind = HK_VALUE_LIST, .count = 3, .list = (double[]){x, y, z}});
 }
 
-void test_edges(test_engine *e, hk_instance *instance, const uint32_t (*edge)[2], size_t count) {
-  set(e, instance, "edges", &(hk_value){.kind = HK_VALUE_EDGES, .count = count, .edges = edge});
+void test_text(test_engine *e, hk_plugin_spec *spec, const char *name, const char *text) {
+  set(e, spec, name, &(hk_value){.kind = HK_VALUE_STRING, .text = text});
+}
+
+void test_list(test_engine *e, hk_plugin_spec *spec, const char *name, const double *list, size_t count) {
+  set(e, spec, name, &(hk_value){.kind = HK_VALUE_LIST, .count = count, .list = list});
+}
+
+void test_tuples(test_engine *e, hk_plugin_spec *spec, const char *name, unsigned arity, const uint32_t *ids,
+                 size_t count) {
+  set(e, spec, name, &(hk_value){.kind = HK_VALUE_TUPLES, .count = count, .arity = arity, .tuples = ids});
+}
+
+void test_edges(test_engine *e, hk_plugin_spec *spec, const uint32_t (*edge)[2], size_t count) {
+  test_tuples(e, spec, "edges", 2, &edge[0][0], count);
+}
+
+hk_instance *test_instance(test_engine *e, const hk_plugin_spec *spec) {
+  const hk_instances *list = &e->run->plugins.kind[spec->plugin->kind];
+  for (size_t k = 0; k < list->count; k++)
+    if (list->item[k]->spec == spec) return list->item[k];
+  fail_msg("%s is not in the run", spec->label);
+  return NULL;
 }
 
 void test_pin(test_engine *e, hk_pin kind, uint32_t id, const double axis[3]) {

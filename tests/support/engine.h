@@ -19,11 +19,17 @@ void test_engine_close(test_engine *);
 /* Adds one particle; returns its id. */
 uint32_t test_particle(test_engine *, double x, double y, double z, double mass);
 /* Adds a plugin by name, or a fixture by "fixture:NAME"; parameters are set with the functions below. */
-hk_instance *test_plugin(test_engine *, hk_kind kind, const char *name);
-void test_number(test_engine *, hk_instance *, const char *name, double value);
-void test_vector(test_engine *, hk_instance *, const char *name, double x, double y, double z);
-void test_edges(test_engine *, hk_instance *, const uint32_t (*edge)[2], size_t count);
+hk_plugin_spec *test_plugin(test_engine *, hk_kind kind, const char *name);
+void test_number(test_engine *, hk_plugin_spec *, const char *name, double value);
+void test_vector(test_engine *, hk_plugin_spec *, const char *name, double x, double y, double z);
+void test_text(test_engine *, hk_plugin_spec *, const char *name, const char *text);
+void test_list(test_engine *, hk_plugin_spec *, const char *name, const double *list, size_t count);
+void test_edges(test_engine *, hk_plugin_spec *, const uint32_t (*edge)[2], size_t count);
+/* Tuples of ids, `arity` each. */
+void test_tuples(test_engine *, hk_plugin_spec *, const char *name, unsigned arity, const uint32_t *ids, size_t count);
 void test_pin(test_engine *, hk_pin kind, uint32_t id, const double axis[3]);
+/* What the spec has become in the run, once it is open. */
+hk_instance *test_instance(test_engine *, const hk_plugin_spec *);
 /* Opens the run with the options; advances it. Both fail the test on an error. */
 void test_run(test_engine *);
 void test_advance(test_engine *, double t);

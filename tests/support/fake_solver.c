@@ -18,7 +18,8 @@ static double get_block(const double *blocks, size_t n, size_t row, size_t colum
 }
 
 static hk_matrix matrix_of(fake_system *f, double *value) {
-  return (hk_matrix){f->system.n, 3, f->solver->row_start, f->solver->column, value, false};
+  return (hk_matrix){
+      .rows = f->system.n, .block = 3, .row_start = f->solver->row_start, .column = f->solver->column, .value = value};
 }
 
 static hk_status jacobian(hk_system *s, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {
@@ -41,6 +42,22 @@ static hk_status jacobian(hk_system *s, double t, double *X, unsigned want, hk_m
   f->jacobians++;
   *K = matrix_of(f, q->K);
   *D = matrix_of(f, q->D);
+  return HK_OK;
+}
+
+static hk_status product(hk_system *s, double t, const double *X, const double *dx, const double *dv, double *dF) {
+  fake_solver *q = fake_of(s)->solver;
+  hk_matrix K, D;
+  double *at = malloc(s->size * sizeof *at);
+  if (!at) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for a product");
+  memcpy(at, X, s->size * sizeof *at);
+  jacobian(s, t, at, 0, &K, &D);
+  free(at);
+  for (size_t r = 0; r < 3 * s->n; r++) {
+    dF[r] = 0;
+    for (size_t c = 0; c < 3 * s->n; c++)
+      dF[r] -= get_block(q->K, s->n, r, c) * dx[c] + get_block(q->D, s->n, r, c) * dv[c];
+  }
   return HK_OK;
 }
 
@@ -118,6 +135,7 @@ void fake_solver_attach(fake_system *f) {
     for (size_t c = 0; c < n; c++) q->column[r * n + c] = (uint32_t)c;
   }
   f->system.jacobian = jacobian;
+  f->system.product = product;
   f->system.combine = combine;
   f->system.factorize = factorize;
   f->system.solve = solve;

@@ -86,6 +86,11 @@ static const void *host_query(const hk_host *host, const char *service) {
   return NULL;
 }
 
+static hk_status host_resize(const hk_host *host, hk_array *field, size_t count) {
+  (void)field, (void)count;
+  return host_fail(host, HK_FAILED, "no fields that are arrays here");
+}
+
 /* ---- The system ---- */
 
 static hk_status accelerations(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy) {
@@ -120,12 +125,35 @@ static void impose(hk_system *s, double t, double *x, double *v) { (void)s, (voi
 
 static void filter(hk_system *s, double *vector) { (void)s, (void)vector; }
 
+/* f is one force that acts everywhere, has no energy of its own and states nothing of its stiffness. */
+static hk_status update(hk_system *s, double t, const double *X, const double *x_to) {
+  (void)s, (void)t, (void)X, (void)x_to;
+  return HK_OK;
+}
+
+static double step_limit(hk_system *s, double t, const double *X, const double *dx) {
+  (void)s, (void)t, (void)X, (void)dx;
+  return 1;
+}
+
+static hk_status potential(hk_system *s, double t, const double *X, double *joule) {
+  (void)s, (void)t, (void)X;
+  *joule = 0;
+  return HK_OK;
+}
+
+static bool stiffness_bound(hk_system *s, hk_stiffness_part part, bool stiffening, double (*block)[6]) {
+  (void)part, (void)stiffening;
+  memset(block, 0, s->n * sizeof *block);
+  return !(s->flags & HK_DEPENDS_ON_X);
+}
+
 fake_system *fake_system_create(const fake_problem *problem) {
   fake_system *f = room(1, sizeof *f);
   size_t n = problem->n;
   f->problem = *problem;
-  f->host = (hk_host){HK_ABI,      host_fail, host_warn, host_allocate, host_release, host_parallel_for,
-                      host_random, host_path, host_query};
+  f->host = (hk_host){HK_ABI,      host_fail, host_warn,  host_allocate, host_release, host_parallel_for,
+                      host_random, host_path, host_query, host_resize};
   f->mass = room(n, sizeof *f->mass);
   f->id = room(n, sizeof *f->id);
   f->group = room(n, sizeof *f->group);
@@ -159,6 +187,10 @@ fake_system *fake_system_create(const fake_problem *problem) {
                           .energy = energy,
                           .impose = impose,
                           .filter = filter,
+                          .update = update,
+                          .step_limit = step_limit,
+                          .potential = potential,
+                          .stiffness_bound = stiffness_bound,
                           .forces = 1,
                           .force = &f->force,
                           .takes = &f->takes,

@@ -1,7 +1,9 @@
 /* A spring network written out plainly: forces from Hooke's law, matrices from the entries k n n^T + k (1 - L/l)
  * (I - n n^T), eigenvalues by Jacobi's rotations. It shares no code with the engine, so that it can be its reference.
+ * Only the bound that the system states of its stiffness is the one of the plugins: it is among what is tested.
  */
 #include "tests/support/network.h"
+#include "plugins/common/springs/edge_stiffness.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -54,6 +56,16 @@ static hk_status accelerations(hk_system *system, double t, double *x, double *v
   return ++w->evaluations == w->fails_at ? HK_NOT_FINITE : HK_OK;
 }
 
+static bool stiffness_bound(hk_system *system, hk_stiffness_part part, bool stiffening, double (*block)[6]) {
+  const spring_network *w = (const spring_network *)(void *)system;
+  const hk_elements *list = &w->list.elements;
+  hk_edge_stiffness s = {&list->node, &list->stiffness, &list->damping, &list->rest, false};
+  hk_view view = {.n = w->n, .x = w->X, .v = w->X + 3 * w->n, .model = &w->model};
+  memset(block, 0, w->n * sizeof *block);
+  if (!stiffening || w->force.flags & HK_STIFFENS) hk_edge_stiffness_bound(&s, &view, part, block);
+  return w->covered;
+}
+
 static void *room(size_t count, size_t size) {
   void *memory = calloc(count + 1, size);
   if (!memory) abort();
@@ -82,11 +94,17 @@ spring_network *network_create(size_t n, size_t edges, bool channel) {
   w->model.element_list = &w->list;
   w->model.element_lists = 1;
   w->list.force = "springs";
+  w->list.elements.node.arity = 2;
+  w->list.elements.values = 1;
+  w->force = (hk_force_info){"springs", HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, false, true};
   w->system = (hk_system){.model = &w->model, .X = w->X, .n = n, .size = size, .tol = 1e-6};
   w->system.flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V;
   w->system.accelerations = accelerations;
   w->system.impose = impose;
   w->system.filter = filter;
+  w->system.stiffness_bound = stiffness_bound;
+  w->system.forces = 1;
+  w->system.force = &w->force;
   return w;
 }
 
@@ -127,11 +145,10 @@ void network_join(spring_network *w, size_t i, size_t j, double k, double c) {
   w->stiffness[e] = k;
   w->damping[e] = c;
   w->rest[e] = separation(w->X, w->pair[e], d);
-  w->list.elements.count = w->edges;
-  w->list.elements.pair = (const uint32_t(*)[2])w->pair;
-  w->list.elements.stiffness = (hk_per_edge){w->edges, w->stiffness};
-  w->list.elements.damping = (hk_per_edge){w->edges, w->damping};
-  w->list.elements.rest = (hk_per_edge){w->edges, w->rest};
+  w->list.elements.node = (hk_tuples){w->edges, 2, &w->pair[0][0]};
+  w->list.elements.stiffness = (hk_per_tuple){w->edges, w->stiffness};
+  w->list.elements.damping = (hk_per_tuple){w->edges, w->damping};
+  w->list.elements.rest = (hk_per_tuple){w->edges, w->rest};
 }
 
 static void rotate(double *a, size_t m, size_t p, size_t q) {

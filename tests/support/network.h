@@ -1,4 +1,4 @@
-/* Networks of springs that stand in for a scene: an hk_system without the engine, for tests of core/spectrum. */
+/* Networks of springs that stand in for a scene: an hk_system without the engine, for tests of core/stability. */
 #ifndef HK_TEST_NETWORK_H
 #define HK_TEST_NETWORK_H
 
@@ -8,6 +8,7 @@ typedef struct spring_network {
   hk_system system; /* first member */
   hk_model model;
   hk_element_list list;
+  hk_force_info force;
   size_t n, edges, capacity;
   double *mass, *inverse_mass, *X;
   uint8_t *pin;
@@ -17,6 +18,7 @@ typedef struct spring_network {
   double gyration;              /* 1/s, acceleration gyration v x e_z */
   double decay;                 /* 1/s, of the one channel */
   double extra;                 /* 1/s^2, acceleration -extra x, which no element knows */
+  bool covered;                 /* the bound of the springs is said to account for all that depends on x */
   size_t evaluations, fails_at; /* fails_at: the evaluation that is not finite; 0: none */
   hk_channel channel;
 } spring_network;

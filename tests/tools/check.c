@@ -76,7 +76,8 @@ static const char force_source[] =
     "  for (size_t i = 0; i < view->n; i++)\n"
     "    for (size_t c = 0; ACTS(view, i) && c < 3; c++) into->K[9 * into->slot[i] + 4 * c] += JACOBIAN * p->s;\n"
     "  return HK_OK;\n}\n"
-    "static const hk_force force = {.flags = FLAGS, .add = add, .energy = energy, .pattern = pattern, .jacobian = "
+    "static const hk_force force = {.size = sizeof(hk_force), .flags = FLAGS, .add = add, .energy = energy, .pattern = "
+    "pattern, .jacobian = "
     "jacobian};\n"
     "HK_EXPORT const hk_plugin hk_plugin_main = {.abi = HK_ABI, .kind = HK_FORCE, .name = \"pull\", .summary = \"F = "
     "-s "
@@ -88,7 +89,8 @@ static const char method_source[] =
     "typedef struct method { double *slope; } method;\n"
     "static const hk_field fields[] = {{\"slope\", HK_FIELD_STATE, 1, offsetof(method, slope), HK_SCRATCH}, {0}};\n"
     /* the roots of l^2 - (2 - z - g) l + 1 - g, z = (h w)^2: x and v of a step with v first */
-    "static double amplification(double hw, double hg) {\n"
+    "static double amplification(const void *self, double hw, double hg) {\n"
+    "  (void)self;\n"
     "  double z = BY * BY * hw * hw, half = 1 - (z + hg) / 2, root = half * half - (1 - hg);\n"
     "  double most = root <= 0 ? sqrt(fabs(1 - hg)) : fabs(half) + sqrt(root);\n"
     "  return most > 1 ? most : 1;\n}\n"
@@ -99,7 +101,8 @@ static const char method_source[] =
     "  for (size_t e = 0; status == HK_OK && e < 3 * s->n; e++) {\n"
     "    v[e] += h * a[e];\n    x[e] += h * v[e];\n  }\n"
     "  return status;\n}\n"
-    "static const hk_integrator integrator = {.order = ORDER, .stages = 1, .flags = FLAGS, .amplification = "
+    "static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = ORDER, .stages = 1, .flags = "
+    "FLAGS, .amplification = "
     "amplification, .step = step};\n"
     "HK_EXPORT const hk_plugin hk_plugin_main = {.abi = HK_ABI, .kind = HK_INTEGRATOR, .name = \"method\", .summary = "
     "\"Euler\", .reference = \"\", .instance_size = sizeof(method), .fields = fields, .integrator = &integrator};\n";
@@ -157,7 +160,7 @@ static void what_cannot_be_checked_is_said(void **state) {
       {"check", "no plugin given"},
       {"check none.so", "none.so"},
       {"check %s/tests/fixtures/no_symbol.so", "exports no hk_plugin_main"},
-      {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 2.0"},
+      {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 3.0"},
       {"check %s/tests/fixtures/floor.so", "of the kind 'corrector'"},
       {"check %s/plugins/forces/springs.so stiffnes=3", "no parameter 'stiffnes'"},
       {"check %s/plugins/forces/springs.so k=soft", "'soft' is not a number"},

@@ -2,9 +2,8 @@
  * whose scene has the force first is evaluated at states made here, random or degenerate; the run itself is not
  * changed. Differences are central ones, and the best of several steps counts: too long a step shows curvature, too
  * short a one rounding. */
-#include "core/run/engine.h"
 #include "core/lua/lua.h"
-#include "core/base/random.h"
+#include "core/base/base.h"
 
 #include <lauxlib.h>
 #include <lua.h>
@@ -23,7 +22,7 @@ static void set_flag(lua_State *L, const char *key, bool value) {
 
 /* threads(scene, n): how many the scene's run will have. */
 static int set_threads(lua_State *L) {
-  (*(hk_scene **)luaL_checkudata(L, 1, "hooke.scene"))->threads = (int)luaL_checkinteger(L, 2);
+  hk_script_run_options(hk_lua_owner(L, 1))->threads = (int)luaL_checkinteger(L, 2);
   return 0;
 }
 
@@ -55,14 +54,15 @@ static double *numbers(lua_State *L, size_t count) {
 }
 
 static hk_run *run_of(lua_State *L) {
-  hk_scene *scene = *(hk_scene **)luaL_checkudata(L, 1, "hooke.run");
-  if (!scene->run || scene->force.count == 0) luaL_error(L, "check: there is no run with a force");
-  return scene->run;
+  hk_run *run = hk_lua_run(L);
+  if (run->plugins.kind[HK_FORCE].count == 0) luaL_error(L, "check: there is no run with a force");
+  return run;
 }
 
 static subject look(lua_State *L) {
   hk_run *run = run_of(L);
-  subject s = {.instance = run->scene->force.item[0], .view = run->force_view[0], .n = run->model.n, .fine = true};
+  subject s = {.instance = run->plugins.kind[HK_FORCE].item[0], .view = run->dynamics.force_view[0], .fine = true};
+  s.n = run->state.model.n;
   luaL_checkstack(L, 16, "check");
   s.force = s.instance->plugin->force;
   s.size = 3 * s.n;
@@ -71,8 +71,8 @@ static subject look(lua_State *L) {
   s.F = numbers(L, s.size);
   s.other = numbers(L, s.size);
   s.measured = numbers(L, s.size);
-  memcpy(s.x, run->X, s.size * sizeof *s.x);
-  memcpy(s.v, run->X + s.size, s.size * sizeof *s.v);
+  memcpy(s.x, run->state.X, s.size * sizeof *s.x);
+  memcpy(s.v, run->state.X + s.size, s.size * sizeof *s.v);
   s.view.x = s.x;
   s.view.v = s.v;
   s.view.power = NULL;

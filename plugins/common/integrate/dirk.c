@@ -169,7 +169,7 @@ hk_status hk_dirk_stages(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, dou
       memcpy(base, s->X, s->size * sizeof *base);
       for (int j = 0; j < i; j++) add(base, slope_of(m, s, j), s->size, h * T->a[i][j]);
       guess(s, g, known, base, X);
-      hk_view_setup stage = {s->t + T->c[i] * h, g, limit, base, X, !(limit > 0)};
+      hk_stage stage = {s->t + T->c[i] * h, g, limit, base, X, !(limit > 0)};
       if (!(limit > 0)) stage.limit = hk_newton_limit(&m->newton, s, X + 3 * s->n);
       status = hk_newton_solve(&m->newton, s, &stage);
       if (status == HK_OK) take_slope(s, g, base, X, k);

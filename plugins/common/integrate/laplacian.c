@@ -67,7 +67,7 @@ hk_status hk_laplacian_build(hk_laplacian *l, const hk_host *host, size_t n, siz
       l->slot[e][k] = find(l, pair[e][k], pair[e][!k]);
     }
   l->edges = edges;
-  l->matrix = (hk_matrix){n, 1, l->row_start, l->column, value, true};
+  l->matrix = (hk_matrix){n, 1, l->row_start, l->column, value, true, 0};
   return HK_OK;
 }
 

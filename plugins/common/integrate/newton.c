@@ -14,7 +14,7 @@ static const double slow = 0.2, rounding = 16 * DBL_EPSILON, forcing = 0.1, drop
 typedef struct work {
   hk_newton *w;
   hk_system *s;
-  const hk_view_setup *stage;
+  const hk_stage *stage;
   size_t m; /* 3n */
   double *a, *R, *dv, *v_old, *p, *q, *z, *r, *y_last, *left_last;
   unsigned flags; /* the solver's */
@@ -45,7 +45,7 @@ void hk_newton_forget(hk_newton *w) {
   w->krylov = w->chord = (hk_shortcut){0};
 }
 
-static work begin(hk_newton *w, hk_system *s, const hk_view_setup *stage) {
+static work begin(hk_newton *w, hk_system *s, const hk_stage *stage) {
   size_t m = 3 * s->n;
   double *at = w->memory;
   work k = {.w = w, .s = s, .stage = stage, .m = m, .a = at};
@@ -89,7 +89,7 @@ static void set_channels(work *k, bool first) {
 
 /* R = M (v - v* - g a) at v; x and y follow. */
 static hk_status residual(work *k, bool first) {
-  const hk_view_setup *stage = k->stage;
+  const hk_stage *stage = k->stage;
   hk_system *s = k->s;
   double *X = stage->X, *v = X + k->m, g = stage->g;
   set_positions(k);
@@ -273,7 +273,7 @@ static hk_status fall_back(work *k, pace *p, double size, double limit) {
 }
 
 static hk_status iterate(work *k) {
-  const hk_view_setup *stage = k->stage;
+  const hk_stage *stage = k->stage;
   double floor = rounding * (hk_rms(stage->X, k->m) / stage->g + hk_rms(stage->X + k->m, k->m));
   double limit = stage->limit, size = 0;
   pace p = start_pace(k);
@@ -308,7 +308,7 @@ static hk_status iterate(work *k) {
   return gave_up(k, size, limit);
 }
 
-hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_view_setup *stage) {
+hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   work k = begin(w, s, stage);
   hk_status status = s->solver_flags(s, &k.flags);
   if (status == HK_OK) status = residual(&k, true);

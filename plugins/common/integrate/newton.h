@@ -50,17 +50,17 @@ typedef struct hk_newton {
 } hk_newton;
 
 /* X: shaped as s->X. In: the guess of v at X + 3n (and y). Out: x, v and y of the stage; slopes are (X - base)/g. */
-typedef struct hk_view_setup {
+typedef struct hk_stage {
   double t, g;
   double limit;       /* m/s, algebraic error allowed in v, RMS */
   const double *base; /* x*, v*, y*; shaped as s->X */
   double *X;
   bool fixed; /* of a method with a fixed step: the algebraic error stays far below the first change as well, which is
                  about the error of the step, so that it does not show however short the step */
-} hk_view_setup;
+} hk_stage;
 
 /* HK_NOT_CONVERGED: X is worth nothing. s->X is not touched, but for its pins. */
-hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_view_setup *);
+hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);
 /* What a method with a fixed step asks of its stages: tolerance x the largest RMS speed so far, that of `v` included.
  */
 double hk_newton_limit(hk_newton *, const hk_system *, const double *v);

@@ -2,7 +2,7 @@
 #ifndef HK_FRAMING_H
 #define HK_FRAMING_H
 
-#include "plugins/common/picture/frame_spool.h"
+#include "plugins/common/film/frame_spool.h"
 #include "plugins/common/picture/view_setup.h"
 
 typedef struct hk_framing {

@@ -1,9 +1,9 @@
 /* Making and unmaking the painter: programs, vertex arrays, the shadow's texture. */
 #include "plugins/common/picture/painter.h"
 
-#include "plugins/common/picture/gl.h"
-#include "plugins/common/picture/gl_program.h"
-#include "plugins/common/picture/shaders.h"
+#include "plugins/common/gl/gl.h"
+#include "plugins/common/gl/gl_program.h"
+#include "plugins/common/gl/shaders.h"
 
 static hk_status make_programs(hk_painter *p) {
   static const char *const source[HK_PROGRAMS][2] = {

@@ -3,7 +3,7 @@
 #ifndef HK_PAINTER_H
 #define HK_PAINTER_H
 
-#include "plugins/common/picture/canvas.h"
+#include "plugins/common/gl/canvas.h"
 #include "plugins/common/picture/snapshot3d.h"
 #include "plugins/common/picture/view_setup.h"
 

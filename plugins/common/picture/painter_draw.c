@@ -1,6 +1,6 @@
 /* The passes of a picture: backdrop, floor with the shadow, cloth, springs, particles. */
 #include "plugins/common/picture/geometry.h"
-#include "plugins/common/picture/gl.h"
+#include "plugins/common/gl/gl.h"
 #include "plugins/common/picture/shadow.h"
 
 typedef struct scene {

@@ -14,7 +14,7 @@ hk_status hk_look_choose(hk_look *look, const hk_host *host, const hk_model *m, 
                          const char **label) {
   static const char *const name[] = {"none", "strain", "speed", "group"}; /* as hk_paint */
   static const char *const labels[] = {"", "strain %", "speed m/s", ""};
-  if (strcmp(colour, "auto") == 0) colour = m->element_lists ? "strain" : m->triangles ? "none" : "speed";
+  if (strcmp(colour, "auto") == 0) colour = m->element_lists ? "strain" : m->triangles.count ? "none" : "speed";
   for (int k = 0; k < 4; k++)
     if (strcmp(colour, name[k]) == 0) {
       look->paint = (hk_paint)k;
@@ -67,38 +67,42 @@ void hk_snapshot3d_free(hk_snapshot3d *s) {
 /* What the topology's copy depends on; pins open and springs tear without a birth or death. */
 static uint64_t fingerprint(const hk_model *m) {
   uint64_t h = 14695981039346656037u;
-  size_t counts[] = {m->n, m->edges.count, m->triangles, m->element_lists};
+  size_t counts[] = {m->n, m->edges.count, m->triangles.count, m->element_lists};
   for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) h = (h ^ counts[k]) * 1099511628211u;
-  for (size_t k = 0; k < m->element_lists; k++) h = (h ^ m->element_list[k].elements.count) * 1099511628211u;
+  for (size_t k = 0; k < m->element_lists; k++) h = (h ^ m->element_list[k].elements.node.count) * 1099511628211u;
   for (size_t i = 0; i < m->n; i++) h = (h ^ m->pin[i]) * 1099511628211u;
   return h;
 }
 
+/* The edges of elements on pairs, or else the scene's. */
 static size_t all_lines(const hk_model *m) {
   size_t count = 0;
-  for (size_t k = 0; k < m->element_lists; k++) count += m->element_list[k].elements.count;
+  for (size_t k = 0; k < m->element_lists; k++)
+    if (m->element_list[k].elements.node.arity == 2) count += m->element_list[k].elements.node.count;
   return m->element_lists ? count : m->edges.count;
 }
 
 /* Appends the pairs to draw: all, or those with an end that no triangle touches. */
-static void add_lines(hk_snapshot3d *s, size_t count, const uint32_t (*pair)[2], bool all) {
-  for (size_t e = 0; e < count; e++) {
-    if (!all && s->weight[pair[e][0]] > 0 && s->weight[pair[e][1]] > 0) continue;
-    memcpy(s->line[s->lines++], pair[e], sizeof *pair);
+static void add_lines(hk_snapshot3d *s, const hk_tuples *edges, bool all) {
+  for (size_t e = 0; e < edges->count; e++) {
+    const uint32_t *pair = hk_tuple(edges, e);
+    if (!all && s->weight[pair[0]] > 0 && s->weight[pair[1]] > 0) continue;
+    memcpy(s->line[s->lines++], pair, sizeof s->line[0]);
   }
 }
 
 /* While this runs, `weight` says which particles belong to a triangle. */
 static void take_topology(hk_snapshot3d *s, const hk_model *m, const hk_look *look) {
-  s->triangles = m->triangles;
+  s->triangles = m->triangles.count;
   s->lines = 0;
-  if (m->triangles) memcpy(s->triangle, m->triangle, m->triangles * sizeof *m->triangle);
+  if (s->triangles) memcpy(s->triangle, m->triangles.index, s->triangles * sizeof *s->triangle);
   memset(s->weight, 0, m->n * sizeof *s->weight);
-  for (size_t k = 0; k < 3 * m->triangles; k++) s->weight[m->triangle[k / 3][k % 3]] = 1;
+  for (size_t k = 0; k < 3 * s->triangles; k++) s->weight[m->triangles.index[k]] = 1;
   if (look->springs != 2) {
     for (size_t k = 0; k < m->element_lists; k++)
-      add_lines(s, m->element_list[k].elements.count, m->element_list[k].elements.pair, look->springs == 1);
-    if (!m->element_lists) add_lines(s, m->edges.count, m->edges.pair, look->springs == 1);
+      if (m->element_list[k].elements.node.arity == 2)
+        add_lines(s, &m->element_list[k].elements.node, look->springs == 1);
+    if (!m->element_lists) add_lines(s, &m->edges, look->springs == 1);
   }
   for (size_t i = 0; i < m->n; i++) {
     bool bead = look->particles == 1 || (look->particles == 0 && s->weight[i] == 0);
@@ -136,11 +140,12 @@ static void take_strain(hk_snapshot3d *s, const hk_view *view) {
   for (size_t i = 0; i < view->n; i++) s->ink[i].number = s->weight[i] = 0;
   for (size_t l = 0; l < m->element_lists; l++) {
     const hk_elements *e = &m->element_list[l].elements;
-    for (size_t k = 0; k < e->count; k++) {
-      size_t i = e->pair[k][0], j = e->pair[k][1];
+    if (e->node.arity != 2 || e->evaluate || e->rest.count == 0) continue;
+    for (size_t k = 0; k < e->node.count; k++) {
+      size_t i = hk_tuple(&e->node, k)[0], j = hk_tuple(&e->node, k)[1];
       const double *a = view->x + 3 * i, *b = view->x + 3 * j;
       double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-      double rest = hk_edge_value(&e->rest, k), stiffness = hk_edge_value(&e->stiffness, k);
+      double rest = hk_tuple_value(&e->rest, k), stiffness = hk_tuple_value(&e->stiffness, k);
       if (!(rest > 0) || !(stiffness > 0)) continue;
       double strain = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / rest - 1;
       if (!isfinite(strain)) continue;
@@ -197,7 +202,7 @@ hk_status hk_snapshot3d_take(hk_snapshot3d *s, const hk_view *view, const hk_loo
   const hk_model *m = view->model;
   s->host = view->host;
   bool first = !s->room;
-  hk_status status = hk_snapshot3d_reserve(s, view->n, m->triangles, look->springs == 2 ? 0 : all_lines(m));
+  hk_status status = hk_snapshot3d_reserve(s, view->n, m->triangles.count, look->springs == 2 ? 0 : all_lines(m));
   if (status != HK_OK) return status;
   if (first) find_origin(s, view);
   uint64_t print = fingerprint(m);

@@ -16,6 +16,9 @@ static inline bool hk_edge_acts(const hk_view *view, const uint32_t pair[2]) {
 }
 
 /* Fills rest lengths that were left out with those of the start, m. HK_NO_MEMORY. */
-hk_status hk_edge_rest(const hk_host *, const hk_view *view, const hk_edges *edges, hk_per_edge *rest);
+hk_status hk_edge_rest(const hk_host *, const hk_view *view, const hk_tuples *edges, hk_per_tuple *rest);
+
+/* The edges as pairs. */
+static inline const uint32_t (*hk_pairs(const hk_tuples *edges))[2] { return (const uint32_t(*)[2])edges->index; }
 
 #endif

@@ -39,7 +39,7 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t size) {
 
 static hk_status reserve(hk_element_edges *e, const hk_host *host, const hk_model *model) {
   size_t springs = 0, n = model->n;
-  for (size_t k = 0; k < model->element_lists; k++) springs += model->element_list[k].elements.count;
+  for (size_t k = 0; k < model->element_lists; k++) springs += model->element_list[k].elements.node.count;
   e->pair = renew(host, e->pair, springs, sizeof *e->pair);
   e->stiffness = renew(host, e->stiffness, springs, sizeof *e->stiffness);
   e->damping = renew(host, e->damping, springs, sizeof *e->damping);
@@ -63,11 +63,11 @@ static void collect_springs(hk_element_edges *e, const hk_model *model) {
   for (size_t k = 0; k < model->element_lists; k++) {
     const hk_elements *list = &model->element_list[k].elements;
     e->acts[k] = model->element_list[k].acts;
-    for (size_t q = 0; e->acts[k] && q < list->count; q++, e->count++) {
-      memcpy(e->pair[e->count], list->pair[q], sizeof e->pair[0]);
-      e->stiffness[e->count] = hk_edge_value(&list->stiffness, q);
-      e->damping[e->count] = hk_edge_value(&list->damping, q);
-      e->rest[e->count] = hk_edge_value(&list->rest, q);
+    for (size_t q = 0; e->acts[k] && q < list->node.count; q++, e->count++) {
+      memcpy(e->pair[e->count], hk_tuple(&list->node, q), sizeof e->pair[0]);
+      e->stiffness[e->count] = hk_tuple_value(&list->stiffness, q);
+      e->damping[e->count] = list->damping.count ? hk_tuple_value(&list->damping, q) : 0;
+      e->rest[e->count] = list->rest.count ? hk_tuple_value(&list->rest, q) : 0;
     }
   }
 }

@@ -12,11 +12,11 @@ typedef struct growth {
   uint32_t *place;             /* UINT32_MAX: none yet */
 } growth;
 
-static void list_neighbours(growth *g, const hk_edges *edges) {
-  for (size_t e = 0; e < edges->count; e++) g->start[edges->pair[e][0] + 2]++, g->start[edges->pair[e][1] + 2]++;
+static void list_neighbours(growth *g, const hk_tuples *edges) {
+  for (size_t e = 0; e < edges->count; e++) g->start[hk_tuple(edges, e)[0] + 2]++, g->start[hk_tuple(edges, e)[1] + 2]++;
   for (size_t i = 2; i < g->n + 2; i++) g->start[i] += g->start[i - 1];
   for (size_t e = 0; e < edges->count; e++) {
-    uint32_t i = edges->pair[e][0], j = edges->pair[e][1];
+    uint32_t i = hk_tuple(edges, e)[0], j = hk_tuple(edges, e)[1];
     g->neighbour[g->start[i + 1]++] = j;
     g->neighbour[g->start[j + 1]++] = i;
   }
@@ -43,7 +43,7 @@ static void grow_cluster(growth *g, uint32_t from) {
     }
 }
 
-bool hk_particle_order(const hk_host *host, size_t n, const hk_edges *edges, uint32_t *place) {
+bool hk_particle_order(const hk_host *host, size_t n, const hk_tuples *edges, uint32_t *place) {
   growth g = {.n = n, .place = place};
   g.start = host->allocate(host, (n + 2) * sizeof *g.start);
   g.neighbour = host->allocate(host, (2 * edges->count + 1) * sizeof *g.neighbour);

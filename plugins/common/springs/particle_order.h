@@ -7,6 +7,6 @@
 
 /* place[i], 0 <= place[i] < n: clusters of CLUSTER joined particles, each beside one that it touches. Linear in n and
  * in the number of edges; false when there is no memory. */
-bool hk_particle_order(const hk_host *host, size_t n, const hk_edges *edges, uint32_t *place);
+bool hk_particle_order(const hk_host *host, size_t n, const hk_tuples *edges, uint32_t *place);
 
 #endif

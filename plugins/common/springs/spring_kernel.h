@@ -40,8 +40,8 @@ typedef struct hk_spring_layout {
 
 /* From edges and coefficients (common or one per edge), in the host's memory. Springs with an end where `is_active` is
  * false are left out (NULL: all active). After HK_NO_MEMORY the layout can only be freed. */
-hk_status hk_spring_layout_build(hk_spring_layout *, const hk_host *host, size_t n, const hk_edges *edges,
-                                 const hk_per_edge *k, const hk_per_edge *c, const hk_per_edge *L,
+hk_status hk_spring_layout_build(hk_spring_layout *, const hk_host *host, size_t n, const hk_tuples *edges,
+                                 const hk_per_tuple *k, const hk_per_tuple *c, const hk_per_tuple *L,
                                  const bool *is_active);
 void hk_spring_layout_free(hk_spring_layout *, const hk_host *host);
 

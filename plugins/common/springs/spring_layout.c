@@ -20,7 +20,7 @@ enum {
 typedef struct builder {
   const hk_host *host;
   hk_spring_layout *layout;
-  const hk_edges *edges;
+  const hk_tuples *edges;
   size_t n, ranges, width; /* particles, ranges of them, particles of a range */
   uint32_t *order, *scratch, *count;
   uint32_t *place; /* n: the particles' order for caches and ranges; NULL: by index */
@@ -39,7 +39,7 @@ static void pair_ranges(builder *b) {
   uint32_t busy[RANGES_MAX] = {0}, round_of[RANGES_MAX][RANGES_MAX]; /* busy: a bit per round */
   bool used[RANGES_MAX][RANGES_MAX] = {{false}};
   for (size_t e = 0; e < s->count; e++) {
-    size_t i = range_of(b, b->edges->pair[b->order[e]][0]), j = range_of(b, b->edges->pair[b->order[e]][1]);
+    size_t i = range_of(b, hk_tuple(b->edges, b->order[e])[0]), j = range_of(b, hk_tuple(b->edges, b->order[e])[1]);
     used[i < j ? i : j][i < j ? j : i] = true;
   }
   for (size_t i = 0; i < b->ranges; i++)
@@ -71,21 +71,21 @@ static void counting_sort(builder *b, uint32_t *list, size_t count, size_t keys,
 }
 
 static uint32_t by_group(const builder *b, uint32_t e) {
-  return b->group_of[range_of(b, b->edges->pair[e][0])][range_of(b, b->edges->pair[e][1])];
+  return b->group_of[range_of(b, hk_tuple(b->edges, e)[0])][range_of(b, hk_tuple(b->edges, e)[1])];
 }
 
 static uint32_t low_block(const builder *b, uint32_t e) {
-  uint32_t i = place_of(b, b->edges->pair[e][0]), j = place_of(b, b->edges->pair[e][1]);
+  uint32_t i = place_of(b, hk_tuple(b->edges, e)[0]), j = place_of(b, hk_tuple(b->edges, e)[1]);
   return (i < j ? i : j) >> BLOCK_BITS;
 }
 
 static uint32_t high_block(const builder *b, uint32_t e) {
-  uint32_t i = place_of(b, b->edges->pair[e][0]), j = place_of(b, b->edges->pair[e][1]);
+  uint32_t i = place_of(b, hk_tuple(b->edges, e)[0]), j = place_of(b, hk_tuple(b->edges, e)[1]);
   return (i < j ? j : i) >> BLOCK_BITS;
 }
 
 static bool follows(const builder *b, uint32_t e, uint32_t next) {
-  return b->edges->pair[next][0] == b->edges->pair[e][0] + 1 && b->edges->pair[next][1] == b->edges->pair[e][1] + 1;
+  return hk_tuple(b->edges, next)[0] == hk_tuple(b->edges, e)[0] + 1 && hk_tuple(b->edges, next)[1] == hk_tuple(b->edges, e)[1] + 1;
 }
 
 static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count) {
@@ -105,7 +105,7 @@ static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count)
 }
 
 static bool touches_last(const builder *b, uint32_t e) {
-  return b->edges->pair[e][0] == b->n - 1 || b->edges->pair[e][1] == b->n - 1;
+  return hk_tuple(b->edges, e)[0] == b->n - 1 || hk_tuple(b->edges, e)[1] == b->n - 1;
 }
 
 typedef struct placed_run {
@@ -129,7 +129,7 @@ static bool sort_runs(builder *b, size_t first_run, size_t begin) {
   if (!list) return false;
   for (size_t r = 0; r < runs; r++) {
     hk_spring_run run = s->run[first_run + r];
-    list[r] = (placed_run){b->edges->pair[b->order[run.begin]][0], run};
+    list[r] = (placed_run){hk_tuple(b->edges, b->order[run.begin])[0], run};
   }
   qsort(list, runs, sizeof *list, by_particle);
   for (size_t r = 0; r < runs; r++) {
@@ -190,7 +190,7 @@ static bool arrange(builder *b) {
 }
 
 /* The coefficients in the layout's order, or the common one. */
-static double *arrange_numbers(const builder *b, const hk_per_edge *from, bool *each) {
+static double *arrange_numbers(const builder *b, const hk_per_tuple *from, bool *each) {
   *each = from->count > 1;
   size_t count = *each ? b->layout->count : 1;
   double *list = b->host->allocate(b->host, (count + 1) * sizeof *list);
@@ -198,14 +198,14 @@ static double *arrange_numbers(const builder *b, const hk_per_edge *from, bool *
   return list;
 }
 
-static bool copy_springs(builder *b, const hk_per_edge *k, const hk_per_edge *c, const hk_per_edge *L) {
+static bool copy_springs(builder *b, const hk_per_tuple *k, const hk_per_tuple *c, const hk_per_tuple *L) {
   hk_spring_layout *s = b->layout;
   s->pair = b->host->allocate(b->host, (s->count + 1) * sizeof *s->pair);
   s->k = arrange_numbers(b, k, &s->each_k);
   s->c = arrange_numbers(b, c, &s->each_c);
   s->L = arrange_numbers(b, L, &s->each_L);
   if (!s->pair || !s->k || !s->c || !s->L) return false;
-  for (size_t e = 0; e < s->count; e++) memcpy(s->pair[e], b->edges->pair[b->order[e]], sizeof *s->pair);
+  for (size_t e = 0; e < s->count; e++) memcpy(s->pair[e], hk_tuple(b->edges, b->order[e]), sizeof *s->pair);
   for (size_t e = 0; e < (s->each_c ? s->count : 1); e++) s->damped |= s->c[e] > 0;
   return true;
 }
@@ -228,7 +228,7 @@ static bool allocate(builder *b) {
 static bool scattered(const builder *b) {
   double apart = 0;
   for (size_t e = 0; e < b->edges->count; e++)
-    apart += fabs((double)b->edges->pair[e][0] - (double)b->edges->pair[e][1]);
+    apart += fabs((double)hk_tuple(b->edges, e)[0] - (double)hk_tuple(b->edges, e)[1]);
   return b->n > SCATTERED_MIN && apart > (double)b->n / 8 * (double)b->edges->count;
 }
 
@@ -237,8 +237,8 @@ static size_t ranges_for(size_t springs) {
   return m < 2 ? 1 : m > RANGES_MAX ? RANGES_MAX : m / 2 * 2;
 }
 
-hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, size_t n, const hk_edges *edges,
-                                 const hk_per_edge *k, const hk_per_edge *c, const hk_per_edge *L,
+hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, size_t n, const hk_tuples *edges,
+                                 const hk_per_tuple *k, const hk_per_tuple *c, const hk_per_tuple *L,
                                  const bool *is_active) {
   builder b = {.host = host, .layout = s, .edges = edges, .n = n};
   *s = (hk_spring_layout){.count = edges->count};
@@ -250,7 +250,7 @@ hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, size_
   if (fine) {
     s->count = 0;
     for (size_t e = 0; e < edges->count; e++)
-      if (!is_active || (is_active[edges->pair[e][0]] && is_active[edges->pair[e][1]]))
+      if (!is_active || (is_active[hk_tuple(edges, e)[0]] && is_active[hk_tuple(edges, e)[1]]))
         b.order[s->count++] = (uint32_t)e;
     b.ranges = ranges_for(s->count);
     b.width = (n + b.ranges - 1) / b.ranges + (n == 0);

@@ -1,5 +1,4 @@
 /* Constraints: pendulums against their known figures, pins, dependent equations. */
-#include "core/run/engine.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -27,8 +26,8 @@ static void open(test_engine *e, const char *integrator) {
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, -g, 0);
 }
 
-static hk_instance *bars(test_engine *e, const uint32_t (*edge)[2], size_t count) {
-  hk_instance *bar = test_plugin(e, HK_CONSTRAINT, "fixture:bar");
+static hk_plugin_spec *bars(test_engine *e, const uint32_t (*edge)[2], size_t count) {
+  hk_plugin_spec *bar = test_plugin(e, HK_CONSTRAINT, "fixture:bar");
   test_edges(e, bar, edge, count);
   return bar;
 }
@@ -47,7 +46,7 @@ static double distance(test_engine *e, uint32_t i, uint32_t j) {
 
 static double energy(test_engine *e) {
   double kinetic, potential, work;
-  assert_int_equal(hk_run_energy(e->run, &kinetic, &potential, &work), HK_OK);
+  hk_run_energy(e->run, &kinetic, &potential, &work);
   return kinetic + potential;
 }
 
@@ -129,9 +128,9 @@ static void bead_on_a_line_carries_a_pendulum(void **state) {
   test_engine_close(&e);
 }
 
-static hk_status lift(const hk_function *f, const double *in, size_t n_in, double *out, size_t max_out, size_t *n_out,
-                      hk_error *error) {
-  (void)n_in, (void)max_out, (void)error;
+static hk_status lift(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                      size_t max_out, size_t *n_out, hk_error *error) {
+  (void)caller, (void)n_in, (void)max_out, (void)error;
   double acceleration = *(const double *)f->context;
   out[0] = out[2] = 0;
   out[1] = acceleration * in[0] * in[0] / 2;

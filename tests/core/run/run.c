@@ -12,7 +12,7 @@
 
 static void spring(test_engine *e, uint32_t i, uint32_t j) {
   uint32_t edge[1][2] = {{i, j}};
-  hk_instance *springs = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])edge, 1);
   test_number(e, springs, "k", 100);
   test_number(e, springs, "damping", 0.1);
@@ -56,9 +56,9 @@ static void beads_keep_to_their_line_and_plane(void **state) {
 }
 
 /* x = sin t */
-static hk_status swing(const hk_function *f, const double *in, size_t n_in, double *out, size_t max, size_t *n_out,
-                       hk_error *error) {
-  (void)f, (void)n_in, (void)max, (void)error;
+static hk_status swing(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out, size_t max,
+                       size_t *n_out, hk_error *error) {
+  (void)caller, (void)f, (void)n_in, (void)max, (void)error;
   out[0] = sin(in[0]);
   out[1] = out[2] = 0;
   *n_out = 3;
@@ -73,7 +73,7 @@ static double driven_error(double h) {
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 1, 0, 0, 1);
   uint32_t edge[1][2] = {{1, 2}}, id = 1;
-  hk_instance *springs = test_plugin(&e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
   test_edges(&e, springs, (const uint32_t(*)[2])edge, 1);
   test_number(&e, springs, "k", 100);
   hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &id, .path = {swing, NULL, 0}, .release = INFINITY};
@@ -118,7 +118,7 @@ static void a_force_acts_from_and_to_its_instants(void **state) {
   test_engine e;
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 2);
-  hk_instance *gravity = test_plugin(&e, HK_FORCE, "gravity");
+  hk_plugin_spec *gravity = test_plugin(&e, HK_FORCE, "gravity");
   test_vector(&e, gravity, "g", 1, 0, 0);
   gravity->from = 0.111;
   gravity->to = 0.777;
@@ -184,7 +184,7 @@ static void busy_scene(test_engine *e) {
   assert_int_equal(hk_scene_add_channel(e->scene, "heat", 1, NULL, NAN, NULL, &e->error), HK_OK);
   for (uint32_t i = 1; i < 6; i++) spring(e, i, i + 1);
   test_plugin(e, HK_FORCE, "fixture:kicker");
-  hk_instance *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
   test_number(e, emitter, "every", 0.3);
   test_number(e, emitter, "lifetime", 0.7);
   e->options.dt = 1.0 / 600;

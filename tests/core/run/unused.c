@@ -1,6 +1,6 @@
 /* A scene pays for what it names and for nothing else: libraries in the process, memory and evaluations are counted
  * with and without other plugins in the folder, and with and without the outputs that are switched off. */
-#include "core/run/engine.h"
+#include "core/run/run.h"
 #include "tests/support/command.h"
 
 #include <malloc.h>
@@ -134,13 +134,12 @@ static void add_grid(hk_scene *s, hk_error *error) {
   assert_int_equal(hk_scene_add_particles(s, GRID * GRID, position, NULL, NULL, 1, 0, &first, error), HK_OK);
 }
 
-static hk_instance *add_force(hk_scene *s, hk_error *error) {
-  hk_instance *force;
+static void add_force(hk_scene *s, hk_error *error) {
+  hk_plugin_spec *force;
   if (hk_scene_add_plugin(s, HK_FORCE, "central", NULL, "", &force, error) != HK_OK) fail_msg("%s", error->text);
   hk_value strength = {.kind = HK_VALUE_NUMBER, .number = 3};
-  const hk_param *param = hk_instance_param(force, "strength", error);
-  assert_int_equal(hk_instance_set(force, param, &strength, s->n, error), HK_OK);
-  return force;
+  const hk_param *param = hk_spec_param(force, "strength", error);
+  assert_int_equal(hk_spec_set(force, param, &strength, s->n, error), HK_OK);
 }
 
 static counts count_run(const char *root) {
@@ -148,24 +147,29 @@ static counts count_run(const char *root) {
   hk_error error = {0};
   hk_registry registry;
   hk_run *run = NULL;
-  hk_run_options options = {.dt = 0.01, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
+  hk_run_options options = {.dt = 0.01,
+                            .tol = NAN,
+                            .until = NAN,
+                            .accuracy = NAN,
+                            .no_output = true,
+                            .progress = -1,
+                            .allocations = PLENTY + 1};
   assert_int_equal(hk_registry_open(&registry, root, NULL, &error), HK_OK);
   hk_scene *s = hk_scene_create("test.lua", &registry);
   s->fps = 100;
   s->duration = 10;
   s->threads = 1;
-  s->shared.allocations_left = PLENTY;
   add_grid(s, &error);
-  const hk_instance *force = add_force(s, &error);
+  add_force(s, &error);
   if (hk_run_open(s, &options, &run, &error) != HK_OK) fail_msg("%s", error.text);
   assert_int_equal(hk_run_advance(run, 5, &error), HK_OK); /* with what the first steps, frames and estimates make */
   c.bytes = bytes_in_use();
   assert_int_equal(hk_run_advance(run, 9, &error), HK_OK);
   c.growth = bytes_in_use() - c.bytes;
   c.plugins = registry.count;
-  c.allocations = PLENTY - (size_t)s->shared.allocations_left;
-  c.evaluations = run->evaluations;
-  c.calls = force->calls;
+  c.allocations = PLENTY - (size_t)run->shared.allocations_left;
+  c.evaluations = run->dynamics.count.evaluations;
+  c.calls = run->plugins.kind[HK_FORCE].item[0]->calls;
   hk_run_close(run, &error);
   hk_run_destroy(run);
   hk_scene_destroy(s);
@@ -206,7 +210,7 @@ static void unused_plugins_cost_no_memory_and_no_evaluation(void **state) {
   char few[256], all[256];
   folder_of(few, sizeof few, "few",
             "cp " HK_BUILD "/plugins/forces/central.so forces && cp " HK_BUILD
-            "/plugins/integrators/leapfrog.so integrators");
+            "/plugins/integrators/leapfrog.so " HK_BUILD "/plugins/integrators/default integrators");
   folder_of(all, sizeof all, "all", "cp -r " HK_BUILD "/plugins/*/ .");
   counts a = count_in_child(few), b = count_in_child(all);
   assert_int_equal(a.plugins, 2);

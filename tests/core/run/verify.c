@@ -2,7 +2,6 @@
  * from a disturbed start; runs can leave parts out, be disturbed, be cut short and be given an integrator with its
  * parameters. Through `hooke run`, and through hooke.load in a tool. */
 #include "core/tools/tools.h"
-#include "core/run/verify.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
 

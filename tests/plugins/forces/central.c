@@ -8,29 +8,24 @@
 
 #include <cmocka.h>
 
-static hk_instance *open_scene(test_engine *e, double strength, double power, double softening) {
+static hk_plugin_spec *open_scene(test_engine *e, double strength, double power, double softening) {
   test_engine_open(e);
   test_particle(e, 3, 4, 0, 2);
   test_particle(e, -0.7, 0.9, 0.5, 0.5);
   test_particle(e, 0.8, -1.1, 1.4, 1);
   e->options.dt = 1e-3;
-  hk_instance *central = test_plugin(e, HK_FORCE, "central");
+  hk_plugin_spec *central = test_plugin(e, HK_FORCE, "central");
   test_number(e, central, "strength", strength);
   test_number(e, central, "power", power);
   test_number(e, central, "softening", softening);
   return central;
 }
 
-static void per_particle(test_engine *e, hk_instance *central) {
-  const hk_param *p = hk_instance_param(central, "per", &e->error);
-  hk_value value = {.kind = HK_VALUE_STRING, .text = "particle"};
-  assert_int_equal(hk_instance_set(central, p, &value, e->scene->n, &e->error), HK_OK);
-}
-
 /* The force on the particle of 2 kg at (3, 4, 0); a handful of roundings. */
-static void first_is(test_engine *e, const hk_instance *central, double x, double y, double z) {
+static void first_is(test_engine *e, const hk_plugin_spec *spec, double x, double y, double z) {
   double F[9], wanted[3] = {x, y, z};
   test_run(e);
+  hk_instance *central = test_instance(e, spec);
   hk_view view = force_view(e, central);
   force_evaluate(central, &view, F);
   for (int c = 0; c < 3; c++)
@@ -41,7 +36,7 @@ static void first_is(test_engine *e, const hk_instance *central, double x, doubl
 static void harmonic_pull_by_hand(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *central = open_scene(&e, 0.5, 1, 0);
+  hk_plugin_spec *central = open_scene(&e, 0.5, 1, 0);
   first_is(&e, central, -3, -4, 0);
 }
 
@@ -49,7 +44,7 @@ static void harmonic_pull_by_hand(void **state) {
 static void kepler_pull_by_hand(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *central = open_scene(&e, 50, -2, 0);
+  hk_plugin_spec *central = open_scene(&e, 50, -2, 0);
   first_is(&e, central, -4 * 0.6, -4 * 0.8, 0);
 }
 
@@ -57,7 +52,7 @@ static void kepler_pull_by_hand(void **state) {
 static void softened_pull_by_hand(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *central = open_scene(&e, 2197, -2, 12);
+  hk_plugin_spec *central = open_scene(&e, 2197, -2, 12);
   first_is(&e, central, -6, -8, 0);
 }
 
@@ -66,10 +61,10 @@ static void softened_pull_by_hand(void **state) {
 static void push_from_a_line_by_hand(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *central = open_scene(&e, -7, 0, 0);
+  hk_plugin_spec *central = open_scene(&e, -7, 0, 0);
   test_vector(&e, central, "center", 0, 4, -9);
   test_vector(&e, central, "axis", 0, 0, 5);
-  per_particle(&e, central);
+  test_text(&e, central, "per", "particle");
   first_is(&e, central, 7, 0, 0);
 }
 
@@ -78,11 +73,12 @@ static void energy_by_hand(void **state) {
   const double powers[] = {1, -2, -1}, wanted[] = {3. * 25 / 2, -3. / 5, 3 * 1.6094379124341003}; /* the last: ln 5 */
   for (int k = 0; k < 3; k++) {
     test_engine e;
-    hk_instance *central = open_scene(&e, 3, powers[k], 0);
-    per_particle(&e, central);
-    central->only = calloc(1, sizeof *central->only);
-    central->only_count = 1;
+    hk_plugin_spec *spec = open_scene(&e, 3, powers[k], 0);
+    test_text(&e, spec, "per", "particle");
+    spec->only = calloc(1, sizeof *spec->only);
+    spec->only_count = 1;
     test_run(&e);
+    hk_instance *central = test_instance(&e, spec);
     hk_view view = force_view(&e, central);
     assert_true(fabs(central->plugin->force->energy(central->self, &view) - wanted[k]) < 1e-14 * fabs(wanted[k]));
     test_engine_close(&e);
@@ -95,11 +91,12 @@ static void force_energy_and_jacobian_belong_together(void **state) {
   for (size_t k = 0; k < sizeof powers / sizeof *powers; k++)
     for (int variant = 0; variant < 8; variant++) {
       test_engine e;
-      hk_instance *central = open_scene(&e, variant & 1 ? -2 : 3, powers[k], variant & 1 ? 0.4 : 0);
-      test_vector(&e, central, "center", 0.1, -0.2, 0.15);
-      if (variant & 2) test_vector(&e, central, "axis", 1, 2, -0.5);
-      if (variant & 4) per_particle(&e, central);
+      hk_plugin_spec *spec = open_scene(&e, variant & 1 ? -2 : 3, powers[k], variant & 1 ? 0.4 : 0);
+      test_vector(&e, spec, "center", 0.1, -0.2, 0.15);
+      if (variant & 2) test_vector(&e, spec, "axis", 1, 2, -0.5);
+      if (variant & 4) test_text(&e, spec, "per", "particle");
       test_run(&e);
+      hk_instance *central = test_instance(&e, spec);
       hk_view view = force_view(&e, central);
       double gradient = force_gradient_error(central, &view), stiffness = force_stiffness_error(central, &view);
       if (!(gradient < FORCE_DIFFERENCES && stiffness < FORCE_DIFFERENCES))
@@ -114,9 +111,10 @@ static void nothing_at_the_centre_is_nan(void **state) {
   for (size_t k = 0; k < sizeof powers / sizeof *powers; k++)
     for (size_t d = 0; d < sizeof near / sizeof *near; d++) {
       test_engine e;
-      hk_instance *central = open_scene(&e, 3, powers[k], 0);
+      hk_plugin_spec *spec = open_scene(&e, 3, powers[k], 0);
       memcpy(e.scene->position, (double[]){near[d], 0, 0}, 3 * sizeof(double));
       test_run(&e);
+      hk_instance *central = test_instance(&e, spec);
       hk_view view = force_view(&e, central);
       double F[9], K[81], D[81];
       force_evaluate(central, &view, F);
@@ -141,10 +139,11 @@ static void threads_give_the_same_bits(void **state) {
     e.scene->threads = threads;
     e.options.dt = 1e-3;
     assert_int_equal(hk_scene_add_particles(e.scene, PARTICLES, x, NULL, NULL, 0.1, 0, &id, &e.error), HK_OK);
-    hk_instance *central = test_plugin(&e, HK_FORCE, "central");
-    test_number(&e, central, "strength", 3);
-    test_number(&e, central, "power", -1.5);
+    hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "central");
+    test_number(&e, spec, "strength", 3);
+    test_number(&e, spec, "power", -1.5);
     test_run(&e);
+    hk_instance *central = test_instance(&e, spec);
     hk_view view = force_view(&e, central);
     force_evaluate(central, &view, F);
     if (threads == 1) memcpy(first, F, 3 * PARTICLES * sizeof *F);

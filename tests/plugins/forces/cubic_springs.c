@@ -11,22 +11,16 @@
 
 enum { N = 6, S = 8 };
 
-static void set_list(test_engine *e, hk_instance *springs, const char *name, const double *list) {
-  const hk_param *p = hk_instance_param(springs, name, &e->error);
-  hk_value value = {.kind = HK_VALUE_LIST, .count = S, .list = list};
-  assert_int_equal(hk_instance_set(springs, p, &value, e->scene->n, &e->error), HK_OK);
-}
-
 /* A tetrahedron and a tail; some springs pressed, some stretched, one without rest length, one pair doubled. */
-static hk_instance *open_scene(test_engine *e, bool rest) {
+static hk_plugin_spec *open_scene(test_engine *e, bool rest) {
   static const double x[N][3] = {{0, 0, 0}, {1, 0.2, -0.1}, {0.3, 1.1, 0}, {0.2, 0.3, 0.9}, {1.2, 1.3, 1.1}, {2, 1, 1}};
   static const uint32_t edge[S][2] = {{1, 2}, {2, 3}, {3, 1}, {1, 4}, {4, 2}, {4, 5}, {5, 4}, {5, 6}};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
-  hk_instance *springs = test_plugin(e, HK_FORCE, "cubic_springs");
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "cubic_springs");
   test_edges(e, springs, edge, S);
-  set_list(e, springs, "k", (double[]){50, 60, 70, 20, 30, 80, 10, 40});
-  if (rest) set_list(e, springs, "rest", (double[]){0.4, 0.9, 1.9, 0, 1.8, 2, 1.1, 0.4});
+  test_list(e, springs, "k", (double[]){50, 60, 70, 20, 30, 80, 10, 40}, S);
+  if (rest) test_list(e, springs, "rest", (double[]){0.4, 0.9, 1.9, 0, 1.8, 2, 1.1, 0.4}, S);
   e->options.dt = 1e-3;
   return springs;
 }
@@ -38,12 +32,13 @@ static void cubic_springs_by_hand(void **state) {
   double F[6];
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 2, 0, 0, 1);
-  hk_instance *springs = test_plugin(&e, HK_FORCE, "cubic_springs");
-  test_edges(&e, springs, (const uint32_t[][2]){{1, 2}}, 1);
-  test_number(&e, springs, "k", 4);
-  test_number(&e, springs, "rest", 0.5);
+  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "cubic_springs");
+  test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
+  test_number(&e, spec, "k", 4);
+  test_number(&e, spec, "rest", 0.5);
   e.options.dt = 1e-3;
   test_run(&e);
+  hk_instance *springs = test_instance(&e, spec);
   hk_view view = force_view(&e, springs);
   force_evaluate(springs, &view, F);
   assert_memory_equal(F, ((double[]){13.5, 0, 0, -13.5, 0, 0}), sizeof F);
@@ -55,9 +50,10 @@ static void cubic_springs_by_hand(void **state) {
 static void cubic_springs_force_and_jacobian_are_derivatives(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *springs = open_scene(&e, true);
+  hk_plugin_spec *spec = open_scene(&e, true);
   double F[3 * N], K[9 * N * N], D[9 * N * N];
   test_run(&e);
+  hk_instance *springs = test_instance(&e, spec);
   hk_view view = force_view(&e, springs);
   assert_true(force_evaluate(springs, &view, F) == 0);
   assert_true(force_gradient_error(springs, &view) < FORCE_DIFFERENCES);
@@ -78,7 +74,7 @@ static void the_cubic_oscillator_has_its_period(void **state) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 0, 2 + a, 0, m);
   test_pin(&e, HK_PIN_FIXED, 1, NULL);
-  hk_instance *springs = test_plugin(&e, HK_FORCE, "cubic_springs");
+  hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "cubic_springs");
   test_edges(&e, springs, (const uint32_t[][2]){{2, 1}}, 1);
   test_number(&e, springs, "k", k);
   test_number(&e, springs, "rest", 2);
@@ -112,9 +108,10 @@ static void pressed_springs_are_projected_when_that_is_wanted(void **state) {
   static const double rest[S] = {0.4, 0.9, 1.9, 0, 1.8, 2, 1.1, 0.4}, k[S] = {50, 60, 70, 20, 30, 80, 10, 40};
   test_engine e;
   double exact[S][4][9], kept[S][4][9], projected[S][4][9];
-  hk_instance *springs = open_scene(&e, true);
+  hk_plugin_spec *spec = open_scene(&e, true);
   int pressed = 0;
   test_run(&e);
+  hk_instance *springs = test_instance(&e, spec);
   hk_view view = force_view(&e, springs);
   blocks(springs, &view, 0, exact);
   blocks(springs, &view, HK_WANT_SYMMETRIC, kept);
@@ -144,13 +141,15 @@ static void cubic_springs_act_when_both_ends_do(void **state) {
   (void)state;
   test_engine e, wanted;
   double F[3 * N], G[3 * N], K[9 * N * N], D[9 * N * N];
-  hk_instance *springs = open_scene(&e, true), *others = open_scene(&wanted, true);
-  springs->only = malloc(3 * sizeof *springs->only);
-  memcpy(springs->only, (uint32_t[]){0, 1, 3}, 3 * sizeof(uint32_t));
-  springs->only_count = 3;
-  set_list(&wanted, others, "k", (double[]){50, 0, 0, 20, 30, 0, 0, 0});
+  hk_plugin_spec *springs_spec = open_scene(&e, true), *others_spec = open_scene(&wanted, true);
+  springs_spec->only = malloc(3 * sizeof *springs_spec->only);
+  memcpy(springs_spec->only, (uint32_t[]){0, 1, 3}, 3 * sizeof(uint32_t));
+  springs_spec->only_count = 3;
+  test_list(&wanted, others_spec, "k", (double[]){50, 0, 0, 20, 30, 0, 0, 0}, S);
   test_run(&e);
+  hk_instance *springs = test_instance(&e, springs_spec);
   test_run(&wanted);
+  hk_instance *others = test_instance(&wanted, others_spec);
   hk_view view = force_view(&e, springs), all = force_view(&wanted, others);
   force_evaluate(springs, &view, F);
   force_evaluate(others, &all, G);
@@ -167,10 +166,11 @@ static void cubic_springs_act_when_both_ends_do(void **state) {
 static void cubic_springs_follow_deaths_with_their_initial_lengths(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *springs = open_scene(&e, false);
+  hk_plugin_spec *spec = open_scene(&e, false);
   const uint32_t map[N] = {0, 1, UINT32_MAX, 2, 3, 4};
   double F[2][3 * N], x[3 * N];
   test_run(&e);
+  hk_instance *springs = test_instance(&e, spec);
   hk_view view = force_view(&e, springs);
   force_evaluate(springs, &view, F[0]);
   for (int q = 0; q < 3 * N; q++) assert_true(F[0][q] == 0);
@@ -197,12 +197,13 @@ static void coincident_ends_get_no_force_and_no_nan(void **state) {
       double F[6], K[36], D[36];
       test_engine_open(&e);
       test_particle(&e, 0, 0, 0, 1), test_particle(&e, 0, near[d], 0, 1);
-      hk_instance *springs = test_plugin(&e, HK_FORCE, "cubic_springs");
-      test_edges(&e, springs, (const uint32_t[][2]){{1, 2}}, 1);
-      test_number(&e, springs, "k", 1000);
-      test_number(&e, springs, "rest", 0.1 * rest);
+      hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "cubic_springs");
+      test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
+      test_number(&e, spec, "k", 1000);
+      test_number(&e, spec, "rest", 0.1 * rest);
       e.options.dt = 1e-3;
       test_run(&e);
+      hk_instance *springs = test_instance(&e, spec);
       hk_view view = force_view(&e, springs);
       force_evaluate(springs, &view, F);
       force_matrices(springs, &view, K, D);
@@ -217,7 +218,7 @@ static void no_memory_is_an_error(void **state) {
   for (long k = 0, failures = 0;; k++, failures++) {
     test_engine e;
     open_scene(&e, false);
-    e.scene->shared.allocations_left = k;
+    e.options.allocations = k + 1;
     hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
     test_engine_close(&e);
     if (status == HK_OK) {

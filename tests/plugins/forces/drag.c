@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-static hk_instance *open_scene(test_engine *e) {
+static hk_plugin_spec *open_scene(test_engine *e) {
   test_engine_open(e);
   test_particle(e, 0, 0, 0, 0.5);
   test_particle(e, 1, 0, 0, 2);
@@ -19,9 +19,10 @@ static hk_instance *open_scene(test_engine *e) {
 
 static void check(const char *name, double value, const double wanted[6], double power) {
   test_engine e;
-  hk_instance *drag = open_scene(&e);
-  test_number(&e, drag, name, value);
+  hk_plugin_spec *spec = open_scene(&e);
+  test_number(&e, spec, name, value);
   test_run(&e);
+  hk_instance *drag = test_instance(&e, spec);
   hk_view view = force_view(&e, drag);
   double F[6];
   assert_true(fabs(force_evaluate(drag, &view, F) - power) < 1e-14);
@@ -42,7 +43,7 @@ static void drag_wants_exactly_one_coefficient(void **state) {
   (void)state;
   for (int both = 0; both < 2; both++) {
     test_engine e;
-    hk_instance *drag = open_scene(&e);
+    hk_plugin_spec *drag = open_scene(&e);
     if (both) test_number(&e, drag, "d", 1), test_number(&e, drag, "rate", 1);
     assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
     assert_non_null(strstr(e.error.text, "give either d"));
@@ -65,12 +66,13 @@ static void drag_has_the_power_of_its_force_on_any_threads(void **state) {
     e.scene->threads = threads;
     e.options.dt = 1e-3;
     assert_int_equal(hk_scene_add_particles(e.scene, PARTICLES, x, NULL, NULL, 0.1, 0, &id, &e.error), HK_OK);
-    hk_instance *drag = test_plugin(&e, HK_FORCE, "drag");
-    test_number(&e, drag, "rate", 3);
-    drag->only = malloc(PARTICLES / 2 * sizeof *drag->only);
-    for (drag->only_count = 0; drag->only_count < PARTICLES / 2; drag->only_count++)
-      drag->only[drag->only_count] = 2 * (uint32_t)drag->only_count;
+    hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "drag");
+    test_number(&e, spec, "rate", 3);
+    spec->only = malloc(PARTICLES / 2 * sizeof *spec->only);
+    for (spec->only_count = 0; spec->only_count < PARTICLES / 2; spec->only_count++)
+      spec->only[spec->only_count] = 2 * (uint32_t)spec->only_count;
     test_run(&e);
+    hk_instance *drag = test_instance(&e, spec);
     hk_view view = force_view(&e, drag);
     view.v = v;
     power[threads - 1] = force_evaluate(drag, &view, F);

@@ -26,7 +26,7 @@ static double energy_at(test_engine *e, hk_instance *force, const double x[3]) {
   return force->plugin->force->energy(force->self, &view);
 }
 
-static hk_instance *open_one(test_engine *e, const char *name) {
+static hk_plugin_spec *open_one(test_engine *e, const char *name) {
   test_engine_open(e);
   test_particle(e, 1, 0, 0, 2);
   e->options.dt = 1e-3;
@@ -36,10 +36,11 @@ static hk_instance *open_one(test_engine *e, const char *name) {
 static void gravity_is_m_g(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *gravity = open_one(&e, "gravity");
+  hk_plugin_spec *spec = open_one(&e, "gravity");
   double F[3], x[3] = {1, 2, 3}, v[3] = {4, 5, 6};
-  test_vector(&e, gravity, "g", 1, -2, 3);
+  test_vector(&e, spec, "g", 1, -2, 3);
   test_run(&e);
+  hk_instance *gravity = test_instance(&e, spec);
   assert_true(force_at(&e, gravity, x, v, F) == 0);
   assert_true(F[0] == 2 && F[1] == -4 && F[2] == 6);
   assert_true(energy_at(&e, gravity, x) == -2 * (1 - 4 + 9));
@@ -51,10 +52,11 @@ static void drag_is_per_particle_or_per_mass(void **state) {
   const char *const names[] = {"d", "rate"};
   for (int k = 0; k < 2; k++) {
     test_engine e;
-    hk_instance *drag = open_one(&e, "drag");
+    hk_plugin_spec *spec = open_one(&e, "drag");
     double F[3], x[3] = {0}, v[3] = {1, -2, 2}, d = k == 0 ? 0.5 : 0.5 * 2;
-    test_number(&e, drag, names[k], 0.5);
+    test_number(&e, spec, names[k], 0.5);
     test_run(&e);
+    hk_instance *drag = test_instance(&e, spec);
     assert_true(force_at(&e, drag, x, v, F) == -d * 9);
     assert_true(F[0] == -d && F[1] == 2 * d && F[2] == -2 * d);
     test_engine_close(&e);
@@ -65,7 +67,7 @@ static void drag_wants_exactly_one_coefficient(void **state) {
   (void)state;
   for (int both = 0; both < 2; both++) {
     test_engine e;
-    hk_instance *drag = open_one(&e, "drag");
+    hk_plugin_spec *drag = open_one(&e, "drag");
     if (both) test_number(&e, drag, "d", 1), test_number(&e, drag, "rate", 1);
     assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
     assert_non_null(strstr(e.error.text, "give either d"));
@@ -77,11 +79,12 @@ static void drag_wants_exactly_one_coefficient(void **state) {
 static void central_power_minus_two_is_keplers(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *central = open_one(&e, "central");
+  hk_plugin_spec *spec = open_one(&e, "central");
   double F[3], x[3] = {3, 4, 0}, v[3] = {0};
-  test_number(&e, central, "strength", 50);
-  test_number(&e, central, "power", -2);
+  test_number(&e, spec, "strength", 50);
+  test_number(&e, spec, "power", -2);
   test_run(&e);
+  hk_instance *central = test_instance(&e, spec);
   force_at(&e, central, x, v, F);
   assert_true(fabs(F[0] + 4 * 0.6) < 1e-14 && fabs(F[1] + 4 * 0.8) < 1e-14 && F[2] == 0);
   assert_true(fabs(energy_at(&e, central, x) + 2 * 50 / 5.0) < 1e-13);
@@ -95,14 +98,15 @@ static void central_force_is_minus_the_gradient_of_its_energy(void **state) {
   for (size_t p = 0; p < sizeof powers / sizeof *powers; p++)
     for (int line = 0; line < 2; line++) {
       test_engine e;
-      hk_instance *central = open_one(&e, "central");
+      hk_plugin_spec *spec = open_one(&e, "central");
       double F[3], x[3] = {0.7, -0.4, 0.9}, v[3] = {0}, h = 6e-6;
-      test_number(&e, central, "strength", 3);
-      test_number(&e, central, "power", powers[p]);
-      test_number(&e, central, "softening", 0.1);
-      test_vector(&e, central, "center", 0.1, 0.2, -0.3);
-      if (line) test_vector(&e, central, "axis", 1, 2, 2);
+      test_number(&e, spec, "strength", 3);
+      test_number(&e, spec, "power", powers[p]);
+      test_number(&e, spec, "softening", 0.1);
+      test_vector(&e, spec, "center", 0.1, 0.2, -0.3);
+      if (line) test_vector(&e, spec, "axis", 1, 2, 2);
       test_run(&e);
+      hk_instance *central = test_instance(&e, spec);
       force_at(&e, central, x, v, F);
       for (int c = 0; c < 3; c++) {
         double up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
@@ -120,11 +124,12 @@ static void the_centre_itself_gets_no_force_and_no_nan(void **state) {
   const double powers[] = {1, 0, -1, -2, -20};
   for (size_t p = 0; p < sizeof powers / sizeof *powers; p++) {
     test_engine e;
-    hk_instance *central = open_one(&e, "central");
+    hk_plugin_spec *spec = open_one(&e, "central");
     double F[3], x[3] = {0}, v[3] = {0};
-    test_number(&e, central, "strength", 3);
-    test_number(&e, central, "power", powers[p]);
+    test_number(&e, spec, "strength", 3);
+    test_number(&e, spec, "power", powers[p]);
     test_run(&e);
+    hk_instance *central = test_instance(&e, spec);
     force_at(&e, central, x, v, F);
     assert_true(F[0] == 0 && F[1] == 0 && F[2] == 0);
     assert_true(isfinite(energy_at(&e, central, x)));

@@ -11,30 +11,17 @@
 
 enum { N = 4, S = 3 };
 
-static void set_text(test_engine *e, hk_instance *force, const char *name, const char *text) {
-  const hk_param *p = hk_instance_param(force, name, &e->error);
-  hk_value value = {.kind = HK_VALUE_STRING, .text = text};
-  assert_non_null(p);
-  assert_int_equal(hk_instance_set(force, p, &value, e->scene->n, &e->error), HK_OK);
-}
-
-static void set_list(test_engine *e, hk_instance *force, const char *name, const double *list) {
-  const hk_param *p = hk_instance_param(force, name, &e->error);
-  hk_value value = {.kind = HK_VALUE_LIST, .count = S, .list = list};
-  assert_int_equal(hk_instance_set(force, p, &value, e->scene->n, &e->error), HK_OK);
-}
-
 /* A chain of three edges; the second pulls back. */
-static hk_instance *open_scene(test_engine *e, const char *on) {
+static hk_plugin_spec *open_scene(test_engine *e, const char *on) {
   static const double x[N][3] = {{0, 0, 0}, {3, 4, 0}, {3.3, 4.2, 1}, {2, 5, 2}};
   static const double v[3 * N] = {1, -2, 3, 0.5, 1, -1, 0, 2, 1, -1, -1, 0.5};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
   memcpy(e->scene->velocity, v, sizeof v);
-  hk_instance *force = test_plugin(e, HK_FORCE, "follower");
+  hk_plugin_spec *force = test_plugin(e, HK_FORCE, "follower");
   test_edges(e, force, (const uint32_t[][2]){{1, 2}, {2, 3}, {3, 4}}, S);
-  set_list(e, force, "f", (double[]){10, -3, 7});
-  if (on) set_text(e, force, "on", on);
+  test_list(e, force, "f", (double[]){10, -3, 7}, S);
+  if (on) test_text(e, force, "on", on);
   e->options.dt = 1e-3;
   return force;
 }
@@ -46,12 +33,13 @@ static void check(const char *on, double first, double second) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 3, 4, 0, 2);
   memcpy(e.scene->velocity, (double[]){1, -2, 3, 0.5, 1, -1}, 6 * sizeof(double));
-  hk_instance *force = test_plugin(&e, HK_FORCE, "follower");
-  test_edges(&e, force, (const uint32_t[][2]){{1, 2}}, 1);
-  test_number(&e, force, "f", 10);
-  if (on) set_text(&e, force, "on", on);
+  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "follower");
+  test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
+  test_number(&e, spec, "f", 10);
+  if (on) test_text(&e, spec, "on", on);
   e.options.dt = 1e-3;
   test_run(&e);
+  hk_instance *force = test_instance(&e, spec);
   hk_view view = force_view(&e, force);
   assert_true(fabs(force_evaluate(force, &view, F) - first * (6 - 16) - second * (3 + 8)) < 1e-14);
   const double wanted[6] = {6 * first, 8 * first, 0, 6 * second, 8 * second, 0};
@@ -73,8 +61,9 @@ static void follower_jacobian_is_the_derivative(void **state) {
   for (int k = 0; k < 3; k++) {
     test_engine e;
     double K[9 * N * N], D[9 * N * N], skew = 0;
-    hk_instance *force = open_scene(&e, ends[k]);
+    hk_plugin_spec *spec = open_scene(&e, ends[k]);
     test_run(&e);
+    hk_instance *force = test_instance(&e, spec);
     hk_view view = force_view(&e, force);
     assert_true(force_stiffness_error(force, &view) < FORCE_DIFFERENCES && force_damping_error(force, &view) == 0);
     assert_int_equal(force_matrices(force, &view, K, D), k == 2 ? 4 * S : 2 * S);
@@ -91,11 +80,12 @@ static void follower_acts_when_both_ends_do(void **state) {
   (void)state;
   test_engine e;
   double F[3 * N], K[9 * N * N], D[9 * N * N], size = 0;
-  hk_instance *force = open_scene(&e, NULL);
-  force->only = malloc(2 * sizeof *force->only);
-  force->only[0] = 1, force->only[1] = 2;
-  force->only_count = 2;
+  hk_plugin_spec *spec = open_scene(&e, NULL);
+  spec->only = malloc(2 * sizeof *spec->only);
+  spec->only[0] = 1, spec->only[1] = 2;
+  spec->only_count = 2;
   test_run(&e);
+  hk_instance *force = test_instance(&e, spec);
   hk_view view = force_view(&e, force);
   force_evaluate(force, &view, F);
   for (int k = 0; k < 3 * N; k++) assert_true(k / 3 == 2 || F[k] == 0);
@@ -114,11 +104,12 @@ static void ends_at_one_point_get_no_force_and_no_nan(void **state) {
     double F[6], K[36], D[36];
     test_engine_open(&e);
     test_particle(&e, 0, 0, 0, 1), test_particle(&e, 0, near[d], 0, 1);
-    hk_instance *force = test_plugin(&e, HK_FORCE, "follower");
-    test_edges(&e, force, (const uint32_t[][2]){{1, 2}}, 1);
-    test_number(&e, force, "f", 10);
+    hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "follower");
+    test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
+    test_number(&e, spec, "f", 10);
     e.options.dt = 1e-3;
     test_run(&e);
+    hk_instance *force = test_instance(&e, spec);
     hk_view view = force_view(&e, force);
     force_evaluate(force, &view, F);
     force_matrices(force, &view, K, D);

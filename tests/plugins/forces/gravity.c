@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-static hk_instance *open_scene(test_engine *e) {
+static hk_plugin_spec *open_scene(test_engine *e) {
   test_engine_open(e);
   test_particle(e, 1, 2, 3, 0.5);
   test_particle(e, -1, 0.5, 2, 2);
@@ -20,8 +20,9 @@ static hk_instance *open_scene(test_engine *e) {
 static void gravity_is_mass_times_g(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *g = open_scene(&e);
+  hk_plugin_spec *spec = open_scene(&e);
   test_run(&e);
+  hk_instance *g = test_instance(&e, spec);
   hk_view view = force_view(&e, g);
   double F[9], standard[9] = {0, 0, -4.905, 0, 0, -19.62, 0, 0, -29.43};
   assert_true(force_evaluate(g, &view, F) == 0);
@@ -33,9 +34,10 @@ static void gravity_is_mass_times_g(void **state) {
 static void gravity_is_minus_the_gradient_of_its_energy(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *g = open_scene(&e);
-  test_vector(&e, g, "g", 1, -2, 3.5);
+  hk_plugin_spec *spec = open_scene(&e);
+  test_vector(&e, spec, "g", 1, -2, 3.5);
   test_run(&e);
+  hk_instance *g = test_instance(&e, spec);
   hk_view view = force_view(&e, g);
   assert_true(force_gradient_error(g, &view) < 1e-12);
   assert_true(fabs(g->plugin->force->energy(g->self, &view) - (-0.5 * 7.5 - 2 * 5 - 3 * (0.3 - 0.2 - 14))) < 1e-13);
@@ -45,8 +47,9 @@ static void gravity_is_minus_the_gradient_of_its_energy(void **state) {
 static void gravity_names_no_blocks(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *g = open_scene(&e);
+  hk_plugin_spec *spec = open_scene(&e);
   test_run(&e);
+  hk_instance *g = test_instance(&e, spec);
   hk_view view = force_view(&e, g);
   double K[81], D[81];
   assert_int_equal(force_matrices(g, &view, K, D), 0);
@@ -56,11 +59,12 @@ static void gravity_names_no_blocks(void **state) {
 static void gravity_acts_on_the_chosen_only(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *g = open_scene(&e);
-  g->only = malloc(sizeof *g->only);
-  g->only[0] = 1;
-  g->only_count = 1;
+  hk_plugin_spec *spec = open_scene(&e);
+  spec->only = malloc(sizeof *spec->only);
+  spec->only[0] = 1;
+  spec->only_count = 1;
   test_run(&e);
+  hk_instance *g = test_instance(&e, spec);
   hk_view view = force_view(&e, g);
   double F[9];
   force_evaluate(g, &view, F);

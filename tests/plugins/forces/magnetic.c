@@ -9,13 +9,13 @@
 
 #include <cmocka.h>
 
-static hk_instance *open_scene(test_engine *e) {
+static hk_plugin_spec *open_scene(test_engine *e) {
   test_engine_open(e);
   test_particle(e, 0, 0, 0, 0.5);
   test_particle(e, 1, 0, 0, 2);
   memcpy(e->scene->velocity, (double[]){1, -2, 3, 0.5, 4, -1}, 6 * sizeof(double));
   e->options.dt = 1e-3;
-  hk_instance *field = test_plugin(e, HK_FORCE, "magnetic");
+  hk_plugin_spec *field = test_plugin(e, HK_FORCE, "magnetic");
   test_vector(e, field, "B", 2, 1, -1);
   return field;
 }
@@ -25,9 +25,10 @@ static void check(const char *name, double value, const double factor[2]) {
   static const double across[6] = {-1, 7, 5, -3, -1.5, -7.5};
   test_engine e;
   double F[6], K[36], D[36];
-  hk_instance *field = open_scene(&e);
-  test_number(&e, field, name, value);
+  hk_plugin_spec *spec = open_scene(&e);
+  test_number(&e, spec, name, value);
   test_run(&e);
+  hk_instance *field = test_instance(&e, spec);
   hk_view view = force_view(&e, field);
   assert_true(force_evaluate(field, &view, F) == 0); /* it does no work */
   for (int k = 0; k < 6; k++) assert_true(F[k] == factor[k / 3] * across[k]);
@@ -50,7 +51,7 @@ static void magnetic_wants_exactly_one_charge(void **state) {
   (void)state;
   for (int both = 0; both < 2; both++) {
     test_engine e;
-    hk_instance *field = open_scene(&e);
+    hk_plugin_spec *field = open_scene(&e);
     if (both) test_number(&e, field, "charge", 1), test_number(&e, field, "ratio", 1);
     assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
     assert_non_null(strstr(e.error.text, "give either charge"));
@@ -62,12 +63,13 @@ static void magnetic_acts_on_the_chosen_only(void **state) {
   (void)state;
   test_engine e;
   double F[6];
-  hk_instance *field = open_scene(&e);
-  test_number(&e, field, "charge", 1);
-  field->only = malloc(sizeof *field->only);
-  field->only[0] = 1;
-  field->only_count = 1;
+  hk_plugin_spec *spec = open_scene(&e);
+  test_number(&e, spec, "charge", 1);
+  spec->only = malloc(sizeof *spec->only);
+  spec->only[0] = 1;
+  spec->only_count = 1;
   test_run(&e);
+  hk_instance *field = test_instance(&e, spec);
   hk_view view = force_view(&e, field);
   force_evaluate(field, &view, F);
   assert_memory_equal(F, ((double[]){0, 0, 0, -3, -1.5, -7.5}), sizeof F);
@@ -84,7 +86,7 @@ static void a_charge_turns_at_its_gyrofrequency(void **state) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 3);
   memcpy(e.scene->velocity, (double[]){4, 0, 0}, 3 * sizeof(double));
-  hk_instance *field = test_plugin(&e, HK_FORCE, "magnetic");
+  hk_plugin_spec *field = test_plugin(&e, HK_FORCE, "magnetic");
   test_vector(&e, field, "B", 0, 0, 2);
   test_number(&e, field, "charge", 3);
   test_plugin(&e, HK_INTEGRATOR, "implicit_midpoint");

@@ -11,24 +11,18 @@
 
 enum { N = 5, S = 6 };
 
-static void set_list(test_engine *e, hk_instance *ropes, const char *name, const double *list) {
-  const hk_param *p = hk_instance_param(ropes, name, &e->error);
-  hk_value value = {.kind = HK_VALUE_LIST, .count = S, .list = list};
-  assert_int_equal(hk_instance_set(ropes, p, &value, e->scene->n, &e->error), HK_OK);
-}
-
 /* A tetrahedron and a tail. `rest`: NULL for the lengths at the start. */
-static hk_instance *open_scene(test_engine *e, const char *plugin, const double *rest) {
+static hk_plugin_spec *open_scene(test_engine *e, const char *plugin, const double *rest) {
   static const double x[N][3] = {{0, 0, 0}, {1, 0.2, -0.1}, {0.3, 1.1, 0}, {0.2, 0.3, 0.9}, {1.2, 1.3, 1.1}};
   static const double v[3 * N] = {0.3, -1, 0.5, 1, 0, 2, -1, 1, 0.2, 0, 0.5, 1, 2, 1, -1};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
   memcpy(e->scene->velocity, v, sizeof v);
-  hk_instance *ropes = test_plugin(e, HK_FORCE, plugin);
+  hk_plugin_spec *ropes = test_plugin(e, HK_FORCE, plugin);
   test_edges(e, ropes, (const uint32_t[][2]){{1, 2}, {2, 3}, {3, 1}, {1, 4}, {4, 2}, {4, 5}}, S);
-  set_list(e, ropes, "k", (double[]){50, 60, 70, 20, 30, 80});
-  set_list(e, ropes, "damping", (double[]){0.5, 0, 2, 1, 3, 0.3});
-  if (rest) set_list(e, ropes, "rest", rest);
+  test_list(e, ropes, "k", (double[]){50, 60, 70, 20, 30, 80}, S);
+  test_list(e, ropes, "damping", (double[]){0.5, 0, 2, 1, 3, 0.3}, S);
+  if (rest) test_list(e, ropes, "rest", rest, S);
   e->options.dt = 1e-3;
   return ropes;
 }
@@ -42,13 +36,14 @@ static double pull(double rest, double rate, double *power) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 2, 0, 0, 1);
   memcpy(e.scene->velocity, (double[]){1, 3, 0, 1 + rate, -2, 0}, 6 * sizeof(double));
-  hk_instance *ropes = test_plugin(&e, HK_FORCE, "ropes");
-  test_edges(&e, ropes, (const uint32_t[][2]){{1, 2}}, 1);
-  test_number(&e, ropes, "k", 8);
-  test_number(&e, ropes, "damping", 2);
-  test_number(&e, ropes, "rest", rest);
+  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "ropes");
+  test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
+  test_number(&e, spec, "k", 8);
+  test_number(&e, spec, "damping", 2);
+  test_number(&e, spec, "rest", rest);
   e.options.dt = 1e-3;
   test_run(&e);
+  hk_instance *ropes = test_instance(&e, spec);
   hk_view view = force_view(&e, ropes);
   *power = force_evaluate(ropes, &view, F);
   assert_true(F[0] == -F[3] && F[1] == 0 && F[2] == 0 && F[4] == 0 && F[5] == 0);
@@ -75,8 +70,9 @@ static void ropes_force_and_jacobian_are_derivatives(void **state) {
   (void)state;
   test_engine e;
   double still[3 * N] = {0};
-  hk_instance *ropes = open_scene(&e, "ropes", some_taut);
+  hk_plugin_spec *spec = open_scene(&e, "ropes", some_taut);
   test_run(&e);
+  hk_instance *ropes = test_instance(&e, spec);
   hk_view view = force_view(&e, ropes), resting = view;
   resting.v = still;
   assert_true(force_gradient_error(ropes, &resting) < FORCE_DIFFERENCES);
@@ -91,9 +87,12 @@ static void taut_ropes_are_springs(void **state) {
   static const double short_ones[S] = {0.4, 0.9, 0.5, 0, 0.3, 1.1};
   test_engine e, other;
   double F[3 * N], G[3 * N], K[9 * N * N], D[9 * N * N], L[9 * N * N], E[9 * N * N];
-  hk_instance *ropes = open_scene(&e, "ropes", short_ones), *springs = open_scene(&other, "springs", short_ones);
+  hk_plugin_spec *ropes_spec = open_scene(&e, "ropes", short_ones),
+                 *springs_spec = open_scene(&other, "springs", short_ones);
   test_run(&e);
+  hk_instance *ropes = test_instance(&e, ropes_spec);
   test_run(&other);
+  hk_instance *springs = test_instance(&other, springs_spec);
   hk_view view = force_view(&e, ropes), same = force_view(&other, springs);
   double power = force_evaluate(ropes, &view, F);
   assert_true(power < -0.1 && fabs(power - force_evaluate(springs, &same, G)) < 1e-12);
@@ -114,8 +113,9 @@ static void the_symmetric_part_is_definite(void **state) {
   test_engine e;
   size_t slot[4 * S];
   double K[4 * S][9], D[4 * S][9], skew = 0;
-  hk_instance *ropes = open_scene(&e, "ropes", some_taut);
+  hk_plugin_spec *spec = open_scene(&e, "ropes", some_taut);
   test_run(&e);
+  hk_instance *ropes = test_instance(&e, spec);
   hk_view view = force_view(&e, ropes);
   for (int definite = 0; definite < 2; definite++) {
     memset(K, 0, sizeof K), memset(D, 0, sizeof D);
@@ -146,14 +146,17 @@ static void ropes_act_when_both_ends_do(void **state) {
   (void)state;
   test_engine e, wanted;
   double F[3 * N], G[3 * N], K[9 * N * N], D[9 * N * N];
-  hk_instance *ropes = open_scene(&e, "ropes", some_taut), *others = open_scene(&wanted, "ropes", some_taut);
-  ropes->only = malloc(3 * sizeof *ropes->only);
-  memcpy(ropes->only, (uint32_t[]){0, 2, 3}, 3 * sizeof(uint32_t));
-  ropes->only_count = 3;
-  set_list(&wanted, others, "k", (double[]){0, 0, 70, 20, 0, 0});
-  set_list(&wanted, others, "damping", (double[]){0, 0, 2, 1, 0, 0});
+  hk_plugin_spec *ropes_spec = open_scene(&e, "ropes", some_taut),
+                 *others_spec = open_scene(&wanted, "ropes", some_taut);
+  ropes_spec->only = malloc(3 * sizeof *ropes_spec->only);
+  memcpy(ropes_spec->only, (uint32_t[]){0, 2, 3}, 3 * sizeof(uint32_t));
+  ropes_spec->only_count = 3;
+  test_list(&wanted, others_spec, "k", (double[]){0, 0, 70, 20, 0, 0}, S);
+  test_list(&wanted, others_spec, "damping", (double[]){0, 0, 2, 1, 0, 0}, S);
   test_run(&e);
+  hk_instance *ropes = test_instance(&e, ropes_spec);
   test_run(&wanted);
+  hk_instance *others = test_instance(&wanted, others_spec);
   hk_view view = force_view(&e, ropes), all = force_view(&wanted, others);
   assert_true(force_evaluate(ropes, &view, F) == force_evaluate(others, &all, G));
   for (int q = 0; q < 3 * N; q++) assert_true(F[q] == G[q]);
@@ -168,10 +171,11 @@ static void ropes_act_when_both_ends_do(void **state) {
 static void ropes_follow_deaths_with_their_initial_lengths(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *ropes = open_scene(&e, "ropes", NULL);
+  hk_plugin_spec *spec = open_scene(&e, "ropes", NULL);
   const uint32_t map[N] = {0, 1, UINT32_MAX, 2, 3};
   double F[2][3 * N], x[3 * N], still[3 * N] = {0};
   test_run(&e);
+  hk_instance *ropes = test_instance(&e, spec);
   hk_view view = force_view(&e, ropes);
   force_evaluate(ropes, &view, F[0]);
   for (int q = 0; q < 3 * N; q++) assert_true(F[0][q] == 0);
@@ -192,7 +196,7 @@ static void no_memory_is_an_error(void **state) {
   for (long k = 0, failures = 0;; k++, failures++) {
     test_engine e;
     open_scene(&e, "ropes", NULL);
-    e.scene->shared.allocations_left = k;
+    e.options.allocations = k + 1;
     hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
     test_engine_close(&e);
     if (status == HK_OK) {

@@ -17,6 +17,7 @@ static double noise(void) {
 
 typedef struct graph {
   test_engine e;
+  hk_plugin_spec *spec;
   hk_instance *springs;
   size_t n, count;
   uint32_t (*edge)[2];
@@ -46,23 +47,24 @@ static void add_edge(graph *g, size_t i, size_t j) {
 }
 
 static void set_list(graph *g, const char *name, const double *list, size_t count) {
-  const hk_param *p = hk_instance_param(g->springs, name, &g->e.error);
-  hk_value value = {
-      .kind = count > 1 ? HK_VALUE_LIST : HK_VALUE_NUMBER, .number = list[0], .count = count, .list = list};
-  if (hk_instance_set(g->springs, p, &value, g->n, &g->e.error) != HK_OK) fail_msg("%s", g->e.error.text);
+  if (count > 1)
+    test_list(&g->e, g->spec, name, list, count);
+  else
+    test_number(&g->e, g->spec, name, list[0]);
 }
 
 /* `each`: coefficients per edge; else those of the first edge for all. */
 static void start(graph *g, bool each, int threads) {
   g->e.scene->threads = threads;
-  g->springs = test_plugin(&g->e, HK_FORCE, "springs");
-  test_edges(&g->e, g->springs, (const uint32_t(*)[2])g->edge, g->count);
+  g->spec = test_plugin(&g->e, HK_FORCE, "springs");
+  test_edges(&g->e, g->spec, (const uint32_t(*)[2])g->edge, g->count);
   set_list(g, "k", g->k, each ? g->count : 1);
   set_list(g, "damping", g->c, each ? g->count : 1);
   set_list(g, "rest", g->L, each ? g->count : 1);
   for (size_t e = 1; e < g->count && !each; e++) g->k[e] = g->k[0], g->c[e] = g->c[0], g->L[e] = g->L[0];
   g->e.options.dt = 1e-3;
   test_run(&g->e);
+  g->springs = test_instance(&g->e, g->spec);
 }
 
 static void close_graph(graph *g) {
@@ -266,11 +268,11 @@ static void no_memory_is_an_error_at_every_allocation(void **state) {
     open_graph(&g, 400, 1200);
     for (size_t i = 0; i + 1 < 400; i++) add_edge(&g, i, i + 1);
     for (size_t i = 0; i + 7 < 400; i += 3) add_edge(&g, i + 7, i);
-    g.springs = test_plugin(&g.e, HK_FORCE, "springs");
-    test_edges(&g.e, g.springs, (const uint32_t(*)[2])g.edge, g.count);
-    test_number(&g.e, g.springs, "k", 1);
+    g.spec = test_plugin(&g.e, HK_FORCE, "springs");
+    test_edges(&g.e, g.spec, (const uint32_t(*)[2])g.edge, g.count);
+    test_number(&g.e, g.spec, "k", 1);
     g.e.options.dt = 1e-3;
-    g.e.scene->shared.allocations_left = k;
+    g.e.options.allocations = k + 1;
     hk_status status = hk_run_open(g.e.scene, &g.e.options, &g.e.run, &g.e.error);
     bool enough = status == HK_OK;
     if (!enough) assert_int_equal(status, HK_NO_MEMORY);

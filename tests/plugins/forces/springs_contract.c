@@ -9,24 +9,18 @@
 
 #include <cmocka.h>
 
-static void set_list(test_engine *e, hk_instance *springs, const char *name, size_t count, const double *list) {
-  const hk_param *p = hk_instance_param(springs, name, &e->error);
-  hk_value value = {.kind = HK_VALUE_LIST, .count = count, .list = list};
-  assert_int_equal(hk_instance_set(springs, p, &value, e->scene->n, &e->error), HK_OK);
-}
-
 /* A tetrahedron and a tail, every spring another one, none at rest; one has no rest length and one pair is doubled. */
-static hk_instance *open_scene(test_engine *e, bool damped, bool rest) {
+static hk_plugin_spec *open_scene(test_engine *e, bool damped, bool rest) {
   static const double x[6][3] = {{0, 0, 0}, {1, 0.2, -0.1}, {0.3, 1.1, 0}, {0.2, 0.3, 0.9}, {1.2, 1.3, 1.1}, {2, 1, 1}};
   static const uint32_t edge[8][2] = {{1, 2}, {2, 3}, {3, 1}, {1, 4}, {4, 2}, {4, 5}, {5, 4}, {5, 6}};
   test_engine_open(e);
   for (int i = 0; i < 6; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
   for (size_t k = 0; k < 18; k++) e->scene->velocity[k] = sin(1.7 * (double)k);
-  hk_instance *springs = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, edge, 8);
-  set_list(e, springs, "k", 8, (double[]){50, 60, 70, 20, 30, 80, 10, 40});
-  if (damped) set_list(e, springs, "damping", 8, (double[]){5, 6, 0, 2, 3, 8, 1, 4});
-  if (rest) set_list(e, springs, "rest", 8, (double[]){0.8, 0.9, 1.5, 0, 1.1, 2, 1.7, 0.4});
+  test_list(e, springs, "k", (double[]){50, 60, 70, 20, 30, 80, 10, 40}, 8);
+  if (damped) test_list(e, springs, "damping", (double[]){5, 6, 0, 2, 3, 8, 1, 4}, 8);
+  if (rest) test_list(e, springs, "rest", (double[]){0.8, 0.9, 1.5, 0, 1.1, 2, 1.7, 0.4}, 8);
   e->options.dt = 1e-3;
   return springs;
 }
@@ -34,8 +28,9 @@ static hk_instance *open_scene(test_engine *e, bool damped, bool rest) {
 static void springs_force_is_minus_energy_gradient(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *springs = open_scene(&e, false, true);
+  hk_plugin_spec *spec = open_scene(&e, false, true);
   test_run(&e);
+  hk_instance *springs = test_instance(&e, spec);
   hk_view view = force_view(&e, springs);
   double F[18];
   assert_true(force_gradient_error(springs, &view) < FORCE_DIFFERENCES);
@@ -47,8 +42,9 @@ static void springs_jacobian_is_exact_with_and_without_damping(void **state) {
   (void)state;
   for (int damped = 0; damped < 2; damped++) {
     test_engine e;
-    hk_instance *springs = open_scene(&e, damped, true);
+    hk_plugin_spec *spec = open_scene(&e, damped, true);
     test_run(&e);
+    hk_instance *springs = test_instance(&e, spec);
     hk_view view = force_view(&e, springs);
     double K[18 * 18], D[18 * 18], skew = 0;
     assert_true(force_stiffness_error(springs, &view) < FORCE_DIFFERENCES);
@@ -67,8 +63,9 @@ static void springs_power_is_that_of_the_damping_alone(void **state) {
   double F[2][18], power[2], known = 0;
   for (int damped = 0; damped < 2; damped++) {
     test_engine e;
-    hk_instance *springs = open_scene(&e, damped, true);
+    hk_plugin_spec *spec = open_scene(&e, damped, true);
     test_run(&e);
+    hk_instance *springs = test_instance(&e, spec);
     hk_view view = force_view(&e, springs);
     power[damped] = force_evaluate(springs, &view, F[damped]);
     for (int k = 0; k < 18 && damped; k++) known += (F[1][k] - F[0][k]) * view.v[k];
@@ -82,16 +79,18 @@ static void springs_act_when_both_ends_do(void **state) {
   (void)state;
   test_engine e, wanted;
   double F[18], G[18], K[18 * 18], D[18 * 18];
-  hk_instance *springs = open_scene(&e, true, true), *others = open_scene(&wanted, true, true);
-  springs->only = malloc(3 * sizeof *springs->only);
-  memcpy(springs->only, (uint32_t[]){0, 1, 3}, 3 * sizeof(uint32_t));
-  springs->only_count = 3;
-  test_edges(&wanted, others, (const uint32_t[][2]){{1, 2}, {1, 4}, {4, 2}}, 3);
-  set_list(&wanted, others, "k", 3, (double[]){50, 20, 30});
-  set_list(&wanted, others, "damping", 3, (double[]){5, 2, 3});
-  set_list(&wanted, others, "rest", 3, (double[]){0.8, 0, 1.1});
+  hk_plugin_spec *springs_spec = open_scene(&e, true, true), *others_spec = open_scene(&wanted, true, true);
+  springs_spec->only = malloc(3 * sizeof *springs_spec->only);
+  memcpy(springs_spec->only, (uint32_t[]){0, 1, 3}, 3 * sizeof(uint32_t));
+  springs_spec->only_count = 3;
+  test_edges(&wanted, others_spec, (const uint32_t[][2]){{1, 2}, {1, 4}, {4, 2}}, 3);
+  test_list(&wanted, others_spec, "k", (double[]){50, 20, 30}, 3);
+  test_list(&wanted, others_spec, "damping", (double[]){5, 2, 3}, 3);
+  test_list(&wanted, others_spec, "rest", (double[]){0.8, 0, 1.1}, 3);
   test_run(&e);
+  hk_instance *springs = test_instance(&e, springs_spec);
   test_run(&wanted);
+  hk_instance *others = test_instance(&wanted, others_spec);
   hk_view view = force_view(&e, springs), all = force_view(&wanted, others);
   double power = force_evaluate(springs, &view, F);
   assert_true(power == force_evaluate(others, &all, G) && power < 0);
@@ -108,10 +107,11 @@ static void springs_act_when_both_ends_do(void **state) {
 static void springs_follow_deaths(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *springs = open_scene(&e, true, false);
+  hk_plugin_spec *spec = open_scene(&e, true, false);
   const uint32_t map[6] = {0, 1, UINT32_MAX, 2, 3, 4};
   double F[2][18], x[18], v[18], energy[2];
   test_run(&e);
+  hk_instance *springs = test_instance(&e, spec);
   hk_view view = force_view(&e, springs);
   memcpy(x, view.x, sizeof x);
   memcpy(v, view.v, sizeof v);
@@ -149,13 +149,14 @@ static void springs_of_almost_coincident_particles_are_finite(void **state) {
       for (size_t i = 0; i < n; i++) test_particle(&e, near[d] * (double)i, 0, 0, 1);
       for (size_t k = 0; k < 3 * n; k++) e.scene->velocity[k] = sin((double)k);
       for (uint32_t i = 0; i + 1 < n; i++) edge[i][0] = i + 1, edge[i][1] = i + 2;
-      hk_instance *springs = test_plugin(&e, HK_FORCE, "springs");
-      test_edges(&e, springs, (const uint32_t(*)[2])edge, n - 1);
-      test_number(&e, springs, "k", 1000);
-      test_number(&e, springs, "damping", 3);
-      test_number(&e, springs, "rest", 0.1);
+      hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "springs");
+      test_edges(&e, spec, (const uint32_t(*)[2])edge, n - 1);
+      test_number(&e, spec, "k", 1000);
+      test_number(&e, spec, "damping", 3);
+      test_number(&e, spec, "rest", 0.1);
       e.options.dt = 1e-3;
       test_run(&e);
+      hk_instance *springs = test_instance(&e, spec);
       hk_view view = force_view(&e, springs);
       assert_true(isfinite(force_evaluate(springs, &view, F)));
       force_matrices(springs, &view, K, D);
@@ -181,11 +182,11 @@ static void no_memory_is_an_error_in_every_part_of_the_layout(void **state) {
     test_engine_open(&e);
     assert_int_equal(hk_scene_add_particles(e.scene, N, x, NULL, NULL, 1, 0, &id, &e.error), HK_OK);
     free(x);
-    hk_instance *springs = test_plugin(&e, HK_FORCE, "springs");
+    hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
     test_edges(&e, springs, (const uint32_t(*)[2])edge, N);
     test_number(&e, springs, "k", 1);
     e.options.dt = 1e-3;
-    e.scene->shared.allocations_left = k;
+    e.options.allocations = k + 1;
     hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
     test_engine_close(&e);
     if (status == HK_OK) {

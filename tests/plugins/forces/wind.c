@@ -18,8 +18,8 @@ static void triangles(test_engine *e, const uint32_t (*list)[3], size_t count) {
   assert_int_equal(hk_scene_add_triangles(e->scene, count, list, &e->error), HK_OK);
 }
 
-static hk_instance *open_wind(test_engine *e, double wx, double wy, double wz) {
-  hk_instance *wind = test_plugin(e, HK_FORCE, "wind");
+static hk_plugin_spec *open_wind(test_engine *e, double wx, double wy, double wz) {
+  hk_plugin_spec *wind = test_plugin(e, HK_FORCE, "wind");
   test_vector(e, wind, "velocity", wx, wy, wz);
   e->options.dt = 1e-3;
   return wind;
@@ -27,20 +27,20 @@ static hk_instance *open_wind(test_engine *e, double wx, double wy, double wz) {
 
 static const char *const coefficient_name[] = {"density", "drag", "lift", "friction", "linear"};
 
-static void set_coefficients(test_engine *e, hk_instance *wind, const double value[5]) {
+static void set_coefficients(test_engine *e, hk_plugin_spec *wind, const double value[5]) {
   for (int k = 0; k < 5; k++) test_number(e, wind, coefficient_name[k], value[k]);
 }
 
 static const double general[5] = {1.3, 1.1, 0.8, 0.2, 0.7};
 
-static hk_instance *open_strip(test_engine *e) {
+static hk_plugin_spec *open_strip(test_engine *e) {
   static const double x[N][3] = {{0, 0, 0.1},   {1, 0.2, -0.1}, {0.3, 1.1, 0},   {1.2, 1.3, 0.6},
                                  {0.2, 2, 0.9}, {2, 0.5, 1},    {1.8, 1.5, -0.3}};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
   for (size_t k = 0; k < 3 * N; k++) e->scene->velocity[k] = 2 * sin(1.7 * (double)k);
   triangles(e, strip, T);
-  hk_instance *wind = open_wind(e, 3, -1, 2);
+  hk_plugin_spec *wind = open_wind(e, 3, -1, 2);
   set_coefficients(e, wind, general);
   return wind;
 }
@@ -53,9 +53,10 @@ static void check(const double coefficient[5], const double each[3]) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 1, 0, 0, 1), test_particle(&e, 0, 1, 0, 1);
   triangles(&e, (const uint32_t[][3]){{1, 2, 3}}, 1);
-  hk_instance *wind = open_wind(&e, 3, 0, 4);
-  set_coefficients(&e, wind, coefficient);
+  hk_plugin_spec *spec = open_wind(&e, 3, 0, 4);
+  set_coefficients(&e, spec, coefficient);
   test_run(&e);
+  hk_instance *wind = test_instance(&e, spec);
   hk_view view = force_view(&e, wind);
   assert_true(force_evaluate(wind, &view, F) == 0);
   for (int k = 0; k < 9; k++) assert_true(fabs(F[k] - each[k % 3]) < 1e-14); /* some roundings of numbers up to 10 */
@@ -99,9 +100,10 @@ static void by_angles(const double x[3][3], const double v[3][3], const double w
 static void wind_is_drag_and_lift_and_their_power(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *wind = open_strip(&e);
+  hk_plugin_spec *spec = open_strip(&e);
   double F[3 * N], total[3] = {0}, known[3] = {0}, work = 0;
   test_run(&e);
+  hk_instance *wind = test_instance(&e, spec);
   hk_view view = force_view(&e, wind);
   double power = force_evaluate(wind, &view, F);
   for (size_t t = 0; t < T; t++) {
@@ -125,9 +127,10 @@ static void wind_is_the_same_in_a_moving_frame_and_takes_energy_from_what_moves_
   double F[2][3 * N], v[3 * N];
   for (int moving = 0; moving < 2; moving++) {
     test_engine e;
-    hk_instance *wind = open_strip(&e);
-    test_vector(&e, wind, "velocity", moving ? 13.0 : 0, moving ? -4.0 : 0, moving ? 2.5 : 0);
+    hk_plugin_spec *spec = open_strip(&e);
+    test_vector(&e, spec, "velocity", moving ? 13.0 : 0, moving ? -4.0 : 0, moving ? 2.5 : 0);
     test_run(&e);
+    hk_instance *wind = test_instance(&e, spec);
     hk_view view = force_view(&e, wind);
     for (int k = 0; k < 3 * N; k++) v[k] = view.v[k] + (moving ? (double[]){13, -4, 2.5}[k % 3] : 0);
     view.v = v;
@@ -143,11 +146,12 @@ static void a_triangle_turned_over_feels_the_same(void **state) {
   double F[3][3 * N];
   for (int turned = 0; turned < 3; turned++) {
     test_engine e;
-    hk_instance *wind = open_strip(&e);
+    hk_plugin_spec *spec = open_strip(&e);
     for (size_t t = 0; t < T && turned; t++)
       for (int r = 0; r < 3; r++)
         e.scene->triangle[t][r] = strip[t][turned == 1 ? 2 - r : (r + 1) % 3]; /* mirrored, rotated */
     test_run(&e);
+    hk_instance *wind = test_instance(&e, spec);
     hk_view view = force_view(&e, wind);
     force_evaluate(wind, &view, F[turned]);
     test_engine_close(&e);
@@ -169,7 +173,7 @@ static void a_falling_plate_reaches_its_terminal_velocity(void **state) {
   test_particle(&e, 0, 0, 0, m / 3), test_particle(&e, side, 0, 0, m / 6);
   test_particle(&e, side, side, 0, m / 3), test_particle(&e, 0, side, 0, m / 6);
   triangles(&e, (const uint32_t[][3]){{1, 2, 3}, {1, 4, 3}}, 2);
-  hk_instance *wind = open_wind(&e, 0, 0, 0), *gravity = test_plugin(&e, HK_FORCE, "gravity");
+  hk_plugin_spec *wind = open_wind(&e, 0, 0, 0), *gravity = test_plugin(&e, HK_FORCE, "gravity");
   set_coefficients(&e, wind, (double[]){rho, drag, 0.3, 0.1, 0});
   test_vector(&e, gravity, "g", 0, 0, -g);
   test_plugin(&e, HK_INTEGRATOR, "rk4");
@@ -192,11 +196,12 @@ static void wind_jacobian_is_exact_and_unsymmetric(void **state) {
   (void)state;
   for (int k = 0; k < 5; k++) { /* all coefficients together, then each alone */
     test_engine e;
-    hk_instance *wind = open_strip(&e);
+    hk_plugin_spec *spec = open_strip(&e);
     double one[5] = {1.3}, K[9 * N * N], D[9 * N * N], skew = 0;
     one[k] = k > 0 ? 0.9 : 1.3;
-    if (k > 0) set_coefficients(&e, wind, one);
+    if (k > 0) set_coefficients(&e, spec, one);
     test_run(&e);
+    hk_instance *wind = test_instance(&e, spec);
     hk_view view = force_view(&e, wind);
     assert_int_equal(force_matrices(wind, &view, K, D), 9 * T);
     assert_true(force_stiffness_error(wind, &view) < FORCE_DIFFERENCES);
@@ -218,9 +223,10 @@ static void the_slope_does_not_jump_where_a_triangle_is_edge_on(void **state) {
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 1, 0, 0, 1), test_particle(&e, 0, 1, 0, 1);
   triangles(&e, (const uint32_t[][3]){{1, 2, 3}}, 1);
-  hk_instance *wind = open_wind(&e, 3, 1, 0);
-  set_coefficients(&e, wind, general);
+  hk_plugin_spec *spec = open_wind(&e, 3, 1, 0);
+  set_coefficients(&e, spec, general);
   test_run(&e);
+  hk_instance *wind = test_instance(&e, spec);
   hk_view view = force_view(&e, wind);
   assert_true(force_stiffness_error(wind, &view) < FORCE_DIFFERENCES);
   assert_true(force_damping_error(wind, &view) < FORCE_DIFFERENCES);
@@ -255,9 +261,10 @@ static void triangles_without_area_and_air_without_motion_are_no_trouble(void **
   test_engine_open(&e);
   for (int i = 0; i < 3; i++) test_particle(&e, i, i * i, 0, 1);
   triangles(&e, (const uint32_t[][3]){{1, 2, 3}}, 1);
-  hk_instance *wind = open_wind(&e, 0, 0, 0);
-  set_coefficients(&e, wind, (double[]){1.3, 1.1, 0.8, 0.2, 0}); /* linear alone has a slope at u = 0 */
+  hk_plugin_spec *spec = open_wind(&e, 0, 0, 0);
+  set_coefficients(&e, spec, (double[]){1.3, 1.1, 0.8, 0.2, 0}); /* linear alone has a slope at u = 0 */
   test_run(&e);
+  hk_instance *wind = test_instance(&e, spec);
   hk_view view = force_view(&e, wind);
   view.x = x, view.v = v;
   for (size_t s = 0; s < 4 * 49; s++) {
@@ -277,7 +284,7 @@ static void wind_without_triangles_is_refused(void **state) {
     test_engine_open(&e);
     for (int i = 0; i < 3; i++) test_particle(&e, i, i * i, 0, 1);
     if (with) triangles(&e, (const uint32_t[][3]){{1, 2, 3}}, 1);
-    hk_instance *wind = open_wind(&e, 1, 0, 0);
+    hk_plugin_spec *wind = open_wind(&e, 1, 0, 0);
     wind->only = malloc(2 * sizeof *wind->only);
     memcpy(wind->only, (uint32_t[]){0, 2}, 2 * sizeof(uint32_t));
     wind->only_count = 2;
@@ -294,14 +301,16 @@ static void wind_acts_on_triangles_with_all_corners_active(void **state) {
   (void)state;
   test_engine e, wanted;
   double F[3 * N], G[3 * N], K[9 * N * N], D[9 * N * N];
-  hk_instance *wind = open_strip(&e), *other = open_strip(&wanted);
-  wind->only = malloc((N - 1) * sizeof *wind->only);
-  memcpy(wind->only, (uint32_t[]){0, 1, 2, 3, 5, 6}, (N - 1) * sizeof(uint32_t));
-  wind->only_count = N - 1;
+  hk_plugin_spec *wind_spec = open_strip(&e), *other_spec = open_strip(&wanted);
+  wind_spec->only = malloc((N - 1) * sizeof *wind_spec->only);
+  memcpy(wind_spec->only, (uint32_t[]){0, 1, 2, 3, 5, 6}, (N - 1) * sizeof(uint32_t));
+  wind_spec->only_count = N - 1;
   memcpy(wanted.scene->triangle[2], strip[4], sizeof strip[4]);
   wanted.scene->triangles = 3;
   test_run(&e);
+  hk_instance *wind = test_instance(&e, wind_spec);
   test_run(&wanted);
+  hk_instance *other = test_instance(&wanted, other_spec);
   hk_view view = force_view(&e, wind), all = force_view(&wanted, other);
   assert_true(force_evaluate(wind, &view, F) == force_evaluate(other, &all, G));
   assert_memory_equal(F, G, sizeof F);
@@ -316,10 +325,11 @@ static void wind_acts_on_triangles_with_all_corners_active(void **state) {
 static void wind_follows_deaths(void **state) {
   (void)state;
   test_engine e;
-  hk_instance *wind = open_strip(&e);
+  hk_plugin_spec *spec = open_strip(&e);
   const uint32_t map[N] = {0, 1, 2, 3, UINT32_MAX, 4, 5}, left[3][3] = {{0, 1, 2}, {2, 1, 3}, {1, 4, 5}};
   double F[2][3 * N], x[3 * N], v[3 * N];
   test_run(&e);
+  hk_instance *wind = test_instance(&e, spec);
   hk_view view = force_view(&e, wind);
   hk_model model = *view.model;
   force_evaluate(wind, &view, F[0]);
@@ -327,7 +337,7 @@ static void wind_follows_deaths(void **state) {
   memcpy(v, view.v, sizeof v);
   memmove(x + 12, x + 15, 6 * sizeof *x);
   memmove(v + 12, v + 15, 6 * sizeof *v);
-  model.n = N - 1, model.triangles = 3, model.triangle = left;
+  model.n = N - 1, model.triangles = (hk_tuples){3, 3, &left[0][0]};
   view.x = x, view.v = v, view.model = &model, view.n = view.acting = N - 1;
   assert_int_equal(hk_instance_remap(wind, map, N, &view, 6 * N - 5, &e.error), HK_OK);
   assert_true(force_evaluate(wind, &view, F[1]) != 0);
@@ -341,7 +351,7 @@ static void wind_follows_deaths(void **state) {
 
 enum { SIDE = 71, MANY = SIDE * SIDE, CELLS = 2 * (SIDE - 1) * (SIDE - 1) };
 
-static hk_instance *open_sheet(test_engine *e, double *x) {
+static hk_plugin_spec *open_sheet(test_engine *e, double *x) {
   static uint32_t list[CELLS][3];
   uint32_t id, k = 0;
   test_engine_open(e);
@@ -355,14 +365,14 @@ static hk_instance *open_sheet(test_engine *e, double *x) {
     memcpy(list[k++], (uint32_t[]){a, a + SIDE + 1, a + SIDE}, sizeof *list);
   }
   triangles(e, (const uint32_t(*)[3])list, k);
-  hk_instance *wind = open_wind(e, 2, 3, -1);
+  hk_plugin_spec *wind = open_wind(e, 2, 3, -1);
   set_coefficients(e, wind, general);
   return wind;
 }
 
 static void by_slots(const hk_instance *wind, const hk_view *view, size_t *slot, double *K, double *D) {
   for (size_t t = 0; t < CELLS; t++) /* all blocks of a row in one: as much sharing as rows allow */
-    for (size_t b = 0; b < 9; b++) slot[9 * t + b] = view->model->triangle[t][b / 3];
+    for (size_t b = 0; b < 9; b++) slot[9 * t + b] = hk_tuple(&view->model->triangles, t)[b / 3];
   memset(K, 0, 9 * MANY * sizeof *K);
   memset(D, 0, 9 * MANY * sizeof *D);
   hk_blocks into = {slot, K, D, 0};
@@ -377,9 +387,10 @@ static void wind_is_the_same_on_any_threads(void **state) {
   size_t *slot = malloc(9 * CELLS * sizeof *slot);
   for (int threads = 1; threads <= 3; threads++) {
     test_engine e;
-    hk_instance *wind = open_sheet(&e, v);
+    hk_plugin_spec *spec = open_sheet(&e, v);
     e.scene->threads = threads;
     test_run(&e);
+    hk_instance *wind = test_instance(&e, spec);
     hk_view view = force_view(&e, wind);
     for (size_t k = 0; k < 3 * MANY; k++) v[k] = cos((double)k);
     view.v = v;
@@ -402,7 +413,7 @@ static void no_memory_is_an_error(void **state) {
   for (long k = 0, failures = 0;; k++, failures++) {
     test_engine e;
     open_strip(&e);
-    e.scene->shared.allocations_left = k;
+    e.options.allocations = k + 1;
     hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
     test_engine_close(&e);
     if (status == HK_OK) {

@@ -13,10 +13,10 @@
 enum { SIDE = 12, FEW = 6, MOST = 2 * FEW };
 
 static void use(test_engine *e, bool correction) {
-  hk_instance *method = test_plugin(e, HK_INTEGRATOR, "desbrun");
-  const hk_param *param = hk_instance_param(method, "correction", &e->error);
+  hk_plugin_spec *method = test_plugin(e, HK_INTEGRATOR, "desbrun");
+  const hk_param *param = hk_spec_param(method, "correction", &e->error);
   hk_value value = {.kind = HK_VALUE_BOOLEAN, .boolean = correction};
-  if (!param || hk_instance_set(method, param, &value, 0, &e->error) != HK_OK) fail_msg("%s", e->error.text);
+  if (!param || hk_spec_set(method, param, &value, 0, &e->error) != HK_OK) fail_msg("%s", e->error.text);
 }
 
 static void steps_of(test_engine *e, double h) {
@@ -25,7 +25,7 @@ static void steps_of(test_engine *e, double h) {
 }
 
 static void springs(test_engine *e, const uint32_t (*edge)[2], size_t count, double k, double damping, double rest) {
-  hk_instance *force = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *force = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, force, edge, count);
   test_number(e, force, "k", k);
   test_number(e, force, "damping", damping);
@@ -186,16 +186,17 @@ static void stated_growth_is_the_measured_one(void **state) {
   (void)state;
   test_engine e;
   test_engine_open(&e);
-  const hk_integrator *method = test_plugin(&e, HK_INTEGRATOR, "desbrun")->plugin->integrator;
-  assert_true(method->order == 1 && method->flags == HK_IMPLICIT);
+  const hk_plugin_spec *spec = test_plugin(&e, HK_INTEGRATOR, "desbrun");
+  const hk_integrator *method = spec->plugin->integrator;
+  assert_true(method->order == 1 && method->flags == (HK_IMPLICIT | HK_NEEDS_SOLVER));
   for (int i = 0; i < 5; i++)
     for (int j = 0; j < 4; j++) {
-      double stated = method->amplification(hw[i], hg[j]), got = measured_growth(hw[i], hg[j]);
+      double stated = method->amplification(spec->values, hw[i], hg[j]), got = measured_growth(hw[i], hg[j]);
       if (!(fabs(stated - got) < 1e-6 * got))
         fail_msg("hw = %g, hg = %g: states %.9g, measured %.9g", hw[i], hg[j], stated, got);
       if (hg[j] == 0) assert_true(fabs(stated - pow(1 + hw[i] * hw[i], -0.5)) < 1e-12);
     }
-  for (double g = 0; g < 10; g += 0.5) assert_true(method->amplification(0, g) >= 1);
+  for (double g = 0; g < 10; g += 0.5) assert_true(method->amplification(spec->values, 0, g) >= 1);
   test_engine_close(&e);
 }
 
@@ -399,9 +400,9 @@ static void stays_bounded_where_symplectic_euler_diverges(void **state) {
 
 /* ---- pins ---- */
 
-static hk_status swing(const hk_function *f, const double *in, size_t n_in, double *out, size_t most, size_t *n_out,
-                       hk_error *error) {
-  (void)f, (void)n_in, (void)most, (void)error;
+static hk_status swing(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                       size_t most, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)most, (void)error;
   for (int c = 0; c < 3; c++) {
     out[c] = c == 0 ? 0.2 * sin(3 * *in) : 0;
     out[3 + c] = c == 0 ? 0.6 * cos(3 * *in) : 0;
@@ -427,7 +428,7 @@ static void pinned_scene(test_engine *e, const char *method, double damping) {
   if (hk_scene_add_pin(e->scene, &spec, &e->error) != HK_OK) fail_msg("%s", e->error.text);
   test_pin(e, HK_PIN_LINE, 3, line);
   test_pin(e, HK_PIN_PLANE, 4, plane);
-  hk_instance *force = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *force = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, force, edge, 8);
   test_number(e, force, "k", 40);
   test_number(e, force, "damping", damping);
@@ -500,7 +501,7 @@ static void factorizes_once_while_nothing_changes(void **state) {
     hk_pin_spec spec = {.kind = HK_PIN_FIXED, .count = 1, .id = &one, .release = events ? 0.25 : INFINITY};
     if (hk_scene_add_pin(e.scene, &spec, &e.error) != HK_OK) fail_msg("%s", e.error.text);
     springs(&e, (const uint32_t[][2]){{1, SIDE}}, 1, 100, 0, 1);
-    if (events) e.scene->force.item[1]->from = 0.5;
+    if (events) e.scene->plugin[HK_FORCE].item[1]->from = 0.5;
     use(&e, true);
     steps_of(&e, 1.0 / 64);
     test_run(&e);
@@ -521,12 +522,12 @@ static void springs_follow_births_and_deaths(void **state) {
     const uint32_t pair[2][2] = {{3, 4}, {4, 5}};
     test_engine_open(&e);
     for (int i = 0; i < 5; i++) test_particle(&e, i * 1.5, 0.1 * i * i, 0, 1 + i);
-    hk_instance *force = test_plugin(&e, HK_FORCE, "springs");
+    hk_plugin_spec *force = test_plugin(&e, HK_FORCE, "springs");
     test_edges(&e, force, pair, 2);
     test_number(&e, force, "k", 500);
     test_number(&e, force, "rest", 1);
     if (!alone) {
-      hk_instance *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
       test_number(&e, emitter, "every", 0.1);
       test_number(&e, emitter, "lifetime", 0.3);
     }
@@ -542,9 +543,9 @@ static void springs_follow_births_and_deaths(void **state) {
   assert_true(largest(with, without, 9) < 1e-12);
 }
 
-static hk_status failing(const hk_function *f, const double *in, size_t n_in, double *out, size_t most, size_t *n_out,
-                         hk_error *error) {
-  (void)f, (void)n_in, (void)most;
+static hk_status failing(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                         size_t most, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)most;
   if (*in > 0.108) return hk_error_set(error, HK_SCRIPT, "no gravity at %g", *in);
   out[0] = out[1] = 0, out[2] = -9.81;
   *n_out = 3;
@@ -559,9 +560,9 @@ static void failed_step_leaves_the_state_as_it_was(void **state) {
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 1, 0.5, 0, 2);
   springs(&e, (const uint32_t[][2]){{1, 2}}, 1, 1000, 1, 1);
-  hk_instance *g = test_plugin(&e, HK_FORCE, "gravity");
+  hk_plugin_spec *g = test_plugin(&e, HK_FORCE, "gravity");
   hk_value function = {.kind = HK_VALUE_FUNCTION, .function = {failing, NULL, 0}};
-  assert_int_equal(hk_instance_set(g, hk_instance_param(g, "g", &e.error), &function, 2, &e.error), HK_OK);
+  assert_int_equal(hk_spec_set(g, hk_spec_param(g, "g", &e.error), &function, 2, &e.error), HK_OK);
   use(&e, true);
   steps_of(&e, 0.1);
   test_run(&e);

@@ -1,6 +1,5 @@
 /* local_global against backward Euler solved here by a dense Newton of its own, and what its theory promises of every
  * single iteration. */
-#include "core/run/engine.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -21,7 +20,7 @@ typedef struct spring {
 
 typedef struct net {
   test_engine e;
-  hk_instance *method;
+  hk_plugin_spec *method;
   size_t springs;
   spring spring[MOST];
 } net;
@@ -43,7 +42,7 @@ static void add_springs(net *s, int di, int dj, double k, double c, double rest)
       edge[count][0] = (uint32_t)a + 1;
       edge[count++][1] = (uint32_t)b + 1;
     }
-  hk_instance *springs = test_plugin(&s->e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(&s->e, HK_FORCE, "springs");
   test_edges(&s->e, springs, (const uint32_t(*)[2])edge, count);
   test_number(&s->e, springs, "k", k);
   test_number(&s->e, springs, "damping", c);
@@ -66,9 +65,7 @@ static void open_net(net *s, double k, double damping, size_t iterations, const 
   test_vector(&s->e, test_plugin(&s->e, HK_FORCE, "gravity"), "g", 0, 0, g_z);
   s->method = test_plugin(&s->e, HK_INTEGRATOR, "local_global");
   test_number(&s->e, s->method, "iterations", (double)iterations);
-  const hk_param *p = hk_instance_param(s->method, "acceleration", &s->e.error);
-  const hk_value value = {.kind = HK_VALUE_STRING, .text = acceleration};
-  assert_int_equal(hk_instance_set(s->method, p, &value, N, &s->e.error), HK_OK);
+  test_text(&s->e, s->method, "acceleration", acceleration);
   s->e.scene->fps = fps;
   s->e.options.dt = 1 / fps;
   s->e.options.until = 10;
@@ -112,7 +109,7 @@ static problem problem_of(const net *s, double drag) {
   for (size_t c = 0; c < 3; c++) {
     double unit[M];
     for (size_t e = 0; e < M; e++) unit[e] = e % 3 == c;
-    s->e.run->system.filter(&s->e.run->system, unit);
+    s->e.run->dynamics.system.filter(&s->e.run->dynamics.system, unit);
     for (size_t e = 0; e < M; e++) p.S[e / 3][e % 3][c] = unit[e];
   }
   return p;
@@ -265,7 +262,7 @@ static void many_iterations_reach_backward_euler(void **state) {
       problem p;
       double x[M], expected[M], off_start[M];
       after(4000, "none", 300, damping[q], way, x, &p, &s);
-      hk_system *system = &s.e.run->system;
+      hk_system *system = &s.e.run->dynamics.system;
       memcpy(expected, x, sizeof x);
       for (size_t e = 0; e < M; e++) off_start[e] = 1e-4 * sin((double)e);
       system->filter(system, off_start);
@@ -344,22 +341,22 @@ static void one_factorization_serves_all_steps(void **state) {
   net s;
   open_net(&s, 3000, 0.5, 10, "none");
   hang(&s);
-  s.e.scene->force.item[1]->to = 1;
+  s.e.scene->plugin[HK_FORCE].item[1]->to = 1;
   test_run(&s.e);
   test_advance(&s.e, 1);
-  assert_int_equal(s.e.run->steps, 30);
-  assert_int_equal(s.e.run->factorizations, 1);
+  assert_int_equal(s.e.run->record.steps, 30);
+  assert_int_equal(s.e.run->dynamics.count.factorizations, 1);
   test_advance(&s.e, 2); /* without the springs of force 1 */
-  assert_int_equal(s.e.run->steps, 60);
-  assert_int_equal(s.e.run->factorizations, 2);
+  assert_int_equal(s.e.run->record.steps, 60);
+  assert_int_equal(s.e.run->dynamics.count.factorizations, 2);
   test_engine_close(&s.e);
 }
 
 /* ---- Physics ---- */
 
-static hk_status circle(const hk_function *self, const double *in, size_t n_in, double *out, size_t max_out,
-                        size_t *n_out, hk_error *error) {
-  (void)self, (void)n_in, (void)max_out, (void)error;
+static hk_status circle(const hk_function *self, const void *caller, const double *in, size_t n_in, double *out,
+                        size_t max_out, size_t *n_out, hk_error *error) {
+  (void)self, (void)caller, (void)n_in, (void)max_out, (void)error;
   out[0] = 0.1 * sin(3 * in[0]);
   out[1] = 0.05 * in[0];
   out[2] = 0.1 * (1 - cos(3 * in[0]));
@@ -391,9 +388,9 @@ static void pins_keep_their_places_to_the_bit(void **state) {
       assert_memory_equal(test_position(&s.e, pinned[k]), start[k], sizeof start[k]);
       assert_memory_equal(test_velocity(&s.e, pinned[k]), (double[3]){0}, sizeof start[k]);
     }
-    double offset[6], t = s.e.run->system.t;
+    double offset[6], t = s.e.run->dynamics.system.t;
     size_t n_out;
-    circle(NULL, &t, 1, offset, 6, &n_out, NULL);
+    circle(NULL, NULL, &t, 1, offset, 6, &n_out, NULL);
     for (int c = 0; c < 3; c++) {
       assert_true(test_position(&s.e, 1)[c] == start[2][c] + offset[c]);
       assert_true(test_velocity(&s.e, 1)[c] == offset[3 + c]);
@@ -458,7 +455,7 @@ static void growth_is_the_stated_one(void **state) {
         test_particle(&e, 1, 0, 0, 1);
         if (start) e.scene->velocity[3] = 30; /* h v = 1 */
         test_pin(&e, HK_PIN_FIXED, 1, NULL);
-        hk_instance *springs = test_plugin(&e, HK_FORCE, "springs"), *method;
+        hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs"), *method;
         test_edges(&e, springs, (const uint32_t[][2]){{1, 2}}, 1);
         test_number(&e, springs, "k", hw * hw * 900);
         test_number(&e, springs, "damping", hg * 30);
@@ -471,7 +468,7 @@ static void growth_is_the_stated_one(void **state) {
         test_advance(&e, 1.0 / 30);
         matrix[0][start] = test_position(&e, 2)[0];
         matrix[1][start] = test_velocity(&e, 2)[0] / 30;
-        stated = method->plugin->integrator->amplification(hw, hg);
+        stated = method->plugin->integrator->amplification(method->values, hw, hg);
         test_engine_close(&e);
       }
       matrix[0][1] -= matrix[0][0]; /* the second start was (1, 1) */
@@ -500,7 +497,7 @@ static void energy_balance_is_of_first_order(void **state) {
     s.e.options.dt = 1 / s.e.scene->fps;
     test_run(&s.e);
     double kinetic, potential, first;
-    hk_system *system = &s.e.run->system;
+    hk_system *system = &s.e.run->dynamics.system;
     system->energy(system, 0, system->X, &kinetic, &potential);
     first = kinetic + potential;
     test_advance(&s.e, 0.5);
@@ -564,7 +561,7 @@ static void hard_cases_end_finite_or_say_why(void **state) {
   memcpy(s.e.scene->position + 3, s.e.scene->position, 3 * sizeof(double));
   survive(&s, "two particles at one point", fps);
   open_net(&s, 3000, 0.5, 10, "anderson");
-  for (size_t k = 0; k < 3; k++) test_number(&s.e, s.e.scene->force.item[k], "rest", 0);
+  for (size_t k = 0; k < 3; k++) test_number(&s.e, s.e.scene->plugin[HK_FORCE].item[k], "rest", 0);
   survive(&s, "springs without length", fps);
   open_net(&s, 3000, 0.5, 10, "anderson");
   test_particle(&s.e, 5, 5, 5, 1);
@@ -594,7 +591,7 @@ static void few_iterations_are_warned_of(void **state) {
     open_net(&s, 3000, 0.5, k ? 3000 : 2, "anderson");
     test_run(&s.e);
     test_advance(&s.e, 3 / fps);
-    assert_int_equal(s.e.run->warnings, k ? 0 : 1);
+    assert_int_equal(s.e.run->warnings.count, k ? 0 : 1);
     test_engine_close(&s.e);
   }
 }
@@ -603,10 +600,11 @@ static void few_iterations_are_warned_of(void **state) {
 
 static void step_fails(net *s, hk_status status, const char *text) {
   hk_step out = {1 / fps, 1 / fps, NAN};
-  hk_system *system = &s->e.run->system;
+  hk_system *system = &s->e.run->dynamics.system;
   double *before = malloc(system->size * sizeof *before);
   memcpy(before, system->X, system->size * sizeof *before);
-  hk_status got = s->method->plugin->integrator->step(s->method->self, system, 1 / fps, 1 / fps, &out);
+  hk_instance *method = test_instance(&s->e, s->method);
+  hk_status got = method->plugin->integrator->step(method->self, system, 1 / fps, 1 / fps, &out);
   assert_int_equal(got, status);
   if (!strstr(s->e.run->error.text, text)) fail_msg("'%s' is not in: %s", text, s->e.run->error.text);
   assert_memory_equal(before, system->X, system->size * sizeof *before);
@@ -618,7 +616,7 @@ static void a_force_between_particles_without_elements_is_refused_by_name(void *
   (void)state;
   net s;
   open_net(&s, 3000, 0.5, 10, "none");
-  hk_instance *cubic = test_plugin(&s.e, HK_FORCE, "cubic_springs");
+  hk_plugin_spec *cubic = test_plugin(&s.e, HK_FORCE, "cubic_springs");
   test_edges(&s.e, cubic, (const uint32_t[][2]){{1, 6}}, 1);
   test_number(&s.e, cubic, "k", 1);
   test_run(&s.e);
@@ -642,8 +640,9 @@ static void a_tolerance_stops_the_iteration(void **state) {
   test_number(&s.e, s.method, "tolerance", 1e-3);
   test_run(&s.e);
   hk_step out = {1 / fps, 1 / fps, NAN};
-  hk_system *system = &s.e.run->system;
-  assert_int_equal(s.method->plugin->integrator->step(s.method->self, system, 1 / fps, 1 / fps, &out), HK_OK);
+  hk_system *system = &s.e.run->dynamics.system;
+  hk_instance *method = test_instance(&s.e, s.method);
+  assert_int_equal(method->plugin->integrator->step(method->self, system, 1 / fps, 1 / fps, &out), HK_OK);
   assert_true(out.error <= 1 && out.error > 0.5); /* it stopped at the first that was small enough */
   test_engine_close(&s.e);
 }

@@ -39,10 +39,11 @@ static void need_sundials(void) {
 }
 
 static hk_status try_option(test_engine *e, const option *o) {
-  const hk_param *p = hk_instance_param(e->scene->integrator, o->name, &e->error);
+  hk_plugin_spec *method = e->scene->plugin[HK_INTEGRATOR].item[0];
+  const hk_param *p = hk_spec_param(method, o->name, &e->error);
   if (!p) fail_msg("%s", e->error.text);
   hk_value value = {.kind = o->text ? HK_VALUE_STRING : HK_VALUE_NUMBER, .number = o->number, .text = o->text};
-  return hk_instance_set(e->scene->integrator, p, &value, e->scene->n, &e->error);
+  return hk_spec_set(method, p, &value, e->scene->n, &e->error);
 }
 
 static void use(test_engine *e, const setting *s) {
@@ -63,7 +64,7 @@ static void open_orbit(test_engine *e, const setting *s, double tol) {
   test_engine_open(e);
   test_particle(e, 0.4, 0, 0, 1);
   e->scene->velocity[1] = 2;
-  hk_instance *sun = test_plugin(e, HK_FORCE, "central");
+  hk_plugin_spec *sun = test_plugin(e, HK_FORCE, "central");
   test_number(e, sun, "strength", 1);
   test_number(e, sun, "power", -2);
   use(e, s);
@@ -128,7 +129,7 @@ static void open_pendulum(test_engine *e, const setting *s, double tol) {
   test_particle(e, 0, 0, 0, 1);
   test_particle(e, 1, 0, 0, 1);
   test_pin(e, HK_PIN_FIXED, 1, NULL);
-  hk_instance *spring = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *spring = test_plugin(e, HK_FORCE, "springs");
   uint32_t edge[1][2] = {{1, 2}};
   test_edges(e, spring, (const uint32_t(*)[2])edge, 1);
   test_number(e, spring, "k", 1e6);
@@ -188,7 +189,7 @@ static void open_cloth(test_engine *e, const setting *s, int threads) {
     if (k % SIDE) edge[edges][0] = k, edge[edges++][1] = k + 1;
     if (k + SIDE <= SIDE * SIDE) edge[edges][0] = k, edge[edges++][1] = k + SIDE;
   }
-  hk_instance *springs = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])edge, edges);
   test_number(e, springs, "k", 1000);
   test_number(e, springs, "damping", 0.02);
@@ -294,7 +295,7 @@ static void events_are_met_exactly_and_start_anew(void **state) {
     test_engine_open(&e);
     test_particle(&e, 0, 0, 0, 1);
     e.scene->velocity[0] = 1;
-    hk_instance *gravity = test_plugin(&e, HK_FORCE, "gravity");
+    hk_plugin_spec *gravity = test_plugin(&e, HK_FORCE, "gravity");
     gravity->from = 0.123;
     gravity->to = 0.217;
     use(&e, all[k]);
@@ -317,7 +318,7 @@ static void births_and_deaths_are_taken_in(void **state) {
     test_engine e;
     test_engine_open(&e);
     test_particle(&e, 5, 0, 0, 1);
-    hk_instance *source = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *source = test_plugin(&e, HK_SOURCE, "fixture:emitter");
     test_number(&e, source, "every", 0.05);
     test_number(&e, source, "lifetime", 0.2);
     test_number(&e, test_plugin(&e, HK_FORCE, "drag"), "rate", 0);

@@ -12,17 +12,11 @@
 
 enum { SIDE = 150, MOST = 3 * 8 }; /* SIDE: several chunks of springs to a colour */
 
-static void choose(test_engine *e, hk_instance *method, const char *name, const char *choice) {
-  const hk_param *param = hk_instance_param(method, name, &e->error);
-  hk_value text = {.kind = HK_VALUE_STRING, .text = choice};
-  if (!param || hk_instance_set(method, param, &text, 0, &e->error) != HK_OK) fail_msg("%s", e->error.text);
-}
-
-static hk_instance *use(test_engine *e, double substeps, double iterations, const char *order) {
-  hk_instance *method = test_plugin(e, HK_INTEGRATOR, "xpbd");
+static hk_plugin_spec *use(test_engine *e, double substeps, double iterations, const char *order) {
+  hk_plugin_spec *method = test_plugin(e, HK_INTEGRATOR, "xpbd");
   test_number(e, method, "substeps", substeps);
   test_number(e, method, "iterations", iterations);
-  choose(e, method, "order", order);
+  test_text(e, method, "order", order);
   return method;
 }
 
@@ -31,10 +25,10 @@ static void steps_of(test_engine *e, double h) {
   e->scene->fps = 1 / h;
 }
 
-static hk_instance *chain(test_engine *e, size_t springs, double k, double damping, double rest) {
+static hk_plugin_spec *chain(test_engine *e, size_t springs, double k, double damping, double rest) {
   uint32_t edge[64][2];
   for (uint32_t q = 0; q < springs; q++) edge[q][0] = q + 1, edge[q][1] = q + 2;
-  hk_instance *force = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *force = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, force, (const uint32_t(*)[2])edge, springs);
   test_number(e, force, "k", k);
   test_number(e, force, "damping", damping);
@@ -70,7 +64,7 @@ static void cloth(test_engine *e, double k, double damping) {
     if (i + SIDE <= SIDE * SIDE) edge[edges][0] = i, edge[edges++][1] = i + SIDE;
     if (i % SIDE && i + SIDE < SIDE * SIDE) edge[edges][0] = i, edge[edges++][1] = i + SIDE + 1;
   }
-  hk_instance *force = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *force = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, force, (const uint32_t(*)[2])edge, edges);
   test_number(e, force, "k", k);
   test_number(e, force, "damping", damping);
@@ -130,9 +124,9 @@ static void one_spring_is_bdf2(void **state) {
     chain(&e, 1, k, d, 1);
     gravity(&e, acceleration, 0, 0);
     test_number(&e, test_plugin(&e, HK_FORCE, "drag"), "rate", rate);
-    hk_instance *method = use(&e, parts, parts, "auto");
+    hk_plugin_spec *method = use(&e, parts, parts, "auto");
     test_number(&e, method, "bdf", 2);
-    if (parts == 1 && c % 2) choose(&e, method, "sweep", "symmetric");
+    if (parts == 1 && c % 2) test_text(&e, method, "sweep", "symmetric");
     steps_of(&e, 0.01);
     test_run(&e);
     for (int i = 1; i <= 20 * parts; i++) {
@@ -241,16 +235,17 @@ static void stated_growth_is_the_measured_one(void **state) {
   (void)state;
   test_engine e;
   test_engine_open(&e);
-  const hk_integrator *method = test_plugin(&e, HK_INTEGRATOR, "xpbd")->plugin->integrator;
+  const hk_plugin_spec *spec = test_plugin(&e, HK_INTEGRATOR, "xpbd");
+  const hk_integrator *method = spec->plugin->integrator;
   assert_true(method->order == 1 && method->flags == HK_IMPLICIT);
   for (int i = 0; i < 5; i++)
     for (int j = 0; j < 4; j++) {
-      double stated = method->amplification(hw[i], hg[j]), got = measured_growth(hw[i], hg[j]);
+      double stated = method->amplification(spec->values, hw[i], hg[j]), got = measured_growth(hw[i], hg[j]);
       if (!(fabs(stated - got) < 1e-6))
         fail_msg("hw = %g, hg = %g: states %.9g, measured %.9g", hw[i], hg[j], stated, got);
       if (hg[j] == 0) assert_true(fabs(stated - pow(1 + hw[i] * hw[i] / 100, -5)) < 1e-12);
     }
-  for (double g = 0; g < 10; g += 0.5) assert_true(method->amplification(0, g) >= 1);
+  for (double g = 0; g < 10; g += 0.5) assert_true(method->amplification(spec->values, 0, g) >= 1);
   test_engine_close(&e);
 }
 
@@ -495,9 +490,9 @@ static void momentum_is_kept_and_the_centre_falls_as_a_point(void **state) {
     test_engine_open(&e);
     cloth(&e, 1e5, 0.1);
     gravity(&e, g[0], g[1], g[2]);
-    hk_instance *method = use(&e, 10, 3, kind % 2 ? "colours" : "scene");
+    hk_plugin_spec *method = use(&e, 10, 3, kind % 2 ? "colours" : "scene");
     test_number(&e, method, "bdf", kind < 2 ? 1 : 2);
-    if (kind == 4) choose(&e, method, "sweep", "symmetric");
+    if (kind == 4) test_text(&e, method, "sweep", "symmetric");
     steps_of(&e, 1.0 / 60);
     test_run(&e);
     const hk_view *view = hk_run_view(e.run);
@@ -522,9 +517,9 @@ static void same_for_any_threads(double bdf, const char *sweep) {
     e.scene->threads = threads;
     cloth(&e, 1e4, 0.05);
     gravity(&e, 0, 0, -9.81);
-    hk_instance *method = use(&e, 3, 2, "auto");
+    hk_plugin_spec *method = use(&e, 3, 2, "auto");
     test_number(&e, method, "bdf", bdf);
-    choose(&e, method, "sweep", sweep);
+    test_text(&e, method, "sweep", sweep);
     steps_of(&e, 1.0 / 60);
     test_run(&e);
     test_advance(&e, 0.05);
@@ -564,12 +559,12 @@ static void springs_follow_births_and_deaths(void **state) {
     const uint32_t pair[2][2] = {{3, 4}, {4, 5}};
     test_engine_open(&e);
     for (int i = 0; i < 5; i++) test_particle(&e, i * 1.5, 0.1 * i * i, 0, 1 + i);
-    hk_instance *force = test_plugin(&e, HK_FORCE, "springs");
+    hk_plugin_spec *force = test_plugin(&e, HK_FORCE, "springs");
     test_edges(&e, force, pair, 2);
     test_number(&e, force, "k", 500);
     test_number(&e, force, "rest", 1);
     if (!alone) {
-      hk_instance *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
       test_number(&e, emitter, "every", 0.1);
       test_number(&e, emitter, "lifetime", 0.3);
     }
@@ -587,9 +582,9 @@ static void springs_follow_births_and_deaths(void **state) {
 
 /* ---- pins ---- */
 
-static hk_status swing(const hk_function *f, const double *in, size_t n_in, double *out, size_t most, size_t *n_out,
-                       hk_error *error) {
-  (void)f, (void)n_in, (void)most, (void)error;
+static hk_status swing(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                       size_t most, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)most, (void)error;
   for (int c = 0; c < 3; c++) {
     out[c] = c == 0 ? 0.2 * sin(3 * *in) : 0;
     out[3 + c] = c == 0 ? 0.6 * cos(3 * *in) : 0;
@@ -615,7 +610,7 @@ static void pinned_scene(test_engine *e, const char *method, double damping) {
   if (hk_scene_add_pin(e->scene, &spec, &e->error) != HK_OK) fail_msg("%s", e->error.text);
   test_pin(e, HK_PIN_LINE, 3, line);
   test_pin(e, HK_PIN_PLANE, 4, plane);
-  hk_instance *force = test_plugin(e, HK_FORCE, "springs");
+  hk_plugin_spec *force = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, force, edge, 8);
   test_number(e, force, "k", 40);
   test_number(e, force, "damping", damping);
@@ -630,7 +625,7 @@ static void pins_hold_to_the_last_bit(void **state) {
   for (int kind = 0; kind < 4; kind++) {
     test_engine e;
     pinned_scene(&e, NULL, 0.5);
-    hk_instance *method = use(&e, 7, 2, kind % 2 ? "colours" : "scene");
+    hk_plugin_spec *method = use(&e, 7, 2, kind % 2 ? "colours" : "scene");
     test_number(&e, method, "bdf", 1 + kind / 2);
     steps_of(&e, 1.0 / 60);
     test_run(&e);
@@ -684,9 +679,9 @@ static void outcome_of_order_two(double h, double iterations, const char *sweep,
   test_engine e;
   hk_summary summary;
   pinned_scene(&e, NULL, 0.5);
-  hk_instance *method = use(&e, 10, iterations, "auto");
+  hk_plugin_spec *method = use(&e, 10, iterations, "auto");
   test_number(&e, method, "bdf", 2);
-  choose(&e, method, "sweep", sweep);
+  test_text(&e, method, "sweep", sweep);
   steps_of(&e, h);
   test_run(&e);
   test_advance(&e, 0.5);
@@ -767,11 +762,11 @@ static void births_void_the_history(void **state) {
     const uint32_t pair[2][2] = {{3, 4}, {4, 5}};
     test_engine_open(&e);
     for (int i = 0; i < 5; i++) test_particle(&e, i * 1.5, 0.1 * i * i, 0, 1 + i);
-    hk_instance *force = test_plugin(&e, HK_FORCE, "springs");
+    hk_plugin_spec *force = test_plugin(&e, HK_FORCE, "springs");
     test_edges(&e, force, pair, 2);
     test_number(&e, force, "k", 500);
     test_number(&e, force, "rest", 1);
-    hk_instance *emitter = alone ? NULL : test_plugin(&e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *emitter = alone ? NULL : test_plugin(&e, HK_SOURCE, "fixture:emitter");
     if (emitter) test_number(&e, emitter, "every", 0.1);
     if (emitter) test_number(&e, emitter, "lifetime", 0.3);
     test_number(&e, use(&e, 10, 1, "auto"), "bdf", 2);
@@ -788,9 +783,9 @@ static void births_void_the_history(void **state) {
 
 /* ---- failures ---- */
 
-static hk_status failing(const hk_function *f, const double *in, size_t n_in, double *out, size_t most, size_t *n_out,
-                         hk_error *error) {
-  (void)f, (void)n_in, (void)most;
+static hk_status failing(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                         size_t most, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)most;
   if (*in > 0.108) return hk_error_set(error, HK_SCRIPT, "no gravity at %g", *in);
   out[0] = out[1] = 0, out[2] = -9.81;
   *n_out = 3;
@@ -805,9 +800,9 @@ static void failed_step_leaves_the_state_as_it_was(void **state) {
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 1, 0.5, 0, 2);
   chain(&e, 1, 1000, 1, 1);
-  hk_instance *g = test_plugin(&e, HK_FORCE, "gravity");
+  hk_plugin_spec *g = test_plugin(&e, HK_FORCE, "gravity");
   hk_value function = {.kind = HK_VALUE_FUNCTION, .function = {failing, NULL, 0}};
-  assert_int_equal(hk_instance_set(g, hk_instance_param(g, "g", &e.error), &function, 2, &e.error), HK_OK);
+  assert_int_equal(hk_spec_set(g, hk_spec_param(g, "g", &e.error), &function, 2, &e.error), HK_OK);
   use(&e, 10, 1, "auto");
   steps_of(&e, 0.1);
   test_run(&e);

@@ -119,9 +119,9 @@ static inline void fake_default(char *self, const hk_param *p) {
  * temporary folder. */
 static inline void fake_open(fake *f, const char *name) {
   char path[512];
-  *f = (fake){
-      .host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path, NULL},
-      .allocations_left = -1};
+  *f = (fake){.host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path,
+                       NULL, NULL},
+              .allocations_left = -1};
   snprintf(path, sizeof path, strchr(name, '/') ? "%s" : HK_BUILD "/plugins/outputs/%s.so", name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
   f->plugin = f->library ? dlsym(f->library, "hk_plugin_main") : NULL;

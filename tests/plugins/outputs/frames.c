@@ -56,7 +56,7 @@ static void world_open(world *w, size_t n) {
                         .group_name = group_name,
                         .channels = 1,
                         .channel = &w->channel,
-                        .triangle = (const uint32_t(*)[3])w->triangle,
+                        .triangles = {0, 3, &w->triangle[0][0]},
                         .element_list = &w->list};
   w->view = (hk_view){.n = n, .x = w->x, .v = w->v, .y = w->y, .model = &w->model, .host = &w->f.host};
   w->frame.fps = 30;
@@ -68,7 +68,7 @@ static void world_open(world *w, size_t n) {
 
 /* The particles become a cloth, one metre square in the xy-plane around `x`, 0, `z`. */
 static void make_cloth(world *w, double x, double z) {
-  w->model.triangles = 0;
+  w->model.triangles.count = 0;
   for (uint32_t i = 0; i < SIDE; i++)
     for (uint32_t j = 0; j < SIDE; j++) {
       uint32_t a = i * SIDE + j;
@@ -76,8 +76,8 @@ static void make_cloth(world *w, double x, double z) {
       w->x[3 * a + 2] = z;
       if (i + 1 == SIDE || j + 1 == SIDE) continue;
       uint32_t corner[2][3] = {{a, a + SIDE, a + SIDE + 1}, {a, a + SIDE + 1, a + 1}};
-      memcpy(w->triangle[w->model.triangles], corner, sizeof corner);
-      w->model.triangles += 2;
+      memcpy(w->triangle[w->model.triangles.count], corner, sizeof corner);
+      w->model.triangles.count += 2;
     }
 }
 
@@ -86,10 +86,13 @@ static void make_chain(world *w, double strain) {
   for (uint32_t i = 0; i < w->n; i++) w->x[3 * i] = 0.1 * (1 + strain) * i;
   for (uint32_t i = 0; i + 1 < w->n; i++) w->pair[i][0] = i, w->pair[i][1] = i + 1;
   w->stiffness = 100, w->rest = 0.1;
-  w->list = (hk_element_list){
-      .force = "springs",
-      .elements = {w->n - 1, (const uint32_t(*)[2])w->pair, {1, &w->stiffness}, {1, &w->damping}, {1, &w->rest}},
-      .acts = true};
+  w->list = (hk_element_list){.force = "springs",
+                              .elements = {.node = {w->n - 1, 2, &w->pair[0][0]},
+                                           .values = 1,
+                                           .stiffness = {1, &w->stiffness},
+                                           .damping = {1, &w->damping},
+                                           .rest = {1, &w->rest}},
+                              .acts = true};
   w->model.element_lists = 1;
 }
 

@@ -12,6 +12,7 @@
 
 typedef struct fixture {
   test_engine e;
+  hk_shared shared; /* the solver's, in place of a run's */
   hk_instance *solver;
   hk_block_matrix pattern;
   hk_matrix A;
@@ -26,17 +27,18 @@ static double noise(void) {
 static void open_solver(fixture *f, const char *ordering) {
   memset(f, 0, sizeof *f);
   test_engine_open(&f->e);
-  f->e.scene->shared.error = &f->e.error;
-  f->solver = test_plugin(&f->e, HK_SOLVER, "cholmod");
-  const hk_param *param = hk_instance_param(f->solver, "ordering", &f->e.error);
-  hk_value value = {.kind = HK_VALUE_STRING, .text = ordering};
-  assert_int_equal(hk_instance_set(f->solver, param, &value, 0, &f->e.error), HK_OK);
+  f->shared = (hk_shared){.error = &f->e.error, .allocations_left = -1};
+  hk_plugin_spec *spec = test_plugin(&f->e, HK_SOLVER, "cholmod");
+  test_text(&f->e, spec, "ordering", ordering);
+  f->solver = hk_instance_create(spec, &f->shared, &f->e.error);
+  assert_non_null(f->solver);
   assert_int_equal(hk_instance_start(f->solver, &(hk_view){.host = &f->solver->host}, 1, &f->e.error), HK_OK);
 }
 
 static void close_solver(fixture *f) {
   free(f->A.value);
   hk_block_matrix_free(&f->pattern);
+  hk_instance_destroy(f->solver);
   test_engine_close(&f->e);
 }
 
@@ -53,7 +55,7 @@ static void make_pattern(fixture *f, size_t rows, size_t block, size_t chords) {
   }
   assert_int_equal(hk_block_matrix_build(p), HK_OK);
   free(f->A.value);
-  f->A = (hk_matrix){rows, block, p->row_start, p->column, NULL, true};
+  f->A = (hk_matrix){rows, block, p->row_start, p->column, NULL, true, 0};
   f->A.value = calloc(p->row_start[rows] * block * block, sizeof(double));
 }
 
@@ -171,7 +173,7 @@ static void diagonal_matrix_names_the_particle_at_fault(void **state) {
   hk_block_matrix_begin(&f.pattern, 5, 5);
   for (uint32_t i = 0; i < 5; i++) f.pattern.naming.block(&f.pattern.naming, i, i);
   assert_int_equal(hk_block_matrix_build(&f.pattern), HK_OK);
-  f.A = (hk_matrix){5, 3, f.pattern.row_start, f.pattern.column, calloc(45, sizeof(double)), true};
+  f.A = (hk_matrix){5, 3, f.pattern.row_start, f.pattern.column, calloc(45, sizeof(double)), true, 0};
   for (size_t k = 0; k < 15; k++) f.A.value[9 * (k / 3) + 4 * (k % 3)] = k == 10 ? -1 : 1;
   assert_int_equal(f.solver->plugin->solver->analyze(f.solver->self, &f.A), HK_OK);
   assert_int_equal(factorize(&f), HK_NOT_CONVERGED);
@@ -265,7 +267,7 @@ static void columns_of_a_known_inverse_come_out(void **state) {
   for (uint32_t i = 0; i < COUNT; i++)
     for (uint32_t j = i ? i - 1 : 0; j <= i + 1 && j < COUNT; j++) f.pattern.naming.block(&f.pattern.naming, i, j);
   assert_int_equal(hk_block_matrix_build(&f.pattern), HK_OK);
-  f.A = (hk_matrix){COUNT, 1, f.pattern.row_start, f.pattern.column, calloc(3 * COUNT, sizeof(double)), true};
+  f.A = (hk_matrix){COUNT, 1, f.pattern.row_start, f.pattern.column, calloc(3 * COUNT, sizeof(double)), true, 0};
   for (size_t i = 0; i < COUNT; i++)
     for (size_t e = f.A.row_start[i]; e < f.A.row_start[i + 1]; e++) f.A.value[e] = f.A.column[e] == i ? 2 : -1;
   assert_int_equal(f.solver->plugin->solver->analyze(f.solver->self, &f.A), HK_OK);

@@ -2,7 +2,7 @@
  * same bits for any number of threads, and refusals of what is not positive definite, singular or too ill-conditioned.
  */
 #include "core/dynamics/block_matrix.h"
-#include "core/base/threads.h"
+#include "core/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/linear/upper_matrix.h"
@@ -19,6 +19,8 @@ static const char *const preconditioners[] = {"block_jacobi", "incomplete_choles
 
 typedef struct fixture {
   test_engine e;
+  hk_shared shared; /* the solver's, in place of a run's */
+  hk_plugin_spec *spec;
   hk_instance *solver;
   hk_block_matrix pattern;
   hk_matrix A;
@@ -33,23 +35,22 @@ static double noise(void) {
 static void open_solver(fixture *f, const char *preconditioner, int threads) {
   memset(f, 0, sizeof *f);
   test_engine_open(&f->e);
-  f->e.scene->shared.error = &f->e.error;
-  f->e.scene->shared.threads = hk_threads_create(threads);
-  f->solver = test_plugin(&f->e, HK_SOLVER, "pcg");
-  const hk_param *param = hk_instance_param(f->solver, "preconditioner", &f->e.error);
-  hk_value value = {.kind = HK_VALUE_STRING, .text = preconditioner};
-  assert_int_equal(hk_instance_set(f->solver, param, &value, 0, &f->e.error), HK_OK);
+  f->shared = (hk_shared){.error = &f->e.error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  f->spec = test_plugin(&f->e, HK_SOLVER, "pcg");
+  test_text(&f->e, f->spec, "preconditioner", preconditioner);
 }
 
 static void start(fixture *f) {
+  f->solver = hk_instance_create(f->spec, &f->shared, &f->e.error);
+  assert_non_null(f->solver);
   assert_int_equal(hk_instance_start(f->solver, &(hk_view){.host = &f->solver->host}, 1, &f->e.error), HK_OK);
 }
 
 static void close_solver(fixture *f) {
   free(f->A.value);
   hk_block_matrix_free(&f->pattern);
-  hk_threads_destroy(f->e.scene->shared.threads);
-  f->e.scene->shared.threads = NULL;
+  hk_instance_destroy(f->solver);
+  hk_threads_destroy(f->shared.threads);
   test_engine_close(&f->e);
 }
 
@@ -62,7 +63,7 @@ static void build(fixture *f, size_t rows, size_t block) {
   hk_block_matrix *p = &f->pattern;
   assert_int_equal(hk_block_matrix_build(p), HK_OK);
   free(f->A.value);
-  f->A = (hk_matrix){rows, block, p->row_start, p->column, NULL, true};
+  f->A = (hk_matrix){rows, block, p->row_start, p->column, NULL, true, 0};
   f->A.value = calloc(p->row_start[rows] * block * block, sizeof(double));
 }
 
@@ -226,6 +227,7 @@ static void products_are_those_of_the_plain_loops(void **state) {
                                     {600, 3, 0, 1},  {10000, 3, 50, 1}, {10000, 1, 50, 1}};
   fixture f;
   open_solver(&f, "block_jacobi", 2);
+  start(&f);
   for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
     make_pattern(&f, sizes[k][0], sizes[k][1], sizes[k][2], sizes[k][3]);
     fill(&f, 0.5);
@@ -550,7 +552,7 @@ static void stopping_early_says_how_far_it_came(void **state) {
   (void)state;
   fixture f;
   open_solver(&f, "block_jacobi", 1);
-  test_number(&f.e, f.solver, "iterations", 5);
+  test_number(&f.e, f.spec, "iterations", 5);
   start(&f);
   make_cloth(&f, 20, 1e-5, 1e5);
   double *b = random_vector(1200), *x = calloc(1200, sizeof *x);
@@ -607,7 +609,7 @@ static void no_memory_is_an_error_in_every_part(void **state) {
     start(&f);
     make_pattern(&f, 10000, 3, 10, true); /* with a chunk that needs working memory of its own */
     for (long k = 0;; k++) {
-      f.e.scene->shared.allocations_left = k;
+      f.shared.allocations_left = k;
       hk_status status = analyze(&f);
       if (status == HK_OK) {
         assert_true(k >= 19);

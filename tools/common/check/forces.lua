@@ -28,7 +28,7 @@ end
 
 local function value_for(p, edges)
   if p.type == "edges" then return edges end
-  if p.type == "number" or p.type == "per edge" then return number_for(p) end
+  if p.type == "number" or p.type == "per tuple" then return number_for(p) end
   if p.type == "integer" then return math.floor(number_for(p) + 0.5) end
   if p.type == "vector" then return { 0.3, -0.7, 0.5 } end
   if p.type == "particles" then return { 1, 3, 6 } end
@@ -43,7 +43,7 @@ local function is_zero(p) return p.initial[1] == 0 and p.initial[2] == 0 and p.i
 local function settings_of(plugin)
   local base, more = {}, {}
   for _, p in ipairs(plugin.params) do
-    local scalar = p.type == "number" or p.type == "per edge" or p.type == "vector"
+    local scalar = p.type == "number" or p.type == "per tuple" or p.type == "vector"
     if plugin.given[p.name] then base[p.name] = plugin.given[p.name]
     elseif p.required or (scalar and is_zero(p) and not p.optional) then base[p.name] = p
     elseif p.optional or p.type == "particles" then more[#more + 1] = { p, p }
@@ -179,7 +179,7 @@ local function outside(p)
 end
 
 local function refusals(plugin, setting, report)
-  local numeric = { number = true, integer = true, ["per edge"] = true }
+  local numeric = { number = true, integer = true, ["per tuple"] = true }
   for _, p in ipairs(plugin.params) do
     for _, value in ipairs(numeric[p.type] and outside(p) or {}) do
       local changed = { values = {} }

@@ -53,10 +53,10 @@ static void check_permutation(const uint32_t *place, size_t n) {
   free(seen);
 }
 
-static size_t together(const uint32_t *place, const hk_edges *edges) { /* edges within 256 places */
+static size_t together(const uint32_t *place, const hk_tuples *edges) { /* edges within 256 places */
   size_t near = 0;
   for (size_t e = 0; e < edges->count; e++)
-    near += labs((long)place[edges->pair[e][0]] - (long)place[edges->pair[e][1]]) < 256;
+    near += labs((long)place[hk_tuple(edges, e)[0]] - (long)place[hk_tuple(edges, e)[1]]) < 256;
   return near;
 }
 
@@ -65,7 +65,7 @@ static size_t together(const uint32_t *place, const hk_edges *edges) { /* edges 
 static void joined_particles_come_together(void **state) {
   (void)state;
   uint32_t(*edge)[2] = malloc(2 * N * sizeof *edge), *place = malloc(N * sizeof *place);
-  hk_edges edges = {grid(edge), (const uint32_t(*)[2])edge};
+  hk_tuples edges = {grid(edge), 2, &edge[0][0]};
   limited_host host = host_with(-1);
   assert_true(hk_particle_order(&host.host, N, &edges, place));
   check_permutation(place, N);
@@ -79,7 +79,7 @@ static void particles_without_edges_have_places_too(void **state) {
   (void)state;
   uint32_t place[1000];
   const uint32_t pair[3][2] = {{999, 0}, {0, 500}, {500, 999}};
-  hk_edges edges = {3, pair}, none = {0, NULL};
+  hk_tuples edges = {3, 2, &pair[0][0]}, none = {0, 2, NULL};
   limited_host host = host_with(-1);
   assert_true(hk_particle_order(&host.host, 1000, &edges, place));
   check_permutation(place, 1000);
@@ -92,7 +92,7 @@ static void no_memory_is_told_and_nothing_leaks(void **state) {
   (void)state;
   uint32_t place[4];
   const uint32_t pair[2][2] = {{0, 1}, {3, 2}};
-  hk_edges edges = {2, pair};
+  hk_tuples edges = {2, 2, &pair[0][0]};
   for (long k = 0; k <= 5; k++) {
     limited_host host = host_with(k);
     assert_true(hk_particle_order(&host.host, 4, &edges, place) == (k == 5));

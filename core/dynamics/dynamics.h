@@ -1,0 +1,123 @@
+/* f(X, t) and its matrices: what integrators see of a scene as an hk_system. */
+#ifndef HK_DYNAMICS_H
+#define HK_DYNAMICS_H
+
+#include "core/state/state.h"
+
+typedef struct hk_constraints hk_constraints;         /* constraint_matrix.h */
+typedef struct hk_implicit_matrix hk_implicit_matrix; /* implicit_matrix.h */
+
+typedef struct hk_counts {
+  size_t evaluations, jacobians, factorizations, linear_iterations;
+} hk_counts;
+
+/* Everything is evaluated at the X and t that are handed in; `state` is read for masses, pins and sizes, and written by
+ * nobody here. */
+typedef struct hk_dynamics {
+  hk_system system; /* first member: services given a system find the dynamics */
+  const hk_scene *scene;
+  hk_state *state;
+  hk_pins *pins;
+  hk_plugins *plugins;
+  hk_shared *shared;
+  hk_error *error;
+  /* forces */
+  hk_view *force_view; /* one per force, with its own host and selection */
+  bool *force_acts;    /* one per force: inside its from..to at present */
+  bool *takes;         /* one per force: system.takes */
+  hk_force_info *force_info;
+  hk_element_list *element_list;
+  hk_publication *publication;
+  uint64_t *chunk_bad; /* one word per chunk of particles: not finite */
+  double *unaccounted; /* n x 3, the F of one force alone; NULL: no force's work is accounted for by the host */
+  bool updates, listens, demands; /* a force has `update`, `accepted`, `longest_step` */
+  double *predicted;              /* n x 3, where the next step leads; NULL: no force has an update */
+  bool has_timed;
+  double timed_at; /* s, time of the functions' last values; NAN: none */
+  hk_counts count;
+  /* linear systems */
+  hk_constraints *constraints; /* NULL: the scene has none */
+  hk_implicit_matrix *matrix;  /* NULL: no Jacobian was asked for */
+  hk_instance *solver;         /* NULL: no linear system can come up */
+  hk_plugin_spec *solver_spec; /* of a solver that the scene does not name */
+} hk_dynamics;
+
+/* ---- system.c ---- */
+
+/* The parts live as long as the dynamics. Plugins are created, not started. */
+hk_status hk_dynamics_open(hk_dynamics *, const hk_scene *, hk_state *, hk_pins *, hk_plugins *, hk_shared *);
+/* After the forces have started: selections, elements, what acts at the state's time. */
+void hk_dynamics_refresh(hk_dynamics *);
+/* After births, deaths or a state from a file, when the state has been adopted: pins, plugins and matrices follow. */
+hk_status hk_dynamics_remap(hk_dynamics *, const uint32_t *map, size_t n_old);
+void hk_dynamics_close(hk_dynamics *);
+void hk_dynamics_take_all(hk_dynamics *); /* evaluations are of the whole f again */
+
+/* ---- impose.c: the pins and timed parameters of a time ---- */
+
+hk_status hk_dynamics_impose(hk_dynamics *, double t, double *x, double *v);
+
+/* ---- elements.c: what forces offer of themselves to others, in the model ---- */
+
+void hk_elements_refresh(hk_dynamics *);
+bool hk_force_acts_at(const hk_instance *, double t);
+hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *X, size_t n); /* of force k, at any X */
+
+/* ---- evaluate.c ---- */
+
+hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v, const double *y, double *a,
+                                    double *dy);
+/* A force whose energy is not known, or is another one at another time: all that it does counts as work, F.v. */
+bool hk_work_unaccounted(const hk_instance *force);
+hk_status hk_evaluate_resize(hk_dynamics *); /* memory for another number of particles */
+
+/* ---- probe.c: energies and forces of one state, beside the evaluation ---- */
+
+double hk_probe_potential(hk_dynamics *, double t,
+                          const double *X);    /* J, of the forces whose energy is accounted for */
+bool hk_probe_has_energy(const hk_dynamics *); /* the work that comes in is known */
+/* F of force k alone at X, of n particles (n x 3, from 0). The error stays as it was. False: it failed. */
+bool hk_probe_force(hk_dynamics *, size_t k, const double *X, size_t n, double *F);
+double hk_probe_strain(const hk_dynamics *, const char *label, bool *found); /* largest by magnitude; NULL: of all */
+
+/* ---- sweep.c: what contact and matrix-free methods ask of all forces ---- */
+
+hk_status hk_sweep_update(hk_system *, double t, const double *X, const double *x_to);
+double hk_sweep_limit(hk_system *, double t, const double *X, const double *dx);
+double hk_sweep_longest_step(hk_dynamics *);          /* s, of the present state; INFINITY: any */
+hk_status hk_sweep_accepted(hk_dynamics *, double h); /* the state is that of an accepted step */
+hk_status hk_sweep_potential(hk_system *, double t, const double *X, double *joule);
+hk_status hk_sweep_product(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
+bool hk_sweep_stiffness(hk_system *, hk_stiffness_part, bool stiffening, double (*block)[6]);
+
+/* ---- constraint.c. `a` holds F/m filtered on entry, with constraint forces on return ---- */
+
+hk_status hk_constraints_open(hk_dynamics *);
+void hk_constraints_close(hk_dynamics *);
+hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, const double *v, double *a);
+/* At the start of a step: constraints may change their equations. */
+hk_status hk_constraints_update(hk_dynamics *);
+/* Brings x onto g(x) = 0 and v onto J v = 0 (mass-weighted Newton); part of every step. */
+hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
+double hk_constraints_violation(hk_dynamics *); /* m, of the state */
+hk_status hk_constraints_topology(hk_dynamics *);
+
+/* ---- jacobian.c, implicit_matrix.c ---- */
+
+hk_status hk_jacobian_assemble(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
+void hk_jacobian_topology(hk_dynamics *); /* the pattern is void */
+void hk_jacobian_close(hk_dynamics *);
+hk_status hk_implicit_combine(hk_system *, double m, double d, double k, hk_matrix *A);
+hk_status hk_implicit_solver_flags(hk_system *, unsigned *flags);
+hk_status hk_implicit_factorize(hk_system *, const hk_matrix *A);
+hk_status hk_implicit_solve(hk_system *, const double *b, double *x, hk_solve_info *info);
+hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, size_t columns);
+
+/* ---- solver.c: the scene's solver, or the one that suits its forces and size by the flags of those installed ---- */
+
+/* `named` NULL: it is chosen. Created and started, before the first step. */
+hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);
+/* A second instance with the same parameters, for the multipliers; the caller destroys it. */
+hk_status hk_solver_twin(hk_dynamics *, hk_instance **solver);
+
+#endif

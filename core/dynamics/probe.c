@@ -1,0 +1,77 @@
+/* Energies, forces and strains of one state, beside the evaluation: what figures, verdicts and scripts ask for. */
+#include "core/dynamics/dynamics.h"
+
+#include <string.h>
+
+double hk_probe_potential(hk_dynamics *d, double t, const double *X) {
+  const hk_instances *forces = &d->plugins->kind[HK_FORCE];
+  double sum = 0;
+  for (size_t k = 0; k < forces->count; k++) {
+    const hk_instance *force = forces->item[k];
+    if (!d->force_acts[k] || !d->takes[k] || !force->plugin->force->energy || hk_work_unaccounted(force)) continue;
+    hk_view view = hk_force_view_at(d, k, t, X, d->state->model.n);
+    sum += force->plugin->force->energy(force->self, &view);
+  }
+  return sum;
+}
+
+/* What a scripted pin does through a constraint is not measured. */
+bool hk_probe_has_energy(const hk_dynamics *d) { return !(d->pins->has_paths && d->constraints); }
+
+bool hk_probe_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
+  const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+  hk_view view = hk_force_view_at(d, k, d->state->t, X, n);
+  double power = 0;
+  hk_error kept = *d->error;
+  view.power = &power;
+  memset(F, 0, 3 * n * sizeof *F);
+  bool fine = force->plugin->force->add(force->self, &view, F) == HK_OK;
+  *d->error = kept;
+  return fine;
+}
+
+static double edge_length(const double *x, const uint32_t *pair) {
+  const double *a = x + 3 * (size_t)pair[0], *b = x + 3 * (size_t)pair[1];
+  double dx = b[0] - a[0], dy = b[1] - a[1], dz = b[2] - a[2];
+  return sqrt(dx * dx + dy * dy + dz * dz);
+}
+
+/* C over the rest value, of every number of an element. */
+static double largest_general(const hk_elements *e, const double *x) {
+  enum { MOST = 16 };
+  double largest = 0, C[MOST], dC[4 * MOST][3];
+  for (size_t j = 0; j < e->node.count && e->values <= MOST; j++) {
+    double rest = hk_tuple_value(&e->rest, j);
+    e->evaluate(e->self, x, j, j + 1, C, dC);
+    for (unsigned v = 0; v < e->values && rest != 0; v++)
+      if (!(fabs(C[v] / rest) <= fabs(largest))) largest = C[v] / rest;
+  }
+  return largest;
+}
+
+static double largest_of_edges(const hk_elements *e, const double *x) {
+  double largest = 0;
+  for (size_t j = 0; j < e->node.count; j++) {
+    double rest = hk_tuple_value(&e->rest, j);
+    double strain = rest > 0 ? (edge_length(x, hk_tuple(&e->node, j)) - rest) / rest : 0;
+    if (!(fabs(strain) <= fabs(largest))) largest = strain;
+  }
+  return largest;
+}
+
+static double largest_of(const hk_elements *e, const double *x) {
+  if (e->rest.count == 0) return 0;
+  return e->evaluate ? largest_general(e, x) : largest_of_edges(e, x);
+}
+
+double hk_probe_strain(const hk_dynamics *d, const char *label, bool *found) {
+  double largest = 0;
+  *found = false;
+  for (size_t k = 0; k < d->state->model.element_lists; k++) {
+    if (label && strcmp(d->element_list[k].force, label) != 0) continue;
+    *found = true;
+    double strain = largest_of(&d->element_list[k].elements, d->state->X);
+    if (fabs(strain) > fabs(largest) || isnan(strain)) largest = strain;
+  }
+  return largest;
+}

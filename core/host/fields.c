@@ -1,0 +1,68 @@
+/* What evolves in an instance, by its field table: the memory, its way through births and deaths, and the walk that
+ * writes and reads checkpoints. */
+#include "core/host/host.h"
+
+#include <string.h>
+
+static void *field_at(const hk_instance *instance, const hk_field *f) { return (char *)instance->self + f->offset; }
+
+static bool is_vector(const hk_field *f) { return f->type == HK_FIELD_STATE || f->type == HK_FIELD_PER_PARTICLE; }
+
+static size_t length_of(const hk_field *f, size_t n, size_t size) {
+  return f->width * (f->type == HK_FIELD_STATE ? size : n);
+}
+
+static hk_status no_memory(const hk_instance *instance, const hk_field *f, hk_error *error) {
+  return hk_error_set(error, HK_NO_MEMORY, "%s: no memory for '%s'", instance->label, f->name);
+}
+
+hk_status hk_fields_allocate(hk_instance *instance, size_t n, size_t size, hk_error *error) {
+  for (const hk_field *f = instance->plugin->fields; f && f->name; f++) {
+    if (!is_vector(f)) continue;
+    double **vector = field_at(instance, f);
+    *vector = instance->host.allocate(&instance->host, length_of(f, n, size) * sizeof **vector);
+    if (!*vector) return no_memory(instance, f, error);
+  }
+  return HK_OK;
+}
+
+hk_status hk_fields_remap(hk_instance *instance, const uint32_t *map, size_t n_old, size_t n, size_t size,
+                          hk_error *error) {
+  for (const hk_field *f = instance->plugin->fields; f && f->name; f++) {
+    if (!is_vector(f)) continue;
+    double **vector = field_at(instance, f), *old = *vector;
+    double *fresh = instance->host.allocate(&instance->host, length_of(f, n, size) * sizeof *fresh);
+    if (!fresh) return no_memory(instance, f, error);
+    for (size_t i = 0; f->type == HK_FIELD_PER_PARTICLE && i < n_old; i++)
+      if (map[i] != UINT32_MAX) memcpy(fresh + f->width * map[i], old + f->width * i, f->width * sizeof *fresh);
+    *vector = fresh;
+    instance->host.release(&instance->host, old);
+  }
+  return HK_OK;
+}
+
+static bool visit_array(hk_instance *instance, const hk_field *f, bool (*visit)(void *, void *, size_t),
+                        void *context) {
+  hk_array *array = field_at(instance, f);
+  uint64_t count = array->count;
+  if (!visit(context, &count, sizeof count)) return false;
+  if (count != array->count &&
+      (count > SIZE_MAX / (f->width + 1) || instance->host.resize(&instance->host, array, (size_t)count) != HK_OK))
+    return false;
+  return visit(context, array->item, array->count * f->width);
+}
+
+bool hk_fields_visit(hk_instance *instance, size_t n, size_t size,
+                     bool (*visit)(void *context, void *data, size_t bytes), void *context) {
+  bool fine = true;
+  for (const hk_field *f = instance->plugin->fields; f && f->name && fine; f++) {
+    if (f->flags & HK_SCRATCH) continue;
+    if (f->type == HK_FIELD_ARRAY)
+      fine = visit_array(instance, f, visit, context);
+    else if (is_vector(f))
+      fine = visit(context, *(double **)field_at(instance, f), length_of(f, n, size) * sizeof(double));
+    else
+      fine = visit(context, field_at(instance, f), 8);
+  }
+  return fine;
+}

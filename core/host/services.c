@@ -1,0 +1,103 @@
+/* The services that a plugin calls through its host table. The table is the instance's first member, so a service finds
+ * its instance by a cast. */
+#include "core/host/host.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static hk_instance *behind(const hk_host *host) {
+  union {
+    const hk_host *constant;
+    hk_instance *instance;
+  } u = {.constant = host}; /* services may write to the instance though plugins see a constant table */
+  return u.instance;
+}
+
+static hk_status host_fail(const hk_host *host, hk_status status, const char *format, ...) {
+  hk_instance *instance = behind(host);
+  char text[900];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  const char *separator = *instance->where ? ": " : "";
+  hk_error *error = instance->shared->error;
+  if (instance->plugin->kind == HK_INTEGRATOR && error->status != HK_OK) { /* it has tried again since, and gives up */
+    hk_error before = *error;
+    *error = (hk_error){0};
+    return hk_error_set(error, status, "%s%s%s: %s (first: %.400s)", instance->where, separator, instance->label, text,
+                        before.text);
+  }
+  return hk_error_set(error, status, "%s%s%s: %s", instance->where, separator, instance->label, text);
+}
+
+static void host_warn(const hk_host *host, const char *format, ...) {
+  hk_instance *instance = behind(host);
+  char text[900];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  if (instance->shared->warnings) hk_warn(instance->shared->warnings, "%s: %s", instance->label, text);
+}
+
+static void *host_allocate(const hk_host *host, size_t bytes) {
+  hk_instance *instance = behind(host);
+  hk_shared *shared = instance->shared;
+  if (shared->allocations_left == 0) return NULL;
+  if (shared->allocations_left > 0) shared->allocations_left--;
+  return hk_memory_get(&instance->blocks, bytes);
+}
+
+static void host_release(const hk_host *host, void *memory) { hk_memory_put(&behind(host)->blocks, memory); }
+
+static void host_parallel_for(const hk_host *host, size_t count, size_t grain,
+                              void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
+  if (count <= grain && count > 0)
+    body(context, 0, count, 0);
+  else
+    hk_threads_for(behind(host)->shared->threads, count, grain, body, context);
+}
+
+static double host_random(const hk_host *host) { return hk_random_uniform(behind(host)->random); }
+
+static hk_status host_path(const hk_host *host, const char *name, char *buffer, size_t size) {
+  hk_shared *shared = behind(host)->shared;
+  if (!shared->path) return host->fail(host, HK_IO, "'%s': this run has no output folder", name);
+  return shared->path(shared->context, name, buffer, size);
+}
+
+static const void *host_query(const hk_host *host, const char *service) {
+  hk_shared *shared = behind(host)->shared;
+  return shared->query ? shared->query(shared->context, service) : NULL;
+}
+
+static const hk_field *array_field(const hk_instance *instance, const hk_array *array) {
+  size_t offset = (size_t)((const char *)array - (const char *)instance->self);
+  for (const hk_field *f = instance->plugin->fields; f && f->name; f++)
+    if (f->type == HK_FIELD_ARRAY && f->offset == offset) return f;
+  return NULL;
+}
+
+static hk_status host_resize(const hk_host *host, hk_array *array, size_t count) {
+  const hk_field *field = array_field(behind(host), array);
+  if (!field) return host->fail(host, HK_FAILED, "resize: this array is no field of the plugin");
+  void *fresh = host_allocate(host, count * field->width);
+  if (!fresh) return host->fail(host, HK_NO_MEMORY, "no memory for %zu items of '%s'", count, field->name);
+  size_t kept = count < array->count ? count : array->count;
+  if (kept) memcpy(fresh, array->item, kept * field->width);
+  host_release(host, array->item);
+  *array = (hk_array){count, fresh};
+  return HK_OK;
+}
+
+const hk_host hk_host_table = {.abi = HK_ABI,
+                               .fail = host_fail,
+                               .warn = host_warn,
+                               .allocate = host_allocate,
+                               .release = host_release,
+                               .parallel_for = host_parallel_for,
+                               .random = host_random,
+                               .path = host_path,
+                               .query = host_query,
+                               .resize = host_resize};

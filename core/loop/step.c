@@ -1,0 +1,168 @@
+/* One step, in this order: sources; updates of contact and constraints; pins and time-dependent parameters; the
+ * integrator, with constraints; pins and constraints exactly; correctors; check that all is finite.
+ *
+ * What an integrator reports is checked, not believed: the step taken lies between 0 and the stop, and the time and the
+ * vector are the host's. A step that its solver cannot solve, or that a corrector takes back, is taken in two halves,
+ * down to 1/4096 of its length. */
+#include "core/loop/loop.h"
+
+#include <string.h>
+
+enum { CHECK_EVERY = 32, HALVINGS = 12 };
+
+static hk_status interrupted(const hk_loop *loop) {
+  const hk_schedule *s = &loop->schedule;
+  if (s->interrupted && *s->interrupted)
+    return hk_error_set(loop->error, HK_INTERRUPTED, "interrupted at t = %g s", loop->state->t);
+  if (s->step_limit && loop->record->steps >= s->step_limit)
+    return hk_error_set(loop->error, HK_INTERRUPTED, "stopped after %zu steps at t = %g s, as asked",
+                        loop->record->steps, loop->state->t);
+  return HK_OK;
+}
+
+hk_status hk_step_begin(hk_loop *loop, double h) {
+  hk_status status = interrupted(loop);
+  if (status == HK_OK && loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
+  loop->emitted = true;
+  if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
+  if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_keep(loop);
+  return status;
+}
+
+static hk_status check_finite(const hk_loop *loop) {
+  double sum = 0;
+  for (size_t k = 0; k < loop->state->size; k++) sum += loop->state->X[k] * 0;
+  return sum == 0 ? HK_OK : HK_NOT_FINITE;
+}
+
+static void note_step(hk_loop *loop, double h) {
+  hk_record *r = loop->record;
+  r->steps++;
+  if (h < r->dt_min) r->dt_min = h;
+  if (h > r->dt_max) r->dt_max = h;
+  if (h > loop->step->limit_now * (1 + 1e-9) && h > r->dt_beyond) r->dt_beyond = h;
+}
+
+static void set_time(hk_loop *loop, double t) {
+  loop->state->t = t;
+  loop->state->view.t = t;
+  loop->dynamics->system.t = t;
+}
+
+/* After the integrator. `t` is the new time. */
+static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
+  hk_state *s = loop->state;
+  double before = s->t, *x = s->X, *v = s->X + 3 * s->model.n;
+  hk_status status = HK_OK;
+  *rejected = false;
+  set_time(loop, t);
+  if (loop->pins->has_paths || loop->pins->has_slides) status = hk_dynamics_impose(loop->dynamics, t, x, v);
+  if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_project(loop->dynamics, t, x, v);
+  if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_apply(loop, h, rejected);
+  if (*rejected) {
+    loop->record->rejected++;
+    set_time(loop, before);
+    return status;
+  }
+  loop->emitted = false;
+  note_step(loop, h);
+  if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
+  if (status == HK_OK && loop->record->steps % CHECK_EVERY == 0) {
+    status = check_finite(loop); /* frames may see every swing at rest */
+    loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
+  }
+  return status;
+}
+
+static hk_status disbelieve(const hk_loop *loop, const char *what) {
+  return hk_error_set(loop->error, HK_FAILED, "integrator '%s' %s at t = %.17g s: the plugin breaks its contract",
+                      loop->step->method_name, what, loop->state->t);
+}
+
+/* What the integrator may not have touched, and the step that it reports. */
+static hk_status check_report(const hk_loop *loop, double t_stop, double h, const hk_step *out) {
+  const hk_system *s = &loop->dynamics->system;
+  double t = loop->state->t, most = (t_stop - t) * (1 + 1e-9);
+  bool adaptive = loop->step->method->flags & HK_ADAPTIVE;
+  if (s->t != t) return disbelieve(loop, "moved the time, which is the host's");
+  if (s->X != loop->state->X || s->n != loop->state->model.n || s->size != loop->state->size)
+    return disbelieve(loop, "changed the system, which is the host's");
+  if (isnan(out->h)) return disbelieve(loop, "took a step without saying how long it was");
+  if (!adaptive && out->h != h) return disbelieve(loop, "has a fixed step and reports another one than it was given");
+  if (!(out->h > 0) || !(out->h <= most))
+    return disbelieve(loop, "reports a step that is not above 0, or beyond its stop");
+  if (adaptive && !(out->h_next > 0)) return disbelieve(loop, "does not say what step it would take next");
+  return HK_OK;
+}
+
+/* Contact is told of the move at the present speed. */
+static hk_status update_forces(hk_loop *loop, double h) {
+  hk_state *s = loop->state;
+  size_t count = 3 * s->model.n;
+  double *x_to = loop->dynamics->predicted;
+  for (size_t e = 0; e < count; e++) x_to[e] = s->X[e] + h * s->X[count + e];
+  return hk_sweep_update(&loop->dynamics->system, s->t, s->X, x_to);
+}
+
+static hk_status integrate(hk_loop *loop, double t_stop, double h, hk_step *out) {
+  hk_instance *integrator = loop->integrator;
+  const hk_integrator *method = loop->step->method;
+  *out = (hk_step){method->flags & HK_ADAPTIVE ? NAN : h, NAN, NAN};
+  hk_status status = loop->dynamics->updates ? update_forces(loop, h) : HK_OK;
+  if (status == HK_OK && integrator->spec->timed_count)
+    status = hk_instance_set_time(integrator, loop->state->t, loop->error);
+  if (status == HK_OK) status = method->step(integrator->self, &loop->dynamics->system, t_stop, h, out);
+  hk_dynamics_take_all(loop->dynamics);
+  if (status != HK_OK) return status;
+  hk_error_clear(loop->error); /* of an attempt that the method took back */
+  if (out->error > loop->record->worst_error) loop->record->worst_error = out->error;
+  return check_report(loop, t_stop, h, out);
+}
+
+static hk_status halve(hk_loop *loop, double t_end, double h, int halvings);
+
+static hk_status one_step(hk_loop *loop, double t_end, double h, int halvings) {
+  hk_step out;
+  bool rejected = false;
+  hk_status status = integrate(loop, t_end, h, &out);
+  if (status == HK_OK) status = finish(loop, t_end, h, &rejected);
+  if (status == HK_NOT_CONVERGED && halvings > 0 && loop->state->t != t_end) {
+    hk_error_clear(loop->error);
+    return halve(loop, t_end, h, halvings - 1);
+  }
+  if (!rejected) return status;
+  hk_step_reset(loop, HK_STATE_CHANGED);
+  if (halvings > 0) return halve(loop, t_end, h, halvings - 1);
+  return hk_error_set(loop->error, HK_NOT_CONVERGED, "a corrector takes every step back, down to %g s", h);
+}
+
+static hk_status halve(hk_loop *loop, double t_end, double h, int halvings) {
+  hk_step_reset(loop, HK_STEP_CHANGED);
+  hk_status status = one_step(loop, loop->state->t + h / 2, h / 2, halvings);
+  if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_keep(loop);
+  if (status == HK_OK) status = one_step(loop, t_end, h / 2, halvings);
+  hk_step_reset(loop, HK_STEP_CHANGED);
+  return status;
+}
+
+hk_status hk_step_fixed(hk_loop *loop, double t_end, double h) { return one_step(loop, t_end, h, HALVINGS); }
+
+hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
+  for (int tries = 0;; tries++, h /= 2) {
+    hk_step out;
+    bool rejected = false;
+    double t = loop->state->t;
+    hk_status status = integrate(loop, tries ? fmin(stop, t + h) : stop, h, &out);
+    if (status != HK_OK) return status;
+    loop->step->dt = out.h_next;
+    bool lands = out.h >= stop - t || t + out.h >= stop;
+    if (!lands && t + out.h == t)
+      return hk_error_set(loop->error, HK_NOT_CONVERGED, "the step %g s no longer moves t = %.17g s", out.h, t);
+    h = fmin(h, out.h);
+    status = finish(loop, lands ? stop : t + out.h, out.h, &rejected);
+    if (!rejected) return status;
+    hk_step_reset(loop, HK_STATE_CHANGED);
+    if (tries == HALVINGS)
+      return hk_error_set(loop->error, HK_NOT_CONVERGED, "a corrector takes every step back, down to %g s", h);
+  }
+}

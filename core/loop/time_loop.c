@@ -1,0 +1,162 @@
+/* The time loop. Time is cut at frames (k/fps exactly), at events (a force's from and to, a pin's release) and where
+ * the caller wants to stop. A fixed-step method takes n equal steps between two cuts, and between two frames h = 1/(fps
+ * n) is computed from the integers, so that it is the same number in every frame; the time after step i is begin + i h,
+ * never a sum. */
+#include "core/loop/loop.h"
+
+#include <stdlib.h>
+
+enum { REST_EVERY = 1024 };
+
+static double frame_time(const hk_loop *loop, size_t frame) { return (double)frame / loop->fps; }
+
+static void sooner(double *stop, double t, double candidate) {
+  if (candidate > t && candidate < *stop) *stop = candidate;
+}
+
+/* The next cut after t. */
+static double next_stop(const hk_loop *loop, double target) {
+  const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
+  double t = loop->state->t, stop = fmin(target, frame_time(loop, loop->record->frames));
+  for (size_t k = 0; k < forces->count; k++) {
+    sooner(&stop, t, forces->item[k]->spec->from);
+    sooner(&stop, t, forces->item[k]->spec->to);
+  }
+  for (size_t k = 0; k < loop->pins->count; k++) sooner(&stop, t, loop->pins->item[k].spec->release);
+  return stop;
+}
+
+/* The schedule's own cut of a frame. */
+static double scheduled_stop(const hk_loop *loop, double stop) {
+  double t = loop->state->t;
+  bool cut = loop->schedule.part > 0 && loop->record->frames > 0;
+  return cut && t == frame_time(loop, loop->record->frames - 1) ? t + loop->schedule.part * (stop - t) : stop;
+}
+
+static double total_energy(hk_loop *loop) {
+  const hk_state *s = loop->state;
+  return hk_state_kinetic(s, s->X) + hk_probe_potential(loop->dynamics, s->t, s->X);
+}
+
+/* At the start of a segment: what lets go or sets in here. The energy that an event brings counts as work. */
+static hk_status begin_segment(hk_loop *loop, double stop) {
+  hk_state *s = loop->state;
+  hk_dynamics *d = loop->dynamics;
+  const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
+  double middle = s->t + (stop - s->t) / 2;
+  bool event = hk_pins_due(loop->pins, s->t);
+  for (size_t k = 0; k < forces->count; k++) event |= d->force_acts[k] != hk_force_acts_at(forces->item[k], middle);
+  if (!event) return HK_OK;
+  double before = total_energy(loop);
+  for (size_t k = 0; k < forces->count; k++) d->force_acts[k] = hk_force_acts_at(forces->item[k], middle);
+  hk_pins_release(loop->pins, s);
+  hk_dynamics_refresh(d);
+  hk_elements_refresh(d);
+  s->X[s->size - 1] += total_energy(loop) - before;
+  hk_step_reset(loop, HK_STATE_CHANGED);
+  return hk_step_reestimate(loop->step, d, true);
+}
+
+/* Not what is left by rounding between the last frame and the end. */
+static bool refines(const hk_loop *loop, double begin, double stop) {
+  return loop->schedule.refine && stop - begin > 1e-12 * fabs(stop);
+}
+
+static void rest(hk_loop *loop) {
+  if (loop->hooks.now_and_then && loop->record->steps % REST_EVERY == 0) loop->hooks.now_and_then(loop->hooks.context);
+}
+
+/* How many equal steps, and their length. */
+static size_t divide(const hk_loop *loop, double begin, double stop, double *h) {
+  size_t frames = loop->record->frames;
+  bool whole = frames > 0 && begin == frame_time(loop, frames - 1) && stop == frame_time(loop, frames);
+  double length = whole ? 1 / loop->fps : stop - begin;
+  double longest = fmin(loop->step->dt, hk_sweep_longest_step(loop->dynamics));
+  double pieces = ceil(length / longest * (1 - 1e-12));
+  size_t n = pieces > 1 ? (size_t)pieces : 1;
+  if (refines(loop, begin, stop)) n = 2 * loop->schedule.refine * n + 1;
+  *h = whole ? 1 / (loop->fps * (double)n) : length / (double)n;
+  return n;
+}
+
+/* Whether the rest of a segment is to be cut anew: a source made the scene stiffer, or a force asks for shorter steps.
+ */
+static bool too_long(const hk_loop *loop, double dt, double h) {
+  return loop->step->dt < dt || hk_sweep_longest_step(loop->dynamics) < h * (1 - 1e-12);
+}
+
+static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
+  double h, dt = loop->step->dt;
+  size_t n = divide(loop, begin, stop, &h);
+  const hk_loop_hooks *hooks = &loop->hooks;
+  if (loop->last_h != 0 && h != loop->last_h) hk_step_reset(loop, HK_STEP_CHANGED);
+  loop->last_h = h;
+  for (size_t i = 1; i <= n; i++) {
+    hk_status status = hk_step_begin(loop, h);
+    if (status == HK_OK && (loop->step->dt < dt || (i > 1 && too_long(loop, dt, h)))) return HK_OK;
+    rest(loop);
+    bool sample = i == n && hooks->before_sample && hooks->after_sample;
+    if (status == HK_OK && sample) hooks->before_sample(hooks->context);
+    if (status == HK_OK) status = hk_step_fixed(loop, i == n ? stop : begin + (double)i * h, h);
+    if (status == HK_OK && sample) hooks->after_sample(hooks->context, h);
+    if (status != HK_OK) return status;
+  }
+  return HK_OK;
+}
+
+/* What an adaptive method is offered: its own choice, or in a refined run equal parts of what is left, none longer than
+ * `most`. The first step is its own: methods take what is given there for the user's word. */
+static double offered(const hk_loop *loop, double stop, double most) {
+  double left = stop - loop->state->t, dt = loop->step->dt;
+  if (loop->record->steps == 0 || !(most < dt)) return dt;
+  return fmin(dt, left / ceil(left / most * (1 - 1e-9)));
+}
+
+static hk_status adaptive_segment(hk_loop *loop, double stop) {
+  double most = loop->schedule.dt_most > 0 ? loop->schedule.dt_most : INFINITY;
+  if (refines(loop, loop->state->t, stop))
+    most = fmin(most, (stop - loop->state->t) / (2 * (double)loop->schedule.refine + 1));
+  while (loop->state->t < stop) {
+    double longest = hk_sweep_longest_step(loop->dynamics), h = fmin(longest, offered(loop, stop, fmin(most, longest)));
+    hk_status status = hk_step_begin(loop, h);
+    if (status == HK_OK) status = hk_step_adaptive(loop, stop, h);
+    if (status != HK_OK) return status;
+  }
+  return HK_OK;
+}
+
+static hk_status check_finite(const hk_loop *loop) {
+  for (size_t k = 0; k < loop->state->size; k++)
+    if (!isfinite(loop->state->X[k])) return HK_NOT_FINITE;
+  return HK_OK;
+}
+
+static hk_status segment(hk_loop *loop, double target) {
+  double begin = loop->state->t, stop = scheduled_stop(loop, next_stop(loop, target));
+  bool adaptive = loop->step->method->flags & HK_ADAPTIVE;
+  hk_status status = begin_segment(loop, stop);
+  if (status == HK_OK) status = adaptive ? adaptive_segment(loop, stop) : fixed_segment(loop, begin, stop);
+  if (status != HK_OK || loop->state->t != frame_time(loop, loop->record->frames)) return status;
+  status = check_finite(loop);
+  if (status == HK_OK) status = hk_loop_frame(loop);
+  return status == HK_OK ? hk_step_reestimate(loop->step, loop->dynamics, false) : status;
+}
+
+hk_status hk_loop_to(hk_loop *loop, double target) {
+  double begin = hk_clock(), output_before = loop->output_seconds;
+  hk_status status = HK_OK;
+  if (!(loop->first_step_at > 0)) loop->first_step_at = begin;
+  while (status == HK_OK && loop->state->t < target) status = segment(loop, target);
+  loop->seconds += hk_clock() - begin - (loop->output_seconds - output_before);
+  return status;
+}
+
+hk_status hk_loop_frame(hk_loop *loop) {
+  double begin = hk_clock();
+  hk_status status = loop->hooks.frame ? loop->hooks.frame(loop->hooks.context) : HK_OK;
+  loop->record->frames++;
+  loop->output_seconds += hk_clock() - begin;
+  return status;
+}
+
+void hk_loop_close(hk_loop *loop) { free(loop->X_before); }

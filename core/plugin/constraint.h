@@ -1,0 +1,27 @@
+/* Constraints: equations g(x, t) = 0, or g(x, t) >= 0, solved with multipliers. */
+#ifndef HK_PLUGIN_CONSTRAINT_H
+#define HK_PLUGIN_CONSTRAINT_H
+
+#include "core/plugin/force.h"
+
+enum {                  /* hk_constraint.flags */
+       HK_ONE_SIDED = 1 /* g >= 0: pushes, never pulls; an equation rests while g > 0 */
+};
+
+/* `count` equations whose value is in metres. */
+typedef struct hk_constraint {
+  size_t size;
+  unsigned flags;
+  size_t (*count)(void *self);
+  /* Names the blocks (equation, particle) of J = dg/dx, once per topology and after a change by `update`; J[b] is the
+   * b-th, 1 x 3. */
+  void (*pattern)(void *self, hk_pattern *pattern);
+  hk_status (*value)(void *self, const hk_view *view, double *g);
+  hk_status (*jacobian)(void *self, const hk_view *view, double (*J)[3]);
+  hk_status (*curvature)(void *self, const hk_view *view, double *c); /* c = d^2 g/dt^2 - J a, m/s^2 */
+  hk_status (*speed)(void *self, const hk_view *view, double *gt);    /* dg/dt at fixed x, m/s; NULL: 0 */
+  /* At the start of every step: *changed, false on entry, when count or pattern are others than before. NULL. */
+  hk_status (*update)(void *self, const hk_view *view, bool *changed);
+} hk_constraint;
+
+#endif

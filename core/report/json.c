@@ -1,0 +1,94 @@
+/* The summary for programs: one JSON object in one line, with the keys of the figure table. */
+#include "core/report/report.h"
+
+#include <string.h>
+
+static void write_string(FILE *f, const char *text) {
+  fputc('"', f);
+  for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
+    if (*c == '"' || *c == '\\')
+      fprintf(f, "\\%c", *c);
+    else if (*c < 0x20)
+      fprintf(f, "\\u%04x", *c);
+    else
+      fputc(*c, f);
+  }
+  fputc('"', f);
+}
+
+static void write_number(FILE *f, double value) {
+  if (isfinite(value))
+    fprintf(f, "%.17g", value);
+  else
+    fputs("null", f);
+}
+
+static void write_key(FILE *f, const char *key) {
+  write_string(f, key);
+  fputc(':', f);
+}
+
+static void write_figure(FILE *f, const hk_summary *s, const hk_figure *figure) {
+  const void *field = (const char *)s + figure->offset;
+  const char *text = figure->type == HK_FIGURE_TEXT ? *(const char *const *)field : field;
+  write_key(f, figure->key);
+  if (figure->type == HK_FIGURE_COUNT)
+    fprintf(f, "%zu", *(const size_t *)field);
+  else if (figure->type == HK_FIGURE_NUMBER)
+    write_number(f, *(const double *)field);
+  else
+    write_string(f, text ? text : "");
+}
+
+/* Figures of one group stand side by side in the table. */
+static void write_figures(FILE *f, const hk_summary *s) {
+  const char *group = NULL;
+  for (const hk_figure *figure = hk_figure_table; figure->key; figure++) {
+    bool same = group == figure->group || (group && figure->group && strcmp(group, figure->group) == 0);
+    if (!same && group) fputc('}', f);
+    fputs(figure == hk_figure_table ? "" : ",", f);
+    if (!same && figure->group) {
+      write_key(f, figure->group);
+      fputc('{', f);
+      write_figure(f, s, figure);
+    } else
+      write_figure(f, s, figure);
+    group = figure->group;
+  }
+  if (group) fputc('}', f);
+}
+
+static void write_plugins(FILE *f, const hk_summary *s) {
+  for (size_t k = 0; k < s->plugins; k++) {
+    const hk_plugin_time *p = &s->plugin[k];
+    const char *const pair[][2] = {{"kind", p->kind}, {"name", p->name}, {"label", p->label}};
+    fputs(k ? ",{" : "{", f);
+    for (int e = 0; e < 3; e++) {
+      write_key(f, pair[e][0]);
+      write_string(f, pair[e][1]);
+      fputc(',', f);
+    }
+    write_key(f, "seconds");
+    write_number(f, p->seconds);
+    fputc('}', f);
+  }
+}
+
+void hk_report_json(FILE *f, const hk_summary *s) {
+  fputc('{', f);
+  write_figures(f, s);
+  fputs(",\"plugins\":[", f);
+  write_plugins(f, s);
+  fputs("],\"measures\":{", f);
+  for (size_t k = 0; k < s->measures; k++) {
+    if (k) fputc(',', f);
+    write_key(f, s->measure_name[k]);
+    write_number(f, s->measure[k]);
+  }
+  fputs("},\"warnings\":[", f);
+  for (size_t k = 0; k < s->warnings; k++) {
+    if (k) fputc(',', f);
+    write_string(f, s->warning[k]);
+  }
+  fputs("]}\n", f);
+}

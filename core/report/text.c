@@ -1,0 +1,66 @@
+/* The summary for people: a line per label of the figure table; what is not known is left out. */
+#include "core/report/report.h"
+
+#include <string.h>
+
+static const void *field(const hk_summary *s, const hk_figure *f) { return (const char *)s + f->offset; }
+
+static const char *text_of(const hk_summary *s, const hk_figure *f) {
+  return f->type == HK_FIGURE_BUFFER ? field(s, f) : *(const char *const *)field(s, f);
+}
+
+/* Whether there is anything to say; a count that goes on with a line is left out when it is 0. */
+static bool known(const hk_summary *s, const hk_figure *f) {
+  if (f->type == HK_FIGURE_COUNT)
+    return f->label || f->offset == offsetof(hk_summary, n) || *(const size_t *)field(s, f);
+  if (f->type == HK_FIGURE_NUMBER) return isfinite(*(const double *)field(s, f));
+  return text_of(s, f) && *text_of(s, f);
+}
+
+static void print(FILE *out, const hk_summary *s, const hk_figure *f) {
+  if (f->type == HK_FIGURE_COUNT)
+    fprintf(out, f->format, *(const size_t *)field(s, f));
+  else if (f->type == HK_FIGURE_NUMBER)
+    fprintf(out, f->format, *(const double *)field(s, f));
+  else
+    fprintf(out, f->format, text_of(s, f));
+}
+
+/* Constraints that hold are not worth a line. */
+static bool worth_saying(const hk_summary *s, const hk_figure *f) {
+  return known(s, f) && !(f->offset == offsetof(hk_summary, constraint_violation) && !(s->constraint_violation > 0));
+}
+
+static void print_measures(FILE *out, const hk_summary *s) {
+  for (size_t k = 0; k < s->measures; k++) fprintf(out, "  %-17s %.9g\n", s->measure_name[k], s->measure[k]);
+}
+
+static void print_times(FILE *out, const hk_summary *s) {
+  for (size_t k = 0; k < s->plugins; k++)
+    if (s->plugin[k].seconds > 0)
+      fprintf(out, "    %-11s %-18s %9.4f s\n", s->plugin[k].kind, s->plugin[k].label, s->plugin[k].seconds);
+}
+
+static void begin_line(FILE *out, const hk_summary *s, const hk_figure *f, const char *folder) {
+  if (f->offset == offsetof(hk_summary, wall_s)) print_measures(out, s);
+  if (f->offset == offsetof(hk_summary, verdict_name)) {
+    print_times(out, s);
+    if (folder) fprintf(out, "  output            %s\n", folder);
+  }
+  if (*f->label) fprintf(out, "  %-17s ", f->label);
+}
+
+void hk_report_text(FILE *out, const hk_summary *s, const char *folder) {
+  bool line = false;
+  for (const hk_figure *f = hk_figure_table; f->key; f++) {
+    if (!f->format) continue;
+    if (f->label && line) fputc('\n', out);
+    if (f->label) {
+      line = worth_saying(s, f);
+      if (line) begin_line(out, s, f, folder);
+    }
+    if (line && known(s, f)) print(out, s, f);
+    if (line && f->offset == offsetof(hk_summary, energy_drift) && !known(s, f)) fputs(", drift not known", out);
+  }
+  if (line) fputc('\n', out);
+}

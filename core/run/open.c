@@ -1,0 +1,309 @@
+/* Opening a run, from the inside out: specs become instances, then state, pins, dynamics, solver, constraints, the
+ * start state, the step, outputs. Whatever was built when something fails is taken down by hk_run_destroy, which
+ * therefore accepts a half-built run. */
+#include "core/run/run.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double golden = 0.61803398874989485;
+
+/* ---- services that plugins ask for ---- */
+
+static hk_status path_of(void *context, const char *name, char *buffer, size_t size) {
+  hk_run *run = context;
+  return hk_folder_path(run->folder, name, buffer, size, &run->error);
+}
+
+static const void *table_of(const hk_instance *service, const char *wanted) {
+  const hk_service *functions = service->plugin->service;
+  bool same = functions->interface && functions->table && strcmp(functions->interface, wanted) == 0;
+  return same ? functions->table(service->self) : NULL;
+}
+
+static hk_plugin_spec *service_spec(hk_run *run, const char *wanted) {
+  char name[64];
+  const hk_plugin *plugin;
+  hk_error ignored = {0};
+  snprintf(name, sizeof name, "%.*s", (int)strcspn(wanted, "/"), wanted);
+  if (hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &ignored) != HK_OK) return NULL;
+  hk_plugin_spec **grown = realloc(run->service_spec, (run->services + 1) * sizeof *grown);
+  if (grown) run->service_spec = grown;
+  hk_plugin_spec *spec = grown ? hk_spec_create(plugin, plugin->name, "", &ignored) : NULL;
+  if (spec) run->service_spec[run->services++] = spec;
+  return spec;
+}
+
+/* One instance of each serves the run, started when it is first asked for. */
+static const void *query(void *context, const char *wanted) {
+  hk_run *run = context;
+  const hk_instances *services = &run->plugins.kind[HK_SERVICE];
+  for (size_t k = 0; k < services->count; k++) {
+    const void *table = table_of(services->item[k], wanted);
+    if (table) return table;
+  }
+  const hk_plugin_spec *spec = service_spec(run, wanted);
+  hk_instance *service = NULL;
+  if (!spec || hk_plugins_add(&run->plugins, spec, &run->shared, &service, &run->error) != HK_OK) return NULL;
+  hk_view view = hk_instance_view(service, &run->state.view);
+  if (hk_instance_start(service, &view, run->state.size, &run->error) != HK_OK) return NULL;
+  return table_of(service, wanted);
+}
+
+static hk_status open_shared(hk_run *run) {
+  const hk_scene *scene = run->scene;
+  long online = sysconf(_SC_NPROCESSORS_ONLN);
+  int asked = run->options.threads > 0 ? run->options.threads : scene->threads;
+  int threads = asked > 0 ? asked : online > 0 ? (int)online : 1;
+  run->warnings.silent = run->options.progress < 0;
+  run->shared = (hk_shared){.error = &run->error, .warnings = &run->warnings, .seed = scene->seed};
+  run->shared.allocations_left = run->options.allocations > 0 ? run->options.allocations - 1 : -1;
+  run->shared.path = path_of;
+  run->shared.query = query;
+  run->shared.context = run;
+  run->shared.threads = hk_threads_create(threads);
+  if (!run->shared.threads) return hk_error_set(&run->error, HK_FAILED, "cannot start %d threads", threads);
+  run->folder = hk_folder_open(run->options.out, scene->name, &run->error);
+  return run->folder ? HK_OK : run->error.status;
+}
+
+/* ---- plugins ---- */
+
+static hk_status make_instances(hk_run *run) {
+  static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
+  hk_status status = HK_OK;
+  for (size_t j = 0; j < sizeof kinds / sizeof *kinds; j++) {
+    const hk_specs *specs = &run->scene->plugin[kinds[j]];
+    if (kinds[j] == HK_OUTPUT && run->options.no_output) continue;
+    for (size_t k = 0; k < specs->count && status == HK_OK; k++)
+      if (!hk_overrides_leave_out(&run->overrides, specs->item[k]))
+        status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
+  }
+  if (status != HK_OK) return status;
+  return hk_plugins_add(&run->plugins, run->overrides.integrator, &run->shared, NULL, &run->error);
+}
+
+static hk_status start_instance(hk_run *run, hk_instance *instance) {
+  hk_status status = hk_instance_select(instance, &run->state.model, &run->error);
+  if (status == HK_OK) status = hk_instance_set_time(instance, run->state.t, &run->error);
+  hk_view view = hk_instance_view(instance, &run->state.view);
+  return status == HK_OK ? hk_instance_start(instance, &view, run->state.size, &run->error) : status;
+}
+
+static hk_status start_kind(hk_run *run, hk_kind kind) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < run->plugins.kind[kind].count && status == HK_OK; k++)
+    status = start_instance(run, run->plugins.kind[kind].item[k]);
+  return status;
+}
+
+static hk_status check_groups(hk_run *run) {
+  for (size_t k = 0; k < run->plugins.kind[HK_FORCE].count; k++) {
+    const hk_plugin_spec *force = run->plugins.kind[HK_FORCE].item[k]->spec;
+    bool found = !force->group;
+    for (size_t g = 0; g < run->scene->groups && !found; g++)
+      found = strcmp(run->scene->group_name[g], force->group) == 0;
+    if (!found)
+      return hk_error_set(&run->error, HK_BAD_PARAM, "%s: %s: group: no particle is in a group '%s'", force->where,
+                          force->label, force->group);
+  }
+  return HK_OK;
+}
+
+static hk_status start_plugins(hk_run *run) {
+  static const hk_kind order[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_INTEGRATOR, HK_OUTPUT};
+  hk_status status = check_groups(run);
+  for (size_t k = 0; k < sizeof order / sizeof *order && status == HK_OK; k++) {
+    status = start_kind(run, order[k]);
+    hk_dynamics_refresh(&run->dynamics); /* selections are known now */
+  }
+  if (status == HK_OK) hk_elements_refresh(&run->dynamics);
+  return status;
+}
+
+/* Constraints have multipliers, implicit methods matrices: what solves them is opened now, never in a step. */
+static hk_status open_linear_systems(hk_run *run) {
+  const hk_integrator *method = run->step.method;
+  bool constrained = run->plugins.kind[HK_CONSTRAINT].count > 0;
+  if (constrained && method->without_constraints)
+    return hk_error_set(&run->error, HK_BAD_PARAM, "%s takes no constraints ('%s'): %s", run->step.method_name,
+                        run->plugins.kind[HK_CONSTRAINT].item[0]->label, method->without_constraints);
+  hk_status status = HK_OK;
+  if (constrained || method->flags & (HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER))
+    status = hk_solver_open(&run->dynamics, run->overrides.solver);
+  return status == HK_OK && constrained ? hk_constraints_open(&run->dynamics) : status;
+}
+
+/* ---- the parts that know each other ---- */
+
+static void sample_before(void *context) {
+  hk_run *run = context;
+  hk_under_resolved_before(&run->loop, &run->judgement);
+}
+
+static void sample_after(void *context, double h) {
+  hk_run *run = context;
+  hk_under_resolved_after(&run->loop, &run->judgement, h);
+}
+
+static void show_progress(void *context) {
+  hk_run *run = context;
+  hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
+}
+
+static hk_schedule schedule_of(const hk_run *run) {
+  const hk_run_options *o = &run->options;
+  hk_schedule s = {.refine = o->refine, .dt_most = o->dt_most, .step_limit = o->step_limit};
+  s.interrupted = o->interrupted;
+  if (o->refine && run->dynamics.system.flags & HK_DEPENDS_ON_T)
+    s.part = golden; /* in step with no division of a frame */
+  return s;
+}
+
+static void join(hk_run *run) {
+  hk_loop *loop = &run->loop;
+  loop->scene = run->scene;
+  loop->state = &run->state;
+  loop->pins = &run->pins;
+  loop->plugins = &run->plugins;
+  loop->dynamics = &run->dynamics;
+  loop->step = &run->step;
+  loop->integrator = hk_plugins_one(&run->plugins, HK_INTEGRATOR);
+  loop->record = &run->record;
+  loop->warnings = &run->warnings;
+  loop->error = &run->error;
+  loop->fps = run->scene->fps;
+  loop->schedule = schedule_of(run);
+  loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .now_and_then = show_progress};
+  if (run->step.method->flags & HK_IMPLICIT) {
+    loop->hooks.before_sample = sample_before;
+    loop->hooks.after_sample = sample_after;
+  }
+}
+
+static void set_method(hk_run *run) {
+  const hk_instance *integrator = hk_plugins_one(&run->plugins, HK_INTEGRATOR);
+  run->step.method = integrator->plugin->integrator;
+  run->step.method_name = integrator->plugin->name;
+  run->step.parameters = integrator->self;
+  run->step.fps = run->scene->fps;
+  run->step.dt_limit = run->step.limit_now = NAN;
+  run->dynamics.system.host = &integrator->host;
+  run->dynamics.system.tol = isnan(run->options.tol) ? run->scene->tol : run->options.tol;
+}
+
+/* ---- the start ---- */
+
+static hk_status open_outputs(hk_run *run) {
+  const hk_instances *outputs = &run->plugins.kind[HK_OUTPUT];
+  hk_status status =
+      run->options.no_output ? HK_OK : hk_measures_open(run->folder, run->scene, &run->measures, &run->error);
+  while (status == HK_OK && run->outputs_open < outputs->count) {
+    hk_instance *output = outputs->item[run->outputs_open];
+    hk_view view = hk_instance_view(output, &run->state.view);
+    if (output->plugin->output->open)
+      status = output->plugin->output->open(output->self, &view, &run->judgement.last_frame);
+    if (status == HK_OK) run->outputs_open++;
+  }
+  return status;
+}
+
+static hk_status show_start(hk_run *run) {
+  if (run->resumed) return open_outputs(run);
+  hk_status status = hk_figures_take(&run->loop, &run->judgement, run); /* an output's open sees those of the start */
+  if (status == HK_OK) status = open_outputs(run);
+  return status == HK_OK ? hk_loop_frame(&run->loop) : status;
+}
+
+static hk_status impose_start(hk_run *run) {
+  hk_state *s = &run->state;
+  double *x = s->X, *v = s->X + 3 * s->model.n;
+  if (run->options.perturb > 0)
+    hk_state_perturb(s, run->options.perturb * hk_state_extent(s), run->options.perturb_seed);
+  hk_status status = hk_dynamics_impose(&run->dynamics, s->t, x, v);
+  if (status == HK_OK && run->dynamics.constraints && !run->resumed)
+    status = hk_constraints_project(&run->dynamics, s->t, x, v);
+  return status;
+}
+
+static hk_status start(hk_run *run) {
+  const hk_instances *forces = &run->plugins.kind[HK_FORCE];
+  double given = isnan(run->options.dt) ? run->scene->dt : run->options.dt;
+  hk_status status = HK_OK;
+  if (run->scene->start_file)
+    status = hk_start_file_read(&run->loop, &run->judgement, run->scene->start_file, &run->resumed);
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < forces->count; k++)
+    run->dynamics.force_acts[k] = hk_force_acts_at(forces->item[k], run->state.t);
+  hk_state_refresh(&run->state);
+  hk_dynamics_refresh(&run->dynamics);
+  hk_elements_refresh(&run->dynamics);
+  status = impose_start(run);
+  double limit = run->step.dt_limit;
+  if (status == HK_OK) status = hk_step_choose(&run->step, &run->dynamics, run->resumed ? run->step.dt : given);
+  if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
+  return status == HK_OK ? show_start(run) : status;
+}
+
+static hk_status build(hk_run *run) {
+  const hk_run_options *o = &run->options;
+  hk_status status = open_shared(run);
+  if (status == HK_OK)
+    status = hk_overrides_open(&run->overrides, run->scene, o->integrator, o->solver, o->without_count, o->without,
+                               &run->error);
+  if (status == HK_OK) status = hk_state_open(&run->state, run->scene, &run->error);
+  if (status == HK_OK) status = hk_pins_open(&run->pins, run->scene, &run->state, &run->error);
+  if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
+  if (status == HK_OK) status = make_instances(run);
+  if (status != HK_OK) return status;
+  status = hk_dynamics_open(&run->dynamics, run->scene, &run->state, &run->pins, &run->plugins, &run->shared);
+  if (status != HK_OK) return status;
+  set_method(run);
+  join(run);
+  status = hk_judgement_open(&run->judgement, run->scene, &run->error);
+  if (status == HK_OK) status = start_plugins(run);
+  if (status == HK_OK) status = open_linear_systems(run);
+  return status == HK_OK ? start(run) : status;
+}
+
+hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **made, hk_error *error) {
+  hk_run *run = calloc(1, sizeof *run);
+  if (!run) return hk_error_set(error, HK_NO_MEMORY, "no memory for a run");
+  run->scene = scene;
+  run->options = *options;
+  run->record.dt_min = INFINITY;
+  run->asked.end = isnan(options->until) ? scene->duration : options->until;
+  run->asked.accuracy = isnan(options->accuracy) ? scene->accuracy : options->accuracy;
+  run->asked.ignore_exact = options->ignore_exact;
+  run->asked.opened_at = hk_clock();
+  run->progress = (hk_progress){.mode = options->progress, .end = run->asked.end, .at = run->asked.opened_at};
+  scene->frozen = true;
+  hk_status status = build(run);
+  if (status != HK_OK) {
+    hk_error_set(error, status, "%s", run->error.text);
+    hk_run_close(run, NULL);
+    hk_run_destroy(run);
+    return status;
+  }
+  *made = run;
+  return HK_OK;
+}
+
+void hk_run_destroy(hk_run *run) {
+  if (!run) return;
+  hk_dynamics_close(&run->dynamics);
+  hk_plugins_clear(&run->plugins);
+  hk_spec_destroy(run->dynamics.solver_spec);
+  for (size_t k = 0; k < run->services; k++) hk_spec_destroy(run->service_spec[k]);
+  free(run->service_spec);
+  hk_overrides_close(&run->overrides);
+  hk_loop_close(&run->loop);
+  hk_judgement_close(&run->judgement);
+  hk_pins_close(&run->pins);
+  hk_state_close(&run->state);
+  hk_folder_close(run->folder);
+  hk_warnings_clear(&run->warnings);
+  hk_threads_destroy(run->shared.threads);
+  free(run);
+}

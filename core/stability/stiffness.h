@@ -1,0 +1,23 @@
+/* What the forces of a scene state of its fastest mode, without an evaluation: see stiffness.c. */
+#ifndef HK_STIFFNESS_H
+#define HK_STIFFNESS_H
+
+#include "core/plugin.h"
+
+typedef struct hk_stiffness {
+  bool covered;              /* every force that acts and depends on x states a bound */
+  double whole;              /* no w^2 is larger than what the forces state, 1/s^2 */
+  double undamped;           /* the part of it that their damping does not reach, 1/s^2 */
+  double stiffening;         /* of those forces that may become stiffer than they are, 1/s^2 ... */
+  double stiffening_damping; /* ... and of their damping, 1/s */
+  double beta;               /* least damping over stiffness of the elements, s; 0 when one has none */
+  double length; /* m, the shortest distance within an element or edge; INFINITY: there is none longer than 0 */
+} hk_stiffness;
+
+/* At system->X; scratch: 6n doubles. */
+hk_stiffness hk_stiffness_of(hk_system *, double (*scratch)[6]);
+
+/* Eigenvalues of a symmetric 3x3 matrix (xx, xy, xz, yy, yz, zz), in rising order. */
+void hk_symmetric_eigenvalues(const double a[6], double value[3]);
+
+#endif

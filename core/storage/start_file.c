@@ -1,0 +1,30 @@
+/* A run that begins with a file: which kind it is, by its first bytes. */
+#include "core/storage/files.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const char *path, bool *resumed) {
+  char line[4096] = "";
+  errno = 0;
+  *resumed = false;
+  FILE *file = fopen(path, "rb");
+  if (!file) return hk_io_error(loop->error, "read", path);
+  hk_status status;
+  if (!fgets(line, sizeof line, file))
+    status = hk_error_set(loop->error, HK_IO, "%s is empty", path);
+  else if (strcmp(line, hk_checkpoint_magic) == 0) {
+    status = hk_checkpoint_read(loop, j, file, path);
+    *resumed = status == HK_OK;
+  } else if (strncmp(line, hk_checkpoint_magic, 17) == 0)
+    status = hk_error_set(loop->error, HK_IO, "%s is a checkpoint of another version of hooke: write it again", path);
+  else if (strncmp(line, "id,x,", 5) == 0) {
+    line[strcspn(line, "\r\n")] = 0;
+    status = hk_state_table_read(loop, file, line, path);
+  } else
+    status = hk_error_set(loop->error, HK_IO,
+                          "%s is neither a checkpoint nor a table that begins with id,x,y,z,vx,vy,vz,mass", path);
+  fclose(file);
+  return status;
+}

@@ -1,0 +1,175 @@
+/* State tables: "id,x,y,z,vx,vy,vz,mass" and a column for every number of a channel, with 17 digits, which read back
+ * give the same doubles. A table names every particle of the scene, unless sources may have removed some. */
+#include "core/storage/files.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char head[] = "id,x,y,z,vx,vy,vz,mass";
+
+typedef struct table {
+  const hk_snapshot *snapshot;
+  const hk_state *state;
+} table;
+
+static void write_head(FILE *file, const hk_model *m) {
+  fputs(head, file);
+  for (size_t k = 0; k < m->channels; k++)
+    for (size_t c = 0; c < m->channel[k].size; c++)
+      fprintf(file, m->channel[k].size > 1 ? ",%s[%zu]" : ",%s", m->channel[k].name, c + 1);
+  fputc('\n', file);
+}
+
+static void write_row(FILE *file, const hk_snapshot *s, const hk_model *m, size_t i) {
+  const double *x = s->X + 3 * i, *v = s->X + 3 * (s->n + i);
+  fprintf(file, "%" PRIu32 ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", s->id[i], x[0], x[1], x[2], v[0], v[1], v[2],
+          s->mass[i]);
+  for (size_t k = 0; k < m->channels; k++)
+    for (size_t c = 0; c < m->channel[k].size; c++)
+      fprintf(file, ",%.17g", s->X[(6 + m->channel[k].offset) * s->n + m->channel[k].size * i + c]);
+  fputc('\n', file);
+}
+
+static bool body(FILE *file, const void *what) {
+  const table *t = what;
+  write_head(file, &t->state->model);
+  for (size_t i = 0; i < t->snapshot->n; i++) write_row(file, t->snapshot, &t->state->model, i);
+  return fflush(file) == 0 && !ferror(file);
+}
+
+hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, const char *path, hk_error *error) {
+  table t = {s, state};
+  return hk_write_file(path, body, &t, error);
+}
+
+/* ---- reading ---- */
+
+typedef struct rows {
+  size_t count, capacity, width; /* numbers of a row beside the id: 7 and those of channels */
+  uint32_t *id;
+  double *number; /* count x width */
+  size_t *order;  /* by rising id */
+} rows;
+
+static void free_rows(rows *r) {
+  free(r->id);
+  free(r->number);
+  free(r->order);
+}
+
+static bool grow(rows *r) {
+  if (r->count < r->capacity) return true;
+  size_t capacity = 2 * r->capacity + 64;
+  uint32_t *id = realloc(r->id, capacity * sizeof *id);
+  if (id) r->id = id;
+  double *number = realloc(r->number, capacity * r->width * sizeof *number);
+  if (number) r->number = number;
+  if (id && number) r->capacity = capacity;
+  return id && number;
+}
+
+static bool parse_row(rows *r, const char *line) {
+  char *end;
+  unsigned long id = strtoul(line, &end, 10);
+  double *number = r->number + r->count * r->width;
+  bool fine = end != line && *line != '-' && id >= 1 && id < UINT32_MAX;
+  for (size_t k = 0; k < r->width && fine; k++) {
+    const char *at = end + 1;
+    fine = *end == ',';
+    if (fine) number[k] = strtod(at, &end);
+    fine = fine && end != at && isfinite(number[k]);
+  }
+  r->id[r->count] = (uint32_t)id;
+  return fine && (*end == '\n' || *end == '\r' || *end == 0) && number[6] >= 0;
+}
+
+static hk_status read_rows(hk_loop *loop, FILE *file, const char *path, rows *r) {
+  char line[4096];
+  while (fgets(line, sizeof line, file)) {
+    if (!grow(r)) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
+    if (!parse_row(r, line))
+      return hk_error_set(loop->error, HK_IO, "%s:%zu: expected %s%s with finite numbers", path, r->count + 2, head,
+                          r->width > 7 ? " and channels" : "");
+    r->count++;
+  }
+  if (ferror(file)) return hk_io_error(loop->error, "read", path);
+  return HK_OK;
+}
+
+/* The scene's own particles and no others, each once; those that are missing may have died where there are sources. */
+static hk_status check_ids(hk_loop *loop, rows *r, const char *path) {
+  size_t n = loop->scene->n;
+  size_t *row_of = malloc((n + 1) * sizeof *row_of);
+  r->order = malloc((r->count + 1) * sizeof *r->order);
+  hk_status status = HK_OK;
+  if (!row_of || !r->order) status = hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
+  for (size_t i = 0; i < n && status == HK_OK; i++) row_of[i] = SIZE_MAX;
+  for (size_t k = 0; k < r->count && status == HK_OK; k++)
+    if (r->id[k] > n || row_of[r->id[k] - 1] != SIZE_MAX)
+      status = hk_error_set(loop->error, HK_BAD_PARAM, "%s: particle %" PRIu32 " is twice in it, or not in the scene",
+                            path, r->id[k]);
+    else
+      row_of[r->id[k] - 1] = k;
+  size_t found = 0;
+  for (size_t i = 0; i < n && status == HK_OK; i++)
+    if (row_of[i] != SIZE_MAX)
+      r->order[found++] = row_of[i];
+    else if (loop->plugins->kind[HK_SOURCE].count == 0)
+      status = hk_error_set(loop->error, HK_BAD_PARAM,
+                            "%s: particle %zu of the scene is not in it; a state names every particle", path, i + 1);
+  free(row_of);
+  return status;
+}
+
+static void place(const hk_loop *loop, hk_particle_set *set, const rows *r) {
+  const hk_state *s = loop->state;
+  for (size_t k = 0; k < set->n; k++) {
+    const double *number = r->number + r->order[k] * r->width;
+    size_t i = r->id[r->order[k]] - 1; /* the scene's own particle: its group stays */
+    memcpy(set->X + 3 * k, number, 3 * sizeof(double));
+    memcpy(set->X + 3 * (set->n + k), number + 3, 3 * sizeof(double));
+    set->mass[k] = number[6];
+    set->id[k] = (uint32_t)i + 1;
+    set->group[k] = s->group[i];
+    for (size_t c = 0; c < s->model.channels; c++) {
+      size_t size = s->channel[c].size, offset = 6 + s->channel[c].offset;
+      const double *from = r->width > 7 ? number + 7 + s->channel[c].offset : s->X + offset * s->model.n + size * i;
+      memcpy(set->X + offset * set->n + size * k, from, size * sizeof(double));
+    }
+  }
+}
+
+static hk_status install(hk_loop *loop, const rows *r) {
+  hk_particle_set set = {0};
+  if (!hk_particle_set_allocate(&set, r->count, loop->state->width)) {
+    hk_particle_set_free(&set);
+    return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
+  }
+  place(loop, &set, r);
+  return hk_install(loop, &set);
+}
+
+/* What a table does not hold is said. */
+static void warn_of_gaps(hk_loop *loop, const rows *r, const char *path) {
+  if (loop->state->width && r->width == 7)
+    hk_warn(loop->warnings, "%s has no channels: they begin with the values that the scene gives them", path);
+  if (loop->dynamics->system.flags & HK_DEPENDS_ON_T)
+    hk_warn(loop->warnings, "%s has no time: the scene, which depends on it, begins at t = 0 s; a checkpoint goes on",
+            path);
+}
+
+hk_status hk_state_table_read(hk_loop *loop, FILE *file, const char *first_line, const char *path) {
+  size_t columns = 1;
+  for (const char *c = first_line; *c; c++) columns += *c == ',';
+  rows r = {.width = columns - 1};
+  if (strncmp(first_line, head, strlen(head)) != 0 || (r.width != 7 && r.width != 7 + loop->state->width))
+    return hk_error_set(loop->error, HK_BAD_PARAM, "%s: its columns are not %s%s", path, head,
+                        loop->state->width ? " and the scene's channels" : "");
+  hk_status status = read_rows(loop, file, path, &r);
+  if (status == HK_OK) status = check_ids(loop, &r, path);
+  if (status == HK_OK) status = install(loop, &r);
+  if (status == HK_OK) warn_of_gaps(loop, &r, path);
+  free_rows(&r);
+  return status;
+}

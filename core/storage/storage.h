@@ -1,0 +1,37 @@
+/* Files of a run: the output folder, measures.csv, state tables and checkpoints. */
+#ifndef HK_STORAGE_H
+#define HK_STORAGE_H
+
+#include "core/judge/judge.h"
+#include <stdio.h>
+
+typedef struct hk_folder hk_folder;
+
+/* ---- folder.c: the output folder, made when the first file is asked for. What an earlier run of the same scene left
+ * in it is replaced as a whole, files of others are never touched ---- */
+
+hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
+void hk_folder_close(hk_folder *);
+hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
+
+/* ---- measures.c: measures.csv, a row per frame ---- */
+
+hk_status hk_measures_open(hk_folder *, const hk_scene *, FILE **, hk_error *error);
+hk_status hk_measures_write(FILE *, double t, const hk_frame *, hk_error *error);
+hk_status hk_measures_close(FILE **, hk_error *error);
+
+/* ---- state_table.c: "id,x,y,z,vx,vy,vz,mass", 17 digits, and the channels ---- */
+
+/* `state`: who the channels are of; `s` may be an earlier snapshot of it. */
+hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, const char *path, hk_error *error);
+
+/* ---- checkpoint.c: everything that goes on, in the machine's byte order ---- */
+
+hk_status hk_checkpoint_write(hk_loop *, hk_judgement *, const char *path, hk_error *error);
+
+/* ---- start_file.c: a run begins with a state table or a checkpoint; after the plugins' start, so that what they
+ * derive from the scene's start (rest lengths) stays what it was. *resumed: it was a checkpoint ---- */
+
+hk_status hk_start_file_read(hk_loop *, hk_judgement *, const char *path, bool *resumed);
+
+#endif

@@ -1,0 +1,67 @@
+#include "plugins/common/gl/canvas.h"
+
+#include "plugins/common/gl/gl.h"
+
+enum { SAMPLES = 4 };
+enum { DRAWN, KEPT, FLAT };
+
+static unsigned make_buffer(int samples, GLenum format, int width, int height) {
+  GLuint buffer;
+  glGenRenderbuffers(1, &buffer);
+  glBindRenderbuffer(GL_RENDERBUFFER, buffer);
+  glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, width, height);
+  return buffer;
+}
+
+static bool make_target(unsigned *target, unsigned colour, unsigned depth) {
+  glGenFramebuffers(1, target);
+  glBindFramebuffer(GL_FRAMEBUFFER, *target);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour);
+  if (depth) glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
+  return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+}
+
+bool hk_canvas_open(hk_canvas *c, int width, int height) {
+  *c = (hk_canvas){.width = width, .height = height};
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  for (int k = 0; k < 4; k++)
+    c->buffer[k] = make_buffer(SAMPLES, k % 2 ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
+  c->buffer[4] = make_buffer(0, GL_RGBA8, width, height);
+  if (glGetError() != GL_NO_ERROR) return false;
+  return make_target(&c->target[DRAWN], c->buffer[0], c->buffer[1]) &&
+         make_target(&c->target[KEPT], c->buffer[2], c->buffer[3]) && make_target(&c->target[FLAT], c->buffer[4], 0);
+}
+
+void hk_canvas_close(hk_canvas *c) {
+  glDeleteFramebuffers(3, c->target);
+  glDeleteRenderbuffers(5, c->buffer);
+}
+
+void hk_canvas_use(const hk_canvas *c) {
+  glBindFramebuffer(GL_FRAMEBUFFER, c->target[DRAWN]);
+  glViewport(0, 0, c->width, c->height);
+}
+
+static void copy(const hk_canvas *c, int from, int to, GLbitfield what) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[from]);
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, c->target[to]);
+  glBlitFramebuffer(0, 0, c->width, c->height, 0, 0, c->width, c->height, what, GL_NEAREST);
+}
+
+void hk_canvas_keep(const hk_canvas *c) {
+  copy(c, DRAWN, KEPT, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  hk_canvas_use(c);
+}
+
+void hk_canvas_restore(const hk_canvas *c) {
+  copy(c, KEPT, DRAWN, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  hk_canvas_use(c);
+}
+
+void hk_canvas_read(const hk_canvas *c, unsigned char *rgba) {
+  copy(c, DRAWN, FLAT, GL_COLOR_BUFFER_BIT);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[FLAT]);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, c->width, c->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}

@@ -1,0 +1,50 @@
+/* Bounds of the stiffness and damping of forces along edges.
+ *
+ * A spring along the unit vector n, of length l, stiffness k and rest length L, has the energy Hessian
+ * k n n^T + k (1 - L/l) (I - n n^T) =: H for u = u_j - u_i. Its second term counts when positive (tension); leaving it
+ * out when negative (compression) only raises the bound. By Young's inequality
+ *   u^T H u <= (1 + s) u_i^T H u_i + (1 + 1/s) u_j^T H u_j,   s = sqrt(m_i/m_j),
+ * which gives each end its share of a bound that is the least when frequencies are asked for. It keeps the directions
+ * of the springs, so it does not depend on the axes, and regular grids of any spacing reach it, where bounding each
+ * block by its norm would give up a factor of 2. */
+#include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/common/springs/edge.h"
+
+/* Adds factor (along n n^T + across (I - n n^T)) to a block; n is 0 where there is no direction. */
+static void add_block(double *block, double factor, double along, double across, const double n[3]) {
+  double lateral = factor * across, rest = factor * (along - across);
+  block[0] += lateral + rest * n[0] * n[0];
+  block[1] += rest * n[0] * n[1];
+  block[2] += rest * n[0] * n[2];
+  block[3] += lateral + rest * n[1] * n[1];
+  block[4] += rest * n[1] * n[2];
+  block[5] += lateral + rest * n[2] * n[2];
+}
+
+static double value_of(const hk_per_tuple *p, size_t e) { return p->count ? hk_tuple_value(p, e) : 0; }
+
+/* Stiffness across the spring. At length 0 there is no direction: the limit is k for L = 0, and else nothing. */
+static double across_of(const hk_edge_stiffness *s, size_t e, double l) {
+  double k = value_of(s->k, e), L = value_of(s->rest, e);
+  if (s->drawn || L == 0) return k;
+  return l > 0 ? fmax(0, k * (1 - L / l)) : 0;
+}
+
+void hk_edge_stiffness_bound(const hk_edge_stiffness *s, const hk_view *view, hk_stiffness_part part,
+                             double (*block)[6]) {
+  const double *w = view->model->inverse_mass;
+  for (size_t e = 0; e < s->edges->count; e++) {
+    const uint32_t *pair = hk_tuple(s->edges, e);
+    size_t i = pair[0], j = pair[1];
+    if (!hk_edge_acts(view, pair)) continue;
+    double n[3], l = hk_edge_difference(view->x, pair, n), along = 0, across = 0;
+    for (int c = 0; c < 3; c++) n[c] = l > 0 ? n[c] / l : 0;
+    if (part == HK_DAMPING_WHOLE)
+      along = value_of(s->damping, e), across = s->drawn ? along : 0; /* its direction is not known yet */
+    else
+      across = across_of(s, e, l);
+    if (part == HK_STIFFNESS_WHOLE) along = value_of(s->k, e);
+    add_block(block[i], w[i] > 0 ? 1 + sqrt(w[j] / w[i]) : 0, along, across, n);
+    add_block(block[j], w[j] > 0 ? 1 + sqrt(w[i] / w[j]) : 0, along, across, n);
+  }
+}

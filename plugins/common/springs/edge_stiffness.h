@@ -1,0 +1,16 @@
+/* Bounds of the stiffness and damping of forces along edges: see edge_stiffness.c. */
+#ifndef HK_COMMON_EDGE_STIFFNESS_H
+#define HK_COMMON_EDGE_STIFFNESS_H
+
+#include "core/plugin.h"
+
+typedef struct hk_edge_stiffness {
+  const hk_tuples *edges;
+  const hk_per_tuple *k, *damping, *rest; /* N/m, N s/m, m */
+  bool drawn; /* as if every edge were drawn out without end: across it is then as stiff as along it */
+} hk_edge_stiffness;
+
+/* As hk_force.stiffness_bound, for all u that are 0 at particles without inverse mass: those have no share. */
+void hk_edge_stiffness_bound(const hk_edge_stiffness *, const hk_view *, hk_stiffness_part, double (*block)[6]);
+
+#endif
