@@ -1,5 +1,6 @@
 -- hooke bench SCENE.lua [name=value ...]: what accuracy costs in this scene with every integrator that fits it, and
--- which one to take. See tools/common: bench/benchmark.lua (the phases), reference.lua, bench/sensitivity.lua, bench/refinement.lua, report.lua.
+-- which one to take. See tools/common/bench: benchmark.lua (the phases), reference.lua, sensitivity.lua,
+-- refinement.lua, report.lua.
 --
 -- The error x of a run: at a frame, the root mean square over all particles of the distance to the reference; of these,
 -- the root mean square over the frames after the start (m). v: the same of velocities (m/s). energy: the energy that
