@@ -1,19 +1,20 @@
-/* hooke's plugin interface: what every plugin sees of the engine. The contract of each kind is in a header of its own
- * (core/plugin/force.h, ...), all of which this one includes.
+/* hooke's plugin interface: the part of the engine that plugins see. The contract of each kind is in a header of its
+ * own (core/plugin/force.h, ...), all of which this one includes.
  *
  * A plugin is one shared object with one exported constant, `hk_plugin_main`. The host reads that constant without
- * running plugin code, checks `abi`, fills an instance from the parameter table and calls the kind's table of
- * functions. Everything else in a plugin is static.
+ * running plugin code, checks `abi`, fills an instance by the parameter table and calls the functions of the kind's
+ * table. All other symbols of a plugin are static.
  *
  * Units are SI. Arrays "n x 3" are particle-major: x[3*i + c] is component c of particle i. Particles are addressed by
  * index 0 <= i < n; an index changes when particles are born or die, an id never does. Lists of particles and tuples in
  * an instance are kept up to date by the host, which calls `topology` after every change.
  *
  * Every pointer handed to a plugin is owned by the host and valid during the call only, unless its comment says
- * longer. A function that can fail returns hk_status and makes its message where the cause is known:
+ * otherwise. A function that can fail returns hk_status and makes its message where the cause is known:
  *     return host->fail(host, HK_BAD_PARAM, "rest: %g m is negative", rest);
- * A failed call changes nothing, unless its comment says otherwise. Inside a step nobody allocates, prints or touches
- * files (outputs excepted). Published structs grow at their end only. */
+ * A plugin never ends the process: one that crashes or calls exit() is named, and the run ends with code 2.
+ * A failed call changes nothing, unless its comment says otherwise. Inside a step a plugin must not allocate, print or
+ * access files (except outputs). Published structs grow at their end only. */
 #ifndef HK_PLUGIN_H
 #define HK_PLUGIN_H
 
@@ -69,7 +70,7 @@ typedef struct hk_tuples {
 
 static inline const uint32_t *hk_tuple(const hk_tuples *t, size_t k) { return t->index + t->arity * k; }
 
-/* One number for all tuples (count 1) or one per tuple (their count). Left out and HK_OPTIONAL: count 0. */
+/* One number for all tuples (count 1) or one number per tuple. When HK_OPTIONAL and not given: count 0. */
 typedef struct hk_per_tuple {
   size_t count;
   double *value;
@@ -87,7 +88,7 @@ typedef enum hk_type {
   HK_NUMBER,     /* double; finite */
   HK_INTEGER,    /* int64_t */
   HK_BOOLEAN,    /* bool */
-  HK_STRING,     /* const char *, NULL when left out and `text` is NULL; owned by the host as long as the instance */
+  HK_STRING,     /* const char *, NULL when not given and `text` is NULL; owned by the host as long as the instance */
   HK_CHOICE,     /* int: the position of the value in `text`, "first|second|third"; the default is `initial` */
   HK_VECTOR,     /* double[3] */
   HK_NUMBERS,    /* hk_numbers */
@@ -100,8 +101,8 @@ typedef enum hk_type {
 
 enum {                  /* hk_param.flags */
        HK_REQUIRED = 1, /* the user must give it */
-       HK_OPTIONAL = 2, /* left out: number NAN, vector of NAN, empty list */
-       HK_TIMED = 4,    /* a Lua function of t may stand for it (number, vector); updated before every evaluation */
+       HK_OPTIONAL = 2, /* when not given: NAN, a vector of NAN, an empty list */
+       HK_TIMED = 4,    /* the user may give a Lua function of t (number, vector); updated before every evaluation */
        HK_ABOVE_MIN = 8 /* min itself is refused as well */
 };
 
@@ -111,7 +112,7 @@ typedef struct hk_param {
   const char *unit; /* "N/m"; "" when there is none */
   const char *help; /* one line, no full stop */
   hk_type type;
-  double initial[3]; /* default; scalars use the first */
+  double initial[3]; /* default; scalars use the first number */
   double min, max;
   size_t offset; /* offsetof(instance, field) */
   unsigned flags;
@@ -120,7 +121,7 @@ typedef struct hk_param {
 
 /* ---- Evolving state of a plugin -------------------------------------------------------------------------------- */
 
-/* `count` items of a plugin's own type. Its length is changed by host->resize alone. */
+/* `count` items of a plugin's own type. Only host->resize changes its length. */
 typedef struct hk_array {
   size_t count;
   void *item;
@@ -131,16 +132,16 @@ typedef enum hk_field_type {
   HK_FIELD_INTEGER,      /* int64_t */
   HK_FIELD_PER_PARTICLE, /* double *: n x width, zeroed at birth */
   HK_FIELD_STATE, /* double *: width vectors of the shape of X (system->size doubles each); zeroed when n changes */
-  HK_FIELD_ARRAY  /* hk_array of items of `width` bytes; particles in it are best named by id, which never changes */
+  HK_FIELD_ARRAY  /* hk_array of items of `width` bytes; items should name particles by id, which never changes */
 } hk_field_type;
 
 enum {                  /* hk_field.flags */
-       HK_SCRATCH = 1,  /* memory whose content need not survive the step; not saved */
-       HK_PUBLISHED = 2 /* HK_FIELD_PER_PARTICLE: others find it in hk_model.published */
+       HK_SCRATCH = 1,  /* memory whose content is not needed after the step; not saved */
+       HK_PUBLISHED = 2 /* HK_FIELD_PER_PARTICLE: other plugins find it in hk_model.published */
 };
 
-/* What evolves in an instance: the host allocates the arrays before `create`, resizes and remaps them when particles
- * are born or die, and writes them to checkpoints. A table ends with a NULL name. */
+/* The evolving data of an instance: the host allocates the arrays before `create`, resizes and remaps them when
+ * particles are born or die, and writes them to checkpoints. A table ends with a NULL name. */
 typedef struct hk_field {
   const char *name;
   hk_field_type type;
@@ -149,7 +150,7 @@ typedef struct hk_field {
   unsigned flags;
 } hk_field;
 
-/* ---- What a plugin sees ---------------------------------------------------------------------------------------- */
+/* ---- The view of the state --------------------------------------------------------------------------------------- */
 
 typedef struct hk_host hk_host;
 typedef struct hk_model hk_model; /* core/plugin/model.h: masses, ids, groups, pins, channels, edges, elements */
@@ -162,10 +163,10 @@ typedef struct hk_view {
   const double *y; /* channels, see hk_channel; NULL when there are none */
   const hk_model *model;
   const hk_host *host;
-  size_t acting;          /* how many particles the force acts on ... */
+  size_t acting;          /* number of particles that the force acts on ... */
   const uint32_t *active; /* ... and their indices in rising order, or NULL: all of them */
   const bool *is_active;  /* n, or NULL: all of them */
-  double *power;          /* add the power of non-conservative parts here, W (HK_POWER); may be NULL */
+  double *power;          /* W; add the power of non-conservative parts to it (HK_POWER); may be NULL */
 } hk_view;
 
 /* Host services, one table per instance. */
@@ -175,23 +176,24 @@ struct hk_host {
   hk_status (*fail)(const hk_host *, hk_status status, const char *format, ...) HK_PRINTF(3, 4);
   /* A warning: shown once per text, listed in the summary. */
   void (*warn)(const hk_host *, const char *format, ...) HK_PRINTF(2, 3);
-  /* Zeroed memory, 64-byte aligned; NULL when there is none. What is not released is freed after `destroy`. */
+  /* Zeroed memory, 64-byte aligned; NULL: no memory. The host frees memory that is not released after `destroy`. */
   void *(*allocate)(const hk_host *, size_t bytes);
   void (*release)(const hk_host *, void *memory);
   /* Calls body(context, begin, end, chunk) for the chunks [chunk*grain, ...) of 0..count, on several threads. How the
-   * range is cut depends on count and grain alone, so a sum over chunks in order is the same for any thread count. */
+   * range is cut depends on count and grain alone, so a sum over chunks in order is the same for any thread count. A
+   * body may call it too: that loop runs in the body's own thread, its chunks in order. */
   void (*parallel_for)(const hk_host *, size_t count, size_t grain,
                        void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context);
   /* Uniform in [0, 1), 53 bits, from the instance's own stream (seeded by --seed, kind and label; in checkpoints). */
   double (*random)(const hk_host *);
-  /* Outputs: the path of a file of this run, under its output folder; folders in `name` are created and the file is
-   * listed as this run's. HK_IO when that fails, HK_BAD_PARAM when `name` is absolute or has "..". */
+  /* Outputs: the path of a file of this run, under its output folder; folders in `name` are created, and the file is
+   * listed as a file of this run. HK_IO when that fails, HK_BAD_PARAM when `name` is absolute or has "..". */
   hk_status (*path)(const hk_host *, const char *name, char *buffer, size_t size);
-  /* A table of further services by versioned name, "neighbours/1" (core/plugin/service.h); to be asked for in `create`,
-   * valid as long as the run. NULL when there is none of that name. */
+  /* A table of further services by versioned name, "neighbours/1" (core/plugin/service.h); to be queried in `create`,
+   * valid as long as the run. NULL: no service has this name. */
   const void *(*query)(const hk_host *, const char *service);
-  /* The new length of a field HK_FIELD_ARRAY of this instance: items are kept, new ones zeroed. HK_NO_MEMORY: as it
-   * was. Not during evaluations. */
+  /* Changes the length of a field HK_FIELD_ARRAY of this instance: items are kept, new ones zeroed. HK_NO_MEMORY: the
+   * field does not change. Must not be called during evaluations. */
   hk_status (*resize)(const hk_host *, hk_array *field, size_t count);
 };
 
@@ -206,13 +208,15 @@ typedef struct hk_plugin {
   size_t instance_size;
   const hk_param *params; /* NULL: none */
   const hk_field *fields; /* NULL: none */
-  /* After parameters and fields are in place, at the start of the run; view is the start state. NULL: nothing to do. */
+  /* Called at the start of the run, when parameters and fields are set; view is the start state. NULL: nothing to
+   * do. */
   hk_status (*create)(void *self, const hk_host *host, const hk_view *view);
   void (*destroy)(void *self, const hk_host *host); /* once per create, even a failed one; NULL */
-  /* Indices in parameters and the number of particles have changed: rebuild what was derived from them. NULL. */
+  /* Called after indices in parameters and the number of particles have changed: rebuilds data derived from them. May
+   * be NULL. */
   hk_status (*topology)(void *self, const hk_view *view);
-  /* The kind's table. Its first member is `size`, sizeof of the table as the plugin knows it: what a table has grown by
-   * since is NULL or 0 to the host. */
+  /* The kind's table. Its first member is `size`, the size of the table in the plugin's version of this header: for the
+   * host, members beyond it are NULL or 0. */
   union {
     const struct hk_force *force;
     const struct hk_constraint *constraint;

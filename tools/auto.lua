@@ -1,11 +1,12 @@
--- hooke auto SCENE.lua [name=value ...] --accuracy METRES: which integrator, and which step, tolerance or substeps, has
--- the scene's positions right to that at the least cost. What `hooke run --integrator auto` asks.
+-- hooke auto SCENE.lua [name=value ...] --accuracy METRES: chooses the integrator, and its step, tolerance or substeps,
+-- that computes the scene's positions with this accuracy at the least cost. `hooke run --integrator auto` runs this
+-- tool.
 --
--- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with the
--- methods of order 2 and more. Errors add up: over a part of the duration only that part of the accuracy may be used
--- up, and of it a quarter, for the run is judged (core/run/verify.h) by twice its difference to half the step, at the end.
--- Where a method's ladder stopped short of it, its last two errors tell how much further it has to go. The choice is
--- kept on file, by the scene's text, its parameters, the accuracy, the end and the plugins' contents.
+-- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with
+-- the methods of order 2 and more. Errors accumulate: a fraction of the duration may have this fraction of the error,
+-- and of it a quarter, since the run is judged (core/run/verify.c) at its end by twice its difference to half the step.
+-- Where the runs of a method did not reach this error, its setting is extrapolated from its last two errors. The choice
+-- is stored under a hash of the scene's text, its parameters, the accuracy, the end and the plugins' contents.
 local argparse = require("argparse")
 local methods = require("common.bench.methods")
 local benchmark = require("common.bench.benchmark")
@@ -14,8 +15,8 @@ local journal = require("common.bench.journal")
 local case_process = require("common.run.case_process")
 
 local margin = 1 / 4
-local most_doublings, most_decades = 5, 4 -- beyond what was measured
-local reference_costs = 10                -- leapfrog runs, about
+local most_doublings, most_decades = 5, 4 -- limits of the extrapolation
+local reference_costs = 10                -- approximate cost of the reference, in runs of leapfrog
 local least_frames = 4
 
 local function parser()
@@ -36,7 +37,7 @@ local function complain(format, ...)
   return 1
 end
 
--- ---- what is kept ----
+-- ---- the stored choice ----
 
 local function folder()
   local base = os.getenv("XDG_CACHE_HOME")
@@ -47,28 +48,28 @@ local function folder()
   return base and base .. "/hooke"
 end
 
-local function kept(path)
+local function stored_choice(path)
   local text = path and journal.read(path)
   local fine, choice = pcall(journal.json.decode, text or "")
   return fine and type(choice) == "table" and choice.integrator and choice or nil
 end
 
-local function keep(path, choice)
+local function store_choice(path, choice)
   if not path then return end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
   local fine, why = journal.write(path, journal.json.encode(choice) .. "\n")
   if not fine then io.stderr:write("hooke: auto: the choice is not kept: ", why, "\n") end
 end
 
--- ---- how long the pilot is ----
+-- ---- the length of the benchmark ----
 
-local function pilot_end(o, explained)
+local function benchmark_end(o, explained)
   local whole = o.until_ or explained.duration
   local frame = 1 / explained.fps
   local tried = math.min(whole, least_frames * frame)
   local result = case_process.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
     timeout = 0.2 * o.budget, trust = o.trust }
-  local cost = (result.step_wall_s or 0.2 * o.budget) / tried -- s per simulated second
+  local cost = (result.step_wall_s or 0.2 * o.budget) / tried -- wall seconds per simulated second
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
   if afford >= whole then return whole end
   return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)
@@ -76,54 +77,54 @@ end
 
 -- ---- from errors to a setting ----
 
-local function last_two(method)
+local function last_two_rows(method)
   local one, two
   for _, row in ipairs(method.rows) do
     if row.verdict == "ok" and row.error and row.error > 0 and row.wall_s
-      and (not two or row.result.steps ~= two.result.steps or row.rung.substeps) then one, two = two, row end
+      and (not two or row.result.steps ~= two.result.steps or row.setting.substeps) then one, two = two, row end
   end
   return one, two
 end
 
-local function further(method, row, rungs)
-  local rung = {}
-  for key, value in pairs(row.rung) do rung[key] = value end
-  if rung.tol then
-    rung.tol = rung.tol / 10 ^ rungs
-    return rung, row.wall_s * methods.growth(method) ^ rungs
-  elseif rung.substeps then
-    rung.integrator = rung.integrator:gsub("substeps=%d+", ("substeps=%d"):format(rung.substeps << rungs))
-    rung.substeps = rung.substeps << rungs
+local function extrapolated(method, row, extra)
+  local setting = {}
+  for key, value in pairs(row.setting) do setting[key] = value end
+  if setting.tol then
+    setting.tol = setting.tol / 10 ^ extra
+    return setting, row.wall_s * methods.growth(method) ^ extra
+  elseif setting.substeps then
+    setting.integrator = setting.integrator:gsub("substeps=%d+", ("substeps=%d"):format(setting.substeps << extra))
+    setting.substeps = setting.substeps << extra
   else
-    rung.dt = rung.dt / 2 ^ rungs
+    setting.dt = setting.dt / 2 ^ extra
   end
-  return rung, row.wall_s * 2 ^ rungs
+  return setting, row.wall_s * 2 ^ extra
 end
 
--- The cheapest setting of a method for the target: measured, or as many rungs further as its last errors say.
-local function setting(method, goal)
+-- The cheapest setting of a method for the target: a measured one, or one extrapolated from its last errors.
+local function best_setting(method, goal)
   local best
   for _, row in ipairs(method.rows) do
     if row.verdict == "ok" and row.error and row.wall_s and math.max(row.error, goal.support) <= goal.target
       and (not best or row.wall_s < best.wall) then
-      best = { method = method, rung = row.rung, wall = row.wall_s, row = row }
+      best = { method = method, setting = row.setting, wall = row.wall_s, row = row }
       best.error = math.max(row.error, goal.support)
     end
   end
   if best then return best end
-  local one, two = last_two(method)
+  local one, two = last_two_rows(method)
   if not one or two.error > 0.7 * one.error or two.error <= goal.support then return nil end
-  local unit = two.rung.tol and math.log(one.rung.tol / two.rung.tol, 10) or 1
-  local fall = math.min((one.error / two.error) ^ (1 / unit), two.rung.tol and 10 or 2 ^ method.order)
-  local rungs = math.ceil(math.log(two.error / goal.target) / math.log(fall))
-  if rungs > (two.rung.tol and most_decades or most_doublings) then return nil end
-  local rung, wall = further(method, two, rungs)
-  return { method = method, rung = rung, wall = wall, error = two.error / fall ^ rungs, row = two, further = true }
+  local unit = two.setting.tol and math.log(one.setting.tol / two.setting.tol, 10) or 1
+  local fall = math.min((one.error / two.error) ^ (1 / unit), two.setting.tol and 10 or 2 ^ method.order)
+  local extra = math.ceil(math.log(two.error / goal.target) / math.log(fall))
+  if extra > (two.setting.tol and most_decades or most_doublings) then return nil end
+  local setting, wall = extrapolated(method, two, extra)
+  return { method = method, setting = setting, wall = wall, error = two.error / fall ^ extra, row = two, extrapolated = true }
 end
 
 local function ranking(b)
   local list = {}
-  for _, method in ipairs(b.methods) do list[#list + 1] = setting(method, b.goal) end
+  for _, method in ipairs(b.methods) do list[#list + 1] = best_setting(method, b.goal) end
   table.sort(list, function(a, c) return a.wall < c.wall end)
   return list
 end
@@ -139,22 +140,22 @@ local function orders_of_two(list)
 end
 
 local function phrase(s, b)
-  return ("%s, %s (%s %.1e m at %.2g s per simulated second)"):format(s.method.label, methods.rung_text(s.rung),
-    s.further and "expected" or "measured", s.error, s.wall / b.limit)
+  return ("%s, %s (%s %.1e m at %.2g s per simulated second)"):format(s.method.label, methods.setting_text(s.setting),
+    s.extrapolated and "expected" or "measured", s.error, s.wall / b.limit)
 end
 
--- The first rung of an explicit method is the step that a run chooses for itself, and makes shorter when the scene
--- stiffens: then none is given, unless the scene has one of its own.
+-- The step of a setting. The first setting of an explicit method is the step that a run chooses itself, and shortens
+-- when the scene stiffens: no step is then given, unless the scene has its own dt.
 local function step_of(s, b)
-  local own = not s.further and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
+  local own = not s.extrapolated and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
   if own and b.explained.dt_chosen then return nil end
-  return s.rung.dt
+  return s.setting.dt
 end
 
 local function measure(o)
   local explained, why = hooke.explain(o.scene, o.params, { trust = o.trust })
   if not explained then return nil, why end
-  local whole, part = o.until_ or explained.duration, pilot_end(o, explained)
+  local whole, part = o.until_ or explained.duration, benchmark_end(o, explained)
   local target = margin * o.accuracy * part / whole
   local b
   for _ = 1, 3 do
@@ -169,7 +170,7 @@ local function measure(o)
     target = margin * o.accuracy * part / whole
   end
   if not b then return nil, why end
-  target = margin * o.accuracy * b.limit / whole -- the limit may be less than was meant to be
+  target = margin * o.accuracy * b.limit / whole -- the measured time may be shorter than planned
   b.goal.target = math.max(target, b.goal.support)
   local list = ranking(b)
   local first, second = list[1], list[2]
@@ -188,7 +189,7 @@ local function measure(o)
     text = ("%s; beyond %.3g s two good methods part%s"):format(text, b.horizon, b.cut_from.late
       and ", in the time given" or ": the motion is not determined there")
   end
-  return { integrator = first.rung.integrator, dt = step_of(first, b), tol = first.rung.tol, why = text }
+  return { integrator = first.setting.integrator, dt = step_of(first, b), tol = first.setting.tol, why = text }
 end
 
 local function main()
@@ -206,14 +207,14 @@ local function main()
   local place = folder()
   local path = place and ("%s/auto-%s.json"):format(place, journal.hash(journal.of_scene(o.scene, params)
     .. journal.canonical { accuracy = o.accuracy, until_ = o.until_ }))
-  local choice, begun = not o.again and kept(path), process.clock()
+  local choice, begun = not o.again and stored_choice(path), process.clock()
   local known = choice ~= nil and choice ~= false
   if not known then
     local why
     choice, why = measure(o)
     if not choice then return complain("%s", why) end
     choice.scene, choice.accuracy, choice.seconds = o.scene, o.accuracy, process.clock() - begun
-    keep(path, choice)
+    store_choice(path, choice)
   end
   if not o.quiet then
     io.stderr:write(("hooke: auto: %s\n"):format(choice.why))

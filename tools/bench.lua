@@ -1,11 +1,11 @@
--- hooke bench SCENE.lua [name=value ...]: what accuracy costs in this scene with every integrator that fits it, and
--- which one to take. See tools/common/bench: benchmark.lua (the phases), reference.lua, sensitivity.lua,
+-- hooke bench SCENE.lua [name=value ...]: the cost of accuracy in this scene with every integrator that fits it, and a
+-- recommendation. See tools/common/bench: benchmark.lua (the phases), reference.lua, sensitivity.lua,
 -- refinement.lua, report.lua.
 --
 -- The error x of a run: at a frame, the root mean square over all particles of the distance to the reference; of these,
--- the root mean square over the frames after the start (m). v: the same of velocities (m/s). energy: the energy that
--- came or went unaccounted for, over the largest kinetic energy. A measure: the root mean square over the frames.
--- Cost: wall time of the time loop, the median of repeats, of which the first has warmed the machine up.
+-- the root mean square over the frames after the start (m). v: the same for velocities (m/s). energy: the unaccounted
+-- change of energy over the largest kinetic energy. Of a measure: the root mean square over the frames. The cost is the
+-- wall time of the time loop, the median of repeats, of which the first warms the machine up.
 local argparse = require("argparse")
 local benchmark = require("common.bench.benchmark")
 local process = require("process")
@@ -51,7 +51,7 @@ local function make_folder(path)
   return fine
 end
 
--- ---- what is printed ----
+-- ---- printing ----
 
 local function print_reference(b)
   local r = b.reference
@@ -91,7 +91,8 @@ local function print_conditioning(b)
   end
 end
 
--- Methods that are refused for the same reason share a line: the reason names the plugin, which is left out for that.
+-- Prints methods that are refused for the same reason in one line; the name of the plugin is removed from the reason to
+-- compare them.
 local function print_refused(b)
   local reasons, labels = {}, {}
   for _, method in ipairs(b.methods) do
@@ -131,7 +132,7 @@ local function print_all(b)
     b.own_s, b.timed, 100 * b.own_s / math.max(b.timed, 1e-9), b.reference_s))
 end
 
--- ---- what is written ----
+-- ---- files ----
 
 local function more_of(b, o)
   local c, r = b.conditioning, b.reference
@@ -168,7 +169,7 @@ local function write_all(b, o, out)
   return fine and 0 or 4
 end
 
--- ---- all of it ----
+-- ---- the whole command ----
 
 local function fingerprint(o)
   local told = { metric = o.metric, target = o.target, finest = o.finest, until_ = o.until_, threads = o.threads }
@@ -193,7 +194,7 @@ local function main()
   if b.record.count > 0 then bar:say(("taking up %d runs of an interrupted bench"):format(b.record.count)) end
   b.each = function(case, result)
     bar:add { failed = result.failed ~= nil and result.fits ~= false, note = ("%s: %s"):format(phase, case.integrator),
-      part = math.min((process.clock() - bar.begun) / o.budget, 0.99) } -- it ends by its budget, if not before
+      part = math.min((process.clock() - bar.begun) / o.budget, 0.99) } -- the bench ends after its budget at the latest
   end
   b.tick = function() bar:tick() end
   local fine

@@ -1,6 +1,6 @@
--- hooke check PLUGIN.so [name=value ...]: is this plugin right? Forces against their energy, differences of themselves
--- and what they claim; integrators by their measured order, stability limits and reversibility. One line for each
--- property, with the figure and its bound; the exit code is 1 when one fails. name=value sets numbers of the plugin.
+-- hooke check PLUGIN.so [name=value ...]: tests a plugin: forces against their energy, finite differences and their
+-- flags; integrators by their measured order, stability limits and reversibility. One line for each property, with the
+-- figure and its bound; the exit code is 1 when one fails. name=value sets numbers of the plugin.
 local inspect = require("inspect")
 local process = require("process")
 local forces = require("common.check.forces")
@@ -13,10 +13,10 @@ local function fail(message)
   return 1
 end
 
--- The report: what was looked at, in lines.
+-- The report: one line per tested property.
 local report = { lines = 0, failed = 0 }
 
--- One property. `figure` and `bound` are numbers, texts or nil.
+-- Adds one property. `figure` and `bound` are numbers, texts or nil.
 function report:add(fine, property, figure, bound)
   local function text(x) return type(x) == "number" and ("%.2g"):format(x) or x end
   self.lines = self.lines + 1
@@ -25,9 +25,9 @@ function report:add(fine, property, figure, bound)
     bound and (" (at most %s)"):format(text(bound)) or ""))
 end
 
--- A property that is a number not above its bound.
+-- Adds a property that is a number, which must not be above its bound.
 function report:most(property, figure, bound)
-  self:add(figure <= bound, property, figure, bound) -- NaN is not
+  self:add(figure <= bound, property, figure, bound) -- false for NaN
 end
 
 function report.note(_, text)

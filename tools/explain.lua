@@ -1,5 +1,6 @@
--- hooke explain SCENE.lua [name=value ...]: what will be loaded, sizes, stiffness, and the stable step per integrator.
--- With --cost: what each force, constraint, corrector and source costs and what it is worth (common/cost/cost.lua).
+-- hooke explain SCENE.lua [name=value ...]: prints the plugins that will be loaded, sizes, stiffness, and the stable
+-- step per integrator. With --cost: the cost and the effect of each force, constraint, corrector and source
+-- (common/cost/cost.lua).
 local json = require("cjson").new()
 json.encode_invalid_numbers("null")
 
@@ -21,7 +22,8 @@ local function value_of(kind, text)
   return number and math.tointeger(number) and number >= 1 and math.tointeger(number) or nil
 end
 
--- "--name", "--name value" or "--name=value" at word k: the name, its value and how many words; or nil and why not.
+-- "--name", "--name value" or "--name=value" at word k: the name, its value and the number of words; or nil and the
+-- reason.
 local function option_at(k)
   local name, joined = arg[k]:match("^%-%-(%w+)=?(.*)$")
   local kind = kinds[name]
@@ -111,7 +113,7 @@ local function explain(o)
   return 0
 end
 
--- ---- what its parts cost ----
+-- ---- the cost of its parts ----
 
 local function progress()
   local process = require("process")

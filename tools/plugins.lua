@@ -1,4 +1,4 @@
--- hooke plugins [NAME]: the catalogue; of one plugin its parameters, units, defaults, formula and source.
+-- hooke plugins [NAME]: prints the catalogue, or of one plugin its parameters, units, defaults, formula and source.
 local list, failed = hooke.catalogue()
 
 local function default(p)

@@ -1,7 +1,7 @@
--- hooke stability                 the largest stable step of every integrator on the linear oscillator, beside theory
--- hooke stability SCENE.lua       the largest stable step on a scene, measured, beside the estimate that dt = auto uses
+-- hooke stability                 the largest stable step of every integrator on the linear oscillator, and its theory
+-- hooke stability SCENE.lua       the measured largest stable step on a scene, and the estimate that dt = auto uses
 -- hooke stability --hard [DIR]    the corpus of hard cases with every integrator
--- See common/stability/stability_region.lua, common/stability/largest_step.lua and common/stability/hard.lua for what is measured and how.
+-- The methods of measurement are described in stability_region.lua, largest_step.lua and hard.lua of common/stability.
 local argparse = require("argparse")
 local json = require("cjson").new()
 local lfs = require("lfs")
@@ -187,17 +187,17 @@ local function ready_folder(path)
   return true
 end
 
-local function unwritten(message)
+local function report_write_error(message)
   io.stderr:write("hooke: stability: " .. message .. "\n")
   return 4
 end
 
--- The rows as CSV and, where asked for, JSON; nil when written, else the exit code.
+-- Writes the rows as CSV and, on request, JSON; returns nil on success, otherwise the exit code.
 local function write_rows(o, name, columns, rows)
   local fine, refused = ready_folder(o.out)
   if fine then fine, refused = write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
   if o.json then print(json.encode(rows)) end
-  if not fine then return unwritten(refused) end
+  if not fine then return report_write_error(refused) end
 end
 
 local function say_pictures(o, name, drawn, refused)

@@ -1,5 +1,5 @@
--- hooke sweep SWEEP.lua | SCENE.lua [name=values ...] [options]: a scene with many values of its parameters,
--- integrators and steps; every case in a process of its own, its result in a database before the next one is asked for.
+-- hooke sweep SWEEP.lua | SCENE.lua [name=values ...] [options]: runs a scene with many values of its parameters,
+-- integrators and steps; every case runs in a process of its own, and its result is stored in a database at once.
 local child = require("common.sweep.child")
 local command = require("common.sweep.command")
 local database = require("common.sweep.database")
@@ -14,7 +14,7 @@ local case_process = require("common.run.case_process")
 
 -- ---- checks before the first case ----
 
--- The measures that the scenes have, from a start of each; nil when one does not start.
+-- The measures of the scenes, from a start of each; nil when a scene does not start.
 local function measures_of(the)
   local names, seen = {}, {}
   for _, case in ipairs(the.cases) do
@@ -64,7 +64,8 @@ local function paths_in(states, particles)
   return points
 end
 
--- The floats of a result as texts of 17 digits, for JSON on its way from the process keeps fewer; and back.
+-- Converts the floats of a result to texts of 17 digits and back, since JSON, by which the process sends it, keeps
+-- fewer.
 local function digits_of(result)
   local digits = {}
   for key, value in pairs(result) do
@@ -77,11 +78,11 @@ end
 local function restore(result, digits)
   for key, value in pairs(digits) do
     if type(value) == "table" then restore(result[key], value)
-    elseif type(value) == "string" then result[key] = tonumber(value) end -- in a list the others are null
+    elseif type(value) == "string" then result[key] = tonumber(value) end -- in a list the other entries are null
   end
 end
 
-local function trial_of(case, particles)
+local function process_case_of(case, particles)
   local t = { case = case }
   for _, key in ipairs { "scene", "params", "integrator", "solver", "dt", "tol", "until", "accuracy", "verify", "seed",
     "step_limit", "timeout", "threads", "trust" } do
@@ -106,7 +107,7 @@ local function run(the, cases, results)
   local bar = progress.new { what = the.definition.name, total = #cases, done = #cases - #waiting, quiet = the.quiet }
   local function next_case()
     next_one = next_one + 1
-    return waiting[next_one] and trial_of(waiting[next_one], the.definition.paths)
+    return waiting[next_one] and process_case_of(waiting[next_one], the.definition.paths)
   end
   local function done(t, result)
     collectgarbage("step", 20)
@@ -158,7 +159,7 @@ local function print_cases(the)
   end
 end
 
--- The axes and their values and what all cases have in common, a line each: by this a sweep is the same everywhere.
+-- The axes with their values and the common settings of all cases, one line each: this text identifies a sweep.
 local function definition_text(the)
   local lines = {}
   for k, axis in ipairs(the.axes) do
@@ -181,7 +182,7 @@ local function refuse_half_done(the, count, path)
     "elsewhere", count, #the.cases, path)
 end
 
--- ---- what is written ----
+-- ---- reports and files ----
 
 local function report(the, results, given)
   results:find(the.cases)

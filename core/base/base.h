@@ -1,4 +1,4 @@
-/* What every room stands on: errors, memory, threads, random numbers, the clock, warnings. */
+/* Basic services of the engine: errors, memory, threads, random numbers, the clock, warnings. */
 #ifndef HK_BASE_H
 #define HK_BASE_H
 
@@ -13,7 +13,7 @@ typedef struct hk_error {
   char text[1024];
 } hk_error;
 
-/* Fills `error` (unless it already holds one: the first cause counts) and returns `status`. */
+/* Fills `error`, unless it already contains an error (the first cause counts), and returns `status`. */
 hk_status hk_error_set(hk_error *error, hk_status status, const char *format, ...) HK_PRINTF(3, 4);
 static inline void hk_error_clear(hk_error *error) {
   error->status = HK_OK;
@@ -21,24 +21,25 @@ static inline void hk_error_clear(hk_error *error) {
 }
 hk_status hk_error_setv(hk_error *error, hk_status status, const char *format, va_list arguments);
 
-/* The name closest to `wrong` by edit distance, or NULL when none is close. `name(context, k)` is the k-th, NULL ends.
- */
+/* The name closest to `wrong` by edit distance, or NULL when none is close. `name(context, k)` is the k-th name, NULL
+ * after the last. */
 const char *hk_nearest_name(const char *wrong, const char *(*name)(const void *context, size_t k), const void *context);
 
-/* ---- memory.c: zeroed, 64-byte aligned, in a list, so that nothing a plugin asked for outlives it ---- */
+/* ---- memory.c: zeroed, 64-byte aligned blocks in a list, so that all memory of a plugin is freed with it ---- */
 
 typedef struct hk_block hk_block;
 
-void *hk_memory_get(hk_block **list, size_t bytes); /* NULL: none left */
-void hk_memory_put(hk_block **list, void *memory);  /* NULL is fine */
+void *hk_memory_get(hk_block **list, size_t bytes); /* NULL: no memory */
+void hk_memory_put(hk_block **list, void *memory);  /* NULL is allowed */
 void hk_memory_clear(hk_block **list);
 
-/* Grows an array to hold at least `wanted` items of `size` bytes, doubling. 0, or -1 with the array as it was. */
+/* Grows an array to hold at least `wanted` items of `size` bytes, doubling. Returns 0, or -1 without changing the
+ * array. */
 int hk_array_reserve(void **array, size_t *capacity, size_t wanted, size_t size);
-char *hk_string_copy(const char *text); /* NULL for NULL or without memory */
+char *hk_string_copy(const char *text); /* NULL when text is NULL or without memory */
 
 /* ---- threads.c: a pool for parallel_for. How a range is cut into chunks depends on its length and grain alone, and
- * which thread takes a chunk never shows in a result ---- */
+ * which thread takes a chunk never shows in a result. A loop within a body runs in the body's thread ---- */
 
 typedef struct hk_threads hk_threads;
 
@@ -49,7 +50,7 @@ void hk_threads_for(hk_threads *, size_t count, size_t grain,
                     void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context);
 
 /* ---- random.c: xoshiro256** 1.0 (Blackman and Vigna 2018, "Scrambled linear pseudorandom number generators"), seeded
- * by splitmix64. Four words of state: an instance's stream, saved with it ---- */
+ * by splitmix64. The four words of state are the random stream of an instance and are saved with it ---- */
 
 void hk_random_seed(uint64_t state[4], uint64_t seed);
 double hk_random_uniform(uint64_t state[4]); /* [0, 1), 53 bits */
@@ -58,7 +59,7 @@ double hk_random_uniform(uint64_t state[4]); /* [0, 1), 53 bits */
 
 double hk_clock(void); /* s, monotonic */
 
-/* ---- warnings.c: each text once, kept for the summary and printed on standard error unless `silent` ---- */
+/* ---- warnings.c: each text is kept once for the summary and printed once on standard error unless `silent` ---- */
 
 typedef struct hk_warnings {
   size_t count;

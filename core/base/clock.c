@@ -1,4 +1,4 @@
-/* The clock that times are measured by: monotonic, so that a change of the date does not show. */
+/* The clock for wall times: monotonic, so that a change of the system's date does not affect it. */
 #include "core/base/base.h"
 
 #include <time.h>

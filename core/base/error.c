@@ -1,4 +1,4 @@
-/* Errors and the nearest name. The first error set is the cause and stays; what follows from it does not replace it. */
+/* Errors and the nearest name. The first error set is the cause; later errors, its consequences, do not replace it. */
 #include "core/base/base.h"
 
 #include <stdio.h>
@@ -22,7 +22,7 @@ hk_status hk_error_set(hk_error *error, hk_status status, const char *format, ..
 
 enum { HK_NAME_MAX = 63 };
 
-/* Edit distance (Levenshtein) with one row; longer names are compared by their beginnings. */
+/* Edit distance (Levenshtein) with one row; of longer names the beginnings are compared. */
 static size_t edit_distance(const char *a, const char *b) {
   size_t row[HK_NAME_MAX + 1];
   size_t na = strnlen(a, HK_NAME_MAX), nb = strnlen(b, HK_NAME_MAX);

@@ -1,4 +1,4 @@
-/* Blocks carry a header of one cache line in front of the memory given out, which keeps the 64-byte alignment. */
+/* Each block begins with a header of one cache line, which keeps the 64-byte alignment of the memory after it. */
 #include "core/base/base.h"
 
 #include <stdint.h>

@@ -1,4 +1,5 @@
-/* See random.h; a shift-register step on 256 bits, whose output is scrambled by multiplication and rotation. */
+/* See base.h. Each number takes one step of a shift register of 256 bits, whose output is scrambled by multiplication
+ * and rotation. */
 #include "core/base/base.h"
 
 static uint64_t rotate(uint64_t x, int bits) { return (x << bits) | (x >> (64 - bits)); }

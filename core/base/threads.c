@@ -1,6 +1,8 @@
 /* A pool for parallel_for. Work is published under a lock as a generation; threads then take chunks from an atomic
  * counter. Between two loops a thread spins for some microseconds before it sleeps, because the loops of one step
- * follow each other closely. Invariant: when hk_threads_for returns, no thread touches the body or its context. */
+ * follow each other closely. A loop that is asked for while the pool is at work, by a body or by another thread, runs
+ * in the caller, chunk by chunk in order. Invariant: when hk_threads_for returns, no thread touches the body or its
+ * context. */
 #include "core/base/base.h"
 
 #include <pthread.h>
@@ -20,6 +22,7 @@ struct hk_threads {
   atomic_uint generation; /* of the published loop */
   atomic_int busy;        /* threads that have not finished it */
   atomic_bool stop;
+  atomic_bool taken; /* a loop is under way */
   void (*body)(void *context, size_t begin, size_t end, size_t chunk);
   void *context;
   size_t total, grain, chunks;
@@ -105,16 +108,30 @@ void hk_threads_destroy(hk_threads *t) {
 
 int hk_threads_count(const hk_threads *t) { return t ? t->count : 1; }
 
+static void run_in_order(size_t count, size_t grain, size_t chunks,
+                         void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
+  for (size_t chunk = 0; chunk < chunks; chunk++) {
+    size_t begin = chunk * grain;
+    body(context, begin, count - begin < grain ? count : begin + grain, chunk);
+  }
+}
+
+static void wait_for_others(hk_threads *t) {
+  for (int i = 0; atomic_load_explicit(&t->busy, memory_order_acquire) > 0; i++) {
+    if (i < SPIN)
+      relax();
+    else
+      sched_yield(); /* another process has the processor that the last thread needs */
+  }
+}
+
 void hk_threads_for(hk_threads *t, size_t count, size_t grain,
                     void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
   if (count == 0) return;
   if (grain == 0) grain = 1;
-  size_t chunks = (count + grain - 1) / grain;
-  if (chunks == 1 || !t || t->count == 1) {
-    for (size_t chunk = 0; chunk < chunks; chunk++) {
-      size_t begin = chunk * grain;
-      body(context, begin, count - begin < grain ? count : begin + grain, chunk);
-    }
+  size_t chunks = (count - 1) / grain + 1;
+  if (chunks == 1 || !t || t->count == 1 || atomic_exchange_explicit(&t->taken, true, memory_order_acquire)) {
+    run_in_order(count, grain, chunks, body, context);
     return;
   }
   t->body = body;
@@ -126,10 +143,6 @@ void hk_threads_for(hk_threads *t, size_t count, size_t grain,
   atomic_store_explicit(&t->busy, t->count - 1, memory_order_relaxed);
   publish(t);
   take_chunks(t);
-  for (int i = 0; atomic_load_explicit(&t->busy, memory_order_acquire) > 0; i++) {
-    if (i < SPIN)
-      relax();
-    else
-      sched_yield(); /* another process has the processor that the last thread needs */
-  }
+  wait_for_others(t);
+  atomic_store_explicit(&t->taken, false, memory_order_release);
 }

@@ -1,4 +1,4 @@
-/* Warnings of a run: a text that was said before is not said again. */
+/* Warnings of a run: each text is recorded and printed once. */
 #include "core/base/base.h"
 
 #include <stdio.h>

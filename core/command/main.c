@@ -2,6 +2,7 @@
  * the environment or catch a signal. */
 #include "core/command/auto.h"
 #include "core/base/base.h"
+#include "core/command/faults.h"
 #include "core/command/options.h"
 #include "core/host/host.h"
 #include "core/report/report.h"
@@ -184,6 +185,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
   } else {
     catch_signals();
     o.run.interrupted = &interrupted;
+    o.run.acting = hk_faults_watch();
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
     registry->allow_script_folder = o.trust;
     hk_script_options options = script_options(&o, registry, library);
@@ -247,6 +249,7 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
     return 1;
   }
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
+  run.acting = hk_faults_watch();
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
   int code = 0;
   registry->allow_script_folder = true; /* of the tool's own; scenes are opened as they are trusted */

@@ -30,7 +30,7 @@ static const option options[] = {
     {"--until", "SECONDS", "end there instead of at the scene's duration", NOT_NEGATIVE, AT(run.until)},
     {"--threads", "N", "number of threads; results do not depend on it", COUNT, AT(threads)},
     {"--seed", "N", "seed of all random numbers, default 0", WHOLE, AT(seed)},
-    {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass", TEXT, AT(state)},
+    {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state)},
     {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out)},
     {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json)},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet)},

@@ -1,6 +1,6 @@
 /* Block compressed rows from (row, column) pairs: two stable counting sorts, by column and then by row, bring equal
- * pairs together in the order of the matrix; each run of them is one block. Time and memory are linear in the pairs,
- * the rows and the columns, whatever the shape: a row may as well hold all of them. */
+ * pairs together in the order of the matrix; each run of them is one block. Time and memory are linear in the number of
+ * pairs, rows and columns for any pattern, even when one row holds all blocks. */
 #include "core/dynamics/block_matrix.h"
 #include "core/base/base.h"
 
@@ -22,7 +22,8 @@ void hk_block_matrix_begin(hk_block_matrix *m, size_t rows, size_t columns) {
   *m = (hk_block_matrix){.naming = {name_block}, .rows = rows, .columns = columns};
 }
 
-/* Stable order of the pairs by their row (side 0) or column (side 1); `from` NULL: as named. `start` has keys + 1. */
+/* Stable order of the pairs by their row (side 0) or column (side 1); `from` NULL: the order of naming. `start` has
+ * keys + 1 entries. */
 static void sort(const hk_block_matrix *m, int side, size_t keys, const size_t *from, size_t *to, size_t *start) {
   for (size_t k = 0; k <= keys; k++) start[k] = 0;
   for (size_t e = 0; e < m->named; e++) start[m->pair[e][side] + 1]++;
@@ -51,7 +52,7 @@ uint64_t hk_pattern_number(size_t rows, size_t block, const size_t *row_start, c
   uint64_t hash = 1469598103934665603u ^ block;
   for (size_t r = 0; r <= rows; r++) hash = (hash ^ row_start[r]) * 0x9E3779B97F4A7C15u + (hash >> 29);
   for (size_t e = 0; e < row_start[rows]; e++) hash = (hash ^ column[e]) * 0x9E3779B97F4A7C15u + (hash >> 29);
-  return hash | 1; /* 0 says that there is no number */
+  return hash | 1; /* 0 is reserved for patterns without a number */
 }
 
 hk_status hk_block_matrix_build(hk_block_matrix *m) {

@@ -43,7 +43,9 @@ hk_status hk_constraints_update(hk_dynamics *d) {
     bool changed = false;
     if (!instance->plugin->constraint->update) continue;
     hk_view view = hk_instance_view(instance, &d->state->view);
+    const hk_instance *outer = hk_enter(instance);
     hk_status status = instance->plugin->constraint->update(instance->self, &view, &changed);
+    hk_leave(instance, outer);
     if (status != HK_OK) return status;
     any |= changed;
   }
@@ -87,7 +89,9 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
+    const hk_instance *outer = hk_enter(instance);
     instance->plugin->constraint->curvature(instance->self, &view, c->c + c->equation_first[k]);
+    hk_leave(instance, outer);
   }
   status = hk_constraint_matrix_factorize(d);
   if (status != HK_OK) return status;
@@ -127,7 +131,9 @@ static void evaluate(hk_dynamics *d, double t, const double *x, const double *v)
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
+    const hk_instance *outer = hk_enter(instance);
     instance->plugin->constraint->value(instance->self, &view, c->g + c->equation_first[k]);
+    hk_leave(instance, outer);
   }
 }
 

@@ -53,15 +53,20 @@ static hk_status name_blocks(hk_dynamics *d) {
   c->equation_first = calloc(list->count + 1, sizeof *c->equation_first);
   c->block_first = calloc(list->count + 1, sizeof *c->block_first);
   if (!c->equation_first || !c->block_first) return no_memory(d);
-  for (size_t k = 0; k < list->count; k++)
-    c->equation_first[k + 1] = c->equation_first[k] + list->item[k]->plugin->constraint->count(list->item[k]->self);
+  for (size_t k = 0; k < list->count; k++) {
+    const hk_instance *instance = list->item[k], *outer = hk_enter(instance);
+    c->equation_first[k + 1] = c->equation_first[k] + instance->plugin->constraint->count(instance->self);
+    hk_leave(instance, outer);
+  }
   c->equations = c->equation_first[list->count];
   hk_block_matrix_begin(&c->list, c->equations, d->state->model.n);
   for (size_t k = 0; k < list->count; k++) {
     const hk_instance *instance = list->item[k];
     size_t base = c->equation_first[k];
     shifted s = {{name_shifted}, &c->list, (uint32_t)base, c->equation_first[k + 1] - base, false};
+    const hk_instance *outer = hk_enter(instance);
     instance->plugin->constraint->pattern(instance->self, &s.naming);
+    hk_leave(instance, outer);
     if (s.out_of_range || c->list.out_of_range)
       return hk_error_set(d->error, HK_FAILED, "constraint '%s' names an equation or particle that is not there",
                           instance->label);
@@ -186,7 +191,9 @@ void hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, c
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
+    const hk_instance *outer = hk_enter(instance);
     instance->plugin->constraint->jacobian(instance->self, &view, c->J + c->block_first[k]);
+    hk_leave(instance, outer);
   }
   memset(c->scale, 0, c->equations * sizeof *c->scale);
   memset(whole, 0, c->equations * sizeof *whole);

@@ -1,4 +1,4 @@
-/* f(X, t) and its matrices: what integrators see of a scene as an hk_system. */
+/* f(X, t) and its matrices, which integrators see as an hk_system. */
 #ifndef HK_DYNAMICS_H
 #define HK_DYNAMICS_H
 
@@ -11,10 +11,10 @@ typedef struct hk_counts {
   size_t evaluations, jacobians, factorizations, linear_iterations;
 } hk_counts;
 
-/* Everything is evaluated at the X and t that are handed in; `state` is read for masses, pins and sizes, and written by
- * nobody here. */
+/* Functions evaluate at the X and t that they are given; they read `state` for masses, pins and sizes and never write
+ * it. */
 typedef struct hk_dynamics {
-  hk_system system; /* first member: services given a system find the dynamics */
+  hk_system system; /* first member: a function that gets the system finds the dynamics by a cast */
   const hk_scene *scene;
   hk_state *state;
   hk_pins *pins;
@@ -23,89 +23,94 @@ typedef struct hk_dynamics {
   hk_error *error;
   /* forces */
   hk_view *force_view; /* one per force, with its own host and selection */
-  bool *force_acts;    /* one per force: inside its from..to at present */
+  bool *force_acts;    /* one per force: the time lies between its `from` and `to` */
   bool *takes;         /* one per force: system.takes */
   hk_force_info *force_info;
   hk_element_list *element_list;
   hk_publication *publication;
-  uint64_t *chunk_bad; /* one word per chunk of particles: not finite */
-  double *unaccounted; /* n x 3, the F of one force alone; NULL: no force's work is accounted for by the host */
+  uint64_t *chunk_bad;            /* one word per chunk of particles: F is not finite there */
+  double *unaccounted;            /* n x 3, the F of one force alone; NULL: the host computes no force's work */
   bool updates, listens, demands; /* a force has `update`, `accepted`, `longest_step` */
-  double *predicted;              /* n x 3, where the next step leads; NULL: no force has an update */
+  double *predicted;              /* n x 3, predicted positions after the next step; NULL: no force has an update */
   bool has_timed;
-  double timed_at; /* s, time of the functions' last values; NAN: none */
+  double timed_at; /* s, time of the last values of timed parameters; NAN: none */
   hk_counts count;
   /* linear systems */
   hk_constraints *constraints; /* NULL: the scene has none */
   hk_implicit_matrix *matrix;  /* NULL: no Jacobian was asked for */
-  hk_instance *solver;         /* NULL: no linear system can come up */
-  hk_plugin_spec *solver_spec; /* of a solver that the scene does not name */
+  hk_instance *solver;         /* NULL: the run solves no linear systems */
+  hk_plugin_spec *solver_spec; /* spec of a solver that the run has chosen */
 } hk_dynamics;
 
 /* ---- system.c ---- */
 
 /* The parts live as long as the dynamics. Plugins are created, not started. */
 hk_status hk_dynamics_open(hk_dynamics *, const hk_scene *, hk_state *, hk_pins *, hk_plugins *, hk_shared *);
-/* After the forces have started: selections, elements, what acts at the state's time. */
+/* Updates selections and acting forces; to be called after the forces have started or changed. */
 void hk_dynamics_refresh(hk_dynamics *);
-/* After births, deaths or a state from a file, when the state has been adopted: pins, plugins and matrices follow. */
+/* Updates pins, plugins and matrices after births, deaths or a state from a file; the state must have adopted its new
+ * particles. */
 hk_status hk_dynamics_remap(hk_dynamics *, const uint32_t *map, size_t n_old);
 void hk_dynamics_close(hk_dynamics *);
-void hk_dynamics_take_all(hk_dynamics *); /* evaluations are of the whole f again */
+void hk_dynamics_take_all(hk_dynamics *); /* evaluations include all forces again */
 
-/* ---- impose.c: the pins and timed parameters of a time ---- */
+/* ---- impose.c: imposes the pins and timed parameters of a time ---- */
 
 hk_status hk_dynamics_impose(hk_dynamics *, double t, double *x, double *v);
 
-/* ---- elements.c: what forces offer of themselves to others, in the model ---- */
+/* ---- elements.c: the elements and published fields of forces, collected in the model ---- */
 
 void hk_elements_refresh(hk_dynamics *);
+/* The fields that plugins publish: before they start, and again when they have, for services come in between. */
+hk_status hk_publications_list(hk_dynamics *);
 bool hk_force_acts_at(const hk_instance *, double t);
-hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *X, size_t n); /* of force k, at any X */
+/* view of force k at any X */
+hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *X, size_t n);
 
 /* ---- evaluate.c ---- */
 
 hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v, const double *y, double *a,
                                     double *dy);
-/* A force whose energy is not known, or is another one at another time: all that it does counts as work, F.v. */
+/* Whether a force has no energy function or one that depends on time: the host then counts all of its power F.v as
+ * work. */
 bool hk_work_unaccounted(const hk_instance *force);
-hk_status hk_evaluate_resize(hk_dynamics *); /* memory for another number of particles */
+hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number of particles */
 
-/* ---- probe.c: energies and forces of one state, beside the evaluation ---- */
+/* ---- probe.c: energies and forces of one state, apart from the evaluation of f ---- */
 
-double hk_probe_potential(hk_dynamics *, double t,
-                          const double *X);    /* J, of the forces whose energy is accounted for */
-bool hk_probe_has_energy(const hk_dynamics *); /* the work that comes in is known */
-/* F of force k alone at X, of n particles (n x 3, from 0). The error stays as it was. False: it failed. */
+double hk_probe_potential(hk_dynamics *, double t, const double *X); /* J, sum of the forces with an energy */
+bool hk_probe_has_energy(const hk_dynamics *);                       /* the work done on the scene is known */
+/* F of force k alone at X, of n particles (n x 3, from 0). The run's error does not change. False: the force failed. */
 bool hk_probe_force(hk_dynamics *, size_t k, const double *X, size_t n, double *F);
-double hk_probe_strain(const hk_dynamics *, const char *label, bool *found); /* largest by magnitude; NULL: of all */
+/* largest by magnitude; label NULL: of all forces */
+double hk_probe_strain(const hk_dynamics *, const char *label, bool *found);
 
-/* ---- sweep.c: what contact and matrix-free methods ask of all forces ---- */
+/* ---- sweep.c: functions that call all forces, for contact and matrix-free methods ---- */
 
 hk_status hk_sweep_update(hk_system *, double t, const double *X, const double *x_to);
 double hk_sweep_limit(hk_system *, double t, const double *X, const double *dx);
-double hk_sweep_longest_step(hk_dynamics *);          /* s, of the present state; INFINITY: any */
-hk_status hk_sweep_accepted(hk_dynamics *, double h); /* the state is that of an accepted step */
+double hk_sweep_longest_step(hk_dynamics *);          /* s, at the present state; INFINITY: no limit */
+hk_status hk_sweep_accepted(hk_dynamics *, double h); /* to be called at the end of an accepted step */
 hk_status hk_sweep_potential(hk_system *, double t, const double *X, double *joule);
 hk_status hk_sweep_product(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
 bool hk_sweep_stiffness(hk_system *, hk_stiffness_part, bool stiffening, double (*block)[6]);
 
-/* ---- constraint.c. `a` holds F/m filtered on entry, with constraint forces on return ---- */
+/* ---- constraint.c. `a` is F/m with pins on entry, and includes constraint forces on return ---- */
 
 hk_status hk_constraints_open(hk_dynamics *);
 void hk_constraints_close(hk_dynamics *);
 hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, const double *v, double *a);
 /* At the start of a step: constraints may change their equations. */
 hk_status hk_constraints_update(hk_dynamics *);
-/* Brings x onto g(x) = 0 and v onto J v = 0 (mass-weighted Newton); part of every step. */
+/* Projects x onto g(x) = 0 and v onto J v = 0 (mass-weighted Newton); part of every step. */
 hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
-double hk_constraints_violation(hk_dynamics *); /* m, of the state */
+double hk_constraints_violation(hk_dynamics *); /* m, violation at the present state */
 hk_status hk_constraints_topology(hk_dynamics *);
 
 /* ---- jacobian.c, implicit_matrix.c ---- */
 
 hk_status hk_jacobian_assemble(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
-void hk_jacobian_topology(hk_dynamics *); /* the pattern is void */
+void hk_jacobian_topology(hk_dynamics *); /* makes the pattern invalid */
 void hk_jacobian_close(hk_dynamics *);
 hk_status hk_implicit_combine(hk_system *, double m, double d, double k, hk_matrix *A);
 hk_status hk_implicit_solver_flags(hk_system *, unsigned *flags);
@@ -113,9 +118,10 @@ hk_status hk_implicit_factorize(hk_system *, const hk_matrix *A);
 hk_status hk_implicit_solve(hk_system *, const double *b, double *x, hk_solve_info *info);
 hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, size_t columns);
 
-/* ---- solver.c: the scene's solver, or the one that suits its forces and size by the flags of those installed ---- */
+/* ---- solver.c: the scene's solver, or one chosen by the forces, the size and the flags of the installed solvers
+ * ---- */
 
-/* `named` NULL: it is chosen. Created and started, before the first step. */
+/* Creates and starts the solver before the first step. `named` NULL: the solver is chosen. */
 hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);
 /* A second instance with the same parameters, for the multipliers; the caller destroys it. */
 hk_status hk_solver_twin(hk_dynamics *, hk_instance **solver);

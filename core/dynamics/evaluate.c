@@ -1,9 +1,9 @@
-/* f(X, t): the sum of forces, divided by the masses, with pins and constraints in it; what integrators see.
+/* f(X, t): the sum of forces, divided by the masses, with pins and constraints, as integrators see it.
  *
- * One evaluation: pins and time-dependent parameters of that time are imposed; every force adds to F; one pass divides
- * by the masses and looks for numbers that are not finite, on data that are in the cache anyway; then slides are
- * filtered and constraint forces join. Results do not depend on the number of threads: forces sum in the scene's order
- * and the pass is per particle. Wall time by plugin is sampled at one evaluation in 64. */
+ * One evaluation: pins and timed parameters of the time t are imposed; every force adds to F; one pass divides by the
+ * masses and checks that F is finite, while the data are in the cache; then sliding pins filter the accelerations and
+ * constraint forces are added. Results do not depend on the number of threads: forces are summed in the scene's order,
+ * and the pass treats each particle alone. Wall time by plugin is sampled at one evaluation in 64. */
 #include "core/dynamics/dynamics.h"
 
 #include <stdlib.h>
@@ -26,8 +26,8 @@ static inline uint64_t not_finite(double value) {
   return (bits & 0x7ff0000000000000u) + 0x0010000000000000u;
 }
 
-/* Divides by mass, four particles side by side. The test is on F, so that what a force does to a fixed particle counts
- * too. */
+/* Divides by mass, four particles side by side. F itself is checked, so that a force on a fixed particle is
+ * included. */
 static void divide_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const pass *p = context;
   const double *restrict inverse = p->inverse_mass;
@@ -98,8 +98,10 @@ static hk_status add_force(hk_dynamics *d, size_t k, double *F, double *dy) {
   const hk_force *functions = force->plugin->force;
   bool sample = d->count.evaluations % SAMPLE == 0;
   double begin = sample ? hk_clock() : 0;
+  const hk_instance *outer = hk_enter(force);
   hk_status status = functions->add(force->self, &d->force_view[k], F);
   if (status == HK_OK && functions->rates) status = functions->rates(force->self, &d->force_view[k], dy);
+  hk_leave(force, outer);
   force->calls++;
   if (sample) {
     force->seconds += hk_clock() - begin;
@@ -108,7 +110,7 @@ static hk_status add_force(hk_dynamics *d, size_t k, double *F, double *dy) {
   return status;
 }
 
-/* Needs the F of that force alone. */
+/* Its work is computed from the F of that force alone. */
 bool hk_work_unaccounted(const hk_instance *force) {
   const hk_force *functions = force->plugin->force;
   return functions->energy ? force->spec->timed_count > 0 : !(functions->flags & HK_POWER);

@@ -1,9 +1,10 @@
 /* The matrix of an implicit step, A = m M + d D + k K, with the pins in it, and its solution by the scene's solver.
  *
- * Pins are a projection S, so A becomes S A S + s (I - S): what they forbid is an equation of its own, s x = 0, with s
- * of the size of the diagonal to leave the conditioning alone. Rows and columns of fixed and scripted particles hold
- * nothing else, so their part of the solution is exactly 0 (Baraff and Witkin 1998, section 5, as a matrix instead of a
- * filter in the iteration). Each row is made by one thread: the numbers do not depend on how many there are. */
+ * Pins are a projection S, so A becomes S A S + s (I - S): a forbidden direction gets the equation s x = 0, with s of
+ * the size of the diagonal to preserve the conditioning. Rows and columns of fixed and scripted particles have no other
+ * entries, so their part of the solution is exactly 0 (Baraff and Witkin 1998, section 5, as a matrix instead of a
+ * filter in the iteration). Each row is computed by one thread, so the values do not depend on the number of
+ * threads. */
 #include "core/dynamics/implicit_matrix.h"
 
 #include <stdlib.h>
@@ -55,7 +56,7 @@ static void slide_block(double *A, const hk_pin_spec *row, const hk_pin_spec *co
   }
 }
 
-static bool held(const hk_dynamics *d, size_t i) {
+static bool is_fixed(const hk_dynamics *d, size_t i) {
   return d->state->pin[i] == HK_PIN_FIXED || d->state->pin[i] == HK_PIN_PATH;
 }
 
@@ -77,7 +78,7 @@ static void combine_rows(void *context, size_t begin, size_t end, size_t chunk) 
   const hk_implicit_matrix *s = c->s;
   (void)chunk;
   for (size_t r = begin; r < end; r++) {
-    bool row_held = held(c->dynamics, r);
+    bool row_held = is_fixed(c->dynamics, r);
     for (size_t e = s->matrix.row_start[r]; e < s->matrix.row_start[r + 1]; e++) {
       size_t column = s->matrix.column[e];
       const double *K = s->K + 9 * e, *D = s->D + 9 * e;
@@ -86,7 +87,7 @@ static void combine_rows(void *context, size_t begin, size_t end, size_t chunk) 
       if (column == r) {
         for (int p = 0; p < 9; p += 4) A[p] += c->m * c->dynamics->state->mass[r];
         if (row_held || (s->slide && s->slide[r])) pin_diagonal(A, s->slide ? s->slide[r] : NULL, row_held);
-      } else if (row_held || held(c->dynamics, column))
+      } else if (row_held || is_fixed(c->dynamics, column))
         memset(A, 0, 9 * sizeof *A);
       else if (s->slide)
         slide_block(A, s->slide[r], s->slide[column]);
@@ -125,7 +126,7 @@ hk_status hk_implicit_combine(hk_system *system, double m, double d, double k, h
   return HK_OK;
 }
 
-/* ---- its solution ---- */
+/* ---- factorization and solution ---- */
 
 static hk_status linear_of(hk_dynamics *d, hk_linear_system **linear) {
   hk_implicit_matrix *s = hk_implicit_matrix_of(d);

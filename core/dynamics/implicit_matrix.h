@@ -1,5 +1,5 @@
-/* The Jacobian of a run and the system that an implicit step solves with it: jacobian.c fills K and D, implicit.c makes
- * A of them and hands it to the scene's solver. */
+/* The Jacobian of a run and the system that an implicit step solves with it: jacobian.c fills K and D,
+ * implicit_matrix.c combines them to A and passes it to the scene's solver. */
 #ifndef HK_ASSEMBLY_H
 #define HK_ASSEMBLY_H
 
@@ -9,14 +9,14 @@
 struct hk_implicit_matrix {
   hk_block_matrix matrix;
   size_t *first;             /* one per force: position in matrix.slot */
-  double *K, *D;             /* blocks x 9; NULL: the pattern is void */
-  double *A;                 /* blocks x 9; NULL until it is asked for */
-  const hk_pin_spec **slide; /* one per particle: how it slides, NULL: it does not; NULL until needed */
-  bool symmetric;            /* K and D, as last assembled */
+  double *K, *D;             /* blocks x 9; NULL: the pattern must be built again */
+  double *A;                 /* blocks x 9; NULL until the first combination */
+  const hk_pin_spec **slide; /* one per particle: its sliding pin or NULL; the array is NULL until needed */
+  bool symmetric;            /* K and D of the last assembly */
   hk_linear_system linear;
 };
 
 hk_implicit_matrix *
-hk_implicit_matrix_of(hk_dynamics *); /* made when asked for first; NULL: no memory, the error is set */
+hk_implicit_matrix_of(hk_dynamics *); /* made at the first request; NULL: no memory, the error is set */
 
 #endif

@@ -1,4 +1,4 @@
-/* The pins and the time-dependent parameters of a time: what every evaluation begins with. */
+/* Imposes the pins and the timed parameters of a time, at the start of every evaluation. */
 #include "core/dynamics/dynamics.h"
 
 static hk_status set_timed(hk_dynamics *d, double t) {

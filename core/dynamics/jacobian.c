@@ -1,9 +1,9 @@
 /* K = -dF/dx and D = -dF/dv of all forces together, in 3x3 blocks with one pattern.
  *
- * Once per topology every force names its blocks; after the whole diagonal they are merged into one pattern, and each
- * force keeps the slots of what it named. An evaluation zeroes the two value arrays and lets every acting force add.
- * The pattern holds all forces, acting or not, so that a force that sets in later costs no new analysis. Invariant:
- * slot[first[k] + e] is where the e-th block of force k goes. */
+ * Once per topology every force names its blocks; they and the whole diagonal are merged into one pattern, and each
+ * force keeps the slots of its blocks. An evaluation zeroes the two value arrays, and every acting force adds its
+ * blocks. The pattern includes all forces, acting or not, so that a force that begins to act later needs no new
+ * analysis. Invariant: slot[first[k] + e] is the slot of the e-th block of force k. */
 #include "core/dynamics/implicit_matrix.h"
 
 #include <stdlib.h>
@@ -25,7 +25,9 @@ static hk_status name_blocks(hk_dynamics *d, hk_implicit_matrix *s) {
       return hk_error_set(d->error, HK_FAILED, "force '%s' offers no Jacobian, which %s needs", force->label,
                           hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name);
     if (!functions->jacobian) continue;
+    const hk_instance *outer = hk_enter(force);
     if (functions->pattern) functions->pattern(force->self, &d->force_view[k], &s->matrix.naming);
+    hk_leave(force, outer);
     if (s->matrix.out_of_range)
       return hk_error_set(d->error, HK_FAILED, "force '%s' names a block of a particle that is not there",
                           force->label);
@@ -61,14 +63,14 @@ static hk_status build(hk_dynamics *d, hk_implicit_matrix *s) {
   return status;
 }
 
-static bool joins(const hk_dynamics *d, size_t k) {
+static bool contributes(const hk_dynamics *d, size_t k) {
   return d->force_acts[k] && d->takes[k] && d->plugins->kind[HK_FORCE].item[k]->plugin->force->jacobian;
 }
 
 static bool is_symmetric(const hk_dynamics *d, unsigned want) {
   unsigned enough = HK_SYMMETRIC_JACOBIAN | (want & HK_WANT_SYMMETRIC ? HK_OFFERS_SYMMETRIC : 0);
   for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count; k++)
-    if (joins(d, k) && !(d->plugins->kind[HK_FORCE].item[k]->plugin->force->flags & enough)) return false;
+    if (contributes(d, k) && !(d->plugins->kind[HK_FORCE].item[k]->plugin->force->flags & enough)) return false;
   return true;
 }
 
@@ -85,7 +87,7 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
   hk_status status = HK_OK;
   for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count && status == HK_OK; k++) {
     hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
-    if (!joins(d, k)) continue;
+    if (!contributes(d, k)) continue;
     hk_view view = d->force_view[k];
     view.t = t;
     view.x = X;
@@ -93,7 +95,9 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
     view.y = d->state->width ? X + 6 * n : NULL;
     view.power = NULL;
     hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D, want};
+    const hk_instance *outer = hk_enter(force);
     status = force->plugin->force->jacobian(force->self, &view, &into);
+    hk_leave(force, outer);
   }
   return status;
 }

@@ -1,14 +1,13 @@
-/* Linear systems through solver plugins. Whether a pattern was analysed is decided by its number or, where it has none,
- * by a hash of it, not by its address: memory of an old pattern may hold a new one. A matrix that is not declared
- * symmetric is compared with its transpose before a solver that relies on symmetry gets it; one pass, small beside the
- * factorization. */
+/* Linear systems through solver plugins. A pattern is recognised by its number or, without one, by its hash, not by its
+ * address, since a new pattern may be in the memory of an old one. A matrix that is not declared symmetric is compared
+ * with its transpose before a solver that relies on symmetry gets it; one pass, small beside the factorization. */
 #include "core/dynamics/linear_system.h"
 #include "core/dynamics/block_matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const double asymmetry_limit = 1e-10; /* of the largest number in the matrix: rounding, not physics */
+static const double asymmetry_limit = 1e-10; /* relative to the largest number of the matrix; above rounding errors */
 
 static size_t find(const hk_matrix *A, size_t row, uint32_t column) {
   size_t low = A->row_start[row], end = A->row_start[row + 1], high = end;
@@ -22,7 +21,7 @@ static size_t find(const hk_matrix *A, size_t row, uint32_t column) {
   return low < end && A->column[low] == column ? low : SIZE_MAX;
 }
 
-/* Largest |A - A^T| relative to the largest |A|; NaN counts as 0, the solver will see it. */
+/* Largest |A - A^T| relative to the largest |A|; NaN counts as 0, since the solver detects it. */
 static double asymmetry(const hk_matrix *A) {
   size_t b = A->block, bb = b * b;
   double largest = 0, difference = 0;
@@ -59,24 +58,40 @@ static hk_status check_symmetry(hk_dynamics *d, const hk_instance *solver, const
                       force ? "' is not symmetric)" : "");
 }
 
+/* Where a solver's parameters are functions of time, they are those of the state's. */
+static hk_status set_time(hk_dynamics *d, hk_instance *solver) {
+  return solver->spec->timed_count ? hk_instance_set_time(solver, d->state->t, d->error) : HK_OK;
+}
+
+static hk_status analyze(hk_instance *solver, const hk_matrix *A) {
+  const hk_solver *functions = solver->plugin->solver;
+  const hk_instance *outer = hk_enter(solver);
+  hk_status status = functions->analyze ? functions->analyze(solver->self, A) : HK_OK;
+  hk_leave(solver, outer);
+  return status;
+}
+
 hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
-  const hk_solver *functions = linear->solver->plugin->solver;
+  hk_instance *solver = linear->solver;
   uint64_t pattern = A->pattern ? A->pattern : hk_pattern_number(A->rows, A->block, A->row_start, A->column);
-  hk_status status = check_symmetry(d, linear->solver, A);
+  hk_status status = check_symmetry(d, solver, A);
+  if (status == HK_OK) status = set_time(d, solver);
   if (status != HK_OK) return status;
   double begin = hk_clock();
   if (!linear->analyzed || pattern != linear->pattern) {
     linear->analyzed = false;
-    if (functions->analyze) status = functions->analyze(linear->solver->self, A);
+    status = analyze(solver, A);
     if (status != HK_OK) return status;
     linear->pattern = pattern;
     linear->rows = A->rows * A->block;
     linear->analyzed = true;
   }
-  status = functions->factorize(linear->solver->self, A);
-  linear->solver->seconds += hk_clock() - begin;
-  linear->solver->calls++;
-  linear->solver->sampled++;
+  const hk_instance *outer = hk_enter(solver);
+  status = solver->plugin->solver->factorize(solver->self, A);
+  hk_leave(solver, outer);
+  solver->seconds += hk_clock() - begin;
+  solver->calls++;
+  solver->sampled++;
   d->count.factorizations++;
   return status;
 }
@@ -85,14 +100,17 @@ hk_status hk_linear_system_solve(hk_dynamics *d, hk_linear_system *linear, const
                                  hk_solve_info *info) {
   hk_solve_info own = {0, NAN, info ? info->tolerance : 0};
   double begin = hk_clock();
-  hk_status status = linear->solver->plugin->solver->solve(linear->solver->self, b, x, &own);
+  hk_status status = set_time(d, linear->solver);
+  const hk_instance *outer = hk_enter(linear->solver);
+  if (status == HK_OK) status = linear->solver->plugin->solver->solve(linear->solver->self, b, x, &own);
+  hk_leave(linear->solver, outer);
   linear->solver->seconds += hk_clock() - begin;
   d->count.linear_iterations += (size_t)own.iterations;
   if (info) *info = own;
   return status;
 }
 
-/* One by one, where the solver takes no more. */
+/* Solves column by column, for solvers without solve_columns. */
 static hk_status each_column(hk_linear_system *linear, const double *b, double *x, size_t columns) {
   const hk_solver *functions = linear->solver->plugin->solver;
   size_t rows = linear->rows;
@@ -112,8 +130,12 @@ hk_status hk_linear_system_solve_columns(hk_dynamics *d, hk_linear_system *linea
                                          size_t columns) {
   const hk_solver *functions = linear->solver->plugin->solver;
   double begin = hk_clock();
-  hk_status status = functions->solve_columns ? functions->solve_columns(linear->solver->self, b, x, columns)
-                                              : each_column(linear, b, x, columns);
+  const hk_instance *outer = hk_enter(linear->solver);
+  hk_status status = set_time(d, linear->solver);
+  if (status == HK_OK)
+    status = functions->solve_columns ? functions->solve_columns(linear->solver->self, b, x, columns)
+                                      : each_column(linear, b, x, columns);
+  hk_leave(linear->solver, outer);
   linear->solver->seconds += hk_clock() - begin;
   if (status == HK_NO_MEMORY && !*d->error->text)
     hk_error_set(d->error, status, "no memory for a right-hand side of %zu rows", linear->rows);

@@ -6,12 +6,12 @@
 
 typedef struct hk_linear_system {
   hk_instance *solver;
-  uint64_t pattern; /* hash of what was analysed */
+  uint64_t pattern; /* number or hash of the analysed pattern */
   bool analyzed;
-  size_t rows; /* numbers in a right-hand side */
+  size_t rows; /* length of a right-hand side */
 } hk_linear_system;
 
-/* Analyses when the pattern is another than last time, then factorizes. */
+/* Analyses A when its pattern differs from the last one, then factorizes it. */
 hk_status hk_linear_system_factorize(hk_dynamics *, hk_linear_system *, const hk_matrix *A);
 hk_status hk_linear_system_solve(hk_dynamics *, hk_linear_system *, const double *b, double *x,
                                  hk_solve_info *info); /* info: or NULL */

@@ -1,4 +1,5 @@
-/* Energies, forces and strains of one state, beside the evaluation: what figures, verdicts and scripts ask for. */
+/* Energies, forces and strains of one state, computed apart from the evaluation of f for figures, verdicts and
+ * scripts. */
 #include "core/dynamics/dynamics.h"
 
 #include <string.h>
@@ -10,12 +11,14 @@ double hk_probe_potential(hk_dynamics *d, double t, const double *X) {
     const hk_instance *force = forces->item[k];
     if (!d->force_acts[k] || !d->takes[k] || !force->plugin->force->energy || hk_work_unaccounted(force)) continue;
     hk_view view = hk_force_view_at(d, k, t, X, d->state->model.n);
+    const hk_instance *outer = hk_enter(force);
     sum += force->plugin->force->energy(force->self, &view);
+    hk_leave(force, outer);
   }
   return sum;
 }
 
-/* What a scripted pin does through a constraint is not measured. */
+/* The energy balance is unknown when scripted pins act through constraints, since their work is not measured. */
 bool hk_probe_has_energy(const hk_dynamics *d) { return !(d->pins->has_paths && d->constraints); }
 
 bool hk_probe_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
@@ -25,7 +28,9 @@ bool hk_probe_force(hk_dynamics *d, size_t k, const double *X, size_t n, double 
   hk_error kept = *d->error;
   view.power = &power;
   memset(F, 0, 3 * n * sizeof *F);
+  const hk_instance *outer = hk_enter(force);
   bool fine = force->plugin->force->add(force->self, &view, F) == HK_OK;
+  hk_leave(force, outer);
   *d->error = kept;
   return fine;
 }
@@ -36,7 +41,7 @@ static double edge_length(const double *x, const uint32_t *pair) {
   return sqrt(dx * dx + dy * dy + dz * dz);
 }
 
-/* C over the rest value, of every number of an element. */
+/* The largest strain by magnitude, C over the rest value, of all numbers C of elements with a function of their own. */
 static double largest_general(const hk_elements *e, const double *x) {
   enum { MOST = 16 };
   double largest = 0, C[MOST], dC[4 * MOST][3];
@@ -70,7 +75,9 @@ double hk_probe_strain(const hk_dynamics *d, const char *label, bool *found) {
   for (size_t k = 0; k < d->state->model.element_lists; k++) {
     if (label && strcmp(d->element_list[k].force, label) != 0) continue;
     *found = true;
+    const hk_instance *force = d->plugins->kind[HK_FORCE].item[d->element_list[k].index], *outer = hk_enter(force);
     double strain = largest_of(&d->element_list[k].elements, d->state->X);
+    hk_leave(force, outer);
     if (fabs(strain) > fabs(largest) || isnan(strain)) largest = strain;
   }
   return largest;

@@ -1,10 +1,11 @@
-/* The scene's solver. Where the scene names none it is chosen by the flags of those that are installed, by the kind of
- * the forces and the number of unknowns, never by a clock: runs repeat. It is opened before the first step. */
+/* The scene's solver. Where the scene names none, it is chosen by the flags of the installed solvers, the kind of the
+ * forces and the number of unknowns. Times are not measured, so runs are reproducible. It is opened before the first
+ * step. */
 #include "core/dynamics/dynamics.h"
 
-enum { LARGE = 300000 }; /* unknowns, where the factors of a surface take gigabytes */
+enum { LARGE = 300000 }; /* unknowns; the factors of a surface of this size take gigabytes */
 
-static bool truly_unsymmetric(const hk_dynamics *d) {
+static bool needs_unsymmetric_solver(const hk_dynamics *d) {
   for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count; k++) {
     const hk_force *force = d->plugins->kind[HK_FORCE].item[k]->plugin->force;
     if (force->jacobian && !(force->flags & (HK_SYMMETRIC_JACOBIAN | HK_OFFERS_SYMMETRIC))) return true;
@@ -16,8 +17,8 @@ static bool suits(const hk_plugin *plugin, const void *context) {
   const hk_dynamics *d = context;
   unsigned flags = plugin->solver->flags;
   if (d->plugins->kind[HK_CONSTRAINT].count)
-    return truly_unsymmetric(d) ? flags & HK_SOLVES_UNSYMMETRIC : !(flags & HK_ITERATIVE);
-  if (truly_unsymmetric(d)) return flags & HK_SOLVES_UNSYMMETRIC;
+    return needs_unsymmetric_solver(d) ? flags & HK_SOLVES_UNSYMMETRIC : !(flags & HK_ITERATIVE);
+  if (needs_unsymmetric_solver(d)) return flags & HK_SOLVES_UNSYMMETRIC;
   return 3 * d->state->model.n > LARGE ? flags & HK_ITERATIVE : !(flags & HK_ITERATIVE);
 }
 

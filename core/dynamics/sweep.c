@@ -1,6 +1,6 @@
-/* What is asked of all forces beside F: the update of contact candidates, the safe part of a move, the potential with
- * timed forces, products without a matrix, bounds of the stiffness, the longest step, and the word that a step was
- * accepted. A force that lacks the function is passed over, unless the contract says what stands in for it. */
+/* Calls to all forces besides F: the update of contact candidates, the safe fraction of a displacement, the potential
+ * with timed forces, products without a matrix, bounds of the stiffness, the longest step, and the notice that a step
+ * was accepted. A force without the function is skipped, unless its contract names a substitute. */
 #include "core/dynamics/dynamics.h"
 #include "core/dynamics/implicit_matrix.h"
 
@@ -19,7 +19,9 @@ hk_status hk_sweep_update(hk_system *s, double t, const double *X, const double 
     bool changed = false;
     if (!d->force_acts[k] || !force->plugin->force->update) continue;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
+    const hk_instance *outer = hk_enter(force);
     status = force->plugin->force->update(force->self, &view, x_to, &changed);
+    hk_leave(force, outer);
     if (changed) hk_jacobian_topology(d);
   }
   return status;
@@ -32,7 +34,9 @@ double hk_sweep_limit(hk_system *s, double t, const double *X, const double *dx)
     const hk_instance *force = force_at(d, k);
     if (!d->force_acts[k] || !force->plugin->force->step_limit) continue;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
+    const hk_instance *outer = hk_enter(force);
     least = fmin(least, force->plugin->force->step_limit(force->self, &view, dx));
+    hk_leave(force, outer);
   }
   return least;
 }
@@ -43,7 +47,9 @@ double hk_sweep_longest_step(hk_dynamics *d) {
     const hk_instance *force = force_at(d, k);
     if (!d->force_acts[k] || !force->plugin->force->longest_step) continue;
     hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
+    const hk_instance *outer = hk_enter(force);
     double longest = force->plugin->force->longest_step(force->self, &view);
+    hk_leave(force, outer);
     if (longest > 0) least = fmin(least, longest);
   }
   return least;
@@ -55,7 +61,9 @@ hk_status hk_sweep_accepted(hk_dynamics *d, double h) {
     const hk_instance *force = force_at(d, k);
     if (!d->force_acts[k] || !force->plugin->force->accepted) continue;
     hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
+    const hk_instance *outer = hk_enter(force);
     status = force->plugin->force->accepted(force->self, &view, h);
+    hk_leave(force, outer);
   }
   return status;
 }
@@ -69,13 +77,15 @@ hk_status hk_sweep_potential(hk_system *s, double t, const double *X, double *jo
     hk_status status = hk_instance_set_time(d->plugins->kind[HK_FORCE].item[k], t, d->error);
     if (status != HK_OK) return status;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
+    const hk_instance *outer = hk_enter(force);
     *joule += force->plugin->force->energy(force->self, &view);
+    hk_leave(force, outer);
   }
-  if (d->has_timed) d->timed_at = NAN; /* set for some forces only */
+  if (d->has_timed) d->timed_at = NAN; /* the loop may have set the parameters of some forces only */
   return isfinite(*joule) ? HK_OK : HK_NOT_FINITE;
 }
 
-/* dF -= K dx + D dv, of one force's blocks. */
+/* dF -= K dx + D dv with the blocks of one force. */
 static hk_status product_of_blocks(hk_dynamics *d, size_t k, const hk_view *view, const double *dx, const double *dv,
                                    double *dF) {
   hk_matrix K, D;
@@ -108,6 +118,7 @@ hk_status hk_sweep_product(hk_system *s, double t, const double *X, const double
     const hk_instance *force = force_at(d, k);
     if (!d->force_acts[k] || !d->takes[k]) continue;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
+    const hk_instance *outer = hk_enter(force);
     if (force->plugin->force->product)
       status = force->plugin->force->product(force->self, &view, dx, dv, dF);
     else if (force->plugin->force->jacobian)
@@ -115,6 +126,7 @@ hk_status hk_sweep_product(hk_system *s, double t, const double *X, const double
     else if (force->plugin->force->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V))
       status = hk_error_set(d->error, HK_FAILED,
                             "force '%s' offers neither a product nor a Jacobian, which the method needs", force->label);
+    hk_leave(force, outer);
   }
   return status;
 }
@@ -128,10 +140,12 @@ bool hk_sweep_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, d
     const hk_force *functions = force->plugin->force;
     if (!d->force_acts[k] || (stiffening && !(functions->flags & HK_STIFFENS))) continue;
     hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
+    const hk_instance *outer = hk_enter(force);
     if (functions->stiffness_bound)
       functions->stiffness_bound(force->self, &view, part, block);
     else
       all &= !(functions->flags & HK_DEPENDS_ON_X);
+    hk_leave(force, outer);
   }
   return all && (stiffening || d->plugins->kind[HK_CONSTRAINT].count == 0);
 }

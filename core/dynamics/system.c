@@ -1,5 +1,5 @@
-/* The system that integrators see, put together: its functions, the forces as it lists them, and what has to follow
- * when particles are born or die. */
+/* Assembly of the hk_system that integrators see: its functions, its list of forces, and the updates after births and
+ * deaths. */
 #include "core/dynamics/dynamics.h"
 
 #include <stdlib.h>
@@ -44,15 +44,6 @@ static void set_functions(hk_system *s) {
   s->stiffness_bound = hk_sweep_stiffness;
 }
 
-static size_t count_publications(const hk_plugins *plugins) {
-  size_t count = 0;
-  for (int kind = 0; kind < HK_KINDS; kind++)
-    for (size_t k = 0; k < plugins->kind[kind].count; k++)
-      for (const hk_field *f = plugins->kind[kind].item[k]->plugin->fields; f && f->name; f++)
-        count += (f->flags & HK_PUBLISHED) != 0;
-  return count;
-}
-
 static hk_status list_forces(hk_dynamics *d) {
   hk_system *s = &d->system;
   size_t count = d->plugins->kind[HK_FORCE].count;
@@ -62,8 +53,7 @@ static hk_status list_forces(hk_dynamics *d) {
   d->takes = calloc(count + 1, sizeof *d->takes);
   d->force_info = calloc(count + 1, sizeof *d->force_info);
   d->element_list = calloc(count + 1, sizeof *d->element_list);
-  d->publication = calloc(count_publications(d->plugins) + 1, sizeof *d->publication);
-  if (!d->force_view || !d->force_acts || !d->takes || !d->force_info || !d->element_list || !d->publication)
+  if (!d->force_view || !d->force_acts || !d->takes || !d->force_info || !d->element_list)
     return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu forces", count);
   for (size_t k = 0; k < count; k++) {
     const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
@@ -103,6 +93,7 @@ hk_status hk_dynamics_open(hk_dynamics *d, const hk_scene *scene, hk_state *stat
   d->timed_at = NAN;
   set_functions(&d->system);
   hk_status status = list_forces(d);
+  if (status == HK_OK) status = hk_publications_list(d);
   if (status != HK_OK) return status;
   set_flags(d);
   hk_dynamics_refresh(d);
@@ -133,7 +124,7 @@ hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
   hk_pins_remap(d->pins, map);
   hk_dynamics_refresh(d);
   hk_status status = hk_plugins_remap(d->plugins, map, n_old, &d->state->view, d->state->size, d->error);
-  hk_dynamics_refresh(d); /* selections are new as well */
+  hk_dynamics_refresh(d); /* selections have changed as well */
   if (status == HK_OK) hk_elements_refresh(d);
   if (status == HK_OK) status = hk_evaluate_resize(d);
   if (status == HK_OK) status = hk_constraints_topology(d);

@@ -1,5 +1,5 @@
-/* What evolves in an instance, by its field table: the memory, its way through births and deaths, and the walk that
- * writes and reads checkpoints. */
+/* The evolving data of an instance, described by its field table: their memory, their remapping after births and
+ * deaths, and the visit of all fields that writes and reads checkpoints. */
 #include "core/host/host.h"
 
 #include <string.h>
@@ -46,8 +46,8 @@ static bool visit_array(hk_instance *instance, const hk_field *f, bool (*visit)(
   hk_array *array = field_at(instance, f);
   uint64_t count = array->count;
   if (!visit(context, &count, sizeof count)) return false;
-  if (count != array->count &&
-      (count > SIZE_MAX / (f->width + 1) || instance->host.resize(&instance->host, array, (size_t)count) != HK_OK))
+  if (count != array->count && (count > SIZE_MAX / (f->width + 1) || !visit(context, NULL, (size_t)count * f->width) ||
+                                instance->host.resize(&instance->host, array, (size_t)count) != HK_OK))
     return false;
   return visit(context, array->item, array->count * f->width);
 }

@@ -1,15 +1,16 @@
-/* The plugin host: finding plugins, what a script says of one (its spec), and one at work in a run (its instance). */
+/* The plugin host: the search of plugins, the description of a plugin by a script (its spec), and a plugin in a run
+ * (its instance). */
 #ifndef HK_HOST_H
 #define HK_HOST_H
 
 #include "core/base/base.h"
 
-/* ---- registry.c: the installation's folders, HOOKE_PLUGIN_PATH's, and files named by path. A plugin is opened when a
- * scene names it, never before; the catalogue opens all. A load that failed is listed with its reason ---- */
+/* ---- registry.c: the folders of the installation, of HOOKE_PLUGIN_PATH, and files named by path. A plugin is opened
+ * when a scene first names it; the catalogue opens all. Failed loads are listed with their reason ---- */
 
 typedef struct hk_loaded {
   char *path;
-  const hk_plugin *plugin; /* the registry's copy, its table as long as this host's; NULL: the load failed */
+  const hk_plugin *plugin; /* the registry's copy, with a table of this host's length; NULL: the load failed */
   char *reason;            /* why */
   void *handle;
 } hk_loaded;
@@ -17,29 +18,30 @@ typedef struct hk_loaded {
 typedef struct hk_registry {
   char *root;   /* folder with forces/, integrators/ ...: beside the executable or in ../lib/hooke/plugins */
   char *search; /* further folders, separated by ':', or NULL */
-  bool allow_script_folder; /* --trust: a path may name a file anywhere; without it only files given below the above */
+  bool allow_script_folder; /* --trust: a path may name any file; without it only files in the folders above */
   size_t count;
   hk_loaded *item;
 } hk_registry;
 
 hk_status hk_registry_open(hk_registry *, const char *root, const char *search, hk_error *error);
-void hk_registry_close(hk_registry *); /* after every instance is gone */
-/* By its name, or by a path with a slash; the error of an unknown name offers the nearest and lists failed loads. */
+void hk_registry_close(hk_registry *); /* to be called after all instances are destroyed */
+/* Finds a plugin by its name, or by a path with a slash; the error of an unknown name suggests the nearest name and
+ * lists failed loads. */
 hk_status hk_registry_find(hk_registry *, hk_kind kind, const char *name, const hk_plugin **plugin, hk_error *error);
-/* The plugin in a file, whatever its kind; NULL with `error`. */
+/* Loads the plugin in a file, of any kind; NULL with `error`. */
 const hk_loaded *hk_registry_load(hk_registry *, const char *path, hk_error *error);
-hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* for the catalogue */
-/* The first plugin of a kind that `suits` takes: of those that the installation names in KIND/default, in that order,
- * then of all. They are opened for it one by one. HK_FAILED: there is none. */
+hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* loads all plugins, for the catalogue */
+/* The first plugin of a kind for which `suits` is true: first those that the installation names in KIND/default, in
+ * that order, then all. They are opened one by one. HK_FAILED: there is none. */
 hk_status hk_registry_prefer(hk_registry *, hk_kind kind, bool (*suits)(const hk_plugin *, const void *context),
                              const void *context, const hk_plugin **plugin, hk_error *error);
 const char *hk_kind_name(hk_kind kind);   /* "force" */
 const char *hk_kind_folder(hk_kind kind); /* "forces" */
 
-/* ---- spec.c, params.c: what the script says of a plugin ---- */
+/* ---- spec.c, params.c: the description of a plugin by the script ---- */
 
-/* A function of the scene's script. `caller` is the run whose state it may look at, NULL: it looks at none. `n_out` is
- * set to the number of results, at most `max_out`. */
+/* A function of the scene's script. `caller` is the run whose state the function may read, NULL: none. `n_out` is set
+ * to the number of results, at most `max_out`. */
 typedef struct hk_function hk_function;
 struct hk_function {
   hk_status (*call)(const hk_function *, const void *caller, const double *in, size_t n_in, double *out, size_t max_out,
@@ -48,7 +50,7 @@ struct hk_function {
   int reference;
 };
 
-/* A value on its way into a parameter, as the script wrote it. */
+/* A value of the script for a parameter, before it is checked and stored. */
 typedef enum hk_value_kind {
   HK_VALUE_NUMBER,  /* number */
   HK_VALUE_BOOLEAN, /* boolean */
@@ -81,8 +83,8 @@ typedef struct hk_plugin_spec {
   char *where;     /* script and line, "cloth.lua:12", or "" */
   double from, to; /* s, when a force acts */
   size_t only_count;
-  uint32_t *only; /* id - 1, rising; NULL: all */
-  char *group;    /* acts on this group, or NULL */
+  uint32_t *only; /* id - 1, increasing; NULL: all */
+  char *group;    /* the group that the force acts on, or NULL */
   void *values;   /* instance_size bytes, of which the parameters are filled; lists hold id - 1 */
   bool *given;    /* one per parameter: set by the user */
   size_t timed_count;
@@ -96,27 +98,29 @@ void hk_spec_destroy(hk_plugin_spec *);
 const hk_param *hk_spec_param(const hk_plugin_spec *, const char *name, hk_error *error);
 /* Checks type, range and ids (1 to n) and fills the field. */
 hk_status hk_spec_set(hk_plugin_spec *, const hk_param *, const hk_value *value, size_t n, hk_error *error);
-/* After the last set: required parameters are there, lists per tuple have the tuples' count. */
+/* To be called after the last hk_spec_set: checks that required parameters are set and that HK_PER_TUPLE lists have the
+ * tuples' count. */
 hk_status hk_spec_check(const hk_plugin_spec *, hk_error *error);
-unsigned hk_param_arity(const hk_param *); /* of a list of tuples; 0: it is none */
-/* The list of tuples that a HK_PER_TUPLE goes with, or NULL. */
+unsigned hk_param_arity(const hk_param *); /* arity of a list of tuples; 0: the parameter is no such list */
+/* The list of tuples of a HK_PER_TUPLE parameter, or NULL. */
 const hk_param *hk_param_list(const hk_plugin *, const hk_param *per_tuple);
 hk_status hk_param_check_list(const char *label, const hk_param *, const double *list, size_t count, hk_error *error);
 
-/* ---- instance.c, fields.c, services.c: a plugin at work. Life: create (a copy of the spec's values) -> start (fields,
- * the plugin's create) -> calls -> destroy. The host table is the first member, so that a service finds the instance
- * behind it ---- */
+/* ---- instance.c, fields.c, services.c: a plugin in a run. Order of calls: create (a copy of the spec's values) ->
+ * start (fields, the plugin's create) -> calls -> destroy. The host table is the first member, so that the host's
+ * functions find the instance by a cast ---- */
 
-/* What all instances of a run share with their hosts. */
+/* Data shared by all instances of a run. */
 typedef struct hk_shared {
   hk_threads *threads;
-  hk_error *error; /* where host->fail puts its message */
+  hk_error *error; /* host->fail writes its message here */
   hk_warnings *warnings;
   uint64_t seed;
   hk_status (*path)(void *context, const char *name, char *buffer, size_t size); /* NULL: no output folder */
   const void *(*query)(void *context, const char *service);
-  void *context;         /* of path and query */
-  long allocations_left; /* negative: no limit; tests make the k-th allocation fail */
+  void *context;                              /* of path and query */
+  const struct hk_instance *volatile *acting; /* who is at work, for whoever has to say why the process ends; NULL */
+  long allocations_left;                      /* negative: no limit; tests make the k-th allocation fail */
 } hk_shared;
 
 typedef struct hk_instance {
@@ -126,7 +130,7 @@ typedef struct hk_instance {
   const hk_plugin *plugin;
   void *self;
   const char *label, *where; /* the spec's */
-  bool own_lists;            /* lists of indices are this instance's own: until the first remap they are the spec's */
+  bool own_lists;            /* the lists of indices are copies; until the first remap they are the spec's */
   size_t only_count;
   uint32_t *only; /* indices, or NULL: all */
   size_t acting;
@@ -139,24 +143,39 @@ typedef struct hk_instance {
   size_t calls, sampled;
 } hk_instance;
 
+/* Around every call into a plugin: `acting` names the innermost one. */
+static inline const hk_instance *hk_enter(const hk_instance *instance) {
+  const hk_instance *volatile *acting = instance->shared->acting;
+  if (!acting) return NULL;
+  const hk_instance *outer = *acting;
+  *acting = instance;
+  return outer;
+}
+
+static inline void hk_leave(const hk_instance *instance, const hk_instance *outer) {
+  if (instance->shared->acting) *instance->shared->acting = outer;
+}
+
 /* NULL with `error` set when there is no memory. `shared` must live as long as the instance. */
 hk_instance *hk_instance_create(const hk_plugin_spec *, hk_shared *shared, hk_error *error);
 void hk_instance_destroy(hk_instance *);
 /* Allocates fields for n particles and a state of `size` doubles, then calls the plugin's create. */
 hk_status hk_instance_start(hk_instance *, const hk_view *view, size_t size, hk_error *error);
-/* Particles moved: old index i is now map[i] (UINT32_MAX: dead), there are view->n. Remaps parameters and fields, then
- * calls the plugin's topology. */
+/* To be called after births and deaths: old index i is now map[i] (UINT32_MAX: dead), and there are view->n particles.
+ * Remaps parameters and fields, then calls the plugin's topology. */
 hk_status hk_instance_remap(hk_instance *, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,
                             hk_error *error);
-hk_status hk_instance_set_time(hk_instance *, double t, hk_error *error); /* evaluates functions of time */
-/* Works out which particles a force acts on. */
+hk_status hk_instance_set_time(hk_instance *, double t, hk_error *error); /* evaluates the timed parameters */
+/* Determines the particles that a force acts on. */
 hk_status hk_instance_select(hk_instance *, const hk_model *model, hk_error *error);
-hk_view hk_instance_view(const hk_instance *, const hk_view *scene); /* with its host and its selection */
+/* the scene's view with the instance's host and selection */
+hk_view hk_instance_view(const hk_instance *, const hk_view *scene);
 
 hk_status hk_fields_allocate(hk_instance *, size_t n, size_t size, hk_error *error);
 hk_status hk_fields_remap(hk_instance *, const uint32_t *map, size_t n_old, size_t n, size_t size, hk_error *error);
 /* Calls visit(context, memory, bytes) for every field that is saved, in order; lengths of arrays come first, and a
- * visit that changes one (reading) resizes the array. False: a visit was false, or there was no memory. */
+ * visit that changes one (reading) resizes the array, after one with `data` NULL that says whether so many bytes
+ * follow. False: a visit was false, or there was no memory. */
 bool hk_fields_visit(hk_instance *, size_t n, size_t size, bool (*visit)(void *context, void *data, size_t bytes),
                      void *context);
 extern const hk_host hk_host_table;
@@ -175,7 +194,7 @@ typedef struct hk_plugins {
 hk_status hk_plugins_add(hk_plugins *, const hk_plugin_spec *, hk_shared *, hk_instance **made, hk_error *error);
 void hk_plugins_clear(hk_plugins *);
 hk_instance *hk_plugins_one(const hk_plugins *, hk_kind kind); /* NULL: none */
-/* hk_instance_remap of all that are started, sources first. */
+/* Calls hk_instance_remap for all started instances, sources first. */
 hk_status hk_plugins_remap(hk_plugins *, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,
                            hk_error *error);
 

@@ -1,5 +1,5 @@
-/* Instances: a copy of a spec's values with fields and host services around it. Lists of particles and tuples are the
- * spec's own until particles are born or die; then the instance takes copies and keeps those up to date. */
+/* Instances: a copy of a spec's values with fields and the host's functions. An instance uses the spec's lists of
+ * particles and tuples until particles are born or die; then it copies the lists and keeps the copies up to date. */
 #include "core/host/host.h"
 
 #include <stdlib.h>
@@ -43,7 +43,11 @@ no_memory:
 
 void hk_instance_destroy(hk_instance *instance) {
   if (!instance) return;
-  if (instance->started && instance->plugin->destroy) instance->plugin->destroy(instance->self, &instance->host);
+  if (instance->started && instance->plugin->destroy) {
+    const hk_instance *outer = hk_enter(instance);
+    instance->plugin->destroy(instance->self, &instance->host);
+    hk_leave(instance, outer);
+  }
   hk_memory_clear(&instance->blocks);
   free(instance->only);
   free(instance->active);
@@ -65,7 +69,9 @@ hk_status hk_instance_start(hk_instance *instance, const hk_view *view, size_t s
   hk_status status = hk_fields_allocate(instance, view->n, size, error);
   if (status != HK_OK) return status;
   instance->started = true;
+  const hk_instance *outer = hk_enter(instance);
   status = plugin->create ? plugin->create(instance->self, &instance->host, view) : HK_OK;
+  hk_leave(instance, outer);
   if (status != HK_OK)
     hk_error_set(error, status, "%s: %s: the plugin's create failed without saying why", instance->where,
                  instance->label);
@@ -80,8 +86,8 @@ static void *own_copy(hk_instance *instance, const void *list, size_t bytes) {
   return copy;
 }
 
-/* Lists of the spec are changed in copies only. */
-static hk_status take_lists(hk_instance *instance, hk_error *error) {
+/* Copies the lists of the spec, which must not change. */
+static hk_status copy_lists(hk_instance *instance, hk_error *error) {
   for (const hk_param *p = instance->plugin->params; !instance->own_lists && p && p->name; p++) {
     hk_tuples *tuples = field_of(instance, p);
     hk_per_tuple *values = field_of(instance, p);
@@ -95,7 +101,8 @@ static hk_status take_lists(hk_instance *instance, hk_error *error) {
   return HK_OK;
 }
 
-/* Moves number e of every list per tuple that goes with the list p to `to`; SIZE_MAX: cuts them to `e`. */
+/* In every HK_PER_TUPLE list of the tuples p, moves number e to position `to`; with SIZE_MAX it sets the length to
+ * `e`. */
 static void move_values(hk_instance *instance, const hk_param *p, size_t e, size_t to) {
   for (const hk_param *q = instance->plugin->params; q->name; q++) {
     hk_per_tuple *list = field_of(instance, q);
@@ -107,7 +114,7 @@ static void move_values(hk_instance *instance, const hk_param *p, size_t e, size
   }
 }
 
-/* Tuples with dead members go, and with them their numbers in the lists per tuple. */
+/* Removes tuples with dead members, and their numbers in the HK_PER_TUPLE lists. */
 static void remap_tuples(hk_instance *instance, const hk_param *p, const uint32_t *map) {
   hk_tuples *tuples = field_of(instance, p);
   uint32_t *index = (uint32_t *)(uintptr_t)tuples->index; /* the host's own memory */
@@ -132,7 +139,7 @@ static void remap_selection(hk_instance *instance, const uint32_t *map) {
 
 hk_status hk_instance_remap(hk_instance *instance, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,
                             hk_error *error) {
-  hk_status status = take_lists(instance, error);
+  hk_status status = copy_lists(instance, error);
   if (status != HK_OK) return status;
   for (const hk_param *p = instance->plugin->params; p && p->name; p++)
     if (hk_param_arity(p)) remap_tuples(instance, p, map);
@@ -141,7 +148,10 @@ hk_status hk_instance_remap(hk_instance *instance, const uint32_t *map, size_t n
   if (status == HK_OK) status = hk_instance_select(instance, view->model, error);
   if (status != HK_OK) return status;
   hk_view own = hk_instance_view(instance, view);
-  return instance->plugin->topology ? instance->plugin->topology(instance->self, &own) : HK_OK;
+  const hk_instance *outer = hk_enter(instance);
+  if (instance->plugin->topology) status = instance->plugin->topology(instance->self, &own);
+  hk_leave(instance, outer);
+  return status;
 }
 
 hk_status hk_instance_select(hk_instance *instance, const hk_model *model, hk_error *error) {

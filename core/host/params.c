@@ -1,6 +1,6 @@
-/* Parameters: from what the script wrote to the field of the spec.
+/* Parameters: checking the values of a script and storing them in the fields of the spec.
  *
- * The plugin's table is the only place where a name, a unit, a range or a default stands. A value is checked for type,
+ * The plugin's table is the only place that defines a name, a unit, a range or a default. A value is checked for type,
  * finiteness, range and indices before anything is written, so a refused value changes nothing. */
 #include "core/host/host.h"
 #include "core/base/base.h"

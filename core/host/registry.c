@@ -1,6 +1,6 @@
 /* Plugins are found by folder and file name: KIND/NAME.so below the root and below each folder of the search path; a
- * name with a slash is a file. The exported constant is read before any code of the plugin runs; constructors aside,
- * which style forbids. Invariant: an item's plugin is NULL exactly when its reason is set. */
+ * name with a slash is a file. The exported constant is read before any code of the plugin runs (except constructors,
+ * which the project's style forbids). Invariant: an item's plugin is NULL exactly when its reason is set. */
 #include "core/host/host.h"
 #include "core/base/base.h"
 
@@ -43,8 +43,8 @@ void hk_registry_close(hk_registry *registry) {
   *registry = (hk_registry){0};
 }
 
-/* Why this constant cannot be used, or an empty text. */
-static void judge(const hk_plugin *p, char *reason, size_t size) {
+/* Writes the reason why a plugin's constant cannot be used, or an empty text. */
+static void check_constant(const hk_plugin *p, char *reason, size_t size) {
   unsigned major = p->abi >> 16, minor = p->abi & 0xffff;
   *reason = 0;
   if (major != HK_ABI_MAJOR || minor > HK_ABI_MINOR)
@@ -70,7 +70,7 @@ typedef struct plugin_copy {
   } table;
 } plugin_copy;
 
-/* The constant with a table as long as this host's: what the plugin's does not have yet is zero. */
+/* A copy of the constant with a table of this host's length; members that the plugin's table lacks are zero. */
 static const hk_plugin *copy_plugin(const hk_plugin *plugin) {
   static const size_t length[HK_KINDS] = {sizeof(hk_force),  sizeof(hk_constraint), sizeof(hk_corrector),
                                           sizeof(hk_source), sizeof(hk_integrator), sizeof(hk_solver),
@@ -86,8 +86,8 @@ static const hk_plugin *copy_plugin(const hk_plugin *plugin) {
 
 static void open_file(hk_loaded *item) {
   char reason[1200] = "";
-  /* Libraries that plugins bring along (threads of a BLAS, a graphics driver's compiler) do not survive being unloaded,
-   * and the process ends soon after. */
+  /* RTLD_NODELETE: some libraries that plugins load (threads of a BLAS, the compiler of a graphics driver) crash when
+   * they are unloaded. */
   item->handle = dlopen(item->path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!item->handle) {
     snprintf(reason, sizeof reason, "%s", dlerror());
@@ -96,7 +96,7 @@ static void open_file(hk_loaded *item) {
     if (!plugin)
       snprintf(reason, sizeof reason, "it exports no hk_plugin_main: it is not a plugin of hooke");
     else
-      judge(plugin, reason, sizeof reason);
+      check_constant(plugin, reason, sizeof reason);
     if (!*reason && !(item->plugin = copy_plugin(plugin))) snprintf(reason, sizeof reason, "there is no memory for it");
   }
   if (!item->plugin) item->reason = hk_string_copy(reason);
@@ -119,7 +119,7 @@ static hk_loaded *load(hk_registry *registry, const char *path, hk_error *error)
   return item;
 }
 
-/* The k-th folder of root and search path; false: there is none. */
+/* The k-th folder of root and search path; false: no such folder. */
 static bool folder_at(const hk_registry *registry, size_t k, char *folder, size_t size) {
   const char *part = registry->root;
   size_t length = strlen(part);

@@ -1,20 +1,20 @@
-/* The services that a plugin calls through its host table. The table is the instance's first member, so a service finds
- * its instance by a cast. */
+/* The functions that a plugin calls through its host table. The table is the instance's first member, so a service
+ * finds its instance by a cast. */
 #include "core/host/host.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static hk_instance *behind(const hk_host *host) {
+static hk_instance *instance_of(const hk_host *host) {
   union {
     const hk_host *constant;
     hk_instance *instance;
-  } u = {.constant = host}; /* services may write to the instance though plugins see a constant table */
+  } u = {.constant = host}; /* these functions may write to the instance, although plugins see a constant table */
   return u.instance;
 }
 
 static hk_status host_fail(const hk_host *host, hk_status status, const char *format, ...) {
-  hk_instance *instance = behind(host);
+  hk_instance *instance = instance_of(host);
   char text[900];
   va_list arguments;
   va_start(arguments, format);
@@ -22,7 +22,8 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
   va_end(arguments);
   const char *separator = *instance->where ? ": " : "";
   hk_error *error = instance->shared->error;
-  if (instance->plugin->kind == HK_INTEGRATOR && error->status != HK_OK) { /* it has tried again since, and gives up */
+  /* the message of an earlier attempt is replaced by that of the last one */
+  if (instance->plugin->kind == HK_INTEGRATOR && error->status != HK_OK) {
     hk_error before = *error;
     *error = (hk_error){0};
     return hk_error_set(error, status, "%s%s%s: %s (first: %.400s)", instance->where, separator, instance->label, text,
@@ -32,7 +33,7 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
 }
 
 static void host_warn(const hk_host *host, const char *format, ...) {
-  hk_instance *instance = behind(host);
+  hk_instance *instance = instance_of(host);
   char text[900];
   va_list arguments;
   va_start(arguments, format);
@@ -42,33 +43,33 @@ static void host_warn(const hk_host *host, const char *format, ...) {
 }
 
 static void *host_allocate(const hk_host *host, size_t bytes) {
-  hk_instance *instance = behind(host);
+  hk_instance *instance = instance_of(host);
   hk_shared *shared = instance->shared;
   if (shared->allocations_left == 0) return NULL;
   if (shared->allocations_left > 0) shared->allocations_left--;
   return hk_memory_get(&instance->blocks, bytes);
 }
 
-static void host_release(const hk_host *host, void *memory) { hk_memory_put(&behind(host)->blocks, memory); }
+static void host_release(const hk_host *host, void *memory) { hk_memory_put(&instance_of(host)->blocks, memory); }
 
 static void host_parallel_for(const hk_host *host, size_t count, size_t grain,
                               void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
   if (count <= grain && count > 0)
     body(context, 0, count, 0);
   else
-    hk_threads_for(behind(host)->shared->threads, count, grain, body, context);
+    hk_threads_for(instance_of(host)->shared->threads, count, grain, body, context);
 }
 
-static double host_random(const hk_host *host) { return hk_random_uniform(behind(host)->random); }
+static double host_random(const hk_host *host) { return hk_random_uniform(instance_of(host)->random); }
 
 static hk_status host_path(const hk_host *host, const char *name, char *buffer, size_t size) {
-  hk_shared *shared = behind(host)->shared;
+  hk_shared *shared = instance_of(host)->shared;
   if (!shared->path) return host->fail(host, HK_IO, "'%s': this run has no output folder", name);
   return shared->path(shared->context, name, buffer, size);
 }
 
 static const void *host_query(const hk_host *host, const char *service) {
-  hk_shared *shared = behind(host)->shared;
+  hk_shared *shared = instance_of(host)->shared;
   return shared->query ? shared->query(shared->context, service) : NULL;
 }
 
@@ -80,7 +81,7 @@ static const hk_field *array_field(const hk_instance *instance, const hk_array *
 }
 
 static hk_status host_resize(const hk_host *host, hk_array *array, size_t count) {
-  const hk_field *field = array_field(behind(host), array);
+  const hk_field *field = array_field(instance_of(host), array);
   if (!field) return host->fail(host, HK_FAILED, "resize: this array is no field of the plugin");
   void *fresh = host_allocate(host, count * field->width);
   if (!fresh) return host->fail(host, HK_NO_MEMORY, "no memory for %zu items of '%s'", count, field->name);

@@ -1,5 +1,5 @@
-/* What went wrong and where: a run that diverged is traced to the first particle and the force behind it. Nothing here
- * changes the state. */
+/* The diagnosis of a run that diverged: step, time, the first particle that is not finite and the force responsible. It
+ * does not change the state. */
 #include "core/judge/judge.h"
 
 #include <stdio.h>
@@ -13,8 +13,9 @@ static size_t first_bad(const double *list, size_t count) {
 
 static double size_of(const double *f) { return sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]); }
 
-/* The force whose F is not finite, and its first such particle; else, given a particle, the largest on it. */
-static const char *culprit(hk_loop *loop, const double *X, size_t n, size_t *particle, double *newton) {
+/* The label of the force whose F is not finite, and the first such particle in *particle; if F of every force is finite
+ * and *particle is given, the label of the largest force on it. *newton: the size of that force. */
+static const char *find_force(hk_loop *loop, const double *X, size_t n, size_t *particle, double *newton) {
   double *F = malloc((3 * n + 1) * sizeof *F), largest = -1;
   const char *label = NULL;
   for (size_t k = 0; F && k < loop->plugins->kind[HK_FORCE].count; k++) {
@@ -53,23 +54,23 @@ static size_t fastest(const double *v, size_t n) {
   return best;
 }
 
-/* What blew up, in words: a state that is not finite, a force that is not, or else, where a method keeps the last
- * finite state, the fastest particle in it. */
+/* Writes the diagnosis: a particle whose state is not finite, a force that is not finite, or, where the method keeps
+ * the last finite state, its fastest particle. */
 static void explain(hk_loop *loop, const hk_judgement *j, char *text, size_t size) {
   size_t n = loop->state->model.n, bad = first_bad(loop->state->X, 6 * n), particle = n;
   double newton = NAN;
   const char *label = NULL;
   if (bad == 6 * n) {
-    label = culprit(loop, loop->state->X, n, &particle, &newton);
+    label = find_force(loop, loop->state->X, n, &particle, &newton);
     if (label) {
       snprintf(text, size, "particle %u gets a force that is not finite from '%s'", loop->state->id[particle], label);
       return;
     }
     particle = fastest(loop->state->X + 3 * n, n);
-    label = culprit(loop, loop->state->X, n, &particle, &newton);
+    label = find_force(loop, loop->state->X, n, &particle, &newton);
   } else {
     particle = bad % (3 * n) / 3;
-    if (j->last_good.n == n) label = culprit(loop, j->last_good.X, n, &particle, &newton);
+    if (j->last_good.n == n) label = find_force(loop, j->last_good.X, n, &particle, &newton);
   }
   snprintf(text, size, "particle %u %s%s%s%s", loop->state->id[particle],
            bad < 6 * n ? "has a position or velocity that is not finite" : "was the fastest",

@@ -1,4 +1,5 @@
-/* Every figure of a summary, once: its key in JSON and Lua, where it is, and its words in the text report. */
+/* The table of all figures of a summary: the key in JSON and Lua, the type, the offset in hk_summary, and label and
+ * format in the text report. */
 #include "core/judge/judge.h"
 
 #define AT(field) offsetof(hk_summary, field)

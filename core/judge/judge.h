@@ -1,4 +1,4 @@
-/* How accurate a run was: figures of its frames, its summary, and the verdict with its reason. */
+/* The accuracy of a run: the figures of its frames, its summary, and the verdict with its reason. */
 #ifndef HK_JUDGE_H
 #define HK_JUDGE_H
 
@@ -13,16 +13,16 @@ typedef struct hk_judgement {
   hk_verdict verdict;
   char reason[1024];     /* why it is not ok; "" otherwise */
   hk_snapshot last_good; /* the last state whose energy was plausible */
-  hk_frame last_frame;   /* its figures; measures point into `measure` */
+  hk_frame last_frame;   /* figures of the last frame; its measures point into `measure` */
   double *measure;       /* one per measure of the scene */
   const char **measure_name;
-  bool energy_converges; /* the energy drift was seen to vanish with the step (verify.c) */
+  bool energy_converges; /* the energy drift vanishes with the step size, by two runs (verify.c) */
   /* under_resolved.c */
   double *slope[2]; /* the state's accelerations and channel rates at the two ends of a step */
-  bool sampling;    /* between before and after */
+  bool sampling;    /* hk_under_resolved_before was called and succeeded */
   size_t samples;
-  double *unresolved;          /* m, one per sample */
-  hk_plugin_time *plugin_time; /* of the last summary */
+  double *unresolved;          /* m, local error, one per sample */
+  hk_plugin_time *plugin_time; /* times of the last summary */
 } hk_judgement;
 
 hk_status hk_judgement_open(hk_judgement *, const hk_scene *, hk_error *error);
@@ -30,47 +30,49 @@ void hk_judgement_close(hk_judgement *);
 
 /* ---- figures.c: energies and momenta of a frame, and the error against a known solution ---- */
 
-/* Fills judgement->last_frame and the record; keeps the state when it is a good one. `caller` is handed to measures. */
+/* Fills judgement->last_frame and the record; keeps a snapshot of the state when its energy is plausible. `caller` is
+ * passed to measures. */
 hk_status hk_figures_take(hk_loop *, hk_judgement *, const void *caller);
-/* m, RMS over the particles whose positions the scene's `exact` gives; NAN: there is none, or it failed (a warning). */
-double hk_figures_exact_error(hk_loop *);
+/* *error: m, RMS over the particles whose positions the scene's `exact` gives; NAN: there is none. On a failure of that
+ * function it is NAN, too, and `cause` says why. */
+hk_status hk_figures_exact(hk_loop *, double *error, hk_error *cause);
 /* m, how far the exact solution takes the particles from their start by `end`, RMS, at most; NAN: not known. */
 double hk_figures_exact_motion(hk_loop *, double end);
 
-/* ---- under_resolved.c: what implicit steps do not resolve. Before and after the step to look at ---- */
+/* ---- under_resolved.c: motion that implicit steps do not resolve. Called before and after a sampled step ---- */
 
 void hk_under_resolved_before(hk_loop *, hk_judgement *);
 void hk_under_resolved_after(hk_loop *, hk_judgement *, double h);
-double hk_under_resolved_error(hk_judgement *); /* m, the median of the samples; 0: there are none */
+double hk_under_resolved_error(hk_judgement *); /* m, the median of the samples; 0 without samples */
 
 /* ---- under_sampled.c ---- */
 
-bool hk_varies_between_steps(hk_loop *); /* a function of time changes between the steps that were taken */
+bool hk_varies_between_steps(hk_loop *); /* a function of time varies between the steps of the run */
 
 /* ---- summary.c: the figures of a run ---- */
 
 typedef struct hk_summary {
   const char *scene, *integrator;
-  const char *solver;         /* of linear systems; NULL: none was needed */
-  const char *solver_choice;  /* "chosen for the forces and the size"; "": the script or the user named it */
-  char solver_libraries[160]; /* as hk_solver.describe says; "" when it does not, or no system was solved */
+  const char *solver;         /* solver of linear systems; NULL: the run solved none */
+  const char *solver_choice;  /* "chosen for the forces and the size"; "": named by the script or the user */
+  char solver_libraries[160]; /* text of hk_solver.describe; "" without one, or when no system was solved */
   hk_verdict verdict;
   const char *verdict_name;
   char reason[1024];  /* why it is not ok; "" otherwise */
-  double t, end, fps; /* s, s, 1/s: reached, meant to be reached, frames */
+  double t, end, fps; /* s, s, 1/s: time reached, end of the run, frame rate */
   size_t n, steps, frames, rejected_steps;
   size_t force_evaluations, jacobian_evaluations, factorizations, linear_iterations;
-  double dt_min, dt_max, dt_limit; /* s; limit: largest stable step of the linearised scene at its least, NAN unknown */
+  double dt_min, dt_max, dt_limit; /* s; dt_limit: the smallest of all estimated largest stable steps; NAN: not known */
   bool dt_chosen;
   char step[128]; /* dt_min, dt_max and dt_limit in words; "" before the first step */
-  double wall_s, step_wall_s, start_wall_s, steps_per_s;       /* start: from opening to the first step */
+  double wall_s, step_wall_s, start_wall_s, steps_per_s;       /* start_wall_s: from opening to the first step */
   double energy_first, energy_last, energy_work, energy_drift; /* J, J, J, relative; NAN: not known */
   double kinetic_max;
-  double momentum_drift;       /* relative to the largest sum of m |v|; NAN: momentum is not conserved by the scene */
+  double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
   double constraint_violation; /* m */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
-  double accuracy;             /* m, asked for; NAN: none */
+  double accuracy;             /* m, accuracy asked for; NAN: none */
   double verify_difference;    /* m, RMS difference to half the step from a perturbed start; NAN: not verified */
   size_t plugins;
   const hk_plugin_time *plugin; /* valid until the next summary of the run */
@@ -81,7 +83,7 @@ typedef struct hk_summary {
   char **warning;
 } hk_summary;
 
-/* What only the run knows. */
+/* What the user asked of the run, and when the run was opened. */
 typedef struct hk_asked {
   double end;        /* s */
   double accuracy;   /* m; NAN: none */
@@ -89,35 +91,35 @@ typedef struct hk_asked {
   bool ignore_exact; /* judge as if the scene had no exact solution */
 } hk_asked;
 
-/* Pointers in it are valid until the run is destroyed, those of plugins until the next summary. */
+/* The summary's pointers are valid until the run is destroyed, those of `plugin` until the next summary. */
 void hk_summary_take(hk_loop *, hk_judgement *, const hk_asked *, hk_summary *);
 const char *hk_verdict_name(hk_verdict); /* "ok", "inaccurate", "diverged", "interrupted" */
 
-/* ---- figure_table.c: every figure of a summary once, from which text, JSON and Lua are made ---- */
+/* ---- figure_table.c: the table of a summary's figures, from which the text, JSON and Lua reports are made ---- */
 
 typedef enum hk_figure_type {
-  HK_FIGURE_TEXT,   /* const char *; NULL: there is none */
+  HK_FIGURE_TEXT,   /* const char *; NULL: no text */
   HK_FIGURE_BUFFER, /* char[] */
   HK_FIGURE_COUNT,  /* size_t */
   HK_FIGURE_NUMBER  /* double; NAN: not known */
 } hk_figure_type;
 
 typedef struct hk_figure {
-  const char *group; /* the object that it stands in, "energy"; NULL: the summary itself */
+  const char *group; /* key of the enclosing JSON object, such as "energy"; NULL: the summary itself */
   const char *key;
   hk_figure_type type;
   size_t offset; /* in hk_summary */
-  /* In the text report: the label of the line that it begins, or NULL: it goes on with the line before; and a printf
-   * format for the figure. NULL: it does not stand there. */
+  /* For the text report. label: the label of a new line; NULL: the figure continues the line before. format: the printf
+   * format of the figure; NULL: the text report omits it. */
   const char *label, *format;
 } hk_figure;
 
-extern const hk_figure hk_figure_table[]; /* a NULL key ends it */
+extern const hk_figure hk_figure_table[]; /* a NULL key ends the table */
 
 /* ---- verdict.c, diagnosis.c ---- */
 
-/* At the end: ok or inaccurate, and why. `accuracy` as asked, NAN: none. */
-void hk_judge(hk_loop *, hk_judgement *, const hk_asked *);
+/* At the end: ok or inaccurate, and why. HK_SCRIPT: the exact solution failed, with loop->error. */
+hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);
 /* A run that diverged: names step, time, particle and force; returns the status. */
 hk_status hk_diagnose(hk_loop *, hk_judgement *, hk_status cause);
 

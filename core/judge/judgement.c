@@ -1,4 +1,4 @@
-/* The memory of a judgement: measures, samples and what was kept of the state. */
+/* Allocation of a judgement and release of its arrays: measures, samples, the last good state. */
 #include "core/judge/judge.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* The figures of a run, gathered once. */
+/* The summary of a run: all its figures, gathered in one structure. */
 #include "core/judge/judge.h"
 
 #include <stdio.h>
@@ -25,10 +25,10 @@ static double seconds_of(const hk_instance *instance) {
   return instance->seconds * (sampled ? (double)instance->calls / (double)instance->sampled : 1);
 }
 
-/* What the integrator took is what the steps cost beside the forces. */
+/* The integrator's time is the time of the steps less that of the forces; the time of services is in their clients'. */
 static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
   static const hk_kind order[] = {HK_FORCE,  HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE,
-                                  HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER};
+                                  HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER,    HK_SERVICE};
   size_t room = 0;
   double forces = 0;
   for (int kind = 0; kind < HK_KINDS; kind++) room += loop->plugins->kind[kind].count;
@@ -50,10 +50,10 @@ static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
 static double momentum_drift(const hk_loop *loop, const hk_judgement *j) {
   const hk_record *r = loop->record;
   const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
-  bool kept = loop->pins->count == 0 && !r->moved && !r->sourced;
+  bool conserved = loop->pins->count == 0 && !r->moved && !r->sourced;
   for (size_t k = 0; k < forces->count; k++)
-    kept = kept && forces->item[k]->plugin->force->flags & HK_CONSERVES_MOMENTUM;
-  if (!kept || !(r->momentum_scale > 0)) return NAN;
+    conserved = conserved && forces->item[k]->plugin->force->flags & HK_CONSERVES_MOMENTUM;
+  if (!conserved || !(r->momentum_scale > 0)) return NAN;
   double sum = 0;
   for (int c = 0; c < 3; c++) {
     double change = j->last_frame.momentum[c] - r->momentum_first[c];
@@ -80,8 +80,10 @@ static void solvers(const hk_dynamics *d, hk_summary *s) {
   const hk_plugin *plugin = d->solver->plugin;
   s->solver = plugin->name;
   s->solver_choice = d->solver_spec ? "chosen for the forces and the size" : "";
+  const hk_instance *outer = hk_enter(d->solver);
   if (plugin->solver->describe)
     plugin->solver->describe(d->solver->self, s->solver_libraries, sizeof s->solver_libraries);
+  hk_leave(d->solver, outer);
 }
 
 static void steps(const hk_loop *loop, hk_summary *s) {
@@ -102,21 +104,23 @@ static void steps(const hk_loop *loop, hk_summary *s) {
     snprintf(s->step, sizeof s->step, "%.6g s (%s%s)", s->dt_max, how, limit);
 }
 
-static void walls(const hk_loop *loop, const hk_asked *asked, hk_summary *s) {
+static void wall_times(const hk_loop *loop, const hk_asked *asked, hk_summary *s) {
   s->start_wall_s = loop->first_step_at > 0 ? loop->first_step_at - asked->opened_at : NAN;
   s->wall_s = hk_clock() - asked->opened_at;
   s->step_wall_s = loop->seconds;
   s->steps_per_s = loop->seconds > 0 ? (double)s->steps / loop->seconds : NAN;
 }
 
-static void accuracies(hk_loop *loop, const hk_judgement *j, const hk_asked *asked, hk_summary *s) {
+static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   bool found;
+  hk_error later = {0}; /* the end of the run asks again, and fails */
   double strain = hk_probe_strain(loop->dynamics, NULL, &found), most = loop->record->strain_max;
   s->momentum_drift = momentum_drift(loop, j);
   s->constraint_violation = loop->record->violation_max;
   s->max_strain = !found ? NAN : fabs(strain) > fabs(most) || !isfinite(strain) ? strain : most;
   s->accuracy = asked->accuracy > 0 ? asked->accuracy : NAN;
-  s->exact_error = j->verdict == HK_DIVERGED ? NAN : hk_figures_exact_error(loop);
+  s->exact_error = NAN;
+  if (j->verdict != HK_DIVERGED) hk_figures_exact(loop, &s->exact_error, &later);
   s->verify_difference = NAN;
 }
 
@@ -136,9 +140,9 @@ void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_s
   s->linear_iterations = count->linear_iterations;
   solvers(loop->dynamics, s);
   steps(loop, s);
-  walls(loop, asked, s);
+  wall_times(loop, asked, s);
   energies(loop, s);
-  accuracies(loop, j, asked, s);
+  accuracy_figures(loop, j, asked, s);
   plugin_times(loop, j, s);
   s->measures = loop->scene->measures;
   s->measure_name = j->measure_name;

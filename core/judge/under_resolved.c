@@ -1,15 +1,17 @@
-/* Whether implicit steps resolve what moves. A mode of frequency w with h w >> 1 is stable in them all the same; where
- * the method does not damp it (the midpoint rule, the trapezoid), it rings on at a wrong pace, with a right energy, and
- * what it does to the rest is wrong (Ascher and Reich 1999, SIAM J. Sci. Comput. 21:1045). Then the accelerations at
- * the two ends of a step have little to do with each other: h^2 (a1 - a0)/12, the trapezoid rule's own error of a step,
- * is as large as (h w)^2/6 of the amplitude. It is looked at in one step of each frame, two evaluations; the least of
- * all frames counts, so that what dies out within the run is not held against it. */
+/* Whether implicit steps resolve the oscillations of a scene. A mode of frequency w with h w >> 1 is stable under an
+ * implicit method. Where the method does not damp it (midpoint rule, trapezoidal rule), it oscillates with a wrong
+ * frequency and the right energy, and its coupling to the slow modes is wrong (Ascher and Reich 1999, SIAM J. Sci.
+ * Comput. 21:1045). The accelerations at the two ends of a step are then almost unrelated: h^2 (a1 - a0)/12, the local
+ * error of the trapezoidal rule, reaches (h w)^2/6 of the amplitude. One step of each frame is sampled, with two
+ * evaluations. The median of all samples counts, so that an oscillation that decays early in the run does not decide
+ * the verdict. */
 #include "core/judge/judge.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* false: no figure can be had here; what is wrong, the run itself will find out, if it matters to it. */
+/* Accelerations and channel rates of the present state, into j->slope[which]. False: not available; an error of the
+ * evaluation is dropped, because the run's own evaluations report it. */
 static bool slope(hk_loop *loop, hk_judgement *j, size_t which) {
   hk_system *s = &loop->dynamics->system;
   size_t n = s->n, evaluations = loop->dynamics->count.evaluations;

@@ -1,11 +1,11 @@
-/* Correctors after a step, in the scene's order. What one changed is put on the pins and constraints again; one that
- * takes the step back gets the state of before. */
+/* Correctors are called after a step, in the scene's order. After a corrector changed x or v, the pins and constraints
+ * are imposed again; when a corrector rejects the step, the state before the step is restored. */
 #include "core/loop/loop.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static unsigned wants(const hk_loop *loop) {
+static unsigned flags_of_all(const hk_loop *loop) {
   const hk_instances *correctors = &loop->plugins->kind[HK_CORRECTOR];
   unsigned flags = 0;
   for (size_t k = 0; k < correctors->count; k++) flags |= correctors->item[k]->plugin->corrector->flags;
@@ -13,7 +13,7 @@ static unsigned wants(const hk_loop *loop) {
 }
 
 hk_status hk_correctors_keep(hk_loop *loop) {
-  if (!(wants(loop) & (HK_WANTS_BEFORE | HK_MAY_REJECT))) return HK_OK;
+  if (!(flags_of_all(loop) & (HK_WANTS_BEFORE | HK_MAY_REJECT))) return HK_OK;
   size_t size = loop->state->size;
   double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
   if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
@@ -35,7 +35,9 @@ static hk_status call(hk_loop *loop, hk_instance *corrector, hk_correction *c) {
   hk_view view = hk_instance_view(corrector, &loop->state->view);
   hk_status status = hk_instance_set_time(corrector, loop->state->t, loop->error);
   double begin = hk_clock();
+  const hk_instance *outer = hk_enter(corrector);
   if (status == HK_OK) status = functions->correct(corrector->self, &view, c);
+  hk_leave(corrector, outer);
   corrector->seconds += hk_clock() - begin;
   corrector->calls++;
   corrector->sampled++;

@@ -1,7 +1,10 @@
-/* The word to the integrator that what it remembers is void. */
+/* Tells the integrator that its history and cached forces are invalid. */
 #include "core/loop/loop.h"
 
 void hk_step_reset(hk_loop *loop, hk_reason why) {
   const hk_integrator *method = loop->step->method;
-  if (method->reset) method->reset(loop->integrator->self, why);
+  if (!method->reset) return;
+  const hk_instance *outer = hk_enter(loop->integrator);
+  method->reset(loop->integrator->self, why);
+  hk_leave(loop->integrator, outer);
 }

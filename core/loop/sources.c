@@ -1,4 +1,5 @@
-/* Births and deaths before a step: each source is asked, and what it asked for takes effect at once, everywhere. */
+/* Births and deaths before a step: each source is called in turn, and its births and deaths take effect in state,
+ * dynamics and plugins before the next source is called. */
 #include "core/loop/loop.h"
 
 #include <stdlib.h>
@@ -16,7 +17,9 @@ static hk_status emit(hk_loop *loop, hk_instance *source, double h, bool *change
   hk_population_change change = hk_population_begin(loop->state, loop->scene, source);
   hk_view view = hk_instance_view(source, &loop->state->view);
   hk_status status = hk_instance_set_time(source, loop->state->t, loop->error);
+  const hk_instance *outer = hk_enter(source);
   if (status == HK_OK) status = source->plugin->source->emit(source->self, &view, h, &change.population);
+  hk_leave(source, outer);
   if (status == HK_OK && change.births + change.deaths) {
     status = apply(loop, &change);
     *changed = true;

@@ -1,11 +1,12 @@
 /* One step, in this order: sources; updates of contact and constraints; pins and time-dependent parameters; the
- * integrator, with constraints; pins and constraints exactly; correctors; check that all is finite.
+ * integrator, with constraints; projection onto pins and constraints; correctors; check that the state is finite.
  *
- * What an integrator reports is checked, not believed: the step taken lies between 0 and the stop, and the time and the
- * vector are the host's. A step that its solver cannot solve, or that a corrector takes back, is taken in two halves,
- * down to 1/4096 of its length. */
+ * The report of an integrator is checked: the step taken must lie between 0 and the stop, and the integrator may change
+ * neither the time nor the address and size of the state vector. A step whose solver does not converge, or that a
+ * corrector rejects, is repeated as two half steps, down to 1/4096 of its length. */
 #include "core/loop/loop.h"
 
+#include <float.h>
 #include <string.h>
 
 enum { CHECK_EVERY = 32, HALVINGS = 12 };
@@ -49,7 +50,7 @@ static void set_time(hk_loop *loop, double t) {
   loop->dynamics->system.t = t;
 }
 
-/* After the integrator. `t` is the new time. */
+/* The parts of a step after the integrator. `t` is the new time. */
 static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
   hk_state *s = loop->state;
   double before = s->t, *x = s->X, *v = s->X + 3 * s->model.n;
@@ -68,34 +69,35 @@ static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
   note_step(loop, h);
   if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
   if (status == HK_OK && loop->record->steps % CHECK_EVERY == 0) {
-    status = check_finite(loop); /* frames may see every swing at rest */
+    status = check_finite(loop); /* the kinetic energy may be zero at every frame */
     loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
   }
   return status;
 }
 
-static hk_status disbelieve(const hk_loop *loop, const char *what) {
+static hk_status refuse_report(const hk_loop *loop, const char *what) {
   return hk_error_set(loop->error, HK_FAILED, "integrator '%s' %s at t = %.17g s: the plugin breaks its contract",
                       loop->step->method_name, what, loop->state->t);
 }
 
-/* What the integrator may not have touched, and the step that it reports. */
+/* Checks the step that the integrator reports, and that it changed no data of the host. */
 static hk_status check_report(const hk_loop *loop, double t_stop, double h, const hk_step *out) {
   const hk_system *s = &loop->dynamics->system;
-  double t = loop->state->t, most = (t_stop - t) * (1 + 1e-9);
+  double t = loop->state->t, most = (t_stop - t) * (1 + 1e-9) + 2 * DBL_EPSILON * fabs(t_stop);
   bool adaptive = loop->step->method->flags & HK_ADAPTIVE;
-  if (s->t != t) return disbelieve(loop, "moved the time, which is the host's");
+  if (s->t != t) return refuse_report(loop, "moved the time, which is the host's");
   if (s->X != loop->state->X || s->n != loop->state->model.n || s->size != loop->state->size)
-    return disbelieve(loop, "changed the system, which is the host's");
-  if (isnan(out->h)) return disbelieve(loop, "took a step without saying how long it was");
-  if (!adaptive && out->h != h) return disbelieve(loop, "has a fixed step and reports another one than it was given");
+    return refuse_report(loop, "changed the system, which is the host's");
+  if (isnan(out->h)) return refuse_report(loop, "took a step without saying how long it was");
+  if (!adaptive && out->h != h)
+    return refuse_report(loop, "has a fixed step and reports another one than it was given");
   if (!(out->h > 0) || !(out->h <= most))
-    return disbelieve(loop, "reports a step that is not above 0, or beyond its stop");
-  if (adaptive && !(out->h_next > 0)) return disbelieve(loop, "does not say what step it would take next");
+    return refuse_report(loop, "reports a step that is not above 0, or beyond its stop");
+  if (adaptive && !(out->h_next > 0)) return refuse_report(loop, "does not say what step it would take next");
   return HK_OK;
 }
 
-/* Contact is told of the move at the present speed. */
+/* Forces with `update` (contact) get the positions predicted with the present velocities. */
 static hk_status update_forces(hk_loop *loop, double h) {
   hk_state *s = loop->state;
   size_t count = 3 * s->model.n;
@@ -111,10 +113,12 @@ static hk_status integrate(hk_loop *loop, double t_stop, double h, hk_step *out)
   hk_status status = loop->dynamics->updates ? update_forces(loop, h) : HK_OK;
   if (status == HK_OK && integrator->spec->timed_count)
     status = hk_instance_set_time(integrator, loop->state->t, loop->error);
+  const hk_instance *outer = hk_enter(integrator);
   if (status == HK_OK) status = method->step(integrator->self, &loop->dynamics->system, t_stop, h, out);
+  hk_leave(integrator, outer);
   hk_dynamics_take_all(loop->dynamics);
   if (status != HK_OK) return status;
-  hk_error_clear(loop->error); /* of an attempt that the method took back */
+  hk_error_clear(loop->error); /* the message of an attempt that the method repeated */
   if (out->error > loop->record->worst_error) loop->record->worst_error = out->error;
   return check_report(loop, t_stop, h, out);
 }
@@ -155,11 +159,11 @@ hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
     hk_status status = integrate(loop, tries ? fmin(stop, t + h) : stop, h, &out);
     if (status != HK_OK) return status;
     loop->step->dt = out.h_next;
-    bool lands = out.h >= stop - t || t + out.h >= stop;
-    if (!lands && t + out.h == t)
+    bool reaches_stop = out.h >= stop - t || t + out.h >= stop;
+    if (!reaches_stop && t + out.h == t)
       return hk_error_set(loop->error, HK_NOT_CONVERGED, "the step %g s no longer moves t = %.17g s", out.h, t);
     h = fmin(h, out.h);
-    status = finish(loop, lands ? stop : t + out.h, out.h, &rejected);
+    status = finish(loop, reaches_stop ? stop : t + out.h, out.h, &rejected);
     if (!rejected) return status;
     hk_step_reset(loop, HK_STATE_CHANGED);
     if (tries == HALVINGS)

@@ -1,20 +1,22 @@
-/* The choice of the step: what the scene or the command line asks, checked against the stable limit; or, left out, the
- * limit times a safety factor. The limit is estimated at the start and again after events and, now and then, at frames;
- * how often is a count of evaluations, so that the estimates cost a few percent and runs repeat bit by bit. */
+/* The choice of the step size: dt of the scene or the command line, checked against the stable limit; or, without dt,
+ * the limit times a safety factor. The limit is estimated at the start, after events and at some frames. The interval
+ * between estimates is a number of evaluations, so that the estimates cost a few percent and runs are reproducible bit
+ * by bit. */
 #include "core/loop/loop.h"
 
-enum { REVIEW_EVERY = 40 }; /* evaluations of the run for each one of an estimate */
+enum { REVIEW_EVERY = 40 }; /* evaluations of the run per evaluation of an estimate */
 
-/* Within a tenth of a percent: the limit is the same, and finding it costs more than many a small scene's frame. */
+/* Equal within a tenth of a percent: the old limit is then kept, since computing it can cost more than a frame of a
+ * small scene. */
 static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
 
 static bool same(const hk_spectrum *a, const hk_spectrum *b) {
   return close_to(a->w_max, b->w_max) && close_to(a->g_max, b->g_max) && close_to(a->alpha, b->alpha) &&
          close_to(a->beta, b->beta) && close_to(a->w_undamped, b->w_undamped) &&
-         close_to(a->channel_rate, b->channel_rate) && a->evaluations > 0;
+         close_to(a->w_switching, b->w_switching) && close_to(a->channel_rate, b->channel_rate) && a->evaluations > 0;
 }
 
-/* Evaluations and sampled times of an estimate are not the run's. */
+/* The evaluations and sampled times of an estimate are not added to those of the run. */
 hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
@@ -23,7 +25,9 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   d->count = before;
   c->estimated_at = before.evaluations;
   if (status != HK_OK || same(&last, &c->spectrum)) return status;
+  const hk_instance *outer = hk_enter(c->integrator);
   hk_stable stable = hk_stable_step(c->method, c->parameters, &c->spectrum);
+  hk_leave(c->integrator, outer);
   c->dt_limit = c->limit_now = stable.limit;
   c->dt_suggested = stable.suggestion;
   c->growth_rate = stable.growth_rate;
@@ -72,7 +76,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
     return HK_OK;
   }
   hk_status status = hk_step_estimate(c, d);
-  if (status == HK_NOT_FINITE) { /* not a matter of steps: the run itself will say what is wrong */
+  if (status == HK_NOT_FINITE) { /* not caused by the step size: the first evaluation of the run reports the error */
     *d->error = (hk_error){0};
     c->dt_limit = c->limit_now = NAN;
     c->dt = isnan(given) ? 1 / c->fps : given;
@@ -95,7 +99,7 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
   hk_status status = hk_step_estimate(c, d);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
   c->growth_expected |= expected;
-  if (c->dt_limit > old) c->dt_limit = old; /* keep the worst that was seen, for the summary */
+  if (c->dt_limit > old) c->dt_limit = old; /* the summary reports the smallest limit */
   if (c->chosen && c->dt_suggested < c->dt) c->dt = c->dt_suggested;
   return HK_OK;
 }

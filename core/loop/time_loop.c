@@ -1,16 +1,17 @@
-/* The time loop. Time is cut at frames (k/fps exactly), at events (a force's from and to, a pin's release) and where
- * the caller wants to stop. A fixed-step method takes n equal steps between two cuts, and between two frames h = 1/(fps
- * n) is computed from the integers, so that it is the same number in every frame; the time after step i is begin + i h,
- * never a sum. */
+/* The time loop. Time is cut at frames (k/fps exactly), at events (a force's from and to, a pin's release) and at the
+ * caller's target time. A fixed-step method takes n equal steps between two cuts, and between two frames h = 1/(fps n)
+ * is computed from the integers, so that it is the same number in every frame; the time after step i is begin + i h,
+ * not a sum of steps. */
 #include "core/loop/loop.h"
 
+#include <float.h>
 #include <stdlib.h>
 
-enum { REST_EVERY = 1024 };
+enum { HOOK_EVERY = 1024 };
 
 static double frame_time(const hk_loop *loop, size_t frame) { return (double)frame / loop->fps; }
 
-static void sooner(double *stop, double t, double candidate) {
+static void take_earlier(double *stop, double t, double candidate) {
   if (candidate > t && candidate < *stop) *stop = candidate;
 }
 
@@ -19,14 +20,14 @@ static double next_stop(const hk_loop *loop, double target) {
   const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
   double t = loop->state->t, stop = fmin(target, frame_time(loop, loop->record->frames));
   for (size_t k = 0; k < forces->count; k++) {
-    sooner(&stop, t, forces->item[k]->spec->from);
-    sooner(&stop, t, forces->item[k]->spec->to);
+    take_earlier(&stop, t, forces->item[k]->spec->from);
+    take_earlier(&stop, t, forces->item[k]->spec->to);
   }
-  for (size_t k = 0; k < loop->pins->count; k++) sooner(&stop, t, loop->pins->item[k].spec->release);
+  for (size_t k = 0; k < loop->pins->count; k++) take_earlier(&stop, t, loop->pins->item[k].spec->release);
   return stop;
 }
 
-/* The schedule's own cut of a frame. */
+/* The additional cut of a frame that the schedule asks for. */
 static double scheduled_stop(const hk_loop *loop, double stop) {
   double t = loop->state->t;
   bool cut = loop->schedule.part > 0 && loop->record->frames > 0;
@@ -38,7 +39,8 @@ static double total_energy(hk_loop *loop) {
   return hk_state_kinetic(s, s->X) + hk_probe_potential(loop->dynamics, s->t, s->X);
 }
 
-/* At the start of a segment: what lets go or sets in here. The energy that an event brings counts as work. */
+/* The events at the start of a segment: pins are released, forces begin or end to act. The change of energy by an event
+ * counts as work. */
 static hk_status begin_segment(hk_loop *loop, double stop) {
   hk_state *s = loop->state;
   hk_dynamics *d = loop->dynamics;
@@ -57,16 +59,16 @@ static hk_status begin_segment(hk_loop *loop, double stop) {
   return hk_step_reestimate(loop->step, d, true);
 }
 
-/* Not what is left by rounding between the last frame and the end. */
+/* Whether the interval is divided more finely. The rounding difference between the last frame and the end is not. */
 static bool refines(const hk_loop *loop, double begin, double stop) {
   return loop->schedule.refine && stop - begin > 1e-12 * fabs(stop);
 }
 
-static void rest(hk_loop *loop) {
-  if (loop->hooks.now_and_then && loop->record->steps % REST_EVERY == 0) loop->hooks.now_and_then(loop->hooks.context);
+static void periodic_hook(hk_loop *loop) {
+  if (loop->hooks.now_and_then && loop->record->steps % HOOK_EVERY == 0) loop->hooks.now_and_then(loop->hooks.context);
 }
 
-/* How many equal steps, and their length. */
+/* The number of equal steps from begin to stop, and their length h. */
 static size_t divide(const hk_loop *loop, double begin, double stop, double *h) {
   size_t frames = loop->record->frames;
   bool whole = frames > 0 && begin == frame_time(loop, frames - 1) && stop == frame_time(loop, frames);
@@ -79,22 +81,31 @@ static size_t divide(const hk_loop *loop, double begin, double stop, double *h) 
   return n;
 }
 
-/* Whether the rest of a segment is to be cut anew: a source made the scene stiffer, or a force asks for shorter steps.
- */
+/* Whether the remaining segment needs shorter steps: a source made the scene stiffer, or a force demands them, after
+ * births perhaps shorter ones than when the segment was divided. The slack is twice that of `divide`, for rounding. */
 static bool too_long(const hk_loop *loop, double dt, double h) {
-  return loop->step->dt < dt || hk_sweep_longest_step(loop->dynamics) < h * (1 - 1e-12);
+  return loop->step->dt < dt || hk_sweep_longest_step(loop->dynamics) < h * (1 - 2e-12);
+}
+
+/* Steps have to move the time `at`; 64: so that their lengths have some digits, too. */
+static hk_status check_demand(const hk_loop *loop, double longest, double at) {
+  if (longest > 64 * DBL_EPSILON * fabs(at)) return HK_OK;
+  return hk_error_set(loop->error, HK_NOT_CONVERGED, "a force allows steps of %g s at most, too short to move t = %g s",
+                      longest, loop->state->t);
 }
 
 static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
   double h, dt = loop->step->dt;
+  hk_status demand = check_demand(loop, hk_sweep_longest_step(loop->dynamics), stop);
+  if (demand != HK_OK) return demand;
   size_t n = divide(loop, begin, stop, &h);
   const hk_loop_hooks *hooks = &loop->hooks;
   if (loop->last_h != 0 && h != loop->last_h) hk_step_reset(loop, HK_STEP_CHANGED);
   loop->last_h = h;
   for (size_t i = 1; i <= n; i++) {
     hk_status status = hk_step_begin(loop, h);
-    if (status == HK_OK && (loop->step->dt < dt || (i > 1 && too_long(loop, dt, h)))) return HK_OK;
-    rest(loop);
+    if (status == HK_OK && too_long(loop, dt, h)) return HK_OK;
+    periodic_hook(loop);
     bool sample = i == n && hooks->before_sample && hooks->after_sample;
     if (status == HK_OK && sample) hooks->before_sample(hooks->context);
     if (status == HK_OK) status = hk_step_fixed(loop, i == n ? stop : begin + (double)i * h, h);
@@ -104,12 +115,13 @@ static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
   return HK_OK;
 }
 
-/* What an adaptive method is offered: its own choice, or in a refined run equal parts of what is left, none longer than
- * `most`. The first step is its own: methods take what is given there for the user's word. */
-static double offered(const hk_loop *loop, double stop, double most) {
-  double left = stop - loop->state->t, dt = loop->step->dt;
+/* The step offered to an adaptive method: the method's own choice, or, in a refined run, equal parts of the remaining
+ * interval, none longer than `most`. The first step is the method's choice, because methods treat a step given there as
+ * the user's dt. */
+static double offered_step(const hk_loop *loop, double stop, double most) {
+  double remaining = stop - loop->state->t, dt = loop->step->dt;
   if (loop->record->steps == 0 || !(most < dt)) return dt;
-  return fmin(dt, left / ceil(left / most * (1 - 1e-9)));
+  return fmin(dt, remaining / ceil(remaining / most * (1 - 1e-9)));
 }
 
 static hk_status adaptive_segment(hk_loop *loop, double stop) {
@@ -117,9 +129,12 @@ static hk_status adaptive_segment(hk_loop *loop, double stop) {
   if (refines(loop, loop->state->t, stop))
     most = fmin(most, (stop - loop->state->t) / (2 * (double)loop->schedule.refine + 1));
   while (loop->state->t < stop) {
-    double longest = hk_sweep_longest_step(loop->dynamics), h = fmin(longest, offered(loop, stop, fmin(most, longest)));
+    double longest = hk_sweep_longest_step(loop->dynamics),
+           h = fmin(longest, offered_step(loop, stop, fmin(most, longest)));
     hk_status status = hk_step_begin(loop, h);
-    if (status == HK_OK) status = hk_step_adaptive(loop, stop, h);
+    longest = hk_sweep_longest_step(loop->dynamics); /* of the newborn, too */
+    if (status == HK_OK) status = check_demand(loop, longest, loop->state->t);
+    if (status == HK_OK) status = hk_step_adaptive(loop, stop, fmin(h, longest));
     if (status != HK_OK) return status;
   }
   return HK_OK;

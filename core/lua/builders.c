@@ -42,7 +42,7 @@ static void set_channels(lua_State *L, hk_scene *scene, int table, uint32_t id) 
       if (lua_isnumber(L, -1))
         number = lua_tonumber(L, -1);
       else
-        list = hk_lua_to_ids(L, -1, &count); /* any list of numbers */
+        list = hk_lua_to_ids(L, -1, &count); /* a list of numbers in any accepted form */
       if (!list) hk_lua_fail(L, HK_BAD_PARAM, "particle: %s: expected numbers", channel->name);
       if (hk_scene_set_channel(scene, channel->name, id, list, count, &error) != HK_OK)
         prefix_raise(L, "particle", &error);
@@ -70,7 +70,7 @@ static int particle(lua_State *L) {
 
 /* ---- particles ---- */
 
-/* A list of triples as a block left on the stack; NULL: the key is absent. */
+/* Converts a list of triples to a block on the Lua stack; NULL: the key is absent. */
 static double *triples(lua_State *L, int table, const char *key, size_t *count) {
   char what[64];
   if (lua_getfield(L, table, key) == LUA_TNIL) return NULL;

@@ -1,5 +1,5 @@
-/* Reading a script's file and compiling it: text only, no bytecode; a first line for the shell (#!) is left out. Where
- * there is no such file, the error offers the nearest name in its folder. */
+/* Reading a script's file and compiling it: text only, no bytecode; a first line for the shell (#!) is skipped. When
+ * the file does not exist, the error suggests the nearest name in its folder. */
 #include "core/lua/internal.h"
 
 #include <dirent.h>
@@ -24,10 +24,10 @@ int hk_lua_load(lua_State *L, const char *path, const char *name) {
   source from = {.file = fopen(path, "rb")};
   if (!from.file) return LUA_ERRFILE;
   lua_pushfstring(L, "@%s", name);
-  int first = getc(from.file); /* a line for the shell is left out, its end is not */
+  int first = getc(from.file); /* a first line for the shell is skipped, but not its newline */
   for (bool shell = first == '#'; shell && first != EOF && first != '\n';) first = getc(from.file);
   if (first != EOF) ungetc(first, from.file);
-  int code = lua_load(L, next_block, &from, lua_tostring(L, -1), "t"); /* catches errors itself */
+  int code = lua_load(L, next_block, &from, lua_tostring(L, -1), "t"); /* lua_load catches errors */
   int cause = ferror(from.file) ? errno : 0;
   fclose(from.file);
   lua_remove(L, -2);

@@ -1,11 +1,12 @@
-/* Edges in Lua: a userdata block of pairs of ids, so that a million edges cost eight megabytes and no tables. It has a
- * length, edges[k] gives {i, j}, and a .. b joins; tables of pairs and blocks are taken wherever edges are. */
+/* Edges in Lua: a userdata block of pairs of ids, so that a million edges cost eight megabytes and no tables. #edges is
+ * the number of edges, edges[k] gives {i, j}, and a .. b concatenates; functions that take edges accept tables of pairs
+ * and of blocks as well. */
 #include "core/lua/internal.h"
 
 #include <string.h>
 
 static const char type_name[] = "hooke.edges";
-enum { DEEPEST = 16 }; /* lists in lists */
+enum { DEEPEST = 16 }; /* depth of nested lists */
 
 hk_lua_edges *hk_lua_new_edges(lua_State *L, size_t count) {
   hk_lua_edges *e = lua_newuserdatauv(L, sizeof *e + count * sizeof e->pair[0], 0);
@@ -31,7 +32,8 @@ static bool is_pair(lua_State *L, int index) {
   return numbers;
 }
 
-/* How many edges a table of pairs and blocks holds; false: it holds something else, or itself. */
+/* Counts the edges in a table of pairs and blocks; false: the table has a member of another kind, or contains
+ * itself. */
 static bool count_edges(lua_State *L, int table, int depth, size_t *count) {
   *count = 0;
   for (lua_Integer k = 1;; k++) {

@@ -1,7 +1,7 @@
-/* The way of errors between the engine and a script. An error raised by the engine carries a status beside its text and
- * gets the script's file and line in front; a plain Lua error is HK_SCRIPT. Every call into the script, from the first
- * line to a measure in the last frame, goes through hk_lua_call, which turns what was raised into one hk_error. Nothing
- * that a script catches hides that it went beyond a limit. */
+/* Errors between the engine and a script. An error raised by the engine carries a status beside its text and is
+ * prefixed by the script's file and line; a plain Lua error is HK_SCRIPT. Every call into the script, from the first
+ * line to a measure in the last frame, goes through hk_lua_call, which turns a raised error into one hk_error. A script
+ * that catches errors cannot hide that it exceeded a limit. */
 #include "core/lua/internal.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ const char *hk_lua_where(lua_State *L) {
   return lua_pushfstring(L, "%s", hk_lua_script(L)->name);
 }
 
-/* Is there "file.lua:12:" in it? */
+/* Whether the text contains a place such as "file.lua:12:". */
 static bool has_place(const hk_script *s, const char *text) {
   size_t length = strlen(s->name);
   if (strncmp(text, s->name, length) == 0 && text[length] == ':') return true;
@@ -50,7 +50,7 @@ static hk_status take_error(lua_State *L, hk_error *error) {
   const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL;
   bool ours = s->raised.status != HK_OK && text && strstr(text, s->raised.text);
   hk_status status = ours ? s->raised.status : HK_SCRIPT;
-  if (s->spent) /* whatever the script made of it on the way */
+  if (s->spent) /* also when the script caught the error and raised another one */
     hk_error_set(error, status = s->limit.status, "%s", s->limit.text);
   else if (text)
     hk_error_set(error, status, "%s", text);
@@ -61,7 +61,7 @@ static hk_status take_error(lua_State *L, hk_error *error) {
   return status;
 }
 
-/* Calls nest: a script that drives calls scene:run, which calls its measures. */
+/* Calls may be nested: a script calls scene:run, and the run calls the script's measures. */
 hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error) {
   hk_lua_script(L)->raised.status = HK_OK;
   return hk_limits_call(L, arguments, results) == LUA_OK ? HK_OK : take_error(L, error);

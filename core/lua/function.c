@@ -1,5 +1,5 @@
-/* Functions of the script that the engine calls: parameters of time, paths, rates, measures, on_frame, exact. A call
- * runs under the script's limits and allocates nothing outside a protected call. */
+/* Functions of the script that the engine calls: timed parameters, paths of pins, channel rates, measures, on_frame,
+ * exact. A call runs under the script's limits and allocates nothing outside a protected call. */
 #include "core/lua/internal.h"
 
 enum { DEEPEST = 4, ROOM = DEEPEST + 8 }; /* a list of triples is 2 deep */
@@ -7,13 +7,14 @@ enum { DEEPEST = 4, ROOM = DEEPEST + 8 }; /* a list of triples is 2 deep */
 static hk_status wrong_result(const hk_function *f, lua_State *L, hk_error *error, const char *what) {
   lua_Debug ar;
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
-  if (lua_iscfunction(L, -1)) lua_getupvalue(L, -1, 1); /* an adapter of ours around the script's function */
+  if (lua_iscfunction(L, -1)) lua_getupvalue(L, -1, 1); /* an adapter of this file around the script's function */
   if (!lua_isfunction(L, -1) || !lua_getinfo(L, ">S", &ar) || ar.linedefined < 1)
     return hk_error_set(error, HK_SCRIPT, "%s: a function returned %s", hk_lua_script(L)->name, what);
   return hk_error_set(error, HK_SCRIPT, "%s:%d: this function returned %s", ar.short_src, ar.linedefined, what);
 }
 
-/* Appends the value at `index`, a number or a table of numbers and tables; NULL or what is wrong with it. */
+/* Appends the value at `index`, a number or a table of numbers and tables, to `out`. Returns NULL, or a text that says
+ * why the value cannot be used. */
 static const char *flatten(lua_State *L, int index, int depth, double *out, size_t max, size_t *count) {
   int type = lua_type(L, index);
   if (type == LUA_TNUMBER) {
@@ -33,16 +34,25 @@ static const char *flatten(lua_State *L, int index, int depth, double *out, size
   return wrong;
 }
 
-/* What is not a number is nobody's wish: the function is named where it is, not what it makes diverge. */
+/* A result that is not finite is an error that names the function, its line and the time, since it would otherwise
+ * appear later as a diverged force. */
 static hk_status check_finite(const hk_function *f, lua_State *L, double t, const double *out, size_t count,
                               hk_error *error) {
   char what[80];
   for (size_t k = 0; k < count; k++)
     if (!isfinite(out[k])) {
-      snprintf(what, sizeof what, "%g at t = %.9g s", out[k], t);
+      snprintf(what, sizeof what, "%s at t = %.9g s", isnan(out[k]) ? "nan" : out[k] > 0 ? "inf" : "-inf", t);
       return wrong_result(f, L, error, what);
     }
   return HK_OK;
+}
+
+/* What the script's function does is no doing of the plugin that asked for its value. */
+static const hk_instance *leave_plugin(const hk_script *s) {
+  const hk_instance *volatile *acting = s->run_options.acting;
+  const hk_instance *plugin = acting ? *acting : NULL;
+  if (acting) *acting = NULL;
+  return plugin;
 }
 
 static hk_status call_function(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
@@ -57,8 +67,10 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
   for (size_t k = 0; k < n_in; k++) lua_pushnumber(L, in[k]);
   s->calling = caller;
+  const hk_instance *acting = leave_plugin(s);
   hk_status status = hk_lua_call(L, (int)n_in, max_out ? LUA_MULTRET : 0, error);
   s->calling = outer;
+  if (s->run_options.acting) *s->run_options.acting = acting;
   if (status == HK_OK && !lua_checkstack(L, ROOM)) wrong = "too many values";
   for (int k = top + 1, last = lua_gettop(L); status == HK_OK && !wrong && k <= last; k++)
     wrong = flatten(L, k, 0, out, max_out, n_out);

@@ -1,6 +1,7 @@
-/* Functions of Lua's library that a scene could use to outlive its limits, replaced: pcall, xpcall and coroutine.resume
- * pass on the error of a script that is spent, and loops inside C functions, which no hook can end, are refused.
- * Patterns of string.find and its kin are not covered: some take time that grows exponentially with the text. */
+/* Replacements for functions of Lua's library with which a scene could evade its limits: pcall, xpcall and
+ * coroutine.resume pass on the error of a script that exceeded a limit, and long loops inside C functions, which no
+ * hook can end, are refused. Patterns of string.find and similar functions are not covered: the time of some grows
+ * exponentially with the length of the text. */
 #include "core/lua/internal.h"
 
 /* ---- calls that catch errors ---- */
@@ -37,9 +38,9 @@ static int guarded_resume(lua_State *L) {
   return lua_gettop(L);
 }
 
-/* ---- what no hook can end ---- */
+/* ---- loops inside C functions ---- */
 
-/* As many turns as a list that fits the memory has members. */
+/* Refuses more iterations than a list within the memory limit can have members. */
 static void check_turns(lua_State *L, const char *name, double turns) {
   if (turns > (double)hk_lua_script(L)->memory_limit / 16)
     hk_lua_fail(L, HK_SCRIPT, "%s: %g is beyond what the script's memory holds", name, turns);
@@ -72,7 +73,7 @@ static int guarded_length(lua_State *L) {
   return original(L);
 }
 
-/* ---- putting them in place: the environment is on top of the stack ---- */
+/* ---- installing the guards: the environment is on top of the stack ---- */
 
 /* Replaces member `name` of the table on top by `guard`, whose upvalue is the original. */
 static void guard(lua_State *L, const char *name, lua_CFunction by) {

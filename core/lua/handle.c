@@ -1,4 +1,4 @@
-/* The handles that builders return: a range of ids and, for a grid, its shape. Lists of edges are made when asked for;
+/* The handles that builders return: a range of ids and, for a grid, its shape. Lists of edges are made on request;
  * those of a mesh are kept with its handle. */
 #include "core/lua/internal.h"
 

@@ -1,4 +1,4 @@
-/* What the files of the Lua face share: the script, and what each file declares for the others. */
+/* Declarations shared by the files of core/lua: the script, and the functions of each file that others call. */
 #ifndef HK_LUA_INTERNAL_H
 #define HK_LUA_INTERNAL_H
 
@@ -14,17 +14,17 @@ struct hk_script {
   hk_run_options run_options;
   char *path, *name, *folder; /* as given; file name; folder, "." at least */
   size_t memory, memory_limit;
-  uint64_t instructions, instruction_limit; /* of the call in progress */
+  uint64_t instructions, instruction_limit; /* count and limit of the current call */
   const void *refused;                      /* the last request for memory that was refused, see allocate() */
   size_t refused_size;
-  bool finished, driving;   /* the script itself has ended; it is inside scene:run */
-  bool spent, memory_spent; /* beyond a limit (of memory), once and for all */
-  hk_error limit;           /* which, HK_OK while within all */
+  bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
+  bool spent, memory_spent; /* the script exceeded a limit (that of memory) */
+  hk_error limit;           /* the error of the limit exceeded; HK_OK: none */
   hk_error raised;          /* the engine's last error raised in the script */
   size_t slots;
   hk_lua_slot **slot;
   hk_lua_slot *returned;
-  const hk_run *calling; /* whose state a function that is being called looks at; NULL: none */
+  const hk_run *calling; /* the run that calls a function of the script; NULL: none */
   bool drove;
   hk_verdict worst;
   size_t params, param_capacity;
@@ -32,21 +32,22 @@ struct hk_script {
 };
 
 /* limits.c */
-bool hk_limits_open(hk_script *); /* makes the Lua state, without libraries; false: no memory */
-/* lua_pcall with a budget of instructions of its own. After an error, `spent` says whether a limit was passed, and then
- * `limit` which. */
+bool hk_limits_open(hk_script *); /* creates the Lua state, without libraries; false: no memory */
+/* lua_pcall with an instruction budget of its own. After an error, `spent` says whether a limit was exceeded, and
+ * `limit` which one. */
 int hk_limits_call(lua_State *L, int arguments, int results);
 
 /* errors.c */
-/* "file.lua:12" of the script's function that called; pushed on the stack too. */
+/* "file.lua:12", the place of the calling function of the script; also pushed on the stack. */
 const char *hk_lua_where(lua_State *L);
-/* Calls the function below its arguments under the limits; turns an error into `error`. */
+/* Calls the function below its arguments under the script's limits; a raised error is stored in `error`. */
 hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error);
 
 /* chunk.c */
-/* Pushes the script at `path`, compiled, or the error's text. LUA_ERRFILE, nothing pushed: it cannot be read, errno. */
+/* Pushes the compiled script at `path`, or the text of the error. LUA_ERRFILE: the file cannot be read (errno), and
+ * nothing is pushed. */
 int hk_lua_load(lua_State *L, const char *path, const char *name);
-hk_status hk_lua_no_file(const hk_script *, hk_error *error); /* why its file cannot be read, by errno */
+hk_status hk_lua_no_file(const hk_script *, hk_error *error); /* the reason why its file cannot be read, by errno */
 
 /* edges.c: a block of pairs of ids. */
 typedef struct hk_lua_edges {
@@ -55,22 +56,23 @@ typedef struct hk_lua_edges {
 } hk_lua_edges;
 
 hk_lua_edges *hk_lua_new_edges(lua_State *L, size_t count);
-/* The edges at `index`: a block, or a table of pairs and blocks, flattened into a new block left on the stack. NULL:
- * it is neither. */
+/* The edges at `index`: a block, or a table of pairs and blocks, copied into a new block on the stack. NULL: the value
+ * is neither. */
 hk_lua_edges *hk_lua_to_edges(lua_State *L, int index);
 void hk_lua_open_edges(lua_State *L);
 
 /* handle.c */
 typedef struct hk_lua_handle {
-  uint32_t first, count, nx, ny; /* ny 1: not a grid */
-  bool grid, chain;              /* neither: edges, if any, are kept with it */
+  uint32_t first, count, nx, ny; /* ny is 1 where the handle is no grid */
+  bool grid, chain;              /* both false: edges, if any, are kept with the handle */
 } hk_lua_handle;
 
 hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape);
-hk_lua_handle *hk_lua_to_handle(lua_State *L, int index); /* NULL: it is none */
-/* The ids at `index` (a list, a handle or one number) as a block of numbers left on the stack; NULL: none of these. */
+hk_lua_handle *hk_lua_to_handle(lua_State *L, int index); /* NULL: the value is no handle */
+/* Converts the ids at `index` (a list, a handle or one number) to a block of numbers on the Lua stack; NULL: none of
+ * these. */
 double *hk_lua_to_ids(lua_State *L, int index, size_t *count);
-int hk_lua_push_structural(lua_State *L, const hk_lua_handle *); /* the edges between neighbours; 1 */
+int hk_lua_push_structural(lua_State *L, const hk_lua_handle *); /* pushes the edges between neighbours; returns 1 */
 void hk_lua_open_handles(lua_State *L);
 
 /* owner.c */
@@ -79,13 +81,13 @@ hk_scene *hk_lua_scene(lua_State *L, int index);
 hk_lua_slot *hk_lua_slot_at(lua_State *L, int index);
 
 /* state.c */
-void hk_lua_push_state(lua_State *L, int scene); /* of the scene at that index, which it keeps alive */
+void hk_lua_push_state(lua_State *L, int scene); /* state of the scene at index `scene`, which the state keeps alive */
 void hk_lua_open_state(lua_State *L);
 
-/* function.c: makes the engine's handle of the function at `index`. */
+/* function.c: makes an hk_function of the function at `index`. */
 hk_function hk_lua_function(lua_State *L, int index);
-hk_function hk_lua_frame_function(lua_State *L, int index); /* called with the state of the scene at index 1 */
-hk_function hk_lua_rate_function(lua_State *L, int index);  /* called with t, id, y... */
+hk_function hk_lua_frame_function(lua_State *L, int index); /* it is called with the state of the scene at index 1 */
+hk_function hk_lua_rate_function(lua_State *L, int index);  /* it is called with t, id, y... */
 
 /* values.c */
 double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
@@ -94,12 +96,12 @@ bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *
                          double into[3]); /* false: absent */
 void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table);
 
-/* param.c: param(), and that every name=value was asked for. */
+/* param.c: param(), and the check that every name=value was declared. */
 int hk_lua_param(lua_State *L);
 hk_status hk_lua_check_given(const hk_script *, hk_error *error);
 
 /* builders.c */
-uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what); /* of the key "group" */
+uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what); /* value of the key "group" */
 /* Adds particles; returns the first id. Errors begin with `what`. */
 uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t count, const double *x, const double *v,
                     const double *mass, double common, uint32_t group);
@@ -116,6 +118,7 @@ void hk_lua_open_scene(lua_State *L);
 
 /* sandbox.c: leaves the environment of scenes on the stack. */
 void hk_lua_push_sandbox(lua_State *L);
-void hk_lua_guard(lua_State *L); /* guards.c: what could outlive the limits, in the environment on top */
+void hk_lua_guard(lua_State *L); /* guards.c: replaces functions that could evade the limits, in the environment on top
+                                    of the stack */
 
 #endif

@@ -1,24 +1,24 @@
-/* The limits of a script on memory and instructions, kept by Lua's allocator and a hook that counts. Memory asked for
- * is charged as instructions as well. A script that went beyond a limit once is spent: from then on every instruction
- * raises the same error. Each call into the script has a budget of instructions of its own. */
+/* The limits of a script on memory and instructions, kept by Lua's allocator and a hook that counts. An allocation is
+ * charged as instructions as well. Once a script has exceeded a limit, every further instruction raises the same error.
+ * Each call into the script has a budget of instructions of its own. */
 #include "core/lua/internal.h"
 
 #include <stdlib.h>
 
 static const size_t default_memory = (size_t)512 << 20; /* bytes */
-static const uint64_t default_instructions = 500000000; /* some three seconds */
-/* Lua 5.4.4 reads a stale pointer when the stack moves inside a __concat of a chain, a .. b .. c, as scripts write with
- * edges; room reserved at the bottom of the stack is never given back, so it does not move at ordinary depths. */
+static const uint64_t default_instructions = 500000000; /* about three seconds */
+/* Lua 5.4.4 reads a stale pointer when the stack moves inside a __concat of a chain, a .. b .. c, which scripts use to
+ * join edges. Slots reserved at the bottom of the stack are never released, so the stack does not move at ordinary
+ * depths. */
 enum { STACK_SLOTS = 4000 };
 
 enum { HOOK_COUNT = 10000, BYTES_PER_INSTRUCTION = 16, LARGE = 65536 };
 
 hk_script *hk_lua_script(lua_State *L) { return *(hk_script **)lua_getextraspace(L); }
 
-/* Lua asks once more after it collected garbage: the second refusal of the same request, not granted since, is final.
- */
+/* Lua repeats a refused request after collecting garbage: the second refusal of the same request is final. */
 static bool refused(hk_script *s, const void *memory, size_t size, size_t more) {
-  bool over = s->instructions > s->instruction_limit && more > LARGE; /* small ones are left for the message */
+  bool over = s->instructions > s->instruction_limit && more > LARGE; /* the message needs small ones */
   bool full = s->memory + more > s->memory_limit;
   bool same = s->refused_size == size && s->refused == memory;
   if (full && same) s->spent = s->memory_spent = true;
@@ -44,8 +44,8 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
   return grown;
 }
 
-/* Sets s->limit: which limit, and where. */
-static void say_limit(hk_script *s, const char *place, int line) {
+/* Sets s->limit: the limit that was exceeded, and the place in the script. */
+static void set_limit_error(hk_script *s, const char *place, int line) {
   s->limit = (hk_error){0};
   if (s->memory_spent)
     hk_error_set(&s->limit, HK_SCRIPT, "%s: not enough memory: the script went beyond its limit of %zu MiB", s->name,
@@ -62,12 +62,12 @@ static void count_instructions(lua_State *L, lua_Debug *ar) {
   bool interrupted = s->run_options.interrupted && *s->run_options.interrupted;
   if (!s->spent && !interrupted && s->instructions <= s->instruction_limit) return;
   s->spent = true;
-  lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1); /* from now on everywhere, so that no pcall outlives it */
+  lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1); /* each instruction now raises the error */
   lua_getinfo(L, "Sl", ar);
   if (interrupted)
     s->limit = (hk_error){HK_INTERRUPTED, "interrupted"};
   else if (s->limit.status == HK_OK)
-    say_limit(s, ar->short_src, ar->currentline);
+    set_limit_error(s, ar->short_src, ar->currentline);
   lua_pushstring(L, s->limit.text);
   lua_error(L);
 }
@@ -95,7 +95,7 @@ int hk_limits_call(lua_State *L, int arguments, int results) {
   if (code == LUA_ERRMEM) s->spent = true;
   if (s->spent && code != LUA_OK) {
     if (s->instructions <= s->instruction_limit) s->memory_spent = true;
-    if (s->limit.status == HK_OK) say_limit(s, s->name, 1);
+    if (s->limit.status == HK_OK) set_limit_error(s, s->name, 1);
   }
   s->instructions = outer;
   return code;

@@ -1,5 +1,6 @@
-/* scene:mesh{ file = "name.obj" }: vertices become particles, faces triangles, their sides edges. Of the Wavefront OBJ
- * format the records v and f are read; f may have texture and normal indices, which are skipped, and negative ones. */
+/* scene:mesh{ file = "name.obj" }: vertices become particles, faces become triangles, and their sides become edges. Of
+ * the Wavefront OBJ format the records v and f are read; f may have texture and normal indices, which are skipped, and
+ * negative ones. */
 #include "core/lua/internal.h"
 
 #include <ctype.h>
@@ -15,7 +16,7 @@ typedef struct mesh {
   size_t line;
 } mesh;
 
-/* The mesh lives in a userdata, so that an error on the way frees it. */
+/* The mesh is a userdata, so that an error during reading frees it. */
 static int mesh_gc(lua_State *L) {
   mesh *m = lua_touserdata(L, 1);
   free(m->vertex);
@@ -92,7 +93,7 @@ static const char *read_file(mesh *m, FILE *file) {
   return wrong ? wrong : m->vertices ? NULL : "it has no vertices";
 }
 
-/* A side of a triangle and the corner opposite; the lower id first. */
+/* A side of a triangle, with the lower id first, and the opposite corner. */
 typedef struct side {
   uint32_t a, b, opposite;
 } side;
@@ -116,9 +117,9 @@ static side *push_sides(lua_State *L, const mesh *m, uint32_t first) {
   return list;
 }
 
-/* Pushes each side once; or, for flexion, the corners that face each other across a side. */
+/* Pushes each side once, or, for flexion, the pairs of corners opposite to a common side. */
 static hk_lua_edges *push_pairs(lua_State *L, const side *list, size_t sides, bool facing) {
-  hk_lua_edges *edges = hk_lua_new_edges(L, sides); /* at most */
+  hk_lua_edges *edges = hk_lua_new_edges(L, sides); /* upper bound of the number */
   edges->count = 0;
   for (size_t k = 0; k < sides; k++) {
     bool again = k > 0 && list[k].a == list[k - 1].a && list[k].b == list[k - 1].b;

@@ -1,5 +1,5 @@
-/* What Lua holds of a scene: a userdata with the scene and the script that owns it, which is the state's own script or,
- * for a tool, the one it loaded. Whoever loads a script keeps it alive by the first user value. */
+/* The userdata of a scene: the scene and the script that owns it, which is the script of the Lua state or, in a tool,
+ * the script that the tool loaded. The first user value of the userdata keeps a loaded script alive. */
 #include "core/lua/internal.h"
 
 const char hk_lua_scene_type[] = "hooke.scene";

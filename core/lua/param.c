@@ -1,5 +1,5 @@
-/* param(name, default, help [, {min =, max =}]): the value given on the command line, as the default's type, or the
- * default. All that a script declares is kept for --help. */
+/* param(name, default, help [, {min =, max =}]): the value given on the command line, converted to the type of the
+ * default, or the default. All declared parameters are kept for --help. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
@@ -24,7 +24,7 @@ static void declare(lua_State *L, const char *name, const char *help, int initia
   p->value = hk_string_copy(text_of(L, value));
 }
 
-/* Pushes the given text as the default's type. */
+/* Pushes the given text converted to the type of the default. */
 static void convert(lua_State *L, const char *name, const char *text) {
   int type = lua_type(L, 2);
   if (type == LUA_TBOOLEAN) {

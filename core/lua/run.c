@@ -1,12 +1,12 @@
-/* scene:run{}: scripts that drive. A run object steps on with another scene:run{ to = }; state() and summary() look at
- * it. The run is closed when the script is. */
+/* scene:run{}: runs driven by a script. Another scene:run{ to = } advances the run object further; state() and
+ * summary() read it. The run is closed with the script. */
 #include "core/lua/internal.h"
 
 const char hk_lua_run_type[] = "hooke.run";
-enum { CALL_COST = 100 }; /* of scene:run in the script's budget of instructions: an endless loop of it ends */
+enum { CALL_COST = 100 }; /* instructions charged for scene:run, so that an endless loop of calls ends */
 
 static void set_number(lua_State *L, const char *key, double value) {
-  if (!isfinite(value)) return; /* not known: nil, as null in JSON */
+  if (!isfinite(value)) return; /* an unknown figure is nil, as it is null in JSON */
   lua_pushnumber(L, value);
   lua_setfield(L, -2, key);
 }
@@ -114,7 +114,7 @@ void hk_lua_note_verdict(hk_script *s, hk_run *run) {
   if (severity(now.verdict) > severity(s->worst)) s->worst = now.verdict;
 }
 
-/* To time `to`. At the end the run is closed, and so has its verdict; going on from there does nothing. */
+/* Advances to time `to`. At its end the run is closed and judged; a later call does nothing. */
 static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double to, hk_error *error) {
   hk_status status = slot->run ? HK_OK : hk_run_open(slot->scene, options, &slot->run, error);
   if (status != HK_OK) return status;
@@ -153,7 +153,7 @@ int hk_lua_scene_run(lua_State *L) {
   hk_lua_slot **holder = lua_newuserdatauv(L, sizeof *holder, 1);
   *holder = slot;
   lua_pushvalue(L, 1);
-  lua_setiuservalue(L, -2, 1); /* alive as long as this */
+  lua_setiuservalue(L, -2, 1); /* keeps the scene alive as long as the run */
   luaL_setmetatable(L, hk_lua_run_type);
   return 1;
 }

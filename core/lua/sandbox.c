@@ -1,5 +1,6 @@
 /* The sandbox: the environment that scenes run in. It holds the harmless part of Lua's library, `hooke` and `param`.
- * What it lacks on purpose says so when it is used; a name that does not exist is an error that offers the nearest. */
+ * Using a function that is excluded on purpose is an error that says so; using a name that does not exist is an error
+ * that suggests the nearest name. */
 #include "core/lua/internal.h"
 
 #include <stdio.h>
@@ -16,7 +17,7 @@ static int refuse_call(lua_State *L) {
   return refuse(L);
 }
 
-/* A stand-in for a library: using any member of it is refused by name. */
+/* Replaces a library by a table whose members raise an error with their name. */
 static void forbid_library(lua_State *L, const char *name) {
   lua_newtable(L);
   lua_createtable(L, 0, 2);
@@ -35,7 +36,7 @@ static void forbid_function(lua_State *L, const char *name) {
   lua_setfield(L, -2, name);
 }
 
-/* Finalizers run where no limit reaches them, so scenes may not have any. */
+/* Finalizers run outside the script's limits, so scenes may not define any. */
 static int set_metatable(lua_State *L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   if (!lua_isnil(L, 2)) luaL_checktype(L, 2, LUA_TTABLE);
@@ -81,7 +82,8 @@ static void mark_module(lua_State *L, const char *name, const void *mark) {
   lua_setfield(L, lua_upvalueindex(2), name);
 }
 
-/* The second upvalue holds the modules loaded; one that is being loaded is marked, so that a circle is seen. */
+/* The second upvalue holds the modules loaded; a module that is being loaded is marked, so that circular loading is
+ * detected. */
 static int require_module(lua_State *L) {
   static const char loading;
   const hk_script *s = hk_lua_script(L);
@@ -111,7 +113,7 @@ static const char *key_at(const void *context, size_t k) {
   return k < list->count ? list->key[k] : NULL;
 }
 
-/* __index of the environment: the name does not exist. */
+/* __index of the environment: raises the error of a name that does not exist. */
 static int undefined(lua_State *L) {
   if (lua_type(L, 2) != LUA_TSTRING) return 0;
   const char *name = lua_tostring(L, 2);
@@ -137,7 +139,7 @@ static void copy_table(lua_State *L, const char *name, const char *without) {
   lua_setfield(L, -2, name);
 }
 
-/* Methods of strings are those of the sandbox's own table. The environment is on top. */
+/* Makes the sandbox's own table the methods of strings. The environment is on top of the stack. */
 static void seal_strings(lua_State *L) {
   lua_pushliteral(L, "");
   lua_getmetatable(L, -1);

@@ -1,5 +1,5 @@
-/* hooke.scene{} and its methods. A method checks its arguments, calls hk_scene_*, and raises what that refuses with
- * the script's line in front. */
+/* hooke.scene{} and its methods. A method checks its arguments, calls hk_scene_*, and raises an error of that function
+ * prefixed by the script's line. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
@@ -18,9 +18,9 @@ static void check(lua_State *L, hk_status status, const hk_error *error) {
 
 /* ---- plugins ---- */
 
-/* "auto": none is named. The run takes the solver that suits its forces and its size; the integrator is chosen by
- * measuring, before. */
-static void forget(lua_State *L, hk_scene *scene, hk_kind kind, int params) {
+/* "auto": the scene names no plugin of the kind. The run chooses the solver by its forces and its size; the integrator
+ * is chosen by a benchmark before the run. */
+static void clear_choice(lua_State *L, hk_scene *scene, hk_kind kind, int params) {
   hk_specs *list = &scene->plugin[kind];
   lua_pushnil(L);
   if (params && lua_istable(L, params) && lua_next(L, params))
@@ -31,7 +31,7 @@ static void forget(lua_State *L, hk_scene *scene, hk_kind kind, int params) {
 
 static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
   if ((kind == HK_SOLVER || kind == HK_INTEGRATOR) && strcmp(name, "auto") == 0) {
-    forget(L, scene, kind, params);
+    clear_choice(L, scene, kind, params);
     return NULL;
   }
   if (kind == HK_INTEGRATOR) scene->integrator_auto = false;
@@ -51,7 +51,7 @@ static int add_kind(lua_State *L) {
   hk_kind kind = (hk_kind)lua_tointeger(L, lua_upvalueindex(1));
   hk_scene *scene = editable(L);
   const char *name = luaL_checkstring(L, 2);
-  if (kind == HK_OUTPUT && hk_lua_script(L)->run_options.no_output) return 0; /* not even loaded */
+  if (kind == HK_OUTPUT && hk_lua_script(L)->run_options.no_output) return 0; /* the output is not even loaded */
   lua_settop(L, 3);
   add(L, scene, kind, name, 3);
   return 0;
@@ -70,7 +70,7 @@ static void choose(lua_State *L, hk_scene *scene, hk_kind kind, const char *key)
     add(L, scene, kind, lua_tostring(L, value), 0);
   else if (lua_istable(L, value) && lua_rawgeti(L, value, 1) == LUA_TSTRING) {
     const char *name = lua_tostring(L, -1);
-    lua_newtable(L); /* the named ones are the parameters */
+    lua_newtable(L); /* the entries with string keys are the parameters */
     for (lua_pushnil(L); lua_next(L, value); lua_pop(L, 1)) {
       if (lua_type(L, -2) != LUA_TSTRING) continue;
       lua_pushvalue(L, -2);
@@ -143,11 +143,23 @@ static void pin_options(lua_State *L, hk_pin_spec *spec) {
   spec->release = hk_lua_field_number(L, 3, "pin", "release", INFINITY);
 }
 
+/* scene:pin { 1, path = f } would pin particle 1 for good. */
+static void refuse_options_among_ids(lua_State *L) {
+  if (!lua_isnoneornil(L, 3) && !lua_istable(L, 3))
+    hk_lua_fail(L, HK_BAD_PARAM, "pin: options are a table, scene:pin(ids, { path = f }), got %s", luaL_typename(L, 3));
+  if (!lua_istable(L, 2)) return;
+  for (lua_pushnil(L); lua_next(L, 2); lua_pop(L, 1))
+    if (lua_type(L, -2) == LUA_TSTRING)
+      hk_lua_fail(L, HK_BAD_PARAM, "pin: '%s' is no particle; options are a second table, scene:pin(ids, { %s = ... })",
+                  lua_tostring(L, -2), lua_tostring(L, -2));
+}
+
 static int pin(lua_State *L) {
   hk_scene *target = editable(L);
   hk_error error = {0};
   hk_pin_spec spec = {.kind = HK_PIN_FIXED, .release = INFINITY};
   lua_settop(L, 3);
+  refuse_options_among_ids(L);
   const double *ids = hk_lua_to_ids(L, 2, &spec.count);
   if (!ids) return hk_lua_fail(L, HK_BAD_PARAM, "pin: expected particle ids, scene:pin { 1, 2 }");
   spec.id = lua_newuserdatauv(L, (spec.count + 1) * sizeof *spec.id, 0);
@@ -158,7 +170,7 @@ static int pin(lua_State *L) {
     spec.id[k] = (uint32_t)ids[k];
   }
   if (lua_istable(L, 3)) pin_options(L, &spec);
-  spec.where = (char *)(uintptr_t)hk_lua_where(L); /* copied */
+  spec.where = (char *)(uintptr_t)hk_lua_where(L); /* hk_scene_add_pin copies it */
   check(L, hk_scene_add_pin(target, &spec, &error), &error);
   return 0;
 }
@@ -253,7 +265,7 @@ static int start(lua_State *L) {
   return 0;
 }
 
-/* An unknown method offers the nearest. */
+/* An unknown method is an error that suggests the nearest name. */
 static const char *method_at(const void *context, size_t k) {
   const luaL_Reg *list = context;
   return list[k].name;
@@ -268,7 +280,7 @@ static int unknown_method(lua_State *L) {
                                  {"exact", NULL},      {"start", NULL},     {"run", NULL},      {"force", NULL},
                                  {"constraint", NULL}, {"corrector", NULL}, {"source", NULL},   {"integrator", NULL},
                                  {"solver", NULL},     {"output", NULL},    {"particle", NULL}, {"particles", NULL},
-                                 {"grid", NULL},       {"strand", NULL},    {"mesh", NULL},     {NULL, NULL}};
+                                 {"grid", NULL},       {"strand", NULL},    {"mesh", NULL},     {"service", NULL}, {NULL, NULL}};
   const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, all);
   if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);

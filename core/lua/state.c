@@ -1,5 +1,5 @@
-/* `state`, what callbacks of a script see of a run: t, n, position(id) and so on. It holds the scene; in a function
- * that a run calls it is the state of that run, else of the one that the script drives. */
+/* The object `state`, through which callbacks of a script read a run: t, n, position(id) and so on. It refers to the
+ * scene; in a function that a run calls it reads that run, otherwise the run that the script drives. */
 #include "core/lua/internal.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
-/* Opening and closing a script: the one file that knows all others of the face. It makes the Lua state, registers every
- * library, runs the file in its sandbox and keeps the scene that it returns. A tool's state differs in two things: it
- * has full rights, and the room above registers what only tools have. */
+/* Opening and closing a script: the one file of core/lua that includes all others. It makes the Lua state, registers
+ * every library, runs the file in its sandbox and keeps the scene that it returns. A tool's state differs in two
+ * things: it has full rights, and core/tools registers the functions that only tools have. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
@@ -28,7 +28,7 @@ static bool set_names(hk_script *s, const char *path) {
   return s->path && s->name && s->folder;
 }
 
-/* A script without its file run: limits and Lua state, no libraries. NULL: no memory. */
+/* Makes a script whose file is not run yet: limits and Lua state, no libraries. NULL: no memory. */
 static hk_script *new_script(const char *path, const hk_script_options *options) {
   hk_script *s = calloc(1, sizeof *s);
   if (!s) return NULL;
@@ -53,7 +53,7 @@ static int prepare(lua_State *L) {
   return 1;
 }
 
-/* What a script that drove left open ends with it. */
+/* Closes the runs that the script left open. */
 static hk_status close_runs(hk_script *s, hk_error *error) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < s->slots; k++) {
@@ -79,7 +79,7 @@ static hk_status run_script(hk_script *s, hk_error *error) {
   if (returned) s->returned = returned->slot;
   for (size_t k = 0; k < s->slots; k++) s->slot[k]->scene->frozen = true;
   lua_settop(L, 0);
-  lua_gc(L, LUA_GCCOLLECT, 0); /* lists of edges, which the plugins have copied, before the run asks for memory */
+  lua_gc(L, LUA_GCCOLLECT, 0); /* frees lists of edges, which the plugins have copied, before the run allocates */
   if (s->returned) return HK_OK;
   if (s->drove) return close_runs(s, error);
   return hk_error_set(error, HK_SCRIPT, "%s returned no scene: end it with 'return scene'", s->name);

@@ -1,5 +1,5 @@
-/* From Lua values to parameters: the plugin's table says what is wanted, hk_spec_set checks it. The options that
- * every force has (only, group, from, to) are filled in here; `label` was read before. */
+/* Conversion of Lua values to parameters: the plugin's table gives the type, hk_spec_set checks the value. The options
+ * that every force has (only, group, from, to) are set here; `label` was read before. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
@@ -72,7 +72,7 @@ void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *co
   }
 }
 
-/* A list of numbers, as a block left on the stack; NULL: it is not one. */
+/* Converts a list of numbers to a block on the Lua stack; NULL: the value is no such list. */
 static double *to_numbers(lua_State *L, int index, size_t *count) {
   if (!lua_istable(L, index)) return NULL;
   *count = lua_rawlen(L, index);
@@ -86,7 +86,7 @@ static double *to_numbers(lua_State *L, int index, size_t *count) {
   return list;
 }
 
-/* A list of lists of `arity` ids, as a block left on the stack. False: it is not one. */
+/* Converts a list of lists of `arity` ids to a block on the Lua stack. False: the value is no such list. */
 static bool to_tuples(lua_State *L, int index, unsigned arity, hk_value *value) {
   if (!lua_istable(L, index)) return false;
   size_t count = lua_rawlen(L, index);
@@ -107,7 +107,7 @@ static bool to_tuples(lua_State *L, int index, unsigned arity, hk_value *value) 
   return fine;
 }
 
-/* The value at `index` as parameter p wants it; what it points to is on the Lua stack. */
+/* Converts the value at `index` to the type of parameter p; memory that the result points to is on the Lua stack. */
 static hk_value to_value(lua_State *L, int index, const hk_param *p, const char *label) {
   hk_value value = {.kind = HK_VALUE_NUMBER};
   const hk_lua_edges *edges;

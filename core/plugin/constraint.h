@@ -5,7 +5,7 @@
 #include "core/plugin/force.h"
 
 enum {                  /* hk_constraint.flags */
-       HK_ONE_SIDED = 1 /* g >= 0: pushes, never pulls; an equation rests while g > 0 */
+       HK_ONE_SIDED = 1 /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
 };
 
 /* `count` equations whose value is in metres. */
@@ -14,13 +14,14 @@ typedef struct hk_constraint {
   unsigned flags;
   size_t (*count)(void *self);
   /* Names the blocks (equation, particle) of J = dg/dx, once per topology and after a change by `update`; J[b] is the
-   * b-th, 1 x 3. */
+   * b-th block, 1 x 3. */
   void (*pattern)(void *self, hk_pattern *pattern);
   hk_status (*value)(void *self, const hk_view *view, double *g);
   hk_status (*jacobian)(void *self, const hk_view *view, double (*J)[3]);
   hk_status (*curvature)(void *self, const hk_view *view, double *c); /* c = d^2 g/dt^2 - J a, m/s^2 */
   hk_status (*speed)(void *self, const hk_view *view, double *gt);    /* dg/dt at fixed x, m/s; NULL: 0 */
-  /* At the start of every step: *changed, false on entry, when count or pattern are others than before. NULL. */
+  /* Called at the start of every step; sets *changed, false on entry, when count or pattern differ from before. May be
+   * NULL. */
   hk_status (*update)(void *self, const hk_view *view, bool *changed);
 } hk_constraint;
 

@@ -1,23 +1,23 @@
-/* Correctors: they repair x and v after a step. */
+/* Correctors: they modify x and v after a step. */
 #ifndef HK_PLUGIN_CORRECTOR_H
 #define HK_PLUGIN_CORRECTOR_H
 
 #include "core/plugin/model.h"
 
 enum {                      /* hk_corrector.flags */
-       HK_WANTS_BEFORE = 1, /* fill x_before */
-       HK_REPORTS_WORK = 2, /* `work` is filled: the energy balance stays known */
-       HK_MAY_REJECT = 4    /* `reject` is looked at */
+       HK_WANTS_BEFORE = 1, /* the host fills x_before */
+       HK_REPORTS_WORK = 2, /* the corrector fills `work`, so the energy balance stays known */
+       HK_MAY_REJECT = 4    /* the host reads `reject` */
 };
 
 typedef struct hk_correction {
   double h;               /* s, length of the step just taken */
   const double *x_before; /* n x 3, positions before the step; NULL without HK_WANTS_BEFORE */
-  double *x;              /* n x 3, to repair; pins and constraints are imposed again afterwards */
+  double *x;              /* n x 3, to be modified; pins and constraints are imposed again afterwards */
   double *v;              /* n x 3 */
-  bool changed;           /* set when anything was changed: integrators then drop their history */
-  double work;            /* J, energy that the correction gave to the scene (negative: took) */
-  bool reject;            /* the step is to be taken back and tried with half the length */
+  bool changed;           /* to be set when x or v was changed: integrators then reset their history */
+  double work;            /* J, change of the scene's energy by the correction */
+  bool reject;            /* the host is to repeat the step with half its length */
 } hk_correction;
 
 typedef struct hk_corrector {

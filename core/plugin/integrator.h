@@ -12,11 +12,11 @@ enum { /* hk_integrator.flags */
        HK_ADAPTIVE = 2,
        HK_SYMPLECTIC = 4,
        HK_NEEDS_JACOBIAN = 8,
-       HK_REVERSIBLE = 16,  /* returns when velocities are reversed */
+       HK_REVERSIBLE = 16,  /* a run with reversed velocities returns to the start */
        HK_NEEDS_SOLVER = 32 /* calls factorize and solve; HK_NEEDS_JACOBIAN implies it */
 };
 
-typedef enum hk_reason { /* why the host calls reset */
+typedef enum hk_reason { /* the reason why the host calls `reset` */
                          HK_PARTICLES_CHANGED,
                          HK_STATE_CHANGED, /* a corrector, an event or a release changed x, v or the forces */
                          HK_STEP_CHANGED   /* the next h differs from the last (fixed-step methods) */
@@ -24,11 +24,11 @@ typedef enum hk_reason { /* why the host calls reset */
 
 typedef struct hk_step {
   double h;      /* s, the step taken */
-  double h_next; /* s, what it would take next; fixed-step methods leave it */
+  double h_next; /* s, the step proposed next; fixed-step methods do not set it */
   double error;  /* error estimate relative to the tolerance (1 = just met), or NAN when there is none */
 } hk_step;
 
-/* A method for dX/dt = f(X, t). It sees the scene through hk_system alone. */
+/* A method for dX/dt = f(X, t). It accesses the scene through hk_system only. */
 typedef struct hk_integrator {
   size_t size;
   int order;
@@ -38,25 +38,25 @@ typedef struct hk_integrator {
    * with the parameters of `self`;
    * on y' = -k y, a channel, it is amplification(0, h k) (which is never below 1: x'' = -g x' keeps a constant). */
   double (*amplification)(const void *self, double hw, double hg);
-  /* Advances s->X from s->t by one step, h or shorter, never beyond t_stop; fixed-step methods take h exactly.
-   * The host moves s->t. After HK_NOT_CONVERGED s->X is as it was, for the host may try a smaller step; after any other
+  /* Advances s->X from s->t by one step, h or shorter, never beyond t_stop; fixed-step methods take h exactly. The host
+   * moves s->t. After HK_NOT_CONVERGED s->X must be unchanged, since the host may try a smaller step; after any other
    * failure the run ends. */
   hk_status (*step)(void *self, hk_system *s, double t_stop, double h, hk_step *out);
-  void (*reset)(void *self, hk_reason why); /* history and cached forces are void; NULL: keeps none */
-  /* One sentence why it cannot be used in a scene with constraints; NULL: it can. */
+  void (*reset)(void *self, hk_reason why); /* history and cached forces are invalid; NULL: the method keeps none */
+  /* One sentence that says why the method cannot be used with constraints; NULL: it can. */
   const char *without_constraints;
 } hk_integrator;
 
 /* ---- The system ------------------------------------------------------------------------------------------------ */
 
-/* A force as methods that split the sum see it. */
+/* Data of one force for methods that split the sum of forces. */
 typedef struct hk_force_info {
   const char *label;
   unsigned flags; /* hk_force.flags */
   bool jacobian, elements;
 } hk_force_info;
 
-/* X = (x, v, y): x is n x 3, v is n x 3 at X + 3n, y the rest: channels, and last the work done on the scene by pins
+/* X = (x, v, y): x is n x 3, v is n x 3 at X + 3n, y follows: the channels, and last the work done on the scene by pins
  * and non-conservative forces (J), which is integrated like a channel so that the energy balance has the method's
  * order. Every evaluation first imposes the pins of time t on the x and v it is given. */
 struct hk_system {
@@ -67,46 +67,47 @@ struct hk_system {
   size_t n, size; /* size = 6n + number of y, the latter at least 1 */
   unsigned flags; /* HK_DEPENDS_ON_... of all forces together */
   double tol;     /* relative tolerance asked for (adaptive methods), > 0 */
-  /* a = dv/dt (n x 3, m/s^2) with constraint forces and pins in it, and dy = dy/dt. x and v: n x 3. */
+  /* a = dv/dt (n x 3, m/s^2) with pins and constraint forces, and dy = dy/dt. x and v: n x 3. */
   hk_status (*accelerations)(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy);
   hk_status (*rates)(hk_system *, double t, double *X, double *dX); /* the whole f(X, t) */
   hk_status (*energy)(hk_system *, double t, const double *X, double *kinetic, double *potential);
-  void (*impose)(hk_system *, double t, double *x, double *v); /* the pins of time t */
-  void (*filter)(hk_system *, double *vector);                 /* n x 3: zeroes what pins do not allow */
+  void (*impose)(hk_system *, double t, double *x, double *v); /* imposes the pins of time t */
+  void (*filter)(hk_system *, double *vector);                 /* n x 3: zeroes the directions that pins forbid */
   /* K = -dF/dx, D = -dF/dv at (t, x, v), 3x3 blocks with one common pattern that holds the whole diagonal; not
-   * filtered, without masses. `want`: HK_WANT_...; K->symmetric says what came of it. Valid until the next call. */
+   * filtered, without masses. `want`: HK_WANT_...; K->symmetric says whether the blocks are symmetric. Valid until the
+   * next call. */
   hk_status (*jacobian)(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
-  /* The scene's solver for A as `combine` made it. In a scene with constraints, b is a force and x satisfies
-   * J x = J M^-1 b beside A x + J^T lambda = b, J being that of the last evaluation. `analyze` is called by the host
-   * when the pattern (row_start, column) is another one. */
+  /* Factorizes A, as `combine` made it, by the scene's solver. In a scene with constraints, b is a force and x
+   * satisfies J x = J M^-1 b beside A x + J^T lambda = b, J being that of the last evaluation. The host calls `analyze`
+   * when the pattern (row_start, column) has changed. */
   hk_status (*factorize)(hk_system *, const hk_matrix *A);
   hk_status (*solve)(hk_system *, const double *b, double *x, hk_solve_info *info);
-  /* A = m M + d D + k K of the last `jacobian`, with the pins in it: A = S (m M + d D + k K) S + s (I - S), where S is
-   * `filter` and s a number of the size of the diagonal, so that the solution for a filtered right-hand side is what
-   * the pins allow (up to rounding on slides: filter it). Valid until the next call. */
+  /* A = m M + d D + k K of the last `jacobian`, with the pins: A = S (m M + d D + k K) S + s (I - S), where S is
+   * `filter` and s a number of the size of the diagonal, so that the solution for a filtered right-hand side satisfies
+   * the pins (up to rounding on slides: filter it). Valid until the next call. */
   hk_status (*combine)(hk_system *, double m, double d, double k, hk_matrix *A);
-  /* HK_SOLVES_... of the scene's solver, which is chosen by now: the direct one for symmetric matrices, unless a force
-   * has an unsymmetric Jacobian only, or the scene is very large. */
+  /* The flags HK_SOLVES_... of the scene's solver, which is already chosen: the direct one for symmetric matrices,
+   * unless a force has an unsymmetric Jacobian only, or the scene is very large. */
   hk_status (*solver_flags)(hk_system *, unsigned *flags);
   hk_status (*solve_columns)(hk_system *, const double *b, double *x, size_t columns); /* as hk_solver's */
-  /* The forces in the scene's order, and which of them evaluations, energies and Jacobians take in. All are taken in
+  /* The forces in the scene's order, and which of them evaluations, energies and Jacobians include. All are included
    * when a step begins; a method that splits the sum sets `takes` before its calls. */
   size_t forces;
   const hk_force_info *force;
   bool *takes;
-  bool takes_channels; /* the channels' own rates */
-  size_t equations;    /* of the constraints that act */
-  /* hk_force.update of all forces, from X to the positions x_to (n x 3): before a line search. */
+  bool takes_channels; /* whether evaluations include the channels' own rates */
+  size_t equations;    /* number of equations of the acting constraints */
+  /* Calls hk_force.update of all forces, from X to the positions x_to (n x 3); before a line search. */
   hk_status (*update)(hk_system *, double t, const double *X, const double *x_to);
   double (*step_limit)(hk_system *, double t, const double *X,
-                       const double *dx); /* the least of all forces, in (0, 1] */
-  /* J at time t, of the forces taken that have an energy, those with timed parameters included. */
+                       const double *dx); /* the minimum over all forces, in (0, 1] */
+  /* The potential energy in J at time t of the included forces that have an energy, also of those with timed
+   * parameters. */
   hk_status (*potential)(hk_system *, double t, const double *X, double *joule);
-  /* dF = (dF/dx) dx + (dF/dv) dv of the forces taken (n x 3): by `product`, where a force has it, else by its blocks.
-   */
+  /* dF = (dF/dx) dx + (dF/dv) dv of the included forces (n x 3), by a force's `product` or else by its blocks. */
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
-  /* block[i] as in hk_force.stiffness_bound, summed over the forces that act and have one. `stiffening`: of those with
-   * HK_STIFFENS alone. False: a force that acts and depends on x has none. */
+  /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
+   * HK_STIFFENS only. False: an acting force that depends on x states no bound. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
 };
 

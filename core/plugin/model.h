@@ -1,11 +1,12 @@
-/* Who is in a scene: what is constant during a step. Comes with core/plugin.h, as the other headers of this folder. */
+/* The model of a scene: the data of its particles that are constant during a step. core/plugin.h includes this header,
+ * like the others of this folder. */
 #ifndef HK_PLUGIN_MODEL_H
 #define HK_PLUGIN_MODEL_H
 
 typedef enum hk_pin {
   HK_FREE,
   HK_PIN_FIXED,
-  HK_PIN_PATH, /* follows a script; F on it changes nothing */
+  HK_PIN_PATH, /* follows a path of the script; forces on it have no effect */
   HK_PIN_LINE, /* slides along a line */
   HK_PIN_PLANE /* slides in a plane */
 } hk_pin;
@@ -16,12 +17,14 @@ typedef struct hk_channel {
   size_t offset; /* its values are y + offset * n, n x size */
 } hk_channel;
 
-/* A field that a plugin publishes (HK_PUBLISHED): a density, a number of neighbours, as of its last evaluation. */
+/* A field that a plugin publishes (HK_PUBLISHED): a density, a number of neighbours, as of its last evaluation: in a
+ * force the present one for forces further down in the scene. Listed before the first `create` (a service's after the
+ * last), so look for it there and keep `values`, which stays; *values moves when particles are born or die. */
 typedef struct hk_publication {
-  const char *name;            /* of the field */
-  const char *label;           /* of the plugin */
+  const char *name;            /* name of the field */
+  const char *label;           /* label of the plugin */
   size_t width;                /* numbers per particle */
-  const double *const *values; /* *values: n x width */
+  const double *const *values; /* *values: n x width; NULL before the plugin's own `create` */
 } hk_publication;
 
 struct hk_model {
@@ -35,8 +38,8 @@ struct hk_model {
   const char *const *group_name;
   size_t channels;
   const hk_channel *channel;
-  hk_tuples edges, triangles; /* the scene's, of builders' grids, strands and meshes: for pictures and collisions */
-  size_t element_lists;       /* of the forces that offer their elements */
+  hk_tuples edges, triangles; /* of the scene's grids, strands and meshes, for pictures and collisions */
+  size_t element_lists;       /* number of lists, one for each force with elements */
   const struct hk_element_list *element_list;
   size_t publications;
   const hk_publication *published;

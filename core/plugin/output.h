@@ -1,4 +1,4 @@
-/* Outputs: they watch and change nothing. */
+/* Outputs: they read the state at frames and do not change it. */
 #ifndef HK_PLUGIN_OUTPUT_H
 #define HK_PLUGIN_OUTPUT_H
 
@@ -10,8 +10,8 @@ typedef struct hk_frame {
   size_t index; /* 0 is the start */
   size_t steps; /* taken so far */
   double fps;
-  double kinetic, potential, work;         /* J; potential: of the forces that have an energy; work: of pins and
-                                              non-conservative forces since the start (the energy that should have come in) */
+  double kinetic, potential, work;         /* J; potential: of the forces that have an energy; work: done by pins and
+                                              non-conservative forces since the start */
   double momentum[3], angular_momentum[3]; /* kg m/s, kg m^2/s about the origin */
   size_t measures;
   const char *const *measure_name;
@@ -19,7 +19,7 @@ typedef struct hk_frame {
 } hk_frame;
 
 /* `view` in the calls of an output is at the frame's time. Between open and close the scene may gain and lose
- * particles. `close` is called once for each open that succeeded, whatever the verdict. */
+ * particles. `close` is called once for each open that succeeded, for any verdict. */
 typedef struct hk_output {
   size_t size;
   hk_status (*open)(void *self, const hk_view *view, const hk_frame *frame); /* before frame 0, same state; NULL */

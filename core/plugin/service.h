@@ -1,5 +1,6 @@
-/* Services: what several plugins share through host->query("NAME/1"). The plugin is plugins/services/NAME; one instance
- * serves a run, made when it is first asked for. */
+/* Services: functions that several plugins share through host->query("NAME/1"). One instance serves a run: the scene's
+ * own of that interface (scene:service, with parameters), or else plugins/services/NAME. It is made at the first query
+ * in a plugin's `create`; when that fails, `query` returns NULL and the run does not open. */
 #ifndef HK_PLUGIN_SERVICE_H
 #define HK_PLUGIN_SERVICE_H
 
@@ -8,28 +9,33 @@
 typedef struct hk_service {
   size_t size;
   const char *interface;            /* "neighbours/1": the name and version that `query` asks for */
-  const void *(*table)(void *self); /* what `query` answers, valid as long as the run; after `create` */
+  const void *(*table)(void *self); /* the result of `query`, valid as long as the run; called after `create` */
 } hk_service;
 
 /* ---- "neighbours/1" -------------------------------------------------------------------------------------------- */
 
-/* Pairs of particles closer than a radius, by cell lists with a skin: found again only when a particle has moved by
- * half the skin. The same for any number of threads. */
+/* Pairs of particles closer than a radius, in a list with a skin that all clients share. The search is repeated only
+ * when a particle has moved by half the skin, after births and deaths, or when the radius grew. The pairs within a
+ * client's own radius and their order do not depend on when that was, nor on the number of threads: sums over rows that
+ * check the distance have the same bits. */
 typedef struct hk_neighbour_rows {
   size_t n;
   const size_t *row_start; /* n + 1 */
-  const uint32_t *other;   /* row_start[n]: of each i all j != i with |x_i - x_j| < radius + skin, rising; both i's row
+  const uint32_t *other;   /* row_start[n]: of each i all j != i that were closer than `reach`, rising; both i's row
                               has j and j's row has i */
-  double reach;            /* m, radius + skin */
-  uint64_t number;         /* changes when the rows do */
+  double reach;            /* m, the largest radius and its skin */
+  uint64_t number;         /* changes when the rows change; to be compared within one topology */
 } hk_neighbour_rows;
 
 typedef struct hk_neighbours {
   void *self;
-  /* In `create` or `topology`: rows are to reach as far as `radius`, m. The largest that was asked for counts. */
+  /* Called in `create` or `topology`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to 1e150. The
+   * largest request counts, to the end of the run. HK_BAD_PARAM. */
   hk_status (*reach)(void *self, double radius);
-  /* The rows for the positions x (n x 3), valid until the next call; pairs may be up to `reach` apart, so look at the
-   * distance. Callable from `add`, `update` and sources. HK_NO_MEMORY; HK_NOT_FINITE. */
+  /* The rows for the positions x (n x 3), valid until the next call of any client. They hold pairs up to `reach` apart
+   * and, as x has moved since the search, somewhat more: the caller checks the distance. May be called from `add`,
+   * `energy`, `update` and sources, not inside a parallel_for, which it uses. It allocates when there are more pairs
+   * than ever before, by half at least. HK_NO_MEMORY; HK_NOT_FINITE, which names the particle. */
   hk_status (*rows)(void *self, const hk_view *view, const double *x, hk_neighbour_rows *rows);
 } hk_neighbours;
 

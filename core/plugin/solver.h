@@ -12,30 +12,31 @@ typedef struct hk_matrix {
   const uint32_t *column;  /* row_start[rows] */
   double *value;           /* row_start[rows] x block x block */
   bool symmetric;          /* equal to its transpose up to rounding */
-  uint64_t pattern;        /* of row_start and column: the same number, the same pattern; 0: not numbered */
+  uint64_t pattern; /* number of the pattern (row_start and column): equal numbers mean equal patterns; 0: no number */
 } hk_matrix;
 
 typedef struct hk_solve_info {
   int iterations;   /* 0 for direct solvers */
   double residual;  /* |b - A x| / |b| */
-  double tolerance; /* in: the residual that will do, for iterative solvers; 0: the solver's own */
+  double tolerance; /* input for iterative solvers: the residual to reach; 0: the solver's own */
 } hk_solve_info;
 
 enum { /* hk_solver.flags */
        HK_SOLVES_UNSYMMETRIC = 1,
        HK_SOLVES_INDEFINITE = 2,
-       HK_ITERATIVE = 4 /* needs little memory: what the host takes by itself for very many unknowns */
+       HK_ITERATIVE = 4 /* needs little memory: the host's choice for very many unknowns */
 };
 
 typedef struct hk_solver {
   size_t size;
   unsigned flags;
-  hk_status (*analyze)(void *self, const hk_matrix *A);   /* the pattern; once per topology; NULL */
-  hk_status (*factorize)(void *self, const hk_matrix *A); /* the numbers; HK_NOT_CONVERGED: not positive definite */
+  hk_status (*analyze)(void *self, const hk_matrix *A); /* analyses the pattern; once per pattern; may be NULL */
+  /* factorizes the values; HK_NOT_CONVERGED: A is not positive definite */
+  hk_status (*factorize)(void *self, const hk_matrix *A);
   hk_status (*solve)(void *self, const double *b, double *x, hk_solve_info *info); /* b, x: rows x block; b != x */
-  /* Several right-hand sides side by side: b, x: (rows x block) x columns. NULL: the host solves them one by one. */
+  /* Several right-hand sides; b, x: (rows x block) x columns, row-major. NULL: the host solves them one by one. */
   hk_status (*solve_columns)(void *self, const double *b, double *x, size_t columns);
-  /* The libraries in use, "OpenBLAS 0.3.21", at any time after create. NULL: there is none to name. */
+  /* The libraries in use, "OpenBLAS 0.3.21", at any time after create. NULL: the solver uses none. */
   void (*describe)(const void *self, char *text, size_t size);
 } hk_solver;
 

@@ -1,4 +1,4 @@
-/* Sources: they let particles be born and die. */
+/* Sources: they add and remove particles. */
 #ifndef HK_PLUGIN_SOURCE_H
 #define HK_PLUGIN_SOURCE_H
 
@@ -11,17 +11,19 @@ typedef struct hk_birth {
   const double *channel; /* all channel values of the particle in the order of model->channel; NULL: initial ones */
 } hk_birth;
 
-/* Births and deaths asked for in `emit` take effect together when it returns: deaths close ranks in order, births are
- * appended with new ids. Tuples of forces with dead members go with them. */
+/* Births and deaths requested in `emit` take effect together when it returns: dead particles are removed, the others
+ * keep their order, and births are appended with new ids. Tuples with dead members are removed from the forces. */
 typedef struct hk_population hk_population;
 struct hk_population {
   hk_status (*add)(hk_population *, const hk_birth *birth, uint32_t *id); /* id may be NULL */
-  hk_status (*remove)(hk_population *, uint32_t index);                   /* twice the same is once */
+  /* removing a particle twice has no further effect */
+  hk_status (*remove)(hk_population *, uint32_t index);
 };
 
 typedef struct hk_source {
   size_t size;
-  hk_status (*emit)(void *self, const hk_view *view, double h, hk_population *population); /* before a step of h s */
+  /* called before a step of h s */
+  hk_status (*emit)(void *self, const hk_view *view, double h, hk_population *population);
 } hk_source;
 
 #endif

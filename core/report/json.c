@@ -1,4 +1,4 @@
-/* The summary for programs: one JSON object in one line, with the keys of the figure table. */
+/* The summary as JSON: one object in one line, with the keys of the figure table. */
 #include "core/report/report.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* Progress on standard error, while there is something to wait for. */
+/* Progress of a run, printed on standard error. */
 #include "core/report/report.h"
 
 static const double terminal_every = 0.2, pipe_every = 5; /* s */

@@ -1,18 +1,19 @@
-/* The figures of a run, printed: one table (judge/figure_table.c) for people and for programs; and its progress. */
+/* Reports of a run: its figures as text and as JSON, both made from the table in judge/figure_table.c, and its
+ * progress. */
 #ifndef HK_REPORT_H
 #define HK_REPORT_H
 
 #include "core/judge/judge.h"
 #include <stdio.h>
 
-void hk_report_text(FILE *, const hk_summary *, const char *out); /* out: where the outputs are, or NULL */
-void hk_report_json(FILE *, const hk_summary *);                  /* one object, one line; NAN is null */
+void hk_report_text(FILE *, const hk_summary *, const char *out); /* out: the output folder, or NULL */
+void hk_report_json(FILE *, const hk_summary *);                  /* one object in one line; NAN is written as null */
 
 /* progress.c: on standard error, one line that is rewritten on a terminal, or a line every few seconds in a pipe. */
 typedef struct hk_progress {
-  int mode;   /* not above 0: quiet, 1: lines, 2: one line on a terminal */
+  int mode;   /* 0 or less: quiet, 1: lines, 2: one line on a terminal */
   double end; /* s */
-  double at;  /* s, wall: of the last line */
+  double at;  /* s, wall time of the last line */
   bool shown;
 } hk_progress;
 

@@ -1,4 +1,4 @@
-/* The summary for people: a line per label of the figure table; what is not known is left out. */
+/* The summary as text: a line per label of the figure table; unknown figures are omitted. */
 #include "core/report/report.h"
 
 #include <string.h>
@@ -9,7 +9,7 @@ static const char *text_of(const hk_summary *s, const hk_figure *f) {
   return f->type == HK_FIGURE_BUFFER ? field(s, f) : *(const char *const *)field(s, f);
 }
 
-/* Whether there is anything to say; a count that goes on with a line is left out when it is 0. */
+/* Whether a figure is known; a count that continues a line is omitted when it is 0. */
 static bool known(const hk_summary *s, const hk_figure *f) {
   if (f->type == HK_FIGURE_COUNT)
     return f->label || f->offset == offsetof(hk_summary, n) || *(const size_t *)field(s, f);
@@ -26,8 +26,8 @@ static void print(FILE *out, const hk_summary *s, const hk_figure *f) {
     fprintf(out, f->format, text_of(s, f));
 }
 
-/* Constraints that hold are not worth a line. */
-static bool worth_saying(const hk_summary *s, const hk_figure *f) {
+/* Whether a figure gets a line: a constraint violation of 0 is omitted. */
+static bool is_printed(const hk_summary *s, const hk_figure *f) {
   return known(s, f) && !(f->offset == offsetof(hk_summary, constraint_violation) && !(s->constraint_violation > 0));
 }
 
@@ -56,7 +56,7 @@ void hk_report_text(FILE *out, const hk_summary *s, const char *folder) {
     if (!f->format) continue;
     if (f->label && line) fputc('\n', out);
     if (f->label) {
-      line = worth_saying(s, f);
+      line = is_printed(s, f);
       if (line) begin_line(out, s, f, folder);
     }
     if (line && known(s, f)) print(out, s, f);

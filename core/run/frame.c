@@ -1,11 +1,14 @@
-/* A frame: energies and invariants, measures, on_frame, outputs, in this order. */
+/* The work of one frame: energies, momenta and measures, the script's on_frame, the outputs, and the row of
+ * measures.csv, in this order. */
 #include "core/run/run.h"
 
-static hk_status show(hk_run *run, hk_instance *output) {
+static hk_status call_output(hk_run *run, hk_instance *output) {
   hk_view view = hk_instance_view(output, &run->state.view);
   hk_status status = hk_instance_set_time(output, run->state.t, &run->error);
   double begin = hk_clock();
+  const hk_instance *outer = hk_enter(output);
   if (status == HK_OK) status = output->plugin->output->frame(output->self, &view, &run->judgement.last_frame);
+  hk_leave(output, outer);
   output->seconds += hk_clock() - begin;
   output->calls++;
   output->sampled++;
@@ -20,7 +23,7 @@ hk_status hk_run_frame(void *context) {
   hk_status status = hk_figures_take(&run->loop, &run->judgement, run);
   if (status == HK_OK && on_frame->call) status = on_frame->call(on_frame, run, &t, 1, NULL, 0, &got, &run->error);
   for (size_t k = 0; k < run->outputs_open && status == HK_OK; k++)
-    status = show(run, run->plugins.kind[HK_OUTPUT].item[k]);
+    status = call_output(run, run->plugins.kind[HK_OUTPUT].item[k]);
   if (status == HK_OK) status = hk_measures_write(run->measures, t, &run->judgement.last_frame, &run->error);
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
   return status;

@@ -1,6 +1,6 @@
-/* Opening a run, from the inside out: specs become instances, then state, pins, dynamics, solver, constraints, the
- * start state, the step, outputs. Whatever was built when something fails is taken down by hk_run_destroy, which
- * therefore accepts a half-built run. */
+/* Opening a run. Each part is built after the parts that it needs: state, pins, instances of the plugins, dynamics,
+ * solver, constraints, the start state, the step size, the outputs. When one of them fails, hk_run_destroy frees those
+ * that exist; it therefore accepts a partly built run. */
 #include "core/run/run.h"
 
 #include <stdlib.h>
@@ -16,39 +16,63 @@ static hk_status path_of(void *context, const char *name, char *buffer, size_t s
   return hk_folder_path(run->folder, name, buffer, size, &run->error);
 }
 
-static const void *table_of(const hk_instance *service, const char *wanted) {
-  const hk_service *functions = service->plugin->service;
-  bool same = functions->interface && functions->table && strcmp(functions->interface, wanted) == 0;
-  return same ? functions->table(service->self) : NULL;
+static bool serves(const hk_plugin *plugin, const char *wanted) {
+  return plugin->service->interface && strcmp(plugin->service->interface, wanted) == 0;
 }
 
-static hk_plugin_spec *service_spec(hk_run *run, const char *wanted) {
+/* With the parameters that the scene gave; NULL: it names none of that interface. */
+static const hk_plugin_spec *named_service(const hk_run *run, const char *wanted) {
+  const hk_specs *named = &run->scene->plugin[HK_SERVICE];
+  for (size_t k = 0; k < named->count; k++)
+    if (serves(named->item[k]->plugin, wanted)) return named->item[k];
+  return NULL;
+}
+
+static const void *table_of(const hk_instance *service) {
+  const hk_service *functions = service->plugin->service;
+  const hk_instance *outer = hk_enter(service);
+  const void *table = functions->table ? functions->table(service->self) : NULL;
+  hk_leave(service, outer);
+  return table;
+}
+
+static const hk_plugin_spec *found_service(hk_run *run, const char *wanted) {
   char name[64];
   const hk_plugin *plugin;
   hk_error ignored = {0};
   snprintf(name, sizeof name, "%.*s", (int)strcspn(wanted, "/"), wanted);
-  if (hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &ignored) != HK_OK) return NULL;
+  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &ignored);
+  if (status != HK_OK || !serves(plugin, wanted)) return NULL;
   hk_plugin_spec **grown = realloc(run->service_spec, (run->services + 1) * sizeof *grown);
   if (grown) run->service_spec = grown;
-  hk_plugin_spec *spec = grown ? hk_spec_create(plugin, plugin->name, "", &ignored) : NULL;
+  hk_plugin_spec *spec = grown ? hk_spec_create(plugin, plugin->name, "", &run->error) : NULL;
   if (spec) run->service_spec[run->services++] = spec;
   return spec;
 }
 
-/* One instance of each serves the run, started when it is first asked for. */
+/* Each service has one instance per run, which is created and started at the first request. */
 static const void *query(void *context, const char *wanted) {
   hk_run *run = context;
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
-  for (size_t k = 0; k < services->count; k++) {
-    const void *table = table_of(services->item[k], wanted);
-    if (table) return table;
-  }
-  const hk_plugin_spec *spec = service_spec(run, wanted);
+  for (size_t k = 0; k < services->count; k++)
+    if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);
+  const hk_plugin_spec *spec = named_service(run, wanted);
+  if (!spec) spec = found_service(run, wanted);
   hk_instance *service = NULL;
   if (!spec || hk_plugins_add(&run->plugins, spec, &run->shared, &service, &run->error) != HK_OK) return NULL;
   hk_view view = hk_instance_view(service, &run->state.view);
   if (hk_instance_start(service, &view, run->state.size, &run->error) != HK_OK) return NULL;
-  return table_of(service, wanted);
+  return table_of(service);
+}
+
+static void warn_of_unused_services(hk_run *run) {
+  const hk_specs *named = &run->scene->plugin[HK_SERVICE];
+  const hk_instances *used = &run->plugins.kind[HK_SERVICE];
+  for (size_t k = 0; k < named->count; k++) {
+    bool asked = false;
+    for (size_t j = 0; j < used->count; j++) asked |= used->item[j]->spec == named->item[k];
+    if (!asked) hk_warn(&run->warnings, "%s: no plugin of the scene asks for this service", named->item[k]->label);
+  }
 }
 
 static hk_status open_shared(hk_run *run) {
@@ -62,6 +86,7 @@ static hk_status open_shared(hk_run *run) {
   run->shared.path = path_of;
   run->shared.query = query;
   run->shared.context = run;
+  run->shared.acting = run->options.acting;
   run->shared.threads = hk_threads_create(threads);
   if (!run->shared.threads) return hk_error_set(&run->error, HK_FAILED, "cannot start %d threads", threads);
   run->folder = hk_folder_open(run->options.out, scene->name, &run->error);
@@ -88,7 +113,8 @@ static hk_status start_instance(hk_run *run, hk_instance *instance) {
   hk_status status = hk_instance_select(instance, &run->state.model, &run->error);
   if (status == HK_OK) status = hk_instance_set_time(instance, run->state.t, &run->error);
   hk_view view = hk_instance_view(instance, &run->state.view);
-  return status == HK_OK ? hk_instance_start(instance, &view, run->state.size, &run->error) : status;
+  if (status == HK_OK) status = hk_instance_start(instance, &view, run->state.size, &run->error);
+  return run->error.status == HK_OK ? status : run->error.status; /* also of a service that it asked for */
 }
 
 static hk_status start_kind(hk_run *run, hk_kind kind) {
@@ -116,13 +142,14 @@ static hk_status start_plugins(hk_run *run) {
   hk_status status = check_groups(run);
   for (size_t k = 0; k < sizeof order / sizeof *order && status == HK_OK; k++) {
     status = start_kind(run, order[k]);
-    hk_dynamics_refresh(&run->dynamics); /* selections are known now */
+    hk_dynamics_refresh(&run->dynamics); /* the forces' selections of particles are known now */
   }
   if (status == HK_OK) hk_elements_refresh(&run->dynamics);
   return status;
 }
 
-/* Constraints have multipliers, implicit methods matrices: what solves them is opened now, never in a step. */
+/* Constraints need a linear solver for their multipliers, implicit methods for their matrices. The solver is opened
+ * here, so that no step opens a plugin. */
 static hk_status open_linear_systems(hk_run *run) {
   const hk_integrator *method = run->step.method;
   bool constrained = run->plugins.kind[HK_CONSTRAINT].count > 0;
@@ -135,7 +162,7 @@ static hk_status open_linear_systems(hk_run *run) {
   return status == HK_OK && constrained ? hk_constraints_open(&run->dynamics) : status;
 }
 
-/* ---- the parts that know each other ---- */
+/* ---- pointers and hooks between the parts of a run ---- */
 
 static void sample_before(void *context) {
   hk_run *run = context;
@@ -157,11 +184,11 @@ static hk_schedule schedule_of(const hk_run *run) {
   hk_schedule s = {.refine = o->refine, .dt_most = o->dt_most, .step_limit = o->step_limit};
   s.interrupted = o->interrupted;
   if (o->refine && run->dynamics.system.flags & HK_DEPENDS_ON_T)
-    s.part = golden; /* in step with no division of a frame */
+    s.part = golden; /* an irrational part: the cut coincides with no equal division of a frame */
   return s;
 }
 
-static void join(hk_run *run) {
+static void connect_parts(hk_run *run) {
   hk_loop *loop = &run->loop;
   loop->scene = run->scene;
   loop->state = &run->state;
@@ -187,6 +214,7 @@ static void set_method(hk_run *run) {
   run->step.method = integrator->plugin->integrator;
   run->step.method_name = integrator->plugin->name;
   run->step.parameters = integrator->self;
+  run->step.integrator = integrator;
   run->step.fps = run->scene->fps;
   run->step.dt_limit = run->step.limit_now = NAN;
   run->dynamics.system.host = &integrator->host;
@@ -202,16 +230,18 @@ static hk_status open_outputs(hk_run *run) {
   while (status == HK_OK && run->outputs_open < outputs->count) {
     hk_instance *output = outputs->item[run->outputs_open];
     hk_view view = hk_instance_view(output, &run->state.view);
+    const hk_instance *outer = hk_enter(output);
     if (output->plugin->output->open)
       status = output->plugin->output->open(output->self, &view, &run->judgement.last_frame);
+    hk_leave(output, outer);
     if (status == HK_OK) run->outputs_open++;
   }
   return status;
 }
 
-static hk_status show_start(hk_run *run) {
+static hk_status first_frame(hk_run *run) {
   if (run->resumed) return open_outputs(run);
-  hk_status status = hk_figures_take(&run->loop, &run->judgement, run); /* an output's open sees those of the start */
+  hk_status status = hk_figures_take(&run->loop, &run->judgement, run); /* for the `open` of outputs */
   if (status == HK_OK) status = open_outputs(run);
   return status == HK_OK ? hk_loop_frame(&run->loop) : status;
 }
@@ -225,6 +255,13 @@ static hk_status impose_start(hk_run *run) {
   if (status == HK_OK && run->dynamics.constraints && !run->resumed)
     status = hk_constraints_project(&run->dynamics, s->t, x, v);
   return status;
+}
+
+/* A checkpoint has its step with it, unless another one is asked for now. */
+static bool goes_on_with_its_step(const hk_run *run, double given) {
+  const hk_step_choice *step = &run->step;
+  if (!run->resumed || step->method->flags & HK_ADAPTIVE) return run->resumed;
+  return isnan(given) ? step->chosen : !step->chosen && given == step->dt;
 }
 
 static hk_status start(hk_run *run) {
@@ -241,9 +278,9 @@ static hk_status start(hk_run *run) {
   hk_elements_refresh(&run->dynamics);
   status = impose_start(run);
   double limit = run->step.dt_limit;
-  if (status == HK_OK) status = hk_step_choose(&run->step, &run->dynamics, run->resumed ? run->step.dt : given);
+  if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);
   if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
-  return status == HK_OK ? show_start(run) : status;
+  return status == HK_OK ? first_frame(run) : status;
 }
 
 static hk_status build(hk_run *run) {
@@ -260,10 +297,12 @@ static hk_status build(hk_run *run) {
   status = hk_dynamics_open(&run->dynamics, run->scene, &run->state, &run->pins, &run->plugins, &run->shared);
   if (status != HK_OK) return status;
   set_method(run);
-  join(run);
+  connect_parts(run);
   status = hk_judgement_open(&run->judgement, run->scene, &run->error);
   if (status == HK_OK) status = start_plugins(run);
   if (status == HK_OK) status = open_linear_systems(run);
+  if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
+  warn_of_unused_services(run);
   return status == HK_OK ? start(run) : status;
 }
 

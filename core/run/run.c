@@ -1,4 +1,4 @@
-/* A run that goes on, ends and is asked about. */
+/* Advancing a run, closing it, and the queries about its state and results. */
 #include "core/run/run.h"
 
 #include <stdlib.h>
@@ -26,8 +26,10 @@ static hk_status close_outputs(hk_run *run) {
   for (size_t k = 0; k < run->outputs_open; k++) {
     hk_instance *output = run->plugins.kind[HK_OUTPUT].item[k];
     double begin = hk_clock();
+    const hk_instance *outer = hk_enter(output);
     hk_status status =
         output->plugin->output->close ? output->plugin->output->close(output->self, run->judgement.verdict) : HK_OK;
+    hk_leave(output, outer);
     output->seconds += hk_clock() - begin;
     if (first == HK_OK) first = status;
   }
@@ -39,12 +41,14 @@ hk_status hk_run_close(hk_run *run, hk_error *error) {
   if (run->closed) return HK_OK;
   run->closed = true;
   run->error = (hk_error){0};
+  hk_status judged = HK_OK;
   if (run->judgement.verdict == HK_RUNNING && run->loop.first_step_at > 0)
-    hk_judge(&run->loop, &run->judgement, &run->asked);
+    judged = hk_judge(&run->loop, &run->judgement, &run->asked);
   double begin = hk_clock();
   hk_status status = close_outputs(run);
   run->loop.output_seconds += hk_clock() - begin;
   hk_progress_end(&run->progress);
+  if (judged != HK_OK) status = judged;
   return status == HK_OK ? HK_OK : hk_error_set(error, status, "%s", run->error.text);
 }
 
@@ -99,10 +103,10 @@ hk_status hk_run_force(hk_run *run, const char *label, uint32_t id, double force
   if (!hk_run_index(run, id, &index)) return hk_error_set(error, HK_BAD_PARAM, "there is no particle %u", id);
   double *F = calloc(3 * n, sizeof *F);
   if (!F) return hk_error_set(error, HK_NO_MEMORY, "no memory for the forces");
-  bool fine = !run->dynamics.force_acts[k] || hk_probe_force(&run->dynamics, k, run->state.X, n, F);
+  bool evaluated = !run->dynamics.force_acts[k] || hk_probe_force(&run->dynamics, k, run->state.X, n, F);
   memcpy(force, F + 3 * index, 3 * sizeof *force);
   free(F);
-  return fine ? HK_OK : hk_error_set(error, HK_FAILED, "the force '%s' failed", label);
+  return evaluated ? HK_OK : hk_error_set(error, HK_FAILED, "the force '%s' failed", label);
 }
 
 hk_status hk_run_strain(hk_run *run, const char *label, double *largest, hk_error *error) {

@@ -1,10 +1,10 @@
-/* The verdict by a second run: see run.h. */
+/* Checking a run by a second, finer run: the method is described in run.h. */
 #include "core/run/run.h"
 
 #include <string.h>
 
-enum { FINEST = 16 };
-static const double disturbance = 1e-10, margin = 2, rounding = 1e-9,
+enum { FINER_REFINEMENT = 16 };
+static const double perturbation = 1e-10, margin = 2, rounding = 1e-9,
                     visible = 0.1; /* of the kinetic energy, as in verdict.c */
 
 static double difference(hk_run *a, hk_run *b) {
@@ -15,32 +15,32 @@ static double difference(hk_run *a, hk_run *b) {
   return sqrt(sum / (double)n);
 }
 
-/* The same step, refined, the more where something changes between the steps; where an adaptive method was given one,
- * it may take it for a fixed step. */
+/* The options of the second run: the same dt with the refined division of frames, finer still where a function of time
+ * changes between the steps. An adaptive method gets half of a dt that was given, which it may use as a fixed step. */
 static hk_run_options finer(hk_run *whole, const hk_run_options *first) {
   hk_run_options o = *first;
   double given = isnan(first->dt) ? whole->scene->dt : first->dt;
   bool adaptive = whole->step.method->flags & HK_ADAPTIVE;
   o.dt = adaptive ? given / 2 : given;
   o.tol = whole->dynamics.system.tol / 10;
-  o.refine = hk_varies_between_steps(&whole->loop) ? FINEST : 1;
+  o.refine = hk_varies_between_steps(&whole->loop) ? FINER_REFINEMENT : 1;
   o.dt_most = whole->record.dt_max / (2 * (double)o.refine);
   o.step_limit *= 4 * o.refine;
-  o.perturb = disturbance;
+  o.perturb = perturbation;
   o.perturb_seed = 1;
   o.no_output = true;
   o.progress = -1;
   return o;
 }
 
-/* J, what the energy balance misses or has too much. */
-static double missing(const hk_summary *s) { return s->energy_drift * s->kinetic_max; }
+/* The energy drift in J, an excess being positive. */
+static double energy_defect(const hk_summary *s) { return s->energy_drift * s->kinetic_max; }
 
 typedef struct second_run {
-  double difference; /* m, RMS of the positions */
-  double missing;    /* J, see missing() */
-  double kinetic;    /* J, the largest */
-  double step;       /* its longest step, as a part of the first run's */
+  double difference;    /* m, RMS of the positions */
+  double energy_defect; /* J, see energy_defect() */
+  double kinetic;       /* J, the largest kinetic energy */
+  double step;          /* longest step relative to that of the first run */
   hk_spectrum spectrum;
 } second_run;
 
@@ -51,13 +51,13 @@ static hk_status run_again(const hk_reopen *reopen, const hk_run_options *run, h
   hk_summary second;
   hk_status status = reopen->open(reopen->context, &fine, &again, error);
   if (status == HK_OK && !(again->step.spectrum.w_max > 0))
-    hk_step_estimate(&again->step, &again->dynamics); /* implicit methods did not ask */
+    hk_step_estimate(&again->step, &again->dynamics); /* implicit runs have no estimate yet */
   if (status == HK_OK) found->spectrum = again->step.spectrum;
   if (status == HK_OK) status = hk_run_advance(again, whole->state.t, error);
   if (status == HK_OK) {
     hk_run_summary(again, &second);
     found->difference = difference(whole, again);
-    found->missing = missing(&second);
+    found->energy_defect = energy_defect(&second);
     found->kinetic = second.kinetic_max;
     found->step = second.dt_max / whole->record.dt_max;
   }
@@ -66,7 +66,7 @@ static hk_status run_again(const hk_reopen *reopen, const hk_run_options *run, h
   return status;
 }
 
-static void add_reason(hk_summary *s, double astray, bool blind) {
+static void add_reason(hk_summary *s, double displacement, bool ignore_exact) {
   char why[400];
   size_t used = strlen(s->reason);
   if (isnan(s->verify_difference))
@@ -76,13 +76,13 @@ static void add_reason(hk_summary *s, double astray, bool blind) {
              "half the step from a start that is off by 1e-10 of the extent ends %.3g m away: the accuracy asked for, "
              "%g m, is not reached",
              s->verify_difference, s->accuracy);
-  else if (astray > s->accuracy)
+  else if (displacement > s->accuracy)
     snprintf(
         why, sizeof why,
         "the steps damp fast swings, whose energy is missing with half the step, too: as a speed it would have taken "
         "the particles %.3g m by the end, above the accuracy asked for, %g m",
-        astray, s->accuracy);
-  else if (!blind && s->exact_error > s->accuracy)
+        displacement, s->accuracy);
+  else if (!ignore_exact && s->exact_error > s->accuracy)
     snprintf(why, sizeof why, "the error of %.3g m is above the accuracy asked for, %g m", s->exact_error, s->accuracy);
   else
     return;
@@ -91,21 +91,25 @@ static void add_reason(hk_summary *s, double astray, bool blind) {
   s->verdict_name = hk_verdict_name(s->verdict);
 }
 
-/* J, what would be missing with a step of length 0, by the two runs, if the rest goes with that power of the step. */
-static double remains_at(const hk_summary *s, const second_run *second, int order) {
-  double part = pow(second->step, order);
-  return fabs((second->missing - part * missing(s)) / (1 - part));
+/* The energy defect in J of a step of length 0, extrapolated from the two runs with an error proportional to
+ * step^order. */
+static double converged_defect_of_order(const hk_summary *s, const second_run *second, int order) {
+  double error_ratio = pow(second->step, order);
+  return fabs((second->energy_defect - error_ratio * energy_defect(s)) / (1 - error_ratio));
 }
 
-static double remains(const hk_run *run, const hk_summary *s, const second_run *second) {
-  return fmin(remains_at(s, second, 1), remains_at(s, second, run->step.method->order));
+static double converged_defect(const hk_run *run, const hk_summary *s, const second_run *second) {
+  return fmin(converged_defect_of_order(s, second, 1), converged_defect_of_order(s, second, run->step.method->order));
 }
 
-/* Damping that acts within less than a step is summed badly, whatever the motion: where the positions hold and what is
- * missing of the energy, a part of the work done, vanishes with the step, it says nothing about them. */
-static bool settles(const hk_run *run, const hk_summary *s, const second_run *second) {
-  bool vanishes = fmin(remains(run, s, second), fabs(second->missing)) < visible * second->kinetic;
-  return margin * s->verify_difference <= s->accuracy && fabs(missing(s)) < 2 * fabs(s->energy_work) && vanishes;
+/* The work of damping that acts within less than a step is integrated inaccurately, even where the motion is accurate.
+ * Where the positions of both runs agree, and the energy defect is a part of the work done and vanishes with the step,
+ * the defect is no evidence against the positions. */
+static bool energy_converges(const hk_run *run, const hk_summary *s, const second_run *second) {
+  bool defect_vanishes =
+      fmin(converged_defect(run, s, second), fabs(second->energy_defect)) < visible * second->kinetic;
+  return margin * s->verify_difference <= s->accuracy && fabs(energy_defect(s)) < 2 * fabs(s->energy_work) &&
+         defect_vanishes;
 }
 
 static double free_mass(const hk_run *run) {
@@ -114,8 +118,9 @@ static double free_mass(const hk_run *run) {
   return sum;
 }
 
-/* Whether the steps alone damp the fastest mode by half within the run. Methods that estimate their errors see that. */
-static bool damps(const hk_run *run, const hk_summary *s, const hk_spectrum *spectrum) {
+/* Whether numerical damping alone halves the amplitude of the fastest mode within the run. Methods that estimate their
+ * errors are excluded: their error estimates include this damping. */
+static bool damps_fastest_mode(const hk_run *run, const hk_summary *s, const hk_spectrum *spectrum) {
   const hk_integrator *m = run->step.method;
   double h = s->dt_max, w = spectrum->w_max, g = hk_spectrum_floor(spectrum, w);
   if (run->record.worst_error > 0 || !m->amplification || !(w > 0)) return false;
@@ -123,22 +128,23 @@ static bool damps(const hk_run *run, const hk_summary *s, const hk_spectrum *spe
          log(0.5);
 }
 
-/* Energy that such a method still misses with a step of length 0 was that of swings which both runs have damped away:
- * positions agree all the same. As a speed it would have taken the particles so far, RMS, by the end. */
+/* An energy defect that such a method keeps with a step of length 0 was the energy of oscillations that both runs have
+ * damped, so their positions agree although the oscillations are lost. The result is the displacement in m (RMS) of the
+ * particles by the end of the run if this energy were kinetic. */
 static double lost_energy_displacement(const hk_run *run, const hk_summary *s, const second_run *second) {
-  double left = remains(run, s, second);
-  double held = fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max;
-  if (isnan(left) || left < rounding * held || fabs(s->energy_work) > 0.5 * left) return 0;
-  return damps(run, s, &second->spectrum) ? sqrt(2 * left / free_mass(run)) * s->t : 0;
+  double defect = converged_defect(run, s, second);
+  double energy = fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max;
+  if (isnan(defect) || defect < rounding * energy || fabs(s->energy_work) > 0.5 * defect) return 0;
+  return damps_fastest_mode(run, s, &second->spectrum) ? sqrt(2 * defect / free_mass(run)) * s->t : 0;
 }
 
 hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *run, hk_run *whole, hk_summary *s, hk_error *error) {
-  second_run second = {.difference = NAN, .missing = NAN, .step = NAN};
+  second_run second = {.difference = NAN, .energy_defect = NAN, .step = NAN};
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE;
   hk_status status = run_again(reopen, run, whole, &second, error);
   s->verify_difference = second.difference;
   if (!judged || !(s->accuracy > 0)) return status;
-  whole->judgement.energy_converges = settles(whole, s, &second);
+  whole->judgement.energy_converges = energy_converges(whole, s, &second);
   hk_judge(&whole->loop, &whole->judgement, &whole->asked);
   hk_run_summary(whole, s);
   s->verify_difference = second.difference;

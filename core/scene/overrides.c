@@ -1,11 +1,12 @@
-/* What the command line says in place of the script: the integrator with its parameters, the solver, and what is left
- * out. The scene stays as it is; what is chosen here belongs to one run. */
+/* Choices of the command line that replace those of the script: the integrator with its parameters, the solver, and the
+ * plugins to omit. The scene does not change; the choices belong to one run. */
 #include "core/scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A text as the parameter wants it: true and false are booleans, what reads as a number is one, the rest is text. */
+/* Converts a text for a parameter: "true" and "false" are booleans, a text that reads as a number is a number, any
+ * other a string. */
 static hk_value value_of(const hk_param *p, const char *text) {
   char *end;
   double number = strtod(text, &end);

@@ -1,5 +1,5 @@
-/* Scenes: growing arrays of what the script described. Every builder checks first and writes last, so a refused call
- * leaves the scene as it was. */
+/* Scenes: growing arrays of the particles, pins and plugins that the script describes. Every builder checks its
+ * arguments before it writes, so a refused call does not change the scene. */
 #include "core/scene/scene.h"
 #include "core/base/base.h"
 
@@ -97,7 +97,8 @@ static hk_status check_masses(const double *mass, size_t count, hk_error *error)
 }
 
 static hk_status resize(void *array, size_t count, size_t size) {
-  void *memory; /* `array` is the address of a pointer of any type: copied, since those types do not alias */
+  void *memory; /* `array` is the address of a pointer of any type: read and written by memcpy, since pointer types do
+                   not alias */
   memcpy(&memory, array, sizeof memory);
   void *bigger = realloc(memory, count * size);
   if (!bigger) return HK_NO_MEMORY;
@@ -304,7 +305,7 @@ static hk_status choose_label(hk_scene *scene, const hk_plugin *plugin, const ch
   return HK_OK;
 }
 
-/* A path that begins with a dot is beside the script. */
+/* A path that begins with a dot is relative to the script's folder. */
 static const char *beside_script(const hk_scene *scene, const char *name, char *path, size_t size) {
   const char *slash = strrchr(scene->script, '/');
   if (name[0] != '.' || !slash) return name;

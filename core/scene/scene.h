@@ -1,7 +1,6 @@
-/* A scene: what a script describes. Plain data with a few builders; it knows no Lua, takes no step and is changed by no
- * run: any number of runs can be made of it, one after the other or side by side. The index of a particle is its id
- * - 1.
- */
+/* A scene: the description that a script makes. It is plain data with a few builders; it depends neither on Lua nor on
+ * a run, and no run changes it: any number of runs can be made of it, one after the other or at the same time. The
+ * index of a particle is its id - 1. */
 #ifndef HK_SCENE_H
 #define HK_SCENE_H
 
@@ -13,14 +12,14 @@ typedef struct hk_pin_spec {
   uint32_t *id;     /* particles */
   double axis[3];   /* HK_PIN_LINE: along; HK_PIN_PLANE: normal; unit length */
   hk_function path; /* HK_PIN_PATH: t -> x, y, z [, vx, vy, vz], offsets from the start position */
-  double release;   /* s, when it lets go; infinity: never */
+  double release;   /* s, time of the pin's release; infinity: never */
   char *where;      /* script line */
 } hk_pin_spec;
 
 typedef struct hk_channel_spec {
   char *name;
   size_t size;
-  double *initial;  /* size numbers, what particles have that were given no value of their own */
+  double *initial;  /* size numbers, initial values of particles without values of their own */
   double *value;    /* capacity x size, per particle, in the order of ids */
   double decay;     /* rate r of dy/dt = r y, or NAN */
   hk_function rate; /* t, id, y... -> dy...; call == NULL: none */
@@ -29,10 +28,10 @@ typedef struct hk_channel_spec {
 typedef struct hk_measure {
   char *name;
   char *where;
-  hk_function value; /* t -> one number; the script looks at the state */
+  hk_function value; /* t -> one number; the script reads the state */
 } hk_measure;
 
-/* What the script says of the plugins of one kind, in its order. */
+/* The plugins of one kind that the script names, in its order. */
 typedef struct hk_specs {
   size_t count;
   hk_plugin_spec **item;
@@ -43,9 +42,9 @@ typedef struct hk_scene {
   char *script;    /* its path as given */
   double duration; /* s, default 1 */
   double fps;      /* default 60 */
-  double dt;       /* s, or NAN: chosen */
+  double dt;       /* s; NAN: chosen by the run */
   double tol;      /* default 1e-6 */
-  double accuracy; /* m, asked for the positions at the end (RMS); NAN: not said */
+  double accuracy; /* m, accuracy asked for the positions at the end (RMS); NAN: none */
   uint64_t seed;
   hk_registry *registry;
   int threads; /* 0: one per processor */
@@ -62,57 +61,58 @@ typedef struct hk_scene {
   uint32_t (*triangle)[3]; /* ids */
   size_t pins;
   hk_pin_spec *pin;
-  hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; none: the default */
-  bool integrator_auto;      /* none is named: it is to be chosen by measuring (tools/auto.lua) */
+  hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
+  bool integrator_auto;      /* the scene names no integrator: a benchmark chooses it (tools/auto.lua) */
   size_t measures;
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */
   hk_function exact;    /* t -> x1, y1, z1, x2, ... of the first particles (as many as it returns) */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
-  bool frozen;          /* a run was made of it, or the script has ended: no builder takes it any more */
+  bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */
 } hk_scene;
 
 hk_scene *hk_scene_create(const char *script, hk_registry *registry); /* NULL: no memory */
 void hk_scene_destroy(hk_scene *);
 
 /* Adds `count` particles; velocity and mass may be NULL (0; `common_mass`). The first new id goes to `first_id`.
- * Refuses what is not finite and negative masses; zero masses must be pinned when the run opens. */
+ * Refuses numbers that are not finite and negative masses; particles of zero mass must be pinned when the run opens. */
 hk_status hk_scene_add_particles(hk_scene *, size_t count, const double *position, const double *velocity,
                                  const double *mass, double common_mass, uint32_t group, uint32_t *first_id,
                                  hk_error *error);
-hk_status hk_scene_add_group(hk_scene *, const char *name, uint32_t *group, hk_error *error); /* finds or adds */
+/* finds or adds the group */
+hk_status hk_scene_add_group(hk_scene *, const char *name, uint32_t *group, hk_error *error);
 hk_status hk_scene_add_channel(hk_scene *, const char *name, size_t size, const double *initial, double decay,
                                const hk_function *rate, hk_error *error);
 hk_status hk_scene_set_channel(hk_scene *, const char *name, uint32_t id, const double *value, size_t count,
                                hk_error *error);
-/* Copies the lists. `kind`, axis, path, release and where as in the spec given; ids are checked. */
+/* Copies the lists. Kind, axis, path, release and where are those of `spec`; ids are checked. */
 hk_status hk_scene_add_pin(hk_scene *, const hk_pin_spec *spec, hk_error *error);
 hk_status hk_scene_add_edges(hk_scene *, size_t count, const uint32_t (*edge)[2], hk_error *error);
 hk_status hk_scene_add_triangles(hk_scene *, size_t count, const uint32_t (*triangle)[3], hk_error *error);
 hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
                                hk_error *error);
 
-/* Adds a plugin by kind and name or path; a kind of which a scene has one (integrator,
- * solver) is replaced. `label` NULL: the name, with "#2" etc. when taken. Set its parameters on the spec, then call
- * hk_spec_check; on a failure afterwards take it away again with hk_scene_drop. */
+/* Adds a plugin by kind and name or path; an integrator or solver replaces the scene's. `label` NULL: the name,
+ * followed by "#2" etc. when it is in use. The caller then sets the parameters of the spec and calls hk_spec_check;
+ * when that fails, hk_scene_drop removes the plugin. */
 hk_status hk_scene_add_plugin(hk_scene *, hk_kind kind, const char *name, const char *label, const char *where,
                               hk_plugin_spec **spec, hk_error *error);
 void hk_scene_drop(hk_scene *, hk_plugin_spec *);
 const hk_plugin_spec *hk_scene_one(const hk_scene *,
-                                   hk_kind kind); /* the integrator, the solver; NULL: none is named */
+                                   hk_kind kind); /* the integrator or the solver; NULL: the scene names none */
 
-/* ---- overrides.c: what the command line says in place of the script, for one run ---- */
+/* ---- overrides.c: choices of the command line that replace those of the script, for one run ---- */
 
 typedef struct hk_overrides {
-  const hk_plugin_spec *integrator; /* the scene's, or its own */
-  const hk_plugin_spec *solver;     /* NULL: chosen when a linear system comes up */
+  const hk_plugin_spec *integrator; /* the scene's, or one made from the command line */
+  const hk_plugin_spec *solver;     /* NULL: chosen when the run opens */
   hk_plugin_spec *own[2];
   size_t without_count;
-  const char *const *without; /* labels of what is left out */
+  const char *const *without; /* labels of the plugins to omit */
 } hk_overrides;
 
-/* `integrator`, `solver`: "name" or "name:parameter=value,...", NULL: the scene's; "auto" of the solver: chosen. Labels
- * must be of the scene. What failed is to be closed as well. */
+/* `integrator`, `solver`: "name" or "name:parameter=value,...", NULL: the scene's; "auto" for the solver: chosen by the
+ * run. Labels must be those of plugins of the scene. After a failure the overrides must be closed as well. */
 hk_status hk_overrides_open(hk_overrides *, const hk_scene *, const char *integrator, const char *solver,
                             size_t without_count, const char *const *without, hk_error *error);
 void hk_overrides_close(hk_overrides *);

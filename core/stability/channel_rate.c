@@ -1,8 +1,8 @@
 /* The largest rate of the channels, d(dy/dt)/dy, by power iteration on central differences in the largest norm: each
- * channel is measured in units of its own largest value, all numbers are moved at once by +-1 or less, and the largest
- * response is the rate. Where a number's rate depends on that number alone the first response is exact; where
- * neighbours are coupled (diffusion) the iteration approaches the largest eigenvalue from a start of mixed signs. An
- * estimate. */
+ * channel is scaled by its own largest value, all its numbers are perturbed at once by at most the difference step, and
+ * the largest response is the rate. Where the rate of a number depends on that number alone, the first response is
+ * exact; where neighbours are coupled (diffusion), the iteration approaches the largest eigenvalue from a start vector
+ * of mixed signs. The result is an estimate. */
 #include "core/stability/channel_rate.h"
 #include "core/stability/lanczos.h"
 
@@ -18,8 +18,8 @@ static double channel_scale(const double *y, size_t count) {
   return relative_step * (most > 0 ? most : 1);
 }
 
-/* One application: direction -> response, in dy[0]; *largest: its largest number. */
-static hk_status respond(hk_system *system, const hk_channel_scratch *s, double *largest) {
+/* One power iteration: the response to `direction`, in dy[0]; *largest: the largest magnitude in it. */
+static hk_status compute_response(hk_system *system, const hk_channel_scratch *s, double *largest) {
   const hk_model *model = system->model;
   const double *y = system->X + 6 * system->n;
   for (int side = 0; side < 2; side++) {
@@ -47,19 +47,19 @@ static hk_status respond(hk_system *system, const hk_channel_scratch *s, double 
 }
 
 hk_status hk_channel_rate(hk_system *system, const hk_channel_scratch *s, double *rate, size_t *evaluations) {
-  size_t tail = system->size - 6 * system->n;
+  size_t numbers = system->size - 6 * system->n;
   double before = 0;
   *rate = 0;
-  hk_lanczos_random(s->direction, tail);
-  for (size_t e = 0; e < tail; e++) s->direction[e] = s->direction[e] > 0 ? 1 : -1;
+  hk_lanczos_random(s->direction, numbers);
+  for (size_t e = 0; e < numbers; e++) s->direction[e] = s->direction[e] > 0 ? 1 : -1;
   for (int i = 0; i < STEPS; i++) {
     double largest;
-    hk_status status = respond(system, s, &largest);
+    hk_status status = compute_response(system, s, &largest);
     if (status != HK_OK) return status;
     *evaluations += 2;
     *rate = fmax(*rate, largest);
-    if (!(largest > 0) || fabs(largest - before) <= 1e-3 * largest) break; /* settled */
-    for (size_t e = 0; e < tail; e++) s->direction[e] = s->dy[0][e] / largest;
+    if (!(largest > 0) || fabs(largest - before) <= 1e-3 * largest) break; /* the rate has converged */
+    for (size_t e = 0; e < numbers; e++) s->direction[e] = s->dy[0][e] / largest;
     before = largest;
   }
   return HK_OK;

@@ -1,4 +1,4 @@
-/* How fast channels relax: see channel_rate.c. */
+/* The largest relaxation rate of the channels: see channel_rate.c. */
 #ifndef HK_CHANNEL_RATE_H
 #define HK_CHANNEL_RATE_H
 
@@ -6,10 +6,10 @@
 
 typedef struct hk_channel_scratch {
   double *x, *v, *a;             /* 3n each */
-  double *y, *dy[2], *direction; /* as many as y has numbers, each */
+  double *y, *dy[2], *direction; /* each of the length of y */
 } hk_channel_scratch;
 
-/* *rate: 1/s, the largest |k| of dy/dt = -k y; 0: none. *evaluations is counted up. */
+/* *rate: 1/s, the largest |k| of dy/dt = -k y; 0 without channel rates. The evaluations are added to *evaluations. */
 hk_status hk_channel_rate(hk_system *, const hk_channel_scratch *, double *rate, size_t *evaluations);
 
 #endif

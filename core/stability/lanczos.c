@@ -1,21 +1,23 @@
-/* Lanczos iteration for the largest eigenvalue of a symmetric operator, with an upper bound that holds almost surely.
+/* Lanczos iteration for the largest eigenvalue of a symmetric operator, with an upper bound that fails with probability
+ * 1e-6.
  *
- * Three vectors, no stored basis and no re-orthogonalisation: that is enough for the end of the spectrum. After k steps
+ * Three vectors without a stored basis or re-orthogonalisation suffice for the end of the spectrum. After k steps
  * v_(k+1) = q_k(A) v_1 has length 1, q_k being the k-th Lanczos polynomial. So the component of v_1 along the wanted
- * eigenvector u obeys |q_k(l)| |v_1.u| <= 1, and as a random v_1 of N numbers has |v_1.u| >= d = P sqrt(pi / 2N) but
- * with probability P, the largest eigenvalue l is at most the root of q_k(l) = 1/d above the largest Ritz value theta
+ * eigenvector u obeys |q_k(l)| |v_1.u| <= 1, and as a random v_1 of N numbers has |v_1.u| >= d = P sqrt(pi / 2N) with
+ * probability 1 - P, the largest eigenvalue l is at most the root of q_k(l) = 1/d above the largest Ritz value theta
  * (van Dorsselaer, Hochstenbach and van der Vorst, SIAM J. Matrix Anal. Appl. 22, 2000; P = 1e-6). Unlike theta plus
- * the residual (Zhou and Li, Linear Algebra Appl. 435, 2011, who say when that fails) this needs no luck with gaps and
- * is exact when the Krylov space is complete, so small and degenerate operators are no special case. Past theta the q_k
- * rise, and their ratios q_k/q_(k-1) = -d_k/b_k come from the pivots d_k of T - l, all negative there.
+ * the residual (Zhou and Li, Linear Algebra Appl. 435, 2011, who say when that bound fails) this bound needs no gap in
+ * the spectrum and is exact when the Krylov space is complete, so small and degenerate operators are no special case.
+ * Above theta the q_k increase with l, and their ratios q_k/q_(k-1) = -d_k/b_k come from the pivots d_k of T - l, all
+ * negative there.
  *
- * Along the way z = sum of q_j(l*) v_(j+1) is collected, l* an earlier bound: the Christoffel-Darboux kernel, a filter
- * that peaks at l*, applied to v_1. It is the next run's start. */
+ * The iteration also sums z = sum of q_j(l*) v_(j+1), where l* is an earlier bound: this is the Christoffel-Darboux
+ * kernel, a filter that peaks at l*, applied to v_1. The next run starts from z. */
 #include "core/stability/lanczos.h"
 
 #include <string.h>
 
-static const double doubt = 1e-6, settled = 1.12, breakdown = 1e-12;
+static const double failure_probability = 1e-6, bound_ratio = 1.12, breakdown = 1e-12;
 
 typedef struct tridiagonal {
   int k;
@@ -61,7 +63,7 @@ static bool above(const tridiagonal *t, double l, double level) {
   return q >= level;
 }
 
-/* The smallest l that is above(). */
+/* The smallest l for which above() holds, by bisection. */
 static double root(const tridiagonal *t, double level) {
   double low = -INFINITY, size = 0;
   for (int j = 0; j < t->k; j++) {
@@ -90,7 +92,7 @@ static void swap(double **a, double **b) {
   *b = kept;
 }
 
-/* Row k of T: image = A current, less its components along the last two vectors. */
+/* Computes row k of T: image = A current without its components along the last two vectors. */
 static hk_status advance(hk_lanczos *l, tridiagonal *t, hk_lanczos_apply *apply, void *context) {
   int k = t->k;
   double before = k > 0 ? t->b[k - 1] : 0;
@@ -107,13 +109,13 @@ static hk_status advance(hk_lanczos *l, tridiagonal *t, hk_lanczos_apply *apply,
   return isfinite(t->b[k]) ? HK_OK : HK_NOT_FINITE;
 }
 
-/* Brings theta and bound up to date; true: nothing more to learn. */
-static bool judge(hk_lanczos *l, const tridiagonal *t, double known, double share) {
-  double d = doubt * share * sqrt(1.5707963267948966 / (double)l->size), last = t->b[t->k - 1];
+/* Updates theta and bound; true: the bound is tight enough or the Krylov space is complete. */
+static bool update_bounds(hk_lanczos *l, const tridiagonal *t, double known, double share) {
+  double d = failure_probability * share * sqrt(1.5707963267948966 / (double)l->size), last = t->b[t->k - 1];
   bool complete = (size_t)t->k >= l->size || last <= breakdown * l->norm;
   l->theta = root(t, 0);
   l->bound = fmin(fmin(l->bound, known), complete ? l->theta : root(t, 1 / d));
-  return complete || l->bound <= settled * l->theta + l->slack;
+  return complete || l->bound <= bound_ratio * l->theta + l->slack;
 }
 
 typedef struct collector {
@@ -147,7 +149,7 @@ hk_status hk_lanczos_run(hk_lanczos *l, hk_lanczos_apply *apply, void *context, 
     if (collecting) collect(l, &c, t.k == 0);
     hk_status status = advance(l, &t, apply, context);
     if (status != HK_OK) return status;
-    if (judge(l, &t, known, share) || t.k >= steps || t.k == HK_LANCZOS_STEPS) break;
+    if (update_bounds(l, &t, known, share) || t.k >= steps || t.k == HK_LANCZOS_STEPS) break;
     next_weight(&c, &t);
     swap(&l->previous, &l->current);
     swap(&l->current, &l->image);

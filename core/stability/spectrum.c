@@ -1,18 +1,18 @@
 /* Frequencies, damping rates and channel rates of the scene linearised at its present state, bounded from above.
  *
  * The operators M^-1/2 K M^-1/2 and M^-1/2 D M^-1/2 (K = -dF/dx, D = -dF/dv) are applied by central differences of the
- * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by what the
- * forces state (stiffness.c); the smaller bound is taken, except that what may become stiffer counts as it may become.
- * A mode u of the damped scene is a root of l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2 = u*Ku/u*Mu, whatever the
- * damping, so bounds of the two operators bound every mode, and so does D >= alpha M + beta (K - tension) from below.
- * Where damping is strong, the largest eigenvalue of the pencil D - slope K, slope = g_max/w_max^2, tells in the same
- * way how far a mode's g may be above slope w^2: with damping in proportion to stiffness slow modes then are not taken
- * for overdamped ones.
+ * accelerations, and their largest eigenvalues bounded by Lanczos iteration (lanczos.c) and, for K, by the bounds that
+ * the forces state (stiffness.c). The smaller bound is taken, but a force that may become stiffer counts with its
+ * largest possible stiffness. A mode u of the damped scene is a root of l^2 + g l + w^2 = 0 with g = u*Du/u*Mu and w^2
+ * = u*Ku/u*Mu, for any damping, so bounds of the two operators bound every mode, and D >= alpha M + beta (K - tension)
+ * bounds the damping rates from below. Where damping is strong, the largest eigenvalue of the pencil D - slope K, slope
+ * = g_max/w_max^2, bounds in the same way the excess of a mode's g over slope w^2: with damping proportional to
+ * stiffness, slow modes are then not mistaken for overdamped ones.
  *
- * K is taken at v = 0: what terms like damping times velocity add to it is small while no particle moves by its
- * neighbour's distance in a step, and unsymmetric. alpha is the least damping rate of the particles when all move
- * alike: elements between them then rest, and pins only add. This is exact for drag, an estimate for forces at large.
- */
+ * K is taken at v = 0: terms proportional to damping times velocity are unsymmetric, and small while no particle moves
+ * by the distance to its neighbour in a step. alpha is the smallest damping rate of the particles when all have the
+ * same velocity: elements between them then exert no damping force, and pins only add damping. This is exact for drag
+ * and an estimate for other forces. */
 #include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
 #include "core/stability/stiffness.h"
@@ -21,27 +21,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The differences are good to 1e-9 or so. Rounding of an acceleration: `ulps` in the last place. */
+/* The central differences are accurate to about 1e-9. The rounding error of an acceleration is `ulps` units in the last
+ * place. */
 static const double inflate = 1 + 1e-8, rounding = 2.2e-16, ulps = 64, warm_share = 0.6;
-/* Of w_max: a change of g that small changes the step, where w sets it, by about that part. */
+/* Relative to w_max: where w determines the step, such a change of g changes the step by about that fraction. */
 static const double damping_slack = 0.03;
-/* The pencil is looked at where g_max is above this part of w_max; of g_max, what its bound may leave open. */
+/* The pencil is estimated where g_max/w_max is above strong_damping; pencil_slack, relative to g_max, is the tolerance
+ * of its bound. */
 static const double strong_damping = 0.2, pencil_slack = 0.03;
 
 struct hk_spectrum_work {
-  size_t n, tail; /* tail: numbers of y */
+  size_t n, tail; /* tail: length of y */
   double *memory; /* all the arrays */
   double *x, *v, *a[2], *y, *dy[2], *direction, *scratch;
   hk_lanczos stiffness, damping;
   double stiffening_damping; /* 1/s, see stiffness.h */
-  double length, spacing;    /* m, see measure_scene; 0: not yet */
+  bool damps_alone;
+  double length, spacing; /* m, see measure_scene; 0: not yet */
   hk_spectrum bounds;
 };
 
 typedef struct operation {
   hk_spectrum_work *work;
   hk_system *system;
-  bool velocity; /* D, not K */
+  bool velocity; /* true: D; false: K */
   double step;   /* m or m/s: the largest change of a component */
 } operation;
 
@@ -67,7 +70,7 @@ static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
   return HK_OK;
 }
 
-/* x or v = that of X + factor * direction / sqrt(m). */
+/* x (or v) = that of X + factor * direction / sqrt(m). */
 static void displace(const operation *o, const double *direction, double factor) {
   size_t n = o->system->n;
   const double *base = o->system->X + (o->velocity ? 3 * n : 0), *w = o->system->model->inverse_mass;
@@ -115,8 +118,8 @@ static double largest(const double *x, size_t count) {
   return most;
 }
 
-/* `length` is the coordinates' size, `spacing` that of what may change a force's regime: the shortest element, or the
- * mean distance of particles. */
+/* Sets `length`, the magnitude of the coordinates, and `spacing`, the scale on which forces vary: the shortest element,
+ * or the mean distance of the particles. */
 static void measure_scene(hk_spectrum_work *s, const hk_system *system, double shortest) {
   const double *x = system->X;
   double size = 0;
@@ -128,8 +131,8 @@ static void measure_scene(hk_spectrum_work *s, const hk_system *system, double s
   s->spacing = fmax(s->spacing, 1e-6 * s->length);
 }
 
-/* The start vector: random, or where the last run ended mixed with a random direction that no eigenvector escapes.
- * Returns the random part's share. */
+/* The start vector: random, or the last approximate eigenvector mixed with a random direction, which has a component
+ * along every eigenvector. Returns the share of the random part. */
 static double start(hk_lanczos *l, hk_system *system, bool warm) {
   double length = 0, direct = sqrt(1 - warm_share * warm_share);
   hk_lanczos_random(l->current, l->size);
@@ -143,8 +146,8 @@ static double start(hk_lanczos *l, hk_system *system, bool warm) {
   return warm_share;
 }
 
-/* Bounds one operator's largest eigenvalue. When `steps` are too few for a bound, the last one grows with the
- * eigenvalue reached, by the margin of the last sound one, and with the elements' bound. */
+/* Bounds the largest eigenvalue of one operator. When `steps` are too few for a rigorous bound, the last bound is
+ * scaled up: with the eigenvalue reached, by the margin of the last rigorous bound, and with the bound `known`. */
 static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, bool warm) {
   double last = l->bound, grown = INFINITY;
   double share = start(l, o->system, warm);
@@ -162,19 +165,23 @@ static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, boo
   return HK_OK;
 }
 
-/* Truncation (step/spacing)^2 and rounding 2e-16 length/step balance here, both below 1e-9 for usual scenes. */
+/* The step at which the truncation error (step/spacing)^2 equals the rounding error 2e-16 length/step; both are below
+ * 1e-9 for usual scenes. */
 static double difference_step(const hk_spectrum_work *s) {
   return cbrt(rounding * s->length * s->spacing * s->spacing);
 }
 
-/* Without what the forces state, where that has been found too low. */
-static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool believe, int steps, bool warm) {
+/* Bounds w_max. The bounds that the forces state are used when `use_stated`; when Lanczos iteration finds a larger
+ * eigenvalue, they are wrong and the estimate is repeated without them. */
+static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool use_stated, int steps, bool warm) {
   if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
   hk_spectrum *b = &s->bounds;
-  hk_stiffness stated = hk_stiffness_of(system, (double(*)[6])(void *)s->a[0]); /* 6n: both */
-  bool covered = believe && stated.covered;
+  hk_stiffness stated = hk_stiffness_of(system, (double(*)[6])(void *)s->a[0]); /* 6n numbers: a[0] and a[1] */
+  bool covered = use_stated && stated.covered;
   measure_scene(s, system, stated.length);
   s->stiffening_damping = stated.stiffening_damping;
+  s->damps_alone = stated.damps_alone;
+  b->w_switching = sqrt(stated.stiffening * inflate);
   operation o = {s, system, false, difference_step(s)};
   memset(s->v, 0, 3 * s->n * sizeof *s->v);
   hk_status status = bound(&o, &s->stiffness, covered ? stated.whole : INFINITY, steps, warm);
@@ -182,7 +189,7 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool be
   double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
   if (covered && s->stiffness.theta > stated.whole * (1 + 1e-6) + noise) /* a force is stiffer than it states */
     return bound_stiffness(s, system, false, steps, false);
-  double most = s->stiffness.bound + stated.stiffening; /* of what is now, and of what may come */
+  double most = s->stiffness.bound + stated.stiffening; /* of the present stiffness plus its possible increase */
   if (covered) most = fmin(most, stated.whole);
   b->covered = covered;
   b->beta = covered ? stated.beta : 0;
@@ -193,8 +200,9 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool be
   return HK_OK;
 }
 
-/* Of the particles' 3x3 damping blocks in common motion, whose columns are the responses to the three directions, the
- * least eigenvalue among directions that the pin allows (the others' is 0). */
+/* The smallest eigenvalue of the particles' 3x3 damping blocks in common motion, among the directions that the pin
+ * allows (the eigenvalue of a forbidden direction is 0). The columns of the blocks are the responses to the three
+ * directions. */
 static double least_damping(const hk_model *model, double *const column[3]) {
   double least = INFINITY, value[3];
   for (size_t i = 0; i < model->n; i++) {
@@ -224,7 +232,7 @@ static hk_status common_damping(operation *o, double *alpha) {
 }
 
 /* Forces like v x B turn velocities and do not damp them: D is antisymmetric, with a norm G. A mode with such a D has a
- * rate of at most (G + sqrt(G^2 + 4 w^2))/2. G is reached from below, hence a tenth more. */
+ * rate of at most (G + sqrt(G^2 + 4 w^2))/2. The estimate of G is a lower bound, so it is increased by a tenth. */
 static void count_rotation(hk_spectrum *b, double norm) {
   double G = 1.1 * norm;
   b->rotates = true;
@@ -254,7 +262,7 @@ static hk_status apply_pencil(void *context, const double *in, double *out) {
   return status;
 }
 
-/* The vectors of the damping's iteration serve again: a first run without `known` keeps nothing in them. */
+/* The vectors of the damping's Lanczos iteration are used again: a first run without `known` leaves no data in them. */
 static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const operation *damping) {
   hk_spectrum *b = &s->bounds;
   pencil p = {{s, system, false, difference_step(s)}, *damping, b->g_max / (b->w_max * b->w_max)};
@@ -265,7 +273,7 @@ static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const oper
   hk_status status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY, 1, HK_LANCZOS_STEPS);
   if (status != HK_OK) return status;
   b->damping_slope = p.slope;
-  b->damping_offset = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are good to 1e-9 or so */
+  b->damping_offset = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are accurate to about 1e-9 */
   return HK_OK;
 }
 
@@ -283,17 +291,18 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   if (status != HK_OK) return status;
   double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
   b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
-  b->g_max += s->stiffening_damping;
+  b->g_max = s->damps_alone && s->stiffening_damping > 0 ? s->stiffening_damping : b->g_max + s->stiffening_damping;
   b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
   if (s->damping.asymmetry > 1e-3 * s->damping.norm + noise) count_rotation(b, s->damping.norm);
   bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && !b->rotates;
   return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
 }
 
-/* A failed call leaves *spectrum as it was; what a warm start would use is void then. */
+/* A failed call does not change *spectrum, but makes the data of a warm start invalid. */
 static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
   s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .rigorous = true};
   s->length = s->stiffening_damping = 0;
+  s->damps_alone = false;
   hk_status status = bound_stiffness(s, system, true, steps, warm);
   if (status == HK_OK) status = bound_damping(s, system, steps, warm);
   if (status == HK_OK && system->model->channels > 0) {
@@ -301,7 +310,7 @@ static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bo
     status = hk_channel_rate(system, &scratch, &s->bounds.channel_rate, &s->bounds.evaluations);
   }
   if (status == HK_OK) *spectrum = s->bounds;
-  if (status != HK_OK) s->n = SIZE_MAX; /* the next update begins anew */
+  if (status != HK_OK) s->n = SIZE_MAX; /* the next update is a full estimate */
   return status;
 }
 

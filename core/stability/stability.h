@@ -1,5 +1,5 @@
 /* Bounds on the frequencies and damping rates of a scene, linearised at its present state, and the largest stable step
- * of a method that follows from them. This room sees a scene as an hk_system only. */
+ * of a method that follows from them. The files of core/stability see a scene as an hk_system only. */
 #ifndef HK_STABILITY_H
 #define HK_STABILITY_H
 
@@ -16,11 +16,12 @@ typedef struct hk_spectrum {
   double damping_slope;  /* s; 0: not known, and nor is damping_offset */
   double damping_offset; /* 1/s, no damping rate is above damping_slope w^2 + damping_offset */
   double w_undamped;     /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
-  double channel_rate;   /* 1/s, largest k of channels that decay as dy/dt = -k y */
-  bool rigorous;         /* w_max and g_max are bounds (but for one scene in a million), not estimates */
-  bool covered;          /* the elements account for all that depends on x */
-  bool rotates;          /* forces like v x B were seen; they count in w_max and g_max, and nothing in alpha and beta */
-  size_t evaluations;    /* spent on it */
+  double w_switching; /* 1/s, no frequency of forces that set in and cease (HK_STIFFENS) is higher; 0: there are none */
+  double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
+  bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
+  bool covered;        /* the elements account for all that depends on x */
+  bool rotates;        /* forces like v x B were seen; they count in w_max and g_max, and nothing in alpha and beta */
+  size_t evaluations;  /* spent on it */
 } hk_spectrum;
 
 static inline double hk_spectrum_floor(const hk_spectrum *s, double w) {
@@ -31,35 +32,36 @@ static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
   return s->damping_slope > 0 ? fmin(s->g_max, s->damping_slope * w * w + s->damping_offset) : s->g_max;
 }
 
-/* Estimates them at (system->t, system->X), which stay as they are. On failure *spectrum is as it was. Some 30 to 180
- * evaluations, twice as many for strong damping; memory is taken and given back. */
+/* Estimates the spectrum at (system->t, system->X), which do not change. On failure *spectrum does not change. Takes
+ * some 30 to 180 evaluations, twice as many for strong damping; allocates memory and frees it. */
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error);
 
-/* The same in three parts, for estimates that are repeated: arrays of some 13 times x (and four times y) are kept. */
+/* The same in three parts, for repeated estimates: the work memory of some 13 times x (and four times y) is kept. */
 typedef struct hk_spectrum_work hk_spectrum_work;
 hk_spectrum_work *hk_spectrum_create(const hk_system *system); /* NULL: no memory */
-void hk_spectrum_destroy(hk_spectrum_work *);                  /* NULL is fine */
-/* From the start; also after births and deaths, when it takes memory anew (HK_NO_MEMORY). */
+void hk_spectrum_destroy(hk_spectrum_work *);                  /* NULL is allowed */
+/* A full estimate; also after births and deaths, when it allocates memory again (HK_NO_MEMORY). */
 hk_status hk_spectrum_measure(hk_spectrum_work *, hk_system *system, hk_spectrum *spectrum);
-/* Once more, with at most `iterations` steps of Lanczos (two evaluations each) for w_max and as many for g_max, begun
- * from the directions found last; alpha is kept. Where they do not suffice for a bound, the last one grows with what
- * the steps and the forces' own bounds tell, and `rigorous` is false: an estimate that never shrinks. */
+/* A cheaper repetition with at most `iterations` steps of Lanczos (two evaluations each) for w_max and as many for
+ * g_max, started from the last approximate eigenvectors; alpha is kept. Where they do not suffice for a bound, the last
+ * bound is scaled up with the eigenvalue reached and the forces' own bounds, and `rigorous` is false: such an estimate
+ * never decreases. */
 hk_status hk_spectrum_update(hk_spectrum_work *, hk_system *system, int iterations, hk_spectrum *spectrum);
 
 /* ---- largest_step.c ---- */
 
 typedef struct hk_stable {
-  double limit;      /* s, largest step at which nothing grows; INFINITY: any; 0: none worth the name; NAN: not known */
+  double limit;      /* s, largest step at which no mode grows; INFINITY: any step; 0: no useful step; NAN: not known */
   double suggestion; /* s, 0.9 limit; chosen for accuracy where limit is 0 */
   double growth_rate; /* 1/s, of the mode that grows fastest at `suggestion`; 0 below the limit */
   double w, g;        /* 1/s, frequency and damping rate of the mode that sets the limit */
-  const char *why;    /* what sets it, in a few words; a constant */
+  const char *why;    /* what determines the limit, in a few words; a constant string */
 } hk_stable;
 
 /* `parameters` is the method's instance memory. */
 hk_stable hk_stable_step(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum);
 
-/* Largest growth factor of a step h over all the scene's modes; at least 1. */
+/* Largest amplification factor of a step h over all modes of the scene; at least 1. */
 double hk_stable_growth(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum, double h);
 
 #endif

@@ -1,4 +1,4 @@
-/* An upper bound of a scene's frequencies from what its forces state.
+/* An upper bound of a scene's frequencies from the stiffness bounds that its forces state.
  *
  * Each force bounds its stiffness by blocks, one per particle: u.K u <= sum_i u_i.B_i u_i. The mass-scaled stiffness is
  * then at most block-diagonal with the blocks B_i/m_i, and the largest eigenvalue of any of them bounds w^2. This is
@@ -65,7 +65,12 @@ hk_stiffness hk_stiffness_of(hk_system *s, double (*scratch)[6]) {
     found.undamped = largest_block(model, scratch);
   }
   bool any = false;
-  for (size_t k = 0; k < s->forces; k++) any |= (s->force[k].flags & HK_STIFFENS) != 0;
+  found.damps_alone = true;
+  for (size_t k = 0; k < s->forces; k++) {
+    bool stiffens = s->force[k].flags & HK_STIFFENS;
+    any |= stiffens;
+    found.damps_alone &= stiffens || !(s->force[k].flags & HK_DEPENDS_ON_V);
+  }
   if (any) {
     s->stiffness_bound(s, HK_STIFFNESS_WHOLE, true, scratch);
     found.stiffening = largest_block(model, scratch);

@@ -1,4 +1,4 @@
-/* What the forces of a scene state of its fastest mode, without an evaluation: see stiffness.c. */
+/* The bound of a scene's highest frequency that its forces state, without an evaluation: see stiffness.c. */
 #ifndef HK_STIFFNESS_H
 #define HK_STIFFNESS_H
 
@@ -10,6 +10,7 @@ typedef struct hk_stiffness {
   double undamped;           /* the part of it that their damping does not reach, 1/s^2 */
   double stiffening;         /* of those forces that may become stiffer than they are, 1/s^2 ... */
   double stiffening_damping; /* ... and of their damping, 1/s */
+  bool damps_alone;          /* no other force depends on v */
   double beta;               /* least damping over stiffness of the elements, s; 0 when one has none */
   double length; /* m, the shortest distance within an element or edge; INFINITY: there is none longer than 0 */
 } hk_stiffness;

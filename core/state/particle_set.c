@@ -1,5 +1,5 @@
-/* Particles that take the place of those of the state: the arrays change hands, pins stay with those that live, and the
- * scene's edges and triangles lose the dead. */
+/* Replacement of the particles of the state by a set of particles: the state takes ownership of the arrays, surviving
+ * particles keep their pins, and edges and triangles with dead particles are removed. */
 #include "core/state/state.h"
 
 #include <stdlib.h>
@@ -21,7 +21,7 @@ bool hk_particle_set_allocate(hk_particle_set *set, size_t n, size_t width) {
   return set->X && set->mass && set->id && set->group;
 }
 
-/* Keeps the tuples none of whose members died; returns how many. */
+/* Keeps the tuples without dead members; returns their number. */
 static size_t remap_tuples(uint32_t *tuple, size_t count, size_t arity, const uint32_t *map) {
   size_t kept = 0;
   for (size_t k = 0; k < count; k++) {

@@ -1,6 +1,7 @@
-/* Pins: what a particle may not do. Fixed and scripted particles have no inverse mass, so no force moves them; sliding
- * ones have the forbidden part of a vector projected away. A scripted particle is put on its path before every
- * evaluation, at that evaluation's time, so that a method keeps its order with moving boundaries. */
+/* Pins: restrictions of the motion of particles. Fixed and scripted particles have the inverse mass 0, so no force
+ * moves them; for sliding particles the forbidden components of vectors are projected away. A scripted particle is put
+ * on its path before every evaluation, at that evaluation's time, so that a method keeps its order with moving
+ * boundaries. */
 #include "core/state/state.h"
 
 #include <stdlib.h>
@@ -13,7 +14,7 @@ static hk_status open_pin(hk_pin_state *pin, const hk_scene *scene, hk_state *st
   if (!pin->index || !pin->origin) return hk_error_set(error, HK_NO_MEMORY, "no memory for the pins");
   for (size_t k = 0; k < spec->count; k++) {
     uint32_t i;
-    if (!hk_state_index(state, spec->id[k], &i)) continue; /* died before the checkpoint that the run starts from */
+    if (!hk_state_index(state, spec->id[k], &i)) continue; /* the particle died before the checkpoint */
     if (state->pin[i] != HK_FREE)
       return hk_error_set(error, HK_BAD_PARAM, "%s: pin: particle %u is pinned twice", spec->where, spec->id[k]);
     if (state->mass[i] == 0 && isfinite(spec->release))
@@ -38,7 +39,7 @@ hk_status hk_pins_open(hk_pins *pins, const hk_scene *scene, hk_state *state, hk
     pins->has_paths |= pin->spec->kind == HK_PIN_PATH;
     pins->has_slides |= pin->spec->kind == HK_PIN_LINE || pin->spec->kind == HK_PIN_PLANE;
   }
-  hk_state_refresh(state); /* what is held has no inverse mass */
+  hk_state_refresh(state); /* fixed and scripted particles get the inverse mass 0 */
   return HK_OK;
 }
 
@@ -50,8 +51,9 @@ void hk_pins_close(hk_pins *pins) {
   free(pins->item);
 }
 
-/* The offset and velocity of a path at t; the velocity by central differences when the script gives none. Their step
- * balances truncation h^2 against rounding eps/h: eps^(1/3) of a second, or of t when that is larger. */
+/* The offset and velocity of a path at t; the velocity by central differences when the script gives none. The step of
+ * the differences balances the truncation error h^2 against the rounding error eps/h: eps^(1/3) of a second, or of t
+ * when that is larger. */
 static hk_status path_at(const hk_pin_spec *spec, double t, double out[6], hk_error *error) {
   double before[6] = {0}, after[6] = {0}, h = 6e-6 * fmax(1, fabs(t)), early = t - h, late = t + h;
   size_t got = 0;
@@ -83,7 +85,7 @@ static hk_status impose_path(const hk_pin_state *pin, double t, double *x, doubl
   return status;
 }
 
-/* Keeps of `vector` what the pin allows. */
+/* Projects `vector` onto the directions that the pin allows. */
 void hk_pin_project(const hk_pin_spec *spec, double vector[3]) {
   const double *a = spec->axis;
   double along = a[0] * vector[0] + a[1] * vector[1] + a[2] * vector[2];
@@ -172,8 +174,8 @@ void hk_pins_release(hk_pins *pins, hk_state *state) {
   hk_state_refresh(state);
 }
 
-/* The step of the differences balances truncation h^2 against rounding eps/h^2: eps^(1/4) of a second, or of t when
- * larger. */
+/* The step of the differences balances the truncation error h^2 against the rounding error eps/h^2: eps^(1/4) of a
+ * second, or of t when that is larger. */
 hk_status hk_pin_acceleration(const hk_pin_spec *spec, double t, double out[3], hk_error *error) {
   double at[3][6] = {{0}}, h = 1.2e-4 * fmax(1, fabs(t)), time[3] = {t - h, t, t + h};
   size_t got = 0;

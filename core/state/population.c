@@ -1,5 +1,6 @@
-/* Births and deaths. A source asks during `emit`; what it asked for takes effect when it returns: the dead close ranks
- * in order, the born follow with new ids. Before and after, all arrays have the same n. */
+/* Births and deaths. A source requests them during `emit`, and they take effect when it returns: dead particles are
+ * removed, the others keep their order, and new particles are appended with new ids. Invariant: before and after a
+ * change all arrays have the same n. */
 #include "core/state/state.h"
 
 #include <stdlib.h>
@@ -67,13 +68,13 @@ static uint32_t *make_map(const hk_population_change *c) {
   return map;
 }
 
-/* Moves one block of `width` numbers per particle into the new layout. */
+/* Copies one block of `width` numbers per particle to the new order of particles. */
 static void move_block(const double *from, double *to, size_t width, const uint32_t *map, size_t n_old) {
   for (size_t i = 0; i < n_old; i++)
     if (map[i] != UINT32_MAX) memcpy(to + width * map[i], from + width * i, width * sizeof *to);
 }
 
-static void place_newborn(const hk_population_change *c, double *X, size_t n, size_t first) {
+static void place_births(const hk_population_change *c, double *X, size_t n, size_t first) {
   const hk_state *s = c->state;
   for (size_t b = 0; b < c->births; b++) {
     memcpy(X + 3 * (first + b), c->birth[b].position, 3 * sizeof(double));
@@ -96,7 +97,7 @@ static void new_state(const hk_population_change *c, const uint32_t *map, double
     move_block(s->X + offset * old, X + offset * n, s->channel[k].size, map, old);
   }
   X[(6 + s->width) * n] = s->X[(6 + s->width) * old]; /* the work */
-  place_newborn(c, X, n, first);
+  place_births(c, X, n, first);
 }
 
 static void fill_members(const hk_population_change *c, const uint32_t *map, hk_particle_set *m) {

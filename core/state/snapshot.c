@@ -1,4 +1,4 @@
-/* A copy of the state that outlives what comes after it. */
+/* A copy of the state, which later steps do not change. */
 #include "core/state/state.h"
 
 #include <stdlib.h>

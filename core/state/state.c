@@ -1,4 +1,4 @@
-/* The state vector and the model: allocation, the start, finding particles. */
+/* The state vector and the model: allocation, start values, the search of particles by id. */
 #include "core/state/state.h"
 
 #include <stdlib.h>
@@ -109,7 +109,7 @@ double hk_state_extent(const hk_state *s) {
   return extent > 0 ? extent : 1;
 }
 
-/* What slides is put back on its line when pins are imposed. */
+/* Sliding particles return to their line or plane when pins are imposed. */
 void hk_state_perturb(hk_state *s, double distance, uint64_t seed) {
   uint64_t random[4];
   hk_random_seed(random, seed);

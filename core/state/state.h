@@ -1,11 +1,12 @@
-/* The state of a scene: the vector X = (x, v, channels, work), who is in it (masses, ids, groups, pins), and how births
- * and deaths change that. */
+/* The state of a scene: the vector X = (x, v, channels, work), the data of the particles (masses, ids, groups, pins),
+ * and the changes by births and deaths. */
 #ifndef HK_STATE_H
 #define HK_STATE_H
 
 #include "core/scene/scene.h"
 
-/* Ids rise with the index: the dead close ranks in order and the born are appended, so an id is found by bisection. */
+/* Ids increase with the index: deaths preserve the order of the other particles and births are appended, so an id is
+ * found by bisection. */
 typedef struct hk_state {
   double t;  /* s */
   double *X; /* size doubles, one allocation: x n x 3, v n x 3, the channels one after the other, the work in J */
@@ -17,26 +18,28 @@ typedef struct hk_state {
   uint32_t next_id;
   hk_channel *channel;
   uint32_t (*edge)[2], (*triangle)[3];
-  hk_view view; /* of X at t, for everyone: plugins get it with their host and selection */
+  hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
 } hk_state;
 
 /* ---- state.c ---- */
 
 hk_status hk_state_open(hk_state *, const hk_scene *, hk_error *error);
 void hk_state_close(hk_state *);
-void hk_state_refresh(hk_state *); /* model, size and view after t, n or an array changed */
-bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no such particle now */
-double hk_state_extent(const hk_state *); /* m, longest side of the box around the particles; 1 when there is none */
-void hk_state_perturb(hk_state *, double distance, uint64_t seed); /* free particles, at random, by up to that, m */
-double hk_state_kinetic(const hk_state *, const double *X);        /* J, of what can move */
-/* Masses of 0 need a pin. After the pins are open. */
+void hk_state_refresh(hk_state *); /* updates model, size and view after t, n or an array changed */
+bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no particle has this id at present */
+double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
+/* moves free particles at random by up to `distance`, m */
+void hk_state_perturb(hk_state *, double distance, uint64_t seed);
+/* J, of the particles that are not fixed or scripted */
+double hk_state_kinetic(const hk_state *, const double *X);
+/* Refuses particles of mass 0 without a pin; to be called after hk_pins_open. */
 hk_status hk_state_check_masses(const hk_state *, hk_error *error);
 
-/* ---- snapshot.c: X with who is in it, kept as the last good state ---- */
+/* ---- snapshot.c: a copy of X, ids and masses, kept as the last good state ---- */
 
 typedef struct hk_snapshot {
   double t;
-  size_t n, size, capacity; /* capacity of X in doubles, and of id and mass in particles: as large as needed */
+  size_t n, size, capacity; /* capacity: both the doubles of X and the particles of id and mass */
   double *X;
   uint32_t *id;
   double *mass;
@@ -45,26 +48,28 @@ typedef struct hk_snapshot {
 hk_status hk_snapshot_take(hk_snapshot *, const hk_state *, hk_error *error);
 void hk_snapshot_free(hk_snapshot *);
 
-/* ---- particle_set.c: who takes the place of the particles, after births and deaths or from a file ---- */
+/* ---- particle_set.c: a set of particles that replaces those of the state, after births and deaths or from a file
+ * ---- */
 
 typedef struct hk_particle_set {
   size_t n;
   double *X; /* (6 + width) n + 1 */
   double *mass;
-  uint32_t *id; /* rising */
+  uint32_t *id; /* increasing */
   uint32_t *group;
 } hk_particle_set;
 
-bool hk_particle_set_allocate(hk_particle_set *, size_t n, size_t width); /* false: no memory; free what there is */
+/* false: no memory; the set must be freed all the same */
+bool hk_particle_set_allocate(hk_particle_set *, size_t n, size_t width);
 void hk_particle_set_free(hk_particle_set *);
-/* Old index i becomes map[i] (UINT32_MAX: gone). Takes the set's arrays, also when it fails. What else has indices is
- * the caller's to remap: pins, plugins, matrices. */
+/* Replaces the particles: old index i becomes map[i] (UINT32_MAX: removed). Takes ownership of the set's arrays, also
+ * when it fails. The caller must remap the indices in pins, plugins and matrices. */
 hk_status hk_state_adopt(hk_state *, const uint32_t *map, hk_particle_set *, hk_error *error);
 
 /* ---- population.c: births and deaths that a source asks for ---- */
 
 typedef struct hk_population_change {
-  hk_population population; /* first member: what the source is given */
+  hk_population population; /* first member: the table that the source gets */
   hk_state *state;
   const hk_scene *scene;
   const hk_instance *source;
@@ -73,11 +78,11 @@ typedef struct hk_population_change {
   double *channel; /* births x width */
   size_t channel_capacity;
   size_t deaths;
-  bool *dies; /* n, NULL while nobody does */
+  bool *dies; /* n, whether the particle dies; NULL: none does */
 } hk_population_change;
 
 hk_population_change hk_population_begin(hk_state *, const hk_scene *, const hk_instance *source);
-/* All of it at once; *map, from old indices to new, is the caller's to free. */
+/* Applies all births and deaths; the caller frees *map, from old indices to new ones. */
 hk_status hk_population_apply(hk_population_change *, uint32_t **map, hk_error *error);
 void hk_population_end(hk_population_change *);
 
@@ -94,18 +99,20 @@ typedef struct hk_pin_state {
 typedef struct hk_pins {
   size_t count;
   hk_pin_state *item;
-  bool has_paths, has_slides; /* of those that are not released */
+  bool has_paths, has_slides; /* a pin that is not released has a path, or slides */
 } hk_pins;
 
 hk_status hk_pins_open(hk_pins *, const hk_scene *, hk_state *, hk_error *error);
 void hk_pins_close(hk_pins *);
-void hk_pin_project(const hk_pin_spec *, double vector[3]); /* keeps what a sliding pin allows */
-hk_status hk_pins_impose(const hk_pins *, double t, double *x, double *v, hk_error *error); /* paths and slides */
-void hk_pins_filter(const hk_pins *, double *vector);                                       /* n x 3 */
-double hk_pins_power(const hk_pins *, const double *F, const double *v); /* W, of what moves pinned particles */
+void hk_pin_project(const hk_pin_spec *, double vector[3]); /* projects onto the directions that a sliding pin allows */
+/* imposes paths and slides */
+hk_status hk_pins_impose(const hk_pins *, double t, double *x, double *v, hk_error *error);
+void hk_pins_filter(const hk_pins *, double *vector); /* n x 3 */
+/* W, power of the pins on scripted particles */
+double hk_pins_power(const hk_pins *, const double *F, const double *v);
 void hk_pins_remap(hk_pins *, const uint32_t *map);
-bool hk_pins_due(const hk_pins *, double t); /* something is let go at t */
-void hk_pins_release(hk_pins *, hk_state *); /* what is let go at the state's time */
+bool hk_pins_due(const hk_pins *, double t); /* a pin is released at t */
+void hk_pins_release(hk_pins *, hk_state *); /* releases the pins that are due at the state's time */
 /* Acceleration of a path, m/s^2: differences of its velocity when the script gives one, else second differences. */
 hk_status hk_pin_acceleration(const hk_pin_spec *, double t, double out[3], hk_error *error);
 

@@ -1,17 +1,17 @@
-/* Between the files of this room. */
+/* Declarations shared by the files of core/storage. */
 #ifndef HK_STORAGE_FILES_H
 #define HK_STORAGE_FILES_H
 
 #include "core/storage/storage.h"
 
-/* "cannot read FILE: why", by errno. */
+/* Sets the error "cannot read FILE: reason" by errno. */
 hk_status hk_io_error(hk_error *, const char *doing, const char *path);
-/* body(file, what) writes it; an interrupted or failed write leaves what was there. */
+/* Writes a file by body(file, what); an interrupted or failed write does not change an existing file. */
 hk_status hk_write_file(const char *path, bool (*body)(FILE *, const void *), const void *what, hk_error *);
-/* Takes the place of the particles, wherever there are indices. */
+/* Replaces the particles of the run by the set, in the state and wherever indices are stored. */
 hk_status hk_install(hk_loop *, hk_particle_set *);
 
-/* Read from the file, after its first line. */
+/* Reads the checkpoint after its first line. */
 hk_status hk_checkpoint_read(hk_loop *, hk_judgement *, FILE *, const char *path);
 hk_status hk_state_table_read(hk_loop *, FILE *, const char *head, const char *path);
 extern const char hk_checkpoint_magic[];

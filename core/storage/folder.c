@@ -1,5 +1,5 @@
-/* The output folder. A hidden list in it names the scene and every file this scene wrote there; a new run of the same
- * scene removes exactly those. A file that is not on the list is somebody else's and never touched. */
+/* The output folder. A hidden list in it names the scene and every file that its run wrote there; a new run of the same
+ * scene removes exactly those. Files that are not on the list are never touched. */
 #include "core/storage/storage.h"
 
 #include <errno.h>
@@ -11,7 +11,7 @@
 
 struct hk_folder {
   char path[PATH_MAX / 2];
-  FILE *list; /* NULL until the first file is asked for */
+  FILE *list; /* NULL until the first file is requested */
   size_t count;
   char **name; /* files of this run */
   char *scene;
@@ -78,12 +78,12 @@ static void remove_listed(const hk_folder *f, FILE *list) {
     char *slash = strrchr(path, '/');
     if (slash > path + strlen(f->path)) {
       *slash = 0;
-      rmdir(path); /* only when it is empty now */
+      rmdir(path); /* removes the folder only when it is empty */
     }
   }
 }
 
-/* Removes what an earlier run of this scene left, and begins a new list. */
+/* Removes the files of an earlier run of this scene, and begins a new list. */
 static hk_status begin_list(hk_folder *f, hk_error *error) {
   char path[PATH_MAX], owner[256] = "";
   snprintf(path, sizeof path, "%s/%s", f->path, list_name);
@@ -103,13 +103,13 @@ static hk_status begin_list(hk_folder *f, hk_error *error) {
   return HK_OK;
 }
 
-static bool written_by_us(const hk_folder *f, const char *name) {
+static bool is_listed(const hk_folder *f, const char *name) {
   for (size_t k = f->count; k-- > 0;)
     if (strcmp(f->name[k], name) == 0) return true;
   return false;
 }
 
-static hk_status enlist(hk_folder *f, const char *name, hk_error *error) {
+static hk_status add_to_list(hk_folder *f, const char *name, hk_error *error) {
   char **grown = realloc(f->name, (f->count + 1) * sizeof *grown), *copy = hk_string_copy(name);
   if (grown) f->name = grown;
   if (!grown || !copy) {
@@ -131,9 +131,9 @@ hk_status hk_folder_path(hk_folder *f, const char *name, char *buffer, size_t si
     return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);
   if (make_parents(buffer) != 0) return io_error(error, "create the folder of", buffer);
   if (lstat(buffer, &info) == 0) {
-    if (written_by_us(f, name)) return HK_OK;
+    if (is_listed(f, name)) return HK_OK;
     return hk_error_set(error, HK_IO, "%s is not from a run of this scene: move it, or name another folder with --out",
                         buffer);
   }
-  return enlist(f, name, error);
+  return add_to_list(f, name, error);
 }

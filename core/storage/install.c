@@ -1,9 +1,9 @@
-/* Particles from a file take the place of the scene's, wherever there are indices. */
+/* Replaces the particles of a run by those of a file, in the state and wherever indices are stored. */
 #include "core/storage/files.h"
 
 #include <stdlib.h>
 
-/* Old index to new: who of the scene is in the set. */
+/* The map from old to new indices; particles of the scene that the set lacks have none. */
 static uint32_t *map_to(const hk_state *s, const hk_particle_set *set) {
   uint32_t *map = malloc((s->model.n + 1) * sizeof *map);
   size_t j = 0;

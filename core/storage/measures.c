@@ -1,4 +1,4 @@
-/* measures.csv: a row per frame, flushed, so that an interrupted run keeps what it measured. */
+/* measures.csv: a row per frame, flushed, so that an interrupted run keeps its measured values. */
 #include "core/storage/storage.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* A run that begins with a file: which kind it is, by its first bytes. */
+/* Reads the file that a run begins with; its first bytes tell a checkpoint from a state table. */
 #include "core/storage/files.h"
 
 #include <errno.h>

@@ -1,10 +1,12 @@
-/* State tables: "id,x,y,z,vx,vy,vz,mass" and a column for every number of a channel, with 17 digits, which read back
- * give the same doubles. A table names every particle of the scene, unless sources may have removed some. */
+/* State tables: "id,x,y,z,vx,vy,vz,mass" and a column for every number of a channel, with 17 digits, which restore the
+ * same doubles when read. A table must contain every particle of the scene, unless sources may have removed some. */
 #include "core/storage/files.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { LINE = 4096 };
 
 static const char head[] = "id,x,y,z,vx,vy,vz,mass";
 
@@ -13,12 +15,20 @@ typedef struct table {
   const hk_state *state;
 } table;
 
-static void write_head(FILE *file, const hk_model *m) {
-  fputs(head, file);
+/* ",heat,dye[1],dye[2]", cut at `size`. */
+static void name_channels(const hk_model *m, char *text, size_t size) {
+  size_t used = 0;
+  *text = 0;
   for (size_t k = 0; k < m->channels; k++)
-    for (size_t c = 0; c < m->channel[k].size; c++)
-      fprintf(file, m->channel[k].size > 1 ? ",%s[%zu]" : ",%s", m->channel[k].name, c + 1);
-  fputc('\n', file);
+    for (size_t c = 0; c < m->channel[k].size && used < size; c++)
+      used += (size_t)snprintf(text + used, size - used, m->channel[k].size > 1 ? ",%s[%zu]" : ",%s",
+                               m->channel[k].name, c + 1);
+}
+
+static void write_head(FILE *file, const hk_model *m) {
+  char names[LINE];
+  name_channels(m, names, sizeof names);
+  fprintf(file, "%s%s\n", head, names);
 }
 
 static void write_row(FILE *file, const hk_snapshot *s, const hk_model *m, size_t i) {
@@ -46,10 +56,10 @@ hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, cons
 /* ---- reading ---- */
 
 typedef struct rows {
-  size_t count, capacity, width; /* numbers of a row beside the id: 7 and those of channels */
+  size_t count, capacity, width; /* width: numbers of a row after the id, 7 and those of channels */
   uint32_t *id;
   double *number; /* count x width */
-  size_t *order;  /* by rising id */
+  size_t *order;  /* rows in the order of ids */
 } rows;
 
 static void free_rows(rows *r) {
@@ -85,7 +95,7 @@ static bool parse_row(rows *r, const char *line) {
 }
 
 static hk_status read_rows(hk_loop *loop, FILE *file, const char *path, rows *r) {
-  char line[4096];
+  char line[LINE];
   while (fgets(line, sizeof line, file)) {
     if (!grow(r)) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
     if (!parse_row(r, line))
@@ -97,7 +107,8 @@ static hk_status read_rows(hk_loop *loop, FILE *file, const char *path, rows *r)
   return HK_OK;
 }
 
-/* The scene's own particles and no others, each once; those that are missing may have died where there are sources. */
+/* Checks that a table has the scene's particles and no others, each once; particles may be missing in a scene with
+ * sources, where they may have died. */
 static hk_status check_ids(hk_loop *loop, rows *r, const char *path) {
   size_t n = loop->scene->n;
   size_t *row_of = malloc((n + 1) * sizeof *row_of);
@@ -126,7 +137,7 @@ static void place(const hk_loop *loop, hk_particle_set *set, const rows *r) {
   const hk_state *s = loop->state;
   for (size_t k = 0; k < set->n; k++) {
     const double *number = r->number + r->order[k] * r->width;
-    size_t i = r->id[r->order[k]] - 1; /* the scene's own particle: its group stays */
+    size_t i = r->id[r->order[k]] - 1; /* a particle of the scene keeps its group */
     memcpy(set->X + 3 * k, number, 3 * sizeof(double));
     memcpy(set->X + 3 * (set->n + k), number + 3, 3 * sizeof(double));
     set->mass[k] = number[6];
@@ -150,22 +161,42 @@ static hk_status install(hk_loop *loop, const rows *r) {
   return hk_install(loop, &set);
 }
 
+static bool any_timed(const hk_loop *loop) {
+  for (int kind = 0; kind < HK_KINDS; kind++)
+    for (size_t k = 0; k < loop->plugins->kind[kind].count; k++) {
+      const hk_plugin_spec *spec = loop->plugins->kind[kind].item[k]->spec;
+      if (spec->timed_count || spec->from > 0 || isfinite(spec->to)) return true;
+    }
+  return false;
+}
+
+/* Whether the scene says what happens when: forces and parameters, pins, rates, the exact solution. */
+static bool depends_on_time(const hk_loop *loop) {
+  bool depends = loop->dynamics->system.flags & HK_DEPENDS_ON_T || loop->scene->exact.call || any_timed(loop);
+  for (size_t k = 0; k < loop->pins->count; k++)
+    depends |= loop->pins->item[k].spec->path.call || isfinite(loop->pins->item[k].spec->release);
+  for (size_t k = 0; k < loop->scene->channels; k++) depends |= loop->scene->channel[k].rate.call != NULL;
+  return depends;
+}
+
 /* What a table does not hold is said. */
 static void warn_of_gaps(hk_loop *loop, const rows *r, const char *path) {
   if (loop->state->width && r->width == 7)
     hk_warn(loop->warnings, "%s has no channels: they begin with the values that the scene gives them", path);
-  if (loop->dynamics->system.flags & HK_DEPENDS_ON_T)
+  if (depends_on_time(loop))
     hk_warn(loop->warnings, "%s has no time: the scene, which depends on it, begins at t = 0 s; a checkpoint goes on",
             path);
 }
 
 hk_status hk_state_table_read(hk_loop *loop, FILE *file, const char *first_line, const char *path) {
   size_t columns = 1;
+  char names[LINE];
   for (const char *c = first_line; *c; c++) columns += *c == ',';
   rows r = {.width = columns - 1};
-  if (strncmp(first_line, head, strlen(head)) != 0 || (r.width != 7 && r.width != 7 + loop->state->width))
-    return hk_error_set(loop->error, HK_BAD_PARAM, "%s: its columns are not %s%s", path, head,
-                        loop->state->width ? " and the scene's channels" : "");
+  name_channels(&loop->state->model, names, sizeof names);
+  bool fits = strncmp(first_line, head, strlen(head)) == 0;
+  fits = fits && (r.width == 7 || strcmp(first_line + strlen(head), names) == 0);
+  if (!fits) return hk_error_set(loop->error, HK_BAD_PARAM, "%s: its columns are not %s%s", path, head, names);
   hk_status status = read_rows(loop, file, path, &r);
   if (status == HK_OK) status = check_ids(loop, &r, path);
   if (status == HK_OK) status = install(loop, &r);

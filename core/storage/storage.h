@@ -7,8 +7,8 @@
 
 typedef struct hk_folder hk_folder;
 
-/* ---- folder.c: the output folder, made when the first file is asked for. What an earlier run of the same scene left
- * in it is replaced as a whole, files of others are never touched ---- */
+/* ---- folder.c: the output folder, made at the request of the first file. All files of an earlier run of the same
+ * scene are removed; other files are never touched ---- */
 
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
 void hk_folder_close(hk_folder *);
@@ -22,15 +22,16 @@ hk_status hk_measures_close(FILE **, hk_error *error);
 
 /* ---- state_table.c: "id,x,y,z,vx,vy,vz,mass", 17 digits, and the channels ---- */
 
-/* `state`: who the channels are of; `s` may be an earlier snapshot of it. */
+/* `state` gives the channels; `s` may be an earlier snapshot of it. */
 hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, const char *path, hk_error *error);
 
-/* ---- checkpoint.c: everything that goes on, in the machine's byte order ---- */
+/* ---- checkpoint.c: all data that a continued run needs, in the machine's byte order ---- */
 
 hk_status hk_checkpoint_write(hk_loop *, hk_judgement *, const char *path, hk_error *error);
 
-/* ---- start_file.c: a run begins with a state table or a checkpoint; after the plugins' start, so that what they
- * derive from the scene's start (rest lengths) stays what it was. *resumed: it was a checkpoint ---- */
+/* ---- start_file.c: begins a run with a state table or a checkpoint. It is read after the plugins have started, so
+ * that data derived from the scene's start state (rest lengths) do not change. *resumed: the file is a checkpoint
+ * ---- */
 
 hk_status hk_start_file_read(hk_loop *, hk_judgement *, const char *path, bool *resumed);
 

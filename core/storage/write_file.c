@@ -1,4 +1,4 @@
-/* Writing a file whole or not at all: beside its name, then renamed. */
+/* Writing a file completely or not at all: it is written under a temporary name and then renamed. */
 #include "core/storage/files.h"
 
 #include <errno.h>

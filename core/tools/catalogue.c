@@ -1,4 +1,4 @@
-/* hooke.catalogue() and hooke.describe(): plugins as tables, written from what each plugin declares of itself. */
+/* hooke.catalogue() and hooke.describe(): plugins as Lua tables, made from the declarations of each plugin. */
 #include "core/tools/tools.h"
 
 #include <lauxlib.h>
@@ -73,7 +73,7 @@ static void push_plugin(lua_State *L, const hk_loaded *item) {
   lua_setfield(L, -2, "params");
 }
 
-/* The plugins, and the loads that failed: {path =, reason =}. */
+/* Returns the plugins and the failed loads, {path =, reason =}. */
 int hk_tool_catalogue(lua_State *L) {
   hk_registry *registry = hk_script_asked(hk_lua_script(L))->registry;
   hk_error error = {0};

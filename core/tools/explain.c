@@ -1,5 +1,5 @@
-/* hooke.explain(path, {name = value}, {trust = true}): what a scene loads, its sizes, its spectrum, and the stable step
- * of every integrator. The scene is opened as a run that makes no step. */
+/* hooke.explain(path, {name = value}, {trust = true}): the plugins that a scene loads, its sizes, its spectrum, and the
+ * stable step of every integrator. The scene is opened as a run that makes no step. */
 #include "core/tools/tools.h"
 
 #include <lauxlib.h>
@@ -18,7 +18,10 @@ static void push_plugin(lua_State *L, const hk_plugin_spec *spec) {
   }
 }
 
-static void push_plugins(lua_State *L, const hk_scene *scene) {
+/* Of the scene, and the services that they asked for. */
+static void push_plugins(lua_State *L, const hk_run *run) {
+  const hk_scene *scene = run->scene;
+  const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   static const hk_kind order[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
   lua_newtable(L);
   for (size_t o = 0; o < sizeof order / sizeof *order; o++)
@@ -26,6 +29,10 @@ static void push_plugins(lua_State *L, const hk_scene *scene) {
       push_plugin(L, scene->plugin[order[o]].item[k]);
       lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
     }
+  for (size_t k = 0; k < services->count; k++) {
+    push_plugin(L, services->item[k]->spec);
+    lua_rawseti(L, -2, (lua_Integer)lua_rawlen(L, -2) + 1);
+  }
   lua_setfield(L, -2, "plugins");
 }
 
@@ -72,13 +79,16 @@ static double total_mass(const hk_run *run) {
   return sum;
 }
 
-/* What solves linear systems, and what the plugins said when they were started. */
+/* Pushes the solver of linear systems and the warnings of the plugins' start. */
 static void push_solver(lua_State *L, const hk_run *run) {
   const hk_instance *solver = run->dynamics.solver;
   char libraries[160] = "";
   if (solver) hk_tool_set_text(L, "solver", solver->plugin->name);
-  if (solver && solver->plugin->solver->describe)
+  if (solver && solver->plugin->solver->describe) {
+    const hk_instance *outer = hk_enter(solver);
     solver->plugin->solver->describe(solver->self, libraries, sizeof libraries);
+    hk_leave(solver, outer);
+  }
   if (*libraries) hk_tool_set_text(L, "solver_libraries", libraries);
   lua_newtable(L);
   for (size_t k = 0; k < run->warnings.count; k++) {
@@ -104,14 +114,14 @@ static void describe(lua_State *L, const hk_run *run) {
   hk_tool_set_number(L, "fps", scene->fps);
   hk_tool_set_number(L, "dt", run->step.dt);
   hk_tool_set_flag(L, "dt_chosen", run->step.chosen);
-  push_plugins(L, scene);
+  push_plugins(L, run);
   push_solver(L, run);
   push_spectrum(L, &run->step.spectrum);
   push_steps(L, run);
 }
 
-/* For a scene that leaves its integrator to be chosen, since a run needs one: the explicit symplectic and reversible
- * method with the fewest stages. NULL: there is none. */
+/* The explicit symplectic and reversible method with the fewest stages, for a scene that names no integrator, since a
+ * run needs one. NULL: there is none. */
 static const char *simplest_method(const hk_registry *registry) {
   const hk_plugin *found = NULL;
   for (size_t k = 0; k < registry->count; k++) {
@@ -137,12 +147,13 @@ int hk_tool_explain(lua_State *L) {
     lua_pop(L, 1);
   }
   options.run = &run_options;
+  run_options.acting = hk_script_run_options(hk_lua_script(L))->acting;
   options.given = hk_tool_push_given(L, 2, &options.given_count);
   hk_status status = hk_registry_load_all(options.registry, &error);
   if (status == HK_OK) status = hk_script_open(luaL_checkstring(L, 1), &options, &script, &error);
   if (status == HK_OK && !hk_script_scene(script))
     status = hk_error_set(&error, HK_SCRIPT, "the script drives its own runs");
-  run_options.no_output = true; /* they are listed, not opened */
+  run_options.no_output = true; /* outputs are listed, but not opened */
   if (status == HK_OK && hk_script_scene(script)->integrator_auto)
     run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);

@@ -15,7 +15,8 @@ static int close_loaded(lua_State *L) {
   return 0;
 }
 
-/* Pushes what will own the script. Its first user value keeps the options' texts alive, its second the parameters. */
+/* Pushes the userdata that owns the script. Its first user value keeps the options' texts alive, its second the
+ * parameters. */
 static hk_script **push_owner(lua_State *L) {
   hk_script **loaded = lua_newuserdatauv(L, sizeof *loaded, 2);
   *loaded = NULL;
@@ -30,7 +31,7 @@ static hk_script **push_owner(lua_State *L) {
 static const char *push_text(lua_State *L, int index) {
   char digits[40];
   if (lua_type(L, index) != LUA_TNUMBER || lua_isinteger(L, index)) return luaL_tolstring(L, index, NULL);
-  snprintf(digits, sizeof digits, "%.17g", lua_tonumber(L, index)); /* Lua's own text has 14 digits */
+  snprintf(digits, sizeof digits, "%.17g", lua_tonumber(L, index)); /* Lua's conversion has 14 digits only */
   return lua_pushstring(L, digits);
 }
 
@@ -41,7 +42,7 @@ hk_param_given *hk_tool_push_given(lua_State *L, int table, size_t *count) {
   for (lua_pushnil(L); lua_istable(L, table) && lua_next(L, table); lua_pop(L, 1)) ++*count;
   if (!lua_istable(L, table)) lua_pop(L, 1);
   hk_param_given *given = lua_newuserdatauv(L, (*count + 1) * sizeof *given, 1);
-  lua_createtable(L, (int)*count, 0); /* keeps the texts */
+  lua_createtable(L, (int)*count, 0); /* keeps the texts alive */
   int texts = lua_gettop(L);
   for (lua_pushnil(L); *count && lua_next(L, table); lua_settop(L, texts + 1)) {
     if (lua_type(L, -2) != LUA_TSTRING) luaL_error(L, "parameters are named, { N = 32 }");
@@ -55,7 +56,7 @@ hk_param_given *hk_tool_push_given(lua_State *L, int table, size_t *count) {
 
 static const char *text_field(lua_State *L, int table, const char *key) {
   lua_getfield(L, table, key);
-  const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL; /* stays alive in the table */
+  const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : NULL; /* the table keeps the text alive */
   lua_pop(L, 1);
   return text;
 }
@@ -79,7 +80,7 @@ static void read_without(lua_State *L, int table, hk_run_options *run) {
     }
     run->without = label;
     run->without_count = count;
-    lua_setfield(L, table, "without labels"); /* alive as long as the table */
+    lua_setfield(L, table, "without labels"); /* keeps the labels alive as long as the table */
   }
   lua_pop(L, 1);
 }
@@ -116,7 +117,7 @@ int hk_tool_load(lua_State *L) {
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1};
   hk_error error = {0};
   lua_settop(L, 3);
-  lua_newtable(L); /* a copy, which keeps what the options point to */
+  lua_newtable(L); /* a copy that keeps the memory of the options alive */
   for (lua_pushnil(L); lua_istable(L, 3) && lua_next(L, 3); lua_pop(L, 1)) {
     lua_pushvalue(L, -2);
     lua_pushvalue(L, -2);
@@ -126,6 +127,7 @@ int hk_tool_load(lua_State *L) {
   lua_replace(L, 3);
   read_options(L, 3, &options, &run);
   run.interrupted = hk_script_run_options(tool)->interrupted;
+  run.acting = hk_script_run_options(tool)->acting;
   options.run = &run;
   hk_script **loaded = push_owner(L);
   lua_pushvalue(L, 3);

@@ -1,4 +1,4 @@
-/* Tools: Lua scripts with full rights, the Lua face, and what only they need. */
+/* Tools: Lua scripts with full rights, the Lua interface of scenes, and functions for tools only. */
 #include "core/tools/tools.h"
 
 #include <lauxlib.h>
@@ -9,7 +9,7 @@
 static const char *item_at(const void *context, size_t k) {
   lua_State *L = *(lua_State *const *)context;
   lua_rawgeti(L, 2, (lua_Integer)k + 1);
-  const char *text = lua_tostring(L, -1); /* stays alive in the list */
+  const char *text = lua_tostring(L, -1); /* the list keeps the text alive */
   lua_pop(L, 1);
   return text;
 }
@@ -20,7 +20,7 @@ static int nearest(lua_State *L) {
   return 1;
 }
 
-/* hooke.chosen(integrator, dt, tol): the answer of tools/auto.lua; dt and tol may be nil. */
+/* hooke.chosen(integrator, dt, tol): the choice that tools/auto.lua made; dt and tol may be nil. */
 static int chosen(lua_State *L) {
   hk_choice *choice = lua_touserdata(L, lua_upvalueindex(1));
   const char *name = luaL_checkstring(L, 1);
@@ -35,7 +35,7 @@ typedef struct tool {
   int argc;
   char **argv;
   int exit_code;
-  hk_choice choice; /* what it said with hooke.chosen() */
+  hk_choice choice; /* the arguments of hooke.chosen() */
 } tool;
 
 static void open_functions(lua_State *L, tool *t) {
@@ -64,7 +64,8 @@ static void open_arguments(lua_State *L, const tool *t) {
   lua_setglobal(L, "arg");
 }
 
-/* Modules are found beside the tool and in scripts/lib; native ones are built beside the plugins' folder. */
+/* Sets the search paths: Lua modules are in the tool's folder and in scripts/lib, native modules beside the plugins'
+ * folder. */
 static void open_modules(lua_State *L) {
   const hk_script *s = hk_lua_script(L);
   const hk_script_options *options = hk_script_asked(s);

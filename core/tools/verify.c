@@ -1,5 +1,5 @@
-/* run:verify() of tools: the summary after a second run, of the scene loaded again, has checked it; and what that run
- * died of. */
+/* run:verify() of tools: loads the scene again for a second run, and returns the summary with the result of the check
+ * and the error of the second run. */
 #include "core/tools/tools.h"
 
 #include <lauxlib.h>

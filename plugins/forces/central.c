@@ -4,9 +4,8 @@
  *     F = -strength w s^(power - 1) r,     w = m (per = "mass") or 1 (per = "particle")
  *     energy = strength w s^(power + 1) / (power + 1), or strength w ln s for power = -1
  * power 1 is a harmonic pull, -2 Kepler's with strength GM (softening as Plummer's). Where s is below 1e-100 m the
- * force is zero: the limit for powers above 0, for the others a convention, before Kepler's leaves the range of
- * doubles.
- */
+ * force is zero: this is the limit for powers above 0 and a convention for the others, since Kepler's force would
+ * exceed the range of doubles. */
 #include "core/plugin.h"
 
 typedef struct central {
@@ -127,7 +126,7 @@ static double energy(void *self, const hk_view *view) {
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = view->active ? view->active[k] : k;
     double r[3], s2 = offset(p, view->x + 3 * i, r);
-    if (s2 < tiny && p->power <= -1) continue; /* no force there, so no energy is stored either */
+    if (s2 < tiny && p->power <= -1) continue; /* no force acts there, so there is no energy either */
     sum += weight(p, view, i) * (p->power == -1 ? log(s2) / 2 : pow(s2, (p->power + 1) / 2) / (p->power + 1));
   }
   return sum;
@@ -156,7 +155,8 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,

@@ -1,11 +1,11 @@
-/* Springs that harden with the cube of the stretch: with d = x_j - x_i, l = |d|, s = l - L and n = d/l the force on j
- * is -k s^3 n, i gets the opposite; energy 1/4 k s^4. At rest they have no stiffness, so they offer no elements. With
- * k = 4 they are the soft springs of the Fermi-Pasta-Ulam problem in Hairer, Lubich and Wanner, Geometric Numerical
- * Integration, section I.5.1, whose energy is s^4. Two particles at one point have no direction and get no force from
- * their spring; with L = 0 that is also the limit.
+/* Springs whose force is the cube of the stretch: with d = x_j - x_i, l = |d|, s = l - L and n = d/l the force on j is
+ * -k s^3 n, i gets the opposite; energy 1/4 k s^4. At the rest length they have no stiffness, so they offer no
+ * elements. With k = 4 they are the soft springs of the Fermi-Pasta-Ulam problem in Hairer, Lubich and Wanner,
+ * Geometric Numerical Integration, section I.5.1, whose energy is s^4. A spring of length 0 has no direction and no
+ * force; for L = 0 that is also the limit.
  *
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
- * never negative and two lateral ones that are when the spring is pressed; HK_WANT_DEFINITE takes those for 0. */
+ * never negative and two lateral ones that are negative under compression; HK_WANT_DEFINITE replaces these by 0. */
 #include "plugins/common/springs/edge.h"
 #include "core/plugin.h"
 
@@ -89,7 +89,9 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
              HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,

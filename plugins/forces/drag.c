@@ -38,7 +38,7 @@ typedef struct task {
   const drag *self;
   const hk_view *view;
   double *F;
-  double power[CHUNKS]; /* summed in the order of the chunks, whatever thread took them */
+  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
 } task;
 
 static double add_one(const drag *p, const hk_view *view, size_t i, double *restrict F) {
@@ -47,7 +47,8 @@ static double add_one(const drag *p, const hk_view *view, size_t i, double *rest
   return -d * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Four particles side by side, each number with a sum of its own: one sum alone would be waited for at every number. */
+/* Four particles at a time, with a separate sum for each component: additions to a single sum would have to wait for
+ * each other. */
 static inline __attribute__((always_inline)) double add_fours(const drag *p, const hk_view *view, size_t begin,
                                                               size_t end, double *restrict F) {
   const double *restrict m = view->model->mass, each = isnan(p->d) ? 0 : p->d, by_mass = isnan(p->d) ? p->rate : 0;
@@ -92,7 +93,7 @@ static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t;
-  size_t grain = view->acting / CHUNKS + 1; /* never more than CHUNKS of them */
+  size_t grain = view->acting / CHUNKS + 1; /* at most CHUNKS chunks */
   if (grain < GRAIN) grain = GRAIN;
   t.self = self, t.view = view, t.F = F;
   view->host->parallel_for(view->host, view->acting, grain, add_chunk, &t);
@@ -118,7 +119,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_V | HK_SYMMETRIC_JACOBIAN | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_V | HK_SYMMETRIC_JACOBIAN | HK_POWER,
+                               .add = add,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,10 +1,10 @@
-/* Follower forces: of constant size, along an edge and turning with it, such as the thrust of an engine on a rod. With
- * d = x_j - x_i and n = d/|d| the force f n acts on the second end j, on the first end i, or half of it on each. It has
- * no energy: what it brings depends on the way, and its power is that of f n. Ends at one point have no direction and
- * get no force.
+/* Follower forces: forces of constant size along an edge, which rotate with it, such as the thrust of an engine on a
+ * rod. With d = x_j - x_i and n = d/|d| the force f n acts on the second end j, on the first end i, or half of it on
+ * each. It has no energy: its work depends on the path, and its power is that of f n. An edge of length 0 has no
+ * direction and no force.
  *
- * -dF/dx_j = dF/dx_i = -(f/|d|) (I - n n^T) in the rows of the ends it acts on alone, so it is not symmetric: a loaded
- * column flutters where weight would only buckle it. Beck, ZAMP 3 (1952). */
+ * -dF/dx_j = dF/dx_i = -(f/|d|) (I - n n^T) only in the rows of the ends on which it acts, so it is not symmetric: a
+ * loaded column flutters where a weight would only buckle it. Beck, ZAMP 3 (1952). */
 #include "plugins/common/springs/edge.h"
 #include "core/plugin.h"
 
@@ -59,7 +59,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return HK_OK;
 }
 
-/* Rows of the ends it acts on; the columns of both ends. */
+/* Names the blocks: rows of the ends on which the force acts, columns of both ends. */
 static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   const follower *p = self;
   for (size_t e = 0; e < p->edges.count; e++)
@@ -85,7 +85,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_X | HK_POWER,
+                               .add = add,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,4 +1,4 @@
-/* Uniform gravity, F = m g; energy -m g.x. Any direction: up for smoke. */
+/* Uniform gravity, F = m g; energy -m g.x. Any direction is allowed, such as upwards for smoke. */
 #include "core/plugin.h"
 
 typedef struct gravity {
@@ -51,11 +51,16 @@ static double energy(void *self, const hk_view *view) {
 static void pattern(void *self, const hk_view *view, hk_pattern *p) { (void)self, (void)view, (void)p; }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  (void)self, (void)view, (void)into; /* constant: no blocks */
+  (void)self, (void)view, (void)into; /* the force is constant: no blocks */
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_SYMMETRIC_JACOBIAN, .add = add, .energy = energy, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_SYMMETRIC_JACOBIAN,
+                               .add = add,
+                               .energy = energy,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

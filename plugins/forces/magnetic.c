@@ -1,9 +1,8 @@
-/* The force of a uniform magnetic field on moving charges, F = q v x B, with q of each particle or in proportion to its
- * mass. It turns velocities at the rate q B/m and does no work. With ratio = 1 and B = 2 W it is the Coriolis force in
- * a frame that turns at W (the centrifugal force is `central` with an axis and strength -W^2).
+/* The force of a uniform magnetic field on moving charges, F = q v x B, with a charge q per particle or proportional to
+ * its mass. It rotates velocities at the rate q B/m and does no work. With ratio = 1 and B = 2 W it is the Coriolis
+ * force in a frame that rotates at W (the centrifugal force is `central` with an axis and strength -W^2).
  *
- * -dF/dv is antisymmetric and there is nothing else to its Jacobian, so a symmetric form is not offered: leaving it out
- * would leave nothing. */
+ * The Jacobian consists of -dF/dv only, which is antisymmetric, so a symmetric form is not offered: it would be 0. */
 #include "core/plugin.h"
 
 typedef struct magnetic {
@@ -58,7 +57,7 @@ static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t = {self, view, F};
   view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
-  return HK_OK; /* *view->power stays: v.(v x B) = 0 */
+  return HK_OK; /* the power v.(v x B) is 0 */
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
@@ -79,7 +78,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_V | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_V | HK_POWER,
+                               .add = add,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,12 +1,13 @@
-/* Ropes: springs that pull and never push. With d = x_j - x_i, l = |d|, n = d/l, s = l - L and u = v_j - v_i a rope is
- * taut where s > 0; its tension is then T = max(0, k s + c u.n), the force on j is -T n and i gets the opposite. Slack
- * ropes do nothing. Energy 1/2 k s^2 where taut; the rest of T has the power -(T - k s) u.n.
+/* Ropes: springs with tension but no compression. With d = x_j - x_i, l = |d|, n = d/l, s = l - L and u = v_j - v_i a
+ * rope is taut where s > 0; its tension is then T = max(0, k s + c u.n), the force on j is -T n and i gets the
+ * opposite. Slack ropes exert no force. The energy is 1/2 k s^2 where taut; the damping part of T has the power -(T - k
+ * s) u.n.
  *
  * -df/dx for x = x_j - x_i is (k - b) n n^T + b I + (c/l) n (u - (u.n) n)^T with b = T/l, and -df/dv is c n n^T, as of
- * springs (spring_blocks.h); b is never negative, so without the last term, which HK_WANT_SYMMETRIC leaves out, it is
- * definite. At s = 0 the stiffness jumps: methods lose their order there, though not the motion its continuity.
+ * springs (spring_blocks.h); b is never negative, so without the last term, which HK_WANT_SYMMETRIC omits, the block is
+ * definite. At s = 0 the stiffness is discontinuous: methods lose their order there, although the motion is continuous.
  *
- * No elements are offered: methods that work spring by spring would push with them. */
+ * No elements are offered: methods that work element by element would apply compression with them. */
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
@@ -33,7 +34,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return hk_edge_rest(host, view, &s->edges, &s->rest);
 }
 
-/* One rope that is taut and pulls. */
+/* One taut rope with a tension above 0. */
 typedef struct taut {
   double n[3], u[3], l; /* m, m/s */
   double rate;          /* u.n, m/s */
@@ -79,7 +80,7 @@ static double energy(void *self, const hk_view *view) {
   return sum;
 }
 
-/* Slack ropes are named as well: they may be taut at the next step. */
+/* Names the blocks of slack ropes as well: they may be taut at the next step. */
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const ropes *s = self;
   for (size_t e = 0; e < s->edges.count; e++)
@@ -116,15 +117,17 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-/* Of all ropes taut, however far they are drawn: a rope that is slack now is not so later. */
+/* Bounds the stiffness of all ropes as if taut at any length, since a rope that is slack now may become taut. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const ropes *s = self;
   const hk_edge_stiffness of = {&s->edges, &s->k, &s->damping, &s->rest, true};
   hk_edge_stiffness_bound(&of, view, part == HK_STIFFNESS_UNDAMPED ? HK_STIFFNESS_WHOLE : part, block);
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_STIFFENS | HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
-             HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_STIFFENS | HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
+             HK_POWER | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,
     .pattern = pattern,

@@ -1,6 +1,6 @@
 /* Hooke's springs, damped along the spring: the force on j is -(k (l - L) + c (u.d)/l) d/l, with d = x_j - x_i, l = |d|
- * and u = v_j - v_i; i gets the opposite. Two particles at one point have no direction and get no force from their
- * spring; with L = 0 that is also the limit. Energy 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
+ * and u = v_j - v_i; i gets the opposite. A spring of length 0 has no direction and no force; for L = 0 that is also
+ * the limit. The energy is 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "plugins/common/springs/spring_blocks.h"
@@ -68,7 +68,7 @@ static double energy(void *self, const hk_view *view) {
   return sum;
 }
 
-/* Where only some particles are acted on, the layout has the springs that do act. */
+/* Where the force acts on some particles only, the layout contains the acting springs. */
 static void elements(void *self, const hk_view *view, hk_elements *out) {
   const springs *s = self;
   const hk_spring_layout *a = &s->layout;
@@ -100,7 +100,9 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,

@@ -5,18 +5,24 @@
  *     linear A (u.n) n,
  * a third on each corner. The first two are the translational forces on a plate of Andersen, Pesavento and Wang, J.
  * Fluid Mech. 541 (2005): a drag coefficient A - B cos 2 alpha (drag = A + B, friction = A - B) and a circulation that
- * makes the lift coefficient proportional to sin 2 alpha. drag = 2 lift and friction = 0 push along the normal alone.
- * The third is the fluid force of Provot, Graphics Interface 1995, per area instead of per particle.
+ * makes the lift coefficient proportional to sin 2 alpha. drag = 2 lift and friction = 0 give a force along the normal
+ * only. The third is the fluid force of Provot, Graphics Interface 1995, per area instead of per particle.
  *
  * In N = 2 A n and q = N.u all of this is polynomial but for 1/|N| and 1/|u|:
  *     F = rho/4 (friction |N| |u| + b q^2 / (|N| |u|)) u + (rho/2 lift |u| + linear/2) q / |N| N,
- * b = drag - friction - 2 lift. Invariants: turning a triangle over changes nothing; F is continuously differentiable
- * in u everywhere, and in N but at N = 0, where it is 0; there the Jacobian, which has no limit, is taken as 0. */
+ * b = drag - friction - 2 lift. Invariants: F does not depend on the orientation of a triangle; F is continuously
+ * differentiable in u everywhere, and in N except at N = 0, where F is 0 and the Jacobian, which has no limit, is set
+ * to 0. */
 #include "core/plugin.h"
 
 #include <string.h>
 
-enum { LANES = 16, GRAIN = 2048, ROWS = 256, CHUNKS = 64 }; /* ROWS: grain of a Jacobian; CHUNKS: at most */
+enum {
+  LANES = 16,
+  GRAIN = 2048,
+  ROWS = 256,
+  CHUNKS = 64
+}; /* ROWS: grain of a Jacobian; CHUNKS: largest number of chunks */
 
 static const double TINY = 1e-150; /* m^2, m/s */
 
@@ -24,11 +30,11 @@ typedef struct wind {
   double velocity[3], density, drag, lift, friction, linear;
 
   const hk_host *host;
-  size_t count;            /* triangles that act */
+  size_t count;            /* acting triangles */
   uint32_t (*triangle)[3]; /* count */
   size_t *first;           /* n + 2: the corners at particle i are corner[first[i]] ... corner[first[i + 1] - 1] */
-  uint32_t *corner;        /* 3 count: 3 t + r, rising for each particle */
-  double (*load)[3];       /* count, N: on each corner, in one evaluation */
+  uint32_t *corner;        /* 3 count: 3 t + r, increasing for each particle */
+  double (*load)[3];       /* count, N: force on each corner, in one evaluation */
 } wind;
 
 /* clang-format off */
@@ -64,7 +70,8 @@ static void release(wind *w) {
 static void fill(wind *w, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t k = 0, t = 0; k < m->triangles.count; k++)
-    if (acts(view, hk_tuple(&m->triangles, k))) memcpy(w->triangle[t++], hk_tuple(&m->triangles, k), sizeof *w->triangle);
+    if (acts(view, hk_tuple(&m->triangles, k)))
+      memcpy(w->triangle[t++], hk_tuple(&m->triangles, k), sizeof *w->triangle);
   for (size_t k = 0; k < 3 * w->count; k++) w->first[w->triangle[k / 3][k % 3] + 2]++;
   for (size_t i = 2; i < view->n + 2; i++) w->first[i] += w->first[i - 1];
   for (size_t k = 0; k < 3 * w->count; k++) w->corner[w->first[w->triangle[k / 3][k % 3] + 1]++] = (uint32_t)k;
@@ -142,7 +149,7 @@ static inline void measure(const wind *w, const hk_view *view, const uint32_t co
 static void slopes(const wind *w, const flow *f, double G[9], double H[9]) {
   double rho = w->density / 4, a = rho * w->friction, b = rho * (w->drag - w->friction - 2 * w->lift);
   double L = 2 * rho * w->lift, c = L * f->speed + w->linear / 2, p = f->q * f->per_area, m[3], e[3];
-  double bent = b * p * p * f->per_speed; /* of b p^2 de/du */
+  double bent = b * p * p * f->per_speed; /* factor of b p^2 de/du */
   for (int k = 0; k < 3; k++) m[k] = f->N[k] * f->per_area, e[k] = f->u[k] * f->per_speed;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
@@ -154,17 +161,18 @@ static void slopes(const wind *w, const flow *f, double G[9], double H[9]) {
     }
 }
 
-/* ---- All triangles: loads are computed by triangle and collected by particle, so no two threads add to one. ------ */
+/* ---- All triangles: loads are computed per triangle and summed per particle, so no two threads write to one particle.
+ * ------ */
 
 typedef struct task {
   const wind *self;
   const hk_view *view;
   double *F;
   const hk_blocks *into;
-  double power[CHUNKS]; /* summed in the order of the chunks, whatever thread took them */
+  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
 } task;
 
-/* LANES triangles side by side, so that square roots and divisions are done several at a time. */
+/* LANES triangles at a time, so that square roots and divisions use vectors. */
 typedef struct batch {
   double ab[3][LANES], ac[3][LANES], v[3][LANES]; /* v: three times v_T */
   double load[3][LANES], power[LANES];
@@ -181,7 +189,7 @@ static inline void gather(const hk_view *view, const uint32_t (*corner)[3], size
   }
 }
 
-/* A third of each F, and its power. */
+/* Computes a third of each triangle's F, and its power. */
 static void batch_loads(const wind *w, batch *q) {
   double rho = w->density / 4, b = rho * (w->drag - w->friction - 2 * w->lift), friction = rho * w->friction;
   double lift = 2 * rho * w->lift, linear = w->linear / 2;
@@ -233,7 +241,7 @@ static void collect_chunk(void *context, size_t begin, size_t end, size_t chunk)
 static hk_status add(void *self, const hk_view *view, double *F) {
   wind *w = self;
   task t;
-  size_t grain = w->count / CHUNKS + 1; /* never more than CHUNKS of them */
+  size_t grain = w->count / CHUNKS + 1; /* at most CHUNKS chunks */
   if (grain < GRAIN) grain = GRAIN;
   t.self = w, t.view = view, t.F = F;
   view->host->parallel_for(view->host, w->count, grain, load_chunk, &t);
@@ -249,7 +257,8 @@ static void pattern(void *self, const hk_view *view, hk_pattern *p) {
     for (int b = 0; b < 9; b++) p->block(p, w->triangle[t][b / 3], w->triangle[t][b % 3]);
 }
 
-/* dN/dx_c moves N by dx x side_c, side_c = x_(c+1) - x_(c+2), so a row g of G gives the row side_c x g of dF/dx_c. */
+/* A displacement dx of corner c changes N by dx x side_c, side_c = x_(c+1) - x_(c+2), so a row g of G gives the row
+ * side_c x g of dF/dx_c. */
 static void add_row(const wind *w, const hk_view *view, const hk_blocks *into, uint32_t corner) {
   const uint32_t *at = w->triangle[corner / 3];
   const size_t *slot = into->slot + 3 * (size_t)corner;
@@ -268,7 +277,7 @@ static void add_row(const wind *w, const hk_view *view, const hk_blocks *into, u
   }
 }
 
-/* By block rows, each the particle's own: a triangle is measured three times, which costs less than keeping G and H. */
+/* Computes block rows, one per particle: a triangle is evaluated three times, which costs less than storing G and H. */
 static void row_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   (void)chunk;
   const task *t = context;
@@ -283,7 +292,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force), .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER, .add = add, .pattern = pattern, .jacobian = jacobian};
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
+                               .add = add,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

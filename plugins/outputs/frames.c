@@ -1,6 +1,6 @@
-/* PNG pictures of the scene, and a video of them where ffmpeg is there. A picture is drawn at once when nothing in it
- * depends on frames to come; as long as the camera, the range of colours or the floor is to suit the whole motion,
- * frames wait in an unlinked file and are drawn at the end, whatever the verdict. */
+/* PNG pictures of the scene, and a video of them when ffmpeg is installed. A picture is drawn immediately when nothing
+ * in it depends on later frames. When the camera, the range of colours or the floor is chosen for the whole motion,
+ * frames are stored in an unlinked file and drawn at the end, for any verdict. */
 #include "core/plugin.h"
 #include "plugins/common/gl/gl_context.h"
 #include "plugins/common/picture/legend.h"
@@ -25,11 +25,11 @@ typedef struct frames {
 
   const hk_host *host;
   hk_look look;
-  hk_framing plan;
-  hk_view_setup stage;
+  hk_framing framing;
+  hk_view_setup setup;
   bool waiting; /* frames are drawn at the end */
-  bool changed; /* the topology, since the last shot */
-  hk_snapshot3d shot;
+  bool changed; /* the topology may have changed since the last snapshot */
+  hk_snapshot3d snapshot;
   hk_frame_spool spool;
   hk_gl_context *gl;
   hk_painter painter;
@@ -37,7 +37,7 @@ typedef struct frames {
   size_t colours;
   unsigned char *picture; /* width x height x 4 */
   uint8_t table[HK_MAP_SIZE][4];
-  char label[64]; /* of the legend */
+  char label[64]; /* label of the legend */
   size_t pictures;
   double fps;
 } frames;
@@ -85,20 +85,21 @@ static const hk_param params[] = {
 /* clang-format on */
 
 static void make_plan(frames *f) {
-  f->plan = (hk_framing){.fov = f->fov * acos(-1) / 180, .aspect = (double)f->width / (double)f->height};
-  memcpy(f->plan.eye, f->camera, sizeof f->camera);
-  memcpy(f->plan.target, f->target, sizeof f->target);
-  f->plan.floor = f->ground, f->plan.height = f->ground_height, f->plan.radius = f->radius;
-  f->plan.centred = f->look.paint == HK_PAINT_STRAIN;
-  f->plan.counted = f->plan.centred || f->look.paint == HK_PAINT_SPEED || f->look.paint == HK_PAINT_CHANNEL;
-  f->plan.low = f->range.count ? f->range.value[0] : NAN;
-  f->plan.high = f->range.count ? f->range.value[1] : NAN;
-  for (int c = 0; c < 3; c++) f->stage.background[c] = (float)f->background[c];
-  hk_colormap_fill(f->plan.centred ? HK_MAP_DIVERGING : HK_MAP_SEQUENTIAL, f->table);
-  f->waiting = isnan(f->camera[0]) || (f->ground && isnan(f->ground_height)) || (f->plan.counted && isnan(f->plan.low));
+  f->framing = (hk_framing){.fov = f->fov * acos(-1) / 180, .aspect = (double)f->width / (double)f->height};
+  memcpy(f->framing.eye, f->camera, sizeof f->camera);
+  memcpy(f->framing.target, f->target, sizeof f->target);
+  f->framing.floor = f->ground, f->framing.height = f->ground_height, f->framing.radius = f->radius;
+  f->framing.centred = f->look.paint == HK_PAINT_STRAIN;
+  f->framing.counted = f->framing.centred || f->look.paint == HK_PAINT_SPEED || f->look.paint == HK_PAINT_CHANNEL;
+  f->framing.low = f->range.count ? f->range.value[0] : NAN;
+  f->framing.high = f->range.count ? f->range.value[1] : NAN;
+  for (int c = 0; c < 3; c++) f->setup.background[c] = (float)f->background[c];
+  hk_colormap_fill(f->framing.centred ? HK_MAP_DIVERGING : HK_MAP_SEQUENTIAL, f->table);
+  f->waiting =
+      isnan(f->camera[0]) || (f->ground && isnan(f->ground_height)) || (f->framing.counted && isnan(f->framing.low));
 }
 
-/* What is wrong is said here; `open`, when the forces' springs are known, chooses again. */
+/* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   const char *label;
@@ -132,7 +133,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
 
 static hk_status colour_particles(frames *f) {
   static const uint8_t plain[4] = {84, 132, 190, 255};
-  const hk_snapshot3d *s = &f->shot;
+  const hk_snapshot3d *s = &f->snapshot;
   if (s->n >= f->colours) {
     f->host->release(f->host, f->colour);
     f->colours = s->n + s->n / 2 + 1;
@@ -142,8 +143,8 @@ static hk_status colour_particles(frames *f) {
   for (size_t i = 0; i < s->n; i++) {
     uint32_t group;
     memcpy(&group, &s->ink[i], sizeof group);
-    if (f->plan.counted)
-      hk_colormap_look(f->table, f->plan.low, f->plan.high, (double)s->ink[i].number, f->colour[i]);
+    if (f->framing.counted)
+      hk_colormap_look(f->table, f->framing.low, f->framing.high, (double)s->ink[i].number, f->colour[i]);
     else if (f->look.paint == HK_PAINT_GROUP)
       hk_colormap_group(group, f->colour[i]);
     else
@@ -154,12 +155,12 @@ static hk_status colour_particles(frames *f) {
 
 static hk_status draw(frames *f) {
   char name[PATH_MAX], path[PATH_MAX], why[256];
-  double percent = f->plan.centred ? 100 : 1;
+  double percent = f->framing.centred ? 100 : 1;
   hk_status status = colour_particles(f);
-  if (status == HK_OK) status = hk_painter_draw(&f->painter, &f->stage, &f->shot, f->colour);
+  if (status == HK_OK) status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
   if (status != HK_OK) return status;
-  if (f->legend && f->plan.counted)
-    hk_legend_draw(&f->painter, &(hk_legend){f->label, percent * f->plan.low, percent * f->plan.high, f->table});
+  if (f->legend && f->framing.counted)
+    hk_legend_draw(&f->painter, &(hk_legend){f->label, percent * f->framing.low, percent * f->framing.high, f->table});
   hk_painter_read(&f->painter, f->picture);
   snprintf(name, sizeof name, "%s/%06zu.png", f->folder, f->pictures);
   status = f->host->path(f->host, name, path, sizeof path);
@@ -173,22 +174,23 @@ static hk_status draw(frames *f) {
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
   if (now->index % (size_t)f->every != 0) return HK_OK;
-  hk_status status = hk_snapshot3d_take(&f->shot, view, &f->look, f->changed);
+  hk_status status = hk_snapshot3d_take(&f->snapshot, view, &f->look, f->changed);
   if (status != HK_OK) return status;
   f->changed = false;
-  if (f->waiting) return hk_frame_spool_add(&f->spool, &f->shot);
-  hk_framing_snapshot(&f->plan, &f->shot, &f->stage);
+  if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
+  hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   if (!hk_gl_context_use(f->gl)) return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
   return draw(f);
 }
 
-/* Draws what waits. A frame that reaches five times (diverged) or a thousand times as far as the median frame is drawn
- * too, but has no say in where the camera stands. */
+/* Draws the stored frames. A frame that reaches five times (diverged) or a thousand times as far as the median frame is
+ * drawn as well, but ignored in the choice of the camera. */
 static hk_status draw_waiting(frames *f, hk_verdict verdict) {
   if (!f->spool.count) return HK_OK;
-  hk_status status = hk_framing_motion(&f->plan, &f->spool, &f->shot, verdict == HK_DIVERGED ? 5 : 1000, &f->stage);
+  hk_status status =
+      hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
-    status = hk_frame_spool_read(&f->spool, k, &f->shot);
+    status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);
   }
   return status;
@@ -229,7 +231,7 @@ static void destroy(void *self, const hk_host *host) {
   if (f->gl && hk_gl_context_use(f->gl)) hk_painter_close(&f->painter);
   hk_gl_context_destroy(f->gl);
   hk_frame_spool_close(&f->spool);
-  hk_snapshot3d_free(&f->shot);
+  hk_snapshot3d_free(&f->snapshot);
 }
 
 static hk_status topology(void *self, const hk_view *view) {

@@ -1,5 +1,5 @@
 /* A table of the motion, comma-separated: one line per frame with time, energies, momentum and the scene's measures, in
- * 17 significant digits, which give every double back. Each line is on file before the run goes on. */
+ * 17 significant digits, which restore every double. Each line is written to the file before the next step. */
 #include "core/plugin.h"
 
 #include <errno.h>
@@ -42,7 +42,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return HK_OK;
 }
 
-/* In quotes where the name holds what would end the field. */
+/* Writes a name, in quotes when it contains a character that would end the field. */
 static void write_name(FILE *file, const char *name) {
   bool quoted = name[strcspn(name, ",\"\r\n")] != 0;
   if (quoted) putc('"', file);

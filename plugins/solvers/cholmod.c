@@ -1,13 +1,14 @@
 /* Sparse Cholesky factorization A = P^T L L^T P of symmetric positive definite matrices, by CHOLMOD.
  *
- * `analyze` orders the graph of blocks and writes their upper triangle as one scalar compressed-column matrix, which
- * stays; `factorize` refills its numbers and reuses the ordering and the structure of L; `solve` reuses its workspaces.
- * Only that triangle is read: of a matrix that is symmetric up to rounding one half decides. Small fill takes the
- * simplicial method, large fill the supernodal one on the BLAS; CHOLMOD chooses by counting. One thread is the default:
- * how a threaded BLAS cuts its sums depends on the machine, and would show in the last digit. Several right-hand sides
- * go through plugins/common/triangular.c, which copies L when a factor is first asked for them. Invariant: between
- * calls `A` has the pattern of the last analysis, `ready` says that L has its numbers, `copied` that `columns` has them
- * too. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008). */
+ * `analyze` orders the graph of blocks and writes their upper triangle as one scalar compressed-column matrix, which is
+ * kept; `factorize` updates its values and reuses the ordering and the structure of L; `solve` reuses its workspaces.
+ * Only that triangle is read, so of a matrix that is symmetric up to rounding one half is used. CHOLMOD uses the
+ * simplicial method for small fill and the supernodal one with the BLAS for large fill, by its count of operations. One
+ * thread is the default: the order of sums in a threaded BLAS, and with it the last digit of results, depends on the
+ * machine. Several right-hand sides are solved by plugins/common/linear/triangular.c, which copies L at the first such
+ * solve of a factorization. Invariant: between calls `A` has the pattern of the last analysis, `ready` says that L has
+ * its numbers, `copied` that `columns` has them too. Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM
+ * TOMS 35 (2008). */
 #include "plugins/common/linear/blas.h"
 #include "plugins/common/linear/blas_name.h"
 #include "plugins/common/linear/triangular.h"
@@ -18,7 +19,7 @@
 
 enum { ORDER_BEST, ORDER_AMD, ORDER_METIS };
 
-static const double metis_pays = 1e9; /* operations of a factorization by AMD's order */
+static const double metis_pays = 1e9; /* operations of a factorization with AMD's order, above which METIS is tried */
 
 typedef struct cholesky {
   int ordering;
@@ -26,12 +27,12 @@ typedef struct cholesky {
   const hk_host *host;
   cholmod_common common;
   bool started, ready, copied;
-  size_t rows, block; /* of the matrix analysed */
+  size_t rows, block; /* sizes of the analysed matrix */
   cholmod_sparse *A;
   cholmod_factor *L;
   cholmod_dense *b, *x, *y, *e; /* right-hand side, solution and CHOLMOD's workspaces */
-  hk_triangular *columns;       /* NULL until several right-hand sides are asked for */
-  int64_t *shape;               /* of a factor_view of L */
+  hk_triangular *columns;       /* NULL until several right-hand sides are solved */
+  int64_t *shape;               /* index arrays of the factor view of L */
 } cholesky;
 
 /* clang-format off */
@@ -108,7 +109,7 @@ static size_t upper_count(const hk_matrix *A) {
   return count;
 }
 
-/* Row 3r+k of A up to the diagonal is column 3r+k of its upper triangle. NULL structure: the numbers only. */
+/* Row 3r+k of A up to the diagonal is column 3r+k of its upper triangle. Without `start` only the values are copied. */
 static void fill_upper(const hk_matrix *A, int64_t *start, int64_t *row, double *value) {
   size_t b = A->block, at = 0, column = 0;
   for (size_t r = 0; r < A->rows; r++) {
@@ -127,7 +128,7 @@ static void fill_upper(const hk_matrix *A, int64_t *start, int64_t *row, double 
   if (start) start[column] = (int64_t)at;
 }
 
-/* The numbers of a particle stay together, so the graph of blocks is ordered, which is 9 times smaller. */
+/* The graph of blocks is ordered, which keeps the unknowns of a particle together and is 9 times smaller. */
 static cholmod_sparse *graph_of(cholesky *s, const hk_matrix *A) {
   size_t n = A->rows, count = 0;
   for (size_t r = 0; r < n; r++) count += upper_blocks(A, r);
@@ -150,8 +151,8 @@ static cholmod_factor *order_by(cholesky *s, cholmod_sparse *graph, int ordering
   return L;
 }
 
-/* METIS takes some ten times as long as AMD, so it is asked where the factorization that it may shorten takes as long
- * as itself; fewer operations decide. */
+/* METIS takes some ten times as long as AMD, so it is tried where the factorization takes at least as long as METIS;
+ * the order with fewer operations is used. */
 static cholmod_factor *order_graph(cholesky *s, cholmod_sparse *graph) {
   double flops, other;
   if (s->ordering == ORDER_METIS) return order_by(s, graph, CHOLMOD_METIS, &flops);
@@ -166,7 +167,7 @@ static cholmod_factor *order_graph(cholesky *s, cholmod_sparse *graph) {
   return L;
 }
 
-/* The order of the matrix's rows from that of its blocks; NULL: it failed. */
+/* The order of the matrix's rows from the order of its blocks; NULL: the ordering failed. */
 static int64_t *order_rows(cholesky *s, const hk_matrix *A) {
   size_t n = A->rows, b = A->block;
   cholmod_sparse *graph = graph_of(s, A);
@@ -270,7 +271,8 @@ static void supernodes_of(const cholmod_factor *L, hk_factor_view *f, int64_t *f
   first[f->supernodes] = (int64_t)L->n;
 }
 
-/* A column joins the one before when it has the same rows without that one's diagonal. */
+/* Finds the supernodes of L: a column joins the one before when it has the same rows except for that column's
+ * diagonal. */
 static void columns_of(const cholmod_factor *L, hk_factor_view *f, int64_t *first, int64_t *list, int64_t *rows,
                        int64_t *column) {
   const int64_t *start = L->p, *count = L->nz, *row = L->i;

@@ -1,15 +1,15 @@
 /* Conjugate gradients with a preconditioner, for symmetric positive definite matrices that are too large to factorize.
  *
- * This is the method of Baraff and Witkin 1998, section 5, whose filter is in the matrix already: what arrives is
- * A = S (..) S + s (I - S), with S the filter of the pins, so for a filtered right-hand side every iterate stays where
- * the pins allow; of a fixed particle bitwise, because its rows hold nothing but their diagonal. The preconditioners
- * keep that: both are built from the same blocks.
+ * This is the method of Baraff and Witkin 1998, section 5, whose filter is already in the matrix: A = S (..) S + s (I -
+ * S), with S the filter of the pins, so for a filtered right-hand side every iterate satisfies the pins, bitwise for a
+ * fixed particle, whose rows have diagonal entries only. The preconditioners preserve this property: both are built
+ * from the same blocks.
  *
- * The residual is the recursive one; when it has reached the tolerance, b - A x is formed, and the iteration begins
- * anew from x should that be larger. Vectors are cut into chunks and partial sums are added in their order, so the
- * number of threads does not show in the bits. Invariant: between calls `upper` and the preconditioner have the pattern
- * of the last analysis, and `ready` says that they have its numbers. Hestenes and Stiefel 1952, J. Res. NBS 49; Baraff
- * and Witkin 1998, Large steps in cloth simulation. */
+ * The residual is the recursive one; when it has reached the tolerance, b - A x is computed, and the iteration restarts
+ * from x if that is larger. Vectors are divided into chunks and partial sums are added in their order, so results are
+ * bitwise equal for any number of threads. Invariant: between calls `upper` and the preconditioner have the pattern of
+ * the last analysis, and `ready` says that they have its numbers. Hestenes and Stiefel 1952, J. Res. NBS 49; Baraff and
+ * Witkin 1998, Large steps in cloth simulation. */
 #include "core/plugin.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/linear/upper_matrix.h"
@@ -24,12 +24,12 @@ typedef struct gradients {
   double tolerance;
   int64_t iterations;
   const hk_host *host;
-  size_t rows, block, unknowns, chunks; /* of the matrix analysed */
+  size_t rows, block, unknowns, chunks; /* sizes of the analysed matrix */
   bool analyzed, ready;
   hk_upper upper;
   hk_incomplete incomplete;
-  double *inverse; /* rows x block x block: of the diagonal blocks */
-  double *vectors; /* x, r, z, p, q, each `unknowns` and some to spare */
+  double *inverse; /* rows x block x block: inverses of the diagonal blocks */
+  double *vectors; /* x, r, z, p, q, each of `unknowns` doubles and some padding */
   double *x, *r, *z, *p, *q;
   double *part; /* chunks x 2 */
 } gradients;
@@ -164,7 +164,7 @@ typedef struct vector_task {
   double factor;
 } vector_task;
 
-/* x += a p, r -= a q; the chunk's part of r.r. */
+/* x += a p, r -= a q; computes the chunk's part of r.r. */
 static void advance(void *context, size_t begin, size_t end, size_t chunk) {
   const vector_task *t = context;
   double *restrict x = t->s->x, *restrict r = t->s->r, sum[4] = {0};
@@ -184,7 +184,7 @@ static void advance(void *context, size_t begin, size_t end, size_t chunk) {
   t->s->part[2 * chunk] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-/* r = b - q; the chunk's parts of r.r and b.b. */
+/* r = b - q; computes the chunk's parts of r.r and b.b. */
 static void compare(void *context, size_t begin, size_t end, size_t chunk) {
   const vector_task *t = context;
   double left = 0, whole = 0;
@@ -199,7 +199,7 @@ static void compare(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 /* p = z + factor p */
-static void turn(void *context, size_t begin, size_t end, size_t chunk) {
+static void update_direction(void *context, size_t begin, size_t end, size_t chunk) {
   const vector_task *t = context;
   const double *restrict z = t->s->z;
   double *restrict p = t->s->p;
@@ -207,7 +207,7 @@ static void turn(void *context, size_t begin, size_t end, size_t chunk) {
   for (size_t k = begin; k < end; k++) p[k] = z[k] + t->factor * p[k];
 }
 
-/* z = inverse diagonal blocks times r, by rows; the chunk's part of r.z. */
+/* z = inverse diagonal blocks times r, by rows; computes the chunk's part of r.z. */
 static void apply_diagonal(void *context, size_t begin, size_t end, size_t chunk) {
   const vector_task *t = context;
   const gradients *s = t->s;
@@ -251,7 +251,7 @@ static double step_along(gradients *s, double factor) {
 
 static void next_direction(gradients *s, double factor) {
   vector_task task = {.s = s, .factor = factor};
-  s->host->parallel_for(s->host, s->unknowns, CHUNK, turn, &task);
+  s->host->parallel_for(s->host, s->unknowns, CHUNK, update_direction, &task);
 }
 
 /* r = b - A x, with q = A x; returns |r|^2 and sets |b|^2. */
@@ -328,7 +328,8 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   return HK_OK;
 }
 
-static const hk_solver solver = {.size = sizeof(hk_solver), .flags = HK_ITERATIVE, .analyze = analyze, .factorize = factorize, .solve = solve};
+static const hk_solver solver = {
+    .size = sizeof(hk_solver), .flags = HK_ITERATIVE, .analyze = analyze, .factorize = factorize, .solve = solve};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

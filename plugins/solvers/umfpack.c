@@ -1,13 +1,13 @@
 /* Sparse LU factorization P R A Q = L U of any square matrix, by UMFPACK: for the unsymmetric Jacobians of wind, of
- * forces that follow what they act on, and of springs damped along their direction.
+ * follower forces, and of springs damped along their direction.
  *
- * `analyze` writes the rows of A as compressed columns, which is A^T, and has UMFPACK order its pattern, without
- * numbers, so that the order does not depend on when it was found; `factorize` renews the numbers and the factors;
- * `solve` solves with the transpose and up to two steps of iterative refinement. A pivot that is but rounding beside
- * its column, with the rows scaled as UMFPACK does, makes the matrix singular: so units and ratios of masses do not.
- * One thread is used by the BLAS: how a threaded one cuts its sums depends on the machine. Invariant: `symbolic` fits
- * start and row; `numeric` is there only if the numbers in `value` were factorized. Davis, Algorithm 832: UMFPACK V4.3,
- * ACM TOMS 30 (2004). */
+ * `analyze` writes the rows of A as compressed columns, which is A^T, and has UMFPACK order its pattern without values,
+ * so that the order does not depend on the state at the analysis; `factorize` updates the values and the factors;
+ * `solve` solves with the transpose and up to two steps of iterative refinement. The matrix is singular when a pivot is
+ * at rounding level relative to its column, with the rows scaled as by UMFPACK, so that units and ratios of masses do
+ * not matter. The BLAS uses one thread, since the order of sums in a threaded BLAS depends on the machine. Invariant:
+ * `symbolic` fits start and row; `numeric` is not NULL only if the numbers in `value` were factorized. Davis, Algorithm
+ * 832: UMFPACK V4.3, ACM TOMS 30 (2004). */
 #include "core/plugin.h"
 #include "plugins/common/linear/blas.h"
 #include "plugins/common/linear/blas_name.h"
@@ -23,12 +23,12 @@ typedef SuiteSparse_long integer;
 typedef int64_t integer;
 #endif
 
-/* A pivot that is no more of its column is what cancellation leaves of a singular matrix. */
+/* A smaller ratio of a pivot to its column is the result of cancellation in a singular matrix. */
 static const double rounding = 64 * DBL_EPSILON;
 
 typedef struct lu {
   const hk_host *host;
-  size_t rows, block, unknowns; /* of the matrix analysed */
+  size_t rows, block, unknowns; /* sizes of the analysed matrix */
   void *symbolic, *numeric;
   integer *start, *row; /* A^T by columns: row k of A is column k */
   double *value;
@@ -76,7 +76,7 @@ static hk_status failed(const lu *s, const char *what, size_t unknowns, integer 
                        (long)status);
 }
 
-/* Row b r + k of A becomes column b r + k. Without `start`: the numbers only. */
+/* Row b r + k of A becomes column b r + k. Without `start` only the values are copied. */
 static void fill(const hk_matrix *A, integer *start, integer *row, double *value) {
   size_t b = A->block, at = 0, column = 0;
   for (size_t r = 0; r < A->rows; r++)
@@ -144,7 +144,7 @@ static double column_size(const lu *s, size_t k, bool reciprocal) {
   return most;
 }
 
-/* Finds the pivot that is least beside its column, which is `fraction` of it. */
+/* Finds the pivot with the smallest ratio to its column; *fraction: this ratio. */
 static hk_status least_pivot(lu *s, size_t *least, double *fraction) {
   integer reciprocal;
   integer status = umfpack_dl_get_numeric(NULL, NULL, NULL, NULL, NULL, NULL, s->P, s->Q, s->pivot, &reciprocal,
@@ -201,7 +201,7 @@ static double residual(const lu *s, const double *b, const double *x) {
     left += r * r;
     whole += b[k] * b[k];
   }
-  return whole == 0 ? 0 : sqrt(left / whole); /* NaN stays one */
+  return whole == 0 ? 0 : sqrt(left / whole); /* NaN is returned as NaN */
 }
 
 static hk_status solve(void *self, const double *b, double *x, hk_solve_info *info) {

@@ -1,13 +1,13 @@
 -- ranges: the values that a parameter takes in a sweep. linear and log give plain lists; random and latin describe
--- samples, which `draw` makes from a seed and the parameter's name: every parameter has a stream of its own
--- (splitmix64), so the values of one do not change when another is added. Latin hypercube: of n equal strata of the
--- range each holds one value, in shuffled order (McKay, Beckman and Conover, Technometrics 21, 1979).
+-- samples, which `draw` makes from a seed and the parameter's name: every parameter has a random stream of its own
+-- (splitmix64), so its values do not change when another parameter is added. Latin hypercube: each of n equal strata of
+-- the range contains one value, in shuffled order (McKay, Beckman and Conover, Technometrics 21, 1979).
 local ranges = {}
 
 local most = 1000000
 
--- 15 digits, so that 1000 is 1000 and not 999.9999999999998; whole numbers as such.
-local function tidy(x)
+-- Rounds to 15 digits, so that 1000 is 1000 and not 999.9999999999998; whole numbers become integers.
+local function rounded(x)
   local y = tonumber(("%.15g"):format(x))
   return math.tointeger(y) or y
 end
@@ -27,12 +27,12 @@ local function check(what, from, to, count, scale)
   end
 end
 
--- The point a part u (0 to 1) of the way.
+-- The value at the fraction u (0 to 1) between from and to.
 local function between(from, to, u, scale)
-  if u == 0 then return tidy(from) end
-  if u == 1 then return tidy(to) end
-  if scale == "log" then return tidy(from * (to / from) ^ u) end
-  return tidy(from + (to - from) * u)
+  if u == 0 then return rounded(from) end
+  if u == 1 then return rounded(to) end
+  if scale == "log" then return rounded(from * (to / from) ^ u) end
+  return rounded(from + (to - from) * u)
 end
 
 local function spaced(from, to, count, scale)
@@ -41,7 +41,7 @@ local function spaced(from, to, count, scale)
   return list
 end
 
--- `count` values from `from` to `to`, both among them, in equal steps (log: by equal factors).
+-- `count` values from `from` to `to`, including both, in equal steps (log: with equal ratios).
 function ranges.linear(from, to, count)
   check("linear", from, to, count)
   return spaced(from, to, count, "linear")
@@ -52,7 +52,7 @@ function ranges.log(from, to, count)
   return spaced(from, to, count, "log")
 end
 
--- `count` values that are drawn; scale "log": as likely in each decade.
+-- `count` random values; scale "log": each decade has the same probability.
 function ranges.random(from, to, count, scale)
   check("random", from, to, count, scale)
   return { sample = "random", from = from, to = to, count = count, scale = scale or "linear" }
@@ -67,7 +67,7 @@ local function round(x)
   return math.tointeger(math.floor(x + 0.5)) or x
 end
 
--- The same range in whole numbers, each once (of samples: each as often as it is drawn).
+-- The same range rounded to whole numbers, each once (samples keep repetitions).
 function ranges.whole(range)
   local result, seen = {}, {}
   for key, value in pairs(range) do

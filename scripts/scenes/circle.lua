@@ -1,5 +1,5 @@
--- circle.lua: a particle pulled to the origin in proportion to its distance runs on a circle.
--- Euler leaves it by the factor sqrt(1 + h^2 w^2) at every step; leapfrog stays: try --integrator euler --dt 0.001.
+-- circle.lua: a particle with a force to the origin proportional to its distance moves on a circle. Euler increases the
+-- radius by the factor sqrt(1 + h^2 w^2) at every step, leapfrog keeps it: try --integrator euler --dt 0.001.
 local speed = 5 -- m/s at 1 m from the centre, so w = 5 1/s closes the circle
 
 local scene = hooke.scene { duration = 4, fps = 60, integrator = "leapfrog", dt = 1 / 480 }

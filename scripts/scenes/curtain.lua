@@ -1,5 +1,5 @@
--- curtain.lua: the whole upper row is pinned; the cloth falls from flat and swings below it like a curtain.
--- A well-posed scene: a small perturbation stays small, so errors of different methods can be compared on it.
+-- curtain.lua: the whole upper row is pinned; the cloth falls from the horizontal and swings below it like a curtain.
+-- The scene is well-posed: a small perturbation stays small, so errors of different methods can be compared on it.
 local N = param("N", 32, "particles along one side", { min = 3, max = 2048 })
 local k = param("k", 1000, "structural stiffness, N/m", { min = 0 })
 

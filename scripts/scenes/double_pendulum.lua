@@ -1,6 +1,6 @@
--- double_pendulum.lua: two weights on elastic rods swing one below the other, and soon as nobody can foresee.
--- Chaos: what separates two runs doubles about every half second, so that after some twenty seconds every rounding
--- shows. Energy stays all the same; `hooke bench` finds out how long a path means anything.
+-- double_pendulum.lua: two weights on elastic rods swing one below the other; the motion is chaotic. The distance of
+-- two runs doubles about every half second, so that after some twenty seconds rounding errors determine the path. The
+-- energy is conserved all the same; `hooke bench` measures until when a path is meaningful.
 local k = param("k", 4000, "stiffness of the rods, N/m", { min = 1 })
 local T = param("duration", 60, "s", { min = 0.1 })
 

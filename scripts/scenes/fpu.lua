@@ -1,10 +1,10 @@
--- fpu.lua: Fermi, Pasta and Ulam's chain as in Hairer, Lubich and Wanner: three pairs of beads, stiff springs (w^2/2)
--- inside a pair and soft cubic ones between the pairs and to the walls. The first pair vibrates fast; over some hundred
--- seconds its energy I1 goes over to the second and the third, while the sum I all but stays. At t = 10:
+-- fpu.lua: the chain of Fermi, Pasta and Ulam as in Hairer, Lubich and Wanner: three pairs of beads, stiff springs
+-- (w^2/2) inside a pair and soft cubic ones between the pairs and to the walls. The first pair vibrates fast; over some
+-- hundred seconds its energy I1 passes to the second and the third pair, while the sum I is nearly constant. At t = 10:
 -- I1 = 0.956065119574, I2 = 0.025680529674, I3 = 0.000198333515.
 local w = param("w", 50, "frequency of the stiff springs, rad/s", { min = 1 })
 local T = param("duration", 20, "s; 200 for the whole exchange", { min = 0.1 })
-local gap = 2.5 -- m between neighbours at rest; it does not enter, for the beads slide along a line
+local gap = 2.5 -- m between neighbours at rest; it has no effect, since the beads slide along a line
 
 local scene = hooke.scene { duration = T, fps = 30, integrator = "blanes_moan", dt = 1e-3 }
 
@@ -22,7 +22,7 @@ scene:pin(beads, { axes = { 1, 0, 0 } })
 scene:force("springs", { edges = { { 2, 3 }, { 4, 5 }, { 6, 7 } }, k = w ^ 2 / 2, rest = gap, label = "stiff" })
 scene:force("cubic_springs", { edges = { { 1, 2 }, { 3, 4 }, { 5, 6 }, { 7, 8 } }, k = 4, rest = gap, label = "soft" })
 
-local function energy(s, j) -- of the vibration inside pair j
+local function energy(s, j) -- energy of the vibration inside pair j
   local a, b = 2 * j, 2 * j + 1
   local x = (s:position(b)[1] - s:position(a)[1] - gap) / math.sqrt(2)
   local y = (s:velocity(b)[1] - s:velocity(a)[1]) / math.sqrt(2)

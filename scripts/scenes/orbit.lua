@@ -1,5 +1,5 @@
--- orbit.lua: a planet on a Kepler ellipse of eccentricity 0.6 around a sun at the origin; one turn takes 2 pi s.
--- Leapfrog keeps the energy within bounds for ever, rk4 loses it slowly, euler flies off.
+-- orbit.lua: a planet on a Kepler ellipse of eccentricity 0.6 around a sun at the origin; one turn takes 2 pi s. The
+-- energy error of leapfrog stays bounded, rk4 loses energy slowly, and with euler the planet spirals outwards.
 local e = param("e", 0.6, "eccentricity", { min = 0, max = 0.95 })
 local turns = param("turns", 3, "orbits to follow", { min = 0.1 })
 

@@ -1,5 +1,5 @@
--- oscillator.lua: a particle on a spring of frequency 1 rad/s runs on a circle, or drifts along and draws a sine, in
--- steps as long as one likes: n to a turn, and a frame at each. What a method does wrong can be seen with bare eyes.
+-- oscillator.lua: a particle on a spring of frequency 1 rad/s moves on a circle, or drifts and draws a sine, in long
+-- steps: n steps per turn, and a frame after each. The errors of a method are visible in the path.
 local path = param("path", "circle", "circle or sine")
 local n = param("n", 16, "steps in a turn of 2 pi s", { min = 3 })
 local turns = param("turns", 2, "turns to follow", { min = 0.01 })

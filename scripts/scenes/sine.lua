@@ -1,4 +1,4 @@
--- sine.lua: a particle drifts along x while it is pulled to the line y = 0: its path is a sine wave.
+-- sine.lua: a particle drifts along x while a force pulls it to the line y = 0: its path is a sine wave.
 local k = param("k", 4, "pull, 1/s^2", { min = 0 })
 
 local scene = hooke.scene { duration = 10, fps = 30, integrator = "leapfrog", dt = 1 / 240 }

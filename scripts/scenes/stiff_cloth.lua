@@ -1,6 +1,7 @@
--- stiff_cloth.lua: the curtain of curtain.lua in any stiffness: upper row pinned, it falls from flat and swings below.
--- Every stiffness is k/1000 of the curtain's and every damping sqrt(k/1000) of it: the cloth ever less stretches, an
--- explicit step shrinks with the root of k, and an implicit one stays. k: 1e3 (strains in colour) to 1e8 N/m (white).
+-- stiff_cloth.lua: the curtain of curtain.lua with any stiffness: the upper row is pinned, the cloth falls from the
+-- horizontal and swings below. Every stiffness is k/1000 times the curtain's and every damping sqrt(k/1000) times: with
+-- larger k the cloth stretches less and an explicit step shrinks with the root of k, but an implicit step need not. k:
+-- 1e3 (strains in colour) to 1e8 N/m (white).
 local N = param("N", 32, "particles along one side", { min = 3, max = 2048 })
 local k = param("k", 1e5, "structural stiffness, N/m", { min = 0 })
 local c = math.sqrt(k / 1000)

@@ -1,6 +1,6 @@
 -- stiff_string.lua: a slack string between two hooks, plucked aside at a third, falls back, swings and comes to rest in
--- the elastic catenary. k (1e2 to 1e8 N/m) hardly changes what you see, but an explicit step shrinks with its root.
--- At rest with k = 2500 (EA = 100 N): sag 0.297930 m, pull on a hook 0.755906 N; inextensible: 0.292344 and 0.761885.
+-- the elastic catenary. k (1e2 to 1e8 N/m) hardly changes the motion, but an explicit step shrinks with 1/sqrt(k). At
+-- rest with k = 2500 (EA = 100 N): sag 0.297930 m, pull on a hook 0.755906 N; inextensible: 0.292344 and 0.761885.
 local k = param("k", 1e6, "stiffness of one spring, N/m", { min = 1 })
 local n = param("n", 31, "particles in the string, a multiple of 3 and 1", { min = 4 })
 local rate = param("drag", 1.5, "drag rate, 1/s", { min = 0 })
@@ -32,7 +32,7 @@ scene:measure("sag", function(s)
   for i = 1, n do z = math.min(z, s:position(string:at(i))[3]) end
   return -z
 end)
-scene:measure("pull", function(s) -- on the hook at the origin, which also carries half of its particle
+scene:measure("pull", function(s) -- force on the hook at the origin, with half the weight of its particle
   local f = s:force("string", string:at(1))
   return math.sqrt(f[1] ^ 2 + f[2] ^ 2 + (f[3] - mass * g / 2) ^ 2)
 end)

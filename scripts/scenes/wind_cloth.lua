@@ -1,6 +1,6 @@
--- wind_cloth.lua: a flag on its mast in a gusty wind: it lifts, flutters, and waves run along it.
--- Each triangle feels drag and lift by its angle to the relative wind. These forces turn with the cloth, have no energy
--- and an unsymmetric Jacobian, so implicit methods need a solver for unsymmetric matrices here.
+-- wind_cloth.lua: a flag on its mast in a gusty wind lifts and flutters, and waves run along it. Each triangle feels
+-- drag and lift by its angle to the relative wind. These forces rotate with the cloth, and have no energy and an
+-- unsymmetric Jacobian, so implicit methods need a solver for unsymmetric matrices here.
 local N = param("N", 16, "particles along the height", { min = 3, max = 512 })
 local k = param("k", 2e3, "structural stiffness, N/m", { min = 1 })
 local speed = param("speed", 6, "mean wind, m/s", { min = 0 })

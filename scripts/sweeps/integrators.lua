@@ -1,7 +1,7 @@
--- integrators.lua: the classic comparison. Euler's method, the midpoint rule, the trapezoid rule and Runge and Kutta's
--- of order 4 follow a circle and a sine in 8, 16 and 32 steps a turn. Euler spirals outwards whatever the step, by
--- sqrt(1 + h^2) each; midpoint and trapezoid by about 1 + h^4/8, and rk4 comes in by h^6/144, which no eye sees.
--- (Midpoint and trapezoid are the same method where the force is linear, as it is here.)
+-- integrators.lua: the classic comparison. Euler's method, the midpoint rule, the trapezoidal rule and the Runge-Kutta
+-- method of order 4 compute a circle and a sine in 8, 16 and 32 steps per turn. Euler spirals outwards for any step, by
+-- the factor sqrt(1 + h^2) per step; midpoint and trapezoid by about 1 + h^4/8, and rk4 inwards by h^6/144, which is
+-- not visible. (Midpoint and trapezoid are the same method where the force is linear, as it is here.)
 -- integrators-paths.png shows the paths, integrators-error.png the orders: 1, 2, 2 and 4.
 return hooke.sweep {
   scene = "../scenes/oscillator.lua",

@@ -1,6 +1,6 @@
 -- resolution.lua: the same square of cloth as 16 x 16 to 128 x 128 particles: N springs in a row and N rows side by
--- side are together as stiff as one spring. An explicit step shrinks with the mesh width, and there are ever more
--- springs, so the time goes with N^3; what the cloth does settles. resolution-cost.png shows the time,
+-- side are together as stiff as one spring. An explicit step shrinks with the mesh width, and the number of springs
+-- grows, so the time is proportional to N^3; the motion of the cloth converges. resolution-cost.png shows the time,
 -- resolution-lowest.png the lowest point after half a second.
 return hooke.sweep {
   scene = "../scenes/curtain.lua",

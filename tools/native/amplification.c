@@ -1,5 +1,5 @@
-/* amplification: what an integrator's plugin says of its own growth on the linear oscillator x'' = -g x' - w^2 x, for
- * tools that compare it with what its steps do. */
+/* amplification: the growth factor on the linear oscillator x'' = -g x' - w^2 x that an integrator's plugin states, for
+ * tools that compare it with measured growth. */
 #include "core/host/host.h"
 
 #include <dlfcn.h>
@@ -7,7 +7,8 @@
 #include <lua.h>
 #include <string.h>
 
-/* Opened for good, as hooke opens plugins. Raises an error when there is no integrator of this interface at `path`. */
+/* Opens a plugin, which is never unloaded, as in hooke. Raises an error when there is no integrator of this interface
+ * at `path`. */
 static const hk_plugin *open_integrator(lua_State *L, const char *path) {
   void *handle = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (!handle) luaL_error(L, "%s", dlerror());
@@ -17,7 +18,8 @@ static const hk_plugin *open_integrator(lua_State *L, const char *path) {
   return plugin;
 }
 
-/* open(path) -> function(hw, hg), with the method's default parameters, -> growth factor of a step; or nil when the method does not state it. */
+/* open(path) -> function(hw, hg), with the method's default parameters, -> growth factor of a step; or nil when the
+ * method does not state it. */
 static int call(lua_State *L) {
   const hk_integrator *method = lua_touserdata(L, lua_upvalueindex(1));
   const void *parameters = lua_touserdata(L, lua_upvalueindex(2));

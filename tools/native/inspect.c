@@ -1,7 +1,6 @@
-/* inspect: one force of a scene looked at from the inside, for `hooke check`. A run of tools (scene:run{ to = 0 })
- * whose scene has the force first is evaluated at states made here, random or degenerate; the run itself is not
- * changed. Differences are central ones, and the best of several steps counts: too long a step shows curvature, too
- * short a one rounding. */
+/* inspect: evaluates one force of a scene directly, for `hooke check`. The first force of a tool's run (scene:run{ to =
+ * 0 }) is evaluated at states made here, random or degenerate; the run itself does not change. Differences are central
+ * ones, and the best of several steps counts: a long step has a truncation error, a short one a rounding error. */
 #include "core/lua/lua.h"
 #include "core/base/base.h"
 
@@ -20,14 +19,15 @@ static void set_flag(lua_State *L, const char *key, bool value) {
   lua_setfield(L, -2, key);
 }
 
-/* threads(scene, n): how many the scene's run will have. */
+/* threads(scene, n): sets the number of threads of the scene's run. */
 static int set_threads(lua_State *L) {
   hk_script_run_options(hk_lua_owner(L, 1))->threads = (int)luaL_checkinteger(L, 2);
   return 0;
 }
 
-/* quiet(): runs of this tool warn no more, such as of steps above the limit, which are what is looked at here. */
-static int be_quiet(lua_State *L) {
+/* quiet(): runs of this tool print no warnings, such as those of steps above the limit, which the tools use on
+ * purpose. */
+static int set_quiet(lua_State *L) {
   hk_script_run_options(hk_lua_script(L))->progress = -1;
   return 0;
 }
@@ -37,16 +37,16 @@ static int be_quiet(lua_State *L) {
 typedef struct subject {
   hk_instance *instance;
   const hk_force *force;
-  hk_view view; /* x and v are this struct's */
+  hk_view view; /* x and v point to arrays of this struct */
   size_t n, size;
   double *x, *v, *F, *other;
-  double *K, *D, *measured; /* size x size; before there are Jacobians, `measured` has `size` */
-  size_t count, room;       /* blocks named */
+  double *K, *D, *measured; /* size x size; before the Jacobians `measured` has `size` numbers */
+  size_t count, room;       /* number of named blocks and of allocated slots */
   uint32_t (*at)[2];
   bool fine; /* every call returned HK_OK */
 } subject;
 
-/* Memory of a subject is the Lua state's, so that errors leak nothing. */
+/* The memory of a subject belongs to the Lua state, so that errors do not leak it. */
 static double *numbers(lua_State *L, size_t count) {
   double *p = lua_newuserdatauv(L, (count + 1) * sizeof *p, 0);
   memset(p, 0, (count + 1) * sizeof *p);
@@ -97,7 +97,7 @@ static void place(subject *s, shape how, uint64_t seed) {
     }
 }
 
-/* F at (x, v), on top of `start` in every entry; the power of non-conservative parts comes back. */
+/* Evaluates F at (x, v), added to `start` in every entry; returns the power of non-conservative parts. */
 static double evaluate(subject *s, double *F, double start, bool with_power) {
   double power = 0;
   for (size_t k = 0; k < s->size; k++) F[k] = start;
@@ -111,12 +111,12 @@ static double energy(subject *s) { return s->force->energy ? s->force->energy(s-
 static double largest(const double *a, size_t count) {
   double most = 0;
   for (size_t k = 0; k < count; k++)
-    if (!(fabs(a[k]) <= most)) most = fabs(a[k]); /* NAN, too */
+    if (!(fabs(a[k]) <= most)) most = fabs(a[k]); /* true for NAN as well */
   return most;
 }
 
-/* |a - b| over the largest |a|; infinite when something is not finite. */
-static double off_by(const double *a, const double *b, size_t count) {
+/* |a - b| over the largest |a|; infinite when a number is not finite. */
+static double relative_difference(const double *a, const double *b, size_t count) {
   double most = largest(a, count), off = 0;
   for (size_t k = 0; k < count; k++) off = fmax(off, fabs(a[k] - b[k]));
   if (!isfinite(most) || !isfinite(largest(b, count))) return INFINITY;
@@ -126,7 +126,8 @@ static double off_by(const double *a, const double *b, size_t count) {
 /* ---- against its energy ---- */
 
 enum { STEPS = 9 };
-static double step_of(int k) { return 1e-2 * pow(0.2, k); } /* m or m/s, of lengths and speeds of about 1; to 2.6e-8 */
+/* The k-th difference step, m or m/s, for lengths and speeds of about 1; down to 2.6e-8. */
+static double step_of(int k) { return 1e-2 * pow(0.2, k); }
 
 /* F + dE/dx. */
 static double gradient_error(subject *s) {
@@ -142,7 +143,7 @@ static double gradient_error(subject *s) {
       s->other[k] = -(up - energy(s)) / (2 * h);
       s->x[k] = at;
     }
-    best = fmin(best, off_by(s->F, s->other, s->size));
+    best = fmin(best, relative_difference(s->F, s->other, s->size));
   }
   return best;
 }
@@ -204,7 +205,8 @@ static void count_block(hk_pattern *pattern, uint32_t row, uint32_t column) {
   list->s->count++;
 }
 
-/* The blocks, named twice: counted, then kept. false: out of range, or other ones the second time. */
+/* Has the force name its blocks twice, to count and to store them. False: a block is out of range, or the second naming
+ * differs. */
 static bool name_blocks(lua_State *L, subject *s) {
   names list = {{count_block}, L, s, false};
   s->force->pattern(s->instance->self, &s->view, &list.pattern);
@@ -222,7 +224,7 @@ static void expand(const subject *s, const double *block, double *full) {
       full[(3 * s->at[b][0] + q / 3) * s->size + 3 * s->at[b][1] + q % 3] += block[9 * b + q];
 }
 
-/* K and D as full matrices. */
+/* Computes K and D as full matrices. */
 static void matrices(subject *s, double *block, size_t *slot, unsigned want) {
   memset(block, 0, 18 * s->count * sizeof *block);
   for (size_t b = 0; b < s->count; b++) slot[b] = b;
@@ -245,7 +247,7 @@ static double matrix_error(subject *s, double *z, const double *A, double *step)
       z[k] = at;
       for (size_t r = 0; r < s->size; r++) s->measured[r * s->size + k] = -(s->F[r] - s->other[r]) / (2 * h);
     }
-    double error = off_by(A, s->measured, s->size * s->size);
+    double error = relative_difference(A, s->measured, s->size * s->size);
     if (error < best) *step = h;
     best = fmin(best, error);
   }
@@ -295,12 +297,12 @@ static void push_jacobians(lua_State *L, subject *s, int result) {
   set_flag(L, "definite", definite(s->K, s->size, s->measured) && definite(s->D, s->size, s->measured));
 }
 
-/* ---- what it depends on, and whether it repeats itself ---- */
+/* ---- dependence on x, v and channels, and reproducibility ---- */
 
 static bool same_bits(const subject *s) { return memcmp(s->F, s->other, s->size * sizeof *s->F) == 0; }
 
-/* Whether F is another one when z, x or v, is. */
-static bool moved_by(subject *s, double *z) {
+/* Whether F changes with z, which is x or v. */
+static bool depends_on(subject *s, double *z) {
   for (size_t k = 0; k < s->size; k++) {
     s->measured[k] = z[k];
     z[k] += 0.1 * sin((double)k);
@@ -314,12 +316,12 @@ static void push_habits(lua_State *L, subject *s) {
   double t = s->view.t;
   evaluate(s, s->F, 0, false);
   evaluate(s, s->other, 0, true);
-  set_flag(L, "repeats", same_bits(s)); /* and does not depend on whether its power is asked for */
+  set_flag(L, "repeats", same_bits(s)); /* F has equal bits in both evaluations, with and without its power */
   evaluate(s, s->other, 1, false);
   for (size_t k = 0; k < s->size; k++) s->other[k] -= 1;
-  set_number(L, "adds", off_by(s->F, s->other, s->size));
-  set_flag(L, "moved_by_x", moved_by(s, s->x));
-  set_flag(L, "moved_by_v", moved_by(s, s->v));
+  set_number(L, "adds", relative_difference(s->F, s->other, s->size));
+  set_flag(L, "moved_by_x", depends_on(s, s->x));
+  set_flag(L, "moved_by_v", depends_on(s, s->v));
   s->view.t = t + 0.1;
   evaluate(s, s->other, 0, false);
   s->view.t = t;
@@ -331,8 +333,8 @@ static void push_habits(lua_State *L, subject *s) {
   set_number(L, "force", largest(s->F, s->size));
 }
 
-/* force(run, shape, seed) -> what was found out about the run's first force there; of degenerate shapes whether all is
- * finite, of random ones the rest, too. */
+/* force(run, shape, seed) -> the results of the tests of the run's first force at this state: for degenerate shapes
+ * whether all numbers are finite, for random ones all tests. */
 static int check_force(lua_State *L) {
   int how = luaL_checkoption(L, 2, "random", shape_name);
   uint64_t seed = (uint64_t)luaL_checkinteger(L, 3);
@@ -380,7 +382,7 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* seconds(run) -> of one evaluation, the least of some: what else the machine does can only add. */
+/* seconds(run) -> the time of one evaluation, the least of several, since other load can only increase it. */
 static int force_seconds(lua_State *L) {
   subject s = look(L);
   double best = INFINITY;
@@ -397,7 +399,7 @@ static int force_seconds(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_inspect(lua_State *L);
 
 int luaopen_inspect(lua_State *L) {
-  static const luaL_Reg functions[] = {{"threads", set_threads}, {"quiet", be_quiet},        {"force", check_force},
+  static const luaL_Reg functions[] = {{"threads", set_threads}, {"quiet", set_quiet},       {"force", check_force},
                                        {"bytes", force_bytes},   {"seconds", force_seconds}, {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;

@@ -1,5 +1,5 @@
 /* process: child processes, pipes and clocks, which Lua lacks (Debian's lua-posix stops at Lua 5.3). A call that the
- * system refuses raises an error with the system's words, unless it says otherwise. */
+ * system refuses raises an error with the system's message, unless its comment says otherwise. */
 #include <errno.h>
 #include <lauxlib.h>
 #include <lua.h>
@@ -16,7 +16,7 @@
 
 static int refuse(lua_State *L, const char *what) { return luaL_error(L, "%s: %s", what, strerror(errno)); }
 
-/* clock() -> s, of a clock that only goes forward. */
+/* clock() -> s, of a monotonic clock. */
 static int get_clock(lua_State *L) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
@@ -24,7 +24,7 @@ static int get_clock(lua_State *L) {
   return 1;
 }
 
-/* terminal(fd) -> whether it is one. processors() -> how many are at hand. */
+/* terminal(fd) -> whether fd is a terminal. processors() -> the number of processors available. */
 static int is_terminal(lua_State *L) {
   lua_pushboolean(L, isatty((int)luaL_checkinteger(L, 1)));
   return 1;
@@ -49,14 +49,14 @@ static int start(lua_State *L) {
   }
   close(fd[pid == 0 ? 0 : 1]);
 #ifdef __linux__
-  if (pid == 0) prctl(PR_SET_PDEATHSIG, SIGKILL); /* no run outlives the tool that wants its result */
+  if (pid == 0) prctl(PR_SET_PDEATHSIG, SIGKILL); /* the child ends with the tool that started it */
 #endif
   lua_pushinteger(L, pid);
   lua_pushinteger(L, fd[pid == 0 ? 1 : 0]);
   return 2;
 }
 
-/* write(fd, text) -> whether all of it went out (the reader may be gone). */
+/* write(fd, text) -> whether all of the text was written (the reader may have closed the pipe). */
 static int write_all(lua_State *L) {
   size_t size, at = 0;
   int fd = (int)luaL_checkinteger(L, 1);
@@ -70,7 +70,7 @@ static int write_all(lua_State *L) {
   return 1;
 }
 
-/* read(fd) -> what there is, "" at the end. */
+/* read(fd) -> the data available, "" at the end. */
 static int read_some(lua_State *L) {
   luaL_Buffer buffer;
   enum { ROOM = 1 << 16 };
@@ -87,7 +87,8 @@ static int close_fd(lua_State *L) {
   return 0;
 }
 
-/* ready({fd, ...}, s) -> { [fd] = true } of those that can be read, or were closed; waits so long for the first. */
+/* ready({fd, ...}, s) -> { [fd] = true } of those that can be read or were closed; waits up to s seconds for the
+ * first. */
 static int ready(lua_State *L) {
   enum { MOST = 256 };
   struct pollfd list[MOST];
@@ -120,12 +121,12 @@ static int wait_for(lua_State *L) {
   return 2;
 }
 
-static int kill_it(lua_State *L) {
+static int kill_process(lua_State *L) {
   kill((pid_t)luaL_checkinteger(L, 1), SIGKILL);
   return 0;
 }
 
-/* exit(code): at once, without what was registered for the end of the parent. */
+/* exit(code): ends the process at once, without the exit functions that the parent registered. */
 static int exit_now(lua_State *L) {
   fflush(NULL);
   _exit((int)luaL_checkinteger(L, 1));
@@ -134,11 +135,11 @@ static int exit_now(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_process(lua_State *L);
 
 int luaopen_process(lua_State *L) {
-  static const luaL_Reg functions[] = {{"clock", get_clock}, {"terminal", is_terminal}, {"processors", processors},
-                                       {"fork", start},      {"write", write_all},      {"read", read_some},
-                                       {"close", close_fd},  {"ready", ready},          {"wait", wait_for},
-                                       {"kill", kill_it},    {"exit", exit_now},        {NULL, NULL}};
-  signal(SIGPIPE, SIG_IGN); /* a child whose parent is gone is told by write */
+  static const luaL_Reg functions[] = {{"clock", get_clock},   {"terminal", is_terminal}, {"processors", processors},
+                                       {"fork", start},        {"write", write_all},      {"read", read_some},
+                                       {"close", close_fd},    {"ready", ready},          {"wait", wait_for},
+                                       {"kill", kill_process}, {"exit", exit_now},        {NULL, NULL}};
+  signal(SIGPIPE, SIG_IGN); /* write returns an error in a child whose parent has ended */
   luaL_newlib(L, functions);
   return 1;
 }

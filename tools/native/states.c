@@ -7,7 +7,7 @@
 
 typedef struct packed {
   size_t n;
-  const char *at; /* of the ids; a string need not be aligned */
+  const char *at; /* address of the ids; a string need not be aligned */
 } packed;
 
 static double number(const packed *s, size_t k) {
@@ -25,7 +25,7 @@ static packed check(lua_State *L, int index) {
   return (packed){(size_t)n, text + 2 * sizeof n};
 }
 
-/* RMS over the particles, and the largest, of the distance between 3-vectors from number `begin` on. */
+/* The RMS over the particles, and the largest, of the distance between 3-vectors that start at number `begin`. */
 static void distance_of(const packed *a, const packed *b, size_t begin, double *rms, double *most) {
   double sum = 0;
   *most = 0;
@@ -36,7 +36,7 @@ static void distance_of(const packed *a, const packed *b, size_t begin, double *
       square += d * d;
     }
     sum += square;
-    if (!(sqrt(square) <= *most)) *most = sqrt(square); /* NAN, too */
+    if (!(sqrt(square) <= *most)) *most = sqrt(square); /* true for NAN as well */
   }
   *rms = a->n ? sqrt(sum / (double)a->n) : 0;
 }
@@ -46,7 +46,7 @@ static void set(lua_State *L, const char *key, double value) {
   lua_setfield(L, -2, key);
 }
 
-/* distance(a, b) -> {x_rms, x_max, v_rms, v_max}, m and m/s; nil and why when the particles are others. */
+/* distance(a, b) -> {x_rms, x_max, v_rms, v_max}, m and m/s; nil and the reason when the particles differ. */
 static int distance(lua_State *L) {
   packed a = check(L, 1), b = check(L, 2);
   if (a.n != b.n) {
@@ -71,7 +71,7 @@ static int distance(lua_State *L) {
 }
 
 /* positions(a, {x, y, z, ...}) -> the packed state of `a` with these positions of its first particles and no
- * velocities: what an exact solution is compared as. Particles without a position keep theirs. */
+ * velocities: the form in which an exact solution is compared. Particles without a position keep theirs. */
 static int positions(lua_State *L) {
   packed a = check(L, 1);
   luaL_checktype(L, 2, LUA_TTABLE);

@@ -1,4 +1,4 @@
-/* NAME: drag against air that moves, F = d (wind - v). Say here what the force does, its formula and its source. */
+/* NAME: drag relative to moving air, F = d (wind - v). Describe here the force, its formula and its source. */
 #include "core/plugin.h"
 
 typedef struct NAME {
@@ -20,13 +20,14 @@ static hk_status add(void *self, const hk_view *view, double *F) {
     for (int c = 0; c < 3; c++) {
       double f = p->d * (p->wind[c] - view->v[3 * i + c]);
       F[3 * i + c] += f;
-      if (view->power) *view->power += f * view->v[3 * i + c]; /* what is no gradient of an energy: its power */
+      /* power of the part of F that is no gradient of an energy */
+      if (view->power) *view->power += f * view->v[3 * i + c];
     }
   }
   return HK_OK;
 }
 
-/* Jacobian, first phase: which blocks there are. Second phase: their numbers, D = -dF/dv. */
+/* Jacobian, first phase: names the blocks. Second phase: adds their values, D = -dF/dv. */
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   (void)self;
   for (size_t k = 0; k < view->acting; k++) {

@@ -1,4 +1,5 @@
--- NAME.lua: one particle of 1 kg starts at rest and is blown along: v = wind (1 - exp(-d t / m)). Run it with --trust.
+-- NAME.lua: one particle of 1 kg starts at rest and is carried by the wind: v = wind (1 - exp(-d t / m)). Run it with
+-- --trust.
 local scene = hooke.scene { duration = 2, fps = 60, integrator = "rk4" }
 
 local d, wind = 0.5, 3

@@ -30,7 +30,7 @@ void hk_frame_spool_close(hk_frame_spool *s) {
   *s = (hk_frame_spool){0};
 }
 
-static bool put(hk_frame_spool *s, const void *data, size_t bytes) {
+static bool append_bytes(hk_frame_spool *s, const void *data, size_t bytes) {
   for (const char *from = data; bytes;) {
     ssize_t done = pwrite(s->file, from, bytes, (off_t)s->end);
     if (done < 0 && errno == EINTR) continue;
@@ -62,24 +62,26 @@ static hk_status make_room(hk_frame_spool *s) {
   return HK_OK;
 }
 
-hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *shot) {
+hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
   hk_status status = make_room(s);
   if (status != HK_OK) return status;
   hk_frame_spool_entry *e = s->entry + s->count;
   int64_t end = s->end;
-  bool same = s->count && e[-1].topology == shot->topology;
-  *e = (hk_frame_spool_entry){.n = shot->n,
-                              .triangles = shot->triangles,
-                              .lines = shot->lines,
-                              .reach = shot->reach,
-                              .topology = shot->topology};
-  memcpy(e->low, shot->low, sizeof e->low);
-  memcpy(e->high, shot->high, sizeof e->high);
+  bool same = s->count && e[-1].topology == snapshot->topology;
+  *e = (hk_frame_spool_entry){.n = snapshot->n,
+                              .triangles = snapshot->triangles,
+                              .lines = snapshot->lines,
+                              .reach = snapshot->reach,
+                              .topology = snapshot->topology};
+  memcpy(e->low, snapshot->low, sizeof e->low);
+  memcpy(e->high, snapshot->high, sizeof e->high);
   e->topology_at = same ? e[-1].topology_at : s->end;
-  bool ok = same || (put(s, shot->mark, shot->n) && put(s, shot->triangle, shot->triangles * sizeof *shot->triangle) &&
-                     put(s, shot->line, shot->lines * sizeof *shot->line));
+  bool ok = same || (append_bytes(s, snapshot->mark, snapshot->n) &&
+                     append_bytes(s, snapshot->triangle, snapshot->triangles * sizeof *snapshot->triangle) &&
+                     append_bytes(s, snapshot->line, snapshot->lines * sizeof *snapshot->line));
   e->at = s->end;
-  ok = ok && put(s, shot->x, shot->n * sizeof *shot->x) && put(s, shot->ink, shot->n * sizeof *shot->ink);
+  ok = ok && append_bytes(s, snapshot->x, snapshot->n * sizeof *snapshot->x) &&
+       append_bytes(s, snapshot->ink, snapshot->n * sizeof *snapshot->ink);
   if (!ok) {
     s->end = end;
     return io_error(s, "write");
@@ -88,23 +90,25 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *shot) {
   return HK_OK;
 }
 
-hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *shot) {
+hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *snapshot) {
   const hk_frame_spool_entry *e = s->entry + k;
-  hk_status status = hk_snapshot3d_reserve(shot, e->n, e->triangles, e->lines);
+  hk_status status = hk_snapshot3d_reserve(snapshot, e->n, e->triangles, e->lines);
   if (status != HK_OK) return status;
   int64_t at = e->topology_at;
   bool ok = true;
-  if (shot->stale || shot->topology != e->topology)
-    ok = get(s, &at, shot->mark, e->n) && get(s, &at, shot->triangle, e->triangles * sizeof *shot->triangle) &&
-         get(s, &at, shot->line, e->lines * sizeof *shot->line);
+  if (snapshot->stale || snapshot->topology != e->topology)
+    ok = get(s, &at, snapshot->mark, e->n) &&
+         get(s, &at, snapshot->triangle, e->triangles * sizeof *snapshot->triangle) &&
+         get(s, &at, snapshot->line, e->lines * sizeof *snapshot->line);
   at = e->at;
-  ok = ok && get(s, &at, shot->x, e->n * sizeof *shot->x) && get(s, &at, shot->ink, e->n * sizeof *shot->ink);
-  shot->stale = !ok;
+  ok = ok && get(s, &at, snapshot->x, e->n * sizeof *snapshot->x) &&
+       get(s, &at, snapshot->ink, e->n * sizeof *snapshot->ink);
+  snapshot->stale = !ok;
   if (!ok) return io_error(s, "read");
-  shot->n = e->n, shot->triangles = e->triangles, shot->lines = e->lines;
-  shot->topology = e->topology;
-  memcpy(shot->low, e->low, sizeof e->low);
-  memcpy(shot->high, e->high, sizeof e->high);
-  shot->reach = e->reach;
+  snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->lines = e->lines;
+  snapshot->topology = e->topology;
+  memcpy(snapshot->low, e->low, sizeof e->low);
+  memcpy(snapshot->high, e->high, sizeof e->high);
+  snapshot->reach = e->reach;
   return HK_OK;
 }

@@ -1,4 +1,4 @@
-/* Level 1 and the "up" filter: quick, and enough for rendered pictures, whose rows hardly differ. */
+/* Compression level 1 and the "up" filter are fast, and sufficient for rendered pictures, whose rows hardly differ. */
 #include "plugins/common/film/png_file.h"
 
 #include <errno.h>

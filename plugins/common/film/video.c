@@ -35,7 +35,7 @@ static bool safe_name(const char *name, bool pattern, const char *tail, char *ou
   return !*name && at < size && snprintf(out + at, size - at, "%s", tail) < (int)(size - at);
 }
 
-/* Reads until the other end closes; keeps the last line. */
+/* Reads until the other end closes the pipe; keeps the last line. */
 static void last_line(int pipe, char *line, size_t size) {
   char tail[2048];
   size_t kept = 0;

@@ -1,4 +1,4 @@
-/* What pictures are drawn on: a multisampled frame buffer, and the way from there to bytes. Needs a current context. */
+/* The canvas of a picture: a multisampled frame buffer, and its conversion to bytes. Needs a current context. */
 #ifndef HK_CANVAS_H
 #define HK_CANVAS_H
 
@@ -10,12 +10,12 @@ typedef struct hk_canvas {
   unsigned buffer[5]; /* their render buffers: colour and depth, colour and depth, colour */
 } hk_canvas;
 
-/* False when the driver has no room for that size; the canvas can then only be closed. */
+/* False when the driver has no memory for this size; the canvas can then only be closed. */
 bool hk_canvas_open(hk_canvas *, int width, int height);
 void hk_canvas_close(hk_canvas *);
-void hk_canvas_use(const hk_canvas *);     /* drawing goes to it from here on */
-void hk_canvas_keep(const hk_canvas *);    /* what is drawn so far is kept ... */
-void hk_canvas_restore(const hk_canvas *); /* ... and comes back, colour and depth */
+void hk_canvas_use(const hk_canvas *);     /* directs drawing to the canvas */
+void hk_canvas_keep(const hk_canvas *);    /* stores the present picture, colour and depth ... */
+void hk_canvas_restore(const hk_canvas *); /* ... and restores it */
 /* width x height x 4 bytes (red, green, blue, 255), the bottom row first. */
 void hk_canvas_read(const hk_canvas *, unsigned char *rgba);
 

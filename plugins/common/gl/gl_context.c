@@ -33,7 +33,7 @@ static const char *open_context(hk_gl_context *gl) {
   return hk_gl_context_use(gl) ? NULL : "EGL cannot make the context current without a surface";
 }
 
-/* The display is shared by all of the process and stays initialized. */
+/* The display is shared by the whole process and stays initialized. */
 static void close_context(hk_gl_context *gl) {
   if (gl->context == EGL_NO_CONTEXT) return;
   eglMakeCurrent(gl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -52,7 +52,7 @@ enum { SURFACE = 16 };
 
 struct hk_gl_context {
   OSMesaContext context;
-  unsigned char surface[SURFACE * SURFACE * 4]; /* OSMesa wants one; drawing goes to frame buffer objects */
+  unsigned char surface[SURFACE * SURFACE * 4]; /* required by OSMesa; drawing goes to frame buffer objects */
 };
 
 static const char *open_context(hk_gl_context *gl) {

@@ -1,14 +1,14 @@
-/* An OpenGL context (3.3 or later) without a window or a display. Whoever draws makes a frame buffer object: the
- * context's own surface is not used. This file alone knows where the context comes from. */
+/* An OpenGL context (3.3 or later) without a window or a display. Callers draw to a frame buffer object: the context's
+ * own surface is not used. Only gl_context.c depends on the source of the context. */
 #ifndef HK_GL_CONTEXT_H
 #define HK_GL_CONTEXT_H
 
 typedef struct hk_gl_context hk_gl_context;
 
-/* NULL with `why` (a static text) when there is none to be had. The new context is current on the calling thread. */
+/* NULL with `why` (a static text): no context is available. The new context is current on the calling thread. */
 hk_gl_context *hk_gl_context_create(const char **why);
-/* Makes it current on the calling thread; false when that fails. */
+/* Makes the context current on the calling thread; false when that fails. */
 int hk_gl_context_use(hk_gl_context *);
-void hk_gl_context_destroy(hk_gl_context *); /* NULL is fine */
+void hk_gl_context_destroy(hk_gl_context *); /* NULL is allowed */
 
 #endif

@@ -4,8 +4,8 @@
 
 #include <stddef.h>
 
-/* Compiles and links; `shared` goes before the fragment text. 0 with the compiler's words in `log` when it fails.
- * Attributes are bound by `layout` qualifiers. */
+/* Compiles and links; `shared` is put before the fragment text. Returns 0 with the compiler's message in `log` when it
+ * fails. Attributes are bound by `layout` qualifiers. */
 unsigned hk_gl_program(const char *vertex, const char *shared, const char *fragment, char *log, size_t size);
 
 #endif

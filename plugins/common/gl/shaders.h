@@ -1,12 +1,12 @@
-/* The GLSL of the pictures. Directions: `key` points to the main light, `sky` up, `toward` to the eye (taken as far
- * away), `between` halfway from there to the light; they and the normals are in world axes for meshes and in the
- * camera's axes for tubes and beads. */
+/* The GLSL of the pictures. Directions: `key` points to the main light, `sky` up, `toward` to the eye (at infinite
+ * distance), `between` halfway between the eye and the light. These and the normals are in world axes for meshes and in
+ * the camera's axes for tubes and beads. */
 #ifndef HK_SHADERS_H
 #define HK_SHADERS_H
 
 static const char hk_light_glsl[] =
     "uniform vec3 key, sky, toward, between;\n"
-    "uniform float plain;\n" /* 1: no light, the colour as it is */
+    "uniform float plain;\n" /* 1: no light, the plain colour */
     "vec3 lit(vec3 base, vec3 n) {\n"
     "  float facing = dot(n, key);\n" /* some light comes through from behind */
     "  float direct = clamp((facing + 0.25) / 1.25, 0.0, 1.0) + 0.34 * max(-facing, 0.0);\n"

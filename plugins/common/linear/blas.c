@@ -1,4 +1,4 @@
-/* See blas.h. How a threaded BLAS cuts its sums depends on the machine, and would show in the last digit. */
+/* See blas.h. The order of sums in a threaded BLAS depends on the machine, and the last digits of results with it. */
 #define _GNU_SOURCE /* dladdr */
 #include "plugins/common/linear/blas.h"
 #include "core/plugin.h"
@@ -10,7 +10,8 @@ extern void omp_set_max_active_levels(int levels) __attribute__((weak)); /* NULL
 
 void hk_blas_threads(int threads) {
   if (openblas_set_num_threads) openblas_set_num_threads(threads);
-  if (omp_set_max_active_levels) omp_set_max_active_levels(threads > 1); /* 0: its loops stay on this thread */
+  /* 0: parallel loops run on the calling thread */
+  if (omp_set_max_active_levels) omp_set_max_active_levels(threads > 1);
 }
 
 void hk_blas_stay_loaded(void) {

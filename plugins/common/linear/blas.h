@@ -1,11 +1,12 @@
-/* The BLAS behind SuiteSparse: how many threads it takes, and that it stays loaded. */
+/* The BLAS behind SuiteSparse: its number of threads, and keeping it loaded. */
 #ifndef HK_BLAS_H
 #define HK_BLAS_H
 
-/* Of an OpenBLAS, and of SuiteSparse's own OpenMP; for the whole process. With another BLAS nothing happens. */
+/* Sets the number of threads of OpenBLAS and of SuiteSparse's own OpenMP for the whole process. Has no effect on
+ * another BLAS. */
 void hk_blas_threads(int threads);
-/* OpenMP and the BLAS leave threads that wait inside their libraries, so these must never be unloaded: they stay as
- * long as the plugin that calls this, which is to the end of the process. */
+/* OpenMP and the BLAS have threads that wait inside their libraries, so these must never be unloaded: this call keeps
+ * them loaded until the end of the process, like the plugin itself. */
 void hk_blas_stay_loaded(void);
 
 #endif

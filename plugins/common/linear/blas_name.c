@@ -1,7 +1,7 @@
-/* The file that dgemm_ comes from tells which BLAS is loaded, once its links are followed: systems put every BLAS
- * behind the name libblas.so.3, by alternatives (Debian, openSUSE) or by a link (Arch), and keep each in a folder or a
- * file called after it. FlexiBLAS (Fedora) is asked for its backend. Invariant: only a file called libblas or
- * librefblas in no other library's folder, or FlexiBLAS on NETLIB, counts as the reference BLAS. */
+/* The file that contains dgemm_ identifies the loaded BLAS after its links are resolved: systems provide every BLAS
+ * under the name libblas.so.3, by alternatives (Debian, openSUSE) or by a link (Arch), and store each in a folder or a
+ * file with its own name. FlexiBLAS (Fedora) reports its backend. Invariant: only a file called libblas or librefblas
+ * in no other library's folder, or FlexiBLAS on NETLIB, counts as the reference BLAS. */
 #define _GNU_SOURCE /* dladdr, RTLD_DEFAULT */
 #include "plugins/common/linear/blas_name.h"
 
@@ -12,21 +12,21 @@
 #include <string.h>
 #include <strings.h>
 
-/* How files and folders of a library begin, after "lib", and what people call it. */
+/* The beginning of the names of a library's files and folders, after "lib", and its usual name. */
 static const struct {
-  const char *begins, *name;
+  const char *begins_with, *name;
 } libraries[] = {
     {"openblas", "OpenBLAS"}, {"mkl", "MKL"},      {"blis", "BLIS"}, {"atlas", "ATLAS"}, {"satlas", "ATLAS"},
     {"tatlas", "ATLAS"},      {"armpl", "Arm PL"}, {"nvpl", "NVPL"}, {"essl", "ESSL"},   {"flexiblas", "FlexiBLAS"},
 };
 
-static bool begins(const char *text, const char *with) { return strncasecmp(text, with, strlen(with)) == 0; }
+static bool begins_with(const char *text, const char *with) { return strncasecmp(text, with, strlen(with)) == 0; }
 
-/* The library that a file or folder of this name belongs to; NULL: none that is known. */
+/* The library that a file or folder of this name belongs to; NULL: unknown. */
 static const char *library_called(const char *part) {
-  if (begins(part, "lib")) part += 3;
+  if (begins_with(part, "lib")) part += 3;
   for (size_t k = 0; k < sizeof libraries / sizeof *libraries; k++)
-    if (begins(part, libraries[k].begins)) return libraries[k].name;
+    if (begins_with(part, libraries[k].begins_with)) return libraries[k].name;
   return NULL;
 }
 
@@ -50,24 +50,25 @@ void hk_blas_judge(hk_blas *blas, const char *path, const char *backend) {
   } else if (name) {
     snprintf(blas->name, sizeof blas->name, "%s", name);
   } else {
-    blas->reference = begins(file, "libblas") || begins(file, "librefblas");
+    blas->reference = begins_with(file, "libblas") || begins_with(file, "librefblas");
     snprintf(blas->name, sizeof blas->name, "%s", blas->reference ? "reference BLAS" : file);
   }
 }
 
-/* The function of that name, or NULL, into a pointer to functions: what dlsym gives is none in ISO C. */
+/* Stores the function of that name, or NULL, in a pointer to a function; ISO C does not convert the void * of dlsym. */
 static void find(const char *name, void *pointer) {
   void *found = dlsym(RTLD_DEFAULT, name);
   memcpy(pointer, &found, sizeof found);
 }
 
-/* "OpenBLAS 0.3.21" of what openblas_get_config says, which begins with it and goes on with how it was built. */
+/* Takes "OpenBLAS 0.3.21" from the text of openblas_get_config, which begins with it and continues with build
+ * options. */
 static void add_version(hk_blas *blas) {
   const char *(*config)(void);
   find("openblas_get_config", &config);
   if (!config || strcmp(blas->name, "OpenBLAS") != 0) return;
   const char *text = config();
-  if (!begins(text, "OpenBLAS ")) return;
+  if (!begins_with(text, "OpenBLAS ")) return;
   snprintf(blas->name, sizeof blas->name, "OpenBLAS %.*s", (int)strcspn(text + 9, " "), text + 9);
 }
 

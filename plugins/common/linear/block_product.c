@@ -1,4 +1,4 @@
-/* Products of sparse block matrices with vectors: rows are independent, so each thread writes its own. */
+/* Products of sparse block matrices with vectors: rows are independent, so each thread writes rows of its own. */
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/block_vector.h"
 
@@ -10,7 +10,7 @@ typedef struct full_task {
   double *y;
 } full_task;
 
-/* The last row of a block is taken from one number further in front, so that nothing beyond the matrix is read. */
+/* The last row of a block is loaded one number earlier, so that no memory beyond the matrix is read. */
 INLINE void full_rows(const full_task *t, size_t begin, size_t end) {
   const hk_matrix *A = t->A;
   for (size_t r = begin; r < end; r++) {

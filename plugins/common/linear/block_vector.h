@@ -1,5 +1,5 @@
-/* Vectors of four doubles for products with blocks, compiled twice: for processors with registers of that width and for
- * all. Both do the same operations in the same order. */
+/* Vectors of four doubles for products with blocks, compiled twice: for processors with registers of that width, and
+ * for any processor. Both versions do the same operations in the same order. */
 #ifndef HK_BLOCK_VECTOR_H
 #define HK_BLOCK_VECTOR_H
 
@@ -20,7 +20,7 @@ typedef double half __attribute__((vector_size(16), aligned(8), may_alias));
 #define HAS_WIDE() 0
 #endif
 
-/* As two and one: a store of four would hold up the next load of a neighbouring row, which it overlaps. */
+/* Stores two numbers and one: a store of four would overlap the next row, whose load would wait for it. */
 #define ADD3(p, v)                                                                                                     \
   do {                                                                                                                 \
     half two_ = {v[0], v[1]};                                                                                          \

@@ -1,9 +1,9 @@
 /* Incomplete Cholesky factorization without fill, IC(0), on 3x3 or 1x1 blocks: M = (I + W)^T D (I + W), where updates
- * outside of A's pattern are dropped. Where a pivot block is not safely positive, the diagonal is raised by a factor
- * 1 + shift and the domain is factorized again (Manteuffel 1980, An incomplete factorization technique for positive
+ * outside of A's pattern are dropped. Where a pivot block is not safely positive, the diagonal is raised by a factor 1
+ * + shift and the domain is factorized again (Manteuffel 1980, An incomplete factorization technique for positive
  * definite linear systems, Math. Comp. 34). Domains are factorized and solved independently of each other, so that
- * several threads have work; they are cut by the number of rows alone. W is kept in single precision: M is symmetric
- * and positive definite however W is rounded, and half as much memory is read. */
+ * several threads can be used; the division into domains depends on the number of rows only. W is kept in single
+ * precision: M is symmetric and positive definite for any rounding of W, and half as much memory is read. */
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/linear/block_vector.h"
 #include "plugins/common/linear/upper_matrix.h"
@@ -12,7 +12,7 @@
 
 enum { DOMAIN_LEAST = 8192, DOMAINS_MOST = 16 };
 
-static const double least_pivot = 1e-3; /* of the diagonal; smaller ones make M useless before they end it */
+static const double least_pivot = 1e-3; /* relative to the diagonal; smaller pivots make M a useless preconditioner */
 static const double first_shift = 1e-3, last_shift = 1e3; /* doubled in between */
 
 typedef float single __attribute__((vector_size(16), aligned(4), may_alias));
@@ -68,7 +68,7 @@ static void subtract(size_t b, const double *A, const double *B, double *C) {
     }
 }
 
-/* What row i takes from the rows of its columns: S_jk -= U_ij^T D_i^-1 U_ik where (j, k) is in the pattern. */
+/* The elimination of row i: S_jk -= U_ij^T D_i^-1 U_ik where (j, k) is in the pattern. */
 static void eliminate(hk_incomplete *m, size_t i) {
   size_t b = m->block, bb = b * b, last = m->start[i + 1];
   double product[9];
@@ -135,7 +135,8 @@ bool hk_incomplete_factorize(hk_incomplete *m, const hk_host *host, const hk_mat
 
 /* ---- Solution -------------------------------------------------------------------------------------------------- */
 
-/* Loads and stores as two and one, here too: rows follow each other so closely that they must be of one shape. */
+/* Loads two numbers and one, like the stores: rows follow each other so closely that a load must have the shape of the
+ * store before it. */
 #define LOAD3(p)                                                                                                       \
   { (p)[0], (p)[1], (p)[2], 0 }
 #define WIDEN(p) __builtin_convertvector(*(const single *)(p), vector)
@@ -156,7 +157,8 @@ INLINE void solve_triples(const hk_incomplete *m, double *z, size_t begin, size_
   }
   for (size_t r = end; r-- > begin;) {
     vector a = {0}, b = {0}, c = {0};
-    for (size_t e = start[r + 1]; e-- > start[r];) { /* the row just solved comes last: all others wait for nothing */
+    /* the row just solved is used last, so that the other terms need not wait for it */
+    for (size_t e = start[r + 1]; e-- > start[r];) {
       const float *B = W + 9 * e;
       const double *from = z + 3 * (size_t)column[e];
       vector v = LOAD3(from);

@@ -1,12 +1,12 @@
 /* Forward and backward substitution with a sparse Cholesky factor, four right-hand sides at a time.
  *
  * The factor is copied into panels of 8, 4, 2 or 1 columns: the reciprocals of the diagonal, the triangle below it,
- * then every further row as 8, 4, 2 or 1 neighbouring numbers. Both substitutions stream through that copy once, one in
- * its order and one against it, so that what one leaves in the cache the other finds there. Right-hand sides lie side
- * by side in rows of four (the missing ones are zero): a number of L meets four of them in one vector, and a panel's
- * rows of x stay in registers. One thread: the factors this is for fit a cache, and sums keep one order. Results have
- * the same bits on every processor, as all paths do the same operations. George and Liu, Computer Solution of Large
- * Sparse Positive Definite Systems (1981), chapter 5; supernodes: Ashcraft and Grimes, ACM TOMS 15 (1989). */
+ * then every further row as 8, 4, 2 or 1 neighbouring numbers. Both substitutions read that copy once, one forwards and
+ * one backwards, so that the second finds the end of the first in the cache. Right-hand sides are stored in rows of
+ * four (missing ones are zero): a number of L is multiplied by four of them in one vector, and a panel's rows of x stay
+ * in registers. One thread is used, since the factors fit a cache and sums keep one order. Results are bitwise equal on
+ * every processor, as all paths do the same operations. George and Liu, Computer Solution of Large Sparse Positive
+ * Definite Systems (1981), chapter 5; supernodes: Ashcraft and Grimes, ACM TOMS 15 (1989). */
 #include "plugins/common/linear/triangular.h"
 
 #include <string.h>
@@ -16,8 +16,8 @@ enum { LANES = 4, WIDEST = 8 };
 typedef double lanes __attribute__((vector_size(32), aligned(32), may_alias));
 
 typedef struct panel {
-  uint32_t column, rows, width; /* first column; rows below its triangle */
-  size_t list, value;           /* where its rows and its numbers begin */
+  uint32_t column, rows, width; /* first column; number of rows below the triangle; number of columns */
+  size_t list, value;           /* first position of its rows and of its values */
 } panel;
 
 typedef void substitute(const hk_triangular *t, double *x);
@@ -32,7 +32,7 @@ struct hk_triangular {
   substitute *both;
 };
 
-/* ---- Substitution. W is a constant where these are called: the loops over it unroll. ---- */
+/* ---- Substitution. W is a constant in every call, so the loops over it are unrolled. ---- */
 
 #define INLINE static inline __attribute__((always_inline))
 #define ROW(x, i) (*(lanes *)((x) + LANES * (size_t)(i)))

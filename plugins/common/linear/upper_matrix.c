@@ -1,6 +1,6 @@
 /* The pattern of a symmetric matrix's upper triangle, and its numbers in the order in which products read them. A
- * group's blocks are merged by how far right of their row they are: a distance that three or four rows share makes an
- * even slot, what is left fills the others. On a grid nearly all slots are even and full. */
+ * group's blocks are merged by their distance from the diagonal: a distance that three or four rows share makes an even
+ * slot, the other blocks fill uneven slots. On a grid nearly all slots are even and full. */
 #include "plugins/common/linear/upper_matrix.h"
 
 #include <float.h>
@@ -33,24 +33,24 @@ static const size_t packed_place[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
 
 static void fill_lane(const hk_upper *m, const hk_matrix *A, const uint32_t *source, double *to, bool packed) {
   size_t b = m->block, e = *source;
-  for (size_t k = b * b; k-- > 0;) /* of two mirrored elements the upper one stays */
+  for (size_t k = b * b; k-- > 0;) /* of two mirrored elements the upper one is kept */
     to[LANES * (packed ? packed_place[k] : k)] = e == UINT32_MAX ? 0 : A->value[b * b * e + k];
 }
 
-/* A diagonal block by its upper triangle. */
+/* Makes a diagonal block symmetric by its upper triangle. */
 static void mirror_lane(const hk_upper *m, double *to) {
   for (size_t i = 1; i < m->block; i++)
     for (size_t j = 0; j < i; j++) to[LANES * (m->block * i + j)] = to[LANES * (m->block * j + i)];
 }
 
-/* Equal to its transpose up to the rounding of the few sums that make a block. */
+/* Whether a block equals its transpose up to the rounding errors of its assembly. */
 static bool is_symmetric(const double *B) {
   double most = 0, off = fmax(fabs(B[1] - B[3]), fmax(fabs(B[2] - B[6]), fabs(B[5] - B[7])));
   for (size_t k = 0; k < 9; k++) most = fmax(most, fabs(B[k]));
   return off <= 8 * DBL_EPSILON * most;
 }
 
-/* Whether all blocks of these groups are symmetric; those on the diagonal are made so. */
+/* Whether all blocks of these groups are symmetric; diagonal blocks are made symmetric. */
 static bool can_pack(const hk_upper *m, const hk_matrix *A, size_t first, size_t last) {
   if (m->block != 3) return false;
   for (size_t g = first; g < last; g++)
@@ -95,7 +95,7 @@ static int by_number(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Lists the columns beyond chunk k at `list`, rising, each once; returns how many. */
+/* Writes the columns beyond chunk k to `list`, in increasing order, each once; returns their number. */
 static size_t list_places(const hk_upper *m, const hk_matrix *A, size_t k, uint32_t *list) {
   size_t count = 0, kept = 0;
   for (size_t r = k * m->chunk; r < end_of(m, k); r++)
@@ -107,7 +107,7 @@ static size_t list_places(const hk_upper *m, const hk_matrix *A, size_t k, uint3
   return kept;
 }
 
-/* The most numbers that a chunk touches. */
+/* Finds the places of all chunks; returns the largest number of values of x that a chunk uses. */
 static size_t find_places(hk_upper *m, const hk_matrix *A) {
   size_t most = 0;
   for (size_t k = 0; k < m->chunks; k++) {
@@ -117,8 +117,8 @@ static size_t find_places(hk_upper *m, const hk_matrix *A) {
   return most;
 }
 
-/* A sixteenth of the rows, within limits: enough chunks for several threads, few blocks beyond them. Shorter where many
- * columns are beyond. */
+/* Chooses a sixteenth of the rows as chunk, within limits: enough chunks for several threads, and few blocks outside of
+ * their own chunk. Chunks are shorter where many columns lie outside. */
 static void choose_chunks(hk_upper *m, const hk_matrix *A) {
   m->chunk = (m->rows / 16 + LANES - 1) / LANES * LANES;
   if (m->chunk < CHUNK_LEAST) m->chunk = CHUNK_LEAST;
@@ -139,17 +139,17 @@ static void list_receivers(hk_upper *m, size_t *next) {
 
 /* ---- Slots ----------------------------------------------------------------------------------------------------- */
 
-/* The blocks of one group right of the diagonal, lane by lane. */
+/* A cursor over the blocks of one group right of the diagonal, with a position for each lane. */
 typedef struct group_cursor {
   const hk_upper *m;
   const hk_matrix *A;
-  const uint32_t *place; /* rows: of the columns beyond the chunk, counted from the chunk's first */
+  const uint32_t *place; /* rows: place of each column beyond the chunk, from the chunk's first place */
   size_t begin, end;     /* rows of the chunk */
-  size_t row;            /* of the first lane */
+  size_t row;            /* row of the first lane */
   size_t next[LANES], last[LANES];
 } group_cursor;
 
-/* The number of block e's column in the chunk. */
+/* The local number of the column of block e in the chunk. */
 static size_t number_of(const group_cursor *c, size_t e) {
   size_t column = c->A->column[e], rows = (c->end - c->begin + LANES - 1) / LANES * LANES;
   return column < c->end ? column - c->begin : rows + c->place[column];
@@ -165,7 +165,8 @@ static void begin_group(group_cursor *c, size_t row) {
   }
 }
 
-/* The next distance from row to column that at least one lane has; returns how many, and which blocks. */
+/* The next distance from row to column that at least one lane has; returns the number of these lanes, and their blocks
+ * in `source`. */
 static size_t next_distance(group_cursor *c, uint32_t source[LANES], size_t *distance) {
   size_t least = SIZE_MAX, count = 0, own = c->row - c->begin;
   for (size_t lane = 0; lane < LANES; lane++)
@@ -182,7 +183,7 @@ static size_t next_distance(group_cursor *c, uint32_t source[LANES], size_t *dis
   return count;
 }
 
-/* How many slots of each kind the group has. */
+/* Counts the even and uneven slots of the group. */
 static void count_slots(group_cursor *c, size_t row, size_t *even, size_t *uneven) {
   size_t left[LANES] = {0}, count, distance;
   uint32_t source[LANES];
@@ -208,7 +209,8 @@ static void write_slots(hk_upper *m, group_cursor *c, size_t row) {
   uint32_t source[LANES], *index = m->index + m->index_start[g], *rest = index + m->even[g];
   size_t left[LANES], uneven = slot + m->even[g], slots = m->slot_start[g + 1];
   memset(m->source + LANES * (slot - 1), 0xFF, (slots - slot + 1) * LANES * sizeof *m->source);
-  for (size_t k = 0; k < LANES * (slots - uneven); k++) rest[k] = (uint32_t)(own + k % LANES); /* an empty lane's own */
+  /* an empty lane uses its own row */
+  for (size_t k = 0; k < LANES * (slots - uneven); k++) rest[k] = (uint32_t)(own + k % LANES);
   for (size_t lane = 0; lane < LANES; lane++) left[lane] = 0;
   begin_group(c, row);
   write_diagonal(c, m->source + LANES * (slot - 1));

@@ -1,7 +1,7 @@
-/* y = A x from the upper triangle of A, which is read once: each block serves the row it is in and, transposed, the row
- * of its column. A chunk copies what it touches of x into three arrays by component, adds up y there, and hands back
- * its rows and, through `halo`, those of other chunks. Sums are formed in an order that chunks and slots fix, so
- * threads and the width of vectors do not show in the bits. */
+/* y = A x from the upper triangle of A, which is read once: each block contributes to its row and, transposed, to the
+ * row of its column. A chunk copies the values of x that it uses into three arrays by component, accumulates y there,
+ * and adds the result to its own rows and, through `halo`, to those of other chunks. The order of sums is fixed by
+ * chunks and slots, so results are bitwise equal for any number of threads and any vector width. */
 #include "plugins/common/linear/block_vector.h"
 #include "plugins/common/linear/upper_matrix.h"
 
@@ -17,16 +17,17 @@ typedef struct product_task {
   double *y;
 } product_task;
 
-/* x and y of what a chunk touches, component by component: component c of x is at `memory + c stride`, y behind it. */
+/* Local copies of the x and y that a chunk uses, component by component: component c of x is at `memory + c stride`, y
+ * follows x. */
 typedef struct local {
   double *memory;
-  size_t stride, touched, rows; /* touched: up to whole vectors; rows: up to whole groups */
+  size_t stride, touched, rows; /* touched: rounded up to whole vectors; rows: rounded up to whole groups */
   size_t places;
   const uint32_t *place_row;
   double *halo;
 } local;
 
-/* What is touched but stands for no row is zero, and so is y. */
+/* Sets padding entries of x, which belong to no row, and all of y to zero. */
 static void clear(const local *l, size_t block, size_t rows) {
   for (size_t c = 0; c < block; c++) {
     double *x = l->memory + c * l->stride;
@@ -47,7 +48,7 @@ static inline void one_out(const local *l, size_t k, size_t block, double *to) {
 
 /* ---- Blocks of three ------------------------------------------------------------------------------------------- */
 
-/* Four successive rows of three numbers, at p, to components, at k. */
+/* Converts four successive rows of three numbers, at p, to components, at k. */
 #define FOUR_IN(p, l, k)                                                                                               \
   do {                                                                                                                 \
     vector a_ = LOAD(p), b_ = LOAD((p) + 4), c_ = LOAD((p) + 8);                                                       \
@@ -58,7 +59,7 @@ static inline void one_out(const local *l, size_t k, size_t block, double *to) {
     STORE((l)->memory + 2 * (l)->stride + (k), PICK(w_, w_, 2, 1, 0, 3));                                              \
   } while (0)
 
-/* And back. */
+/* The reverse conversion. */
 #define FOUR_OUT(p, l, k)                                                                                              \
   do {                                                                                                                 \
     vector u_ = LOAD((l)->memory + 3 * (l)->stride + (k)), v_ = LOAD((l)->memory + 4 * (l)->stride + (k));             \
@@ -93,8 +94,8 @@ INLINE void triples_out(const product_task *t, const local *l, size_t begin, siz
   for (; p < l->places; p++) one_out(l, l->rows + p, 3, l->halo + 3 * p);
 }
 
-/* What a slot at B adds to its rows (a, b, c), from X, Y, Z, and to its columns (back in X, Y, Z), from x0, x1, x2. A
- * packed one has xx, xy, xz, yy, yz, zz. */
+/* Multiplies by the slot at B: adds to its rows (a, b, c) from X, Y, Z, and computes the contribution to its columns
+ * (returned in X, Y, Z) from x0, x1, x2. A packed slot has xx, xy, xz, yy, yz, zz. */
 #define MULTIPLY()                                                                                                     \
   do {                                                                                                                 \
     vector p_ = LOAD(B), q_ = LOAD(B + 4), r_ = LOAD(B + 8), u_, v_, w_, xy_ = q_, xz_ = r_;                           \
@@ -116,10 +117,10 @@ INLINE void triples_out(const product_task *t, const local *l, size_t begin, siz
 #define ADD(p, v) STORE(p, LOAD(p) + (v))
 #define GATHER(p, i)                                                                                                   \
   { (p)[i[0]], (p)[i[1]], (p)[i[2]], (p)[i[3]] }
-/* One after the other: lanes may meet in one column. */
+/* Adds lane by lane, since lanes may have the same column. */
 #define SCATTER(p, i, v) (p)[i[0]] += v[0], (p)[i[1]] += v[1], (p)[i[2]] += v[2], (p)[i[3]] += v[3]
 
-/* Returns the chunk's part of x.(A x): what is right of the diagonal counts twice. */
+/* Returns the chunk's part of x.(A x): blocks right of the diagonal count twice. */
 INLINE double triple_groups(const hk_upper *m, const local *l, size_t begin, size_t end, bool packed) {
   const size_t size = packed ? 6 * LANES : 9 * LANES;
   const double *restrict xs = l->memory, *restrict ys = xs + l->stride, *restrict zs = ys + l->stride;
@@ -132,7 +133,7 @@ INLINE double triple_groups(const hk_upper *m, const local *l, size_t begin, siz
     vector x0 = LOAD(xs + r), x1 = LOAD(ys + r), x2 = LOAD(zs + r);
     vector a = {0}, b = {0}, c = {0};
     {
-      vector X = x0, Y = x1, Z = x2; /* what would go to the columns is not looked at */
+      vector X = x0, Y = x1, Z = x2; /* the contribution to the columns is not used */
       MULTIPLY();
     }
     vector diagonal = a * x0 + b * x1 + c * x2;
@@ -195,7 +196,7 @@ static void single_groups(const hk_upper *m, const local *l, size_t begin, size_
   }
 }
 
-/* Four sums over all that the chunk touches: its part of x.(A x). */
+/* The chunk's part of x.(A x), as four partial sums. */
 static double dot(const local *l) {
   const double *x = l->memory, *y = x + l->stride;
   double sum[LANES] = {0};
@@ -236,7 +237,7 @@ static void multiply_chunk(void *context, size_t begin, size_t end, size_t chunk
     m->part[chunk] = triple_chunk_narrow(t, &l, begin, end, m->packed[chunk]);
 }
 
-/* Adds what other chunks have for this one. */
+/* Adds the contributions of other chunks to the rows of this one. */
 static void receive_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const product_task *t = context;
   const hk_upper *m = t->m;

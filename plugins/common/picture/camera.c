@@ -59,7 +59,7 @@ void hk_camera_aim(hk_camera *camera, const double low[3], const double high[3])
   for (int c = 0; c < 3; c++) side[c] = high[c] - low[c];
   wide = fmax(side[0], side[1]), thin = fmin(side[0], side[1]);
   height = side[2];
-  flat = wide > 0 ? fmin(fmax(1 - height / (0.6 * wide), 0), 1) : 0; /* 1: all in a horizontal plane */
+  flat = wide > 0 ? fmin(fmax(1 - height / (0.6 * wide), 0), 1) : 0; /* 1: the motion is in a horizontal plane */
   azimuth = degree * (12 + 22 * (wide > 0 ? thin / wide : 0));
   if (side[1] > 1.3 * side[0]) azimuth = degree * 90 - azimuth;
   double elevation = degree * (16 + 34 * flat * (wide > 0 ? thin / wide : 0));
@@ -91,7 +91,7 @@ void hk_fit_add(hk_fit *fit, const float point[3], double radius) {
   fit->rear = fmin(fit->rear, along - radius);
 }
 
-/* With e = (right, up, back) of the eye, the planes of the left and right sides ask for
+/* With e = (right, up, back) of the eye, the planes of the left and right sides require
  *     cos e_r - sin e_b <= least[0]   and   -cos e_r - sin e_b <= least[1]. */
 void hk_fit_end(const hk_fit *fit, hk_camera *camera) {
   double place[3];

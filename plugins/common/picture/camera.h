@@ -1,4 +1,4 @@
-/* A perspective camera, z up, and how it finds its place by itself. Lengths in m, angles in radians. */
+/* A perspective camera, z up, and its automatic placement. Lengths in m, angles in radians. */
 #ifndef HK_CAMERA_H
 #define HK_CAMERA_H
 
@@ -8,10 +8,10 @@ typedef struct hk_camera {
   double eye[3], target[3];
   double fov;       /* from the bottom to the top of the picture */
   double aspect;    /* width / height */
-  double near, far; /* what lies between is seen */
+  double near, far; /* distances between which objects are visible */
 } hk_camera;
 
-/* Column-major, as OpenGL wants them. */
+/* Matrices in column-major order, as in OpenGL. */
 typedef struct hk_lens {
   float view[16], projection[16], both[16]; /* both = projection view */
 } hk_lens;
@@ -25,7 +25,7 @@ void hk_camera_lens(const hk_camera *, hk_lens *);
 void hk_camera_aim(hk_camera *, const double low[3], const double high[3]);
 
 /* The nearest eye, along the direction of a camera, that sees all points: each of the picture's four sides gives one
- * plane through the eye, and min n.p over all points is all that is needed of them. */
+ * plane through the eye, which depends on the points only through min n.p. */
 typedef struct hk_fit {
   double axis[3][3];   /* right, up, back */
   double normal[4][3]; /* inward: left, right, bottom, top */

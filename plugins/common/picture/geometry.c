@@ -30,7 +30,7 @@ static bool has_place(const float x[3], float limit) {
   return fabsf(x[0]) < limit && fabsf(x[1]) < limit && fabsf(x[2]) < limit;
 }
 
-/* Triangles and the sum of their normals, weighted by area, at each corner. */
+/* Adds the triangles, and at each corner the sum of their normals weighted by area. */
 static void add_triangles(hk_painter *p, const hk_snapshot3d *s, float limit) {
   for (size_t k = 0; k < s->triangles; k++) {
     const uint32_t *t = s->triangle[k];
@@ -44,7 +44,7 @@ static void add_triangles(hk_painter *p, const hk_snapshot3d *s, float limit) {
   }
 }
 
-/* Squares of small areas would underflow in the shader. */
+/* Normalises a vector here, since squares of small areas would underflow in the shader. */
 static void normalize(float v[3]) {
   float most = fmaxf(fabsf(v[0]), fmaxf(fabsf(v[1]), fabsf(v[2])));
   if (most > 0)
@@ -58,13 +58,13 @@ static void add_bead(hk_painter *p, const float x[3], double radius, const uint8
   bead->radius = (float)radius;
 }
 
-static void add_beads(hk_painter *p, const hk_view_setup *stage, const hk_snapshot3d *s, uint8_t (*colour)[4],
+static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
                       float limit) {
   static const uint8_t pin[4] = {52, 58, 70, 255};
   for (size_t i = 0; i < s->n; i++) {
     if (!s->mark[i] || !has_place(s->x[i], limit)) continue;
     bool held = s->mark[i] & HK_MARK_PIN;
-    add_bead(p, s->x[i], held ? stage->pin : stage->bead, held ? pin : colour[i]);
+    add_bead(p, s->x[i], held ? setup->pin : setup->bead, held ? pin : colour[i]);
   }
 }
 
@@ -80,8 +80,8 @@ static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4
   }
 }
 
-hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *stage, const hk_snapshot3d *s, uint8_t (*colour)[4]) {
-  float limit = (float)(50 * stage->size);
+hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4]) {
+  float limit = (float)(50 * setup->size);
   hk_status status = make_room(p, s);
   if (status != HK_OK) return status;
   p->vertices = s->n;
@@ -95,6 +95,6 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *stage, const hk_s
   add_triangles(p, s, limit);
   for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
   add_tubes(p, s, colour, limit);
-  add_beads(p, stage, s, colour, limit);
+  add_beads(p, setup, s, colour, limit);
   return HK_OK;
 }

@@ -1,11 +1,12 @@
-/* From a shot to what OpenGL draws. */
+/* Conversion of a snapshot to the primitives that OpenGL draws. */
 #ifndef HK_GEOMETRY_H
 #define HK_GEOMETRY_H
 
 #include "plugins/common/picture/painter.h"
 
-/* Fills vertex (with smooth normals), triangle, tube and bead. What touches a particle without a place, or one beyond
- * fifty times the size of the stage, is left out. */
-hk_status hk_geometry_fill(hk_painter *, const hk_view_setup *stage, const hk_snapshot3d *shot, uint8_t (*colour)[4]);
+/* Fills vertex (with smooth normals), triangle, tube and bead. Objects with a particle without a finite position, or
+ * beyond fifty times the size of the setup, are omitted. */
+hk_status hk_geometry_fill(hk_painter *, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
+                           uint8_t (*colour)[4]);
 
 #endif

@@ -69,7 +69,7 @@ static void add_stroke(strokes *s, double ax, double ay, double bx, double by, c
 
 static double text_width(const char *text, double unit) { return unit * (6 * (double)strlen(text) - 2); }
 
-/* `align` 0: x is the left end, 0.5: the middle, 1: the right end. `unit`: of the glyphs' grid, pixels. */
+/* `align` 0: x is the left end, 0.5: the middle, 1: the right end. `unit`: spacing of the glyphs' grid, pixels. */
 static void add_text(strokes *s, const char *text, double x, double y, double unit, double align) {
   static const uint8_t ink[4] = {62, 68, 80, 255};
   x -= align * text_width(text, unit);

@@ -7,11 +7,11 @@
 
 typedef struct hk_legend {
   const char *label;
-  double low, high; /* as written at the bar's ends */
+  double low, high; /* values at the bar's ends */
   uint8_t (*table)[4];
 } hk_legend;
 
-/* Draws over the painter's picture, at its lower left. Pictures too small for it are left alone. */
+/* Draws over the painter's picture, at its lower left. Does nothing when the picture is too small. */
 void hk_legend_draw(hk_painter *, const hk_legend *);
 
 #endif

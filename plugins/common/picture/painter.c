@@ -1,4 +1,4 @@
-/* Making and unmaking the painter: programs, vertex arrays, the shadow's texture. */
+/* Creation and destruction of the painter: programs, vertex arrays, the shadow's texture. */
 #include "plugins/common/picture/painter.h"
 
 #include "plugins/common/gl/gl.h"

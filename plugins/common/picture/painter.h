@@ -1,5 +1,5 @@
-/* Draws shots with OpenGL 3.3: cloth lit from both sides, springs as thin tubes, particles as beads, and a floor with
- * a grid and their shadow. Needs a current context; one painter per context. */
+/* Draws snapshots with OpenGL 3.3: cloth lit from both sides, springs as thin tubes, particles as beads, and a floor
+ * with a grid and the shadow of these objects. Needs a current context; one painter per context. */
 #ifndef HK_PAINTER_H
 #define HK_PAINTER_H
 
@@ -33,21 +33,22 @@ typedef struct hk_painter {
       nothing;
   unsigned shadow;      /* a texture */
   unsigned char *shade; /* its texels, HK_SHADOW_SIZE squared, and as many for the blur */
-  bool kept;            /* backdrop and floor are in the canvas's keeping */
+  bool kept;            /* backdrop and floor are stored in the canvas */
   size_t room, triangle_room, tube_room, bead_room;
   hk_vertex *vertex;
   hk_tube *tube;
   hk_bead *bead;
-  uint32_t (*triangle)[3]; /* those whose corners have a place */
+  uint32_t (*triangle)[3]; /* the triangles whose corners have finite positions */
   size_t vertices, triangles, tubes, beads;
 } hk_painter;
 
 hk_status hk_painter_open(hk_painter *, const hk_host *host, int width, int height);
-void hk_painter_close(hk_painter *); /* also of a zeroed one */
+void hk_painter_close(hk_painter *); /* a zeroed painter is allowed */
 
 /* Draws everything; `colour` has one per particle. Camera, floor and background must be the
  * same for all pictures of a painter; the box may differ. */
-hk_status hk_painter_draw(hk_painter *, const hk_view_setup *stage, const hk_snapshot3d *shot, uint8_t (*colour)[4]);
+hk_status hk_painter_draw(hk_painter *, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
+                          uint8_t (*colour)[4]);
 /* Draws strokes over the picture: coordinates in pixels from the lower left corner, half width in pixels. */
 void hk_painter_strokes(hk_painter *, const hk_tube *stroke, size_t count, double half_width);
 /* As hk_canvas_read. */

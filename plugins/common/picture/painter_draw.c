@@ -4,7 +4,7 @@
 #include "plugins/common/picture/shadow.h"
 
 typedef struct scene {
-  const hk_view_setup *stage;
+  const hk_view_setup *setup;
   hk_lens lens;
   double key[3];        /* towards the light, world axes */
   float light[2][4][3]; /* key, sky, toward, between; in world axes and in the camera's */
@@ -31,10 +31,10 @@ static void normalize(double v[3]) {
   for (int c = 0; c < 3; c++) v[c] /= length;
 }
 
-/* From above, the left and behind the eye. */
+/* Places the light above, to the left of and behind the eye. */
 static void place_light(scene *s) {
   double axis[3][3], direction[4][3] = {{0}, {0, 0, 1}};
-  hk_camera_axes(&s->stage->camera, axis[0], axis[1], axis[2]);
+  hk_camera_axes(&s->setup->camera, axis[0], axis[1], axis[2]);
   for (int c = 0; c < 3; c++) s->key[c] = -0.42 * axis[0][c] + (c < 2 ? 0.3 * axis[2][c] : 1);
   s->key[2] = fmax(s->key[2], 0.5);
   normalize(s->key);
@@ -52,7 +52,7 @@ static void place_light(scene *s) {
 }
 
 static void upload(const hk_painter *p) {
-  glBindVertexArray(p->mesh_array); /* an element buffer belongs to it */
+  glBindVertexArray(p->mesh_array); /* the element buffer is part of it */
   glBindBuffer(GL_ARRAY_BUFFER, p->mesh_buffer);
   if (p->triangles) {
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->vertices * sizeof *p->vertex), p->vertex, GL_STREAM_DRAW);
@@ -79,13 +79,13 @@ static void draw_instances(const hk_painter *p, const scene *s, int program, siz
   set_light(p, program, s->light[1], 0);
   glUniform1f(uniform(p, program, "least"), (float)least);
   glUniform2f(uniform(p, program, "pixel"), 2.f / (float)p->canvas.width, 2.f / (float)p->canvas.height);
-  if (program == HK_TUBE) glUniform1f(uniform(p, program, "radius"), (float)s->stage->tube);
+  if (program == HK_TUBE) glUniform1f(uniform(p, program, "radius"), (float)s->setup->tube);
   glBindVertexArray(program == HK_TUBE ? p->tube_array : p->bead_array);
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
 }
 
-static void draw_backdrop(const hk_painter *p, const hk_view_setup *stage) {
-  const float *b = stage->background;
+static void draw_backdrop(const hk_painter *p, const hk_view_setup *setup) {
+  const float *b = setup->background;
   glUseProgram(p->program[HK_BACKDROP]);
   glUniform3f(uniform(p, HK_BACKDROP, "low"), 1.02f * b[0], 1.01f * b[1], b[2]);
   glUniform3f(uniform(p, HK_BACKDROP, "high"), 0.84f * b[0], 0.89f * b[1], 0.95f * b[2]);
@@ -109,16 +109,16 @@ static void draw_square(hk_painter *p, const scene *s, int program, const float 
   glDisable(GL_BLEND);
 }
 
-/* Behind what lies on it, by the polygon offset. */
+/* Draws the floor; the polygon offset puts it behind objects that lie on it. */
 static void draw_floor(hk_painter *p, const scene *s) {
-  const hk_view_setup *stage = s->stage;
-  const float *b = stage->background;
-  double spacing = grid_spacing(stage->size);
-  float square[4] = {(float)((stage->low[0] + stage->high[0]) / 2), (float)((stage->low[1] + stage->high[1]) / 2),
-                     (float)stage->height, (float)(6 * stage->size)};
+  const hk_view_setup *setup = s->setup;
+  const float *b = setup->background;
+  double spacing = grid_spacing(setup->size);
+  float square[4] = {(float)((setup->low[0] + setup->high[0]) / 2), (float)((setup->low[1] + setup->high[1]) / 2),
+                     (float)setup->height, (float)(6 * setup->size)};
   glUseProgram(p->program[HK_FLOOR]);
-  glUniform3f(uniform(p, HK_FLOOR, "grid"), (float)spacing, (float)-fmod(stage->offset[0], spacing),
-              (float)-fmod(stage->offset[1], spacing));
+  glUniform3f(uniform(p, HK_FLOOR, "grid"), (float)spacing, (float)-fmod(setup->offset[0], spacing),
+              (float)-fmod(setup->offset[1], spacing));
   glUniform3f(uniform(p, HK_FLOOR, "colour"), fminf(1.03f * b[0], 1), fminf(1.03f * b[1], 1), fminf(1.02f * b[2], 1));
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 16);
@@ -128,11 +128,11 @@ static void draw_floor(hk_painter *p, const scene *s) {
 
 static void draw_shadow(hk_painter *p, const scene *s) {
   float patch[3];
-  hk_shadow_cast(p, s->stage, s->key, patch);
+  hk_shadow_cast(p, s->setup, s->key, patch);
   glBindTexture(GL_TEXTURE_2D, p->shadow);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_SHADOW_SIZE, HK_SHADOW_SIZE, GL_RED, GL_UNSIGNED_BYTE, p->shade);
   glDepthMask(GL_FALSE);
-  draw_square(p, s, HK_SHADE, (float[]){patch[0], patch[1], (float)s->stage->height, patch[2]});
+  draw_square(p, s, HK_SHADE, (float[]){patch[0], patch[1], (float)s->setup->height, patch[2]});
   glDepthMask(GL_TRUE);
 }
 
@@ -146,27 +146,28 @@ static void draw_surroundings(hk_painter *p, const scene *s) {
   glDepthMask(GL_TRUE);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glDisable(GL_DEPTH_TEST);
-  draw_backdrop(p, s->stage);
+  draw_backdrop(p, s->setup);
   glEnable(GL_DEPTH_TEST);
-  if (s->stage->floor) draw_floor(p, s);
+  if (s->setup->floor) draw_floor(p, s);
   hk_canvas_keep(&p->canvas);
   p->kept = true;
 }
 
-hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *stage, const hk_snapshot3d *shot, uint8_t (*colour)[4]) {
-  scene s = {.stage = stage};
-  hk_status status = hk_geometry_fill(p, stage, shot, colour);
+hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
+                          uint8_t (*colour)[4]) {
+  scene s = {.setup = setup};
+  hk_status status = hk_geometry_fill(p, setup, snapshot, colour);
   if (status != HK_OK) return status;
-  hk_camera_lens(&stage->camera, &s.lens);
+  hk_camera_lens(&setup->camera, &s.lens);
   place_light(&s);
   upload(p);
   draw_surroundings(p, &s);
   glEnable(GL_DEPTH_TEST);
-  if (stage->floor) draw_shadow(p, &s);
+  if (setup->floor) draw_shadow(p, &s);
   draw_mesh(p, &s);
   draw_instances(p, &s, HK_TUBE, p->tubes, 0.75);
   glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  draw_instances(p, &s, HK_BEAD, p->beads, stage->bead_pixels);
+  draw_instances(p, &s, HK_BEAD, p->beads, setup->bead_pixels);
   glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   return HK_OK;
 }

@@ -1,6 +1,6 @@
-/* The light is directional: along it, everything is projected onto the floor, filled in on a small raster, and blurred
- * by box filters of running sums, three times (nearly a Gaussian). On the processor this takes a fraction of what
- * OpenGL in software does. */
+/* The shadow of a directional light: all objects are projected along it onto the floor, filled on a small raster, and
+ * blurred three times by box filters with running sums (nearly a Gaussian). On the processor this takes a fraction of
+ * the time of OpenGL in software. */
 #include "plugins/common/picture/shadow.h"
 
 #include <string.h>
@@ -9,9 +9,9 @@ enum { SIZE = HK_SHADOW_SIZE, REACH = 3, PASSES = 3 };
 
 typedef struct caster {
   unsigned char *shade;
-  float lean[2];       /* metres along the floor for each metre of height */
-  float corner[2];     /* of the patch */
-  float height, scale; /* of the floor; texels per metre */
+  float lean[2];       /* displacement of the shadow along the floor per height, m/m */
+  float corner[2];     /* corner of the patch */
+  float height, scale; /* height of the floor; texels per metre */
 } caster;
 
 static void project(const caster *c, const float x[3], float out[2]) {
@@ -20,7 +20,7 @@ static void project(const caster *c, const float x[3], float out[2]) {
 
 static int clamp(float at) { return at < 0 ? 0 : at > SIZE - 1 ? SIZE - 1 : (int)at; }
 
-/* Texels whose middle is inside; corners in texels. */
+/* Fills the texels whose middle is inside the triangle; corners in texels. */
 static void fill_triangle(const caster *c, const float p[3][2]) {
   float low[2], high[2], slope[3][2], edge[3];
   for (int k = 0; k < 2; k++) {
@@ -45,7 +45,7 @@ static void fill_triangle(const caster *c, const float p[3][2]) {
   }
 }
 
-/* At least about a texel wide. */
+/* Fills the shadow of a tube, at least about one texel wide. */
 static void fill_tube(const caster *c, const hk_tube *tube, double radius) {
   float a[2], b[2], half = fmaxf((float)radius * c->scale, 0.6f);
   project(c, tube->a, a);
@@ -87,22 +87,22 @@ static void blur(const unsigned char *from, unsigned char *to) {
   }
 }
 
-/* The square that holds the shadow of the motion's box, with room for the blur. */
-static void place_patch(const hk_view_setup *stage, const double key[3], float patch[3]) {
+/* The square that contains the shadow of the motion's box and a margin for the blur. */
+static void place_patch(const hk_view_setup *setup, const double key[3], float patch[3]) {
   double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
   for (int corner = 0; corner < 8; corner++)
     for (int c = 0; c < 2; c++) {
-      double z = (corner & 4 ? stage->high : stage->low)[2] - stage->height;
-      double at = (corner >> c & 1 ? stage->high : stage->low)[c] - key[c] / key[2] * z;
+      double z = (corner & 4 ? setup->high : setup->low)[2] - setup->height;
+      double at = (corner >> c & 1 ? setup->high : setup->low)[c] - key[c] / key[2] * z;
       low[c] = fmin(low[c], at), high[c] = fmax(high[c], at);
     }
   for (int c = 0; c < 2; c++) patch[c] = (float)((low[c] + high[c]) / 2);
-  patch[2] = (float)(0.53 * fmax(high[0] - low[0], high[1] - low[1]) + 0.1 * stage->size + stage->bead);
+  patch[2] = (float)(0.53 * fmax(high[0] - low[0], high[1] - low[1]) + 0.1 * setup->size + setup->bead);
 }
 
-void hk_shadow_cast(hk_painter *p, const hk_view_setup *stage, const double key[3], float patch[3]) {
-  place_patch(stage, key, patch);
-  caster c = {.shade = p->shade, .height = (float)stage->height, .scale = SIZE / (2 * patch[2])};
+void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[3], float patch[3]) {
+  place_patch(setup, key, patch);
+  caster c = {.shade = p->shade, .height = (float)setup->height, .scale = SIZE / (2 * patch[2])};
   for (int k = 0; k < 2; k++) c.lean[k] = (float)(key[k] / key[2]), c.corner[k] = patch[k] - patch[2];
   memset(p->shade, 0, SIZE * SIZE);
   for (size_t k = 0; k < p->triangles; k++) {
@@ -110,7 +110,7 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *stage, const double key[
     for (int i = 0; i < 3; i++) project(&c, p->vertex[p->triangle[k][i]].x, corner[i]);
     fill_triangle(&c, (const float(*)[2])corner);
   }
-  for (size_t k = 0; k < p->tubes; k++) fill_tube(&c, p->tube + k, stage->tube);
+  for (size_t k = 0; k < p->tubes; k++) fill_tube(&c, p->tube + k, setup->tube);
   for (size_t k = 0; k < p->beads; k++) fill_bead(&c, p->bead + k);
   for (int k = 0; k < 2 * PASSES; k++) blur(p->shade + (k % 2 ? SIZE * SIZE : 0), p->shade + (k % 2 ? 0 : SIZE * SIZE));
 }

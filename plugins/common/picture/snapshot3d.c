@@ -64,7 +64,8 @@ void hk_snapshot3d_free(hk_snapshot3d *s) {
   *s = (hk_snapshot3d){.host = s->host};
 }
 
-/* What the topology's copy depends on; pins open and springs tear without a birth or death. */
+/* A hash of the data that the copy of the topology depends on; pins are released and springs removed without births or
+ * deaths. */
 static uint64_t fingerprint(const hk_model *m) {
   uint64_t h = 14695981039346656037u;
   size_t counts[] = {m->n, m->edges.count, m->triangles.count, m->element_lists};
@@ -74,7 +75,7 @@ static uint64_t fingerprint(const hk_model *m) {
   return h;
 }
 
-/* The edges of elements on pairs, or else the scene's. */
+/* The number of edges: those of elements on pairs or, without any, the scene's. */
 static size_t all_lines(const hk_model *m) {
   size_t count = 0;
   for (size_t k = 0; k < m->element_lists; k++)
@@ -82,7 +83,7 @@ static size_t all_lines(const hk_model *m) {
   return m->element_lists ? count : m->edges.count;
 }
 
-/* Appends the pairs to draw: all, or those with an end that no triangle touches. */
+/* Appends the pairs to draw: all, or those with an end that belongs to no triangle. */
 static void add_lines(hk_snapshot3d *s, const hk_tuples *edges, bool all) {
   for (size_t e = 0; e < edges->count; e++) {
     const uint32_t *pair = hk_tuple(edges, e);
@@ -91,7 +92,7 @@ static void add_lines(hk_snapshot3d *s, const hk_tuples *edges, bool all) {
   }
 }
 
-/* While this runs, `weight` says which particles belong to a triangle. */
+/* Copies the topology. During the call `weight` marks the particles that belong to a triangle. */
 static void take_topology(hk_snapshot3d *s, const hk_model *m, const hk_look *look) {
   s->triangles = m->triangles.count;
   s->lines = 0;
@@ -111,7 +112,7 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m, const hk_look *lo
   }
 }
 
-/* The middle of the finite positions. */
+/* Sets the origin to the middle of the finite positions. */
 static void find_origin(hk_snapshot3d *s, const hk_view *view) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t k = 0; k < 3 * view->n; k++)

@@ -1,4 +1,4 @@
-/* What the pictures of a motion have in common. Lengths in m, from the shots' origin. */
+/* The settings shared by all pictures of a motion. Lengths are in m, positions relative to the snapshots' origin. */
 #ifndef HK_VIEW_SETUP_H
 #define HK_VIEW_SETUP_H
 
@@ -11,11 +11,11 @@ typedef struct hk_view_setup {
   double low[3], high[3]; /* box of the motion */
   double size;            /* half its diagonal, never 0 */
   bool floor;
-  double height;          /* of the floor */
-  double offset[2];       /* of the origin from the scene's, so that grid lines lie at round coordinates */
+  double height;          /* height of the floor */
+  double offset[2];       /* offset of the origin from the scene's, so that grid lines are at round coordinates */
   double bead, tube, pin; /* radii of particles, springs and pinned particles */
   double bead_pixels;     /* the smallest radius of a particle on the picture */
-  float background[3];    /* 0..1, of its middle */
+  float background[3];    /* 0..1, colour of its middle */
 } hk_view_setup;
 
 #endif

@@ -1,12 +1,11 @@
 /* Bounds of the stiffness and damping of forces along edges.
  *
- * A spring along the unit vector n, of length l, stiffness k and rest length L, has the energy Hessian
- * k n n^T + k (1 - L/l) (I - n n^T) =: H for u = u_j - u_i. Its second term counts when positive (tension); leaving it
- * out when negative (compression) only raises the bound. By Young's inequality
- *   u^T H u <= (1 + s) u_i^T H u_i + (1 + 1/s) u_j^T H u_j,   s = sqrt(m_i/m_j),
- * which gives each end its share of a bound that is the least when frequencies are asked for. It keeps the directions
- * of the springs, so it does not depend on the axes, and regular grids of any spacing reach it, where bounding each
- * block by its norm would give up a factor of 2. */
+ * A spring along the unit vector n, of length l, stiffness k and rest length L, has for u = u_j - u_i the energy
+ * Hessian H = k n n^T + k (1 - L/l) (I - n n^T). Its second term is used when positive (tension); omitting it when
+ * negative (compression) only raises the bound. By Young's inequality u^T H u <= (1 + s) u_i^T H u_i + (1 + 1/s) u_j^T
+ * H u_j,   s = sqrt(m_i/m_j), which divides the bound between the two ends; this s makes the bound of the frequencies
+ * smallest. It keeps the directions of the springs, so it does not depend on the axes, and regular grids of any spacing
+ * reach it; a bound of each block by its norm would be too large by a factor of 2. */
 #include "plugins/common/springs/edge_stiffness.h"
 #include "plugins/common/springs/edge.h"
 
@@ -23,7 +22,7 @@ static void add_block(double *block, double factor, double along, double across,
 
 static double value_of(const hk_per_tuple *p, size_t e) { return p->count ? hk_tuple_value(p, e) : 0; }
 
-/* Stiffness across the spring. At length 0 there is no direction: the limit is k for L = 0, and else nothing. */
+/* Stiffness across the spring. At length 0 there is no direction: the result is the limit k for L = 0, otherwise 0. */
 static double across_of(const hk_edge_stiffness *s, size_t e, double l) {
   double k = value_of(s->k, e), L = value_of(s->rest, e);
   if (s->drawn || L == 0) return k;
@@ -40,7 +39,7 @@ void hk_edge_stiffness_bound(const hk_edge_stiffness *s, const hk_view *view, hk
     double n[3], l = hk_edge_difference(view->x, pair, n), along = 0, across = 0;
     for (int c = 0; c < 3; c++) n[c] = l > 0 ? n[c] / l : 0;
     if (part == HK_DAMPING_WHOLE)
-      along = value_of(s->damping, e), across = s->drawn ? along : 0; /* its direction is not known yet */
+      along = value_of(s->damping, e), across = s->drawn ? along : 0; /* the direction is not known */
     else
       across = across_of(s, e, l);
     if (part == HK_STIFFNESS_WHOLE) along = value_of(s->k, e);

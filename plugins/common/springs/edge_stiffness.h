@@ -7,7 +7,7 @@
 typedef struct hk_edge_stiffness {
   const hk_tuples *edges;
   const hk_per_tuple *k, *damping, *rest; /* N/m, N s/m, m */
-  bool drawn; /* as if every edge were drawn out without end: across it is then as stiff as along it */
+  bool drawn; /* bounds the limit of infinite extension, where an edge is as stiff across as along */
 } hk_edge_stiffness;
 
 /* As hk_force.stiffness_bound, for all u that are 0 at particles without inverse mass: those have no share. */

@@ -1,5 +1,5 @@
-/* An order of particles in which those that edges join lie near each other, for data that must find its way through
- * caches when ids say nothing about place. */
+/* An order of particles in which particles joined by edges are near each other, so that their data share caches when
+ * ids do not follow positions. */
 #ifndef HK_PARTICLE_ORDER_H
 #define HK_PARTICLE_ORDER_H
 

@@ -1,5 +1,5 @@
-/* See spring_blocks.h. Each spring takes one square root and adds nine numbers to four blocks; the order in which a
- * block's springs are added is the layout's, whatever the number of threads. */
+/* See spring_blocks.h. Each spring takes one square root and adds nine numbers to four blocks; springs are added to a
+ * block in the order of the layout, for any number of threads. */
 #include "plugins/common/springs/spring_blocks.h"
 
 void hk_spring_pattern(const hk_spring_layout *s, hk_pattern *p) {
@@ -29,7 +29,7 @@ static void add(double *into, const size_t slot[4], const double block[9]) {
   }
 }
 
-static void at_one_point(const task *t, size_t e, double k, double L) {
+static void add_zero_length(const task *t, size_t e, double k, double L) {
   double block[9] = {k, 0, 0, 0, k, 0, 0, 0, k};
   if (L == 0) add(t->into->K, t->into->slot + 4 * e, block);
 }
@@ -45,7 +45,7 @@ static void spring(const task *t, size_t e) {
     ll += n[a] * n[a];
   }
   if (!(ll > 0)) {
-    at_one_point(t, e, k, L);
+    add_zero_length(t, e, k, L);
     return;
   }
   double r = 1 / sqrt(ll);

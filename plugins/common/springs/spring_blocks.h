@@ -1,9 +1,9 @@
 /* Jacobian blocks of damped springs, by the layout of spring_kernel.h. With n = d/l the force on j is
  * f = -(k (l - L) + c u.n) n, so for x = x_j - x_i
  *     -df/dx = (k - b) n n^T + b I + (c/l) n (u - (u.n) n)^T,   b = k (1 - L/l) + (c/l) u.n,   -df/dv = c n n^T.
- * The last term of df/dx, the turning of the damping's direction, is all that is unsymmetric: HK_WANT_SYMMETRIC leaves
- * it out. What is left has the eigenvalues k, b, b; HK_WANT_DEFINITE takes a negative b for 0. At l = 0 there is no
- * direction: k I when L = 0, else nothing. */
+ * The last term of df/dx, due to the rotation of the damping's direction, is the only unsymmetric term:
+ * HK_WANT_SYMMETRIC omits it. The other terms have the eigenvalues k, b, b; HK_WANT_DEFINITE replaces a negative b by
+ * 0. At l = 0 there is no direction: the block is k I when L = 0, otherwise 0. */
 #ifndef HK_SPRING_BLOCKS_H
 #define HK_SPRING_BLOCKS_H
 
@@ -11,7 +11,7 @@
 
 /* Names four blocks per spring, (i,i), (i,j), (j,i), (j,j), in the layout's order. */
 void hk_spring_pattern(const hk_spring_layout *, hk_pattern *pattern);
-/* Adds the blocks. Groups of a round run at the same time: they share no particle, so no block. */
+/* Adds the blocks. Groups of a round run in parallel: they share no particle and thus no block. */
 void hk_spring_blocks(const hk_spring_layout *, const hk_host *host, const double *x, const double *v,
                       const hk_blocks *into);
 

@@ -1,5 +1,5 @@
-/* The springs of a layout, group by group: runs and lists by the widest path that this processor has, the few that are
- * left over one by one with the same operations. */
+/* The springs of a layout, group by group: runs and lists by the widest vectors of this processor, the few remaining
+ * springs one by one with the same operations. */
 #include "plugins/common/springs/spring_kernel.h"
 #include "plugins/common/springs/spring_path.h"
 

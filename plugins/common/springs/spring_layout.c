@@ -1,5 +1,5 @@
-/* The order in which springs are summed (see spring_kernel.h): counting sorts by group, runs found by a scan, the rest
- * sorted by blocks of particles. Everything is linear in the number of springs. */
+/* The order in which springs are summed (see spring_kernel.h): counting sorts by group, runs are found by a scan, and
+ * the other springs are sorted by blocks of particles. Everything is linear in the number of springs. */
 #include "plugins/common/springs/particle_order.h"
 #include "plugins/common/springs/spring_kernel.h"
 
@@ -7,14 +7,16 @@
 #include <string.h>
 
 enum {
-  SPRINGS_PER_RANGE = 4096, /* below twice that one thread is faster alone */
+  SPRINGS_PER_RANGE = 4096, /* below twice this number one thread is faster */
   RANGES_MAX = 16,
-  LANES = 4,      /* runs are of so many springs times a whole number: what is left at their ends joins the list */
-  PIECE = 1024,   /* springs of a run at most: its particles fit the second-level cache beside those of others */
-  RUN_MIN = 16,   /* shorter runs are not worth a call */
-  BLOCK_BITS = 6, /* particles of a cache block, 64: 2^3 ... 2^7 measured alike with shuffled ids, more is slower */
-  SCATTERED_MIN = 2048, /* fewer particles stay in the caches in any order */
-  SMALL = 8             /* springs that are summed one at a time */
+  LANES = 4,    /* the length of a run is a multiple of this; the springs at its end beyond that join the list */
+  PIECE = 1024, /* largest number of springs in a run, whose particles fit the second-level cache with those of other
+                   runs */
+  RUN_MIN = 16, /* the call costs more than shorter runs save */
+  BLOCK_BITS =
+      6, /* particles of a cache block, 64: 2^3 ... 2^7 are equally fast with shuffled ids, larger ones are slower */
+  SCATTERED_MIN = 2048, /* fewer particles fit the caches in any order */
+  SMALL = 8             /* up to this number springs are summed one at a time */
 };
 
 typedef struct builder {
@@ -32,11 +34,12 @@ static uint32_t place_of(const builder *b, uint32_t particle) { return b->place 
 
 static size_t range_of(const builder *b, uint32_t particle) { return place_of(b, particle) / b->width; }
 
-/* Groups for the pairs of ranges that have springs. A pair takes the first round that has neither of its ranges yet,
- * and round 0 is that of each range with itself; of m = 2^q ranges all joined to all that makes m rounds. */
+/* Groups for the pairs of ranges that have springs. A pair is put into the first round without either of its ranges;
+ * round 0 has the pairs of each range with itself. For m = 2^q ranges with springs between all of them this gives m
+ * rounds. */
 static void pair_ranges(builder *b) {
   hk_spring_layout *s = b->layout;
-  uint32_t busy[RANGES_MAX] = {0}, round_of[RANGES_MAX][RANGES_MAX]; /* busy: a bit per round */
+  uint32_t busy[RANGES_MAX] = {0}, round_of[RANGES_MAX][RANGES_MAX]; /* busy: ranges in each round, a bit per round */
   bool used[RANGES_MAX][RANGES_MAX] = {{false}};
   for (size_t e = 0; e < s->count; e++) {
     size_t i = range_of(b, hk_tuple(b->edges, b->order[e])[0]), j = range_of(b, hk_tuple(b->edges, b->order[e])[1]);
@@ -60,7 +63,7 @@ static void pair_ranges(builder *b) {
   }
 }
 
-/* Stable; `key` below `keys`. */
+/* A stable sort; `key` is below `keys`. */
 static void counting_sort(builder *b, uint32_t *list, size_t count, size_t keys,
                           uint32_t (*key)(const builder *b, uint32_t edge)) {
   memset(b->count, 0, (keys + 1) * sizeof *b->count);
@@ -85,7 +88,8 @@ static uint32_t high_block(const builder *b, uint32_t e) {
 }
 
 static bool follows(const builder *b, uint32_t e, uint32_t next) {
-  return hk_tuple(b->edges, next)[0] == hk_tuple(b->edges, e)[0] + 1 && hk_tuple(b->edges, next)[1] == hk_tuple(b->edges, e)[1] + 1;
+  return hk_tuple(b->edges, next)[0] == hk_tuple(b->edges, e)[0] + 1 &&
+         hk_tuple(b->edges, next)[1] == hk_tuple(b->edges, e)[1] + 1;
 }
 
 static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count) {
@@ -109,7 +113,7 @@ static bool touches_last(const builder *b, uint32_t e) {
 }
 
 typedef struct placed_run {
-  uint32_t particle; /* of the run's first end */
+  uint32_t particle; /* first particle of the run */
   hk_spring_run run;
 } placed_run;
 
@@ -119,8 +123,8 @@ static int by_particle(const void *a, const void *b) {
   return (p->run.begin > q->run.begin) - (p->run.begin < q->run.begin);
 }
 
-/* Runs of a group by their particles, so that the runs of different directions meet the same particles while these are
- * in the cache. */
+/* Sorts the runs of a group by their particles, so that runs of different directions use the same particles while these
+ * are in the cache. */
 static bool sort_runs(builder *b, size_t first_run, size_t begin) {
   hk_spring_layout *s = b->layout;
   size_t runs = s->runs - first_run, placed = 0;
@@ -146,7 +150,7 @@ static bool sort_runs(builder *b, size_t first_run, size_t begin) {
 static bool arrange_group(builder *b, size_t begin, size_t end) {
   uint32_t *order = b->order + begin;
   size_t first_run = b->layout->runs, count = end - begin, placed = 0, rest = 0, singles = 0;
-  uint32_t *others = b->scratch + count; /* the scratch holds twice the springs */
+  uint32_t *others = b->scratch + count; /* the scratch array has room for twice the springs */
   for (size_t e = 0; e < count;) {
     size_t length = 1;
     while (e + length < count && follows(b, order[e + length - 1], order[e + length])) length++;
@@ -189,7 +193,7 @@ static bool arrange(builder *b) {
   return true;
 }
 
-/* The coefficients in the layout's order, or the common one. */
+/* The coefficients in the layout's order, or the common coefficient. */
 static double *arrange_numbers(const builder *b, const hk_per_tuple *from, bool *each) {
   *each = from->count > 1;
   size_t count = *each ? b->layout->count : 1;
@@ -223,8 +227,8 @@ static bool allocate(builder *b) {
   return b->order && b->scratch && b->count && s->group && s->round && s->group_power;
 }
 
-/* Whether indices say little of who is joined to whom: shuffled ids are n/3 apart in the mean, those of a grid's
- * neighbours at most a row or two. */
+/* Whether joined particles have distant indices: shuffled ids of neighbours differ by n/3 on average, those of a grid
+ * by at most a row or two. */
 static bool scattered(const builder *b) {
   double apart = 0;
   for (size_t e = 0; e < b->edges->count; e++)

@@ -13,7 +13,7 @@ typedef int64_t mask __attribute__((vector_size(16), aligned(8), may_alias));
 
 enum { LANES = HK_SPRING_LANES, PAIRS = LANES / 2 };
 
-/* The coefficients of springs e and e+1, lanes `at` and at+1 of their four. */
+/* The coefficients of springs e and e+1, in lanes `at` and at+1 of four. */
 static inline half number(const double *list, size_t each, size_t e, size_t at) { return LOAD(list + (e & each) + at); }
 
 static inline half scales(const hk_spring_numbers *q, size_t e, size_t at, half l2, half w, half *part) {
@@ -28,7 +28,7 @@ static inline half scales(const hk_spring_numbers *q, size_t e, size_t at, half 
 /* (a0 + a1 + b0, b1 + c0 + c1), each as (x + y) + z. */
 static inline half sum3(half a, half b, half c) { return PICK(a, b, 0, 3) + PICK(a, c, 1, 2) + PICK(b, c, 0, 3); }
 
-/* d: the forces on i of two springs of a run, as they lie in x. */
+/* d: the forces on the first ends of two springs of a run, in the layout of x. */
 static inline void run_pair(const hk_spring_numbers *q, size_t e, size_t at, const double *xi, const double *xj,
                             const double *vi, const double *vj, bool damped, half *part, half d[3]) {
   half l2, w = {0, 0}, u[3];

@@ -1,6 +1,6 @@
 /* The inner loops of spring_kernel, once with vectors of four doubles and once with vectors of two. Both do the same
- * operations in the same order: results are the same bits. Squared lengths below HK_SPRING_TINY count as zero, for
- * their reciprocal leaves the range of doubles: such particles are within 1e-145 m. */
+ * operations in the same order, so results are bitwise equal. Squared lengths below HK_SPRING_TINY (distances below
+ * 1e-145 m) count as zero, since their reciprocal exceeds the range of doubles. */
 #ifndef HK_SPRING_PATH_H
 #define HK_SPRING_PATH_H
 
@@ -12,26 +12,28 @@
 
 enum { HK_SPRING_LANES = 4, HK_SPRING_BLOCK = 256 };
 
-/* `k + (e & each_k)` are those of springs e .. e+3; `each` is 0 for common ones (four equal numbers), else all bits. */
+/* `k + (e & each_k)` points to the coefficients of springs e .. e+3; `each` is 0 for a common coefficient (four equal
+ * numbers), otherwise it has all bits set. */
 typedef struct hk_spring_numbers {
   const double *k, *c, *L;
   size_t each_k, each_c, each_L;
 } hk_spring_numbers;
 
-/* Each adds the forces of n springs to F and returns the sum of c w^2/l^2, W. n: a multiple of HK_SPRING_LANES. */
+/* Each function adds the forces of n springs to F and returns the sum of c w^2/l^2, W. n is a multiple of
+ * HK_SPRING_LANES. */
 typedef struct hk_spring_path {
-  /* The springs (i+t, j+t): x, v and F point to the first particle of each end. Ends further apart than n. */
+  /* The springs (i+t, j+t): x, v and F point to the first particle of each end. The ends are further apart than n. */
   double (*far_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
                     const double *vj, double *Fi, double *Fj, bool damped);
   /* The same for ends that overlap; n: at most HK_SPRING_BLOCK. */
   double (*near_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
                      const double *vj, double *Fi, double *Fj, bool damped);
-  /* Any pairs but those with the last particle: one number beyond a particle may be read. */
+  /* Any pairs without the last particle: one number beyond a particle may be read. */
   double (*list)(const hk_spring_numbers *, size_t n, const uint32_t (*pair)[2], const double *x, const double *v,
                  double *F, bool damped);
 } hk_spring_path;
 
-extern const hk_spring_path hk_spring_narrow; /* runs everywhere */
+extern const hk_spring_path hk_spring_narrow; /* for every processor */
 const hk_spring_path *hk_spring_wide(void);   /* NULL where this processor has no vectors of four doubles */
 
 #endif

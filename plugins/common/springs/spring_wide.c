@@ -1,5 +1,5 @@
-/* Four springs at a time, in one pass: differences and dot products, the scales with square root and division at full
- * width, forces added to both ends. For x86-64 with AVX2. */
+/* Four springs at a time, in one pass: differences and dot products, the scales with square root and division on full
+ * vectors, and the addition of forces to both ends. For x86-64 with AVX2. */
 #include "plugins/common/springs/spring_path.h"
 
 #include <math.h>
@@ -61,7 +61,7 @@ typedef double half __attribute__((vector_size(16), aligned(8), may_alias));
 
 #define ADD(p, value) STORE(p, LOAD(p) + (value))
 
-/* A run whose ends are far apart: the stores of one end are long done when the other end reads there. */
+/* A run whose ends are far apart: stores to one end are complete long before the other end loads these particles. */
 WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *restrict xi, const double *restrict xj,
                            const double *restrict vi, const double *restrict vj, double *Fi, double *Fj, bool damped) {
   vector part = {0};
@@ -78,7 +78,7 @@ WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *r
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-/* A run whose ends overlap: forces are kept and added to one end after the other. */
+/* A run whose ends overlap: forces are stored in a buffer and added to one end after the other. */
 WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *restrict xi, const double *restrict xj,
                             const double *restrict vi, const double *restrict vj, double *Fi, double *Fj, bool damped) {
   vector part = {0};
@@ -97,7 +97,7 @@ WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-/* Rows of three numbers (and one that is not looked at) to columns. */
+/* Transposes rows of three numbers (and an unused one) to columns. */
 #define COLUMNS(r, X, Y, Z)                                                                                            \
   vector X, Y, Z;                                                                                                      \
   do {                                                                                                                 \
@@ -108,8 +108,8 @@ WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *
     Y = PICK(c_, d_, 0, 1, 4, 5);                                                                                      \
   } while (0)
 
-/* Any springs. Forces are added as x and y together and z alone, at both ends and always so: a wider store would hold
- * up the next load of a neighbouring particle, which it overlaps. */
+/* Any springs. Forces are always added as x and y together and z alone: a wider store would overlap a neighbouring
+ * particle, whose load would wait for it. */
 WIDE static double list(const hk_spring_numbers *q, size_t n, const uint32_t (*restrict pair)[2],
                         const double *restrict x, const double *restrict v, double *restrict F, bool damped) {
   vector part = {0};

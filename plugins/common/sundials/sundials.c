@@ -1,7 +1,7 @@
-/* See sundials.h. Errors are weighed by 1 / (tol (|X_e| + scale)), where the scale of positions is the RMS distance of
- * the particles from their mean or, if that is larger, V^2/A (as dopri5 has it), that of velocities the largest RMS
- * speed V or, from rest, sqrt(L A), that of a channel its RMS; so tol is SUNDIALS' relative tolerance as it stands.
- * The work weighs nothing. */
+/* See sundials.h. Errors are weighted by 1 / (tol (|X_e| + scale)), where the scale of positions is the RMS distance of
+ * the particles from their mean or, if that is larger, V^2/A (as in dopri5), that of velocities the largest RMS speed V
+ * or, from rest, sqrt(L A), that of a channel its RMS; so tol is SUNDIALS' relative tolerance without a change. The
+ * work has the weight 0. */
 #include "plugins/common/sundials/sundials.h"
 #include "plugins/common/sundials/sundials_vector.h"
 #include "plugins/common/integrate/step_control.h"
@@ -40,8 +40,8 @@ void hk_sundials_hear(int code, const char *module, const char *function, char *
 
 static int make_context(hk_sundials *m) { return SUNContext_Create(NULL, &m->context); }
 #else
-static void hear(int line, const char *function, const char *file, const char *message, SUNErrCode code, void *self,
-                 SUNContext context) {
+static void keep_message(int line, const char *function, const char *file, const char *message, SUNErrCode code,
+                         void *self, SUNContext context) {
   (void)line, (void)function, (void)file, (void)code, (void)context;
   if (message) keep(self, message);
 }
@@ -49,7 +49,7 @@ static void hear(int line, const char *function, const char *file, const char *m
 static int make_context(hk_sundials *m) {
   int flag = SUNContext_Create(SUN_COMM_NULL, &m->context);
   if (flag == 0) flag = SUNContext_ClearErrHandlers(m->context);
-  return flag == 0 ? SUNContext_PushErrHandler(m->context, hear, m) : flag;
+  return flag == 0 ? SUNContext_PushErrHandler(m->context, keep_message, m) : flag;
 }
 #endif
 
@@ -124,7 +124,8 @@ void hk_sundials_rescale(hk_sundials *m, hk_system *s) {
   }
 }
 
-/* What moves nothing yet is given the way that its rates make until the next stop, and what has no rates either 1. */
+/* A scale that is 0 at the start is replaced by the change that the rates cause until the next stop, or by 1 when the
+ * rates are 0 as well. */
 hk_status hk_sundials_scale(hk_sundials *m, hk_system *s, double span) {
   size_t v = 3 * s->n;
   double *X = m->work, *dX = m->work + s->size, A = 0;

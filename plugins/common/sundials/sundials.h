@@ -1,6 +1,7 @@
-/* What the plugins on SUNDIALS share: vectors over the state, weights of errors, f, Newton's matrix through the scene's
- * solver, and what differs between SUNDIALS 6 and 7. SUNDIALS allocates inside its steps, which these plugins alone may
- * do; it counts, chooses and remembers by itself, so its history is in no field: a resumed run starts it anew. */
+/* Functions shared by the plugins that use SUNDIALS: vectors over the state, weights of errors, f, Newton's matrix
+ * solved by the scene's solver, and the differences between SUNDIALS 6 and 7. SUNDIALS allocates inside its steps,
+ * which only these plugins may do. Its history is in no field, since SUNDIALS owns it: a resumed run starts the method
+ * again. */
 #ifndef HK_SUNDIALS_H
 #define HK_SUNDIALS_H
 
@@ -15,39 +16,41 @@
 
 enum { HK_PRECONDITION_FACTOR, HK_PRECONDITION_BLOCK_JACOBI, HK_PRECONDITION_NONE };
 
-/* First member of an instance, which is what SUNDIALS hands to its callbacks. */
+/* First member of an instance, whose address SUNDIALS passes to its callbacks. */
 typedef struct hk_sundials {
-  double *state; /* HK_FIELD_STATE, scratch: what SUNDIALS returned last, and X */
+  double *state; /* HK_FIELD_STATE, scratch: the last result of SUNDIALS, and X */
   double *work;  /* HK_FIELD_STATE x 2, scratch: vectors of a solve */
   int preconditioner;
   const hk_host *host;
-  hk_system *system; /* of the step under way */
+  hk_system *system; /* system of the current step */
   SUNContext context;
-  N_Vector X; /* over `state` */
+  N_Vector X; /* a vector over `state` */
   SUNMatrix matrix;
   SUNLinearSolver linear;
   SUNNonlinearSolver nonlinear;
   size_t channels;
   double length, speed, *channel; /* scales of errors: m, m/s, one per channel */
-  hk_status status;               /* of the service that failed last */
+  hk_status status;               /* status of the last function of the host that failed */
   char message[256];              /* SUNDIALS' last error */
   hk_matrix K, D, A;
   double gamma;
   double *inverse; /* n x 9, of the diagonal blocks (block Jacobi); NULL */
 } hk_sundials;
 
-/* Context, vector and scales for the particles of `view`; what was there goes. */
+/* Creates context, vector and scales for the particles of `view`; existing ones are freed. */
 hk_status hk_sundials_open(hk_sundials *, const hk_host *host, const hk_view *view);
 void hk_sundials_close(hk_sundials *);
 
-/* Whether s->X is what SUNDIALS returned, but for the pins and for repairs below the tolerance. Changes `state`. */
+/* Whether s->X is the last result of SUNDIALS, except for pins and for corrections below the tolerance. Changes
+ * `state`. */
 bool hk_sundials_follows(hk_sundials *, hk_system *s);
-/* Scales from the state and, at a start, from its rates: 1 or 2 evaluations. `span`: s, to the next stop. */
+/* Computes the scales from the state and, at a start, from its rates, with 1 or 2 evaluations. `span`: s, time to the
+ * next stop. */
 hk_status hk_sundials_scale(hk_sundials *, hk_system *s, double span);
-void hk_sundials_rescale(hk_sundials *, hk_system *s); /* larger ones only */
+void hk_sundials_rescale(hk_sundials *, hk_system *s); /* only increases the scales */
 
-/* What a callback returns, 0 or a code after which SUNDIALS tries a shorter step (not finite, not converged) or gives
- * up; keeps the status. */
+/* The return value of a callback: 0, or a code after which SUNDIALS tries a shorter step (not finite, not converged) or
+ * fails; stores the status. */
 int hk_sundials_code(hk_sundials *, hk_status status);
 
 /* Callbacks; `self` is the hk_sundials. */
@@ -58,21 +61,21 @@ int hk_sundials_preconditioned(double t, N_Vector X, N_Vector f, N_Vector b, N_V
                                int side, void *self);
 
 /* sundials_newton.c. Newton's matrix I - gamma J: evaluated unless `reuse`, reduced to the velocities and factorised by
- * the scene's solver. Returns what SUNDIALS expects of a callback. */
+ * the scene's solver. Returns the value of a callback of SUNDIALS. */
 int hk_sundials_factorize(hk_sundials *, double t, N_Vector X, bool reuse, int *current, double gamma);
-/* A linear solver that uses that, with the matrix that SUNDIALS wants to see beside it; or GMRES. */
+/* Attaches a linear solver that uses this factorisation, with the matrix object that SUNDIALS requires; or GMRES. */
 hk_status hk_sundials_direct(hk_sundials *);
 hk_status hk_sundials_krylov(hk_sundials *);
 
-/* SUNDIALS' errors go to `message`; in SUNDIALS 6 each method's memory has to be told. */
+/* SUNDIALS' errors go to `message`; in SUNDIALS 6 this is set for the memory of each method. */
 #if SUNDIALS_VERSION_MAJOR < 7
 void hk_sundials_hear(int code, const char *module, const char *function, char *message, void *self);
 #endif
-/* The status of a failed step: that of the service which failed, or HK_NOT_CONVERGED with SUNDIALS' words. `flag` is
- * SUNDIALS' return value; `rates`: it stands for a failure of f. */
+/* The status of a failed step: that of the host's function which failed, or HK_NOT_CONVERGED with the message of
+ * SUNDIALS. `flag` is SUNDIALS' return value; `rates`: the flag means a failure of f. */
 hk_status hk_sundials_failed(hk_sundials *, int flag, bool rates);
 hk_status hk_sundials_stuck(hk_sundials *); /* for a step too short to move the time */
-/* The status of a call that cannot fail but for memory. */
+/* The status of a call that can fail only for lack of memory. */
 hk_status hk_sundials_setup(hk_sundials *, int flag);
 /* WRMS norm of an error with the weights: 1 is the tolerance. */
 double hk_sundials_norm(N_Vector error, N_Vector weight);

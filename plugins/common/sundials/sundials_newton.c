@@ -3,9 +3,8 @@
  * The system (I - gamma J) z = r with J of (x, v), dx/dt = v, M dv/dt = F, is reduced to the velocities:
  *     (M + gamma D + gamma^2 K) z_v = M r_v - gamma K r_x,    z_x = r_x + gamma z_v
  * with K = -dF/dx and D = -dF/dv, so that one matrix of n blocks is factorised instead of 6n equations; pinned
- * components are filtered on both sides. Channels and the work have no Jacobian here and take part as in functional
- * iteration, z = r. The sum M z_v keeps the momentum of r, whatever the iteration's tolerance.
- */
+ * components are filtered on both sides. Channels and the work have no Jacobian here and are iterated functionally:
+ * z = r. The sum M z_v keeps the momentum of r for any tolerance of the iteration. */
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/sundials/sundials.h"
 
@@ -19,7 +18,7 @@ static hk_status evaluate(hk_sundials *m, double t, N_Vector X, unsigned want) {
   return s->jacobian(s, t, NV_DATA_S(X), want, &m->K, &m->D);
 }
 
-static hk_status wanted(hk_sundials *m, unsigned *want) {
+static hk_status choose_blocks(hk_sundials *m, unsigned *want) {
   unsigned flags = 0;
   hk_status status = m->system->solver_flags(m->system, &flags);
   *want = flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
@@ -36,10 +35,11 @@ static hk_status combine_and_factorize(hk_sundials *m, double gamma) {
   return status == HK_OK ? m->system->factorize(m->system, &m->A) : status;
 }
 
-/* A matrix that is not positive definite is taken again with every element's block projected. */
+/* A matrix that is not positive definite is assembled again with the block of every element projected to positive
+ * semi-definite. */
 int hk_sundials_factorize(hk_sundials *m, double t, N_Vector X, bool reuse, int *current, double gamma) {
   unsigned want = 0;
-  hk_status status = wanted(m, &want);
+  hk_status status = choose_blocks(m, &want);
   *current = !reuse;
   if (status == HK_OK && !reuse) status = evaluate(m, t, X, want);
   if (status == HK_OK) status = combine_and_factorize(m, gamma);
@@ -86,7 +86,7 @@ static hk_status solve_blocks(hk_sundials *m, const double *b, double *x) {
   return HK_OK;
 }
 
-/* z from r by the reduction above; what pins hold is z = r. */
+/* Computes z from r by the reduction above; pinned components are z = r. */
 static hk_status reduce_and_solve(hk_sundials *m, const double *r, double *z) {
   hk_system *s = m->system;
   size_t v = 3 * s->n;

@@ -1,7 +1,7 @@
-/* SUNDIALS' serial vectors with their own arithmetic, compiled as hooke is: distributions ship the library's without
- * optimisation, where the sums over stages and past steps cost more than a cloth's forces. Vectors cloned from one
- * inherit it. Sums over a vector run in lanes whose order is fixed; sums of several vectors run over chunks that stay
- * in the first-level cache. What is not here is SUNDIALS' own. */
+/* SUNDIALS' serial vectors with their own arithmetic, compiled as hooke is: distributions compile the library's
+ * arithmetic without optimisation, where the sums over stages and past steps cost more than a cloth's forces. Vectors
+ * cloned from one inherit its functions. Sums over a vector use lanes in a fixed order; sums of several vectors run
+ * over chunks that fit the first-level cache. The other functions are SUNDIALS' own. */
 #include "plugins/common/sundials/sundials_vector.h"
 
 #include <math.h>
@@ -73,7 +73,7 @@ static void add(double *restrict to, const double *restrict p, size_t count, dou
   for (size_t e = 0; e < count; e++) to[e] += c * p[e];
 }
 
-/* z = sum c_k X_k; z may be X_0, and only that. */
+/* z = sum c_k X_k; z may be X_0, but no other X_k. */
 static int combine(int count, sunrealtype *c, N_Vector *X, N_Vector z) {
   double *to = NV_DATA_S(z);
   const double *first = NV_DATA_S(X[0]);

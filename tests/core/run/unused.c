@@ -84,6 +84,18 @@ static void explicit_runs_bring_no_library_along(void **state) {
     assert_int_equal(lines("after.txt", heavy[k], true, last), 0);
 }
 
+/* A plugin asks for a service, and it comes; without one that asks none is loaded, as the first test counts. */
+static void a_service_is_loaded_when_a_plugin_asks(void **state) {
+  (void)state;
+  char last[512];
+  run_scene("scene:force('" HK_BUILD "/tests/fixtures/lennard_jones.so', { epsilon = 1e-9 })\n", "");
+  assert_int_equal(lines("after.txt", "/services/neighbours.so", true, last), 1);
+  run_scene("scene:force('" HK_BUILD "/tests/fixtures/lennard_jones.so', { epsilon = 1e-9 })\n"
+            "scene:service('neighbours', { skin = 0.3 })\n",
+            "");
+  assert_int_equal(lines("after.txt", "/services/", true, last), 1);
+}
+
 /* The opposite: what is named is seen by this count. */
 static void an_implicit_run_loads_its_solver(void **state) {
   (void)state;
@@ -228,6 +240,7 @@ static void unused_plugins_cost_no_memory_and_no_evaluation(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(exactly_the_plugins_that_are_named_are_loaded),
+      cmocka_unit_test(a_service_is_loaded_when_a_plugin_asks),
       cmocka_unit_test(explicit_runs_bring_no_library_along),
       cmocka_unit_test(an_implicit_run_loads_its_solver),
       cmocka_unit_test(outputs_that_are_switched_off_load_nothing),

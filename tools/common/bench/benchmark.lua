@@ -1,8 +1,8 @@
--- A bench from the reference to the ranking, without printing: what tools/bench.lua shows and tools/auto.lua decides
--- by. The phases and their part of the time:
+-- A bench from the reference to the ranking, without printing: tools/bench.lua prints the results and tools/auto.lua
+-- uses them for its choice. The phases of a bench:
 --   reference     two methods refined until they agree; where they cannot, up to the horizon until which they do
---   conditioning  how disturbances grow, and the floor that this sets
---   ladders       every method from cheap to accurate, one process at a time, errors against the reference
+--   conditioning  the growth of perturbations, and the floor of errors that it sets
+--   ladders       runs of every method from cheap to accurate, one process at a time, with errors against the reference
 --   repeats       the settings that matter, timed again in turns
 local sensitivity = require("common.bench.sensitivity")
 local refinement = require("common.bench.refinement")
@@ -17,14 +17,14 @@ local case_process = require("common.run.case_process")
 
 local benchmark = {}
 
-local part = { reference = 0.3, conditioning = 0.1, ladder = 0.4 } -- of the time; repeats have what is left
-local most_state_bytes = 64e6 -- of the reference's frames that are kept
-local energy_rounding = 2e-14 -- of the largest kinetic energy: a hundred roundings
-local exact_rounding = 2e-15  -- of the size of the motion: some roundings in the exact solution's own formula
+local part = { reference = 0.3, conditioning = 0.1, refinement = 0.4 } -- fractions of the time; repeats get the rest
+local most_state_bytes = 64e6 -- size of the stored frames of the reference
+local energy_rounding = 2e-14 -- relative to the largest kinetic energy: a hundred rounding errors
+local exact_rounding = 2e-15  -- relative to the size of the motion: rounding errors of the exact solution's formula
 
 case_process.execute = sampled_run.execute
 
--- ---- trials ----
+-- ---- running cases ----
 
 local function key_of(case)
   local told = {}
@@ -34,11 +34,11 @@ local function key_of(case)
   return journal.canonical(told)
 end
 
-local function still_good(result, case)
+local function is_usable(result, case)
   return result and (result.verdict ~= "timeout" or (result.patience or 0) >= 0.9 * (case.timeout or math.huge))
 end
 
--- Runs what next() gives (or a list), takes what is on file, and hands each result to done(case, result).
+-- Runs the cases that next() returns (or a list), uses stored results, and passes each result to done(case, result).
 local function run_all(self, source, done, jobs)
   local next_case = source
   if type(source) == "table" then
@@ -53,7 +53,7 @@ local function run_all(self, source, done, jobs)
       local case = next_case()
       if not case then return nil end
       local known = self.record and self.record:get(key_of(case))
-      if not still_good(known, case) then return case end
+      if not is_usable(known, case) then return case end
       self.taken = (self.taken or 0) + 1
       done(case, known)
     end
@@ -75,8 +75,8 @@ end
 -- ---- the scene ----
 
 -- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), only_best
--- (methods that are slower than the best at the target need not go on). Of what it returns the caller may set `record`
--- (tools/common/bench/journal.lua), each(case, result) and tick().
+-- (methods that are slower than the best at the target are not refined further). In the returned bench the caller may
+-- set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
   local explained, why = hooke.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
@@ -106,7 +106,7 @@ function benchmark.new(options)
   return self
 end
 
-local function still(motion)
+local function is_at_rest(motion)
   for _, state in ipairs(motion.states) do
     local d = states.distance(motion.states[1], state)
     if not d or d.x_rms > 0 or d.v_rms > 0 then return false end
@@ -129,7 +129,7 @@ local function check_metric(self, motion)
     return nil, ("--metric %s: the scene has no such measure%s; x, v, energy%s can be chosen"):format(self.metric,
       near and (", did you mean '%s'?"):format(near) or "", #names > 0 and " and " .. table.concat(names, ", ") or "")
   end
-  if (self.metric == "x" or self.metric == "v") and still(motion) then
+  if (self.metric == "x" or self.metric == "v") and is_at_rest(motion) then
     return nil, ("nothing moves in this scene, so positions say nothing of a method: choose a measure with --metric%s")
       :format(#names > 0 and " (" .. table.concat(names, ", ") .. ")" or "; the scene has none")
   end
@@ -175,7 +175,8 @@ local function exact_of(motion)
   return math.sqrt(sum / math.max(#motion.exact - 1, 1))
 end
 
--- Where the two methods cannot agree to the target's hundredth, what is left is the time until they do.
+-- Finds the reference. Where the two methods do not agree to a hundredth of the target until the end, the bench is
+-- shortened to the time until which they do.
 local function find_reference(self)
   local aim = self.options.finest / reference.margin
   local found, why = reference.compute(self, aim, part.reference * self.options.budget)
@@ -198,7 +199,7 @@ local function find_reference(self)
   return true
 end
 
--- Disturbances that have grown to the size of the motion itself say no more how they grow.
+-- Perturbations that have grown to the size of the motion no longer measure the growth.
 local function saturated_at(self, found)
   for k, growth in ipairs(found.by_frame) do
     if growth * sensitivity.sizes[1] * found.extent > 0.03 * self.scale then return k end
@@ -222,8 +223,8 @@ local function condition(self)
   self.conditioning = found
 end
 
--- Below these, by column, nothing is told: a hundred times the reference's own error; of the positions, where the scene
--- knows them exactly, some roundings; and of the metric the floor that the conditioning sets.
+-- The smallest errors that can be resolved, by column: a hundred times the reference's own error; for positions of a
+-- scene with an exact solution, some rounding errors; and for the metric the floor by the conditioning.
 local function supports_of(self)
   local error, floor = self.reference.error, self.conditioning and self.conditioning.floor or 0
   local supports, metric = { measure = {} }, self.metric
@@ -271,7 +272,7 @@ local function rank(self)
   self.ranking = report.ranking(self.methods, self.goal)
 end
 
--- say(text) is told what happens. Returns nil and why, or true: self.ranking, self.recommended, ...
+-- say(text) is called with messages. Returns nil and the reason, or true and sets self.ranking, self.recommended, ...
 function benchmark.measure(self, say)
   local budget = self.options.budget
   say("reference")
@@ -282,10 +283,10 @@ function benchmark.measure(self, say)
   condition(self)
   self.reference_s, self.reference.other, self.reference.method = process.clock() - begun, nil, nil
   self.goal = goal_of(self)
-  collectgarbage() -- the states of what was tried: every process of a timed run would have them, too
+  collectgarbage() -- frees the states of finished runs, which every process of a timed run would otherwise contain
   say("ladders")
   local ladder_begun = process.clock()
-  refinement.climb(self.methods, self, self.goal, part.ladder * budget)
+  refinement.run(self.methods, self, self.goal, part.refinement * budget)
   for _, method in ipairs(self.methods) do method.observed = report.order(method, self.goal) end
   rank(self)
   say("repeats")

@@ -1,6 +1,6 @@
--- What a tool has found out, kept line by line (JSON) as it is found: after an interruption the same command takes up
--- what is there. A record belongs to a fingerprint of everything that the results depend on; of another fingerprint it
--- is begun anew. Long strings (packed states) are kept in files of their own beside it.
+-- A journal of a tool's results, written line by line (JSON): after an interruption the same command continues from it.
+-- A journal belongs to a fingerprint of everything that the results depend on; with another fingerprint a new one is
+-- begun. Long strings (packed states) are stored in files of their own beside it.
 local json = require("cjson").new()
 json.encode_invalid_numbers(true)
 json.decode_invalid_numbers(true)
@@ -25,7 +25,7 @@ function journal.read(path)
   return text
 end
 
--- All or nothing: what is at `path` is the old text or the new one.
+-- Writes a file atomically: `path` contains either the old text or the new one.
 function journal.write(path, text)
   local file, why = io.open(path .. ".new", "wb")
   if not file then return nil, why end
@@ -34,7 +34,7 @@ function journal.write(path, text)
   return os.rename(path .. ".new", path)
 end
 
--- A table as a text that is the same for the same contents.
+-- A text of a table that is equal for equal contents.
 function journal.canonical(value)
   if type(value) ~= "table" then return math.type(value) == "float" and ("%.17g"):format(value) or tostring(value) end
   local keys, parts = {}, {}
@@ -62,7 +62,7 @@ local function texts_of(path, seen, texts)
   return texts
 end
 
--- The scene's text and the files it names, its parameters, and the contents of the plugins at hand.
+-- The scene's text and the files it names, its parameters, and the contents of the installed plugins.
 function journal.of_scene(path, params)
   local files = {}
   for k, plugin in ipairs((hooke.catalogue())) do files[k] = quoted(plugin.path) end
@@ -76,12 +76,12 @@ end
 
 local function states_path(self, key) return ("%s.%s"):format(self.path, journal.hash(key)) end
 
--- Rows of an earlier run; those of another fingerprint are forgotten, with their files.
-local function take_up(self, text, fingerprint)
+-- Reads the rows of an earlier run; those of another fingerprint are deleted with their files.
+local function resume(self, text, fingerprint)
   local stranger = false
   for line in text:gmatch("[^\n]+") do
     local fine, row = pcall(json.decode, line)
-    if not fine then return end -- the last line, cut off
+    if not fine then return end -- the last line is incomplete
     stranger = stranger or row.fingerprint and row.fingerprint ~= fingerprint
     if row.key and stranger then
       if row.result.kept then os.remove(states_path(self, row.key)) end
@@ -94,7 +94,7 @@ end
 
 function journal.open(path, fingerprint)
   local self = setmetatable({ path = path, known = {}, count = 0 }, store)
-  take_up(self, journal.read(path) or "", fingerprint)
+  resume(self, journal.read(path) or "", fingerprint)
   self.file = assert(io.open(path, "wb"))
   self.file:write(json.encode { fingerprint = fingerprint }, "\n")
   for key, result in pairs(self.known) do self.file:write(json.encode { key = key, result = result }, "\n") end
@@ -102,7 +102,7 @@ function journal.open(path, fingerprint)
   return self
 end
 
--- The result that is on file, its states with it, or nil.
+-- The stored result with its states, or nil.
 function store:get(key)
   local kept, result = self.known[key], {}
   if not kept or not kept.kept then return kept end
@@ -128,7 +128,7 @@ function store:put(key, result)
   self.known[key] = kept
 end
 
--- All is done: nothing to take up.
+-- Removes the journal, when all is done.
 function store:remove()
   self.file:close()
   for key, result in pairs(self.known) do

@@ -1,6 +1,6 @@
--- The integrators as methods to compare: each with the one number that buys accuracy (a step, a tolerance, substeps),
--- and a ladder of its values from cheap to accurate. A plugin is found by itself; what is written down here is only
--- where one plugin is several methods, and where its accuracy is not bought by the step or the tolerance.
+-- The integrators as methods to compare: each with the one number that controls its accuracy (a step, a tolerance,
+-- substeps), and a list of its values from cheap to accurate. Plugins are taken from the catalogue; this file lists
+-- only plugins that are several methods, and those whose accuracy is not controlled by the step or the tolerance.
 local methods = {}
 
 local variants = {
@@ -8,7 +8,7 @@ local variants = {
   cvode = { { settings = "method=bdf" }, { settings = "method=adams" } },
   local_global = { { settings = "iterations=10" }, { settings = "iterations=100" } },
   xpbd = { { by = "substeps" }, { settings = "bdf=2", by = "substeps", order = 2 } },
-  baraff_witkin = { { by = "dt" } }, -- its steps follow the stretch, below a longest one
+  baraff_witkin = { { by = "dt" } }, -- its steps depend on the stretch, up to a longest step
 }
 
 local first_substeps, first_tolerance, last_tolerance = 4, -2, -12
@@ -22,7 +22,7 @@ local function method_of(plugin, variant, step)
   return { plugin = plugin.name, label = text_of(plugin.name, variant.settings), settings = variant.settings, by = by,
     implicit = plugin.implicit, adaptive = plugin.adaptive, stages = plugin.stages,
     order = variant.order or plugin.order,
-    varies = plugin.name == "cvode", -- its order is what it finds best
+    varies = plugin.name == "cvode", -- it chooses its order itself
     longest = not plugin.implicit and step and step.suggestion or math.huge, rows = {} }
 end
 
@@ -40,7 +40,7 @@ function methods.all(catalogue, steps)
   return list
 end
 
--- "a,b:x=1,y=2,c" -> { "a", "b:x=1,y=2", "c" }: a comma also stands between the parameters of one.
+-- "a,b:x=1,y=2,c" -> { "a", "b:x=1,y=2", "c" }: a comma also separates the parameters of one method.
 function methods.split(text)
   local list = {}
   for part in text:gmatch("[^,]+") do
@@ -54,7 +54,7 @@ function methods.split(text)
   return list
 end
 
--- Those that the user names: a plugin's name stands for all its variants, "name:parameter=value" for just that one.
+-- The methods that the user names: a plugin's name means all its variants, "name:parameter=value" this variant only.
 function methods.chosen(catalogue, steps, text)
   local all, list, names, by_name = methods.all(catalogue, steps), {}, {}, {}
   for _, plugin in ipairs(catalogue) do
@@ -88,15 +88,16 @@ function methods.chosen(catalogue, steps, text)
   return list
 end
 
--- ---- the ladder ----
+-- ---- the values from cheap to accurate ----
 
 local function pieces(method, fps)
   local n = math.ceil(1 / (fps * method.longest) * (1 - 1e-12))
   return math.max(n, 1)
 end
 
--- Rung k (0, 1, ...): what the run is given, and `cost`, how much more it will take than rung 0, about; nil: no more.
-function methods.rung(method, k, fps)
+-- Value k (0, 1, ...) of the list: the options of the run, and `cost`, its approximate cost relative to value 0; nil:
+-- no further value.
+function methods.setting(method, k, fps)
   if method.by == "substeps" then
     local settings = ("substeps=%d"):format(first_substeps << k)
     if method.settings then settings = method.settings .. "," .. settings end
@@ -108,14 +109,14 @@ function methods.rung(method, k, fps)
   return { integrator = method.label, dt = 1 / (fps * (pieces(method, fps) << k)) }
 end
 
--- What its next rung costs of the last one's time.
+-- The approximate time of the next value relative to the last one's.
 function methods.growth(method)
   return method.by == "tol" and 10 ^ (1 / math.max(method.order, 1)) or 2
 end
 
-function methods.rung_text(rung)
-  if rung.substeps then return ("%d substeps"):format(rung.substeps) end
-  return rung.tol and ("tol %.0e"):format(rung.tol) or ("dt %.3g s"):format(rung.dt)
+function methods.setting_text(setting)
+  if setting.substeps then return ("%d substeps"):format(setting.substeps) end
+  return setting.tol and ("tol %.0e"):format(setting.tol) or ("dt %.3g s"):format(setting.dt)
 end
 
 return methods

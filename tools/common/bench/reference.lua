@@ -1,15 +1,15 @@
--- A solution to measure errors by: two different methods, each refined until they agree to what is asked. Their
--- difference is the reference's own error; what is not a hundred times larger cannot be called an error of something
--- else. Several methods start; then the two that agree best are refined, so a scene finds its own pair, stiff or not.
+-- The reference solution for errors: two different methods are refined until they agree to the requested accuracy.
+-- Their difference is the reference's own error; only differences a hundred times larger are errors of another method.
+-- Several methods start; then the two that agree best are refined, so that the pair suits the scene, stiff or not.
 local methods = require("common.bench.methods")
 local sampled_run = require("common.bench.sampled_run")
 local process = require("process")
 
 local reference = {}
 
-reference.margin = 100 -- an error is at least so many times the reference's own
+reference.margin = 100 -- smallest ratio of an error to the reference's own
 
--- Starting values: of a tolerance, and how much shorter than the stable (or, of implicit methods, the frame's) step.
+-- Start values: the tolerance, or the divisor of the stable step (of implicit methods: of a frame).
 local candidates = {
   { name = "dopri5", tol = 1e-7 },
   { name = "stoermer5", shorter = 2 },
@@ -20,7 +20,7 @@ local candidates = {
   { name = "tr_bdf2", tol = 1e-6 },
 }
 local tightest = 1e-14
-local patience_at_first = 1 -- s for the first try of all
+local patience_at_first = 1 -- s, for the first runs of all
 
 local function case_of(c, level, bench)
   local case = bench.case()
@@ -45,7 +45,7 @@ local function usable(c, bench)
   return step and (c.tol or step.limit > 0)
 end
 
--- Runs a level of each of these, for `timeout` s at most, while wanted() says so.
+-- Runs one level of each method, for at most `timeout` s, while wanted() is true.
 local function run(list, bench, timeout, wanted)
   local at = 0
   local function next_case()
@@ -74,7 +74,7 @@ local function finished(list)
   return count
 end
 
--- s that one evaluation of f takes, from two frames of leapfrog; nil: more than can be waited for.
+-- The time of one evaluation of f in s, from two frames of leapfrog; nil: it takes too long.
 local function evaluation_time(bench)
   local case, seconds = bench.case(), nil
   case.integrator, case.timeout = "leapfrog", 1
@@ -86,7 +86,7 @@ local function evaluation_time(bench)
   return seconds
 end
 
--- Where runs are long, the explicit methods' length is known beforehand: those that fit half the time are tried first.
+-- Where runs are long, the time of explicit methods is estimated: those that fit into half the time run first.
 local function start_with_known(list, bench, left)
   local each, known = evaluation_time(bench), {}
   for _, c in ipairs(list) do
@@ -98,7 +98,7 @@ local function start_with_known(list, bench, left)
   if #known >= 2 then run(known, bench, left() / 2, function() return finished(list) < 2 end) end
 end
 
--- The first level of all, with ever more time for those that have not ended, until two have.
+-- Runs the first level of all methods, with increasing time for those that have not finished, until two have.
 local function start(list, bench, left)
   start_with_known(list, bench, left)
   local patience, waiting = patience_at_first, list
@@ -131,7 +131,7 @@ local function value(difference, metric)
   return difference.measure[metric] or difference.x_rms
 end
 
--- Up to when two motions stay within `most` of one another: the number of frames after the start.
+-- The number of frames after the start until which two motions differ by at most `most`.
 local function frames_within(difference, most, metric)
   local last = 0
   for k, x in ipairs(metric == "v" and difference.v or difference.x) do
@@ -141,7 +141,8 @@ local function frames_within(difference, most, metric)
   return last
 end
 
--- The two that agree for longest, and of those that do to the end, best.
+-- The two methods that agree for the longest time, and, of those that agree until the end, the two with the smallest
+-- difference.
 local function best_pair(list, metric, aim)
   local best, why
   for a = 1, #list do
@@ -159,11 +160,11 @@ local function best_pair(list, metric, aim)
 end
 
 local function words(c)
-  return ("%s, %s"):format(c.case.integrator, methods.rung_text(c.case))
+  return ("%s, %s"):format(c.case.integrator, methods.setting_text(c.case))
 end
 
--- The cheapest first run that has the motion about right: disturbances grow in it as they do in the scene.
-local cheap_enough = 0.05 -- of the motion's size
+-- The cheapest first run with a roughly correct motion: perturbations grow in it as they do in the scene.
+local cheap_enough = 0.05 -- relative to the motion's size
 
 local function cheapest(list, motion)
   local best, size
@@ -178,11 +179,12 @@ local function cheapest(list, motion)
 end
 
 -- bench: case() -> a new case; run(cases or next, done), many at a time; fps; metric; step = { [integrator] = of
--- hooke.explain }; stages and implicit = { [integrator] = of the catalogue }. aim: how well the two are to agree, in
--- what the metric is in; they go on beyond while it costs little. seconds: what it may take. Returns nil and why; or
+-- hooke.explain }; stages and implicit = { [integrator] = of the catalogue }. aim: the largest allowed difference of
+-- the two, in the metric's unit; they are refined further while it costs little. seconds: the time available. Returns
+-- nil and the reason; or
 --   motion         the solution; `other`: the second one
 --   error          of its own, as sampled_run.compare gives it; size: of the metric
---   method         a cheap run that has the motion about right: { case, motion, time }
+--   method         a cheap run with a roughly correct motion: { case, motion, time }
 --   words          what it is, in words
 --   frames         until which they agree to `aim`; late: more time might have taken them further
 function reference.compute(bench, aim, seconds)
@@ -202,7 +204,7 @@ function reference.compute(bench, aim, seconds)
       .. "--until may help"
   end
   while stuck < 2 and pair.size > 0 and not (pair.one.ended and pair.other.ended) do
-    local cheap = process.clock() - begun < 0.15 * seconds -- then go on: errors can be smaller than asked
+    local cheap = process.clock() - begun < 0.15 * seconds -- then refine further, for smaller errors
     if pair.size <= aim and not cheap then break end
     late = 2.5 * math.max(pair.one.time, pair.other.time) > left()
     if late then break end

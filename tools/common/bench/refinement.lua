@@ -1,14 +1,14 @@
--- Runs the methods (tools/common/methods.lua) down their ladders, in turns, so that each has had its share when the
--- time is over. A method ends when its errors are below what is asked or no longer fall, when its next run would take
--- longer than its share of the time that is left, or when the scene does not let it run.
+-- Runs the methods (tools/common/bench/methods.lua) with increasing accuracy, in turns, so that each gets its share of
+-- the time. A method ends when its errors are below the requested ones or no longer decrease, when its next run would
+-- take longer than its share of the remaining time, or when it cannot run the scene.
 local methods = require("common.bench.methods")
 local process = require("process")
 
 local refinement = {}
 
 local enough_rows, most_failures = 3, 5
-local start_seconds = 0.2 -- of a process and its scene, at most, where processors are shared
-local small = 0.01 -- of the motion's size: larger errors may fall yet
+local start_seconds = 0.2 -- upper bound for the start of a process and its scene, where processors are shared
+local small = 0.01 -- relative to the motion's size: larger errors may still decrease
 
 local function median(list)
   local sorted = table.move(list, 1, #list, 1, {})
@@ -17,8 +17,8 @@ local function median(list)
   return #sorted % 2 == 1 and sorted[middle + 1] or (sorted[middle] + sorted[middle + 1]) / 2
 end
 
-local function row_of(method, rung, case, result)
-  local row = { method = method, integrator = method.label, rung = rung, case = case, result = result,
+local function row_of(method, setting, case, result)
+  local row = { method = method, integrator = method.label, setting = setting, case = case, result = result,
     verdict = result.verdict or "failed", reason = result.failed or result.reason,
     times = result.times or { result.step_wall_s } }
   if result.step_wall_s and #row.times > 0 then row.wall_s = median(row.times) end
@@ -43,12 +43,13 @@ local function good(row)
   return row.error and row.error == row.error and (row.verdict == "ok" or row.verdict == "inaccurate")
 end
 
--- An adaptive method whose steps the frames cut takes the same ones for several tolerances: that says nothing yet.
-local function gains(row, before)
+-- Whether a method may still improve. An adaptive method whose steps are limited by the frames takes the same steps for
+-- several tolerances, which does not end it.
+local function may_improve(row, before)
   return row.error < 0.8 * before.error or row.result.steps < 1.1 * before.result.steps
 end
 
--- Why a method that has just done this row is at its end, or nil.
+-- The reason why a method ends after this row, or nil.
 local function ended(method, row, goal)
   local rows = method.rows
   if not good(row) then
@@ -59,38 +60,38 @@ local function ended(method, row, goal)
   local before, second = rows[#rows - 1], rows[#rows - 2]
   if row.error <= goal.support then return "below what the reference supports" end
   if row.error <= goal.finest and #rows >= enough_rows then return "accurate enough" end
-  local stalled = before and second and good(before) and good(second) and not gains(row, before)
-    and not gains(before, second) and row.error < small * goal.scale
+  local stalled = before and second and good(before) and good(second) and not may_improve(row, before)
+    and not may_improve(before, second) and row.error < small * goal.scale
   return stalled and "its errors no longer fall" or nil
 end
 
 local function next_run(method, goal, share)
-  local rung = methods.rung(method, #method.rows, goal.fps)
-  if not rung then return nil, "the end of its ladder" end
+  local setting = methods.setting(method, #method.rows, goal.fps)
+  if not setting then return nil, "the end of its ladder" end
   local last = method.rows[#method.rows]
-  if not last then return rung end
+  if not last then return setting end
   local predicted = (last.result.step_wall_s or last.result.process_s) * methods.growth(method)
-  local extra = last.error and last.error <= goal.finest -- only to show the order
+  local extra = last.error and last.error <= goal.finest -- further rows only show the order
   if predicted > (extra and 0.3 or 1) * share then return nil, "the next run would take too long" end
-  return rung
+  return setting
 end
 
-local function take(method, rung, bench, goal, share)
+local function take(method, setting, bench, goal, share)
   local case = bench.case()
-  case.integrator, case.dt, case.tol = rung.integrator, rung.dt, rung.tol
+  case.integrator, case.dt, case.tol = setting.integrator, setting.dt, setting.tol
   case.against, case.repeats, case.repeat_s = goal.motion, 6, math.min(0.05, 0.1 * share)
   case.timeout = 1.2 * share + start_seconds
   local result
   bench.run({ case }, function(_, r) result = r end, 1)
   if result.fits == false then return nil, result.failed end
-  local row = row_of(method, rung, case, result)
+  local row = row_of(method, setting, case, result)
   row.error = error_of(row, goal.metric)
   method.rows[#method.rows + 1] = row
   return row
 end
 
--- What a method's first run will cost beside the others', about: those that will end for sure go first.
-local function expense(method)
+-- The approximate cost of a method's first run relative to the others; methods that are sure to finish run first.
+local function relative_cost(method)
   return (method.implicit and 1e9 or 0) + method.stages / math.min(method.longest, 1)
 end
 
@@ -107,13 +108,13 @@ local function cheapest_at_target(list, goal)
 end
 
 -- list: methods; bench as for reference.compute; goal: { metric, fps, motion (the reference), finest, support (errors
--- below mean nothing), target, only_best (what is slower than the best at the target need not end) }; seconds for all.
--- Fills method.rows, method.refused (why it does not fit the scene) and
--- method.ended (why there are no more rows).
-function refinement.climb(list, bench, goal, seconds)
+-- below it cannot be resolved), target, only_best (runs that are slower than the best at the target need not finish) };
+-- seconds for all. Sets method.rows, method.refused (the reason why it does not fit the scene) and method.ended (the
+-- reason why there are no more rows).
+function refinement.run(list, bench, goal, seconds)
   local begun, live = process.clock(), table.move(list, 1, #list, 1, {})
   table.sort(live, function(a, b)
-    local x, y = expense(a), expense(b)
+    local x, y = relative_cost(a), relative_cost(b)
     return x < y or x == y and a.label < b.label
   end)
   while #live > 0 do
@@ -122,9 +123,9 @@ function refinement.climb(list, bench, goal, seconds)
       local left = seconds - (process.clock() - begun)
       local share = math.max(left, 0) / (#live - k + 1 + #going)
       if goal.only_best then share = math.min(share, cheapest_at_target(list, goal)) end
-      local rung, why = next_run(method, goal, share)
+      local setting, why = next_run(method, goal, share)
       local row
-      if rung then row, why = take(method, rung, bench, goal, share) end
+      if setting then row, why = take(method, setting, bench, goal, share) end
       if row then
         method.ended = row.verdict == "timeout" and "it takes too long" or ended(method, row, goal)
       elseif #method.rows == 0 then
@@ -138,7 +139,7 @@ function refinement.climb(list, bench, goal, seconds)
   end
 end
 
--- Times rows again, in turns, until each has `count` times or the seconds are over.
+-- Repeats the timing of rows, in turns, until each has `count` times or the seconds are over.
 function refinement.repeat_rows(rows, bench, count, seconds)
   local begun = process.clock()
   for turn = 2, count do

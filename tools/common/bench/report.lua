@@ -1,5 +1,5 @@
--- What rows of a bench say: observed orders, the Pareto front, the cheapest setting of every method at the target, the
--- recommendation; as text, CSV, JSON and a diagram.
+-- The evaluation of a bench's rows: observed orders, the Pareto front, the cheapest setting of every method at the
+-- target, the recommendation; as text, CSV, JSON and a diagram.
 local methods = require("common.bench.methods")
 local plot = require("common.run.plot")
 local journal = require("common.bench.journal")
@@ -10,8 +10,8 @@ local function trusted(row, goal)
   return row.verdict == "ok" and row.error and row.error == row.error and (row.error > 0 or goal.support > 0)
 end
 
--- An error as it may be said: never below what the reference supports.
-local function said(value, support)
+-- The text of an error, never below the smallest error that the reference can resolve.
+local function error_text(value, support)
   if not value or value ~= value then return "-" end
   if value < support then return ("<%.1e"):format(support) end
   return ("%.2e"):format(value)
@@ -28,7 +28,7 @@ function report.order(method, goal)
   for _, row in ipairs(method.rows) do
     if row.error and row.error > 3 * goal.support and (row.verdict == "ok" or row.verdict == "inaccurate")
       and row.error < 0.1 * goal.scale then
-      local step = row.rung.substeps and 1 / row.rung.substeps or 1 / row.result.steps
+      local step = row.setting.substeps and 1 / row.setting.substeps or 1 / row.result.steps
       points[#points + 1] = { math.log(step), math.log(row.error) }
     end
   end
@@ -41,7 +41,7 @@ function report.order(method, goal)
   return top / bottom
 end
 
--- ---- who wins ----
+-- ---- ranking ----
 
 local function all_rows(list)
   local rows = {}
@@ -80,7 +80,7 @@ local function row_at(method, goal, target)
   return chosen, closest or best
 end
 
--- One line a method, those that reach the target first, by cost.
+-- One row per method, ordered by cost, those that reach the target first.
 function report.ranking(list, goal)
   local target, ranking = math.max(goal.target, goal.support), {}
   for _, method in ipairs(list) do
@@ -99,8 +99,8 @@ function report.ranking(list, goal)
 end
 
 local function phrase(row, goal)
-  return ("%s, %s: %s %s%s at %.2g s per simulated second"):format(row.integrator, methods.rung_text(row.rung),
-    goal.word, said(row.error, goal.support), goal.unit, row.wall_s / goal.seconds)
+  return ("%s, %s: %s %s%s at %.2g s per simulated second"):format(row.integrator, methods.setting_text(row.setting),
+    goal.word, error_text(row.error, goal.support), goal.unit, row.wall_s / goal.seconds)
 end
 
 function report.recommend(ranking, goal)
@@ -125,18 +125,18 @@ function report.weak_order(method, order)
   return order and not method.varies and order < method.order - 0.3
 end
 
--- An implicit method of fixed steps that took more of them than it was asked to: Newton's iteration failed, and steps
--- were halved. Returns the longest step without, or nil when there was none, or false when all is well.
+-- Detects an implicit method with fixed steps that took more steps than requested, since Newton's iteration failed and
+-- steps were halved. Returns the longest step without halving, nil when every row has halvings, or false when none has.
 function report.halved(method, goal)
   if not method.implicit or method.adaptive or method.by ~= "dt" then return false end
   local found, longest = false, nil
   for _, row in ipairs(method.rows) do
     local steps = row.result.steps or 0
     local whole = row.verdict == "ok" or row.verdict == "inaccurate"
-    if whole and steps > math.ceil(goal.seconds / row.rung.dt * (1 - 1e-9)) + 1 then
+    if whole and steps > math.ceil(goal.seconds / row.setting.dt * (1 - 1e-9)) + 1 then
       found = true
     elseif whole and not longest then
-      longest = row.rung.dt
+      longest = row.setting.dt
     end
   end
   return found and { longest = longest }
@@ -156,11 +156,11 @@ function report.table(ranking, goal, out)
     local order = order_text(method, method.observed)
     if row then
       out:write(("%s %-26s %-15s %9.3g %9d %9d %8d %9s %9s  %s\n"):format(row.front and "*" or " ", method.label,
-        methods.rung_text(row.rung), row.wall_s, row.result.force_evaluations, row.result.linear_iterations,
-        row.result.factorizations, said(row.error, goal.support), order, row.verdict))
+        methods.setting_text(row.setting), row.wall_s, row.result.force_evaluations, row.result.linear_iterations,
+        row.result.factorizations, error_text(row.error, goal.support), order, row.verdict))
     else
       local last = method.rows[#method.rows]
-      out:write(("  %-26s %-15s %s: %s\n"):format(method.label, last and methods.rung_text(last.rung) or "",
+      out:write(("  %-26s %-15s %s: %s\n"):format(method.label, last and methods.setting_text(last.setting) or "",
         last and last.verdict or "not run", last and (last.reason or ""):gsub("%s+", " "):sub(1, 90) or ""))
     end
   end
@@ -179,7 +179,7 @@ function report.flat(row, goal)
   local r, flat = row.result, {}
   for _, key in ipairs { "steps", "force_evaluations", "factorizations", "jacobian_evaluations", "linear_iterations",
     "dt_min", "dt_max", "momentum_drift", "constraint_violation", "max_strain" } do flat[key] = r[key] end
-  flat.integrator, flat.dt, flat.tol, flat.substeps = row.integrator, row.rung.dt, row.rung.tol, row.rung.substeps
+  flat.integrator, flat.dt, flat.tol, flat.substeps = row.integrator, row.setting.dt, row.setting.tol, row.setting.substeps
   flat.wall_s, flat.verdict, flat.reason, flat.pareto = row.wall_s, row.verdict, row.reason, row.front and 1 or 0
   flat.energy_drift, flat.repeats = r.energy and r.energy.drift, #row.times
   local function put(name, value, support)
@@ -236,7 +236,7 @@ end
 
 -- ---- the diagram ----
 
--- What lies below the floor is drawn on it, once: the cheapest such row.
+-- Of the errors below the floor only the cheapest row is drawn, on the floor.
 local function curve_of(method, goal)
   local points, at_floor = {}, nil
   for _, row in ipairs(method.rows) do
@@ -244,7 +244,7 @@ local function curve_of(method, goal)
       and math.max(row.error, goal.support) > 0 then
       local point = { math.max(row.error, goal.support), row.wall_s / goal.seconds, steps = row.result.steps }
       local last = points[#points]
-      if last and point.steps == last.steps then table.remove(points) end -- a tolerance that changed nothing
+      if last and point.steps == last.steps then table.remove(points) end -- a tolerance without effect
       if row.error < goal.support then
         if not at_floor or point[2] < at_floor[2] then at_floor = point end
       else
@@ -276,7 +276,7 @@ local function bounds(curves, goal)
       fast, slow = math.min(fast, p[2]), math.max(slow, p[2])
     end
   end
-  if low <= goal.support then low = low / 4 end -- room for the band
+  if low <= goal.support then low = low / 4 end -- space for the band
   return round_number(0.8 * low), round_number(1.25 * high, true), round_number(0.9 * fast),
     round_number(1.1 * slow, true)
 end
@@ -320,5 +320,5 @@ function report.draw(list, goal, chosen, path)
     y = { label = "wall time per simulated second, s (one thread)", log = true, min = fast, max = slow } })
 end
 
-report.said = said
+report.said = error_text
 return report

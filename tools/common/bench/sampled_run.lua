@@ -1,13 +1,13 @@
--- A run that is looked at in every frame: the motion (packed states) and the scene's measures, compared with those of
--- another run. To be taken as trial.execute; a case (tools/common/run/case_process.lua) then also has
---   every          look at every so many-th frame (1), and at the last
+-- A run that records every frame: the motion (packed states) and the scene's measures, compared with those of another
+-- run. It replaces case_process.execute; a case (tools/common/run/case_process.lua) then also has
+--   every          record every k-th frame (1), and the last one
 --   motion         true: the result has `motion`, what compare() takes, and with keep = true the states come along
---   against        a motion that is known: the result has `error`, the differences to it
---   repeats, repeat_s   run it so many times more at most, without looking, while all runs together take less than
+--   against        a reference motion: the result has `error`, the differences from it
+--   repeats, repeat_s   largest number of further runs, without recording, while all runs together take less than
 --                  repeat_s seconds: result.times lists step_wall_s of each run, the first one included
 --
 -- Errors: at a frame, the root mean square (and the largest) over all particles of the distance between the positions,
--- and between the velocities; of these the root mean square (the largest) over the frames after the start. Of a
+-- and between the velocities; of these the root mean square (the largest) over the frames after the start. For a
 -- measure: the root mean square over the frames of the difference. Where the scene gives its exact solution, the error
 -- of the positions is against that; the exact solution gives neither the largest error nor velocities of several
 -- particles.
@@ -30,7 +30,7 @@ local function most(list)
   return largest
 end
 
--- Differences over the frames after the start. `last`: up to that frame only. The x of every frame comes, too.
+-- Differences over the frames after the start. `last`: up to this frame only. Also returns the x of every frame.
 function sampled_run.compare(a, b, last)
   local x, x_max, v, v_max, measure = {}, {}, {}, {}, {}
   local count = math.min(#a.states, #b.states, last or math.huge)
@@ -83,7 +83,7 @@ local function errors(case, motion)
   if #motion.exact == #motion.t then
     local after = table.move(motion.exact, 2, #motion.exact, 1, {})
     error.x_rms = rms(after)
-    if #motion.states[1] == (2 + 7) * 8 then error.x_max = most(after) end -- of one particle
+    if #motion.states[1] == (2 + 7) * 8 then error.x_max = most(after) end -- the exact solution is of one particle
     error.exact = true
   end
   return error

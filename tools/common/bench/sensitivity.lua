@@ -1,7 +1,7 @@
--- How much of a small disturbance of the start is left at the end: the growth of random displacements of two sizes,
--- with several seeds. Rounding disturbs as well, by 1e-16 of the scene's extent, so growth sets a floor below which no
--- method can be told from another; on a buckling knife-edge it is high although two references agree, for both keep a
--- symmetry that no real start has.
+-- The sensitivity of a scene to its start state: the growth of random perturbations of two sizes until the end, with
+-- several seeds. Rounding is a perturbation of 1e-16 of the scene's extent as well, so the growth sets a floor below
+-- which methods cannot be distinguished. For a start at a buckling load this floor is high although two references
+-- agree, since both preserve a symmetry that no real start has.
 local sampled_run = require("common.bench.sampled_run")
 local process = require("process")
 local states = require("states")
@@ -17,11 +17,12 @@ local function geometric_mean(list)
   return math.exp(sum / #list)
 end
 
--- One disturbed run against the undisturbed one: growth at each frame, and of the metric's own difference at the end.
-local function growth_of(plain, disturbed, metric)
-  local first = states.distance(plain.states[1], disturbed.states[1])
+-- Compares a perturbed run with the unperturbed one: the growth at each frame, and that of the metric's difference at
+-- the end.
+local function growth_of(plain, perturbed, metric)
+  local first = states.distance(plain.states[1], perturbed.states[1])
   if not first or first.x_rms == 0 then return nil end
-  local d = sampled_run.compare(plain, disturbed)
+  local d = sampled_run.compare(plain, perturbed)
   if not d then return nil end
   local list = {}
   for k, x in ipairs(d.x) do list[k] = x / first.x_rms end
@@ -30,13 +31,13 @@ local function growth_of(plain, disturbed, metric)
     metric = whole / first.x_rms, start = first.x_rms }
 end
 
--- A result is rounded at least once: a disturbance that dies out leaves a floor all the same.
+-- Sets the floor. A result is rounded at least once, so the floor is not zero for a perturbation that decays.
 function sensitivity.set_floor(found, growth)
   found.floor = math.max(growth, 1) * sensitivity.rounding * found.extent
   found.floor_single = math.max(growth, 1) * sensitivity.rounding_single * found.extent
 end
 
--- The disturbed runs, in the order of their use: each size once, then the next seed.
+-- The perturbed runs, in the order of their use: each size once, then the next seed.
 local function cases_of(bench, case)
   local list = {}
   for _, seed in ipairs(sensitivity.seeds) do
@@ -50,10 +51,10 @@ local function cases_of(bench, case)
   return list
 end
 
--- bench: as for reference.compute; plain: the undisturbed run { case, motion, time }, by a method that is good enough
--- and cheap; seconds: what it may take, but each size is tried once. Returns nil and why; or { growth (at the end, the
--- worst of the smaller size), sizes = { { size, growth, worst, count } }, seeds, extent (m), floor, floor_single (m),
--- by_frame (growth at each frame after the start) }
+-- bench: as for reference.compute; plain: the unperturbed run { case, motion, time }, by a cheap method of sufficient
+-- accuracy; seconds: the time available, but each size is run once in any case. Returns nil and the reason; or { growth
+-- (at the end, the worst of the smaller size), sizes = { { size, growth, worst, count } }, seeds, extent (m), floor,
+-- floor_single (m), by_frame (growth at each frame after the start) }
 function sensitivity.measure(bench, plain, seconds)
   local begun, runs, at = process.clock(), {}, 0
   local cases = cases_of(bench, plain.case)
@@ -74,7 +75,7 @@ function sensitivity.measure(bench, plain, seconds)
       runs[#runs + 1] = { size = one.perturb, growth = growth }
     end
   end)
-  local extent = math.sqrt(squares / math.max(#runs, 1)) -- in every direction up to `size` of it: so much on average
+  local extent = math.sqrt(squares / math.max(#runs, 1)) -- RMS of a displacement of up to `size` in every direction
   local found = { sizes = {}, extent = extent, seeds = math.ceil(#runs / #sensitivity.sizes) }
   for _, size in ipairs(sensitivity.sizes) do
     local ends, worst = {}, nil

@@ -1,15 +1,16 @@
--- What a force has to stand (hooke check): on a small cloth at random and degenerate states, with every choice of its
--- parameters that it takes.
+-- The tests of a force (hooke check): on a small cloth at random and degenerate states, with every accepted choice of
+-- its parameters.
 local inspect = require("inspect")
 
 local SEEDS = 3
 
--- Differences of smooth forces are good to 1e-10 at the best step; a wrong term is off by parts in a hundred.
+-- Differences of smooth forces are accurate to 1e-10 at the best step; a wrong term has a relative error of some
+-- percent.
 local DIFFERENCES = 1e-6
--- Rounding of sums over some tens of numbers of size 1.
+-- The rounding error of sums over some tens of numbers of size 1.
 local ROUNDING = 1e-12
 
--- ---- a scene for it ----
+-- ---- the scene of a test ----
 
 local function sheet(nx, ny)
   local scene = hooke.scene { duration = 1, integrator = "leapfrog" }
@@ -17,7 +18,7 @@ local function sheet(nx, ny)
   return scene, cloth:structural() .. cloth:shear()
 end
 
--- A positive number inside the limits that is nobody's default.
+-- A positive number inside the limits that differs from usual defaults.
 local function number_for(p)
   local low, high = p.min or -math.huge, p.max or math.huge
   local x = 1.3
@@ -38,8 +39,8 @@ end
 
 local function is_zero(p) return p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0 end
 
--- Settings of the parameters: what is required, and numbers that are zero by default; then one more at a time, what may
--- be left out and every other choice.
+-- Settings of the parameters: first the required ones and numbers that are zero by default; then in addition, one at a
+-- time, each optional parameter and every other choice.
 local function settings_of(plugin)
   local base, more = {}, {}
   for _, p in ipairs(plugin.params) do
@@ -65,7 +66,7 @@ local function settings_of(plugin)
   return list
 end
 
--- The run of a sheet with the force, at its start; or nil and why it was refused.
+-- The run of a sheet with the force, at its start; or nil and the reason of its refusal.
 local function run_of(plugin, setting, size, options)
   local scene, edges = sheet(size[1], size[2])
   local params = { label = "checked", only = options and options.only }
@@ -84,7 +85,7 @@ end
 
 -- ---- properties ----
 
--- The worst figure, or any flag that is set, over the seeds.
+-- The largest figure, or any flag that is set, over the seeds.
 local function worst_of(run)
   local worst = {}
   for seed = 1, SEEDS do
@@ -131,7 +132,7 @@ local function claims(p, f, report)
   if p.momentum then report:most("momentum is kept, as claimed", f.momentum, ROUNDING) end
   if p.angular_momentum then report:most("angular momentum is kept, as claimed", f.angular_momentum, ROUNDING) end
   for _, d in ipairs { { "x", "positions" }, { "v", "velocities" }, { "t", "time" } } do
-    if not p["on_" .. d[1]] and f.repeats then -- else it is another one anyway
+    if not p["on_" .. d[1]] and f.repeats then -- otherwise F differs in any case
       report:add(not f["moved_by_" .. d[1]], ("it does not depend on %s, as claimed"):format(d[2]))
     end
   end
@@ -167,7 +168,7 @@ local function threads_and_time(plugin, setting, report)
   report:note(("%.3g ns per %s"):format(1e9 * inspect.seconds(one) / count, has_edges and "edge" or "particle"))
 end
 
--- ---- what is out of range ----
+-- ---- values out of range ----
 
 local function outside(p)
   local list = {}
@@ -191,7 +192,7 @@ local function refusals(plugin, setting, report)
   end
 end
 
--- Checks the force that hooke.describe described; `path` and `given` are in it, too.
+-- Checks the force that hooke.describe described; `path` and `given` are also fields of it.
 return function(plugin, report)
   local first, refused
   for _, setting in ipairs(settings_of(plugin)) do

@@ -1,22 +1,22 @@
--- What each part of a scene (force, constraint, corrector, source) costs and what it is worth: the run without it.
+-- The cost and the effect of each part of a scene (force, constraint, corrector, source), measured by runs without it.
 --
 -- Cost is time of the loop, on one thread: runs with and without the part alternate, and the median of their ratios
 -- counts, with the median deviation from it as its spread. Without a stiff force an explicit method chooses a longer
--- step, so there are two answers: at the whole scene's step and at the step that the rest would choose. Worth is how
--- far from the whole scene's the final state and the measures end, at the whole scene's step, so that the difference is
--- the part's and not the step's. A chaotic scene ends elsewhere whatever is changed: runs of the whole scene whose
--- start is disturbed by 1e-10 of its extent say how far, and where they end further off than a thousandth of the
--- extent, any small change may end anywhere within it.
+-- step, so there are two costs: at the step of the whole scene and at the step that the scene without the part would
+-- choose. The effect is the difference of the final state and the measures from those of the whole scene, at the step
+-- of the whole scene, so that it is due to the part and not to the step. A chaotic scene changes with any perturbation:
+-- runs of the whole scene with a start perturbed by 1e-10 of its extent measure this change, and where it exceeds a
+-- thousandth of the extent, differences below the extent have no meaning.
 local case_process = require("common.run.case_process")
 local states = require("states")
 local process = require("process")
 
 local cost = { disturbance = 1e-10 }
 
-local SEEDS = 2          -- disturbances; the larger effect counts
-local CHANCE = 3         -- within so many times that effect a difference is not told from it
-local CHAOS = 1e-3       -- of the extent
-local PATIENCE = 20      -- a run without a part is ended after so many times what the whole takes, and some seconds
+local SEEDS = 2          -- perturbations; the larger effect counts
+local CHANCE = 3         -- differences below this multiple of that effect are not significant
+local CHAOS = 1e-3       -- relative to the extent
+local PATIENCE = 20      -- a run without a part is ended after this multiple of the whole scene's time + seconds
 local parts_of = { force = true, constraint = true, corrector = true, source = true }
 
 -- ---- running ----
@@ -32,7 +32,7 @@ local function keep_ends(_, list)
   for k = #list, 3, -1 do list[k] = nil end
 end
 
--- The options of a case of the study; an accuracy would have every run checked by a second one.
+-- The options of a case of the study; without an accuracy, which would check every run by a second one.
 local function case_of(study, changes)
   local case = { scene = study.scene, params = study.params, integrator = study.integrator,
     ["until"] = study["until"], trust = study.trust, accuracy = 0 }
@@ -56,9 +56,9 @@ local function with_states(study, changes)
   return case_of(study, changes)
 end
 
--- ---- what it is worth ----
+-- ---- the effect of a part ----
 
--- The box around the particles of the packed states grows to hold these; its longest side, m.
+-- The longest side of the bounding box of the particles in all packed states, m.
 local function extent_of(packed)
   local low, high = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
   for _, state in ipairs(packed) do
@@ -71,7 +71,7 @@ local function extent_of(packed)
   return math.max(0, high[1] - low[1], high[2] - low[2], high[3] - low[3])
 end
 
--- How far the final states and the measures of two results are apart.
+-- The difference of the final states and of the measures of two results.
 local function difference(a, b)
   local apart, why = states.distance(a.states[2], b.states[2])
   local found = { x = apart and apart.x_rms, why = why, measures = {} }
@@ -85,10 +85,10 @@ local function difference(a, b)
   return found
 end
 
--- How far chance takes the whole scene: x, m, and the change of every measure.
-local function chance_of(whole, disturbed)
+-- The effect of perturbations on the whole scene: x, m, and the change of every measure.
+local function chance_of(whole, perturbed)
   local most = { x = 0, measures = {} }
-  for _, case in ipairs(disturbed) do
+  for _, case in ipairs(perturbed) do
     if case.result.failed then return nil, case.result.failed end
     local found = difference(whole, case.result)
     if not found.x then return nil, found.why end
@@ -100,14 +100,14 @@ local function chance_of(whole, disturbed)
   return most
 end
 
--- Up to which distance of the final states chance explains it, m; nil: not known.
-local function told_from(study)
+-- The largest distance of final states, m, that perturbations explain; nil: not known.
+local function significance_limit(study)
   local chance = study.chance
   return chance and math.max(CHANCE * chance.x, study.chaotic and study.extent or 0)
 end
 
 local function weigh(study, part)
-  local limit, chance = told_from(study), study.chance
+  local limit, chance = significance_limit(study), study.chance
   local found = difference(study.whole, part.same.result)
   part.x, part.why, part.measures = found.x, found.why, found.measures
   part.x_relative = part.x and study.extent > 0 and part.x / study.extent or nil
@@ -118,7 +118,7 @@ local function weigh(study, part)
   end
 end
 
--- ---- what it costs ----
+-- ---- the cost of a part ----
 
 local function timed(case)
   local bare = {}
@@ -127,7 +127,7 @@ local function timed(case)
   return bare
 end
 
--- One round: each part's variants right after a run of the whole scene.
+-- One round: the variants of each part are run right after a run of the whole scene.
 local function round_of(study, whole_case, variants)
   local list, pairs_of = {}, {}
   for _, list_of in ipairs(variants) do
@@ -192,14 +192,14 @@ end
 
 -- ---- the study ----
 
--- An error without the place in this file where it was passed on.
+-- An error message without a place in this file.
 local function cause(message)
   local own = hooke.folder:gsub("%p", "%%%0") .. "[^:]*:%d+: "
   return (tostring(message):gsub("^" .. own, ""))
 end
 
--- What the scene is made of, and what accuracy it asks for.
-local function look(study)
+-- Reads the parts of the scene and the accuracy that it asks for.
+local function scene_parts(study)
   local scene, refused = hooke.load(study.scene, study.params,
     { integrator = study.integrator, ["until"] = study["until"], threads = 1, trust = study.trust })
   if not scene then return nil, refused end
@@ -217,18 +217,18 @@ local function parts_in(summary)
 end
 
 local function whole_runs(study)
-  local whole, disturbed = with_states(study, {}), {}
+  local whole, perturbed = with_states(study, {}), {}
   local cases = { whole }
   for seed = 1, SEEDS do
-    disturbed[seed] = with_states(study, { perturb = cost.disturbance, perturb_seed = seed })
-    cases[seed + 1] = disturbed[seed]
+    perturbed[seed] = with_states(study, { perturb = cost.disturbance, perturb_seed = seed })
+    cases[seed + 1] = perturbed[seed]
   end
   study.total = #cases
   run_all(study, cases, process.processors())
-  return whole, disturbed
+  return whole, perturbed
 end
 
--- The rest at the step that it takes by itself.
+-- Runs without each part, at the step that the run chooses itself.
 local function own_runs(study, whole, parts)
   local cases = {}
   study.patience = PATIENCE * whole.process_s + 10
@@ -240,7 +240,8 @@ local function own_runs(study, whole, parts)
   run_all(study, cases, process.processors())
 end
 
--- Only where the step is chosen from the stable limit does the rest choose another one that it need not take.
+-- Runs without each part at the step of the whole scene; needed only where the step is chosen from the stable limit,
+-- and so differs.
 local function same_runs(study, whole, parts)
   local again = {}
   for _, part in ipairs(parts) do
@@ -255,7 +256,7 @@ local function same_runs(study, whole, parts)
   run_all(study, again, process.processors())
 end
 
--- Most metres for the time first; what saves no time that could be measured, before all.
+-- The order of parts: largest effect per time first; before all others those that save no measurable time.
 local function value(part)
   local c = part.own
   return part.x and c and c.saved and c.saved > 2 * c.spread and part.x / c.saved or math.huge
@@ -269,24 +270,24 @@ local function by_value(a, b)
 end
 
 -- study: scene, params, integrator and until (nil: the scene's), repeats (nil: 5, of short runs up to 25), tick(done,
--- total) or nil. It comes back with
+-- total) or nil. The result has
 --   accuracy (m, or nil), extent (m), whole (the run's summary), seconds (s, median), chance {x, measures} or nil and
 --   chance_why, chaotic, parts: a list of {kind, name, label, failed | same, own, x, why, x_relative, by_chance,
 --   measures}.
--- same and own: {dt, steps, force_evaluations, saved and spread (parts of the run's time), repeats, verdict, reason}.
--- Or nil and the reason.
+-- same and own: {dt, steps, force_evaluations, saved and spread (relative to the run's time), repeats, verdict,
+-- reason}. Or nil and the reason.
 function cost.study(study)
-  local summary, refused = look(study)
+  local summary, refused = scene_parts(study)
   if not summary then return nil, refused end
   study.accuracy, study.done, study.seconds = summary.accuracy, 0, {}
   local tick = study.tick
   if tick then study.tick = function(done) tick(done, study.total) end end
   local parts = parts_in(summary)
-  local whole_case, disturbed = whole_runs(study)
+  local whole_case, perturbed = whole_runs(study)
   local whole = whole_case.result
   if whole.failed then return nil, "the whole scene: " .. whole.failed end
   study.whole, study.extent = whole, extent_of(whole.states)
-  study.chance, study.chance_why = chance_of(whole, disturbed)
+  study.chance, study.chance_why = chance_of(whole, perturbed)
   study.chaotic = study.chance and study.chance.x > CHAOS * study.extent or false
   study.repeats = study.repeats or math.max(5, math.min(25, math.ceil(0.2 / whole.step_wall_s)))
   own_runs(study, whole, parts)

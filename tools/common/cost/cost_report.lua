@@ -1,4 +1,4 @@
--- A study of costs (common/cost/cost.lua) in words, tables and plain data.
+-- The report of a study of costs (common/cost/cost.lua) as sentences, tables and plain data.
 local cost = require("common.cost.cost")
 
 local report = {}
@@ -70,7 +70,7 @@ local function print_heading(study)
     or ("what a disturbed start changes is not known: %s"):format(study.chance_why))
 end
 
--- An adaptive method takes other steps without the part: there is no same step then.
+-- An adaptive method takes other steps without the part, so the table has no column for equal steps.
 local function print_table(study)
   local row = "  %-16s %-11s %18s %18s %9s %12s %12s"
   print("\n" .. row:format("without", "kind", "saves, same step", "saves, own step", "steps", "evaluations",
@@ -109,7 +109,7 @@ local function print_sentences(study)
   for _, part in ipairs(study.parts) do print(sentence(study, part)) end
 end
 
--- What is printed as JSON: the study without states and cases.
+-- The data printed as JSON: the study without states and cases.
 function report.plain(study)
   local out = { scene = study.whole.scene, integrator = study.whole.integrator, accuracy = study.accuracy,
     extent = study.extent, seconds = study.seconds, repeats = study.repeats, chance = study.chance,

@@ -1,18 +1,19 @@
--- One run of a scene, in a process of its own: what diverges, crashes or runs away takes nothing else with it.
+-- One run of a scene, in a process of its own, so that a run that diverges, crashes or never ends does not affect the
+-- others.
 --
 -- A case is a table:
 --   scene                     the script's path
 --   params                    { name = value } of the scene
 --   integrator, solver        "name" or "name:parameter=value,..."; nil: the scene's choice
 --   dt, tol, ["until"], accuracy, seed, threads (1), without (labels), step_limit, perturb, perturb_seed, ignore_exact
---                             as hooke run and core/run.h have them
+--                             as in hooke run and core/run/run.h
 --   verify                    true: checked by a second run (hooke run --verify; always, where the scene asks for accuracy)
 --   timeout                   s, of wall time; the process is then ended
---   frames                    true: the states of all frames are at hand to `finish`, packed (tools/native/states.c)
+--   frames                    true: `finish` gets the states of all frames, packed (tools/native/states.c)
 --   finish                    function(result, states) called in the process after the run: adds to the result
 --   keep                      true: result.states comes back, too
--- A result is the run's summary (scripts/README.md, run:summary) with, when there is none, `failed`, the cause as a
--- text, and `fits` = false when the scene or its options were refused before the first step.
+-- A result is the run's summary (scripts/README.md, run:summary) or, without one, `failed`, the cause as a text, and
+-- `fits` = false when the scene or its options were refused before the first step.
 local process = require("process")
 
 local case_process = {}
@@ -42,7 +43,7 @@ local function advance(scene, case, states)
   return run
 end
 
--- The case, here: the process of the caller is at its mercy. The second result is the list of states.
+-- Runs the case in the process of the caller, which a crash would end. The second result is the list of states.
 function case_process.execute(case)
   local scene, refused = hooke.load(case.scene, case.params, options_of(case))
   if not scene then return { failed = refused, fits = false } end
@@ -62,12 +63,12 @@ function case_process.execute(case)
   return result, states
 end
 
--- Loads the plugins that a case names, so that the processes that run it need not.
-local warmed = {}
+-- Loads the plugins that a case names before the fork, so that the processes of cases need not load them.
+local loaded = {}
 function case_process.warm(case)
   local key = case.scene .. "\0" .. (case.integrator or "") .. "\0" .. (case.solver or "")
-  if warmed[key] then return end
-  warmed[key] = true
+  if loaded[key] then return end
+  loaded[key] = true
   local scene = hooke.load(case.scene, case.params, options_of(case))
   if not scene then return end
   for method, choice in pairs { integrator = case.integrator, solver = case.solver } do
@@ -77,7 +78,7 @@ end
 
 -- ---- processes ----
 
--- A value as Lua's own text, numbers to the last bit.
+-- A value as text of a Lua expression, with all bits of numbers.
 local function dump(value)
   if type(value) ~= "table" then return ("%q"):format(value) end
   local parts = {}
@@ -148,8 +149,8 @@ local function watch(jobs)
   return ended
 end
 
--- Runs cases, `jobs` at a time: next() gives one or nil, done(case, result) takes each as it ends (in any order), and
--- tick() is called some times a second.
+-- Runs cases, `jobs` at a time: next() returns a case or nil, done(case, result) is called for each case at its end (in
+-- any order), and tick() some times per second.
 function case_process.each(jobs, next, done, tick)
   local running, count, more = {}, 0, true
   while more or count > 0 do
@@ -169,7 +170,7 @@ function case_process.each(jobs, next, done, tick)
   end
 end
 
--- One case.
+-- Runs one case.
 function case_process.run(case)
   local result
   local rest = { case }

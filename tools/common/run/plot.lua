@@ -1,6 +1,6 @@
--- Diagrams through gnuplot: data and script are written beside the pictures (NAME.dat, NAME.gp), so that anybody can
--- draw them again, and NAME.png and NAME.svg are made of them. Curves differ by dash and by point type as well as by
--- colour (Okabe and Ito 2008), so they can be told apart in black and white; the legend stands outside.
+-- Diagrams through gnuplot: data and script are written beside the pictures (NAME.dat, NAME.gp), so that users can draw
+-- them again, and NAME.png and NAME.svg are made of them. Curves differ by dash and by point type as well as by colour
+-- (Okabe and Ito 2008), so they can be told apart in black and white; the legend stands outside.
 --
 --   plot.draw("out/bench/circle/bench", {
 --     title = , x = { label = , log = true, min =, max = }, y = { ... },
@@ -11,14 +11,14 @@
 --     width = 1200, height = 760,                             -- pixels of the PNG; higher where the legend needs it
 --     matrix = { rows = { { x, y, z }, ... }, label = }       -- a heat map instead of curves
 --   })
--- returns true; or nil and why there is no picture (the files are written all the same).
+-- returns true; or nil and the reason why there is no picture (data and script are written in any case).
 local plot = {}
 
 local colours = { "#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F" }
-local points = { 7, 5, 9, 11, 13, 6, 4, 8, 10, 12, 2, 1, 3 } -- gnuplot's: filled ones first
+local points = { 7, 5, 9, 11, 13, 6, 4, 8, 10, 12, 2, 1, 3 } -- gnuplot's point types, filled ones first
 local dashes = { "1", "(12,5)", "(4,4)", "(14,4,3,4)", "(14,4,3,4,3,4)", "(20,6)" }
 
--- A text in gnuplot's quotes, on one line; "_" and the like are letters.
+-- A text in gnuplot's quotes, on one line; "_" and similar characters are printed as they are.
 function plot.quote(text)
   return "'" .. text:gsub("%c", " "):gsub("'", "''") .. "'"
 end
@@ -87,7 +87,7 @@ end
 
 local function heat_map(figure, lines)
   lines[#lines + 1] = "unset grid"
-  lines[#lines + 1] = "set palette cubehelix start 0.5 cycles -1 saturation 1" -- its lightness grows evenly
+  lines[#lines + 1] = "set palette cubehelix start 0.5 cycles -1 saturation 1" -- its lightness increases uniformly
   if figure.matrix.label then
     lines[#lines + 1] = ("set cblabel %s noenhanced"):format(plot.quote(figure.matrix.label))
   end
@@ -119,12 +119,12 @@ local terminals = {
 
 local function shell(text) return "'" .. text:gsub("'", "'\\''") .. "'" end
 
--- What gnuplot says, or nil when all went well.
+-- Runs gnuplot; returns its error message, or nil on success.
 local function render(folder, name, figure)
   local script = {}
   for _, terminal in ipairs(terminals) do
     script[#script + 1] = terminal.text:format(figure.width or 1200,
-      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- room for the legend
+      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- height for the legend
     script[#script + 1] = ("set output '%s.%s'"):format(name, terminal.ending)
     script[#script + 1] = ("load '%s.gp'"):format(name)
   end

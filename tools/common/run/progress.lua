@@ -1,6 +1,6 @@
 -- Progress of many small pieces of work, on standard error: on a terminal one line that is written over, in a pipe a
--- plain line every few seconds. Counts of pieces are enough; the rest of the time is estimated from them, or from the
--- part done (0 to 1) where the caller knows better, such as when late pieces cost more than early ones.
+-- plain line every few seconds. The remaining time is estimated from the number of finished pieces, or from the
+-- fraction done (0 to 1) where the caller gives it, such as when late pieces cost more than early ones.
 --
 --   local bar = progress.new { what = "bench", total = 40 }   -- total may be nil: not known
 --   bar:add()            one more is done;  bar:add { failed = true, note = "rk4, dt 1e-3" }
@@ -13,7 +13,7 @@ local progress = {}
 local bar = {}
 bar.__index = bar
 
-local every = { terminal = 0.1, pipe = 5 } -- s between two drawings
+local every = { terminal = 0.1, pipe = 5 } -- s between two updates
 
 -- options: what, total, done (already, from an earlier run: not counted in the rate), quiet, out (standard error)
 function progress.new(options)
@@ -71,7 +71,7 @@ function bar:tick()
   if process.clock() - self.drawn_at >= (self.terminal and every.terminal or every.pipe) then self:draw() end
 end
 
--- what: { failed, note, part (of all the work that is done now, 0 to 1), count (1) }
+-- what: { failed, note, part (fraction of all the work that is done, 0 to 1), count (1) }
 function bar:add(what)
   what = what or {}
   self.done = self.done + (what.count or 1)
@@ -94,7 +94,7 @@ function bar:say(text)
   if self.terminal then self:draw() end
 end
 
--- In a pipe the last state is worth a line only where lines were written before.
+-- In a pipe the last state is written only when lines were written before.
 function bar:finish()
   local written = not self.terminal and self.drawn_at > self.begun
   clear(self)

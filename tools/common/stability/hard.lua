@@ -1,14 +1,14 @@
--- The corpus of hard cases (tests/hard/README.md): every case is run with every integrator that fits, judged blind, and
--- set against what its file says is right.
+-- The corpus of hard cases (tests/hard/README.md): every case is run with every integrator that fits, judged without
+-- its exact solution, and compared with the result that its file requires.
 --
--- A cell is a run with the default step, or, below the matrix, one that the case names in `also`. It ends as
+-- A cell is a run with the default step, or, below the matrix, a run that the case names in `also`. It ends as
 --   ok    verdict ok, within the case's bound
 --   wrong verdict ok, beyond the bound: the one failure that cannot be accepted
---   said  any other verdict: the run itself says that it is not to be trusted
+--   said  any other verdict: the run itself reports that it is not accurate
 --   limit ended by the limit of steps, and so never judged
 --   unfit the integrator does not take the scene
 --   crash, timeout
--- and `failed` holds why that is not right: `must` names the integrators that have to end as ok, or is "none".
+-- and `failed` is the reason why this end is wrong: `must` names the integrators that have to end as ok, or is "none".
 local json = require("cjson").new()
 local lfs = require("lfs")
 local case_process = require("common.run.case_process")
@@ -17,7 +17,7 @@ local hard = {}
 
 hard.step_limit = 10000
 
--- ---- what a case's file says ----
+-- ---- the metadata of a case ----
 
 local known = { "what", "right", "must", "also", "long", "trust" }
 
@@ -33,7 +33,7 @@ local function words(text)
   return list
 end
 
--- "implicit_midpoint dt=1/60" -> a run; or nil and why not.
+-- "implicit_midpoint dt=1/60" -> a run; or nil and the reason.
 local function read_run(text)
   local run = { text = text }
   for word in text:gmatch("%S+") do
@@ -55,7 +55,7 @@ local function read_also(text)
   return list
 end
 
--- The metadata of a case from its first block comment; or nil and what is wrong with it.
+-- The metadata of a case from its first block comment; or nil and the error in it.
 function hard.read(path)
   local file, why = io.open(path)
   if not file then return nil, why end
@@ -82,12 +82,12 @@ function hard.read(path)
   return case
 end
 
--- The cases of a folder, by name; or nil and why not.
+-- The cases of a folder, by name; or nil and the reason.
 function hard.cases(folder)
   local cases = {}
   if lfs.attributes(folder, "mode") ~= "directory" then return nil, folder .. " is not a folder of cases" end
   for file in lfs.dir(folder) do
-    if file:match("^[^_].*%.lua$") then -- _NAME.lua is what cases share
+    if file:match("^[^_].*%.lua$") then -- _NAME.lua is a module shared by cases
       local case, why = hard.read(folder .. "/" .. file)
       if not case then return nil, why end
       cases[#cases + 1] = case
@@ -98,7 +98,7 @@ function hard.cases(folder)
   return cases
 end
 
--- ---- which runs there are ----
+-- ---- the runs of the matrix ----
 
 local function has(list, name)
   for _, one in ipairs(list) do
@@ -107,7 +107,7 @@ local function has(list, name)
   return false
 end
 
--- Every name in `must` and `also` has to be an integrator: a slip there would be a demand that nobody checks.
+-- Every name in `must` and `also` has to be an integrator: with a misspelt name the requirement would not be checked.
 function hard.check(cases, integrators)
   for _, case in ipairs(cases) do
     local named = { table.unpack(case.must) }
@@ -124,13 +124,13 @@ function hard.check(cases, integrators)
 end
 
 local function cell_of(case, run, options)
-  return { case = case, run = run, must = not run.text and has(case.must, run.integrator), trial = {
+  return { case = case, run = run, must = not run.text and has(case.must, run.integrator), process_case = {
     scene = case.path, integrator = run.integrator, dt = run.dt, tol = run.tol, ignore_exact = true, trust = true,
     params = case.trust and { fixtures = hooke.plugins .. "/../tests/fixtures" } or nil,
     step_limit = not options.long and hard.step_limit or nil, timeout = options.timeout } }
 end
 
--- The cells of all cases for the integrators chosen (of which some may be named by `also` alone).
+-- The cells of all cases for the chosen integrators (some of which only `also` may name).
 function hard.cells(cases, integrators, options)
   local cells = {}
   for _, case in ipairs(cases) do
@@ -142,7 +142,7 @@ function hard.cells(cases, integrators, options)
   return cells
 end
 
--- ---- how they end ----
+-- ---- running and judging the cells ----
 
 local function ending(r)
   if r.verdict == "timeout" then return "timeout" end
@@ -173,17 +173,17 @@ end
 -- Runs the cells, `jobs` at a time; done(cell) as each ends.
 function hard.run(cells, jobs, done, tick)
   local of, k = {}, 0
-  for _, cell in ipairs(cells) do of[cell.trial] = cell end
+  for _, cell in ipairs(cells) do of[cell.process_case] = cell end
   case_process.each(jobs, function()
     k = k + 1
-    return cells[k] and cells[k].trial
+    return cells[k] and cells[k].process_case
   end, function(case, result)
     take(of[case], result)
     if done then done(of[case]) end
   end, tick)
 end
 
--- ---- what is printed ----
+-- ---- printing ----
 
 local mark = { ok = "ok", wrong = "!!", said = "x", limit = "..", unfit = "-", timeout = "T", crash = "#" }
 
@@ -192,7 +192,7 @@ local function mark_of(cell)
   return cell.failed and cell.ended ~= "wrong" and mark[cell.ended] .. "!" or mark[cell.ended]
 end
 
--- Names that hang over their columns, each a line lower than the one before it.
+-- The names of the columns, each one line below the name before it.
 local function header(integrators, width)
   local lines = {}
   for k, name in ipairs(integrators) do

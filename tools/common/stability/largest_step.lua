@@ -1,17 +1,19 @@
--- The largest stable step on a scene, measured by runs, beside the estimate that dt = auto starts from.
+-- The largest stable step on a scene, measured by runs, and compared with the estimate that dt = auto uses.
 --
--- Two runs of the same steps start 1e-8 of the scene's extent apart. Their distance, RMS over the particles, keeps its
--- size while the step is stable, for every mode swings on; above the limit it grows by a factor a step. A step counts as
--- unstable when a run diverges or the largest distance of the last quarter of 600 steps is four times that of the
--- second quarter. What grows as much in the same time at a third of the step is the scene's own (a cloth that buckles)
--- and does not count. The bracket is halved to 2 %, from the estimate up and down.
+-- Two runs with the same steps have start positions that differ by 1e-8 of the scene's extent. Their distance, RMS over
+-- the particles, keeps its size while the step is stable, since every mode oscillates; above the limit it grows by a
+-- factor per step. A step counts as unstable when a run diverges or the largest distance of the last quarter of 600
+-- steps is four times that of the second quarter. Growth of the same size in the same time at a third of the step is an
+-- instability of the scene (a cloth that buckles) and does not count. The search starts from the estimate, and its
+-- bracket is halved to 2 %.
 --
--- A mode that grows by less than 1 % a step is not seen in 600: where the estimate seems to be too small, 16 times as
--- many are tried with the step that it should have allowed, and the search goes on with so many if that grows. That does
--- for all methods but those that only damping keeps stable, growing without it by (h w)^4/8 a step or so: the runs see
--- nothing yet where they begin to, and so it is no fault in their estimate to be much shorter ("slow").
+-- A mode that grows by less than 1 % per step is not detected in 600 steps: where the estimate seems too small, 16
+-- times as many steps are tried with the step that it should have allowed, and the search continues with this number if
+-- the distance grows. This suffices for all methods except those that are stable only with damping and grow without it
+-- by about (h w)^4/8 per step: runs do not detect the beginning of this growth, so a much smaller estimate is not an
+-- error ("slow").
 --
--- A motion may stiffen the scene on the way: the estimate that counts is the least of those made during the run.
+-- A motion may stiffen the scene: the smallest estimate of the run is compared.
 local json = require("cjson").new()
 local plot = require("common.run.plot")
 local process = require("process")
@@ -25,8 +27,8 @@ json.decode_invalid_numbers(true)
 local largest_step = {}
 
 local frames, apart, growth_limit, own_part, precision = 600, 1e-8, 4, 3, 0.02
-local strides = { 1, 16 } -- steps in a frame
-largest_step.least = 0.8 -- of the measured limit: what the estimate has to reach
+local strides = { 1, 16 } -- steps per frame
+largest_step.least = 0.8 -- smallest allowed ratio of the estimate to the measured limit
 
 -- ---- one step, stable or not ----
 
@@ -43,7 +45,8 @@ local function largest(a, b, from, to)
   return most
 end
 
--- How the distance grows, and the least estimate on the way. math.huge: a run diverged. nil and why: it could not start.
+-- The growth of the distance, and the smallest estimate of the run. math.huge: a run diverged. nil and the reason: it
+-- could not start.
 local function growth_of(task, step, stride)
   local first, a = case_process.execute(case_of(task, step, stride, 0))
   if first.fits == false then return nil, first.failed end
@@ -53,7 +56,7 @@ local function growth_of(task, step, stride)
   return largest(a, b, 3 * quarter, frames) / largest(a, b, quarter, 2 * quarter), first.dt_limit
 end
 
--- Whether a step is stable, with the least estimate on the way; or nil and why it cannot be told.
+-- Whether a step is stable, and the smallest estimate of the run; or nil and the reason why it cannot be determined.
 local function stable(task, step, stride)
   local growth, estimate = growth_of(task, step, stride)
   if not growth then return nil, estimate end
@@ -64,7 +67,7 @@ end
 
 -- ---- the limit ----
 
--- Goes from a step to one that is stable and one that is not, in steps of 12 %, and halves what is between them.
+-- Finds a stable and an unstable step from a start value in steps of 12 %, and bisects the interval between them.
 local function search(task, step, stride)
   local found = { low = 0, high = math.huge, stride = stride }
   while found.low == 0 or found.high > found.low * (1 + precision) do
@@ -77,7 +80,7 @@ local function search(task, step, stride)
   return found
 end
 
--- The bracket { low =, high = } of the largest stable step: low is stable, high is not. Or nil and why.
+-- The bracket { low =, high = } of the largest stable step: low is stable, high is not. Or nil and the reason.
 local function bracket(task)
   local found, why = search(task, task.estimate, strides[1])
   for k = 2, #strides do
@@ -88,7 +91,7 @@ local function bracket(task)
   return found, why
 end
 
--- ---- what there is to measure ----
+-- ---- the tasks ----
 
 local function copy(t, name, value)
   local c = {}
@@ -100,7 +103,7 @@ end
 local usual = { { "k", { 1e2, 1e5 } }, { "damping", { 0, 0.1, 1 } }, { "ratio", { 1e-2, 1e4 } },
   { "N", { 16 } } }
 
--- "k=1e2,1e4" -> { "k", { "1e2", "1e4" } }; or nil and why not.
+-- "k=1e2,1e4" -> { "k", { "1e2", "1e4" } }; or nil and the reason.
 function largest_step.ladder(text)
   local name, values = text:match("^([%a_][%w_]*)=(.+)$")
   local list = {}
@@ -109,7 +112,7 @@ function largest_step.ladder(text)
   return { name, list }
 end
 
--- The usual ladders over those parameters that the scene has.
+-- The usual lists of values, for those parameters that the scene has.
 function largest_step.usual(path, given)
   local list = {}
   for _, ladder in ipairs(usual) do
@@ -119,13 +122,13 @@ function largest_step.usual(path, given)
 end
 
 -- Whether a method needs damping to be stable at small steps.
-local function slow(plugin)
+local function needs_damping(plugin)
   local stated = stability_region.stated(plugin)
   return stated ~= nil and stated(0.3, 0) > 1 + 1e-9
 end
 
--- The scene as given, and with every value of every ladder in turn: tasks with the estimate of each integrator. Those
--- without a useful step are left out. Or nil and why.
+-- The scene as given, and with every value of every list in turn: tasks with the estimate of each integrator. Those
+-- without a useful step are omitted. Or nil and the reason.
 function largest_step.tasks(path, given, ladders, plugins)
   local variants, tasks, wanted = { { params = given, name = "", value = "" } }, {}, {}
   for _, plugin in ipairs(plugins) do
@@ -143,7 +146,7 @@ function largest_step.tasks(path, given, ladders, plugins)
       if wanted[step.name] and step.limit > 0 and step.limit < math.huge then
         tasks[#tasks + 1] = { scene = path, params = variant.params, name = variant.name, value = variant.value,
           integrator = step.name, estimate = step.limit, suggestion = step.suggestion, w = e.spectrum.w_max,
-          g = e.spectrum.g_max, particles = e.particles, slow = slow(wanted[step.name]) }
+          g = e.spectrum.g_max, particles = e.particles, slow = needs_damping(wanted[step.name]) }
       end
     end
   end
@@ -151,7 +154,7 @@ function largest_step.tasks(path, given, ladders, plugins)
   return tasks
 end
 
--- ---- all of them ----
+-- ---- measuring all tasks ----
 
 local function take(task, text)
   local fine, found = pcall(json.decode, text)
@@ -169,7 +172,8 @@ local function work(task, fd)
   process.exit(0)
 end
 
--- Measures the tasks, `jobs` at a time: fills low and high (s) or why, and above and below, which must not be.
+-- Measures the tasks, `jobs` at a time: sets low and high (s) or why, and above and below, which mark an error of the
+-- estimate.
 function largest_step.run(tasks, jobs, done, tick)
   local running, count, next = {}, 0, 1
   while next <= #tasks or count > 0 do
@@ -195,7 +199,7 @@ function largest_step.run(tasks, jobs, done, tick)
   end
 end
 
--- ---- what is said of them ----
+-- ---- the report ----
 
 largest_step.columns = { "integrator", "parameter", "value", "estimate", "estimate_later", "dt_auto", "limit_low", "limit_high",
   "ratio", "above", "below", "w_max", "g_max", "particles", "steps", "reason" }
@@ -248,7 +252,7 @@ function largest_step.table(tasks)
   return table.concat(lines, "\n")
 end
 
--- What is wrong, a line each.
+-- The errors found, one line each.
 function largest_step.wrong(tasks)
   local list = {}
   for _, task in ipairs(tasks) do

@@ -1,6 +1,6 @@
--- A square cloth, plain but for what makes a step short: stiffness, damping, unequal masses and fine meshes. It lies in
--- equilibrium without any weight, so that what grows is the method's own: `hooke stability` measures the estimates of
--- stable steps on it.
+-- A simple square cloth with the properties that limit a step: stiffness, damping, unequal masses and fine meshes. It
+-- is in equilibrium without weight, so that any growth is an instability of the method: `hooke stability` measures the
+-- estimates of stable steps on it.
 local N = param("N", 8, "particles along one side", { min = 3 })
 local k = param("k", 1000, "structural stiffness, N/m", { min = 0 })
 local damping = param("damping", 0.02, "structural damping, N s/m", { min = 0 })

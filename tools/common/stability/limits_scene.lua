@@ -1,5 +1,5 @@
--- Another scene, with frames of a given number of steps: common/stability/largest_step.lua chooses a step freely that way, and sees
--- states as often as it needs. (Runs with full rights, as it runs the scene's own script.)
+-- Runs another scene with frames of a given number of steps, so that common/stability/largest_step.lua can choose the
+-- step and the times of the recorded states. (Runs with full rights, as it runs the scene's own script.)
 local path = param("limits_scene", "", "the scene's script")
 local step = param("limits_step", 1, "length of a step, s")
 local stride = param("limits_stride", 1, "steps in a frame")

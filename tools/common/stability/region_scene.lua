@@ -1,6 +1,7 @@
--- Linear oscillators x'' = -g x' - w^2 x side by side, in steps of 1 s: what common/stability/stability_region.lua measures growth on.
--- Each is a mass of 1 kg on a spring without rest length, whose force is linear however far it moves along itself. It is
--- there twice, from (x, v) = (1, 0) and from (0, s), where s is the fastest rate.
+-- Linear oscillators x'' = -g x' - w^2 x next to each other, in steps of 1 s: the scene on which
+-- common/stability/stability_region.lua measures growth. Each is a mass of 1 kg on a spring without rest length, whose
+-- force is linear for any displacement along its line. Each has two copies, with the start values (x, v) = (1, 0) and
+-- (0, s), where s is the fastest rate.
 local points = param("points", "1 0", "w (1/s) and g (1/s) of each oscillator")
 local steps = param("steps", 24, "steps")
 

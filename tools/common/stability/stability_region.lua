@@ -1,15 +1,15 @@
--- Stability on the linear oscillator x'' = -g x' - w^2 x: what a method's own steps do, beside what its plugin states
--- and what theory knows.
+-- Stability on the linear oscillator x'' = -g x' - w^2 x: the measured stability of a method's steps, compared with the
+-- growth that its plugin states and with theory.
 --
--- Growth is measured on runs of hooke itself (region_scene.lua: hundreds of oscillators in one). What a step hands on is
--- linear, so positions and velocities obey a linear recurrence s(k+p) = sum c_j s(k+j), whose characteristic roots are
--- those of the step, p = 2 for a one-step method and more with a history (Prony 1795). The least p whose least-squares
--- residual is rounding is taken, and its largest root is the growth. Components too small to be seen in the residual are
--- those that have died out, so they are not the largest.
+-- Growth is measured on runs of hooke itself (region_scene.lua: hundreds of oscillators in one). A step is a linear
+-- map, so positions and velocities obey a linear recurrence s(k+p) = sum c_j s(k+j), whose characteristic roots are
+-- those of the step, p = 2 for a one-step method and more with a history (Prony 1795). The smallest p whose
+-- least-squares residual is at rounding level is taken, and its largest root is the growth. Components too small to
+-- affect the residual have decayed, so they are not the largest.
 --
--- The largest stable step is the first h w at which a motion grows by more than 1e-10 a step (rounding aside): a ladder
--- of 4 %, then refinement. Its first rung is h max(w, g) = 0.05, where methods that are stable nowhere grow by h^4 w^4/8
--- = 8e-7; a limit below counts as none.
+-- The largest stable step is the first h w at which a motion grows by more than 1e-10 per step (apart from rounding):
+-- it is searched in steps of 4 % and then refined. The search begins at h max(w, g) = 0.05, where methods that are
+-- stable nowhere grow by h^4 w^4/8 = 8e-7; a limit below that counts as none.
 local amplification = require("amplification")
 local json = require("cjson").new()
 local plot = require("common.run.plot")
@@ -24,10 +24,10 @@ local stability_region = {}
 stability_region.ratios = { 0, 0.01, 0.1, 0.5, 1, 2, 10 } -- damping over critical damping, xi = g/(2 w)
 
 local steps, startup, most_order = 26, 8, 7
--- The residual of the right recurrence is 1e-15 to 1e-10, depending on the method's algebraic tolerance; a longer one is
--- taken where it fits a hundred times better. A motion that falls below 1e-5 of what it was is soon in the rounding of
--- the others, where a recurrence could be fitted to anything: it is judged by its fall.
-local rounding, residual_limit, better, unseen = 1e-13, 1e-8, 0.01, 1e-5
+-- The residual of the right recurrence is 1e-15 to 1e-10, depending on the method's algebraic tolerance; a longer one
+-- is taken where it fits a hundred times better. A motion that decays below 1e-5 of its size at the start soon reaches
+-- rounding level, where any recurrence fits: the growth is then taken from the decay itself.
+local rounding, residual_limit, better, decay_limit = 1e-13, 1e-8, 0.01, 1e-5
 
 -- ---- growth of a sequence ----
 
@@ -42,7 +42,7 @@ local function size_of(sequences, first, last)
   return size
 end
 
--- Rows s(k) .. s(k+p-1) | s(k+p) of all sequences, each scaled to 1, but for those of rounding.
+-- Rows s(k) .. s(k+p-1) | s(k+p) of all sequences, each scaled to 1, without those at rounding level.
 local function equations(sequences, p)
   local rows = {}
   for k = startup, #sequences[1] - p do
@@ -50,7 +50,7 @@ local function equations(sequences, p)
     for _, s in ipairs(sequences) do
       local row, size = {}, size_of({ s }, k, k + p)
       for j = 0, p do row[j + 1] = s[k + j] / size end
-      if size > unseen * common then rows[#rows + 1] = row end
+      if size > decay_limit * common then rows[#rows + 1] = row end
     end
   end
   return rows
@@ -113,22 +113,22 @@ local function largest_root(c, p)
   return math.exp(logarithm)
 end
 
--- The last step at which the motion is well above what it was at most before.
-local function seen(sequences)
+-- The last step before the motion decays below `decay_limit` times its largest size.
+local function last_before_decay(sequences)
   local most = 0
   for k = 1, #sequences[1] do
     local size = size_of(sequences, k, k)
     most = math.max(most, size)
-    if size <= unseen * most then return k - 1 end
+    if size <= decay_limit * most then return k - 1 end
   end
   return #sequences[1]
 end
 
--- The growth factor of a step; nil: no recurrence is seen, the method is not linear in its steps.
+-- The growth factor of a step; nil: no recurrence fits, since the method's steps are not linear.
 function stability_region.growth_of(sequences)
   local count = #sequences[1]
   if size_of(sequences, 1, count) == math.huge then return math.huge end
-  local last = seen(sequences)
+  local last = last_before_decay(sequences)
   if last < 3 then return 0 end
   if last < count then return (size_of(sequences, last, last) / size_of(sequences, 1, 1)) ^ (1 / (last - 1)) end
   local best, least = nil, residual_limit / better
@@ -142,15 +142,15 @@ end
 
 -- ---- growth of a method ----
 
--- The algebraic errors of implicit methods are to be those of rounding.
-local function exactly(plugin)
+-- The plugin with algebraic tolerances at rounding level, for implicit methods.
+local function with_small_tolerance(plugin)
   for _, param in ipairs(plugin.params) do
     if param.name == "tolerance" and param.initial[1] > 0 then return plugin.name .. ":tolerance=1e-13" end
   end
   return plugin.name
 end
 
--- Positions and scaled velocities of each point's two oscillators, step by step.
+-- The sequences of positions and scaled velocities of each point's two oscillators.
 local function sequences_of(list, points)
   local all = {}
   for k = 1, #points do all[k] = { {}, {}, {}, {} } end
@@ -158,7 +158,7 @@ local function sequences_of(list, points)
     local n = math.tointeger(string.unpack("d", list[step]))
     for k, point in ipairs(points) do
       for start = 0, 1 do
-        local at = 2 + n + 3 * (2 * k - 1 + start) -- doubles before the oscillator's x
+        local at = 2 + n + 3 * (2 * k - 1 + start) -- number of doubles before the oscillator's x
         all[k][1 + start][step - 1] = string.unpack("d", list[step], 1 + 8 * at)
         all[k][3 + start][step - 1] = string.unpack("d", list[step], 1 + 8 * (at + 3 * n))
           / math.max(1, point[1], point[2])
@@ -168,13 +168,13 @@ local function sequences_of(list, points)
   return all
 end
 
--- Measured growth factors at points {hw, hg}; nil and the reason when the run did not go through. `false` in place of a
--- number: the method is not linear there, or leaves its step.
+-- Measured growth factors at points {hw, hg}; nil and the reason when the run failed. `false` in place of a number: the
+-- method is not linear at this point, or changes its step.
 function stability_region.measure(plugin, points)
   local text = {}
   for k, point in ipairs(points) do text[k] = ("%.17g %.17g"):format(point[1], point[2]) end
   local result, list = case_process.execute { scene = hooke.folder .. "/common/stability/region_scene.lua",
-    integrator = exactly(plugin), params = { points = table.concat(text, " "), steps = steps }, frames = true }
+    integrator = with_small_tolerance(plugin), params = { points = table.concat(text, " "), steps = steps }, frames = true }
   if result.failed then return nil, result.failed end
   if result.steps ~= steps then return nil, ("it took %d steps where %d were given"):format(result.steps, steps) end
   local growth = {}
@@ -191,8 +191,9 @@ function stability_region.stated(plugin) return amplification.open(plugin.path) 
 
 local first_rung = 0.05
 
--- Rungs of h max(w, g), in blocks: few run together, as what is far beyond its limit would take the run with it.
-local function ladder()
+-- The search values of h max(w, g), in blocks: few run together, since a motion far beyond its limit makes the whole
+-- run diverge.
+local function search_values()
   local list, x = { {} }, first_rung
   while x < 1e4 do
     local block = list[#list]
@@ -206,7 +207,7 @@ local function ladder()
   return list
 end
 
-local blocks = ladder()
+local blocks = search_values()
 
 local function scaled(block, ratio)
   local list = {}
@@ -214,7 +215,7 @@ local function scaled(block, ratio)
   return list
 end
 
--- Beyond rounding: of a double root, and of a matrix with (h w)^2 in it.
+-- Whether the growth exceeds 1 by more than the rounding errors of a double root and of a matrix with entries (h w)^2.
 local function grows(growth, point)
   local z = math.max(point[1], point[2])
   return growth > 1 + 1e-10 + 1e-15 * z * z
@@ -226,20 +227,21 @@ local function between(bracket, count)
   return list
 end
 
--- For each search the rungs to look at now; narrows its bracket to the first rung that grows. measure(points) -> growth.
-local function climb(searches, rungs_of, measure)
-  local points, who = {}, {}
+-- Measures the values values_of(search) of each search, and narrows its bracket to the first value that grows.
+-- measure(points) -> growth.
+local function narrow(searches, values_of, measure)
+  local points, owner = {}, {}
   for _, search in ipairs(searches) do
-    for _, hw in ipairs(rungs_of(search)) do
+    for _, hw in ipairs(values_of(search)) do
       points[#points + 1] = { hw, 2 * search.ratio * hw }
-      who[#who + 1] = search
+      owner[#owner + 1] = search
     end
   end
   local growth, why = measure(points)
   if not growth then return nil, why end
   local done = {}
   for k, point in ipairs(points) do
-    local search = who[k]
+    local search = owner[k]
     if not done[search] then
       if growth[k] == false then return nil, "no fixed linear step" end
       if grows(growth[k], point) then
@@ -252,7 +254,7 @@ local function climb(searches, rungs_of, measure)
   return true
 end
 
--- The limits of h w at the ratios, in their order: math.huge, any; 0, none. Or nil and why.
+-- The limits of h w at the ratios, in their order: math.huge: stable at any step; 0: at none. Or nil and the reason.
 function stability_region.limits(measure)
   local searches = {}
   for k, ratio in ipairs(stability_region.ratios) do searches[k] = { ratio = ratio, low = 0 } end
@@ -262,7 +264,7 @@ function stability_region.limits(measure)
       if not search.high then open[#open + 1] = search end
     end
     if #open == 0 then break end
-    local fine, why = climb(open, function(search) return scaled(block, search.ratio) end, measure)
+    local fine, why = narrow(open, function(search) return scaled(block, search.ratio) end, measure)
     if not fine then return nil, why end
   end
   local open = {}
@@ -270,7 +272,7 @@ function stability_region.limits(measure)
     if search.high and search.low > 0 then open[#open + 1] = search end
   end
   for _ = 1, #open > 0 and 3 or 0 do
-    local fine, why = climb(open, function(search) return between(search, 16) end, measure)
+    local fine, why = narrow(open, function(search) return between(search, 16) end, measure)
     if not fine then return nil, why end
   end
   local limits = {}
@@ -404,7 +406,7 @@ function stability_region.all(plugins, jobs, done, tick)
   return rows
 end
 
--- ---- what is said of them ----
+-- ---- evaluation ----
 
 local function apart(a, b)
   if a == b then return 0 end
@@ -413,7 +415,7 @@ end
 
 local function useful(limit, k) return limit * math.max(1, 2 * stability_region.ratios[k]) < first_rung and 0 or limit end
 
--- The largest relative difference of two lists of limits, and of how many; nil when there is nothing to compare.
+-- The largest relative difference of two lists of limits, and the number of limits compared; nil: none in common.
 function stability_region.difference(a, b)
   local worst, count = 0, 0
   for k = 1, #stability_region.ratios do
@@ -424,7 +426,8 @@ function stability_region.difference(a, b)
   if count > 0 then return worst, count end
 end
 
--- The search is precise to 1e-5, and where growth sets in with its square, 1e-10 a step adds as much.
+-- The search is precise to 1e-5, and where the growth begins quadratically, the threshold of 1e-10 per step has an
+-- error of the same size.
 stability_region.precision = 1e-4
 
 local function agreement(row, list)
@@ -483,7 +486,8 @@ end
 -- ---- pictures ----
 
 -- Of z = h lambda in the complex plane; the lower half mirrors the upper one. On both half-axes the root and its double
--- are taken: a method with one evaluation of the damping may bear less when the two roots differ (see the table).
+-- are taken: a method with one evaluation of the damping may have a smaller limit when the two roots differ (see the
+-- table).
 local grid = { low = -6, high = 2, top = 6, count = 160 }
 
 local function panel(stated)
@@ -501,7 +505,8 @@ local function title_of(plugin)
   return ("%s, order %d"):format(plugin.name, plugin.order)
 end
 
--- Draws the regions of all plugins that state their growth as NAME.png and NAME.svg; true, or nil and why not.
+-- Draws the regions of all plugins that state their growth as NAME.png and NAME.svg; returns true, or nil and the
+-- reason.
 function stability_region.draw(path, plugins)
   local data, panels = {}, {}
   for _, plugin in ipairs(plugins) do

@@ -1,11 +1,11 @@
--- Questions to hooke whose answer is small and whose cost is not: asked in a process of their own, so that what they
--- load (every plugin with its libraries, for the catalogue) does not make each fork of a case slower.
+-- Queries to hooke with a small answer that load much (the catalogue loads every plugin with its libraries): they run
+-- in a process of their own, so that this memory does not make each fork of a case slower.
 local json = require("cjson").new()
 local process = require("process")
 
 local child = {}
 
--- What f returns, as far as JSON can say it.
+-- The result of f, as far as JSON can represent it.
 function child.ask(f)
   local pid, fd = process.fork()
   if pid == 0 then
@@ -27,7 +27,7 @@ function child.ask(f)
   return said.answer
 end
 
--- { { kind, name, path, params = { { name } } } }: of hooke.catalogue() what a sweep needs.
+-- { { kind, name, path, params = { { name } } } }: the part of hooke.catalogue() that a sweep needs.
 local function plugins_here()
   local list = {}
   for k, plugin in ipairs((hooke.catalogue())) do

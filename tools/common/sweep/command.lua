@@ -5,7 +5,7 @@ local script = require("common.sweep.script")
 
 local command = {}
 
--- { name, its value, help, what the value is (a text), the largest }
+-- { name, placeholder of the value, help, type of the value (default: text), largest value }
 local options = {
   { "--integrators", "LIST", "of integrators: leapfrog,rk4,xpbd:substeps=10" },
   { "--dt", "VALUES", "of steps, s" },
@@ -113,7 +113,7 @@ local function words_of(text)
   return list
 end
 
--- The sweep's definition: the script's, or that of a single scene, with what the command line says instead.
+-- The sweep's definition: the script's, or that of a single scene, with the replacements of the command line.
 function command.define(asked)
   local file, why = io.open(asked.path)
   local text = file and file:read("a")

@@ -1,6 +1,6 @@
--- SQLite through luasql: a database that is opened with its schema, transactions, rows as tables. A call that the
--- database refuses raises an error with SQLite's words and the file's name. Several processes may write at the same
--- time: each waits for the others.
+-- SQLite through luasql: a database that is opened with its schema, transactions, rows as tables. A failed call raises
+-- an error with SQLite's message and the file's name. Several processes may write at the same time: each waits for the
+-- others.
 local database = {}
 database.__index = database
 
@@ -22,7 +22,7 @@ local function sqlite()
   return driver
 end
 
--- A value as it stands in SQL; nil is NULL. Text ends at a zero byte, so there it shows as \0.
+-- A value as SQL text; nil is NULL. SQL text ends at a zero byte, which is therefore written as \0.
 function database.quote(value)
   if value == nil then return "NULL" end
   if math.type(value) == "integer" then return ("%d"):format(value) end
@@ -49,7 +49,7 @@ function database.open(path, journal)
   local db = setmetatable({ connection = connection, path = path }, database)
   db:execute("PRAGMA busy_timeout = 60000")
   db:execute("PRAGMA journal_mode = " .. (journal or "wal"))
-  db:execute("PRAGMA synchronous = NORMAL") -- with the log, only a crash of the whole machine may cost the last rows
+  db:execute("PRAGMA synchronous = NORMAL") -- with the log, only a crash of the whole machine may lose the last rows
   return db
 end
 
@@ -67,7 +67,7 @@ end
 -- for row in db:rows(sql): tables by the names of the columns.
 function database:rows(sql)
   local cursor = run(self, sql)
-  return function() return cursor:fetch({}, "a") end -- closed at the end by the driver
+  return function() return cursor:fetch({}, "a") end -- the driver closes the cursor at its end
 end
 
 -- The first column of the first row, or nil.
@@ -78,7 +78,7 @@ function database:value(sql)
   return value
 end
 
--- All of what `act` does, or nothing.
+-- Calls `act` in one transaction: all of its changes are made, or none.
 function database:transaction(act)
   self:execute("BEGIN IMMEDIATE")
   local fine, message = pcall(act)

@@ -1,11 +1,12 @@
--- What a case's result depends on, as text and as a number: the scene's text, the files and plugins that it names, the
--- engine. A file counts by its bytes, whatever its date or place, so that the same case has the same key on every host.
+-- The data that a case's result depends on, as text and as a hash: the scene's text, the files and plugins that it
+-- names, the engine. A file is identified by its bytes, not its date or path, so that the same case has the same key on
+-- every host.
 local lfs = require("lfs")
 
 local digest = {}
 
--- 128 bits in two lanes of multiply, rotate and add, each finished by MurmurHash3's fmix64. No defence against an
--- adversary: whoever compares digests also compares what they stand for (sweep_store).
+-- 128 bits in two lanes of multiply, rotate and add, each finished by MurmurHash3's fmix64. The hash is not
+-- cryptographic: sweep/store.lua compares the texts as well when two hashes are equal.
 local function finish(h)
   h = (h ~ (h >> 33)) * 0xFF51AFD7ED558CCD
   h = (h ~ (h >> 33)) * 0xC4CEB9FE1A85EC53
@@ -45,9 +46,9 @@ function digest.file(path)
   return known[path]
 end
 
--- ---- what a scene names ----
+-- ---- files and plugins that a scene names ----
 
--- Calls found(text) for every string of Lua source that may be a name.
+-- Calls found(text) for every string of a Lua source that may be a name.
 local function literals(source, found)
   for text in source:gmatch('"([^"\n]+)"') do found(text) end
   for text in source:gmatch("'([^'\n]+)'") do found(text) end
@@ -58,7 +59,7 @@ local function beside(path)
 end
 
 -- The scene, and every file that a string in it names: modules that it requires, meshes, start states, and so on
--- through the modules; with the strings that were met. A name that the scene puts together is not seen.
+-- through the modules; also returns the strings found. A name that the scene composes of parts is not found.
 local function closure(scene)
   local files, order, words = {}, {}, {}
   local folder = beside(scene)
@@ -80,8 +81,9 @@ local function closure(scene)
   return order, words
 end
 
--- Of any method a scene may take without naming it: the default integrator, and the solvers that are chosen among.
-local function implied(plugin, case)
+-- Whether a scene may use the plugin without naming it: the default integrator, and the solvers among which a run
+-- chooses.
+local function may_be_used(plugin, case)
   return plugin.kind == "solver" and not case.solver or plugin.kind == "integrator" and plugin.name == "leapfrog"
 end
 
@@ -91,13 +93,13 @@ local function plugin_lines(plugins, words, case, lines)
     if case[key] then chosen[case[key]:match("^[^:]*")] = true end
   end
   for _, plugin in ipairs(plugins) do
-    if words[plugin.name] or chosen[plugin.name] or implied(plugin, case) then
+    if words[plugin.name] or chosen[plugin.name] or may_be_used(plugin, case) then
       lines[#lines + 1] = ("plugin %s %s %s"):format(plugin.kind, plugin.name, digest.file(plugin.path))
     end
   end
 end
 
--- The text that says what a case with this scene, integrator and solver runs on; plugins: hooke.catalogue().
+-- The text of everything that a case with this scene, integrator and solver depends on; plugins: hooke.catalogue().
 local grounds = {}
 function digest.grounds(case, plugins)
   local key = table.concat({ case.scene, case.integrator or "", case.solver or "" }, "\0")

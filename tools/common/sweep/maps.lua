@@ -1,4 +1,4 @@
--- Heat maps of a sweep: a measure as colour over two parameters, a picture for each combination of the others.
+-- Heat maps of a sweep: a measure as colour over two parameters, one picture for each combination of the others.
 local plan = require("common.sweep.plan")
 local plot = require("common.run.plot")
 local points = require("common.sweep.points")
@@ -6,7 +6,7 @@ local rows = require("common.sweep.table")
 
 local maps = {}
 
--- Columns and rows are the parameters' values in order, so cells are equal whatever the spacing.
+-- Columns and rows are the parameters' values in order, so all cells have the same size for any spacing.
 local function cells(cases, measure, x, y)
   local at, numbers = {}, {}
   for _, case in ipairs(cases) do
@@ -32,14 +32,14 @@ local function matrix_of(at, xs, ys)
   return list
 end
 
--- At most twelve labels.
+-- Tics with at most twelve labels.
 local function cell_tics(letter, values)
   local list, every = {}, (#values + 11) // 12
   for k = 1, #values, every do list[#list + 1] = ("%s %d"):format(plot.quote(points.text(values[k])), k) end
   return ("set %stics (%s)"):format(letter, table.concat(list, ", "))
 end
 
--- Ever lighter, but never white: that is a cell without a result.
+-- The lightness increases with the value and stays below white, which marks a cell without a result.
 local colour_scale = "set palette defined (0 '#2A0A4A', 1 '#3B4F8B', 2 '#21908C', 3 '#5DC863', 4 '#FDE725')"
 
 local function draw_map(the, figure, group, path)
@@ -66,7 +66,7 @@ local function groups_of(the, figure)
   return points.grouped(the.cases, names), names
 end
 
--- Refuses what cannot be drawn, before the first case runs.
+-- Refuses figures that cannot be drawn, before the first case runs.
 function maps.check(the, figure)
   for _, name in ipairs(points.over(figure)) do
     if not points.axis(the, name) or points.sampled(the, name) then

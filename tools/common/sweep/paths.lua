@@ -12,7 +12,7 @@ local marks = { 7, 5, 9, 11, 13, 6, 4 }
 local words = {}
 for word in ("t pi sin cos tan exp log sqrt abs sinh cosh tanh"):gmatch("%a+") do words[word] = true end
 
--- Formulas of t go to gnuplot as they are: nothing but arithmetic is let through.
+-- Formulas of t are passed to gnuplot, so only arithmetic is allowed.
 local function check_formula(text)
   if type(text) ~= "string" or text:find("[^%w%s+*/()^:.-]") then
     plan.refuse("plots: curves: '%s' is not a formula of t", tostring(text))
@@ -22,7 +22,7 @@ local function check_formula(text)
   end
 end
 
--- Refuses what cannot be drawn, before the first case runs.
+-- Refuses figures that cannot be drawn, before the first case runs.
 function paths.check(the, figure)
   if not the.definition.paths then
     plan.refuse("plots: path: paths = { %s } keeps the path of particle %s", figure.path, figure.path)
@@ -58,7 +58,7 @@ local function panel_items(the, results, figure, panel, blocks)
     end
     if #places > 0 then
       local name = ("PATH%d"):format(#blocks + 1)
-      local size = 0.5 + 0.8 * (#panel - k) / #panel -- what lies under another path looks out
+      local size = 0.5 + 0.8 * (#panel - k) / #panel -- a path below another one remains visible at its edges
       blocks[#blocks + 1] = { name = name, rows = places }
       items[#items + 1] = style:format(name, column[a], column[b], marks[(k - 1) % #marks + 1], size, 1.8 * size,
         (k - 1) % 5 + 1, colours[(k - 1) % #colours + 1], plot.quote(points.label(case, names)))
@@ -76,7 +76,7 @@ local function panel_commands(figure, panel)
   }
 end
 
--- By the first of the axes, then by the second, ..., whatever the order of the cases.
+-- Orders panels by the first of the axes, then by the second, ..., independent of the order of the cases.
 local function ordered(the, panels, names)
   for _, panel in ipairs(panels) do
     panel.place = 0
@@ -91,7 +91,7 @@ local function ordered(the, panels, names)
   return panels
 end
 
--- Panels side by side: the first axis of `panels` down, the rest across; one legend above them all.
+-- Panels side by side: the first axis of `panels` downwards, the others across; one legend above all panels.
 function paths.draw(the, results, figure, path)
   local panels = ordered(the, points.grouped(the.cases, figure.panels), figure.panels)
   local down = #points.axis(the, figure.panels[1])

@@ -1,6 +1,6 @@
--- A sweep's definition (scripts/sweeps/README.md) made into its list of cases: the product of all lists, the last
--- varying fastest, with what is sampled (random, latin) as one list of joint samples. The list is the same wherever
--- and whenever it is made, so the number of a case is enough to run it on another host.
+-- Makes the list of cases of a sweep's definition (scripts/sweeps/README.md): the product of all lists, the last
+-- varying fastest, where sampled axes (random, latin) form one list of joint samples. The list depends on the
+-- definition only, so the number of a case suffices to run it on another host.
 local child = require("common.sweep.child")
 local ranges = require("ranges")
 
@@ -9,12 +9,12 @@ local plan = {}
 local fields = { "scene", "params", "integrators", "solvers", "dt", "tol", "until", "accuracy", "verify", "measures",
   "paths", "plots", "repeats", "seed", "step_limit", "timeout", "jobs", "threads", "trust", "name", "folder" }
 
--- An error in the user's words, without a place in this file.
+-- Raises an error for the user, without a place in this file.
 function plan.refuse(text, ...)
   error(("sweep: " .. text):format(...), 0)
 end
 
--- What is wrong with a name, with the nearest one that is right.
+-- The error text of an unknown name, with the nearest known one.
 function plan.unknown(what, name, list)
   local near = hooke.nearest(tostring(name), list)
   plan.refuse("there is no %s '%s'; %s", what, tostring(name),
@@ -125,7 +125,7 @@ end
 
 -- ---- the product ----
 
--- Dimensions: each axis of its own, all sampled ones together.
+-- The dimensions of the product: each list is one, all sampled axes together are one.
 local function dimensions_of(axes)
   local list, joint = {}, nil
   for _, axis in ipairs(axes) do
@@ -144,7 +144,7 @@ local function dimensions_of(axes)
   return list
 end
 
-local function put(case, axis, value)
+local function set_value(case, axis, value)
   case.values[axis.name] = axis.kind == "integrator" and value.label or value
   if axis.kind == "scene" then
     case.values.scene = value:match("([^/]*)$"):gsub("%.lua$", "")
@@ -154,8 +154,9 @@ local function put(case, axis, value)
   else case[axis.kind] = value end
 end
 
--- The settings that an integrator brings along are stronger than the lists; then the list's first value stands for all.
-local function settle(case, at)
+-- The settings of an integrator override the lists of the sweep; the first value of such a list then represents all its
+-- values.
+local function apply_method(case, at)
   local method = case.method
   if not method then return true end
   case.integrator = method.text
@@ -177,12 +178,12 @@ local function case_at(definition, dimensions, index)
     local k = index % dimensions[d].count + 1
     index = index // dimensions[d].count
     for _, axis in ipairs(dimensions[d]) do
-      put(case, axis, axis.values[k])
+      set_value(case, axis, axis.values[k])
       at[axis.name] = k
     end
   end
   if case.seed then case.seed = case.seed + case["repeat"] - 1 end
-  return settle(case, at) and case or nil
+  return apply_method(case, at) and case or nil
 end
 
 local function expand(definition, axes)
@@ -239,7 +240,7 @@ local function plugin_names(plugins, kind)
   return names, by_name
 end
 
--- "name:parameter=value,...": the name, and its parameters' names, are known.
+-- "name:parameter=value,...": checks that the name and the names of its parameters are known.
 local function check_method(text, kind, plugins)
   local names, by_name = plugin_names(plugins, kind)
   local name, settings = text:match("^([^:]*):?(.*)$")
@@ -251,8 +252,8 @@ local function check_method(text, kind, plugins)
   for key in settings:gmatch("([%w_]+)=") do check_names("parameter of " .. name, { [key] = true }, known) end
 end
 
--- Every value of every axis, with the other axes at their first, makes a scene. (In a process of its own: a thousand
--- scenes that were only looked at would make each fork of a case slower.)
+-- Checks that every value of every axis, with the other axes at their first value, makes a scene. (In a process of its
+-- own: a thousand scenes in memory would make each fork of a case slower.)
 local function check_scenes(the)
   local seen = {}
   for _, axis in ipairs(the.axes) do

@@ -1,6 +1,6 @@
 -- Diagrams of a sweep: a measure against one parameter (a line for each combination of the others), as colour over two,
--- or the paths of a particle in panels. Repeats, and samples that share a place, are drawn as their median. Cases that
--- diverged or failed are left out, and the title says how many.
+-- or the paths of a particle in panels. Repeats, and samples with equal coordinates, are drawn as their median. Cases
+-- that diverged or failed are omitted, and the title gives their number.
 local maps = require("common.sweep.maps")
 local paths = require("common.sweep.paths")
 local plan = require("common.sweep.plan")
@@ -10,7 +10,7 @@ local rows = require("common.sweep.table")
 
 local figures = {}
 
--- ---- what to draw ----
+-- ---- figures to draw ----
 
 local known = { "measure", "over", "name", "title", "xlabel", "ylabel", "logx", "logy", "min", "max", "path", "axes",
   "panels", "curves", "range", "width", "height" }
@@ -28,7 +28,7 @@ local function check(figure, k)
   end
 end
 
--- Texts go into gnuplot's script: a line's end in one would end the command.
+-- Replaces control characters in texts, since a line break would end a command of gnuplot's script.
 local function clean(figure)
   for key, value in pairs(figure) do
     if type(value) == "string" then figure[key] = value:gsub("%c", " ") end
@@ -42,7 +42,7 @@ local function parse(text)
   return { measure = measure, over = z ~= "" and { x, z } or x }
 end
 
--- The figures of the script and of the command line; what cannot be drawn is refused.
+-- The figures of the script and of the command line; figures that cannot be drawn are refused.
 function figures.list(plots, asked, the)
   local list = {}
   for k, figure in ipairs(plots or {}) do
@@ -83,7 +83,7 @@ local function points_of(cases, x, y)
   return list
 end
 
--- Three or more, in equal factors (to one in a million).
+-- Whether there are three or more numbers with equal ratios (to one in a million).
 local function geometric(numbers)
   for k, x in ipairs(numbers) do
     if type(x) ~= "number" or x <= 0 then return false end
@@ -103,7 +103,7 @@ end
 
 -- ---- lines ----
 
--- Tics at the values themselves where they are few.
+-- Puts the tics at the values themselves where these are few.
 local function tics(letter, values)
   local list = {}
   for k, value in ipairs(values) do
@@ -119,7 +119,7 @@ local function named(values)
   return false
 end
 
--- A little room beside the first and the last.
+-- The range of an axis, with margins beside the first and the last value.
 local function margins(numbers, log)
   local low, high = math.huge, -math.huge
   for _, x in ipairs(numbers) do low, high = math.min(low, x), math.max(high, x) end
@@ -139,7 +139,7 @@ local function horizontal(the, figure, x, curves)
     for k, value in ipairs(values) do place[value] = k end
     for _, curve in ipairs(curves) do
       for _, point in ipairs(curve.points) do point[1] = place[point[1]] end
-      curve.lines = false -- there is nothing between two names
+      curve.lines = false -- no lines are drawn between names
     end
     commands[1], axis.min, axis.max = tics("x", values), 0.5, #values + 0.5
     return axis, commands
@@ -191,7 +191,7 @@ local function file_part(text)
   return (text:gsub("[^%w_.-]+", "-"))
 end
 
--- Draws; returns what the pictures are called, without the ending, or nil and why there are none.
+-- Draws a figure; returns the names of the pictures without the extension, or nil and the reason why there are none.
 function figures.draw(the, results, figure, base)
   local over = figure.path and { "paths" } or points.over(figure)
   local path = ("%s-%s"):format(base, file_part(figure.name or figure.path and "paths" or

@@ -1,4 +1,4 @@
--- What the diagrams of a sweep share: which cases count, what tells them apart, and what they are called.
+-- Functions shared by the diagrams of a sweep: the cases to draw, the axes that distinguish them, and their labels.
 local points = {}
 
 -- The parameters on the axes.
@@ -16,18 +16,18 @@ function points.median(list)
   return n % 2 == 1 and list[(n + 1) // 2] or (list[n // 2] + list[n // 2 + 1]) / 2
 end
 
--- For people; without what would end a line of gnuplot's.
+-- A value for labels, without characters that would end a line of gnuplot's script.
 function points.text(value)
   if math.type(value) == "integer" and math.abs(value) < 1000000 then return tostring(value) end
   return type(value) == "number" and ("%.4g"):format(value) or (tostring(value):gsub("%c", " "))
 end
 
--- For comparing.
+-- A value for comparisons, with all digits.
 function points.exact(value)
   return math.type(value) == "float" and ("%.17g"):format(value) or tostring(value)
 end
 
--- Axes that are neither on an axis of the figure nor repeats; samples are no lines of their own.
+-- Axes that are neither on an axis of the figure nor repeats; samples do not get separate lines.
 function points.others(the, over)
   local used, list = { ["repeat"] = true }, {}
   for _, name in ipairs(over) do used[name] = true end
@@ -46,7 +46,7 @@ function points.label(case, names)
   return table.concat(parts, ", ")
 end
 
--- Groups of cases that agree in these axes, in the cases' order; each with its label.
+-- Groups of cases with equal values of these axes, in the cases' order; each with its label.
 function points.grouped(cases, names)
   local list, by_key = {}, {}
   for _, case in ipairs(cases) do
@@ -62,7 +62,7 @@ function points.grouped(cases, names)
   return list
 end
 
--- The values of an axis as the cases have them, and their scale; nil: there is no such axis.
+-- The values of an axis, as they appear in the cases, and their scale; nil: there is no such axis.
 function points.axis(the, name)
   for _, axis in ipairs(the.axes) do
     if axis.name == name then
@@ -76,7 +76,7 @@ function points.axis(the, name)
   end
 end
 
--- With the number of cases that are missing in the picture.
+-- The title, with the number of cases that are missing in the picture.
 function points.title(the, title)
   local count = 0
   for _, case in ipairs(the.cases) do
@@ -85,7 +85,7 @@ function points.title(the, title)
   return count == 0 and title or ("%s (%d of %d cases did not end well)"):format(title, count, #the.cases)
 end
 
--- Whether the numbers on this axis are not a list's: drawn, or measured.
+-- Whether the numbers on this axis are samples or measured values instead of a list.
 function points.sampled(the, x)
   for _, axis in ipairs(the.axes) do
     if axis.name == x then return axis.joint end

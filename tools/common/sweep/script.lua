@@ -1,6 +1,6 @@
--- Reading a sweep script. It describes and does nothing, so it runs in an environment of its own, as scenes do: math,
+-- Reading a sweep script. It only describes a sweep, so it runs in an environment of its own, as scenes do: math,
 -- string, table, require for modules beside it and in scripts/lib, and hooke.sweep, which marks the table it returns.
--- No files, no processes, no native code; a script that runs away ends after a hundred million instructions.
+-- No files, no processes, no native code; an endless script is ended after a hundred million instructions.
 local script = {}
 
 local budget = 100000000

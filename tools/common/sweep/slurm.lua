@@ -1,5 +1,5 @@
 -- A sweep as a Slurm job array: each task runs a share of the cases into a database of its own (a write-ahead log does
--- not work on network file systems, and one writer a file needs none), which the next `hooke sweep` takes over.
+-- not work on network file systems, and a single writer per file needs none), which the next `hooke sweep` merges.
 local database = require("common.sweep.database")
 local lfs = require("lfs")
 local plan = require("common.sweep.plan")
@@ -11,7 +11,7 @@ local slurm = {}
 
 local function parts_folder(results) return results.path .. ".parts" end
 
--- Takes over what tasks have written so far; returns how many cases were new.
+-- Merges the results that tasks have written so far; returns the number of new cases.
 function slurm.collect(results)
   local folder, count = parts_folder(results), 0
   if lfs.attributes(folder, "mode") ~= "directory" then return 0 end
@@ -21,7 +21,7 @@ function slurm.collect(results)
   return count
 end
 
--- What tasks wrote earlier is void.
+-- Discards the results of earlier tasks.
 function slurm.forget(results)
   local folder = parts_folder(results)
   if lfs.attributes(folder, "mode") ~= "directory" then return end
@@ -43,7 +43,7 @@ local function output_of(command)
   return pipe:close(), text
 end
 
--- "1-5,9" of the numbers, which rise.
+-- Converts increasing numbers to a text such as "1-5,9".
 local function list_text(numbers)
   local parts, first = {}, 1
   for k = 1, #numbers do
@@ -55,7 +55,7 @@ local function list_text(numbers)
   return table.concat(parts, ",")
 end
 
--- Lines of the file `shares`: the cases that are not done, dealt out evenly.
+-- The lines of the file `shares`: the cases that are not done, distributed evenly over the tasks.
 local function share_out(cases, tasks)
   local numbers, lines = {}, {}
   for _, case in ipairs(cases) do
@@ -69,8 +69,8 @@ local function share_out(cases, tasks)
   return lines, #numbers
 end
 
--- Options that are not a task's business, with the number of words that they take.
-local own = { ["--slurm"] = 1, ["--wait"] = 1, ["--resume"] = 1, ["--again"] = 1, ["--retry"] = 1, ["--quiet"] = 1,
+-- Options that are not passed to tasks, with the number of words that they take.
+local not_for_tasks = { ["--slurm"] = 1, ["--wait"] = 1, ["--resume"] = 1, ["--again"] = 1, ["--retry"] = 1, ["--quiet"] = 1,
   ["--report"] = 1, ["--tasks"] = 2, ["--sbatch"] = 2, ["--db"] = 2, ["--csv"] = 2, ["--plot"] = 2, ["--case"] = 2,
   ["-j"] = 2 }
 
@@ -78,7 +78,7 @@ local own = { ["--slurm"] = 1, ["--wait"] = 1, ["--resume"] = 1, ["--again"] = 1
 local function words_for_task()
   local words, k = {}, 1
   while k <= #arg do
-    local skip = own[arg[k]] or arg[k]:match("^%-j%d+$") and 1
+    local skip = not_for_tasks[arg[k]] or arg[k]:match("^%-j%d+$") and 1
     if not skip then words[#words + 1] = quote(arg[k]) end
     k = k + (skip or 1)
   end
@@ -104,14 +104,14 @@ local function absolute(path)
   return path:sub(1, 1) == "/" and path or lfs.currentdir() .. "/" .. path
 end
 
--- Cases come in as the tasks' databases grow, until no task is left in the queue.
+-- Merges results while the tasks' databases grow, until no task is in the queue.
 local function wait(the, results, cases, job)
   local bar = progress.new { what = the.definition.name, total = #cases, done = results:find(cases), quiet = the.quiet }
   local left = true
   while left do
     process.ready({}, 1)
     local fine, text = output_of("squeue -h -o %T -j " .. job)
-    left = fine and text:match("%S") ~= nil -- squeue forgets a job some minutes after its end, and says so
+    left = fine and text:match("%S") ~= nil -- some minutes after the end of a job squeue reports it as unknown
     local count = slurm.collect(results)
     if count > 0 then bar:add { count = count } end
     bar:tick()
@@ -120,7 +120,7 @@ local function wait(the, results, cases, job)
   return true
 end
 
--- Submits what is not done; with --wait returns true when the array has ended.
+-- Submits the cases that are not done; with --wait returns true when the array has ended.
 function slurm.submit(the, results, cases, asked)
   if not output_of("command -v sbatch") then
     plan.refuse("--slurm: sbatch is not installed here (Debian: slurm-wlm); --print-cases and --case fit any scheduler")

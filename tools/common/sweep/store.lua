@@ -1,6 +1,6 @@
--- The results of sweeps in SQLite: one transaction a case, so that a process may be killed at any moment and what was
--- done stays done. A case is found by the digest of its description (what it runs on and with, sweep_digest), and the
--- description stands beside it: two that differ are never taken for one. Several sweeps may share a database and cases.
+-- The results of sweeps in SQLite: one transaction a case, so that a process may be killed at any moment without loss
+-- of finished cases. A case is found by the digest of its description (sweep/digest.lua), and the description is stored
+-- as well, so that two different cases are never confused. Several sweeps may share a database and cases.
 local database = require("common.sweep.database")
 local digest = require("common.sweep.digest")
 local lfs = require("lfs")
@@ -8,7 +8,7 @@ local lfs = require("lfs")
 local store = {}
 store.__index = store
 
--- What a run reports, { column, type, where it stands in the summary }.
+-- The figures of a run's summary that are stored, { column, type, key in the summary }.
 store.reported = {
   { "t", "REAL" }, { "particles", "INTEGER" }, { "steps", "INTEGER" }, { "force_evaluations", "INTEGER" },
   { "jacobian_evaluations", "INTEGER" }, { "factorizations", "INTEGER" }, { "linear_iterations", "INTEGER" },
@@ -82,7 +82,7 @@ end
 
 function store:close() self.db:close() end
 
--- ---- which case is which ----
+-- ---- identification of cases ----
 
 local function text_of(value)
   return math.type(value) == "float" and ("%.17g"):format(value) or tostring(value)
@@ -90,7 +90,7 @@ end
 
 local said = { "solver", "integrator", "dt", "tol", "until", "accuracy", "verify", "seed", "step_limit" }
 
--- What a case's result depends on, as text. (Put together when it is needed: what cases run on is long, and the same.)
+-- The text of all that a case's result depends on. (Composed on demand: the part that is common to cases is long.)
 local function description_of(case)
   return case.grounds .. "\n" .. case.settings
 end
@@ -112,7 +112,7 @@ function store.identify(cases, plugins, paths)
   end
 end
 
--- Rows of a query that ends in "IN", for the values some hundred at a time.
+-- Rows of a query that ends in "IN", for some hundred values at a time.
 local function rows_in(db, query, values)
   return coroutine.wrap(function()
     for at = 1, #values, 500 do
@@ -138,7 +138,7 @@ function store:find(cases)
     database.fail("%s: two different cases have the key %s; take another file with --db", self.path, clash)
   end
   for _, case in ipairs(cases) do
-    case.row = by_key[case.key].row -- of twins, too
+    case.row = by_key[case.key].row -- also for cases with equal keys
     if case.row then count = count + 1 end
   end
   return count
@@ -172,8 +172,8 @@ local function first_of(...)
   end
 end
 
--- How a case ended: the run's verdict; "refused": before the first step; "failed": by an error of the script or of a
--- plugin; "crashed", "timeout": its process.
+-- The end of a case: the run's verdict; "refused" before the first step; "failed" by an error of the script or of a
+-- plugin; "crashed" or "timeout" of its process.
 local stopped = { interrupted = true, running = true, ok = true, inaccurate = true }
 
 function store.verdict(result, case)
@@ -203,7 +203,7 @@ function store:link(case)
   self.db:execute("INSERT OR REPLACE INTO members VALUES " .. database.tuple(3, self.sweep, case.number, case.row))
 end
 
--- A case and its result, as one transaction. Another process may have been faster with the same case: its row stays.
+-- A case and its result, as one transaction. When another process has stored the same case already, its row is kept.
 function store:add(case, result)
   local db = self.db
   db:transaction(function()
@@ -222,7 +222,7 @@ function store:add(case, result)
   end)
 end
 
--- Members of the sweep that were done already, perhaps by another sweep.
+-- Adds to the sweep its cases that were done before, perhaps by another sweep.
 function store:link_all(cases)
   self.db:transaction(function()
     for _, case in ipairs(cases) do
@@ -231,7 +231,7 @@ function store:link_all(cases)
   end)
 end
 
--- Those whose process crashed or ran out of time.
+-- The cases whose process crashed or exceeded its time.
 function store:broken(cases)
   local list, bad = {}, {}
   for row in self.db:rows("SELECT id FROM cases WHERE verdict IN ('crashed', 'timeout')") do bad[row.id] = true end
@@ -241,7 +241,7 @@ function store:broken(cases)
   return list
 end
 
--- Forgets these cases' results.
+-- Deletes the results of these cases.
 function store:forget(cases)
   self.db:transaction(function()
     for _, case in ipairs(cases) do
@@ -275,7 +275,7 @@ end
 local function merge_attached(self, path)
   local db = self.db
   local found = db:value("PRAGMA part.user_version")
-  if found == 0 then return 0 end -- killed before its first case
+  if found == 0 then return 0 end -- the writing process was killed before its first case
   if found ~= version then
     database.fail("%s has tables of version %d, %s of %d", path, found, self.path, version)
   end
@@ -291,7 +291,7 @@ local function merge_attached(self, path)
   return count
 end
 
--- Takes over what another database of sweeps holds; returns how many cases were new.
+-- Merges the results of another database of sweeps; returns the number of new cases.
 function store:merge(path)
   if not store.exists(path) then database.fail("cannot merge %s: there is no such file", path) end
   self.db:execute("ATTACH DATABASE " .. database.quote(path) .. " AS part")
@@ -303,7 +303,7 @@ end
 
 -- ---- reading ----
 
--- Fills in case.result = { verdict =, reason =, [column] = value, measures = { name = value } } of those that are done.
+-- Sets case.result = { verdict =, reason =, [column] = value, measures = { name = value } } of the cases that are done.
 function store:read(cases)
   local results, ids = {}, {}
   for _, case in ipairs(cases) do
@@ -321,7 +321,7 @@ function store:read(cases)
   end
 end
 
--- { { t, x, y, z }, ... } of a particle.
+-- The path of a particle, { { t, x, y, z }, ... }.
 function store:path_of(case, particle)
   local points = {}
   for p in self.db:rows("SELECT t, x, y, z FROM paths WHERE " ..

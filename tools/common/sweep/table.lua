@@ -1,9 +1,9 @@
--- Results of a sweep as rows: a table to look at, and CSV (RFC 4180, numbers with 17 digits).
+-- Results of a sweep as rows: a printed table, and CSV (RFC 4180, numbers with 17 digits).
 local store = require("common.sweep.store")
 
 local rows = {}
 
--- What a case's setting or result `name` is: a measure, what the run reports, or a setting; nil: not known.
+-- The value of a case's setting or result `name`: a measure, a figure of the summary, or a setting; nil: not known.
 function rows.value(case, name)
   local result = case.result or { measures = {} }
   local value = result.measures[name]
@@ -19,7 +19,7 @@ local function sorted(set)
   return list
 end
 
--- The scenes' measures: those asked for, or all that were met.
+-- The scenes' measures: those asked for, or all in the results.
 function rows.measures(the)
   if the.definition.measures then return the.definition.measures end
   local met = {}
@@ -90,7 +90,7 @@ function rows.write_csv(the, path)
   return file:close() and fine, ("cannot write %s"):format(path)
 end
 
--- ---- to look at ----
+-- ---- printed table ----
 
 local function short(value)
   if value == nil then return "-" end
@@ -122,7 +122,7 @@ function rows.show(the)
   if #the.cases > most then print(("  ... %d cases; --csv FILE writes them all"):format(#the.cases)) end
 end
 
--- "34 ok, 2 diverged, 1 crashed", and a line for the first of each kind that did not go well.
+-- "34 ok, 2 diverged, 1 crashed", and a line for the first case of each other verdict than ok.
 function rows.count(the)
   local counts, first = {}, {}
   for _, case in ipairs(the.cases) do
