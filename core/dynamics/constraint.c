@@ -1,12 +1,19 @@
-/* Constraints g(x) = 0 by multipliers, all of a scene at once. Differentiating twice gives J a + c = 0, c = (dJ/dt) v,
- * so that with a = W (F + J^T lambda) the multipliers solve (J W J^T) lambda = -(J W F + c): the index is reduced from
- * 3 to 1. What this leaves open, the drift off g = 0 and J v = 0, is removed after every step: a mass-weighted Newton
- * iteration on the positions, then the velocities. W holds inverse masses with the pins in them (constraint_matrix.c).
- * Scripted particles enter by their position, velocity and acceleration, the last from differences of the path, so that
- * a method keeps its order on moving pins. Invariant: an evaluation is a function of t, x, v and a alone; no
- * factorization is carried from one to the next, so a resumed run repeats bit by bit.
+/* Constraints g(x, t) = 0 or g(x, t) >= 0 by multipliers, all of a scene at once. Differentiating twice gives
+ * J a + c = 0, so that with a = W (F + J^T lambda) the multipliers solve (J W J^T) lambda = -(J W F + c): the index is
+ * reduced from 3 to 1. What this leaves open, the drift off g = 0 and J v + g_t = 0, is removed after every step: a
+ * mass-weighted Newton iteration on the positions, then the velocities. W holds inverse masses with the pins in them
+ * (constraint_matrix.c). Scripted particles enter by their position, velocity and acceleration, the last from
+ * differences of the path, so that a method keeps its order on moving pins.
+ *
+ * A one-sided equation may push during a step when it was met with equality, and was not opening, at the state that the
+ * step began with; which of those do push, the signs of their multipliers say in every evaluation (active_set.c). So
+ * the set is a function of that state and of t, x, v, and stages that leave g = 0 or J v = 0 by their error do not lose
+ * a contact. After the step g < 0 is brought to 0, and what touches and approaches stops (an inelastic impact); a
+ * contact that pushed to the end of the step is projected as an equality.
+ *
+ * Invariant: no factorization is carried from one evaluation to the next, so a resumed run repeats bit by bit.
  * Witkin, Physically based modeling: constrained dynamics (SIGGRAPH course notes); Hairer and Wanner, Solving ODEs II,
- * VII.1 and VII.2 (index reduction, projection). */
+ * VII.1 and VII.2 (index reduction, projection); Moreau 1988 (unilateral contact, inelastic impact). */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
@@ -17,12 +24,105 @@ enum { ITERATIONS = 25, SAMPLE = 64 };
 /* Positions: relative to the largest coordinate, which sets their rounding. Velocities: relative to the sum of
  * |J||v|. Convergence by less than `slow` a round asks for a new factorization. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1;
+/* What counts as touching, in the same measure, and as not opening: beside the sum, beside the extent in a second, for
+ * what lies still has no other speed than rounding. Both may be generous, for an equation that touches acts only while
+ * it pushes. And how far an equation that follows from others
+ * may be off before it is looked at: 1e5 times what those are brought to, for a small angle between them. */
+static const double touching = 1e-10, opening = 1e-9, implied_tolerance = 1e-7;
 
-static hk_status prepare(hk_dynamics *d) {
-  hk_status status = hk_constraint_matrix_build(d);
-  if (status != HK_OK || d->constraints->equations == 0) return status;
-  hk_constraint_matrix_linearise(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
-  return hk_constraint_matrix_check(d, false, HK_BAD_PARAM);
+static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* vector += W J^T solution */
+static void move(const hk_constraints *c, double *vector) {
+  for (size_t b = 0; b < c->blocks; b++) {
+    double s = c->solution[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
+    for (int a = 0; a < 3; a++) at[a] += s * c->WJ[b][a];
+  }
+}
+
+/* ---- what the plugins say ---- */
+
+typedef enum quantity { VALUE, CURVATURE, SPEED } quantity;
+
+static hk_status ask(hk_dynamics *d, quantity what, double t, const double *x, const double *v, double *out) {
+  hk_constraints *c = d->constraints;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    const hk_constraint *functions = instance->plugin->constraint;
+    hk_status (*function)(void *, const hk_view *, double *) = what == VALUE       ? functions->value
+                                                               : what == CURVATURE ? functions->curvature
+                                                                                   : functions->speed;
+    hk_view view = hk_constraint_view(d, instance, t, x, v);
+    const hk_instance *outer = hk_enter(instance);
+    if (function) status = function(instance->self, &view, out + c->equation_first[k]);
+    hk_leave(instance, outer);
+    status = hk_constraint_failed(d, instance, t, status);
+  }
+  return status;
+}
+
+static hk_status evaluate(hk_dynamics *d, double t, const double *x, const double *v) {
+  return ask(d, VALUE, t, x, v, d->constraints->g);
+}
+
+static hk_status find_speed(hk_dynamics *d, double t, const double *x, const double *v) {
+  return d->constraints->has_speed ? ask(d, SPEED, t, x, v, d->constraints->speed) : HK_OK;
+}
+
+/* ---- opening, and what changes between steps ---- */
+
+static double extent(const hk_constraints *c, const double *x) {
+  double largest = 0;
+  for (size_t b = 0; b < c->blocks; b++)
+    for (int a = 0; a < 3; a++) largest = fmax(largest, fabs(x[3 * (size_t)c->list.pair[b][1] + a]));
+  return largest;
+}
+
+/* residual = J v + g_t, correction = the sum of the sizes of its terms. */
+static void find_rate(hk_constraints *c, const double *v, double *rate, double *sum) {
+  for (size_t k = 0; k < c->equations; k++) {
+    rate[k] = c->speed[k];
+    sum[k] = fabs(c->speed[k]);
+  }
+  for (size_t b = 0; b < c->blocks; b++) {
+    const double *here = v + 3 * (size_t)c->list.pair[b][1];
+    uint32_t k = c->list.pair[b][0];
+    rate[k] += dot(c->J[b], here);
+    sum[k] += sqrt(dot(c->J[b], c->J[b]) * dot(here, here));
+  }
+}
+
+/* Linearised, with the speed known. */
+static void find_contacts(hk_dynamics *d, const double *x, const double *v) {
+  hk_constraints *c = d->constraints;
+  double size = extent(c, x), near = touching * size;
+  find_rate(c, v, c->residual, c->correction);
+  for (size_t k = 0; k < c->equations; k++) {
+    bool touches = c->one_sided[k] && c->g[k] <= near && c->residual[k] <= opening * (c->correction[k] + size);
+    c->jumped |= touches != c->touches[k];
+    c->touches[k] = touches;
+  }
+}
+
+static hk_status look_at_contacts(hk_dynamics *d, double t, const double *x, const double *v) {
+  if (d->constraints->one_sided_count == 0) return HK_OK;
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
+  if (status == HK_OK) status = evaluate(d, t, x, v);
+  if (status == HK_OK) status = find_speed(d, t, x, v);
+  if (status == HK_OK) find_contacts(d, x, v);
+  return status;
+}
+
+hk_status hk_constraints_review(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  double t = d->system.t, *x = d->state->X, *v = x + 3 * d->state->model.n;
+  if (!c || c->equations == 0) return HK_OK;
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
+  if (status == HK_OK) status = hk_constraint_matrix_review(d);
+  if (status != HK_OK) return status;
+  memcpy(c->rests, c->implied, c->equations * sizeof *c->rests);
+  return look_at_contacts(d, t, x, v);
 }
 
 hk_status hk_constraints_open(hk_dynamics *d) {
@@ -31,34 +131,54 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   if (!d->constraints) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
   /* An instance of their own: the scene's solver keeps the factors of an implicit method between evaluations. */
   hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
-  return status == HK_OK ? prepare(d) : status;
+  return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
 
-hk_status hk_constraints_topology(hk_dynamics *d) { return d->constraints ? prepare(d) : HK_OK; }
+hk_status hk_constraints_topology(hk_dynamics *d) {
+  if (!d->constraints) return HK_OK;
+  hk_status status = hk_constraint_matrix_build(d);
+  return status == HK_OK ? hk_constraints_review(d) : status;
+}
+
+static hk_status update_one(hk_dynamics *d, const hk_instance *instance, bool *any) {
+  bool changed = false;
+  if (!instance->plugin->constraint->update) return HK_OK;
+  hk_view view = hk_instance_view(instance, &d->state->view);
+  const hk_instance *outer = hk_enter(instance);
+  hk_status status = instance->plugin->constraint->update(instance->self, &view, &changed);
+  hk_leave(instance, outer);
+  *any |= changed;
+  return hk_constraint_failed(d, instance, view.t, status);
+}
 
 hk_status hk_constraints_update(hk_dynamics *d) {
   bool any = false;
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
-    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
-    bool changed = false;
-    if (!instance->plugin->constraint->update) continue;
-    hk_view view = hk_instance_view(instance, &d->state->view);
-    const hk_instance *outer = hk_enter(instance);
-    hk_status status = instance->plugin->constraint->update(instance->self, &view, &changed);
-    hk_leave(instance, outer);
-    if (status != HK_OK) return status;
-    any |= changed;
-  }
-  return any ? prepare(d) : HK_OK;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++)
+    status = update_one(d, d->plugins->kind[HK_CONSTRAINT].item[k], &any);
+  if (status != HK_OK) return status;
+  if (!any) return look_at_contacts(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
+  d->constraints->jumped = true;
+  hk_jacobian_topology(d);
+  return hk_constraints_topology(d);
+}
+
+bool hk_constraints_jumped(hk_dynamics *d) {
+  bool jumped = d->constraints && d->constraints->jumped;
+  if (jumped) d->constraints->jumped = false;
+  return jumped;
 }
 
 void hk_constraints_close(hk_dynamics *d) {
+  hk_saddle_point_close(d);
   if (!d->constraints) return;
   hk_constraint_matrix_free(d->constraints);
   hk_instance_destroy(d->constraints->linear.solver);
   free(d->constraints);
   d->constraints = NULL;
 }
+
+/* ---- accelerations ---- */
 
 static hk_status find_path_accelerations(hk_dynamics *d, double t) {
   hk_constraints *c = d->constraints;
@@ -71,39 +191,50 @@ static hk_status find_path_accelerations(hk_dynamics *d, double t) {
   return status;
 }
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* vector += sign W J^T solution */
-static void move(const hk_constraints *c, double sign, double *vector) {
-  for (size_t b = 0; b < c->blocks; b++) {
-    double s = sign * c->solution[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
-    for (int a = 0; a < 3; a++) at[a] += s * c->WJ[b][a];
-  }
+/* The power of constraint forces whose equations depend on time, -lambda g_t. */
+static double power_of(const hk_constraints *c) {
+  double power = 0;
+  for (size_t k = 0; k < c->equations; k++) power -= c->solution[k] * c->speed[k];
+  return power;
 }
 
-static hk_status accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a) {
+static void note_acting(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
-  hk_status status = d->pins->has_paths ? find_path_accelerations(d, t) : HK_OK;
-  if (status != HK_OK) return status;
-  hk_constraint_matrix_linearise(d, t, x, v);
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
-    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
-    hk_view view = hk_constraint_view(d, instance, t, x, v);
-    const hk_instance *outer = hk_enter(instance);
-    instance->plugin->constraint->curvature(instance->self, &view, c->c + c->equation_first[k]);
-    hk_leave(instance, outer);
+  size_t acting = 0;
+  for (size_t k = 0; k < c->equations; k++) {
+    acting += c->scale[k] > 0;
+    c->pushes[k] = c->one_sided[k] && !c->rests[k] && c->solution[k] > 0;
   }
-  status = hk_constraint_matrix_factorize(d);
-  if (status != HK_OK) return status;
-  for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->c[k];
+  memcpy(c->lambda, c->solution, c->equations * sizeof *c->lambda);
+  d->system.equations = acting;
+}
+
+/* c->c = c + J a without constraint forces. */
+static hk_status find_free_acceleration(hk_dynamics *d, double t, const double *x, const double *v, const double *a) {
+  hk_constraints *c = d->constraints;
+  hk_status status = ask(d, CURVATURE, t, x, v, c->c);
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t i = c->list.pair[b][1];
-    c->rhs[c->list.pair[b][0]] -=
-        dot(c->J[b], d->state->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
+    c->c[c->list.pair[b][0]] += dot(c->J[b], d->state->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
   }
-  status = hk_constraint_matrix_solve(d);
-  if (status == HK_OK) move(c, 1, a);
   return status;
+}
+
+static hk_status accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a, double *power) {
+  hk_constraints *c = d->constraints;
+  hk_status status = d->pins->has_paths ? find_path_accelerations(d, t) : HK_OK;
+  if (status == HK_OK) status = hk_constraint_matrix_linearise(d, t, x, v);
+  if (status == HK_OK) status = find_free_acceleration(d, t, x, v, a);
+  if (status == HK_OK) status = find_speed(d, t, x, v);
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < c->equations; k++) c->allowed[k] = c->touches[k];
+  memset(c->held, 0, c->equations * sizeof *c->held);
+  status = hk_active_set_solve(d, c->c, false);
+  if (status != HK_OK) return status;
+  move(c, a);
+  note_acting(d);
+  if (c->has_speed) *power += power_of(c);
+  return HK_OK;
 }
 
 /* The time is the constraints', by their share of the equations. */
@@ -116,94 +247,100 @@ static void account(hk_dynamics *d, double seconds) {
   }
 }
 
-hk_status hk_constraints_accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a) {
+hk_status hk_constraints_accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a,
+                                    double *power) {
   if (d->constraints->equations == 0) return HK_OK;
   bool sample = d->plugins->kind[HK_CONSTRAINT].item[0]->calls % SAMPLE == 0;
   double begin = sample ? hk_clock() : 0;
-  hk_status status = accelerate(d, t, x, v, a);
+  hk_status status = accelerate(d, t, x, v, a, power);
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) d->plugins->kind[HK_CONSTRAINT].item[k]->calls++;
   if (sample) account(d, hk_clock() - begin);
   return status;
 }
 
-static void evaluate(hk_dynamics *d, double t, const double *x, const double *v) {
-  hk_constraints *c = d->constraints;
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
-    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
-    hk_view view = hk_constraint_view(d, instance, t, x, v);
-    const hk_instance *outer = hk_enter(instance);
-    instance->plugin->constraint->value(instance->self, &view, c->g + c->equation_first[k]);
-    hk_leave(instance, outer);
-  }
+/* ---- projection ---- */
+
+/* By how much an equation is broken. */
+static double broken(const hk_constraints *c, size_t k) {
+  return c->one_sided[k] && !c->held[k] && c->g[k] > 0 ? 0 : fabs(c->g[k]);
 }
 
-/* The equation of largest |g|; NaN is larger than anything. Those that nothing can move are left out on request. */
+/* The equation that is broken most; NaN is larger than anything. Those that nothing can move, and those that follow
+ * from others, are left out on request. */
 static size_t worst_of(const hk_constraints *c, bool movable) {
   size_t worst = SIZE_MAX;
   for (size_t k = 0; k < c->equations; k++) {
-    if (movable && c->scale[k] == 0) continue;
-    if (worst == SIZE_MAX || !(fabs(c->g[k]) <= fabs(c->g[worst]))) worst = k;
+    if (movable && (c->full[k] == 0 || c->implied[k])) continue;
+    if (worst == SIZE_MAX || !(broken(c, k) <= broken(c, worst))) worst = k;
     if (isnan(c->g[k])) break;
   }
   return worst;
-}
-
-static double extent(const hk_constraints *c, const double *x) {
-  double largest = 0;
-  for (size_t b = 0; b < c->blocks; b++)
-    for (int a = 0; a < 3; a++) largest = fmax(largest, fabs(x[3 * (size_t)c->list.pair[b][1] + a]));
-  return largest;
 }
 
 static hk_status gave_up(hk_dynamics *d, size_t equation, const char *what, double left, const char *unit) {
   size_t number;
   const hk_instance *instance = hk_constraint_of(d, equation, &number);
   return hk_error_set(d->error, isfinite(left) ? HK_NOT_CONVERGED : HK_NOT_FINITE,
-                      "%s: the %s of equation %zu cannot be brought onto the constraint: %.3g %s are left",
-                      instance->label, what, number, left, unit);
+                      "%s%s%s: the %s of equation %zu cannot be brought onto the constraint: %.3g %s are left; do "
+                      "constraints contradict each other?",
+                      instance->where, *instance->where ? ": " : "", instance->label, what, number, left, unit);
 }
 
 static hk_status renew(hk_dynamics *d, double t, const double *x, const double *v, bool *factorized) {
-  hk_constraint_matrix_linearise(d, t, x, v);
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
   *factorized = true;
-  return hk_constraint_matrix_factorize(d);
+  if (d->constraints->one_sided_count) return status; /* for the set that is found to act */
+  return status == HK_OK ? hk_constraint_matrix_factorize(d) : status;
+}
+
+/* Equations that follow from others hold because those do. If not, all have to be brought to 0 together. */
+static bool consequences_hold(hk_constraints *c, double size) {
+  bool hold = true;
+  for (size_t k = 0; k < c->equations; k++) hold &= !c->implied[k] || fabs(c->g[k]) <= implied_tolerance * size;
+  if (hold) return true;
+  memset(c->implied, 0, c->equations * sizeof *c->implied);
+  memset(c->rests, 0, c->equations * sizeof *c->rests);
+  return false;
+}
+
+/* What was pushed out is brought to 0, not beyond, as J turns. */
+static void hold_what_is_lifted(hk_constraints *c) {
+  for (size_t k = 0; k < c->equations; k++)
+    if (c->one_sided[k] && c->solution[k] > 0) c->held[k] = true;
 }
 
 /* x -= W J^T (J W J^T)^-1 g until g is rounding. J is that of the first round, as long as it serves. */
 static hk_status project_positions(hk_dynamics *d, double t, double *x, const double *v, bool *factorized) {
   hk_constraints *c = d->constraints;
-  double tolerance = position_tolerance * extent(c, x), last = INFINITY;
+  double size = extent(c, x), tolerance = position_tolerance * size, last = INFINITY;
   size_t worst = SIZE_MAX;
-  hk_status status = HK_OK;
-  hk_constraint_matrix_linearise(d, t, x, v);
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
   for (int round = 0; round < ITERATIONS && status == HK_OK; round++) {
-    evaluate(d, t, x, v);
+    status = evaluate(d, t, x, v);
+    if (status != HK_OK) return status;
     worst = worst_of(c, true);
-    double size = worst == SIZE_MAX ? 0 : fabs(c->g[worst]);
-    if (size <= tolerance) return HK_OK;
-    if (!isfinite(size)) break;
-    if (round == 0 || size > slow * last) status = renew(d, t, x, v, factorized);
-    last = size;
-    memcpy(c->rhs, c->g, c->equations * sizeof *c->rhs);
-    if (status == HK_OK) status = hk_constraint_matrix_solve(d);
-    if (status == HK_OK) move(c, -1, x);
+    double left = worst == SIZE_MAX ? 0 : broken(c, worst);
+    if (left <= tolerance) {
+      if (consequences_hold(c, size)) return HK_OK;
+      last = 0;
+    }
+    if (!isfinite(left)) break;
+    if (round == 0 || left > slow * last || c->one_sided_count) status = renew(d, t, x, v, factorized);
+    last = left;
+    if (status == HK_OK) status = hk_active_set_solve(d, c->g, true);
+    if (status == HK_OK) move(c, x);
+    if (status == HK_OK) hold_what_is_lifted(c);
   }
   return status == HK_OK ? gave_up(d, worst, "position", c->g[worst], "m") : status;
 }
 
-/* rhs = J v; the largest of it relative to the sum of |J||v|, and its equation. */
+/* c->c = J v + g_t; the largest that has to go, relative to the sum of |J||v|, and its equation. */
 static double velocity_residual(hk_constraints *c, const double *v, size_t *worst) {
-  double largest = 0, *sum = c->c;
-  memset(c->rhs, 0, c->equations * sizeof *c->rhs);
-  memset(sum, 0, c->equations * sizeof *sum);
-  for (size_t b = 0; b < c->blocks; b++) {
-    const double *here = v + 3 * (size_t)c->list.pair[b][1];
-    uint32_t k = c->list.pair[b][0];
-    c->rhs[k] += dot(c->J[b], here);
-    sum[k] += sqrt(dot(c->J[b], c->J[b]) * dot(here, here));
-  }
+  double largest = 0, *sum = c->residual;
+  find_rate(c, v, c->c, sum);
   for (size_t k = 0; k < c->equations; k++) {
-    double relative = c->scale[k] > 0 && sum[k] > 0 ? fabs(c->rhs[k]) / sum[k] : 0;
+    bool asked = c->one_sided[k] ? c->held[k] || (c->allowed[k] && c->c[k] < 0) : !c->implied[k];
+    double relative = asked && c->full[k] > 0 && sum[k] > 0 ? fabs(c->c[k]) / sum[k] : 0;
     if (relative <= largest) continue;
     largest = relative;
     *worst = k;
@@ -212,38 +349,97 @@ static double velocity_residual(hk_constraints *c, const double *v, size_t *wors
   return largest;
 }
 
-/* v -= W J^T (J W J^T)^-1 J v, J at the new positions; the factors may be those of positions close by. */
+static bool strikes(const hk_constraints *c) {
+  for (size_t k = 0; k < c->equations; k++)
+    if (c->one_sided[k] && !c->held[k] && c->solution[k] > 0) return true;
+  return false;
+}
+
+/* v -= W J^T (J W J^T)^-1 (J v + g_t), J at the new positions; the factors may be those of positions close by. */
 static hk_status project_velocities(hk_dynamics *d, double t, const double *x, double *v, bool factorized) {
   hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0;
   size_t worst = 0;
-  hk_status status = HK_OK;
-  hk_constraint_matrix_linearise(d, t, x, v);
+  hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
+  if (status == HK_OK) status = find_speed(d, t, x, v);
   for (int round = 0; round < ITERATIONS && status == HK_OK; round++) {
     double relative = velocity_residual(c, v, &worst);
     if (relative <= velocity_tolerance) return HK_OK;
-    left = c->rhs[worst];
+    left = c->c[worst];
     if (!isfinite(relative)) break;
-    if (!factorized || relative > slow * last) {
-      status = renew(d, t, x, v, &factorized);
-      velocity_residual(c, v, &worst); /* linearising used rhs */
-    }
+    if (!factorized || relative > slow * last) status = renew(d, t, x, v, &factorized);
     last = relative;
-    if (status == HK_OK) status = hk_constraint_matrix_solve(d);
-    if (status == HK_OK) move(c, -1, v);
+    if (status == HK_OK) status = hk_active_set_solve(d, c->c, true);
+    if (status != HK_OK) return status;
+    move(c, v);
+    c->jumped |= strikes(c);
   }
   return status == HK_OK ? gave_up(d, worst, "velocity", left, "m/s") : status;
 }
 
-hk_status hk_constraints_project(hk_dynamics *d, double t, double *x, double *v) {
+/* Those that pushed to the end of the step are equalities in its projection. */
+static void hold_what_pushes(hk_constraints *c) {
+  for (size_t k = 0; k < c->equations; k++) c->held[k] = c->touches[k] && c->pushes[k];
+}
+
+static hk_status project(hk_dynamics *d, double t, double *x, double *v) {
+  hk_constraints *c = d->constraints;
   bool factorized = false;
-  if (d->constraints->equations == 0) return HK_OK;
+  hold_what_pushes(c);
+  memcpy(c->allowed, c->one_sided, c->equations * sizeof *c->allowed);
   hk_status status = project_positions(d, t, x, v, &factorized);
+  double near = touching * extent(c, x);
+  hold_what_pushes(c);
+  for (size_t k = 0; k < c->equations; k++) c->allowed[k] = c->one_sided[k] && c->g[k] <= near;
+  memset(c->pushes, 0, c->equations * sizeof *c->pushes);
   return status == HK_OK ? project_velocities(d, t, x, v, factorized) : status;
 }
 
-double hk_constraints_violation(hk_dynamics *d) {
-  if (!d->constraints || d->constraints->equations == 0) return 0;
-  evaluate(d, d->system.t, d->state->X, d->state->X + 3 * d->state->model.n);
-  return fabs(d->constraints->g[worst_of(d->constraints, false)]);
+static double energy_of(hk_dynamics *d, double t) {
+  return hk_state_kinetic(d->state, d->state->X) + hk_probe_potential(d, t, d->state->X);
+}
+
+static bool sinks(const hk_constraints *c) {
+  for (size_t k = 0; k < c->equations; k++)
+    if (c->one_sided[k] && !(c->touches[k] && c->pushes[k]) && c->g[k] < 0) return true;
+  return false;
+}
+
+/* What an impact takes, and the lift of what sank before it was noticed, count as work done on the scene. */
+static hk_status project_with_contacts(hk_dynamics *d, double t, double *x, double *v) {
+  hk_state *s = d->state;
+  hk_status status = evaluate(d, t, x, v);
+  if (status != HK_OK) return status;
+  bool impact = x == s->X && sinks(d->constraints);
+  double before = impact ? energy_of(d, t) : 0;
+  d->constraints->jumped = false;
+  status = project(d, t, x, v);
+  if (status == HK_OK) status = look_at_contacts(d, t, x, v);
+  if (status == HK_OK && impact) s->X[s->size - 1] += energy_of(d, t) - before;
+  return status;
+}
+
+hk_status hk_constraints_project(hk_dynamics *d, double t, double *x, double *v) {
+  if (d->constraints->equations == 0) return HK_OK;
+  hk_status status = d->has_timed && t != d->timed_at ? hk_dynamics_impose(d, t, x, v) : HK_OK;
+  if (status != HK_OK) return status;
+  return d->constraints->one_sided_count ? project_with_contacts(d, t, x, v) : project(d, t, x, v);
+}
+
+hk_status hk_constraints_project_equalities(hk_dynamics *d, double t, double *x, double *v) {
+  if (!d->constraints || d->constraints->one_sided_count) return HK_OK;
+  return hk_constraints_project(d, t, x, v);
+}
+
+hk_status hk_constraints_violation(hk_dynamics *d, double *violation) {
+  hk_constraints *c = d->constraints;
+  double t = d->system.t, *x = d->state->X, *v = x + 3 * d->state->model.n;
+  *violation = 0;
+  if (!c || c->equations == 0) return HK_OK;
+  hk_status status = d->has_timed && t != d->timed_at ? hk_dynamics_impose(d, t, x, v) : HK_OK;
+  if (status == HK_OK) status = evaluate(d, t, x, v);
+  if (status != HK_OK) return status;
+  memset(c->held, 0, c->equations * sizeof *c->held);
+  *violation = broken(c, worst_of(c, false));
+  return HK_OK;
 }

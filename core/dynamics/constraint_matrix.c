@@ -3,8 +3,11 @@
  *
  * The products of blocks that meet at a particle are listed once per topology, so an evaluation is one pass over them.
  * Particles that are held for ever join no equations: many bars may hang on one pin. An equation none of whose
- * particles can move (a bar between two pins) has the row of the identity and multiplier 0. Dependent equations show as
- * a small eigenvalue of A, found by inverse iteration on A + shift I; its vector names them. */
+ * particles can move (a bar between two pins) has the row of the identity and multiplier 0, and so has one that rests.
+ * Dependent equations show as a small eigenvalue of A, found by inverse iteration on A + shift I; those that follow
+ * from others are then left out, and hold because the others do. Where A is singular all the same, which depends on the
+ * state (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined, which
+ * leads to the multipliers of minimal norm (the proximal point iteration). */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
@@ -12,20 +15,25 @@
 
 /* A has a unit diagonal. A chain of N bars has the eigenvalue (pi/N)^2, far above `dependent`; rounding is below it. */
 static const double shift = 1e-11, dependent = 1e-13;
+/* Refinement gains a factor of eigenvalue / soft_shift a round; rounding in what is dependent grows by 1 / soft_shift.
+ */
+static const double soft_shift = 1e-9, refined = 1e-14;
 /* An equation whose free part of J is shorter than 1e-10 of the whole has no direction left. */
 static const double no_direction = 1e-20;
 
-enum { INVERSE_ITERATIONS = 3 };
+enum { INVERSE_ITERATIONS = 3, REFINEMENTS = 8 };
 
 void hk_constraint_matrix_free(hk_constraints *c) {
   free(c->equation_first);
   free(c->block_first);
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
-  void *arrays[] = {c->J, c->WJ, c->pin, c->term,     c->value, c->scale,
-                    c->g, c->c,  c->rhs, c->solution, c->path,  c->path_used};
+  void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
+                    c->g,        c->c,     c->rhs,        c->solution,  c->path,    c->path_used, c->speed,
+                    c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
+                    c->allowed,  c->held,  c->rests,      c->lambda};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  *c = (hk_constraints){.linear = {.solver = c->linear.solver}};
+  *c = (hk_constraints){.linear = {.solver = c->linear.solver}, .revision = c->revision + 1, .jumped = c->jumped};
 }
 
 static hk_status no_memory(hk_dynamics *d) {
@@ -82,15 +90,39 @@ static hk_status allocate(hk_dynamics *d) {
   c->J = calloc(b, sizeof *c->J);
   c->WJ = calloc(b, sizeof *c->WJ);
   c->pin = malloc(b * sizeof *c->pin);
+  c->full = calloc(m, sizeof *c->full);
   c->scale = calloc(m, sizeof *c->scale);
+  c->speed = calloc(m, sizeof *c->speed);
+  c->lambda = calloc(m, sizeof *c->lambda);
+  c->residual = calloc(m, sizeof *c->residual);
+  c->correction = calloc(m, sizeof *c->correction);
+  c->moved = calloc(3 * d->state->model.n + 1, sizeof *c->moved);
+  bool **sets[] = {&c->one_sided, &c->implied, &c->touches, &c->pushes, &c->allowed, &c->held, &c->rests};
+  bool fine = true;
+  for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
+    *sets[k] = calloc(m, sizeof **sets[k]);
+    fine &= *sets[k] != NULL;
+  }
   c->g = calloc(m, sizeof *c->g);
   c->c = calloc(m, sizeof *c->c);
   c->rhs = calloc(m, sizeof *c->rhs);
   c->solution = calloc(m, sizeof *c->solution);
   c->path = calloc(d->pins->count + 1, sizeof *c->path);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
-  bool fine = c->J && c->WJ && c->pin && c->scale && c->g && c->c && c->rhs && c->solution;
+  fine &= c->J && c->WJ && c->pin && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
+  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved;
   return fine && c->path && c->path_used ? HK_OK : no_memory(d);
+}
+
+static void find_one_sided(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+    const hk_constraint *functions = d->plugins->kind[HK_CONSTRAINT].item[k]->plugin->constraint;
+    c->has_speed |= functions->speed != NULL;
+    if (!(functions->flags & HK_ONE_SIDED)) continue;
+    for (size_t e = c->equation_first[k]; e < c->equation_first[k + 1]; e++) c->one_sided[e] = true;
+    c->one_sided_count += c->equation_first[k + 1] - c->equation_first[k];
+  }
 }
 
 /* `pin_of` gets the pin of every particle. */
@@ -148,6 +180,7 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   hk_status status = name_blocks(d);
   if (status == HK_OK) status = allocate(d);
   if (status != HK_OK) return status;
+  find_one_sided(d);
   uint32_t *pin_of = malloc((n + 1) * sizeof *pin_of);
   uint32_t *order = malloc((d->constraints->blocks + 1) * sizeof *order);
   size_t *start = calloc(n + 2, sizeof *start);
@@ -160,6 +193,7 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   free(pin_of);
   free(order);
   free(start);
+  d->system.equations = d->constraints->equations;
   return status == HK_OK ? HK_OK : no_memory(d);
 }
 
@@ -185,26 +219,47 @@ static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const d
   for (int a = 0; a < 3; a++) WJ[a] *= w;
 }
 
-void hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, const double *v) {
-  hk_constraints *c = d->constraints;
-  double *whole = c->rhs;
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
+hk_status hk_constraint_failed(hk_dynamics *d, const hk_instance *instance, double t, hk_status status) {
+  if (status != HK_OK && !*d->error->text)
+    hk_error_set(d->error, status, "constraint '%s' failed at t = %g s without saying why", instance->label, t);
+  return status;
+}
+
+hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
+  const hk_constraints *c = d->constraints;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
     const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     hk_view view = hk_constraint_view(d, instance, t, x, v);
     const hk_instance *outer = hk_enter(instance);
-    instance->plugin->constraint->jacobian(instance->self, &view, c->J + c->block_first[k]);
+    status = instance->plugin->constraint->jacobian(instance->self, &view, J + c->block_first[k]);
     hk_leave(instance, outer);
+    status = hk_constraint_failed(d, instance, t, status);
   }
-  memset(c->scale, 0, c->equations * sizeof *c->scale);
+  return status;
+}
+
+void hk_constraint_matrix_rest(hk_constraints *c) {
+  for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->rests[k] ? 0 : c->full[k];
+}
+
+hk_status hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, const double *v) {
+  hk_constraints *c = d->constraints;
+  double *whole = c->rhs;
+  hk_status status = hk_constraint_jacobian(d, t, x, v, c->J);
+  if (status != HK_OK) return status;
+  memset(c->full, 0, c->equations * sizeof *c->full);
   memset(whole, 0, c->equations * sizeof *whole);
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t k = c->list.pair[b][0], i = c->list.pair[b][1];
     weigh(d, c->pin[b], i, c->J[b], c->WJ[b]);
-    c->scale[k] += dot(c->J[b], c->WJ[b]);
+    c->full[k] += dot(c->J[b], c->WJ[b]);
     whole[k] += d->state->inverse_mass[i] * dot(c->J[b], c->J[b]);
   }
   for (size_t k = 0; k < c->equations; k++)
-    c->scale[k] = c->scale[k] > no_direction * whole[k] ? 1 / sqrt(c->scale[k]) : 0;
+    c->full[k] = c->full[k] > no_direction * whole[k] ? 1 / sqrt(c->full[k]) : 0;
+  hk_constraint_matrix_rest(c);
+  return HK_OK;
 }
 
 static hk_matrix assemble(hk_constraints *c) {
@@ -219,19 +274,72 @@ static hk_matrix assemble(hk_constraints *c) {
   return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, true, c->matrix.number};
 }
 
+static void soften(hk_constraints *c, double by) {
+  for (size_t k = 0; k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
+}
+
+static hk_status cannot_solve(hk_dynamics *d) {
+  size_t number = 0, worst = 0;
+  for (size_t k = 0; k < d->constraints->equations; k++)
+    if (!isfinite(d->constraints->full[k])) worst = k;
+  const hk_instance *instance = hk_constraint_of(d, worst, &number);
+  return hk_error_set(d->error, HK_NOT_CONVERGED,
+                      "%s%sthe multipliers of the constraints cannot be found: %s equation %zu", instance->where,
+                      *instance->where ? ": " : "", instance->label, number);
+}
+
+/* Several one-sided equations that touch often depend on each other: four feet on a floor. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
-  hk_matrix A = assemble(d->constraints);
+  hk_constraints *c = d->constraints;
   hk_error before = *d->error;
-  hk_status status = hk_linear_system_factorize(d, &d->constraints->linear, &A);
-  if (status != HK_NOT_CONVERGED) return status;
-  *d->error = before; /* the solver's message names a row; the check names the equation */
-  return hk_constraint_matrix_check(d, true, HK_NOT_CONVERGED);
+  hk_status status = HK_NOT_CONVERGED;
+  for (int attempt = c->one_sided_count > 0; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
+    hk_matrix A = assemble(c);
+    c->soft = attempt == 1;
+    if (c->soft) soften(c, soft_shift);
+    *d->error = before; /* the solver's message names a row */
+    status = hk_linear_system_factorize(d, &c->linear, &A);
+  }
+  return status == HK_NOT_CONVERGED ? cannot_solve(d) : status;
+}
+
+static double largest(const double *of, size_t count) {
+  double most = 0;
+  for (size_t k = 0; k < count; k++)
+    if (!(fabs(of[k]) <= most)) most = fabs(of[k]);
+  return most;
+}
+
+/* residual = rhs - A solution, A without its shift */
+static void find_residual(hk_constraints *c) {
+  for (size_t r = 0; r < c->equations; r++) {
+    double sum = c->rhs[r] + soft_shift * c->solution[r];
+    for (size_t e = c->matrix.row_start[r]; e < c->matrix.row_start[r + 1]; e++)
+      sum -= c->value[e] * c->solution[c->matrix.column[e]];
+    c->residual[r] = sum;
+  }
+}
+
+static hk_status refine(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  double enough = refined * largest(c->rhs, c->equations), last = INFINITY;
+  hk_status status = HK_OK;
+  for (int round = 0; round < REFINEMENTS && status == HK_OK; round++) {
+    find_residual(c);
+    double left = largest(c->residual, c->equations);
+    if (!(left > enough) || left > 0.5 * last) return HK_OK;
+    last = left;
+    status = hk_linear_system_solve(d, &c->linear, c->residual, c->correction, NULL);
+    for (size_t k = 0; k < c->equations && status == HK_OK; k++) c->solution[k] += c->correction[k];
+  }
+  return status;
 }
 
 hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
   hk_status status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
+  if (status == HK_OK && c->soft) status = refine(d);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
 }
@@ -263,7 +371,7 @@ static hk_status weakest(hk_dynamics *d, double *smallest) {
     c->solution[k] = (double)(bits >> 11) * 0x1p-53 + 0.1;
   }
   normalise(c->rhs, c->solution, c->equations);
-  for (size_t k = 0; k < c->equations; k++) c->value[c->matrix.slot[k]] += shift;
+  soften(c, shift);
   hk_status status = hk_linear_system_factorize(d, &c->linear, &A);
   for (int i = 0; i < INVERSE_ITERATIONS && status == HK_OK; i++) {
     status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
@@ -273,20 +381,21 @@ static hk_status weakest(hk_dynamics *d, double *smallest) {
   return status;
 }
 
-hk_status hk_constraint_matrix_check(hk_dynamics *d, bool known, hk_status status) {
-  const hk_constraints *c = d->constraints;
+/* One-sided equations are not among those looked at: which of them act changes. */
+hk_status hk_constraint_matrix_review(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
   hk_error before = *d->error;
   double smallest = 0;
+  memset(c->implied, 0, c->equations * sizeof *c->implied);
+  if (c->equations - c->one_sided_count < 2) return HK_OK;
+  memcpy(c->rests, c->one_sided, c->equations * sizeof *c->rests);
+  hk_constraint_matrix_rest(c);
   hk_status found = weakest(d, &smallest);
   if (found != HK_OK && found != HK_NOT_CONVERGED) return found;
   *d->error = before;
-  if (!known && found == HK_OK && smallest > dependent) return HK_OK;
-  size_t worst = 0, number;
-  for (size_t k = 0; k < c->equations; k++)
-    if (fabs(c->rhs[k]) > fabs(c->rhs[worst])) worst = k;
-  const hk_instance *instance = hk_constraint_of(d, worst, &number);
-  return hk_error_set(d->error, status, "%s%sconstraints are redundant or contradict each other: %s equation %zu",
-                      instance->where, *instance->where ? ": " : "", instance->label, number);
+  if (found == HK_OK && smallest > dependent) return HK_OK;
+  hk_matrix A = assemble(c);
+  return hk_active_set_independent(d, &A, c->implied);
 }
 
 const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {

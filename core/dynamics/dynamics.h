@@ -6,6 +6,7 @@
 
 typedef struct hk_constraints hk_constraints;         /* constraint_matrix.h */
 typedef struct hk_implicit_matrix hk_implicit_matrix; /* implicit_matrix.h */
+typedef struct hk_saddle_point hk_saddle_point;       /* saddle_point.c */
 
 typedef struct hk_counts {
   size_t evaluations, jacobians, factorizations, linear_iterations;
@@ -38,6 +39,7 @@ typedef struct hk_dynamics {
   /* linear systems */
   hk_constraints *constraints; /* NULL: the scene has none */
   hk_implicit_matrix *matrix;  /* NULL: no Jacobian was asked for */
+  hk_saddle_point *saddle;     /* NULL: no constraints, or the method solves no linear systems */
   hk_instance *solver;         /* NULL: the run solves no linear systems */
   hk_plugin_spec *solver_spec; /* spec of a solver that the run has chosen */
 } hk_dynamics;
@@ -98,16 +100,29 @@ bool hk_sweep_stiffness(hk_system *, hk_stiffness_part, bool stiffening, double 
 /* ---- constraint.c. `a` is F/m with pins on entry, and includes constraint forces on return ---- */
 
 hk_status hk_constraints_open(hk_dynamics *);
+/* At the state, once it is projected: which equations follow from others, which touch. */
+hk_status hk_constraints_review(hk_dynamics *);
 void hk_constraints_close(hk_dynamics *);
-hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, const double *v, double *a);
+/* What they do as time passes, with all else at rest, is added to `power`, W. */
+hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, const double *v, double *a,
+                                    double *power);
 /* At the start of a step: constraints may change their equations. */
 hk_status hk_constraints_update(hk_dynamics *);
-/* Projects x onto g(x) = 0 and v onto J v = 0 (mass-weighted Newton); part of every step. */
+/* Brings x onto g(x) = 0 and v onto J v + g_t = 0 (mass-weighted Newton); part of every step. */
 hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
-double hk_constraints_violation(hk_dynamics *); /* m, violation at the present state */
+/* The same for a method in the middle of its step; nothing is done where there are one-sided equations. */
+hk_status hk_constraints_project_equalities(hk_dynamics *, double t, double *x, double *v);
+/* Whether contact began or ended, equations changed or velocities jumped since this was last asked: the histories of
+ * methods are void. */
+bool hk_constraints_jumped(hk_dynamics *);
+hk_status hk_constraints_violation(hk_dynamics *, double *violation); /* m, of the state */
 hk_status hk_constraints_topology(hk_dynamics *);
 
-/* ---- jacobian.c, implicit_matrix.c ---- */
+/* ---- jacobian.c, implicit_matrix.c, saddle_point.c ---- */
+
+hk_status hk_saddle_point_open(hk_dynamics *); /* in a scene with constraints, whose method solves linear systems */
+void hk_saddle_point_close(hk_dynamics *);
+const hk_instance *hk_saddle_point_solver(const hk_dynamics *); /* NULL: it is the scene's own kind, or not needed */
 
 hk_status hk_jacobian_assemble(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
 void hk_jacobian_topology(hk_dynamics *); /* makes the pattern invalid */
@@ -116,6 +131,7 @@ hk_status hk_implicit_combine(hk_system *, double m, double d, double k, hk_matr
 hk_status hk_implicit_solver_flags(hk_system *, unsigned *flags);
 hk_status hk_implicit_factorize(hk_system *, const hk_matrix *A);
 hk_status hk_implicit_solve(hk_system *, const double *b, double *x, hk_solve_info *info);
+hk_status hk_implicit_solve_along(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
 hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, size_t columns);
 
 /* ---- solver.c: the scene's solver, or one chosen by the forces, the size and the flags of the installed solvers
@@ -123,6 +139,9 @@ hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, siz
 
 /* Creates and starts the solver before the first step. `named` NULL: the solver is chosen. */
 hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);
+/* One that takes indefinite matrices, for the saddle points of implicit steps with constraints; the caller destroys it
+ * and then the spec, which is NULL where the scene's solver is of that kind. */
+hk_status hk_solver_indefinite(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
 /* A second instance with the same parameters, for the multipliers; the caller destroys it. */
 hk_status hk_solver_twin(hk_dynamics *, hk_instance **solver);
 

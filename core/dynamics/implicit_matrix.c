@@ -5,7 +5,7 @@
  * entries, so their part of the solution is exactly 0 (Baraff and Witkin 1998, section 5, as a matrix instead of a
  * filter in the iteration). Each row is computed by one thread, so the values do not depend on the number of
  * threads. */
-#include "core/dynamics/implicit_matrix.h"
+#include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -139,9 +139,19 @@ static hk_status linear_of(hk_dynamics *d, hk_linear_system **linear) {
   return HK_OK;
 }
 
+/* Whether or not an equation acts at present, so that a step has one solver. */
+static bool constrained(hk_system *system) {
+  const hk_dynamics *d = dynamics_of(system);
+  return d->saddle && d->constraints->equations > 0;
+}
+
 hk_status hk_implicit_solver_flags(hk_system *system, unsigned *flags) {
   hk_linear_system *linear = NULL;
   hk_status status = linear_of(dynamics_of(system), &linear);
+  if (status == HK_OK && constrained(system)) {
+    *flags = hk_saddle_point_flags(dynamics_of(system));
+    return HK_OK;
+  }
   if (status == HK_OK) *flags = linear->solver->plugin->solver->flags;
   return status;
 }
@@ -149,6 +159,7 @@ hk_status hk_implicit_solver_flags(hk_system *system, unsigned *flags) {
 hk_status hk_implicit_factorize(hk_system *system, const hk_matrix *A) {
   hk_linear_system *linear = NULL;
   hk_status status = linear_of(dynamics_of(system), &linear);
+  if (status == HK_OK && constrained(system)) return hk_saddle_point_factorize(dynamics_of(system), A);
   return status == HK_OK ? hk_linear_system_factorize(dynamics_of(system), linear, A) : status;
 }
 
@@ -160,13 +171,21 @@ static hk_status ready(hk_dynamics *d, hk_linear_system **linear) {
 }
 
 hk_status hk_implicit_solve(hk_system *system, const double *b, double *x, hk_solve_info *info) {
+  return hk_implicit_solve_along(system, b, NULL, x, info);
+}
+
+hk_status hk_implicit_solve_along(hk_system *system, const double *b, const double *u, double *x, hk_solve_info *info) {
   hk_linear_system *linear = NULL;
+  if (constrained(system)) return hk_saddle_point_solve(dynamics_of(system), b, u, x, info);
   hk_status status = ready(dynamics_of(system), &linear);
   return status == HK_OK ? hk_linear_system_solve(dynamics_of(system), linear, b, x, info) : status;
 }
 
 hk_status hk_implicit_solve_columns(hk_system *system, const double *b, double *x, size_t columns) {
   hk_linear_system *linear = NULL;
+  if (constrained(system))
+    return hk_error_set(dynamics_of(system)->error, HK_FAILED,
+                        "several right-hand sides at once are not solved in a scene with constraints");
   hk_status status = ready(dynamics_of(system), &linear);
   return status == HK_OK ? hk_linear_system_solve_columns(dynamics_of(system), linear, b, x, columns) : status;
 }

@@ -9,6 +9,7 @@
 struct hk_implicit_matrix {
   hk_block_matrix matrix;
   size_t *first;             /* one per force: position in matrix.slot */
+  size_t first_constraint;   /* position of the stiffness of constraint forces in matrix.slot */
   double *K, *D;             /* blocks x 9; NULL: the pattern must be built again */
   double *A;                 /* blocks x 9; NULL until the first combination */
   const hk_pin_spec **slide; /* one per particle: its sliding pin or NULL; the array is NULL until needed */

@@ -3,8 +3,9 @@
  * Once per topology every force names its blocks; they and the whole diagonal are merged into one pattern, and each
  * force keeps the slots of its blocks. An evaluation zeroes the two value arrays, and every acting force adds its
  * blocks. The pattern includes all forces, acting or not, so that a force that begins to act later needs no new
- * analysis. Invariant: slot[first[k] + e] is the slot of the e-th block of force k. */
-#include "core/dynamics/implicit_matrix.h"
+ * analysis. Invariant: slot[first[k] + e] is the slot of the e-th block of force k. In a scene with constraints
+ * K includes the stiffness of their forces, at the multipliers of the last evaluation (saddle_point.c). */
+#include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -32,7 +33,8 @@ static hk_status name_blocks(hk_dynamics *d, hk_implicit_matrix *s) {
       return hk_error_set(d->error, HK_FAILED, "force '%s' names a block of a particle that is not there",
                           force->label);
   }
-  return HK_OK;
+  s->first_constraint = s->matrix.named;
+  return d->saddle ? hk_saddle_point_name(d, &s->matrix.naming) : HK_OK;
 }
 
 static void drop(hk_implicit_matrix *s) {
@@ -99,7 +101,8 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
     status = force->plugin->force->jacobian(force->self, &view, &into);
     hk_leave(force, outer);
   }
-  return status;
+  if (status != HK_OK || !d->saddle) return status;
+  return hk_saddle_point_stiffness(d, t, X, X + 3 * n, s->matrix.slot + s->first_constraint, s->K);
 }
 
 hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {

@@ -18,8 +18,14 @@ double hk_probe_potential(hk_dynamics *d, double t, const double *X) {
   return sum;
 }
 
-/* The energy balance is unknown when scripted pins act through constraints, since their work is not measured. */
-bool hk_probe_has_energy(const hk_dynamics *d) { return !(d->pins->has_paths && d->constraints); }
+/* What a scripted pin does through a constraint is not measured, nor what a constraint does as its parameters change.
+ */
+bool hk_probe_has_energy(const hk_dynamics *d) {
+  const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
+  for (size_t k = 0; k < constraints->count; k++)
+    if (constraints->item[k]->spec->timed_count > 0) return false;
+  return !(d->pins->has_paths && d->constraints);
+}
 
 bool hk_probe_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {
   const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];

@@ -42,8 +42,14 @@ hk_status hk_solver_open(hk_dynamics *d, const hk_plugin_spec *named) {
   return status == HK_OK ? start(d, d->solver) : status;
 }
 
-hk_status hk_solver_twin(hk_dynamics *d, hk_instance **solver) {
-  hk_instance *twin = hk_instance_create(d->solver->spec, d->shared, d->error);
+static bool takes_saddle_points(const hk_plugin *plugin, const void *context) {
+  const unsigned needed = HK_SOLVES_INDEFINITE | HK_SOLVES_UNSYMMETRIC;
+  (void)context;
+  return (plugin->solver->flags & (needed | HK_ITERATIVE)) == needed;
+}
+
+static hk_status make(hk_dynamics *d, const hk_plugin_spec *spec, hk_instance **solver) {
+  hk_instance *twin = hk_instance_create(spec, d->shared, d->error);
   if (!twin) return HK_NO_MEMORY;
   hk_status status = start(d, twin);
   if (status == HK_OK)
@@ -51,4 +57,16 @@ hk_status hk_solver_twin(hk_dynamics *d, hk_instance **solver) {
   else
     hk_instance_destroy(twin);
   return status;
+}
+
+hk_status hk_solver_twin(hk_dynamics *d, hk_instance **solver) { return make(d, d->solver->spec, solver); }
+
+hk_status hk_solver_indefinite(hk_dynamics *d, hk_instance **solver, hk_plugin_spec **spec) {
+  const hk_plugin *plugin;
+  *spec = NULL;
+  if (takes_saddle_points(d->solver->plugin, NULL)) return make(d, d->solver->spec, solver);
+  hk_status status = hk_registry_prefer(d->scene->registry, HK_SOLVER, takes_saddle_points, NULL, &plugin, d->error);
+  if (status != HK_OK) return status;
+  *spec = hk_spec_create(plugin, plugin->name, "", d->error);
+  return *spec ? make(d, *spec, solver) : HK_NO_MEMORY;
 }

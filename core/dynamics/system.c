@@ -25,6 +25,10 @@ static void impose(hk_system *s, double t, double *x, double *v) { hk_dynamics_i
 
 static void filter(hk_system *s, double *vector) { hk_pins_filter(dynamics_of(s)->pins, vector); }
 
+static hk_status project(hk_system *s, double t, double *x, double *v) {
+  return hk_constraints_project_equalities(dynamics_of(s), t, x, v);
+}
+
 static void set_functions(hk_system *s) {
   s->accelerations = hk_evaluate_accelerations;
   s->rates = rates;
@@ -37,6 +41,8 @@ static void set_functions(hk_system *s) {
   s->combine = hk_implicit_combine;
   s->solver_flags = hk_implicit_solver_flags;
   s->solve_columns = hk_implicit_solve_columns;
+  s->solve_along = hk_implicit_solve_along;
+  s->project = project;
   s->update = hk_sweep_update;
   s->step_limit = hk_sweep_limit;
   s->potential = hk_sweep_potential;

@@ -53,7 +53,9 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
     r->energy_first = total;
     memcpy(r->momentum_first, frame->momentum, sizeof r->momentum_first);
   }
-  double violation = hk_constraints_violation(loop->dynamics), strain = hk_probe_strain(loop->dynamics, NULL, &found);
+  double violation, strain = hk_probe_strain(loop->dynamics, NULL, &found);
+  hk_status asked = hk_constraints_violation(loop->dynamics, &violation);
+  if (asked != HK_OK) return asked;
   if (violation > r->violation_max) r->violation_max = violation;
   if (fabs(strain) > fabs(r->strain_max)) r->strain_max = strain;
   bool plausible = isfinite(total) && !(total - r->energy_first - frame->work > r->kinetic_max);

@@ -77,13 +77,15 @@ static void energies(hk_loop *loop, hk_summary *s) {
 
 static void solvers(const hk_dynamics *d, hk_summary *s) {
   if (!d->solver || (d->count.factorizations == 0 && !d->constraints && !d->matrix)) return;
-  const hk_plugin *plugin = d->solver->plugin;
+  const hk_instance *saddle = hk_saddle_point_solver(d), *solver = saddle ? saddle : d->solver;
+  const hk_plugin *plugin = solver->plugin;
   s->solver = plugin->name;
-  s->solver_choice = d->solver_spec ? "chosen for the forces and the size" : "";
-  const hk_instance *outer = hk_enter(d->solver);
-  if (plugin->solver->describe)
-    plugin->solver->describe(d->solver->self, s->solver_libraries, sizeof s->solver_libraries);
-  hk_leave(d->solver, outer);
+  s->solver_choice = saddle           ? "chosen for the saddle points of constraints"
+                     : d->solver_spec ? "chosen for the forces and the size"
+                                      : "";
+  const hk_instance *outer = hk_enter(solver);
+  if (plugin->solver->describe) plugin->solver->describe(solver->self, s->solver_libraries, sizeof s->solver_libraries);
+  hk_leave(solver, outer);
 }
 
 static void steps(const hk_loop *loop, hk_summary *s) {

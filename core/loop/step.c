@@ -26,6 +26,7 @@ hk_status hk_step_begin(hk_loop *loop, double h) {
   if (status == HK_OK && loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
   loop->emitted = true;
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
+  if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
   if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_keep(loop);
   return status;
 }
@@ -59,6 +60,7 @@ static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
   set_time(loop, t);
   if (loop->pins->has_paths || loop->pins->has_slides) status = hk_dynamics_impose(loop->dynamics, t, x, v);
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_project(loop->dynamics, t, x, v);
+  if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
   if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_apply(loop, h, rejected);
   if (*rejected) {
     loop->record->rejected++;

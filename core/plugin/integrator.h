@@ -12,8 +12,10 @@ enum { /* hk_integrator.flags */
        HK_ADAPTIVE = 2,
        HK_SYMPLECTIC = 4,
        HK_NEEDS_JACOBIAN = 8,
-       HK_REVERSIBLE = 16,  /* a run with reversed velocities returns to the start */
-       HK_NEEDS_SOLVER = 32 /* calls factorize and solve; HK_NEEDS_JACOBIAN implies it */
+       HK_REVERSIBLE = 16,   /* a run with reversed velocities returns to the start */
+       HK_NEEDS_SOLVER = 32, /* calls factorize and solve; HK_NEEDS_JACOBIAN implies it */
+       HK_SPLITS_FORCES = 64 /* evaluates parts of the sum of forces by `takes`: not possible with one-sided constraints,
+                                whose acting equations depend on the whole sum */
 };
 
 typedef enum hk_reason { /* the reason why the host calls `reset` */
@@ -87,7 +89,8 @@ struct hk_system {
    * the pins (up to rounding on slides: filter it). Valid until the next call. */
   hk_status (*combine)(hk_system *, double m, double d, double k, hk_matrix *A);
   /* The flags HK_SOLVES_... of the scene's solver, which is already chosen: the direct one for symmetric matrices,
-   * unless a force has an unsymmetric Jacobian only, or the scene is very large. */
+   * unless a force has an unsymmetric Jacobian only, or the scene is very large. With constraints: one for indefinite
+   * matrices. */
   hk_status (*solver_flags)(hk_system *, unsigned *flags);
   hk_status (*solve_columns)(hk_system *, const double *b, double *x, size_t columns); /* as hk_solver's */
   /* The forces in the scene's order, and which of them evaluations, energies and Jacobians include. All are included
@@ -96,7 +99,7 @@ struct hk_system {
   const hk_force_info *force;
   bool *takes;
   bool takes_channels; /* whether evaluations include the channels' own rates */
-  size_t equations;    /* number of equations of the acting constraints */
+  size_t equations;    /* number of constraint equations that acted in the last evaluation */
   /* Calls hk_force.update of all forces, from X to the positions x_to (n x 3); before a line search. */
   hk_status (*update)(hk_system *, double t, const double *X, const double *x_to);
   double (*step_limit)(hk_system *, double t, const double *X,
@@ -109,6 +112,11 @@ struct hk_system {
   /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
    * HK_STIFFENS only. False: an acting force that depends on x states no bound. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
+  /* As `solve`, with J x = J u (u: n x 3): for methods whose right-hand side is not a residual of forces. */
+  hk_status (*solve_along)(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
+  /* Brings x and v (n x 3) onto the constraints of time t, as the host does after every step; for methods that keep a
+   * history of their own. One-sided ones are left to the host. */
+  hk_status (*project)(hk_system *, double t, double *x, double *v);
 };
 
 #endif

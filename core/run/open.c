@@ -148,18 +148,33 @@ static hk_status start_plugins(hk_run *run) {
   return status;
 }
 
-/* Constraints need a linear solver for their multipliers, implicit methods for their matrices. The solver is opened
- * here, so that no step opens a plugin. */
+static const hk_instance *find_one_sided(const hk_run *run) {
+  const hk_instances *list = &run->plugins.kind[HK_CONSTRAINT];
+  for (size_t k = 0; k < list->count; k++)
+    if (list->item[k]->plugin->constraint->flags & HK_ONE_SIDED) return list->item[k];
+  return NULL;
+}
+
+/* Constraints have multipliers, implicit methods matrices: what solves them is opened now, never in a step. */
 static hk_status open_linear_systems(hk_run *run) {
   const hk_integrator *method = run->step.method;
   bool constrained = run->plugins.kind[HK_CONSTRAINT].count > 0;
   if (constrained && method->without_constraints)
     return hk_error_set(&run->error, HK_BAD_PARAM, "%s takes no constraints ('%s'): %s", run->step.method_name,
                         run->plugins.kind[HK_CONSTRAINT].item[0]->label, method->without_constraints);
+  const hk_instance *one_sided = find_one_sided(run);
+  if (one_sided && method->flags & HK_SPLITS_FORCES)
+    return hk_error_set(
+        &run->error, HK_BAD_PARAM,
+        "%s takes no one-sided constraints ('%s'): it splits the forces, and which constraints push is a "
+        "matter of their sum; choose another implicit method",
+        run->step.method_name, one_sided->label);
   hk_status status = HK_OK;
   if (constrained || method->flags & (HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER))
     status = hk_solver_open(&run->dynamics, run->overrides.solver);
-  return status == HK_OK && constrained ? hk_constraints_open(&run->dynamics) : status;
+  if (status == HK_OK && constrained) status = hk_constraints_open(&run->dynamics);
+  bool implicit = method->flags & (HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER);
+  return status == HK_OK && constrained && implicit ? hk_saddle_point_open(&run->dynamics) : status;
 }
 
 /* ---- pointers and hooks between the parts of a run ---- */
@@ -254,6 +269,8 @@ static hk_status impose_start(hk_run *run) {
   hk_status status = hk_dynamics_impose(&run->dynamics, s->t, x, v);
   if (status == HK_OK && run->dynamics.constraints && !run->resumed)
     status = hk_constraints_project(&run->dynamics, s->t, x, v);
+  if (status == HK_OK) status = hk_constraints_review(&run->dynamics);
+  hk_constraints_jumped(&run->dynamics); /* nobody has a history yet, or it is the checkpoint's */
   return status;
 }
 

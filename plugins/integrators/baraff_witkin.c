@@ -3,7 +3,8 @@
  * and their control of the step: a step that changes the strain of any spring by more than `stretch` is discarded and
  * tried at half the length; after `patience` good steps the length doubles again, up to a frame or `dt`. Scripted
  * particles have a prescribed dv, which the right-hand side carries over to their neighbours. The step may turn
- * indefinite where springs are compressed; their blocks are then projected. Channels are explicit. Baraff and Witkin
+ * indefinite where springs are compressed; their blocks are then projected. Constraint forces are those of the start of
+ * the step and what keeps dv along the constraints. Channels are explicit. Baraff and Witkin
  * 1998, equations (6) and (16), sections 5 and 6. */
 #include "core/plugin.h"
 #include "plugins/common/linear/block_product.h"
@@ -57,7 +58,7 @@ static const hk_field fields[] = {
  * (1 + h g + (h w)^2) u^2 + (h g + 2 (h w)^2) u + (h w)^2 = 0. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   const double z = hw * hw, c[] = {z, hg + 2 * z, 1 + hg + z};
   return hk_polynomial_growth(2, c);
 }
@@ -102,6 +103,13 @@ static void right_hand_side(const hk_system *s, const hk_matrix *K, const hk_mat
   for (size_t e = 0; e < m; e++) w->b[e] -= w->q[e];
 }
 
+/* With constraints, J dv = h J a: what a, which has their forces in it, does to the velocities. */
+static hk_status solve(hk_system *s, double h, trial *w) {
+  if (s->equations == 0) return s->solve(s, w->b, w->dv, NULL);
+  for (size_t e = 0; e < 3 * s->n; e++) w->q[e] = h * w->a[e];
+  return s->solve_along(s, w->b, w->q, w->dv, NULL);
+}
+
 static hk_status linearise(hk_system *s, double h, unsigned want, trial *w) {
   size_t m = 3 * s->n;
   hk_matrix K, D, A;
@@ -115,7 +123,7 @@ static hk_status linearise(hk_system *s, double h, unsigned want, trial *w) {
   s->filter(s, w->b);
   status = s->combine(s, 1, h, h * h, &A);
   if (status == HK_OK) status = s->factorize(s, &A);
-  if (status == HK_OK) status = s->solve(s, w->b, w->dv, NULL);
+  if (status == HK_OK) status = solve(s, h, w);
   if (status != HK_OK) return status;
   s->filter(s, w->dv);
   for (size_t e = 0; e < m; e++) {
@@ -171,11 +179,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 1,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 1,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_ADAPTIVE | HK_NEEDS_JACOBIAN,
-                                         .without_constraints = "its stages do not solve for multipliers yet",
- .amplification = amplification,
+                                         .amplification = amplification,
                                          .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

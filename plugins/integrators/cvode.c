@@ -84,7 +84,7 @@ static const hk_field fields[] = {
 /* Backward Euler, as which BDF starts and which is its only order that is stable for every oscillation. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
   double complex slow = fast == 0 ? 0 : hw * hw / fast;
   return fmax(1 / cabs(1 - fast), 1 / cabs(1 - slow));
@@ -169,13 +169,34 @@ static void reset(void *self, hk_reason why) {
   ((cvode *)self)->running = false;
 }
 
+/* What brings X onto the constraints. CVODE's history takes it in, where a repair by the host would end it. */
+static int project(sunrealtype t, N_Vector X, N_Vector correction, sunrealtype limit, N_Vector error, void *self) {
+  hk_sundials *m = self;
+  hk_system *s = m->system;
+  const double *from = NV_DATA_S(X);
+  double *to = NV_DATA_S(correction);
+  (void)limit, (void)error;
+  memcpy(to, from, s->size * sizeof *to);
+  s->impose(s, t, to, to + 3 * s->n);
+  hk_status status = s->project(s, t, to, to + 3 * s->n);
+  for (size_t e = 0; e < s->size; e++) to[e] -= from[e];
+  return hk_sundials_code(m, status);
+}
+
+static int set_projection(const cvode *m, const hk_system *s) {
+  if (s->equations == 0 || m->method != BDF) return CV_SUCCESS;
+  int flag = CVodeSetProjFn(m->memory, project);
+  return flag == CV_SUCCESS ? CVodeSetProjErrEst(m->memory, SUNFALSE) : flag;
+}
+
 static hk_status start(cvode *m, hk_system *s, double span) {
   hk_status status = hk_sundials_scale(&m->sundials, s, span);
   if (status != HK_OK) return status;
   memcpy(m->sundials.state, s->X, s->size * sizeof *s->X);
   m->t = s->t;
   m->planned = INFINITY;
-  return hk_sundials_setup(&m->sundials, CVodeReInit(m->memory, s->t, m->sundials.X));
+  int flag = CVodeReInit(m->memory, s->t, m->sundials.X);
+  return hk_sundials_setup(&m->sundials, flag == CV_SUCCESS ? set_projection(m, s) : flag);
 }
 
 static bool rates_failed(int flag) {
@@ -217,11 +238,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 5,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 5,
                                          .stages = 1,
                                          .flags = HK_ADAPTIVE | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .without_constraints = "its stages do not solve for multipliers yet",
- .amplification = amplification,
+                                         .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

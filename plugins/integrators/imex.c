@@ -84,7 +84,7 @@ static const hk_field fields[] = {
  * the linear oscillator does not tell. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   static const hk_dirk_tableau implicit = {
       .stages = 2,
       .c = {0.29289321881345248, 1},
@@ -141,6 +141,19 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
   return hk_newton_solve(&m->newton, s, &stage);
 }
 
+/* With constraints, the multipliers of either part cancel what its forces do to the equations; what the motion alone
+ * asks of them, J a + c = 0, is the implicit part's, so it is taken out here: the slope without any force. */
+static hk_status leave_motion(const imex *m, hk_system *s, double t, double *X, double *slope) {
+  size_t v = 3 * s->n;
+  double *none = vector(m, s, IMPLICIT);
+  if (s->equations == 0) return HK_OK;
+  for (size_t k = 0; k < s->forces; k++) s->takes[k] = false;
+  s->takes_channels = false;
+  hk_status status = s->accelerations(s, t, X, X + v, X + 2 * v, none + v, none + 2 * v);
+  for (size_t e = v; e < s->size; e++) slope[e] -= none[e];
+  return status;
+}
+
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   imex *m = self;
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE), *E = vector(m, s, EXPLICIT),
@@ -148,11 +161,13 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   (void)t_stop, (void)out;
   hk_status status = check_forces(m, s);
   if (status == HK_OK) status = look(m, s, s->t, s->X, E);
+  if (status == HK_OK) status = leave_motion(m, s, s->t, s->X, E);
   if (status != HK_OK) return status;
   memcpy(base, s->X, s->size * sizeof *base);
   add(base, E, s->size, g);
   status = solve(m, s, s->t + g, g);
   if (status == HK_OK) status = look(m, s, s->t + g, X, E2);
+  if (status == HK_OK) status = leave_motion(m, s, s->t + g, X, E2);
   if (status != HK_OK) return status;
   for (size_t e = 0; e < s->size; e++) I[e] = (X[e] - base[e]) / g;
   memcpy(base, s->X, s->size * sizeof *base);
@@ -170,11 +185,11 @@ static void reset(void *self, hk_reason why) {
   if (why != HK_STEP_CHANGED) hk_newton_forget(&((imex *)self)->newton);
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 2,
                                          .stages = 2,
-                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .without_constraints = "its stages do not solve for multipliers yet",
- .amplification = amplification,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SPLITS_FORCES,
+                                         .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

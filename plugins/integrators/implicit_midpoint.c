@@ -7,7 +7,8 @@ static const hk_dirk_tableau tableau = {.stages = 1, .c = {0.5}, .a = {{0.5}}, .
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-  return hk_dirk_amplification(&tableau, hw, hg); }
+  return hk_dirk_amplification(&tableau, hw, hg);
+}
 
 static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
 
@@ -16,11 +17,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return hk_dirk_step(self, &tableau, s, t_stop, h);
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 2,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SYMPLECTIC | HK_REVERSIBLE,
-                                         .without_constraints = "its stages do not solve for multipliers yet",
- .amplification = amplification,
+                                         .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

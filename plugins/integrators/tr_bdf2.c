@@ -4,7 +4,8 @@
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-  return hk_dirk_amplification(&hk_tr_bdf2, hw, hg); }
+  return hk_dirk_amplification(&hk_tr_bdf2, hw, hg);
+}
 
 static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
 
@@ -12,11 +13,11 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return hk_dirk_adaptive_step(self, &hk_tr_bdf2, s, t_stop, h, out);
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 2,
                                          .stages = 2,
                                          .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
-                                         .without_constraints = "its stages do not solve for multipliers yet",
- .amplification = amplification,
+                                         .amplification = amplification,
                                          .step = step,
                                          .reset = reset};
 

@@ -18,6 +18,7 @@ typedef struct work {
   size_t m; /* 3n */
   double *a, *R, *dv, *v_old, *p, *q, *z, *r, *y_last, *left_last;
   unsigned flags; /* the solver's */
+  bool by_size;   /* |R| has to fall; else p.R */
   bool fresh;     /* the factors are those of the present iterate */
   bool settled;   /* the channels are as the last evaluation asks */
   hk_matrix A;
@@ -176,7 +177,7 @@ static void judge(hk_shortcut *c, bool good) {
 
 /* A direction of Newton's own: from the matrix of the present iterate. */
 static hk_status newton_direction(work *k) {
-  bool stale = k->w->factor_g > 0 && k->w->reuse && !k->fresh && !(k->flags & (HK_ITERATIVE | HK_SOLVES_UNSYMMETRIC));
+  bool stale = k->w->factor_g > 0 && k->w->reuse && !k->fresh && !k->by_size && !(k->flags & HK_ITERATIVE);
   hk_status status = assemble(k);
   if (status != HK_OK) return status;
   if (stale && pays(&k->w->krylov)) {
@@ -203,14 +204,14 @@ static void advance(const work *k, double alpha) {
 
 /* Whether a step is too long: p.R has grown to the other side, or |R| has not fallen. */
 static bool overshoots(const work *k, double slope, double size) {
-  if (k->flags & HK_SOLVES_UNSYMMETRIC) return !(dot(k->R, k->R, k->m) <= size);
+  if (k->by_size) return !(dot(k->R, k->R, k->m) <= size);
   return !(dot(k->dv, k->R, k->m) <= -0.9 * slope);
 }
 
 /* Along dv from v_old, until the step is not too long; R is that of the new v. HK_NOT_CONVERGED: there is none. */
 static hk_status search(work *k, double *taken) {
   double slope = dot(k->dv, k->R, k->m), size = dot(k->R, k->R, k->m), alpha = 1;
-  bool descends = slope < 0 || k->flags & HK_SOLVES_UNSYMMETRIC;
+  bool descends = slope < 0 || k->by_size;
   for (int i = 0; i < BACKTRACKS && descends; i++, alpha /= 2) {
     advance(k, alpha);
     hk_status status = residual(k, false);
@@ -255,7 +256,7 @@ static hk_status next_direction(work *k, pace *p, double *size) {
   hk_status status = p->chord ? chord_direction(k) : newton_direction(k);
   if (status != HK_OK) return status;
   k->s->filter(k->s, k->dv);
-  *size = k->flags & HK_SOLVES_UNSYMMETRIC ? hk_rms(k->dv, k->m) : energy_norm(k);
+  *size = k->by_size ? hk_rms(k->dv, k->m) : energy_norm(k);
   if (p->last > 0) p->rate = fmax(0.3 * p->rate, *size / p->last);
   if (p->last > 0 && p->chord) k->w->rate = p->rate;
   return isnan(*size) ? HK_NOT_FINITE : HK_OK;
@@ -312,6 +313,7 @@ hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   work k = begin(w, s, stage);
   hk_status status = s->solver_flags(s, &k.flags);
   if (status == HK_OK) status = residual(&k, true);
+  k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || s->equations > 0;
   if (status == HK_OK) status = iterate(&k);
   if (status == HK_NOT_CONVERGED) hk_newton_forget(w);
   return status;

@@ -5,6 +5,11 @@
  * while p.R has grown to the other side (Nocedal and Wright, Numerical Optimization, chapter 3). With an unsymmetric
  * Jacobian |R| has to fall instead.
  *
+ * In a scene with constraints F has their forces in it, and the direction solves A dv + J^T l = -R, J dv = -J M^-1 R
+ * (hk_system.solve): J M^-1 R is the constraints' own residual, J (v - v*) + g c with c = d^2 g/dt^2 - J a. How J and
+ * the multipliers change with v is left out of the matrix, so convergence is linear at a rate of g |v|/L + g^2 |l|/(m
+ * L), L being the length over which J turns; |R| has to fall, for there is no potential whose gradient it is.
+ *
  * The matrix is A = M + g D + g^2 K. Its factors serve as long as they do: first as they are (chord steps), while g is
  * the same and the observed rate of convergence is below `slow`; then as the preconditioner of a few conjugate
  * gradients on the matrix of the present iterate; then new ones are made. A shortcut that fails is left out for a

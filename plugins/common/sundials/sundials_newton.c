@@ -3,8 +3,11 @@
  * The system (I - gamma J) z = r with J of (x, v), dx/dt = v, M dv/dt = F, is reduced to the velocities:
  *     (M + gamma D + gamma^2 K) z_v = M r_v - gamma K r_x,    z_x = r_x + gamma z_v
  * with K = -dF/dx and D = -dF/dv, so that one matrix of n blocks is factorised instead of 6n equations; pinned
- * components are filtered on both sides. Channels and the work have no Jacobian here and are iterated functionally:
- * z = r. The sum M z_v keeps the momentum of r for any tolerance of the iteration. */
+ * components are filtered on both sides. Channels and the work have no Jacobian here and take part as in functional
+ * iteration, z = r. With constraints M dv/dt = F + J^T lambda, and the reduced system is that of the saddle point with
+ * J z_v = J r_v; how J and lambda change with X is left out of the matrix, not of the residual. The sum M z_v keeps the
+ * momentum of r, whatever the iteration's tolerance.
+ */
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/sundials/sundials.h"
 
@@ -77,8 +80,10 @@ int hk_sundials_precondition(double t, N_Vector X, N_Vector f, int reuse, int *c
   return hk_sundials_code(m, status);
 }
 
-static hk_status solve_blocks(hk_sundials *m, const double *b, double *x) {
-  if (!m->inverse) return m->system->solve(m->system, b, x, NULL);
+/* x = z_v; with constraints, J z_v = J r_v. */
+static hk_status solve_blocks(hk_sundials *m, const double *b, const double *r_v, double *x) {
+  hk_system *s = m->system;
+  if (!m->inverse) return s->equations ? s->solve_along(s, b, r_v, x, NULL) : s->solve(s, b, x, NULL);
   for (size_t r = 0; r < 3 * m->A.rows; r++) {
     const double *row = m->inverse + 3 * r, *from = b + r / 3 * 3;
     x[r] = row[0] * from[0] + row[1] * from[1] + row[2] * from[2];
@@ -98,7 +103,7 @@ static hk_status reduce_and_solve(hk_sundials *m, const double *r, double *z) {
   hk_block_product(m->host, &m->K, free_x, b);
   for (size_t e = 0; e < v; e++) b[e] = s->model->mass[e / 3] * free_v[e] - m->gamma * b[e];
   s->filter(s, b);
-  hk_status status = solve_blocks(m, b, dv);
+  hk_status status = solve_blocks(m, b, free_v, dv);
   if (status != HK_OK) return status;
   s->filter(s, dv);
   for (size_t e = 0; e < v; e++) {
