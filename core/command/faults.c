@@ -31,7 +31,7 @@ static void say(const char *text) {
   (void)written; /* there is nobody left to tell */
 }
 
-/* "hooke: bad.lua:3: the force 'wind' of the plugin NAME" */
+/* "hooke: bad.lua:3: the force 'LABEL' of the plugin NAME" */
 static void name(const hk_instance *plugin) {
   say("hooke: ");
   say(plugin->where);

@@ -26,13 +26,15 @@ typedef struct hk_dynamics {
   hk_view *force_view; /* one per force, with its own host and selection */
   bool *force_acts;    /* one per force: the time lies between its `from` and `to` */
   bool *takes;         /* one per force: system.takes */
+  bool *takes_kept;    /* one per force: scratch */
   hk_force_info *force_info;
   hk_element_list *element_list;
   hk_publication *publication;
-  uint64_t *chunk_bad;            /* one word per chunk of particles: F is not finite there */
-  double *unaccounted;            /* n x 3, the F of one force alone; NULL: the host computes no force's work */
-  bool updates, listens, demands; /* a force has `update`, `accepted`, `longest_step` */
-  double *predicted;              /* n x 3, predicted positions after the next step; NULL: no force has an update */
+  uint64_t *chunk_bad;                    /* one word per chunk of particles: F is not finite there */
+  double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
+  bool updates, limits, listens, demands; /* a force has `update`, `step_limit`, `accepted`, `longest_step` */
+  double *predicted; /* n x 3, predicted positions after the next step, scratch; NULL: no force has `update` or
+                        `step_limit` */
   bool has_timed;
   double timed_at; /* s, time of the last values of timed parameters; NAN: none */
   hk_counts count;
@@ -90,6 +92,7 @@ double hk_probe_strain(const hk_dynamics *, const char *label, bool *found);
 /* ---- sweep.c: functions that call all forces, for contact and matrix-free methods ---- */
 
 hk_status hk_sweep_update(hk_system *, double t, const double *X, const double *x_to);
+hk_status hk_sweep_settle(hk_dynamics *); /* an update at the present positions, after a change that is not a step */
 double hk_sweep_limit(hk_system *, double t, const double *X, const double *dx);
 double hk_sweep_longest_step(hk_dynamics *);          /* s, at the present state; INFINITY: no limit */
 hk_status hk_sweep_accepted(hk_dynamics *, double h); /* to be called at the end of an accepted step */
@@ -125,7 +128,8 @@ void hk_saddle_point_close(hk_dynamics *);
 const hk_instance *hk_saddle_point_solver(const hk_dynamics *); /* NULL: it is the scene's own kind, or not needed */
 
 hk_status hk_jacobian_assemble(hk_system *, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D);
-void hk_jacobian_topology(hk_dynamics *); /* makes the pattern invalid */
+void hk_jacobian_topology(hk_dynamics *); /* other particles: makes the pattern and the factors invalid */
+void hk_jacobian_renew(hk_dynamics *);    /* other blocks: the next assembly builds a new pattern */
 void hk_jacobian_close(hk_dynamics *);
 hk_status hk_implicit_combine(hk_system *, double m, double d, double k, hk_matrix *A);
 hk_status hk_implicit_solver_flags(hk_system *, unsigned *flags);

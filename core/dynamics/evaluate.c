@@ -173,7 +173,7 @@ hk_status hk_evaluate_resize(hk_dynamics *d) {
   d->chunk_bad = calloc(n / GRAIN + 1, sizeof *d->chunk_bad);
   d->unaccounted = account ? calloc(3 * n + 1, sizeof *d->unaccounted) : NULL;
   free(d->predicted);
-  d->predicted = d->updates ? calloc(3 * n + 1, sizeof *d->predicted) : NULL;
-  if (d->chunk_bad && (!account || d->unaccounted) && (!d->updates || d->predicted)) return HK_OK;
+  d->predicted = d->system.contact ? calloc(3 * n + 1, sizeof *d->predicted) : NULL;
+  if (d->chunk_bad && (!account || d->unaccounted) && (!d->system.contact || d->predicted)) return HK_OK;
   return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu particles", n);
 }

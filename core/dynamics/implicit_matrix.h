@@ -11,6 +11,8 @@ struct hk_implicit_matrix {
   size_t *first;             /* one per force: position in matrix.slot */
   size_t first_constraint;   /* position of the stiffness of constraint forces in matrix.slot */
   double *K, *D;             /* blocks x 9; NULL: the pattern must be built again */
+  bool stale;                /* the blocks of a force changed: the next assembly builds a new pattern */
+  double *X;                 /* state->size, scratch of products; NULL until needed */
   double *A;                 /* blocks x 9; NULL until the first combination */
   const hk_pin_spec **slide; /* one per particle: its sliding pin or NULL; the array is NULL until needed */
   bool symmetric;            /* K and D of the last assembly */

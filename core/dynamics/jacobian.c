@@ -1,10 +1,12 @@
 /* K = -dF/dx and D = -dF/dv of all forces together, in 3x3 blocks with one pattern.
  *
  * Once per topology every force names its blocks; they and the whole diagonal are merged into one pattern, and each
- * force keeps the slots of its blocks. An evaluation zeroes the two value arrays, and every acting force adds its
- * blocks. The pattern includes all forces, acting or not, so that a force that begins to act later needs no new
- * analysis. Invariant: slot[first[k] + e] is the slot of the e-th block of force k. In a scene with constraints
- * K includes the stiffness of their forces, at the multipliers of the last evaluation (saddle_point.c). */
+ * force keeps the slots of its blocks. When an update of contact changed the blocks, the next assembly builds a new
+ * pattern; until then the matrices and factors of the old pattern remain valid. An evaluation zeroes the two value
+ * arrays, and every acting force adds its blocks. The pattern includes all forces, acting or not, so that a force that
+ * begins to act later needs no new analysis. Invariant: slot[first[k] + e] is the slot of the e-th block of force k. In
+ * a scene with constraints K includes the stiffness of their forces, at the multipliers of the last evaluation
+ * (saddle_point.c). */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
@@ -14,6 +16,17 @@ enum { BLOCKS_GRAIN = 16384 };
 
 static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
 
+static hk_status check_offers(const hk_dynamics *d) {
+  for (size_t k = 0; k < d->plugins->kind[HK_FORCE].count; k++) {
+    const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+    const hk_force *functions = force->plugin->force;
+    if (d->takes[k] && !functions->jacobian && functions->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V))
+      return hk_error_set(d->error, HK_FAILED, "force '%s' offers no Jacobian, which %s needs", force->label,
+                          hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name);
+  }
+  return HK_OK;
+}
+
 static hk_status name_blocks(hk_dynamics *d, hk_implicit_matrix *s) {
   size_t n = d->state->model.n;
   hk_block_matrix_begin(&s->matrix, n, n);
@@ -22,9 +35,6 @@ static hk_status name_blocks(hk_dynamics *d, hk_implicit_matrix *s) {
     hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
     const hk_force *functions = force->plugin->force;
     s->first[k] = s->matrix.named;
-    if (!functions->jacobian && functions->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V))
-      return hk_error_set(d->error, HK_FAILED, "force '%s' offers no Jacobian, which %s needs", force->label,
-                          hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name);
     if (!functions->jacobian) continue;
     const hk_instance *outer = hk_enter(force);
     if (functions->pattern) functions->pattern(force->self, &d->force_view[k], &s->matrix.naming);
@@ -59,6 +69,7 @@ static hk_status build(hk_dynamics *d, hk_implicit_matrix *s) {
     s->K = malloc((9 * blocks + 1) * sizeof *s->K);
     s->D = malloc((9 * blocks + 1) * sizeof *s->D);
   }
+  s->stale = false;
   if (s->K && s->D) return HK_OK;
   if (status == HK_OK) status = HK_NO_MEMORY;
   hk_error_set(d->error, status, "no memory for the Jacobian of %zu particles", d->state->model.n);
@@ -109,7 +120,8 @@ hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, unsigned 
   hk_dynamics *d = dynamics_of(system);
   hk_implicit_matrix *s = hk_implicit_matrix_of(d);
   hk_status status = s ? hk_dynamics_impose(d, t, X, X + 3 * d->state->model.n) : HK_NO_MEMORY;
-  if (status == HK_OK && (!s->K || !s->D)) status = build(d, s);
+  if (status == HK_OK) status = check_offers(d);
+  if (status == HK_OK && (s->stale || !s->K || !s->D)) status = build(d, s);
   if (status == HK_OK) status = fill(d, s, t, X, want);
   if (status != HK_OK) return status;
   s->symmetric = is_symmetric(d, want);
@@ -123,13 +135,20 @@ hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, unsigned 
 void hk_jacobian_topology(hk_dynamics *d) {
   if (!d->matrix) return;
   drop(d->matrix);
+  free(d->matrix->X);
+  d->matrix->X = NULL;
   d->matrix->linear.analyzed = false;
+}
+
+void hk_jacobian_renew(hk_dynamics *d) {
+  if (d->matrix) d->matrix->stale = true;
 }
 
 void hk_jacobian_close(hk_dynamics *d) {
   hk_implicit_matrix *s = d->matrix;
   if (!s) return;
   drop(s);
+  free(s->X);
   free(s);
   d->matrix = NULL;
 }

@@ -11,6 +11,13 @@ static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s;
 
 static const hk_instance *force_at(const hk_dynamics *d, size_t k) { return d->plugins->kind[HK_FORCE].item[k]; }
 
+/* The timed parameters of one force alone; the other forces are then as they were. */
+static hk_status set_time(hk_dynamics *d, size_t k, double t) {
+  if (!d->has_timed || t == d->timed_at) return HK_OK;
+  d->timed_at = NAN;
+  return hk_instance_set_time(d->plugins->kind[HK_FORCE].item[k], t, d->error);
+}
+
 hk_status hk_sweep_update(hk_system *s, double t, const double *X, const double *x_to) {
   hk_dynamics *d = dynamics_of(s);
   hk_status status = HK_OK;
@@ -18,13 +25,20 @@ hk_status hk_sweep_update(hk_system *s, double t, const double *X, const double 
     const hk_instance *force = force_at(d, k);
     bool changed = false;
     if (!d->force_acts[k] || !force->plugin->force->update) continue;
+    status = set_time(d, k, t);
+    if (status != HK_OK) return status;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
     const hk_instance *outer = hk_enter(force);
     status = force->plugin->force->update(force->self, &view, x_to, &changed);
     hk_leave(force, outer);
-    if (changed) hk_jacobian_topology(d);
+    if (changed) hk_jacobian_renew(d);
   }
   return status;
+}
+
+hk_status hk_sweep_settle(hk_dynamics *d) {
+  const hk_state *s = d->state;
+  return d->updates ? hk_sweep_update(&d->system, s->t, s->X, s->X) : HK_OK;
 }
 
 double hk_sweep_limit(hk_system *s, double t, const double *X, const double *dx) {
@@ -74,58 +88,73 @@ hk_status hk_sweep_potential(hk_system *s, double t, const double *X, double *jo
   for (size_t k = 0; k < s->forces; k++) {
     const hk_instance *force = force_at(d, k);
     if (!d->force_acts[k] || !d->takes[k] || !force->plugin->force->energy) continue;
-    hk_status status = hk_instance_set_time(d->plugins->kind[HK_FORCE].item[k], t, d->error);
+    hk_status status = set_time(d, k, t);
     if (status != HK_OK) return status;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
     const hk_instance *outer = hk_enter(force);
     *joule += force->plugin->force->energy(force->self, &view);
     hk_leave(force, outer);
   }
-  if (d->has_timed) d->timed_at = NAN; /* the loop may have set the parameters of some forces only */
   return isfinite(*joule) ? HK_OK : HK_NOT_FINITE;
 }
 
-/* dF -= K dx + D dv with the blocks of one force. */
-static hk_status product_of_blocks(hk_dynamics *d, size_t k, const hk_view *view, const double *dx, const double *dv,
+/* Restricts `takes` to the acting forces without a product of their own; returns how many of them have blocks. */
+static size_t take_rest(hk_dynamics *d) {
+  size_t rest = 0;
+  for (size_t k = 0; k < d->system.forces; k++) {
+    const hk_force *functions = force_at(d, k)->plugin->force;
+    d->takes_kept[k] = d->takes[k];
+    d->takes[k] &= d->force_acts[k] && !functions->product;
+    rest += d->takes[k] && functions->jacobian;
+  }
+  return rest;
+}
+
+/* dF -= K dx + D dv with the blocks of the forces that `takes` includes. */
+static hk_status product_of_blocks(hk_dynamics *d, double t, const double *X, const double *dx, const double *dv,
                                    double *dF) {
   hk_matrix K, D;
-  bool *kept = malloc(d->system.forces + 1);
-  double *X = malloc(d->state->size * sizeof *X);
-  hk_status status = kept && X ? HK_OK : hk_error_set(d->error, HK_NO_MEMORY, "no memory for a product");
-  if (status == HK_OK) {
-    memcpy(kept, d->takes, d->system.forces);
-    for (size_t j = 0; j < d->system.forces; j++) d->takes[j] = j == k;
-    memcpy(X, view->x, d->state->size * sizeof *X); /* x, v and y are one vector */
-    status = hk_jacobian_assemble(&d->system, view->t, X, 0, &K, &D);
-    memcpy(d->takes, kept, d->system.forces);
-  }
-  for (size_t i = 0; i < view->n && status == HK_OK; i++)
+  hk_implicit_matrix *m = hk_implicit_matrix_of(d);
+  size_t bytes = d->state->size * sizeof *X;
+  if (m && !m->X) m->X = malloc(bytes);
+  if (!m || !m->X) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for a product");
+  memcpy(m->X, X, bytes); /* the assembly imposes the pins on it */
+  hk_status status = hk_jacobian_assemble(&d->system, t, m->X, 0, &K, &D);
+  for (size_t i = 0; i < d->system.n && status == HK_OK; i++)
     for (size_t e = K.row_start[i]; e < K.row_start[i + 1]; e++)
       for (int p = 0; p < 9; p++) {
         size_t at = 3 * (size_t)K.column[e] + (size_t)(p % 3);
         dF[3 * i + (size_t)(p / 3)] -= K.value[9 * e + p] * dx[at] + D.value[9 * e + p] * dv[at];
       }
-  free(kept);
-  free(X);
   return status;
+}
+
+/* Refuses a force that has neither a product nor a Jacobian. */
+static hk_status check_offers(hk_dynamics *d) {
+  for (size_t k = 0; k < d->system.forces; k++) {
+    const hk_force *functions = force_at(d, k)->plugin->force;
+    if (d->takes[k] && !functions->jacobian && functions->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V))
+      return hk_error_set(d->error, HK_FAILED,
+                          "force '%s' offers neither a product nor a Jacobian, which the method needs",
+                          force_at(d, k)->label);
+  }
+  return HK_OK;
 }
 
 hk_status hk_sweep_product(hk_system *s, double t, const double *X, const double *dx, const double *dv, double *dF) {
   hk_dynamics *d = dynamics_of(s);
-  hk_status status = HK_OK;
   memset(dF, 0, 3 * s->n * sizeof *dF);
+  size_t rest = take_rest(d);
+  hk_status status = check_offers(d);
+  if (status == HK_OK && rest) status = product_of_blocks(d, t, X, dx, dv, dF);
+  memcpy(d->takes, d->takes_kept, s->forces * sizeof *d->takes);
   for (size_t k = 0; k < s->forces && status == HK_OK; k++) {
     const hk_instance *force = force_at(d, k);
-    if (!d->force_acts[k] || !d->takes[k]) continue;
+    if (!d->force_acts[k] || !d->takes[k] || !force->plugin->force->product) continue;
+    status = set_time(d, k, t);
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
     const hk_instance *outer = hk_enter(force);
-    if (force->plugin->force->product)
-      status = force->plugin->force->product(force->self, &view, dx, dv, dF);
-    else if (force->plugin->force->jacobian)
-      status = product_of_blocks(d, k, &view, dx, dv, dF);
-    else if (force->plugin->force->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V))
-      status = hk_error_set(d->error, HK_FAILED,
-                            "force '%s' offers neither a product nor a Jacobian, which the method needs", force->label);
+    if (status == HK_OK) status = force->plugin->force->product(force->self, &view, dx, dv, dF);
     hk_leave(force, outer);
   }
   return status;

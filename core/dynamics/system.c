@@ -57,15 +57,19 @@ static hk_status list_forces(hk_dynamics *d) {
   d->force_view = calloc(count + 1, sizeof *d->force_view);
   d->force_acts = calloc(count + 1, sizeof *d->force_acts);
   d->takes = calloc(count + 1, sizeof *d->takes);
+  d->takes_kept = calloc(count + 1, sizeof *d->takes_kept);
   d->force_info = calloc(count + 1, sizeof *d->force_info);
   d->element_list = calloc(count + 1, sizeof *d->element_list);
-  if (!d->force_view || !d->force_acts || !d->takes || !d->force_info || !d->element_list)
+  if (!d->force_view || !d->force_acts || !d->takes || !d->takes_kept || !d->force_info || !d->element_list)
     return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu forces", count);
   for (size_t k = 0; k < count; k++) {
     const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
     const hk_force *functions = force->plugin->force;
-    d->force_info[k] =
-        (hk_force_info){force->label, functions->flags, functions->jacobian != NULL, functions->elements != NULL};
+    d->force_info[k] = (hk_force_info){.label = force->label,
+                                       .flags = functions->flags,
+                                       .jacobian = functions->jacobian != NULL,
+                                       .elements = functions->elements != NULL,
+                                       .gradient = functions->energy && !(functions->flags & HK_POWER)};
   }
   s->force = d->force_info;
   s->takes = d->takes;
@@ -82,10 +86,12 @@ static void set_flags(hk_dynamics *d) {
     s->flags |= forces->item[k]->plugin->force->flags & kept;
     d->has_timed |= forces->item[k]->spec->timed_count > 0;
     d->updates |= forces->item[k]->plugin->force->update != NULL;
+    d->limits |= forces->item[k]->plugin->force->step_limit != NULL;
     d->listens |= forces->item[k]->plugin->force->accepted != NULL;
     d->demands |= forces->item[k]->plugin->force->longest_step != NULL;
   }
   for (size_t k = 0; k < constraints->count; k++) d->has_timed |= constraints->item[k]->spec->timed_count > 0;
+  s->contact = d->updates || d->limits;
   if (constraints->count) s->flags |= HK_DEPENDS_ON_X | HK_DEPENDS_ON_V;
   if (d->has_timed || d->pins->has_paths) s->flags |= HK_DEPENDS_ON_T;
 }
@@ -135,13 +141,13 @@ hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
   if (status == HK_OK) status = hk_evaluate_resize(d);
   if (status == HK_OK) status = hk_constraints_topology(d);
   hk_jacobian_topology(d);
-  return status;
+  return status == HK_OK ? hk_sweep_settle(d) : status;
 }
 
 void hk_dynamics_close(hk_dynamics *d) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
-  void *arrays[] = {d->force_view,  d->force_acts, d->takes,       d->force_info, d->element_list,
-                    d->publication, d->chunk_bad,  d->unaccounted, d->predicted};
+  void *arrays[] = {d->force_view,   d->force_acts,  d->takes,     d->takes_kept,  d->force_info,
+                    d->element_list, d->publication, d->chunk_bad, d->unaccounted, d->predicted};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }

@@ -2,25 +2,13 @@
  * are imposed again; when a corrector rejects the step, the state before the step is restored. */
 #include "core/loop/loop.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-static unsigned flags_of_all(const hk_loop *loop) {
+bool hk_correctors_look_back(const hk_loop *loop) {
   const hk_instances *correctors = &loop->plugins->kind[HK_CORRECTOR];
   unsigned flags = 0;
   for (size_t k = 0; k < correctors->count; k++) flags |= correctors->item[k]->plugin->corrector->flags;
-  return flags;
-}
-
-hk_status hk_correctors_keep(hk_loop *loop) {
-  if (!(flags_of_all(loop) & (HK_WANTS_BEFORE | HK_MAY_REJECT))) return HK_OK;
-  size_t size = loop->state->size;
-  double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
-  if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
-  loop->X_before = grown;
-  if (size > loop->room_before) loop->room_before = size;
-  memcpy(grown, loop->state->X, size * sizeof *grown);
-  return HK_OK;
+  return flags & (HK_WANTS_BEFORE | HK_MAY_REJECT);
 }
 
 static hk_status impose(hk_loop *loop) {
@@ -44,19 +32,37 @@ static hk_status call(hk_loop *loop, hk_instance *corrector, hk_correction *c) {
   return status;
 }
 
-static void account(hk_loop *loop, const hk_corrector *functions, const hk_correction *c) {
-  loop->record->moved = true;
+/* What the correctors did in a step, which counts only once none of them takes it back. */
+typedef struct account {
+  bool moved, silent; /* something was changed; and what energy that took was not said */
+  double work;
+} account;
+
+static void note(account *a, hk_state *s, const hk_corrector *functions, const hk_correction *c) {
+  a->moved = true;
   if (!(functions->flags & HK_REPORTS_WORK))
-    loop->record->corrected = true;
+    a->silent = true;
   else {
-    loop->record->correction_work += c->work;
-    loop->state->X[loop->state->size - 1] += c->work;
+    a->work += c->work;
+    s->X[s->size - 1] += c->work;
   }
+}
+
+static void commit(hk_record *record, const account *a) {
+  record->moved |= a->moved;
+  record->corrected |= a->silent;
+  record->correction_work += a->work;
+}
+
+static void take_back(hk_loop *loop, const hk_instance *corrector) {
+  memcpy(loop->state->X, loop->X_before, loop->state->size * sizeof *loop->X_before);
+  loop->rejected_by = corrector->label;
 }
 
 hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   const hk_instances *correctors = &loop->plugins->kind[HK_CORRECTOR];
   hk_state *s = loop->state;
+  account done = {0};
   *rejected = false;
   for (size_t k = 0; k < correctors->count; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
@@ -65,15 +71,16 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
     hk_status status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;
     if (c.reject && functions->flags & HK_MAY_REJECT) {
-      memcpy(s->X, loop->X_before, s->size * sizeof *s->X);
+      take_back(loop, correctors->item[k]);
       *rejected = true;
       return HK_OK;
     }
     if (!c.changed) continue;
-    account(loop, functions, &c);
+    note(&done, s, functions, &c);
     status = impose(loop);
     if (status != HK_OK) return status;
     hk_step_reset(loop, HK_STATE_CHANGED);
   }
-  return HK_OK;
+  commit(loop->record, &done);
+  return done.moved ? hk_sweep_settle(loop->dynamics) : HK_OK;
 }

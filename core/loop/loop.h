@@ -21,7 +21,7 @@ typedef struct hk_record {
   bool corrected;         /* a corrector moved something and did not say what energy that took */
   bool sourced;           /* particles were born or died: the energy balance is not known */
   bool growth_expected;   /* the integrator has no stable step on this scene */
-  size_t rejected;        /* number of steps rejected by correctors */
+  size_t rejected;        /* number of steps rejected by contact or by correctors */
   /* written at frames */
   double energy_first, momentum_first[3], momentum_scale;
   double violation_max; /* m */
@@ -88,8 +88,9 @@ typedef struct hk_loop {
   double fps;
   double last_h;    /* s; 0: no step yet */
   bool emitted;     /* the sources were called for the coming step */
-  double *X_before; /* state->size, the state before the step, for correctors; NULL: not needed */
+  double *X_before; /* state->size, the state before the step, for contact and correctors; NULL: not needed */
   size_t room_before;
+  const char *rejected_by; /* who rejected a step last */
   hk_instance *integrator;
   double first_step_at, seconds, output_seconds; /* s, wall: of the first step; spent in steps; in frames */
 } hk_loop;
@@ -110,9 +111,19 @@ hk_status hk_step_adaptive(hk_loop *, double stop, double h);
 
 void hk_step_reset(hk_loop *, hk_reason why);
 
+/* ---- contact.c: calls of `update` and `step_limit` in a step ---- */
+
+hk_status hk_contact_begin(hk_loop *, double h); /* before a step of h s: updates up to the predicted positions */
+bool hk_contact_checks(const hk_loop *);         /* whether the loop checks moves, because the method does not */
+/* Whether a step of such a method failed because forces were not finite; the state before the step is then restored
+ * and *status is HK_OK. */
+bool hk_contact_takes_back(hk_loop *, hk_status *status);
+/* *rejected: the move from X_before to the state is safe in part only; the state before the step is then restored. */
+hk_status hk_contact_check(hk_loop *, double t_before, bool *rejected);
+
 /* ---- correctors.c, sources.c ---- */
 
-hk_status hk_correctors_keep(hk_loop *); /* keeps the state before the step where a corrector needs it */
+bool hk_correctors_look_back(const hk_loop *); /* whether a corrector needs the state before the step */
 /* *rejected: a corrector rejected the step; the state before the step is then restored. */
 hk_status hk_correctors_apply(hk_loop *, double h, bool *rejected);
 hk_status hk_sources_emit(hk_loop *, double h);

@@ -1,12 +1,14 @@
 /* One step, in this order: sources; updates of contact and constraints; pins and time-dependent parameters; the
- * integrator, with constraints; projection onto pins and constraints; correctors; check that the state is finite.
+ * integrator, with constraints; projection onto pins and constraints; the check of moves against contact; correctors;
+ * `accepted` of the forces; check that the state is finite.
  *
  * The report of an integrator is checked: the step taken must lie between 0 and the stop, and the integrator may change
- * neither the time nor the address and size of the state vector. A step whose solver does not converge, or that a
- * corrector rejects, is repeated as two half steps, down to 1/4096 of its length. */
+ * neither the time nor the address and size of the state vector. A step whose solver does not converge, or that contact
+ * or a corrector rejects, is repeated as two half steps, down to 1/4096 of its length. */
 #include "core/loop/loop.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { CHECK_EVERY = 32, HALVINGS = 12 };
@@ -27,7 +29,6 @@ hk_status hk_step_begin(hk_loop *loop, double h) {
   loop->emitted = true;
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
-  if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_keep(loop);
   return status;
 }
 
@@ -51,8 +52,9 @@ static void set_time(hk_loop *loop, double t) {
   loop->dynamics->system.t = t;
 }
 
-/* The parts of a step after the integrator. `t` is the new time. */
-static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
+/* The parts of a step after the integrator. `t` is the new time, `error` the integrator's estimate. *rejected: the step
+ * is to be repeated, and the state before the step is restored. */
+static hk_status finish(hk_loop *loop, double t, double h, double error, bool *rejected) {
   hk_state *s = loop->state;
   double before = s->t, *x = s->X, *v = s->X + 3 * s->model.n;
   hk_status status = HK_OK;
@@ -61,7 +63,9 @@ static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
   if (loop->pins->has_paths || loop->pins->has_slides) status = hk_dynamics_impose(loop->dynamics, t, x, v);
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_project(loop->dynamics, t, x, v);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
-  if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_apply(loop, h, rejected);
+  if (status == HK_OK && hk_contact_checks(loop)) status = hk_contact_check(loop, before, rejected);
+  if (status == HK_OK && !*rejected && loop->plugins->kind[HK_CORRECTOR].count)
+    status = hk_correctors_apply(loop, h, rejected);
   if (*rejected) {
     loop->record->rejected++;
     set_time(loop, before);
@@ -69,6 +73,7 @@ static hk_status finish(hk_loop *loop, double t, double h, bool *rejected) {
   }
   loop->emitted = false;
   note_step(loop, h);
+  if (error > loop->record->worst_error) loop->record->worst_error = error;
   if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
   if (status == HK_OK && loop->record->steps % CHECK_EVERY == 0) {
     status = check_finite(loop); /* the kinetic energy may be zero at every frame */
@@ -99,20 +104,24 @@ static hk_status check_report(const hk_loop *loop, double t_stop, double h, cons
   return HK_OK;
 }
 
-/* Forces with `update` (contact) get the positions predicted with the present velocities. */
-static hk_status update_forces(hk_loop *loop, double h) {
-  hk_state *s = loop->state;
-  size_t count = 3 * s->model.n;
-  double *x_to = loop->dynamics->predicted;
-  for (size_t e = 0; e < count; e++) x_to[e] = s->X[e] + h * s->X[count + e];
-  return hk_sweep_update(&loop->dynamics->system, s->t, s->X, x_to);
+/* Keeps the state before a step where contact or a corrector needs it. */
+static hk_status keep(hk_loop *loop) {
+  if (!hk_contact_checks(loop) && !hk_correctors_look_back(loop)) return HK_OK;
+  size_t size = loop->state->size;
+  double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
+  if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
+  loop->X_before = grown;
+  if (size > loop->room_before) loop->room_before = size;
+  memcpy(grown, loop->state->X, size * sizeof *grown);
+  return HK_OK;
 }
 
 static hk_status integrate(hk_loop *loop, double t_stop, double h, hk_step *out) {
   hk_instance *integrator = loop->integrator;
   const hk_integrator *method = loop->step->method;
   *out = (hk_step){method->flags & HK_ADAPTIVE ? NAN : h, NAN, NAN};
-  hk_status status = loop->dynamics->updates ? update_forces(loop, h) : HK_OK;
+  hk_status status = keep(loop);
+  if (status == HK_OK && loop->dynamics->updates) status = hk_contact_begin(loop, fmin(h, t_stop - loop->state->t));
   if (status == HK_OK && integrator->spec->timed_count)
     status = hk_instance_set_time(integrator, loop->state->t, loop->error);
   const hk_instance *outer = hk_enter(integrator);
@@ -121,8 +130,11 @@ static hk_status integrate(hk_loop *loop, double t_stop, double h, hk_step *out)
   hk_dynamics_take_all(loop->dynamics);
   if (status != HK_OK) return status;
   hk_error_clear(loop->error); /* the message of an attempt that the method repeated */
-  if (out->error > loop->record->worst_error) loop->record->worst_error = out->error;
   return check_report(loop, t_stop, h, out);
+}
+
+static hk_status stuck(const hk_loop *loop, double h) {
+  return hk_error_set(loop->error, HK_NOT_CONVERGED, "%s takes every step back, down to %g s", loop->rejected_by, h);
 }
 
 static hk_status halve(hk_loop *loop, double t_end, double h, int halvings);
@@ -131,7 +143,8 @@ static hk_status one_step(hk_loop *loop, double t_end, double h, int halvings) {
   hk_step out;
   bool rejected = false;
   hk_status status = integrate(loop, t_end, h, &out);
-  if (status == HK_OK) status = finish(loop, t_end, h, &rejected);
+  if (halvings > 0) rejected = hk_contact_takes_back(loop, &status);
+  if (status == HK_OK && !rejected) status = finish(loop, t_end, h, out.error, &rejected);
   if (status == HK_NOT_CONVERGED && halvings > 0 && loop->state->t != t_end) {
     hk_error_clear(loop->error);
     return halve(loop, t_end, h, halvings - 1);
@@ -139,13 +152,12 @@ static hk_status one_step(hk_loop *loop, double t_end, double h, int halvings) {
   if (!rejected) return status;
   hk_step_reset(loop, HK_STATE_CHANGED);
   if (halvings > 0) return halve(loop, t_end, h, halvings - 1);
-  return hk_error_set(loop->error, HK_NOT_CONVERGED, "a corrector takes every step back, down to %g s", h);
+  return stuck(loop, h);
 }
 
 static hk_status halve(hk_loop *loop, double t_end, double h, int halvings) {
   hk_step_reset(loop, HK_STEP_CHANGED);
   hk_status status = one_step(loop, loop->state->t + h / 2, h / 2, halvings);
-  if (status == HK_OK && loop->plugins->kind[HK_CORRECTOR].count) status = hk_correctors_keep(loop);
   if (status == HK_OK) status = one_step(loop, t_end, h / 2, halvings);
   hk_step_reset(loop, HK_STEP_CHANGED);
   return status;
@@ -159,16 +171,20 @@ hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
     bool rejected = false;
     double t = loop->state->t;
     hk_status status = integrate(loop, tries ? fmin(stop, t + h) : stop, h, &out);
+    if (tries < HALVINGS && hk_contact_takes_back(loop, &status)) {
+      h = fmin(h, stop - t);
+      hk_step_reset(loop, HK_STATE_CHANGED);
+      continue;
+    }
     if (status != HK_OK) return status;
     loop->step->dt = out.h_next;
     bool reaches_stop = out.h >= stop - t || t + out.h >= stop;
     if (!reaches_stop && t + out.h == t)
       return hk_error_set(loop->error, HK_NOT_CONVERGED, "the step %g s no longer moves t = %.17g s", out.h, t);
     h = fmin(h, out.h);
-    status = finish(loop, reaches_stop ? stop : t + out.h, out.h, &rejected);
+    status = finish(loop, reaches_stop ? stop : t + out.h, out.h, out.error, &rejected);
     if (!rejected) return status;
     hk_step_reset(loop, HK_STATE_CHANGED);
-    if (tries == HALVINGS)
-      return hk_error_set(loop->error, HK_NOT_CONVERGED, "a corrector takes every step back, down to %g s", h);
+    if (tries == HALVINGS) return stuck(loop, h);
   }
 }

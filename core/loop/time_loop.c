@@ -54,6 +54,8 @@ static hk_status begin_segment(hk_loop *loop, double stop) {
   hk_pins_release(loop->pins, s);
   hk_dynamics_refresh(d);
   hk_elements_refresh(d);
+  hk_status status = hk_sweep_settle(d);
+  if (status != HK_OK) return status;
   s->X[s->size - 1] += total_energy(loop) - before;
   hk_step_reset(loop, HK_STATE_CHANGED);
   return hk_step_reestimate(loop->step, d, true);

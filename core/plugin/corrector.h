@@ -17,7 +17,8 @@ typedef struct hk_correction {
   double *v;              /* n x 3 */
   bool changed;           /* to be set when x or v was changed: integrators then reset their history */
   double work;            /* J, change of the scene's energy by the correction */
-  bool reject;            /* the host is to repeat the step with half its length */
+  bool reject; /* the host is to repeat the step with half its length; it restores the state, not the fields of
+                  correctors */
 } hk_correction;
 
 typedef struct hk_corrector {

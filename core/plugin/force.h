@@ -27,7 +27,8 @@ typedef struct hk_element_list {
   bool acts;    /* whether the force acts at present, by its `from` and `to` */
 } hk_element_list;
 
-/* First phase of a Jacobian: names the blocks, once per topology and whenever `update` reports a changed pattern. */
+/* First phase of a Jacobian: names the blocks, once per topology and whenever the `update` of any force reports a
+ * changed pattern. */
 typedef struct hk_pattern hk_pattern;
 struct hk_pattern {
   void (*block)(hk_pattern *, uint32_t row, uint32_t column);
@@ -86,12 +87,15 @@ typedef struct hk_force {
   /* Adds to block[i] (xx, xy, xz, yy, yz, zz) so that u.K u <= sum_i u_i.block[i] u_i for all u, where K is that of the
    * present positions and, with HK_STIFFENS, of all states that may follow. NULL: the host measures the stiffness. */
   void (*stiffness_bound)(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
-  /* For contact: finds the elements that may act between the positions of `from` and x_to (n x 3). Called at the start
-   * of every step and before every line search of an implicit one, never during evaluations. *pattern_changed, false on
-   * entry: whether the blocks differ from those before. May be NULL. */
+  /* For contact: finds the elements that may act between the positions of `from` and x_to (n x 3), on the straight
+   * line. Called at the start of a run, after births, deaths, events and corrections (x_to is then the present
+   * positions), at the start of every step (x_to is predicted with the present velocities) and before every line search
+   * of an implicit one, never during evaluations. Explicit methods also evaluate forces off the line, by what
+   * accelerations do within a step: find elements with a margin. *pattern_changed, false on entry: whether the blocks
+   * differ from those before. May be NULL. */
   hk_status (*update)(void *self, const hk_view *from, const double *x_to, bool *pattern_changed);
-  /* The safe fraction in (0, 1] of the displacement dx (n x 3) from `from` (continuous collision detection); NULL: it
-   * is 1. */
+  /* The safe fraction in (0, 1] of the displacement dx (n x 3) from `from` (continuous collision detection), called
+   * after `update` for the same displacement; NULL: it is 1. */
   double (*step_limit)(void *self, const hk_view *from, const double *dx);
   /* dF += (dF/dx) dx + (dF/dv) dv without a matrix; all n x 3. NULL: the host uses the blocks. */
   hk_status (*product)(void *self, const hk_view *view, const double *dx, const double *dv, double *dF);

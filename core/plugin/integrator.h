@@ -12,10 +12,12 @@ enum { /* hk_integrator.flags */
        HK_ADAPTIVE = 2,
        HK_SYMPLECTIC = 4,
        HK_NEEDS_JACOBIAN = 8,
-       HK_REVERSIBLE = 16,   /* a run with reversed velocities returns to the start */
-       HK_NEEDS_SOLVER = 32, /* calls factorize and solve; HK_NEEDS_JACOBIAN implies it */
-       HK_SPLITS_FORCES = 64 /* evaluates parts of the sum of forces by `takes`: not possible with one-sided constraints,
-                                whose acting equations depend on the whole sum */
+       HK_REVERSIBLE = 16,    /* a run with reversed velocities returns to the start */
+       HK_NEEDS_SOLVER = 32,  /* calls factorize and solve; HK_NEEDS_JACOBIAN implies it */
+       HK_SPLITS_FORCES = 64, /* evaluates parts of the sum of forces by `takes`: not possible with one-sided
+                                constraints, whose acting equations depend on the whole sum */
+       HK_LIMITS_MOVES = 128 /* reaches its new state by moves within hk_system.step_limit; the host checks the steps of
+                               other methods, on the straight line, and halves those that are not safe */
 };
 
 typedef enum hk_reason { /* the reason why the host calls `reset` */
@@ -56,6 +58,7 @@ typedef struct hk_force_info {
   const char *label;
   unsigned flags; /* hk_force.flags */
   bool jacobian, elements;
+  bool gradient; /* whether the force is the gradient of its energy, with no other part */
 } hk_force_info;
 
 /* X = (x, v, y): x is n x 3, v is n x 3 at X + 3n, y follows: the channels, and last the work done on the scene by pins
@@ -100,14 +103,18 @@ struct hk_system {
   bool *takes;
   bool takes_channels; /* whether evaluations include the channels' own rates */
   size_t equations;    /* number of constraint equations that acted in the last evaluation */
-  /* Calls hk_force.update of all forces, from X to the positions x_to (n x 3); before a line search. */
+  /* Whether a force has `update` or `step_limit`: methods then call the next two functions before every move. */
+  bool contact;
+  /* Calls hk_force.update of all acting forces, from X to the positions x_to (n x 3); before a line search. K, D, A and
+   * the factors remain valid; the next `jacobian` has the new pattern. */
   hk_status (*update)(hk_system *, double t, const double *X, const double *x_to);
-  double (*step_limit)(hk_system *, double t, const double *X,
-                       const double *dx); /* the minimum over all forces, in (0, 1] */
+  /* The minimum over all acting forces, in (0, 1], for the displacement dx (n x 3); after `update` for it. */
+  double (*step_limit)(hk_system *, double t, const double *X, const double *dx);
   /* The potential energy in J at time t of the included forces that have an energy, also of those with timed
    * parameters. */
   hk_status (*potential)(hk_system *, double t, const double *X, double *joule);
-  /* dF = (dF/dx) dx + (dF/dv) dv of the included forces (n x 3), by a force's `product` or else by its blocks. */
+  /* dF = (dF/dx) dx + (dF/dv) dv of the included forces (n x 3), by a force's `product` or else by its blocks; K and D
+   * of the last `jacobian` are then invalid. */
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
    * HK_STIFFENS only. False: an acting force that depends on x states no bound. */

@@ -294,6 +294,7 @@ static hk_status start(hk_run *run) {
   hk_dynamics_refresh(&run->dynamics);
   hk_elements_refresh(&run->dynamics);
   status = impose_start(run);
+  if (status == HK_OK && !run->resumed) status = hk_sweep_settle(&run->dynamics);
   double limit = run->step.dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);
   if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */

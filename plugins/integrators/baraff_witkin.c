@@ -1,14 +1,16 @@
 /* Baraff and Witkin's step: backward Euler with one linearisation,
  *     (M + h D + h^2 K) dv = h (F(x, v) - h K v),   v' = v + dv,   x' = x + h v',
  * and their control of the step: a step that changes the strain of any spring by more than `stretch` is discarded and
- * tried at half the length; after `patience` good steps the length doubles again, up to a frame or `dt`. Scripted
- * particles have a prescribed dv, which the right-hand side carries over to their neighbours. The step may turn
- * indefinite where springs are compressed; their blocks are then projected. Constraint forces are those of the start of
- * the step and what keeps dv along the constraints. Channels are explicit. Baraff and Witkin
- * 1998, equations (6) and (16), sections 5 and 6. */
+ * tried at half the length, and so is one that leads through a contact; after `patience` good steps the length doubles
+ * again, up to a frame or `dt`. Scripted particles have a prescribed dv, which the right-hand side carries over to
+ * their neighbours. The step may turn indefinite where springs are compressed; their blocks are then projected.
+ * Constraint forces are those of the start of the step and what keeps dv along the constraints. Channels are explicit.
+ * Baraff and Witkin 1998, equations (6) and (16), sections 5 and 6. */
 #include "core/plugin.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/integrate/growth_factor.h"
+#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/linear/block_product.h"
 
 #include <float.h>
 #include <string.h>
@@ -149,6 +151,18 @@ static hk_status try_step(hk_system *s, double h, trial *w) {
   return status == HK_NOT_CONVERGED ? linearise(s, h, want | HK_WANT_DEFINITE, w) : status;
 }
 
+/* *good: no spring changed its strain too much, and the straight line to the new state is safe. */
+static hk_status judge(const baraff_witkin *m, hk_system *s, double h, const trial *w, double *moved, bool *good) {
+  double part = 1;
+  *moved = stretched(s->model, s->X, w->X);
+  *good = *moved <= m->stretch;
+  if (!*good || !s->contact) return HK_OK;
+  for (size_t e = 0; e < 3 * s->n; e++) w->b[e] = w->X[e] - s->X[e];
+  hk_status status = hk_safe_part(s, s->t + h, s->X, w->b, w->q, &part);
+  *good = part >= 1;
+  return status;
+}
+
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   baraff_witkin *m = self;
   size_t v = 3 * s->n;
@@ -159,13 +173,16 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   double length = m->length > 0 ? m->length : span, pieces = ceil(fmin(whole, span) / length * (1 - 1e-9));
   for (h = fmin(whole, span / fmax(1, pieces));; h /= 2) {
     status = try_step(s, h, &w);
-    if (status == HK_OK) moved = stretched(s->model, s->X, w.X);
-    if (status == HK_OK && moved <= m->stretch) break;
+    bool good = false;
+    if (status == HK_OK) status = judge(m, s, h, &w, &moved, &good);
+    if (good) break;
     if (status != HK_OK && status != HK_NOT_CONVERGED) return status;
     m->good = 0;
     m->length = h / 2;
     if (h > 1e-9 * span) continue;
     if (status == HK_OK && !isfinite(moved)) return HK_NOT_FINITE; /* the host says where */
+    if (moved <= m->stretch)
+      return s->host->fail(s->host, HK_NOT_CONVERGED, "a step of %g s still leads through a contact", h);
     return s->host->fail(s->host, HK_NOT_CONVERGED,
                          "a step of %g s still changes a spring's strain by %g, more than stretch = %g", h, moved,
                          m->stretch);
@@ -182,7 +199,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
-                                         .flags = HK_IMPLICIT | HK_ADAPTIVE | HK_NEEDS_JACOBIAN,
+                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_ADAPTIVE | HK_NEEDS_JACOBIAN,
                                          .amplification = amplification,
                                          .step = step};
 

@@ -78,7 +78,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
-                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN,
+                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
                                          .amplification = amplification,
                                          .step = step,
                                          .reset = reset};

@@ -62,7 +62,7 @@ static double undamped(double z) {
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double x[3], p[3], q[3], z = hw * hw;
   if (hg == 0) return undamped(z);
   increments(z, hg, 1, 0, 0, x);
@@ -120,7 +120,8 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 4,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 4,
                                          .stages = STAGES,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
                                          .amplification = amplification,

@@ -169,15 +169,16 @@ static void reset(void *self, hk_reason why) {
   ((cvode *)self)->running = false;
 }
 
-/* What brings X onto the constraints. CVODE's history takes it in, where a repair by the host would end it. */
+/* What brings X onto the constraints. CVODE's history takes it in, where a repair by the host would end it. What the
+ * pins prescribe is no part of it: f is taken with it whatever the history says, whose error it would count as. */
 static int project(sunrealtype t, N_Vector X, N_Vector correction, sunrealtype limit, N_Vector error, void *self) {
   hk_sundials *m = self;
   hk_system *s = m->system;
-  const double *from = NV_DATA_S(X);
-  double *to = NV_DATA_S(correction);
+  double *from = m->work, *to = NV_DATA_S(correction);
   (void)limit, (void)error;
+  memcpy(from, NV_DATA_S(X), s->size * sizeof *from);
+  s->impose(s, t, from, from + 3 * s->n);
   memcpy(to, from, s->size * sizeof *to);
-  s->impose(s, t, to, to + 3 * s->n);
   hk_status status = s->project(s, t, to, to + 3 * s->n);
   for (size_t e = 0; e < s->size; e++) to[e] -= from[e];
   return hk_sundials_code(m, status);

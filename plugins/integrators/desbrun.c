@@ -78,7 +78,7 @@ static const hk_field fields[] = {
  * (1 + z) u^2 + (hg + 2z) u + z = 0. Without damping it is backward Euler. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double z = hw * hw;
   return hk_polynomial_growth(2, (const double[]){z, hg + 2 * z, 1 + z});
 }
@@ -394,8 +394,13 @@ static hk_status topology(void *self, const hk_view *view) {
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 1, .stages = 1, .flags = HK_IMPLICIT | HK_NEEDS_SOLVER, .without_constraints = "its filtered forces know no multipliers",
- .amplification = amplification, .step = step};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 1,
+                                         .stages = 1,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_SOLVER,
+                                         .without_constraints = "its filtered forces know no multipliers",
+                                         .amplification = amplification,
+                                         .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -41,7 +41,8 @@ static const hk_field fields[] = {
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-  return hk_rk_amplification(&hk_dormand_prince, hw, hg); }
+  return hk_rk_amplification(&hk_dormand_prince, hw, hg);
+}
 
 static void reset(void *self, hk_reason why) {
   (void)why;
@@ -139,7 +140,13 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   }
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 5, .stages = 6, .flags = HK_ADAPTIVE, .amplification = amplification, .step = step, .reset = reset};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 5,
+                                         .stages = 6,
+                                         .flags = HK_ADAPTIVE,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -188,7 +188,7 @@ static void reset(void *self, hk_reason why) {
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 2,
-                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SPLITS_FORCES,
+                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SPLITS_FORCES,
                                          .amplification = amplification,
                                          .step = step,
                                          .reset = reset};

@@ -28,7 +28,7 @@ static const hk_field fields[] = {
 /* The roots lambda = 1 + u of the step on (x, h v, h^2 a), a = -w^2 x - g v; without damping their product is 1. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double z = hw * hw;
   if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
   return hk_polynomial_growth(3, (const double[]){z, 2 * z + hg, 1 + z + 1.5 * hg, 1});
@@ -76,7 +76,8 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2,
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 2,
                                          .stages = 1,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
                                          .amplification = amplification,

@@ -87,7 +87,7 @@ static const hk_field fields[] = {
 /* Roots of (1 + z^2 + hg) lambda^2 - (2 + hg) lambda + 1, z = hw, for damping by springs. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double z = 2 * hw, leading = 1 + hw * hw + hg;
   if (hg < z) return 1 / sqrt(leading);
   return fmin(1, (2 + hg + sqrt((hg - z) * (hg + z))) / (2 * leading));
@@ -113,7 +113,7 @@ static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
   const hk_tuples edges = {m->edges.count, 2, m->edges.count ? &m->edges.pair[0][0] : NULL};
   double zero = 0;
   const hk_per_tuple none = {1, &zero}, k = {edges.count, m->edges.stiffness}, c = {edges.count, m->edges.damping},
-                    rest = {edges.count, m->edges.rest};
+                     rest = {edges.count, m->edges.rest};
   hk_spring_layout_free(&m->springs, host);
   hk_spring_layout_free(&m->dampers, host);
   if (edges.count == 0) return HK_OK;
@@ -371,8 +371,13 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return status;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 1, .stages = 1, .flags = HK_IMPLICIT | HK_NEEDS_SOLVER, .without_constraints = "its constant matrix has no multipliers",
- .amplification = amplification, .step = step};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 1,
+                                         .stages = 1,
+                                         .flags = HK_IMPLICIT | HK_NEEDS_SOLVER,
+                                         .without_constraints = "its constant matrix has no multipliers",
+                                         .amplification = amplification,
+                                         .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -14,7 +14,8 @@ static const hk_field fields[] = {
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-  return hk_rk_amplification(&tableau, hw, hg); }
+  return hk_rk_amplification(&tableau, hw, hg);
+}
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   const midpoint *m = self;
@@ -22,7 +23,8 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return hk_rk_step(&tableau, s, h, m->k);
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 2, .stages = 2, .amplification = amplification, .step = step};
+static const hk_integrator integrator = {
+    .size = sizeof(hk_integrator), .order = 2, .stages = 2, .amplification = amplification, .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -12,14 +12,20 @@ static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-  return hk_stoermer_amplification(&method, hw, hg); }
+  return hk_stoermer_amplification(&method, hw, hg);
+}
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   (void)t_stop, (void)out;
   return hk_stoermer_step(self, &method, s, h);
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = ORDER, .stages = 1, .amplification = amplification, .step = step, .reset = hk_stoermer_reset};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = ORDER,
+                                         .stages = 1,
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = hk_stoermer_reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -15,7 +15,7 @@ static const hk_field fields[] = {
 /* The roots lambda = 1 + u of v' = v - h w^2 x - h g v, x' = x + h v'; without damping their product is 1. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double z = hw * hw;
   if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
   return hk_polynomial_growth(2, (const double[]){z, z + hg, 1});
@@ -39,7 +39,12 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 1, .stages = 1, .flags = HK_SYMPLECTIC, .amplification = amplification, .step = step};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 1,
+                                         .stages = 1,
+                                         .flags = HK_SYMPLECTIC,
+                                         .amplification = amplification,
+                                         .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

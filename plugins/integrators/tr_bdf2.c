@@ -16,7 +16,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 2,
-                                         .flags = HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
+                                         .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
                                          .amplification = amplification,
                                          .step = step,
                                          .reset = reset};

@@ -105,7 +105,7 @@ static const hk_field fields[] = {
  */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
- 
+
   double w = hw / SUBSTEPS, g = hg / SUBSTEPS, z = w * w;
   return pow(hk_polynomial_growth(2, (const double[]){z, g + 2 * z, 1 + g + z}), SUBSTEPS);
 }
@@ -220,8 +220,15 @@ static hk_status topology(void *self, const hk_view *view) {
   return HK_OK;
 }
 
-static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = 1, .stages = SUBSTEPS, .flags = HK_IMPLICIT, .without_constraints = "it treats elements only; give the bars as stiff springs",
- .amplification = amplification, .step = step, .reset = reset};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 1,
+                                         .stages = SUBSTEPS,
+                                         .flags = HK_IMPLICIT,
+                                         .without_constraints =
+                                             "it treats elements only; give the bars as stiff springs",
+                                         .amplification = amplification,
+                                         .step = step,
+                                         .reset = reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -56,6 +56,17 @@ void test_number(test_engine *e, hk_plugin_spec *spec, const char *name, double 
   set(e, spec, name, &(hk_value){.kind = HK_VALUE_NUMBER, .number = value});
 }
 
+void test_boolean(test_engine *e, hk_plugin_spec *spec, const char *name, bool value) {
+  set(e, spec, name, &(hk_value){.kind = HK_VALUE_BOOLEAN, .boolean = value});
+}
+
+void test_function(test_engine *e, hk_plugin_spec *spec, const char *name, hk_function function) {
+  const hk_param *param = hk_spec_param(spec, name, &e->error);
+  assert_non_null(param);
+  hk_value value = {.kind = HK_VALUE_FUNCTION, .function = function};
+  assert_int_equal(hk_spec_set(spec, param, &value, e->scene->n, &e->error), HK_OK);
+}
+
 void test_vector(test_engine *e, hk_plugin_spec *spec, const char *name, double x, double y, double z) {
   set(e, spec, name, &(hk_value){.kind = HK_VALUE_LIST, .count = 3, .list = (double[]){x, y, z}});
 }

@@ -21,6 +21,8 @@ uint32_t test_particle(test_engine *, double x, double y, double z, double mass)
 /* Adds a plugin by name, or a fixture by "fixture:NAME"; parameters are set with the functions below. */
 hk_plugin_spec *test_plugin(test_engine *, hk_kind kind, const char *name);
 void test_number(test_engine *, hk_plugin_spec *, const char *name, double value);
+void test_boolean(test_engine *, hk_plugin_spec *, const char *name, bool value);
+void test_function(test_engine *, hk_plugin_spec *, const char *name, hk_function); /* of a timed parameter */
 void test_vector(test_engine *, hk_plugin_spec *, const char *name, double x, double y, double z);
 void test_text(test_engine *, hk_plugin_spec *, const char *name, const char *text);
 void test_list(test_engine *, hk_plugin_spec *, const char *name, const double *list, size_t count);

@@ -195,7 +195,7 @@ fake_system *fake_system_create(const fake_problem *problem) {
                           .force = &f->force,
                           .takes = &f->takes,
                           .takes_channels = true};
-  f->force = (hk_force_info){"f", problem->flags | HK_SYMMETRIC_JACOBIAN, true, false};
+  f->force = (hk_force_info){"f", problem->flags | HK_SYMMETRIC_JACOBIAN, true, false, false};
   f->takes = true;
   fake_solver_attach(f);
   return f;

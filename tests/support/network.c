@@ -96,7 +96,7 @@ spring_network *network_create(size_t n, size_t edges, bool channel) {
   w->list.force = "springs";
   w->list.elements.node.arity = 2;
   w->list.elements.values = 1;
-  w->force = (hk_force_info){"springs", HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, false, true};
+  w->force = (hk_force_info){"springs", HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, false, true, false};
   w->system = (hk_system){.model = &w->model, .X = w->X, .n = n, .size = size, .tol = 1e-6};
   w->system.flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V;
   w->system.accelerations = accelerations;

@@ -1,5 +1,6 @@
 /* See dirk.h. A step that fails leaves X as it was: stages live in scratch and are copied when all is well. */
 #include "plugins/common/integrate/dirk.h"
+#include "plugins/common/integrate/safe_move.h"
 
 #include <complex.h>
 #include <float.h>
@@ -179,9 +180,11 @@ hk_status hk_dirk_stages(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, dou
   }
   *X_new = X;
   if (stiffly_accurate(T)) return HK_OK;
+  memcpy(base, X, s->size * sizeof *X);
   memcpy(X, s->X, s->size * sizeof *X);
   for (int j = 0; j < T->stages; j++) add(X, slope_of(m, s, j), s->size, h * T->b[j]);
-  return HK_OK;
+  if (!s->contact) return HK_OK;
+  return hk_safe_end(s, s->t + h, base, X, m->newton.memory, m->newton.memory + 3 * s->n);
 }
 
 static void accept(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const double *X) {

@@ -1,8 +1,9 @@
 /* See newton.h. The invariant of the iteration: R is the filtered residual at the X of the stage, so every direction
  * starts from what was evaluated last; an iteration costs one evaluation. */
 #include "plugins/common/integrate/newton.h"
-#include "plugins/common/linear/block_product.h"
+#include "plugins/common/integrate/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
+#include "plugins/common/linear/block_product.h"
 
 #include <float.h>
 #include <string.h>
@@ -208,17 +209,45 @@ static bool overshoots(const work *k, double slope, double size) {
   return !(dot(k->dv, k->R, k->m) <= -0.9 * slope);
 }
 
+/* The safe fraction of dv; 1 in scenes without contact. */
+static hk_status safe_part(work *k, double *part) {
+  *part = 1;
+  if (!k->s->contact) return HK_OK;
+  for (size_t e = 0; e < k->m; e++) k->q[e] = k->stage->g * k->dv[e];
+  return hk_safe_part(k->s, k->stage->t, k->stage->X, k->q, k->z, part);
+}
+
+/* Evaluates the incremental potential at the start of a line search, where the stage minimises one. */
+static hk_status begin_descent(work *k, double slope, hk_descent *d) {
+  *d = (hk_descent){.known = hk_stage_minimises(k->s), .slope = slope};
+  return d->known ? hk_stage_potential(k->s, k->stage, &d->start) : HK_OK;
+}
+
+static hk_status judge_step(work *k, const hk_descent *d, double alpha, double size, bool *good) {
+  double value = 0;
+  *good = !overshoots(k, d->slope, size);
+  if (!d->known) return HK_OK;
+  hk_status status = hk_stage_potential(k->s, k->stage, &value);
+  *good = hk_descent_falls(d, value, alpha, *good);
+  return status;
+}
+
 /* Along dv from v_old, until the step is not too long; R is that of the new v. HK_NOT_CONVERGED: there is none. */
 static hk_status search(work *k, double *taken) {
   double slope = dot(k->dv, k->R, k->m), size = dot(k->R, k->R, k->m), alpha = 1;
-  bool descends = slope < 0 || k->by_size;
+  bool descends = slope < 0 || k->by_size, good = false;
+  hk_descent descent;
+  hk_status status = safe_part(k, &alpha);
+  if (status == HK_OK) status = begin_descent(k, slope, &descent);
+  if (status != HK_OK) return status;
+  if (descent.known) descends = slope < 0;
   for (int i = 0; i < BACKTRACKS && descends; i++, alpha /= 2) {
     advance(k, alpha);
-    hk_status status = residual(k, false);
+    status = residual(k, false);
     *taken = alpha;
     if (status == HK_NOT_FINITE) continue;
-    if (status != HK_OK) return status;
-    if (!overshoots(k, slope, size)) return HK_OK;
+    if (status == HK_OK) status = judge_step(k, &descent, alpha, size, &good);
+    if (status != HK_OK || good) return status;
   }
   return HK_NOT_CONVERGED;
 }
@@ -284,12 +313,13 @@ static hk_status iterate(work *k) {
     if (i == 0 && stage->fixed) limit = fmin(limit, drop * size);
     memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
     bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
-    if (close && k->settled) {
-      advance(k, 1);
-      set_positions(k);
-      return HK_OK;
-    }
     double alpha = 1;
+    if (close && k->settled) {
+      status = safe_part(k, &alpha);
+      advance(k, alpha);
+      set_positions(k);
+      return status;
+    }
     status = search(k, &alpha);
     if (status == HK_NOT_CONVERGED) {
       if (p.chord) judge(&k->w->chord, false);
@@ -312,6 +342,7 @@ static hk_status iterate(work *k) {
 hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   work k = begin(w, s, stage);
   hk_status status = s->solver_flags(s, &k.flags);
+  if (status == HK_OK && s->contact) status = hk_safe_start(s, stage, k.q, k.z);
   if (status == HK_OK) status = residual(&k, true);
   k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || s->equations > 0;
   if (status == HK_OK) status = iterate(&k);

@@ -24,7 +24,10 @@
  *
  * Springs damped along their direction have an unsymmetric dF/dx. A solver for unsymmetric matrices gets it whole, and
  * convergence is quadratic; one for symmetric matrices gets it without the turning of the damping's direction, and
- * convergence is linear at a rate of c |u|/(k l). */
+ * convergence is linear at a rate of c |u|/(k l).
+ *
+ * In a scene with contact every move is limited and, where all forces are gradients, the line search must decrease the
+ * incremental potential itself (safe_move.h). */
 #ifndef HK_NEWTON_H
 #define HK_NEWTON_H
 

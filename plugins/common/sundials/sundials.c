@@ -3,8 +3,9 @@
  * or, from rest, sqrt(L A), that of a channel its RMS; so tol is SUNDIALS' relative tolerance without a change. The
  * work has the weight 0. */
 #include "plugins/common/sundials/sundials.h"
-#include "plugins/common/sundials/sundials_vector.h"
+#include "plugins/common/integrate/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
+#include "plugins/common/sundials/sundials_vector.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -194,8 +195,21 @@ bool hk_sundials_follows(hk_sundials *m, hk_system *s) {
 
 /* ---- f ---- */
 
+/* Fails where the straight line from the start of the step to X is not safe; SUNDIALS then tries a shorter step. Its
+ * new state may differ from the last state evaluated; the host checks it. */
+static hk_status approach(hk_sundials *m, double t, const double *X) {
+  hk_system *s = m->system;
+  double *dx = m->work, part = 1;
+  for (size_t e = 0; e < 3 * s->n; e++) dx[e] = X[e] - s->X[e];
+  hk_status status = hk_safe_part(s, t, s->X, dx, dx + 3 * s->n, &part);
+  if (status != HK_OK || part >= 1) return status;
+  return m->host->fail(m->host, HK_NOT_CONVERGED, "the step from t = %.17g s leads through a contact", s->t);
+}
+
 int hk_sundials_rates(double t, N_Vector X, N_Vector dX, void *self) {
   hk_sundials *m = self;
   if (is_fatal(m->status)) return hk_sundials_code(m, m->status);
+  hk_status status = m->system->contact ? approach(m, t, NV_DATA_S(X)) : HK_OK;
+  if (status != HK_OK) return hk_sundials_code(m, status);
   return hk_sundials_code(m, m->system->rates(m->system, t, NV_DATA_S(X), NV_DATA_S(dX)));
 }
