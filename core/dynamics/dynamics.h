@@ -29,6 +29,7 @@ typedef struct hk_dynamics {
   bool *takes_kept;    /* one per force: scratch */
   hk_force_info *force_info;
   hk_element_list *element_list;
+  hk_elements *offered; /* room for the lists of one force */
   hk_publication *publication;
   uint64_t *chunk_bad;                    /* one word per chunk of particles: F is not finite there */
   double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
@@ -64,7 +65,8 @@ hk_status hk_dynamics_impose(hk_dynamics *, double t, double *x, double *v);
 
 /* ---- elements.c: the elements and published fields of forces, collected in the model ---- */
 
-void hk_elements_refresh(hk_dynamics *);
+size_t hk_force_element_lists(const hk_force *); /* 0: it offers no elements */
+hk_status hk_elements_refresh(hk_dynamics *);    /* HK_FAILED: a list contradicts itself; the message names the force */
 /* The fields that plugins publish: before they start, and again when they have, for services come in between. */
 hk_status hk_publications_list(hk_dynamics *);
 bool hk_force_acts_at(const hk_instance *, double t);

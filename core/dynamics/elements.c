@@ -44,18 +44,48 @@ hk_status hk_publications_list(hk_dynamics *d) {
   return HK_OK;
 }
 
-void hk_elements_refresh(hk_dynamics *d) {
+size_t hk_force_element_lists(const hk_force *force) {
+  if (!force->elements) return 0;
+  return force->element_lists ? force->element_lists : 1;
+}
+
+static bool one_or_each(const hk_per_tuple *p, const hk_tuples *node, bool optional) {
+  return p->count == 1 || p->count == node->count || (optional && p->count == 0);
+}
+
+/* What the methods that work element by element rely on. */
+static hk_status check_list(hk_dynamics *d, const char *label, const hk_elements *e) {
+  const char *fault = NULL;
+  if (e->node.arity < 1 || e->node.arity > 4)
+    fault = "tuples of an arity that is not 1 to 4";
+  else if (e->values < 1 || e->values > HK_ELEMENT_VALUES)
+    fault = "a number of values per tuple that is not 1 to 16";
+  else if (!e->evaluate && (e->node.arity != 2 || e->values != 1 || e->rest.count == 0))
+    fault = "no evaluate, which only edges with a rest length can do without";
+  else if (!one_or_each(&e->stiffness, &e->node, false) || !one_or_each(&e->damping, &e->node, true) ||
+           !one_or_each(&e->rest, &e->node, true))
+    fault = "stiffness, damping or rest that are neither one number nor one per tuple";
+  if (!fault || e->node.count == 0) return HK_OK;
+  return hk_error_set(d->error, HK_FAILED, "force '%s': its elements have %s: the plugin is at fault", label, fault);
+}
+
+hk_status hk_elements_refresh(hk_dynamics *d) {
   const hk_instances *forces = &d->plugins->kind[HK_FORCE];
+  hk_status status = HK_OK;
   size_t lists = 0;
   for (size_t k = 0; k < forces->count; k++) {
     const hk_instance *force = forces->item[k];
-    if (!force->plugin->force->elements) continue;
-    hk_element_list *list = &d->element_list[lists++];
-    *list = (hk_element_list){.force = force->label, .elements = {.values = 1}, .index = k, .acts = d->force_acts[k]};
+    size_t own = hk_force_element_lists(force->plugin->force);
+    if (own == 0) continue;
+    for (size_t l = 0; l < own; l++) d->offered[l] = (hk_elements){.values = 1};
     const hk_instance *outer = hk_enter(force);
-    force->plugin->force->elements(force->self, &d->force_view[k], &list->elements);
+    force->plugin->force->elements(force->self, &d->force_view[k], d->offered);
     hk_leave(force, outer);
+    for (size_t l = 0; l < own && status == HK_OK; l++) status = check_list(d, force->label, &d->offered[l]);
+    for (size_t l = 0; l < own; l++)
+      d->element_list[lists++] = (hk_element_list){force->label, d->offered[l], k, d->force_acts[k]};
   }
   d->state->model.element_lists = lists;
   d->state->model.element_list = d->element_list;
+  return status;
 }

@@ -49,9 +49,8 @@ static double edge_length(const double *x, const uint32_t *pair) {
 
 /* The largest strain by magnitude, C over the rest value, of all numbers C of elements with a function of their own. */
 static double largest_general(const hk_elements *e, const double *x) {
-  enum { MOST = 16 };
-  double largest = 0, C[MOST], dC[4 * MOST][3];
-  for (size_t j = 0; j < e->node.count && e->values <= MOST; j++) {
+  double largest = 0, C[HK_ELEMENT_VALUES], dC[4 * HK_ELEMENT_VALUES][3];
+  for (size_t j = 0; j < e->node.count; j++) {
     double rest = hk_tuple_value(&e->rest, j);
     e->evaluate(e->self, x, j, j + 1, C, dC);
     for (unsigned v = 0; v < e->values && rest != 0; v++)

@@ -50,6 +50,12 @@ static void set_functions(hk_system *s) {
   s->stiffness_bound = hk_sweep_stiffness;
 }
 
+static size_t count_element_lists(const hk_instances *forces) {
+  size_t count = 0;
+  for (size_t k = 0; k < forces->count; k++) count += hk_force_element_lists(forces->item[k]->plugin->force);
+  return count;
+}
+
 static hk_status list_forces(hk_dynamics *d) {
   hk_system *s = &d->system;
   size_t count = d->plugins->kind[HK_FORCE].count;
@@ -59,8 +65,11 @@ static hk_status list_forces(hk_dynamics *d) {
   d->takes = calloc(count + 1, sizeof *d->takes);
   d->takes_kept = calloc(count + 1, sizeof *d->takes_kept);
   d->force_info = calloc(count + 1, sizeof *d->force_info);
-  d->element_list = calloc(count + 1, sizeof *d->element_list);
-  if (!d->force_view || !d->force_acts || !d->takes || !d->takes_kept || !d->force_info || !d->element_list)
+  size_t lists = count_element_lists(&d->plugins->kind[HK_FORCE]);
+  d->element_list = calloc(lists + 1, sizeof *d->element_list);
+  d->offered = calloc(lists + 1, sizeof *d->offered);
+  if (!d->force_view || !d->force_acts || !d->takes || !d->takes_kept || !d->force_info || !d->element_list ||
+      !d->offered)
     return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu forces", count);
   for (size_t k = 0; k < count; k++) {
     const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
@@ -137,7 +146,7 @@ hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
   hk_dynamics_refresh(d);
   hk_status status = hk_plugins_remap(d->plugins, map, n_old, &d->state->view, d->state->size, d->error);
   hk_dynamics_refresh(d); /* selections have changed as well */
-  if (status == HK_OK) hk_elements_refresh(d);
+  if (status == HK_OK) status = hk_elements_refresh(d);
   if (status == HK_OK) status = hk_evaluate_resize(d);
   if (status == HK_OK) status = hk_constraints_topology(d);
   hk_jacobian_topology(d);
@@ -147,7 +156,7 @@ hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
 void hk_dynamics_close(hk_dynamics *d) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
-  void *arrays[] = {d->force_view,   d->force_acts,  d->takes,     d->takes_kept,  d->force_info,
-                    d->element_list, d->publication, d->chunk_bad, d->unaccounted, d->predicted};
+  void *arrays[] = {d->force_view, d->force_acts,   d->takes,       d->takes_kept, d->force_info,  d->element_list,
+                    d->offered,    d->publication, d->chunk_bad,   d->unaccounted, d->predicted};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }

@@ -272,19 +272,18 @@ unsigned hk_param_arity(const hk_param *p) {
 
 const hk_param *hk_param_list(const hk_plugin *plugin, const hk_param *per_tuple) {
   for (const hk_param *p = plugin->params; p && p->name; p++)
-    if (hk_param_arity(p) > 1 && (!per_tuple->text || strcmp(per_tuple->text, p->name) == 0)) return p;
+    if (hk_param_arity(p) && (!per_tuple->text || strcmp(per_tuple->text, p->name) == 0)) return p;
   return NULL;
 }
 
 static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_error *error) {
-  static const char *const what[] = {"particles", "edges", "triangles", "tetrahedra"};
   const hk_param *list = hk_param_list(spec->plugin, p);
   const hk_per_tuple *values = (const hk_per_tuple *)(const void *)((const char *)spec->values + p->offset);
   if (!list || values->count <= 1) return HK_OK;
   const hk_tuples *tuples = (const hk_tuples *)(const void *)((const char *)spec->values + list->offset);
   if (values->count == tuples->count) return HK_OK;
   return hk_error_set(error, HK_BAD_PARAM, "%s: %s has %zu numbers for %zu %s", spec->label, p->name, values->count,
-                      tuples->count, what[hk_param_arity(list) - 1]);
+                      tuples->count, list->name);
 }
 
 hk_status hk_spec_check(const hk_plugin_spec *spec, hk_error *error) {

@@ -53,8 +53,8 @@ static hk_status begin_segment(hk_loop *loop, double stop) {
   for (size_t k = 0; k < forces->count; k++) d->force_acts[k] = hk_force_acts_at(forces->item[k], middle);
   hk_pins_release(loop->pins, s);
   hk_dynamics_refresh(d);
-  hk_elements_refresh(d);
-  hk_status status = hk_sweep_settle(d);
+  hk_status status = hk_elements_refresh(d);
+  if (status == HK_OK) status = hk_sweep_settle(d);
   if (status != HK_OK) return status;
   s->X[s->size - 1] += total_energy(loop) - before;
   hk_step_reset(loop, HK_STATE_CHANGED);

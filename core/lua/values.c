@@ -86,25 +86,45 @@ static double *to_numbers(lua_State *L, int index, size_t *count) {
   return list;
 }
 
-/* Converts a list of lists of `arity` ids to a block on the Lua stack. False: the value is no such list. */
-static bool to_tuples(lua_State *L, int index, unsigned arity, hk_value *value) {
-  if (!lua_istable(L, index)) return false;
-  size_t count = lua_rawlen(L, index);
-  uint32_t *block = lua_newuserdatauv(L, (count * arity + 1) * sizeof *block, 0);
-  bool fine = count > 0;
-  for (size_t k = 0; k < count && fine; k++) {
-    fine = lua_rawgeti(L, index, (lua_Integer)k + 1) == LUA_TTABLE && lua_rawlen(L, -1) == arity;
-    for (unsigned c = 0; c < arity && fine; c++) {
-      fine = lua_rawgeti(L, -1, (lua_Integer)c + 1) == LUA_TNUMBER;
-      double id = lua_tonumber(L, -1);
-      fine = fine && id >= 0 && id <= UINT32_MAX && floor(id) == id;
-      block[arity * k + c] = fine ? (uint32_t)id : 0;
-      lua_pop(L, 1);
-    }
+/* Whether there is a table of `arity` ids at the index; into: NULL, or where they go. */
+static bool to_tuple(lua_State *L, int index, unsigned arity, uint32_t *into) {
+  bool fine = lua_istable(L, index) && lua_rawlen(L, index) == arity;
+  for (unsigned c = 0; c < arity && fine; c++) {
+    fine = lua_rawgeti(L, index, (lua_Integer)c + 1) == LUA_TNUMBER;
+    double id = lua_tonumber(L, -1);
     lua_pop(L, 1);
+    fine = fine && id >= 0 && id <= UINT32_MAX && floor(id) == id;
+    if (fine && into) into[c] = (uint32_t)id;
   }
-  *value = (hk_value){.kind = HK_VALUE_TUPLES, .count = count, .arity = arity, .tuples = block};
   return fine;
+}
+
+/* Counts the tuples of a list of tuples and of such lists, and writes them unless `into` is NULL. False: it holds
+ * something else, or itself. */
+static bool collect_tuples(lua_State *L, int table, unsigned arity, int depth, uint32_t *into, size_t *count) {
+  enum { DEEPEST = 16 };
+  int top = lua_gettop(L);
+  bool fine = depth < DEEPEST && lua_istable(L, table) && lua_rawlen(L, table) > 0;
+  for (lua_Integer k = 1; fine && lua_rawgeti(L, table, k) != LUA_TNIL; k++, lua_settop(L, top)) {
+    int member = lua_gettop(L);
+    if (to_tuple(L, member, arity, into ? into + arity * *count : NULL))
+      ++*count;
+    else
+      fine = collect_tuples(L, member, arity, depth + 1, into, count);
+  }
+  lua_settop(L, top);
+  return fine;
+}
+
+/* Lists of tuples, in any mix, as a block left on the stack. False: it is none. */
+static bool to_tuples(lua_State *L, int index, unsigned arity, hk_value *value) {
+  size_t count = 0, written = 0;
+  luaL_checkstack(L, 64, "lists of tuples");
+  if (!collect_tuples(L, index, arity, 0, NULL, &count)) return false;
+  uint32_t *block = lua_newuserdatauv(L, (count * arity + 1) * sizeof *block, 0);
+  collect_tuples(L, index, arity, 0, block, &written);
+  *value = (hk_value){.kind = HK_VALUE_TUPLES, .count = count, .arity = arity, .tuples = block};
+  return true;
 }
 
 /* Converts the value at `index` to the type of parameter p; memory that the result points to is on the Lua stack. */

@@ -5,20 +5,26 @@
 
 #include "core/plugin/model.h"
 
+enum { HK_ELEMENT_VALUES = 16 }; /* most numbers C per tuple */
+
 /* A force whose energy is E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and whose damping is
  * -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
  * until the next change of topology. */
 typedef struct hk_elements {
   hk_tuples node;
-  unsigned values;        /* numbers C per tuple, at least 1; all share the tuple's stiffness and damping */
+  unsigned values; /* numbers C per tuple, from 1 to HK_ELEMENT_VALUES; all share the tuple's stiffness and damping */
   hk_per_tuple stiffness; /* J per unit of C squared; N/m where C is a length */
   hk_per_tuple damping;   /* J s per unit of C squared; N s/m where C is a length; count 0: none */
   hk_per_tuple rest;      /* reference of the strain, in the unit of C (a length, an area); count 0: no strain */
   /* C and its gradient for the tuples [begin, end): C[(k - begin) * values + e], and
-   * dC[((k - begin) * values + e) * arity + member] (3 numbers). NULL: the distance of an edge less its rest length. */
+   * dC[((k - begin) * values + e) * arity + member] (3 numbers). Of x it reads the tuples' members alone, and it may be
+   * called by several threads at once. NULL: the distance of an edge (arity 2) less its rest length. */
   void (*evaluate)(const void *self, const double *x, size_t begin, size_t end, double *C, double (*dC)[3]);
   const void *self; /* argument of `evaluate` */
 } hk_elements;
+
+/* Whether they are plain edges, whose C is their distance less the rest length. */
+static inline bool hk_elements_are_edges(const hk_elements *e) { return e->node.arity == 2 && !e->evaluate; }
 
 typedef struct hk_element_list {
   const char *force; /* the force's label */
@@ -81,7 +87,7 @@ typedef struct hk_force {
   hk_status (*add)(void *self, const hk_view *view, double *F);
   double (*energy)(void *self, const hk_view *view);                             /* J; NULL: no energy */
   hk_status (*rates)(void *self, const hk_view *view, double *dy);               /* dy += channel rates; NULL */
-  void (*elements)(void *self, const hk_view *view, hk_elements *out);           /* the acting elements; NULL: none */
+  void (*elements)(void *self, const hk_view *view, hk_elements *out);           /* all that act; NULL: none */
   void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);         /* NULL with jacobian */
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into); /* NULL: no blocks */
   /* Adds to block[i] (xx, xy, xz, yy, yz, zz) so that u.K u <= sum_i u_i.block[i] u_i for all u, where K is that of the
@@ -103,6 +109,7 @@ typedef struct hk_force {
   /* Called after an accepted step of h s that ended at `view`: updates data that change once per step (lagged friction,
    * plastic flow). May be NULL. */
   hk_status (*accepted)(void *self, const hk_view *view, double h);
+  unsigned element_lists; /* how many hk_elements `elements` fills, such as triangles and edges; 0: one */
 } hk_force;
 
 #endif

@@ -144,8 +144,7 @@ static hk_status start_plugins(hk_run *run) {
     status = start_kind(run, order[k]);
     hk_dynamics_refresh(&run->dynamics); /* the forces' selections of particles are known now */
   }
-  if (status == HK_OK) hk_elements_refresh(&run->dynamics);
-  return status;
+  return status == HK_OK ? hk_elements_refresh(&run->dynamics) : status;
 }
 
 static const hk_instance *find_one_sided(const hk_run *run) {
@@ -292,8 +291,8 @@ static hk_status start(hk_run *run) {
     run->dynamics.force_acts[k] = hk_force_acts_at(forces->item[k], run->state.t);
   hk_state_refresh(&run->state);
   hk_dynamics_refresh(&run->dynamics);
-  hk_elements_refresh(&run->dynamics);
-  status = impose_start(run);
+  status = hk_elements_refresh(&run->dynamics);
+  if (status == HK_OK) status = impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_sweep_settle(&run->dynamics);
   double limit = run->step.dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);

@@ -74,12 +74,13 @@ static double length_of(const double *x, const uint32_t pair[2]) {
   return sqrt(sum);
 }
 
-/* The largest change of strain from x to x_new. */
+/* The largest change of strain from x to x_new, of plain edges. */
 static double stretched(const hk_model *model, const double *x, const double *x_new) {
   double largest = 0;
   for (size_t k = 0; k < model->element_lists; k++) {
     const hk_elements *list = &model->element_list[k].elements;
-    for (size_t e = 0; model->element_list[k].acts && list->node.arity == 2 && e < list->node.count; e++) {
+    if (!model->element_list[k].acts || !hk_elements_are_edges(list)) continue;
+    for (size_t e = 0; e < list->node.count; e++) {
       double rest = list->rest.count ? hk_tuple_value(&list->rest, e) : 0;
       if (!(rest > 0)) continue;
       double change = fabs(length_of(x_new, hk_tuple(&list->node, e)) - length_of(x, hk_tuple(&list->node, e))) / rest;

@@ -17,7 +17,7 @@
  *
  * The strain limit that the paper applies after each step is a corrector's affair. Channels and work go by Euler's
  * rule. Desbrun, Schroeder and Barr 1999, Interactive animation of structured deformable objects, sections 3 and 4. */
-#include "plugins/common/integrate/laplacian.h"
+#include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
 #include "plugins/common/integrate/growth_factor.h"
 
@@ -289,7 +289,8 @@ static hk_status factorize(desbrun *m, hk_system *s, double h) {
 
 static hk_status prepare(desbrun *m, hk_system *s, double h) {
   bool fresh = !m->edges.valid, changed;
-  hk_status status = hk_element_edges_take(&m->edges, s, m->imposed, &changed);
+  hk_status status = hk_element_edges_alone(s);
+  if (status == HK_OK) status = hk_element_edges_take(&m->edges, s, m->imposed, &changed);
   if (status == HK_OK && changed) status = arrange(m, s, fresh);
   if (status == HK_OK && (changed || h != m->h)) status = factorize(m, s, h);
   if (status != HK_OK) hk_element_edges_drop(&m->edges);

@@ -7,6 +7,12 @@
  * unknown is the displacement d = x - x_n: v = d/h loses no digits at small steps. g falls at every iteration,
  * for the quadratic lies above g and touches it at x.
  *
+ * Elements with an `evaluate` (triangles, tetrahedra) have no such local half. Their forces in r are exact, their place
+ * in A is a weight for the members of each tuple, of the start of the run or of a topology (element_energy.c), and with
+ * it the iteration is a quasi-Newton method that comes to rest where backward Euler is. The quadratic need not lie
+ * above g any longer: where such a move would raise g, half of it is tried, and half of that; and where that happens
+ * because gradients have become steeper than they were when the tuples were weighed, those are weighed again.
+ *
  * Damping along a spring acts in the direction that it had at the start of the step: with n = d(x_n)/|d(x_n)| and the
  * velocities (x - x_n)/h its force is -(c/h) (n.delta) n, delta the change of d in the step. That is the gradient of a
  * quadratic, h c |delta|^2/2 lies above it, and A = M + h^2 L_k + h L_c stays constant. Forces without elements
@@ -17,15 +23,18 @@
  *
  * Invariant: `h` is that of the factor in the solver, 0 when there is none. The matrix is made again when h, the
  * springs or the pins change, and only then.
+ * Liu, Bouaziz and Kavan, Quasi-Newton methods for real-time simulation of hyperelastic materials, ACM TOG 36 (2017);
  * Liu, Bargteil, O'Brien and Kavan, Fast simulation of mass-spring systems, ACM TOG 32 (2013); acceleration: Peng and
  * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018). */
 #include "plugins/common/integrate/anderson.h"
+#include "plugins/common/elements/element_energy.h"
 #include "plugins/common/springs/element_edges.h"
-#include "plugins/common/integrate/laplacian.h"
+#include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
 #include "plugins/common/integrate/step_control.h"
 #include "plugins/common/springs/spring_kernel.h"
 
+#include <float.h>
 #include <string.h>
 
 enum { PLAIN, ANDERSON };
@@ -44,13 +53,18 @@ typedef struct local_global {
   hk_laplacian laplacian;
   hk_slide_pins slides;
   hk_spring_layout springs, dampers; /* without damping; without stiffness */
-  double *weight;                    /* edges: of the matrix */
+  hk_element_energy elements;        /* those that are not springs */
+  double *weight, *diagonal;         /* edges, then pairs of the elements' members; n: of the matrix */
   double h;
   hk_anderson anderson;
 
   int64_t warned;
-  double change; /* of the last iteration, relative to the step's displacement */
-  double *d, *y; /* n x 3, m: displacements in this step, of x and of free flight */
+  double change;      /* of the last iteration, relative to the step's displacement */
+  double *d, *y;      /* n x 3, m: displacements in this step, of x and of free flight */
+  double *from;       /* n x 3, m: d before the last move; with elements only */
+  bool soft;          /* a move had to be cut to a quarter or less */
+  bool weighed;       /* the elements, in this run */
+  hk_array steepness; /* double: of the elements, for a run that goes on from a checkpoint */
   double *F, *r, *dx, *scratch;
   double *next, *slope; /* shaped as X: the new state; (a, dy) */
 } local_global;
@@ -72,8 +86,10 @@ static const hk_param params[] = {
 
 static const hk_field fields[] = {
     {"warned", HK_FIELD_INTEGER, 1, offsetof(local_global, warned), 0},
+    {"steepness", HK_FIELD_ARRAY, sizeof(double), offsetof(local_global, steepness), 0},
     {"change", HK_FIELD_NUMBER, 1, offsetof(local_global, change), 0},
     {"displacement", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, d), HK_SCRATCH},
+    {"from", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, from), HK_SCRATCH},
     {"inertia", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, y), HK_SCRATCH},
     {"force", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, F), HK_SCRATCH},
     {"gradient", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, r), HK_SCRATCH},
@@ -124,37 +140,76 @@ static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
   return hk_spring_layout_build(&m->dampers, host, n, &edges, &none, &c, &none, NULL);
 }
 
-static hk_status rebuild(local_global *m, hk_system *s) {
+/* Springs, then the pairs of the elements' members. */
+static hk_status build_matrix(local_global *m, size_t n) {
+  const hk_host *host = m->host;
+  size_t edges = m->edges.count, pairs = edges + m->elements.pairs;
+  uint32_t(*pair)[2] = host->allocate(host, (pairs + 1) * sizeof *pair);
+  host->release(host, m->weight);
+  host->release(host, m->diagonal);
+  m->weight = host->allocate(host, (pairs + 1) * sizeof *m->weight);
+  m->diagonal = host->allocate(host, (n + 1) * sizeof *m->diagonal);
+  if (!pair || !m->weight || !m->diagonal) {
+    host->release(host, pair);
+    return host->fail(host, HK_NO_MEMORY, "no memory for the weights of %zu springs", pairs);
+  }
+  memcpy(pair, m->edges.pair, edges * sizeof *pair);
+  hk_element_energy_pairs(&m->elements, pair + edges);
+  hk_status status = hk_laplacian_build(&m->laplacian, host, n, pairs, (const uint32_t(*)[2])pair);
+  host->release(host, pair);
+  return status;
+}
+
+static void keep_weights(local_global *m) {
+  if (m->steepness.count > 0) memcpy(m->steepness.item, m->elements.steepness, m->steepness.count * sizeof(double));
+}
+
+/* Weighs the elements where they are; at the first step after a checkpoint the weights are the checkpoint's. */
+static hk_status weigh_elements(local_global *m, hk_system *s, bool fresh) {
+  hk_status status = hk_element_energy_take(&m->elements, m->host, s->model, s->X, fresh);
+  size_t count = m->elements.tuples.count;
+  bool resumed = !m->weighed && count > 0 && m->steepness.count == count;
+  m->weighed = true;
+  if (status == HK_OK && resumed) memcpy(m->elements.steepness, m->steepness.item, count * sizeof(double));
+  if (status != HK_OK || resumed) return status;
+  if (m->steepness.count != count) status = m->host->resize(m->host, &m->steepness, count);
+  if (status == HK_OK) keep_weights(m);
+  return status;
+}
+
+static hk_status rebuild(local_global *m, hk_system *s, bool fresh) {
   hk_status status = hk_slide_pins_build(&m->slides, m->host, &m->edges);
-  if (status == HK_OK)
-    status = hk_laplacian_build(&m->laplacian, m->host, s->n, m->edges.count, (const uint32_t(*)[2])m->edges.pair);
+  if (status == HK_OK) status = weigh_elements(m, s, fresh);
+  if (status == HK_OK) status = build_matrix(m, s->n);
   if (status == HK_OK) status = lay_out(m, m->host, s->n);
-  m->host->release(m->host, m->weight);
-  m->weight = m->host->allocate(m->host, (m->edges.count + 1) * sizeof *m->weight);
-  if (status == HK_OK && !m->weight)
-    status = m->host->fail(m->host, HK_NO_MEMORY, "no memory for the weights of %zu springs", m->edges.count);
   if (status == HK_OK && m->acceleration == ANDERSON)
     status = hk_anderson_reserve(&m->anderson, m->host, 3 * s->n, (size_t)m->window);
   return status;
 }
 
+static hk_status make_matrix(local_global *m, hk_system *s, double h) {
+  size_t edges = m->edges.count;
+  for (size_t e = 0; e < edges; e++) m->weight[e] = h * (h * m->edges.stiffness[e] + m->edges.damping[e]);
+  memcpy(m->diagonal, s->model->mass, s->n * sizeof *m->diagonal);
+  hk_element_energy_weights(&m->elements, h, m->weight + edges, m->diagonal);
+  hk_laplacian_fill(&m->laplacian, m->diagonal, s->model->inverse_mass, m->weight);
+  m->h = 0;
+  hk_status status = s->factorize(s, &m->laplacian.matrix);
+  if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->r, m->dx);
+  if (status == HK_OK) m->h = h;
+  return status;
+}
+
 static hk_status prepare(local_global *m, hk_system *s, double h) {
-  bool changed;
+  bool fresh = !m->edges.valid, changed;
   hk_status status = hk_element_edges_take(&m->edges, s, m->scratch, &changed);
   if (status != HK_OK) return status;
   if (changed) {
     m->h = 0;
-    status = rebuild(m, s);
+    status = rebuild(m, s, fresh);
     if (status != HK_OK) hk_element_edges_drop(&m->edges); /* the next try starts from the beginning */
   }
-  if (status != HK_OK || h == m->h) return status;
-  m->h = 0;
-  for (size_t e = 0; e < m->edges.count; e++) m->weight[e] = h * (h * m->edges.stiffness[e] + m->edges.damping[e]);
-  hk_laplacian_fill(&m->laplacian, s->model->mass, s->model->inverse_mass, m->weight);
-  status = s->factorize(s, &m->laplacian.matrix);
-  if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->r, m->dx);
-  if (status == HK_OK) m->h = h;
-  return status;
+  return status != HK_OK || h == m->h ? status : make_matrix(m, s, h);
 }
 
 /* ---- The explicit part ---- */
@@ -181,8 +236,10 @@ static hk_status check_rate(local_global *m, hk_system *s, double h) {
                        sqrt(part / whole), h);
 }
 
+/* The new x, and the elements there. */
 static void place(local_global *m, const hk_system *s) {
   for (size_t e = 0; e < 3 * s->n; e++) m->next[e] = s->X[e] + m->d[e];
+  hk_element_energy_evaluate(&m->elements, m->host, m->next);
 }
 
 static hk_status predict(local_global *m, hk_system *s, double h, double t_next) {
@@ -206,11 +263,12 @@ static hk_status predict(local_global *m, hk_system *s, double h, double t_next)
 
 /* ---- The iteration ---- */
 
-/* F = forces of springs and dampers at the new x; *power += the dampers', NULL: not wanted. */
+/* F = forces of springs, elements and dampers at the new x; *power += the damping's, NULL: not wanted. */
 static void forces(local_global *m, const hk_system *s, double h, double *power) {
   const double *x = m->next;
   memset(m->F, 0, 3 * s->n * sizeof *m->F);
   hk_spring_forces(&m->springs, m->host, x, x, m->F, NULL);
+  hk_element_energy_forces(&m->elements, m->d, h, m->F, power);
   if (!m->dampers.damped) return;
   for (size_t e = 0; e < 3 * s->n; e++) m->scratch[e] = m->d[e] / h;
   hk_spring_forces(&m->dampers, m->host, s->X, m->scratch, m->F, power);
@@ -226,10 +284,18 @@ static void residual(local_global *m, const hk_system *s, double h) {
   }
 }
 
-/* g at the new x. */
-static double objective(const local_global *m, const hk_system *s, double h) {
+/* What rounding makes of g: of a sum of 3n squares, and of x, on which g depends by `slope` J/m. */
+static double noise_of(const local_global *m, size_t n, double g, double slope) {
+  double far = 0;
+  for (size_t e = 0; e < 3 * n; e++) far = fmax(far, fabs(m->next[e]));
+  return DBL_EPSILON * ((16 + sqrt(3 * (double)n)) * g + slope * far);
+}
+
+/* g at the new x; *noise: with elements, what rounding makes of it, else 0. */
+static double objective(const local_global *m, const hk_system *s, double h, double *noise) {
   const double *x = m->next;
-  double inertia = 0, springs = 0, dampers = 0;
+  double inertia = 0, springs = 0, dampers = 0, pull = 0;
+  *noise = 0;
   for (size_t i = 0; i < s->n; i++)
     for (size_t e = 3 * i; s->model->inverse_mass[i] > 0 && e < 3 * i + 3; e++)
       inertia += s->model->mass[i] * (m->d[e] - m->y[e]) * (m->d[e] - m->y[e]);
@@ -244,9 +310,15 @@ static double objective(const local_global *m, const hk_system *s, double h) {
     }
     double stretch = sqrt(l2) - m->edges.rest[e];
     springs += m->edges.stiffness[e] * stretch * stretch;
+    pull += m->edges.stiffness[e] * fabs(stretch);
     if (l02 > 0) dampers += m->edges.damping[e] * along * along / l02;
   }
-  return inertia / 2 + h * (h * springs + dampers) / 2;
+  double g = inertia / 2 + h * (h * springs + dampers) / 2;
+  if (m->elements.tuples.count == 0) return g;
+  double slope = 2 * h * h * pull;
+  g += hk_element_energy_value(&m->elements, m->d, h, &slope);
+  *noise = noise_of(m, s->n, g, slope);
+  return g;
 }
 
 static void accelerate(local_global *m, size_t n) {
@@ -255,16 +327,37 @@ static void accelerate(local_global *m, size_t n) {
   hk_anderson_next(&m->anderson, m->dx, G, m->r, m->d);
 }
 
+/* Moves to `from` + part dx; returns g there. */
+static double try_part(local_global *m, const hk_system *s, double h, double part, double *noise) {
+  for (size_t e = 0; e < 3 * s->n; e++) m->d[e] = m->from[e] + part * m->dx[e];
+  place(m, s);
+  return objective(m, s, h, noise);
+}
+
+/* With elements the plain x may raise g as well: it is halved until g falls, as it does in the end, dx being a
+ * direction of descent. What rounding makes of g is no rise. */
+static double shorten(local_global *m, const hk_system *s, double h, double g, double now, double *noise) {
+  const double shortest = 0x1p-30;
+  double kept = *noise;
+  for (double part = 0.5; !(now <= g + kept + *noise); part /= 2) {
+    now = try_part(m, s, h, part >= shortest ? part : 0, noise);
+    m->soft |= part < 0.5;
+    if (part < shortest) break;
+  }
+  return now;
+}
+
 /* When g rose, the accelerated x is dropped for the plain one, by which it cannot, and acceleration begins again. */
 static void safeguard(local_global *m, const hk_system *s, double h, double *g) {
-  double now = objective(m, s, h);
-  if (now > *g) {
+  bool elements = m->elements.tuples.count > 0;
+  double noise, now = objective(m, s, h, &noise);
+  if (m->acceleration == ANDERSON && now > *g + noise) {
     memcpy(m->d, m->anderson.g_last, 3 * s->n * sizeof *m->d);
     place(m, s);
     hk_anderson_clear(&m->anderson);
-    now = objective(m, s, h);
+    now = objective(m, s, h, &noise);
   }
-  *g = now;
+  *g = elements && *g < INFINITY ? shorten(m, s, h, *g, now, &noise) : now;
 }
 
 static void move(local_global *m, size_t n) {
@@ -290,25 +383,59 @@ static double relative_change(const local_global *m, const hk_system *s, double 
   return scale > 0 ? sqrt(change / scale) : 0;
 }
 
+static hk_status correction(local_global *m, hk_system *s, double h) {
+  forces(m, s, h, NULL);
+  residual(m, s, h);
+  hk_status status = s->solve_columns(s, m->r, m->dx, 3);
+  return status == HK_OK ? hk_slide_pins_correct(&m->slides, s, m->dx, m->F, m->scratch) : status;
+}
+
+static hk_status stiffen(local_global *m, hk_system *s, double h) {
+  m->soft = false;
+  if (!hk_element_energy_raise(&m->elements)) return HK_OK;
+  keep_weights(m);
+  hk_anderson_clear(&m->anderson);
+  return make_matrix(m, s, h);
+}
+
+/* With elements, from where g is less: free flight or the start of the step. g of the new x is then at most that of
+ * staying, so that no step adds energy. */
+static void choose_start(local_global *m, const hk_system *s, double h) {
+  double noise, flight;
+  place(m, s);
+  flight = objective(m, s, h, &noise);
+  for (size_t e = 0; e < 3 * s->n; e++)
+    if (m->edges.pin[e / 3] != HK_PIN_PATH) m->d[e] = 0;
+  place(m, s);
+  if (objective(m, s, h, &noise) < flight) return;
+  memcpy(m->d, m->y, 3 * s->n * sizeof *m->d);
+}
+
 static hk_status iterate(local_global *m, hk_system *s, double h) {
   size_t n = 3 * s->n;
   double g = INFINITY, extent = hk_scales_extent(&(hk_scales){0}, s, s->X);
+  bool elements = m->elements.tuples.count > 0, guarded = elements || m->acceleration == ANDERSON;
   hk_anderson_clear(&m->anderson);
+  if (elements) choose_start(m, s, h);
   for (int64_t k = 0; k < m->iterations; k++) {
     place(m, s);
-    if (m->acceleration == ANDERSON) safeguard(m, s, h, &g);
-    forces(m, s, h, NULL);
-    residual(m, s, h);
-    hk_status status = s->solve_columns(s, m->r, m->dx, 3);
-    if (status == HK_OK) status = hk_slide_pins_correct(&m->slides, s, m->dx, m->F, m->scratch);
+    if (guarded) safeguard(m, s, h, &g);
+    hk_status status = m->soft ? stiffen(m, s, h) : HK_OK;
+    if (status == HK_OK) status = correction(m, s, h);
     if (status != HK_OK) return status;
     m->change = relative_change(m, s, extent);
+    if (elements) memcpy(m->from, m->d, n * sizeof *m->from);
     if (m->acceleration == ANDERSON && k + 1 < m->iterations && !(m->change <= m->tolerance))
       accelerate(m, n);
     else
       move(m, n);
     if (m->change <= m->tolerance) break;
   }
+  if (!elements) return HK_OK;
+  place(m, s);
+  hk_anderson_clear(&m->anderson); /* the last move was a plain one */
+  double noise, now = objective(m, s, h, &noise);
+  shorten(m, s, h, g, now, &noise);
   return HK_OK;
 }
 
@@ -351,7 +478,7 @@ static void finish(local_global *m, hk_system *s, double h, double t_next) {
   size_t n = 3 * s->n;
   double power = 0, *v = m->next + n;
   place(m, s);
-  if (m->dampers.damped || m->edges.paths > 0) forces(m, s, h, &power);
+  if (m->dampers.damped || m->elements.damped || m->edges.paths > 0) forces(m, s, h, &power);
   for (size_t e = 0; e < n; e++) v[e] = m->d[e] / h;
   double work = h * power + work_of_paths(m, s);
   s->impose(s, t_next, m->next, v);
@@ -364,6 +491,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   local_global *m = self;
   double t_next = fmin(t_stop, s->t + h);
   hk_status status = prepare(m, s, h);
+  if (status == HK_OK) hk_element_energy_start(&m->elements, m->host, s->X);
   if (status == HK_OK) status = predict(m, s, h, t_next);
   if (status == HK_OK) status = iterate(m, s, h);
   if (status == HK_OK) status = check_convergence(m, out);
@@ -385,7 +513,9 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .name = "local_global",
     .summary = "backward Euler by local and global iterations, (M + h^2 L) dx = M (y - x) + h^2 f(x), with one "
                "prefactored n x n matrix; order 1",
-    .reference = "Liu, Bargteil, O'Brien and Kavan 2013, ACM TOG 32, section 4; Peng and others 2018, algorithm 1",
+    .reference =
+        "Liu, Bargteil, O'Brien and Kavan 2013, ACM TOG 32, section 4; Liu, Bouaziz and Kavan 2017, ACM TOG 36; "
+        "Peng and others 2018, algorithm 1",
     .instance_size = sizeof(local_global),
     .params = params,
     .fields = fields,

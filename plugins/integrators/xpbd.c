@@ -1,7 +1,10 @@
 /* XPBD in small steps. A step of h is `substeps` of h_s: forces without elements (gravity, drag) kick explicitly, then
  * `iterations` sweeps of Gauss-Seidel solve the springs one by one, with compliance 1/k and damping c of the scene
- * (xpbd_springs.c). A single spring is solved exactly: a substep is backward Euler. Several springs reach a fixed point
- * that is backward Euler up to the turning of directions, which vanishes with h_s.
+ * (xpbd_springs.c), and after them the other elements (xpbd_elements.c). A single spring is solved exactly: a substep
+ * is backward Euler. Several springs reach a fixed point that is backward Euler up to the turning of directions, which
+ * vanishes with h_s; that of other elements is backward Euler. Both hold where sweeps converge: an element that is
+ * stiff (h_s w far above 1) and strained by its own size is overshot by its linearised step, and shorter substeps or
+ * local_global are what helps.
  *
  * With bdf = 2 substeps are backward differences of order 2: X' = X + (X - X_before)/3 + g f(X') is backward Euler of
  * g = 2/3 h_s from another start, so the same sweeps solve it; explicit forces are those of 2 X - X_before at the end
@@ -46,7 +49,7 @@ static const hk_param params[] = {
      NULL},
     {"iterations",
      "",
-     "sweeps over the springs per substep",
+     "sweeps over the elements per substep",
      HK_INTEGER,
      {1},
      1,
@@ -56,7 +59,7 @@ static const hk_param params[] = {
      NULL},
     {"order",
      "",
-     "of the springs: the scene's, or by colours (faster); auto: colours from 1000 springs on",
+     "of the elements: the scene's, or by colours (faster); auto: colours from 1000 on, of springs and of others",
      HK_CHOICE,
      {HK_XPBD_AUTO},
      0,
@@ -235,7 +238,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_INTEGRATOR,
     .name = "xpbd",
     .summary =
-        "XPBD in small steps: springs solved one by one with compliance 1/k, the rest explicit; order 1, or 2 (bdf)",
+        "XPBD in small steps: elements solved one by one with compliance 1/k, the rest explicit; order 1, or 2 (bdf)",
     .reference = "Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26); Macklin and others 2019, Small Steps in "
                  "Physics Simulation, algorithm 1",
     .instance_size = sizeof(xpbd),

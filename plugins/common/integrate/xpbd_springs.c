@@ -1,4 +1,5 @@
-/* Springs solved one by one: sweeps of Gauss-Seidel over C = l - L with compliance 1/k and damping c.
+/* Springs solved one by one: sweeps of Gauss-Seidel over C = l - L with compliance 1/k and damping c. In each sweep the
+ * elements with an `evaluate` follow (xpbd_elements.c).
  *
  * With n the gradient of C, W = 1/m_i + 1/m_j, alpha = 1/(k h^2), beta = c h^2 and gamma = alpha beta/h = c/(k h), the
  * paper's (26) for lambda, divided through by alpha h, is one for the impulse P = lambda/h:
@@ -17,7 +18,7 @@
 #include <string.h>
 
 /* GRAIN: batches, some 30 us of work; a colour of less than two grains does not pay for waking threads. */
-enum { LANES = HK_XPBD_LANES, COLOURS = HK_XPBD_COLOURS, COLOURS_FROM = 1000, GRAIN = 1024 };
+enum { LANES = HK_XPBD_LANES, COLOURS = HK_XPBD_COLOURS, COLOURS_FROM = HK_XPBD_COLOURS_FROM, GRAIN = 1024 };
 
 typedef struct hk_xpbd_spring {
   uint32_t i, j;
@@ -129,6 +130,15 @@ static void set_numbers(hk_xpbd_springs *m, double h) {
   m->h = h;
 }
 
+static hk_status take_elements(hk_xpbd_springs *m, hk_system *s, bool fresh) {
+  size_t tuples = 0;
+  for (size_t k = 0; k < s->model->element_lists; k++)
+    if (!hk_elements_are_edges(&s->model->element_list[k].elements))
+      tuples += s->model->element_list[k].elements.node.count;
+  bool by_colour = m->order == HK_XPBD_BY_COLOUR || (m->order == HK_XPBD_AUTO && tuples >= COLOURS_FROM);
+  return hk_xpbd_elements_take(&m->elements, s, fresh, by_colour);
+}
+
 hk_status hk_xpbd_springs_take(hk_xpbd_springs *m, hk_system *s, double *scratch) {
   bool fresh = !m->edges.valid, changed;
   hk_status status = hk_element_edges_take(&m->edges, s, scratch, &changed);
@@ -137,11 +147,12 @@ hk_status hk_xpbd_springs_take(hk_xpbd_springs *m, hk_system *s, double *scratch
     hk_element_edges_drop(&m->edges);
     return status;
   }
-  if (changed) {
-    arrange(m);
-    m->h = 0;
-  }
-  return HK_OK;
+  if (!changed) return HK_OK;
+  arrange(m);
+  m->h = 0;
+  status = take_elements(m, s, fresh);
+  if (status != HK_OK) hk_element_edges_drop(&m->edges);
+  return status;
 }
 
 /* ---- sweeps ---- */
@@ -287,9 +298,15 @@ double hk_xpbd_springs_solve(hk_xpbd_springs *m, const hk_host *host, double h, 
   if (h != m->h) set_numbers(m, h);
   for (size_t k = 0; k < m->springs; k++) m->spring[k].P = 0;
   for (size_t k = 0; k < m->batches && s.keep; k++) memset(m->batch[k].P, 0, sizeof m->batch[k].P);
+  const hk_xpbd_substep substep = {host, &m->edges, m->x, m->v, h};
+  bool others = m->elements.tuples.count > 0;
+  if (others) hk_xpbd_elements_start(&m->elements);
   for (int64_t k = 0; k < sweeps; k++) {
+    bool back = k % each == 1;
     s.last = k + 1 == sweeps;
-    work += sweep_once(m, host, &s, k % each == 1);
+    if (others && back) work += hk_xpbd_elements_sweep(&m->elements, &substep, true, s.last);
+    work += sweep_once(m, host, &s, back);
+    if (others && !back) work += hk_xpbd_elements_sweep(&m->elements, &substep, false, s.last);
   }
   return work;
 }

@@ -1,10 +1,9 @@
-/* The springs of a scene for XPBD: the order they are solved in, and the sweeps of Gauss-Seidel. */
+/* The springs and other elements of a scene for XPBD: the order they are solved in, and the sweeps of Gauss-Seidel. */
 #ifndef HK_XPBD_SPRINGS_H
 #define HK_XPBD_SPRINGS_H
 
-#include "plugins/common/springs/element_edges.h"
+#include "plugins/common/integrate/xpbd_elements.h"
 
-enum { HK_XPBD_LANES = 4, HK_XPBD_COLOURS = 64 };
 enum { HK_XPBD_AUTO, HK_XPBD_SCENE, HK_XPBD_BY_COLOUR }; /* hk_xpbd_springs.order */
 
 /* Zeroed before the first use, but for `order`. The memory is the instance's and goes with it. */
@@ -21,6 +20,7 @@ typedef struct hk_xpbd_springs {
   uint64_t *used;                              /* n: colours at a particle */
   uint8_t *tint;                               /* springs of `edges`: colour; COLOURS: alone, UINT8_MAX: does nothing */
   double *work;                                /* per chunk of batches */
+  hk_xpbd_elements elements;                   /* those with an `evaluate`: in every sweep after the springs */
 } hk_xpbd_springs;
 
 /* hk_element_edges_take, then the order of the springs; to be called before each step. scratch: 3n. Allocates when the

@@ -10,11 +10,18 @@ static hk_status unknown_colour(const hk_host *host, const hk_model *m, const ch
   return host->fail(host, HK_BAD_PARAM, "color: '%s' is not one of auto, none, strain, speed, group%s", colour, list);
 }
 
+/* Strain is shown of plain edges. */
+static bool has_strain(const hk_model *m) {
+  bool any = false;
+  for (size_t k = 0; k < m->element_lists; k++) any |= hk_elements_are_edges(&m->element_list[k].elements);
+  return any;
+}
+
 hk_status hk_look_choose(hk_look *look, const hk_host *host, const hk_model *m, const char *colour,
                          const char **label) {
   static const char *const name[] = {"none", "strain", "speed", "group"}; /* as hk_paint */
   static const char *const labels[] = {"", "strain %", "speed m/s", ""};
-  if (strcmp(colour, "auto") == 0) colour = m->element_lists ? "strain" : m->triangles.count ? "none" : "speed";
+  if (strcmp(colour, "auto") == 0) colour = has_strain(m) ? "strain" : m->triangles.count ? "none" : "speed";
   for (int k = 0; k < 4; k++)
     if (strcmp(colour, name[k]) == 0) {
       look->paint = (hk_paint)k;
@@ -75,12 +82,20 @@ static uint64_t fingerprint(const hk_model *m) {
   return h;
 }
 
+/* The lists of elements on pairs, or else the scene's edges: the k-th; NULL: there are no more. */
+static const hk_tuples *pairs_of(const hk_model *m, size_t k) {
+  size_t pairs = 0;
+  for (size_t l = 0; l < m->element_lists; l++)
+    if (m->element_list[l].elements.node.arity == 2 && pairs++ == k) return &m->element_list[l].elements.node;
+  return pairs == 0 && k == 0 ? &m->edges : NULL;
+}
+
 /* The number of edges: those of elements on pairs or, without any, the scene's. */
 static size_t all_lines(const hk_model *m) {
   size_t count = 0;
-  for (size_t k = 0; k < m->element_lists; k++)
-    if (m->element_list[k].elements.node.arity == 2) count += m->element_list[k].elements.node.count;
-  return m->element_lists ? count : m->edges.count;
+  const hk_tuples *pairs;
+  for (size_t k = 0; (pairs = pairs_of(m, k)); k++) count += pairs->count;
+  return count;
 }
 
 /* Appends the pairs to draw: all, or those with an end that belongs to no triangle. */
@@ -99,12 +114,8 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m, const hk_look *lo
   if (s->triangles) memcpy(s->triangle, m->triangles.index, s->triangles * sizeof *s->triangle);
   memset(s->weight, 0, m->n * sizeof *s->weight);
   for (size_t k = 0; k < 3 * s->triangles; k++) s->weight[m->triangles.index[k]] = 1;
-  if (look->springs != 2) {
-    for (size_t k = 0; k < m->element_lists; k++)
-      if (m->element_list[k].elements.node.arity == 2)
-        add_lines(s, &m->element_list[k].elements.node, look->springs == 1);
-    if (!m->element_lists) add_lines(s, &m->edges, look->springs == 1);
-  }
+  const hk_tuples *pairs;
+  for (size_t k = 0; look->springs != 2 && (pairs = pairs_of(m, k)); k++) add_lines(s, pairs, look->springs == 1);
   for (size_t i = 0; i < m->n; i++) {
     bool bead = look->particles == 1 || (look->particles == 0 && s->weight[i] == 0);
     bool pin = look->particles != 2 && (m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH);
@@ -141,7 +152,7 @@ static void take_strain(hk_snapshot3d *s, const hk_view *view) {
   for (size_t i = 0; i < view->n; i++) s->ink[i].number = s->weight[i] = 0;
   for (size_t l = 0; l < m->element_lists; l++) {
     const hk_elements *e = &m->element_list[l].elements;
-    if (e->node.arity != 2 || e->evaluate || e->rest.count == 0) continue;
+    if (!hk_elements_are_edges(e) || e->rest.count == 0) continue;
     for (size_t k = 0; k < e->node.count; k++) {
       size_t i = hk_tuple(&e->node, k)[0], j = hk_tuple(&e->node, k)[1];
       const double *a = view->x + 3 * i, *b = view->x + 3 * j;

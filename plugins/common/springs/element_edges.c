@@ -1,4 +1,4 @@
-/* Collects the springs that forces offer as elements, in the scene's order, and the pins.
+/* Collects the springs (plain edges) that forces offer as elements, in the scene's order, and the pins.
  *
  * Forces come and go by their `from` and `to`, pins are released: both are noticed by comparing with what was collected
  * last, which costs a look at the lists and one pass over inverse masses and pins. The projector of a sliding particle
@@ -39,7 +39,8 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t size) {
 
 static hk_status reserve(hk_element_edges *e, const hk_host *host, const hk_model *model) {
   size_t springs = 0, n = model->n;
-  for (size_t k = 0; k < model->element_lists; k++) springs += model->element_list[k].elements.node.count;
+  for (size_t k = 0; k < model->element_lists; k++)
+    if (hk_elements_are_edges(&model->element_list[k].elements)) springs += model->element_list[k].elements.node.count;
   e->pair = renew(host, e->pair, springs, sizeof *e->pair);
   e->stiffness = renew(host, e->stiffness, springs, sizeof *e->stiffness);
   e->damping = renew(host, e->damping, springs, sizeof *e->damping);
@@ -63,7 +64,8 @@ static void collect_springs(hk_element_edges *e, const hk_model *model) {
   for (size_t k = 0; k < model->element_lists; k++) {
     const hk_elements *list = &model->element_list[k].elements;
     e->acts[k] = model->element_list[k].acts;
-    for (size_t q = 0; e->acts[k] && q < list->node.count; q++, e->count++) {
+    if (!e->acts[k] || !hk_elements_are_edges(list)) continue;
+    for (size_t q = 0; q < list->node.count; q++, e->count++) {
       memcpy(e->pair[e->count], hk_tuple(&list->node, q), sizeof e->pair[0]);
       e->stiffness[e->count] = hk_tuple_value(&list->stiffness, q);
       e->damping[e->count] = list->damping.count ? hk_tuple_value(&list->damping, q) : 0;
@@ -110,3 +112,15 @@ hk_status hk_element_edges_take(hk_element_edges *e, hk_system *s, double *scrat
 }
 
 void hk_element_edges_drop(hk_element_edges *e) { e->valid = false; }
+
+hk_status hk_element_edges_alone(const hk_system *s) {
+  for (size_t k = 0; k < s->model->element_lists; k++) {
+    const hk_element_list *list = &s->model->element_list[k];
+    if (list->elements.node.count > 0 && !hk_elements_are_edges(&list->elements))
+      return s->host->fail(s->host, HK_FAILED,
+                           "the elements of force '%s' are not plain edges, which is all that this method knows: take "
+                           "xpbd, local_global or backward_euler for them",
+                           list->force);
+  }
+  return HK_OK;
+}

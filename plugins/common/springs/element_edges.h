@@ -1,4 +1,5 @@
-/* The acting springs of a scene in flat arrays, and the pins they hang from: what element-wise integrators work on. */
+/* The acting springs of a scene, that is the elements which are plain edges, in flat arrays, and the pins they hang
+ * from: what element-wise integrators work on. */
 #ifndef HK_ELEMENT_EDGES_H
 #define HK_ELEMENT_EDGES_H
 
@@ -26,6 +27,8 @@ typedef struct hk_element_edges {
  * particles without saying how is refused by name. Then collects the springs and the pins again where they are others
  * than at the last call, and says so in *changed. scratch: 3n. Allocates when the topology is new only. */
 hk_status hk_element_edges_take(hk_element_edges *, hk_system *, double *scratch, bool *changed);
+/* For methods that know plain edges only: HK_FAILED, naming the force, when the scene has other elements. */
+hk_status hk_element_edges_alone(const hk_system *);
 /* To be called in `topology`: indices have changed. */
 void hk_element_edges_drop(hk_element_edges *);
 

@@ -1,6 +1,6 @@
 /* The matrix of masses and weights against a dense sum over the edges, with edges that share a pair and held particles.
  */
-#include "plugins/common/integrate/laplacian.h"
+#include "plugins/common/linear/laplacian.h"
 #include "tests/support/fake_system.h"
 
 #include <math.h>

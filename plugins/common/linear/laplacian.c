@@ -3,7 +3,7 @@
  * row and dropping what occurs twice; the edges keep where their entries are, so that new weights cost one pass. It is
  * symmetric, and positive definite when every component has a mass or a held particle. Sums run over the edges in their
  * order: results do not depend on threads. */
-#include "plugins/common/integrate/laplacian.h"
+#include "plugins/common/linear/laplacian.h"
 
 #include <stdlib.h>
 #include <string.h>
