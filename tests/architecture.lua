@@ -16,9 +16,10 @@ local order = { "plugin", "base", "host", "stability", "scene", "state", "dynami
 local most_files = 20
 local small_core_below = 3500 -- lines
 local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/", "^core/dynamics/" }
--- Matrices and multipliers, what is asked beside f, and how long a step may be, are not of it.
-local not_small_core = { "/constraint", "/jacobian", "/implicit_matrix", "/linear_system", "/block_matrix", "/saddle",
-  "solver", "/probe", "/sweep", "/step_choice" }
+-- Not of it are matrices and multipliers, contact, how long a step may be, and what is asked of forces beside F: energies,
+-- elements, bounds.
+local not_small_core = { "/constraint", "/active_set", "/independent_rows", "/saddle", "/jacobian", "/implicit_matrix",
+  "/linear_system", "/block_matrix", "/probe", "/elements", "/sweep", "/contact", "/step_choice" }
 
 -- Headers beside a room's one header that other rooms may include: the commands' own, for their tests.
 local further_headers = {}

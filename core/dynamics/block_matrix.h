@@ -3,7 +3,7 @@
 #ifndef HK_BLOCK_MATRIX_H
 #define HK_BLOCK_MATRIX_H
 
-#include "core/plugin.h"
+#include "core/base/base.h"
 
 typedef struct hk_block_matrix {
   hk_pattern naming; /* first member: passed to the plugin that names blocks */
@@ -25,5 +25,11 @@ hk_status hk_block_matrix_build(hk_block_matrix *);
  * 2^64). */
 uint64_t hk_pattern_number(size_t rows, size_t block, const size_t *row_start, const uint32_t *column);
 void hk_block_matrix_free(hk_block_matrix *);
+
+/* ---- independent_rows.c ---- */
+
+/* implied[r]: row r of the symmetric matrix A with 1 x 1 blocks and a unit diagonal follows from the rows before it
+ * that are not implied themselves. */
+hk_status hk_independent_rows(const hk_matrix *A, bool *implied, hk_error *error);
 
 #endif

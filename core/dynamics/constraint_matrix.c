@@ -395,7 +395,7 @@ hk_status hk_constraint_matrix_review(hk_dynamics *d) {
   *d->error = before;
   if (found == HK_OK && smallest > dependent) return HK_OK;
   hk_matrix A = assemble(c);
-  return hk_active_set_independent(d, &A, c->implied);
+  return hk_independent_rows(&A, c->implied, d->error);
 }
 
 const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {

@@ -4,7 +4,7 @@
 #define HK_CONSTRAINT_MATRIX_H
 
 #include "core/dynamics/block_matrix.h"
-#include "core/dynamics/implicit_matrix.h"
+#include "core/dynamics/linear_system.h"
 
 struct hk_constraints {
   size_t equations, blocks, terms;
@@ -68,9 +68,6 @@ const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t
  * for one-sided equations that are `allowed` and not `held`; into solution. `factorized`: the factors are those of the
  * equalities. q is c->g or c->c, or any other of `equations` numbers. */
 hk_status hk_active_set_solve(hk_dynamics *, const double *q, bool factorized);
-/* The equalities that are independent of those before them, by a factorization that leaves out the others. */
-hk_status hk_active_set_independent(hk_dynamics *, const hk_matrix *A, bool *implied);
-
 /* ---- saddle_point.c ---- */
 
 hk_status hk_saddle_point_factorize(hk_dynamics *, const hk_matrix *A);

@@ -69,6 +69,9 @@ size_t hk_force_element_lists(const hk_force *); /* 0: it offers no elements */
 hk_status hk_elements_refresh(hk_dynamics *);    /* HK_FAILED: a list contradicts itself; the message names the force */
 /* The fields that plugins publish: before they start, and again when they have, for services come in between. */
 hk_status hk_publications_list(hk_dynamics *);
+/* Whether a force has no energy function or one that depends on time: the host then counts all of its power F.v as
+ * work. */
+bool hk_work_unaccounted(const hk_instance *force);
 bool hk_force_acts_at(const hk_instance *, double t);
 /* view of force k at any X */
 hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *X, size_t n);
@@ -77,9 +80,6 @@ hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *
 
 hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v, const double *y, double *a,
                                     double *dy);
-/* Whether a force has no energy function or one that depends on time: the host then counts all of its power F.v as
- * work. */
-bool hk_work_unaccounted(const hk_instance *force);
 hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number of particles */
 
 /* ---- probe.c: energies and forces of one state, apart from the evaluation of f ---- */
@@ -140,8 +140,8 @@ hk_status hk_implicit_solve(hk_system *, const double *b, double *x, hk_solve_in
 hk_status hk_implicit_solve_along(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
 hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, size_t columns);
 
-/* ---- solver.c: the scene's solver, or one chosen by the forces, the size and the flags of the installed solvers
- * ---- */
+/* ---- linear_system.c: the scene's solver, or one chosen by the forces, the size and the flags of the installed
+ * solvers ---- */
 
 /* Creates and starts the solver before the first step. `named` NULL: the solver is chosen. */
 hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);

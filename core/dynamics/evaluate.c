@@ -110,12 +110,6 @@ static hk_status add_force(hk_dynamics *d, size_t k, double *F, double *dy) {
   return status;
 }
 
-/* Its work is computed from the F of that force alone. */
-bool hk_work_unaccounted(const hk_instance *force) {
-  const hk_force *functions = force->plugin->force;
-  return functions->energy ? force->spec->timed_count > 0 : !(functions->flags & HK_POWER);
-}
-
 static hk_status add_with_work(hk_dynamics *d, size_t k, double *F, double *dy, const double *v, double *power) {
   size_t count = 3 * d->state->model.n;
   double *alone = d->unaccounted, sum = 0;

@@ -6,6 +6,7 @@
  * filter in the iteration). Each row is computed by one thread, so the values do not depend on the number of
  * threads. */
 #include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/implicit_matrix.h"
 
 #include <stdlib.h>
 #include <string.h>

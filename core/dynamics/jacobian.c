@@ -8,6 +8,7 @@
  * a scene with constraints K includes the stiffness of their forces, at the multipliers of the last evaluation
  * (saddle_point.c). */
 #include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/implicit_matrix.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -9,6 +9,15 @@ typedef struct hk_plugin_time {
   double seconds;
 } hk_plugin_time;
 
+/* A copy of X, ids and masses. */
+typedef struct hk_snapshot {
+  double t;
+  size_t n, size, capacity; /* capacity: both the doubles of X and the particles of id and mass */
+  double *X;
+  uint32_t *id;
+  double *mass;
+} hk_snapshot;
+
 typedef struct hk_judgement {
   hk_verdict verdict;
   char reason[1024];     /* why it is not ok; "" otherwise */
@@ -27,6 +36,11 @@ typedef struct hk_judgement {
 
 hk_status hk_judgement_open(hk_judgement *, const hk_scene *, hk_error *error);
 void hk_judgement_close(hk_judgement *);
+
+/* ---- snapshot.c ---- */
+
+hk_status hk_snapshot_take(hk_snapshot *, const hk_state *, hk_error *error);
+void hk_snapshot_free(hk_snapshot *);
 
 /* ---- figures.c: energies and momenta of a frame, and the error against a known solution ---- */
 

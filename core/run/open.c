@@ -260,11 +260,22 @@ static hk_status first_frame(hk_run *run) {
   return status == HK_OK ? hk_loop_frame(&run->loop) : status;
 }
 
+/* Moves particles that are not fixed or scripted at random; sliding ones return to their line or plane when pins are
+ * imposed. */
+static void perturb(hk_state *s, double distance, uint64_t seed) {
+  uint64_t random[4];
+  hk_random_seed(random, seed);
+  for (size_t i = 0; i < s->model.n; i++)
+    for (int c = 0; c < 3; c++) {
+      double off = distance * (2 * hk_random_uniform(random) - 1);
+      if (s->inverse_mass[i] > 0) s->X[3 * i + (size_t)c] += off;
+    }
+}
+
 static hk_status impose_start(hk_run *run) {
   hk_state *s = &run->state;
   double *x = s->X, *v = s->X + 3 * s->model.n;
-  if (run->options.perturb > 0)
-    hk_state_perturb(s, run->options.perturb * hk_state_extent(s), run->options.perturb_seed);
+  if (run->options.perturb > 0) perturb(s, run->options.perturb * hk_state_extent(s), run->options.perturb_seed);
   hk_status status = hk_dynamics_impose(&run->dynamics, s->t, x, v);
   if (status == HK_OK && run->dynamics.constraints && !run->resumed)
     status = hk_constraints_project(&run->dynamics, s->t, x, v);

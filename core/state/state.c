@@ -109,17 +109,6 @@ double hk_state_extent(const hk_state *s) {
   return extent > 0 ? extent : 1;
 }
 
-/* Sliding particles return to their line or plane when pins are imposed. */
-void hk_state_perturb(hk_state *s, double distance, uint64_t seed) {
-  uint64_t random[4];
-  hk_random_seed(random, seed);
-  for (size_t i = 0; i < s->model.n; i++)
-    for (int c = 0; c < 3; c++) {
-      double off = distance * (2 * hk_random_uniform(random) - 1);
-      if (movable(s, i)) s->X[3 * i + (size_t)c] += off;
-    }
-}
-
 double hk_state_kinetic(const hk_state *s, const double *X) {
   const double *v = X + 3 * s->model.n;
   double sum = 0;

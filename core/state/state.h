@@ -28,25 +28,10 @@ void hk_state_close(hk_state *);
 void hk_state_refresh(hk_state *); /* updates model, size and view after t, n or an array changed */
 bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no particle has this id at present */
 double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
-/* moves free particles at random by up to `distance`, m */
-void hk_state_perturb(hk_state *, double distance, uint64_t seed);
 /* J, of the particles that are not fixed or scripted */
 double hk_state_kinetic(const hk_state *, const double *X);
 /* Refuses particles of mass 0 without a pin; to be called after hk_pins_open. */
 hk_status hk_state_check_masses(const hk_state *, hk_error *error);
-
-/* ---- snapshot.c: a copy of X, ids and masses, kept as the last good state ---- */
-
-typedef struct hk_snapshot {
-  double t;
-  size_t n, size, capacity; /* capacity: both the doubles of X and the particles of id and mass */
-  double *X;
-  uint32_t *id;
-  double *mass;
-} hk_snapshot;
-
-hk_status hk_snapshot_take(hk_snapshot *, const hk_state *, hk_error *error);
-void hk_snapshot_free(hk_snapshot *);
 
 /* ---- particle_set.c: a set of particles that replaces those of the state, after births and deaths or from a file
  * ---- */

@@ -17,7 +17,7 @@
  *
  * Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26); Macklin and others 2019, Small steps, algorithm 1. */
 #include "plugins/common/integrate/growth_factor.h"
-#include "plugins/common/integrate/xpbd_springs.h"
+#include "plugins/common/elements/xpbd_springs.h"
 
 #include "core/plugin.h"
 

@@ -31,7 +31,7 @@
 #ifndef HK_NEWTON_H
 #define HK_NEWTON_H
 
-#include "core/plugin.h"
+#include "plugins/common/integrate/stage.h"
 
 enum { HK_NEWTON_STATES = 7 }; /* width of the field that `memory` is, HK_FIELD_STATE and scratch */
 
@@ -56,16 +56,6 @@ typedef struct hk_newton {
   int definite; /* factorizations for which blocks are still projected */
   hk_shortcut chord, krylov;
 } hk_newton;
-
-/* X: shaped as s->X. In: the guess of v at X + 3n (and y). Out: x, v and y of the stage; slopes are (X - base)/g. */
-typedef struct hk_stage {
-  double t, g;
-  double limit;       /* m/s, algebraic error allowed in v, RMS */
-  const double *base; /* x*, v*, y*; shaped as s->X */
-  double *X;
-  bool fixed; /* of a method with a fixed step: the algebraic error stays far below the first change as well, which is
-                 about the error of the step, so that it does not show however short the step */
-} hk_stage;
 
 /* HK_NOT_CONVERGED: X is worth nothing. s->X is not touched, but for its pins. */
 hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);

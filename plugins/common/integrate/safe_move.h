@@ -9,7 +9,7 @@
 #ifndef HK_SAFE_MOVE_H
 #define HK_SAFE_MOVE_H
 
-#include "plugins/common/integrate/newton.h"
+#include "plugins/common/integrate/stage.h"
 
 /* *part: the safe fraction of the displacement dx (n x 3) from X at time t. `scratch`: n x 3. */
 hk_status hk_safe_part(hk_system *, double t, const double *X, const double *dx, double *scratch, double *part);

@@ -1,5 +1,5 @@
 /* A copy of the state, which later steps do not change. */
-#include "core/state/state.h"
+#include "core/judge/judge.h"
 
 #include <stdlib.h>
 #include <string.h>

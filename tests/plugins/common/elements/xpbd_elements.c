@@ -1,6 +1,6 @@
 /* XPBD's step for elements of any arity and several numbers, on elements made up here. Where C is linear in x a tuple
  * is solved exactly; where it is not, what many sweeps come to is backward Euler. */
-#include "plugins/common/integrate/xpbd_elements.h"
+#include "plugins/common/elements/xpbd_elements.h"
 #include "tests/support/fake_system.h"
 
 #include <setjmp.h>

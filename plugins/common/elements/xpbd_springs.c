@@ -12,7 +12,7 @@
  * results depend on that order, never on threads. Sliding particles move by S n/m, S what the pin allows. Of the work,
  * damping takes h c u^2 and path pins give -P n.v.
  * Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26). */
-#include "plugins/common/integrate/xpbd_springs.h"
+#include "plugins/common/elements/xpbd_springs.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef HK_XPBD_SPRINGS_H
 #define HK_XPBD_SPRINGS_H
 
-#include "plugins/common/integrate/xpbd_elements.h"
+#include "plugins/common/elements/xpbd_elements.h"
 
 enum { HK_XPBD_AUTO, HK_XPBD_SCENE, HK_XPBD_BY_COLOUR }; /* hk_xpbd_springs.order */
 

@@ -13,7 +13,7 @@
  * In a colour no two tuples share a particle: any number of threads gives the same bits. Sliding particles move by
  * S M^-1 p, S what the pin allows; fixed ones and those on paths have M^-1 = 0. Path pins give -p.v.
  * Macklin, Mueller and Chentanez 2016, XPBD, (17), (18) and (26). */
-#include "plugins/common/integrate/xpbd_elements.h"
+#include "plugins/common/elements/xpbd_elements.h"
 
 #include <string.h>
 

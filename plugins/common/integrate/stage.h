@@ -1,0 +1,17 @@
+/* The data of one stage of an implicit method; newton.h has its equation. */
+#ifndef HK_STAGE_H
+#define HK_STAGE_H
+
+#include "core/plugin.h"
+
+/* X: shaped as s->X. In: the guess of v at X + 3n (and y). Out: x, v and y of the stage; slopes are (X - base)/g. */
+typedef struct hk_stage {
+  double t, g;
+  double limit;       /* m/s, algebraic error allowed in v, RMS */
+  const double *base; /* x*, v*, y*; shaped as s->X */
+  double *X;
+  bool fixed; /* of a method with a fixed step: the algebraic error stays far below the first change as well, which is
+                 about the error of the step, so that it does not show however short the step */
+} hk_stage;
+
+#endif
