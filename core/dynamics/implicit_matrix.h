@@ -1,7 +1,7 @@
 /* The Jacobian of a run and the system that an implicit step solves with it: jacobian.c fills K and D,
  * implicit_matrix.c combines them to A and passes it to the scene's solver. */
-#ifndef HK_ASSEMBLY_H
-#define HK_ASSEMBLY_H
+#ifndef HK_IMPLICIT_MATRIX_H
+#define HK_IMPLICIT_MATRIX_H
 
 #include "core/dynamics/block_matrix.h"
 #include "core/dynamics/linear_system.h"

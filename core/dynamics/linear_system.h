@@ -1,6 +1,6 @@
 /* A solver plugin together with the pattern it has analysed. */
-#ifndef HK_LINEAR_H
-#define HK_LINEAR_H
+#ifndef HK_LINEAR_SYSTEM_H
+#define HK_LINEAR_SYSTEM_H
 
 #include "core/dynamics/dynamics.h"
 
