@@ -1,18 +1,19 @@
-/* SUNDIALS' ARKODE (ARKStep): embedded Runge-Kutta pairs with its own control of the step, as a general-purpose
- * yardstick.
+/* SUNDIALS' ARKODE (ARKStep): embedded Runge-Kutta pairs with ARKODE's own control of the step, as a general-purpose
+ * method for comparison.
  *
- * erk is explicit, dirk diagonally implicit with Newton's iteration on hooke's Jacobian and the scene's solver; see
- * plugins/common/sundials.c for the weights of errors and for the linear algebra. A dt that the user gives makes the
- * steps fixed, as many equal ones as it takes to land on what the host asks for, and no error is then estimated; the
- * flags, the order and the amplification are those of the default, Dormand and Prince's pair of order 5. Otherwise
- * ARKODE chooses the steps and its stop time makes it land. It keeps no history but the length of the step. */
+ * `erk` is explicit; `dirk` is diagonally implicit, with Newton's iteration on hooke's Jacobian and the scene's solver.
+ * See plugins/common/sundials/sundials.c for the weights of errors and for the linear algebra. If the user gives a dt,
+ * the steps are fixed: the time to the host's next stop is divided into equal steps of at most dt, and no error is
+ * estimated. Otherwise ARKODE chooses the steps, and its stop time is set so that a step ends at the host's stop. The
+ * flags, the order and the amplification are those of the default, Dormand and Prince's pair of order 5. The only
+ * history is the length of the step. */
 #include "plugins/common/integrate/runge_kutta.h"
 #include "plugins/common/sundials/sundials.h"
 
 #include <arkode/arkode_arkstep.h>
 #include <string.h>
 
-/* From SUNDIALS 7.1 on what all of ARKODE's methods share has a common name. */
+/* From SUNDIALS 7.1 on, functions that all of ARKODE's methods share have common names. */
 #if SUNDIALS_VERSION_MAJOR > 7 || (SUNDIALS_VERSION_MAJOR == 7 && SUNDIALS_VERSION_MINOR >= 1)
 #define ARK(name) ARKode##name
 #else
@@ -28,11 +29,11 @@ typedef struct arkode {
   int64_t order;
   void *memory;
   N_Vector error, weight;
-  int64_t started; /* whether a step has been asked for in this run */
-  double fixed;    /* s, the dt that the user gave; 0: none, the steps are ARKODE's */
-  bool running;    /* ARKODE's state is X */
-  double planned;  /* s, the step that ARKODE would take next */
-  double most;     /* s, the last step that the host wanted shorter than that; 0: none, so that it may grow freely */
+  int64_t started; /* whether a step has been requested in this run */
+  double fixed;    /* s, the dt that the user gave; 0: none, ARKODE chooses the steps */
+  bool running;    /* whether ARKODE's state is X */
+  double planned;  /* s, length of the next step that ARKODE proposes */
+  double most;     /* s, the last h of the host that was shorter than `planned`, a limit of the steps; 0: no limit */
   double t;        /* s, ARKODE's time */
 } arkode;
 
@@ -70,7 +71,7 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* By order; SUNDIALS' own defaults differ between its versions. */
+/* Tables by order, from 2 on; SUNDIALS' own defaults differ between its versions. */
 static const ARKODE_ERKTableID explicit_table[] = {ARKODE_HEUN_EULER_2_1_2, ARKODE_BOGACKI_SHAMPINE_4_2_3,
                                                    ARKODE_ZONNEVELD_5_3_4, ARKODE_DORMAND_PRINCE_7_4_5};
 static const ARKODE_DIRKTableID implicit_table[] = {ARKODE_SDIRK_2_1_2, ARKODE_ESDIRK324L2SA_4_2_3,
@@ -99,7 +100,7 @@ static hk_status attach_solver(arkode *m) {
   return hk_sundials_setup(s, flag);
 }
 
-/* Its dense output, which nobody asks for, would cost evaluations were it Hermite's. */
+/* The interpolant is Lagrange's of degree 0: dense output is not used, and Hermite's would need more evaluations. */
 static int set_options(arkode *m) {
   hk_sundials *s = &m->sundials;
   int flag = ARK(SetUserData)(m->memory, s);
@@ -165,7 +166,7 @@ static hk_status start(arkode *m, hk_system *s, double span, double h) {
   int flag = ARKStepReInit(m->memory, explicit_part, explicit_part ? NULL : hk_sundials_rates, s->t, m->sundials.X);
   if (flag == 0) flag = ARK(SetInitStep)(m->memory, h < INFINITY ? h : 0);
   if (flag == 0 && m->fixed > 0 && m->method == DIRK)
-    flag = ARK(SetMaxNonlinIters)(m->memory, PATIENCE); /* no shorter step can help */
+    flag = ARK(SetMaxNonlinIters)(m->memory, PATIENCE); /* the step cannot be shortened */
   return hk_sundials_setup(&m->sundials, flag);
 }
 
@@ -181,7 +182,7 @@ static double error_of(const arkode *m) {
   return hk_sundials_norm(m->error, m->weight);
 }
 
-/* The next step's length and end. A fixed one is told to ARKODE, a stop otherwise. */
+/* Determines the end of the next step. ARKODE gets the length of a fixed step, or otherwise a stop time. */
 static int prepare(arkode *m, const hk_system *s, double t_stop, double h, double *stop) {
   double span = t_stop - s->t;
   *stop = t_stop;
@@ -196,7 +197,7 @@ static int prepare(arkode *m, const hk_system *s, double t_stop, double h, doubl
   return ARK(SetFixedStep)(m->memory, length);
 }
 
-/* At the first step of a run. */
+/* Called at the first step of a run: decides whether the steps are fixed. */
 static void settle(arkode *m, double h) {
   m->fixed = h < INFINITY ? h : 0;
   if (m->fixed > 0)
@@ -232,7 +233,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-/* dirk has matrices, erk has none: the solver is there for both. */
+/* The flags are the same for both methods: a solver is provided, though only dirk has matrices. */
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 5,
                                          .stages = 7,

@@ -1,4 +1,4 @@
-/* Backward Euler, X' = X + h f(t + h, X'), by Newton's method in full: order 1, damps everything that moves fast,
+/* Backward Euler, X' = X + h f(t + h, X'), solved by Newton's method to its tolerance. Order 1; it damps fast motion:
  * |R| = (1 + (h w)^2)^(-1/2) on an undamped oscillator. */
 #include "plugins/common/integrate/dirk.h"
 

@@ -1,10 +1,11 @@
 /* Baraff and Witkin's step: backward Euler with one linearisation,
  *     (M + h D + h^2 K) dv = h (F(x, v) - h K v),   v' = v + dv,   x' = x + h v',
- * and their control of the step: a step that changes the strain of any spring by more than `stretch` is discarded and
- * tried at half the length, and so is one that leads through a contact; after `patience` good steps the length doubles
- * again, up to a frame or `dt`. Scripted particles have a prescribed dv, which the right-hand side carries over to
- * their neighbours. The step may turn indefinite where springs are compressed; their blocks are then projected.
- * Constraint forces are those of the start of the step and what keeps dv along the constraints. Channels are explicit.
+ * and their control of the step: a step that changes the strain of any spring by more than `stretch`, or that passes
+ * through a contact, is discarded and repeated with half the length; after `patience` accepted steps the length is
+ * doubled, up to a frame or `dt`. Particles with a scripted motion have a prescribed dv, which enters the equations of
+ * their neighbours through the right-hand side. The matrix may be indefinite where springs are compressed; the step is
+ * then repeated with semi-definite blocks. Constraint forces are those of the start of the step plus those that keep dv
+ * consistent with the constraints. Channels are explicit.
  * Baraff and Witkin 1998, equations (6) and (16), sections 5 and 6. */
 #include "core/plugin.h"
 #include "plugins/common/linear/block_product.h"
@@ -18,8 +19,8 @@
 typedef struct baraff_witkin {
   double stretch;
   int64_t patience;
-  double length; /* s, of the next step */
-  int64_t good;  /* steps since the last change */
+  double length; /* s, length of the next step */
+  int64_t good;  /* accepted steps since `length` changed */
   double *memory;
 } baraff_witkin;
 
@@ -56,7 +57,7 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* One linearisation of a linear equation is the whole of it: backward Euler's, in u = lambda - 1,
+/* For a linear equation one linearisation is exact, so the roots are those of backward Euler; with u = lambda - 1,
  * (1 + h g + (h w)^2) u^2 + (h g + 2 (h w)^2) u + (h w)^2 = 0. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
@@ -74,7 +75,7 @@ static double length_of(const double *x, const uint32_t pair[2]) {
   return sqrt(sum);
 }
 
-/* The largest change of strain from x to x_new, of plain edges. */
+/* The largest change of strain from x to x_new among elements that are plain edges. */
 static double stretched(const hk_model *model, const double *x, const double *x_new) {
   double largest = 0;
   for (size_t k = 0; k < model->element_lists; k++) {
@@ -106,7 +107,7 @@ static void right_hand_side(const hk_system *s, const hk_matrix *K, const hk_mat
   for (size_t e = 0; e < m; e++) w->b[e] -= w->q[e];
 }
 
-/* With constraints, J dv = h J a: what a, which has their forces in it, does to the velocities. */
+/* With constraints, dv satisfies J dv = h J a, where a includes the constraint forces. */
 static hk_status solve(hk_system *s, double h, trial *w) {
   if (s->equations == 0) return s->solve(s, w->b, w->dv, NULL);
   for (size_t e = 0; e < 3 * s->n; e++) w->q[e] = h * w->a[e];
@@ -120,7 +121,7 @@ static hk_status linearise(hk_system *s, double h, unsigned want, trial *w) {
   hk_status status = s->jacobian(s, s->t, s->X, want, &K, &D);
   if (status != HK_OK) return status;
   memcpy(w->X, s->X, s->size * sizeof *w->X);
-  s->impose(s, s->t + h, w->X, w->X + m); /* where the scripts lead: what the filter does not let through */
+  s->impose(s, s->t + h, w->X, w->X + m); /* prescribed velocities; z: their changes, which the filter removes */
   for (size_t e = 0; e < m; e++) w->z[e] = s->model->inverse_mass[e / 3] > 0 ? 0 : w->X[m + e] - v[e];
   right_hand_side(s, &K, &D, h, w);
   s->filter(s, w->b);
@@ -152,7 +153,8 @@ static hk_status try_step(hk_system *s, double h, trial *w) {
   return status == HK_NOT_CONVERGED ? linearise(s, h, want | HK_WANT_DEFINITE, w) : status;
 }
 
-/* *good: no spring changed its strain too much, and the straight line to the new state is safe. */
+/* *good: no spring's strain changes by more than `stretch`, and the straight line to the new state passes through no
+ * contact. */
 static hk_status judge(const baraff_witkin *m, hk_system *s, double h, const trial *w, double *moved, bool *good) {
   double part = 1;
   *moved = stretched(s->model, s->X, w->X);
@@ -181,7 +183,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
     m->good = 0;
     m->length = h / 2;
     if (h > 1e-9 * span) continue;
-    if (status == HK_OK && !isfinite(moved)) return HK_NOT_FINITE; /* the host says where */
+    if (status == HK_OK && !isfinite(moved)) return HK_NOT_FINITE; /* the host reports the particle */
     if (moved <= m->stretch)
       return s->host->fail(s->host, HK_NOT_CONVERGED, "a step of %g s still leads through a contact", h);
     return s->host->fail(s->host, HK_NOT_CONVERGED,

@@ -1,6 +1,6 @@
-/* Backward differences of order 2, X' = 4/3 X - 1/3 X_before + 2/3 h f(t + h, X'): L-stable, one stage a step. The
- * first step, and the first after anything that makes the history void (another h, events, births), is one of TR-BDF2,
- * which is of order 2 as well. Choi and Ko 2002 took one Newton iteration of it for cloth. */
+/* Backward differences of order 2, X' = 4/3 X - 1/3 X_before + 2/3 h f(t + h, X'): L-stable, one stage per step. The
+ * first step, and the first one after a change that invalidates the history (another h, events, births), is a step of
+ * TR-BDF2, which also has order 2. Choi and Ko 2002 used it for cloth with one Newton iteration per step. */
 #include "plugins/common/integrate/dirk.h"
 #include "plugins/common/integrate/growth_factor.h"
 
@@ -8,7 +8,7 @@
 
 typedef struct bdf2 {
   hk_dirk start; /* first member: hk_dirk_params */
-  int64_t known; /* `before` is the state h ago */
+  int64_t known; /* whether `before` is the state at t - h */
   double h;
   double *before;
 } bdf2;
@@ -25,7 +25,7 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* In u = lambda - 1 the recurrence (3 lambda^2 - 4 lambda + 1)/2 = z lambda^2 for both components together is
+/* With u = lambda - 1 the recurrence (3 lambda^2 - 4 lambda + 1)/2 = z lambda^2, for x and v together, becomes
  * (u + 3/2 u^2)^2 + h g (u + 3/2 u^2) (1 + u)^2 + (h w)^2 (1 + u)^4 = 0. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;

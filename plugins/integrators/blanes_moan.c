@@ -1,10 +1,10 @@
-/* Blanes and Moan's splitting SRKN(6, 4) for x'' = F(x, t): kicks b_i and drifts a_i in turn, symmetric, of order 4 and
- * symplectic. Time moves with the drifts. The last kick of a step and the first of the next are at the same x and share
- * their evaluation, so a step costs six.
+/* Blanes and Moan's splitting SRKN(6, 4) for x'' = F(x, t): kicks b_i and drifts a_i alternate; symmetric, of order 4
+ * and symplectic. The drifts advance the time. The last kick of a step and the first of the next have the same x and
+ * use the same evaluation, so a step takes six evaluations.
  *
- * What depends on the velocity sees it in the middle of its kick, predicted with the acceleration of the kick before:
- * order 2 in drag, channels' own rates and power, at no further evaluation. Channel rates that depend on x and t alone
- * are kicked like v and have order 4. */
+ * Evaluations get v and the channels y in the middle of the kick, predicted with the rates of the kick before. This
+ * gives order 2 for drag, for power and for channel rates that depend on v or y, without further evaluations. Channels
+ * whose rates depend on x and t alone are advanced by kicks like v and have order 4. */
 #include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
@@ -23,10 +23,10 @@ static const double drifts[STAGES] = {A1, A2, 0.5 - (A1 + A2), 0.5 - (A1 + A2), 
 static const double kicks[STAGES + 1] = {B1, B2, B3, 1 - 2 * (B1 + B2 + B3), B3, B2, B1};
 
 typedef struct blanes_moan {
-  int64_t primed; /* whether the slope belongs to X */
+  int64_t primed; /* whether `slope` is that of X */
   double *slope;  /* (a, dy) of the last kick */
   double *stage;  /* shaped as X: the state between kicks */
-  double *seen;   /* shaped as X: what the next kick's evaluation sees of v and y */
+  double *seen;   /* shaped as X: predicted v and y for the next evaluation */
 } blanes_moan;
 
 static const hk_field fields[] = {
@@ -39,7 +39,7 @@ static const hk_field fields[] = {
 
 static double ahead(int kick) { return kick == STAGES ? kicks[kick] : kicks[kick] / 2; }
 
-/* The step on (x, h v, h^2 a) less the identity: what it adds to the given values. */
+/* Applies the step to (x, h v, h^2 a) = (x, p, q); out: the increments, that is the result minus the given values. */
 static void increments(double z, double hg, double x, double p, double q, double out[3]) {
   double dx = 0, dp = 0, q0 = q;
   for (int i = 0; i < STAGES; i++) {
@@ -56,7 +56,7 @@ static double undamped(double z) {
   double x[3], p[3];
   increments(z, 0, 1, 0, -z, x);
   increments(z, 0, 0, 1, 0, p);
-  double half = 1 + (x[0] + p[1]) / 2; /* half the trace; the determinant is 1 */
+  double half = 1 + (x[0] + p[1]) / 2; /* half the trace of the step's matrix, whose determinant is 1 */
   return fabs(half) <= 1 ? 1 : fabs(half) + sqrt(half * half - 1);
 }
 
@@ -79,7 +79,7 @@ static void reset(void *self, hk_reason why) {
   ((blanes_moan *)self)->primed = 0;
 }
 
-/* Kick, drift, and what the next kick will see of v. */
+/* A kick, a drift, and the velocity predicted for the next evaluation. */
 static void advance(double *restrict x, double *restrict v, double *restrict seen, const double *restrict a,
                     size_t count, double kick, double drift, double predict) {
   for (size_t e = 0; e < count; e++) {

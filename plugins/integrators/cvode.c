@@ -1,10 +1,11 @@
-/* SUNDIALS' CVODE: multistep methods of variable order and step, as a general-purpose yardstick.
+/* SUNDIALS' CVODE: multistep methods of variable order and step, as a general-purpose method for comparison.
  *
  * BDF (orders 1 to 5) with Newton's iteration on hooke's Jacobian and the scene's solver, or Adams-Moulton (orders 1 to
- * 12) with functional iteration; see plugins/common/sundials.c for the weights of errors and for the linear algebra.
- * CVODE itself decides on steps, orders and when a Jacobian or a factorization is due. It takes one step a call, and
- * its stop time makes it land on what the host asks for. What voids its history (an event, a birth, a corrector, a
- * resumed run) starts it anew at order 1. Constraint forces are in f but not in the Jacobian. */
+ * 12) with functional iteration; see plugins/common/sundials/sundials.c for the weights of errors and for the linear
+ * algebra. CVODE chooses the steps, the orders and when the Jacobian or a factorization is renewed. It takes one step
+ * per call, and its stop time is set so that a step ends at the host's stop. Whatever invalidates its history (an
+ * event, a birth, a corrector, a resumed run) restarts it at order 1. Constraint forces are part of f but not of the
+ * Jacobian. */
 #include "plugins/common/sundials/sundials.h"
 
 #include <complex.h>
@@ -23,9 +24,9 @@ typedef struct cvode {
   bool stability_detection;
   void *memory;
   N_Vector error, weight; /* NULL without `estimate` */
-  bool running;           /* CVODE's history is that of X */
-  double planned;         /* s, the step that CVODE would take next */
-  double most; /* s, the last step that the host wanted shorter than that; 0: none, so that it may grow freely */
+  bool running;           /* whether CVODE's history is that of X */
+  double planned;         /* s, length of the next step that CVODE proposes */
+  double most; /* s, the last h of the host that was shorter than `planned`, a limit of the steps; 0: no limit */
   double t;    /* s, CVODE's time */
 } cvode;
 
@@ -81,7 +82,7 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* Backward Euler, as which BDF starts and which is its only order that is stable for every oscillation. */
+/* The factor of backward Euler: BDF starts with it, and it is the only order that is stable for every oscillation. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
 
@@ -169,8 +170,9 @@ static void reset(void *self, hk_reason why) {
   ((cvode *)self)->running = false;
 }
 
-/* What brings X onto the constraints. CVODE's history takes it in, where a repair by the host would end it. What the
- * pins prescribe is no part of it: f is taken with it whatever the history says, whose error it would count as. */
+/* The correction that projects X onto the constraints. CVODE adds it to its history; a projection by the host would
+ * invalidate the history. The correction excludes the values that pins prescribe: f is always evaluated with these
+ * values, and the difference from the history would be counted as an error. */
 static int project(sunrealtype t, N_Vector X, N_Vector correction, sunrealtype limit, N_Vector error, void *self) {
   hk_sundials *m = self;
   hk_system *s = m->system;

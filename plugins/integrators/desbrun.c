@@ -1,22 +1,26 @@
-/* The predictor of Desbrun, Schroeder and Barr: internal forces, smoothed by a constant filter, kick explicitly.
+/* The predictor of Desbrun, Schroeder and Barr: internal forces are smoothed by a constant filter and then applied
+ * explicitly.
  *
- * The force of the springs is F_i = sum_j k_ij (l - L) n + c (u.n) n + h k_ij (v_j - v_i), the paper's with the
+ * The force of the springs is F_i = sum_j k_ij (l - L) n + c (u.n) n + h k_ij (v_j - v_i), the paper's plus the
  * springs' own damping c. With H_ij = k_ij, H_ii = -sum_j k_ij, the same for every coordinate and state, the filter for
- * general masses is F' = (I - h^2 H M^-1)^-1 F. Its columns sum to 1: the total force stays. With F' = M a it is (M -
- * h^2 H) a = F, symmetric and positive definite, of one unknown a particle: it is factorized once, by the scene's
- * solver, and serves three right-hand sides a step while h, pins and topology stay. The paper stores the dense inverse;
- * the numbers are the same, but its product costs n^2, a solve about n log n. Then v += h (a + a_external), x += h v.
+ * general masses is F' = (I - h^2 H M^-1)^-1 F. Its columns sum to 1, so the total force is kept. With F' = M a it is
+ * (M - h^2 H) a = F, symmetric and positive definite, with one unknown per particle. The scene's solver factorizes the
+ * matrix once and solves for three right-hand sides per step, as long as h, pins and topology do not change. The paper
+ * stores the dense inverse; the results are the same, but its product costs n^2 operations, a solve about n log n. Then
+ * v += h (a + a_external), x += h v.
  *
- * The filter and the viscosity h H v are not central forces and brake turning bodies. `correction` takes the rigid
- * rotation out of a: a_i -= A x (x_i - x_G) with I A = sum (x_i - x_G) x m_i a_i, I the inertia tensor, so that the net
- * torque vanishes (the paper's own term, a torque times h, has no consistent dimension). It takes it out of the v of
- * the viscosity too, which the paper does not: else (1 - P) h H v, P the rotations, can have positive power, and a
- * swinging curtain gained a seventh of its kinetic energy. It acts per connected body and leaves what pins forbid: with
- * one pin, turning about it; with pins on a line, about that axis; else, none. A body on a line has no inertia about
- * it: eigenvalues of I below SMALL of the trace count as 0.
+ * The forces of the filter and of the viscosity h H v are not central and slow down the rotation of bodies.
+ * `correction` removes the rigid rotation from a: a_i -= A x (x_i - x_G) with I A = sum (x_i - x_G) x m_i a_i, I the
+ * inertia tensor, so that the net torque vanishes (the paper's own term, a torque times h, has no consistent
+ * dimension). It also removes the rotation from the v of the viscosity, which the paper does not: otherwise
+ * (1 - P) h H v, P the projection onto rotations, can have positive power, and a swinging curtain gained a seventh of
+ * its kinetic energy. It acts on each connected body, and on the rotations that the pins allow: with one pin, rotations
+ * about that point; with pins on a line, about that axis; with pins that are not on one line, none. A body whose
+ * particles lie on a line has no inertia about it: eigenvalues of I below SMALL times the trace count as 0.
  *
- * The strain limit that the paper applies after each step is a corrector's affair. Channels and work go by Euler's
- * rule. Desbrun, Schroeder and Barr 1999, Interactive animation of structured deformable objects, sections 3 and 4. */
+ * The strain limit that the paper applies after each step is left to a corrector. Channels and work are integrated by
+ * Euler's rule. Desbrun, Schroeder and Barr 1999, Interactive animation of structured deformable objects, sections 3
+ * and 4. */
 #include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
 #include "plugins/common/integrate/growth_factor.h"
@@ -26,13 +30,13 @@
 #include <string.h>
 
 #define NOBODY UINT32_MAX
-static const double SMALL = 1e-12;    /* of I's trace: a body 1e-6 as thick as it is long */
-static const double ONE_POINT = 1e-9; /* of the body's size: pins closer than this are one, or on one line */
+static const double SMALL = 1e-12;    /* relative to the trace of I: a body with a thickness of 1e-6 of its length */
+static const double ONE_POINT = 1e-9; /* relative to the body's size: closer pins are one point, or on one line */
 
 typedef struct body {
   double mass, centre[3], drift[3], inertia[6], torque[3], turn[3]; /* inertia: xx, xy, xz, yy, yz, zz; turn: A */
-  double radius2, far2; /* m^2, from the centre, of the body and of its pins */
-  uint32_t pin, far;    /* pinned particles; NOBODY: none */
+  double radius2, far2; /* m^2, largest squared distance from the centre, of particles and of pins */
+  uint32_t pin, far;    /* the first of its pinned particles and the one farthest from it; NOBODY: none */
   bool fixed;           /* its pins are not on one line */
 } body;
 
@@ -40,7 +44,7 @@ typedef struct desbrun {
   bool correction;
   double *next, *slope, *imposed, *force, *scratch; /* shaped as X: new state; (a, dy); pins at the end; (F, a) */
   hk_element_edges edges;
-  double h;       /* s, of the factorization; 0: none */
+  double h;       /* s, the step of the factorized matrix; 0: none */
   double *weight; /* h^2 k, one per spring */
   hk_laplacian laplacian;
   hk_slide_pins slides;
@@ -74,8 +78,8 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* A spring's motion: a = -(z x/h + (hg + z) v)/h/(1 + z) with z = (h w)^2, v' = v + h a, x' = x + h v', lambda = 1 + u:
- * (1 + z) u^2 + (hg + 2z) u + z = 0. Without damping it is backward Euler. */
+/* For the oscillation of a spring: a = -(z x/h + (hg + z) v)/h/(1 + z) with z = (h w)^2, v' = v + h a, x' = x + h v',
+ * lambda = 1 + u, so that (1 + z) u^2 + (hg + 2z) u + z = 0. Without damping it is backward Euler. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
 
@@ -90,7 +94,8 @@ static uint32_t root(uint32_t *parent, uint32_t i) {
   return i;
 }
 
-/* Springs join free particles to bodies; pins join nothing. The least index is the root, so it is met first. */
+/* A body is a set of free particles connected by springs; pinned particles connect nothing. The root of a set is its
+ * smallest index, so the loop that numbers the bodies reaches it first. */
 static void find_bodies(desbrun *m) {
   const hk_element_edges *e = &m->edges;
   uint32_t *label = m->label;
@@ -163,7 +168,7 @@ static void find_moments(desbrun *m, const double *mass, const double *x, const 
   }
 }
 
-/* Whether the pins of each body lie at one point, on a line, or else. */
+/* Determines for each body whether its pins lie at one point, on a line or neither. */
 static void find_pins(desbrun *m, const double *x) {
   double r[3], along[3], off[3];
   for (size_t k = 0; k < m->anchors; k++) {
@@ -184,7 +189,7 @@ static void find_pins(desbrun *m, const double *x) {
   }
 }
 
-/* Jacobi's rotations: the rows of V become the eigenvectors of the symmetric S, whose diagonal becomes its values. */
+/* Jacobi's rotations: the rows of V become the eigenvectors of the symmetric S, its diagonal the eigenvalues. */
 static void diagonalize(double S[3][3], double V[3][3]) {
   for (int sweep = 0; sweep < 12; sweep++)
     for (int p = 0; p < 2; p++)
@@ -204,7 +209,7 @@ static void diagonalize(double S[3][3], double V[3][3]) {
       }
 }
 
-/* A = I^-1 torque, where the body has inertia. */
+/* A = I^-1 torque, about the axes with inertia. */
 static void turn_freely(body *b) {
   const double *I = b->inertia;
   double S[3][3] = {{I[0], I[1], I[2]}, {I[1], I[3], I[4]}, {I[2], I[4], I[5]}};
@@ -226,7 +231,7 @@ static void turn_about(body *b, const double *x) {
   for (int c = 0; c < 3 && inertia > SMALL * trace; c++) b->turn[c] = e[c] * dot(e, b->torque) / inertia;
 }
 
-/* The rigid rotation in a field of velocities or accelerations, by bodies. */
+/* The rigid rotation of each body in a field of velocities or accelerations. */
 static void find_turns(desbrun *m, const double *mass, const double *x, const double *a) {
   find_centres(m, mass, x, a);
   find_moments(m, mass, x, a);
@@ -276,7 +281,7 @@ static hk_status arrange(desbrun *m, hk_system *s, bool fresh) {
   return status;
 }
 
-/* M - h^2 H: the springs' weights are h^2 k. */
+/* Factorizes M - h^2 H: the weights of the springs are h^2 k. */
 static hk_status factorize(desbrun *m, hk_system *s, double h) {
   m->h = 0;
   for (size_t q = 0; q < m->edges.count; q++) m->weight[q] = h * h * m->edges.stiffness[q];
@@ -325,7 +330,7 @@ static double add_springs(const desbrun *m, const double *x, const double *v, do
   return power;
 }
 
-/* What path pins give: their filtered forces are F - h^2 H a, with a = 0 at the pins themselves. */
+/* The power of path pins: their filtered forces are F - h^2 H a, with a = 0 at the pins themselves. */
 static double path_power(const desbrun *m, const double *F, const double *a, const double *v, double h) {
   const hk_element_edges *e = &m->edges;
   double power = 0;
@@ -338,7 +343,8 @@ static double path_power(const desbrun *m, const double *F, const double *a, con
   return power;
 }
 
-/* a = (M - h^2 H)^-1 F among what pins allow. Held particles have equations of their own, whose part is dropped. */
+/* a = (M - h^2 H)^-1 F among the motions that pins allow. Pinned particles have separate equations, whose solution is
+ * discarded. */
 static hk_status filter_forces(desbrun *m, hk_system *s, const double *F, double *a) {
   hk_status status = s->solve_columns(s, F, a, 3);
   if (status == HK_OK) status = hk_slide_pins_correct(&m->slides, s, a, m->scratch, m->scratch + 3 * s->n);
@@ -346,7 +352,7 @@ static hk_status filter_forces(desbrun *m, hk_system *s, const double *F, double
   return status;
 }
 
-/* Path pins move at the velocity that takes them where they are at the end. */
+/* Path pins get the constant velocity that leads to their positions at the end of the step. */
 static void impose_end(desbrun *m, hk_system *s, double t_next, double *X, double h) {
   size_t v = 3 * s->n;
   if (m->edges.paths == 0) return;

@@ -1,8 +1,8 @@
 /* Dormand and Prince's embedded pair of order 5(4), with its own choice of the step.
  *
- * A step is taken when its error (step_control.h) is at most `tol`. The next step follows from the last two errors
- * (Hairer, Norsett and Wanner, Solving ODEs I, II.4; Hairer and Wanner II, IV.2). The seventh stage is the first of the
- * next step. */
+ * A step is accepted when its error (step_control.h) is at most `tol`. The length of the next step is computed from the
+ * last two errors (Hairer, Norsett and Wanner, Solving ODEs I, II.4; Hairer and Wanner II, IV.2). The slope of the
+ * seventh stage is that of the next step's first stage. */
 #include "plugins/common/integrate/runge_kutta.h"
 #include "plugins/common/integrate/step_control.h"
 
@@ -13,13 +13,14 @@ enum { STAGES = 7 };
 
 static const double error_weight[STAGES] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
                                             -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-static const double safety = 0.9, least = 0.2, most = 10, beta = 0.04; /* bounds of the change of h; PI control */
+/* Safety factor, bounds of the factor by which h changes, and the exponent of the PI control. */
+static const double safety = 0.9, least = 0.2, most = 10, beta = 0.04;
 
 typedef struct dopri5 {
   int64_t primed;    /* whether `first` is the slope at X */
   int64_t started;   /* whether a step has been taken */
-  double proposal;   /* s, what it would take next */
-  double last_error; /* of the last step, for the control */
+  double proposal;   /* s, proposed length of the next step */
+  double last_error; /* error of the last step, for the PI control */
   hk_scales scales;
   double *first; /* slope at X */
   double *k;     /* slopes, then the state of a stage */
@@ -49,7 +50,7 @@ static void reset(void *self, hk_reason why) {
   ((dopri5 *)self)->primed = 0;
 }
 
-/* Relative to tol. */
+/* The estimated error of the step, relative to tol. */
 static double estimate(dopri5 *m, const hk_system *s, double h) {
   const double *X = hk_rk_stage_state(&hk_dormand_prince, s, m->k);
   memset(m->error, 0, s->size * sizeof *m->error);
@@ -57,8 +58,9 @@ static double estimate(dopri5 *m, const hk_system *s, double h) {
   return hk_scales_error(&m->scales, s, h, X, hk_rk_slope(s, m->k, STAGES - 1), m->error) / s->tol;
 }
 
-/* The largest rate (1/s) at which the system changes, from f here and after a small Euler step; then Hairer's rule that
- * (h rate)^5 is a hundredth of the tolerance, which so does not depend on the unit of time. */
+/* The first step. The largest rate (1/s) at which the system changes is estimated from f at X and after a small Euler
+ * step; h then follows from Hairer's rule that (h rate)^5 is a hundredth of the tolerance, so that the choice does not
+ * depend on the unit of time. */
 static hk_status first_step(dopri5 *m, hk_system *s, double span, double *h) {
   size_t v = 3 * s->n;
   const hk_tableau *T = &hk_dormand_prince;
@@ -71,7 +73,7 @@ static hk_status first_step(dopri5 *m, hk_system *s, double span, double *h) {
   if (status != HK_OK) return status;
   for (size_t e = 0; e < v; e++) m->error[e] = next[e] - a[e];
   for (size_t e = v; e + v < s->size; e++) m->error[e] = 0;
-  V = fmax(V, small * hk_rms(next, v)); /* from rest */
+  V = fmax(V, small * hk_rms(next, v)); /* for a start from rest */
   rate = fmax(rate, sqrt(hk_ratio(hk_rms(m->error, v), V * small)));
   *h = rate > 0 ? pow(0.01 * s->tol, 0.2) / rate : small;
   return HK_OK;
@@ -81,7 +83,7 @@ static hk_status begin(dopri5 *m, hk_system *s, double span, double *h) {
   size_t v = 3 * s->n;
   double *X = s->X, *a = hk_rk_slope(s, m->k, 0);
   hk_status status = HK_OK;
-  if (!(*h > 0) || *h > span * (1 - 1e-12)) *h = span; /* rounding aside, no longer than h */
+  if (!(*h > 0) || *h > span * (1 - 1e-12)) *h = span; /* exceeds h by rounding only */
   if (m->primed)
     memcpy(a, m->first, (s->size - v) * sizeof *a);
   else
@@ -103,7 +105,7 @@ static void accept(dopri5 *m, hk_system *s, double h, bool lands, bool retried, 
   double change = safety * pow(last, beta) / pow(error, 0.2 - 0.75 * beta);
   double next = h * fmin(most, fmax(least, change));
   if (retried) next = fmin(next, h);
-  if (lands && !retried && m->started) next = fmax(next, m->proposal); /* h was cut short */
+  if (lands && !retried && m->started) next = fmax(next, m->proposal); /* h was shortened to end at t_stop */
   memcpy(s->X, X, s->size * sizeof *X);
   memcpy(m->first, a, (s->size - v) * sizeof *a);
   hk_scales_notice(&m->scales, s, X + v, a);
@@ -118,7 +120,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   double span = t_stop - s->t, error = NAN;
   hk_status status = begin(m, s, span, &h);
   if (status != HK_OK) return status;
-  if (h < span && 2 * h > span) h = span / 2; /* no tiny last step */
+  if (h < span && 2 * h > span) h = span / 2; /* avoids a very short last step */
   for (bool retried = false;; retried = true) {
     status = hk_rk_stages(&hk_dormand_prince, s, h, m->k, 1);
     if (status == HK_OK)

@@ -1,6 +1,6 @@
-/* Kennedy and Carpenter's ARK4(3)6L[2]SA, the implicit part: order 4 with an embedded method of order 3, L-stable,
- * stage order 2, five implicit stages with one matrix; chooses its steps. Where h w is large and the forces are not
- * linear the order falls towards the stage order. */
+/* The implicit part of Kennedy and Carpenter's ARK4(3)6L[2]SA: order 4 with an embedded method of order 3, L-stable,
+ * stage order 2, five implicit stages with the same matrix. The method chooses its steps. Where h w is large and the
+ * forces are nonlinear, the order decreases towards the stage order. */
 #include "plugins/common/integrate/dirk.h"
 
 static const hk_dirk_tableau tableau = {

@@ -1,4 +1,4 @@
-/* Explicit Euler. On an undamped oscillator every step grows by sqrt(1 + h^2 w^2). */
+/* Explicit Euler. The amplitude of an undamped oscillator grows by the factor sqrt(1 + h^2 w^2) per step. */
 #include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 1, .b = {1}};

@@ -1,10 +1,10 @@
-/* Stiff forces implicitly, the rest explicitly: ARS(2,2,2), order 2, L-stable in the implicit part. With
- * g = 1 - sqrt(2)/2 and d = 1 - 1/(2g), E for the explicit and I for the implicit part (dx/dt = v among it),
+/* Stiff forces are integrated implicitly, the others explicitly: ARS(2,2,2), order 2, L-stable in the implicit part.
+ * With g = 1 - sqrt(2)/2 and d = 1 - 1/(2g), E the explicit and I the implicit part (which includes dx/dt = v),
  *     X2 = X + h g E(X) + h g I(X2),   X' = X + h (d E(X) + (1 - d) E(X2)) + h ((1 - g) I(X2) + g I(X')).
- * Both stages have one matrix, of the implicit part alone. Implicit are, unless `implicit` names others, the forces
- * that depend on positions and have a symmetric Jacobian to give: springs, not wind or drag. Channels are explicit.
- * Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6; patches in space are left to Boxerman
- * and Ascher 2004. */
+ * Both stages have the same matrix, that of the implicit part. The implicit forces are those that `implicit` names; by
+ * default, those that depend on positions and provide a symmetric Jacobian: springs, not wind or drag. Channels are
+ * explicit. Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6. The partition in space of
+ * Boxerman and Ascher 2004 is not implemented. */
 #include "plugins/common/integrate/dirk.h"
 
 #include <string.h>
@@ -80,8 +80,8 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* With the explicit part integrated exactly, so to speak: the stable step is that of the explicit forces alone, which
- * the linear oscillator does not tell. */
+/* The factor of the implicit part, applied to the whole oscillator. The stable step of the method is that of the
+ * explicit forces alone, which the linear oscillator does not determine. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
 
@@ -121,7 +121,7 @@ static void take(const imex *m, hk_system *s, bool implicit) {
 
 static double *vector(const imex *m, const hk_system *s, int which) { return m->memory + (size_t)which * s->size; }
 
-/* The explicit slope: none of x. */
+/* The slope of the explicit part; its entries for x are 0. */
 static hk_status look(const imex *m, hk_system *s, double t, double *X, double *slope) {
   size_t v = 3 * s->n;
   take(m, s, false);
@@ -141,8 +141,9 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
   return hk_newton_solve(&m->newton, s, &stage);
 }
 
-/* With constraints, the multipliers of either part cancel what its forces do to the equations; what the motion alone
- * asks of them, J a + c = 0, is the implicit part's, so it is taken out here: the slope without any force. */
+/* With constraints, J a + c = 0, the multipliers of each part cancel the contribution of its forces to J a. The
+ * multipliers for c, which depends on the motion alone, belong to the implicit part; their contribution, the slope
+ * without any force, is therefore subtracted from the explicit slope here. */
 static hk_status leave_motion(const imex *m, hk_system *s, double t, double *X, double *slope) {
   size_t v = 3 * s->n;
   double *none = vector(m, s, IMPLICIT);

@@ -1,17 +1,17 @@
-/* Leapfrog, or velocity Verlet, with one evaluation a step:
+/* Leapfrog, or velocity Verlet, with one evaluation per step:
  *     x' = x + h (v + h/2 a),  a' = a(x', v + h a),  v' = v + h/2 (a + a').
- * The acceleration of the end serves the next step. What depends on the velocity sees the predicted v + h a, which
- * keeps order 2 (the lagged v + h/2 a would be of order 1) and bounds the step by h w <= 2 (sqrt(1 + 4 xi^2) - 2 xi),
- * xi = g/(2w), with damping rate g; pure drag h g <= 1. Channels and work y go by the same prediction and average.
- * Without velocity-dependent forces it is symplectic and reversible. The velocity is predicted even then: the power of
- * a force looks at it, and costs one store. The new state is built beside X, which changes once its evaluation
- * succeeded. */
+ * The acceleration at the end is used again in the next step. Forces that depend on the velocity are evaluated with the
+ * predicted v + h a, which keeps order 2 (the lagged v + h/2 a would give order 1) and limits the step to h w <= 2
+ * (sqrt(1 + 4 xi^2) - 2 xi), xi = g/(2w), with damping rate g; for pure drag, h g <= 1. Channels and work y are
+ * predicted and averaged in the same way. Without velocity-dependent forces it is symplectic and reversible. The
+ * velocity is predicted even then, at the cost of one store, because the power of a force depends on it. The new state
+ * is built in separate memory; X changes only after its evaluation succeeded. */
 #include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 
 typedef struct leapfrog {
-  int64_t primed;  /* whether the current slope belongs to X */
+  int64_t primed;  /* whether the current slope is that of X */
   int64_t current; /* which of the two slopes, 0 or 1 */
   double *slope;   /* two of (a, dy) */
   double *next;    /* shaped as X: the new x, predicted v and y */

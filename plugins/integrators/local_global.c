@@ -1,28 +1,29 @@
 /* Backward Euler by local and global iterations. A step minimises
  *     g(x) = 1/2 (x - y)^T M (x - y) + h^2 E(x),      y = x_n + h v_n + h^2 M^-1 f_explicit,      v = (x - x_n)/h,
- * E the energy of the springs. The local half finds the best direction of every spring's rest length, the global half
- * minimises the quadratic that is left, whose matrix A = M + h^2 L is n x n and constant: one factorization, three
- * right-hand sides. Both are written as a correction, x <- x + A^-1 r, r = -dg/dx = M (y - x) + h^2 f(x): the same
- * iterates, but rounding is relative to the correction, and r is the springs' force itself. For the same reason the
- * unknown is the displacement d = x - x_n: v = d/h loses no digits at small steps. g falls at every iteration,
- * for the quadratic lies above g and touches it at x.
+ * E the energy of the springs. The local step finds, for every spring, the vector of its rest length that is closest to
+ * the spring. The global step minimises the remaining quadratic function, whose matrix A = M + h^2 L is n x n and
+ * constant: one factorization, three right-hand sides. Both together are written as a correction, x <- x + A^-1 r,
+ * r = -dg/dx = M (y - x) + h^2 f(x): the iterates are the same, but rounding is relative to the correction, and r
+ * contains the springs' force itself. For the same reason the unknown is the displacement d = x - x_n: v = d/h loses no
+ * digits at small steps. g decreases in every iteration, since the quadratic function lies above g and touches it at x.
  *
- * Elements with an `evaluate` (triangles, tetrahedra) have no such local half. Their forces in r are exact, their place
- * in A is a weight for the members of each tuple, of the start of the run or of a topology (element_energy.c), and with
- * it the iteration is a quasi-Newton method that comes to rest where backward Euler is. The quadratic need not lie
- * above g any longer: where such a move would raise g, half of it is tried, and half of that; and where that happens
- * because gradients have become steeper than they were when the tuples were weighed, those are weighed again.
+ * Elements with an `evaluate` (triangles, tetrahedra) have no such local step. Their forces in r are exact; in A they
+ * are represented by a weight for the members of each tuple, computed at the start of the run or of a topology
+ * (element_energy.c). The iteration is then a quasi-Newton method whose fixed point is backward Euler. The quadratic
+ * function need not lie above g: if a correction would raise g, it is halved until it does not. If that happens because
+ * gradients have become steeper than when the weights were computed, the weights of those tuples are computed again.
  *
  * Damping along a spring acts in the direction that it had at the start of the step: with n = d(x_n)/|d(x_n)| and the
- * velocities (x - x_n)/h its force is -(c/h) (n.delta) n, delta the change of d in the step. That is the gradient of a
- * quadratic, h c |delta|^2/2 lies above it, and A = M + h^2 L_k + h L_c stays constant. Forces without elements
- * (gravity, drag, wind) are explicit, of the start of the step; where one depends on the velocity so strongly that this
- * would grow (h g > 2), the step is refused. One that acts between particles without saying how is refused by name.
- * Particles that slide are held exactly (slides.h). Channels and the work of explicit forces follow Euler's rule; the
- * work of dampers and paths is that of the new state.
+ * velocities (x - x_n)/h its force is -(c/h) (n.delta) n, delta the change of d in the step. This is the gradient of a
+ * quadratic function, h c |delta|^2/2 lies above it, and A = M + h^2 L_k + h L_c stays constant. Forces without
+ * elements (gravity, drag, wind) are explicit, evaluated at the start of the step; where one depends on the velocity so
+ * strongly that this would be unstable (h g > 2), the step is refused. A force that acts between particles but
+ * describes no elements is refused with an error that names it. Particles that slide are kept on their lines and planes
+ * exactly (slide_pins.h). Channels and the work of explicit forces follow Euler's rule; the work of dampers and paths
+ * is that of the new state.
  *
- * Invariant: `h` is that of the factor in the solver, 0 when there is none. The matrix is made again when h, the
- * springs or the pins change, and only then.
+ * Invariant: `h` is the step of the factorized matrix in the solver, 0 if there is none. The matrix is made again only
+ * when h, the springs or the pins change.
  * Liu, Bouaziz and Kavan, Quasi-Newton methods for real-time simulation of hyperelastic materials, ACM TOG 36 (2017);
  * Liu, Bargteil, O'Brien and Kavan, Fast simulation of mass-spring systems, ACM TOG 32 (2013); acceleration: Peng and
  * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018). */
@@ -39,8 +40,9 @@
 
 enum { PLAIN, ANDERSON };
 
-/* A relative change worth a warning: cloth contracts errors by 0.99 or so an iteration, so 1e-3 leaves some 10 %. */
-static const double at_rest = 1e-3; /* of the extent */
+static const double at_rest = 1e-3; /* relative to the extent: smallest displacement that changes are compared with */
+/* The relative change that causes a warning: an iteration reduces errors of cloth by a factor of about 0.99, so a
+ * change of 1e-3 leaves an error of some 10 %. */
 static const double telling = 1e-3;
 
 typedef struct local_global {
@@ -52,19 +54,19 @@ typedef struct local_global {
   hk_element_edges edges;
   hk_laplacian laplacian;
   hk_slide_pins slides;
-  hk_spring_layout springs, dampers; /* without damping; without stiffness */
-  hk_element_energy elements;        /* those that are not springs */
-  double *weight, *diagonal;         /* edges, then pairs of the elements' members; n: of the matrix */
+  hk_spring_layout springs, dampers; /* springs without damping; dampers without stiffness */
+  hk_element_energy elements;        /* the elements that are not springs */
+  double *weight, *diagonal;         /* off-diagonal: edges, then pairs of the elements' members; diagonal: n */
   double h;
   hk_anderson anderson;
 
   int64_t warned;
-  double change;      /* of the last iteration, relative to the step's displacement */
-  double *d, *y;      /* n x 3, m: displacements in this step, of x and of free flight */
-  double *from;       /* n x 3, m: d before the last move; with elements only */
-  bool soft;          /* a move had to be cut to a quarter or less */
-  bool weighed;       /* the elements, in this run */
-  hk_array steepness; /* double: of the elements, for a run that goes on from a checkpoint */
+  double change;      /* change in the last iteration, relative to the step's displacement */
+  double *d, *y;      /* n x 3, m: displacements in this step, of x and without internal forces */
+  double *from;       /* n x 3, m: d before the last correction; with elements only */
+  bool soft;          /* whether a correction was reduced to a quarter or less */
+  bool weighed;       /* whether weights of the elements were computed in this run */
+  hk_array steepness; /* double: of the elements, for runs resumed from a checkpoint */
   double *F, *r, *dx, *scratch;
   double *next, *slope; /* shaped as X: the new state; (a, dy) */
 } local_global;
@@ -100,7 +102,8 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* Roots of (1 + z^2 + hg) lambda^2 - (2 + hg) lambda + 1, z = hw, for damping by springs. */
+/* The largest modulus of the roots of (1 + z^2 + hg) lambda^2 - (2 + hg) lambda + 1, z = hw, for the damping of
+ * springs. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
 
@@ -140,7 +143,7 @@ static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
   return hk_spring_layout_build(&m->dampers, host, n, &edges, &none, &c, &none, NULL);
 }
 
-/* Springs, then the pairs of the elements' members. */
+/* The pairs of the matrix: springs, then the pairs of the elements' members. */
 static hk_status build_matrix(local_global *m, size_t n) {
   const hk_host *host = m->host;
   size_t edges = m->edges.count, pairs = edges + m->elements.pairs;
@@ -164,7 +167,7 @@ static void keep_weights(local_global *m) {
   if (m->steepness.count > 0) memcpy(m->steepness.item, m->elements.steepness, m->steepness.count * sizeof(double));
 }
 
-/* Weighs the elements where they are; at the first step after a checkpoint the weights are the checkpoint's. */
+/* Computes the elements' weights at X; at the first step after a checkpoint those of the checkpoint are used. */
 static hk_status weigh_elements(local_global *m, hk_system *s, bool fresh) {
   hk_status status = hk_element_energy_take(&m->elements, m->host, s->model, s->X, fresh);
   size_t count = m->elements.tuples.count;
@@ -207,15 +210,15 @@ static hk_status prepare(local_global *m, hk_system *s, double h) {
   if (changed) {
     m->h = 0;
     status = rebuild(m, s, fresh);
-    if (status != HK_OK) hk_element_edges_drop(&m->edges); /* the next try starts from the beginning */
+    if (status != HK_OK) hk_element_edges_drop(&m->edges); /* the next attempt builds everything again */
   }
   return status != HK_OK || h == m->h ? status : make_matrix(m, s, h);
 }
 
 /* ---- The explicit part ---- */
 
-/* The rate g at which the explicit forces answer to the velocity, seen along the acceleration: explicit steps on
- * v' = -g v grow beyond h g = 2. */
+/* Estimates the rate g at which explicit accelerations change with the velocity, in the direction of the acceleration,
+ * and refuses the step for h g > 2, where explicit steps on v' = -g v are unstable. */
 static hk_status check_rate(local_global *m, hk_system *s, double h) {
   bool depends = false;
   for (size_t k = 0; k < s->forces; k++) depends |= s->takes[k] && s->force[k].flags & HK_DEPENDS_ON_V;
@@ -236,7 +239,7 @@ static hk_status check_rate(local_global *m, hk_system *s, double h) {
                        sqrt(part / whole), h);
 }
 
-/* The new x, and the elements there. */
+/* Computes the new x and evaluates the elements there. */
 static void place(local_global *m, const hk_system *s) {
   for (size_t e = 0; e < 3 * s->n; e++) m->next[e] = s->X[e] + m->d[e];
   hk_element_energy_evaluate(&m->elements, m->host, m->next);
@@ -263,7 +266,7 @@ static hk_status predict(local_global *m, hk_system *s, double h, double t_next)
 
 /* ---- The iteration ---- */
 
-/* F = forces of springs, elements and dampers at the new x; *power += the damping's, NULL: not wanted. */
+/* F = forces of springs, elements and dampers at the new x; *power += the power of damping, unless NULL. */
 static void forces(local_global *m, const hk_system *s, double h, double *power) {
   const double *x = m->next;
   memset(m->F, 0, 3 * s->n * sizeof *m->F);
@@ -284,14 +287,14 @@ static void residual(local_global *m, const hk_system *s, double h) {
   }
 }
 
-/* What rounding makes of g: of a sum of 3n squares, and of x, on which g depends by `slope` J/m. */
+/* The rounding error of g: that of a sum of 3n squares, and that of x, with the sensitivity `slope` of g to x. */
 static double noise_of(const local_global *m, size_t n, double g, double slope) {
   double far = 0;
   for (size_t e = 0; e < 3 * n; e++) far = fmax(far, fabs(m->next[e]));
   return DBL_EPSILON * ((16 + sqrt(3 * (double)n)) * g + slope * far);
 }
 
-/* g at the new x; *noise: with elements, what rounding makes of it, else 0. */
+/* g at the new x; *noise: with elements its rounding error, else 0. */
 static double objective(const local_global *m, const hk_system *s, double h, double *noise) {
   const double *x = m->next;
   double inertia = 0, springs = 0, dampers = 0, pull = 0;
@@ -334,8 +337,8 @@ static double try_part(local_global *m, const hk_system *s, double h, double par
   return objective(m, s, h, noise);
 }
 
-/* With elements the plain x may raise g as well: it is halved until g falls, as it does in the end, dx being a
- * direction of descent. What rounding makes of g is no rise. */
+/* With elements an unaccelerated correction may raise g as well. It is halved until g does not rise by more than its
+ * rounding error, which is reached because dx is a direction of descent. */
 static double shorten(local_global *m, const hk_system *s, double h, double g, double now, double *noise) {
   const double shortest = 0x1p-30;
   double kept = *noise;
@@ -347,7 +350,8 @@ static double shorten(local_global *m, const hk_system *s, double h, double g, d
   return now;
 }
 
-/* When g rose, the accelerated x is dropped for the plain one, by which it cannot, and acceleration begins again. */
+/* If g rose, the accelerated x is replaced by the unaccelerated one, which cannot raise g without elements, and the
+ * acceleration starts again. */
 static void safeguard(local_global *m, const hk_system *s, double h, double *g) {
   bool elements = m->elements.tuples.count > 0;
   double noise, now = objective(m, s, h, &noise);
@@ -366,7 +370,8 @@ static void move(local_global *m, size_t n) {
   for (size_t e = 0; e < n; e++) d[e] += dx[e];
 }
 
-/* |dx| against what the step moves, |x - x_n|, each with masses; near rest against a thousandth of the scene's size. */
+/* |dx| relative to the step's displacement |x - x_n|, both weighted by masses; near rest relative to a thousandth of
+ * the scene's size. */
 static double relative_change(const local_global *m, const hk_system *s, double extent) {
   double change = 0, moved = 0, mass = 0;
   for (size_t i = 0; i < s->n; i++) {
@@ -398,8 +403,8 @@ static hk_status stiffen(local_global *m, hk_system *s, double h) {
   return make_matrix(m, s, h);
 }
 
-/* With elements, from where g is less: free flight or the start of the step. g of the new x is then at most that of
- * staying, so that no step adds energy. */
+/* With elements, the iteration starts where g is smaller: at the position without internal forces, or at that of the
+ * start of the step. g of the new x is then at most g of the old one, so that no step adds energy. */
 static void choose_start(local_global *m, const hk_system *s, double h) {
   double noise, flight;
   place(m, s);
@@ -433,13 +438,14 @@ static hk_status iterate(local_global *m, hk_system *s, double h) {
   }
   if (!elements) return HK_OK;
   place(m, s);
-  hk_anderson_clear(&m->anderson); /* the last move was a plain one */
+  hk_anderson_clear(&m->anderson); /* the last correction was not accelerated */
   double noise, now = objective(m, s, h, &noise);
   shorten(m, s, h, g, now, &noise);
   return HK_OK;
 }
 
-/* A fixed number of iterations ends where it ends: said once, when it is far from backward Euler. */
+/* With a fixed number of iterations there is no test of convergence: warns once when the result is far from backward
+ * Euler. */
 static void warn_once(local_global *m) {
   if (m->warned || m->change <= telling) return;
   m->warned = 1;
@@ -466,7 +472,8 @@ static hk_status check_convergence(local_global *m, hk_step *out) {
 
 /* ---- The step ---- */
 
-/* What paths do against the springs, J; the explicit forces' part is in the power. */
+/* The work that path pins do against springs, dampers and elements, J; their work against explicit forces is in the
+ * power. */
 static double work_of_paths(const local_global *m, const hk_system *s) {
   double work = 0;
   for (size_t i = 0; m->edges.paths > 0 && i < s->n; i++)

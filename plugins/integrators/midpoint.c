@@ -1,4 +1,4 @@
-/* The explicit midpoint rule. No stable step on undamped oscillators: growth sqrt(1 + (h w)^4/4). */
+/* The explicit midpoint rule. Unstable on undamped oscillators: growth sqrt(1 + (h w)^4/4). */
 #include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 2, .c = {0, 0.5}, .a = {{0}, {0.5}}, .b = {0, 1}};

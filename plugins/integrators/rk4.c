@@ -1,4 +1,4 @@
-/* The classical Runge-Kutta method. Stable to h w = 2 sqrt 2 on oscillators, h k = 2.785 on decay. */
+/* The classical Runge-Kutta method. Stable up to h w = 2 sqrt 2 (oscillators), h k = 2.785 (decay at rate k). */
 #include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 4,

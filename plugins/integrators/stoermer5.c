@@ -1,6 +1,6 @@
-/* Stoermer's multistep method of order 5: one evaluation a step, constant h, restarted by six-stage steps after events.
- * For damped scenes: without damping oscillations grow by 2e-5 a step at h w = 0.3 (order 4 has none of that). On decay
- * it is stable to h k = 0.163. */
+/* Stoermer's multistep method of order 5: one evaluation per step, constant h, restarted by six-stage steps after
+ * events. It is meant for damped scenes: without damping, oscillations grow by 2e-5 per step at h w = 0.3 (order 4 has
+ * no such growth). For decay at the rate k it is stable up to h k = 0.163. */
 #include "plugins/common/integrate/stoermer.h"
 
 enum { ORDER = 5 };

@@ -1,11 +1,11 @@
-/* Stoermer's multistep method of order 4 with a fifth difference, whose two coefficients are not the series' own
- * (19/240 and 251/720, order 5) but those that keep the longest steps stable, found by a search over both on
- * oscillators of damping ratio 0 to 0.3. Stable while (h w)^2 + 4 h g <= 3, where the root -1 is reached; `stoermer`:
- * while (h w)^2 + 20/3 h g <= 2. Its error at the same step is 1.5 times that of `stoermer` in what does not depend on
- * the velocity, 1.8 times in what does.
+/* Stoermer's multistep method of order 4 with one more difference, the fifth term of the series. Its two coefficients
+ * are not those of the series (19/240 and 251/720, order 5) but those that keep the longest steps stable, found by a
+ * search over both on oscillators of damping ratio 0 to 0.3. Stable while (h w)^2 + 4 h g <= 3, where a root reaches
+ * -1; `stoermer` is stable while (h w)^2 + 20/3 h g <= 2. Its error at the same step is 1.5 times that of `stoermer`
+ * for forces that do not depend on the velocity, 1.8 times for those that do.
  *
- * On a curtain of 32 x 32 particles 1e-7 m take 2,546 evaluations (`stoermer`: 2,911, its limit), of 64 x 64 4,800
- * (7,900). */
+ * On a curtain of 32 x 32 particles an error of 1e-7 m takes 2,546 evaluations (`stoermer`: 2,911, at its limit of
+ * stability), on one of 64 x 64 it takes 4,800 (`stoermer`: 7,900). */
 #include "plugins/common/integrate/stoermer.h"
 
 enum { ORDER = 4, TERMS = 5 };

@@ -1,4 +1,4 @@
-/* Symplectic Euler: v first, then x with the new v. Order 1; stable to h w = 2 without damping. */
+/* Symplectic Euler: v is advanced first, then x with the new v. Order 1; stable up to h w = 2 without damping. */
 #include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"

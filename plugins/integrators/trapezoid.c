@@ -1,4 +1,4 @@
-/* Heun's method, the explicit trapezoidal rule. No stable step on undamped oscillators: growth sqrt(1 + (h w)^4/4). */
+/* Heun's method, the explicit trapezoidal rule. Unstable on undamped oscillators: growth sqrt(1 + (h w)^4/4). */
 #include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 2, .c = {0, 1}, .a = {{0}, {1}}, .b = {0.5, 0.5}};

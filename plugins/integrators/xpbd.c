@@ -1,19 +1,19 @@
-/* XPBD in small steps. A step of h is `substeps` of h_s: forces without elements (gravity, drag) kick explicitly, then
- * `iterations` sweeps of Gauss-Seidel solve the springs one by one, with compliance 1/k and damping c of the scene
- * (xpbd_springs.c), and after them the other elements (xpbd_elements.c). A single spring is solved exactly: a substep
- * is backward Euler. Several springs reach a fixed point that is backward Euler up to the turning of directions, which
- * vanishes with h_s; that of other elements is backward Euler. Both hold where sweeps converge: an element that is
- * stiff (h_s w far above 1) and strained by its own size is overshot by its linearised step, and shorter substeps or
- * local_global are what helps.
+/* XPBD in small steps. A step h is divided into `substeps` of length h_s. In each, forces without elements (gravity,
+ * drag) change the velocities explicitly; then `iterations` sweeps of Gauss-Seidel solve the springs one by one, with
+ * compliance 1/k and damping c of the scene (xpbd_springs.c), and after them the other elements (xpbd_elements.c). A
+ * single spring is solved exactly: a substep is backward Euler. With several springs, the fixed point of the sweeps is
+ * backward Euler up to the rotation of the springs' directions, which vanishes with h_s; that of other elements is
+ * backward Euler. Both hold where the sweeps converge: for an element that is stiff (h_s w far above 1) and strained by
+ * its own size the linearised correction overshoots; shorter substeps or local_global avoid this.
  *
- * With bdf = 2 substeps are backward differences of order 2: X' = X + (X - X_before)/3 + g f(X') is backward Euler of
- * g = 2/3 h_s from another start, so the same sweeps solve it; explicit forces are those of 2 X - X_before at the end
- * of the substep. The first substep after a start or a reset is backward Euler.
+ * With bdf = 2 a substep is a backward difference of order 2: X' = X + (X - X_before)/3 + g f(X') is backward Euler
+ * with g = 2/3 h_s from another starting point, so the same sweeps solve it; explicit forces are those of
+ * 2 X - X_before at the end of the substep. The first substep after a start or a reset is backward Euler.
  *
- * Either holds as far as the sweeps come: for h_s w above 1 a sweep adds a compliance of about g^2 W, W = 1/m_i +
- * 1/m_j, to a spring. What the forward order leaves is not symmetric either: measured on a curtain, order 2 then errs
- * more with shorter substeps before it errs less, while with symmetric sweeps the error falls all the way. Channels and
- * work go by the same rule.
+ * Both orders assume that the sweeps converge: for h_s w above 1 a single sweep has the effect of a compliance of about
+ * g^2 W, W = 1/m_i + 1/m_j, added to a spring. The error that forward sweeps leave is also not symmetric: measured on a
+ * curtain, the error of order 2 then first rises with shorter substeps before it falls, while with symmetric sweeps it
+ * falls throughout. Channels and work are integrated by the same rule.
  *
  * Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26); Macklin and others 2019, Small steps, algorithm 1. */
 #include "plugins/common/integrate/growth_factor.h"
@@ -30,8 +30,8 @@ typedef struct xpbd {
   int64_t substeps, iterations, bdf;
   int sweep;
   double *next, *older, *guess, *slope, *imposed; /* shaped as X: states; (a, dy); pins at the end of the substep */
-  double *before;                                 /* shaped as X: a substep of `length` before X ... */
-  int64_t known;                                  /* ... if it is known */
+  double *before;                                 /* shaped as X: the state one substep of `length` before X */
+  int64_t known;                                  /* whether `before` is valid */
   double length;
   hk_xpbd_springs springs;
 } xpbd;
@@ -103,9 +103,9 @@ static const hk_field fields[] = {
 };
 
 /* Backward Euler for a spring with damping: (1 + hg + z) u^2 + (hg + 2z) u + z = 0, z = (h w)^2, lambda = 1 + u, for
- * each of the default substeps. It cannot see parameters: with bdf = 2 a spring grows by the plugin bdf2's factor,
- * which is at most 1 as well, but nearer to it. Of several springs neither says how sweeps that are cut short behave.
- */
+ * each of the default substeps. The parameters are not taken into account: with bdf = 2 the factor of a spring is that
+ * of the plugin bdf2, also at most 1, but closer to it. For several springs neither factor describes sweeps that have
+ * not converged. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
 
@@ -114,12 +114,12 @@ static double amplification(const void *self, double hw, double hg) {
 }
 
 /* A substep from X and, for backward differences of order 2, from `older`, the state before it: the unknowns are
- * X' = X + r (X - older) + g f, with r = 0, g = h or r = 1/3, g = 2/3 h. It is written to `older`, which may be X. */
+ * X' = X + r (X - older) + g f, with r = 0, g = h or r = 1/3, g = 2/3 h. X' is written to `older`, which may be X. */
 typedef struct part {
   double *X, *older, t, t_next, r, g;
 } part;
 
-/* Path pins go straight to where they are at the end. */
+/* Path pins move on a straight line to their positions at the end of the substep. */
 static void spread(xpbd *m, const part *p, const double *a) {
   size_t n3 = 3 * m->springs.edges.n;
   for (size_t i = 0; i < m->springs.edges.n; i++) {
@@ -146,7 +146,8 @@ static void gather(const xpbd *m, const part *p) {
   }
 }
 
-/* What is taken explicitly: at the start of the substep, or for order 2 where X and `older` point to at its end. */
+/* Evaluates the explicit forces: at the start of the substep or, for order 2, at its end, in the state extrapolated
+ * from X and `older`. */
 static hk_status explicit_forces(xpbd *m, hk_system *s, const part *p) {
   size_t v = 3 * s->n, y = 6 * s->n;
   double *X = p->X, t = p->t;
@@ -180,7 +181,7 @@ static void reset(void *self, hk_reason why) {
   ((xpbd *)self)->known = 0;
 }
 
-/* Of `substeps` of `length`, the first a backward Euler where the state before it is not known. */
+/* Takes `substeps` of `length`. The first one is backward Euler if the state before it is not known. */
 static hk_status substeps(xpbd *m, hk_system *s, double t_stop, double length, bool known, part *p) {
   hk_status status = HK_OK;
   for (int64_t k = 1; k <= m->substeps && status == HK_OK; k++) {
