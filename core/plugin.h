@@ -100,7 +100,7 @@ typedef enum hk_type {
 } hk_type;
 
 enum {                  /* hk_param.flags */
-       HK_REQUIRED = 1, /* the user must give it */
+       HK_REQUIRED = 1, /* the user must give a value */
        HK_OPTIONAL = 2, /* when not given: NAN, a vector of NAN, an empty list */
        HK_TIMED = 4,    /* the user may give a Lua function of t (number, vector); updated before every evaluation */
        HK_ABOVE_MIN = 8 /* min itself is refused as well */
@@ -116,7 +116,7 @@ typedef struct hk_param {
   double min, max;
   size_t offset; /* offsetof(instance, field) */
   unsigned flags;
-  const char *text; /* HK_STRING: default or NULL; HK_CHOICE: the choices; HK_PER_TUPLE: the list */
+  const char *text; /* HK_STRING: default or NULL; HK_CHOICE: the choices; HK_PER_TUPLE: the name of the list */
 } hk_param;
 
 /* ---- Evolving state of a plugin -------------------------------------------------------------------------------- */
@@ -163,9 +163,9 @@ typedef struct hk_view {
   const double *y; /* channels, see hk_channel; NULL when there are none */
   const hk_model *model;
   const hk_host *host;
-  size_t acting;          /* number of particles that the force acts on ... */
-  const uint32_t *active; /* ... and their indices in rising order, or NULL: all of them */
-  const bool *is_active;  /* n, or NULL: all of them */
+  size_t acting;          /* number of particles that the force acts on */
+  const uint32_t *active; /* their indices in rising order; NULL: all particles */
+  const bool *is_active;  /* n; NULL: all particles */
   double *power;          /* W; add the power of non-conservative parts to it (HK_POWER); may be NULL */
 } hk_view;
 
@@ -208,10 +208,9 @@ typedef struct hk_plugin {
   size_t instance_size;
   const hk_param *params; /* NULL: none */
   const hk_field *fields; /* NULL: none */
-  /* Called at the start of the run, when parameters and fields are set; view is the start state. NULL: nothing to
-   * do. */
+  /* Called at the start of the run, when parameters and fields are set; view is the start state. May be NULL. */
   hk_status (*create)(void *self, const hk_host *host, const hk_view *view);
-  void (*destroy)(void *self, const hk_host *host); /* once per create, even a failed one; NULL */
+  void (*destroy)(void *self, const hk_host *host); /* called once per create, even a failed one; may be NULL */
   /* Called after indices in parameters and the number of particles have changed: rebuilds data derived from them. May
    * be NULL. */
   hk_status (*topology)(void *self, const hk_view *view);

@@ -1,19 +1,20 @@
-/* Which equations act. One-sided ones push or rest: their multipliers solve the linear complementarity problem
+/* Determines which equations act. A one-sided equation acts (pushes) or is inactive (rests): the multipliers solve the
+ * linear complementarity problem
  *     w = J W J^T lambda + q,   lambda >= 0,   w >= 0,   lambda w = 0,
- * by principal pivoting: solve for the equations that act, let all go that pull and take all that are broken, and from
- * some rounds on only the first of them, which ends for any positive definite matrix (Murty 1974; Judice and Pires
- * 1994). */
+ * by principal pivoting: solve for the equations that act, deactivate all with negative multipliers and activate all
+ * that are violated; after some rounds change only the first of them, which terminates for any positive definite matrix
+ * (Murty 1974; Judice and Pires 1994). */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <string.h>
 
 enum { ROUNDS_OF_ALL = 10, MOST_ROUNDS = 400 };
 
-static const double rounding = 1e-11; /* of the terms of a sum, after a solution with refinement */
+static const double rounding = 1e-11; /* relative to the terms of a sum, after a solution with refinement */
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* moved = W J^T solution, at the particles that have equations. */
+/* moved = W J^T solution, for the particles that occur in equations. */
 static void find_moved(hk_constraints *c) {
   for (size_t b = 0; b < c->blocks; b++) memset(c->moved + 3 * (size_t)c->list.pair[b][1], 0, 3 * sizeof *c->moved);
   for (size_t b = 0; b < c->blocks; b++)
@@ -21,7 +22,7 @@ static void find_moved(hk_constraints *c) {
       c->moved[3 * (size_t)c->list.pair[b][1] + a] += c->solution[c->list.pair[b][0]] * c->WJ[b][a];
 }
 
-/* residual = w of every equation, correction = the sum of the sizes of its terms. */
+/* residual = w of every equation, correction = the sum of the magnitudes of its terms. */
 static void find_slack(hk_constraints *c, const double *q) {
   find_moved(c);
   for (size_t k = 0; k < c->equations; k++) {
@@ -42,7 +43,7 @@ static double largest_multiplier(const hk_constraints *c) {
   return most;
 }
 
-/* Changes the part of equations that pull or are broken; false: there are none. */
+/* Activates or deactivates the equations that are violated or have negative multipliers; false: there are none. */
 static bool exchange(hk_constraints *c, const double *q, bool all) {
   double least = -rounding * largest_multiplier(c);
   bool any = false;

@@ -1,19 +1,20 @@
-/* Constraints g(x, t) = 0 or g(x, t) >= 0 by multipliers, all of a scene at once. Differentiating twice gives
- * J a + c = 0, so that with a = W (F + J^T lambda) the multipliers solve (J W J^T) lambda = -(J W F + c): the index is
- * reduced from 3 to 1. What this leaves open, the drift off g = 0 and J v + g_t = 0, is removed after every step: a
- * mass-weighted Newton iteration on the positions, then the velocities. W holds inverse masses with the pins in them
- * (constraint_matrix.c). Scripted particles enter by their position, velocity and acceleration, the last from
+/* Constraints g(x, t) = 0 or g(x, t) >= 0 by multipliers, all constraints of a scene at once. Differentiating twice
+ * gives J a + c = 0, so that with a = W (F + J^T lambda) the multipliers solve (J W J^T) lambda = -(J W F + c): the
+ * index is reduced from 3 to 1. The remaining drift away from g = 0 and J v + g_t = 0 is removed after every step: by a
+ * mass-weighted Newton iteration on the positions, and then for the velocities. W holds the inverse masses and includes
+ * the pins (constraint_matrix.c). Scripted particles enter by their position, velocity and acceleration, the last from
  * differences of the path, so that a method keeps its order on moving pins.
  *
- * A one-sided equation may push during a step when it was met with equality, and was not opening, at the state that the
- * step began with; which of those do push, the signs of their multipliers say in every evaluation (active_set.c). So
- * the set is a function of that state and of t, x, v, and stages that leave g = 0 or J v = 0 by their error do not lose
- * a contact. After the step g < 0 is brought to 0, and what touches and approaches stops (an inelastic impact); a
- * contact that pushed to the end of the step is projected as an equality.
+ * A one-sided equation may push during a step when, at the state at the start of the step, it held with equality and
+ * was not opening. The signs of the multipliers decide in every evaluation which of these equations do push
+ * (active_set.c). So the set of acting equations is a function of that state and of t, x, v, and stages that violate g
+ * = 0 or J v = 0 by their error do not lose a contact. After the step g < 0 is brought to 0, and an approaching
+ * velocity at a touching equation is set to 0 (an inelastic impact); a contact that pushed to the end of the step is
+ * projected as an equality.
  *
- * Invariant: no factorization is carried from one evaluation to the next, so a resumed run repeats bit by bit.
- * Witkin, Physically based modeling: constrained dynamics (SIGGRAPH course notes); Hairer and Wanner, Solving ODEs II,
- * VII.1 and VII.2 (index reduction, projection); Moreau 1988 (unilateral contact, inelastic impact). */
+ * Invariant: no factorization is kept from one evaluation to the next, so a resumed run repeats bit by bit. Witkin,
+ * Physically based modeling: constrained dynamics (SIGGRAPH course notes); Hairer and Wanner, Solving ODEs II, VII.1
+ * and VII.2 (index reduction, projection); Moreau 1988 (unilateral contact, inelastic impact). */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
@@ -21,13 +22,14 @@
 
 enum { ITERATIONS = 25, SAMPLE = 64 };
 
-/* Positions: relative to the largest coordinate, which sets their rounding. Velocities: relative to the sum of
- * |J||v|. Convergence by less than `slow` a round asks for a new factorization. */
+/* Tolerance of positions: relative to the largest coordinate, which determines their rounding. Of velocities: relative
+ * to the sum of |J||v|. After a round that leaves more than `slow` of the residual a new factorization is made. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1;
-/* What counts as touching, in the same measure, and as not opening: beside the sum, beside the extent in a second, for
- * what lies still has no other speed than rounding. Both may be generous, for an equation that touches acts only while
- * it pushes. And how far an equation that follows from others
- * may be off before it is looked at: 1e5 times what those are brought to, for a small angle between them. */
+/* `touching`: largest g that counts as contact, relative to the largest coordinate. `opening`: largest rate that counts
+ * as not opening, relative to the sum of |J||v| plus the largest coordinate per second, since the speed of a resting
+ * contact is only rounding. Both may be generous, because an equation in contact acts only while it pushes.
+ * `implied_tolerance`: largest violation of an equation that follows from others before it is solved for: 1e5 times
+ * position_tolerance, for equations at a small angle to each other. */
 static const double touching = 1e-10, opening = 1e-9, implied_tolerance = 1e-7;
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -40,7 +42,7 @@ static void move(const hk_constraints *c, double *vector) {
   }
 }
 
-/* ---- what the plugins say ---- */
+/* ---- calls of the plugins ---- */
 
 typedef enum quantity { VALUE, CURVATURE, SPEED } quantity;
 
@@ -70,7 +72,7 @@ static hk_status find_speed(hk_dynamics *d, double t, const double *x, const dou
   return d->constraints->has_speed ? ask(d, SPEED, t, x, v, d->constraints->speed) : HK_OK;
 }
 
-/* ---- opening, and what changes between steps ---- */
+/* ---- opening, and changes between steps ---- */
 
 static double extent(const hk_constraints *c, const double *x) {
   double largest = 0;
@@ -79,7 +81,7 @@ static double extent(const hk_constraints *c, const double *x) {
   return largest;
 }
 
-/* residual = J v + g_t, correction = the sum of the sizes of its terms. */
+/* rate = J v + g_t, sum = the sum of the magnitudes of its terms. */
 static void find_rate(hk_constraints *c, const double *v, double *rate, double *sum) {
   for (size_t k = 0; k < c->equations; k++) {
     rate[k] = c->speed[k];
@@ -93,7 +95,7 @@ static void find_rate(hk_constraints *c, const double *v, double *rate, double *
   }
 }
 
-/* Linearised, with the speed known. */
+/* Finds the one-sided equations in contact; the equations are linearised, and g and `speed` are evaluated. */
 static void find_contacts(hk_dynamics *d, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   double size = extent(c, x), near = touching * size;
@@ -129,7 +131,8 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   if (d->plugins->kind[HK_CONSTRAINT].count == 0) return HK_OK;
   d->constraints = calloc(1, sizeof *d->constraints);
   if (!d->constraints) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
-  /* An instance of their own: the scene's solver keeps the factors of an implicit method between evaluations. */
+  /* The constraints have a solver instance of their own: the scene's solver keeps the factors of an implicit method
+   * between evaluations. */
   hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
   return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
@@ -209,7 +212,7 @@ static void note_acting(hk_dynamics *d) {
   d->system.equations = acting;
 }
 
-/* c->c = c + J a without constraint forces. */
+/* c->c = c + J a, where a excludes constraint forces. */
 static hk_status find_free_acceleration(hk_dynamics *d, double t, const double *x, const double *v, const double *a) {
   hk_constraints *c = d->constraints;
   hk_status status = ask(d, CURVATURE, t, x, v, c->c);
@@ -237,7 +240,7 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   return HK_OK;
 }
 
-/* The time is the constraints', by their share of the equations. */
+/* Distributes the computing time among the constraints by their share of the equations. */
 static void account(hk_dynamics *d, double seconds) {
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
     const hk_constraints *c = d->constraints;
@@ -260,13 +263,13 @@ hk_status hk_constraints_accelerate(hk_dynamics *d, double t, const double *x, c
 
 /* ---- projection ---- */
 
-/* By how much an equation is broken. */
+/* The violation of an equation. */
 static double broken(const hk_constraints *c, size_t k) {
   return c->one_sided[k] && !c->held[k] && c->g[k] > 0 ? 0 : fabs(c->g[k]);
 }
 
-/* The equation that is broken most; NaN is larger than anything. Those that nothing can move, and those that follow
- * from others, are left out on request. */
+/* The equation with the largest violation; NaN counts as the largest. With `movable`, equations without movable
+ * particles and those that follow from others are skipped. */
 static size_t worst_of(const hk_constraints *c, bool movable) {
   size_t worst = SIZE_MAX;
   for (size_t k = 0; k < c->equations; k++) {
@@ -289,11 +292,11 @@ static hk_status gave_up(hk_dynamics *d, size_t equation, const char *what, doub
 static hk_status renew(hk_dynamics *d, double t, const double *x, const double *v, bool *factorized) {
   hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
   *factorized = true;
-  if (d->constraints->one_sided_count) return status; /* for the set that is found to act */
+  if (d->constraints->one_sided_count) return status; /* hk_active_set_solve factorizes instead */
   return status == HK_OK ? hk_constraint_matrix_factorize(d) : status;
 }
 
-/* Equations that follow from others hold because those do. If not, all have to be brought to 0 together. */
+/* Equations that follow from others normally hold because those do. If not, all equations are solved for together. */
 static bool consequences_hold(hk_constraints *c, double size) {
   bool hold = true;
   for (size_t k = 0; k < c->equations; k++) hold &= !c->implied[k] || fabs(c->g[k]) <= implied_tolerance * size;
@@ -303,13 +306,14 @@ static bool consequences_hold(hk_constraints *c, double size) {
   return false;
 }
 
-/* What was pushed out is brought to 0, not beyond, as J turns. */
+/* A one-sided equation that was violated is from now on projected as an equality, so that it ends at 0 and not beyond,
+ * as J turns. */
 static void hold_what_is_lifted(hk_constraints *c) {
   for (size_t k = 0; k < c->equations; k++)
     if (c->one_sided[k] && c->solution[k] > 0) c->held[k] = true;
 }
 
-/* x -= W J^T (J W J^T)^-1 g until g is rounding. J is that of the first round, as long as it serves. */
+/* x -= W J^T (J W J^T)^-1 g until g is zero up to rounding. J of the first round is kept while the error falls fast. */
 static hk_status project_positions(hk_dynamics *d, double t, double *x, const double *v, bool *factorized) {
   hk_constraints *c = d->constraints;
   double size = extent(c, x), tolerance = position_tolerance * size, last = INFINITY;
@@ -334,7 +338,7 @@ static hk_status project_positions(hk_dynamics *d, double t, double *x, const do
   return status == HK_OK ? gave_up(d, worst, "position", c->g[worst], "m") : status;
 }
 
-/* c->c = J v + g_t; the largest that has to go, relative to the sum of |J||v|, and its equation. */
+/* c->c = J v + g_t; returns the largest part that must be removed, relative to the sum of |J||v|, and its equation. */
 static double velocity_residual(hk_constraints *c, const double *v, size_t *worst) {
   double largest = 0, *sum = c->residual;
   find_rate(c, v, c->c, sum);
@@ -355,7 +359,7 @@ static bool strikes(const hk_constraints *c) {
   return false;
 }
 
-/* v -= W J^T (J W J^T)^-1 (J v + g_t), J at the new positions; the factors may be those of positions close by. */
+/* v -= W J^T (J W J^T)^-1 (J v + g_t), J at the new positions; the factors may be those of nearby positions. */
 static hk_status project_velocities(hk_dynamics *d, double t, const double *x, double *v, bool factorized) {
   hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0;
@@ -377,7 +381,7 @@ static hk_status project_velocities(hk_dynamics *d, double t, const double *x, d
   return status == HK_OK ? gave_up(d, worst, "velocity", left, "m/s") : status;
 }
 
-/* Those that pushed to the end of the step are equalities in its projection. */
+/* Equations that pushed to the end of the step are equalities in its projection. */
 static void hold_what_pushes(hk_constraints *c) {
   for (size_t k = 0; k < c->equations; k++) c->held[k] = c->touches[k] && c->pushes[k];
 }
@@ -405,7 +409,8 @@ static bool sinks(const hk_constraints *c) {
   return false;
 }
 
-/* What an impact takes, and the lift of what sank before it was noticed, count as work done on the scene. */
+/* The change of energy by an impact, and by lifting particles that penetrated before contact was detected, counts as
+ * work done on the scene. */
 static hk_status project_with_contacts(hk_dynamics *d, double t, double *x, double *v) {
   hk_state *s = d->state;
   hk_status status = evaluate(d, t, x, v);

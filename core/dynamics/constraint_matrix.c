@@ -1,24 +1,25 @@
-/* A = S J W J^T S, with J = dg/dx, W the inverse masses with the forbidden directions of sliding pins projected away
- * (0 for held particles), and S = diag(J W J^T)^-1/2, so that the unit of an equation does not matter.
+/* A = S J W J^T S, with J = dg/dx, W the inverse masses with the forbidden directions of sliding pins projected away (0
+ * for held particles), and S = diag(J W J^T)^-1/2, so that the units of an equation do not matter.
  *
- * The products of blocks that meet at a particle are listed once per topology, so an evaluation is one pass over them.
- * Particles that are held for ever join no equations: many bars may hang on one pin. An equation none of whose
- * particles can move (a bar between two pins) has the row of the identity and multiplier 0, and so has one that rests.
- * Dependent equations show as a small eigenvalue of A, found by inverse iteration on A + shift I; those that follow
- * from others are then left out, and hold because the others do. Where A is singular all the same, which depends on the
- * state (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined, which
- * leads to the multipliers of minimal norm (the proximal point iteration). */
+ * The products of blocks that share a particle are listed once per topology, so assembling A is one pass over them.
+ * Particles that are held permanently couple no equations: many bars may hang on one pin. An equation whose particles
+ * are all immovable (a bar between two pins) has the row of the identity and multiplier 0, and so has one that rests.
+ * Dependent equations cause a small eigenvalue of A, which is detected by inverse iteration on A + shift I; equations
+ * that follow from others are then left out, and hold because the others do. Where A is still singular, which depends
+ * on the state (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined
+ * iteratively, which converges to the multipliers of minimal norm (the proximal point iteration). */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A has a unit diagonal. A chain of N bars has the eigenvalue (pi/N)^2, far above `dependent`; rounding is below it. */
+/* A has a unit diagonal. A chain of N bars has the eigenvalue (pi/N)^2, far above `dependent`; rounding errors are
+ * below `dependent`. */
 static const double shift = 1e-11, dependent = 1e-13;
-/* Refinement gains a factor of eigenvalue / soft_shift a round; rounding in what is dependent grows by 1 / soft_shift.
- */
+/* A round of refinement reduces the error by the factor soft_shift / eigenvalue; rounding in the dependent directions
+ * grows by 1 / soft_shift. */
 static const double soft_shift = 1e-9, refined = 1e-14;
-/* An equation whose free part of J is shorter than 1e-10 of the whole has no direction left. */
+/* An equation has no movable direction when the free part of its J is shorter than 1e-10 of the whole. */
 static const double no_direction = 1e-20;
 
 enum { INVERSE_ITERATIONS = 3, REFINEMENTS = 8 };
@@ -40,7 +41,7 @@ static hk_status no_memory(hk_dynamics *d) {
   return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
 }
 
-/* The equations of an instance are numbered from 0; the list has them from `base`. */
+/* Numbers the equations of an instance, which start at 0 there, from `base` in the common list. */
 typedef struct shifted {
   hk_pattern naming; /* first member */
   hk_block_matrix *list;
@@ -125,7 +126,7 @@ static void find_one_sided(hk_dynamics *d) {
   }
 }
 
-/* `pin_of` gets the pin of every particle. */
+/* Sets pin_of[i] to the pin of particle i, or UINT32_MAX. */
 static void find_pins(hk_dynamics *d, uint32_t *pin_of) {
   hk_constraints *c = d->constraints;
   memset(pin_of, 0xff, d->state->model.n * sizeof *pin_of);
@@ -143,7 +144,7 @@ static bool held_for_ever(const hk_dynamics *d, uint32_t pin) {
   return (spec->kind == HK_PIN_FIXED || spec->kind == HK_PIN_PATH) && !isfinite(spec->release);
 }
 
-/* Blocks by particle: those of particle i are order[start[i]..start[i+1]]. `start` has n + 2 zeros. */
+/* Sorts blocks by particle: those of particle i are order[start[i]..start[i+1]]. On entry `start` is n + 2 zeros. */
 static void by_particle(const hk_dynamics *d, size_t *start, uint32_t *order) {
   const hk_constraints *c = d->constraints;
   size_t n = d->state->model.n;
@@ -210,7 +211,7 @@ hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, do
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* W J of one block. */
+/* W J for one block. */
 static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const double J[3], double WJ[3]) {
   double w = d->state->inverse_mass[particle];
   memcpy(WJ, J, 3 * sizeof *WJ);
@@ -288,7 +289,8 @@ static hk_status cannot_solve(hk_dynamics *d) {
                       *instance->where ? ": " : "", instance->label, number);
 }
 
-/* Several one-sided equations that touch often depend on each other: four feet on a floor. */
+/* With one-sided equations the shifted matrix is used at once, since those in contact often depend on each other, such
+ * as four feet on a floor. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   hk_error before = *d->error;
@@ -297,7 +299,7 @@ hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
     hk_matrix A = assemble(c);
     c->soft = attempt == 1;
     if (c->soft) soften(c, soft_shift);
-    *d->error = before; /* the solver's message names a row */
+    *d->error = before; /* removes the solver's message, which names a matrix row */
     status = hk_linear_system_factorize(d, &c->linear, &A);
   }
   return status == HK_NOT_CONVERGED ? cannot_solve(d) : status;
@@ -310,7 +312,7 @@ static double largest(const double *of, size_t count) {
   return most;
 }
 
-/* residual = rhs - A solution, A without its shift */
+/* residual = rhs - A solution, with A without its shift */
 static void find_residual(hk_constraints *c) {
   for (size_t r = 0; r < c->equations; r++) {
     double sum = c->rhs[r] + soft_shift * c->solution[r];
@@ -344,7 +346,7 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   return status;
 }
 
-/* u A u for the unit vector in c->rhs. */
+/* The Rayleigh quotient u A u of the unit vector u in c->rhs. */
 static double quotient(const hk_constraints *c, const hk_matrix *A) {
   double sum = 0;
   for (size_t r = 0; r < A->rows; r++)
@@ -359,11 +361,11 @@ static void normalise(double *to, const double *from, size_t count) {
   for (size_t k = 0; k < count; k++) to[k] = from[k] / sqrt(sum);
 }
 
-/* The vector of the smallest eigenvalue, into c->rhs; its quotient. */
+/* Computes the eigenvector of the smallest eigenvalue in c->rhs, and its Rayleigh quotient. */
 static hk_status weakest(hk_dynamics *d, double *smallest) {
   hk_constraints *c = d->constraints;
   hk_matrix A = assemble(c);
-  uint64_t bits = 88172645463325252u; /* xorshift: a start vector that is not orthogonal to anything by design */
+  uint64_t bits = 88172645463325252u; /* xorshift: a pseudo-random start vector avoids orthogonality by symmetry */
   for (size_t k = 0; k < c->equations; k++) {
     bits ^= bits << 13;
     bits ^= bits >> 7;
@@ -381,7 +383,7 @@ static hk_status weakest(hk_dynamics *d, double *smallest) {
   return status;
 }
 
-/* One-sided equations are not among those looked at: which of them act changes. */
+/* One-sided equations are excluded here, because the set of those that act changes. */
 hk_status hk_constraint_matrix_review(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   hk_error before = *d->error;

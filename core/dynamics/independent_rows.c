@@ -1,12 +1,13 @@
-/* Equalities that follow from others at all states of a scene, a bar given twice or a loop that closes. They are found
- * by an up-looking Cholesky factorization: a row whose pivot vanishes depends on the rows before it and is left out
- * (Davis, Direct Methods for Sparse Linear Systems, 4.7). Leaving out keeps accelerations a smooth function off the
- * constraints too, where stages of a method evaluate them; the singular system of all equations is not. */
+/* Finds equalities that follow from others at all states of a scene, such as those of a bar given twice or of a closed
+ * loop, by an up-looking Cholesky factorization: a row whose pivot vanishes depends on the rows before it and is left
+ * out (Davis, Direct Methods for Sparse Linear Systems, 4.7). Without these rows, accelerations are a smooth function
+ * of the state also off the constraints, where the stages of a method evaluate them; with the singular system of all
+ * equations they are not. */
 #include "core/dynamics/block_matrix.h"
 
 #include <stdlib.h>
 
-static const double no_pivot = 1e-10; /* of a matrix with a unit diagonal: dependent but for 1e-5 of a direction */
+static const double no_pivot = 1e-10; /* of a matrix with a unit diagonal: dependent up to 1e-5 of a direction */
 
 typedef struct column {
   size_t count, capacity;
@@ -24,7 +25,7 @@ typedef struct factor {
   bool no_memory;
 } factor;
 
-/* The columns of row r of L, as they have to be taken: rising from stack[top]. */
+/* Finds the nonzero columns of row r of L, in the order of elimination: from stack[top] on. */
 static size_t reach(factor *f, const hk_matrix *A, uint32_t r) {
   size_t top = f->rows;
   f->mark[r] = r;
@@ -50,7 +51,7 @@ static void append(factor *f, column *to, uint32_t row, double value) {
   to->entry[to->count++].value = value;
 }
 
-/* The pivot of row r without the rows that are implied. */
+/* The pivot of row r, eliminated with the rows before it that are not implied. */
 static double eliminate(factor *f, const hk_matrix *A, uint32_t r, const bool *implied) {
   double pivot = 0;
   for (size_t e = A->row_start[r]; e < A->row_start[r + 1]; e++)

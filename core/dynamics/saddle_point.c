@@ -1,20 +1,21 @@
 /* The linear system of an implicit step in a scene with constraints,
  *     | A   B^T    | |  x |   |  b  |
- *     | B  -eps I  | | -l | = | B u |,     B = S J, with the pins in it,
- * as one sparse matrix of numbers, symmetric where A is and never definite, which goes to a solver for such matrices.
- * The rows of B are scaled by S so that B diag(A)^-1 B^T has a unit diagonal: its size is that of the multipliers' own
- * matrix B A^-1 B^T, whatever the units of an equation. eps is far below the eigenvalues of that matrix and far above
- * rounding; what it does is taken back by refinement, so that equations which depend on each other in some state are
- * solved for, with multipliers of minimal norm. Equations that rest have the row of the identity.
+ *     | B  -eps I  | | -l | = | B u |,     B = S J, with the pins applied,
+ * as one sparse matrix of numbers, symmetric where A is but never definite, which is given to a solver for indefinite
+ * matrices. The rows of B are scaled by S so that B diag(A)^-1 B^T has a unit diagonal: so eps is relative to the Schur
+ * complement B A^-1 B^T, whatever the units of an equation. eps is far below the eigenvalues of that matrix and far
+ * above rounding; its effect is removed by iterative refinement, so that equations which depend on each other in some
+ * state are solved with multipliers of minimal norm. Equations that rest have the row of the identity.
  *
- * The forces J^T lambda change with x as well: a bar under tension T and of length L is a transverse stiffness T/L,
- * which A needs, or Newton's iteration does not converge where g^2 T/(m L) is above 1. Their derivative is taken by
- * forward differences of J, all particles that share no equation at once: a few evaluations of J, whatever their number
- * (Curtis, Powell and Reid 1974). Where more than MOST_COLOURS groups of particles are needed it is left out.
+ * The forces J^T lambda change with x as well: a bar under tension T and of length L has a transverse stiffness T/L,
+ * which must be part of A, because Newton's iteration otherwise does not converge where g^2 T/(m L) is above 1. Their
+ * derivative is computed by forward differences of J, for all particles that share no equation at once: a few
+ * evaluations of J, whatever the number of particles (Curtis, Powell and Reid 1974). Where more than MOST_COLOURS
+ * groups of particles are needed it is omitted.
  *
- * Invariant: the factors are those of the last factorization, but B is that of the last evaluation: refinement leads to
- * the solution for the present B, which Newton's iteration with older factors needs as well. Benzi, Golub and Liesen
- * 2005, Numerical solution of saddle point problems, sections 3 and 5. */
+ * Invariant: the factors are those of the last factorization, but B is that of the last evaluation: refinement
+ * converges to the solution for the present B, which Newton's iteration with older factors needs as well. Benzi, Golub
+ * and Liesen 2005, Numerical solution of saddle point problems, sections 3 and 5. */
 #include "core/dynamics/constraint_matrix.h"
 
 #include <stdlib.h>
@@ -22,26 +23,26 @@
 
 enum { REFINEMENTS = 6, MOST_COLOURS = 16 };
 
-static const double eps = 1e-10, enough = 1e-12, difference = 1.5e-8; /* sqrt(rounding) of the extent */
+static const double eps = 1e-10, enough = 1e-12, difference = 1.5e-8; /* difference: sqrt(rounding) of the extent */
 
 struct hk_saddle_point {
   hk_linear_system linear;
-  hk_plugin_spec *spec;       /* of the solver, NULL: the scene's */
-  uint64_t pattern, revision; /* of A and of the constraints that `matrix` was made for */
-  size_t rows, equations;     /* 3n and the constraints' */
-  size_t of_A, of_B;          /* numbers of A; blocks of B */
-  hk_block_matrix matrix;     /* slots: A, then B^T and B by block, then the diagonal of the equations */
+  hk_plugin_spec *spec;       /* spec of the solver; NULL: it is the scene's */
+  uint64_t pattern, revision; /* pattern of A and revision of the constraints for which `matrix` was built */
+  size_t rows, equations;     /* 3n, and the number of constraint equations */
+  size_t of_A, of_B;          /* number of values in A; number of blocks in B */
+  hk_block_matrix matrix;     /* slots: A, then B^T and B block by block, then the diagonal of the equations */
   double *value;
-  double (*B)[3];                                 /* blocks: S J with the pins in it */
-  double *scale;                                  /* equations: S, 0: it rests */
-  double *diagonal;                               /* 3n, of A */
+  double (*B)[3];                                 /* blocks: S J with the pins applied */
+  double *scale;                                  /* equations: S; 0: the equation rests */
+  double *diagonal;                               /* 3n: diagonal of A */
   double *rhs, *solution, *residual, *correction; /* rows + equations */
-  /* Of the stiffness. */
-  unsigned colours;   /* 0: it is left out */
-  uint8_t *colour;    /* particles */
+  /* Data for the stiffness of constraint forces. */
+  unsigned colours;   /* number of colours; 0: the stiffness is omitted */
+  uint8_t *colour;    /* particles: their colour */
   size_t *start;      /* equations + 1: blocks of equation k are order[start[k]..start[k + 1]] */
   uint32_t *order;    /* blocks */
-  double *x, (*J)[3]; /* perturbed */
+  double *x, (*J)[3]; /* perturbed positions, and J there */
 };
 
 hk_status hk_saddle_point_open(hk_dynamics *d) {
@@ -134,7 +135,7 @@ static hk_status build(hk_dynamics *d, const hk_matrix *A) {
   return HK_OK;
 }
 
-/* B of the last evaluation; what pins hold has no part in it. */
+/* Computes S and B from the last evaluation; directions that pins hold do not contribute. */
 static void take_jacobian(hk_dynamics *d) {
   hk_saddle_point *s = d->saddle;
   const hk_constraints *c = d->constraints;
@@ -183,8 +184,8 @@ hk_status hk_saddle_point_factorize(hk_dynamics *d, const hk_matrix *A) {
 
 /* ---- its solution ---- */
 
-/* residual = rhs - (matrix with the present B, without eps) solution; the largest of B x that is left, beside its
- * terms. */
+/* residual = rhs - (matrix with the present B, without eps) solution; returns the largest residual of B x = B u
+ * relative to its terms. */
 static double find_residual(hk_dynamics *d) {
   hk_saddle_point *s = d->saddle;
   const hk_constraints *c = d->constraints;
@@ -250,14 +251,14 @@ hk_status hk_saddle_point_solve(hk_dynamics *d, const double *b, const double *u
 
 /* ---- the stiffness of constraint forces ---- */
 
-/* Keys of the blocks: 0 their equation, 1 their particle. `start` has keys + 2 zeros. */
+/* Sorts blocks by a key: side 0 is their equation, side 1 their particle. On entry `start` is keys + 2 zeros. */
 static void group(const hk_constraints *c, int side, size_t keys, size_t *start, uint32_t *order) {
   for (size_t b = 0; b < c->blocks; b++) start[c->list.pair[b][side] + 2]++;
   for (size_t k = 0; k < keys; k++) start[k + 2] += start[k + 1];
   for (size_t b = 0; b < c->blocks; b++) order[start[c->list.pair[b][side] + 1]++] = (uint32_t)b;
 }
 
-/* Each particle gets the first colour that none has with which it shares an equation. */
+/* Gives each particle the lowest colour that no particle sharing an equation with it has. */
 static void paint(hk_saddle_point *s, const hk_constraints *c, size_t n, const size_t *start, const uint32_t *order) {
   for (size_t i = 0; i < n; i++) {
     uint64_t used = 0;
@@ -311,7 +312,7 @@ hk_status hk_saddle_point_name(hk_dynamics *d, hk_pattern *pattern) {
   return HK_OK;
 }
 
-/* K -= lambda dJ/dx along `axis` of the particles of one colour. */
+/* K -= lambda dJ/dx for displacements along `axis` of the particles of one colour. */
 static void add_difference(const hk_dynamics *d, unsigned colour, int axis, double by, const size_t *slot, double *K) {
   const hk_saddle_point *s = d->saddle;
   const hk_constraints *c = d->constraints;
@@ -324,7 +325,7 @@ static void add_difference(const hk_dynamics *d, unsigned colour, int axis, doub
         double *block = K + 9 * slot[p * count + q];
         for (int a = 0; a < 3; a++) block[3 * a + axis] -= c->lambda[k] * (s->J[b][a] - c->J[b][a]) / by;
       }
-      break; /* a particle named twice in an equation has both its blocks in J */
+      break; /* one perturbed particle suffices: if it is named twice in an equation, both its blocks are in J */
     }
     slot += count * count;
   }

@@ -25,7 +25,7 @@ typedef struct hk_corrector {
   size_t size;
   unsigned flags;
   hk_status (*correct)(void *self, const hk_view *view, hk_correction *c);
-  double (*violation)(void *self, const hk_view *view); /* m, 0 when satisfied; NULL */
+  double (*violation)(void *self, const hk_view *view); /* m, 0 when satisfied; may be NULL */
 } hk_corrector;
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "core/plugin/model.h"
 
-enum { HK_ELEMENT_VALUES = 16 }; /* most numbers C per tuple */
+enum { HK_ELEMENT_VALUES = 16 }; /* largest number of values C per tuple */
 
 /* A force whose energy is E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and whose damping is
  * -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
@@ -23,7 +23,7 @@ typedef struct hk_elements {
   const void *self; /* argument of `evaluate` */
 } hk_elements;
 
-/* Whether they are plain edges, whose C is their distance less the rest length. */
+/* Whether the elements are plain edges, whose C is the length of the edge less the rest length. */
 static inline bool hk_elements_are_edges(const hk_elements *e) { return e->node.arity == 2 && !e->evaluate; }
 
 typedef struct hk_element_list {
@@ -42,7 +42,7 @@ struct hk_pattern {
 
 enum { /* hk_blocks.want: properties that a method asks of the blocks; without flags they are exact */
        HK_WANT_SYMMETRIC = 1, /* omit the unsymmetric terms of dF/dx, such as the rotation of a damping's direction */
-       HK_WANT_DEFINITE = 2   /* and project each element's block to positive semi-definite */
+       HK_WANT_DEFINITE = 2   /* also project each element's block to positive semi-definite */
 };
 
 /* Second phase: the e-th block named goes to K + 9*slot[e] (-dF/dx) and D + 9*slot[e] (-dF/dv). The force adds to the
@@ -66,7 +66,7 @@ enum { /* hk_force.flags */
                           without this flag is the gradient of its energy, or, without energy, the host counts all of
                           F.v as its power (also where a parameter is a function of time) */
        HK_OFFERS_SYMMETRIC = 256, /* `jacobian` honours HK_WANT_SYMMETRIC; not needed with HK_SYMMETRIC_JACOBIAN */
-       HK_OFFERS_DEFINITE = 512,  /* `jacobian` honours HK_WANT_DEFINITE; not needed where it always is */
+       HK_OFFERS_DEFINITE = 512,  /* `jacobian` honours HK_WANT_DEFINITE; not needed where blocks are always definite */
        HK_STIFFENS = 1024         /* may become much stiffer than at present (a slack rope, an open contact): its
                                      `stiffness_bound` determines the stable step, not its present stiffness; symplectic
                                      methods, which do not damp the energy errors of switching, take half that step */
@@ -85,10 +85,10 @@ typedef struct hk_force {
   unsigned flags;
   /* F[3*i..] += force on particle i, N, for active particles only (a tuple acts when all its members are active). */
   hk_status (*add)(void *self, const hk_view *view, double *F);
-  double (*energy)(void *self, const hk_view *view);                             /* J; NULL: no energy */
-  hk_status (*rates)(void *self, const hk_view *view, double *dy);               /* dy += channel rates; NULL */
-  void (*elements)(void *self, const hk_view *view, hk_elements *out);           /* all that act; NULL: none */
-  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);         /* NULL with jacobian */
+  double (*energy)(void *self, const hk_view *view);                     /* J; NULL: no energy */
+  hk_status (*rates)(void *self, const hk_view *view, double *dy);       /* dy += rates of the channels; may be NULL */
+  void (*elements)(void *self, const hk_view *view, hk_elements *out);   /* all elements that act; NULL: none */
+  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern); /* NULL where jacobian is NULL */
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into); /* NULL: no blocks */
   /* Adds to block[i] (xx, xy, xz, yy, yz, zz) so that u.K u <= sum_i u_i.block[i] u_i for all u, where K is that of the
    * present positions and, with HK_STIFFENS, of all states that may follow. NULL: the host measures the stiffness. */
@@ -96,9 +96,9 @@ typedef struct hk_force {
   /* For contact: finds the elements that may act between the positions of `from` and x_to (n x 3), on the straight
    * line. Called at the start of a run, after births, deaths, events and corrections (x_to is then the present
    * positions), at the start of every step (x_to is predicted with the present velocities) and before every line search
-   * of an implicit one, never during evaluations. Explicit methods also evaluate forces off the line, by what
-   * accelerations do within a step: find elements with a margin. *pattern_changed, false on entry: whether the blocks
-   * differ from those before. May be NULL. */
+   * of an implicit step, never during evaluations. Explicit methods also evaluate forces off the line, by the effect of
+   * accelerations within a step, so elements must be found with a margin. *pattern_changed, false on entry: whether the
+   * blocks differ from those before. May be NULL. */
   hk_status (*update)(void *self, const hk_view *from, const double *x_to, bool *pattern_changed);
   /* The safe fraction in (0, 1] of the displacement dx (n x 3) from `from` (continuous collision detection), called
    * after `update` for the same displacement; NULL: it is 1. */
@@ -109,7 +109,7 @@ typedef struct hk_force {
   /* Called after an accepted step of h s that ended at `view`: updates data that change once per step (lagged friction,
    * plastic flow). May be NULL. */
   hk_status (*accepted)(void *self, const hk_view *view, double h);
-  unsigned element_lists; /* how many hk_elements `elements` fills, such as triangles and edges; 0: one */
+  unsigned element_lists; /* number of hk_elements that `elements` fills, such as triangles and edges; 0: one */
 } hk_force;
 
 #endif

@@ -76,7 +76,7 @@ struct hk_system {
   hk_status (*accelerations)(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy);
   hk_status (*rates)(hk_system *, double t, double *X, double *dX); /* the whole f(X, t) */
   hk_status (*energy)(hk_system *, double t, const double *X, double *kinetic, double *potential);
-  void (*impose)(hk_system *, double t, double *x, double *v); /* imposes the pins of time t */
+  void (*impose)(hk_system *, double t, double *x, double *v); /* imposes the pins of time t on x and v */
   void (*filter)(hk_system *, double *vector);                 /* n x 3: zeroes the directions that pins forbid */
   /* K = -dF/dx, D = -dF/dv at (t, x, v), 3x3 blocks with one common pattern that holds the whole diagonal; not
    * filtered, without masses. `want`: HK_WANT_...; K->symmetric says whether the blocks are symmetric. Valid until the
@@ -108,7 +108,7 @@ struct hk_system {
   /* Calls hk_force.update of all acting forces, from X to the positions x_to (n x 3); before a line search. K, D, A and
    * the factors remain valid; the next `jacobian` has the new pattern. */
   hk_status (*update)(hk_system *, double t, const double *X, const double *x_to);
-  /* The minimum over all acting forces, in (0, 1], for the displacement dx (n x 3); after `update` for it. */
+  /* The minimum over all acting forces, in (0, 1], for the displacement dx (n x 3); to be called after `update`. */
   double (*step_limit)(hk_system *, double t, const double *X, const double *dx);
   /* The potential energy in J at time t of the included forces that have an energy, also of those with timed
    * parameters. */

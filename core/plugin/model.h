@@ -17,9 +17,10 @@ typedef struct hk_channel {
   size_t offset; /* its values are y + offset * n, n x size */
 } hk_channel;
 
-/* A field that a plugin publishes (HK_PUBLISHED): a density, a number of neighbours, as of its last evaluation: in a
- * force the present one for forces further down in the scene. Listed before the first `create` (a service's after the
- * last), so look for it there and keep `values`, which stays; *values moves when particles are born or die. */
+/* A field that a plugin publishes (HK_PUBLISHED), such as a density or a number of neighbours, with the values of its
+ * last evaluation. The field of a force has its present values when forces further down in the scene are evaluated.
+ * Publications are listed before the first `create` (those of a service after the last): find them there and keep
+ * `values`, which stays valid; the address *values changes when particles are born or die. */
 typedef struct hk_publication {
   const char *name;            /* name of the field */
   const char *label;           /* label of the plugin */

@@ -8,7 +8,7 @@ typedef enum hk_verdict { HK_RUNNING, HK_VERDICT_OK, HK_INACCURATE, HK_DIVERGED,
 
 typedef struct hk_frame {
   size_t index; /* 0 is the start */
-  size_t steps; /* taken so far */
+  size_t steps; /* steps taken so far */
   double fps;
   double kinetic, potential, work;         /* J; potential: of the forces that have an energy; work: done by pins and
                                               non-conservative forces since the start */
@@ -22,9 +22,9 @@ typedef struct hk_frame {
  * particles. `close` is called once for each open that succeeded, for any verdict. */
 typedef struct hk_output {
   size_t size;
-  hk_status (*open)(void *self, const hk_view *view, const hk_frame *frame); /* before frame 0, same state; NULL */
+  hk_status (*open)(void *self, const hk_view *view, const hk_frame *frame); /* before frame 0, same state; or NULL */
   hk_status (*frame)(void *self, const hk_view *view, const hk_frame *frame);
-  hk_status (*close)(void *self, hk_verdict verdict); /* NULL */
+  hk_status (*close)(void *self, hk_verdict verdict); /* may be NULL */
 } hk_output;
 
 #endif

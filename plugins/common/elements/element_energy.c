@@ -1,20 +1,21 @@
-/* A step of backward Euler over elements minimises h^2 E(x) + Q(d) beside the inertia, with E = 1/2 sum k C^2 and
- * damping along the gradients dC_0 that the step started with, Q = h/2 sum c (dC_0.d)^2, d = x - x_start.
+/* A step of backward Euler over elements minimises h^2 E(x) + Q(d) plus the inertia term, with E = 1/2 sum k C^2 and
+ * damping along the gradients dC_0 at the start of the step, Q = h/2 sum c (dC_0.d)^2, d = x - x_start.
  *
- * For a method whose matrix is constant and the same for each coordinate every tuple has the weight
- * w = h (h k + c) sum |dC|^2. Where moving the tuple as a whole does not change C, (dC.u)^2 <= |dC|^2 |u - mean u|^2:
- * w (I - 1 1^T/arity) lies above the tuple's matrix of Gauss and Newton. It is the graph Laplacian of its members, all
- * joined with weight w/arity. Where moving it does change C (one particle tied to a place) w goes to the diagonal.
+ * For a method whose matrix is constant and the same for each coordinate every tuple has the weight w = h (h k + c) sum
+ * |dC|^2. Where a translation of the tuple does not change C, (dC.u)^2 <= |dC|^2 |u - mean u|^2: w (I - 1 1^T/arity) is
+ * an upper bound of the tuple's Gauss-Newton matrix. It is the graph Laplacian of the complete graph of its members
+ * with edge weight w/arity. Where a translation changes C (one particle tied to a place) w is added to the diagonal.
  * Liu, Bouaziz and Kavan, Quasi-Newton methods for real-time simulation of hyperelastic materials, ACM TOG 36 (2017).
  *
- * Tuples are evaluated by several threads and summed in the order of the scene: the same bits for any number. */
+ * Tuples are evaluated by several threads and summed in the order of the scene, so results have the same bits for any
+ * number of threads. */
 #include "plugins/common/elements/element_energy.h"
 
 #include <string.h>
 
 enum { GRAIN = 256 };
-static const double INVARIANT = 1e-9; /* of |dC|, what rounding may leave of the members' sum */
-static const double TELLING = 1.2;    /* more than this is worth a new matrix */
+static const double INVARIANT = 1e-9; /* relative to |dC|: bound of the sum over members that rounding leaves */
+static const double TELLING = 1.2;    /* growth of the steepness that is worth a new matrix */
 
 static hk_status reserve(hk_element_energy *m, const hk_host *host) {
   const hk_element_tuples *t = &m->tuples;
@@ -31,7 +32,7 @@ static hk_status reserve(hk_element_energy *m, const hk_host *host) {
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* From the gradients at hand: the steepness, and whether the tuple is anchored. */
+/* Computes from the present gradients the steepness, and whether the tuple is anchored. */
 static double steepness_of(const hk_element_energy *m, size_t q, bool *anchored) {
   const hk_element_tuple *e = &m->tuples.item[q];
   unsigned arity = e->list->node.arity;
@@ -122,7 +123,7 @@ void hk_element_energy_start(hk_element_energy *m, const hk_host *host, const do
   memcpy(m->start, m->dC, m->tuples.gradients * sizeof *m->start);
 }
 
-/* dC_0.d of the number k of a tuple. */
+/* dC_0.d of the k-th number C of a tuple. */
 static double along_start(const hk_element_energy *m, const hk_element_tuple *e, unsigned k, const double *d) {
   unsigned arity = e->list->node.arity;
   double sum = 0;

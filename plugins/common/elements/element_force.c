@@ -1,14 +1,14 @@
 /* Forces made of elements: E = 1/2 sum k C^2 and damping -c (dC/dt) grad C, over the tuples whose members are all
  * active. With g = grad C, H its Hessian and u = g.v, and z = k C + c u,
  *     F = -z g,      -dF/dx = k g g^T + z H + c g (H v)^T,      -dF/dv = c g g^T.
- * The last term of dF/dx turns the damping's direction and is not symmetric: HK_WANT_SYMMETRIC leaves it out.
- * HK_WANT_DEFINITE leaves out z H as well: k g g^T, the matrix of Gauss and Newton, has no negative eigenvalue.
- * Invariant: `acting` holds its own copies, in the order of the lists they were taken from. */
+ * The last term of dF/dx is the rotation of the damping's direction and is not symmetric: HK_WANT_SYMMETRIC omits it.
+ * HK_WANT_DEFINITE omits z H as well: k g g^T, the Gauss-Newton matrix, has no negative eigenvalue. Invariant: `acting`
+ * holds its own copies, in the order of the lists they were copied from. */
 #include "plugins/common/elements/element_force.h"
 
 #include <string.h>
 
-enum { MOST = 12 }; /* coordinates of a tuple */
+enum { MOST = 12 }; /* most coordinates of a tuple */
 
 typedef struct element {
   double C[HK_ELEMENT_VALUES], g[HK_ELEMENT_VALUES][MOST], v[MOST], k, c;
@@ -71,7 +71,7 @@ hk_status hk_element_force_take(hk_element_force *f, const hk_view *view, const 
   return HK_OK;
 }
 
-/* C, its gradients and the members' velocities of the tuple k. */
+/* C, its gradients and the members' velocities for tuple k. */
 static element evaluate(const hk_element_force *f, const hk_view *view, size_t k) {
   const hk_elements *a = &f->acting;
   const uint32_t *member = hk_tuple(&a->node, k);
@@ -118,7 +118,7 @@ void hk_element_force_pattern(const hk_element_force *f, hk_pattern *pattern) {
       pattern->block(pattern, hk_tuple(&f->acting.node, k)[b / arity], hk_tuple(&f->acting.node, k)[b % arity]);
 }
 
-/* K and D of one number of an element, (3 arity) x (3 arity). */
+/* Adds K and D of the q-th number C of an element, (3 arity) x (3 arity). */
 static void matrices(const hk_element_force *f, const double *x, size_t k, unsigned q, const element *e, unsigned want,
                      double *K, double *D) {
   unsigned m = 3 * f->acting.node.arity;

@@ -1,6 +1,6 @@
-/* Collects the tuples of all lists with an `evaluate`. Plain edges are element_edges.c's: every element of a scene is
- * in one of the two. Numbers and gradients of a tuple have places of their own in arrays over all tuples, so that
- * several threads can evaluate and one, in the order of the scene, adds. */
+/* Collects the tuples of all lists with an `evaluate`. Plain edges are collected by element_edges.c: every element of a
+ * scene is in one of the two. The numbers C and gradients of a tuple have their own places in arrays over all tuples,
+ * so that several threads can evaluate them and one thread then sums them in the order of the scene. */
 #include "plugins/common/elements/element_tuples.h"
 
 #include <string.h>

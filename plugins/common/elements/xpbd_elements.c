@@ -1,23 +1,23 @@
-/* Elements of any arity solved one by one: sweeps of Gauss-Seidel over C(x) with compliance 1/k and damping c.
+/* Elements of any arity solved one by one: Gauss-Seidel sweeps over C(x) with compliance 1/k and damping c.
  *
- * An element with the numbers C (one or several), gradients G = dC/dx and the diagonal inverse masses M^-1 has given
- * its members the impulse p so far. The velocities without it are v - M^-1 p, the positions x + h v; to first order the
- * impulse G^T P that leaves P = -(h k C + h c dC/dt) solves
+ * Consider an element with the numbers C (one or several), gradients G = dC/dx and the diagonal inverse masses M^-1,
+ * which has given its members the impulse p so far. The velocities without it are v - M^-1 p, the positions x + h v; to
+ * first order the impulse G^T P with P = -(h k C + h c dC/dt) afterwards solves
  *     (1 + e W) P = -(h k C + h c G v) + e G M^-1 p,    W = G M^-1 G^T,    e = h^2 k + h c.
  * For p = G^T P_before and one C this is (26) of the paper for lambda = h P, divided by its compliance; all C of a
- * tuple are solved together. That p is kept as a vector, where the paper keeps lambda, is one difference: an impulse
- * that was given along a gradient of an earlier sweep is taken back along it. So where sweeps come to rest, the
- * velocities are M v = M v_0 - h k G^T C - h c G^T G v with all of it at the end: backward Euler, however the gradients
- * turned.
+ * tuple are solved together. One difference from the paper is that p is stored as a vector instead of lambda: an
+ * impulse given along a gradient of an earlier sweep is removed along that same gradient. So where the sweeps converge,
+ * the velocities satisfy M v = M v_0 - h k G^T C - h c G^T G v with all terms at the end of the substep: backward
+ * Euler, even when the gradients turn.
  *
- * In a colour no two tuples share a particle: any number of threads gives the same bits. Sliding particles move by
- * S M^-1 p, S what the pin allows; fixed ones and those on paths have M^-1 = 0. Path pins give -p.v.
- * Macklin, Mueller and Chentanez 2016, XPBD, (17), (18) and (26). */
+ * Two tuples of one colour never share a particle, so any number of threads gives the same bits. Sliding particles move
+ * by S M^-1 p, where S is the projector of the pin; fixed ones and those on paths have M^-1 = 0. The work of path pins
+ * is -p.v. Macklin, Mueller and Chentanez 2016, XPBD, (17), (18) and (26). */
 #include "plugins/common/elements/xpbd_elements.h"
 
 #include <string.h>
 
-enum { COLOURS = HK_XPBD_COLOURS, VALUES = HK_ELEMENT_VALUES, GRAIN = 256 }; /* GRAIN: tuples, some 30 us of work */
+enum { COLOURS = HK_XPBD_COLOURS, VALUES = HK_ELEMENT_VALUES, GRAIN = 256 }; /* GRAIN: tuples, about 30 us of work */
 
 /* ---- arrangement ---- */
 
@@ -35,7 +35,7 @@ static hk_status reserve(hk_xpbd_elements *m, const hk_host *host, size_t n) {
   return host->fail(host, HK_NO_MEMORY, "no memory to order %zu elements", count);
 }
 
-/* The least colour that no member has; COLOURS: the tuple is solved alone. */
+/* The lowest colour that no member has; COLOURS: the tuple is solved alone. */
 static unsigned pick_colour(hk_xpbd_elements *m, const hk_element_tuple *e) {
   uint64_t taken = 0;
   unsigned c = 0;
@@ -75,7 +75,7 @@ void hk_xpbd_elements_start(hk_xpbd_elements *m) { memset(m->impulse, 0, m->tupl
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* What an impulse p does to the velocity of particle i. */
+/* The change of the velocity of particle i by an impulse p. */
 static void respond(const hk_element_edges *pins, uint32_t i, const double p[3], double into[3]) {
   double w = pins->inverse_mass[i];
   if (pins->slide[i] == HK_NO_SLIDE) {
@@ -104,7 +104,7 @@ static void solve(unsigned n, double A[VALUES][VALUES], double *b) {
   }
 }
 
-/* The impulse of each number C: P above. G and R = M^-1 G^T: values x arity, one vector each. */
+/* The impulse P of each number C, see above. G and R = M^-1 G^T: values x arity, one vector each. */
 static void impulses(const hk_element_tuple *e, const hk_xpbd_substep *s, const double (*G)[3], const double (*R)[3],
                      const double (*p)[3], const double *C, double *P) {
   unsigned values = e->list->values, arity = e->list->node.arity;
@@ -121,7 +121,7 @@ static void impulses(const hk_element_tuple *e, const hk_xpbd_substep *s, const 
   solve(values, A, P);
 }
 
-/* Gives the member a the impulse `next` in place of the one before; returns the work of a path pin on it. */
+/* Replaces the impulse `before` of member a by `next`; returns the work of a path pin on it. */
 static double give(const hk_element_tuple *e, const hk_xpbd_substep *s, unsigned a, double before[3],
                    const double next[3]) {
   uint32_t i = e->member[a];
@@ -161,7 +161,7 @@ static double project(hk_xpbd_elements *m, const hk_xpbd_substep *s, size_t q, b
 typedef struct sweep {
   hk_xpbd_elements *m;
   const hk_xpbd_substep *s;
-  size_t first; /* of `sequence` */
+  size_t first; /* position in `sequence` */
   bool last;
 } sweep;
 
@@ -183,7 +183,7 @@ double hk_xpbd_elements_sweep(hk_xpbd_elements *m, const hk_xpbd_substep *s, boo
   double work = back ? sweep_alone(m, s, back, last) : 0;
   for (size_t turn = 0; turn < m->colours; turn++) {
     size_t c = back ? m->colours - 1 - turn : turn, count = m->colour[c + 1] - m->colour[c];
-    size_t grain = count > 2 * GRAIN ? GRAIN : count; /* less does not pay for waking threads */
+    size_t grain = count > 2 * GRAIN ? GRAIN : count; /* a smaller loop is not worth waking threads */
     sweep w = {m, s, m->colour[c], last};
     if (grain < count)
       s->host->parallel_for(s->host, count, grain, sweep_chunk, &w);

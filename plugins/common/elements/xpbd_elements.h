@@ -1,4 +1,4 @@
-/* Elements of any arity for XPBD: the order they are solved in, and the sweeps of Gauss-Seidel. */
+/* Elements of any arity for XPBD: the order in which they are solved, and the Gauss-Seidel sweeps. */
 #ifndef HK_XPBD_ELEMENTS_H
 #define HK_XPBD_ELEMENTS_H
 
@@ -7,19 +7,19 @@
 
 enum { HK_XPBD_LANES = 4, HK_XPBD_COLOURS = 64, HK_XPBD_COLOURS_FROM = 1000 };
 
-/* Zeroed before the first use. The memory is the instance's and goes with it. */
+/* To be zeroed before the first use. The memory belongs to the instance and is released with it. */
 typedef struct hk_xpbd_elements {
   hk_element_tuples tuples;
-  double *x;                                   /* n x 3, m: where members are at the end of the substep */
-  double (*impulse)[4][3];                     /* per tuple and member, N s: given in this substep so far */
+  double *x;                                   /* n x 3, m: positions of members at the end of the substep */
+  double (*impulse)[4][3];                     /* per tuple and member, N s: the impulse given in this substep so far */
   size_t colours, colour[HK_XPBD_COLOURS + 1]; /* tuples of colour k: sequence[colour[k]] to sequence[colour[k + 1]] */
   uint32_t *sequence; /* positions in `tuples`; those after the colours are solved one by one */
-  uint8_t *tint;      /* per tuple: its colour; COLOURS: alone */
-  uint64_t *used;     /* n: colours at a particle */
+  uint8_t *tint;      /* per tuple: its colour; COLOURS: it is solved alone */
+  uint64_t *used;     /* n: bit set of the colours at a particle */
   double *work;       /* per chunk of a colour */
 } hk_xpbd_elements;
 
-/* Velocities and positions of a substep, as hk_xpbd_springs_solve has them. */
+/* Velocities and positions of a substep, as in hk_xpbd_springs_solve. */
 typedef struct hk_xpbd_substep {
   const hk_host *host;
   const hk_element_edges *pins;
@@ -27,11 +27,11 @@ typedef struct hk_xpbd_substep {
   double h; /* s */
 } hk_xpbd_substep;
 
-/* Collects the tuples and finds their order, by colours or the scene's; `fresh`: the topology is new. It allocates then
- * only. */
+/* Collects the tuples and determines their order, by colours or that of the scene. `fresh`: the topology is new; memory
+ * is allocated only then. */
 hk_status hk_xpbd_elements_take(hk_xpbd_elements *, hk_system *, bool fresh, bool by_colour);
-void hk_xpbd_elements_start(hk_xpbd_elements *); /* of a substep: no impulse has been given */
-/* One sweep, `back`: in the opposite order. Returns the work of path pins and, in the last sweep, of damping, J. */
+void hk_xpbd_elements_start(hk_xpbd_elements *); /* to be called at the start of a substep: sets all impulses to 0 */
+/* One sweep; `back`: in the opposite order. Returns the work of path pins and, in the last sweep, of damping, J. */
 double hk_xpbd_elements_sweep(hk_xpbd_elements *, const hk_xpbd_substep *, bool back, bool last);
 
 #endif

@@ -1,28 +1,28 @@
-/* Springs solved one by one: sweeps of Gauss-Seidel over C = l - L with compliance 1/k and damping c. In each sweep the
+/* Springs solved one by one: Gauss-Seidel sweeps over C = l - L with compliance 1/k and damping c. In each sweep the
  * elements with an `evaluate` follow (xpbd_elements.c).
  *
  * With n the gradient of C, W = 1/m_i + 1/m_j, alpha = 1/(k h^2), beta = c h^2 and gamma = alpha beta/h = c/(k h), the
- * paper's (26) for lambda, divided through by alpha h, is one for the impulse P = lambda/h:
+ * paper's (26) for lambda, divided by alpha h, becomes an equation for the impulse P = lambda/h:
  *     dP = -(h k C + h c u + P)/(1 + (h^2 k + h c) W),   v_j += dP n/m_j,   v_i -= dP n/m_i,   u = n.(v_j - v_i),
- * which knows k = 0. Where P + h k C + h c u = 0, P is the impulse h F of the spring at the end; a single spring is
- * there after one solve, since its direction then no longer turns. Velocities are the unknowns, positions x + h v: what
- * one end loses the other gains, and momentum keeps to rounding.
+ * which also holds for k = 0. Where P + h k C + h c u = 0, P is the impulse h F of the spring at the end of the
+ * substep; a single spring reaches this with one solve, since its direction then no longer turns. Velocities are the
+ * unknowns, positions are x + h v: both ends get opposite impulses, so momentum is conserved up to rounding.
  *
- * From COLOURS_FROM springs on they are solved colour by colour, in a colour no two share a particle, four at a time;
- * results depend on that order, never on threads. Sliding particles move by S n/m, S what the pin allows. Of the work,
- * damping takes h c u^2 and path pins give -P n.v.
- * Macklin, Mueller and Chentanez 2016, XPBD, (18) and (26). */
+ * From COLOURS_FROM springs on they are solved colour by colour, four at a time; two springs of one colour never share
+ * a particle. Results depend on that order, never on threads. Sliding particles move by S n/m, where S is the projector
+ * of the pin. The work of damping is -h c u^2 and that of path pins -P n.v. Macklin, Mueller and Chentanez 2016, XPBD,
+ * (18) and (26). */
 #include "plugins/common/elements/xpbd_springs.h"
 
 #include <math.h>
 #include <string.h>
 
-/* GRAIN: batches, some 30 us of work; a colour of less than two grains does not pay for waking threads. */
+/* GRAIN: batches, about 30 us of work; a colour of less than two grains is not worth waking threads. */
 enum { LANES = HK_XPBD_LANES, COLOURS = HK_XPBD_COLOURS, COLOURS_FROM = HK_XPBD_COLOURS_FROM, GRAIN = 1024 };
 
 typedef struct hk_xpbd_spring {
   uint32_t i, j;
-  double a, b, e, s, rest, wi, wj, P; /* h k, h c, h^2 k + h c, 1/(1 + e W) */
+  double a, b, e, s, rest, wi, wj, P; /* a = h k, b = h c, e = h^2 k + h c, s = 1/(1 + e W) */
 } spring;
 
 typedef struct hk_xpbd_batch {
@@ -48,7 +48,7 @@ static bool idle(const hk_element_edges *e, size_t q) {
   return (e->stiffness[q] == 0 && e->damping[q] == 0) || (W == 0 && !follows(e, q));
 }
 
-/* The least colour that neither end has; COLOURS: the spring is solved alone. */
+/* The lowest colour that neither end has; COLOURS: the spring is solved alone. */
 static unsigned pick_colour(hk_xpbd_springs *m, size_t q) {
   const hk_element_edges *e = &m->edges;
   uint64_t *at = &m->used[e->pair[q][0]], *bt = &m->used[e->pair[q][1]], taken = *at | *bt;
@@ -157,7 +157,7 @@ hk_status hk_xpbd_springs_take(hk_xpbd_springs *m, hk_system *s, double *scratch
 
 /* ---- sweeps ---- */
 
-/* What a push along d does to the velocity of particle i of inverse mass w: w S d. Returns d.S d w. */
+/* The change of the velocity of particle i of inverse mass w by an impulse d: w S d. Returns d.S d w. */
 static double respond(const hk_element_edges *e, uint32_t i, double w, const double d[3], double into[3]) {
   for (int c = 0; c < 3; c++) into[c] = w * d[c];
   if (e->slide[i] != HK_NO_SLIDE) {
@@ -167,7 +167,7 @@ static double respond(const hk_element_edges *e, uint32_t i, double w, const dou
   return into[0] * d[0] + into[1] * d[1] + into[2] * d[2];
 }
 
-/* Solves one spring; returns the work of its damping, when it is the last sweep, and of path pins on it. */
+/* Solves one spring; returns the work of path pins on it and, in the last sweep, of its damping. */
 static double solve_one(const hk_xpbd_springs *m, spring *q, double h, bool last) {
   double d[3], ri[3], rj[3], *vi = m->v[q->i], *vj = m->v[q->j], l2 = 0, w = 0, pin = 0;
   for (int c = 0; c < 3; c++) {
@@ -194,7 +194,7 @@ static double solve_one(const hk_xpbd_springs *m, spring *q, double h, bool last
   return pin - (last ? q->b * u * u : 0);
 }
 
-/* Rows (x, y, z, 0) of four springs to columns. */
+/* Transposes the rows (x, y, z, 0) of four springs into columns. */
 #define COLUMNS(r, X, Y, Z)                                                                                            \
   do {                                                                                                                 \
     vector a_ = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6), b_ = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6); \
@@ -206,8 +206,8 @@ static double solve_one(const hk_xpbd_springs *m, spring *q, double h, bool last
 
 #define OF(lanes) (*(vector *)(void *)(lanes))
 
-/* solve_one for four springs at a time of one colour. Compiled for two instruction sets: same operations, same
- * bits. */
+/* The same as solve_one, for four springs of one colour at a time. It is compiled for two instruction sets, with the
+ * same operations and hence the same bits. */
 static inline __attribute__((always_inline)) double solve_fours(batch *q, size_t count, double (*x)[LANES],
                                                                 double (*v)[LANES], double h, bool keep, bool last) {
   vector work = {0};
@@ -271,7 +271,7 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
                            : solve_plain(q, end - begin, m->x, m->v, s->h, s->keep, s->last);
 }
 
-/* One sweep over all springs, of which `all` remembers what it is from one to the next; returns the work. */
+/* One sweep over all springs, with the settings of `all`; returns the work. */
 static double sweep_once(const hk_xpbd_springs *m, const hk_host *host, const sweep *all, bool back) {
   double work = 0;
   for (size_t k = 0; k < m->springs && back; k++)

@@ -1,11 +1,12 @@
-/* Anderson's acceleration, type II: of the last differences of f = G(x) - x and of G(x) it takes that combination which
- * makes f smallest,
+/* Anderson's acceleration, type II. From the differences of f = G(x) - x and of G(x) over the last iterations it forms
+ * the combination that makes f smallest,
  *     x' = G(x) - sum gamma_j dG_j,      |f - sum gamma_j dF_j| = min,
- * in the norm |f|^2 = f.r with r = A f. For a descent x <- x + A^-1 r that is the norm in which the iteration is a
+ * in the norm |f|^2 = f.r with r = A f. For a descent x <- x + A^-1 r this is the norm in which the iteration is a
  * plain gradient descent; on cloth it needed half to a third of the iterations of the Euclidean norm. The normal
- * equations, with columns scaled to length 1 and 1e-12 on the diagonal, are solved by Cholesky; a column that depends
- * on the others to that accuracy gets no weight. Their matrix is kept, so a step costs two products per difference
- * kept. Anderson, J. ACM 12 (1965); Walker and Ni, SIAM J. Numer. Anal. 49 (2011). */
+ * equations, with columns scaled to length 1 and 1e-12 added to the diagonal, are solved by Cholesky factorization; a
+ * column that depends on the others to that accuracy gets the weight 0. The matrix of the normal equations is stored,
+ * so an iteration costs two scalar products per stored difference. Anderson, J. ACM 12 (1965); Walker and Ni, SIAM J.
+ * Numer. Anal. 49 (2011). */
 #include "plugins/common/integrate/anderson.h"
 
 static const double regularization = 1e-12;

@@ -1,4 +1,4 @@
-/* See dirk.h. A step that fails leaves X as it was: stages live in scratch and are copied when all is well. */
+/* See dirk.h. A step that fails leaves X unchanged: stages are computed in scratch memory and copied after success. */
 #include "plugins/common/integrate/dirk.h"
 #include "plugins/common/integrate/safe_move.h"
 
@@ -131,7 +131,7 @@ static void add(double *restrict to, const double *restrict k, size_t count, dou
 
 static double *slope_of(const hk_dirk *m, const hk_system *s, int i) { return m->k + (size_t)i * s->size; }
 
-/* v := v* + g a, with the acceleration known last. */
+/* The initial guess of a stage: v := v* + g a, with a from the latest known slope. */
 static void guess(const hk_system *s, double g, const double *a, const double *base, double *X) {
   size_t v = 3 * s->n;
   memcpy(X, base, s->size * sizeof *X);
@@ -203,14 +203,14 @@ hk_status hk_dirk_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, doubl
   return HK_OK;
 }
 
-/* h sum e_i k_i, with what is stiff in it damped as the method damps it: (M + g D + g^2 K)^-1 M in front (Hosea and
- * Shampine 1996, section 3). */
+/* The error estimate h sum e_i k_i, multiplied by (M + g D + g^2 K)^-1 M, so that its stiff components are damped as by
+ * the method itself (Hosea and Shampine 1996, section 3). */
 static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double h, const double *X,
                           double *error) {
   double *E = slope_of(m, s, T->stages), *smooth = slope_of(m, s, 0);
   size_t v = 3 * s->n;
   memset(E, 0, s->size * sizeof *E);
-  for (int j = 1; j < T->stages; j++) { /* the weights sum to 0: against the first slope, steady motion has no error */
+  for (int j = 1; j < T->stages; j++) { /* weights sum to 0: with k_j - k_0 steady motion has no error */
     const double *restrict k = slope_of(m, s, j), *restrict first = slope_of(m, s, 0);
     for (size_t e = 0; e < s->size; e++) E[e] += h * T->error[j] * (k[e] - first[e]);
   }
@@ -222,7 +222,7 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
   return HK_OK;
 }
 
-/* The algebraic error is to be small beside the one allowed, in x and in v. */
+/* The algebraic error allowed in a stage: small compared with the error tolerance in x and in v. */
 static double limit_of(const hk_dirk *m, const hk_system *s, double g, double h) {
   double L = hk_scales_extent(&m->scales, s, s->X);
   double V = fmax(hk_scales_speed(&m->scales, L, h), h * m->scales.acceleration);
@@ -250,7 +250,8 @@ static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double
   return HK_OK;
 }
 
-/* Equal steps to t_stop: factors serve from one to the next, and again after a frame of the same length. */
+/* Divides the time to t_stop into equal steps, so that the factors remain valid from one to the next, and again after a
+ * frame of the same length. */
 static double divide(double span, double h) {
   double pieces = ceil(span / h * (1 - 1e-9));
   return pieces > 1 && pieces < 1e15 ? span / pieces : fmin(h, span);
@@ -261,10 +262,10 @@ static double change_of(const hk_dirk *m, const hk_dirk_tableau *T, double error
   if (m->started && m->last_error > 0)
     change = fmin(change, change * pow(m->last_error / fmax(error, 1e-10), 0.4 / order));
   change = fmin(most, fmax(least, change));
-  return change >= 1 && change < keep ? 1 : change; /* a little longer is not worth new factors */
+  return change >= 1 && change < keep ? 1 : change; /* a slightly longer step is not worth a new factorization */
 }
 
-/* Takes the step to X and proposes the next; `wanted` is longer than h where h was cut short to land. */
+/* Accepts the step to X and proposes the next; `wanted` exceeds h when h was shortened to end at t_stop. */
 static void take(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const double *X, double h, double wanted,
                  bool retried, double error, hk_step *out) {
   double next = h * change_of(m, T, error);
@@ -280,7 +281,7 @@ static void take(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const doubl
   *out = (hk_step){h, next, error};
 }
 
-/* A step of h into X; its error is infinite when the stages do not converge or are not finite. */
+/* Computes a step of h into X; its error is infinite when the stages do not converge or are not finite. */
 static hk_status attempt(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double h, double **X, double *error) {
   double g = h * T->a[T->stages - 1][T->stages - 1];
   *error = INFINITY;
@@ -306,7 +307,7 @@ hk_status hk_dirk_adaptive_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system 
     h *= error < INFINITY ? fmax(least, fmin(0.9, change_of(m, T, error))) : 0.25;
     if (h > 8 * DBL_EPSILON * fmax(fabs(s->t), span)) continue;
     if (status == HK_NOT_FINITE || (status == HK_OK && !isfinite(error)))
-      return HK_NOT_FINITE; /* the host says where */
+      return HK_NOT_FINITE; /* the host finds the particle and the force */
     return s->host->fail(s->host, HK_NOT_CONVERGED,
                          "no step from t = %.17g s meets the tolerance %g: tried down to %g s; give a larger tol, or "
                          "look for a force that jumps",

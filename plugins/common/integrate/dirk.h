@@ -1,8 +1,8 @@
 /* Diagonally implicit Runge-Kutta methods from their tableaux: stages X_i = X + h sum a_ij k_j, k_i = f(t + c_i h,
- * X_i), each solved by newton.h. The slope of an implicit stage is what the stage has moved over its h a_ii, which is f
- * there up to the algebraic error, without an evaluation. A method whose first stage is explicit takes the slope that
- * the step before ended with (stiffly accurate methods end on their last stage). Hairer and Wanner, Solving ODEs II,
- * IV.6; Kennedy and Carpenter 2016, NASA/TM-2016-219173. */
+ * X_i), each solved by newton.h. The slope k_i of an implicit stage is computed without an evaluation, as the change of
+ * X by the stage's own term divided by h a_ii, which equals f there up to the algebraic error. A method whose first
+ * stage is explicit uses the last slope of the step before (stiffly accurate methods end on their last stage). Hairer
+ * and Wanner, Solving ODEs II, IV.6; Kennedy and Carpenter 2016, NASA/TM-2016-219173. */
 #ifndef HK_DIRK_H
 #define HK_DIRK_H
 
@@ -15,13 +15,13 @@ typedef struct hk_dirk_tableau {
   int stages;
   double c[HK_DIRK_STAGES];
   double a[HK_DIRK_STAGES][HK_DIRK_STAGES]; /* lower triangle; equal on the diagonal, or 0 in the first stage */
-  double b[HK_DIRK_STAGES];                 /* the last row of a: stiffly accurate */
+  double b[HK_DIRK_STAGES];                 /* equal to the last row of a: stiffly accurate */
   double error[HK_DIRK_STAGES];             /* b minus the weights of the embedded method */
   int error_order;                          /* the estimate is O(h^(error_order + 1)) */
 } hk_dirk_tableau;
 
 extern const hk_dirk_tableau hk_tr_bdf2;
-extern const hk_param hk_dirk_params[], hk_dirk_adaptive_params[]; /* of an instance that is, or begins as, hk_dirk */
+extern const hk_param hk_dirk_params[], hk_dirk_adaptive_params[]; /* of instances that are, or begin with, hk_dirk */
 extern const hk_field hk_dirk_fields[];
 
 typedef struct hk_dirk {
@@ -30,11 +30,12 @@ typedef struct hk_dirk {
   int64_t primed, started;
   double proposal, last_error;
   hk_scales scales;
-  double *slope; /* saved, HK_FIELD_STATE: of the last stage of the last step */
-  double *k;     /* scratch, HK_DIRK_STATES of them: slopes, then base and state of a stage */
+  double *slope; /* saved, HK_FIELD_STATE: slope of the last stage of the last step */
+  double *k;     /* scratch, HK_DIRK_STATES states: slopes, then x*, v*, y* and X of a stage */
 } hk_dirk;
 
-/* A step of h from s->X into the returned X; NULL fields of the tableau's error are not looked at. */
+/* Computes a step of h from s->X into the returned X, which is scratch memory; s->X changes by its pins only. `limit`:
+ * m/s, algebraic error allowed in v; 0: as for a fixed step. The tableau's `error` is not used. */
 hk_status hk_dirk_stages(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double h, double limit, double **X_new);
 /* A whole step of a fixed-step method. */
 hk_status hk_dirk_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double t_stop, double h);
@@ -42,7 +43,7 @@ hk_status hk_dirk_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double 
 hk_status hk_dirk_adaptive_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double t_stop, double h,
                                 hk_step *out);
 void hk_dirk_reset(hk_dirk *, hk_reason why);
-/* |R(z)| for the two eigenvalues z of h times the oscillator's matrix, the larger. */
+/* The larger |R(z)| for the two eigenvalues z of h times the oscillator's matrix. */
 double hk_dirk_amplification(const hk_dirk_tableau *, double hw, double hg);
 
 #endif

@@ -1,5 +1,5 @@
-/* Roots by Laguerre's method from 0, which finds small roots first, with deflation; every root is then refined on the
- * whole polynomial. */
+/* Finds roots by Laguerre's method, started at 0 so that small roots are found first, with deflation; every root is
+ * then refined on the whole polynomial. */
 #include "plugins/common/integrate/growth_factor.h"
 
 #include <complex.h>
@@ -9,7 +9,7 @@
 
 enum { ITERATIONS = 60 };
 
-/* Products without the search for infinities that `*` makes. */
+/* The complex product without the checks for infinity that `*` makes. */
 static double complex times(double complex a, double complex b) {
   return creal(a) * creal(b) - cimag(a) * cimag(b) + (creal(a) * cimag(b) + cimag(a) * creal(b)) * I;
 }
@@ -28,20 +28,20 @@ static double complex laguerre(int degree, const double *c, double complex u) {
       p = times(p, u) + c[k];
       size = size * distance + fabs(c[k]);
     }
-    if (square(p) <= 1e-32 * size * size) break; /* as small as rounding lets it be */
+    if (square(p) <= 1e-32 * size * size) break; /* zero up to rounding */
     double complex G = over(d, p), GG = times(G, G), H = GG - 2 * over(dd, p);
     double complex root = csqrt((degree - 1) * (degree * H - GG)), plus = G + root, minus = G - root;
     double complex by = square(plus) > square(minus) ? plus : minus, step = by == 0 ? 1 + u : over(degree, by);
-    if (i % 10 == 9) step = times(step, 0.3 + 0.4 * I); /* out of a cycle */
+    if (i % 10 == 9) step = times(step, 0.3 + 0.4 * I); /* leaves a cycle of iterates */
     u -= step;
     if (square(step) <= 1e-31 * square(u)) break;
   }
   return u;
 }
 
-/* Divides by (u - a), or by (u^2 - sum u + product); returns the degree left. */
+/* Divides by (u - a), or by (u^2 - sum u + product); returns the degree of the quotient. */
 static int divide(int degree, double *c, double sum, double product, int by) {
-  double next = 0, after = 0; /* of the quotient, one and two degrees up */
+  double next = 0, after = 0; /* coefficients of the quotient, one and two degrees higher */
   for (int k = degree - by; k >= 0; k--) {
     double now = c[k + by] + sum * next - product * after;
     after = next;

@@ -1,5 +1,5 @@
-/* See newton.h. The invariant of the iteration: R is the filtered residual at the X of the stage, so every direction
- * starts from what was evaluated last; an iteration costs one evaluation. */
+/* See newton.h. Invariant of the iteration: R is the filtered residual at the X of the stage, so every direction is
+ * computed from the last evaluation, and an iteration costs one evaluation. */
 #include "plugins/common/integrate/newton.h"
 #include "plugins/common/integrate/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
@@ -18,14 +18,14 @@ typedef struct work {
   const hk_stage *stage;
   size_t m; /* 3n */
   double *a, *R, *dv, *v_old, *p, *q, *z, *r, *y_last, *left_last;
-  unsigned flags; /* the solver's */
-  bool by_size;   /* |R| has to fall; else p.R */
+  unsigned flags; /* flags of the solver */
+  bool by_size;   /* the line search requires |R| to decrease; otherwise it judges p.R */
   bool fresh;     /* the factors are those of the present iterate */
-  bool settled;   /* the channels are as the last evaluation asks */
+  bool settled;   /* the channels solve their equation at the last evaluation */
   hk_matrix A;
 } work;
 
-/* Sums in lanes, for speed; the order is fixed. */
+/* A scalar product, summed in LANES partial sums for speed; their order is fixed. */
 static double dot(const double *a, const double *b, size_t count) {
   double sum[LANES] = {0}, total = 0;
   size_t e = 0;
@@ -51,7 +51,7 @@ static work begin(hk_newton *w, hk_system *s, const hk_stage *stage) {
   size_t m = 3 * s->n;
   double *at = w->memory;
   work k = {.w = w, .s = s, .stage = stage, .m = m, .a = at};
-  at += s->size; /* a and dy */
+  at += s->size; /* the first array: a and dy */
   k.R = at, k.dv = at + m, at += s->size;
   k.v_old = at, k.p = at + m, at += s->size;
   k.q = at, k.z = at + m, at += s->size;
@@ -67,9 +67,9 @@ static void set_positions(const work *k) {
   for (size_t e = 0; e < k->m; e++) X[e] = base[e] + g * X[k->m + e];
 }
 
-/* y := the solution of y = y* + g dy/dt, as far as dy tells: each number by the secant of its last two values, so that
- * a channel's own decay, however fast, is solved for at the third look. The work depends on nothing and is not judged.
- */
+/* Improves the solution of y = y* + g dy/dt by one iteration, for each number by the secant through its last two
+ * values, so that a channel with a linear decay rate, however fast, is solved at the third evaluation. The work is set
+ * directly, since nothing depends on it, and takes no part in the convergence check. */
 static void set_channels(work *k, bool first) {
   double *y = k->stage->X + 2 * k->m, off = 0, moved = 0, size = 0;
   const double *base = k->stage->base + 2 * k->m, *dy = k->a + k->m;
@@ -89,7 +89,7 @@ static void set_channels(work *k, bool first) {
   k->settled = sqrt(off) <= k->w->tolerance * sqrt(moved) + rounding * sqrt(size);
 }
 
-/* R = M (v - v* - g a) at v; x and y follow. */
+/* R = M (v - v* - g a) at v; sets x and y of the stage as well. */
 static hk_status residual(work *k, bool first) {
   const hk_stage *stage = k->stage;
   hk_system *s = k->s;
@@ -135,8 +135,8 @@ static hk_status factorize_and_solve(work *k) {
   return solve(k, k->p, k->dv);
 }
 
-/* Conjugate gradients on A dv = -R with the factors at hand as preconditioner. False: too slow, or A is not positive
- * definite; dv is then void. */
+/* Conjugate gradients on A dv = -R with the present factors as preconditioner. False: convergence is too slow, or A is
+ * not positive definite; dv is then invalid. */
 static bool krylov(work *k) {
   size_t m = k->m;
   double *r = k->r, *p = k->p, *q = k->q, *z = k->z;
@@ -164,7 +164,7 @@ static bool krylov(work *k) {
   return false;
 }
 
-/* Whether a shortcut is to be tried now: each time in a row that it failed, it is left out for twice as long. */
+/* Whether a shortcut is to be tried now: after every further failure in a row it is omitted for twice as long. */
 static bool pays(hk_shortcut *c) {
   if (c->wait == 0) return true;
   c->wait--;
@@ -176,7 +176,7 @@ static void judge(hk_shortcut *c, bool good) {
   c->wait = good ? 0 : (1 << c->failures) - 1;
 }
 
-/* A direction of Newton's own: from the matrix of the present iterate. */
+/* The Newton direction from the matrix of the present iterate. */
 static hk_status newton_direction(work *k) {
   bool stale = k->w->factor_g > 0 && k->w->reuse && !k->fresh && !k->by_size && !(k->flags & HK_ITERATIVE);
   hk_status status = assemble(k);
@@ -203,7 +203,7 @@ static void advance(const work *k, double alpha) {
   for (size_t e = 0; e < k->m; e++) v[e] = k->v_old[e] + alpha * k->dv[e];
 }
 
-/* Whether a step is too long: p.R has grown to the other side, or |R| has not fallen. */
+/* Whether a step is too long: p.R is positive and above 0.9 of its initial size, or |R| has not decreased. */
 static bool overshoots(const work *k, double slope, double size) {
   if (k->by_size) return !(dot(k->R, k->R, k->m) <= size);
   return !(dot(k->dv, k->R, k->m) <= -0.9 * slope);
@@ -232,7 +232,8 @@ static hk_status judge_step(work *k, const hk_descent *d, double alpha, double s
   return status;
 }
 
-/* Along dv from v_old, until the step is not too long; R is that of the new v. HK_NOT_CONVERGED: there is none. */
+/* Searches along dv from v_old for a step that is not too long; R is then that of the new v. HK_NOT_CONVERGED: there is
+ * none. */
 static hk_status search(work *k, double *taken) {
   double slope = dot(k->dv, k->R, k->m), size = dot(k->R, k->R, k->m), alpha = 1;
   bool descends = slope < 0 || k->by_size, good = false;
@@ -259,14 +260,14 @@ static hk_status gave_up(const work *k, double size, double limit) {
                           size, (long long)k->w->iterations, limit);
 }
 
-/* What the iteration knows of itself. */
+/* Observed convergence of the iteration. */
 typedef struct pace {
-  double last; /* size of the last change, 0: not comparable */
-  double rate; /* of convergence, 1 until it is seen */
-  bool chord;  /* with factors of an earlier iterate */
+  double last; /* size of the last change; 0: not comparable */
+  double rate; /* rate of convergence; 1 until it has been observed */
+  bool chord;  /* uses the factors of an earlier iterate */
 } pace;
 
-/* Factors of an earlier stage are tried first when they have served well, or have not been tried. */
+/* The factors of an earlier stage are tried first when they have converged well, or have not been tried yet. */
 static pace start_pace(const work *k) {
   const hk_newton *w = k->w;
   bool same = w->factor_g > 0 && fabs(w->factor_g - k->stage->g) <= 1e-9 * k->stage->g;
@@ -274,7 +275,8 @@ static pace start_pace(const work *k) {
   return (pace){0, chord && w->rate > 0 ? fmax(w->rate, slow) : 1, chord};
 }
 
-/* sqrt(dv.A dv / M) for A dv = -R: as |dv|, but what stretches springs counts as the energy it puts there. */
+/* sqrt(dv.A dv / 3M) for A dv = -R, M being the moving mass: like |dv|, but a change that stretches springs counts by
+ * the energy it adds to them. */
 static double energy_norm(const work *k) {
   double mass = 0;
   for (size_t i = 0; i < k->s->n; i++) mass += k->s->model->inverse_mass[i] > 0 ? k->s->model->mass[i] : 0;
@@ -291,7 +293,8 @@ static hk_status next_direction(work *k, pace *p, double *size) {
   return isnan(*size) ? HK_NOT_FINITE : HK_OK;
 }
 
-/* The direction led nowhere: from the same place again with the matrix of this place, and then a definite one. */
+/* The line search failed: starts again from the same v, with the matrix of this v, and after that with blocks projected
+ * to positive semi-definite. */
 static hk_status fall_back(work *k, pace *p, double size, double limit) {
   if (k->fresh && k->w->definite > 0) return gave_up(k, size, limit);
   if (k->fresh) k->w->definite = DEFINITE_FOR;

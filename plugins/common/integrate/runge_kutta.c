@@ -1,7 +1,7 @@
-/* See runge_kutta.h. Weights w of the velocity become w A for the position: x' = x + h (sum w) v + h^2 sum (w A)_l a_l
- * (Hairer, Norsett and Wanner, Solving ODEs I, II.14). Sums run over chunks that stay in the first-level cache. The
- * stability function comes from the same tableau, by applying the method to y' = z y: Y_i = 1 + z sum a_ij Y_j,
- * R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2). */
+/* See runge_kutta.h. Weights w of the slopes in the velocity become w A in the position: x' = x + h (sum w) v + h^2 sum
+ * (w A)_l a_l (Hairer, Norsett and Wanner, Solving ODEs I, II.14). Sums are computed in chunks that fit the first-level
+ * cache. The stability function follows from the same tableau, by applying the method to y' = z y: Y_i = 1 + z sum a_ij
+ * Y_j, R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2). */
 #include "plugins/common/integrate/runge_kutta.h"
 
 #include <complex.h>

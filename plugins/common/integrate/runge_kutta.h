@@ -1,6 +1,6 @@
-/* Explicit Runge-Kutta methods from their tableaux, in Nystroem's form: as dx/dt = v, a stage's slope of x is known
- * from the accelerations of the stages before it, so a stage keeps (a, dy) only and every sum over stages is one pass.
- * It is the Runge-Kutta method on the whole X, up to rounding. */
+/* Explicit Runge-Kutta methods from their tableaux, in Nystroem's form: as dx/dt = v, a stage's slope of x follows from
+ * the accelerations of earlier stages, so only (a, dy) of a stage is stored and every sum over stages is one pass. Up
+ * to rounding this is the Runge-Kutta method applied to the whole X. */
 #ifndef HK_RUNGE_KUTTA_H
 #define HK_RUNGE_KUTTA_H
 
@@ -11,25 +11,25 @@ enum { HK_RK_STAGES = 7 };
 typedef struct hk_tableau {
   int stages;
   double c[HK_RK_STAGES];
-  double a[HK_RK_STAGES][HK_RK_STAGES]; /* strictly lower; c is the sum of each row */
+  double a[HK_RK_STAGES][HK_RK_STAGES]; /* strictly lower triangular; c holds the row sums */
   double b[HK_RK_STAGES];
 } hk_tableau;
 
 extern const hk_tableau hk_dormand_prince; /* order 5; the seventh stage is f at the end (FSAL) */
 
-/* The i-th slope: a (n x 3), then dy; what follows it is the next one. `k` is a field of HK_FIELD_STATE of width
- * stages + 1, which holds all slopes and, last, the state of the stage evaluated latest, shaped as X. */
+/* The i-th slope: a (n x 3), then dy; the next slope follows it. `k` is a field of HK_FIELD_STATE of width stages + 1,
+ * which holds all slopes and, last, the state of the stage evaluated latest, shaped as X. */
 double *hk_rk_slope(const hk_system *, double *k, int i);
 double *hk_rk_stage_state(const hk_tableau *, const hk_system *, double *k);
 
-/* Evaluates the stages from `first` on; earlier ones are taken from k. s->X is not touched, but for its pins. */
+/* Evaluates the stages from `first` on; the slopes of earlier ones are read from k. s->X changes by its pins only. */
 hk_status hk_rk_stages(const hk_tableau *, hk_system *s, double h, double *k, int first);
 /* into = X + h sum weight_i (slope i) over `count` stages; into may be X. The weights have the sum `total`. */
 void hk_rk_combine(const hk_tableau *, const hk_system *s, double h, double *k, const double *weight, int count,
                    double total, const double *X, double *into);
-/* A whole step of h from s->t: s->X is changed when all stages have succeeded. */
+/* A whole step of h from s->t: s->X changes only after all stages have succeeded. */
 hk_status hk_rk_step(const hk_tableau *, hk_system *s, double h, double *k);
-/* |R(z)| for the two eigenvalues z of h times the oscillator's matrix, the larger. */
+/* The larger |R(z)| for the two eigenvalues z of h times the oscillator's matrix. */
 double hk_rk_amplification(const hk_tableau *, double hw, double hg);
 
 #endif

@@ -1,10 +1,10 @@
-/* A particle that slides couples the three coordinates, while the factor at hand is that of an n x n matrix A for each
- * of them. With N the directions that slides do not allow, the constrained solution is dx = A^-1 (r - N lambda), N^T
- * A^-1 N lambda = N^T A^-1 r: exact, for one more solve, and a dense matrix of one row per direction, made and
- * factorized once per factor of A. Its entry for the directions a and b is (n_a.n_b) (A^-1)_ij, i and j their
- * particles, so one solve per three particles gives it. It is positive definite because A is. What is left along a
- * normal is rounding, and is filtered. A range-space (Schur complement) method: Nocedal and Wright, Numerical
- * Optimization, section 16.2. */
+/* A sliding pin couples the three coordinates of its particle, while the factors are those of an n x n matrix A that is
+ * the same for each coordinate. With N the directions that the pins forbid, the constrained solution is exactly dx =
+ * A^-1 (r - N lambda), N^T A^-1 N lambda = N^T A^-1 r. It costs one more solve and a dense matrix with one row per
+ * direction, assembled and factorized once per factorization of A. The matrix entry for the directions a and b is
+ * (n_a.n_b) (A^-1)_ij, i and j being their particles, so one solve per three particles computes it. It is positive
+ * definite because A is. The filter removes the components along the normals that rounding leaves. This is a
+ * range-space (Schur complement) method: Nocedal and Wright, Numerical Optimization, section 16.2. */
 #include "plugins/common/integrate/slide_pins.h"
 
 #include <string.h>
@@ -20,7 +20,7 @@ static void complete(const double u[3], double p[3], double q[3]) {
   for (int c = 0; c < 3; c++) q[c] = u[(c + 1) % 3] * p[(c + 2) % 3] - u[(c + 2) % 3] * p[(c + 1) % 3];
 }
 
-/* The longest column of P = u u^T, made a unit vector. */
+/* Sets u to the longest column of P = u u^T, normalised. */
 static void axis_of(const double P[9], double u[3]) {
   int longest = 0;
   for (int c = 1; c < 3; c++)
@@ -66,7 +66,8 @@ void hk_slide_pins_release(hk_slide_pins *l, const hk_host *host) {
 
 static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* Rows of N^T A^-1 N, for the directions of up to three particles from `begin` on; returns where the next begin. */
+/* Computes the rows of N^T A^-1 N for the directions of up to three particles from `begin` on; sets *next to the first
+ * direction after them. */
 static hk_status rows_from(hk_slide_pins *l, hk_system *s, double *b, double *x, size_t begin, size_t *next) {
   size_t end = begin, columns = 0;
   memset(b, 0, 3 * s->n * sizeof *b);

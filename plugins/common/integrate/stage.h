@@ -4,14 +4,15 @@
 
 #include "core/plugin.h"
 
-/* X: shaped as s->X. In: the guess of v at X + 3n (and y). Out: x, v and y of the stage; slopes are (X - base)/g. */
+/* X: shaped as s->X. On entry: the guess of v at X + 3n (and of y). On return: x, v and y of the stage; slopes are (X -
+ * base)/g. */
 typedef struct hk_stage {
   double t, g;
   double limit;       /* m/s, algebraic error allowed in v, RMS */
   const double *base; /* x*, v*, y*; shaped as s->X */
   double *X;
-  bool fixed; /* of a method with a fixed step: the algebraic error stays far below the first change as well, which is
-                 about the error of the step, so that it does not show however short the step */
+  bool fixed; /* of a method with a fixed step: the algebraic error must also be far below the first change of v, which
+                 is about the error of the step, so that it stays negligible for short steps too */
 } hk_stage;
 
 #endif

@@ -1,11 +1,11 @@
-/* See step_control.h. Sums run in lanes, for speed; their order is fixed. */
+/* See step_control.h. Sums are computed in LANES partial sums, for speed; their order is fixed. */
 #include "plugins/common/integrate/step_control.h"
 
 #include <string.h>
 
 enum { LANES = 8 };
 
-static const double at_rest = 1e-6; /* of the extent in a step */
+static const double at_rest = 1e-6; /* a speed that counts as rest: this part of the extent per step */
 
 double hk_rms(const double *p, size_t count) {
   double sum[LANES] = {0}, total = 0;
@@ -24,7 +24,7 @@ void hk_scales_notice(hk_scales *c, const hk_system *s, const double *v, const d
   c->acceleration = fmax(c->acceleration, hk_rms(a, 3 * s->n));
 }
 
-/* RMS of the coordinates about their means, relative to the first particle. */
+/* RMS of the coordinates about their means; differences from the first particle avoid cancellation. */
 static double spread(const double *x, size_t n) {
   double sum[3] = {0}, square[3] = {0}, total = 0;
   for (size_t i = 1; i < n; i++)
@@ -62,7 +62,7 @@ double hk_scales_rate(const hk_scales *c, double L, double *speed) {
   return fmax(L > 0 ? c->speed / L : 0, V > 0 ? c->acceleration / V : 0);
 }
 
-/* NAN if one of them is. */
+/* The maximum; NAN if one of them is. */
 static double larger(double a, double b) { return isnan(a) || a > b ? a : b; }
 
 double hk_scales_speed(const hk_scales *c, double extent, double h) { return fmax(c->speed, at_rest * extent / h); }

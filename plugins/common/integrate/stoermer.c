@@ -1,13 +1,13 @@
 /* Stoermer's method in summed form, with backward differences D of the accelerations at the last steps:
  *     d' = d + h sum sigma_j D^j a,   x' = x + h d',   v' = d' + h sum (gamma_j - sigma_j) D^(j-1) a,
  *     y' = y + h sum gamma_j D^j dy,
- * with d the last change of x over h, so that rounding does not grow as in x' - 2x + x_before (Hairer, Norsett and
- * Wanner, Solving ODEs I, III.10). v' is what Adams and Bashforth's method of the same order, gamma_j, gives; taken
- * from d' it cannot drift away from the change of x. The first steps are Dormand and Prince's, of order 5, whose change
- * of x starts d without a subtraction.
+ * where d is the last change of x divided by h, so that rounding does not grow as in x' - 2x + x_before (Hairer,
+ * Norsett and Wanner, Solving ODEs I, III.10). v' equals the result of the Adams-Bashforth method of the same order,
+ * with coefficients gamma_j; computed from d' it cannot drift away from the change of x. The first steps use the
+ * Dormand-Prince method of order 5, whose change of x initialises d without a subtraction.
  *
- * The coefficients are the method's: the series' own up to its order, and beyond it what widens the range of stable
- * steps. */
+ * The coefficients belong to the method: up to its order they are those of the series, and beyond it they are chosen
+ * for a wide range of stable steps. */
 #include "plugins/common/integrate/stoermer.h"
 #include "plugins/common/integrate/growth_factor.h"
 
@@ -32,7 +32,7 @@ double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double 
   return hk_polynomial_growth(f->terms + 1, c);
 }
 
-/* The history, newest first, with its weights; those of a term that the method has not are zero. */
+/* The history, newest first, with its weights; the weights of terms that the method does not use are zero. */
 typedef struct past {
   const double *slope[HK_STOERMER_TERMS];
   double change[HK_STOERMER_TERMS], lead[HK_STOERMER_TERMS], rate[HK_STOERMER_TERMS];
@@ -56,7 +56,7 @@ static past recall(const hk_stoermer *m, const hk_system *s, const hk_stoermer_m
   return p;
 }
 
-/* One pass over all, for it is memory that a step waits for. */
+/* Updates all arrays in one pass, because memory bandwidth limits a step. */
 #define INLINE static inline __attribute__((always_inline))
 INLINE void sweep(double *restrict x, double *restrict v, double *restrict d, const past *p, size_t count, double h) {
   const double *restrict a0 = p->slope[0], *restrict a1 = p->slope[1], *restrict a2 = p->slope[2],
@@ -68,7 +68,7 @@ INLINE void sweep(double *restrict x, double *restrict v, double *restrict d, co
     double next = d[e] + (change + q.change[4] * a4[e]);
     d[e] = next;
     x[e] += h * next;
-    v[e] = next + lead; /* of the last term nothing is left: lead has one difference less */
+    v[e] = next + lead; /* the last slope does not occur: `lead` has one difference less */
   }
 }
 
@@ -97,10 +97,10 @@ static void advance(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, d
     for (size_t e = y; e < s->size; e++) s->X[e] += p.rate[j] * p.slope[j][e - v];
 }
 
-/* One step of Dormand and Prince, whose first slope is known; d = v + h sum (b A)_l a_l is the change of x over h. */
+/* One Dormand-Prince step, whose first slope is known; d = v + h sum (b A)_l a_l is the change of x divided by h. */
 static hk_status start(hk_stoermer *m, hk_system *s, const double *slope, double h) {
   hk_tableau T = hk_dormand_prince;
-  T.stages = 6; /* the seventh serves the error estimate */
+  T.stages = 6; /* the seventh is for the error estimate only */
   size_t v = 3 * s->n;
   memcpy(m->start, slope, (s->size - v) * sizeof *slope);
   hk_status status = hk_rk_stages(&T, s, h, m->start, 1);

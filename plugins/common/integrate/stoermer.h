@@ -6,18 +6,18 @@
 
 enum { HK_STOERMER_TERMS = 5 }; /* at most */
 
-/* What multiplies the backward differences of a; to order p the first p numbers are the series' own. */
+/* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. */
 typedef struct hk_stoermer_method {
   int terms;
-  double sigma[HK_STOERMER_TERMS]; /* of x; 1, 0, 1/12, 1/12, 19/240 */
-  double gamma[HK_STOERMER_TERMS]; /* of v and channels; 1, 1/2, 5/12, 3/8, 251/720 */
+  double sigma[HK_STOERMER_TERMS]; /* for x; 1, 0, 1/12, 1/12, 19/240 */
+  double gamma[HK_STOERMER_TERMS]; /* for v and channels; 1, 1/2, 5/12, 3/8, 251/720 */
 } hk_stoermer_method;
 
 typedef struct hk_stoermer {
-  int64_t known;  /* slopes of earlier steps that are of use, at most terms - 1 */
-  int64_t head;   /* where the next slope goes */
-  double h;       /* s, the step of the history */
-  double *slope;  /* HK_FIELD_STATE of width `terms`: a ring of (a, dy) */
+  int64_t known;  /* number of valid slopes of earlier steps, at most terms - 1 */
+  int64_t head;   /* position of the next slope */
+  double h;       /* s, length of the steps in the history */
+  double *slope;  /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
   double *change; /* n x 3, m/s: (x - x before) / h */
   double *start;  /* HK_FIELD_STATE of width HK_RK_STAGES, scratch */
 } hk_stoermer;

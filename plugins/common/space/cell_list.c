@@ -1,16 +1,17 @@
-/* Cell lists (Hockney and Eastwood 1981, section 8.4) on sorted points. Cells are a little wider than the reach, so
- * that all neighbours lie in the 27 cells around. Points are numbered by cell along each axis and sorted by (z, y, x)
- * with a radix sort; the cells of one z and y are then one piece of the list, a lane, and the 27 cells nine pieces,
- * whose ends only move forward when one goes through the list. Rows are counted, placed by a sum in the order of
- * points, filled and sorted, so threads and the order of points in space leave no trace. */
+/* Cell lists (Hockney and Eastwood 1981, section 8.4) on sorted points. Cells are slightly wider than the reach, so
+ * that all neighbours of a point lie in the 27 cells around it. Points are numbered by cell along each axis and sorted
+ * by (z, y, x) with a radix sort; the cells of one z and y are then one contiguous part of the list, called a lane, and
+ * the 27 cells are nine parts, whose ends only move forward while the list is traversed. Rows are counted, placed by a
+ * prefix sum in the order of points, filled and sorted, so the result depends neither on threads nor on the order of
+ * points in space. */
 #include "plugins/common/space/cell_list.h"
 
 #include <string.h>
 
 enum { GRAIN = 512, LANES = 9, DIGIT = 11, VALUES = 1 << DIGIT, CANDIDATES = 2048 };
 
-/* Numbers of cells stay below 2^31, so the rounding of a coordinate in cells is below 2^-21 and the widening covers it:
- * two points closer than the reach are never two cells apart. */
+/* Cell numbers are below 2^31, so the rounding of a coordinate in units of cells is below 2^-21 and less than the
+ * widening: two points closer than the reach are never two cells apart. */
 static const double widening = 1 + 0x1p-16, narrowest = 0x1p-31, least_width = 1e-290;
 
 /* ---- memory ---- */
@@ -62,7 +63,7 @@ typedef struct build {
   double low[3], width, reach2; /* m, m, m^2 */
 } build;
 
-/* Half of every length, so that the distance of the furthest doubles is still a number. */
+/* Computes with half of every length, so that the distance of the largest doubles does not overflow. */
 static void choose_cells(build *b, double reach) {
   double extent = 0;
   for (size_t c = 0; c < 3; c++) {
@@ -79,7 +80,7 @@ static void choose_cells(build *b, double reach) {
   b->reach2 = reach * reach;
 }
 
-/* From 1, so that there is a number below and nothing there. */
+/* Numbers cells from 1, so that the number below the first cell exists and belongs to no point. */
 static void number_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const build *b = context;
   (void)chunk;
@@ -90,7 +91,7 @@ static void number_chunk(void *context, size_t begin, size_t end, size_t chunk) 
   }
 }
 
-/* One pass by DIGIT bits; what was in order before stays so among equals. */
+/* One pass of the radix sort, by DIGIT bits; it is stable. */
 static void sort_by_digit(hk_cell_list *l, size_t n, const uint32_t *number, unsigned shift) {
   size_t place[VALUES] = {0}, sum = 0;
   for (size_t i = 0; i < n; i++) place[number[i] >> shift & (VALUES - 1)]++;
@@ -128,7 +129,7 @@ static void gather_chunk(void *context, size_t begin, size_t end, size_t chunk) 
 
 /* ---- rows ---- */
 
-/* The nine pieces of the list that hold the neighbours of one cell. */
+/* The nine parts of the list that hold the neighbours of one cell. */
 typedef struct surroundings {
   size_t begin[LANES], end[LANES];
 } surroundings;
@@ -154,7 +155,7 @@ static size_t first_of(const build *b, uint64_t lane, uint32_t column) {
   return low;
 }
 
-/* Goes on from the cell before it in the list; the first is looked for. */
+/* Finds the parts, starting from those of the previous cell in the list; for the `first` cell by bisection. */
 static void look_around(const build *b, size_t k, bool first, surroundings *around) {
   const hk_cell_list *l = b->list;
   uint32_t column = l->column[k];
@@ -173,7 +174,7 @@ static bool same_cell(const hk_cell_list *l, size_t a, size_t b) {
   return l->lane[a] == l->lane[b] && l->column[a] == l->column[b];
 }
 
-/* m^2, of two points in the order of cells. */
+/* Squared distance, m^2, of two points given by their positions in the sorted list. */
 static double distance2(const build *b, size_t j, size_t k) {
   const double *x = b->list->at, *y = x + b->n, *z = y + b->n;
   double dx = x[j] - x[k], dy = y[j] - y[k], dz = z[j] - z[k];
@@ -189,7 +190,7 @@ static two_numbers less(const double *from, double what) {
   return both - what;
 }
 
-/* Two points side by side; a flag is -1 where it is true. */
+/* Compares two points at a time; a flag is -1 where the comparison is true. */
 static size_t count_piece(const build *b, size_t k, size_t begin, size_t end) {
   const double *x = b->list->at, *y = x + b->n, *z = y + b->n;
   two_flags flags = {0};
@@ -210,11 +211,11 @@ static void count_chunk(void *context, size_t begin, size_t end, size_t chunk) {
     size_t count = 0;
     if (k == begin || !same_cell(b->list, k, k - 1)) look_around(b, k, k == begin, &around);
     for (int p = 0; p < LANES; p++) count += count_piece(b, k, around.begin[p], around.end[p]);
-    b->list->row_start[b->list->order[k] + 1] = count - 1; /* without itself */
+    b->list->row_start[b->list->order[k] + 1] = count - 1; /* without the point itself */
   }
 }
 
-/* Shell's sort with Ciura's gaps (2001), for what is short or made of pieces that are sorted. */
+/* Shell's sort with Ciura's gaps (2001), for lists that are short or consist of sorted parts. */
 static void sort_short(uint32_t *list, size_t count) {
   static const size_t gaps[] = {701, 301, 132, 57, 23, 10, 4, 1};
   for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++)
@@ -226,7 +227,7 @@ static void sort_short(uint32_t *list, size_t count) {
     }
 }
 
-/* By bytes from the lowest; all below n. */
+/* Radix sort by bytes from the lowest; all values are below n. */
 static void sort_long(uint32_t *list, size_t count, size_t n) {
   uint32_t spare[CANDIDATES], *from = list, *to = spare;
   for (unsigned shift = 0; (n - 1) >> shift; shift += 8) {
@@ -244,7 +245,7 @@ static void sort_long(uint32_t *list, size_t count, size_t n) {
   if (from != list) memcpy(list, from, count * sizeof *list);
 }
 
-/* The points of the 27 cells by rising index, once for all points of the cell in the middle. */
+/* The points of the 27 cells by rising index, collected once for all points of the central cell. */
 typedef struct candidates {
   size_t count; /* 0: there are more than fit */
   uint32_t point[CANDIDATES];
@@ -259,7 +260,7 @@ static void gather_candidates(const build *b, const surroundings *around, candid
   for (int p = 0; p < LANES; c->count += around->end[p] - around->begin[p], p++)
     memcpy(c->point + c->count, b->list->order + around->begin[p],
            (around->end[p] - around->begin[p]) * sizeof *c->point);
-  if (count > 128) /* where the counting of bytes begins to pay */
+  if (count > 128) /* above this length the radix sort is faster */
     sort_long(c->point, count, b->n);
   else
     sort_short(c->point, count);
@@ -269,7 +270,7 @@ static void gather_candidates(const build *b, const surroundings *around, candid
   }
 }
 
-/* Without a branch: what is too far is overwritten by the next. */
+/* Without a branch: a point that is too far is overwritten by the next one. */
 static void choose_row(const build *b, const candidates *c, size_t i) {
   uint32_t row[CANDIDATES + 1];
   double px = b->x[3 * i], py = b->x[3 * i + 1], pz = b->x[3 * i + 2], reach2 = b->reach2;
@@ -282,7 +283,7 @@ static void choose_row(const build *b, const candidates *c, size_t i) {
   memcpy(b->list->other + b->list->row_start[i], row, count * sizeof *row);
 }
 
-/* In a crowd: piece by piece, then sorted. */
+/* For more points than CANDIDATES: collected part by part, then sorted. */
 static void collect_row(const build *b, const surroundings *around, size_t k) {
   uint32_t *row = b->list->other + b->list->row_start[b->list->order[k]], *into = row;
   for (int p = 0; p < LANES; p++)
