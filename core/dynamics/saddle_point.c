@@ -30,7 +30,7 @@ struct hk_saddle_point {
   hk_plugin_spec *spec;       /* spec of the solver; NULL: it is the scene's */
   uint64_t pattern, revision; /* pattern of A and revision of the constraints for which `matrix` was built */
   size_t rows, equations;     /* 3n, and the number of constraint equations */
-  size_t of_A, of_B;          /* number of values in A; number of blocks in B */
+  size_t of_A;                /* number of values in A */
   hk_block_matrix matrix;     /* slots: A, then B^T and B block by block, then the diagonal of the equations */
   double *value;
   double (*B)[3];                                 /* blocks: S J with the pins applied */

@@ -82,7 +82,8 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* The factor of backward Euler: BDF starts with it, and it is the only order that is stable for every oscillation. */
+/* The factor of backward Euler, which BDF starts with. Orders 1 and 2 are stable for every oscillation, higher ones are
+ * not. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
 

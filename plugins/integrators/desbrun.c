@@ -330,7 +330,7 @@ static double add_springs(const desbrun *m, const double *x, const double *v, do
   return power;
 }
 
-/* The power of path pins: their filtered forces are F - h^2 H a, with a = 0 at the pins themselves. */
+/* The power of path pins: their filtered forces are F + h^2 H a, with a = 0 at the pins themselves. */
 static double path_power(const desbrun *m, const double *F, const double *a, const double *v, double h) {
   const hk_element_edges *e = &m->edges;
   double power = 0;
