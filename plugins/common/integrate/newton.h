@@ -57,6 +57,36 @@ typedef struct hk_newton {
   hk_shortcut chord, krylov;
 } hk_newton;
 
+/* The parameters of hk_newton, for the table of a method whose instance `type` has it as its member `newton`: the
+ * default and the description of the tolerance, and the same of the iterations. */
+#define HK_NEWTON_PARAMS(type, tolerance_default, tolerance_doc, iterations_default, iterations_doc)                   \
+  {"tolerance",  "",  tolerance_doc, HK_NUMBER, {tolerance_default}, 0, 1, offsetof(type, newton.tolerance),           \
+   HK_ABOVE_MIN, NULL},                                                                                                \
+      {"iterations",                                                                                                   \
+       "",                                                                                                             \
+       iterations_doc,                                                                                                 \
+       HK_INTEGER,                                                                                                     \
+       {iterations_default},                                                                                           \
+       1,                                                                                                              \
+       1000,                                                                                                           \
+       offsetof(type, newton.iterations),                                                                              \
+       0,                                                                                                              \
+       NULL},                                                                                                          \
+      {"reuse",                                                                                                        \
+       "",                                                                                                             \
+       "keep the factors of the matrix while the iteration converges with them",                                       \
+       HK_BOOLEAN,                                                                                                     \
+       {1},                                                                                                            \
+       0,                                                                                                              \
+       0,                                                                                                              \
+       offsetof(type, newton.reuse),                                                                                   \
+       0,                                                                                                              \
+       NULL},                                                                                                          \
+  {                                                                                                                    \
+    "krylov", "", "iterations of conjugate gradients with old factors that are tried before new ones are made",        \
+        HK_INTEGER, {8}, 0, 1000, offsetof(type, newton.krylov_most), 0, NULL                                          \
+  }
+
 /* HK_NOT_CONVERGED: stage->X is invalid. s->X changes by its pins only. */
 hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);
 /* The limit that a fixed-step method sets its stages: tolerance x the largest RMS speed so far, that of `v` included.
