@@ -12,14 +12,10 @@ enum { ROUNDS_OF_ALL = 10, MOST_ROUNDS = 400 };
 
 static const double rounding = 1e-11; /* relative to the terms of a sum, after a solution with refinement */
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /* moved = W J^T solution, for the particles that occur in equations. */
 static void find_moved(hk_constraints *c) {
   for (size_t b = 0; b < c->blocks; b++) memset(c->moved + 3 * (size_t)c->list.pair[b][1], 0, 3 * sizeof *c->moved);
-  for (size_t b = 0; b < c->blocks; b++)
-    for (int a = 0; a < 3; a++)
-      c->moved[3 * (size_t)c->list.pair[b][1] + a] += c->solution[c->list.pair[b][0]] * c->WJ[b][a];
+  hk_constraint_matrix_move(c, c->moved);
 }
 
 /* residual = w of every equation, correction = the sum of the magnitudes of its terms. */
@@ -31,8 +27,8 @@ static void find_slack(hk_constraints *c, const double *q) {
   }
   for (size_t b = 0; b < c->blocks; b++) {
     const double *at = c->moved + 3 * (size_t)c->list.pair[b][1];
-    c->residual[c->list.pair[b][0]] += dot(c->J[b], at);
-    c->correction[c->list.pair[b][0]] += sqrt(dot(c->J[b], c->J[b]) * dot(at, at));
+    c->residual[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], at);
+    c->correction[c->list.pair[b][0]] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(at, at));
   }
 }
 

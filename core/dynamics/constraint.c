@@ -32,16 +32,6 @@ static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow
  * position_tolerance, for equations at a small angle to each other. */
 static const double touching = 1e-10, opening = 1e-9, implied_tolerance = 1e-7;
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-/* vector += W J^T solution */
-static void move(const hk_constraints *c, double *vector) {
-  for (size_t b = 0; b < c->blocks; b++) {
-    double s = c->solution[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
-    for (int a = 0; a < 3; a++) at[a] += s * c->WJ[b][a];
-  }
-}
-
 /* ---- calls of the plugins ---- */
 
 typedef enum quantity { VALUE, CURVATURE, SPEED } quantity;
@@ -90,8 +80,8 @@ static void find_rate(hk_constraints *c, const double *v, double *rate, double *
   for (size_t b = 0; b < c->blocks; b++) {
     const double *here = v + 3 * (size_t)c->list.pair[b][1];
     uint32_t k = c->list.pair[b][0];
-    rate[k] += dot(c->J[b], here);
-    sum[k] += sqrt(dot(c->J[b], c->J[b]) * dot(here, here));
+    rate[k] += hk_constraint_dot(c->J[b], here);
+    sum[k] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
   }
 }
 
@@ -218,7 +208,8 @@ static hk_status find_free_acceleration(hk_dynamics *d, double t, const double *
   hk_status status = ask(d, CURVATURE, t, x, v, c->c);
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t i = c->list.pair[b][1];
-    c->c[c->list.pair[b][0]] += dot(c->J[b], d->state->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
+    c->c[c->list.pair[b][0]] +=
+        hk_constraint_dot(c->J[b], d->state->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
   }
   return status;
 }
@@ -234,7 +225,7 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   memset(c->held, 0, c->equations * sizeof *c->held);
   status = hk_active_set_solve(d, c->c, false);
   if (status != HK_OK) return status;
-  move(c, a);
+  hk_constraint_matrix_move(c, a);
   note_acting(d);
   if (c->has_speed) *power += power_of(c);
   return HK_OK;
@@ -332,7 +323,7 @@ static hk_status project_positions(hk_dynamics *d, double t, double *x, const do
     if (round == 0 || left > slow * last || c->one_sided_count) status = renew(d, t, x, v, factorized);
     last = left;
     if (status == HK_OK) status = hk_active_set_solve(d, c->g, true);
-    if (status == HK_OK) move(c, x);
+    if (status == HK_OK) hk_constraint_matrix_move(c, x);
     if (status == HK_OK) hold_what_is_lifted(c);
   }
   return status == HK_OK ? gave_up(d, worst, "position", c->g[worst], "m") : status;
@@ -375,7 +366,7 @@ static hk_status project_velocities(hk_dynamics *d, double t, const double *x, d
     last = relative;
     if (status == HK_OK) status = hk_active_set_solve(d, c->c, true);
     if (status != HK_OK) return status;
-    move(c, v);
+    hk_constraint_matrix_move(c, v);
     c->jumped |= strikes(c);
   }
   return status == HK_OK ? gave_up(d, worst, "velocity", left, "m/s") : status;

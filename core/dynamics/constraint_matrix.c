@@ -209,8 +209,6 @@ hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, do
   return view;
 }
 
-static double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
 /* W J for one block. */
 static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const double J[3], double WJ[3]) {
   double w = d->state->inverse_mass[particle];
@@ -254,8 +252,8 @@ hk_status hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double 
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t k = c->list.pair[b][0], i = c->list.pair[b][1];
     weigh(d, c->pin[b], i, c->J[b], c->WJ[b]);
-    c->full[k] += dot(c->J[b], c->WJ[b]);
-    whole[k] += d->state->inverse_mass[i] * dot(c->J[b], c->J[b]);
+    c->full[k] += hk_constraint_dot(c->J[b], c->WJ[b]);
+    whole[k] += d->state->inverse_mass[i] * hk_constraint_dot(c->J[b], c->J[b]);
   }
   for (size_t k = 0; k < c->equations; k++)
     c->full[k] = c->full[k] > no_direction * whole[k] ? 1 / sqrt(c->full[k]) : 0;
@@ -270,7 +268,7 @@ static hk_matrix assemble(hk_constraints *c) {
   for (size_t e = 0; e < c->terms; e++) {
     uint32_t p = c->term[e][0], q = c->term[e][1];
     double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
-    c->value[c->matrix.slot[c->equations + e]] += scale * dot(c->J[p], c->WJ[q]);
+    c->value[c->matrix.slot[c->equations + e]] += scale * hk_constraint_dot(c->J[p], c->WJ[q]);
   }
   return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, true, c->matrix.number};
 }
@@ -335,6 +333,13 @@ static hk_status refine(hk_dynamics *d) {
     for (size_t k = 0; k < c->equations && status == HK_OK; k++) c->solution[k] += c->correction[k];
   }
   return status;
+}
+
+void hk_constraint_matrix_move(const hk_constraints *c, double *vector) {
+  for (size_t b = 0; b < c->blocks; b++) {
+    double s = c->solution[c->list.pair[b][0]], *at = vector + 3 * (size_t)c->list.pair[b][1];
+    for (int a = 0; a < 3; a++) at[a] += s * c->WJ[b][a];
+  }
 }
 
 hk_status hk_constraint_matrix_solve(hk_dynamics *d) {

@@ -42,6 +42,10 @@ struct hk_constraints {
   hk_linear_system linear;
 };
 
+static inline double hk_constraint_dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 /* ---- constraint_matrix.c ---- */
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
@@ -58,6 +62,7 @@ hk_status hk_constraint_matrix_factorize(hk_dynamics *);
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);
+void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
 /* Finds equations that follow from others at the linearised state: `implied`. */
 hk_status hk_constraint_matrix_review(hk_dynamics *);
 /* The instance of an equation, and the equation's number within it, from 1. */
