@@ -149,10 +149,10 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   status = finish(run, o, &error);
   hk_summary summary;
   hk_run_summary(run, &summary);
-  if (status == HK_OK && (o->verify || summary.accuracy > 0)) {
+  if (status == HK_OK) {
     hk_script_options options = script_options(o, registry, library);
     hk_error second = {0};
-    if (hk_script_verify(o->scene, &options, &o->run, run, &summary, &second) != HK_OK)
+    if (hk_script_verify(o->scene, &options, &o->run, o->verify, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);
   }
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
@@ -185,6 +185,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
   } else {
     catch_signals();
     o.run.interrupted = &interrupted;
+    /* A script with full rights may write files: it is not run again unasked. */
+    o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch();
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
     registry->allow_script_folder = o.trust;

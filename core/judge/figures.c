@@ -48,6 +48,7 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   frame->work = loop->state->X[loop->state->size - 1];
   momenta(loop, frame);
   if (frame->kinetic > r->kinetic_max) r->kinetic_max = frame->kinetic;
+  r->kinetic_sum = (r->frames ? r->kinetic_sum : 0) + frame->kinetic;
   double total = frame->kinetic + frame->potential;
   if (first) {
     r->energy_first = total;
@@ -58,6 +59,10 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   if (asked != HK_OK) return asked;
   if (violation > r->violation_max) r->violation_max = violation;
   if (fabs(strain) > fabs(r->strain_max)) r->strain_max = strain;
+  if (j->compared) {
+    hk_status noted = hk_trajectory_note(&j->trajectory, loop->state, r->frames, false, loop->error);
+    if (noted != HK_OK) return noted;
+  }
   bool plausible = isfinite(total) && !(total - r->energy_first - frame->work > r->kinetic_max);
   hk_status status = first || plausible ? hk_snapshot_take(&j->last_good, loop->state, loop->error) : HK_OK;
   return status == HK_OK ? measure(loop, j, caller) : status;

@@ -18,6 +18,15 @@ typedef struct hk_snapshot {
   double *mass;
 } hk_snapshot;
 
+/* Positions and channels of a run at its frames, and at its end, for the comparison with other runs. */
+typedef struct hk_trajectory {
+  size_t moments, room; /* moments kept, and allocated */
+  struct hk_moment *moment;
+  double *value; /* of all moments, one after the other: ids, positions (n x 3), channels */
+  size_t size, capacity;
+  size_t stride; /* every stride-th frame is kept, so that the memory is bounded */
+} hk_trajectory;
+
 typedef struct hk_judgement {
   hk_verdict verdict;
   char reason[1024];     /* why it is not ok; "" otherwise */
@@ -25,7 +34,11 @@ typedef struct hk_judgement {
   hk_frame last_frame;   /* figures of the last frame; its measures point into `measure` */
   double *measure;       /* one per measure of the scene */
   const char **measure_name;
-  bool energy_converges; /* the energy drift vanishes with the step size, by two runs (verify.c) */
+  hk_trajectory trajectory; /* kept where the run is to be compared with others */
+  bool compared;            /* the trajectory is kept */
+  /* Set by the comparison with other runs: the positions are those of an independent method, so that figures from which
+   * an error could be inferred do not count; the energy drift vanishes with the step size. */
+  bool confirmed, energy_converges;
   /* under_resolved.c */
   double *slope[2]; /* the state's accelerations and channel rates at the two ends of a step */
   bool sampling;    /* hk_under_resolved_before was called and succeeded */
@@ -41,6 +54,29 @@ void hk_judgement_close(hk_judgement *);
 
 hk_status hk_snapshot_take(hk_snapshot *, const hk_state *, hk_error *error);
 void hk_snapshot_free(hk_snapshot *);
+
+/* ---- trajectory.c ---- */
+
+/* Keeps the state, which is that of frame number `frame`; with `always`, also where only every second frame is kept. */
+hk_status hk_trajectory_note(hk_trajectory *, const hk_state *, size_t frame, bool always, hk_error *error);
+void hk_trajectory_free(hk_trajectory *);
+
+/* How far two runs of a scene are apart. */
+typedef struct hk_distance {
+  double position; /* m, RMS over the particles, the largest of all moments; INFINITY: a run has no finite positions */
+  double t;        /* s, the moment of the largest difference */
+  double channel;  /* RMS of a channel's difference relative to the accuracy that it is to have, the largest */
+  const char *channel_name;
+} hk_distance;
+
+/* Compares the moments that both have; with `at_end`, the last one. channel_accuracy: one per channel. Where the
+ * particles are not the same, or no moment is, `position` is NAN. */
+hk_distance hk_trajectory_distance(const hk_trajectory *, const hk_trajectory *, const hk_scene *,
+                                   const double *channel_accuracy, bool at_end);
+/* m, how far the particles get from their start, RMS, at most. */
+double hk_trajectory_motion(const hk_trajectory *);
+/* How far a channel gets from its start, RMS, at most. */
+double hk_trajectory_channel_change(const hk_trajectory *, const hk_scene *, size_t channel);
 
 /* ---- figures.c: energies and momenta of a frame, and the error against a known solution ---- */
 
@@ -73,6 +109,7 @@ typedef struct hk_summary {
   hk_verdict verdict;
   const char *verdict_name;
   char reason[1024];  /* why it is not ok; "" otherwise */
+  char checked[512];  /* what the verdict ok rests on, and what was not checked; "" otherwise */
   double t, end, fps; /* s, s, 1/s: time reached, end of the run, frame rate */
   size_t n, steps, frames, rejected_steps;
   size_t force_evaluations, jacobian_evaluations, factorizations, linear_iterations;
@@ -82,12 +119,17 @@ typedef struct hk_summary {
   double wall_s, step_wall_s, start_wall_s, steps_per_s;       /* start_wall_s: from opening to the first step */
   double energy_first, energy_last, energy_work, energy_drift; /* J, J, J, relative; NAN: not known */
   double kinetic_max;
+  double kinetic_mean;         /* J, over the frames */
   double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
   double constraint_violation; /* m */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
   double accuracy;             /* m, accuracy asked for; NAN: none */
+  size_t accuracies;           /* how many were asked for: of the positions, and of channels */
   double verify_difference;    /* m, RMS difference to half the step from a perturbed start; NAN: not verified */
+  double error_estimate;       /* m, of the positions: RMS over the particles, the largest of all frames; NAN: none */
+  double channel_error;        /* estimated error of the worst channel relative to its accuracy; NAN: none asked */
+  double check_wall_s;         /* s, time of the runs that this one was compared with; NAN: none */
   size_t plugins;
   const hk_plugin_time *plugin; /* valid until the next summary of the run */
   size_t measures;
@@ -101,9 +143,16 @@ typedef struct hk_summary {
 typedef struct hk_asked {
   double end;        /* s */
   double accuracy;   /* m; NAN: none */
+  bool at_end;       /* the accuracy holds at the end only, not at every frame */
   double opened_at;  /* s, wall */
   bool ignore_exact; /* judge as if the scene had no exact solution */
 } hk_asked;
+
+/* ---- checked.c ---- */
+
+/* Writes s->checked for a run that ended as ok: what was measured, and how to ask for more. */
+void hk_checked_describe(const hk_loop *, const hk_judgement *, const hk_asked *, hk_summary *s);
+void hk_checked_add(hk_summary *s, const char *separator, const char *format, ...) HK_PRINTF(3, 4);
 
 /* The summary's pointers are valid until the run is destroyed, those of `plugin` until the next summary. */
 void hk_summary_take(hk_loop *, hk_judgement *, const hk_asked *, hk_summary *);

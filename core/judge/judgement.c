@@ -16,6 +16,7 @@ hk_status hk_judgement_open(hk_judgement *j, const hk_scene *scene, hk_error *er
 
 void hk_judgement_close(hk_judgement *j) {
   hk_snapshot_free(&j->last_good);
+  hk_trajectory_free(&j->trajectory);
   free(j->measure);
   free(j->measure_name);
   free(j->slope[0]);

@@ -71,6 +71,7 @@ static void energies(hk_loop *loop, hk_summary *s) {
   s->energy_last = kinetic + hk_probe_potential(loop->dynamics, state->t, state->X);
   s->energy_work = balanced ? state->X[state->size - 1] : NAN;
   s->kinetic_max = fmax(r->kinetic_max, kinetic);
+  s->kinetic_mean = r->frames ? r->kinetic_sum / (double)r->frames : kinetic;
   bool known = balanced && !r->corrected && !r->sourced && s->kinetic_max > 0;
   s->energy_drift = known ? (s->energy_last - s->energy_first - s->energy_work) / s->kinetic_max : NAN;
 }
@@ -113,6 +114,12 @@ static void wall_times(const hk_loop *loop, const hk_asked *asked, hk_summary *s
   s->steps_per_s = loop->seconds > 0 ? (double)s->steps / loop->seconds : NAN;
 }
 
+static size_t accuracies(const hk_scene *scene, const hk_asked *asked) {
+  size_t count = asked->accuracy > 0;
+  for (size_t k = 0; k < scene->channels; k++) count += scene->channel[k].accuracy > 0;
+  return count;
+}
+
 static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   bool found;
   hk_error later = {0}; /* the end of the run asks again, and fails */
@@ -123,7 +130,8 @@ static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_aske
   s->accuracy = asked->accuracy > 0 ? asked->accuracy : NAN;
   s->exact_error = NAN;
   if (j->verdict != HK_DIVERGED) hk_figures_exact(loop, &s->exact_error, &later);
-  s->verify_difference = NAN;
+  s->accuracies = accuracies(loop->scene, asked);
+  s->verify_difference = s->error_estimate = s->channel_error = s->check_wall_s = NAN;
 }
 
 void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_summary *s) {
@@ -146,6 +154,7 @@ void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_s
   energies(loop, s);
   accuracy_figures(loop, j, asked, s);
   plugin_times(loop, j, s);
+  if (j->verdict == HK_VERDICT_OK) hk_checked_describe(loop, j, asked, s);
   s->measures = loop->scene->measures;
   s->measure_name = j->measure_name;
   s->measure = j->measure;

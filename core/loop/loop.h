@@ -16,6 +16,7 @@ typedef struct hk_record {
   double dt_beyond;       /* s, the longest step above the stable limit at its time; 0: none */
   double worst_error;     /* largest error estimate of accepted steps, relative to tol */
   double kinetic_max;     /* J */
+  double kinetic_sum;     /* J, over the frames */
   double correction_work; /* J, energy that correctors reported to have given */
   bool moved;             /* a corrector moved something */
   bool corrected;         /* a corrector moved something and did not say what energy that took */

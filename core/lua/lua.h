@@ -21,6 +21,7 @@ typedef struct hk_script_options {
   hk_registry *registry;
   const char *library;        /* folder of scripts/lib; NULL: none */
   bool trust;                 /* runs the script without the sandbox */
+  bool silent;                /* `print` does nothing: the script has run before, for the same run */
   size_t memory_limit;        /* bytes, 0: the default of 512 MiB */
   uint64_t instruction_limit; /* Lua VM instructions in one call into the script, 0: the default of 5e8 */
   const hk_run_options *run;  /* options of scene:run{} for scripts that drive runs */
@@ -43,8 +44,8 @@ bool hk_script_drove(const hk_script *, hk_verdict *worst);
 size_t hk_script_params(const hk_script *, const hk_param_declared **params); /* for --help; filled even on errors */
 
 /* hk_verify with the scene of the script at `path`; `options` and `run` are those of the first run. */
-hk_status hk_script_verify(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
-                           hk_summary *summary, hk_error *error);
+hk_status hk_script_verify(const char *path, const hk_script_options *options, const hk_run_options *run, bool half,
+                           hk_run *whole, hk_summary *summary, hk_error *error);
 
 /* ---- for folders that extend the Lua interface ---- */
 

@@ -61,6 +61,11 @@ static int print_to_stderr(lua_State *L) {
   return 0;
 }
 
+static int print_nothing(lua_State *L) {
+  (void)L;
+  return 0;
+}
+
 /* Runs a module's file in the environment that is the function's first upvalue; false: there is none. */
 static bool load_module(lua_State *L, const char *folder, const char *name) {
   lua_pushfstring(L, "%s.lua", name);
@@ -164,8 +169,13 @@ void hk_lua_push_sandbox(lua_State *L) {
   static const char *const tables[] = {"math", "string", "table", "utf8", "coroutine", NULL};
   static const char *const libraries[] = {"os", "io", "debug", "package", NULL};
   static const char *const functions[] = {"load", "loadstring", "loadfile", "dofile", "collectgarbage", NULL};
+  bool silent = hk_lua_script(L)->options.silent;
   if (hk_lua_script(L)->options.trust) {
     lua_pushglobaltable(L);
+    if (silent) {
+      lua_pushcfunction(L, print_nothing);
+      lua_setfield(L, -2, "print");
+    }
     add_require(L);
     return;
   }
@@ -181,7 +191,7 @@ void hk_lua_push_sandbox(lua_State *L) {
   lua_setfield(L, -2, "setmetatable");
   hk_lua_guard(L);
   seal_strings(L);
-  lua_pushcfunction(L, print_to_stderr);
+  lua_pushcfunction(L, silent ? print_nothing : print_to_stderr);
   lua_setfield(L, -2, "print");
   lua_pushvalue(L, -1);
   lua_setfield(L, -2, "_G");

@@ -83,10 +83,24 @@ static void choose(lua_State *L, hk_scene *scene, hk_kind kind, const char *key)
   lua_settop(L, value - 1);
 }
 
-static double positive(lua_State *L, const char *key, double otherwise) {
-  double value = hk_lua_field_number(L, 1, "scene", key, otherwise);
-  if (value <= 0) hk_lua_fail(L, HK_BAD_PARAM, "scene: %s: %g must be positive", key, value);
+static double positive_of(lua_State *L, int table, const char *what, const char *key, double otherwise) {
+  double value = hk_lua_field_number(L, table, what, key, otherwise);
+  if (value <= 0) hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %g must be positive", what, key, value);
   return value;
+}
+
+static double positive(lua_State *L, const char *key, double otherwise) {
+  return positive_of(L, 1, "scene", key, otherwise);
+}
+
+static bool accuracy_at_end(lua_State *L) {
+  lua_getfield(L, 1, "accuracy_at");
+  const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+  bool given = !lua_isnil(L, -1), end = strcmp(text, "end") == 0;
+  if (given && !end && strcmp(text, "frames") != 0)
+    hk_lua_fail(L, HK_BAD_PARAM, "scene: accuracy_at: expected \"frames\" (all of them, the default) or \"end\"");
+  lua_pop(L, 1);
+  return end;
 }
 
 static hk_scene *new_scene(lua_State *L) {
@@ -104,7 +118,7 @@ static hk_scene *new_scene(lua_State *L) {
 }
 
 static int scene(lua_State *L) {
-  static const char *const keys[] = {"duration",   "fps",    "dt",   "tol",     "accuracy",
+  static const char *const keys[] = {"duration",   "fps",    "dt",   "tol",     "accuracy", "accuracy_at",
                                      "integrator", "solver", "seed", "threads", NULL};
   const hk_script *s = hk_lua_script(L);
   if (lua_isnoneornil(L, 1)) lua_newtable(L);
@@ -119,6 +133,7 @@ static int scene(lua_State *L) {
   made->dt = positive(L, "dt", NAN);
   made->tol = positive(L, "tol", made->tol);
   made->accuracy = positive(L, "accuracy", NAN);
+  made->accuracy_at_end = accuracy_at_end(L);
   made->seed =
       s->options.seed ? s->options.seed : hk_lua_field_whole(L, 1, "scene", "seed", 0, 9007199254740992.0); /* 2^53 */
   made->threads = s->options.threads ? s->options.threads : (int)hk_lua_field_whole(L, 1, "scene", "threads", 0, 1024);
@@ -194,7 +209,7 @@ static size_t initial_values(lua_State *L, double *into, size_t room) {
 }
 
 static int channel(lua_State *L) {
-  static const char *const keys[] = {"size", "initial", "rate", NULL};
+  static const char *const keys[] = {"size", "initial", "rate", "accuracy", NULL};
   hk_scene *target = editable(L);
   hk_error error = {0};
   const char *name = luaL_checkstring(L, 2);
@@ -221,6 +236,7 @@ static int channel(lua_State *L) {
   else if (type != LUA_TNIL && type != LUA_TSTRING)
     return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: expected a number, a function or the name of a plugin");
   check(L, hk_scene_add_channel(target, name, (size_t)size, initial, decay, rate.call ? &rate : NULL, &error), &error);
+  target->channel[target->channels - 1].accuracy = positive_of(L, 3, "channel", "accuracy", NAN);
   if (type == LUA_TSTRING) {
     const hk_plugin_spec *force = add(L, target, HK_FORCE, lua_tostring(L, -1), 0);
     if (!force->plugin->force->rates)

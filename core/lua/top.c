@@ -178,6 +178,7 @@ static hk_status open_again(void *context, const hk_run_options *run, hk_run **a
   second_script *second = context;
   hk_script_options options = *second->options;
   options.run = run;
+  options.silent = true;
   hk_status status = hk_script_open(second->path, &options, &second->script, error);
   return status == HK_OK ? hk_run_open(hk_script_scene(second->script), run, again, error) : status;
 }
@@ -188,9 +189,9 @@ static void close_again(void *context, hk_run *again) {
   hk_script_close(second->script);
 }
 
-hk_status hk_script_verify(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole,
-                           hk_summary *summary, hk_error *error) {
+hk_status hk_script_verify(const char *path, const hk_script_options *options, const hk_run_options *run, bool half,
+                           hk_run *whole, hk_summary *summary, hk_error *error) {
   second_script second = {path, options, NULL};
   hk_reopen reopen = {open_again, close_again, &second};
-  return hk_verify(&reopen, run, whole, summary, error);
+  return hk_verify(&reopen, run, half, whole, summary, error);
 }

@@ -293,7 +293,7 @@ static bool goes_on_with_its_step(const hk_run *run, double given) {
 
 static hk_status start(hk_run *run) {
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
-  double given = isnan(run->options.dt) ? run->scene->dt : run->options.dt;
+  double given = isnan(run->options.dt) ? run->scene->dt : isinf(run->options.dt) ? NAN : run->options.dt;
   hk_status status = HK_OK;
   if (run->scene->start_file)
     status = hk_start_file_read(&run->loop, &run->judgement, run->scene->start_file, &run->resumed);
@@ -313,6 +313,8 @@ static hk_status start(hk_run *run) {
 
 static hk_status build(hk_run *run) {
   const hk_run_options *o = &run->options;
+  if (o->accuracy_at && strcmp(o->accuracy_at, "end") != 0 && strcmp(o->accuracy_at, "frames") != 0)
+    return hk_error_set(&run->error, HK_BAD_PARAM, "accuracy_at: '%s' is neither frames nor end", o->accuracy_at);
   hk_status status = open_shared(run);
   if (status == HK_OK)
     status = hk_overrides_open(&run->overrides, run->scene, o->integrator, o->solver, o->without_count, o->without,
@@ -334,6 +336,15 @@ static hk_status build(hk_run *run) {
   return status == HK_OK ? start(run) : status;
 }
 
+static bool compares(const hk_run *run) {
+  static const double small = 1e6; /* positions: 32 MB */
+  const hk_scene *scene = run->scene;
+  bool asked = run->asked.accuracy > 0;
+  for (size_t k = 0; k < scene->channels; k++) asked = asked || scene->channel[k].accuracy > 0;
+  if (asked || run->options.compare == HK_COMPARE_ALWAYS) return true;
+  return run->options.compare == HK_COMPARE_SMALL && (double)scene->n * scene->fps * run->asked.end < small;
+}
+
 hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **made, hk_error *error) {
   hk_run *run = calloc(1, sizeof *run);
   if (!run) return hk_error_set(error, HK_NO_MEMORY, "no memory for a run");
@@ -342,7 +353,9 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->record.dt_min = INFINITY;
   run->asked.end = isnan(options->until) ? scene->duration : options->until;
   run->asked.accuracy = isnan(options->accuracy) ? scene->accuracy : options->accuracy;
+  run->asked.at_end = options->accuracy_at ? strcmp(options->accuracy_at, "end") == 0 : scene->accuracy_at_end;
   run->asked.ignore_exact = options->ignore_exact;
+  run->judgement.compared = compares(run);
   run->asked.opened_at = hk_clock();
   run->progress = (hk_progress){.mode = options->progress, .end = run->asked.end, .at = run->asked.opened_at};
   scene->frozen = true;

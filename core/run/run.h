@@ -7,12 +7,17 @@
 #include "core/report/report.h"
 #include "core/storage/storage.h"
 
+enum { HK_COMPARE_ASKED, HK_COMPARE_SMALL, HK_COMPARE_ALWAYS }; /* where an accuracy is asked; in small scenes too */
+
 typedef struct hk_run_options {
   const char *integrator; /* "name" or "name:parameter=value,..." replaces the scene's integrator; NULL: the scene's */
   const char *solver;     /* the same for the linear solver; "auto": chosen by the host */
-  double dt, tol, until;  /* NAN: the scene's */
-  double accuracy;        /* m, of the positions at the end (RMS); NAN: the scene's; 0: no accuracy is asked for */
-  size_t step_limit;      /* the run ends with HK_INTERRUPTED after this number of steps; 0: no limit */
+  double dt, tol, until;  /* NAN: the scene's; dt INFINITY: none, whatever the scene gives */
+  double accuracy; /* m, of the positions (RMS over the particles); NAN: the scene's; 0: no accuracy is asked for */
+  const char *accuracy_at; /* "frames": at all of them, or "end"; NULL: the scene's choice */
+  /* Keep the positions at the frames, so that hk_verify can compare them with other runs: HK_COMPARE_... */
+  int compare;
+  size_t step_limit; /* the run ends with HK_INTERRUPTED after this number of steps; 0: no limit */
   double perturb; /* largest random offset of the start positions in each direction, relative to the scene's extent */
   uint64_t perturb_seed;
   size_t refine;  /* r > 0: 2rn + 1 steps replace n steps between two cuts, so no step of this run ends when one of the
@@ -89,13 +94,7 @@ hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *
 
 hk_status hk_run_frame(void *run);
 
-/* ---- verify.c: the cheapest error estimate that fits any scene. The run is repeated with less than half the step (2n
- * + 1 steps replace the n steps of a frame, so that a periodic load cannot be in phase with the steps of both runs; an
- * adaptive method gets a tenth of the tolerance and at most half its longest step) and with start positions perturbed
- * by 1e-10 of the scene's extent. The smaller step shows the discretisation error: that of a method of order 1 is twice
- * the difference, that of a higher order is smaller, and twice the difference is compared with the accuracy asked for.
- * The perturbation shows an unstable motion that no method can predict, such as that of a strut at its buckling load
- * ---- */
+/* ---- rerun.c: the scene of a run, run again with other options ---- */
 
 typedef struct hk_reopen { /* functions that open the scene of a run a second time */
   /* HK_OK: `again` is a run of the same scene, opened with these options. */
@@ -105,10 +104,41 @@ typedef struct hk_reopen { /* functions that open the scene of a run a second ti
   void *context;
 } hk_reopen;
 
-/* Fills `verify_difference` of the summary of `whole`, a run that reached its end. Where an accuracy is asked for and
- * twice the difference is above it, the verdict becomes `inaccurate` and the reason says so. The verdict also becomes
- * `inaccurate` when the second run fails: then the difference is NAN, and `error` has the cause. `run` holds the
- * options of the first run. */
-hk_status hk_verify(const hk_reopen *, const hk_run_options *run, hk_run *whole, hk_summary *summary, hk_error *error);
+typedef struct hk_rerun {
+  const char *method; /* its integrator */
+  double tol;         /* of an adaptive method */
+  hk_trajectory trajectory;
+  double energy_defect; /* J, energy that is missing or too much, see hk_energy_defect */
+  double kinetic;       /* J, the largest */
+  double step;          /* longest step relative to that of the first run */
+  hk_spectrum spectrum;
+} hk_rerun;
+
+/* Runs the scene of `whole` to the time that it has reached. The caller frees the trajectory, also after a failure. */
+hk_status hk_rerun_take(const hk_reopen *, const hk_run_options *, const hk_run *whole, hk_rerun *, hk_error *error);
+double hk_energy_defect(const hk_summary *); /* J, the energy drift; an excess is positive */
+
+/* ---- reference.c: a run with an independent method, an adaptive one of high order ---- */
+
+typedef enum hk_effort {
+  HK_EFFORT_SMALL,  /* less than half the run's own cost, or some milliseconds */
+  HK_EFFORT_MEDIUM, /* the same, or some tenths of a second */
+  HK_EFFORT_LARGE   /* several times the run's cost; where a cheaper check leaves doubts */
+} hk_effort;
+
+/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end, with an error
+ * well below `relative`, the accuracy relative to the motion. False: it would take more than `effort`, or the scene is
+ * not to be integrated by a method that chooses its steps. */
+bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, double relative, hk_effort,
+                       hk_rerun *);
+
+/* ---- verify.c: the comparison of a run with others, see there ---- */
+
+/* Compares `whole`, a run that reached its end, with other runs of its scene: with half the step where an accuracy is
+ * asked for or `half` says so, and with an independent method. Fills the estimates of the summary, and changes its
+ * verdict. HK_OK, or the failure of the run with half the step: the verdict is then `inaccurate` where an accuracy was
+ * asked for. `first`: the options of `whole`. */
+hk_status hk_verify(const hk_reopen *, const hk_run_options *first, bool half, hk_run *whole, hk_summary *summary,
+                    hk_error *error);
 
 #endif

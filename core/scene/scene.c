@@ -176,7 +176,7 @@ hk_status hk_scene_add_channel(hk_scene *scene, const char *name, size_t size, c
   for (size_t k = 0; initial && k < size; k++)
     if (!isfinite(initial[k]))
       return hk_error_set(error, HK_BAD_PARAM, "channel '%s': initial: %g is not finite", name, initial[k]);
-  hk_channel_spec channel = {.size = size, .decay = decay};
+  hk_channel_spec channel = {.size = size, .decay = decay, .accuracy = NAN};
   if (rate) channel.rate = *rate;
   channel.name = hk_string_copy(name);
   channel.initial = calloc(size, sizeof(double));

@@ -22,6 +22,7 @@ typedef struct hk_channel_spec {
   double *initial;  /* size numbers, initial values of particles without values of their own */
   double *value;    /* capacity x size, per particle, in the order of ids */
   double decay;     /* rate r of dy/dt = r y, or NAN */
+  double accuracy;  /* accuracy asked for, in the channel's unit (RMS over the particles); NAN: none */
   hk_function rate; /* t, id, y... -> dy...; call == NULL: none */
 } hk_channel_spec;
 
@@ -38,13 +39,14 @@ typedef struct hk_specs {
 } hk_specs;
 
 typedef struct hk_scene {
-  char *name;      /* the script's file name without folder and ".lua" */
-  char *script;    /* its path as given */
-  double duration; /* s, default 1 */
-  double fps;      /* default 60 */
-  double dt;       /* s; NAN: chosen by the run */
-  double tol;      /* default 1e-6 */
-  double accuracy; /* m, accuracy asked for the positions at the end (RMS); NAN: none */
+  char *name;           /* the script's file name without folder and ".lua" */
+  char *script;         /* its path as given */
+  double duration;      /* s, default 1 */
+  double fps;           /* default 60 */
+  double dt;            /* s; NAN: chosen by the run */
+  double tol;           /* default 1e-6 */
+  double accuracy;      /* m, accuracy asked for the positions (RMS over the particles); NAN: none */
+  bool accuracy_at_end; /* it holds at the end only, not at every frame */
   uint64_t seed;
   hk_registry *registry;
   int threads; /* 0: one per processor */

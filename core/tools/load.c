@@ -86,9 +86,9 @@ static void read_without(lua_State *L, int table, hk_run_options *run) {
 }
 
 static void read_options(lua_State *L, int table, hk_script_options *options, hk_run_options *run) {
-  static const char *const keys[] = {"integrator", "solver",  "dt",           "tol",          "until", "accuracy",
-                                     "out",        "output",  "seed",         "threads",      "trust", "without",
-                                     "step_limit", "perturb", "ignore_exact", "perturb_seed", NULL};
+  static const char *const keys[] = {"integrator", "solver",  "dt",           "tol",          "until",       "accuracy",
+                                     "out",        "output",  "seed",         "threads",      "trust",       "without",
+                                     "step_limit", "perturb", "ignore_exact", "perturb_seed", "accuracy_at", NULL};
   static const char what[] = "load";
   static const double most = 9007199254740992.0; /* 2^53 */
   hk_lua_check_keys(L, table, what, keys);
@@ -96,6 +96,7 @@ static void read_options(lua_State *L, int table, hk_script_options *options, hk
   run->tol = hk_lua_field_number(L, table, what, "tol", NAN);
   run->until = hk_lua_field_number(L, table, what, "until", NAN);
   run->accuracy = hk_lua_field_number(L, table, what, "accuracy", NAN);
+  run->accuracy_at = text_field(L, table, "accuracy_at");
   run->step_limit = hk_lua_field_whole(L, table, what, "step_limit", 0, most);
   run->perturb = hk_lua_field_number(L, table, what, "perturb", 0);
   run->perturb_seed = hk_lua_field_whole(L, table, what, "perturb_seed", 1, most);

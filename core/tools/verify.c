@@ -12,8 +12,8 @@ static int verify(lua_State *L) {
   hk_error error = {0};
   if (owner == hk_lua_script(L)) return hk_lua_fail(L, HK_SCRIPT, "run:verify is for scenes that hooke.load loaded");
   hk_run_summary(run, &s);
-  hk_status status =
-      hk_script_verify(hk_script_path(owner), hk_script_asked(owner), hk_script_run_options(owner), run, &s, &error);
+  hk_status status = hk_script_verify(hk_script_path(owner), hk_script_asked(owner), hk_script_run_options(owner), true,
+                                      run, &s, &error);
   hk_lua_push_summary(L, &s);
   if (status == HK_OK) return 1;
   lua_pushstring(L, error.text);

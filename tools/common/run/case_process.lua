@@ -19,7 +19,7 @@ local process = require("process")
 local case_process = {}
 
 local passed_on = { "integrator", "solver", "dt", "tol", "until", "accuracy", "seed", "without", "step_limit", "perturb",
-  "perturb_seed", "ignore_exact", "trust" }
+  "perturb_seed", "ignore_exact", "trust", "accuracy_at" }
 
 local function options_of(case)
   local options = { threads = case.threads or 1 }
@@ -52,7 +52,7 @@ function case_process.execute(case)
   if not begun then return { failed = first, fits = false } end
   local fine, message = pcall(advance, scene, case, states)
   local result = first:summary()
-  if fine and result.accuracy or case.verify and fine then
+  if fine and (result.accuracies > 0 or case.verify) then
     local again
     result, again = first:verify()
     result.second_failed = again

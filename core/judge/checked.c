@@ -1,0 +1,34 @@
+/* The words behind the verdict ok: what was measured of this run, what was not checked, and how to ask for it. */
+#include "core/judge/judge.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void hk_checked_add(hk_summary *s, const char *separator, const char *format, ...) {
+  size_t used = strlen(s->checked), room = sizeof s->checked;
+  va_list arguments;
+  if (used && used + 2 < room) used += (size_t)snprintf(s->checked + used, room - used, "%s", separator);
+  va_start(arguments, format);
+  vsnprintf(s->checked + used, room - used, format, arguments);
+  va_end(arguments);
+}
+
+static void describe_energy(hk_summary *s) {
+  if (!isnan(s->energy_drift))
+    hk_checked_add(s, ", ", "energy balanced to %.2g %% of the largest kinetic energy", 100 * fabs(s->energy_drift));
+  else if (s->kinetic_max > 0)
+    hk_checked_add(s, ", ", "energy balance not known");
+}
+
+/* An accuracy that is worth asking for: the power of ten nearest to a thousandth of the scene's extent. */
+static double worthwhile(const hk_loop *loop) { return pow(10, round(log10(hk_state_extent(loop->state)) - 3)); }
+
+void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, const hk_asked *asked, hk_summary *s) {
+  unsigned flags = loop->step->method->flags;
+  *s->checked = 0;
+  if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) hk_checked_add(s, ", ", "stable");
+  if (flags & HK_ADAPTIVE && loop->record->worst_error > 0) hk_checked_add(s, ", ", "each step within its tolerance");
+  describe_energy(s);
+  if (!(asked->accuracy > 0) && !j->confirmed)
+    hk_checked_add(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));
+}

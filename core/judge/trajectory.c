@@ -1,0 +1,145 @@
+/* Positions and channels of a run at its frames. When they need more memory than `most_numbers`, every second frame is
+ * dropped, and from then on only every second one is kept; the end of the run is always kept. */
+#include "core/judge/judge.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct hk_moment {
+  double t;
+  size_t frame, n, begin, size; /* begin and size: of its numbers in `value` */
+};
+
+static const size_t most_numbers = (size_t)1 << 24; /* 128 MiB */
+
+static hk_status no_memory(hk_error *error) {
+  return hk_error_set(error, HK_NO_MEMORY,
+                      "no memory for the positions at the frames, from which the accuracy is judged");
+}
+
+/* Keeps the moments whose frames are multiples of the doubled stride. */
+static void drop_half(hk_trajectory *a) {
+  size_t kept = 0, size = 0;
+  a->stride *= 2;
+  for (size_t k = 0; k < a->moments; k++) {
+    struct hk_moment m = a->moment[k];
+    if (m.frame % a->stride) continue;
+    memmove(a->value + size, a->value + m.begin, m.size * sizeof *a->value);
+    m.begin = size;
+    size += m.size;
+    a->moment[kept++] = m;
+  }
+  a->moments = kept;
+  a->size = size;
+}
+
+static bool reserve(hk_trajectory *a, size_t numbers) {
+  if (a->moments == a->room) {
+    size_t room = a->room ? 2 * a->room : 64;
+    struct hk_moment *grown = realloc(a->moment, room * sizeof *grown);
+    if (!grown) return false;
+    a->moment = grown;
+    a->room = room;
+  }
+  if (a->size + numbers > a->capacity) {
+    size_t capacity = a->size + numbers > 2 * a->capacity ? a->size + numbers : 2 * a->capacity;
+    double *grown = realloc(a->value, capacity * sizeof *grown);
+    if (!grown) return false;
+    a->value = grown;
+    a->capacity = capacity;
+  }
+  return true;
+}
+
+hk_status hk_trajectory_note(hk_trajectory *a, const hk_state *s, size_t frame, bool always, hk_error *error) {
+  size_t n = s->model.n, size = (4 + s->width) * n;
+  if (a->stride == 0) a->stride = 1;
+  while (a->moments > 1 && a->size + size > most_numbers) drop_half(a);
+  if (!always && frame % a->stride) return HK_OK;
+  if (a->moments && a->moment[a->moments - 1].t == s->t) return HK_OK;
+  if (!reserve(a, size)) return no_memory(error);
+  double *value = a->value + a->size;
+  for (size_t i = 0; i < n; i++) value[i] = s->id[i];
+  memcpy(value + n, s->X, 3 * n * sizeof *value);
+  memcpy(value + 4 * n, s->X + 6 * n, s->width * n * sizeof *value);
+  a->moment[a->moments++] = (struct hk_moment){s->t, frame, n, a->size, size};
+  a->size += size;
+  return HK_OK;
+}
+
+void hk_trajectory_free(hk_trajectory *a) {
+  free(a->moment);
+  free(a->value);
+  *a = (hk_trajectory){0};
+}
+
+/* The RMS difference of two lists of vectors; INFINITY where it is not a number. */
+static double rms(const double *a, const double *b, size_t numbers, size_t vectors) {
+  double sum = 0;
+  for (size_t k = 0; k < numbers; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+  double result = vectors ? sqrt(sum / (double)vectors) : 0;
+  return isnan(result) ? INFINITY : result;
+}
+
+static void compare_channels(hk_distance *d, const hk_scene *scene, const double *accuracy, const double *a,
+                             const double *b, size_t n) {
+  size_t begin = 4 * n;
+  for (size_t k = 0; k < scene->channels; k++) {
+    size_t numbers = scene->channel[k].size * n;
+    double ratio = rms(a + begin, b + begin, numbers, n) / accuracy[k];
+    if (ratio > d->channel) {
+      d->channel = ratio;
+      d->channel_name = scene->channel[k].name;
+    }
+    begin += numbers;
+  }
+}
+
+/* False: the particles are not the same. */
+static bool compare(hk_distance *d, const hk_trajectory *a, const struct hk_moment *p, const hk_trajectory *b,
+                    const struct hk_moment *q, const hk_scene *scene, const double *accuracy) {
+  const double *x = a->value + p->begin, *y = b->value + q->begin;
+  if (p->n != q->n || p->size != q->size || memcmp(x, y, p->n * sizeof *x) != 0) return false;
+  double position = rms(x + p->n, y + q->n, 3 * p->n, p->n);
+  if (position > d->position) {
+    d->position = position;
+    d->t = p->t;
+  }
+  compare_channels(d, scene, accuracy, x, y, p->n);
+  return true;
+}
+
+hk_distance hk_trajectory_distance(const hk_trajectory *a, const hk_trajectory *b, const hk_scene *scene,
+                                   const double *accuracy, bool at_end) {
+  hk_distance d = {0};
+  size_t j = 0;
+  bool any = false, same = true;
+  for (size_t k = at_end && a->moments ? a->moments - 1 : 0; k < a->moments; k++) {
+    while (j < b->moments && b->moment[j].t < a->moment[k].t) j++;
+    if (j == b->moments || b->moment[j].t != a->moment[k].t) continue;
+    any = true;
+    same = same && compare(&d, a, &a->moment[k], b, &b->moment[j], scene, accuracy);
+  }
+  if (!any || !same) d.position = NAN;
+  return d;
+}
+
+/* The largest RMS change of a part of the moments since the first of them; `offset` and `width` per particle. */
+static double change(const hk_trajectory *a, size_t offset, size_t width) {
+  double most = 0;
+  for (size_t k = 1; k < a->moments; k++) {
+    const struct hk_moment *p = &a->moment[0], *q = &a->moment[k];
+    size_t n = p->n;
+    if (n != q->n) continue;
+    most = fmax(most, rms(a->value + p->begin + offset * n, a->value + q->begin + offset * n, width * n, n));
+  }
+  return most;
+}
+
+double hk_trajectory_motion(const hk_trajectory *a) { return change(a, 1, 3); }
+
+double hk_trajectory_channel_change(const hk_trajectory *a, const hk_scene *scene, size_t channel) {
+  size_t offset = 4;
+  for (size_t k = 0; k < channel; k++) offset += scene->channel[k].size;
+  return change(a, offset, scene->channel[channel].size);
+}

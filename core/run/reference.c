@@ -1,0 +1,93 @@
+/* A run with an independent method: an adaptive one of high order, explicit or, where a scene is too stiff for that,
+ * implicit. What two runs of one method have in common (swings that it damps, steps that skip what happens) it does not
+ * share, because it chooses its steps by its own estimate of their errors. It is worth a part of the run's own cost;
+ * costs are counted in evaluations, never by a clock, so that verdicts are reproducible. */
+#include "core/run/run.h"
+
+enum { LEAST_ORDER = 4 };
+
+/* What an implicit step costs, in evaluations: a Jacobian; its factors, which grow with the number of particles (of a
+ * cloth of 32 x 32 they cost as much as 500 evaluations); and in each stage some iterations. */
+static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0.5, implicit_stage = 8;
+
+/* What a reference may cost: a share of the run's evaluations, and `free` evaluations of a scene of a few particles;
+ * one of 16 particles costs about twice as much as one of none. */
+static const struct budget {
+  double share, free, particles;
+} budgets[] = {
+    [HK_EFFORT_SMALL] = {0.4, 6e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {10, 6e5, 16}};
+
+/* Steps of 1e4 and more add up their errors, and each is at most its tolerance; rounding is 2e-16. */
+static const double steps_expected = 1e5, finest = 1e-13, coarsest = 1e-6, perturbation = 1e-14;
+
+typedef struct wish {
+  bool implicit, constraints;
+} wish;
+
+static bool suits(const hk_plugin *plugin, const void *context) {
+  const wish *w = context;
+  const hk_integrator *m = plugin->integrator;
+  bool solves = m->flags & (HK_IMPLICIT | HK_NEEDS_SOLVER | HK_NEEDS_JACOBIAN);
+  if (!(m->flags & HK_ADAPTIVE) || solves != w->implicit || m->order < LEAST_ORDER) return false;
+  return !(w->implicit && !(m->flags & HK_IMPLICIT)) && !(w->constraints && m->without_constraints);
+}
+
+static double factors(const hk_run *whole) { return factor_cost + factor_per_particle * (double)whole->state.model.n; }
+
+static double cost(const hk_run *whole) {
+  const hk_counts *c = &whole->dynamics.count;
+  return (double)c->evaluations + jacobian_cost * (double)c->jacobians + factors(whole) * (double)c->factorizations;
+}
+
+static double step_cost(const hk_run *whole, const hk_integrator *method) {
+  if (!(method->flags & HK_IMPLICIT)) return method->stages;
+  return method->stages * implicit_stage + jacobian_cost + factors(whole);
+}
+
+static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_integrator *method) {
+  const struct budget *b = &budgets[effort];
+  double evaluations = b->share * cost(whole) + b->free / (1 + (double)whole->state.model.n / b->particles);
+  return evaluations / step_cost(whole, method);
+}
+
+/* Whether an explicit method needs more steps for its stability alone: with s stages it is stable for h w < s at most
+ * (van der Houwen 1977, Construction of integration formulas, 2.6). Where the frequencies are not known: no. */
+static bool too_stiff(const hk_run *whole, const hk_integrator *method, double steps) {
+  return whole->step.spectrum.w_reached * whole->state.t / method->stages > steps;
+}
+
+static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, double relative,
+                    hk_effort effort, bool implicit, hk_rerun *found) {
+  wish w = {implicit, whole->plugins.kind[HK_CONSTRAINT].count > 0};
+  const hk_plugin *plugin;
+  hk_error error = {0};
+  if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
+  double steps = allowed_steps(whole, effort, plugin->integrator);
+  if (!(steps >= 1) || (!implicit && too_stiff(whole, plugin->integrator, steps))) return false;
+  hk_run_options o = *first;
+  o.integrator = plugin->name;
+  o.dt = INFINITY;
+  o.tol = fmax(finest, fmin(coarsest, relative / steps_expected));
+  o.refine = 0;
+  o.dt_most = 0;
+  o.step_limit = (size_t)steps;
+  o.perturb = perturbation;
+  o.perturb_seed = 2;
+  o.compare = HK_COMPARE_ALWAYS;
+  o.no_output = true;
+  o.progress = -1;
+  bool reached = hk_rerun_take(reopen, &o, whole, found, &error) == HK_OK;
+  found->method = plugin->name;
+  if (!reached) hk_trajectory_free(&found->trajectory);
+  return reached;
+}
+
+/* Steps that an explicit method could take are not too short for another one. */
+static bool is_explicit(const hk_run *whole) { return !(whole->step.method->flags & (HK_IMPLICIT | HK_ADAPTIVE)); }
+
+bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, double relative,
+                       hk_effort effort, hk_rerun *found) {
+  if (whole->plugins.kind[HK_CORRECTOR].count || whole->plugins.kind[HK_SOURCE].count) return false;
+  if (attempt(reopen, first, whole, relative, effort, false, found)) return true;
+  return !is_explicit(whole) && attempt(reopen, first, whole, relative, effort, true, found);
+}

@@ -1,0 +1,37 @@
+/* The scene of a run, run again with other options: refined, perturbed, or with another method. */
+#include "core/run/run.h"
+
+double hk_energy_defect(const hk_summary *s) { return s->energy_drift * s->kinetic_max; }
+
+static hk_status advance(hk_run *again, double t, hk_error *error) {
+  bool implicit = again->step.method->flags & HK_IMPLICIT;
+  if (implicit && !(again->step.spectrum.w_max > 0))
+    hk_step_estimate(&again->step, &again->dynamics); /* implicit runs have no estimate yet */
+  hk_error_clear(&again->error);
+  hk_status status = hk_run_advance(again, t, error);
+  hk_judgement *j = &again->judgement;
+  return status == HK_OK ? hk_trajectory_note(&j->trajectory, &again->state, again->record.frames, true, error)
+                         : status;
+}
+
+hk_status hk_rerun_take(const hk_reopen *reopen, const hk_run_options *options, const hk_run *whole, hk_rerun *found,
+                        hk_error *error) {
+  hk_run *again = NULL;
+  hk_summary summary;
+  *found = (hk_rerun){.energy_defect = NAN, .step = NAN};
+  hk_status status = reopen->open(reopen->context, options, &again, error);
+  if (status == HK_OK) status = advance(again, whole->state.t, error);
+  if (status == HK_OK) {
+    hk_run_summary(again, &summary);
+    found->spectrum = again->step.spectrum;
+    found->energy_defect = hk_energy_defect(&summary);
+    found->kinetic = summary.kinetic_max;
+    found->step = summary.dt_max / whole->record.dt_max;
+    found->tol = again->dynamics.system.tol;
+    found->trajectory = again->judgement.trajectory;
+    again->judgement.trajectory = (hk_trajectory){0};
+  }
+  if (again) hk_run_close(again, error);
+  reopen->close(reopen->context, again);
+  return status;
+}
