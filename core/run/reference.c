@@ -56,20 +56,20 @@ static bool too_stiff(const hk_run *whole, const hk_integrator *method, double s
   return whole->step.spectrum.w_reached * whole->state.t / method->stages > steps;
 }
 
-static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, double relative,
-                    hk_effort effort, bool implicit, hk_rerun *found) {
+static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, const hk_reference *want,
+                    bool implicit, hk_rerun *found) {
   wish w = {implicit, whole->plugins.kind[HK_CONSTRAINT].count > 0};
   const hk_plugin *plugin;
   hk_error error = {0};
   if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
-  double steps = allowed_steps(whole, effort, plugin->integrator);
+  double steps = allowed_steps(whole, want->effort, plugin->integrator);
   if (!(steps >= 1) || (!implicit && too_stiff(whole, plugin->integrator, steps))) return false;
   hk_run_options o = *first;
   o.integrator = plugin->name;
   o.dt = INFINITY;
-  o.tol = fmax(finest, fmin(coarsest, relative / steps_expected));
+  o.tol = fmax(finest, fmin(coarsest, want->relative / steps_expected));
   o.refine = 0;
-  o.dt_most = 0;
+  o.dt_most = want->dt_most;
   o.step_limit = (size_t)steps;
   o.perturb = perturbation;
   o.perturb_seed = 2;
@@ -85,9 +85,9 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
 /* Steps that an explicit method could take are not too short for another one. */
 static bool is_explicit(const hk_run *whole) { return !(whole->step.method->flags & (HK_IMPLICIT | HK_ADAPTIVE)); }
 
-bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, double relative,
-                       hk_effort effort, hk_rerun *found) {
+bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole,
+                       const hk_reference *want, hk_rerun *found) {
   if (whole->plugins.kind[HK_CORRECTOR].count || whole->plugins.kind[HK_SOURCE].count) return false;
-  if (attempt(reopen, first, whole, relative, effort, false, found)) return true;
-  return !is_explicit(whole) && attempt(reopen, first, whole, relative, effort, true, found);
+  if (attempt(reopen, first, whole, want, false, found)) return true;
+  return !is_explicit(whole) && attempt(reopen, first, whole, want, true, found);
 }

@@ -126,10 +126,15 @@ typedef enum hk_effort {
   HK_EFFORT_LARGE   /* several times the run's cost; where a cheaper check leaves doubts */
 } hk_effort;
 
-/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end, with an error
- * well below `relative`, the accuracy relative to the motion. False: it would take more than `effort`, or the scene is
- * not to be integrated by a method that chooses its steps. */
-bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, double relative, hk_effort,
+typedef struct hk_reference {
+  double relative; /* the accuracy relative to the motion; the tolerance is far below it */
+  double dt_most;  /* s, its longest step; 0: the method's choice */
+  hk_effort effort;
+} hk_reference;
+
+/* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end. False: it would
+ * take more than the effort, or the scene is not to be integrated by a method that chooses its steps. */
+bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_rerun *);
 
 /* ---- verify.c: the comparison of a run with others, see there ---- */

@@ -21,6 +21,7 @@ static const double perturbation = 1e-14, margin = 2, rounding = 1e-9,
                     visible = 0.1, /* of the motion, or of the kinetic energy, as in judge/verdict.c */
     no_order = 0.75,               /* the ratio of two distances above which no order is seen */
     resolved = 1,                  /* h w of swings that steps h resolve */
+    stricter = 1e-3,               /* the tolerance of a second reference, relative to the first */
     reserve = 0.97;                /* what a reference leaves of the accuracy, for its own error */
 
 /* What is asked of a run, and what comparisons have found. Errors are relative to what is asked: the largest of that of
@@ -32,12 +33,13 @@ typedef struct comparison {
   hk_summary *summary;
   double accuracy; /* m; NAN: not asked for positions, but for channels */
   double *channel; /* the accuracy that each channel is to have */
-  hk_rerun half, reference;
-  bool compared, referred; /* half, reference: there is one */
-  bool varies;             /* a function of time changes between the steps, which steps of any method may skip */
-  double error;            /* relative; NAN: not known */
-  double position;         /* m */
-  hk_distance worst;       /* the distance it is from */
+  hk_rerun half;
+  bool compared;     /* there is half */
+  bool referred;     /* the error is that to a reference */
+  bool varies;       /* a function of time changes between the steps, which steps of any method may skip */
+  double error;      /* relative; NAN: not known */
+  double position;   /* m */
+  hk_distance worst; /* the distance it is from */
   char how[160];
 } comparison;
 
@@ -94,18 +96,36 @@ static double strictest(const comparison *c) {
   return least;
 }
 
-static void take_reference(comparison *c, hk_effort effort) {
-  if (c->referred || c->varies) return;
-  c->referred = hk_reference_take(c->reopen, c->first, c->whole, strictest(c), effort, &c->reference);
-  if (!c->referred) return;
-  hk_distance d = distance(c, &c->reference);
-  c->referred = !isnan(d.position);
-  if (!c->referred) return;
+static void use_reference(comparison *c, hk_rerun *reference) {
+  hk_distance d = distance(c, reference);
+  if (isnan(d.position)) return;
+  c->referred = true;
   c->worst = d;
   c->error = relative(c, &d) / reserve;
   c->position = d.position;
   snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by 1e-14 of the extent",
-           c->reference.method, c->reference.tol);
+           reference->method, reference->tol);
+}
+
+static void take_reference(comparison *c, hk_effort effort) {
+  hk_reference want = {strictest(c), 0, effort};
+  hk_rerun reference;
+  if (c->referred || c->varies || !hk_reference_take(c->reopen, c->first, c->whole, &want, &reference)) return;
+  use_reference(c, &reference);
+  hk_trajectory_free(&reference.trajectory);
+}
+
+/* Where a run agrees with half its step and not with the reference, one of them is wrong: swings that the run damps, or
+ * a reference that passed by what the run saw, or whose errors grow. A stricter one with steps no longer than the run's
+ * decides. */
+static void settle_contradiction(comparison *c) {
+  hk_distance d = distance(c, &c->half);
+  hk_reference want = {strictest(c) * stricter, c->whole->record.dt_max, HK_EFFORT_LARGE};
+  hk_rerun reference;
+  if (!c->referred || c->error <= 1 || !(margin * relative(c, &d) <= 1)) return;
+  if (!hk_reference_take(c->reopen, c->first, c->whole, &want, &reference)) return;
+  use_reference(c, &reference);
+  hk_trajectory_free(&reference.trajectory);
 }
 
 /* The error by half the step, by a method of order p or, where it has jumps and kinks to step over, order 1. */
@@ -267,6 +287,7 @@ static bool may_hide_swings(const comparison *c) {
 static void judge_accuracy(comparison *c) {
   take_reference(c, HK_EFFORT_SMALL);
   if (!c->referred && may_hide_swings(c)) take_reference(c, HK_EFFORT_MEDIUM);
+  settle_contradiction(c);
   if (!c->referred) estimate_by_half(c);
   bool between = !c->referred && c->error > 1 && c->error <= margin, fine = judge(c);
   if (fine || c->referred || !(c->error <= margin)) return;
@@ -275,10 +296,14 @@ static void judge_accuracy(comparison *c) {
   judge(c);
 }
 
-/* Where none was. */
+/* Where none was: half the step is taken where it could defend the run. */
 static void judge_motion(comparison *c) {
+  hk_error error = {0};
   take_reference(c, HK_EFFORT_SMALL);
-  if (c->referred) judge(c);
+  if (!c->referred) return;
+  if (c->error > 1 && !c->compared) take_half(c, &error);
+  if (c->compared) settle_contradiction(c);
+  judge(c);
 }
 
 /* Where nothing is asked, an error of a tenth of the motion is visible, as in judge/verdict.c. */
@@ -315,7 +340,6 @@ hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *first, bool h
     judge_motion(&c);
   s->check_wall_s = hk_clock() - begin;
   hk_trajectory_free(&c.half.trajectory);
-  hk_trajectory_free(&c.reference.trajectory);
   free(c.channel);
   return status;
 }
