@@ -188,6 +188,11 @@ static void sample_after(void *context, double h) {
   hk_under_resolved_after(&run->loop, &run->judgement, h);
 }
 
+static void note_passages(void *context, double h) {
+  hk_run *run = context;
+  hk_passed_by_note(&run->loop, h);
+}
+
 static void show_progress(void *context) {
   hk_run *run = context;
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
@@ -217,6 +222,7 @@ static void connect_parts(hk_run *run) {
   loop->fps = run->scene->fps;
   loop->schedule = schedule_of(run);
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .now_and_then = show_progress};
+  if (hk_passed_by_asks(loop)) loop->hooks.moved = note_passages;
   if (run->step.method->flags & HK_IMPLICIT) {
     loop->hooks.before_sample = sample_before;
     loop->hooks.after_sample = sample_after;

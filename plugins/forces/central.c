@@ -155,12 +155,47 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* The force on one particle as a function of r alone. */
+typedef struct law {
+  const central *self;
+  double weight;
+} law;
+
+static void law_at(const void *self, const double r[3], double F[3]) {
+  const law *l = self;
+  const double soft = l->self->softening,
+               f = l->weight * scale(l->self, r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + soft * soft);
+  for (int c = 0; c < 3; c++) F[c] = -f * r[c];
+}
+
+/* Only a force that falls with the distance is stronger on the way than at its ends; its range is s/(1 - power), with
+ * the fall of r/s. */
+static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+  const central *p = self;
+  if (p->power >= 0) return false;
+  for (size_t k = 0; k < to->acting; k++) {
+    size_t i = to->active ? to->active[k] : k;
+    hk_passage way = {.i = (uint32_t)i, .other = (uint32_t)i};
+    double end[3];
+    offset(p, x_from + 3 * i, way.r);
+    offset(p, to->x + 3 * i, end);
+    for (int c = 0; c < 3; c++) way.dr[c] = end[c] - way.r[c];
+    double nearest = hk_nearest_square(way.r, way.dr);
+    if (!(nearest < INFINITY)) continue;
+    law l = {p, weight(p, to, i)};
+    way.range = sqrt(nearest + p->softening * p->softening) / (1 - p->power);
+    into->add(into, &way, law_at, &l);
+  }
+  return true;
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .passages = passages};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
