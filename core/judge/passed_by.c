@@ -15,7 +15,7 @@
 #include <float.h>
 #include <stdio.h>
 
-static const double few_ranges = 4, /* where F = r^-p no shorter move misses a fifth, for p up to 30 */
+static const double few_ranges = 4, /* where F = r^-p no shorter move misses a fifth, for p from 1 to 20 */
     spacing = 0.25,                 /* of theta; an error below 1e-3 of the integral for p up to 20 */
     fifth = 0.2,                    /* F = r^-2: moves above 2.1 b; r^-12: above 0.9 b */
     visible = 0.1;                  /* of the motion, as in verdict.c */
