@@ -80,12 +80,13 @@ typedef enum hk_stiffness_part {
   HK_DAMPING_WHOLE       /* D = -dF/dv, N s/m */
 } hk_stiffness_part;
 
-/* ---- Passages: moves of a step along which a force acts that its ends do not show ----------------------------------
+/* ---- Passages: forces of short range that a step passes by --------------------------------------------------------
  *
  * A method knows a force at a few points of a step only. A particle that goes by a force of short range between two of
- * them misses it, with the energy conserved, and with half the step, too. So a force of short range names the moves
- * that come near, for the verdict: forces that hold a particle everywhere on its way (elements, uniform fields, drag)
- * have no such moves, and their errors show when the step is changed. */
+ * them misses its impulse, with the energy conserved, and with half the step, too. A force of short range therefore
+ * names the moves that come near, for the verdict. Forces that do not end with the distance (elements between given
+ * particles, uniform fields, drag) need not: at the ends of a step they are never absent, and half the step shows their
+ * errors. */
 
 /* The straight move of the vector from what acts to particle i in a step. */
 typedef struct hk_passage {
@@ -93,10 +94,10 @@ typedef struct hk_passage {
   uint32_t other; /* the particle on which -F acts; i: none */
   double r[3];    /* m, at the start of the step */
   double dr[3];   /* m, its change */
-  double range;   /* m, where r is least: the length over which F changes by its own size, r/p for F = r^-p */
+  double range;   /* m, the length over which F changes by its own size, where r is least: r/p for F = r^-p */
 } hk_passage;
 
-/* Collects passages; the host integrates F along those that are longer than a few ranges. */
+/* Collects passages. The host integrates F along them; moves of 4 ranges or less are none and may be left out. */
 typedef struct hk_passages hk_passages;
 struct hk_passages {
   /* `F` gives the force on particle i, N, at any r; self is its argument. */

@@ -222,7 +222,8 @@ static void connect_parts(hk_run *run) {
   loop->fps = run->scene->fps;
   loop->schedule = schedule_of(run);
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .now_and_then = show_progress};
-  if (hk_passed_by_asks(loop)) loop->hooks.moved = note_passages;
+  bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
+  if (!repeats && hk_passed_by_asks(loop)) loop->hooks.moved = note_passages;
   if (run->step.method->flags & HK_IMPLICIT) {
     loop->hooks.before_sample = sample_before;
     loop->hooks.after_sample = sample_after;

@@ -162,6 +162,45 @@ static void a_slow_orbit_is_no_flyby(void **state) {
   }
 }
 
+/* Half way of a run that stops and goes on, the flyby is behind: the verdict knows of it. */
+static void a_checkpoint_carries_it(void **state) {
+  (void)state;
+  test_engine e, on;
+  char path[512];
+  flyby f = {"leapfrog", 0.1, 1, -2, 0, 0.5, 0};
+  snprintf(path, sizeof path, "%s/half.checkpoint", test_folder());
+  open_scene(&e, &f);
+  test_run(&e);
+  test_advance(&e, 0.7);
+  assert_int_equal(hk_run_save(e.run, path, &e.error), HK_OK);
+  test_advance(&e, 1);
+  open_scene(&on, &f);
+  on.scene->start_file = strdup(path);
+  test_run(&on);
+  test_advance(&on, 1);
+  assert_memory_equal(e.run->record.passed, on.run->record.passed, sizeof e.run->record.passed);
+  assert_true(hk_passed_by_error(&on.run->loop) > 0.5 && on.run->record.passed_id == 1);
+  test_engine_close(&on);
+  test_engine_close(&e);
+}
+
+/* A corrector takes back what moves further than 5 m in a step, and so every step of 10 m: the flyby counts once, at
+ * one half of it, where its step after all misses as much. */
+static void a_step_taken_back_leaves_no_trace(void **state) {
+  (void)state;
+  test_engine e;
+  flyby f = {"leapfrog", 0.1, 1, -2, 0, 0.3, 0};
+  open_scene(&e, &f);
+  test_number(&e, test_plugin(&e, HK_CORRECTOR, "fixture:rejecter"), "way", 5.5);
+  test_run(&e);
+  test_advance(&e, 1);
+  const hk_record *record = &e.run->record;
+  assert_int_equal(record->rejected, 10);
+  assert_true(fabs(record->passed_most / impulse(-2, 0) - 1) < 0.01);
+  assert_true(record->passed[0] == record->passed_most * record->passed_most);
+  test_engine_close(&e);
+}
+
 /* ---- pairs: the fluid of tests/fixtures, V = 4 ((1/r)^12 - (1/r)^6) up to 2.5 m with the force shifted to 0 there
  * ---- */
 
@@ -246,6 +285,8 @@ int main(void) {
       cmocka_unit_test(the_error_is_that_of_all_particles),
       cmocka_unit_test(a_long_range_costs_nothing),
       cmocka_unit_test(a_slow_orbit_is_no_flyby),
+      cmocka_unit_test(a_checkpoint_carries_it),
+      cmocka_unit_test(a_step_taken_back_leaves_no_trace),
       cmocka_unit_test(both_of_a_pair_are_counted),
       cmocka_unit_test(a_missed_flyby_is_inaccurate),
       cmocka_unit_test(without_an_accuracy_the_motion_is_the_measure),
