@@ -111,7 +111,7 @@ static hk_status check_report(const hk_loop *loop, double t_stop, double h, cons
 static hk_status keep(hk_loop *loop) {
   bool whole = hk_contact_checks(loop) || hk_correctors_look_back(loop);
   if (!whole && !loop->hooks.moved) return HK_OK;
-  size_t size = whole ? loop->state->size : 3 * loop->state->model.n;
+  size_t size = whole ? loop->state->size : 3 * loop->state->model.n + 1; /* 1: there may be no particles */
   double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
   if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
   loop->X_before = grown;

@@ -137,6 +137,22 @@ static void a_long_range_costs_nothing(void **state) {
   test_engine_close(&e);
 }
 
+/* A scene may begin empty, with a source that fills it later. */
+static void nobody_passes_by(void **state) {
+  (void)state;
+  test_engine e;
+  test_engine_open(&e);
+  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:sower"), "every", 100);
+  hk_plugin_spec *force = test_plugin(&e, HK_FORCE, "central");
+  test_number(&e, force, "strength", 1);
+  test_number(&e, force, "power", -2);
+  e.options.dt = 0.1;
+  test_run(&e);
+  test_advance(&e, 0.3);
+  assert_true(hk_passed_by_error(&e.run->loop) == 0);
+  test_engine_close(&e);
+}
+
 /* Kepler, e = 0.9: nearest at 0.1 of the half axis, with 4.36 times the mean speed. At 300 steps an orbit the
  * longest is 0.9 times that distance. (At 150, rk4 loses so much energy that it falls into the centre.) */
 static void a_slow_orbit_is_no_flyby(void **state) {
@@ -284,6 +300,7 @@ int main(void) {
       cmocka_unit_test(every_kind_of_method_is_watched),
       cmocka_unit_test(the_error_is_that_of_all_particles),
       cmocka_unit_test(a_long_range_costs_nothing),
+      cmocka_unit_test(nobody_passes_by),
       cmocka_unit_test(a_slow_orbit_is_no_flyby),
       cmocka_unit_test(a_checkpoint_carries_it),
       cmocka_unit_test(a_step_taken_back_leaves_no_trace),
