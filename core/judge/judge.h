@@ -99,6 +99,17 @@ double hk_under_resolved_error(hk_judgement *); /* m, the median of the samples;
 
 bool hk_varies_between_steps(hk_loop *); /* a function of time varies between the steps of the run */
 
+/* ---- passed_by.c: forces of short range that steps pass by ---- */
+
+/* After a step of h s from the positions in loop->X_before: adds what it passed by to the record. Ends its own calls
+ * (loop->hooks.moved) once no force has passages. */
+void hk_passed_by_note(hk_loop *, double h);
+bool hk_passed_by_asks(const hk_loop *);    /* a force of the scene states its passages */
+double hk_passed_by_error(const hk_loop *); /* m, RMS over the particles, at the present time */
+/* The reason when that is above the accuracy asked for, m, or, where that is NAN, above a tenth of the motion; false:
+ * there is none. */
+bool hk_passed_by_reason(const hk_loop *, double accuracy, char *text, size_t size);
+
 /* ---- summary.c: the figures of a run ---- */
 
 typedef struct hk_summary {

@@ -70,6 +70,8 @@ static void judge_figures(hk_loop *loop, hk_judgement *j, const hk_summary *s) {
   if (unresolved > allowed)
     add_reason(j, "the steps do not resolve what swings: a step is off by %.3g m by the change of its accelerations",
                unresolved);
+  char passed[256];
+  if (hk_passed_by_reason(loop, s->accuracy, passed, sizeof passed)) add_reason(j, "%s", passed);
   if (loop->record->worst_error > 1 + 1e-9)
     add_reason(j, "the error estimate was %.3g times the tolerance", loop->record->worst_error);
 }

@@ -23,6 +23,10 @@ typedef struct hk_record {
   bool sourced;           /* particles were born or died: the energy balance is not known */
   bool growth_expected;   /* the integrator has no stable step on this scene */
   size_t rejected;        /* number of steps rejected by contact or by correctors */
+  /* by the hook `moved`: sums of dv^2 t^k over what steps missed; the largest dv, its time, the dt it asks for, whose
+   */
+  double passed[3], passed_most, passed_at, passed_dt;
+  uint32_t passed_id, passed_force;
   /* written at frames */
   double energy_first, momentum_first[3], momentum_scale;
   double violation_max; /* m */
@@ -71,7 +75,8 @@ typedef struct hk_loop_hooks {
   hk_status (*frame)(void *context);    /* at a frame, and at the start */
   void (*before_sample)(void *context); /* before and after the last step of a fixed-step method before a cut */
   void (*after_sample)(void *context, double h);
-  void (*now_and_then)(void *context); /* every 1024 steps */
+  void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
+  void (*now_and_then)(void *context);    /* every 1024 steps */
 } hk_loop_hooks;
 
 typedef struct hk_loop {
@@ -89,7 +94,7 @@ typedef struct hk_loop {
   double fps;
   double last_h;    /* s; 0: no step yet */
   bool emitted;     /* the sources were called for the coming step */
-  double *X_before; /* state->size, the state before the step, for contact and correctors; NULL: not needed */
+  double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
   hk_instance *integrator;

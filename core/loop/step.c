@@ -57,6 +57,7 @@ static void set_time(hk_loop *loop, double t) {
 static hk_status finish(hk_loop *loop, double t, double h, double error, bool *rejected) {
   hk_state *s = loop->state;
   double before = s->t, *x = s->X, *v = s->X + 3 * s->model.n;
+  const hk_record kept = *loop->record;
   hk_status status = HK_OK;
   *rejected = false;
   set_time(loop, t);
@@ -64,9 +65,11 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_project(loop->dynamics, t, x, v);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
   if (status == HK_OK && hk_contact_checks(loop)) status = hk_contact_check(loop, before, rejected);
+  if (status == HK_OK && !*rejected && loop->hooks.moved) loop->hooks.moved(loop->hooks.context, h);
   if (status == HK_OK && !*rejected && loop->plugins->kind[HK_CORRECTOR].count)
     status = hk_correctors_apply(loop, h, rejected);
   if (*rejected) {
+    *loop->record = kept;
     loop->record->rejected++;
     set_time(loop, before);
     return status;
@@ -104,10 +107,11 @@ static hk_status check_report(const hk_loop *loop, double t_stop, double h, cons
   return HK_OK;
 }
 
-/* Keeps the state before a step where contact or a corrector needs it. */
+/* Keeps the state before a step where contact or a corrector needs it, or its positions for the hook `moved`. */
 static hk_status keep(hk_loop *loop) {
-  if (!hk_contact_checks(loop) && !hk_correctors_look_back(loop)) return HK_OK;
-  size_t size = loop->state->size;
+  bool whole = hk_contact_checks(loop) || hk_correctors_look_back(loop);
+  if (!whole && !loop->hooks.moved) return HK_OK;
+  size_t size = whole ? loop->state->size : 3 * loop->state->model.n + 1; /* 1: there may be no particles */
   double *grown = size > loop->room_before ? realloc(loop->X_before, size * sizeof *grown) : loop->X_before;
   if (!grown) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the state before a step");
   loop->X_before = grown;

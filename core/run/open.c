@@ -188,6 +188,11 @@ static void sample_after(void *context, double h) {
   hk_under_resolved_after(&run->loop, &run->judgement, h);
 }
 
+static void note_passages(void *context, double h) {
+  hk_run *run = context;
+  hk_passed_by_note(&run->loop, h);
+}
+
 static void show_progress(void *context) {
   hk_run *run = context;
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
@@ -217,6 +222,8 @@ static void connect_parts(hk_run *run) {
   loop->fps = run->scene->fps;
   loop->schedule = schedule_of(run);
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .now_and_then = show_progress};
+  bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
+  if (run->judgement.compared && !repeats && hk_passed_by_asks(loop)) loop->hooks.moved = note_passages;
   if (run->step.method->flags & HK_IMPLICIT) {
     loop->hooks.before_sample = sample_before;
     loop->hooks.after_sample = sample_after;

@@ -27,6 +27,7 @@ hk_status hk_rerun_take(const hk_reopen *reopen, const hk_run_options *options, 
     found->energy_defect = hk_energy_defect(&summary);
     found->kinetic = summary.kinetic_max;
     found->step = summary.dt_max / whole->record.dt_max;
+    found->passed_by = hk_passed_by_error(&again->loop);
     found->tol = again->dynamics.system.tol;
     found->trajectory = again->judgement.trajectory;
     again->judgement.trajectory = (hk_trajectory){0};

@@ -111,6 +111,7 @@ typedef struct hk_rerun {
   double energy_defect; /* J, energy that is missing or too much, see hk_energy_defect */
   double kinetic;       /* J, the largest */
   double step;          /* longest step relative to that of the first run */
+  double passed_by;     /* m, what its own steps may have passed by */
   hk_spectrum spectrum;
 } hk_rerun;
 

@@ -96,9 +96,10 @@ static double strictest(const comparison *c) {
   return least;
 }
 
-static void use_reference(comparison *c, hk_rerun *reference) {
+/* A reference that has passed by a force of short range is none. */
+static void use_reference(comparison *c, const hk_rerun *reference) {
   hk_distance d = distance(c, reference);
-  if (isnan(d.position)) return;
+  if (isnan(d.position) || reference->passed_by > c->accuracy) return;
   c->referred = true;
   c->worst = d;
   c->error = relative(c, &d) / reserve;

@@ -155,12 +155,81 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* The force on one particle as a function of r alone. */
+typedef struct law {
+  const central *self;
+  double weight;
+} law;
+
+static void law_at(const void *self, const double r[3], double F[3]) {
+  const law *l = self;
+  const double soft = l->self->softening,
+               f = l->weight * scale(l->self, r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + soft * soft);
+  for (int c = 0; c < 3; c++) F[c] = -f * r[c];
+}
+
+/* Only a force that falls with the distance is stronger on the way than at its ends; its range is s/(1 - power), with
+ * the fall of r/s. */
+static void add_passage(const central *p, const hk_view *to, const double *x_from, size_t i, hk_passages *into) {
+  hk_passage way = {.i = (uint32_t)i, .other = (uint32_t)i};
+  double end[3];
+  offset(p, x_from + 3 * i, way.r);
+  offset(p, to->x + 3 * i, end);
+  for (int c = 0; c < 3; c++) way.dr[c] = end[c] - way.r[c];
+  double nearest = hk_nearest_square(way.r, way.dr);
+  if (!(nearest < INFINITY)) return;
+  law l = {p, weight(p, to, i)};
+  way.range = sqrt(nearest + p->softening * p->softening) / (1 - p->power);
+  into->add(into, &way, law_at, &l);
+}
+
+enum { SIEVES = 64 }; /* parts that are looked through by several threads */
+
+typedef struct sieve {
+  const central *self;
+  const hk_view *to;
+  const double *x_from;
+  double ways2; /* a particle this many of its moves away (squared) has no passage */
+  bool near[SIEVES];
+} sieve;
+
+/* Whether a particle of the part may have a passage. */
+static void sift(void *context, size_t begin, size_t end, size_t part) {
+  sieve *s = context;
+  const double *axis = s->self->axis, *center = s->self->center;
+  bool near = false, line = axis[0] != 0 || axis[1] != 0 || axis[2] != 0;
+  for (size_t k = begin; k < end; k++) {
+    size_t i = s->to->active ? s->to->active[k] : k;
+    const double *x = s->to->x + 3 * i, *from = s->x_from + 3 * i;
+    double dx = x[0] - from[0], dy = x[1] - from[1], dz = x[2] - from[2];
+    double rx = x[0] - center[0], ry = x[1] - center[1], rz = x[2] - center[2];
+    double along = line ? axis[0] * rx + axis[1] * ry + axis[2] * rz : 0;
+    near |= s->ways2 * (dx * dx + dy * dy + dz * dz) > rx * rx + ry * ry + rz * rz - along * along;
+  }
+  s->near[part] = near;
+}
+
+/* At a distance R after a move of length l it was never nearer than R - l, so that R >= l (1 + (1 - power)/4) leaves 4
+ * ranges. */
+static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+  const central *p = self;
+  if (p->power >= 0) return false;
+  sieve s = {.self = p, .to = to, .x_from = x_from, .ways2 = pow(1 + (1 - p->power) / 4, 2)};
+  size_t grain = to->acting / SIEVES < 1024 ? 1024 : to->acting / SIEVES + 1;
+  to->host->parallel_for(to->host, to->acting, grain, sift, &s);
+  for (size_t part = 0; part * grain < to->acting; part++)
+    for (size_t k = part * grain; s.near[part] && k < to->acting && k < (part + 1) * grain; k++)
+      add_passage(p, to, x_from, to->active ? to->active[k] : k, into);
+  return true;
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .passages = passages};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

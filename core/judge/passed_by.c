@@ -1,0 +1,161 @@
+/* Forces of short range that steps pass by. A particle that goes by such a force between two evaluations misses its
+ * impulse, and with half the step it does so, too, as long as that is many ranges: two runs agree, both wrong. The
+ * force names the moves that come near (hk_force.passages), and what they miss is computed on the straight line through
+ * the move and as much before and after it: the integral of F, less what the four ends of these three steps make of it
+ * by the trapezoidal rule. The errors of neighbouring steps cancel where the steps resolve the force (on a long line to
+ * e^(-2 pi b/L) for a distance b and steps L), so a resolved passage misses next to nothing. The nodes of the integral
+ * lie at range sinh(theta) from the nearest point: as dense as the range there, and few however long the move.
+ *
+ * A passage counts where it misses more than a fifth of the integral of |F|; a method of high order may be far better
+ * than the trapezoidal rule below that, and half the step shows the error. The change of velocity dv that was missed
+ * becomes dv (T - t) by a later time T, for particles that nothing holds. The record has the moments in t of dv^2, from
+ * which the sum over all passages, taken for independent of each other, follows for every T. */
+#include "core/judge/judge.h"
+
+#include <float.h>
+#include <stdio.h>
+
+static const double few_ranges = 4, /* where F = r^-p no shorter move misses a fifth, for p from 1 to 20 */
+    spacing = 0.25,                 /* of theta; an error below 1e-3 of the integral for p up to 20 */
+    fifth = 0.2,                    /* F = r^-2: moves above 2.1 b; r^-12: above 0.9 b */
+    visible = 0.1;                  /* of the motion, as in verdict.c */
+enum { LEAST_INTERVALS = 8 };
+
+typedef struct collector {
+  hk_passages passages; /* first member: the table that forces get */
+  hk_loop *loop;
+  uint32_t force;
+  double h;
+  double enough; /* s, a step of a few ranges on the present passage */
+} collector;
+
+typedef void force_at(const void *self, const double r[3], double F[3]);
+
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+static void at(const hk_passage *p, double u, force_at *force, const void *self, double F[3]) {
+  double r[3];
+  for (int c = 0; c < 3; c++) r[c] = p->r[c] + u * p->dr[c];
+  force(self, r, F);
+}
+
+/* N: adds the integral of F over u from -1 to 2 to `sum`; returns that of |F|. u = nearest + width sinh(theta). */
+static double integrate(const hk_passage *p, double length, force_at *force, const void *self, double sum[3]) {
+  double nearest = -dot(p->r, p->dr) / (length * length), width = p->range / length, size = 0;
+  double first = asinh((-1 - nearest) / width), last = asinh((2 - nearest) / width);
+  int count = (int)fmax(LEAST_INTERVALS, ceil((last - first) / spacing));
+  double step = (last - first) / count;
+  for (int k = 0; k <= count; k++) {
+    double theta = first + k * step, F[3], weight = width * cosh(theta) * step * (k == 0 || k == count ? 0.5 : 1);
+    at(p, nearest + width * sinh(theta), force, self, F);
+    for (int c = 0; c < 3; c++) sum[c] += weight * F[c];
+    size += weight * sqrt(dot(F, F));
+  }
+  return size;
+}
+
+/* N, over the time of one step, what the ends of the steps do not show of F; 0 where that is less than a fifth. */
+static double unseen(const hk_passage *p, double length, force_at *force, const void *self) {
+  double missed[3] = {0}, size = integrate(p, length, force, self, missed);
+  for (int u = -1; u <= 2; u++) {
+    double F[3], weight = u == -1 || u == 2 ? 0.5 : 1;
+    at(p, u, force, self, F);
+    for (int c = 0; c < 3; c++) missed[c] -= weight * F[c];
+  }
+  double most = sqrt(dot(missed, missed));
+  return most > fifth * size && isfinite(most) ? most : 0;
+}
+
+static void note(const collector *w, uint32_t i, double dv) {
+  hk_record *r = w->loop->record;
+  double t = w->loop->state->t;
+  r->passed[0] += dv * dv;
+  r->passed[1] += dv * dv * t;
+  r->passed[2] += dv * dv * t * t;
+  if (!(dv > r->passed_most)) return;
+  r->passed_most = dv;
+  r->passed_at = t;
+  r->passed_dt = w->enough;
+  r->passed_id = w->loop->state->id[i];
+  r->passed_force = w->force;
+}
+
+/* No passage does more than turn the motion back: the impulse along the straight line would, where the particle is
+ * deflected strongly. What goes straight through a point where F is infinite has no straight line to judge by. */
+static void add(hk_passages *passages, const hk_passage *p, force_at *force, const void *self) {
+  collector *w = (collector *)(void *)passages;
+  const double *inverse_mass = w->loop->state->inverse_mass;
+  double length = sqrt(dot(p->dr, p->dr)), of_i = inverse_mass[p->i],
+         of_other = p->other == p->i ? 0 : inverse_mass[p->other];
+  if (!(length > few_ranges * p->range) || !(p->range > DBL_MIN * length) || !(of_i + of_other > 0)) return;
+  double most = 2 * length / w->h, dv = fmin(w->h * unseen(p, length, force, self) * (of_i + of_other), most);
+  if (!(dv > 0)) return;
+  w->enough = w->h * few_ranges * p->range / length;
+  note(w, p->i, dv * of_i / (of_i + of_other));
+  if (p->other != p->i) note(w, p->other, dv * of_other / (of_i + of_other));
+}
+
+static bool has_passages(const hk_instance *force) { return force->plugin->force->passages != NULL; }
+
+bool hk_passed_by_asks(const hk_loop *loop) {
+  const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
+  for (size_t k = 0; k < forces->count; k++)
+    if (has_passages(forces->item[k])) return true;
+  return false;
+}
+
+/* With the parameters of the present time; an error of theirs is dropped, because the next evaluation reports it. */
+static bool set_time(hk_loop *loop, hk_instance *force) {
+  hk_error kept = *loop->error;
+  if (force->spec->timed_count == 0) return true;
+  loop->dynamics->timed_at = NAN;
+  bool set = hk_instance_set_time(force, loop->state->t, loop->error) == HK_OK;
+  *loop->error = kept;
+  return set;
+}
+
+void hk_passed_by_note(hk_loop *loop, double h) {
+  const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
+  collector w = {.passages.add = add, .loop = loop, .h = h};
+  bool more = false;
+  for (size_t k = 0; k < forces->count; k++) {
+    hk_instance *force = forces->item[k];
+    if (!has_passages(force)) continue;
+    if (!loop->dynamics->force_acts[k] || !set_time(loop, force)) {
+      more = true;
+      continue;
+    }
+    hk_view view = hk_force_view_at(loop->dynamics, k, loop->state->t, loop->state->X, loop->state->model.n);
+    w.force = (uint32_t)k;
+    const hk_instance *outer = hk_enter(force);
+    more |= force->plugin->force->passages(force->self, &view, loop->X_before, &w.passages);
+    hk_leave(force, outer);
+  }
+  if (!more) loop->hooks.moved = NULL;
+}
+
+double hk_passed_by_error(const hk_loop *loop) {
+  const double *sum = loop->record->passed;
+  double t = loop->state->t, square = t * t * sum[0] - 2 * t * sum[1] + sum[2];
+  return loop->state->model.n ? sqrt(fmax(0, square) / (double)loop->state->model.n) : 0;
+}
+
+/* m, what the scene extends over, or what its largest kinetic energy takes the particles in the time of the run. */
+static double motion(const hk_loop *loop) {
+  const hk_state *s = loop->state;
+  double mass = 0;
+  for (size_t i = 0; i < s->model.n; i++) mass += s->inverse_mass[i] > 0 ? s->mass[i] : 0;
+  return fmax(hk_state_extent(s), mass > 0 ? sqrt(2 * loop->record->kinetic_max / mass) * s->t : 0);
+}
+
+bool hk_passed_by_reason(const hk_loop *loop, double accuracy, char *text, size_t size) {
+  const hk_record *r = loop->record;
+  double error = hk_passed_by_error(loop);
+  if (!(error > (accuracy > 0 ? accuracy : visible * motion(loop)))) return false;
+  snprintf(text, size,
+           "particle %u passes '%s' between two evaluations, before t = %g s, and misses %.3g m/s, which half the step "
+           "may miss as well: the particles end about %.3g m off (RMS); try dt below %.2g s",
+           r->passed_id, loop->plugins->kind[HK_FORCE].item[r->passed_force]->label, r->passed_at, r->passed_most,
+           error, r->passed_dt);
+  return true;
+}
