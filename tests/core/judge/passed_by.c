@@ -26,6 +26,7 @@ typedef struct flyby {
 /* The centre is passed in step number 5, or at the same place in steps of another length. */
 static hk_plugin_spec *open_scene(test_engine *e, const flyby *f) {
   test_engine_open(e);
+  e->options.compare = HK_COMPARE_ALWAYS;
   test_particle(e, -v * (0.4 + 0.1 * f->phase), b, 0, 2);
   e->scene->velocity[0] = v;
   for (size_t k = 0; k < f->others; k++) test_particle(e, 1e6, (double)k, 0, 1);
@@ -142,6 +143,7 @@ static void nobody_passes_by(void **state) {
   (void)state;
   test_engine e;
   test_engine_open(&e);
+  e.options.compare = HK_COMPARE_ALWAYS;
   test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:sower"), "every", 100);
   hk_plugin_spec *force = test_plugin(&e, HK_FORCE, "central");
   test_number(&e, force, "strength", 1);
@@ -161,6 +163,7 @@ static void a_slow_orbit_is_no_flyby(void **state) {
   for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
     test_engine e;
     test_engine_open(&e);
+    e.options.compare = HK_COMPARE_ALWAYS;
     test_particle(&e, 0.1, 0, 0, 1);
     e.scene->velocity[1] = sqrt(1.9 / 0.1);
     hk_plugin_spec *force = test_plugin(&e, HK_FORCE, "central");
@@ -240,6 +243,7 @@ static void both_of_a_pair_are_counted(void **state) {
   for (size_t k = 0; k < 4; k++) {
     test_engine e;
     test_engine_open(&e);
+    e.options.compare = HK_COMPARE_ALWAYS;
     test_particle(&e, 0, distances[k], 0, 3);
     test_particle(&e, -43, 0, 0, 1);
     e.scene->velocity[3] = 100;
