@@ -59,6 +59,11 @@ void hk_under_resolved_before(hk_loop *, hk_judgement *);
 void hk_under_resolved_after(hk_loop *, hk_judgement *, double h);
 double hk_under_resolved_error(hk_judgement *); /* m, the median of the samples; 0 without samples */
 
+/* ---- given_speeds.c ---- */
+
+/* Warns of a path of a pin whose velocities, from now to `end` (s), are not the derivatives of its positions. */
+void hk_check_given_speeds(hk_loop *, double end);
+
 /* ---- under_sampled.c ---- */
 
 bool hk_varies_between_steps(hk_loop *); /* a function of time varies between the steps of the run */

@@ -13,15 +13,16 @@ typedef struct hk_record {
   /* written by the loop */
   size_t steps, frames; /* number of steps taken and of frames */
   double dt_min, dt_max;
-  double dt_beyond;       /* s, the longest step above the stable limit at its time; 0: none */
-  double worst_error;     /* largest error estimate of accepted steps, relative to tol */
-  double kinetic_max;     /* J */
-  double correction_work; /* J, energy that correctors reported to have given */
-  bool moved;             /* a corrector moved something */
-  bool corrected;         /* a corrector moved something and did not say what energy that took */
-  bool sourced;           /* particles were born or died: the energy balance is not known */
-  bool growth_expected;   /* the integrator has no stable step on this scene */
-  size_t rejected;        /* number of steps rejected by contact or by correctors */
+  double dt_beyond;        /* s, the longest step above the stable limit at its time; 0: none */
+  double worst_error;      /* largest error estimate of accepted steps, relative to tol */
+  double kinetic_max;      /* J */
+  double correction_work;  /* J, energy that correctors reported to have given */
+  bool moved;              /* a corrector moved something */
+  bool corrected;          /* a corrector moved something and did not say what energy that took */
+  bool sourced;            /* particles were born or died: the energy balance is not known */
+  bool growth_expected;    /* the integrator has no stable step on this scene */
+  size_t rejected;         /* number of steps rejected by contact or by correctors */
+  double path_speed_error; /* m/s, largest estimated error of the velocity of a pin's path; 0: none is estimated */
   /* written at frames */
   double energy_first, momentum_first[3], momentum_scale;
   double violation_max; /* m */

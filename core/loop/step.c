@@ -44,6 +44,7 @@ static void note_step(hk_loop *loop, double h) {
   if (h < r->dt_min) r->dt_min = h;
   if (h > r->dt_max) r->dt_max = h;
   if (h > loop->step->limit_now * (1 + 1e-9) && h > r->dt_beyond) r->dt_beyond = h;
+  if (loop->pins->has_paths) r->path_speed_error = fmax(r->path_speed_error, hk_pins_speed_error(loop->pins));
 }
 
 static void set_time(hk_loop *loop, double t) {

@@ -308,6 +308,7 @@ static hk_status start(hk_run *run) {
   double limit = run->step.dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);
   if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
+  if (status == HK_OK) hk_check_given_speeds(&run->loop, run->asked.end);
   return status == HK_OK ? first_frame(run) : status;
 }
 

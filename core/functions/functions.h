@@ -1,0 +1,45 @@
+/* Functions of time of the script, such as paths of pins and timed parameters: their derivatives, the times at which a
+ * run evaluated them, and where they vary between those times. */
+#ifndef HK_FUNCTIONS_H
+#define HK_FUNCTIONS_H
+
+#include "core/host/host.h"
+
+enum { HK_COLUMNS = 3, HK_RESULTS = 2 * HK_COLUMNS }; /* of the numbers that a function returns, at most */
+
+/* ---- derivative.c: derivatives by differences (Ridders 1982) ---- */
+
+typedef struct hk_derivative {
+  double value[HK_COLUMNS];
+  double error; /* estimate, of the length of the vector `value`; 0: nothing is known to be wrong */
+  double step;  /* s, smallest distance in time of the differences */
+} hk_derivative;
+
+/* Derivative of order 1 or 2, at t, of three of the numbers that the function returns, from number `column` on. `at`
+ * has the numbers at t; `step` (s) is where the search of a good step begins, from hk_derivative_step(). The result
+ * depends on the arguments alone. HK_SCRIPT: the function fails everywhere beside t. */
+hk_status hk_derivative_find(const hk_function *, int order, size_t column, double step, double t,
+                             const double at[HK_RESULTS], hk_derivative *, hk_error *error);
+/* The step that is best at most times between begin and end. */
+double hk_derivative_step(const hk_function *, int order, size_t column, double begin, double end);
+
+/* ---- path.c: the path of a pin in a run ---- */
+
+typedef struct hk_path {
+  const hk_function *function; /* t -> x, y, z [, vx, vy, vz], offsets from the start position */
+  const char *where;           /* script line */
+  double step[2];              /* s, where differences for velocities and for accelerations begin */
+  double at;                   /* s, time of `value`; NAN: none */
+  double value[HK_RESULTS];    /* m, m/s */
+  double speed_error;          /* m/s, largest estimated error of a velocity so far; 0: the path gives its velocities */
+} hk_path;
+
+/* `end` (s): the path is needed up to there. The function and `where` must outlive the path. */
+void hk_path_open(hk_path *, const hk_function *, const char *where, double end);
+/* Finds offset and velocity at t, unless they are those of the last call: a step asks for its ends, an implicit one for
+ * its stages, several times. */
+hk_status hk_path_find(hk_path *, double t, hk_error *error);
+/* Acceleration, m/s^2: differences of the velocity when the function gives one, else second differences. */
+hk_status hk_path_acceleration(const hk_path *, double t, double out[HK_COLUMNS], hk_error *error);
+
+#endif
