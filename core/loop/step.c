@@ -73,6 +73,7 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
     return status;
   }
   loop->emitted = false;
+  hk_evaluations_accept(&loop->dynamics->evaluations, t);
   note_step(loop, h);
   if (error > loop->record->worst_error) loop->record->worst_error = error;
   if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
