@@ -85,6 +85,8 @@ typedef struct hk_sampling {
 } hk_sampling;
 
 hk_sampling hk_under_sampled(hk_loop *);
+/* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
+void hk_warn_of_long_steps(hk_loop *);
 /* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A
  * method that ends a step at each does not pass over a pulse. */
 size_t hk_sampling_cuts(const hk_sampling *, double *times, size_t room);

@@ -24,6 +24,7 @@ typedef struct subject {
 
 typedef struct search {
   const hk_loop *loop;
+  double until; /* s */
   const subject *now;
   size_t functions; /* that share the calls */
   hk_sampling *result;
@@ -40,7 +41,7 @@ static void visit_plugins(search *s, hk_kind kind, visit *each) {
     for (size_t j = 0; j < spec->timed_count; j++) {
       subject one = {&spec->timed[j].function, spec->where, spec->label, spec->timed[j].param->name, .stepwise = false};
       one.begin = fmax(0, spec->from);
-      one.end = fmin(s->loop->state->t, spec->to);
+      one.end = fmin(s->until, spec->to);
       one.fastest = spec->fastest;
       one.stepwise = kind == HK_CORRECTOR;
       if (one.end > one.begin) each(s, &one);
@@ -54,7 +55,7 @@ static void visit_all(search *s, visit *each) {
   visit_plugins(s, HK_CORRECTOR, each);
   for (size_t k = 0; k < s->loop->pins->count; k++) {
     const hk_pin_spec *spec = s->loop->pins->item[k].spec;
-    subject one = {&spec->path, spec->where, "pin", "path", .end = fmin(s->loop->state->t, spec->release)};
+    subject one = {&spec->path, spec->where, "pin", "path", .end = fmin(s->until, spec->release)};
     one.fastest = spec->fastest;
     if (spec->kind == HK_PIN_PATH && one.end > 0) each(s, &one);
   }
@@ -122,10 +123,25 @@ static void look_at(search *s, const subject *one) {
 
 hk_sampling hk_under_sampled(hk_loop *loop) {
   hk_sampling result = {.shortest = INFINITY, .declared = INFINITY};
-  search s = {.loop = loop, .result = &result};
+  search s = {.loop = loop, .until = loop->state->t, .result = &result};
   visit_all(&s, count);
   visit_all(&s, look_at);
   return result;
+}
+
+static void compare_with_step(search *s, const subject *one) {
+  double dt = s->loop->step->dt;
+  if (one->fastest > 0 && dt > one->fastest)
+    hk_warn(
+        s->loop->warnings,
+        "%s: %s: the steps, %.3g s, are longer than `fastest`, %.3g s: they pass over what %s does within less; give "
+        "a dt of half of it, or an integrator with steps of its own",
+        one->where, one->label, dt, one->fastest, one->name);
+}
+
+void hk_warn_of_long_steps(hk_loop *loop) {
+  search s = {.loop = loop, .until = INFINITY};
+  if (!(loop->step->method->flags & HK_ADAPTIVE)) visit_all(&s, compare_with_step);
 }
 
 static int by_time(const void *a, const void *b) {

@@ -309,6 +309,7 @@ static hk_status start(hk_run *run) {
   if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);
   if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
   if (status == HK_OK) hk_check_given_speeds(&run->loop, run->asked.end);
+  if (status == HK_OK) hk_warn_of_long_steps(&run->loop);
   return status == HK_OK ? first_frame(run) : status;
 }
 

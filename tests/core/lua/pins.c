@@ -81,11 +81,44 @@ static void a_given_velocity_that_is_none_is_said(void **state) {
   assert_false(warns("function(t) return 0, 0, 0, 0, 0, 0 end"));
 }
 
+#define WIND "scene:force('gravity', { g = function(t) return { 0, 0, t } end, fastest = %s })\nreturn scene\n"
+
+static const char *run_with(const char *fastest, const char *arguments) {
+  static test_result r;
+  char scene[1024], all[256];
+  snprintf(scene, sizeof scene, HEAD WIND, fastest);
+  test_write("fastest.lua", scene);
+  snprintf(all, sizeof all, "run fastest.lua --no-output %s", arguments);
+  test_hooke(&r, NULL, all);
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  return r.err;
+}
+
+/* Steps of a method that chooses none for itself are compared with it: 0.1 s against 0.05 s. */
+static void the_shortest_time_of_functions_is_declared(void **state) {
+  (void)state;
+  const char *longer = "fastest.lua:3: gravity: the steps, 0.1 s, are longer than `fastest`, 0.05 s";
+  assert_non_null(strstr(run_with("0.05", "--integrator leapfrog --dt 0.1"), longer));
+  assert_null(strstr(run_with("0.05", "--integrator leapfrog --dt 0.05"), "fastest"));
+  assert_null(strstr(run_with("0.05", "--integrator dopri5"), "fastest"));
+  test_refused(HEAD "scene:force('gravity', { g = {0, 0, -1}, fastest = 1e-4 })\nreturn scene\n", "", 1,
+               "gravity: fastest: no parameter is a function of time");
+  test_refused(HEAD "scene:force('gravity', { g = function(t) return {0, 0, t} end, fastest = 0 })\nreturn scene\n", "",
+               1, "gravity: fastest: 0 s is no time in which anything changes");
+  test_refused(HEAD "scene:pin({ p }, { fastest = 1e-4 })\nreturn scene\n", "", 1,
+               "bad.lua:3: pin: fastest: the pin has no path that could change");
+  test_refused(HEAD "scene:pin({ p }, { path = function(t) return t, 0, 0 end, fastest = -1 })\nreturn scene\n", "", 1,
+               "pin: fastest: -1 s is no time");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(options_among_the_ids_are_refused),     cmocka_unit_test(options_that_are_no_table_are_refused),
-      cmocka_unit_test(the_speed_of_a_late_shaking_is_right),  cmocka_unit_test(a_jump_gives_no_speed),
+      cmocka_unit_test(options_among_the_ids_are_refused),
+      cmocka_unit_test(options_that_are_no_table_are_refused),
+      cmocka_unit_test(the_speed_of_a_late_shaking_is_right),
+      cmocka_unit_test(a_jump_gives_no_speed),
       cmocka_unit_test(a_given_velocity_that_is_none_is_said),
+      cmocka_unit_test(the_shortest_time_of_functions_is_declared),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
