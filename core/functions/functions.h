@@ -28,7 +28,9 @@ double hk_derivative_step(const hk_function *, int order, size_t column, double 
 typedef struct hk_path {
   const hk_function *function; /* t -> x, y, z [, vx, vy, vz], offsets from the start position */
   const char *where;           /* script line */
-  double step[2];              /* s, where differences for velocities and for accelerations begin */
+  double end;                  /* s: needed up to there */
+  bool gives_velocity;         /* at t = 0 */
+  double step[2];              /* s, where differences for velocities and accelerations begin; 0: none was needed yet */
   double at;                   /* s, time of `value`; NAN: none */
   double value[HK_RESULTS];    /* m, m/s */
   double speed_error;          /* m/s, largest estimated error of a velocity so far; 0: the path gives its velocities */
@@ -40,7 +42,7 @@ void hk_path_open(hk_path *, const hk_function *, const char *where, double end)
  * its stages, several times. */
 hk_status hk_path_find(hk_path *, double t, hk_error *error);
 /* Acceleration, m/s^2: differences of the velocity when the function gives one, else second differences. */
-hk_status hk_path_acceleration(const hk_path *, double t, double out[HK_COLUMNS], hk_error *error);
+hk_status hk_path_acceleration(hk_path *, double t, double out[HK_COLUMNS], hk_error *error);
 
 /* ---- evaluations.c: how far apart the times are at which a run evaluated its functions of time ---- */
 

@@ -10,10 +10,9 @@ void hk_path_open(hk_path *path, const hk_function *function, const char *where,
   hk_error ignored = {0}; /* an error here is one of the first evaluation, too */
   *path = (hk_path){.function = function, .where = where, .at = NAN};
   function->call(function, NULL, &t, 1, out, HK_RESULTS, &got, &ignored);
-  if (got == HK_RESULTS)
-    path->step[1] = hk_derivative_step(function, 1, HK_COLUMNS, 0, end);
-  else
-    for (int order = 1; order <= 2; order++) path->step[order - 1] = hk_derivative_step(function, order, 0, 0, end);
+  path->gives_velocity = got == HK_RESULTS;
+  path->end = end;
+  if (!path->gives_velocity) path->step[0] = hk_derivative_step(function, 1, 0, 0, end);
 }
 
 static hk_status call(const hk_path *path, double t, double out[HK_RESULTS], size_t *got, hk_error *error) {
@@ -43,15 +42,15 @@ hk_status hk_path_find(hk_path *path, double t, hk_error *error) {
   return status;
 }
 
-hk_status hk_path_acceleration(const hk_path *path, double t, double out[HK_COLUMNS], hk_error *error) {
+hk_status hk_path_acceleration(hk_path *path, double t, double out[HK_COLUMNS], hk_error *error) {
+  int order = path->gives_velocity ? 1 : 2;
+  size_t column = path->gives_velocity ? HK_COLUMNS : 0, got = 0;
   hk_derivative acceleration;
   double at[HK_RESULTS];
-  size_t got = 0;
+  if (!(path->step[1] > 0)) path->step[1] = hk_derivative_step(path->function, order, column, 0, path->end);
   hk_status status = call(path, t, at, &got, error);
   if (status != HK_OK) return status;
-  bool given = got == HK_RESULTS; /* its velocities */
-  status = hk_derivative_find(path->function, given ? 1 : 2, given ? HK_COLUMNS : 0, path->step[1], t, at,
-                              &acceleration, error);
+  status = hk_derivative_find(path->function, order, column, path->step[1], t, at, &acceleration, error);
   memcpy(out, acceleration.value, sizeof acceleration.value);
   return status;
 }

@@ -47,6 +47,6 @@ void hk_check_given_speeds(hk_loop *loop, double end) {
   for (size_t k = 0; k < loop->pins->count; k++) {
     const hk_pin_spec *spec = loop->pins->item[k].spec;
     double last = fmin(end, spec->release);
-    if (spec->kind == HK_PIN_PATH && last > loop->state->t) check_pin(loop, spec, last);
+    if (loop->pins->item[k].path.gives_velocity && last > loop->state->t) check_pin(loop, spec, last);
   }
 }

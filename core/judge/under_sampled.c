@@ -130,7 +130,7 @@ hk_sampling hk_under_sampled(hk_loop *loop) {
 }
 
 static void compare_with_step(search *s, const subject *one) {
-  double dt = s->loop->step->dt;
+  double dt = fmin(s->loop->step->dt, 1 / s->loop->fps);
   if (one->fastest > 0 && dt > one->fastest)
     hk_warn(
         s->loop->warnings,

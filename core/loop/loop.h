@@ -59,6 +59,8 @@ hk_status hk_step_reestimate(hk_step_choice *, hk_dynamics *, bool event);
 /* Times at which a step must end besides frames and events, and the conditions that end a run early. */
 typedef struct hk_schedule {
   size_t refine;     /* r > 0: 2rn + 1 steps replace n steps between two cuts, see hk_run_options */
+  const double *cut; /* s, increasing: further times at which a step ends, such as those of pulses */
+  size_t cuts;
   double part;       /* fraction of a frame at which it is cut as well; 0: no such cut */
   double dt_most;    /* s, longest step of an adaptive method; 0: no limit */
   size_t step_limit; /* the run ends with HK_INTERRUPTED after this number of steps; 0: no limit */

@@ -196,6 +196,8 @@ static void show_progress(void *context) {
 static hk_schedule schedule_of(const hk_run *run) {
   const hk_run_options *o = &run->options;
   hk_schedule s = {.refine = o->refine, .dt_most = o->dt_most, .step_limit = o->step_limit};
+  s.cut = o->cut;
+  s.cuts = o->cuts;
   s.interrupted = o->interrupted;
   if (o->refine && run->dynamics.system.flags & HK_DEPENDS_ON_T)
     s.part = golden; /* an irrational part: the cut coincides with no equal division of a frame */

@@ -164,6 +164,45 @@ static void what_the_run_follows_is_no_alarm(void **state) {
   assert_false(varies(&(setting){"leapfrog", 1e-3, 2, 0, true}, (wave){sine, 10, 0, 0.1}));
 }
 
+/* Where a particle of 1 m/s ends that gets a pulse: c b more, so that the way is 1 + c b (end - a - b/2). */
+static double way_under(const char *method, double dt, const double *cuts, size_t count) {
+  test_engine e;
+  wave w = {pulse, 0.3003, 4e-4, 1000};
+  test_engine_open(&e);
+  test_particle(&e, 0, 0, 0, 1);
+  e.scene->velocity[0] = 1;
+  test_function(&e, test_plugin(&e, HK_FORCE, "gravity"), "g", (hk_function){.call = call, .context = &w});
+  test_plugin(&e, HK_INTEGRATOR, method);
+  e.scene->duration = 1;
+  e.options.dt = dt;
+  e.options.cut = cuts;
+  e.options.cuts = count;
+  e.options.refine = count ? 1 : 0;
+  test_run(&e);
+  test_advance(&e, 1);
+  double way = test_position(&e, 1)[0] - 1;
+  if (count) assert_true(e.run->record.dt_min <= 4e-4 / 2);
+  test_engine_close(&e);
+  return way;
+}
+
+/* A second run that is cut there sees it, also one of a method that chooses its steps and passed over it. */
+static void a_run_that_is_cut_at_a_pulse_does_not_pass_over_it(void **state) {
+  const char *methods[] = {"leapfrog", "implicit_midpoint", "dopri5"};
+  double right = 1000 * 4e-4 * (1 - 0.3003 - 2e-4);
+  (void)state;
+  for (size_t k = 0; k < 3; k++) {
+    setting how = {methods[k], k == 2 ? NAN : 1.0 / 120, 1, 0, false};
+    double cuts[4];
+    size_t count = 4;
+    wave w = {pulse, 0.3003, 4e-4, 1000};
+    assert_true(sampled(&how, &w, cuts, &count).varies && count == 2);
+    assert_true(fabs(way_under(methods[k], how.dt, NULL, 0)) < 0.1 * right);
+    double way = way_under(methods[k], how.dt, cuts, count);
+    if (!(fabs(way - right) < 0.5 * right)) fail_msg("%s: %g m, right is %g m", methods[k], way, right);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_pulse_is_found_and_measured),
@@ -172,6 +211,7 @@ int main(void) {
       cmocka_unit_test(pulses_of_any_shape_are_found),
       cmocka_unit_test(vibrations_are_found_in_any_phase),
       cmocka_unit_test(what_the_run_follows_is_no_alarm),
+      cmocka_unit_test(a_run_that_is_cut_at_a_pulse_does_not_pass_over_it),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
