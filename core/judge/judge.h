@@ -87,8 +87,10 @@ typedef struct hk_sampling {
 hk_sampling hk_under_sampled(hk_loop *);
 /* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
 void hk_warn_of_long_steps(hk_loop *);
-/* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A
- * method that ends a step at each does not pass over a pulse. */
+/* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A begin
+ * is just before the first change and an end just after the last one, so that a method that ends a step at each has
+ * steps of its own for every pulse. Where a pulse rises by a jump it still needs several: the first and the last have a
+ * jump. */
 size_t hk_sampling_cuts(const hk_sampling *, double *times, size_t room);
 bool hk_varies_between_steps(hk_loop *); /* hk_under_sampled(loop).varies */
 
