@@ -3,7 +3,8 @@
 -- refinement.lua, report.lua.
 --
 -- The error x of a run: at a frame, the root mean square over all particles of the distance to the reference; of these,
--- the root mean square over the frames after the start (m). v: the same for velocities (m/s). energy: the unaccounted
+-- the root mean square over the frames after the start (m): error_x_rms of bench.csv, whose other columns are described
+-- in report.lua. v: the same for velocities (m/s). energy: the unaccounted
 -- change of energy over the largest kinetic energy. Of a measure: the root mean square over the frames. The cost is the
 -- wall time of the time loop, the median of repeats, of which the first warms the machine up.
 local argparse = require("argparse")
@@ -20,7 +21,8 @@ local function parser()
   p:option("--integrators", "only these: a,b,c; a name may have settings, xpbd:substeps=20")
   p:option("--target", "the error to compare costs at"):default("1e-3"):convert(tonumber)
   p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(tonumber)
-  p:option("--metric", "x, v, energy, or a measure of the scene"):default("x")
+  p:option("--metric", "x (m) or v (m/s): root mean square over the particles, then over the frames; energy; or a "
+    .. "measure of the scene"):default("x")
   p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(tonumber)
   p:option("--budget", "s for all of it, about"):default("120"):convert(tonumber)
   p:option("--threads", "of each run"):default("1"):convert(math.tointeger)

@@ -177,9 +177,9 @@ static hk_status find_path_accelerations(hk_dynamics *d, double t) {
   hk_constraints *c = d->constraints;
   hk_status status = HK_OK;
   for (size_t k = 0; k < d->pins->count && status == HK_OK; k++) {
-    const hk_pin_state *pin = &d->pins->item[k];
+    hk_pin_state *pin = &d->pins->item[k];
     if (pin->spec->kind == HK_PIN_PATH && !pin->released && c->path_used[k])
-      status = hk_pin_acceleration(pin->spec, t, c->path[k], d->error);
+      status = hk_path_acceleration(&pin->path, t, c->path[k], d->error);
   }
   return status;
 }

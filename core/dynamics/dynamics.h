@@ -37,7 +37,8 @@ typedef struct hk_dynamics {
   double *predicted; /* n x 3, predicted positions after the next step, scratch; NULL: no force has `update` or
                         `step_limit` */
   bool has_timed;
-  double timed_at; /* s, time of the last values of timed parameters; NAN: none */
+  double timed_at;            /* s, time of the last values of timed parameters; NAN: none */
+  hk_evaluations evaluations; /* of paths and timed parameters */
   hk_counts count;
   /* linear systems */
   hk_constraints *constraints; /* NULL: the scene has none */

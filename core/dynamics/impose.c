@@ -12,6 +12,7 @@ static hk_status set_timed(hk_dynamics *d, double t) {
 }
 
 hk_status hk_dynamics_impose(hk_dynamics *d, double t, double *x, double *v) {
+  hk_evaluations_note(&d->evaluations, t);
   hk_status status = hk_pins_impose(d->pins, t, x, v, d->error);
   return status == HK_OK && d->has_timed && t != d->timed_at ? set_timed(d, t) : status;
 }

@@ -117,6 +117,8 @@ hk_status hk_dynamics_open(hk_dynamics *d, const hk_scene *scene, hk_state *stat
   if (status == HK_OK) status = hk_publications_list(d);
   if (status != HK_OK) return status;
   set_flags(d);
+  if (d->system.flags & HK_DEPENDS_ON_T && !hk_evaluations_open(&d->evaluations, scene->duration))
+    return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the times of evaluations");
   hk_dynamics_refresh(d);
   return hk_evaluate_resize(d);
 }
@@ -156,6 +158,7 @@ hk_status hk_dynamics_remap(hk_dynamics *d, const uint32_t *map, size_t n_old) {
 void hk_dynamics_close(hk_dynamics *d) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
+  hk_evaluations_close(&d->evaluations);
   void *arrays[] = {d->force_view, d->force_acts,  d->takes,     d->takes_kept,  d->force_info, d->element_list,
                     d->offered,    d->publication, d->chunk_bad, d->unaccounted, d->predicted};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);

@@ -82,6 +82,7 @@ typedef struct hk_plugin_spec {
   char *label;
   char *where;     /* script and line, "cloth.lua:12", or "" */
   double from, to; /* s, when a force acts */
+  double fastest;  /* s, shortest time in which a function of time changes, as the script declares; 0: not declared */
   size_t only_count;
   uint32_t *only; /* id - 1, increasing; NULL: all */
   char *group;    /* the group that the force acts on, or NULL */

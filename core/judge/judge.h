@@ -95,9 +95,40 @@ void hk_under_resolved_before(hk_loop *, hk_judgement *);
 void hk_under_resolved_after(hk_loop *, hk_judgement *, double h);
 double hk_under_resolved_error(hk_judgement *); /* m, the median of the samples; 0 without samples */
 
+/* ---- given_speeds.c ---- */
+
+/* Warns of a path of a pin whose velocities, from now to `end` (s), are not the derivatives of its positions. */
+void hk_check_given_speeds(hk_loop *, double end);
+
 /* ---- under_sampled.c ---- */
 
-bool hk_varies_between_steps(hk_loop *); /* a function of time varies between the steps of the run */
+/* What random samples of the functions of time, of forces, constraints, correctors and pins, say of the run so far. */
+typedef struct hk_sampling {
+  bool varies; /* a function varies between the times at which the run evaluated it */
+  double
+      shortest; /* s, shortest time in which one was seen to do so: a pulse's length, half a period; INFINITY: none */
+  double begin, end;                /* s, first time in which that function does so */
+  const char *where, *label, *name; /* script line, plugin and parameter of that function; NULL: none varies */
+  /* s: what was assumed: no pulse is shorter than this; `declared` where that is larger. 0: there are no functions */
+  double assumed;
+  double declared;     /* s, shortest `fastest` of the script; INFINITY: none */
+  bool too_dear;       /* a declared time was too short to be sampled: `assumed` is what was */
+  bool steps_too_long; /* the run has steps longer than a declared time */
+  size_t calls;        /* of functions */
+  size_t pieces;
+  double piece[HK_PIECES][2]; /* s, begin and end of the times of such variation */
+  bool more;                  /* there are more of them */
+} hk_sampling;
+
+hk_sampling hk_under_sampled(hk_loop *);
+/* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
+void hk_warn_of_long_steps(hk_loop *);
+/* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A begin
+ * is just before the first change and an end just after the last one, so that a method that ends a step at each has
+ * steps of its own for every pulse. Where a pulse rises by a jump it still needs several: the first and the last have a
+ * jump. */
+size_t hk_sampling_cuts(const hk_sampling *, double *times, size_t room);
+bool hk_varies_between_steps(hk_loop *); /* hk_under_sampled(loop).varies */
 
 /* ---- passed_by.c: forces of short range that steps pass by ---- */
 

@@ -1,49 +1,163 @@
-/* Whether a function of time of the script, a parameter or a pin's path, varies between the time steps: a pulse of one
- * millisecond between steps of sixteen, or an oscillation with the period of the steps. A function is sampled with up
- * to 64 times as many points as the run took steps; it varies between steps when the total variation at these points is
- * more than 1.5 times that at the steps. */
+/* Whether a function of time of the script, a parameter or a pin's path, varies between the times at which the run
+ * evaluated it: a pulse of one millisecond between steps of sixteen, or an oscillation with the period of the steps.
+ * The functions are sampled at random times, in a number that does not depend on the steps, more densely where they
+ * vary (functions/samples.c), and what they do within the distance of two evaluations is looked at (functions/rapid.c).
+ * What is shorter than the distance of two samples may hide: it is assumed that there is nothing, and said; where the
+ * script declares the shortest time in which a function changes, `fastest`, the samples are so dense that nothing can
+ * hide. */
 #include "core/judge/judge.h"
 
-#include <string.h>
+#include <stdlib.h>
 
-enum { PER_STEP = 64, MOST = 3 };
-static const size_t most_samples = 100000;
-static const double variation_ratio = 1.5;
+static const size_t most_calls =
+                        200000, /* of all functions that declare nothing: 0.1 s, half of them where they vary */
+    most_declared = 2000000,    /* of all that do */
+    per_fastest = 4;            /* parts in the declared time: samples are at most half of it apart */
 
-static bool varies_between_steps(hk_loop *loop, const hk_function *f) {
-  size_t steps = loop->record->steps ? loop->record->steps : 1,
-         per_step = most_samples / steps < PER_STEP ? most_samples / steps : PER_STEP;
-  double last[MOST] = {0}, last_at_step[MOST] = {0}, variation = 0, variation_at_steps = 0, size = 0;
-  hk_error error = {0};
-  if (!f->call || per_step < 2) return false;
-  for (size_t k = 0; k <= steps * per_step; k++) {
-    double t = loop->state->t * (double)k / (double)(steps * per_step), value[2 * MOST] = {0};
-    size_t got = 0;
-    if (f->call(f, NULL, &t, 1, value, 2 * MOST, &got, &error) != HK_OK)
-      return false; /* the run never evaluated f at this t */
-    for (int c = 0; c < MOST; c++) {
-      if (k > 0) variation += fabs(value[c] - last[c]);
-      if (k > 0 && k % per_step == 0) variation_at_steps += fabs(value[c] - last_at_step[c]);
-      size = fmax(size, fabs(value[c]));
+/* A function of the scene, from `begin` to `end` (s), when it acts. */
+typedef struct subject {
+  const hk_function *function;
+  const char *where, *label, *name;
+  double begin, end, fastest;
+  bool stepwise; /* evaluated once a step */
+} subject;
+
+typedef struct search {
+  const hk_loop *loop;
+  double until; /* s */
+  const subject *now;
+  size_t functions; /* that share the calls */
+  hk_sampling *result;
+} search;
+
+/* ---- the functions of a run ---- */
+
+typedef void visit(search *, const subject *);
+
+static void visit_plugins(search *s, hk_kind kind, visit *each) {
+  const hk_instances *list = &s->loop->plugins->kind[kind];
+  for (size_t k = 0; k < list->count; k++) {
+    const hk_plugin_spec *spec = list->item[k]->spec;
+    for (size_t j = 0; j < spec->timed_count; j++) {
+      subject one = {&spec->timed[j].function, spec->where, spec->label, spec->timed[j].param->name, .stepwise = false};
+      one.begin = fmax(0, spec->from);
+      one.end = fmin(s->until, spec->to);
+      one.fastest = spec->fastest;
+      one.stepwise = kind == HK_CORRECTOR;
+      if (one.end > one.begin) each(s, &one);
     }
-    memcpy(last, value, sizeof last);
-    if (k % per_step == 0) memcpy(last_at_step, value, sizeof last_at_step);
   }
-  return variation > variation_ratio * variation_at_steps + 1e-9 * size;
 }
 
-static bool any_varies(hk_loop *loop, const hk_plugin_spec *spec) {
-  for (size_t j = 0; j < spec->timed_count; j++)
-    if (varies_between_steps(loop, &spec->timed[j].function)) return true;
-  return false;
+static void visit_all(search *s, visit *each) {
+  visit_plugins(s, HK_FORCE, each);
+  visit_plugins(s, HK_CONSTRAINT, each);
+  visit_plugins(s, HK_CORRECTOR, each);
+  for (size_t k = 0; k < s->loop->pins->count; k++) {
+    const hk_pin_spec *spec = s->loop->pins->item[k].spec;
+    subject one = {&spec->path, spec->where, "pin", "path", .end = fmin(s->until, spec->release)};
+    one.fastest = spec->fastest;
+    if (spec->kind == HK_PIN_PATH && one.end > 0) each(s, &one);
+  }
 }
 
-bool hk_varies_between_steps(hk_loop *loop) {
-  static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR};
-  for (size_t q = 0; q < sizeof kinds / sizeof *kinds; q++)
-    for (size_t k = 0; k < loop->plugins->kind[kinds[q]].count; k++)
-      if (any_varies(loop, loop->plugins->kind[kinds[q]].item[k]->spec)) return true;
-  for (size_t k = 0; k < loop->pins->count; k++)
-    if (varies_between_steps(loop, &loop->pins->item[k].spec->path)) return true;
-  return false;
+static void count(search *s, const subject *one) {
+  (void)one;
+  s->functions++;
 }
+
+/* ---- one function ---- */
+
+/* The evaluations of a run that was gone on with are known from then on: before, none were further apart than the
+ * longest step. */
+static double distance(const void *context, double t) {
+  const search *s = context;
+  double longest = s->loop->record->dt_max;
+  return s->now->stepwise ? longest : hk_evaluations_distance(&s->loop->dynamics->evaluations, t, longest);
+}
+
+static void keep(hk_sampling *result, const subject *one, const hk_rapid *found) {
+  if (!found->varies || found->shortest >= result->shortest) {
+    result->varies |= found->varies;
+  } else {
+    result->varies = true;
+    result->shortest = found->shortest;
+    result->where = one->where;
+    result->label = one->label;
+    result->name = one->name;
+    result->begin = found->piece[0][0];
+    result->end = found->piece[0][1];
+  }
+  for (size_t k = 0; k < found->pieces; k++) {
+    if (result->pieces == HK_PIECES) break;
+    result->piece[result->pieces][0] = found->piece[k][0];
+    result->piece[result->pieces++][1] = found->piece[k][1];
+  }
+  result->more |= found->more || result->pieces == HK_PIECES;
+}
+
+/* Samples of a declared time that would be too many are as many as may be, and what is assumed is what they see. */
+static void look_at(search *s, const subject *one) {
+  hk_sampling *result = s->result;
+  hk_samples samples;
+  hk_rapid found = {.varies = false};
+  size_t parts = most_calls / 2 / s->functions, extra = parts;
+  double wanted = one->fastest > 0 ? ceil((double)per_fastest * (one->end - one->begin) / one->fastest) : 0;
+  bool affordable = wanted <= (double)(most_declared / s->functions);
+  if (wanted > (double)parts) parts = affordable ? (size_t)wanted : most_declared / s->functions;
+  hk_samples_take(&samples, one->function, one->begin, one->end, parts, parts + 2 + extra);
+  s->now = one;
+  if (samples.count > 1) hk_rapid_find(&found, &samples, distance, s);
+  keep(result, one, &found);
+  if (one->fastest > 0) {
+    result->declared = fmin(result->declared, one->fastest);
+    result->too_dear |= !affordable;
+    result->steps_too_long |= s->loop->record->dt_max > one->fastest;
+  }
+  result->assumed = fmax(result->assumed, one->fastest > 0 && affordable ? one->fastest : samples.spacing);
+  result->calls += samples.calls;
+  hk_samples_free(&samples);
+}
+
+/* ---- the whole ---- */
+
+hk_sampling hk_under_sampled(hk_loop *loop) {
+  hk_sampling result = {.shortest = INFINITY, .declared = INFINITY};
+  search s = {.loop = loop, .until = loop->state->t, .result = &result};
+  visit_all(&s, count);
+  visit_all(&s, look_at);
+  return result;
+}
+
+static void compare_with_step(search *s, const subject *one) {
+  double dt = fmin(s->loop->step->dt, 1 / s->loop->fps);
+  if (one->fastest > 0 && dt > one->fastest)
+    hk_warn(
+        s->loop->warnings,
+        "%s: %s: the steps, %.3g s, are longer than `fastest`, %.3g s: they pass over what %s does within less; give "
+        "a dt of half of it, or an integrator with steps of its own",
+        one->where, one->label, dt, one->fastest, one->name);
+}
+
+void hk_warn_of_long_steps(hk_loop *loop) {
+  search s = {.loop = loop, .until = INFINITY};
+  if (!(loop->step->method->flags & HK_ADAPTIVE)) visit_all(&s, compare_with_step);
+}
+
+static int by_time(const void *a, const void *b) {
+  double s = *(const double *)a, t = *(const double *)b;
+  return (s > t) - (s < t);
+}
+
+size_t hk_sampling_cuts(const hk_sampling *s, double *times, size_t room) {
+  double all[2 * HK_PIECES];
+  size_t total = 0, kept = 0;
+  for (size_t k = 0; k < s->pieces; k++)
+    for (int side = 0; side < 2; side++) all[total++] = s->piece[k][side];
+  qsort(all, total, sizeof *all, by_time);
+  for (size_t k = 0; k < total && kept < room; k++)
+    if (kept == 0 || all[k] > times[kept - 1]) times[kept++] = all[k];
+  return kept;
+}
+
+bool hk_varies_between_steps(hk_loop *loop) { return hk_under_sampled(loop).varies; }

@@ -23,10 +23,11 @@ typedef struct hk_record {
   bool sourced;           /* particles were born or died: the energy balance is not known */
   bool growth_expected;   /* the integrator has no stable step on this scene */
   size_t rejected;        /* number of steps rejected by contact or by correctors */
-  /* by the hook `moved`: sums of dv^2 t^k over what steps missed; the largest dv, its time, the dt it asks for, whose
+  /* By the hook `moved`: sums of dv^2 t^k over what steps missed; the largest dv, its time, the dt it asks for, whose.
    */
   double passed[3], passed_most, passed_at, passed_dt;
   uint32_t passed_id, passed_force;
+  double path_speed_error; /* m/s, largest estimated error of the velocity of a pin's path; 0: none is estimated */
   /* written at frames */
   double energy_first, momentum_first[3], momentum_scale;
   double violation_max; /* m */
@@ -63,6 +64,8 @@ hk_status hk_step_reestimate(hk_step_choice *, hk_dynamics *, bool event);
 /* Times at which a step must end besides frames and events, and the conditions that end a run early. */
 typedef struct hk_schedule {
   size_t refine;     /* r > 0: 2rn + 1 steps replace n steps between two cuts, see hk_run_options */
+  const double *cut; /* s, increasing: further times at which a step ends, such as those of pulses */
+  size_t cuts;
   double part;       /* fraction of a frame at which it is cut as well; 0: no such cut */
   double dt_most;    /* s, longest step of an adaptive method; 0: no limit */
   size_t step_limit; /* the run ends with HK_INTERRUPTED after this number of steps; 0: no limit */

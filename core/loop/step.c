@@ -44,6 +44,7 @@ static void note_step(hk_loop *loop, double h) {
   if (h < r->dt_min) r->dt_min = h;
   if (h > r->dt_max) r->dt_max = h;
   if (h > loop->step->limit_now * (1 + 1e-9) && h > r->dt_beyond) r->dt_beyond = h;
+  if (loop->pins->has_paths) r->path_speed_error = fmax(r->path_speed_error, hk_pins_speed_error(loop->pins));
 }
 
 static void set_time(hk_loop *loop, double t) {
@@ -75,6 +76,7 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
     return status;
   }
   loop->emitted = false;
+  hk_evaluations_accept(&loop->dynamics->evaluations, t);
   note_step(loop, h);
   if (error > loop->record->worst_error) loop->record->worst_error = error;
   if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);

@@ -15,6 +15,19 @@ static void take_earlier(double *stop, double t, double candidate) {
   if (candidate > t && candidate < *stop) *stop = candidate;
 }
 
+/* The first of the schedule's cuts after t, or `stop` where that is earlier. */
+static double before_cut(const hk_schedule *s, double t, double stop) {
+  size_t low = 0, high = s->cuts;
+  while (low < high) {
+    size_t middle = low + (high - low) / 2;
+    if (s->cut[middle] > t)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low < s->cuts ? fmin(stop, s->cut[low]) : stop;
+}
+
 /* The next cut after t. */
 static double next_stop(const hk_loop *loop, double target) {
   const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
@@ -24,7 +37,7 @@ static double next_stop(const hk_loop *loop, double target) {
     take_earlier(&stop, t, forces->item[k]->spec->to);
   }
   for (size_t k = 0; k < loop->pins->count; k++) take_earlier(&stop, t, loop->pins->item[k].spec->release);
-  return stop;
+  return before_cut(&loop->schedule, t, stop);
 }
 
 /* The additional cut of a frame that the schedule asks for. */

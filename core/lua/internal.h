@@ -91,6 +91,7 @@ hk_function hk_lua_rate_function(lua_State *L, int index);  /* it is called with
 
 /* values.c */
 double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
+double hk_lua_fastest(lua_State *L, const char *what);           /* s, above 0: on top of the stack */
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */

@@ -146,7 +146,7 @@ static int scene(lua_State *L) {
 /* ---- pins ---- */
 
 static void pin_options(lua_State *L, hk_pin_spec *spec) {
-  static const char *const keys[] = {"path", "axes", "normal", "release", NULL};
+  static const char *const keys[] = {"path", "fastest", "axes", "normal", "release", NULL};
   hk_lua_check_keys(L, 3, "pin", keys);
   bool line = hk_lua_field_vector(L, 3, "pin", "axes", spec->axis);
   bool plane = hk_lua_field_vector(L, 3, "pin", "normal", line ? (double[3]){0} : spec->axis);
@@ -156,6 +156,9 @@ static void pin_options(lua_State *L, hk_pin_spec *spec) {
   if (path) spec->path = hk_lua_function(L, lua_gettop(L));
   spec->kind = line ? HK_PIN_LINE : plane ? HK_PIN_PLANE : path ? HK_PIN_PATH : HK_PIN_FIXED;
   spec->release = hk_lua_field_number(L, 3, "pin", "release", INFINITY);
+  bool declared = lua_getfield(L, 3, "fastest") != LUA_TNIL;
+  if (declared && !path) hk_lua_fail(L, HK_BAD_PARAM, "pin: fastest: the pin has no path that could change");
+  if (declared) spec->fastest = hk_lua_fastest(L, "pin: fastest");
 }
 
 /* scene:pin { 1, path = f } would pin particle 1 for good. */

@@ -1,5 +1,5 @@
 /* Conversion of Lua values to parameters: the plugin's table gives the type, hk_spec_set checks the value. The options
- * that every force has (only, group, from, to) are set here; `label` was read before. */
+ * that every force has (only, group, from, to), and `fastest`, are set here; `label` was read before. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
@@ -192,12 +192,22 @@ static void set_only(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec) 
   lua_pop(L, 1); /* the ids */
 }
 
+double hk_lua_fastest(lua_State *L, const char *what) {
+  double seconds = hk_lua_number(L, -1, what);
+  if (seconds <= 0) hk_lua_fail(L, HK_BAD_PARAM, "%s: %g s is no time in which anything changes", what, seconds);
+  return seconds;
+}
+
 /* True: `key` is an option that the host handles; its value is on top of the stack. */
 static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, const char *key) {
-  if (strcmp(key, "label") == 0) return true;
-  if (spec->plugin->kind != HK_FORCE) return false;
   char name[160];
   snprintf(name, sizeof name, "%s: %s", spec->label, key);
+  if (strcmp(key, "label") == 0) return true;
+  if (strcmp(key, "fastest") == 0) {
+    spec->fastest = hk_lua_fastest(L, name);
+    return true;
+  }
+  if (spec->plugin->kind != HK_FORCE) return false;
   if (strcmp(key, "only") == 0)
     set_only(L, scene, spec);
   else if (strcmp(key, "from") == 0)
@@ -237,5 +247,7 @@ void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec
   }
   if (spec->from >= spec->to)
     hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", spec->label, spec->from, spec->to);
+  if (spec->fastest > 0 && spec->timed_count == 0)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: fastest: no parameter is a function of time", spec->label);
   if (hk_spec_check(spec, &error) != HK_OK) hk_lua_raise(L, &error);
 }

@@ -201,6 +201,8 @@ static void show_progress(void *context) {
 static hk_schedule schedule_of(const hk_run *run) {
   const hk_run_options *o = &run->options;
   hk_schedule s = {.refine = o->refine, .dt_most = o->dt_most, .step_limit = o->step_limit};
+  s.cut = o->cut;
+  s.cuts = o->cuts;
   s.interrupted = o->interrupted;
   if (o->refine && run->dynamics.system.flags & HK_DEPENDS_ON_T)
     s.part = golden; /* an irrational part: the cut coincides with no equal division of a frame */
@@ -315,6 +317,8 @@ static hk_status start(hk_run *run) {
   double limit = run->step.dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);
   if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
+  if (status == HK_OK) hk_check_given_speeds(&run->loop, run->asked.end);
+  if (status == HK_OK) hk_warn_of_long_steps(&run->loop);
   return status == HK_OK ? first_frame(run) : status;
 }
 

@@ -23,6 +23,9 @@ typedef struct hk_run_options {
   size_t refine;  /* r > 0: 2rn + 1 steps replace n steps between two cuts, so no step of this run ends when one of the
                      first does */
   double dt_most; /* s, longest step of an adaptive method; 0: no limit */
+  const double
+      *cut; /* s, increasing: further times at which a step ends, from hk_sampling_cuts(); it outlives the run */
+  size_t cuts;
   bool ignore_exact; /* the verdict does not use the scene's exact solution */
   size_t without_count;
   const char *const *without; /* labels of the plugins that are omitted from the scene */

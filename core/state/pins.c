@@ -12,6 +12,8 @@ static hk_status open_pin(hk_pin_state *pin, const hk_scene *scene, hk_state *st
   pin->index = malloc((spec->count + 1) * sizeof *pin->index);
   pin->origin = malloc((spec->count + 1) * 3 * sizeof *pin->origin);
   if (!pin->index || !pin->origin) return hk_error_set(error, HK_NO_MEMORY, "no memory for the pins");
+  if (spec->kind == HK_PIN_PATH)
+    hk_path_open(&pin->path, &spec->path, spec->where, fmin(scene->duration, spec->release));
   for (size_t k = 0; k < spec->count; k++) {
     uint32_t i;
     if (!hk_state_index(state, spec->id[k], &i)) continue; /* the particle died before the checkpoint */
@@ -51,36 +53,12 @@ void hk_pins_close(hk_pins *pins) {
   free(pins->item);
 }
 
-/* The offset and velocity of a path at t; the velocity by central differences when the script gives none. The step of
- * the differences balances the truncation error h^2 against the rounding error eps/h: eps^(1/3) of a second, or of t
- * when that is larger. */
-static hk_status path_at(const hk_pin_spec *spec, double t, double out[6], hk_error *error) {
-  double before[6] = {0}, after[6] = {0}, h = 6e-6 * fmax(1, fabs(t)), early = t - h, late = t + h;
-  size_t got = 0;
-  hk_status status = spec->path.call(&spec->path, NULL, &t, 1, out, 6, &got, error);
-  if (status != HK_OK) return status;
-  for (size_t k = 0; k < got; k++)
-    if (!isfinite(out[k]))
-      return hk_error_set(error, HK_SCRIPT, "%s: pin: the path is not finite at t = %g s", spec->where, t);
-  if (got == 6) return HK_OK;
-  if (got != 3)
-    return hk_error_set(error, HK_SCRIPT,
-                        "%s: pin: the path gave %zu numbers at t = %g s, expected x, y, z [, vx, vy, vz]", spec->where,
-                        got, t);
-  size_t count = 0;
-  status = spec->path.call(&spec->path, NULL, &early, 1, before, 6, &count, error);
-  if (status == HK_OK) status = spec->path.call(&spec->path, NULL, &late, 1, after, 6, &count, error);
-  for (int c = 0; c < 3; c++) out[3 + c] = (after[c] - before[c]) / (late - early);
-  return status;
-}
-
-static hk_status impose_path(const hk_pin_state *pin, double t, double *x, double *v, hk_error *error) {
-  double at[6];
-  hk_status status = path_at(pin->spec, t, at, error);
+static hk_status impose_path(hk_pin_state *pin, double t, double *x, double *v, hk_error *error) {
+  hk_status status = hk_path_find(&pin->path, t, error);
   for (size_t k = 0; status == HK_OK && k < pin->count; k++)
     for (int c = 0; c < 3; c++) {
-      x[3 * pin->index[k] + c] = pin->origin[3 * k + c] + at[c];
-      v[3 * pin->index[k] + c] = at[3 + c];
+      x[3 * pin->index[k] + c] = pin->origin[3 * k + c] + pin->path.value[c];
+      v[3 * pin->index[k] + c] = pin->path.value[3 + c];
     }
   return status;
 }
@@ -106,7 +84,7 @@ hk_status hk_pins_impose(const hk_pins *pins, double t, double *x, double *v, hk
   hk_status status = HK_OK;
   if (!pins->has_paths && !pins->has_slides) return HK_OK;
   for (size_t k = 0; k < pins->count && status == HK_OK; k++) {
-    const hk_pin_state *pin = &pins->item[k];
+    hk_pin_state *pin = &pins->item[k];
     if (pin->released) continue;
     if (pin->spec->kind == HK_PIN_PATH)
       status = impose_path(pin, t, x, v, error);
@@ -154,6 +132,12 @@ void hk_pins_remap(hk_pins *pins, const uint32_t *map) {
   }
 }
 
+double hk_pins_speed_error(const hk_pins *pins) {
+  double most = 0;
+  for (size_t k = 0; k < pins->count; k++) most = fmax(most, pins->item[k].path.speed_error);
+  return most;
+}
+
 bool hk_pins_due(const hk_pins *pins, double t) {
   for (size_t k = 0; k < pins->count; k++)
     if (!pins->item[k].released && t >= pins->item[k].spec->release) return true;
@@ -172,20 +156,4 @@ void hk_pins_release(hk_pins *pins, hk_state *state) {
     pins->has_slides |= pin->spec->kind == HK_PIN_LINE || pin->spec->kind == HK_PIN_PLANE;
   }
   hk_state_refresh(state);
-}
-
-/* The step of the differences balances the truncation error h^2 against the rounding error eps/h^2: eps^(1/4) of a
- * second, or of t when that is larger. */
-hk_status hk_pin_acceleration(const hk_pin_spec *spec, double t, double out[3], hk_error *error) {
-  double at[3][6] = {{0}}, h = 1.2e-4 * fmax(1, fabs(t)), time[3] = {t - h, t, t + h};
-  size_t got = 0;
-  for (int k = 0; k < 3; k++) {
-    hk_status status = spec->path.call(&spec->path, NULL, &time[k], 1, at[k], 6, &got, error);
-    if (status != HK_OK) return status;
-  }
-  double half = (time[2] - time[0]) / 2;
-  for (int a = 0; a < 3; a++)
-    out[a] =
-        got == 6 ? (at[2][3 + a] - at[0][3 + a]) / (2 * half) : (at[2][a] - 2 * at[1][a] + at[0][a]) / (half * half);
-  return HK_OK;
 }

@@ -3,6 +3,7 @@
 #ifndef HK_STATE_H
 #define HK_STATE_H
 
+#include "core/functions/functions.h"
 #include "core/scene/scene.h"
 
 /* Ids increase with the index: deaths preserve the order of the other particles and births are appended, so an id is
@@ -79,6 +80,7 @@ typedef struct hk_pin_state {
   size_t count;
   uint32_t *index;
   double *origin; /* count x 3, start positions */
+  hk_path path;   /* HK_PIN_PATH */
 } hk_pin_state;
 
 typedef struct hk_pins {
@@ -96,9 +98,8 @@ void hk_pins_filter(const hk_pins *, double *vector); /* n x 3 */
 /* W, power of the pins on scripted particles */
 double hk_pins_power(const hk_pins *, const double *F, const double *v);
 void hk_pins_remap(hk_pins *, const uint32_t *map);
+double hk_pins_speed_error(const hk_pins *); /* m/s, the largest of all paths */
 bool hk_pins_due(const hk_pins *, double t); /* a pin is released at t */
 void hk_pins_release(hk_pins *, hk_state *); /* releases the pins that are due at the state's time */
-/* Acceleration of a path, m/s^2: differences of its velocity when the script gives one, else second differences. */
-hk_status hk_pin_acceleration(const hk_pin_spec *, double t, double out[3], hk_error *error);
 
 #endif

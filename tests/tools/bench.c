@@ -4,6 +4,7 @@
 #include "tests/support/command.h"
 #include "tests/support/force_check.h"
 
+#include <float.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -390,6 +391,10 @@ static void results_are_written_and_drawn(void **state) {
   const char *chosen = strstr(json, "\"recommendation\":");
   assert_non_null(chosen);
   assert_true(test_json(chosen, "error_x_rms") <= 1e-3);
+  for (int k = 0; row_of("leapfrog", k); k++) { /* all digits: the steps of a frame are a whole number of times dt */
+    double pieces = 1 / (60 * number(row_of("leapfrog", k), "dt"));
+    assert_true(fabs(pieces - round(pieces)) < 4 * DBL_EPSILON * pieces);
+  }
   assert_int_equal(strncmp(csv,
                            "integrator,dt,tol,steps,force_evaluations,factorizations,wall_s,error_x_rms,error_x_max,"
                            "error_v_rms,energy_drift,verdict,",

@@ -1,0 +1,102 @@
+/* Functions of time of the script, such as paths of pins and timed parameters: their derivatives, the times at which a
+ * run evaluated them, and where they vary between those times. */
+#ifndef HK_FUNCTIONS_H
+#define HK_FUNCTIONS_H
+
+#include "core/host/host.h"
+
+enum { HK_COLUMNS = 3, HK_RESULTS = 2 * HK_COLUMNS }; /* of the numbers that a function returns, at most */
+
+/* ---- derivative.c: derivatives by differences (Ridders 1982) ---- */
+
+typedef struct hk_derivative {
+  double value[HK_COLUMNS];
+  double error; /* estimate, of the length of the vector `value`; 0: nothing is known to be wrong */
+  double step;  /* s, smallest distance in time of the differences */
+} hk_derivative;
+
+/* Derivative of order 1 or 2, at t, of three of the numbers that the function returns, from number `column` on. `at`
+ * has the numbers at t; `step` (s) is where the search of a good step begins, from hk_derivative_step(). The result
+ * depends on the arguments alone. HK_SCRIPT: the function fails everywhere beside t. */
+hk_status hk_derivative_find(const hk_function *, int order, size_t column, double step, double t,
+                             const double at[HK_RESULTS], hk_derivative *, hk_error *error);
+/* The step that is best at most times between begin and end. */
+double hk_derivative_step(const hk_function *, int order, size_t column, double begin, double end);
+
+/* ---- path.c: the path of a pin in a run ---- */
+
+typedef struct hk_path {
+  const hk_function *function; /* t -> x, y, z [, vx, vy, vz], offsets from the start position */
+  const char *where;           /* script line */
+  double end;                  /* s: needed up to there */
+  bool gives_velocity;         /* at t = 0 */
+  double step[2];              /* s, where differences for velocities and accelerations begin; 0: none was needed yet */
+  double at;                   /* s, time of `value`; NAN: none */
+  double value[HK_RESULTS];    /* m, m/s */
+  double speed_error;          /* m/s, largest estimated error of a velocity so far; 0: the path gives its velocities */
+} hk_path;
+
+/* `end` (s): the path is needed up to there. The function and `where` must outlive the path. */
+void hk_path_open(hk_path *, const hk_function *, const char *where, double end);
+/* Finds offset and velocity at t, unless they are those of the last call: a step asks for its ends, an implicit one for
+ * its stages, several times. */
+hk_status hk_path_find(hk_path *, double t, hk_error *error);
+/* Acceleration, m/s^2: differences of the velocity when the function gives one, else second differences. */
+hk_status hk_path_acceleration(hk_path *, double t, double out[HK_COLUMNS], hk_error *error);
+
+/* ---- evaluations.c: how far apart the times are at which a run evaluated its functions of time ---- */
+
+enum { HK_PENDING = 256 };
+
+typedef struct hk_evaluations {
+  float *distance; /* s, per cell: the longest between two neighbouring times; 0: none; NULL: nothing is noted */
+  double cell;     /* s, length of a cell */
+  double last;     /* s, last time of accepted steps; NAN: none */
+  size_t pending;
+  double time[HK_PENDING]; /* s, of the step under way */
+} hk_evaluations;
+
+bool hk_evaluations_open(hk_evaluations *, double end); /* false: no memory */
+void hk_evaluations_close(hk_evaluations *);
+void hk_evaluations_note(hk_evaluations *, double t);   /* the functions are evaluated at t */
+void hk_evaluations_accept(hk_evaluations *, double t); /* a step to t is accepted */
+/* The distance in s near t, where it is known. */
+double hk_evaluations_distance(const hk_evaluations *, double t, double otherwise);
+
+/* ---- samples.c: samples of a function of time, dense where it varies ---- */
+
+typedef struct hk_sample {
+  double t;
+  double value[HK_COLUMNS];
+} hk_sample;
+
+typedef struct hk_samples {
+  size_t count, capacity, calls;
+  hk_sample *item;          /* in the order of time */
+  double range[HK_COLUMNS]; /* largest less smallest value; 0: constant */
+  double spacing;           /* s: what lasts longer than this was hit */
+} hk_samples;
+
+/* From begin to end (s), one in each of `parts` equal parts; `most` calls with those where the function varies. */
+void hk_samples_take(hk_samples *, const hk_function *, double begin, double end, size_t parts, size_t most);
+void hk_samples_free(hk_samples *);
+
+/* ---- rapid.c: where a function varies between the times at which it was evaluated ---- */
+
+enum { HK_PIECES = 500 };
+
+typedef struct hk_rapid {
+  bool varies;     /* somewhere */
+  double shortest; /* s, shortest time in which it does: the length of a pulse, half a period; INFINITY: it does not */
+  size_t pieces;
+  double piece[HK_PIECES]
+              [2]; /* s, begin and end of every time in which it varies; in the order in which they were found */
+  bool more;       /* there are more pieces */
+} hk_rapid;
+
+typedef double hk_distance(const void *context, double t); /* s, between two evaluations near t */
+
+/* `found` is zeroed before. */
+void hk_rapid_find(hk_rapid *found, const hk_samples *, hk_distance *, const void *context);
+
+#endif
