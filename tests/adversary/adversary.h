@@ -161,9 +161,10 @@ bool adv_run_wrong(const adv_run *);   /* beyond its bound */
 typedef struct adv_options {
   const char *hooke, *families, *methods, *accuracies; /* lists with commas; NULL: all */
   uint64_t seed;
-  int cases, runs, jobs; /* runs: of each scene; 0: every method with every accuracy */
-  bool one;              /* the seed is that of a scene */
-  bool alarms, print;    /* list the false alarms; print the scene */
+  int cases, runs, jobs;   /* runs: of each scene; 0: every method with every accuracy */
+  double dt, tol;          /* in place of the scenes'; 0: hooke's choice, NAN: as they are */
+  bool one;                /* the seed is that of a scene */
+  bool alarms, all, print; /* list the false alarms, all runs; print the scene */
 } adv_options;
 
 typedef struct adv_tally {

@@ -79,7 +79,7 @@ void adv_set_end(adv_scene *s, uint64_t *seed, double end) {
 }
 
 void adv_set_step(adv_scene *s, uint64_t *seed, double time) {
-  double dt = time * adv_log(seed, 0.003, 3);
+  double dt = time * adv_log(seed, 0.001, 2);
   if (adv_chance(seed, 0.5)) return;
   s->dt = fmax(dt, adv_scene_end(s) / 20000); /* milliseconds for every method */
 }

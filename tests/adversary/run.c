@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { CPU_SECONDS = 20 };
+enum { CPU_SECONDS = 10 };
 /* Without an accuracy a run is wrong beyond this part of the way; a channel, beyond this part of its largest value. */
 static const double visible = 0.1;
 

@@ -78,6 +78,8 @@ static void run_case(const plan *p, int index, const char *folder) {
   adv_scene s;
   adv_answer a;
   adv_scene_make(&s, p->family[index % p->families], draw);
+  if (!isnan(p->o->dt)) s.dt = p->o->dt > 0 ? p->o->dt : NAN;
+  if (!isnan(p->o->tol)) s.tol = p->o->tol > 0 ? p->o->tol : NAN;
   if (p->o->print) adv_scene_write(&s, NAN, stdout);
   bool memory = adv_answer_make(&a, &s);
   for (int k = 0; k < p->runs; k++) {
@@ -183,7 +185,7 @@ static void print_lists(const plan *p) {
     if (r->end == ADV_BROKEN && r->uncertainty < INFINITY) print_run("BROKEN", r);
     if (certain && r->end == ADV_OK && wrong) print_run(asked ? "OK AND WRONG" : "ok and wrong, no accuracy", r);
     if (certain && r->end == ADV_NOT_OK && !wrong && p->o->alarms) print_run("false alarm", r);
-    if (p->o->one) print_run("run", r);
+    if (p->o->one || p->o->all) print_run("run", r);
   }
 }
 

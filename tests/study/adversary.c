@@ -1,14 +1,16 @@
 /* Random scenes against hooke's verdict: what is called ok and is wrong, and what is right and is not called ok.
  *
  *   adversary [--hooke PATH] [--seed S] [--cases N] [--runs R] [--family A,B] [--methods A,B] [--accuracies 1e-4,none]
- *             [--list] [-j N]
- *   adversary --one FAMILY --seed S [--methods A,B] [--accuracies A,B] [--print]
+ *             [--dt X] [--tol X] [--list] [--all] [-j N]
+ *   adversary --one FAMILY --seed S [--methods A,B] [--accuracies A,B] [--dt X] [--tol X] [--print]
  *
- * A case is a scene, which R runs of random method and accuracy try (0: each with each). --list names the false alarms
- * with hooke's reason; what is ok and wrong is always named, with the options that repeat it. Returns 1 when something
- * is ok and wrong, or more than 5 % of what is right is not called ok. */
+ * A case is a scene, which R runs of random method and accuracy try (0: each with each); --dt and --tol replace those
+ * of the scenes (0: hooke's choice). --list names the false alarms, --all every run, with hooke's reason; what is ok
+ * and wrong is always named, with the options that repeat it. Returns 1 when something is ok and wrong, or more than 5
+ * % of what is right is not called ok. */
 #include "tests/adversary/adversary.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,6 +25,7 @@ static int usage(const char *what) {
 static int option(adv_options *o, const char *name, const char *value) {
   if (strcmp(name, "--list") == 0) return o->alarms = true, 1;
   if (strcmp(name, "--print") == 0) return o->print = true, 1;
+  if (strcmp(name, "--all") == 0) return o->all = true, 1;
   if (!value) return 0;
   if (strcmp(name, "--one") == 0) return o->families = value, o->one = true, o->cases = 1, o->runs = 0, 2;
   if (strcmp(name, "--hooke") == 0) return o->hooke = value, 2;
@@ -32,12 +35,14 @@ static int option(adv_options *o, const char *name, const char *value) {
   if (strcmp(name, "--seed") == 0) return o->seed = strtoull(value, NULL, 0), 2;
   if (strcmp(name, "--cases") == 0) return o->cases = atoi(value), 2;
   if (strcmp(name, "--runs") == 0) return o->runs = atoi(value), 2;
+  if (strcmp(name, "--dt") == 0) return o->dt = atof(value), 2;
+  if (strcmp(name, "--tol") == 0) return o->tol = atof(value), 2;
   if (strcmp(name, "-j") == 0) return o->jobs = atoi(value), 2;
   return 0;
 }
 
 int main(int argc, char **argv) {
-  adv_options o = {.hooke = HK_BUILD "/hooke", .seed = 1, .cases = 500, .runs = 8, .jobs = 2};
+  adv_options o = {.hooke = HK_BUILD "/hooke", .seed = 1, .cases = 500, .runs = 8, .jobs = 2, .dt = NAN, .tol = NAN};
   adv_tally t;
   for (int k = 1, took; k < argc; k += took)
     if ((took = option(&o, argv[k], k + 1 < argc ? argv[k + 1] : NULL)) == 0) return usage(argv[k]);
