@@ -150,13 +150,15 @@ typedef struct adv_run {
   adv_end end;
   char verdict[24], reason[600];
   double error, bound, uncertainty; /* m */
+  double channel;                   /* largest error of a channel over its largest value */
 } adv_run;
 
 /* Runs `hooke run` on the scene in the folder and measures the error; the run's method and accuracy are given. */
 void adv_run_make(adv_run *, const char *hooke, const char *folder, const adv_scene *, const adv_answer *);
 
 bool adv_run_certain(const adv_run *); /* the reference is good enough to judge it */
-bool adv_run_wrong(const adv_run *);   /* beyond its bound */
+bool adv_run_wrong(const adv_run *);   /* beyond its bound; a channel: by as much as it is large */
+bool adv_run_right(const adv_run *);   /* within its bound; a channel: up to a tenth */
 
 typedef struct adv_options {
   const char *hooke, *families, *methods, *accuracies; /* lists with commas; NULL: all */

@@ -73,8 +73,7 @@ static void add_edges(const adv_system *s, const adv_force *f, const adv_real *x
 
 static void add_central(const adv_force *f, const adv_real centre[3], adv_real strength, const adv_real *x,
                         adv_real *F) {
-  adv_real r[3], axis[3] = {0};
-  (void)axis;
+  adv_real r[3];
   for (int c = 0; c < 3; c++) r[c] = x[c] - centre[c];
   adv_real square = dot(r, r) + (adv_real)f->softening * f->softening;
   for (int c = 0; c < 3; c++) F[c] -= strength * powl(square, (f->power - 1.0L) / 2) * r[c];

@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 enum { CPU_SECONDS = 10 };
-/* Without an accuracy a run is wrong beyond this part of the way; a channel, beyond this part of its largest value. */
+/* Without an accuracy a run is wrong beyond this part of the way. An accuracy says nothing about channels: one is right
+ * up to this part of its largest value, and wrong only where nothing of it is left. */
 static const double visible = 0.1;
 
 static void redirect(const char *path, int to) {
@@ -112,14 +113,13 @@ static adv_end end_of(int code, const char *verdict) {
 }
 
 void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_scene *s, const adv_answer *a) {
-  static char json[1 << 16];
+  char json[1 << 16];
   r->family = s->family, r->seed = s->seed, r->dt = s->dt;
   r->end = ADV_BROKEN;
   r->error = INFINITY;
   r->bound = isfinite(r->accuracy) ? r->accuracy : visible * a->extent;
   r->uncertainty = a->uncertainty;
-  if (s->size > 0)
-    r->uncertainty = fmax(r->uncertainty, r->bound * a->channel_uncertainty / (visible * a->channel_extent));
+  if (s->size > 0 && a->channel_uncertainty > visible / 100 * a->channel_extent) r->uncertainty = INFINITY;
   if (!prepare(folder, s, r->accuracy)) return;
   int code = run_hooke(hooke, folder, r->method);
   slurp(folder, "json", json, sizeof json);
@@ -129,9 +129,11 @@ void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_s
   if (r->end == ADV_REFUSED || r->end == ADV_BROKEN) slurp(folder, "errors", r->reason, sizeof r->reason);
   errors e = measure(folder, s, a);
   r->error = e.motion;
-  if (s->size > 0) r->error = fmax(r->error, r->bound * e.channel / (visible * a->channel_extent));
+  r->channel = s->size > 0 ? e.channel / a->channel_extent : 0;
 }
 
 bool adv_run_certain(const adv_run *r) { return r->uncertainty <= r->bound / 100; }
 
-bool adv_run_wrong(const adv_run *r) { return r->error > r->bound + r->uncertainty; }
+bool adv_run_wrong(const adv_run *r) { return r->error > r->bound + r->uncertainty || r->channel > 1; }
+
+bool adv_run_right(const adv_run *r) { return r->error <= r->bound + r->uncertainty && r->channel <= visible; }

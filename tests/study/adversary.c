@@ -10,6 +10,7 @@
  * % of what is right is not called ok. */
 #include "tests/adversary/adversary.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,7 +47,10 @@ int main(int argc, char **argv) {
   adv_tally t;
   for (int k = 1, took; k < argc; k += took)
     if ((took = option(&o, argv[k], k + 1 < argc ? argv[k + 1] : NULL)) == 0) return usage(argv[k]);
-  if (o.cases < 1 || o.jobs < 1 || o.runs < 0 || *o.hooke != '/') return usage("a number or path that cannot be");
+  char path[PATH_MAX];
+  if (!realpath(o.hooke, path)) return usage(o.hooke);
+  o.hooke = path;
+  if (o.cases < 1 || o.jobs < 1 || o.runs < 0) return usage("a number that cannot be");
   printf("seed %llu, %d cases\n", (unsigned long long)o.seed, o.cases);
   if (!adv_measure(&o, &t)) return 2;
   double share = t.right + t.alarms > 0 ? t.alarms / (double)(t.right + t.alarms) : 0;
