@@ -149,7 +149,8 @@ typedef struct adv_run {
   double accuracy, dt; /* m, NAN: not asked for */
   adv_end end;
   char verdict[24], reason[600];
-  double error, bound, uncertainty; /* m */
+  double error, bound, uncertainty; /* m; the error is the largest of all frames */
+  double last;                      /* m, the error at the end */
   double channel;                   /* largest error of a channel over its largest value */
 } adv_run;
 

@@ -56,7 +56,7 @@ static void text_of(const char *json, const char *key, char *into, size_t size) 
 }
 
 typedef struct errors {
-  double motion, channel;
+  double motion, last, channel; /* largest, of the last frame, largest */
 } errors;
 
 /* Of one frame; false where its row is not complete. */
@@ -75,7 +75,8 @@ static bool frame_errors(const char *row, const adv_scene *s, const adv_answer *
     }
   for (int part = 0; part < 2; part++)
     if (!isfinite(sums[part])) return false;
-  worst->motion = fmax(worst->motion, (double)sqrtl(sums[0] / s->n));
+  worst->last = (double)sqrtl(sums[0] / s->n);
+  worst->motion = fmax(worst->motion, worst->last);
   worst->channel = fmax(worst->channel, (double)sqrtl(sums[1] / s->n));
   return true;
 }
@@ -84,7 +85,7 @@ static bool frame_errors(const char *row, const adv_scene *s, const adv_answer *
 static errors measure(const char *folder, const adv_scene *s, const adv_answer *a) {
   char path[PATH_MAX], row[4096];
   int frames = -1; /* the first row is the head */
-  errors worst = {0, 0};
+  errors worst = {0};
   snprintf(path, sizeof path, "%s/out/measures.csv", folder);
   FILE *file = fopen(path, "r");
   while (file && fgets(row, sizeof row, file)) {
@@ -92,7 +93,7 @@ static errors measure(const char *folder, const adv_scene *s, const adv_answer *
     frames++;
   }
   if (file) fclose(file);
-  return frames == s->frames + 1 ? worst : (errors){INFINITY, INFINITY};
+  return frames == s->frames + 1 ? worst : (errors){INFINITY, INFINITY, INFINITY};
 }
 
 static bool prepare(const char *folder, const adv_scene *s, double accuracy) {
@@ -116,7 +117,7 @@ void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_s
   char json[1 << 16];
   r->family = s->family, r->seed = s->seed, r->dt = s->dt;
   r->end = ADV_BROKEN;
-  r->error = INFINITY;
+  r->error = r->last = INFINITY;
   r->bound = isfinite(r->accuracy) ? r->accuracy : visible * a->extent;
   r->uncertainty = a->uncertainty;
   if (s->size > 0 && a->channel_uncertainty > visible / 100 * a->channel_extent) r->uncertainty = INFINITY;
@@ -128,7 +129,7 @@ void adv_run_make(adv_run *r, const char *hooke, const char *folder, const adv_s
   r->end = end_of(code, r->verdict);
   if (r->end == ADV_REFUSED || r->end == ADV_BROKEN) slurp(folder, "errors", r->reason, sizeof r->reason);
   errors e = measure(folder, s, a);
-  r->error = e.motion;
+  r->error = e.motion, r->last = e.last;
   r->channel = s->size > 0 ? e.channel / a->channel_extent : 0;
 }
 

@@ -187,10 +187,11 @@ static void print_tables(const plan *p) {
 }
 
 static void print_run(const char *what, const adv_run *r) {
-  printf(
-      "%s: --one %s --seed %llu --methods %s --accuracies %g: error %.3g m, bound %.3g m, channel %.2g, dt %g, %s %s\n",
-      what, adv_families[r->family].name, (unsigned long long)r->seed, r->method, r->accuracy, r->error, r->bound,
-      r->channel, r->dt, r->verdict, r->reason);
+  printf("%s: --one %s --seed %llu --methods %s --accuracies %g: ", what, adv_families[r->family].name,
+         (unsigned long long)r->seed, r->method, r->accuracy);
+  printf("error %.3g m, at the end %.3g m, bound %.3g m", r->error, r->last, r->bound);
+  if (r->channel > 0) printf(", channel %.2g", r->channel);
+  printf(", dt %g, %s %s\n", r->dt, r->verdict, r->reason);
 }
 
 static void print_lists(const plan *p) {
