@@ -167,6 +167,7 @@ typedef struct adv_options {
   int cases, runs, jobs;   /* runs: of each scene; 0: every method with every accuracy */
   double dt, tol;          /* in place of the scenes'; 0: hooke's choice, NAN: as they are */
   bool one;                /* the seed is that of a scene */
+  bool at_end;             /* judge the last frame alone */
   bool alarms, all, print; /* list the false alarms, all runs; print the scene */
 } adv_options;
 

@@ -101,7 +101,7 @@ static void run_case(const plan *p, int index, const char *folder) {
     set_run(p, r, k, &draw);
     r->end = ADV_BROKEN;
     if (memory && a.uncertainty < INFINITY)
-      adv_run_make(r, p->o->hooke, folder, &s, &a);
+      adv_run_make(r, p->o->hooke, folder, &s, &a), r->error = p->o->at_end ? r->last : r->error;
     else
       r->family = s.family, r->seed = s.seed, r->uncertainty = INFINITY, r->bound = 1;
   }

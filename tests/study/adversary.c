@@ -1,13 +1,13 @@
 /* Random scenes against hooke's verdict: what is called ok and is wrong, and what is right and is not called ok.
  *
  *   adversary [--hooke PATH] [--seed S] [--cases N] [--runs R] [--family A,B] [--methods A,B] [--accuracies 1e-4,none]
- *             [--dt X] [--tol X] [--list] [--all] [-j N]
+ *             [--dt X] [--tol X] [--list] [--all] [--at-end] [-j N]
  *   adversary --one FAMILY --seed S [--methods A,B] [--accuracies A,B] [--dt X] [--tol X] [--print]
  *
  * A case is a scene, which R runs of random method and accuracy try (0: each with each); --dt and --tol replace those
- * of the scenes (0: hooke's choice). --list names the false alarms, --all every run, with hooke's reason; what is ok
- * and wrong is always named, with the options that repeat it. Returns 1 when something is ok and wrong, or more than 5
- * % of what is right is not called ok. */
+ * of the scenes (0: hooke's choice). --at-end judges the last frame alone. --list names the false alarms, --all every
+ * run, with hooke's reason; what is ok and wrong is always named, with the options that repeat it. Returns 1 when
+ * something is ok and wrong, or more than 5 % of what is right is not called ok. */
 #include "tests/adversary/adversary.h"
 
 #include <limits.h>
@@ -26,6 +26,7 @@ static int usage(const char *what) {
 static int option(adv_options *o, const char *name, const char *value) {
   if (strcmp(name, "--list") == 0) return o->alarms = true, 1;
   if (strcmp(name, "--print") == 0) return o->print = true, 1;
+  if (strcmp(name, "--at-end") == 0) return o->at_end = true, 1;
   if (strcmp(name, "--all") == 0) return o->all = true, 1;
   if (!value) return 0;
   if (strcmp(name, "--one") == 0) return o->families = value, o->one = true, o->cases = 1, o->runs = 0, 2;
