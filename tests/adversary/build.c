@@ -1,3 +1,4 @@
+/* The list of families, and what they build scenes with. A new family goes to the end: its place is part of the seed. */
 #include "tests/adversary/build.h"
 
 #include <math.h>
@@ -8,6 +9,7 @@ const adv_family adv_families[] = {
     {"light", adv_make_light},       {"shaking", adv_make_shaking}, {"pulses", adv_make_pulses},
     {"flyby", adv_make_flyby},       {"wells", adv_make_wells},     {"late", adv_make_late},
     {"channels", adv_make_channels}, {"plain", adv_make_plain},     {"network", adv_make_network},
+    {"tumbling", adv_make_tumbling},
 };
 const int adv_families_count = sizeof adv_families / sizeof *adv_families;
 

@@ -25,6 +25,7 @@ void adv_make_light(adv_scene *, uint64_t *);
 void adv_make_shaking(adv_scene *, uint64_t *);
 void adv_make_pulses(adv_scene *, uint64_t *);
 void adv_make_wells(adv_scene *, uint64_t *);
+void adv_make_tumbling(adv_scene *, uint64_t *);
 void adv_make_late(adv_scene *, uint64_t *);
 void adv_make_channels(adv_scene *, uint64_t *);
 void adv_make_plain(adv_scene *, uint64_t *);

@@ -119,6 +119,26 @@ static void make_well(adv_scene *s, uint64_t *seed) {
 
 void adv_make_wells(adv_scene *s, uint64_t *seed) { (adv_chance(seed, 0.35) ? make_spinner : make_well)(s, seed); }
 
+/* Two masses on springs under a pin, or three about each other: within seconds the start is forgotten. */
+void adv_make_tumbling(adv_scene *s, uint64_t *seed) {
+  double k = adv_log(seed, 100, 5000), x[3] = {0}, v[3];
+  bool hangs = adv_chance(seed, 0.6);
+  for (int i = 0; i < 3; i++) {
+    random_point(seed, 2, v);
+    adv_add_particle(s, adv_log(seed, 0.3, 3), x, v);
+    beside(seed, s->x[i], adv_uniform(seed, 0.5, 1.5), x);
+  }
+  adv_force *f = adv_add_spring(s, ADV_SPRINGS, 0, 1, k, 0, 0);
+  adv_add_edge(s, f, 1, 2, 0);
+  if (hangs)
+    adv_add_pin(s, 0, ADV_FIXED), adv_add_gravity(s, 0, 0, -9.81);
+  else
+    adv_add_edge(s, f, 2, 0, 0);
+  if (adv_chance(seed, 0.3)) adv_add_drag(s, adv_log(seed, 0.01, 1));
+  adv_set_end(s, seed, adv_log(seed, 2, 30));
+  adv_set_step(s, seed, sqrt(0.3 / k));
+}
+
 /* ---- Networks ---- */
 
 static void add_bonds(adv_scene *s, uint64_t *seed) {
