@@ -1,4 +1,5 @@
-/* The list of families, and what they build scenes with. A new family goes to the end: its place is part of the seed. */
+/* The list of families, and what they build scenes with. A new family goes to the end: its place is part of the seed.
+ */
 #include "tests/adversary/build.h"
 
 #include <math.h>

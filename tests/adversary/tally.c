@@ -96,6 +96,8 @@ static void run_case(const plan *p, int index, const char *folder) {
   if (!isnan(p->o->tol)) s.tol = p->o->tol > 0 ? p->o->tol : NAN;
   if (p->o->print) adv_scene_write(&s, NAN, stdout);
   bool memory = adv_answer_make(&a, &s);
+  if (p->o->print)
+    printf("-- the reference is known to %.2g m; a disturbance grows by %.2g\n", a.uncertainty, a.growth);
   for (int k = 0; k < p->runs; k++) {
     adv_run *r = &p->run[index * p->runs + k];
     set_run(p, r, k, &draw);
