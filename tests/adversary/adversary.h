@@ -140,7 +140,8 @@ void adv_answer_free(adv_answer *);
 
 /* ---- Runs (run.c) and what they amount to (tally.c) ---- */
 
-typedef enum adv_end { ADV_OK, ADV_NOT_OK, ADV_REFUSED, ADV_TOO_LONG, ADV_BROKEN } adv_end;
+/* Broken, also where the run was never made: it did not end as a run of hooke can. */
+typedef enum adv_end { ADV_BROKEN, ADV_OK, ADV_NOT_OK, ADV_REFUSED, ADV_TOO_LONG } adv_end;
 
 typedef struct adv_run {
   int family;
