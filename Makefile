@@ -74,14 +74,14 @@ endif
 object   = $(patsubst %.c,$B/obj/%.o,$1)
 core     := $(call object,$(filter-out core/command/main.c,$(wildcard core/*/*.c)))
 common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*.c)))
-support  := $(call object,$(wildcard tests/support/*.c))
+support  := $(call object,$(wildcard tests/support/*.c tests/adversary/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
 defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)))
 modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
 studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
-tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/bench/% tests/study/%,$(sort \
+tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/adversary/% tests/bench/% tests/study/%,$(sort \
               $(shell find tests -name '*.c'))))
 compiled := $(core) $B/obj/core/command/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
               tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c) $(tests:$B/%=%.c))
