@@ -94,9 +94,9 @@ typedef struct hk_rapid {
   bool more;       /* there are more pieces */
 } hk_rapid;
 
-typedef double hk_distance(const void *context, double t); /* s, between two evaluations near t */
+typedef double hk_gap(const void *context, double t); /* s, between two evaluations near t */
 
 /* `found` is zeroed before. */
-void hk_rapid_find(hk_rapid *found, const hk_samples *, hk_distance *, const void *context);
+void hk_rapid_find(hk_rapid *found, const hk_samples *, hk_gap *, const void *context);
 
 #endif

@@ -22,7 +22,7 @@ typedef struct window {
 typedef struct scan {
   const hk_samples *list;
   int column;
-  hk_distance *distance;
+  hk_gap *distance;
   const void *context;
   hk_rapid *found;
 } scan;
@@ -107,7 +107,7 @@ static void scan_from(const scan *s, size_t first) {
   if (now.dense && now.excess > follows * before.net && now.excess > visible * list->range[s->column]) take(s, &now);
 }
 
-void hk_rapid_find(hk_rapid *found, const hk_samples *list, hk_distance *distance, const void *context) {
+void hk_rapid_find(hk_rapid *found, const hk_samples *list, hk_gap *distance, const void *context) {
   found->shortest = INFINITY;
   for (int c = 0; c < HK_COLUMNS; c++) {
     scan s = {list, c, distance, context, found};

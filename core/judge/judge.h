@@ -69,10 +69,12 @@ typedef struct hk_distance {
   const char *channel_name;
 } hk_distance;
 
-/* Compares the moments that both have; with `at_end`, the last one. channel_accuracy: one per channel. Where the
+/* Compares the moments from `from` to `until` (s) that both have. channel_accuracy: one per channel. Where the
  * particles are not the same, or no moment is, `position` is NAN. */
 hk_distance hk_trajectory_distance(const hk_trajectory *, const hk_trajectory *, const hk_scene *,
-                                   const double *channel_accuracy, bool at_end);
+                                   const double *channel_accuracy, double from, double until);
+double hk_trajectory_time(const hk_trajectory *,
+                          double part); /* s, after this part of the moments, of which there are some */
 /* m, how far the particles get from their start, RMS, at most. */
 double hk_trajectory_motion(const hk_trajectory *);
 /* How far a channel gets from its start, RMS, at most. */
@@ -120,7 +122,8 @@ typedef struct hk_sampling {
   bool more;                  /* there are more of them */
 } hk_sampling;
 
-hk_sampling hk_under_sampled(hk_loop *);
+/* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. */
+hk_sampling hk_under_sampled(hk_loop *, size_t most_calls);
 /* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
 void hk_warn_of_long_steps(hk_loop *);
 /* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A begin
@@ -128,7 +131,6 @@ void hk_warn_of_long_steps(hk_loop *);
  * steps of its own for every pulse. Where a pulse rises by a jump it still needs several: the first and the last have a
  * jump. */
 size_t hk_sampling_cuts(const hk_sampling *, double *times, size_t room);
-bool hk_varies_between_steps(hk_loop *); /* hk_under_sampled(loop).varies */
 
 /* ---- passed_by.c: forces of short range that steps pass by ---- */
 

@@ -110,11 +110,12 @@ static bool compare(hk_distance *d, const hk_trajectory *a, const struct hk_mome
 }
 
 hk_distance hk_trajectory_distance(const hk_trajectory *a, const hk_trajectory *b, const hk_scene *scene,
-                                   const double *accuracy, bool at_end) {
+                                   const double *accuracy, double from, double until) {
   hk_distance d = {0};
   size_t j = 0;
   bool any = false, same = true;
-  for (size_t k = at_end && a->moments ? a->moments - 1 : 0; k < a->moments; k++) {
+  for (size_t k = 0; k < a->moments; k++) {
+    if (a->moment[k].t < from || a->moment[k].t > until) continue;
     while (j < b->moments && b->moment[j].t < a->moment[k].t) j++;
     if (j == b->moments || b->moment[j].t != a->moment[k].t) continue;
     any = true;
@@ -142,4 +143,9 @@ double hk_trajectory_channel_change(const hk_trajectory *a, const hk_scene *scen
   size_t offset = 4;
   for (size_t k = 0; k < channel; k++) offset += scene->channel[k].size;
   return change(a, offset, scene->channel[channel].size);
+}
+
+double hk_trajectory_time(const hk_trajectory *a, double part) {
+  size_t k = (size_t)ceil(part * (double)a->moments);
+  return a->moment[k < a->moments ? k : a->moments - 1].t;
 }

@@ -9,10 +9,8 @@
 
 #include <stdlib.h>
 
-static const size_t most_calls =
-                        200000, /* of all functions that declare nothing: 0.1 s, half of them where they vary */
-    most_declared = 2000000,    /* of all that do */
-    per_fastest = 4;            /* parts in the declared time: samples are at most half of it apart */
+static const size_t most_declared = 2000000, /* calls of all functions whose shortest time is declared */
+    per_fastest = 4;                         /* parts in that time: samples are at most half of it apart */
 
 /* A function of the scene, from `begin` to `end` (s), when it acts. */
 typedef struct subject {
@@ -26,7 +24,7 @@ typedef struct search {
   const hk_loop *loop;
   double until; /* s */
   const subject *now;
-  size_t functions; /* that share the calls */
+  size_t most_calls, functions; /* that share the calls; half of them are kept for where a function varies */
   hk_sampling *result;
 } search;
 
@@ -101,7 +99,7 @@ static void look_at(search *s, const subject *one) {
   hk_sampling *result = s->result;
   hk_samples samples;
   hk_rapid found = {.varies = false};
-  size_t parts = most_calls / 2 / s->functions, extra = parts;
+  size_t parts = s->most_calls / 2 / s->functions, extra = parts;
   double wanted = one->fastest > 0 ? ceil((double)per_fastest * (one->end - one->begin) / one->fastest) : 0;
   bool affordable = wanted <= (double)(most_declared / s->functions);
   if (wanted > (double)parts) parts = affordable ? (size_t)wanted : most_declared / s->functions;
@@ -121,9 +119,9 @@ static void look_at(search *s, const subject *one) {
 
 /* ---- the whole ---- */
 
-hk_sampling hk_under_sampled(hk_loop *loop) {
+hk_sampling hk_under_sampled(hk_loop *loop, size_t most_calls) {
   hk_sampling result = {.shortest = INFINITY, .declared = INFINITY};
-  search s = {.loop = loop, .until = loop->state->t, .result = &result};
+  search s = {.loop = loop, .until = loop->state->t, .most_calls = most_calls, .result = &result};
   visit_all(&s, count);
   visit_all(&s, look_at);
   return result;
@@ -159,5 +157,3 @@ size_t hk_sampling_cuts(const hk_sampling *s, double *times, size_t room) {
     if (kept == 0 || all[k] > times[kept - 1]) times[kept++] = all[k];
   return kept;
 }
-
-bool hk_varies_between_steps(hk_loop *loop) { return hk_under_sampled(loop).varies; }

@@ -15,7 +15,7 @@ static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0
 static const struct budget {
   double share, free, particles;
 } budgets[] = {
-    [HK_EFFORT_SMALL] = {0.4, 6e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {10, 6e5, 16}};
+    [HK_EFFORT_SMALL] = {0.4, 2e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {4, 6e5, 16}};
 
 /* Steps of 1e4 and more add up their errors, and each is at most its tolerance; rounding is 2e-16. */
 static const double steps_expected = 1e5, finest = 1e-13, coarsest = 1e-6, perturbation = 1e-14;
@@ -44,16 +44,20 @@ static double step_cost(const hk_run *whole, const hk_integrator *method) {
   return method->stages * implicit_stage + jacobian_cost + factors(whole);
 }
 
+/* An implicit method takes more than the share of a run that is implicit itself, so it is for small scenes. */
 static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_integrator *method) {
   const struct budget *b = &budgets[effort];
-  double evaluations = b->share * cost(whole) + b->free / (1 + (double)whole->state.model.n / b->particles);
+  double share = method->flags & HK_IMPLICIT && effort != HK_EFFORT_LARGE ? 0 : b->share;
+  double evaluations = share * cost(whole) + b->free / (1 + (double)whole->state.model.n / b->particles);
   return evaluations / step_cost(whole, method);
 }
 
-/* Whether an explicit method needs more steps for its stability alone: with s stages it is stable for h w < s at most
- * (van der Houwen 1977, Construction of integration formulas, 2.6). Where the frequencies are not known: no. */
-static bool too_stiff(const hk_run *whole, const hk_integrator *method, double steps) {
-  return whole->step.spectrum.w_reached * whole->state.t / method->stages > steps;
+/* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
+ * at most (van der Houwen 1977, Construction of integration formulas, 2.6). */
+static double least_steps(const hk_run *whole, const hk_reference *want, const hk_integrator *method) {
+  double w = fmax(want->frequency, whole->step.spectrum.w_reached);
+  double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / method->stages;
+  return fmax((double)whole->record.frames, stable);
 }
 
 static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, const hk_reference *want,
@@ -63,20 +67,20 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
   hk_error error = {0};
   if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
   double steps = allowed_steps(whole, want->effort, plugin->integrator);
-  if (!(steps >= 1) || (!implicit && too_stiff(whole, plugin->integrator, steps))) return false;
+  if (!(steps >= least_steps(whole, want, plugin->integrator))) return false;
   hk_run_options o = *first;
   o.integrator = plugin->name;
   o.dt = INFINITY;
   o.tol = fmax(finest, fmin(coarsest, want->relative / steps_expected));
   o.refine = 0;
-  o.dt_most = want->dt_most;
+  o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
   o.step_limit = (size_t)steps;
   o.perturb = perturbation;
   o.perturb_seed = 2;
   o.compare = HK_COMPARE_ALWAYS;
   o.no_output = true;
   o.progress = -1;
-  bool reached = hk_rerun_take(reopen, &o, whole, found, &error) == HK_OK;
+  bool reached = hk_rerun_take(reopen, &o, whole, whole->state.t, found, &error) == HK_OK;
   found->method = plugin->name;
   if (!reached) hk_trajectory_free(&found->trajectory);
   return reached;

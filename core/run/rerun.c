@@ -14,13 +14,13 @@ static hk_status advance(hk_run *again, double t, hk_error *error) {
                          : status;
 }
 
-hk_status hk_rerun_take(const hk_reopen *reopen, const hk_run_options *options, const hk_run *whole, hk_rerun *found,
-                        hk_error *error) {
+hk_status hk_rerun_take(const hk_reopen *reopen, const hk_run_options *options, const hk_run *whole, double until,
+                        hk_rerun *found, hk_error *error) {
   hk_run *again = NULL;
   hk_summary summary;
   *found = (hk_rerun){.energy_defect = NAN, .step = NAN};
   hk_status status = reopen->open(reopen->context, options, &again, error);
-  if (status == HK_OK) status = advance(again, whole->state.t, error);
+  if (status == HK_OK) status = advance(again, until, error);
   if (status == HK_OK) {
     hk_run_summary(again, &summary);
     found->spectrum = again->step.spectrum;

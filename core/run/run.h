@@ -118,8 +118,9 @@ typedef struct hk_rerun {
   hk_spectrum spectrum;
 } hk_rerun;
 
-/* Runs the scene of `whole` to the time that it has reached. The caller frees the trajectory, also after a failure. */
-hk_status hk_rerun_take(const hk_reopen *, const hk_run_options *, const hk_run *whole, hk_rerun *, hk_error *error);
+/* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure. */
+hk_status hk_rerun_take(const hk_reopen *, const hk_run_options *, const hk_run *whole, double until, hk_rerun *,
+                        hk_error *error);
 double hk_energy_defect(const hk_summary *); /* J, the energy drift; an excess is positive */
 
 /* ---- reference.c: a run with an independent method, an adaptive one of high order ---- */
@@ -131,8 +132,9 @@ typedef enum hk_effort {
 } hk_effort;
 
 typedef struct hk_reference {
-  double relative; /* the accuracy relative to the motion; the tolerance is far below it */
-  double dt_most;  /* s, its longest step; 0: the method's choice */
+  double relative;  /* the accuracy relative to the motion; the tolerance is far below it */
+  double dt_most;   /* s, its longest step; INFINITY: the method's choice */
+  double frequency; /* 1/s, the largest of the scene, where it is known; 0 */
   hk_effort effort;
 } hk_reference;
 

@@ -1,0 +1,183 @@
+/* The runs with which a run is compared: with half the step, a quarter of it, and with an independent method. */
+#include "core/run/comparison.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double perturbation = 1e-14, margin = 2, rounding = 1e-9,
+                    visible = 0.1, /* of the motion, as in judge/verdict.c */
+    no_order = 0.75,               /* the ratio of two distances above which no order is seen */
+    order_part = 0.125,            /* of the run that the quarter of the step is taken for: half the run's cost */
+    seen = 1e-4,                   /* of the accuracy: a distance that shows an order */
+    stricter = 1e-3,               /* the tolerance of a second reference, relative to the first */
+    reserve = 0.98;                /* what an estimate leaves of the accuracy, for its own error */
+
+/* Calls of functions of time: 60 ms where an accuracy is asked for, and some milliseconds else. */
+static const size_t calls_asked = 200000, calls_unasked = 20000;
+
+/* Steps in each piece of a pulse, 2 refine + 1. */
+enum { PULSE_REFINEMENT = 2, VIBRATION_REFINEMENT = 16 };
+
+static double begin_of(const hk_comparison *c) { return c->whole->asked.at_end ? c->whole->state.t : 0; }
+
+static hk_distance distance(const hk_comparison *c, const hk_rerun *a, const hk_rerun *b, double until) {
+  const hk_trajectory *first = a ? &a->trajectory : &c->whole->judgement.trajectory;
+  return hk_trajectory_distance(first, &b->trajectory, c->whole->scene, c->channel, begin_of(c), until);
+}
+
+static double relative(const hk_comparison *c, const hk_distance *d) {
+  double position = c->accuracy > 0 ? d->position / c->accuracy : isnan(d->position) ? NAN : 0;
+  return isnan(position) ? NAN : fmax(position, d->channel);
+}
+
+/* ---- what is asked ---- */
+
+/* Where nothing is asked, an error of a tenth of the motion is visible, as in judge/verdict.c. */
+static hk_status set_accuracies(hk_comparison *c, hk_error *error) {
+  const hk_scene *scene = c->whole->scene;
+  const hk_trajectory *own = &c->whole->judgement.trajectory;
+  bool asked = c->summary->accuracies > 0;
+  double moved = visible * hk_trajectory_motion(own) + rounding * hk_state_extent(&c->whole->state);
+  c->accuracy = c->summary->accuracy > 0 ? c->summary->accuracy : asked ? NAN : moved;
+  c->channel = calloc(scene->channels + 1, sizeof *c->channel);
+  if (!c->channel) return hk_error_set(error, HK_NO_MEMORY, "no memory for the accuracies of the channels");
+  for (size_t k = 0; k < scene->channels; k++) {
+    double given = scene->channel[k].accuracy, changed = visible * hk_trajectory_channel_change(own, scene, k);
+    c->channel[k] = given > 0 ? given : changed > 0 ? changed : INFINITY;
+  }
+  return HK_OK;
+}
+
+hk_status hk_comparison_open(hk_comparison *c, hk_error *error) {
+  hk_run *run = c->whole;
+  hk_status status = hk_trajectory_note(&run->judgement.trajectory, &run->state, run->record.frames, true, error);
+  if (status == HK_OK) status = set_accuracies(c, error);
+  if (status != HK_OK || !run->judgement.compared) return status;
+  c->sampling = hk_under_sampled(&run->loop, c->summary->accuracies > 0 ? calls_asked : calls_unasked);
+  c->cuts = hk_sampling_cuts(&c->sampling, c->cut, HK_MOST_CUTS);
+  return HK_OK;
+}
+
+void hk_comparison_close(hk_comparison *c) {
+  hk_trajectory_free(&c->half.trajectory);
+  free(c->channel);
+}
+
+/* The accuracy relative to the scale of what it is for, the strictest. */
+static double strictest(const hk_comparison *c) {
+  const hk_state *s = &c->whole->state;
+  double scale = hk_state_extent(s) + hk_trajectory_motion(&c->whole->judgement.trajectory);
+  double least = c->accuracy > 0 ? c->accuracy / scale : INFINITY;
+  for (size_t k = 0; k < c->whole->scene->channels; k++) {
+    double most = 0;
+    const double *y = s->X + (6 + s->channel[k].offset) * s->model.n;
+    for (size_t e = 0; e < s->channel[k].size * s->model.n; e++) most = fmax(most, fabs(y[e]));
+    if (c->channel[k] < most) least = fmin(least, c->channel[k] / most);
+  }
+  return least;
+}
+
+/* ---- the runs ---- */
+
+/* The same dt with the refined division of frames, and steps that end where a function of time changes. An adaptive
+ * method gets half of a dt that was given, which it may use as a fixed step. */
+static hk_run_options refined(const hk_comparison *c, size_t refine) {
+  hk_run *whole = c->whole;
+  hk_run_options o = *c->first;
+  double given = isnan(o.dt) ? whole->scene->dt : o.dt;
+  bool adaptive = whole->step.method->flags & HK_ADAPTIVE;
+  o.dt = adaptive ? given / (2 * (double)refine) : given;
+  o.tol = whole->dynamics.system.tol / pow(10, (double)refine);
+  o.refine = refine;
+  o.dt_most = whole->record.dt_max / (2 * (double)refine);
+  o.step_limit *= 4 * refine;
+  o.cut = c->cut;
+  o.cuts = c->cuts;
+  o.perturb = perturbation;
+  o.perturb_seed = refine;
+  o.compare = HK_COMPARE_ALWAYS;
+  o.no_output = true;
+  o.progress = -1;
+  return o;
+}
+
+hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
+  size_t pulses = c->sampling.more ? VIBRATION_REFINEMENT : PULSE_REFINEMENT;
+  hk_run_options o = refined(c, c->sampling.varies ? pulses : 1);
+  hk_status status = hk_rerun_take(c->reopen, &o, c->whole, c->whole->state.t, &c->half, error);
+  c->compared = status == HK_OK;
+  return status;
+}
+
+/* A reference that has passed by a force of short range is none. */
+static void use_reference(hk_comparison *c, const hk_rerun *reference) {
+  hk_distance d = distance(c, NULL, reference, INFINITY);
+  if (isnan(d.position) || reference->passed_by > c->accuracy) return;
+  c->referred = true;
+  c->worst = d;
+  c->error = relative(c, &d) / reserve;
+  c->position = d.position;
+  snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by 1e-14 of the extent",
+           reference->method, reference->tol);
+}
+
+/* Functions that vary everywhere, more than there are cuts, limit the steps. */
+static void refer(hk_comparison *c, hk_reference want) {
+  hk_rerun reference;
+  if (c->sampling.more) want.dt_most = fmin(want.dt_most, c->sampling.shortest / 4);
+  hk_run_options o = *c->first;
+  o.cut = c->cut;
+  o.cuts = c->cuts;
+  if (!hk_reference_take(c->reopen, &o, c->whole, &want, &reference)) return;
+  use_reference(c, &reference);
+  hk_trajectory_free(&reference.trajectory);
+}
+
+void hk_comparison_refer(hk_comparison *c, hk_effort effort) {
+  if (!c->referred) refer(c, (hk_reference){strictest(c), INFINITY, c->half.spectrum.w_reached, effort});
+}
+
+double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
+
+bool hk_comparison_agrees(const hk_comparison *c) {
+  hk_distance d = distance(c, NULL, &c->half, INFINITY);
+  return c->compared && margin * relative(c, &d) <= 1;
+}
+
+/* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
+ * grow. The second has steps no longer than the run's. */
+void hk_comparison_settle(hk_comparison *c) {
+  if (c->referred && c->error > 1 && hk_comparison_agrees(c))
+    refer(c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.spectrum.w_reached,
+                            HK_EFFORT_LARGE});
+}
+
+/* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */
+void hk_comparison_use_half(hk_comparison *c) {
+  hk_distance d = distance(c, NULL, &c->half, INFINITY);
+  c->worst = d;
+  c->error = margin * relative(c, &d);
+  c->position = margin * d.position;
+  snprintf(c->how, sizeof c->how, "compared with half the step and a start off by 1e-14 of the extent");
+}
+
+/* The order is that of the first part of the run, where a quarter of the step is affordable; the distance is that of
+ * the whole run. */
+bool hk_comparison_use_order(hk_comparison *c) {
+  hk_rerun quarter;
+  hk_error error = {0};
+  hk_run_options o = refined(c, 2);
+  double until = begin_of(c) > 0 ? c->whole->state.t : hk_trajectory_time(&c->whole->judgement.trajectory, order_part),
+         ratio = NAN;
+  if (c->sampling.varies) return false; /* half the step is another part then */
+  if (hk_rerun_take(c->reopen, &o, c->whole, until, &quarter, &error) == HK_OK) {
+    hk_distance first = distance(c, NULL, &c->half, until), second = distance(c, &c->half, &quarter, until);
+    if (relative(c, &first) > seen) ratio = relative(c, &second) / relative(c, &first);
+  }
+  hk_trajectory_free(&quarter.trajectory);
+  if (!(ratio < no_order)) return false;
+  c->error /= margin * (1 - ratio) * reserve;
+  c->position /= margin * (1 - ratio);
+  snprintf(c->how, sizeof c->how, "compared with a half and a quarter of the step");
+  return true;
+}
