@@ -5,7 +5,8 @@
 
 enum { LANES = 8 };
 
-static const double at_rest = 1e-6; /* a speed that counts as rest: this part of the extent per step */
+static const double at_rest = 1e-6;  /* a speed that counts as rest: this part of the extent per step */
+static const double smallest = 1e-6; /* a number of a channel that counts as 0: this part of the channel's largest */
 
 double hk_rms(const double *p, size_t count) {
   double sum[LANES] = {0}, total = 0;
@@ -67,16 +68,43 @@ static double larger(double a, double b) { return isnan(a) || a > b ? a : b; }
 
 double hk_scales_speed(const hk_scales *c, double extent, double h) { return fmax(c->speed, at_rest * extent / h); }
 
+/* The largest RMS of a particle's three components; NAN if one is. */
+static double worst_particle(const double *E, size_t n) {
+  double most = 0;
+  bool bad = false;
+  for (size_t i = 0; i < n; i++) {
+    double square = E[3 * i] * E[3 * i] + E[3 * i + 1] * E[3 * i + 1] + E[3 * i + 2] * E[3 * i + 2];
+    bad |= isnan(square);
+    most = square > most ? square : most;
+  }
+  return bad ? NAN : sqrt(most / 3);
+}
+
+/* The largest magnitude of one number of a channel over all particles. */
+static double peak(const double *y, size_t count, size_t stride) {
+  double most = 0;
+  for (size_t e = 0; e < count; e += stride) most = larger(most, fabs(y[e]));
+  return most;
+}
+
+double hk_channel_error(const hk_channel *channel, size_t n, const double *from, const double *to, const double *E) {
+  size_t begin = (6 + channel->offset) * n, size = channel->size, count = size * n;
+  double worst = 0, whole = fmax(peak(from + begin, count, 1), peak(to + begin, count, 1));
+  for (size_t k = begin; k < begin + size && n; k++) {
+    double scale = fmax(peak(from + k, count - (k - begin), size), peak(to + k, count - (k - begin), size));
+    worst = larger(worst, hk_ratio(peak(E + k, count - (k - begin), size), fmax(scale, smallest * whole)));
+  }
+  return worst;
+}
+
 double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const double *X, const double *a,
                        const double *E) {
-  size_t v = 3 * s->n, y = 6 * s->n;
+  size_t v = 3 * s->n;
   double V = fmax(c->speed, hk_rms(X + v, v)), A = fmax(c->acceleration, hk_rms(a, v));
   double L = extent(X, s->n, V, A);
-  double worst = larger(hk_ratio(hk_rms(E, v), L), hk_ratio(hk_rms(E + v, v), fmax(V, at_rest * L / h)));
-  for (size_t k = 0; k < s->model->channels; k++) {
-    size_t begin = y + s->model->channel[k].offset * s->n, count = s->model->channel[k].size * s->n;
-    double scale = fmax(hk_rms(s->X + begin, count), hk_rms(X + begin, count));
-    worst = larger(worst, hk_ratio(hk_rms(E + begin, count), scale));
-  }
+  double worst =
+      larger(hk_ratio(worst_particle(E, s->n), L), hk_ratio(worst_particle(E + v, s->n), fmax(V, at_rest * L / h)));
+  for (size_t k = 0; k < s->model->channels; k++)
+    worst = larger(worst, hk_channel_error(&s->model->channel[k], s->n, s->X, X, E));
   return worst;
 }

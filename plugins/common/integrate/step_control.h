@@ -1,11 +1,13 @@
 /* The error of a step relative to the scene, for methods that choose their steps.
  *
- * It is the largest of the relative errors, in the RMS norm, of positions, velocities and each channel. The scale of
- * positions is the extent: the RMS distance of the particles from their mean or, if that is larger, V^2/A, the radius
- * of curvature of a path, with V and A the largest RMS speed and acceleration so far. Neither depends on the origin,
- * and the second is defined for a single particle too. The scale of velocities is V, but at least a millionth of the
- * extent per step, so that rounding does not count as an error in a scene at rest; the scale of a channel is its larger
- * RMS at the two ends of the step. The work is not included. */
+ * It is the largest of the relative errors of positions, velocities and the numbers of each channel, each that of the
+ * particle with the largest one: the tolerance holds for every particle, also for the only one of thousands that moves.
+ * The scale of positions is the extent: the RMS distance of the particles from their mean or, if that is larger, V^2/A,
+ * the radius of curvature of a path, with V and A the largest RMS speed and acceleration so far. Neither depends on the
+ * origin, and the second is defined for a single particle too. The scale of velocities is V, but at least a millionth
+ * of the extent per step, so that rounding does not count as an error in a scene at rest; the scale of a number of a
+ * channel is its largest magnitude over all particles at the two ends of the step, but at least a millionth of the
+ * channel's. The work is not included. */
 #ifndef HK_STEP_CONTROL_H
 #define HK_STEP_CONTROL_H
 
@@ -26,6 +28,8 @@ double hk_scales_extent(const hk_scales *, const hk_system *, const double *x); 
  * a part of it is NAN. */
 double hk_scales_error(const hk_scales *, const hk_system *, double h, const double *X_new, const double *a,
                        const double *E);
+/* The same of one channel in a step between two states. */
+double hk_channel_error(const hk_channel *, size_t n, const double *from, const double *to, const double *E);
 double hk_scales_speed(const hk_scales *, double extent, double h); /* m/s, the scale of velocities */
 double hk_ratio(double value, double scale);                        /* value/scale; 0 for 0/0 */
 /* 1/s, the rate of change of the motion according to the scales, the larger of speed/extent and acceleration/speed; 0
