@@ -175,6 +175,7 @@ static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double
   status = hk_scales_foresee(&m->scales, s, span, slope_of(m, s, 1), slope_of(m, s, 2));
   if (status != HK_OK) return status;
   double V, rate = hk_scales_rate(&m->scales, hk_scales_extent(&m->scales, s, s->X), &V);
+  rate = fmax(rate, hk_channel_rate(s, s->X + 2 * v, m->slope + 2 * v));
   if (rate > 0) *h = fmin(*h, pow(0.01 * s->tol, 1.0 / (T->error_order + 1)) / rate);
   return HK_OK;
 }

@@ -20,9 +20,21 @@ double hk_rms(const double *p, size_t count) {
 
 double hk_ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
 
+double hk_rms_free(const hk_system *s, const double *p) {
+  double sum = 0;
+  size_t moving = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    bool moves = s->model->inverse_mass[i] > 0;
+    double square = p[3 * i] * p[3 * i] + p[3 * i + 1] * p[3 * i + 1] + p[3 * i + 2] * p[3 * i + 2];
+    sum += moves ? square : 0;
+    moving += moves;
+  }
+  return moving ? sqrt(sum / (3 * (double)moving)) : 0;
+}
+
 void hk_scales_notice(hk_scales *c, const hk_system *s, const double *v, const double *a) {
-  c->speed = fmax(c->speed, hk_rms(v, 3 * s->n));
-  c->acceleration = fmax(c->acceleration, hk_rms(a, 3 * s->n));
+  c->speed = fmax(c->speed, hk_rms_free(s, v));
+  c->acceleration = fmax(c->acceleration, hk_rms_free(s, a));
 }
 
 /* RMS of the coordinates about their means; differences from the first particle avoid cancellation. */
@@ -48,8 +60,8 @@ hk_status hk_scales_foresee(hk_scales *c, hk_system *s, double span, double *X, 
   memcpy(X, s->X, s->size * sizeof *X);
   hk_status status = s->rates(s, s->t + span, X, rates);
   if (status != HK_OK) return status;
-  c->acceleration = hk_rms(rates + v, v);
-  c->speed = fmax(hk_rms(X + v, v), c->acceleration * span);
+  c->acceleration = hk_rms_free(s, rates + v);
+  c->speed = fmax(hk_rms_free(s, X + v), c->acceleration * span);
   return HK_OK;
 }
 
@@ -97,10 +109,24 @@ double hk_channel_error(const hk_channel *channel, size_t n, const double *from,
   return worst;
 }
 
+double hk_channel_rate(const hk_system *s, const double *y, const double *dy) {
+  double rate = 0;
+  for (size_t c = 0; c < s->model->channels; c++) {
+    const hk_channel *channel = &s->model->channel[c];
+    size_t begin = channel->offset * s->n, count = channel->size * s->n;
+    double floor = smallest * peak(y + begin, count, 1);
+    for (size_t k = 0; k < channel->size && floor > 0; k++) {
+      double scale = fmax(floor, peak(y + begin + k, count - k, channel->size));
+      rate = fmax(rate, peak(dy + begin + k, count - k, channel->size) / scale);
+    }
+  }
+  return rate;
+}
+
 double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const double *X, const double *a,
                        const double *E) {
   size_t v = 3 * s->n;
-  double V = fmax(c->speed, hk_rms(X + v, v)), A = fmax(c->acceleration, hk_rms(a, v));
+  double V = fmax(c->speed, hk_rms_free(s, X + v)), A = fmax(c->acceleration, hk_rms_free(s, a));
   double L = extent(X, s->n, V, A);
   double worst =
       larger(hk_ratio(worst_particle(E, s->n), L), hk_ratio(worst_particle(E + v, s->n), fmax(V, at_rest * L / h)));
