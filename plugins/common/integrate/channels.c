@@ -4,6 +4,8 @@
 #include <float.h>
 #include <string.h>
 
+enum { RENEWALS = 3 }; /* of the blocks in a stage: what they leave out is not found by making them again */
+
 static const double slow = 0.2, hopeless = 2, rounding = 16 * DBL_EPSILON;
 
 /* A number that is much smaller than the others of all particles is judged against this part of theirs. */
@@ -186,7 +188,11 @@ hk_status hk_channels_improve(hk_channels *c, hk_system *s, const hk_stage *stag
   y[numbers] = base[numbers] + stage->g * dy[numbers]; /* the work, on which nothing depends */
   *settled = numbers == 0;
   if (numbers == 0) return HK_OK;
-  if (moved) c->last = 0, c->rate = 1;
+  if (moved) {
+    c->last = 0;
+    c->rate = 1;
+    c->renewals = 0;
+  }
   for (bool fresh = false;; fresh = true) {
     for (size_t e = 0; e < numbers; e++) left[e] = y[e] - base[e] - stage->g * dy[e];
     hk_channels_factorize(c, stage->g);
@@ -195,7 +201,7 @@ hk_status hk_channels_improve(hk_channels *c, hk_system *s, const hk_stage *stag
     if (isnan(off)) return HK_NOT_FINITE;
     double rate = c->last > 0 ? off / c->last : 0;
     *settled = off * fmin(1, fmax(rate, c->rate)) <= 1;
-    if (*settled || fresh || rate <= slow) {
+    if (*settled || fresh || rate <= slow || c->renewals == RENEWALS) {
       if (rate > hopeless && !*settled && !fresh) return HK_NOT_CONVERGED;
       if (c->last > 0) c->rate = fmax(0.3 * c->rate, rate);
       c->last = fresh ? 0 : off;
@@ -205,5 +211,6 @@ hk_status hk_channels_improve(hk_channels *c, hk_system *s, const hk_stage *stag
     hk_status status = hk_channels_differentiate(c, s, stage->t, stage->X, dy);
     if (status != HK_OK) return status;
     c->rate = 1;
+    c->renewals++;
   }
 }

@@ -22,6 +22,7 @@ typedef struct hk_channels {
   double g;               /* s, of the factors; 0: there are none */
   bool known;             /* whether `block` has been found */
   double last, rate;      /* size of the last change, relative to the allowed one, and the observed convergence */
+  int renewals;           /* of the blocks since x or v changed */
 } hk_channels;
 
 hk_status hk_channels_open(hk_channels *, const hk_host *host, const hk_view *view);
