@@ -84,8 +84,8 @@ static double amplification(const void *self, double hw, double hg) {
 
 static int linear_system(double t, N_Vector X, N_Vector f, SUNMatrix A, SUNMatrix M, int reuse, int *current,
                          double gamma, void *self, N_Vector u, N_Vector v, N_Vector w) {
-  (void)f, (void)A, (void)M, (void)u, (void)v, (void)w;
-  return hk_sundials_factorize(self, t, X, reuse, current, gamma);
+  (void)A, (void)M, (void)u, (void)v, (void)w;
+  return hk_sundials_factorize(self, t, X, f, reuse, current, gamma);
 }
 
 static hk_status attach_solver(arkode *m) {
@@ -95,6 +95,8 @@ static hk_status attach_solver(arkode *m) {
   if (status != HK_OK) return status;
   int flag = ARK(SetLinearSolver)(m->memory, s->linear, s->matrix);
   if (flag == 0 && m->solver == SPARSE) flag = ARK(SetLinSysFn)(m->memory, linear_system);
+  if (flag == 0 && m->solver == KRYLOV)
+    flag = ARK(SetLSNormFactor)(m->memory, 1); /* GMRES has the 2-norm, above ours */
   if (flag == 0 && m->solver == KRYLOV && s->preconditioner != HK_PRECONDITION_NONE)
     flag = ARK(SetPreconditioner)(m->memory, hk_sundials_precondition, hk_sundials_preconditioned);
   return hk_sundials_setup(s, flag);
@@ -213,7 +215,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   m->sundials.status = HK_OK;
   *m->sundials.message = 0;
   if (!m->started) settle(m, h);
-  if (!m->running || !hk_sundials_follows(&m->sundials, s)) {
+  if (!m->running || !hk_sundials_follows(&m->sundials, s, m->fixed > 0 ? 0 : s->tol)) {
     hk_status status = start(m, s, t_stop - s->t, m->started ? fmin(h, t_stop - s->t) : INFINITY);
     if (status != HK_OK) return status;
   }
@@ -226,9 +228,9 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   double taken = (lands ? stop : m->t) - s->t;
   if (!(taken > 0)) return hk_sundials_stuck(&m->sundials);
   m->running = true;
+  hk_sundials_notice(&m->sundials, taken);
   ARK(GetCurrentStep)(m->memory, &m->planned);
   memcpy(s->X, m->sundials.state, s->size * sizeof *s->X);
-  if (lands && !(m->fixed > 0)) hk_sundials_rescale(&m->sundials, s);
   *out = (hk_step){taken, m->fixed > 0 ? m->fixed : m->planned, error_of(m)};
   return HK_OK;
 }

@@ -46,7 +46,7 @@ static hk_status advance(bdf2 *m, hk_system *s, double h, double *base, double *
   double g = 2 * h / 3;
   for (size_t e = 0; e < s->size; e++) X[e] = base[e] = s->X[e] + (s->X[e] - m->before[e]) / 3;
   for (size_t e = v; e < 2 * v; e++) X[e] += g * m->start.slope[e];
-  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true};
+  hk_stage stage = {s->t + h, g, hk_newton_limit(&m->start.newton, s, X + v), base, X, true, 0};
   hk_status status = hk_newton_solve(&m->start.newton, s, &stage);
   if (status != HK_OK) return status;
   memcpy(m->start.slope, X + v, v * sizeof *X);
@@ -59,7 +59,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   double *base = m->start.k, *X = base + s->size;
   (void)t_stop, (void)out;
   if (!m->known || h != m->h) {
-    hk_status status = hk_dirk_stages(&m->start, &hk_tr_bdf2, s, h, 0, &X);
+    hk_status status = hk_dirk_stages(&m->start, &hk_tr_bdf2, s, h, -1, &X);
     if (status != HK_OK) return status;
     memcpy(m->start.slope, m->start.k + 2 * s->size, s->size * sizeof *X);
     m->start.primed = 1;
@@ -92,5 +92,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(bdf2),
     .params = hk_dirk_params,
     .fields = fields,
+    .create = hk_newton_create,
+    .destroy = hk_newton_destroy,
+    .topology = hk_newton_topology,
     .integrator = &integrator,
 };

@@ -94,8 +94,8 @@ static double amplification(const void *self, double hw, double hg) {
 
 static int linear_system(double t, N_Vector X, N_Vector f, SUNMatrix A, int reuse, int *current, double gamma,
                          void *self, N_Vector u, N_Vector v, N_Vector w) {
-  (void)f, (void)A, (void)u, (void)v, (void)w;
-  return hk_sundials_factorize(self, t, X, reuse, current, gamma);
+  (void)A, (void)u, (void)v, (void)w;
+  return hk_sundials_factorize(self, t, X, f, reuse, current, gamma);
 }
 
 static hk_status attach_fixed_point(cvode *m) {
@@ -113,6 +113,7 @@ static hk_status attach_solver(cvode *m) {
   if (status != HK_OK) return status;
   int flag = CVodeSetLinearSolver(m->memory, s->linear, s->matrix);
   if (flag == 0 && kind == SPARSE) flag = CVodeSetLinSysFn(m->memory, linear_system);
+  if (flag == 0 && kind == KRYLOV) flag = CVodeSetLSNormFactor(m->memory, 1); /* GMRES has the 2-norm, above ours */
   if (flag == 0 && kind == KRYLOV && s->preconditioner != HK_PRECONDITION_NONE)
     flag = CVodeSetPreconditioner(m->memory, hk_sundials_precondition, hk_sundials_preconditioned);
   return hk_sundials_setup(s, flag);
@@ -220,7 +221,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   m->sundials.system = s;
   m->sundials.status = HK_OK;
   *m->sundials.message = 0;
-  if (!m->running || !hk_sundials_follows(&m->sundials, s)) {
+  if (!m->running || !hk_sundials_follows(&m->sundials, s, s->tol)) {
     hk_status status = start(m, s, t_stop - s->t);
     if (status != HK_OK) return status;
   }
@@ -235,9 +236,9 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   double taken = (lands ? stop : m->t) - s->t;
   if (!(taken > 0)) return hk_sundials_stuck(&m->sundials);
   m->running = true;
+  hk_sundials_notice(&m->sundials, taken);
   CVodeGetCurrentStep(m->memory, &m->planned);
   memcpy(s->X, m->sundials.state, s->size * sizeof *s->X);
-  if (lands) hk_sundials_rescale(&m->sundials, s);
   *out = (hk_step){taken, m->planned, error_of(m)};
   return HK_OK;
 }

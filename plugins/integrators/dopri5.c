@@ -66,6 +66,7 @@ static hk_status first_step(dopri5 *m, hk_system *s, double span, double *h) {
   const hk_tableau *T = &hk_dormand_prince;
   double *X = hk_rk_stage_state(T, s, m->k), *a = hk_rk_slope(s, m->k, 0), *next = hk_rk_slope(s, m->k, 1);
   double V, rate = hk_scales_rate(&m->scales, hk_scales_extent(&m->scales, s, s->X), &V);
+  rate = fmax(rate, hk_channel_rate(s, s->X + 2 * v, a + v));
   double small = rate > 0 ? 0.01 / rate : 1e-3 * span;
   if (!(small < span)) small = span;
   hk_rk_combine(T, s, small, m->k, (const double[]){1}, 1, 1, s->X, X);
@@ -73,8 +74,8 @@ static hk_status first_step(dopri5 *m, hk_system *s, double span, double *h) {
   if (status != HK_OK) return status;
   for (size_t e = 0; e < v; e++) m->error[e] = next[e] - a[e];
   for (size_t e = v; e + v < s->size; e++) m->error[e] = 0;
-  V = fmax(V, small * hk_rms(next, v)); /* for a start from rest */
-  rate = fmax(rate, sqrt(hk_ratio(hk_rms(m->error, v), V * small)));
+  V = fmax(V, small * hk_rms_free(s, next)); /* for a start from rest */
+  rate = fmax(rate, sqrt(hk_ratio(hk_rms_free(s, m->error), V * small)));
   *h = rate > 0 ? pow(0.01 * s->tol, 0.2) / rate : small;
   return HK_OK;
 }

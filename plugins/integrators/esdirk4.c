@@ -3,6 +3,11 @@
  * forces are nonlinear, the order decreases towards the stage order. */
 #include "plugins/common/integrate/dirk.h"
 
+/* On an oscillator of frequency w the method's error is 3.6 h w times its distance from the authors' embedded method,
+ * whose own constant is small by chance; four times that distance, also to a method of order 3, is above it up to h w
+ * = 1. */
+enum { WIDER = 4 };
+
 static const hk_dirk_tableau tableau = {
     .stages = 6,
     .c = {0, 1.0 / 2, 83.0 / 250, 31.0 / 50, 17.0 / 20, 1},
@@ -14,9 +19,9 @@ static const hk_dirk_tableau tableau = {
            1.0 / 4},
           {82889.0 / 524892, 0, 15625.0 / 83664, 69875.0 / 102672, -2260.0 / 8211, 1.0 / 4}},
     .b = {82889.0 / 524892, 0, 15625.0 / 83664, 69875.0 / 102672, -2260.0 / 8211, 1.0 / 4},
-    .error = {82889.0 / 524892 - 4586570599.0 / 29645900160, 0, 15625.0 / 83664 - 178811875.0 / 945068544,
-              69875.0 / 102672 - 814220225.0 / 1159782912, -2260.0 / 8211 + 3700637.0 / 11593932,
-              1.0 / 4 - 61727.0 / 225920},
+    .error = {WIDER * (82889.0 / 524892 - 4586570599.0 / 29645900160), 0,
+              WIDER *(15625.0 / 83664 - 178811875.0 / 945068544), WIDER *(69875.0 / 102672 - 814220225.0 / 1159782912),
+              WIDER *(-2260.0 / 8211 + 3700637.0 / 11593932), WIDER *(1.0 / 4 - 61727.0 / 225920)},
     .error_order = 3,
 };
 
@@ -49,5 +54,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(hk_dirk),
     .params = hk_dirk_adaptive_params,
     .fields = hk_dirk_fields,
+    .create = hk_newton_create,
+    .destroy = hk_newton_destroy,
+    .topology = hk_newton_topology,
     .integrator = &integrator,
 };

@@ -99,7 +99,7 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE);
   memcpy(X, base, s->size * sizeof *X);
   take(m, s, true);
-  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true};
+  hk_stage stage = {t, g, hk_newton_limit(&m->newton, s, X + 3 * s->n), base, X, true, 0};
   return hk_newton_solve(&m->newton, s, &stage);
 }
 
@@ -165,5 +165,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(imex),
     .params = params,
     .fields = fields,
+    .create = hk_newton_create,
+    .destroy = hk_newton_destroy,
+    .topology = hk_newton_topology,
     .integrator = &integrator,
 };

@@ -27,7 +27,7 @@
  * Liu, Bouaziz and Kavan, Quasi-Newton methods for real-time simulation of hyperelastic materials, ACM TOG 36 (2017);
  * Liu, Bargteil, O'Brien and Kavan, Fast simulation of mass-spring systems, ACM TOG 32 (2013); acceleration: Peng and
  * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018). */
-#include "plugins/common/integrate/anderson.h"
+#include "plugins/common/linear/anderson.h"
 #include "plugins/common/elements/element_energy.h"
 #include "plugins/common/springs/element_edges.h"
 #include "plugins/common/linear/laplacian.h"

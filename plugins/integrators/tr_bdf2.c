@@ -31,5 +31,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(hk_dirk),
     .params = hk_dirk_adaptive_params,
     .fields = hk_dirk_fields,
+    .create = hk_newton_create,
+    .destroy = hk_newton_destroy,
+    .topology = hk_newton_topology,
     .integrator = &integrator,
 };

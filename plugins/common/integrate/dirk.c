@@ -96,8 +96,9 @@ hk_status hk_dirk_stages(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, dou
       memcpy(base, s->X, s->size * sizeof *base);
       for (int j = 0; j < i; j++) add(base, slope_of(m, s, j), s->size, h * T->a[i][j]);
       guess(s, g, known, base, X);
-      hk_stage stage = {s->t + T->c[i] * h, g, limit, base, X, !(limit > 0)};
-      if (!(limit > 0)) stage.limit = hk_newton_limit(&m->newton, s, X + 3 * s->n);
+      hk_stage stage = {s->t + T->c[i] * h, g, limit, base, X, limit < 0, 0};
+      if (limit >= 0) stage.channels = fmin(algebraic * s->tol, m->newton.tolerance);
+      if (limit < 0) stage.limit = hk_newton_limit(&m->newton, s, X + 3 * s->n);
       status = hk_newton_solve(&m->newton, s, &stage);
       if (status == HK_OK) take_slope(s, g, base, X, k);
     }
@@ -122,14 +123,15 @@ static void accept(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const dou
 hk_status hk_dirk_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double t_stop, double h) {
   double *X = NULL;
   (void)t_stop;
-  hk_status status = hk_dirk_stages(m, T, s, h, 0, &X);
+  hk_status status = hk_dirk_stages(m, T, s, h, -1, &X);
   if (status != HK_OK) return status;
   accept(m, T, s, X);
   hk_newton_limit(&m->newton, s, s->X + 3 * s->n);
   return HK_OK;
 }
 
-/* The error estimate h sum e_i k_i, multiplied by (M + g D + g^2 K)^-1 M, so that its stiff components are damped as by
+/* The error estimate h sum e_i k_i, multiplied by (M + g D + g^2 K)^-1 M, and for the
+ * channels by (I - g dy'/dy)^-1, so that its stiff components are damped as by
  * the method itself (Hosea and Shampine 1996, section 3). */
 static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double h, const double *X,
                           double *error) {
@@ -143,7 +145,8 @@ static hk_status estimate(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, do
   hk_status status = hk_newton_smooth(s, E, smooth);
   if (status == HK_OK) status = hk_newton_smooth(s, E + v, smooth + v);
   if (status != HK_OK) return status;
-  memcpy(smooth + 2 * v, E + 2 * v, (s->size - 2 * v) * sizeof *E);
+  hk_channels_solve(&m->newton.channels, E + 2 * v, smooth + 2 * v);
+  smooth[s->size - 1] = 0;
   *error = hk_scales_error(&m->scales, s, h, X, slope_of(m, s, T->stages - 1) + v, smooth) / s->tol;
   return HK_OK;
 }
@@ -172,6 +175,7 @@ static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double
   status = hk_scales_foresee(&m->scales, s, span, slope_of(m, s, 1), slope_of(m, s, 2));
   if (status != HK_OK) return status;
   double V, rate = hk_scales_rate(&m->scales, hk_scales_extent(&m->scales, s, s->X), &V);
+  rate = fmax(rate, hk_channel_rate(s, s->X + 2 * v, m->slope + 2 * v));
   if (rate > 0) *h = fmin(*h, pow(0.01 * s->tol, 1.0 / (T->error_order + 1)) / rate);
   return HK_OK;
 }

@@ -35,7 +35,7 @@ typedef struct hk_dirk {
 } hk_dirk;
 
 /* Computes a step of h from s->X into the returned X, which is scratch memory; s->X changes by its pins only. `limit`:
- * m/s, algebraic error allowed in v; 0: as for a fixed step. The tableau's `error` is not used. */
+ * m/s, algebraic error allowed in v; below 0: as for a fixed step. The tableau's `error` is not used. */
 hk_status hk_dirk_stages(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double h, double limit, double **X_new);
 /* A whole step of a fixed-step method. */
 hk_status hk_dirk_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double t_stop, double h);

@@ -26,14 +26,16 @@
  * convergence is quadratic; one for symmetric matrices gets it without the rotation of the damping's direction, and
  * convergence is linear at a rate of c |u|/(k l).
  *
+ * The channels' equation is solved (channels.h) at every v that the iteration reaches, before the next direction.
+ *
  * In a scene with contact every move is limited and, where all forces are gradients, the line search must decrease the
  * incremental potential itself (safe_move.h). */
 #ifndef HK_NEWTON_H
 #define HK_NEWTON_H
 
-#include "plugins/common/integrate/stage.h"
+#include "plugins/common/integrate/channels.h"
 
-enum { HK_NEWTON_STATES = 7 }; /* width of the scratch field of `memory`, HK_FIELD_STATE */
+enum { HK_NEWTON_STATES = 5 }; /* width of the scratch field of `memory`, HK_FIELD_STATE */
 
 /* A cheaper substitute for a factorization: how often in a row it failed, and how many times it is to be omitted. */
 typedef struct hk_shortcut {
@@ -55,7 +57,13 @@ typedef struct hk_newton {
   double rate;  /* rate of convergence with these factors; 0: not observed yet */
   int definite; /* number of coming factorizations whose blocks are projected to positive semi-definite */
   hk_shortcut chord, krylov;
+  hk_channels channels;
 } hk_newton;
+
+/* Functions hk_plugin.create, .destroy and .topology of methods whose instance is, or begins with, a hk_newton. */
+hk_status hk_newton_create(void *self, const hk_host *host, const hk_view *view);
+void hk_newton_destroy(void *self, const hk_host *host);
+hk_status hk_newton_topology(void *self, const hk_view *view);
 
 /* The parameters of hk_newton, for the table of a method whose instance `type` has it as its member `newton`: the
  * default and the description of the tolerance, and the same of the iterations. */
@@ -93,7 +101,8 @@ hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);
  */
 double hk_newton_limit(hk_newton *, const hk_system *, const double *v);
 void hk_newton_forget(hk_newton *); /* invalidates the factors, after a change of particles or forces */
-/* For error estimates, after `solve`: x = (M + g D + g^2 K)^-1 M b with the present factors; b is overwritten. */
+/* For error estimates, after `solve`: x = (M + g D + g^2 K)^-1 M b with the present factors; b is overwritten. That of
+ * the channels is hk_channels_solve. */
 hk_status hk_newton_smooth(hk_system *, double *b, double *x);
 
 #endif

@@ -88,7 +88,8 @@ hk_status hk_rk_stages(const hk_tableau *T, hk_system *s, double h, double *k, i
   for (int i = first; i < T->stages; i++) {
     double *X = i == 0 ? s->X : hk_rk_stage_state(T, s, k), *slope = hk_rk_slope(s, k, i);
     if (i > 0) hk_rk_combine(T, s, h, k, T->a[i], i, T->c[i], s->X, X);
-    hk_status status = s->accelerations(s, s->t + T->c[i] * h, X, X + m, X + 2 * m, slope, slope + m);
+    hk_status status = s->contact && i > 0 ? s->update(s, s->t, s->X, X) : HK_OK; /* a stage is a move, too */
+    if (status == HK_OK) status = s->accelerations(s, s->t + T->c[i] * h, X, X + m, X + 2 * m, slope, slope + m);
     if (status != HK_OK) return status;
   }
   return HK_OK;

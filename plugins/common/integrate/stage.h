@@ -13,6 +13,7 @@ typedef struct hk_stage {
   double *X;
   bool fixed; /* of a method with a fixed step: the algebraic error must also be far below the first change of v, which
                  is about the error of the step, so that it stays negligible for short steps too */
+  double channels; /* algebraic error allowed in a channel's number, relative to its size; 0: no such limit */
 } hk_stage;
 
 #endif

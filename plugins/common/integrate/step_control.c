@@ -5,7 +5,8 @@
 
 enum { LANES = 8 };
 
-static const double at_rest = 1e-6; /* a speed that counts as rest: this part of the extent per step */
+static const double at_rest = 1e-6;  /* a speed that counts as rest: this part of the extent per step */
+static const double smallest = 1e-6; /* a number of a channel that counts as 0: this part of the channel's largest */
 
 double hk_rms(const double *p, size_t count) {
   double sum[LANES] = {0}, total = 0;
@@ -19,9 +20,21 @@ double hk_rms(const double *p, size_t count) {
 
 double hk_ratio(double value, double scale) { return value > 0 || isnan(value) ? value / scale : 0; }
 
+double hk_rms_free(const hk_system *s, const double *p) {
+  double sum = 0;
+  size_t moving = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    bool moves = s->model->inverse_mass[i] > 0;
+    double square = p[3 * i] * p[3 * i] + p[3 * i + 1] * p[3 * i + 1] + p[3 * i + 2] * p[3 * i + 2];
+    sum += moves ? square : 0;
+    moving += moves;
+  }
+  return moving ? sqrt(sum / (3 * (double)moving)) : 0;
+}
+
 void hk_scales_notice(hk_scales *c, const hk_system *s, const double *v, const double *a) {
-  c->speed = fmax(c->speed, hk_rms(v, 3 * s->n));
-  c->acceleration = fmax(c->acceleration, hk_rms(a, 3 * s->n));
+  c->speed = fmax(c->speed, hk_rms_free(s, v));
+  c->acceleration = fmax(c->acceleration, hk_rms_free(s, a));
 }
 
 /* RMS of the coordinates about their means; differences from the first particle avoid cancellation. */
@@ -47,8 +60,8 @@ hk_status hk_scales_foresee(hk_scales *c, hk_system *s, double span, double *X, 
   memcpy(X, s->X, s->size * sizeof *X);
   hk_status status = s->rates(s, s->t + span, X, rates);
   if (status != HK_OK) return status;
-  c->acceleration = hk_rms(rates + v, v);
-  c->speed = fmax(hk_rms(X + v, v), c->acceleration * span);
+  c->acceleration = hk_rms_free(s, rates + v);
+  c->speed = fmax(hk_rms_free(s, X + v), c->acceleration * span);
   return HK_OK;
 }
 
@@ -67,16 +80,57 @@ static double larger(double a, double b) { return isnan(a) || a > b ? a : b; }
 
 double hk_scales_speed(const hk_scales *c, double extent, double h) { return fmax(c->speed, at_rest * extent / h); }
 
+/* The largest RMS of a particle's three components; NAN if one is. */
+static double worst_particle(const double *E, size_t n) {
+  double most = 0;
+  bool bad = false;
+  for (size_t i = 0; i < n; i++) {
+    double square = E[3 * i] * E[3 * i] + E[3 * i + 1] * E[3 * i + 1] + E[3 * i + 2] * E[3 * i + 2];
+    bad |= isnan(square);
+    most = square > most ? square : most;
+  }
+  return bad ? NAN : sqrt(most / 3);
+}
+
+/* The largest magnitude of one number of a channel over all particles. */
+static double peak(const double *y, size_t count, size_t stride) {
+  double most = 0;
+  for (size_t e = 0; e < count; e += stride) most = larger(most, fabs(y[e]));
+  return most;
+}
+
+double hk_channel_error(const hk_channel *channel, size_t n, const double *from, const double *to, const double *E) {
+  size_t begin = (6 + channel->offset) * n, size = channel->size, count = size * n;
+  double worst = 0, whole = fmax(peak(from + begin, count, 1), peak(to + begin, count, 1));
+  for (size_t k = begin; k < begin + size && n; k++) {
+    double scale = fmax(peak(from + k, count - (k - begin), size), peak(to + k, count - (k - begin), size));
+    worst = larger(worst, hk_ratio(peak(E + k, count - (k - begin), size), fmax(scale, smallest * whole)));
+  }
+  return worst;
+}
+
+double hk_channel_rate(const hk_system *s, const double *y, const double *dy) {
+  double rate = 0;
+  for (size_t c = 0; c < s->model->channels; c++) {
+    const hk_channel *channel = &s->model->channel[c];
+    size_t begin = channel->offset * s->n, count = channel->size * s->n;
+    double floor = smallest * peak(y + begin, count, 1);
+    for (size_t k = 0; k < channel->size && floor > 0; k++) {
+      double scale = fmax(floor, peak(y + begin + k, count - k, channel->size));
+      rate = fmax(rate, peak(dy + begin + k, count - k, channel->size) / scale);
+    }
+  }
+  return rate;
+}
+
 double hk_scales_error(const hk_scales *c, const hk_system *s, double h, const double *X, const double *a,
                        const double *E) {
-  size_t v = 3 * s->n, y = 6 * s->n;
-  double V = fmax(c->speed, hk_rms(X + v, v)), A = fmax(c->acceleration, hk_rms(a, v));
+  size_t v = 3 * s->n;
+  double V = fmax(c->speed, hk_rms_free(s, X + v)), A = fmax(c->acceleration, hk_rms_free(s, a));
   double L = extent(X, s->n, V, A);
-  double worst = larger(hk_ratio(hk_rms(E, v), L), hk_ratio(hk_rms(E + v, v), fmax(V, at_rest * L / h)));
-  for (size_t k = 0; k < s->model->channels; k++) {
-    size_t begin = y + s->model->channel[k].offset * s->n, count = s->model->channel[k].size * s->n;
-    double scale = fmax(hk_rms(s->X + begin, count), hk_rms(X + begin, count));
-    worst = larger(worst, hk_ratio(hk_rms(E + begin, count), scale));
-  }
+  double worst =
+      larger(hk_ratio(worst_particle(E, s->n), L), hk_ratio(worst_particle(E + v, s->n), fmax(V, at_rest * L / h)));
+  for (size_t k = 0; k < s->model->channels; k++)
+    worst = larger(worst, hk_channel_error(&s->model->channel[k], s->n, s->X, X, E));
   return worst;
 }

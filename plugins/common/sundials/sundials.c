@@ -1,16 +1,28 @@
-/* See sundials.h. Errors are weighted by 1 / (tol (|X_e| + scale)), where the scale of positions is the RMS distance of
- * the particles from their mean or, if that is larger, V^2/A (as in dopri5), that of velocities the largest RMS speed V
- * or, from rest, sqrt(L A), that of a channel its RMS; so tol is SUNDIALS' relative tolerance without a change. The
- * work has the weight 0. */
+/* See sundials.h. Errors are weighted by 1 / (tol scale), and the largest weighted error of all numbers counts
+ * (sundials_vector.c), as in step_control.h: the tolerance holds for every particle, wherever the origin lies. The
+ * scale of positions is the RMS distance of the particles from their mean or, if that is larger, V^2/A; that of
+ * velocities the largest RMS speed V so far; that of a number of a channel its largest magnitude so far. Before a step
+ * SUNDIALS asks for the weights at its state, so a scale follows motion that begins late. The work and the particles
+ * that pins lead have the weight 0. */
 #include "plugins/common/sundials/sundials.h"
 #include "plugins/common/integrate/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
 #include "plugins/common/sundials/sundials_vector.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
 static const double no_weight = 1e-100;
+
+/* What counts as rest: this part of the extent in the time to the next stop, and this part of a channel's largest
+ * number (step_control.c). */
+static const double at_rest = 1e-6;
+/* m, the extent where nothing says what it is: one place, no motion and no force. What moves later sets its own. */
+static const double nothing = 1e-9;
+/* sqrt 3: an error of one component of a particle counts as part of the RMS of its three (step_control.c). */
+static const double components = 1.7320508075688772;
+static const double rounding = 16 * DBL_EPSILON; /* errors below this part of the largest number do not count */
 
 enum { RECOVERABLE = 1, FATAL = -1 };
 
@@ -85,7 +97,9 @@ hk_status hk_sundials_open(hk_sundials *m, const hk_host *host, const hk_view *v
   m->host = host;
   m->channels = view->model->channels;
   for (size_t c = 0; c < m->channels; c++) size += view->model->channel[c].size * view->n;
-  m->channel = host->allocate(host, (m->channels + 1) * sizeof *m->channel);
+  hk_status status = hk_channels_open(&m->rates, host, view);
+  if (status != HK_OK) return status;
+  m->channel = host->allocate(host, (m->rates.width + 1) * sizeof *m->channel);
   if (!m->channel || make_context(m) != 0) return no_memory(m, size);
   m->X = hk_sundials_vector(size, m->state, m->context);
   if (!m->X) return no_memory(m, size);
@@ -103,6 +117,7 @@ void hk_sundials_close(hk_sundials *m) {
   if (m->matrix) SUNMatDestroy(m->matrix);
   if (m->X) N_VDestroy(m->X);
   if (m->context) SUNContext_Free(&m->context);
+  hk_channels_close(&m->rates);
   m->host->release(m->host, m->channel);
   m->host->release(m->host, m->inverse);
   m->linear = NULL;
@@ -115,61 +130,98 @@ void hk_sundials_close(hk_sundials *m) {
 
 /* ---- weights ---- */
 
-void hk_sundials_rescale(hk_sundials *m, hk_system *s) {
+static double peak(const double *y, size_t count, size_t stride) {
+  double most = 0;
+  for (size_t i = 0; i < count; i++) most = fmax(most, fabs(y[i * stride]));
+  return most;
+}
+
+/* Increases the scales of a channel's numbers, the first of which is `scale`, to those of y. */
+static void rescale_channel(const hk_channel *channel, size_t n, const double *y, double part, double *scale) {
+  double whole = 0;
+  for (size_t k = 0; k < channel->size; k++) {
+    scale[k] = fmax(scale[k], part * peak(y + k, n, channel->size));
+    whole = fmax(whole, scale[k]);
+  }
+  for (size_t k = 0; k < channel->size; k++) scale[k] = fmax(scale[k], at_rest * whole);
+}
+
+static void rescale(hk_sundials *m, const double *X) {
+  hk_system *s = m->system;
+  size_t v = 3 * s->n, k = 0;
+  hk_scales known = {m->speed = fmax(m->speed, hk_rms_free(s, X + v)), m->acceleration};
+  m->length = fmax(m->length, hk_scales_extent(&known, s, X));
+  for (size_t c = 0; c < m->channels; k += s->model->channel[c++].size)
+    rescale_channel(&s->model->channel[c], s->n, X + (6 + s->model->channel[c].offset) * s->n, 1, m->channel + k);
+}
+
+void hk_sundials_notice(hk_sundials *m, double h) {
+  hk_system *s = m->system;
   size_t v = 3 * s->n;
-  m->length = fmax(m->length, hk_scales_extent(&(hk_scales){0, 0}, s, s->X));
-  m->speed = fmax(m->speed, hk_rms(s->X + v, v));
-  for (size_t c = 0; c < m->channels; c++) {
+  double *change = m->work;
+  for (size_t e = 0; e < v; e++) change[e] = m->state[v + e] - s->X[v + e];
+  m->acceleration = fmax(m->acceleration, hk_rms_free(s, change) / h);
+}
+
+/* The scale of a channel that is 0 is the change that its rates cause until the next stop, or 1 where they are 0 too.
+ */
+static void start_channels(hk_sundials *m, hk_system *s, const double *dX, double span) {
+  size_t k = 0;
+  for (size_t c = 0; c < m->channels; k += s->model->channel[c++].size) {
     const hk_channel *channel = &s->model->channel[c];
-    m->channel[c] = fmax(m->channel[c], hk_rms(s->X + (6 + channel->offset) * s->n, channel->size * s->n));
+    if (!(m->channel[k] > 0)) rescale_channel(channel, s->n, dX + (6 + channel->offset) * s->n, span, m->channel + k);
+    for (size_t e = 0; e < channel->size; e++)
+      if (!(m->channel[k + e] > 0)) m->channel[k + e] = 1;
   }
 }
 
-/* A scale that is 0 at the start is replaced by the change that the rates cause until the next stop, or by 1 when the
- * rates are 0 as well. */
+/* The speed from rest is the one that the forces cause until the next stop or, if that is less, over the extent; forces
+ * that are 0 at present are looked at later, at times that are no multiples of each other. */
 hk_status hk_sundials_scale(hk_sundials *m, hk_system *s, double span) {
+  static const double later[] = {0, 1, 0.61803398874989485};
   size_t v = 3 * s->n;
   double *X = m->work, *dX = m->work + s->size, A = 0;
-  m->length = m->speed = 0;
-  memset(m->channel, 0, m->channels * sizeof *m->channel);
-  hk_sundials_rescale(m, s);
-  for (int k = 0; k < 2 && A == 0; k++) {
+  m->length = m->speed = m->acceleration = 0;
+  memset(m->channel, 0, m->rates.width * sizeof *m->channel);
+  hk_channels_forget(&m->rates);
+  rescale(m, s->X);
+  for (int k = 0; k < 3 && A == 0; k++) {
     memcpy(X, s->X, s->size * sizeof *X);
-    hk_status status = s->rates(s, s->t + k * span, X, dX);
+    hk_status status = s->rates(s, s->t + later[k] * span, X, dX);
     if (status != HK_OK) return status;
-    A = hk_rms(dX + v, v);
+    A = hk_rms_free(s, dX + v);
+    if (k == 0) start_channels(m, s, dX, span);
   }
-  if (A > 0) m->length = fmax(m->length, m->speed * m->speed / A);
-  m->speed = fmax(m->speed, m->length > 0 ? sqrt(m->length * A) : A * span);
-  if (!(m->length > 0)) m->length = m->speed * span;
-  if (!(m->length > 0)) m->length = 1;
-  if (!(m->speed > 0)) m->speed = m->length / span;
-  for (size_t c = 0; c < m->channels; c++) {
-    const hk_channel *channel = &s->model->channel[c];
-    if (m->channel[c] > 0) continue;
-    m->channel[c] = span * hk_rms(dX + (6 + channel->offset) * s->n, channel->size * s->n);
-    if (!(m->channel[c] > 0)) m->channel[c] = 1;
-  }
+  m->acceleration = A;
+  rescale(m, s->X);
+  m->speed = fmax(m->speed, m->length > 0 ? fmin(sqrt(m->length * A), A * span) : A * span);
+  if (!(m->length > 0)) m->length = fmax(m->speed * span, nothing);
+  m->speed = fmax(m->speed, at_rest * m->length / span);
   return HK_OK;
 }
 
-static void weigh(const double *restrict X, double *restrict weight, size_t count, double tol, double scale) {
-  double least = tol * scale;
-  for (size_t e = 0; e < count; e++) weight[e] = 1 / (tol * fabs(X[e]) + least);
+/* A scale below the rounding of the numbers themselves could not be met. */
+static void weigh(const double *x, double *weight, size_t count, size_t stride, double tol, double scale) {
+  double least = fmax(tol * scale, rounding * peak(x, count, stride)), w = least > 0 ? 1 / least : 1;
+  for (size_t i = 0; i < count; i++) weight[i * stride] = w;
 }
 
 int hk_sundials_weights(N_Vector X, N_Vector weight, void *self) {
-  const hk_sundials *m = self;
+  hk_sundials *m = self;
   const hk_system *s = m->system;
-  const double *x = NV_DATA_S(X);
-  double *w = NV_DATA_S(weight);
-  size_t v = 3 * s->n;
-  weigh(x, w, v, s->tol, m->length);
-  weigh(x + v, w + v, v, s->tol, m->speed);
+  double *x = NV_DATA_S(X), *w = NV_DATA_S(weight);
+  size_t v = 3 * s->n, number = 0;
+  rescale(m, x);
+  weigh(x, w, v, 1, s->tol, components * m->length);
+  weigh(x + v, w + v, v, 1, s->tol, components * m->speed);
+  for (size_t e = 0; e < v; e++)
+    if (!(s->model->inverse_mass[e / 3] > 0)) w[e] = w[v + e] = no_weight;
   for (size_t c = 0; c < m->channels; c++) {
     const hk_channel *channel = &s->model->channel[c];
-    size_t begin = (6 + channel->offset) * s->n;
-    weigh(x + begin, w + begin, channel->size * s->n, s->tol, m->channel[c]);
+    for (size_t k = 0; k < channel->size; k++, number++) {
+      size_t at = (6 + channel->offset) * s->n + k;
+      weigh(x + at, w + at, s->n, channel->size, s->tol, m->channel[number]);
+    }
   }
   w[s->size - 1] = no_weight;
   return 0;
@@ -183,13 +235,13 @@ static double distance(const double *a, const double *b, size_t count, double sc
   return sum > 0 ? sqrt(sum) / (scale * sqrt((double)count)) : 0;
 }
 
-bool hk_sundials_follows(hk_sundials *m, hk_system *s) {
+bool hk_sundials_follows(hk_sundials *m, hk_system *s, double tol) {
   size_t v = 3 * s->n;
   double *X = m->state;
   if (memcmp(X, s->X, s->size * sizeof *X) == 0) return true;
   s->impose(s, s->t, X, X + v);
   double away = fmax(distance(X, s->X, v, m->length), distance(X + v, s->X + v, v, m->speed));
-  if (!(away <= s->tol)) return false;
+  if (!(away <= tol)) return false;
   return memcmp(X + 2 * v, s->X + 2 * v, (s->size - 1 - 2 * v) * sizeof *X) == 0;
 }
 

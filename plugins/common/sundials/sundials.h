@@ -5,7 +5,7 @@
 #ifndef HK_SUNDIALS_H
 #define HK_SUNDIALS_H
 
-#include "core/plugin.h"
+#include "plugins/common/integrate/channels.h"
 
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_config.h>
@@ -29,7 +29,9 @@ typedef struct hk_sundials {
   SUNLinearSolver linear;
   SUNNonlinearSolver nonlinear;
   size_t channels;
-  double length, speed, *channel; /* scales of errors: m, m/s, one per channel */
+  double length, speed, *channel; /* scales of errors: m, m/s, one per number of the channels */
+  double acceleration;            /* m/s^2, the largest RMS so far */
+  hk_channels rates;              /* the channels' Jacobians */
   hk_status status;               /* status of the last function of the host that failed */
   char message[256];              /* SUNDIALS' last error */
   hk_matrix K, D, A;
@@ -41,13 +43,14 @@ typedef struct hk_sundials {
 hk_status hk_sundials_open(hk_sundials *, const hk_host *host, const hk_view *view);
 void hk_sundials_close(hk_sundials *);
 
-/* Whether s->X is the last result of SUNDIALS, except for pins and for corrections below the tolerance. Changes
+/* Whether s->X is the last result of SUNDIALS, except for pins and for corrections below `tol`. Changes
  * `state`. */
-bool hk_sundials_follows(hk_sundials *, hk_system *s);
+bool hk_sundials_follows(hk_sundials *, hk_system *s, double tol);
 /* Computes the scales from the state and, at a start, from its rates, with 1 or 2 evaluations. `span`: s, time to the
  * next stop. */
 hk_status hk_sundials_scale(hk_sundials *, hk_system *s, double span);
-void hk_sundials_rescale(hk_sundials *, hk_system *s); /* only increases the scales */
+
+void hk_sundials_notice(hk_sundials *, double h); /* after a step of h from s->X to `state` */
 
 /* The return value of a callback: 0, or a code after which SUNDIALS tries a shorter step (not finite, not converged) or
  * fails; stores the status. */
@@ -55,14 +58,15 @@ int hk_sundials_code(hk_sundials *, hk_status status);
 
 /* Callbacks; `self` is the hk_sundials. */
 int hk_sundials_rates(double t, N_Vector X, N_Vector dX, void *self);
-int hk_sundials_weights(N_Vector X, N_Vector weight, void *self); /* 1 / (tol (|X| + scale)); the work has none */
+int hk_sundials_weights(N_Vector X, N_Vector weight, void *self); /* 1 / (tol scale); the work has none. Only
+                                                                    increases the scales. */
 int hk_sundials_precondition(double t, N_Vector X, N_Vector f, int reuse, int *current, double gamma, void *self);
 int hk_sundials_preconditioned(double t, N_Vector X, N_Vector f, N_Vector b, N_Vector z, double gamma, double delta,
                                int side, void *self);
 
 /* sundials_newton.c. Newton's matrix I - gamma J: evaluated unless `reuse`, reduced to the velocities and factorised by
  * the scene's solver. Returns the value of a callback of SUNDIALS. */
-int hk_sundials_factorize(hk_sundials *, double t, N_Vector X, bool reuse, int *current, double gamma);
+int hk_sundials_factorize(hk_sundials *, double t, N_Vector X, N_Vector f, bool reuse, int *current, double gamma);
 /* Attaches a linear solver that uses this factorisation, with the matrix object that SUNDIALS requires; or GMRES. */
 hk_status hk_sundials_direct(hk_sundials *);
 hk_status hk_sundials_krylov(hk_sundials *);
@@ -77,7 +81,7 @@ hk_status hk_sundials_failed(hk_sundials *, int flag, bool rates);
 hk_status hk_sundials_stuck(hk_sundials *); /* for a step too short to move the time */
 /* The status of a call that can fail only for lack of memory. */
 hk_status hk_sundials_setup(hk_sundials *, int flag);
-/* WRMS norm of an error with the weights: 1 is the tolerance. */
+/* The norm of an error with the weights, the largest component: 1 is the tolerance. */
 double hk_sundials_norm(N_Vector error, N_Vector weight);
 
 #endif

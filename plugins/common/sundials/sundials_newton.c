@@ -3,10 +3,10 @@
  * The system (I - gamma J) z = r with J of (x, v), dx/dt = v, M dv/dt = F, is reduced to the velocities:
  *     (M + gamma D + gamma^2 K) z_v = M r_v - gamma K r_x,    z_x = r_x + gamma z_v
  * with K = -dF/dx and D = -dF/dv, so that one matrix of n blocks is factorised instead of 6n equations; pinned
- * components are filtered on both sides. Channels and the work have no Jacobian here and take part as in functional
- * iteration, z = r. With constraints M dv/dt = F + J^T lambda, and the reduced system is that of the saddle point with
- * J z_v = J r_v; how J and lambda change with X is left out of the matrix, not of the residual. The sum M z_v keeps the
- * momentum of r, whatever the iteration's tolerance.
+ * components are filtered on both sides. Channels have the blocks of each particle (channels.h), the work takes part as
+ * in functional iteration, z = r. With constraints M dv/dt = F + J^T lambda, and the reduced system is that of the
+ * saddle point with J z_v = J r_v; how J and lambda change with X is left out of the matrix, not of the residual. The
+ * sum M z_v keeps the momentum of r, whatever the iteration's tolerance.
  */
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/sundials/sundials.h"
@@ -38,11 +38,20 @@ static hk_status combine_and_factorize(hk_sundials *m, double gamma) {
   return status == HK_OK ? m->system->factorize(m->system, &m->A) : status;
 }
 
+static hk_status factorize_channels(hk_sundials *m, double t, N_Vector X, N_Vector f, bool reuse, double gamma) {
+  hk_status status = HK_OK;
+  if (!reuse || !m->rates.known)
+    status = hk_channels_differentiate(&m->rates, m->system, t, NV_DATA_S(X), NV_DATA_S(f) + 6 * m->system->n);
+  if (status == HK_OK) hk_channels_factorize(&m->rates, gamma);
+  return status;
+}
+
 /* A matrix that is not positive definite is assembled again with the block of every element projected to positive
  * semi-definite. */
-int hk_sundials_factorize(hk_sundials *m, double t, N_Vector X, bool reuse, int *current, double gamma) {
+int hk_sundials_factorize(hk_sundials *m, double t, N_Vector X, N_Vector f, bool reuse, int *current, double gamma) {
   unsigned want = 0;
   hk_status status = choose_blocks(m, &want);
+  if (status == HK_OK) status = factorize_channels(m, t, X, f, reuse, gamma);
   *current = !reuse;
   if (status == HK_OK && !reuse) status = evaluate(m, t, X, want);
   if (status == HK_OK) status = combine_and_factorize(m, gamma);
@@ -71,10 +80,10 @@ static void invert_diagonal(hk_sundials *m) {
 
 int hk_sundials_precondition(double t, N_Vector X, N_Vector f, int reuse, int *current, double gamma, void *self) {
   hk_sundials *m = self;
-  (void)f;
-  if (m->preconditioner == HK_PRECONDITION_FACTOR) return hk_sundials_factorize(m, t, X, reuse, current, gamma);
+  if (m->preconditioner == HK_PRECONDITION_FACTOR) return hk_sundials_factorize(m, t, X, f, reuse, current, gamma);
   *current = !reuse;
-  hk_status status = reuse ? HK_OK : evaluate(m, t, X, HK_WANT_SYMMETRIC | HK_WANT_DEFINITE);
+  hk_status status = factorize_channels(m, t, X, f, reuse, gamma);
+  if (status == HK_OK && !reuse) status = evaluate(m, t, X, HK_WANT_SYMMETRIC | HK_WANT_DEFINITE);
   if (status == HK_OK) status = combine(m, gamma);
   if (status == HK_OK) invert_diagonal(m);
   return hk_sundials_code(m, status);
@@ -111,7 +120,8 @@ static hk_status reduce_and_solve(hk_sundials *m, const double *r, double *z) {
     z[e] = r[e] + m->gamma * dv[e];
     z[v + e] = dv[e] + held;
   }
-  memcpy(z + 2 * v, r + 2 * v, (s->size - 2 * v) * sizeof *z);
+  hk_channels_solve(&m->rates, r + 2 * v, z + 2 * v);
+  z[s->size - 1] = r[s->size - 1];
   return HK_OK;
 }
 

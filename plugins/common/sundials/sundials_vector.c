@@ -56,17 +56,24 @@ static sunrealtype dot(N_Vector x, N_Vector y) {
   return sum_lanes(sum);
 }
 
+/* In place of SUNDIALS' mean over all numbers the largest counts; NAN if one is. */
 static sunrealtype weighted_norm(N_Vector x, N_Vector w) {
   const double *p = NV_DATA_S(x), *q = NV_DATA_S(w);
-  double sum[LANES] = {0};
+  double most[LANES] = {0}, worst = 0, bad = 0;
   size_t n = length_of(x), e = 0;
   for (; e + LANES <= n; e += LANES)
     for (size_t l = 0; l < LANES; l++) {
-      double r = p[e + l] * q[e + l];
-      sum[l] += r * r;
+      double r = fabs(p[e + l] * q[e + l]);
+      most[l] = r > most[l] ? r : most[l];
+      bad += r * 0;
     }
-  for (; e < n; e++) sum[0] += p[e] * q[e] * p[e] * q[e];
-  return sqrt(sum_lanes(sum) / (double)n);
+  for (; e < n; e++) {
+    double r = fabs(p[e] * q[e]);
+    most[0] = r > most[0] ? r : most[0];
+    bad += r * 0;
+  }
+  for (size_t l = 0; l < LANES; l++) worst = most[l] > worst ? most[l] : worst;
+  return bad == 0 ? worst : NAN;
 }
 
 static void add(double *restrict to, const double *restrict p, size_t count, double c) {

@@ -76,7 +76,7 @@ static void errors(const char *name, const fake_problem *problem, size_t steps, 
   }
   for (size_t i = 0; i < N; i++) X[6 * N + i] = r(i, 0);
   fake_method m = fake_method_open(name, f);
-  fake_method_set(&m, "tolerance", 1e-12); /* of implicit methods: the algebraic error is far below the time error */
+  fake_method_set(&m, "tolerance", 1e-14); /* of implicit methods: the algebraic error is far below the time error */
   memset(error, 0, PARTS * sizeof *error);
   for (int k = 1; k <= PIECES; k++) {
     fake_method_run(&m, T * k / PIECES, steps / PIECES);

@@ -7,7 +7,7 @@
  * column that depends on the others to that accuracy gets the weight 0. The matrix of the normal equations is stored,
  * so an iteration costs two scalar products per stored difference. Anderson, J. ACM 12 (1965); Walker and Ni, SIAM J.
  * Numer. Anal. 49 (2011). */
-#include "plugins/common/integrate/anderson.h"
+#include "plugins/common/linear/anderson.h"
 
 static const double regularization = 1e-12;
 

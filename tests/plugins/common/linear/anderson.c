@@ -1,6 +1,6 @@
 /* Anderson's acceleration on linear problems, where theory says when it ends: with a window as long as the number of
  * different contraction factors it finds the solution in one step more than there are factors. */
-#include "plugins/common/integrate/anderson.h"
+#include "plugins/common/linear/anderson.h"
 #include "tests/support/fake_system.h"
 
 #include <math.h>
