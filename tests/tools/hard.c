@@ -1,5 +1,5 @@
 /* The corpus of hard cases, tests/hard: every integrator reaches a case's bound or says that it did not, and those that
- * have to reach it do. Runs of at most 10,000 steps; `make study` holds the long ones. */
+ * have to reach it do. Runs of at most 15,000 steps; `make study` holds the long ones. */
 #include "tests/support/command.h"
 
 #include <setjmp.h>

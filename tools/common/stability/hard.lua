@@ -15,7 +15,7 @@ local case_process = require("common.run.case_process")
 
 local hard = {}
 
-hard.step_limit = 10000
+hard.step_limit = 15000
 
 -- ---- the metadata of a case ----
 
