@@ -12,8 +12,8 @@ static const double perturbation = 1e-14, margin = 2, rounding = 1e-9,
     stricter = 1e-3,               /* the tolerance of a second reference, relative to the first */
     reserve = 0.98;                /* what an estimate leaves of the accuracy, for its own error */
 
-/* Calls of functions of time: 60 ms where an accuracy is asked for, and some milliseconds else. */
-static const size_t calls_asked = 200000, calls_unasked = 20000;
+/* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
+static const size_t calls_asked = 200000, calls_unasked = 60000;
 
 /* Steps in each piece of a pulse, 2 refine + 1. */
 enum { PULSE_REFINEMENT = 2, VIBRATION_REFINEMENT = 16 };

@@ -15,7 +15,7 @@ static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0
 static const struct budget {
   double share, free, particles;
 } budgets[] = {
-    [HK_EFFORT_SMALL] = {0.4, 2e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {4, 6e5, 16}};
+    [HK_EFFORT_SMALL] = {0.4, 6e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {4, 6e5, 16}};
 
 /* Steps of 1e4 and more add up their errors, and each is at most its tolerance; rounding is 2e-16. */
 static const double steps_expected = 1e5, finest = 1e-13, coarsest = 1e-6, perturbation = 1e-14;

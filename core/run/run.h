@@ -126,7 +126,7 @@ double hk_energy_defect(const hk_summary *); /* J, the energy drift; an excess i
 /* ---- reference.c: a run with an independent method, an adaptive one of high order ---- */
 
 typedef enum hk_effort {
-  HK_EFFORT_SMALL,  /* less than half the run's own cost, or some milliseconds */
+  HK_EFFORT_SMALL,  /* less than half the run's own cost, or some hundredths of a second */
   HK_EFFORT_MEDIUM, /* the same, or some tenths of a second */
   HK_EFFORT_LARGE   /* several times the run's cost; where a cheaper check leaves doubts */
 } hk_effort;

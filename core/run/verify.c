@@ -60,7 +60,7 @@ static void judge_doubts(const hk_comparison *c, hk_summary *s) {
 /* What was assumed of functions of time: no samples can exclude a pulse between them. */
 static void describe_functions(const hk_comparison *c, hk_summary *s) {
   const hk_sampling *f = &c->sampling;
-  if (!(f->assumed > 0)) return;
+  if (!(f->assumed > 0) || s->verdict != HK_VERDICT_OK) return;
   hk_checked_add(s, "; ", "functions of time are assumed to do nothing within less than %.2g s%s", f->assumed,
                  f->assumed <= f->declared && isfinite(f->declared) ? ", as declared" : "");
 }
@@ -109,11 +109,25 @@ static void judge_accuracy(hk_comparison *c) {
   judge(c);
 }
 
+/* A function of time that acts between the evaluations of a run which is compared with no other. */
+static void judge_sampling(const hk_comparison *c, hk_summary *s) {
+  const hk_sampling *f = &c->sampling;
+  if (f->varies && f->where)
+    add_reason(s,
+               "%s: %s: %s does something within %.3g s at t = %.6g s, between two evaluations of the run: try a "
+               "smaller dt, or --accuracy",
+               f->where, f->label, f->name, f->shortest, f->begin);
+}
+
 /* Where none was: half the step is taken where it could defend the run. */
 static void judge_motion(hk_comparison *c) {
   hk_error error = {0};
   hk_comparison_refer(c, HK_EFFORT_SMALL);
-  if (!c->referred) return;
+  if (!c->referred) {
+    judge_sampling(c, c->summary);
+    describe_functions(c, c->summary);
+    return;
+  }
   if (c->error > 1 && !c->compared) hk_comparison_take_half(c, &error);
   if (c->compared) hk_comparison_settle(c);
   judge(c);
