@@ -1,5 +1,6 @@
-/* What amplification() states is what the integrator does: its growth on the oscillator x'' = -g x' - w^2 x and on a
- * channel y' = -k y, measured by driving the plugin itself.
+/* What amplification() and rotation() state is what the integrator does: its growth on the oscillator x'' = -g x' - w^2
+ * x, also where velocities turn at the rate b in the plane of x and y, and on a channel y' = -k y, measured by driving
+ * the plugin itself.
  *
  * A step is linear in all that it hands on: X and the fields. The matrix of one step, or of as many as it takes until
  * counters such as a ring's position come round, is read off column by column, and its spectral radius computed here,
@@ -17,7 +18,7 @@
 enum { MOST = 400, WARM = 16, ROUND = 12, SQUARINGS = 45 };
 
 typedef struct rates {
-  double hw, hg, hk; /* h is 1 s */
+  double hw, hg, hk, hb; /* h is 1 s */
 } rates;
 
 static void oscillate(const void *context, double t, const double *x, const double *v, const double *y, double *a,
@@ -25,6 +26,8 @@ static void oscillate(const void *context, double t, const double *x, const doub
   const rates *r = context;
   (void)t;
   for (size_t c = 0; c < 3; c++) a[c] = -r->hw * r->hw * x[c] - r->hg * v[c];
+  a[0] += r->hb * v[1];
+  a[1] -= r->hb * v[0];
   dy[0] = -r->hk * y[0];
 }
 
@@ -130,7 +133,7 @@ static void for_all(visit *each) {
   const char *names[FAKE_METHODS];
   size_t count = fake_integrator_names(names);
   for (size_t k = 0; k < count; k++) {
-    fake_system *f = fake_system_create(&(fake_problem){1, 1, 0, oscillate, &(rates){0, 0, 0}});
+    fake_system *f = fake_system_create(&(fake_problem){1, 1, 0, oscillate, &(rates){0, 0, 0, 0}});
     fake_method m = fake_method_open(names[k], f);
     bool fits = fake_method_explicit(&m) || fake_method_implicit(&m);
     if (fits && m.plugin->integrator->amplification) each(&m);
@@ -158,11 +161,11 @@ static void compare_on_grid(const fake_method *method) {
   static const double hg[] = {0, 0.001, 0.03, 0.1, 0.17, 0.29, 0.5, 0.99, 1.01, 1.9, 2.7, 3.3};
   for (size_t i = 0; i < sizeof hw / sizeof *hw; i++)
     for (size_t j = 0; j < sizeof hg / sizeof *hg; j++) {
-      rates r = {hw[i], hg[j], 0};
+      rates r = {hw[i], hg[j], 0, 0};
       compare(name, r, stated(method, r.hw, r.hg), measured(name, r));
     }
   for (size_t j = 1; j < sizeof hg / sizeof *hg && !channels_are_explicit(name); j++) {
-    rates r = {0, 0, hg[j]};
+    rates r = {0, 0, hg[j], 0};
     compare(name, r, stated(method, 0, r.hk), fmax(1, measured(name, r)));
   }
 }
@@ -172,19 +175,56 @@ static void stated_growth_is_the_measured_one(void **state) {
   for_all(compare_on_grid);
 }
 
+static double stated_rotation(const fake_method *m, rates r) {
+  return m->plugin->integrator->rotation(m->self, r.hw, r.hg, r.hb);
+}
+
+/* The grid keeps clear of double roots, (hg + i hb)^2 = 4 hw^2. */
+static void compare_rotation(const fake_method *method) {
+  static const double hw[] = {0, 0.02, 0.3, 0.9, 1.37, 1.9, 2.6, 5}, hg[] = {0, 0.01, 0.21, 1.3},
+                      hb[] = {0.004, 0.05, 0.33, 0.87, 1.6, 2.7};
+  const char *name = method->plugin->name;
+  if (!method->plugin->integrator->rotation) return;
+  for (size_t i = 0; i < sizeof hw / sizeof *hw; i++)
+    for (size_t j = 0; j < sizeof hg / sizeof *hg; j++) {
+      rates still = {hw[i], hg[j], 0, 0};
+      compare(name, still, stated_rotation(method, still), stated(method, hw[i], hg[j]));
+      for (size_t k = 0; k < sizeof hb / sizeof *hb; k++) {
+        rates r = {hw[i], hg[j], 0, hb[k]}, other = {hw[i], hg[j], 0, -hb[k]};
+        compare(name, r, stated_rotation(method, r), measured(name, r));
+        compare(name, other, stated_rotation(method, other), stated_rotation(method, r));
+      }
+    }
+}
+
+static void stated_growth_of_rotation_is_the_measured_one(void **state) {
+  (void)state;
+  for_all(compare_rotation);
+}
+
+static void every_explicit_method_states_its_rotation(const fake_method *method) {
+  const hk_integrator *i = method->plugin->integrator;
+  if (!(i->flags & HK_IMPLICIT) && !i->rotation) fail_msg("%s does not state it", method->plugin->name);
+}
+
+static void explicit_methods_state_their_growth_where_velocities_turn(void **state) {
+  (void)state;
+  for_all(every_explicit_method_states_its_rotation);
+}
+
 /* The first h at which a system with these rates at h = 1 grows, by bisection on the measured growth. Steps of the
  * search: 2 %. 1e-9: rounding, as above. */
 static double limit(const char *name, rates unit) {
   double low = 0.02, high = low;
   for (; high < 6; high *= 1.02) {
-    rates r = {high * unit.hw, high * unit.hg, high * unit.hk};
+    rates r = {high * unit.hw, high * unit.hg, high * unit.hk, 0};
     if (measured(name, r) > 1 + 1e-9) break;
     low = high;
   }
   if (high == low) return 0;
   for (int i = 0; i < 20; i++) {
     double h = (low + high) / 2;
-    rates r = {h * unit.hw, h * unit.hg, h * unit.hk};
+    rates r = {h * unit.hw, h * unit.hg, h * unit.hk, 0};
     if (measured(name, r) > 1 + 1e-9)
       high = h;
     else
@@ -205,8 +245,8 @@ static void limits_are_the_known_ones(void **state) {
                {"leapfrog", 2, 1},  {"stoermer", 1.4142135624, 0.3}, {"stoermer5", 0, 90.0 / 551}};
   (void)state;
   for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
-    double w = limit(known[k].name, (rates){1, 0, 0}), g = limit(known[k].name, (rates){0, 1, 0}),
-           y = limit(known[k].name, (rates){0, 0, 1});
+    double w = limit(known[k].name, (rates){1, 0, 0, 0}), g = limit(known[k].name, (rates){0, 1, 0, 0}),
+           y = limit(known[k].name, (rates){0, 0, 1, 0});
     print_message("%-18s limits: oscillation %.4f, drag %.4f, channel %.4f\n", known[k].name, w, g, y);
     if (known[k].oscillation == 0 ? w > 0.1 : !(fabs(w / known[k].oscillation - 1) < 0.01))
       fail_msg("%s: h w = %g, not %g", known[k].name, w, known[k].oscillation);
@@ -220,7 +260,7 @@ static void leapfrog_with_damping_is_stable_up_to_its_formula(void **state) {
   (void)state;
   for (double xi = 0.01; xi < 4; xi *= 2) {
     double expected = 2 * (sqrt(1 + 4 * xi * xi) - 2 * xi);
-    double got = limit("leapfrog", (rates){1, 2 * xi, 0});
+    double got = limit("leapfrog", (rates){1, 2 * xi, 0, 0});
     if (!(fabs(got / expected - 1) < 1e-6)) fail_msg("xi = %g: %.9g, not %.9g", xi, got, expected);
   }
 }
@@ -253,6 +293,8 @@ static void slow_modes_of_symplectic_methods_show_no_growth(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(stated_growth_is_the_measured_one),
+      cmocka_unit_test(stated_growth_of_rotation_is_the_measured_one),
+      cmocka_unit_test(explicit_methods_state_their_growth_where_velocities_turn),
       cmocka_unit_test(limits_are_the_known_ones),
       cmocka_unit_test(leapfrog_with_damping_is_stable_up_to_its_formula),
       cmocka_unit_test(amplification_is_never_below_1_without_a_frequency),
