@@ -1,11 +1,8 @@
 /* What amplification() and rotation() state is what the integrator does: its growth on the oscillator x'' = -g x' - w^2
  * x, also where velocities turn at the rate b in the plane of x and y, and on a channel y' = -k y, measured by driving
  * the plugin itself.
- *
- * A step is linear in all that it hands on: X and the fields. The matrix of one step, or of as many as it takes until
- * counters such as a ring's position come round, is read off column by column, and its spectral radius computed here,
- * by repeated squaring. Nothing is judged by watching for a blow-up. */
-#include "tests/support/fake_system.h"
+ */
+#include "tests/support/step_matrix.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -14,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
-
-enum { MOST = 400, WARM = 16, ROUND = 12, SQUARINGS = 45 };
 
 typedef struct rates {
   double hw, hg, hk, hb; /* h is 1 s */
@@ -31,80 +26,8 @@ static void oscillate(const void *context, double t, const double *x, const doub
   dy[0] = -r->hk * y[0];
 }
 
-/* |M^N|^(1/N), N = 2^45; destroys M. */
-static double radius(double *M, size_t n) {
-  double *B = malloc(n * n * sizeof *B), logarithm = 0, weight = 1;
-  assert_non_null(B);
-  for (int k = 0; k < SQUARINGS; k++, weight /= 2) {
-    double most = 0;
-    for (size_t e = 0; e < n * n; e++) most = fmax(most, fabs(M[e]));
-    if (most == 0) break;
-    logarithm += weight * log(most);
-    for (size_t e = 0; e < n * n; e++) M[e] /= most;
-    for (size_t i = 0; i < n; i++)
-      for (size_t j = 0; j < n; j++) {
-        B[n * i + j] = 0;
-        for (size_t l = 0; l < n; l++) B[n * i + j] += M[n * i + l] * M[n * l + j];
-      }
-    memcpy(M, B, n * n * sizeof *M);
-  }
-  free(B);
-  return exp(logarithm);
-}
-
-static void go(fake_method *m, size_t steps) {
-  for (size_t i = 0; i < steps; i++)
-    if (fake_method_step(m, 1, NULL) != HK_OK) fail_msg("%s: %s", m->plugin->name, m->system->message);
-}
-
-static bool integers_match(const fake_method *m, const char *saved) {
-  for (const hk_field *field = m->plugin->fields; field && field->name; field++) {
-    if (field->type == HK_FIELD_INTEGER && memcmp((char *)m->self + field->offset, saved, 8) != 0) return false;
-    if (field->type == HK_FIELD_INTEGER || field->type == HK_FIELD_NUMBER) saved += 8;
-  }
-  return true;
-}
-
-/* Keeps the addresses that the motion reaches: the other components stay 0. Returns how many. */
-static size_t reached(fake_method *m, double **address, size_t count) {
-  bool *alive = calloc(count, sizeof *alive);
-  size_t kept = 0;
-  assert_non_null(alive);
-  for (int i = 0; i < WARM; i++) {
-    go(m, 1);
-    for (size_t e = 0; e < count; e++) alive[e] |= *address[e] != 0;
-  }
-  for (size_t e = 0; e < count; e++)
-    if (alive[e]) address[kept++] = address[e];
-  free(alive);
-  return kept;
-}
-
-static double growth_of_motion(fake_method *m, double **address, size_t count) {
-  char saved[256];
-  size_t round = 0, n = reached(m, address, count);
-  assert_true(fake_method_save(m, saved) <= sizeof saved);
-  do {
-    go(m, 1);
-    round++;
-  } while (!integers_match(m, saved) && round < ROUND);
-  assert_true(integers_match(m, saved));
-  double *M = malloc(n * n * sizeof *M);
-  assert_non_null(M);
-  for (size_t j = 0; j < n; j++) {
-    fake_method_load(m, saved);
-    for (size_t e = 0; e < n; e++) *address[e] = e == j;
-    go(m, round);
-    for (size_t e = 0; e < n; e++) M[n * e + j] = *address[e];
-  }
-  double growth = pow(radius(M, n), 1 / (double)round);
-  free(M);
-  return growth;
-}
-
 /* The growth of the oscillator, or, when hk > 0, of the channel. */
 static double measured(const char *name, rates r) {
-  double *address[MOST];
   unsigned all = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS;
   fake_system *f = fake_system_create(&(fake_problem){1, 1, all, oscillate, &r});
   f->system.tol = 1e30; /* adaptive methods take the step they are given */
@@ -115,9 +38,7 @@ static double measured(const char *name, rates r) {
     X[0] = X[3] = 1;
   fake_method m = fake_method_open(name, f);
   fake_method_set(&m, "tolerance", 1e-12);
-  size_t count = fake_method_memory(&m, address, MOST);
-  assert_true(count < MOST);
-  double growth = growth_of_motion(&m, address, count);
+  double growth = step_growth(&m);
   fake_method_close(&m);
   fake_system_destroy(f);
   return growth;
