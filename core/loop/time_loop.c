@@ -106,6 +106,7 @@ static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
   loop->last_h = h;
   for (size_t i = 1; i <= n; i++) {
     hk_status status = hk_step_begin(loop, h);
+    if (status == HK_OK) status = hk_step_watch(loop->step, loop->dynamics);
     if (status == HK_OK && too_long(loop, dt, h)) return HK_OK;
     periodic_hook(loop);
     bool sample = i == n && hooks->before_sample && hooks->after_sample;

@@ -36,6 +36,9 @@ static const double damping_slack = 0.03;
  * of its bound. */
 static const double strong_damping = 0.2, pencil_slack = 0.03;
 
+/* Largest skew part of D besides that of single particles, relative to it. */
+static const double unexplained = 0.05;
+
 struct hk_spectrum_work {
   size_t n, tail; /* tail: length of y */
   double *memory; /* all the arrays */
@@ -220,11 +223,12 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool us
   return HK_OK;
 }
 
-/* The smallest eigenvalue of the particles' 3x3 damping blocks in common motion, among the directions that the pin
- * allows (the eigenvalue of a forbidden direction is 0). The columns of the blocks are the responses to the three
- * directions. */
-static double least_damping(const hk_model *model, double *const column[3]) {
+/* The smallest eigenvalue, and the largest, *most, of the particles' 3x3 damping blocks in common motion, among the
+ * directions that the pin allows (the eigenvalue of a forbidden direction is 0). The columns of the blocks are the
+ * responses to the three directions. */
+static double least_damping(const hk_model *model, double *const column[3], double *most) {
   double least = INFINITY, value[3];
+  *most = 0;
   for (size_t i = 0; i < model->n; i++) {
     double w = model->inverse_mass[i];
     const double *p = column[0] + 3 * i, *q = column[1] + 3 * i, *r = column[2] + 3 * i;
@@ -233,6 +237,7 @@ static double least_damping(const hk_model *model, double *const column[3]) {
     hk_symmetric_eigenvalues(a, value);
     int blocked = model->pin[i] == HK_PIN_LINE ? 2 : model->pin[i] == HK_PIN_PLANE ? 1 : 0;
     least = fmin(least, sqrt(w) * value[blocked]);
+    *most = fmax(*most, sqrt(w) * value[2]);
   }
   return isfinite(least) ? fmax(0, least) : 0;
 }
@@ -256,6 +261,37 @@ static double velocity_noise(const hk_spectrum_work *s, const operation *o) {
   return ulps * rounding * largest(s->a[0], 3 * s->n) / o->step;
 }
 
+/* A random vector as pins allow it, and as a second one the same moved on by four numbers. */
+static void start_pair(hk_system *system, double *p, double *q) {
+  size_t size = 3 * system->n;
+  hk_lanczos_random(p, size);
+  for (size_t c = 0; c < size; c++) q[c] = p[(c + 4) % size];
+  for (size_t i = 0; i < system->n; i++)
+    for (size_t c = 3 * i; c < 3 * i + 3 && !(system->model->inverse_mass[i] > 0); c++) p[c] = q[c] = 0;
+  system->filter(system, p);
+  system->filter(system, q);
+}
+
+/* *whole: whether the skew part of D is that of single particles, by p.Dq - q.Dp = 2 p.Aq for two random vectors. The
+ * drag and lift of wind, say, couple the corners of a triangle. */
+static hk_status check_turning(operation *o, bool *whole) {
+  hk_spectrum_work *s = o->work;
+  double *p = s->damping.current, *q = s->damping.previous, *Dp = s->damping.image, *Dq = s->damping.ritz;
+  double rest = 0, square = 0;
+  start_pair(o->system, p, q);
+  hk_status status = apply(o, p, Dp);
+  if (status == HK_OK) status = apply(o, q, Dq);
+  for (size_t i = 0; i < s->n; i++)
+    for (size_t c = 0; c < 3; c++) {
+      size_t at = 3 * i + c, d = 3 * i + (c + 1) % 3, e = 3 * i + (c + 2) % 3;
+      double turned = 2 * p[at] * (s->turn[d] * q[e] - s->turn[e] * q[d]);
+      rest += p[at] * Dq[at] - q[at] * Dp[at] - turned;
+      square += turned * turned;
+    }
+  *whole = fabs(rest) <= unexplained * sqrt(square);
+  return status;
+}
+
 static hk_status common_damping(operation *o, double *alpha) {
   hk_spectrum_work *s = o->work;
   const double *w = o->system->model->inverse_mass;
@@ -266,10 +302,12 @@ static hk_status common_damping(operation *o, double *alpha) {
     hk_status status = apply(o, all, column[c]);
     if (status != HK_OK) return status;
   }
-  *alpha = least_damping(o->system->model, column);
+  *alpha = least_damping(o->system->model, column, &s->bounds.g_common);
   double turn = measure_turning(o->system->model, column, s->turn);
-  s->bounds.b_max = turn > velocity_noise(s, o) ? turn * inflate : 0;
-  return HK_OK;
+  bool whole = turn > velocity_noise(s, o);
+  hk_status status = whole ? check_turning(o, &whole) : HK_OK;
+  s->bounds.b_max = whole ? turn * inflate : 0;
+  return status;
 }
 
 /* D has an unsymmetric part that is none of single particles, and a norm G. A mode with a skew D of that norm has a
@@ -333,15 +371,19 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
   b->g_max = s->damps_alone && s->stiffening_damping > 0 ? s->stiffening_damping : b->g_max + s->stiffening_damping;
   b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
-  bool symmetric = s->damping.asymmetry <= 1e-3 * s->damping.norm + noise + 1e-6 * b->b_max;
+  bool symmetric = s->damping.asymmetry <= 1e-3 * s->damping.norm + noise;
   if (!symmetric) count_rotation(b, s->damping.norm);
   bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && symmetric;
+  if (s->stiffening_damping > 0) strong = false; /* the pencil of the present tells nothing of what may set in */
   return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
 }
 
 /* A failed call does not change *spectrum, but makes the data of a warm start invalid. */
 static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
-  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .b_max = warm ? s->bounds.b_max : 0, .rigorous = true};
+  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0,
+                            .b_max = warm ? s->bounds.b_max : 0,
+                            .g_common = warm ? s->bounds.g_common : 0,
+                            .rigorous = true};
   s->length = s->stiffening_damping = 0;
   s->damps_alone = false;
   hk_status status = bound_stiffness(s, system, true, steps, warm);

@@ -13,6 +13,7 @@ typedef struct hk_spectrum {
   double g_max;          /* 1/s, no damping rate is higher */
   double b_max;          /* 1/s, no velocity is turned faster (by v x B, say); 0: none is turned */
   double alpha;          /* 1/s, drag that all modes feel (an estimate, see spectrum.c) */
+  double g_common;       /* 1/s, no particle is damped more while all move alike: by drag, not by elements */
   double beta;           /* s, least damping over stiffness of the elements */
   double damping_slope;  /* s; 0: not known, and nor is damping_offset */
   double damping_offset; /* 1/s, no damping rate is above damping_slope w^2 + damping_offset */
@@ -47,6 +48,30 @@ hk_status hk_spectrum_measure(hk_spectrum_work *, hk_system *system, hk_spectrum
  * bound, the last bound is scaled up with the eigenvalue reached and the forces' own bounds, and `rigorous` is false:
  * such an estimate never decreases. */
 hk_status hk_spectrum_update(hk_spectrum_work *, hk_system *system, int iterations, hk_spectrum *spectrum);
+
+/* ---- watch.c: what forces state of their stiffness, between two estimates. Plain data ---- */
+
+typedef struct hk_stated_bounds {
+  bool covered;     /* every force that depends on x states it */
+  double stiffness; /* 1/s^2 */
+  double damping;   /* 1/s, of those forces that state a stiffness */
+} hk_stated_bounds;
+
+typedef struct hk_watch {
+  hk_stated_bounds allowed;    /* the spectrum is valid up to these */
+  hk_stated_bounds last, seen; /* at the last two looks */
+  hk_stated_bounds ahead;      /* expected at the next */
+  hk_stated_bounds sharpness;  /* the spectrum over them at the last estimate, at most 1 */
+  size_t next, every;          /* evaluations of the run: at the next look, between two of them */
+  size_t looks;
+} hk_watch;
+
+/* After an estimate at the present state. */
+hk_status hk_watch_begin(hk_watch *, hk_system *system, const hk_spectrum *found, size_t evaluations);
+/* *rises: the spectrum is no bound any longer by the next look. */
+hk_status hk_watch_look(hk_watch *, hk_system *system, size_t evaluations, bool *rises);
+/* Raises the spectrum to what is expected at the next look, and some headroom. */
+void hk_watch_raise(hk_watch *, hk_spectrum *spectrum);
 
 /* ---- largest_step.c ---- */
 
