@@ -4,9 +4,11 @@
  * by bit. */
 #include "core/loop/loop.h"
 
+#include <stdlib.h>
+
 /* Evaluations of the run per evaluation of an estimate: of those at regular intervals, the same where forces state
  * their stiffness and are watched, and of those that the watch asks for. */
-enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 200, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
+enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
 
 /* Equal within a tenth of a percent: the old limit is then kept, since computing it can cost more than a frame of a
  * small scene. */
@@ -28,6 +30,15 @@ static void find_limit(hk_step_choice *c) {
   c->growth_expected = stable.limit == 0;
 }
 
+static hk_status reserve(hk_step_choice *c, hk_dynamics *d) {
+  size_t n = d->system.n;
+  double(*grown)[6] = n < c->room ? c->scratch : realloc(c->scratch, (n + 1) * sizeof *grown);
+  if (!grown) return hk_error_set(d->error, HK_NO_MEMORY, "no memory to watch the stable step");
+  c->scratch = grown;
+  if (n >= c->room) c->room = n + 1;
+  return HK_OK;
+}
+
 /* The evaluations and sampled times of an estimate are not added to those of the run. */
 hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   hk_counts before = d->count;
@@ -36,9 +47,11 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   c->estimate_cost = d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
-  if (status == HK_OK) status = hk_watch_begin(&c->watch, &d->system, &c->spectrum, before.evaluations);
-  if (status == HK_OK && !same(&last, &c->spectrum)) find_limit(c);
-  return status;
+  if (status == HK_OK) status = reserve(c, d);
+  if (status != HK_OK) return status;
+  hk_watch_begin(&c->watch, &d->system, c->scratch, &c->spectrum, before.evaluations);
+  if (!same(&last, &c->spectrum)) find_limit(c);
+  return HK_OK;
 }
 
 static void choose(hk_step_choice *c, hk_warnings *warnings) {
@@ -125,17 +138,16 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
 hk_status hk_step_watch(hk_step_choice *c, hk_dynamics *d) {
   size_t now = d->count.evaluations;
   double old = c->dt_limit;
-  bool expected = c->growth_expected, rises;
+  bool expected = c->growth_expected;
   if (now < c->watch.next || !watches(c, d) || isnan(old)) return HK_OK;
   hk_status status = hk_step_reestimate(c, d, false);
-  if (status == HK_OK) status = hk_watch_look(&c->watch, &d->system, now, &rises);
-  if (status != HK_OK || !rises) return status;
+  if (status == HK_OK) status = reserve(c, d);
+  if (status != HK_OK || !hk_watch_look(&c->watch, &d->system, c->scratch, now)) return status;
   if (REVIEW_RISEN * c->estimates_cost <= now + REVIEW_FREE * c->estimate_cost) {
     status = hk_step_reestimate(c, d, true);
     c->estimates_cost += c->estimate_cost;
-    if (status == HK_OK) status = hk_watch_look(&c->watch, &d->system, now, &rises);
+    if (status != HK_OK || !hk_watch_look(&c->watch, &d->system, c->scratch, now)) return status;
   }
-  if (status != HK_OK || !rises) return status;
   hk_watch_raise(&c->watch, &c->spectrum);
   find_limit(c);
   keep_least(c, old, expected, c->dt);

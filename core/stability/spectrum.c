@@ -21,6 +21,7 @@
  * and an estimate for other forces. */
 #include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
+#include "core/stability/common_motion.h"
 #include "core/stability/stiffness.h"
 #include "core/stability/lanczos.h"
 
@@ -35,9 +36,6 @@ static const double damping_slack = 0.03;
 /* The pencil is estimated where g_max/w_max is above strong_damping; pencil_slack, relative to g_max, is the tolerance
  * of its bound. */
 static const double strong_damping = 0.2, pencil_slack = 0.03;
-
-/* Largest skew part of D besides that of single particles, relative to it. */
-static const double unexplained = 0.05;
 
 struct hk_spectrum_work {
   size_t n, tail; /* tail: length of y */
@@ -223,72 +221,19 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool us
   return HK_OK;
 }
 
-/* The smallest eigenvalue, and the largest, *most, of the particles' 3x3 damping blocks in common motion, among the
- * directions that the pin allows (the eigenvalue of a forbidden direction is 0). The columns of the blocks are the
- * responses to the three directions. */
-static double least_damping(const hk_model *model, double *const column[3], double *most) {
-  double least = INFINITY, value[3];
-  *most = 0;
-  for (size_t i = 0; i < model->n; i++) {
-    double w = model->inverse_mass[i];
-    const double *p = column[0] + 3 * i, *q = column[1] + 3 * i, *r = column[2] + 3 * i;
-    if (!(w > 0)) continue;
-    double a[6] = {p[0], (p[1] + q[0]) / 2, (p[2] + r[0]) / 2, q[1], (q[2] + r[1]) / 2, r[2]};
-    hk_symmetric_eigenvalues(a, value);
-    int blocked = model->pin[i] == HK_PIN_LINE ? 2 : model->pin[i] == HK_PIN_PLANE ? 1 : 0;
-    least = fmin(least, sqrt(w) * value[blocked]);
-    *most = fmax(*most, sqrt(w) * value[2]);
-  }
-  return isfinite(least) ? fmax(0, least) : 0;
-}
-
-/* The axial vectors of the skew parts of the same blocks. Returns the largest length. */
-static double measure_turning(const hk_model *model, double *const column[3], double *turn) {
-  double most = 0;
-  for (size_t i = 0; i < model->n; i++) {
-    double f = sqrt(model->inverse_mass[i]) / 2, *t = turn + 3 * i;
-    for (size_t c = 0; c < 3; c++) {
-      size_t d = (c + 1) % 3, e = (c + 2) % 3;
-      t[c] = f * (column[d][3 * i + e] - column[e][3 * i + d]);
-    }
-    most = fmax(most, sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]));
-  }
-  return most;
-}
-
 /* The rounding error of rates measured at the last evaluation, 1/s. */
 static double velocity_noise(const hk_spectrum_work *s, const operation *o) {
   return ulps * rounding * largest(s->a[0], 3 * s->n) / o->step;
 }
 
-/* A random vector as pins allow it, and as a second one the same moved on by four numbers. */
-static void start_pair(hk_system *system, double *p, double *q) {
-  size_t size = 3 * system->n;
-  hk_lanczos_random(p, size);
-  for (size_t c = 0; c < size; c++) q[c] = p[(c + 4) % size];
-  for (size_t i = 0; i < system->n; i++)
-    for (size_t c = 3 * i; c < 3 * i + 3 && !(system->model->inverse_mass[i] > 0); c++) p[c] = q[c] = 0;
-  system->filter(system, p);
-  system->filter(system, q);
-}
-
-/* *whole: whether the skew part of D is that of single particles, by p.Dq - q.Dp = 2 p.Aq for two random vectors. The
- * drag and lift of wind, say, couple the corners of a triangle. */
+/* *whole: whether the skew part of D is that of single particles. */
 static hk_status check_turning(operation *o, bool *whole) {
   hk_spectrum_work *s = o->work;
   double *p = s->damping.current, *q = s->damping.previous, *Dp = s->damping.image, *Dq = s->damping.ritz;
-  double rest = 0, square = 0;
-  start_pair(o->system, p, q);
+  hk_turning_pair(o->system, p, q);
   hk_status status = apply(o, p, Dp);
   if (status == HK_OK) status = apply(o, q, Dq);
-  for (size_t i = 0; i < s->n; i++)
-    for (size_t c = 0; c < 3; c++) {
-      size_t at = 3 * i + c, d = 3 * i + (c + 1) % 3, e = 3 * i + (c + 2) % 3;
-      double turned = 2 * p[at] * (s->turn[d] * q[e] - s->turn[e] * q[d]);
-      rest += p[at] * Dq[at] - q[at] * Dp[at] - turned;
-      square += turned * turned;
-    }
-  *whole = fabs(rest) <= unexplained * sqrt(square);
+  *whole = status == HK_OK && hk_turning_is_whole(s->n, s->turn, p, q, Dp, Dq);
   return status;
 }
 
@@ -302,8 +247,8 @@ static hk_status common_damping(operation *o, double *alpha) {
     hk_status status = apply(o, all, column[c]);
     if (status != HK_OK) return status;
   }
-  *alpha = least_damping(o->system->model, column, &s->bounds.g_common);
-  double turn = measure_turning(o->system->model, column, s->turn);
+  *alpha = hk_common_damping(o->system->model, column, &s->bounds.g_common);
+  double turn = hk_common_turning(o->system->model, column, s->turn);
   bool whole = turn > velocity_noise(s, o);
   hk_status status = whole ? check_turning(o, &whole) : HK_OK;
   s->bounds.b_max = whole ? turn * inflate : 0;
@@ -374,7 +319,6 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   bool symmetric = s->damping.asymmetry <= 1e-3 * s->damping.norm + noise;
   if (!symmetric) count_rotation(b, s->damping.norm);
   bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && symmetric;
-  if (s->stiffening_damping > 0) strong = false; /* the pencil of the present tells nothing of what may set in */
   return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
 }
 
@@ -411,7 +355,8 @@ hk_status hk_spectrum_update(hk_spectrum_work *s, hk_system *system, int iterati
 }
 
 hk_spectrum_work *hk_spectrum_create(const hk_system *system) {
-  hk_spectrum_work *s = calloc(1, sizeof *s);
+  hk_spectrum_work *s = malloc(sizeof *s);
+  if (s) s->memory = NULL;
   if (s && reserve(s, system) == HK_OK) return s;
   free(s);
   return NULL;

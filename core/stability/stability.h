@@ -66,10 +66,10 @@ typedef struct hk_watch {
   size_t looks;
 } hk_watch;
 
-/* After an estimate at the present state. */
-hk_status hk_watch_begin(hk_watch *, hk_system *system, const hk_spectrum *found, size_t evaluations);
-/* *rises: the spectrum is no bound any longer by the next look. */
-hk_status hk_watch_look(hk_watch *, hk_system *system, size_t evaluations, bool *rises);
+/* After an estimate at the present state. scratch: 6n doubles, here and below. */
+void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], const hk_spectrum *found, size_t evaluations);
+/* Whether the spectrum is no bound any longer by the next look. */
+bool hk_watch_look(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
 /* Raises the spectrum to what is expected at the next look, and some headroom. */
 void hk_watch_raise(hk_watch *, hk_spectrum *spectrum);
 

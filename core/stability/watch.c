@@ -14,14 +14,12 @@
 #include "core/stability/stability.h"
 #include "core/stability/stiffness.h"
 
-#include <stdlib.h>
-
 /* Relative to the bound at the last estimate; the limit is above the truth by half of it at most, unless the estimate
  * itself has a margin, as it mostly has. */
 static const double slack = 0.02, headroom = 1.05;
 /* A look takes about as long as LOOK_COST evaluations; all of them may take a LOOK_PART-th of the run's, after the
  * first LOOK_FREE. */
-enum { LOOK_COST = 4, LOOK_PART = 67, LOOK_FREE = 20, LEAST = 4, MOST = 1024 };
+enum { LOOK_COST = 4, LOOK_PART = 100, LOOK_FREE = 20, LEAST = 4, MOST = 1024 };
 static const double fast = 0.05, slow = 0.01; /* relative changes between two looks */
 
 static bool risen(const hk_watch *w) {
@@ -29,27 +27,22 @@ static bool risen(const hk_watch *w) {
 }
 
 /* Where velocities matter every other look is at the damping. */
-static hk_status look(hk_watch *w, hk_system *s, bool all) {
-  double(*scratch)[6] = malloc((s->n + 1) * sizeof *scratch);
-  if (!scratch) return HK_NO_MEMORY;
+static void look(hk_watch *w, hk_system *s, double (*scratch)[6], bool all) {
   bool damping = s->flags & HK_DEPENDS_ON_V && w->allowed.damping > 0 && w->looks % 2;
   w->last = w->seen;
   if (all || !damping) w->seen.covered = hk_stiffness_part_of(s, HK_STIFFNESS_WHOLE, scratch, &w->seen.stiffness);
   if (all || damping) hk_stiffness_part_of(s, HK_DAMPING_WHOLE, scratch, &w->seen.damping);
-  free(scratch);
-  return HK_OK;
 }
 
 static double part(double found, double stated) { return stated > 0 ? fmin(1, found / stated) : 1; }
 
-hk_status hk_watch_begin(hk_watch *w, hk_system *s, const hk_spectrum *found, size_t evaluations) {
-  hk_status status = look(w, s, true);
+void hk_watch_begin(hk_watch *w, hk_system *s, double (*scratch)[6], const hk_spectrum *found, size_t evaluations) {
+  look(w, s, scratch, true);
   w->last = w->allowed = w->ahead = w->seen;
   w->sharpness.stiffness = part(found->w_max * found->w_max, w->seen.stiffness);
   w->sharpness.damping = part(found->g_max, w->seen.damping);
   if (w->every == 0) w->every = LEAST;
   w->next = evaluations + w->every;
-  return status;
 }
 
 static double change(double now, double before) { return now > 0 ? fabs(now - before) / fmax(now, before) : 0; }
@@ -67,17 +60,14 @@ static void set_interval(hk_watch *w, size_t evaluations) {
 /* The value at the next look, if it rises by the factor by which it rose since the last, at most fourfold. */
 static double continued(double now, double before) { return before > 0 ? now * fmin(4, fmax(1, now / before)) : now; }
 
-hk_status hk_watch_look(hk_watch *w, hk_system *s, size_t evaluations, bool *rises) {
-  *rises = false;
-  if (!w->allowed.covered) return HK_OK;
-  hk_status status = look(w, s, false);
-  if (status != HK_OK) return status;
+bool hk_watch_look(hk_watch *w, hk_system *s, double (*scratch)[6], size_t evaluations) {
+  if (!w->allowed.covered) return false;
+  look(w, s, scratch, false);
   w->looks++;
   w->ahead.stiffness = continued(w->seen.stiffness, w->last.stiffness);
   w->ahead.damping = continued(w->seen.damping, w->last.damping);
-  *rises = risen(w);
   set_interval(w, evaluations);
-  return HK_OK;
+  return risen(w);
 }
 
 void hk_watch_raise(hk_watch *w, hk_spectrum *s) {

@@ -118,18 +118,18 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 }
 
 /* What the damping's part of the tension adds to the stiffness across: T/l is above k where the ends part faster than
- * (k/c) L; a slack rope is taken as just taut. The unsymmetric part, c/l n (u - (u.n) n)^T, adds half its norm. */
+ * (k/c) L; a slack rope is taken as just taut. */
 static void add_fast(const ropes *s, const hk_view *view, double (*block)[6]) {
   static const double none[3] = {0};
   for (size_t e = 0; s->damping.count && e < s->edges.count; e++) {
     const uint32_t *pair = hk_tuple(&s->edges, e);
-    double n[3], u[3], l = hk_edge_difference(view->x, pair, n), rate = 0, square = 0, L = hk_tuple_value(&s->rest, e);
+    double n[3], u[3], l = hk_edge_difference(view->x, pair, n), rate = 0, L = hk_tuple_value(&s->rest, e);
     double k = hk_tuple_value(&s->k, e), c = hk_tuple_value(&s->damping, e), least = fmax(l, L);
-    if (!hk_edge_acts(view, pair) || !(l > 0) || !(least > 0)) continue;
+    if (!hk_edge_acts(view, pair) || !(l > 0)) continue;
     hk_edge_difference(view->v, pair, u);
-    for (int q = 0; q < 3; q++) rate += u[q] * n[q] / l, square += u[q] * u[q];
-    double over = (k * (least - L) + c * rate) / least - k, askew = c / least * sqrt(fmax(0, square - rate * rate)) / 2;
-    hk_edge_stiffness_add(view, pair, none, 0, fmax(0, over) + askew, block);
+    for (int q = 0; q < 3; q++) rate += u[q] * n[q] / l;
+    double over = (k * (least - L) + c * rate) / least - k;
+    if (over > 0) hk_edge_stiffness_add(view, pair, none, 0, over, block);
   }
 }
 

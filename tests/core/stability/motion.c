@@ -86,7 +86,7 @@ static void infall(test_engine *e) {
 static void tightening_ropes(test_engine *e) {
   hk_plugin_spec *ropes = on_grid(e, "ropes", 3, 0.12);
   test_number(e, ropes, "k", 1000);
-  test_number(e, ropes, "damping", decades(0.1, 3));
+  test_number(e, ropes, "damping", decades(0.03, 0.3));
 }
 
 static int by_value(const void *a, const void *b) {
