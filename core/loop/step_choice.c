@@ -49,7 +49,7 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   c->estimated_at = before.evaluations;
   if (status == HK_OK) status = reserve(c, d);
   if (status != HK_OK) return status;
-  hk_watch_begin(&c->watch, &d->system, c->scratch, &c->spectrum, before.evaluations);
+  hk_watch_begin(&c->watch, &d->system, c->scratch, before.evaluations);
   if (!same(&last, &c->spectrum)) find_limit(c);
   return HK_OK;
 }

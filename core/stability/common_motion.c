@@ -11,9 +11,8 @@
 /* Largest skew part of D besides that of single particles, relative to it. */
 static const double unexplained = 0.05;
 
-double hk_common_damping(const hk_model *model, double *const column[3], double *most) {
+double hk_common_damping(const hk_model *model, double *const column[3]) {
   double least = INFINITY, value[3];
-  *most = 0;
   for (size_t i = 0; i < model->n; i++) {
     double w = model->inverse_mass[i];
     const double *p = column[0] + 3 * i, *q = column[1] + 3 * i, *r = column[2] + 3 * i;
@@ -23,7 +22,6 @@ double hk_common_damping(const hk_model *model, double *const column[3], double 
     /* The eigenvalue of a direction that a pin forbids is 0. */
     int blocked = model->pin[i] == HK_PIN_LINE ? 2 : model->pin[i] == HK_PIN_PLANE ? 1 : 0;
     least = fmin(least, sqrt(w) * value[blocked]);
-    *most = fmax(*most, sqrt(w) * value[2]);
   }
   return isfinite(least) ? fmax(0, least) : 0;
 }

@@ -247,7 +247,7 @@ static hk_status common_damping(operation *o, double *alpha) {
     hk_status status = apply(o, all, column[c]);
     if (status != HK_OK) return status;
   }
-  *alpha = hk_common_damping(o->system->model, column, &s->bounds.g_common);
+  *alpha = hk_common_damping(o->system->model, column);
   double turn = hk_common_turning(o->system->model, column, s->turn);
   bool whole = turn > velocity_noise(s, o);
   hk_status status = whole ? check_turning(o, &whole) : HK_OK;
@@ -324,10 +324,7 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
 
 /* A failed call does not change *spectrum, but makes the data of a warm start invalid. */
 static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
-  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0,
-                            .b_max = warm ? s->bounds.b_max : 0,
-                            .g_common = warm ? s->bounds.g_common : 0,
-                            .rigorous = true};
+  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .b_max = warm ? s->bounds.b_max : 0, .rigorous = true};
   s->length = s->stiffening_damping = 0;
   s->damps_alone = false;
   hk_status status = bound_stiffness(s, system, true, steps, warm);

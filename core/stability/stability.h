@@ -13,7 +13,6 @@ typedef struct hk_spectrum {
   double g_max;          /* 1/s, no damping rate is higher */
   double b_max;          /* 1/s, no velocity is turned faster (by v x B, say); 0: none is turned */
   double alpha;          /* 1/s, drag that all modes feel (an estimate, see spectrum.c) */
-  double g_common;       /* 1/s, no particle is damped more while all move alike: by drag, not by elements */
   double beta;           /* s, least damping over stiffness of the elements */
   double damping_slope;  /* s; 0: not known, and nor is damping_offset */
   double damping_offset; /* 1/s, no damping rate is above damping_slope w^2 + damping_offset */
@@ -61,13 +60,12 @@ typedef struct hk_watch {
   hk_stated_bounds allowed;    /* the spectrum is valid up to these */
   hk_stated_bounds last, seen; /* at the last two looks */
   hk_stated_bounds ahead;      /* expected at the next */
-  hk_stated_bounds sharpness;  /* the spectrum over them at the last estimate, at most 1 */
   size_t next, every;          /* evaluations of the run: at the next look, between two of them */
   size_t looks;
 } hk_watch;
 
 /* After an estimate at the present state. scratch: 6n doubles, here and below. */
-void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], const hk_spectrum *found, size_t evaluations);
+void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
 /* Whether the spectrum is no bound any longer by the next look. */
 bool hk_watch_look(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
 /* Raises the spectrum to what is expected at the next look, and some headroom. */

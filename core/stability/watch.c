@@ -34,13 +34,9 @@ static void look(hk_watch *w, hk_system *s, double (*scratch)[6], bool all) {
   if (all || damping) hk_stiffness_part_of(s, HK_DAMPING_WHOLE, scratch, &w->seen.damping);
 }
 
-static double part(double found, double stated) { return stated > 0 ? fmin(1, found / stated) : 1; }
-
-void hk_watch_begin(hk_watch *w, hk_system *s, double (*scratch)[6], const hk_spectrum *found, size_t evaluations) {
+void hk_watch_begin(hk_watch *w, hk_system *s, double (*scratch)[6], size_t evaluations) {
   look(w, s, scratch, true);
   w->last = w->allowed = w->ahead = w->seen;
-  w->sharpness.stiffness = part(found->w_max * found->w_max, w->seen.stiffness);
-  w->sharpness.damping = part(found->g_max, w->seen.damping);
   if (w->every == 0) w->every = LEAST;
   w->next = evaluations + w->every;
 }
@@ -70,12 +66,18 @@ bool hk_watch_look(hk_watch *w, hk_system *s, double (*scratch)[6], size_t evalu
   return risen(w);
 }
 
+/* Raises *allowed to what is expected; returns the factor, INFINITY where nothing was allowed. */
+static double raise(double *allowed, double ahead) {
+  double before = *allowed;
+  *allowed = fmax(before, headroom * ahead);
+  return *allowed == before ? 1 : *allowed / before;
+}
+
 void hk_watch_raise(hk_watch *w, hk_spectrum *s) {
-  double before = w->allowed.stiffness;
-  w->allowed.stiffness = fmax(w->allowed.stiffness, headroom * w->ahead.stiffness);
-  w->allowed.damping = fmax(w->allowed.damping, headroom * w->ahead.damping);
-  s->w_max = fmax(s->w_max, sqrt(w->sharpness.stiffness * w->allowed.stiffness));
-  s->g_max = fmax(s->g_max, s->g_common + w->sharpness.damping * w->allowed.damping);
+  double before = w->allowed.stiffness, stiffer = raise(&w->allowed.stiffness, w->ahead.stiffness);
+  double damped = raise(&w->allowed.damping, w->ahead.damping);
+  s->w_max = isfinite(stiffer) ? s->w_max * sqrt(stiffer) : sqrt(w->allowed.stiffness);
+  s->g_max = isfinite(damped) ? s->g_max * damped : s->g_max + w->allowed.damping;
   if (s->beta > 0) /* all that stiffened may be tension, which their damping does not reach */
     s->w_undamped = fmin(s->w_max, sqrt(s->w_undamped * s->w_undamped + w->allowed.stiffness - before));
   s->damping_slope = 0;

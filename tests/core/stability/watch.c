@@ -29,7 +29,7 @@ static hk_spectrum estimate(spring_network *w, hk_watch *watch) {
   hk_spectrum s;
   hk_error error = {0};
   assert_int_equal(hk_spectrum_estimate(&w->system, &s, &error), HK_OK);
-  hk_watch_begin(watch, &w->system, scratch, &s, 0);
+  hk_watch_begin(watch, &w->system, scratch, 0);
   return s;
 }
 
