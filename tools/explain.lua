@@ -61,7 +61,7 @@ end
 -- ---- the scene ----
 
 local function seconds(x)
-  return x == math.huge and "any" or x == 0 and "none" or ("%.4g s"):format(x)
+  return x ~= x and "not known" or x == math.huge and "any" or x == 0 and "none" or ("%.4g s"):format(x)
 end
 
 local function print_loaded(e)
@@ -88,9 +88,11 @@ local function print_steps(e)
   print(("  frequencies up to   %.4g 1/s (a period of %.4g s)"):format(s.w_max,
     s.w_max > 0 and 2 * math.pi / s.w_max or math.huge))
   print(("  damping rates up to %.4g 1/s; of every mode at least %.3g + %.3g w^2"):format(s.g_max, s.alpha, s.beta))
+  if s.b_max > 0 then print(("  velocities turn at up to %.4g 1/s"):format(s.b_max)) end
   if s.channel_rate > 0 then print(("  channels decay at   %.4g 1/s"):format(s.channel_rate)) end
   print("\nlargest stable step")
-  table.sort(e.steps, function(a, b) return a.limit > b.limit or (a.limit == b.limit and a.name < b.name) end)
+  local function rank(step) return step.limit == step.limit and step.limit or -1 end -- not known (NaN): last
+  table.sort(e.steps, function(a, b) return rank(a) > rank(b) or (rank(a) == rank(b) and a.name < b.name) end)
   for _, step in ipairs(e.steps) do
     local note = step.growth_rate > 0
       and (" (chosen for accuracy: %.3g s; motion grows at %.3g 1/s)"):format(step.suggestion, step.growth_rate) or ""

@@ -43,14 +43,19 @@ typedef struct hk_step_choice {
   const char *method_name;
   double fps;
   hk_spectrum spectrum;
+  hk_watch watch;
+  double (*scratch)[6]; /* of the watch, for `room` particles */
+  size_t room;
   double dt;           /* s, longest step; adaptive methods: the next step that they propose */
-  double dt_suggested; /* s, by the last estimate */
+  double dt_suggested; /* s, by the last limit */
+  double dt_estimated; /* s, dt as the estimates have it; the watch may have lowered it until the next */
   double dt_limit;     /* s, the smallest largest stable step so far; INFINITY: no limit, NAN: not known */
   double limit_now;    /* s, largest stable step by the last estimate */
   double growth_rate;  /* 1/s */
   bool chosen, growth_expected;
-  size_t estimate_cost; /* evaluations */
-  size_t estimated_at;  /* number of evaluations at the last estimate */
+  size_t estimate_cost;  /* evaluations */
+  size_t estimates_cost; /* of all of them that no time or event called for, evaluations */
+  size_t estimated_at;   /* number of evaluations at the last estimate */
 } hk_step_choice;
 
 hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and the stable limit, for any method */
@@ -58,6 +63,8 @@ hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and
 hk_status hk_step_choose(hk_step_choice *, hk_dynamics *, double given);
 /* Estimates the limit again after enough evaluations; with `event`, always. */
 hk_status hk_step_reestimate(hk_step_choice *, hk_dynamics *, bool event);
+/* Before a step: lowers the limit, and a chosen dt, before the scene has become too stiff for them. */
+hk_status hk_step_watch(hk_step_choice *, hk_dynamics *);
 
 /* ---- time_loop.c ---- */
 

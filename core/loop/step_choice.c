@@ -4,16 +4,39 @@
  * by bit. */
 #include "core/loop/loop.h"
 
-enum { REVIEW_EVERY = 40 }; /* evaluations of the run per evaluation of an estimate */
+#include <stdlib.h>
+
+/* Evaluations of the run per evaluation of an estimate: of those at regular intervals, the same where forces state
+ * their stiffness and are watched, and of those that the watch asks for. */
+enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
 
 /* Equal within a tenth of a percent: the old limit is then kept, since computing it can cost more than a frame of a
  * small scene. */
 static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
 
 static bool same(const hk_spectrum *a, const hk_spectrum *b) {
-  return close_to(a->w_max, b->w_max) && close_to(a->g_max, b->g_max) && close_to(a->alpha, b->alpha) &&
-         close_to(a->beta, b->beta) && close_to(a->w_undamped, b->w_undamped) &&
+  return close_to(a->w_max, b->w_max) && close_to(a->g_max, b->g_max) && close_to(a->b_max, b->b_max) &&
+         close_to(a->alpha, b->alpha) && close_to(a->beta, b->beta) && close_to(a->w_undamped, b->w_undamped) &&
          close_to(a->w_switching, b->w_switching) && close_to(a->channel_rate, b->channel_rate) && a->evaluations > 0;
+}
+
+static void find_limit(hk_step_choice *c) {
+  const hk_instance *outer = hk_enter(c->integrator);
+  hk_stable stable = hk_stable_step(c->method, c->parameters, &c->spectrum);
+  hk_leave(c->integrator, outer);
+  c->dt_limit = c->limit_now = stable.limit;
+  c->dt_suggested = stable.suggestion;
+  c->growth_rate = stable.growth_rate;
+  c->growth_expected = stable.limit == 0;
+}
+
+static hk_status reserve(hk_step_choice *c, hk_dynamics *d) {
+  size_t n = d->system.n;
+  double(*grown)[6] = n < c->room ? c->scratch : realloc(c->scratch, (n + 1) * sizeof *grown);
+  if (!grown) return hk_error_set(d->error, HK_NO_MEMORY, "no memory to watch the stable step");
+  c->scratch = grown;
+  if (n >= c->room) c->room = n + 1;
+  return HK_OK;
 }
 
 /* The evaluations and sampled times of an estimate are not added to those of the run. */
@@ -24,21 +47,17 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   c->estimate_cost = d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
-  if (status != HK_OK || same(&last, &c->spectrum)) return status;
-  const hk_instance *outer = hk_enter(c->integrator);
-  hk_stable stable = hk_stable_step(c->method, c->parameters, &c->spectrum);
-  hk_leave(c->integrator, outer);
-  c->dt_limit = c->limit_now = stable.limit;
-  c->dt_suggested = stable.suggestion;
-  c->growth_rate = stable.growth_rate;
-  c->growth_expected = stable.limit == 0;
+  if (status == HK_OK) status = reserve(c, d);
+  if (status != HK_OK) return status;
+  hk_watch_begin(&c->watch, &d->system, c->scratch, before.evaluations);
+  if (!same(&last, &c->spectrum)) find_limit(c);
   return HK_OK;
 }
 
 static void choose(hk_step_choice *c, hk_warnings *warnings) {
   double frame = 1 / c->fps;
   c->chosen = true;
-  c->dt = c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame);
+  c->dt = c->dt_estimated = c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame);
   if (c->growth_expected)
     hk_warn(warnings,
             "%s has no stable step on this scene; dt = %.3g s is chosen for accuracy, and motion may grow at a rate of "
@@ -90,16 +109,47 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
   return HK_OK;
 }
 
+/* After a new limit: the summary reports the smallest, and a chosen dt follows it, up to `most`. */
+static void keep_least(hk_step_choice *c, double old, bool expected, double most) {
+  c->growth_expected |= expected;
+  if (c->dt_limit > old) c->dt_limit = old;
+  if (c->chosen) c->dt = fmin(most, c->dt_suggested);
+}
+
+static bool watches(const hk_step_choice *c, const hk_dynamics *d) {
+  return !(c->method->flags & (HK_ADAPTIVE | HK_IMPLICIT)) && d->state->model.n > 0 &&
+         d->system.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V);
+}
+
 hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
-  if (c->method->flags & (HK_ADAPTIVE | HK_IMPLICIT)) return HK_OK;
-  if (!event && d->count.evaluations - c->estimated_at < REVIEW_EVERY * c->estimate_cost) return HK_OK;
-  if (!(d->system.flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V)) || d->state->model.n == 0) return HK_OK;
+  size_t every = c->watch.allowed.covered ? REVIEW_WATCHED : REVIEW_EVERY;
+  if (!watches(c, d)) return HK_OK;
+  if (!event && d->count.evaluations - c->estimated_at < every * c->estimate_cost) return HK_OK;
   double old = c->dt_limit;
   bool expected = c->growth_expected;
   hk_status status = hk_step_estimate(c, d);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
-  c->growth_expected |= expected;
-  if (c->dt_limit > old) c->dt_limit = old; /* the summary reports the smallest limit */
-  if (c->chosen && c->dt_suggested < c->dt) c->dt = c->dt_suggested;
+  keep_least(c, old, expected, c->dt_estimated);
+  c->dt_estimated = c->dt;
+  return HK_OK;
+}
+
+/* A new estimate is sharper than the raised bounds, where the evaluations so far allow for it. */
+hk_status hk_step_watch(hk_step_choice *c, hk_dynamics *d) {
+  size_t now = d->count.evaluations;
+  double old = c->dt_limit;
+  bool expected = c->growth_expected;
+  if (now < c->watch.next || !watches(c, d) || isnan(old)) return HK_OK;
+  hk_status status = hk_step_reestimate(c, d, false);
+  if (status == HK_OK) status = reserve(c, d);
+  if (status != HK_OK || !hk_watch_look(&c->watch, &d->system, c->scratch, now)) return status;
+  if (REVIEW_RISEN * c->estimates_cost <= now + REVIEW_FREE * c->estimate_cost) {
+    status = hk_step_reestimate(c, d, true);
+    c->estimates_cost += c->estimate_cost;
+    if (status != HK_OK || !hk_watch_look(&c->watch, &d->system, c->scratch, now)) return status;
+  }
+  hk_watch_raise(&c->watch, &c->spectrum);
+  find_limit(c);
+  keep_least(c, old, expected, c->dt);
   return HK_OK;
 }

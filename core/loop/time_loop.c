@@ -119,6 +119,7 @@ static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
   loop->last_h = h;
   for (size_t i = 1; i <= n; i++) {
     hk_status status = hk_step_begin(loop, h);
+    if (status == HK_OK) status = hk_step_watch(loop->step, loop->dynamics);
     if (status == HK_OK && too_long(loop, dt, h)) return HK_OK;
     periodic_hook(loop);
     bool sample = i == n && hooks->before_sample && hooks->after_sample;
@@ -189,4 +190,7 @@ hk_status hk_loop_frame(hk_loop *loop) {
   return status;
 }
 
-void hk_loop_close(hk_loop *loop) { free(loop->X_before); }
+void hk_loop_close(hk_loop *loop) {
+  free(loop->X_before);
+  if (loop->step) free(loop->step->scratch);
+}

@@ -49,6 +49,11 @@ typedef struct hk_integrator {
   void (*reset)(void *self, hk_reason why); /* history and cached forces are invalid; NULL: the method keeps none */
   /* One sentence that says why the method cannot be used with constraints; NULL: it can. */
   const char *without_constraints;
+  /* As `amplification`, on z'' = -(g + i b) z' - w^2 z for complex z = x + i y: a particle in a plane whose velocity a
+   * field turns at the rate b, as v x B and Coriolis do; hb = h b of either sign. With hb = 0 it is
+   * `amplification`. NULL: not stated; where velocities turn, an explicit method's largest stable step is then not
+   * known, and its step is chosen for accuracy. */
+  double (*rotation)(const void *self, double hw, double hg, double hb);
 } hk_integrator;
 
 /* ---- The system ------------------------------------------------------------------------------------------------ */

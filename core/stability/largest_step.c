@@ -1,6 +1,7 @@
 /* The largest step at which no mode of the scene grows, from the method's amplification factor and the scene's bounds.
  *
- * The modes are (w, g) with 0 <= w <= w_max and floor(w) <= g <= ceiling(w) (spectrum.h), and (0, k) for the channels.
+ * The modes are (w, g, b) with 0 <= w <= w_max, floor(w) <= g <= ceiling(w) and 0 <= b <= b_max (stability.h; -b grows
+ * as b does), and (0, k, 0) for the channels.
  * The corners of that set are tested first: h increases in steps of 2 % up to the first h at which a corner grows, and
  * bisection refines it (the first such h, since a stable interval beyond an unstable one is of no use). Then a grid
  * over the whole set is tested at that h and at fractions of it, since stability domains need not be convex and the
@@ -24,10 +25,10 @@ static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7
 /* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
 static const double distinct = 1e-6;
 
-enum { W_POINTS = 13, G_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 1) * G_POINTS }; /* 5 corners + JOINING fit */
+enum { W_POINTS = 13, G_POINTS = 6, B_POINTS = 6, JOINING = 8, POINTS = (W_POINTS + 2) * G_POINTS * B_POINTS };
 
 typedef struct mode {
-  double w, g;
+  double w, g, b;
 } mode;
 
 typedef struct mode_set {
@@ -37,7 +38,7 @@ typedef struct mode_set {
   mode point[POINTS];
 } mode_set;
 
-static void add_mode(mode_set *set, double w, double g) { set->point[set->count++] = (mode){w, g}; }
+static void add_mode(mode_set *set, double w, double g, double b) { set->point[set->count++] = (mode){w, g, b}; }
 
 static double floor_of(const hk_spectrum *s, double w) { return fmin(hk_spectrum_floor(s, w), s->g_max); }
 
@@ -46,20 +47,29 @@ static double overdamped_from(const hk_spectrum *s) {
   return s->damping_slope > 0 ? sqrt(fmax(0, s->g_max - s->damping_offset) / s->damping_slope) : 0;
 }
 
-/* Adds modes with damping rates from low to high at one frequency. */
-static void add_rates(mode_set *set, double w, double low, double high) {
-  static const double part[G_POINTS] = {0, 0.03, 0.12, 0.3, 0.6, 1};
-  for (int i = 0; i < (high > low ? G_POINTS : 1); i++) add_mode(set, w, low + part[i] * (high - low));
+/* Adds modes with damping rates from low to high at one frequency, each with turning rates up to b. */
+static void add_rates(mode_set *set, double w, double low, double high, double b) {
+  static const double part[G_POINTS] = {0, 0.03, 0.12, 0.3, 0.6, 1}, turn[B_POINTS] = {0, 1, 0.7, 0.4, 0.15, 0.02};
+  for (int i = 0; i < (high > low ? G_POINTS : 1); i++)
+    for (int k = 0; k < (b > 0 ? B_POINTS : 1); k++) add_mode(set, w, low + part[i] * (high - low), turn[k] * b);
+}
+
+/* A corner as it is and with the largest turning rate. */
+static void add_corner(mode_set *set, double w, double g, double b) {
+  add_mode(set, w, g, 0);
+  if (b > 0) add_mode(set, w, g, b);
 }
 
 static mode_set corners_of(const hk_integrator *method, const void *parameters, const hk_spectrum *s) {
   mode_set set = {.method = method, .parameters = parameters, .count = 0};
-  double g_at_zero = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate), lowest = overdamped_from(s);
-  if (s->w_max > 0) add_mode(&set, s->w_max, floor_of(s, s->w_max));
-  if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_mode(&set, s->w_max, s->g_max);
-  if (lowest > 0 && lowest < s->w_max) add_mode(&set, lowest, s->g_max);
-  if (s->w_undamped > 0) add_mode(&set, fmin(s->w_undamped, s->w_max), floor_of(s, 0));
-  if (g_at_zero > 0) add_mode(&set, 0, g_at_zero);
+  double g_at_zero = hk_spectrum_ceiling(s, 0), lowest = overdamped_from(s), b = s->b_max;
+  if (s->w_max > 0) add_corner(&set, s->w_max, floor_of(s, s->w_max), b);
+  if (s->w_max > 0 && s->g_max > floor_of(s, s->w_max)) add_corner(&set, s->w_max, s->g_max, b);
+  if (lowest > 0 && lowest < s->w_max) add_corner(&set, lowest, s->g_max, b);
+  if (s->w_undamped > 0) add_corner(&set, fmin(s->w_undamped, s->w_max), floor_of(s, 0), b);
+  if (b > 0) add_mode(&set, 0, floor_of(s, 0), b);
+  if (g_at_zero > 0) add_corner(&set, 0, g_at_zero, b);
+  if (s->channel_rate > 0) add_mode(&set, 0, s->channel_rate, 0);
   return set;
 }
 
@@ -67,16 +77,24 @@ static mode_set grid_of(const hk_integrator *method, const void *parameters, con
   static const double part[W_POINTS] = {1, 0.96, 0.9, 0.82, 0.72, 0.6, 0.45, 0.3, 0.15, 0.05, 0.01, 1e-3, 1e-4};
   mode_set set = {.method = method, .parameters = parameters, .count = 0};
   for (int i = 0; i < W_POINTS && s->w_max > 0; i++)
-    add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), hk_spectrum_ceiling(s, part[i] * s->w_max));
-  double g_at_zero = fmax(hk_spectrum_ceiling(s, 0), s->channel_rate);
-  if (g_at_zero > 0) add_rates(&set, 0, 0.01 * g_at_zero, g_at_zero);
+    add_rates(&set, part[i] * s->w_max, floor_of(s, part[i] * s->w_max), hk_spectrum_ceiling(s, part[i] * s->w_max),
+              s->b_max);
+  double g_at_zero = hk_spectrum_ceiling(s, 0), least = s->b_max > 0 ? floor_of(s, 0) : 0.01 * g_at_zero;
+  if (g_at_zero > 0 || s->b_max > 0) add_rates(&set, 0, least, g_at_zero, s->b_max);
+  if (s->channel_rate > 0) add_rates(&set, 0, 0.01 * s->channel_rate, s->channel_rate, 0);
   return set;
 }
 
+/* The growth factor of a step h. */
+static double growth_of(const hk_integrator *method, const void *parameters, mode m, double h) {
+  if (m.b > 0) return method->rotation(parameters, h * m.w, h * m.g, h * m.b);
+  return method->amplification(parameters, h * m.w, h * m.g);
+}
+
 static bool mode_grows(const mode_set *set, mode m, double h) {
-  double hw = h * m.w, hg = h * m.g, z = fmax(hw, hg);
+  double z = h * fmax(m.w, fmax(m.g, m.b));
   if (z < distinct) return false;
-  return !(set->method->amplification(set->parameters, hw, hg) <=
+  return !(growth_of(set->method, set->parameters, m, h) <=
            1 + tolerance + 1e-16 * z * z); /* rounding of a matrix with entries of size z^2 */
 }
 
@@ -126,9 +144,9 @@ static double limit_of(const hk_integrator *method, const void *parameters, cons
                        double rate, mode *which) {
   mode_set set = corners_of(method, parameters, s), grid = grid_of(method, parameters, s);
   double limit = first_limit(&set, begin, rate, which);
-  mode slow = {0, 0};
+  mode slow = {0, 0, 0};
   for (int k = 0; k < JOINING && limit > 0 && grows_below(&grid, begin, limit, rate, &slow); k++) {
-    add_mode(&set, slow.w, slow.g);
+    add_mode(&set, slow.w, slow.g, slow.b);
     limit = first_limit(&set, begin, rate, which);
   }
   return limit;
@@ -137,12 +155,12 @@ static double limit_of(const hk_integrator *method, const void *parameters, cons
 double hk_stable_growth(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum, double h) {
   mode_set grid = grid_of(method, parameters, spectrum);
   double growth = 1;
-  for (int i = 0; i < grid.count; i++)
-    growth = fmax(growth, method->amplification(parameters, h * grid.point[i].w, h * grid.point[i].g));
+  for (int i = 0; i < grid.count; i++) growth = fmax(growth, growth_of(method, parameters, grid.point[i], h));
   return growth;
 }
 
 static const char *limiting_rate(const hk_spectrum *s, mode m) {
+  if (m.b > fmax(m.w, m.g)) return "the fastest turn of velocities";
   if (m.w > 0) return m.g > 2 * m.w ? "the strongest damping" : "the fastest oscillation";
   return s->channel_rate > s->g_max ? "the fastest channel" : "the strongest damping";
 }
@@ -151,7 +169,7 @@ static const char *limiting_rate(const hk_spectrum *s, mode m) {
 static double with_switching(const hk_integrator *method, const void *parameters, const hk_spectrum *s, double begin,
                              double limit, mode *which) {
   hk_spectrum taut = {.w_max = s->w_switching};
-  mode own = {0, 0};
+  mode own = {0, 0, 0};
   if (!(s->w_switching > 0) || !(method->flags & HK_SYMPLECTIC)) return limit;
   double most_of = switching_part * limit_of(method, parameters, &taut, begin, s->w_switching, &own);
   if (!(most_of > 0 && most_of < limit)) return limit;
@@ -159,15 +177,22 @@ static double with_switching(const hk_integrator *method, const void *parameters
   return most_of;
 }
 
+/* A step of which no more is known than that it resolves the fastest rate. */
+static hk_stable accurate(double begin) {
+  return (hk_stable){NAN, begin, 0, 0, 0, 0, "accuracy, as the method does not state its growth where velocities turn"};
+}
+
 hk_stable hk_stable_step(const hk_integrator *method, const void *parameters, const hk_spectrum *s) {
-  double rate = fmax(s->w_max, fmax(s->g_max, s->channel_rate));
-  if (!method->amplification) return (hk_stable){NAN, NAN, 0, 0, 0, "the method does not state its growth"};
-  if (!(rate > 0)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the scene has no rate of its own"};
-  mode m = {0, 0};
-  double begin = (method->order < 2 ? 0.01 : 0.05) / rate, limit = limit_of(method, parameters, s, begin, rate, &m);
+  double rate = fmax(fmax(s->w_max, s->b_max), fmax(s->g_max, s->channel_rate));
+  if (!method->amplification) return (hk_stable){NAN, NAN, 0, 0, 0, 0, "the method does not state its growth"};
+  if (!(rate > 0)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, 0, "the scene has no rate of its own"};
+  mode m = {0, 0, 0};
+  double begin = (method->order < 2 ? 0.01 : 0.05) / rate;
+  if (s->b_max > 0 && !method->rotation) return accurate(begin);
+  double limit = limit_of(method, parameters, s, begin, rate, &m);
   limit = with_switching(method, parameters, s, begin, limit, &m);
-  if (!isfinite(limit)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, "the method is stable at any step"};
-  if (limit > 0) return (hk_stable){limit, safety * limit, 0, m.w, m.g, limiting_rate(s, m)};
+  if (!isfinite(limit)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, 0, "the method is stable at any step"};
+  if (limit > 0) return (hk_stable){limit, safety * limit, 0, m.w, m.g, m.b, limiting_rate(s, m)};
   double growth = log(hk_stable_growth(method, parameters, s, begin)) / begin;
-  return (hk_stable){0, begin, growth, m.w, m.g, "accuracy, as no useful step is stable"};
+  return (hk_stable){0, begin, growth, m.w, m.g, m.b, "accuracy, as no useful step is stable"};
 }

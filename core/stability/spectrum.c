@@ -9,12 +9,19 @@
  * = g_max/w_max^2, bounds in the same way the excess of a mode's g over slope w^2: with damping proportional to
  * stiffness, slow modes are then not mistaken for overdamped ones.
  *
+ * Forces like v x B make D unsymmetric: its skew part A turns velocities, u*Au = i b. What all particles in common
+ * motion are subject to is a 3x3 block for each, which elements between them do not share; the skew parts of these
+ * blocks are A, their axial vectors t (A u = t x u) bound b, and D - A is what Lanczos iteration is applied to. That it
+ * is symmetric is checked on the way; a rotation that is none of single particles is counted as a frequency
+ * (count_rotation).
+ *
  * K is taken at v = 0: terms proportional to damping times velocity are unsymmetric, and small while no particle moves
  * by the distance to its neighbour in a step. alpha is the smallest damping rate of the particles when all have the
  * same velocity: elements between them then exert no damping force, and pins only add damping. This is exact for drag
  * and an estimate for other forces. */
 #include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
+#include "core/stability/common_motion.h"
 #include "core/stability/stiffness.h"
 #include "core/stability/lanczos.h"
 
@@ -34,6 +41,7 @@ struct hk_spectrum_work {
   size_t n, tail; /* tail: length of y */
   double *memory; /* all the arrays */
   double *x, *v, *a[2], *y, *dy[2], *direction, *scratch;
+  double *turn; /* 1/s, t of every particle */
   hk_lanczos stiffness, damping;
   double stiffening_damping; /* 1/s, see stiffness.h */
   bool damps_alone;
@@ -50,7 +58,7 @@ typedef struct operation {
 
 static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
   size_t n = system->n, tail = system->size - 6 * n, vector = 3 * n;
-  double *m = calloc(10 * vector + 4 * tail + 1, sizeof *m);
+  double *m = calloc(11 * vector + 4 * tail + 1, sizeof *m);
   if (!m) return HK_NO_MEMORY;
   free(s->memory);
   *s = (hk_spectrum_work){.n = n, .tail = tail, .memory = m, .x = m, .v = m + vector};
@@ -63,7 +71,8 @@ static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
   s->stiffness.ritz = m + 7 * vector;
   s->damping.ritz = m + 8 * vector;
   s->scratch = m + 9 * vector;
-  s->y = m + 10 * vector;
+  s->turn = m + 10 * vector;
+  s->y = m + 11 * vector;
   s->dy[0] = s->y + tail;
   s->dy[1] = s->dy[0] + tail;
   s->direction = s->dy[1] + tail;
@@ -111,6 +120,18 @@ static hk_status apply(void *context, const double *in, double *out) {
   return HK_OK;
 }
 
+/* As `apply` without the turning of velocities, out -= t x in. */
+static hk_status apply_unturned(void *context, const double *in, double *out) {
+  const hk_spectrum_work *s = ((operation *)context)->work;
+  hk_status status = apply(context, in, out);
+  for (size_t i = 0; i < s->n && s->bounds.b_max > 0; i++) {
+    const double *t = s->turn + 3 * i, *u = in + 3 * i;
+    for (int c = 0; c < 3; c++)
+      out[3 * i + (size_t)c] -= t[(c + 1) % 3] * u[(c + 2) % 3] - t[(c + 2) % 3] * u[(c + 1) % 3];
+  }
+  return status;
+}
+
 static double largest(const double *x, size_t count) {
   double most = 0;
   for (size_t c = 0; c < count; c++)
@@ -151,7 +172,7 @@ static double start(hk_lanczos *l, hk_system *system, bool warm) {
 static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, bool warm) {
   double last = l->bound, grown = INFINITY;
   double share = start(l, o->system, warm);
-  hk_status status = hk_lanczos_run(l, apply, o, known, share, steps);
+  hk_status status = hk_lanczos_run(l, o->velocity ? apply_unturned : apply, o, known, share, steps);
   if (status != HK_OK) return status;
   if (warm && l->margin > 0) grown = fmax(last, l->margin * l->theta);
   if (isfinite(known) && l->before > 0) grown = fmax(grown, last * known / l->before);
@@ -200,21 +221,20 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool us
   return HK_OK;
 }
 
-/* The smallest eigenvalue of the particles' 3x3 damping blocks in common motion, among the directions that the pin
- * allows (the eigenvalue of a forbidden direction is 0). The columns of the blocks are the responses to the three
- * directions. */
-static double least_damping(const hk_model *model, double *const column[3]) {
-  double least = INFINITY, value[3];
-  for (size_t i = 0; i < model->n; i++) {
-    double w = model->inverse_mass[i];
-    const double *p = column[0] + 3 * i, *q = column[1] + 3 * i, *r = column[2] + 3 * i;
-    if (!(w > 0)) continue;
-    double a[6] = {p[0], (p[1] + q[0]) / 2, (p[2] + r[0]) / 2, q[1], (q[2] + r[1]) / 2, r[2]};
-    hk_symmetric_eigenvalues(a, value);
-    int blocked = model->pin[i] == HK_PIN_LINE ? 2 : model->pin[i] == HK_PIN_PLANE ? 1 : 0;
-    least = fmin(least, sqrt(w) * value[blocked]);
-  }
-  return isfinite(least) ? fmax(0, least) : 0;
+/* The rounding error of rates measured at the last evaluation, 1/s. */
+static double velocity_noise(const hk_spectrum_work *s, const operation *o) {
+  return ulps * rounding * largest(s->a[0], 3 * s->n) / o->step;
+}
+
+/* *whole: whether the skew part of D is that of single particles. */
+static hk_status check_turning(operation *o, bool *whole) {
+  hk_spectrum_work *s = o->work;
+  double *p = s->damping.current, *q = s->damping.previous, *Dp = s->damping.image, *Dq = s->damping.ritz;
+  hk_turning_pair(o->system, p, q);
+  hk_status status = apply(o, p, Dp);
+  if (status == HK_OK) status = apply(o, q, Dq);
+  *whole = status == HK_OK && hk_turning_is_whole(s->n, s->turn, p, q, Dp, Dq);
+  return status;
 }
 
 static hk_status common_damping(operation *o, double *alpha) {
@@ -227,15 +247,18 @@ static hk_status common_damping(operation *o, double *alpha) {
     hk_status status = apply(o, all, column[c]);
     if (status != HK_OK) return status;
   }
-  *alpha = least_damping(o->system->model, column);
-  return HK_OK;
+  *alpha = hk_common_damping(o->system->model, column);
+  double turn = hk_common_turning(o->system->model, column, s->turn);
+  bool whole = turn > velocity_noise(s, o);
+  hk_status status = whole ? check_turning(o, &whole) : HK_OK;
+  s->bounds.b_max = whole ? turn * inflate : 0;
+  return status;
 }
 
-/* Forces like v x B turn velocities and do not damp them: D is antisymmetric, with a norm G. A mode with such a D has a
+/* D has an unsymmetric part that is none of single particles, and a norm G. A mode with a skew D of that norm has a
  * rate of at most (G + sqrt(G^2 + 4 w^2))/2. The estimate of G is a lower bound, so it is increased by a tenth. */
 static void count_rotation(hk_spectrum *b, double norm) {
   double G = 1.1 * norm;
-  b->rotates = true;
   b->rigorous = false;
   b->w_max = (G + sqrt(G * G + 4 * b->w_max * b->w_max)) / 2;
   b->g_max = fmax(b->g_max, G);
@@ -257,7 +280,7 @@ static hk_status apply_pencil(void *context, const double *in, double *out) {
   hk_status status = apply(&p->stiffness, in, s->scratch);
   if (status != HK_OK) return status;
   memcpy(s->x, X, vector * sizeof *s->x);
-  status = apply(&p->damping, in, out);
+  status = apply_unturned(&p->damping, in, out);
   for (size_t c = 0; c < vector; c++) out[c] -= p->slope * s->scratch[c];
   return status;
 }
@@ -289,18 +312,19 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   hk_status status = warm ? HK_OK : common_damping(&o, &b->alpha);
   if (status == HK_OK) status = bound(&o, &s->damping, INFINITY, steps, warm);
   if (status != HK_OK) return status;
-  double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
+  double noise = velocity_noise(s, &o);
   b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
   b->g_max = s->damps_alone && s->stiffening_damping > 0 ? s->stiffening_damping : b->g_max + s->stiffening_damping;
   b->alpha = b->alpha > noise ? fmin(b->alpha / inflate, b->g_max) : 0;
-  if (s->damping.asymmetry > 1e-3 * s->damping.norm + noise) count_rotation(b, s->damping.norm);
-  bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && !b->rotates;
+  bool symmetric = s->damping.asymmetry <= 1e-3 * s->damping.norm + noise;
+  if (!symmetric) count_rotation(b, s->damping.norm);
+  bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && symmetric;
   return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
 }
 
 /* A failed call does not change *spectrum, but makes the data of a warm start invalid. */
 static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bool warm, hk_spectrum *spectrum) {
-  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .rigorous = true};
+  s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .b_max = warm ? s->bounds.b_max : 0, .rigorous = true};
   s->length = s->stiffening_damping = 0;
   s->damps_alone = false;
   hk_status status = bound_stiffness(s, system, true, steps, warm);
@@ -328,7 +352,8 @@ hk_status hk_spectrum_update(hk_spectrum_work *s, hk_system *system, int iterati
 }
 
 hk_spectrum_work *hk_spectrum_create(const hk_system *system) {
-  hk_spectrum_work *s = calloc(1, sizeof *s);
+  hk_spectrum_work *s = malloc(sizeof *s);
+  if (s) s->memory = NULL;
   if (s && reserve(s, system) == HK_OK) return s;
   free(s);
   return NULL;

@@ -5,12 +5,13 @@
 
 #include "core/base/base.h"
 
-/* Every mode is an oscillator x'' = -g x' - w^2 x with w <= w_max and
+/* Every mode is an oscillator x'' = -(g + i b) x' - w^2 x with w <= w_max, |b| <= b_max and
  * hk_spectrum_floor(s, w) <= g <= hk_spectrum_ceiling(s, w). */
 typedef struct hk_spectrum {
   double w_max;          /* 1/s, no frequency is higher; 0: nothing oscillates */
   double w_reached;      /* 1/s, at least one is as high */
   double g_max;          /* 1/s, no damping rate is higher */
+  double b_max;          /* 1/s, no velocity is turned faster (by v x B, say); 0: none is turned */
   double alpha;          /* 1/s, drag that all modes feel (an estimate, see spectrum.c) */
   double beta;           /* s, least damping over stiffness of the elements */
   double damping_slope;  /* s; 0: not known, and nor is damping_offset */
@@ -20,7 +21,6 @@ typedef struct hk_spectrum {
   double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
   bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
   bool covered;        /* the elements account for all that depends on x */
-  bool rotates;        /* forces like v x B were seen; they count in w_max and g_max, and nothing in alpha and beta */
   size_t evaluations;  /* spent on it */
 } hk_spectrum;
 
@@ -36,25 +36,48 @@ static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
  * some 30 to 180 evaluations, twice as many for strong damping; allocates memory and frees it. */
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error);
 
-/* The same in three parts, for repeated estimates: the work memory of some 13 times x (and four times y) is kept. */
+/* The same in three parts, for repeated estimates: the work memory of some 14 times x (and four times y) is kept. */
 typedef struct hk_spectrum_work hk_spectrum_work;
 hk_spectrum_work *hk_spectrum_create(const hk_system *system); /* NULL: no memory */
 void hk_spectrum_destroy(hk_spectrum_work *);                  /* NULL is allowed */
 /* A full estimate; also after births and deaths, when it allocates memory again (HK_NO_MEMORY). */
 hk_status hk_spectrum_measure(hk_spectrum_work *, hk_system *system, hk_spectrum *spectrum);
 /* A cheaper repetition with at most `iterations` steps of Lanczos (two evaluations each) for w_max and as many for
- * g_max, started from the last approximate eigenvectors; alpha is kept. Where they do not suffice for a bound, the last
- * bound is scaled up with the eigenvalue reached and the forces' own bounds, and `rigorous` is false: such an estimate
- * never decreases. */
+ * g_max, started from the last approximate eigenvectors; alpha and b_max are kept. Where they do not suffice for a
+ * bound, the last bound is scaled up with the eigenvalue reached and the forces' own bounds, and `rigorous` is false:
+ * such an estimate never decreases. */
 hk_status hk_spectrum_update(hk_spectrum_work *, hk_system *system, int iterations, hk_spectrum *spectrum);
+
+/* ---- watch.c: what forces state of their stiffness, between two estimates. Plain data ---- */
+
+typedef struct hk_stated_bounds {
+  bool covered;     /* every force that depends on x states it */
+  double stiffness; /* 1/s^2 */
+  double damping;   /* 1/s, of those forces that state a stiffness */
+} hk_stated_bounds;
+
+typedef struct hk_watch {
+  hk_stated_bounds allowed;    /* the spectrum is valid up to these */
+  hk_stated_bounds last, seen; /* at the last two looks */
+  hk_stated_bounds ahead;      /* expected at the next */
+  size_t next, every;          /* evaluations of the run: at the next look, between two of them */
+  size_t looks;
+} hk_watch;
+
+/* After an estimate at the present state. scratch: 6n doubles, here and below. */
+void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
+/* Whether the spectrum is no bound any longer by the next look. */
+bool hk_watch_look(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
+/* Raises the spectrum to what is expected at the next look, and some headroom. */
+void hk_watch_raise(hk_watch *, hk_spectrum *spectrum);
 
 /* ---- largest_step.c ---- */
 
 typedef struct hk_stable {
   double limit;      /* s, largest step at which no mode grows; INFINITY: any step; 0: no useful step; NAN: not known */
-  double suggestion; /* s, 0.9 limit; chosen for accuracy where limit is 0 */
+  double suggestion; /* s, 0.9 limit; chosen for accuracy where limit is 0, or not known because velocities turn */
   double growth_rate; /* 1/s, of the mode that grows fastest at `suggestion`; 0 below the limit */
-  double w, g;        /* 1/s, frequency and damping rate of the mode that sets the limit */
+  double w, g, b;     /* 1/s, frequency, damping rate and turning rate of the mode that sets the limit */
   const char *why;    /* what determines the limit, in a few words; a constant string */
 } hk_stable;
 

@@ -19,12 +19,20 @@ void hk_symmetric_eigenvalues(const double a[6], double value[3]) {
   value[1] = 3 * mean - value[0] - value[2];
 }
 
+/* No eigenvalue of a 3x3 matrix is above the mean plus sqrt(2/3) of the norm of the rest: most blocks need no more. */
+static bool is_smaller(const double a[6], double largest) {
+  double mean = (a[0] + a[3] + a[5]) / 3, x = a[0] - mean, y = a[3] - mean, z = a[5] - mean;
+  double square = x * x + y * y + z * z + 2 * (a[1] * a[1] + a[2] * a[2] + a[4] * a[4]), rest = largest - mean;
+  return rest > 0 && rest * rest > 2.0 / 3 * square;
+}
+
 static double largest_block(const hk_model *model, double (*block)[6]) {
   double largest = 0, value[3];
   for (size_t i = 0; i < model->n; i++) {
-    if (!(model->inverse_mass[i] > 0)) continue;
+    double w = model->inverse_mass[i];
+    if (!(w > 0) || is_smaller(block[i], largest / w)) continue;
     hk_symmetric_eigenvalues(block[i], value);
-    largest = fmax(largest, model->inverse_mass[i] * value[2]);
+    largest = fmax(largest, w * value[2]);
   }
   return largest;
 }
@@ -52,18 +60,20 @@ static double least_ratio(const hk_model *model) {
   return isfinite(least) ? least : 0;
 }
 
+bool hk_stiffness_part_of(hk_system *s, hk_stiffness_part part, double (*scratch)[6], double *largest) {
+  bool covered = s->stiffness_bound(s, part, false, scratch);
+  *largest = largest_block(s->model, scratch);
+  return covered;
+}
+
 hk_stiffness hk_stiffness_of(hk_system *s, double (*scratch)[6]) {
   const hk_model *model = s->model;
   hk_stiffness found = {.length = INFINITY, .beta = least_ratio(model)};
   note_lengths(&found.length, s->X, &model->edges);
   for (size_t k = 0; k < model->element_lists; k++)
     note_lengths(&found.length, s->X, &model->element_list[k].elements.node);
-  found.covered = s->stiffness_bound(s, HK_STIFFNESS_WHOLE, false, scratch);
-  found.whole = largest_block(model, scratch);
-  if (found.beta > 0) {
-    s->stiffness_bound(s, HK_STIFFNESS_UNDAMPED, false, scratch);
-    found.undamped = largest_block(model, scratch);
-  }
+  found.covered = hk_stiffness_part_of(s, HK_STIFFNESS_WHOLE, scratch, &found.whole);
+  if (found.beta > 0) hk_stiffness_part_of(s, HK_STIFFNESS_UNDAMPED, scratch, &found.undamped);
   bool any = false;
   found.damps_alone = true;
   for (size_t k = 0; k < s->forces; k++) {

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char hk_checkpoint_magic[] = "hooke checkpoint 3\n";
+const char hk_checkpoint_magic[] = "hooke checkpoint 4\n";
 
 typedef struct header {
   uint64_t record_bytes, n, width, channels, samples, warnings, measures;
@@ -18,9 +18,10 @@ typedef struct header {
 /* What the step was chosen by, and what else counts on. */
 typedef struct progress {
   hk_spectrum spectrum;
+  hk_watch watch;
   hk_counts count;
-  double dt, dt_suggested, dt_limit, limit_now, growth_rate;
-  uint64_t estimate_cost, estimated_at, chosen, growth_expected;
+  double dt, dt_suggested, dt_estimated, dt_limit, limit_now, growth_rate;
+  uint64_t estimate_cost, estimates_cost, estimated_at, chosen, growth_expected;
 } progress;
 
 /* A file under way. */
@@ -100,13 +101,16 @@ static header header_of(const subject *of) {
 static progress progress_of(const hk_loop *loop) {
   const hk_step_choice *c = loop->step;
   return (progress){.spectrum = c->spectrum,
+                    .watch = c->watch,
                     .count = loop->dynamics->count,
                     .dt = c->dt,
                     .dt_suggested = c->dt_suggested,
+                    .dt_estimated = c->dt_estimated,
                     .dt_limit = c->dt_limit,
                     .limit_now = c->limit_now,
                     .growth_rate = c->growth_rate,
                     .estimate_cost = c->estimate_cost,
+                    .estimates_cost = c->estimates_cost,
                     .estimated_at = c->estimated_at,
                     .chosen = c->chosen,
                     .growth_expected = c->growth_expected};
@@ -205,12 +209,15 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   hk_step_choice *c = loop->step;
   loop->dynamics->count = p->count;
   c->spectrum = p->spectrum;
+  c->watch = p->watch;
   c->dt = p->dt;
   c->dt_suggested = p->dt_suggested;
+  c->dt_estimated = p->dt_estimated;
   c->dt_limit = p->dt_limit;
   c->limit_now = p->limit_now;
   c->growth_rate = p->growth_rate;
   c->estimate_cost = (size_t)p->estimate_cost;
+  c->estimates_cost = (size_t)p->estimates_cost;
   c->estimated_at = (size_t)p->estimated_at;
   c->chosen = p->chosen;
   c->growth_expected = p->growth_expected;

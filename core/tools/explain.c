@@ -67,6 +67,7 @@ static void push_spectrum(lua_State *L, const hk_spectrum *s) {
   lua_newtable(L);
   hk_tool_set_number(L, "w_max", s->w_max);
   hk_tool_set_number(L, "g_max", s->g_max);
+  hk_tool_set_number(L, "b_max", s->b_max);
   hk_tool_set_number(L, "alpha", s->alpha);
   hk_tool_set_number(L, "beta", s->beta);
   hk_tool_set_number(L, "channel_rate", s->channel_rate);

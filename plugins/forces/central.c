@@ -140,17 +140,39 @@ static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   }
 }
 
-/* -dF/dx = w (s^(p-1) (I - a a^T) + (p-1) s^(p-3) r r^T). */
+/* -dF/dx of one particle, w (s^(p-1) (I - a a^T) + (p-1) s^(p-3) r r^T), at row a and column b. */
+typedef struct slope {
+  const central *self;
+  double along, second, unit[3];
+} slope;
+
+static slope slope_of(const central *p, const hk_view *view, size_t i) {
+  double r[3], s2 = offset(p, view->x + 3 * i, r), root = s2 < tiny ? 1 : sqrt(s2);
+  double along = weight(p, view, i) * scale(p, s2);
+  return (slope){p, along, s2 < tiny ? 0 : (p->power - 1) * along, {r[0] / root, r[1] / root, r[2] / root}};
+}
+
+static double entry(const slope *s, int a, int b) {
+  return s->along * ((a == b) - s->self->axis[a] * s->self->axis[b]) + s->second * s->unit[a] * s->unit[b];
+}
+
+/* Each particle has its own pull, so the bound is its matrix. */
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  for (size_t k = 0; part != HK_DAMPING_WHOLE && k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k, at = 0;
+    slope s = slope_of(self, view, i);
+    for (int a = 0; a < 3; a++)
+      for (int b = a; b < 3; b++) block[i][at++] += entry(&s, a, b);
+  }
+}
+
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const central *p = self;
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = view->active ? view->active[k] : k;
-    double r[3], s2 = offset(p, view->x + 3 * i, r), w = weight(p, view, i), s = scale(p, s2);
-    double *K = into->K + 9 * into->slot[k], root = s2 < tiny ? 1 : sqrt(s2);
-    double second = s2 < tiny ? 0 : (p->power - 1) * s;
-    for (int a = 0; a < 3; a++)
-      for (int b = 0; b < 3; b++)
-        K[3 * a + b] += w * (s * ((a == b) - p->axis[a] * p->axis[b]) + second * (r[a] / root) * (r[b] / root));
+    double *K = into->K + 9 * into->slot[k];
+    slope s = slope_of(p, view, i);
+    for (int q = 0; q < 9; q++) K[q] += entry(&s, q / 3, q % 3);
   }
   return HK_OK;
 }
@@ -229,6 +251,7 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .energy = energy,
                                .pattern = pattern,
                                .jacobian = jacobian,
+                               .stiffness_bound = stiffness_bound,
                                .passages = passages};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

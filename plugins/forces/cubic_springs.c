@@ -7,6 +7,7 @@
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
  * never negative and two lateral ones that are negative under compression; HK_WANT_DEFINITE replaces these by 0. */
 #include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
 
 typedef struct cubic_springs {
@@ -89,6 +90,19 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const cubic_springs *s = self;
+  for (size_t e = 0; part != HK_DAMPING_WHOLE && e < s->edges.count; e++) {
+    const uint32_t *pair = hk_tuple(&s->edges, e);
+    if (!hk_edge_acts(view, pair)) continue;
+    double n[3], l = hk_edge_difference(view->x, pair, n), stretch = l - hk_tuple_value(&s->rest, e);
+    if (!(l > 0)) continue;
+    for (int c = 0; c < 3; c++) n[c] /= l;
+    double k = hk_tuple_value(&s->k, e) * stretch * stretch;
+    hk_edge_stiffness_add(view, pair, n, 3 * k, fmax(0, k * stretch / l), block);
+  }
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
@@ -97,6 +111,7 @@ static const hk_force force = {
     .energy = energy,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -117,11 +117,28 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* What the damping's part of the tension adds to the stiffness across: T/l is above k where the ends part faster than
+ * (k/c) L; a slack rope is taken as just taut. */
+static void add_fast(const ropes *s, const hk_view *view, double (*block)[6]) {
+  static const double none[3] = {0};
+  for (size_t e = 0; s->damping.count && e < s->edges.count; e++) {
+    const uint32_t *pair = hk_tuple(&s->edges, e);
+    double n[3], u[3], l = hk_edge_difference(view->x, pair, n), rate = 0, L = hk_tuple_value(&s->rest, e);
+    double k = hk_tuple_value(&s->k, e), c = hk_tuple_value(&s->damping, e), least = fmax(l, L);
+    if (!hk_edge_acts(view, pair) || !(l > 0)) continue;
+    hk_edge_difference(view->v, pair, u);
+    for (int q = 0; q < 3; q++) rate += u[q] * n[q] / l;
+    double over = (k * (least - L) + c * rate) / least - k;
+    if (over > 0) hk_edge_stiffness_add(view, pair, none, 0, over, block);
+  }
+}
+
 /* Bounds the stiffness of all ropes as if taut at any length, since a rope that is slack now may become taut. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const ropes *s = self;
   const hk_edge_stiffness of = {&s->edges, &s->k, &s->damping, &s->rest, true};
   hk_edge_stiffness_bound(&of, view, part == HK_STIFFNESS_UNDAMPED ? HK_STIFFNESS_WHOLE : part, block);
+  if (part != HK_DAMPING_WHOLE) add_fast(s, view, block);
 }
 
 static const hk_force force = {

@@ -82,6 +82,11 @@ static double amplification(const void *self, double hw, double hg) {
   return hk_rk_amplification(&hk_dormand_prince, hw, hg);
 }
 
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  return hk_rk_rotation(&hk_dormand_prince, hw, hg, hb);
+}
+
 static int linear_system(double t, N_Vector X, N_Vector f, SUNMatrix A, SUNMatrix M, int reuse, int *current,
                          double gamma, void *self, N_Vector u, N_Vector v, N_Vector w) {
   (void)A, (void)M, (void)u, (void)v, (void)w;
@@ -241,6 +246,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = 7,
                                          .flags = HK_ADAPTIVE | HK_NEEDS_SOLVER,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step,
                                          .reset = reset};
 

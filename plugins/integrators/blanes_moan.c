@@ -9,6 +9,7 @@
 
 #include "core/plugin.h"
 
+#include <complex.h>
 #include <string.h>
 
 enum { STAGES = 6 };
@@ -39,13 +40,14 @@ static const hk_field fields[] = {
 
 static double ahead(int kick) { return kick == STAGES ? kicks[kick] : kicks[kick] / 2; }
 
-/* Applies the step to (x, h v, h^2 a) = (x, p, q); out: the increments, that is the result minus the given values. */
-static void increments(double z, double hg, double x, double p, double q, double out[3]) {
-  double dx = 0, dp = 0, q0 = q;
+/* Applies the step to (x, h v, h^2 a) = (x, p, q), d = h (g + i b); out: the increments, that is the result minus the
+ * given values. */
+static void increments(double z, double complex d, double x, double p, double complex q, double complex out[3]) {
+  double complex dx = 0, dp = 0, q0 = q;
   for (int i = 0; i < STAGES; i++) {
     dp += kicks[i] * q;
     dx += drifts[i] * (p + dp);
-    q = -z * (x + dx) - hg * (p + dp + ahead(i + 1) * q);
+    q = -z * (x + dx) - d * (p + dp + ahead(i + 1) * q);
   }
   out[0] = dx;
   out[1] = dp + kicks[STAGES] * q;
@@ -53,25 +55,28 @@ static void increments(double z, double hg, double x, double p, double q, double
 }
 
 static double undamped(double z) {
-  double x[3], p[3];
+  double complex x[3], p[3];
   increments(z, 0, 1, 0, -z, x);
   increments(z, 0, 0, 1, 0, p);
-  double half = 1 + (x[0] + p[1]) / 2; /* half the trace of the step's matrix, whose determinant is 1 */
+  double half = 1 + creal(x[0] + p[1]) / 2; /* half the trace of the step's matrix, whose determinant is 1 */
   return fabs(half) <= 1 ? 1 : fabs(half) + sqrt(half * half - 1);
 }
 
-static double amplification(const void *self, double hw, double hg) {
+static double rotation(const void *self, double hw, double hg, double hb) {
   (void)self;
-
-  double x[3], p[3], q[3], z = hw * hw;
-  if (hg == 0) return undamped(z);
-  increments(z, hg, 1, 0, 0, x);
-  increments(z, hg, 0, 1, 0, p);
-  increments(z, hg, 0, 0, 1, q);
-  double minors = x[0] * p[1] - p[0] * x[1] + x[0] * q[2] - q[0] * x[2] + p[1] * q[2] - q[1] * p[2];
-  double determinant =
+  double z = hw * hw;
+  double complex x[3], p[3], q[3], d = hg + hb * I;
+  increments(z, d, 1, 0, 0, x);
+  increments(z, d, 0, 1, 0, p);
+  increments(z, d, 0, 0, 1, q);
+  double complex minors = x[0] * p[1] - p[0] * x[1] + x[0] * q[2] - q[0] * x[2] + p[1] * q[2] - q[1] * p[2];
+  double complex determinant =
       x[0] * (p[1] * q[2] - q[1] * p[2]) - p[0] * (x[1] * q[2] - q[1] * x[2]) + q[0] * (x[1] * p[2] - p[1] * x[2]);
-  return hk_polynomial_growth(3, (const double[]){-determinant, minors, -(x[0] + p[1] + q[2]), 1});
+  return hk_complex_polynomial_growth(3, (const double complex[]){-determinant, minors, -(x[0] + p[1] + q[2]), 1});
+}
+
+static double amplification(const void *self, double hw, double hg) {
+  return hg == 0 ? undamped(hw * hw) : rotation(self, hw, hg, 0);
 }
 
 static void reset(void *self, hk_reason why) {
@@ -125,6 +130,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = STAGES,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step,
                                          .reset = reset};
 

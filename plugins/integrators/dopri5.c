@@ -45,6 +45,11 @@ static double amplification(const void *self, double hw, double hg) {
   return hk_rk_amplification(&hk_dormand_prince, hw, hg);
 }
 
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  return hk_rk_rotation(&hk_dormand_prince, hw, hg, hb);
+}
+
 static void reset(void *self, hk_reason why) {
   (void)why;
   ((dopri5 *)self)->primed = 0;
@@ -148,6 +153,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = 6,
                                          .flags = HK_ADAPTIVE,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step,
                                          .reset = reset};
 

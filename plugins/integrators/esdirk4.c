@@ -30,6 +30,11 @@ static double amplification(const void *self, double hw, double hg) {
   return hk_dirk_amplification(&tableau, hw, hg);
 }
 
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  return hk_dirk_rotation(&tableau, hw, hg, hb);
+}
+
 static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
@@ -41,6 +46,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = 5,
                                          .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step,
                                          .reset = reset};
 

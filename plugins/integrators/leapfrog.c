@@ -10,6 +10,8 @@
 
 #include "core/plugin.h"
 
+#include <complex.h>
+
 typedef struct leapfrog {
   int64_t primed;  /* whether the current slope is that of X */
   int64_t current; /* which of the two slopes, 0 or 1 */
@@ -32,6 +34,13 @@ static double amplification(const void *self, double hw, double hg) {
   double z = hw * hw;
   if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
   return hk_polynomial_growth(3, (const double[]){z, 2 * z + hg, 1 + z + 1.5 * hg, 1});
+}
+
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  double z = hw * hw;
+  double complex d = hg + hb * I;
+  return hk_complex_polynomial_growth(3, (const double complex[]){z, 2 * z + d, 1 + z + 1.5 * d, 1});
 }
 
 static void reset(void *self, hk_reason why) {
@@ -81,6 +90,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = 1,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step,
                                          .reset = reset};
 

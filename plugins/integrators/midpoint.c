@@ -17,14 +17,23 @@ static double amplification(const void *self, double hw, double hg) {
   return hk_rk_amplification(&tableau, hw, hg);
 }
 
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  return hk_rk_rotation(&tableau, hw, hg, hb);
+}
+
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   const midpoint *m = self;
   (void)t_stop, (void)out;
   return hk_rk_step(&tableau, s, h, m->k);
 }
 
-static const hk_integrator integrator = {
-    .size = sizeof(hk_integrator), .order = 2, .stages = 2, .amplification = amplification, .step = step};
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = 2,
+                                         .stages = 2,
+                                         .amplification = amplification,
+                                         .rotation = rotation,
+                                         .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -20,6 +20,11 @@ static double amplification(const void *self, double hw, double hg) {
   return hk_stoermer_amplification(&method, hw, hg);
 }
 
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  return hk_stoermer_rotation(&method, hw, hg, hb);
+}
+
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   (void)t_stop, (void)out;
   return hk_stoermer_step(self, &method, s, h);
@@ -29,6 +34,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = ORDER,
                                          .stages = 1,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step,
                                          .reset = hk_stoermer_reset};
 

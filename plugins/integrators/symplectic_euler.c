@@ -3,6 +3,8 @@
 
 #include "core/plugin.h"
 
+#include <complex.h>
+
 typedef struct symplectic_euler {
   double *slope; /* (a, dy) */
 } symplectic_euler;
@@ -19,6 +21,12 @@ static double amplification(const void *self, double hw, double hg) {
   double z = hw * hw;
   if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
   return hk_polynomial_growth(2, (const double[]){z, z + hg, 1});
+}
+
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  double z = hw * hw;
+  return hk_complex_polynomial_growth(2, (const double complex[]){z, z + hg + hb * I, 1});
 }
 
 static void advance(double *restrict x, double *restrict v, const double *restrict a, size_t count, double h) {
@@ -44,6 +52,7 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .stages = 1,
                                          .flags = HK_SYMPLECTIC,
                                          .amplification = amplification,
+                                         .rotation = rotation,
                                          .step = step};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -1,5 +1,6 @@
 /* See dirk.h. A step that fails leaves X unchanged: stages are computed in scratch memory and copied after success. */
 #include "plugins/common/integrate/dirk.h"
+#include "plugins/common/integrate/growth_factor.h"
 #include "plugins/common/integrate/safe_move.h"
 
 #include <complex.h>
@@ -263,7 +264,10 @@ static double growth(const hk_dirk_tableau *T, double complex z) {
   return cabs(R);
 }
 
-double hk_dirk_amplification(const hk_dirk_tableau *T, double hw, double hg) {
-  double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
-  return fmax(growth(T, fast), growth(T, fast == 0 ? 0 : hw * hw / fast)); /* the roots' product is hw^2 */
+double hk_dirk_rotation(const hk_dirk_tableau *T, double hw, double hg, double hb) {
+  double complex z[2];
+  hk_oscillator_roots(hw, hg + hb * I, z);
+  return fmax(growth(T, z[0]), growth(T, z[1]));
 }
+
+double hk_dirk_amplification(const hk_dirk_tableau *T, double hw, double hg) { return hk_dirk_rotation(T, hw, hg, 0); }

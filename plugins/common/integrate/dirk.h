@@ -45,5 +45,6 @@ hk_status hk_dirk_adaptive_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s
 void hk_dirk_reset(hk_dirk *, hk_reason why);
 /* The larger |R(z)| for the two eigenvalues z of h times the oscillator's matrix. */
 double hk_dirk_amplification(const hk_dirk_tableau *, double hw, double hg);
+double hk_dirk_rotation(const hk_dirk_tableau *, double hw, double hg, double hb); /* of a rotating oscillator */
 
 #endif

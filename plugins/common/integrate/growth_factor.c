@@ -4,7 +4,6 @@
 
 #include <complex.h>
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 enum { ITERATIONS = 60 };
@@ -18,15 +17,15 @@ static double square(double complex a) { return creal(a) * creal(a) + cimag(a) *
 
 static double complex over(double complex a, double complex b) { return times(a, conj(b)) / square(b); }
 
-static double complex laguerre(int degree, const double *c, double complex u) {
+static double complex laguerre(int degree, const double complex *c, double complex u) {
   for (int i = 0; i < ITERATIONS; i++) {
     double complex p = c[degree], d = 0, dd = 0; /* value, derivative, half the second one */
-    double size = fabs(c[degree]), distance = sqrt(square(u));
+    double size = sqrt(square(c[degree])), distance = sqrt(square(u));
     for (int k = degree - 1; k >= 0; k--) {
       dd = times(dd, u) + d;
       d = times(d, u) + p;
       p = times(p, u) + c[k];
-      size = size * distance + fabs(c[k]);
+      size = size * distance + sqrt(square(c[k]));
     }
     if (square(p) <= 1e-32 * size * size) break; /* zero up to rounding */
     double complex G = over(d, p), GG = times(G, G), H = GG - 2 * over(dd, p);
@@ -39,20 +38,17 @@ static double complex laguerre(int degree, const double *c, double complex u) {
   return u;
 }
 
-/* Divides by (u - a), or by (u^2 - sum u + product); returns the degree of the quotient. */
-static int divide(int degree, double *c, double sum, double product, int by) {
-  double next = 0, after = 0; /* coefficients of the quotient, one and two degrees higher */
-  for (int k = degree - by; k >= 0; k--) {
-    double now = c[k + by] + sum * next - product * after;
-    after = next;
-    next = c[k + by] = now;
-  }
-  memmove(c, c + by, (size_t)(degree - by + 1) * sizeof *c);
-  return degree - by;
+/* Divides by u - root; returns the degree of the quotient. */
+static int divide(int degree, double complex *c, double complex root) {
+  double complex next = 0; /* the coefficient of the quotient one degree higher */
+  for (int k = degree - 1; k >= 0; k--) next = c[k + 1] = c[k + 1] + times(root, next);
+  memmove(c, c + 1, (size_t)degree * sizeof *c);
+  return degree - 1;
 }
 
-double hk_polynomial_growth(int degree, const double *c) {
-  double left[HK_GROWTH_FACTOR_MAX + 1], growth = 0;
+double hk_complex_polynomial_growth(int degree, const double complex *c) {
+  double complex left[HK_GROWTH_FACTOR_MAX + 1];
+  double growth = 0;
   while (degree > 0 && c[degree] == 0) degree--;
   while (degree > 0 && c[0] == 0) {
     growth = 1;
@@ -66,8 +62,19 @@ double hk_polynomial_growth(int degree, const double *c) {
     double factor = sqrt(square(1 + root));
     if (isnan(factor)) return NAN;
     growth = fmax(growth, factor);
-    bool pair = rest > 1 && fabs(cimag(root)) > 1e-9 * fabs(creal(root));
-    rest = divide(rest, left, pair ? 2 * creal(root) : creal(root), pair ? square(root) : 0, pair ? 2 : 1);
+    rest = divide(rest, left, root);
   }
   return growth;
+}
+
+double hk_polynomial_growth(int degree, const double *c) {
+  double complex copy[HK_GROWTH_FACTOR_MAX + 1];
+  for (int k = 0; k <= degree; k++) copy[k] = c[k];
+  return hk_complex_polynomial_growth(degree, copy);
+}
+
+void hk_oscillator_roots(double hw, double complex d, double complex root[2]) {
+  double complex apart = csqrt(times(d, d) - 4 * hw * hw), plus = d + apart, minus = d - apart;
+  root[0] = -(square(plus) > square(minus) ? plus : minus) / 2;
+  root[1] = root[0] == 0 ? 0 : over(hw * hw, root[0]); /* their product is hw^2 */
 }

@@ -9,4 +9,11 @@ enum { HK_GROWTH_FACTOR_MAX = 12 };
  * the slow modes of a scene is accurate to rounding. */
 double hk_polynomial_growth(int degree, const double *c);
 
+/* The same for complex coefficients, which the recurrence of a rotating oscillator has (hk_integrator.rotation). */
+double hk_complex_polynomial_growth(int degree, const double _Complex *c);
+
+/* The roots z of z^2 + d z + hw^2 = 0: h times the rates of x'' = -w^2 x - (d/h) x'. The first has the larger modulus.
+ */
+void hk_oscillator_roots(double hw, double _Complex d, double _Complex root[2]);
+
 #endif

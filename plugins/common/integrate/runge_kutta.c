@@ -3,6 +3,7 @@
  * cache. The stability function follows from the same tableau, by applying the method to y' = z y: Y_i = 1 + z sum a_ij
  * Y_j, R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2). */
 #include "plugins/common/integrate/runge_kutta.h"
+#include "plugins/common/integrate/growth_factor.h"
 
 #include <complex.h>
 #include <string.h>
@@ -111,7 +112,10 @@ static double stability(const hk_tableau *T, double complex z) {
   return cabs(R);
 }
 
-double hk_rk_amplification(const hk_tableau *T, double hw, double hg) {
-  double complex root = csqrt(hg * hg - 4 * hw * hw), fast = -(hg + root) / 2;
-  return fmax(stability(T, fast), stability(T, fast == 0 ? 0 : hw * hw / fast)); /* the roots' product is hw^2 */
+double hk_rk_rotation(const hk_tableau *T, double hw, double hg, double hb) {
+  double complex z[2];
+  hk_oscillator_roots(hw, hg + hb * I, z);
+  return fmax(stability(T, z[0]), stability(T, z[1]));
 }
+
+double hk_rk_amplification(const hk_tableau *T, double hw, double hg) { return hk_rk_rotation(T, hw, hg, 0); }

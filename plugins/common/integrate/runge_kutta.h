@@ -31,5 +31,6 @@ void hk_rk_combine(const hk_tableau *, const hk_system *s, double h, double *k, 
 hk_status hk_rk_step(const hk_tableau *, hk_system *s, double h, double *k);
 /* The larger |R(z)| for the two eigenvalues z of h times the oscillator's matrix. */
 double hk_rk_amplification(const hk_tableau *, double hw, double hg);
+double hk_rk_rotation(const hk_tableau *, double hw, double hg, double hb); /* of a rotating oscillator */
 
 #endif

@@ -11,25 +11,31 @@
 #include "plugins/common/integrate/stoermer.h"
 #include "plugins/common/integrate/growth_factor.h"
 
+#include <complex.h>
 #include <string.h>
 
 static double binomial(int n, int k) { return k == 0 ? 1 : binomial(n, k - 1) * (n - k + 1) / k; }
 
 /* c += factor u^power (1 + u)^rest */
-static void add_term(double *c, double factor, int power, int rest) {
+static void add_term(double complex *c, double complex factor, int power, int rest) {
   for (int k = 0; k <= rest; k++) c[power + k] += factor * binomial(rest, k);
 }
 
 /* With lambda = 1 + u, D is u/(1 + u), and the recurrence's polynomial is
- *     u^2 (1 + u)^(k-1) + (h w)^2 sum sigma_j u^j (1 + u)^(k-j) + h g sum gamma_j u^(j+1) (1 + u)^(k-1-j). */
-double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double hg) {
-  double c[HK_STOERMER_TERMS + 2] = {0};
+ *     u^2 (1 + u)^(k-1) + (h w)^2 sum sigma_j u^j (1 + u)^(k-j) + h g sum gamma_j u^(j+1) (1 + u)^(k-1-j),
+ * with g + i b in place of g where velocities rotate. */
+double hk_stoermer_rotation(const hk_stoermer_method *f, double hw, double hg, double hb) {
+  double complex c[HK_STOERMER_TERMS + 2] = {0};
   add_term(c, 1, 2, f->terms - 1);
   for (int j = 0; j < f->terms; j++) {
     add_term(c, hw * hw * f->sigma[j], j, f->terms - j);
-    add_term(c, hg * f->gamma[j], j + 1, f->terms - 1 - j);
+    add_term(c, (hg + hb * I) * f->gamma[j], j + 1, f->terms - 1 - j);
   }
-  return hk_polynomial_growth(f->terms + 1, c);
+  return hk_complex_polynomial_growth(f->terms + 1, c);
+}
+
+double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double hg) {
+  return hk_stoermer_rotation(f, hw, hg, 0);
 }
 
 /* The history, newest first, with its weights; the weights of terms that the method does not use are zero. */

@@ -34,6 +34,7 @@ typedef struct hk_stoermer {
   }
 
 double hk_stoermer_amplification(const hk_stoermer_method *, double hw, double hg);
+double hk_stoermer_rotation(const hk_stoermer_method *, double hw, double hg, double hb);
 hk_status hk_stoermer_step(hk_stoermer *, const hk_stoermer_method *, hk_system *s, double h);
 void hk_stoermer_reset(void *self, hk_reason why);
 

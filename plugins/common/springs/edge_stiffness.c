@@ -29,12 +29,18 @@ static double across_of(const hk_edge_stiffness *s, size_t e, double l) {
   return l > 0 ? fmax(0, k * (1 - L / l)) : 0;
 }
 
+void hk_edge_stiffness_add(const hk_view *view, const uint32_t pair[2], const double n[3], double along, double across,
+                           double (*block)[6]) {
+  double wi = view->model->inverse_mass[pair[0]], wj = view->model->inverse_mass[pair[1]];
+  double s = wi == wj ? 1 : sqrt(wj / wi); /* unequal masses pay for the root */
+  if (wi > 0) add_block(block[pair[0]], 1 + s, along, across, n);
+  if (wj > 0) add_block(block[pair[1]], wi > 0 ? 1 + 1 / s : 1, along, across, n);
+}
+
 void hk_edge_stiffness_bound(const hk_edge_stiffness *s, const hk_view *view, hk_stiffness_part part,
                              double (*block)[6]) {
-  const double *w = view->model->inverse_mass;
   for (size_t e = 0; e < s->edges->count; e++) {
     const uint32_t *pair = hk_tuple(s->edges, e);
-    size_t i = pair[0], j = pair[1];
     if (!hk_edge_acts(view, pair)) continue;
     double n[3], l = hk_edge_difference(view->x, pair, n), along = 0, across = 0;
     for (int c = 0; c < 3; c++) n[c] = l > 0 ? n[c] / l : 0;
@@ -43,7 +49,6 @@ void hk_edge_stiffness_bound(const hk_edge_stiffness *s, const hk_view *view, hk
     else
       across = across_of(s, e, l);
     if (part == HK_STIFFNESS_WHOLE) along = value_of(s->k, e);
-    add_block(block[i], w[i] > 0 ? 1 + sqrt(w[j] / w[i]) : 0, along, across, n);
-    add_block(block[j], w[j] > 0 ? 1 + sqrt(w[i] / w[j]) : 0, along, across, n);
+    hk_edge_stiffness_add(view, pair, n, along, across, block);
   }
 }

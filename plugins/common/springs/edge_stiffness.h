@@ -10,6 +10,11 @@ typedef struct hk_edge_stiffness {
   bool drawn; /* bounds the limit of infinite extension, where an edge is as stiff across as along */
 } hk_edge_stiffness;
 
+/* Adds the share of one edge along the unit vector n (0: no direction) with the stiffness or damping `along` it and
+ * `across`, neither negative. */
+void hk_edge_stiffness_add(const hk_view *, const uint32_t pair[2], const double n[3], double along, double across,
+                           double (*block)[6]);
+
 /* As hk_force.stiffness_bound, for all u that are 0 at particles without inverse mass: those have no share. */
 void hk_edge_stiffness_bound(const hk_edge_stiffness *, const hk_view *, hk_stiffness_part, double (*block)[6]);
 

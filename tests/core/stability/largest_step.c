@@ -142,6 +142,40 @@ static void nothing_limits_implicit_methods_and_free_flight(void **state) {
   assert_true(isnan(stable(UNKNOWN, s).limit));
 }
 
+static double taylor_rotation(const void *self, double hw, double hg, double hb) {
+  double complex d = hg + hb * I, root = csqrt(d * d - 4 * hw * hw);
+  double largest = 0;
+  for (int sign = -1; sign < 2; sign += 2) {
+    double complex z = (-d + sign * root) / 2, term = 1, sum = 1;
+    for (int k = 1; k <= *(const int *)self; k++) sum += term *= z / k;
+    largest = fmax(largest, cabs(sum));
+  }
+  return largest;
+}
+
+/* v' = i b v: on the imaginary axis, and with a spring at i (b + sqrt(b^2 + 4 w^2))/2. */
+static void turning_limits_the_step(void **state) {
+  (void)state;
+  hk_integrator method = {
+      .size = sizeof(hk_integrator), .order = 4, .amplification = taylor, .rotation = taylor_rotation};
+  hk_spectrum turned = {.b_max = 30}, sprung = {.w_max = 20, .w_reached = 20, .b_max = 30};
+  assert_near(hk_stable_step(&method, &method.order, &turned).limit * 30, 2 * sqrt(2));
+  assert_near(hk_stable_step(&method, &method.order, &sprung).limit * 40, 2 * sqrt(2));
+  method.order = 2; /* grows on the axis, by z^4/8 a step */
+  hk_stable s = hk_stable_step(&method, &method.order, &turned);
+  assert_true(s.limit == 0 && s.growth_rate > 0);
+  assert_near(s.suggestion * 30, 0.05);
+}
+
+/* What a method does not state is not guessed from its growth on real oscillators. */
+static void an_unstated_rotation_gives_an_accurate_step(void **state) {
+  (void)state;
+  hk_spectrum s = {.w_max = 20, .w_reached = 20, .b_max = 30};
+  hk_stable found = stable(RK4, s);
+  assert_true(isnan(found.limit));
+  assert_near(found.suggestion * 30, 0.05);
+}
+
 /* A domain with a gap, 0.5 < hw < 0.55: the step stays below it, whichever mode falls in. Gaps of less than 2 % may be
  * missed. */
 static double gapped(const void *self, double hw, double hg) {
@@ -200,6 +234,8 @@ int main(void) {
       cmocka_unit_test(damping_that_rises_with_frequency_leaves_slow_modes_alone),
       cmocka_unit_test(methods_without_a_stable_step_get_an_accurate_one),
       cmocka_unit_test(nothing_limits_implicit_methods_and_free_flight),
+      cmocka_unit_test(turning_limits_the_step),
+      cmocka_unit_test(an_unstated_rotation_gives_an_accurate_step),
       cmocka_unit_test(the_first_gap_ends_the_search),
       cmocka_unit_test(suggestions_are_within_a_fifth_of_the_truth),
   };

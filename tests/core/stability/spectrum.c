@@ -180,14 +180,20 @@ static void false_elements_are_found_out(void **state) {
   network_destroy(w);
 }
 
-/* v' = G v x e_z turns at the rate G, which is a frequency to a method. 2.1 G at most: see count_rotation. */
-static void gyration_counts_as_a_frequency(void **state) {
+/* v' = G v x e_z turns velocities at the rate G, whatever else acts; 1e-6: the differences' rounding of the springs'
+ * accelerations. Without it nothing turns. */
+static void gyration_is_told_from_damping(void **state) {
   (void)state;
-  spring_network *w = network_create(3, 0, false);
+  spring_network *w = lattice(5, 1, 10, 1e-5, true);
+  double exact = network_largest_damping(w);
+  assert_true(bounds(w, true).b_max == 0);
   w->gyration = 40;
-  hk_spectrum s = bounds(w, false);
-  assert_between("gyration", s.w_max / 40, 1, 1.2);
-  assert_true(s.rotates && !s.rigorous);
+  w->drag = 0.25;
+  hk_spectrum s = bounds(w, true);
+  assert_between("gyration", s.b_max / 40, 1 - below, 1 + 1e-6);
+  assert_between("  damping", s.g_max / (exact + 0.25), 1 - below, above_g + 0.03 * s.w_max / exact);
+  assert_between("  drag", s.alpha / 0.25, 1 - 1e-6, 1);
+  assert_true(s.rigorous && s.beta > 0);
   network_destroy(w);
 }
 
@@ -271,7 +277,7 @@ int main(void) {
       cmocka_unit_test(drag_is_the_least_damping),
       cmocka_unit_test(slides_confine_the_modes),
       cmocka_unit_test(false_elements_are_found_out),
-      cmocka_unit_test(gyration_counts_as_a_frequency),
+      cmocka_unit_test(gyration_is_told_from_damping),
       cmocka_unit_test(channels_have_their_rate),
       cmocka_unit_test(the_state_is_not_touched_and_failures_change_nothing),
       cmocka_unit_test(updates_follow_the_scene),

@@ -1,10 +1,8 @@
-/* What amplification() states is what the integrator does: its growth on the oscillator x'' = -g x' - w^2 x and on a
- * channel y' = -k y, measured by driving the plugin itself.
- *
- * A step is linear in all that it hands on: X and the fields. The matrix of one step, or of as many as it takes until
- * counters such as a ring's position come round, is read off column by column, and its spectral radius computed here,
- * by repeated squaring. Nothing is judged by watching for a blow-up. */
-#include "tests/support/fake_system.h"
+/* What amplification() and rotation() state is what the integrator does: its growth on the oscillator x'' = -g x' - w^2
+ * x, also where velocities turn at the rate b in the plane of x and y, and on a channel y' = -k y, measured by driving
+ * the plugin itself.
+ */
+#include "tests/support/step_matrix.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -14,10 +12,8 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { MOST = 400, WARM = 16, ROUND = 12, SQUARINGS = 45 };
-
 typedef struct rates {
-  double hw, hg, hk; /* h is 1 s */
+  double hw, hg, hk, hb; /* h is 1 s */
 } rates;
 
 static void oscillate(const void *context, double t, const double *x, const double *v, const double *y, double *a,
@@ -25,83 +21,13 @@ static void oscillate(const void *context, double t, const double *x, const doub
   const rates *r = context;
   (void)t;
   for (size_t c = 0; c < 3; c++) a[c] = -r->hw * r->hw * x[c] - r->hg * v[c];
+  a[0] += r->hb * v[1];
+  a[1] -= r->hb * v[0];
   dy[0] = -r->hk * y[0];
-}
-
-/* |M^N|^(1/N), N = 2^45; destroys M. */
-static double radius(double *M, size_t n) {
-  double *B = malloc(n * n * sizeof *B), logarithm = 0, weight = 1;
-  assert_non_null(B);
-  for (int k = 0; k < SQUARINGS; k++, weight /= 2) {
-    double most = 0;
-    for (size_t e = 0; e < n * n; e++) most = fmax(most, fabs(M[e]));
-    if (most == 0) break;
-    logarithm += weight * log(most);
-    for (size_t e = 0; e < n * n; e++) M[e] /= most;
-    for (size_t i = 0; i < n; i++)
-      for (size_t j = 0; j < n; j++) {
-        B[n * i + j] = 0;
-        for (size_t l = 0; l < n; l++) B[n * i + j] += M[n * i + l] * M[n * l + j];
-      }
-    memcpy(M, B, n * n * sizeof *M);
-  }
-  free(B);
-  return exp(logarithm);
-}
-
-static void go(fake_method *m, size_t steps) {
-  for (size_t i = 0; i < steps; i++)
-    if (fake_method_step(m, 1, NULL) != HK_OK) fail_msg("%s: %s", m->plugin->name, m->system->message);
-}
-
-static bool integers_match(const fake_method *m, const char *saved) {
-  for (const hk_field *field = m->plugin->fields; field && field->name; field++) {
-    if (field->type == HK_FIELD_INTEGER && memcmp((char *)m->self + field->offset, saved, 8) != 0) return false;
-    if (field->type == HK_FIELD_INTEGER || field->type == HK_FIELD_NUMBER) saved += 8;
-  }
-  return true;
-}
-
-/* Keeps the addresses that the motion reaches: the other components stay 0. Returns how many. */
-static size_t reached(fake_method *m, double **address, size_t count) {
-  bool *alive = calloc(count, sizeof *alive);
-  size_t kept = 0;
-  assert_non_null(alive);
-  for (int i = 0; i < WARM; i++) {
-    go(m, 1);
-    for (size_t e = 0; e < count; e++) alive[e] |= *address[e] != 0;
-  }
-  for (size_t e = 0; e < count; e++)
-    if (alive[e]) address[kept++] = address[e];
-  free(alive);
-  return kept;
-}
-
-static double growth_of_motion(fake_method *m, double **address, size_t count) {
-  char saved[256];
-  size_t round = 0, n = reached(m, address, count);
-  assert_true(fake_method_save(m, saved) <= sizeof saved);
-  do {
-    go(m, 1);
-    round++;
-  } while (!integers_match(m, saved) && round < ROUND);
-  assert_true(integers_match(m, saved));
-  double *M = malloc(n * n * sizeof *M);
-  assert_non_null(M);
-  for (size_t j = 0; j < n; j++) {
-    fake_method_load(m, saved);
-    for (size_t e = 0; e < n; e++) *address[e] = e == j;
-    go(m, round);
-    for (size_t e = 0; e < n; e++) M[n * e + j] = *address[e];
-  }
-  double growth = pow(radius(M, n), 1 / (double)round);
-  free(M);
-  return growth;
 }
 
 /* The growth of the oscillator, or, when hk > 0, of the channel. */
 static double measured(const char *name, rates r) {
-  double *address[MOST];
   unsigned all = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS;
   fake_system *f = fake_system_create(&(fake_problem){1, 1, all, oscillate, &r});
   f->system.tol = 1e30; /* adaptive methods take the step they are given */
@@ -112,9 +38,7 @@ static double measured(const char *name, rates r) {
     X[0] = X[3] = 1;
   fake_method m = fake_method_open(name, f);
   fake_method_set(&m, "tolerance", 1e-12);
-  size_t count = fake_method_memory(&m, address, MOST);
-  assert_true(count < MOST);
-  double growth = growth_of_motion(&m, address, count);
+  double growth = step_growth(&m);
   fake_method_close(&m);
   fake_system_destroy(f);
   return growth;
@@ -130,7 +54,7 @@ static void for_all(visit *each) {
   const char *names[FAKE_METHODS];
   size_t count = fake_integrator_names(names);
   for (size_t k = 0; k < count; k++) {
-    fake_system *f = fake_system_create(&(fake_problem){1, 1, 0, oscillate, &(rates){0, 0, 0}});
+    fake_system *f = fake_system_create(&(fake_problem){1, 1, 0, oscillate, &(rates){0, 0, 0, 0}});
     fake_method m = fake_method_open(names[k], f);
     bool fits = fake_method_explicit(&m) || fake_method_implicit(&m);
     if (fits && m.plugin->integrator->amplification) each(&m);
@@ -158,11 +82,11 @@ static void compare_on_grid(const fake_method *method) {
   static const double hg[] = {0, 0.001, 0.03, 0.1, 0.17, 0.29, 0.5, 0.99, 1.01, 1.9, 2.7, 3.3};
   for (size_t i = 0; i < sizeof hw / sizeof *hw; i++)
     for (size_t j = 0; j < sizeof hg / sizeof *hg; j++) {
-      rates r = {hw[i], hg[j], 0};
+      rates r = {hw[i], hg[j], 0, 0};
       compare(name, r, stated(method, r.hw, r.hg), measured(name, r));
     }
   for (size_t j = 1; j < sizeof hg / sizeof *hg && !channels_are_explicit(name); j++) {
-    rates r = {0, 0, hg[j]};
+    rates r = {0, 0, hg[j], 0};
     compare(name, r, stated(method, 0, r.hk), fmax(1, measured(name, r)));
   }
 }
@@ -172,19 +96,56 @@ static void stated_growth_is_the_measured_one(void **state) {
   for_all(compare_on_grid);
 }
 
+static double stated_rotation(const fake_method *m, rates r) {
+  return m->plugin->integrator->rotation(m->self, r.hw, r.hg, r.hb);
+}
+
+/* The grid keeps clear of double roots, (hg + i hb)^2 = 4 hw^2. */
+static void compare_rotation(const fake_method *method) {
+  static const double hw[] = {0, 0.02, 0.3, 0.9, 1.37, 1.9, 2.6, 5}, hg[] = {0, 0.01, 0.21, 1.3},
+                      hb[] = {0.004, 0.05, 0.33, 0.87, 1.6, 2.7};
+  const char *name = method->plugin->name;
+  if (!method->plugin->integrator->rotation) return;
+  for (size_t i = 0; i < sizeof hw / sizeof *hw; i++)
+    for (size_t j = 0; j < sizeof hg / sizeof *hg; j++) {
+      rates still = {hw[i], hg[j], 0, 0};
+      compare(name, still, stated_rotation(method, still), stated(method, hw[i], hg[j]));
+      for (size_t k = 0; k < sizeof hb / sizeof *hb; k++) {
+        rates r = {hw[i], hg[j], 0, hb[k]}, other = {hw[i], hg[j], 0, -hb[k]};
+        compare(name, r, stated_rotation(method, r), measured(name, r));
+        compare(name, other, stated_rotation(method, other), stated_rotation(method, r));
+      }
+    }
+}
+
+static void stated_growth_of_rotation_is_the_measured_one(void **state) {
+  (void)state;
+  for_all(compare_rotation);
+}
+
+static void every_explicit_method_states_its_rotation(const fake_method *method) {
+  const hk_integrator *i = method->plugin->integrator;
+  if (!(i->flags & HK_IMPLICIT) && !i->rotation) fail_msg("%s does not state it", method->plugin->name);
+}
+
+static void explicit_methods_state_their_growth_where_velocities_turn(void **state) {
+  (void)state;
+  for_all(every_explicit_method_states_its_rotation);
+}
+
 /* The first h at which a system with these rates at h = 1 grows, by bisection on the measured growth. Steps of the
  * search: 2 %. 1e-9: rounding, as above. */
 static double limit(const char *name, rates unit) {
   double low = 0.02, high = low;
   for (; high < 6; high *= 1.02) {
-    rates r = {high * unit.hw, high * unit.hg, high * unit.hk};
+    rates r = {high * unit.hw, high * unit.hg, high * unit.hk, 0};
     if (measured(name, r) > 1 + 1e-9) break;
     low = high;
   }
   if (high == low) return 0;
   for (int i = 0; i < 20; i++) {
     double h = (low + high) / 2;
-    rates r = {h * unit.hw, h * unit.hg, h * unit.hk};
+    rates r = {h * unit.hw, h * unit.hg, h * unit.hk, 0};
     if (measured(name, r) > 1 + 1e-9)
       high = h;
     else
@@ -205,8 +166,8 @@ static void limits_are_the_known_ones(void **state) {
                {"leapfrog", 2, 1},  {"stoermer", 1.4142135624, 0.3}, {"stoermer5", 0, 90.0 / 551}};
   (void)state;
   for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
-    double w = limit(known[k].name, (rates){1, 0, 0}), g = limit(known[k].name, (rates){0, 1, 0}),
-           y = limit(known[k].name, (rates){0, 0, 1});
+    double w = limit(known[k].name, (rates){1, 0, 0, 0}), g = limit(known[k].name, (rates){0, 1, 0, 0}),
+           y = limit(known[k].name, (rates){0, 0, 1, 0});
     print_message("%-18s limits: oscillation %.4f, drag %.4f, channel %.4f\n", known[k].name, w, g, y);
     if (known[k].oscillation == 0 ? w > 0.1 : !(fabs(w / known[k].oscillation - 1) < 0.01))
       fail_msg("%s: h w = %g, not %g", known[k].name, w, known[k].oscillation);
@@ -220,7 +181,7 @@ static void leapfrog_with_damping_is_stable_up_to_its_formula(void **state) {
   (void)state;
   for (double xi = 0.01; xi < 4; xi *= 2) {
     double expected = 2 * (sqrt(1 + 4 * xi * xi) - 2 * xi);
-    double got = limit("leapfrog", (rates){1, 2 * xi, 0});
+    double got = limit("leapfrog", (rates){1, 2 * xi, 0, 0});
     if (!(fabs(got / expected - 1) < 1e-6)) fail_msg("xi = %g: %.9g, not %.9g", xi, got, expected);
   }
 }
@@ -253,6 +214,8 @@ static void slow_modes_of_symplectic_methods_show_no_growth(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(stated_growth_is_the_measured_one),
+      cmocka_unit_test(stated_growth_of_rotation_is_the_measured_one),
+      cmocka_unit_test(explicit_methods_state_their_growth_where_velocities_turn),
       cmocka_unit_test(limits_are_the_known_ones),
       cmocka_unit_test(leapfrog_with_damping_is_stable_up_to_its_formula),
       cmocka_unit_test(amplification_is_never_below_1_without_a_frequency),

@@ -1,0 +1,128 @@
+/* A step is linear in all that it hands on: X and the fields. The matrix of one step, or of as many as it takes until
+ * counters such as a ring's position come round, is read off, and its spectral radius follows from powers of it by
+ * repeated squaring. Nothing is judged by watching for a blow-up. */
+#include "tests/support/step_matrix.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+enum { MOST = 400, WARM = 16, ROUND = 12, SQUARINGS = 45 };
+
+typedef struct matrix {
+  size_t n;
+  double *value;
+} matrix;
+
+static double largest(const matrix *m) {
+  double most = 0;
+  for (size_t e = 0; e < m->n * m->n; e++) most = fmax(most, fabs(m->value[e]));
+  return most;
+}
+
+/* M = M M / |M|^2, |M| being the largest entry, which is returned. */
+static double square(matrix *m, double *scratch) {
+  size_t n = m->n;
+  double most = largest(m);
+  if (!(most > 0)) return most;
+  for (size_t e = 0; e < n * n; e++) m->value[e] /= most;
+  memset(scratch, 0, n * n * sizeof *scratch);
+  for (size_t i = 0; i < n; i++)
+    for (size_t l = 0; l < n; l++)
+      for (size_t j = 0; j < n; j++) scratch[n * i + j] += m->value[n * i + l] * m->value[n * l + j];
+  memcpy(m->value, scratch, n * n * sizeof *scratch);
+  return most;
+}
+
+static double trace(const matrix *m) {
+  double sum = 0;
+  for (size_t i = 0; i < m->n; i++) sum += m->value[i * m->n + i];
+  return fabs(sum);
+}
+
+/* |M^N|^(1/N), N = 2^45; destroys M. With a `bound` above 0 the power N is as small as tells on which side of it the
+ * radius is, which is at most (n |M^N|)^(1/N) and at least (|tr M^N|/n)^(1/N); that number is then returned. */
+static double radius(matrix *m, double bound) {
+  double *scratch = malloc(m->n * m->n * sizeof *scratch), logarithm = 0, weight = 1, n = (double)m->n, sure = 0;
+  assert_non_null(scratch);
+  for (int k = 0; k < SQUARINGS && sure == 0; k++) {
+    double most = square(m, scratch);
+    if (!(most > 0)) break;
+    logarithm += weight * log(most);
+    weight /= 2;
+    double high = logarithm + weight * log(n * largest(m)), low = logarithm + weight * log(trace(m) / n);
+    if (bound > 0 && exp(high) < bound) sure = exp(high);
+    if (bound > 0 && exp(low) > bound) sure = exp(low);
+  }
+  free(scratch);
+  return sure > 0 ? sure : exp(logarithm);
+}
+
+static void go(fake_method *m, size_t steps) {
+  for (size_t i = 0; i < steps; i++)
+    if (fake_method_step(m, 1, NULL) != HK_OK) fail_msg("%s: %s", m->plugin->name, m->system->message);
+}
+
+static bool integers_match(const fake_method *m, const char *saved) {
+  for (const hk_field *field = m->plugin->fields; field && field->name; field++) {
+    if (field->type == HK_FIELD_INTEGER && memcmp((char *)m->self + field->offset, saved, 8) != 0) return false;
+    if (field->type == HK_FIELD_INTEGER || field->type == HK_FIELD_NUMBER) saved += 8;
+  }
+  return true;
+}
+
+/* Keeps the addresses that the motion reaches: the other components stay 0. Returns how many. */
+static size_t reached(fake_method *m, double **address, size_t count) {
+  bool *alive = calloc(count, sizeof *alive);
+  size_t kept = 0;
+  assert_non_null(alive);
+  for (int i = 0; i < WARM; i++) {
+    go(m, 1);
+    for (size_t e = 0; e < count; e++) alive[e] |= *address[e] != 0;
+  }
+  for (size_t e = 0; e < count; e++)
+    if (alive[e]) address[kept++] = address[e];
+  free(alive);
+  return kept;
+}
+
+/* Returns the number of steps that the matrix is of. */
+static size_t read_matrix(fake_method *m, matrix *into) {
+  char saved[256];
+  double *address[MOST];
+  size_t round = 0, count = fake_method_memory(m, address, MOST), n = reached(m, address, count);
+  assert_true(count < MOST);
+  assert_true(fake_method_save(m, saved) <= sizeof saved);
+  do {
+    go(m, 1);
+    round++;
+  } while (!integers_match(m, saved) && round < ROUND);
+  assert_true(integers_match(m, saved));
+  *into = (matrix){n, malloc(n * n * sizeof(double))};
+  assert_non_null(into->value);
+  for (size_t j = 0; j < n; j++) {
+    fake_method_load(m, saved);
+    for (size_t e = 0; e < n; e++) *address[e] = e == j;
+    go(m, round);
+    for (size_t e = 0; e < n; e++) into->value[n * e + j] = *address[e];
+  }
+  return round;
+}
+
+double step_growth(fake_method *m) {
+  matrix M;
+  double round = (double)read_matrix(m, &M), growth = pow(radius(&M, 0), 1 / round);
+  free(M.value);
+  return growth;
+}
+
+bool step_growth_exceeds(fake_method *m, double bound) {
+  matrix M;
+  double round = (double)read_matrix(m, &M), level = pow(bound, round);
+  bool exceeds = radius(&M, level) > level;
+  free(M.value);
+  return exceeds;
+}
