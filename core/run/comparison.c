@@ -115,7 +115,7 @@ static void use_reference(hk_comparison *c, const hk_rerun *reference) {
   if (isnan(d.position) || reference->passed_by > c->accuracy) return;
   c->referred = true;
   c->worst = d;
-  c->error = relative(c, &d) / reserve;
+  c->error = relative(c, &d) / reference->reserve;
   c->position = d.position;
   snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by 1e-14 of the extent",
            reference->method, reference->tol);
@@ -133,23 +133,23 @@ static void refer(hk_comparison *c, hk_reference want) {
   hk_trajectory_free(&reference.trajectory);
 }
 
-void hk_comparison_refer(hk_comparison *c, hk_effort effort) {
-  if (!c->referred) refer(c, (hk_reference){strictest(c), INFINITY, c->half.spectrum.w_reached, effort});
+void hk_comparison_refer(hk_comparison *c, hk_effort effort, bool coarse) {
+  if (!c->referred) refer(c, (hk_reference){strictest(c), INFINITY, c->half.spectrum.w_reached, effort, coarse});
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
 
-bool hk_comparison_agrees(const hk_comparison *c) {
+bool hk_comparison_agrees(const hk_comparison *c, double times) {
   hk_distance d = distance(c, NULL, &c->half, INFINITY);
-  return c->compared && margin * relative(c, &d) <= 1;
+  return c->compared && times * relative(c, &d) <= 1;
 }
 
 /* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
  * grow. The second has steps no longer than the run's. */
 void hk_comparison_settle(hk_comparison *c) {
-  if (c->referred && c->error > 1 && hk_comparison_agrees(c))
+  if (c->referred && c->error > 1 && hk_comparison_agrees(c, margin))
     refer(c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.spectrum.w_reached,
-                            HK_EFFORT_LARGE});
+                            HK_EFFORT_LARGE, false});
 }
 
 /* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */

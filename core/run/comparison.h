@@ -36,10 +36,13 @@ hk_status hk_comparison_take_half(hk_comparison *, hk_error *error); /* with hal
 void hk_comparison_use_half(hk_comparison *);                        /* the error by half the step */
 /* The error by the ratio of two distances; false: no order is seen, and the error remains that by half the step. */
 bool hk_comparison_use_order(hk_comparison *);
-void hk_comparison_refer(hk_comparison *, hk_effort); /* the error by an independent method, where it is worth it */
+/* The error by an independent method, where that is worth it; `coarse`: with less confidence, if need be. */
+void hk_comparison_refer(hk_comparison *, hk_effort, bool coarse);
 /* Where a run agrees with half its step and not with the reference, a stricter reference decides. */
 void hk_comparison_settle(hk_comparison *);
-bool hk_comparison_agrees(const hk_comparison *);       /* with half the step, whatever the order */
+/* Whether so many times the distance to half the step is within what is asked; 2: so is the error, whatever the order.
+ */
+bool hk_comparison_agrees(const hk_comparison *, double times);
 double hk_comparison_difference(const hk_comparison *); /* m, of the positions, to half the step */
 
 /* ---- doubts.c: what two runs of one method can have in common ---- */

@@ -17,8 +17,12 @@ static const struct budget {
 } budgets[] = {
     [HK_EFFORT_SMALL] = {0.4, 6e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {4, 6e5, 16}};
 
-/* Steps of 1e4 and more add up their errors, and each is at most its tolerance; rounding is 2e-16. */
-static const double steps_expected = 1e5, finest = 1e-13, coarsest = 1e-6, perturbation = 1e-14;
+/* Parts of the accuracy that a step may be off by: errors of 1e4 steps and more add up. Where that takes too many
+ * steps, a coarser reference is better than none, with less confidence. */
+static const struct strictness { double part, reserve; } strictnesses[] = {{1e-5, 0.98}, {3e-3, 0.8}};
+enum { STRICTNESSES = sizeof strictnesses / sizeof *strictnesses };
+
+static const double finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6, perturbation = 1e-14;
 
 typedef struct wish {
   bool implicit, constraints;
@@ -61,7 +65,7 @@ static double least_steps(const hk_run *whole, const hk_reference *want, const h
 }
 
 static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, const hk_reference *want,
-                    bool implicit, hk_rerun *found) {
+                    const struct strictness *strict, bool implicit, hk_rerun *found) {
   wish w = {implicit, whole->plugins.kind[HK_CONSTRAINT].count > 0};
   const hk_plugin *plugin;
   hk_error error = {0};
@@ -71,7 +75,7 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
   hk_run_options o = *first;
   o.integrator = plugin->name;
   o.dt = INFINITY;
-  o.tol = fmax(finest, fmin(coarsest, want->relative / steps_expected));
+  o.tol = fmax(finest, fmin(coarsest, want->relative * strict->part));
   o.refine = 0;
   o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
   o.step_limit = (size_t)steps;
@@ -82,6 +86,7 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
   o.progress = -1;
   bool reached = hk_rerun_take(reopen, &o, whole, whole->state.t, found, &error) == HK_OK;
   found->method = plugin->name;
+  found->reserve = strict->reserve;
   if (!reached) hk_trajectory_free(&found->trajectory);
   return reached;
 }
@@ -92,6 +97,9 @@ static bool is_explicit(const hk_run *whole) { return !(whole->step.method->flag
 bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole,
                        const hk_reference *want, hk_rerun *found) {
   if (whole->plugins.kind[HK_CORRECTOR].count || whole->plugins.kind[HK_SOURCE].count) return false;
-  if (attempt(reopen, first, whole, want, false, found)) return true;
-  return !is_explicit(whole) && attempt(reopen, first, whole, want, true, found);
+  for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
+    if (attempt(reopen, first, whole, want, &strictnesses[k], false, found)) return true;
+    if (!is_explicit(whole) && attempt(reopen, first, whole, want, &strictnesses[k], true, found)) return true;
+  }
+  return false;
 }

@@ -110,6 +110,7 @@ typedef struct hk_reopen { /* functions that open the scene of a run a second ti
 typedef struct hk_rerun {
   const char *method; /* its integrator */
   double tol;         /* of an adaptive method */
+  double reserve;     /* of a reference: what it leaves of the accuracy, for its own error */
   hk_trajectory trajectory;
   double energy_defect; /* J, energy that is missing or too much, see hk_energy_defect */
   double kinetic;       /* J, the largest */
@@ -136,6 +137,7 @@ typedef struct hk_reference {
   double dt_most;   /* s, its longest step; INFINITY: the method's choice */
   double frequency; /* 1/s, the largest of the scene, where it is known; 0 */
   hk_effort effort;
+  bool coarse; /* a coarser reference will do where a strict one takes too many steps */
 } hk_reference;
 
 /* True: an adaptive method, explicit or else implicit, has integrated the scene of `whole` to its end. False: it would

@@ -96,8 +96,8 @@ static bool judge(hk_comparison *c) {
 
 /* Where an accuracy was asked for. */
 static void judge_accuracy(hk_comparison *c) {
-  bool known = true;
-  hk_comparison_refer(c, hk_doubts_hidden_swings(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL);
+  bool known = true, possible = hk_comparison_agrees(c, 1);
+  hk_comparison_refer(c, possible && hk_doubts_hidden_swings(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL, possible);
   hk_comparison_settle(c);
   if (!c->referred) {
     hk_comparison_use_half(c);
@@ -105,7 +105,7 @@ static void judge_accuracy(hk_comparison *c) {
   }
   bool fine = judge(c);
   if (fine || c->referred || (known && c->error > 1)) return;
-  hk_comparison_refer(c, HK_EFFORT_LARGE); /* in doubt */
+  hk_comparison_refer(c, HK_EFFORT_LARGE, false); /* in doubt */
   judge(c);
 }
 
@@ -122,7 +122,7 @@ static void judge_sampling(const hk_comparison *c, hk_summary *s) {
 /* Where none was: half the step is taken where it could defend the run. */
 static void judge_motion(hk_comparison *c) {
   hk_error error = {0};
-  hk_comparison_refer(c, HK_EFFORT_SMALL);
+  hk_comparison_refer(c, HK_EFFORT_SMALL, true);
   if (!c->referred) {
     judge_sampling(c, c->summary);
     describe_functions(c, c->summary);
