@@ -6,10 +6,11 @@
  * e^(-2 pi b/L) for a distance b and steps L), so a resolved passage misses next to nothing. The nodes of the integral
  * lie at range sinh(theta) from the nearest point: as dense as the range there, and few however long the move.
  *
- * A passage counts where it misses more than a fifth of the integral of |F|; a method of high order may be far better
- * than the trapezoidal rule below that, and half the step shows the error. The change of velocity dv that was missed
- * becomes dv (T - t) by a later time T, for particles that nothing holds. The record has the moments in t of dv^2, from
- * which the sum over all passages, taken for independent of each other, follows for every T. */
+ * A passage counts where it misses more than a fifth of the integral of the size of a part of F, along or across; a
+ * method of high order may be far better than the trapezoidal rule below that, and half the step shows the error. The
+ * change of velocity dv that was missed becomes dv (T - t) by a later time T, for particles that nothing holds. The
+ * record has the moments in t of dv^2, from which the sum over all passages, taken for independent of each other,
+ * follows for every T. */
 #include "core/judge/judge.h"
 
 #include <float.h>
@@ -39,31 +40,57 @@ static void at(const hk_passage *p, double u, force_at *force, const void *self,
   force(self, r, F);
 }
 
-/* N: adds the integral of F over u from -1 to 2 to `sum`; returns that of |F|. u = nearest + width sinh(theta). */
-static double integrate(const hk_passage *p, double length, force_at *force, const void *self, double sum[3]) {
-  double nearest = -dot(p->r, p->dr) / (length * length), width = p->range / length, size = 0;
+/* Parts of F along the move and across it, on opposite sides of the nearest point of opposite and of equal sign: what
+ * is missed of one says nothing of the other. */
+typedef struct parts {
+  double along, across[3];
+} parts;
+
+static parts split(const double F[3], const double *dr, double length) {
+  parts p = {dot(F, dr) / length, {0}};
+  for (int c = 0; c < 3; c++) p.across[c] = F[c] - p.along * dr[c] / length;
+  return p;
+}
+
+static double across(const parts *p) { return sqrt(dot(p->across, p->across)); }
+
+static void add_parts(parts *sum, const parts *p, double weight) {
+  sum->along += weight * p->along;
+  for (int c = 0; c < 3; c++) sum->across[c] += weight * p->across[c];
+}
+
+/* N: adds the integral of F over u from -1 to 2 to `sum`, and those of the sizes of its parts to `size`. u = nearest +
+ * width sinh(theta). */
+static void integrate(const hk_passage *p, double length, force_at *force, const void *self, parts *sum,
+                      double size[2]) {
+  double nearest = -dot(p->r, p->dr) / (length * length), width = p->range / length;
   double first = asinh((-1 - nearest) / width), last = asinh((2 - nearest) / width);
   int count = (int)fmax(LEAST_INTERVALS, ceil((last - first) / spacing));
   double step = (last - first) / count;
   for (int k = 0; k <= count; k++) {
     double theta = first + k * step, F[3], weight = width * cosh(theta) * step * (k == 0 || k == count ? 0.5 : 1);
     at(p, nearest + width * sinh(theta), force, self, F);
-    for (int c = 0; c < 3; c++) sum[c] += weight * F[c];
-    size += weight * sqrt(dot(F, F));
+    parts here = split(F, p->dr, length);
+    add_parts(sum, &here, weight);
+    size[0] += weight * fabs(here.along);
+    size[1] += weight * across(&here);
   }
-  return size;
 }
 
 /* N, over the time of one step, what the ends of the steps do not show of F; 0 where that is less than a fifth. */
 static double unseen(const hk_passage *p, double length, force_at *force, const void *self) {
-  double missed[3] = {0}, size = integrate(p, length, force, self, missed);
+  parts missed = {0};
+  double size[2] = {0};
+  integrate(p, length, force, self, &missed, size);
   for (int u = -1; u <= 2; u++) {
     double F[3], weight = u == -1 || u == 2 ? 0.5 : 1;
     at(p, u, force, self, F);
-    for (int c = 0; c < 3; c++) missed[c] -= weight * F[c];
+    parts here = split(F, p->dr, length);
+    add_parts(&missed, &here, -weight);
   }
-  double most = sqrt(dot(missed, missed));
-  return most > fifth * size && isfinite(most) ? most : 0;
+  double along = fabs(missed.along) > fifth * size[0] ? missed.along : 0,
+         sideways = across(&missed) > fifth * size[1] ? across(&missed) : 0, most = hypot(along, sideways);
+  return isfinite(most) ? most : 0;
 }
 
 static void note(const collector *w, uint32_t i, double dv) {

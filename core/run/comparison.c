@@ -15,6 +15,9 @@ static const double perturbation = 1e-14, margin = 2, rounding = 1e-9,
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
 
+/* A piece of more than so many shortest times is more than a pulse; and that part of the shortest time is resolved. */
+static const double pulse_lengths = 4;
+
 /* Steps in each piece of a pulse, 2 refine + 1. */
 enum { PULSE_REFINEMENT = 2, VIBRATION_REFINEMENT = 16 };
 
@@ -79,6 +82,14 @@ static double strictest(const hk_comparison *c) {
 
 /* ---- the runs ---- */
 
+/* Whether a function goes up and down all the time, or more often than there are cuts, so that cuts are no help. */
+static bool vibrates(const hk_comparison *c) {
+  const hk_sampling *f = &c->sampling;
+  bool any = f->more;
+  for (size_t k = 0; k < f->pieces; k++) any = any || f->piece[k][1] - f->piece[k][0] > pulse_lengths * f->shortest;
+  return any;
+}
+
 /* The same dt with the refined division of frames, and steps that end where a function of time changes. An adaptive
  * method gets half of a dt that was given, which it may use as a fixed step. */
 static hk_run_options refined(const hk_comparison *c, size_t refine) {
@@ -102,7 +113,7 @@ static hk_run_options refined(const hk_comparison *c, size_t refine) {
 }
 
 hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
-  size_t pulses = c->sampling.more ? VIBRATION_REFINEMENT : PULSE_REFINEMENT;
+  size_t pulses = vibrates(c) ? VIBRATION_REFINEMENT : PULSE_REFINEMENT;
   hk_run_options o = refined(c, c->sampling.varies ? pulses : 1);
   hk_status status = hk_rerun_take(c->reopen, &o, c->whole, c->whole->state.t, &c->half, error);
   c->compared = status == HK_OK;
@@ -121,10 +132,10 @@ static void use_reference(hk_comparison *c, const hk_rerun *reference) {
            reference->method, reference->tol);
 }
 
-/* Functions that vary everywhere, more than there are cuts, limit the steps. */
+/* Functions that vibrate limit the steps. */
 static void refer(hk_comparison *c, hk_reference want) {
   hk_rerun reference;
-  if (c->sampling.more) want.dt_most = fmin(want.dt_most, c->sampling.shortest / 4);
+  if (vibrates(c)) want.dt_most = fmin(want.dt_most, c->sampling.shortest / pulse_lengths);
   hk_run_options o = *c->first;
   o.cut = c->cut;
   o.cuts = c->cuts;
