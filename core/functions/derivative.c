@@ -18,7 +18,9 @@
 static const double mantissa = 79.0 / 128, exact_steps = 128;
 /* Steps are tried up to 2^-20 and 2^20 times the given one, two further ones after the last that was better. */
 enum { LEVELS = 43, MIDDLE = 20, HIGHEST = LEVELS - 3, PATIENCE = 2, CALIBRATIONS = 16 };
-static const double good_enough = 1e-7, /* of the derivative: far below what the steps of a run resolve */
+static const double good_enough = 1e-8, /* of the derivative: far below what the steps of a run resolve */
+    usual_times = 64,                   /* usual errors that are still usual: some times are worse than others */
+    ladder_middle = 1.0 / 256,          /* s: steps from 2^-28 s, for vibrations of MHz, to an hour are tried */
     resolves = 0.01,                    /* of the derivative */
     usual_step = 7.62939453125e-6,      /* s, 2^-17: good from vibrations of 1 kHz to motions of hours */
     usual_step_second = 9.765625e-4,    /* s, 2^-10: second differences divide roundings by h^2 */
@@ -29,6 +31,7 @@ typedef struct table {
   int order;
   size_t column;
   double t, unit;   /* s */
+  double usual;     /* error of the derivative by roundings, with the step `unit` */
   const double *at; /* the three numbers at t */
   bool known[LEVELS];
   double side[2][LEVELS][HK_COLUMNS]; /* the numbers at t - h and t + h; NAN: the function fails there */
@@ -72,8 +75,8 @@ static double rounding(const table *d, int level) {
     for (int c = 0; c < HK_COLUMNS; c++) step[c] = d->side[side][level][c] - d->at[c];
     if (!isnan(length(step))) move = fmax(move, length(step));
   }
-  double noise = DBL_EPSILON * (size + fabs(d->t) * move / h);
-  return d->order == 1 ? noise / h : 4 * noise / (h * h);
+  double noise = DBL_EPSILON * (size + fabs(d->t) * move / h), own = d->usual * pow(d->unit / h, d->order);
+  return own + (d->order == 1 ? noise / h : 4 * noise / (h * h));
 }
 
 /* Takes `value` as the derivative at this step where its error is below that of the others. `change` is that by the
@@ -111,7 +114,9 @@ static void try_side(const table *d, int side, int level, hk_derivative *best) {
   take_better(d, best, level, value, change);
 }
 
-static bool is_good(const hk_derivative *best) { return best->error <= good_enough * length(best->value); }
+static bool is_good(const table *d, const hk_derivative *best) {
+  return best->error <= fmax(good_enough * length(best->value), usual_times * d->usual);
+}
 
 /* Only roundings are left, which a smaller step makes worse. */
 static bool is_rounding(const table *d, int level, const hk_derivative *found) {
@@ -122,7 +127,7 @@ static hk_derivative try_step(table *d, int level) {
   hk_derivative found = {.error = INFINITY};
   for (int k = 0; k < 3; k++) sample(d, level + k);
   try_symmetric(d, level, &found);
-  if (!is_good(&found) && !is_rounding(d, level, &found))
+  if (!is_good(d, &found) && !is_rounding(d, level, &found))
     for (int side = 1; side >= 0; side--) try_side(d, side, level, &found);
   return found;
 }
@@ -139,7 +144,7 @@ static bool contradict(const hk_derivative *a, const hk_derivative *b) {
  * beside the derivative, or nothing but rounding, the steps need not become smaller. */
 static void walk_down(table *d, hk_derivative *best) {
   bool resolved = false;
-  for (int level = MIDDLE - 1, tired = 0; level >= 0 && tired < PATIENCE && !is_good(best); level--) {
+  for (int level = MIDDLE - 1, tired = 0; level >= 0 && tired < PATIENCE && !is_good(d, best); level--) {
     if (step_of(d, level) < exact_steps * DBL_EPSILON * fabs(d->t)) return;
     hk_derivative found = try_step(d, level);
     if (found.error < best->error || contradict(&found, best)) {
@@ -162,34 +167,26 @@ static void walk_up(table *d, int level, hk_derivative *best) {
 
 static hk_derivative search(table *d) {
   hk_derivative best = try_step(d, MIDDLE);
-  if (is_good(&best) || is_rounding(d, MIDDLE, &best)) return best;
+  if (is_good(d, &best) || is_rounding(d, MIDDLE, &best)) return best;
   walk_down(d, &best);
-  if (!is_good(&best)) walk_up(d, MIDDLE + 1, &best);
+  if (!is_good(d, &best)) walk_up(d, MIDDLE + 1, &best);
   return best;
 }
 
-/* From roundings upwards, so that a vibration is resolved before its derivative is taken for another one. */
-static hk_derivative search_upwards(table *d) {
-  int level = 0;
-  while (level < HIGHEST && step_of(d, level) < exact_steps * DBL_EPSILON * fabs(d->t)) level++;
-  hk_derivative best = try_step(d, level);
-  walk_up(d, level + 1, &best);
-  return best;
-}
-
-static table table_of(const hk_function *f, int order, size_t column, double step, double t, const double *at) {
+static table table_of(const hk_function *f, int order, size_t column, const hk_differences *by, double t,
+                      const double *at) {
   double least = exact_steps * DBL_EPSILON * fabs(t);
-  double unit = mantissa * exp2(ceil(log2(fmax(step, least) / mantissa) - 1e-9));
-  return (table){.f = f, .order = order, .column = column, .t = t, .unit = unit, .at = at + column};
+  double unit = mantissa * exp2(ceil(log2(fmax(by->step, least) / mantissa) - 1e-9));
+  return (table){.f = f, .order = order, .column = column, .t = t, .unit = unit, .usual = by->usual, .at = at + column};
 }
 
-hk_status hk_derivative_find(const hk_function *f, int order, size_t column, double step, double t,
+hk_status hk_derivative_find(const hk_function *f, int order, size_t column, const hk_differences *by, double t,
                              const double at[HK_RESULTS], hk_derivative *found, hk_error *error) {
-  table d = table_of(f, order, column, step, t, at);
+  table d = table_of(f, order, column, by, t, at);
   *found = search(&d);
   if (isfinite(found->error)) return HK_OK;
   *found = (hk_derivative){.error = NAN};
-  double when = t + step, out[HK_RESULTS]; /* once more, for the error's cause */
+  double when = t + by->step, out[HK_RESULTS]; /* once more, for the error's cause */
   size_t got = 0;
   hk_status status = f->call(f, NULL, &when, 1, out, HK_RESULTS, &got, error);
   return status != HK_OK ? status
@@ -197,8 +194,49 @@ hk_status hk_derivative_find(const hk_function *f, int order, size_t column, dou
                                         "a function of time has no derivative at t = %g s: it fails beside it", t);
 }
 
-double hk_derivative_step(const hk_function *f, int order, size_t column, double begin, double end) {
-  double usual = order == 1 ? usual_step : usual_step_second, least = INFINITY;
+/* ---- the step that is best at most times ---- */
+
+/* Sums over some times, per step: of the derivative, and of its change by the next larger step. */
+typedef struct calibration {
+  double size[LEVELS], change[LEVELS];
+  size_t times[LEVELS];
+} calibration;
+
+static void extrapolate(const table *d, int level, double value[HK_COLUMNS]) {
+  for (int c = 0; c < HK_COLUMNS; c++) {
+    double a = symmetric(d, level, c), b = symmetric(d, level + 1, c), e = symmetric(d, level + 2, c);
+    double ab = a + (a - b) / 3, be = b + (b - e) / 3;
+    value[c] = ab + (ab - be) / 15;
+  }
+}
+
+static void calibrate_at(calibration *sum, table *d, double most) {
+  double last[HK_COLUMNS], value[HK_COLUMNS], change[HK_COLUMNS];
+  bool any = false;
+  for (int level = HIGHEST; level >= 0; level--) {
+    double h = step_of(d, level);
+    if (h > most) continue;
+    if (h < exact_steps * DBL_EPSILON * fabs(d->t)) return;
+    for (int k = 0; k < 3; k++) sample(d, level + k);
+    extrapolate(d, level, value);
+    if (isnan(length(value))) return;
+    for (int c = 0; c < HK_COLUMNS; c++) change[c] = any ? value[c] - last[c] : value[c];
+    sum->size[level] += length(value);
+    sum->change[level] += fmin(length(change), 2 * length(value)); /* a jump is not all there is */
+    sum->times[level]++;
+    memcpy(last, value, sizeof last);
+    any = true;
+  }
+}
+
+/* The step at which the derivative changes least from that with the double step, relative to its size: with a shorter
+ * one the function's own roundings are amplified, and a longer one does not resolve it (of a vibration that is not
+ * resolved the differences become half as large with the double step, which is a change as large as they are). */
+hk_differences hk_derivative_prepare(const hk_function *f, int order, size_t column, double begin, double end) {
+  calibration sum = {.size = {0}};
+  hk_differences by = {.step = order == 1 ? usual_step : usual_step_second};
+  hk_differences ladder = {.step = ladder_middle};
+  double best = 1, most = fmax(longest_step * (end - begin), by.step);
   uint64_t random[4];
   hk_random_seed(random, (uint64_t)order);
   for (int k = 0; k < CALIBRATIONS; k++) {
@@ -206,10 +244,16 @@ double hk_derivative_step(const hk_function *f, int order, size_t column, double
     size_t got = 0;
     hk_error ignored = {0};
     if (f->call(f, NULL, &t, 1, at, HK_RESULTS, &got, &ignored) != HK_OK || got < column + HK_COLUMNS) continue;
-    table d = table_of(f, order, column, usual, t, at);
-    hk_derivative found = search_upwards(&d);
-    if (found.error < length(found.value)) least = fmin(least, found.step); /* others tell noise or rest */
+    table d = table_of(f, order, column, &ladder, t, at);
+    calibrate_at(&sum, &d, most);
   }
-  double most = longest_step * (end - begin);
-  return isfinite(least) ? fmin(least, fmax(most, usual)) : usual;
+  table steps = {.unit = mantissa * exp2(ceil(log2(ladder_middle / mantissa) - 1e-9))};
+  for (int level = 0; level <= HIGHEST; level++) {
+    double ratio = sum.change[level] / sum.size[level];
+    if (sum.times[level] < CALIBRATIONS / 2 || !(ratio < best)) continue;
+    best = ratio;
+    by.step = step_of(&steps, level);
+    by.usual = sum.change[level] / (double)sum.times[level];
+  }
+  return by;
 }

@@ -15,13 +15,18 @@ typedef struct hk_derivative {
   double step;  /* s, smallest distance in time of the differences */
 } hk_derivative;
 
+typedef struct hk_differences { /* how a function is differentiated */
+  double step;                  /* s, where the search of a good step begins, and mostly ends */
+  double usual;                 /* the error with that step at most times, by the function's own roundings */
+} hk_differences;
+
+/* Looks for the step that is best between begin and end. */
+hk_differences hk_derivative_prepare(const hk_function *, int order, size_t column, double begin, double end);
 /* Derivative of order 1 or 2, at t, of three of the numbers that the function returns, from number `column` on. `at`
- * has the numbers at t; `step` (s) is where the search of a good step begins, from hk_derivative_step(). The result
- * depends on the arguments alone. HK_SCRIPT: the function fails everywhere beside t. */
-hk_status hk_derivative_find(const hk_function *, int order, size_t column, double step, double t,
+ * has the numbers at t. The result depends on the arguments alone. HK_SCRIPT: the function fails everywhere beside t.
+ */
+hk_status hk_derivative_find(const hk_function *, int order, size_t column, const hk_differences *, double t,
                              const double at[HK_RESULTS], hk_derivative *, hk_error *error);
-/* The step that is best at most times between begin and end. */
-double hk_derivative_step(const hk_function *, int order, size_t column, double begin, double end);
 
 /* ---- path.c: the path of a pin in a run ---- */
 
@@ -30,7 +35,7 @@ typedef struct hk_path {
   const char *where;           /* script line */
   double end;                  /* s: needed up to there */
   bool gives_velocity;         /* at t = 0 */
-  double step[2];              /* s, where differences for velocities and accelerations begin; 0: none was needed yet */
+  hk_differences by[2];        /* for velocities and accelerations; step 0: none was needed yet */
   double at;                   /* s, time of `value`; NAN: none */
   double value[HK_RESULTS];    /* m, m/s */
   double speed_error;          /* m/s, largest estimated error of a velocity so far; 0: the path gives its velocities */

@@ -12,7 +12,7 @@ void hk_path_open(hk_path *path, const hk_function *function, const char *where,
   function->call(function, NULL, &t, 1, out, HK_RESULTS, &got, &ignored);
   path->gives_velocity = got == HK_RESULTS;
   path->end = end;
-  if (!path->gives_velocity) path->step[0] = hk_derivative_step(function, 1, 0, 0, end);
+  if (!path->gives_velocity) path->by[0] = hk_derivative_prepare(function, 1, 0, 0, end);
 }
 
 static hk_status call(const hk_path *path, double t, double out[HK_RESULTS], size_t *got, hk_error *error) {
@@ -34,7 +34,7 @@ hk_status hk_path_find(hk_path *path, double t, hk_error *error) {
   path->at = NAN;
   hk_status status = call(path, t, path->value, &got, error);
   if (status == HK_OK && got == HK_COLUMNS) {
-    status = hk_derivative_find(path->function, 1, 0, path->step[0], t, path->value, &velocity, error);
+    status = hk_derivative_find(path->function, 1, 0, &path->by[0], t, path->value, &velocity, error);
     memcpy(path->value + HK_COLUMNS, velocity.value, sizeof velocity.value);
     path->speed_error = fmax(path->speed_error, velocity.error);
   }
@@ -47,10 +47,10 @@ hk_status hk_path_acceleration(hk_path *path, double t, double out[HK_COLUMNS], 
   size_t column = path->gives_velocity ? HK_COLUMNS : 0, got = 0;
   hk_derivative acceleration;
   double at[HK_RESULTS];
-  if (!(path->step[1] > 0)) path->step[1] = hk_derivative_step(path->function, order, column, 0, path->end);
+  if (!(path->by[1].step > 0)) path->by[1] = hk_derivative_prepare(path->function, order, column, 0, path->end);
   hk_status status = call(path, t, at, &got, error);
   if (status != HK_OK) return status;
-  status = hk_derivative_find(path->function, order, column, path->step[1], t, at, &acceleration, error);
+  status = hk_derivative_find(path->function, order, column, &path->by[1], t, at, &acceleration, error);
   memcpy(out, acceleration.value, sizeof acceleration.value);
   return status;
 }

@@ -14,13 +14,13 @@ typedef struct comparison {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-static void compare_at(const hk_pin_spec *spec, double step, double t, comparison *worst) {
+static void compare_at(const hk_pin_spec *spec, const hk_differences *by, double t, comparison *worst) {
   double at[HK_RESULTS], apart[3];
   size_t got = 0;
   hk_error ignored = {0};
   hk_derivative found;
   if (spec->path.call(&spec->path, NULL, &t, 1, at, HK_RESULTS, &got, &ignored) != HK_OK || got < HK_RESULTS) return;
-  if (hk_derivative_find(&spec->path, 1, 0, step, t, at, &found, &ignored) != HK_OK) return;
+  if (hk_derivative_find(&spec->path, 1, 0, by, t, at, &found, &ignored) != HK_OK) return;
   for (int c = 0; c < 3; c++) apart[c] = at[3 + c] - found.value[c];
   worst->fastest = fmax(worst->fastest, fmax(length(at + 3), length(found.value)));
   double beyond = length(apart) - trusted * found.error;
@@ -29,11 +29,11 @@ static void compare_at(const hk_pin_spec *spec, double step, double t, compariso
 
 static void check_pin(hk_loop *loop, const hk_pin_spec *spec, double end) {
   comparison worst = {.apart = 0};
-  double step = hk_derivative_step(&spec->path, 1, 0, loop->state->t, end);
+  hk_differences by = hk_derivative_prepare(&spec->path, 1, 0, loop->state->t, end);
   uint64_t random[4];
   hk_random_seed(random, 1);
   for (int k = 0; k < TIMES; k++)
-    compare_at(spec, step, loop->state->t + (end - loop->state->t) * (k + hk_random_uniform(random)) / TIMES, &worst);
+    compare_at(spec, &by, loop->state->t + (end - loop->state->t) * (k + hk_random_uniform(random)) / TIMES, &worst);
   if (worst.apart > tolerance * worst.fastest)
     hk_warn(
         loop->warnings,

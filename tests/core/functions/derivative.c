@@ -30,7 +30,7 @@ static hk_status call(const hk_function *f, const void *caller, const double *in
   return HK_OK;
 }
 
-static hk_derivative find(course *c, int order, double step, double t) {
+static hk_derivative find(course *c, int order, hk_differences by, double t) {
   hk_function f = {.call = call, .context = c};
   hk_derivative d;
   hk_error error = {0};
@@ -39,17 +39,19 @@ static hk_derivative find(course *c, int order, double step, double t) {
   c->begin = c->begin != 0 ? c->begin : -INFINITY;
   assert_int_equal(call(&f, NULL, &t, 1, at, HK_RESULTS, &got, &error), HK_OK);
   c->calls = 0;
-  assert_int_equal(hk_derivative_find(&f, order, 0, step, t, at, &d, &error), HK_OK);
+  assert_int_equal(hk_derivative_find(&f, order, 0, &by, t, at, &d, &error), HK_OK);
   assert_true(d.value[1] == 0 && d.value[2] == 0);
   return d;
 }
 
-static double step_for(course *c, int order, double end) {
+static hk_differences step_for(course *c, int order, double end) {
   hk_function f = {.call = call, .context = c};
   c->begin = -INFINITY;
-  return hk_derivative_step(&f, order, 0, 0, end);
+  return hk_derivative_prepare(&f, order, 0, 0, end);
 }
 
+/* The phase of a clock that began long ago: its roundings are larger than those of t. */
+static double shakes_since_long(double t) { return 0.01 * sin(2 * pi * 1000 * (t + 5.8943689)); }
 static double shakes(double t) { return 0.01 * sin(2 * pi * 1000 * t); }
 static double drifts(double t) { return 50 * sin(2 * pi * t / 36000); }
 static double hums(double t) { return 1e-6 * cos(2 * pi * 40000 * t); }
@@ -59,14 +61,14 @@ static double begins_to_shake(double t) { return t < 1000 ? 1e-5 * t * t : 10 + 
 /* The error is below its estimate, and both are below 1e-6 of the largest derivative; the bound is what the rounding of
  * w t leaves: eps w t divided by the best w h, some 1e-2, for 1 kHz at 2,000 s. */
 static void is_good(course *c, int order, double w, double amplitude, double end, double bound) {
-  double step = step_for(c, order, end);
+  hk_differences by = step_for(c, order, end);
   uint64_t random[4];
   hk_random_seed(random, 7);
   for (int k = 0; k < 1000; k++) {
     double t = end * hk_random_uniform(random), size = amplitude * pow(w, order);
     double right = c->at == hums || c->at == orbits ? (order == 1 ? -amplitude * w * sin(w * t) : -size * cos(w * t))
                                                     : (order == 1 ? size * cos(w * t) : -size * sin(w * t));
-    hk_derivative d = find(c, order, step, t);
+    hk_derivative d = find(c, order, by, t);
     double error = fabs(d.value[0] - right);
     if (error > 3 * d.error || error > bound * size || d.error > 100 * bound * size)
       fail_msg("order %d, t = %.17g: %g, right is %g, off by %g of %g, estimate %g, step %g", order, t, d.value[0],
@@ -90,13 +92,26 @@ static void accelerations_are_as_good_as_the_roundings_allow(void **state) {
   is_good(&(course){.at = orbits}, 2, 2 * pi / 3.15e7, 1.5e11, 3e8, 1e-6);
 }
 
+/* The rounding of t + 5.9 is 4e-16 s; with the best step of 1e-4 s that is 4e-12 of the speed, and more a few times. */
+static void the_roundings_of_the_function_itself_count(void **state) {
+  (void)state;
+  course c = {.at = shakes_since_long};
+  double w = 2 * pi * 1000;
+  hk_differences by = step_for(&c, 1, 0.02);
+  for (int k = 0; k < 4000; k++) {
+    double t = 5e-6 * k, right = 0.01 * w * cos(w * (t + 5.8943689));
+    hk_derivative d = find(&c, 1, by, t);
+    if (!(fabs(d.value[0] - right) < 1e-9 * 0.01 * w)) fail_msg("t = %g: %.17g, not %.17g", t, d.value[0], right);
+  }
+}
+
 static void the_step_follows_what_begins_later(void **state) {
   (void)state;
   course c = {.at = begins_to_shake};
-  double step = step_for(&c, 1, 1e6);
+  hk_differences by = step_for(&c, 1, 1e6);
   for (double t = 1000.0005; t < 1001; t += 0.0625) {
     double w = 2 * pi * 1000, right = 0.01 * w * sin(w * t);
-    assert_true(fabs(find(&c, 1, step, t).value[0] - right) < 1e-6 * 0.01 * w);
+    assert_true(fabs(find(&c, 1, by, t).value[0] - right) < 1e-6 * 0.01 * w);
   }
 }
 
@@ -110,13 +125,14 @@ static void corners_and_jumps_give_no_wild_speed(void **state) {
   (void)state;
   for (size_t k = 0; k < sizeof off / sizeof *off; k++)
     for (int side = -1; side <= 1; side += 2) {
-      double t = 3 + side * off[k], step = step_for(&bend, 1, 6);
-      assert_true(fabs(find(&bend, 1, step, t).value[0] - 2 * side) < 1e-6);
+      double t = 3 + side * off[k];
+      hk_differences by = step_for(&bend, 1, 6);
+      assert_true(fabs(find(&bend, 1, by, t).value[0] - 2 * side) < 1e-6);
       double found = find(&leap, 1, step_for(&leap, 1, 6), t).value[0];
       if (!(fabs(found - (side < 0 ? 5 : 7)) < 1e-6)) fail_msg("beside a jump by %g: %.9g", side * off[k], found);
     }
-  assert_true(fabs(find(&bend, 1, 1e-5, 3).value[0]) < 1e-9);
-  assert_true(fabs(find(&leap, 1, 1e-5, 3).value[0] - 7) < 1e-6);
+  assert_true(fabs(find(&bend, 1, (hk_differences){1e-5, 0}, 3).value[0]) < 1e-9);
+  assert_true(fabs(find(&leap, 1, (hk_differences){1e-5, 0}, 3).value[0] - 7) < 1e-6);
 }
 
 static double root(double t) { return t * sqrt(t); }
@@ -124,7 +140,7 @@ static double root(double t) { return t * sqrt(t); }
 static void a_function_that_fails_before_its_start_has_a_speed_there(void **state) {
   (void)state;
   course c = {.at = root, .begin = 1};
-  assert_true(fabs(find(&c, 1, 1e-5, 1).value[0] - 1.5) < 1e-8);
+  assert_true(fabs(find(&c, 1, (hk_differences){1e-5, 0}, 1).value[0] - 1.5) < 1e-8);
 }
 
 /* Rest and even motion are exact within roundings, and cost six calls. */
@@ -132,12 +148,13 @@ static double still(double t) { return 0 * t + 0.3; }
 static void what_is_easy_is_cheap(void **state) {
   (void)state;
   course rest = {.at = still}, shaking = {.at = shakes};
-  double step = step_for(&rest, 1, 10), calls = 0;
-  assert_true(find(&rest, 1, step, 5).value[0] == 0);
+  hk_differences by = step_for(&rest, 1, 10);
+  double calls = 0;
+  assert_true(find(&rest, 1, by, 5).value[0] == 0);
   assert_int_equal(rest.calls, 6);
-  step = step_for(&shaking, 1, 10);
+  by = step_for(&shaking, 1, 10);
   for (int k = 0; k < 1000; k++) {
-    find(&shaking, 1, step, 0.0101234 * k);
+    find(&shaking, 1, by, 0.0101234 * k);
     calls += (double)shaking.calls;
   }
   if (!(calls < 8 * 1000)) fail_msg("%g calls", calls / 1000);
@@ -147,6 +164,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(speeds_are_as_good_as_the_roundings_allow),
       cmocka_unit_test(accelerations_are_as_good_as_the_roundings_allow),
+      cmocka_unit_test(the_roundings_of_the_function_itself_count),
       cmocka_unit_test(the_step_follows_what_begins_later),
       cmocka_unit_test(corners_and_jumps_give_no_wild_speed),
       cmocka_unit_test(a_function_that_fails_before_its_start_has_a_speed_there),
