@@ -168,6 +168,92 @@ static void adaptive_methods_are_checked_by_their_tolerance(void **state) {
   run(circle, "--integrator dopri5 --accuracy 1e-7", 5);
 }
 
+/* ---- what is asked, and what is said ---- */
+
+/* Leapfrog with h w = 1 turns by exactly 60 degrees a step, which is 5 % too fast: after 132 steps, 21 turns, it is one
+ * turn ahead and 0.05 m off. */
+static void an_accuracy_holds_at_all_frames_or_at_the_end(void **state) {
+  (void)state;
+  static const char circle[] = "local scene = hooke.scene { duration = 13.2, fps = 10, dt = 0.1, accuracy = 0.2%s }\n"
+                               "scene:particle { position = {1, 0, 0}, velocity = {0, 10, 0}, mass = 1 }\n"
+                               "scene:force('central', { strength = 100 })\nreturn scene\n";
+  char scene[1024];
+  snprintf(scene, sizeof scene, circle, "");
+  run(scene, "", 5);
+  double worst = test_json(r.out, "error_estimate");
+  assert_true(worst > 1.9 && worst < 2.4); /* half a turn ahead, on an ellipse of 1 and 1.155 */
+  run(scene, "--accuracy-at end", 0);
+  snprintf(scene, sizeof scene, circle, ", accuracy_at = 'end'");
+  run(scene, "", 0);
+  assert_true(fabs(test_json(r.out, "error_estimate") / 0.0531 - 1) < 0.01); /* 132 - 42 pi rad of it */
+  snprintf(scene, sizeof scene, circle, ", accuracy_at = 'start'");
+  run(scene, "", 1);
+  assert_non_null(strstr(r.err, "accuracy_at: expected"));
+}
+
+/* y' = -10 y, by euler: y_n = (1 - 10 h)^n, most wrong at t = 0.1: with h = 1/80 by 0.0242, with h = 1/4000 by 4.6e-4.
+ */
+static void channels_have_an_accuracy_of_their_own(void **state) {
+  (void)state;
+  static const char decay[] = "local scene = hooke.scene { duration = 1, fps = 20, dt = %s, integrator = 'euler' }\n"
+                              "scene:particle { position = {0, 0, 0}, mass = 1 }\n"
+                              "scene:channel('y', { initial = 1, rate = -10, accuracy = 5e-3 })\nreturn scene\n";
+  char scene[1024];
+  snprintf(scene, sizeof scene, decay, "0.0125");
+  run(scene, "", 5);
+  double ratio = test_json(r.out, "channel_error"), error = exp(-1) - pow(1 - 10 * 0.0125, 8);
+  assert_true(fabs(ratio * 5e-3 / error - 1) < 1e-3);
+  assert_non_null(strstr(r.out, "channel 'y'"));
+  snprintf(scene, sizeof scene, decay, "2.5e-4");
+  run(scene, "", 0);
+  snprintf(scene, sizeof scene, "%s", "local scene = hooke.scene {}\nscene:channel('y', { accuracy = 0 })\n");
+  run(scene, "", 1);
+  assert_non_null(strstr(r.err, "channel: accuracy: 0 must be positive"));
+}
+
+/* x'' = 100 x grows by e^600 in a minute: its energy is no number, so nothing is known of its balance. */
+static void an_energy_that_is_no_number_is_never_ok(void **state) {
+  (void)state;
+  run("local scene = hooke.scene { duration = 60, fps = 60, integrator = 'rk4', dt = 1/60 }\n"
+      "scene:particle { position = {1, 0, 0}, mass = 1 }\n"
+      "scene:force('central', { strength = -100 })\nreturn scene\n",
+      "", 5);
+  assert_non_null(strstr(r.out, "the energy is not finite"));
+}
+
+/* What stands behind ok: what was checked of a small scene, which is compared unasked, and of one that is not. The
+ * second run prints nothing. */
+static void ok_says_what_was_checked(void **state) {
+  (void)state;
+  static const char many[] = "local scene = hooke.scene { duration = 1, fps = 60 }\n"
+                             "scene:grid { nx = 150, ny = 150, width = 1, height = 1, mass = 1 }\n"
+                             "scene:force('gravity', {})\nreturn scene\n";
+  run(joined(oscillator, "print('once')\n"), "", 0);
+  assert_non_null(strstr(r.out, "\"checked\":\"stable, energy balanced to "));
+  assert_non_null(strstr(r.out, "error about 0.00"));
+  char *first = strstr(r.err, "once");
+  assert_true(first && !strstr(first + 1, "once"));
+  run(many, "", 0);
+  assert_non_null(strstr(r.out, "; accuracy not asked for: --accuracy 0.001 would"));
+  assert_true(isnan(test_json(r.out, "error_estimate")));
+}
+
+/* A light pair rings with 33 rad in a step, and bdf2 damps it at once with any such step,
+ * while the work of a brake on a heavy body hides the missing energy: half the step agrees, and the reference does not.
+ */
+static void what_both_runs_damp_is_seen_by_the_reference(void **state) {
+  (void)state;
+  static const char scene[] = "local scene = hooke.scene { duration = 0.1, fps = 60, dt = 1 / 300, integrator = 'bdf2' }\n"
+                              "scene:particles { positions = { { 0, 0, 0 }, { 1.001, 0, 0 } }, mass = 1e-3 }\n"
+                              "scene:particle { position = { 0, 5, 0 }, velocity = { 0, 0, 100 }, mass = 1e3 }\n"
+                              "scene:force('springs', { edges = { { 1, 2 } }, k = 5e4, rest = 1 })\n"
+                              "scene:force('drag', { rate = 0.01, only = { 3 } })\nreturn scene\n";
+  run(scene, "--accuracy 1e-4", 5);
+  double difference = test_json(r.out, "verify_difference"), error = test_json(r.out, "error_estimate");
+  if (!(2 * difference < 1e-4)) fail_msg("half the step is %g m away", difference);
+  assert_true(error > 3e-4); /* of 1 mm between the two, spread over three particles */
+}
+
 /* ---- hooke.load's options ---- */
 
 static const char pair[] = "local scene = hooke.scene { duration = 0.1, fps = 100, dt = 0.01 }\n"
@@ -309,6 +395,11 @@ int main(void) {
       cmocka_unit_test(a_second_run_that_fails_is_no_agreement),
       cmocka_unit_test(the_second_scene_is_opened_and_closed_once),
       cmocka_unit_test(adaptive_methods_are_checked_by_their_tolerance),
+      cmocka_unit_test(an_accuracy_holds_at_all_frames_or_at_the_end),
+      cmocka_unit_test(channels_have_an_accuracy_of_their_own),
+      cmocka_unit_test(an_energy_that_is_no_number_is_never_ok),
+      cmocka_unit_test(ok_says_what_was_checked),
+      cmocka_unit_test(what_both_runs_damp_is_seen_by_the_reference),
       cmocka_unit_test(a_disturbance_moves_free_particles_by_its_size),
       cmocka_unit_test(what_is_left_out_does_not_act),
       cmocka_unit_test(a_limit_of_steps_ends_the_run_there),
