@@ -4,7 +4,7 @@
 --
 -- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with
 -- the methods of order 2 and more. Errors accumulate: a fraction of the duration may have this fraction of the error,
--- and of it a quarter, since the run is judged (core/run/verify.c) at its end by twice its difference to half the step.
+-- and of it a quarter, since the run is judged (core/run/verify.c) at all frames, and in doubt by a bound of its error.
 -- Where the runs of a method did not reach this error, its setting is extrapolated from its last two errors. The choice
 -- is stored under a hash of the scene's text, its parameters, the accuracy, the end and the plugins' contents.
 local argparse = require("argparse")
@@ -23,7 +23,7 @@ local function parser()
   local p = argparse("hooke auto", "Chooses an integrator and its step by measuring.")
   p:argument("scene", "the scene's script")
   p:argument("params", "name=value: parameters of the scene"):args("*")
-  p:option("--accuracy", "of the positions at the end, RMS, m"):convert(tonumber)
+  p:option("--accuracy", "of the positions, RMS, m"):convert(tonumber)
   p:option("--until", "end of the run, s"):target("until_"):convert(tonumber)
   p:option("--budget", "s that measuring may take, about"):default("6"):convert(tonumber)
   p:flag("--again", "measure even if a choice is on file")

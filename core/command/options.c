@@ -37,7 +37,7 @@ static const option options[] = {
     {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json)},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet)},
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output)},
-    {"--verify", NULL, "run again with half the step and print the difference", FLAG, AT(verify)},
+    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify)},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust)},
     {"--help", NULL, "this text, with the scene's own parameters when one is named", FLAG, AT(help)},
 };

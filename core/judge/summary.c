@@ -115,6 +115,7 @@ static void wall_times(const hk_loop *loop, const hk_asked *asked, hk_summary *s
 }
 
 static size_t accuracies(const hk_scene *scene, const hk_asked *asked) {
+  if (asked->accuracy == 0) return 0; /* the user wants none */
   size_t count = asked->accuracy > 0;
   for (size_t k = 0; k < scene->channels; k++) count += scene->channel[k].accuracy > 0;
   return count;

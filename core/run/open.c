@@ -351,7 +351,8 @@ static bool compares(const hk_run *run) {
   static const double small = 1e6; /* positions: 32 MB */
   const hk_scene *scene = run->scene;
   bool asked = run->asked.accuracy > 0;
-  for (size_t k = 0; k < scene->channels; k++) asked = asked || scene->channel[k].accuracy > 0;
+  for (size_t k = 0; k < scene->channels && run->asked.accuracy != 0; k++)
+    asked = asked || scene->channel[k].accuracy > 0;
   if (asked || run->options.compare == HK_COMPARE_ALWAYS) return true;
   return run->options.compare == HK_COMPARE_SMALL && (double)scene->n * scene->fps * run->asked.end < small;
 }
