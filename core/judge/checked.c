@@ -13,8 +13,13 @@ void hk_checked_add(hk_summary *s, const char *separator, const char *format, ..
   va_end(arguments);
 }
 
+static const double balanced = 0.1; /* as in verdict.c */
+
 static void describe_energy(hk_summary *s) {
-  if (!isnan(s->energy_drift))
+  if (fabs(s->energy_drift) > balanced)
+    hk_checked_add(s, ", ", "energy off by %.2g %% of the largest kinetic energy, which the positions do not show",
+                   100 * fabs(s->energy_drift));
+  else if (!isnan(s->energy_drift))
     hk_checked_add(s, ", ", "energy balanced to %.2g %% of the largest kinetic energy", 100 * fabs(s->energy_drift));
   else if (s->kinetic_max > 0)
     hk_checked_add(s, ", ", "energy balance not known");

@@ -35,6 +35,8 @@ const hk_figure hk_figure_table[] = {
     {NULL, "max_strain", HK_FIGURE_NUMBER, AT(max_strain), "largest strain", "%.4g"},
     {NULL, "constraint_violation", HK_FIGURE_NUMBER, AT(constraint_violation), "constraints",
      "violated by at most %.3g m"},
+    {NULL, "path_speed_error", HK_FIGURE_NUMBER, AT(path_speed_error), "speeds of pins",
+     "off by at most %.2g m/s (differences of their paths)"},
     {NULL, "exact_error", HK_FIGURE_NUMBER, AT(exact_error), "error", "%.4g m RMS against the exact solution"},
     {NULL, "accuracy", HK_FIGURE_NUMBER, AT(accuracy), NULL, NULL},
     {NULL, "accuracies", HK_FIGURE_COUNT, AT(accuracies), NULL, NULL},

@@ -168,6 +168,7 @@ typedef struct hk_summary {
   double constraint_violation; /* m */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
+  double path_speed_error;     /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
   double accuracy;             /* m, accuracy asked for; NAN: none */
   size_t accuracies;           /* how many were asked for: of the positions, and of channels */
   double verify_difference;    /* m, RMS difference to half the step from a perturbed start; NAN: not verified */

@@ -129,6 +129,7 @@ static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_aske
   s->constraint_violation = loop->record->violation_max;
   s->max_strain = !found ? NAN : fabs(strain) > fabs(most) || !isfinite(strain) ? strain : most;
   s->accuracy = asked->accuracy > 0 ? asked->accuracy : NAN;
+  s->path_speed_error = loop->record->path_speed_error > 0 ? loop->record->path_speed_error : NAN;
   s->exact_error = NAN;
   if (j->verdict != HK_DIVERGED) hk_figures_exact(loop, &s->exact_error, &later);
   s->accuracies = accuracies(loop->scene, asked);

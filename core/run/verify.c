@@ -30,18 +30,31 @@ static void add_reason(hk_summary *s, const char *format, ...) {
   s->verdict_name = hk_verdict_name(s->verdict);
 }
 
+/* The channel whose error is the worst of all; NULL: that of the positions is. */
+static const hk_channel_spec *worst_channel(const hk_comparison *c) {
+  const hk_scene *scene = c->whole->scene;
+  bool positions = c->worst.position / c->accuracy > c->worst.channel;
+  for (size_t k = 0; k < scene->channels && !positions && c->worst.channel_name; k++)
+    if (strcmp(scene->channel[k].name, c->worst.channel_name) == 0) return &scene->channel[k];
+  return NULL;
+}
+
 static void judge_error(const hk_comparison *c, hk_summary *s) {
-  bool asked = s->accuracies > 0;
-  const char *channel = c->worst.position / c->accuracy > c->worst.channel ? NULL : c->worst.channel_name;
+  const hk_channel_spec *channel = worst_channel(c);
   if (isnan(c->error)) {
-    if (asked) add_reason(s, "the accuracy asked for, %g m, could not be checked", s->accuracy);
-  } else if (c->error > 1 && channel)
-    add_reason(s, "the error of the channel '%s' is about %.3g times the accuracy asked for it (%s)", channel, c->error,
+    if (s->accuracies > 0) add_reason(s, "the accuracy asked for could not be checked");
+  } else if (!(c->error > 1))
+    return;
+  else if (channel && channel->accuracy > 0)
+    add_reason(s, "the error of the channel '%s' is about %.3g, and the accuracy asked for, %g, is not reached (%s)",
+               channel->name, c->error * channel->accuracy, channel->accuracy, c->how);
+  else if (channel)
+    add_reason(s, "the error of the channel '%s' is about %.2g of its change (%s)", channel->name, 0.1 * c->error,
                c->how);
-  else if (c->error > 1 && asked)
+  else if (s->accuracy > 0)
     add_reason(s, "the error is about %.3g m at t = %.4g s, and the accuracy asked for, %g m, is not reached (%s)",
                c->position, c->worst.t, s->accuracy, c->how);
-  else if (c->error > 1)
+  else
     add_reason(s, "the error is about %.3g m at t = %.4g s, more than a tenth of the motion (%s)", c->position,
                c->worst.t, c->how);
 }
@@ -139,6 +152,8 @@ hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *first, bool h
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE, asked = s->accuracies > 0;
   double begin = hk_clock();
   hk_status status = hk_comparison_open(&c, error);
+  if (whole->options.progress > 0 && asked && whole->loop.seconds > 1)
+    fprintf(stderr, "hooke: comparing the run with others, which takes some %.0f s\n", 2.5 * whole->loop.seconds);
   if (status == HK_OK && (half || asked)) status = hk_comparison_take_half(&c, error);
   s->verify_difference = c.compared ? hk_comparison_difference(&c) : NAN;
   if (judged && asked && c.compared)
