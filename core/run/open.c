@@ -256,7 +256,7 @@ static hk_status open_outputs(hk_run *run) {
     const hk_instance *outer = hk_enter(output);
     if (output->plugin->output->open)
       status = output->plugin->output->open(output->self, &view, &run->judgement.last_frame);
-    hk_leave(output, outer);
+    status = hk_leave_with(output, outer, "open", status);
     if (status == HK_OK) run->outputs_open++;
   }
   return status;
