@@ -94,7 +94,7 @@ static void every_fault_of_a_constant_is_one_sentence(void **state) {
       {"-DSIZE=0", "its table of functions gives its size as 0 bytes: write .size = sizeof(hk_force)"},
       {"-DSIZE=8", "gives its size as 8 bytes"},
       {"-DMAIN=.topology=0", "it has no table of functions"},
-      {"-DMAIN=.force=(void*)64", "its table of functions is not in its file"},
+      {"'-DMAIN=.force=(void*)64'", "its table of functions is not in its file"},
       {"-DNAME=NULL", "it has no name"},
       {"'-DNAME=\"w wrong\"'", "it has no name"},
       {"'-DNAME=\"wind\"'", "its name is 'wind' and its file is wrong.so: give both the same name"},
