@@ -216,10 +216,23 @@ lint:
 	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) && exit $$lua
 
 to = $(DESTDIR)$(PREFIX)
+version = $(shell sed -n 's/^.define HK_VERSION "\(.*\)"/\1/p' core/command/main.c)
+# What builds a plugin elsewhere: cc -shared -fPIC $$(pkg-config --cflags hooke) wind.c -o wind.so
+define pkg_config
+prefix=$(PREFIX)
+plugindir=$${prefix}/lib/hooke/plugins
+
+Name: hooke
+Description: the interface of hooke's plugins
+Version: $(version)
+Cflags: -I$${prefix}/include/hooke
+endef
 install: build
 	install -D -t $(to)/bin $B/hooke
 	for f in $(patsubst $B/%,%,$(plugins) $(defaults) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
 	for f in core/plugin.h $(wildcard core/plugin/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
+	mkdir -p $(to)/lib/pkgconfig
+	$(file >$B/hooke.pc,$(pkg_config)) install -m 644 $B/hooke.pc $(to)/lib/pkgconfig/hooke.pc
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 
