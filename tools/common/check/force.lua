@@ -193,13 +193,13 @@ local function refusals(plugin, setting, report)
 end
 
 -- Checks the force that hooke.describe described; `path` and `given` are also fields of it.
-return function(plugin, report)
+local function check(plugin, report)
   local first, refused
   for _, setting in ipairs(settings_of(plugin)) do
     local run, why = run_of(plugin, setting, { 4, 3 })
     if run then
       first = first or setting
-      print(setting.name .. ":")
+      report:at(setting.name)
       local f = worst_of(run)
       habits(f, report)
       energies(plugin, f, report)
@@ -211,8 +211,13 @@ return function(plugin, report)
     end
   end
   if not first then return report:add(false, "it takes its parameters: give some with name=value", refused) end
-  print("in a scene:")
+  report:at("in a scene")
   selection(plugin, first, report)
   threads_and_time(plugin, first, report)
   refusals(plugin, first, report)
+end
+
+return function(plugin, report)
+  require("inspect").quiet()
+  report:try("its properties", function(lines) check(plugin, lines) end)
 end
