@@ -52,17 +52,23 @@ end
 
 function lines:wrong(property, remedy, where) self:add(false, property, nil, nil, remedy, where) end
 
+-- Plain data for whoever tries the property, who gets a list of them.
+function lines:value(value) self.teller.tell { value = value } end
+
 function lines:note(text) self.teller.tell { note = text } end
 
 -- Tries body(lines) in a process of its own. `name` is the property, which is added as fine when the body came to its
--- end and added nothing. False: the process did not come to its end.
+-- end and added nothing; nil: nothing is added then. Returns false when the process did not come to its end, and the list
+-- of values that the body handed out.
 function report:try(name, body, seconds)
-  if self.stopped then return false end
-  local added = 0
+  local added, values = name and 0 or 1, {}
+  if self.stopped then return false, values end
+  name = name or "a second try"
   local ended, place, printed, complaint, late = isolate.run(seconds or self.seconds, function(teller, fd)
     body(setmetatable({ teller = teller, count = 0, fd = fd }, lines))
   end, function(found)
     if found.note then return self:note(found.note) end
+    if found.value ~= nil then values[#values + 1] = found.value return end
     added = added + 1
     if not found.failed then return self:print(found) end
     self:print { property = name .. ": could not be tried", where = found.failed,
@@ -86,7 +92,7 @@ function report:try(name, body, seconds)
     self.stopped = true
     self:note("the other properties are not tried: they would end alike")
   end
-  return not ended
+  return not ended, values
 end
 
 return report

@@ -20,7 +20,7 @@ typedef struct hk_guarded {
   size_t mapped;
 } hk_guarded;
 
-enum { HK_GUARDED_MOST = 64 }; /* arrays at a time */
+enum { HK_GUARDED_MOST = 512 }; /* arrays at a time */
 
 /* Zeroed. False: no memory, or too many arrays. A second call with the same `guarded` frees what it had. */
 bool hk_guard_get(hk_guarded *guarded, const char *name, size_t bytes, hk_guard_side side);
