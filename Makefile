@@ -74,6 +74,7 @@ endif
 object   = $(patsubst %.c,$B/obj/%.o,$1)
 core     := $(call object,$(filter-out core/command/main.c,$(wildcard core/*/*.c)))
 common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*.c)))
+by_tools := $(call object,$(wildcard tools/native/*/*.c))
 support  := $(call object,$(wildcard tests/support/*.c tests/adversary/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
 defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)))
@@ -83,7 +84,7 @@ benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/
 studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
 tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/adversary/% tests/bench/% tests/study/%,$(sort \
               $(shell find tests -name '*.c'))))
-compiled := $(core) $B/obj/core/command/main.o $(common) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
+compiled := $(core) $B/obj/core/command/main.o $(common) $(by_tools) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
               tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c) $(tests:$B/%=%.c))
 
 # hooke takes the folder for the list as well: a plugin goes when its source goes.
@@ -92,7 +93,7 @@ $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugi
 
 # These files are new when the flags, or the lists of files, are others than last time.
 settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(CURDIR)
-lists    := $(core) $(common) $(support)
+lists    := $(core) $(common) $(by_tools) $(support)
 ifneq ($(file <$B/settings),$(settings))
 $(shell mkdir -p $B)$(file >$B/settings,$(settings))
 endif
@@ -154,8 +155,9 @@ $B/obj/%.o: %.c $B/settings | check
 
 $B/core.a: $(core)
 $B/plugins/common.a: $(common)
+$B/tools/common.a: $(by_tools)
 $B/tests/support.a: $(support)
-$B/core.a $B/plugins/common.a $B/tests/support.a: $B/lists
+$B/core.a $B/plugins/common.a $B/tools/common.a $B/tests/support.a: $B/lists
 	@mkdir -p $(@D) && rm -f $@
 	$(call say,archive)
 	$(Q)$(AR) rcs $@ $(filter %.o,$^)
@@ -188,7 +190,7 @@ $(defaults): $B/%: %
 	$(call say,copy   )
 	$(Q)cp $< $@
 # Lua's functions are those of the program that loads the module.
-$B/tools/%.so: $B/obj/tools/native/%.o $B/core.a
+$B/tools/%.so: $B/obj/tools/native/%.o $B/tools/common.a $B/core.a
 	$(link)
 	$(call link_with,-shared)
 archives := $B/tests/support.a $B/core.a $B/plugins/common.a
@@ -216,10 +218,23 @@ lint:
 	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) && exit $$lua
 
 to = $(DESTDIR)$(PREFIX)
+version = $(shell sed -n 's/^.define HK_VERSION "\(.*\)"/\1/p' core/command/main.c)
+# What builds a plugin elsewhere: cc -shared -fPIC $$(pkg-config --cflags hooke) wind.c -o wind.so
+define pkg_config
+prefix=$(PREFIX)
+plugindir=$${prefix}/lib/hooke/plugins
+
+Name: hooke
+Description: the interface of hooke's plugins
+Version: $(version)
+Cflags: -I$${prefix}/include/hooke
+endef
 install: build
 	install -D -t $(to)/bin $B/hooke
 	for f in $(patsubst $B/%,%,$(plugins) $(defaults) $(modules)); do install -D -m 644 $B/$$f $(to)/lib/hooke/$$f || exit 1; done
 	for f in core/plugin.h $(wildcard core/plugin/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
+	mkdir -p $(to)/lib/pkgconfig
+	$(file >$B/hooke.pc,$(pkg_config)) install -m 644 $B/hooke.pc $(to)/lib/pkgconfig/hooke.pc
 	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
 

@@ -12,7 +12,9 @@
  * Every pointer handed to a plugin is owned by the host and valid during the call only, unless its comment says
  * otherwise. A function that can fail returns hk_status and makes its message where the cause is known:
  *     return host->fail(host, HK_BAD_PARAM, "rest: %g m is negative", rest);
- * A plugin never ends the process: one that crashes or calls exit() is named, and the run ends with code 2.
+ * A plugin never ends the process: one that crashes or calls exit() is named, and the run ends with code 2; --state has
+ * the state of the last frame then. A failure without a message gets one, and a constant that breaks this contract is
+ * refused in one sentence (core/contract).
  * A failed call changes nothing, unless its comment says otherwise. Inside a step a plugin must not allocate, print or
  * access files (except outputs). Published structs grow at their end only. */
 #ifndef HK_PLUGIN_H

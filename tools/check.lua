@@ -1,69 +1,87 @@
--- hooke check PLUGIN.so [name=value ...]: tests a plugin: forces against their energy, finite differences and their
--- flags; integrators by their measured order, stability limits and reversibility. One line for each property, with the
--- figure and its bound; the exit code is 1 when one fails. name=value sets numbers of the plugin.
-local inspect = require("inspect")
+-- hooke check PLUGIN.so [name=value ...] [--scene FILE] [--seconds N]: is this plugin right? Each property is tried in a
+-- process of its own, of N seconds at most (default 20): a crash, a hang, an exit and output are findings like a wrong
+-- figure. One line for each property, with the figure and its bound; below one that is WRONG where it was seen, and what
+-- to do. The exit code is 1 when one is. name=value sets parameters of the plugin; with --scene the plugin is checked as
+-- that script has it, beside the scenes made here. What there is to try of a kind is in common/check/KIND.lua.
 local process = require("process")
-local forces = require("common.check.forces")
-local integrators = require("common.check.integrators")
-
-local kinds = { force = forces, integrator = integrators }
+local reports = require("common.check.report")
 
 local function fail(message)
   io.stderr:write("hooke: check: " .. message .. "\n")
   return 1
 end
 
--- The report: one line per tested property.
-local report = { lines = 0, failed = 0 }
+local options = { ["--scene"] = "scene", ["--seconds"] = "seconds" }
 
--- Adds one property. `figure` and `bound` are numbers, texts or nil.
-function report:add(fine, property, figure, bound)
-  local function text(x) return type(x) == "number" and ("%.2g"):format(x) or x end
-  self.lines = self.lines + 1
-  if not fine then self.failed = self.failed + 1 end
-  print(("  %-5s %-60s %s%s"):format(fine and "ok" or "WRONG", property, text(figure) or "",
-    bound and (" (at most %s)"):format(text(bound)) or ""))
-end
-
--- Adds a property that is a number, which must not be above its bound.
-function report:most(property, figure, bound)
-  self:add(figure <= bound, property, figure, bound) -- false for NaN
-end
-
-function report.note(_, text)
-  print("  -     " .. text)
-end
-
-local path, given = nil, {}
-for k = 1, #arg do
-  local name, value = arg[k]:match("^([%a_][%w_]*)=(.*)$")
-  if name and not tonumber(value) then return fail(("%s: '%s' is not a number"):format(name, value)) end
-  if name then given[name] = tonumber(value)
-  elseif path or arg[k]:sub(1, 1) == "-" then
-    return fail(("'%s' is neither the plugin nor name=value"):format(arg[k]))
-  else path = arg[k]:find("/", 1, true) and arg[k] or "./" .. arg[k] end
-end
-if not path then return fail("no plugin given: hooke check PLUGIN.so [name=value ...]") end
-
-local plugin, why = hooke.describe(path)
-if not plugin then return fail(why) end
-local looks = kinds[plugin.kind]
-if not looks then
-  return fail(("%s is of the kind '%s': forces and integrators can be checked"):format(path, plugin.kind))
-end
-plugin.given = given
-for name in pairs(given) do
-  local known = {}
-  for _, p in ipairs(plugin.params) do known[#known + 1], known[p.name] = p.name, true end
-  if not known[name] then
-    return fail(("%s has no parameter '%s'; did you mean '%s'?"):format(plugin.name, name,
-      hooke.nearest(name, known) or ""))
+-- The command line: the path, name=value as texts, options; or nil and what is wrong with it.
+local function read_arguments()
+  local asked, k = { given = {}, seconds = "20" }, 0
+  while k < #arg do
+    k = k + 1
+    local name, value = arg[k]:match("^([%a_][%w_]*)=(.*)$")
+    local option = options[arg[k]]
+    if name then asked.given[name] = value
+    elseif option then
+      k = k + 1
+      if not arg[k] then return nil, arg[k - 1] .. " needs a value" end
+      asked[option] = arg[k]
+    elseif asked.path or arg[k]:sub(1, 1) == "-" then
+      return nil, ("'%s' is neither the plugin nor name=value"):format(arg[k])
+    else asked.path = arg[k]:find("/", 1, true) and arg[k] or "./" .. arg[k] end
   end
+  if not asked.path then return nil, "no plugin given: hooke check PLUGIN.so [name=value ...]" end
+  if not (tonumber(asked.seconds) and tonumber(asked.seconds) > 0) then
+    return nil, ("--seconds: '%s' is not a time"):format(asked.seconds)
+  end
+  return asked
 end
 
-inspect.quiet()
-local begun = process.clock()
-print(("%s '%s': %s"):format(plugin.kind, plugin.name, plugin.summary))
-looks(plugin, report)
+-- The text of the command line as a value of that parameter; nil and why not.
+local function value_of(p, text)
+  if p.type == "string" or p.type == "choice" then return text end
+  if p.type == "boolean" and (text == "true" or text == "false") then return text == "true" end
+  if p.type == "vector" or p.type == "numbers" then
+    local list = {}
+    for number in text:gmatch("[^,]+") do list[#list + 1] = tonumber(number) end
+    return list
+  end
+  if not tonumber(text) then return nil, ("%s: '%s' is not a number"):format(p.name, text) end
+  return tonumber(text)
+end
+
+local function read_given(plugin, texts)
+  local known, given = {}, {}
+  for _, p in ipairs(plugin.params) do known[#known + 1], known[p.name] = p.name, p end
+  for name, text in pairs(texts) do
+    if not known[name] then
+      return nil, ("%s has no parameter '%s'; did you mean '%s'?"):format(plugin.name, name,
+        hooke.nearest(name, known) or "")
+    end
+    local why
+    given[name], why = value_of(known[name], text)
+    if given[name] == nil then return nil, why end
+  end
+  return given
+end
+
+local asked, why = read_arguments()
+if not asked then return fail(why) end
+
+local report, begun = reports.new(tonumber(asked.seconds)), process.clock()
+-- A file whose loading ends the process is a finding; one that is no plugin is wrong use.
+local plugin, refused
+local loads = report:try("it is loaded", function() hooke.describe(asked.path) end)
+if loads then
+  plugin, refused = hooke.describe(asked.path)
+  if not plugin then return fail(refused) end
+  if not package.searchpath("common.check." .. plugin.kind, package.path) then
+    return fail(("%s is of the kind '%s', which cannot be checked"):format(asked.path, plugin.kind))
+  end
+  plugin.given, why = read_given(plugin, asked.given)
+  if not plugin.given then return fail(why) end
+  plugin.scene = asked.scene
+  print(("%s '%s': %s"):format(plugin.kind, plugin.name, plugin.summary))
+  require("common.check." .. plugin.kind)(plugin, report)
+end
 print(("%d of %d properties hold (%.1f s)"):format(report.lines - report.failed, report.lines, process.clock() - begun))
 return report.failed > 0 and 1 or 0

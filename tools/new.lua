@@ -1,4 +1,5 @@
--- hooke new force NAME: writes NAME.c, a force that compiles, and NAME.lua, a scene that tests it, into this folder.
+-- hooke new KIND NAME: writes NAME.c, the shortest complete plugin of that kind (force, constraint, corrector, source,
+-- integrator, solver, output, service), and NAME.lua, its test, into this folder. The templates are in templates/.
 local kind, name = arg[1], arg[2]
 
 local function fail(text)
@@ -14,12 +15,17 @@ local function read(path)
   return text
 end
 
-if not kind or not name then return fail("usage: hooke new force NAME") end
+local kinds = { "force", "constraint", "corrector", "source", "integrator", "solver", "output", "service" }
+
+if not kind or not name or arg[3] then
+  return fail(("usage: hooke new KIND NAME; the kinds are %s"):format(table.concat(kinds, ", ")))
+end
 local template = read(("%s/templates/%s.c"):format(hooke.folder, kind))
 local scene = read(("%s/templates/%s.lua"):format(hooke.folder, kind))
 if not template or not scene then
-  local near = hooke.nearest(kind, { "force" })
-  return fail(("there is no template for '%s'%s"):format(kind, near and ("; did you mean '%s'?"):format(near) or ""))
+  local near = hooke.nearest(kind, kinds)
+  return fail(("there is no template for '%s'%s"):format(kind, near and ("; did you mean '%s'?"):format(near)
+    or "; the kinds are " .. table.concat(kinds, ", ")))
 end
 if not name:match("^[a-z][a-z0-9_]*$") then return fail(("'%s' is no plugin name: use a-z, 0-9 and _"):format(name)) end
 
@@ -34,7 +40,8 @@ for _, f in ipairs(files) do
   if not written or not file:close() then return fail(("cannot write %s: %s"):format(f[1], why or "disk full?")) end
 end
 
-print(([[wrote %s.c and %s.lua. Build and try it:
-  cc -O2 -shared -fPIC $(hooke --cflags) %s.c -o %s.so
-  hooke run --trust %s.lua]]):format(name, name, name, name, name))
+print((([[wrote NAME.c and NAME.lua. Build it, try it, test it:
+  cc -O2 -shared -fPIC $(hooke --cflags) NAME.c -o NAME.so
+  hooke check ./NAME.so
+  hooke run --trust NAME.lua]]):gsub("NAME", name)))
 return 0

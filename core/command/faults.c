@@ -1,9 +1,10 @@
-/* Plugins are native code in this process: what one does wrong may end it. A handler for the signals of a crash and one
- * for exit() say which plugin was at work, from the pointer that the host sets around every call, and end the process
- * with code 2. Nothing can be saved then: the memory may be damaged. The signal handler only writes (POSIX 2.4.3).
- * Crashes outside of plugins, those of child processes and signals that somebody else handles already (a sanitizer)
- * are left as they are. */
+/* Plugins are native code in this process: what one does wrong may end it, or never end. Handlers for the signals of a
+ * crash, for exit() and for an alarm after an interruption say which plugin was at work, from the pointer that the host
+ * sets around every call, and end the process. They only write and replace the process (POSIX 2.4.3), since its memory
+ * may be damaged; the last good state is in a file (keep.c). Crashes outside of plugins, those of child processes and
+ * signals that somebody else handles already (a sanitizer) are left as they are. */
 #include "core/command/faults.h"
+#include "core/command/keep.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -13,6 +14,7 @@
 
 /* Handlers are given nothing: what they look at has to be global. */
 static const hk_instance *volatile acting;
+static const hk_registry *loading;
 static volatile pid_t watched;
 
 static const struct fault {
@@ -31,9 +33,15 @@ static void say(const char *text) {
   (void)written; /* there is nobody left to tell */
 }
 
-/* "hooke: bad.lua:3: the force 'LABEL' of the plugin NAME" */
-static void name(const hk_instance *plugin) {
+/* "hooke: bad.lua:3: the force 'LABEL' of the plugin NAME", or, while it is loaded, "hooke: the plugin FILE" */
+static void name(const hk_instance *plugin, const char *file) {
   say("hooke: ");
+  if (file) {
+    say("the plugin ");
+    say(file);
+    say(", while it was loaded,");
+    return;
+  }
   say(plugin->where);
   say(*plugin->where ? ": the " : "the ");
   say(hk_kind_name(plugin->plugin->kind));
@@ -45,30 +53,73 @@ static void name(const hk_instance *plugin) {
   say(plugin->plugin->name);
 }
 
+/* The end of the process, where the last good state is written by the one that follows. */
+static void end(int code) {
+  hk_keep_hand_over(code);
+  _exit(code);
+}
+
 static void crashed(int number) {
   const hk_instance *plugin = acting;
+  const char *file = loading->opening;
   int k = 0;
-  if (!plugin || getpid() != watched) {
+  if ((!plugin && !file) || getpid() != watched) {
     raise(number); /* its action is the default one again */
     return;
   }
   while (k < FAULTS - 1 && faults[k].number != number) k++;
-  name(plugin);
+  name(plugin, file);
   say(" crashed (");
   say(faults[k].what);
   say("): the error is in the plugin; mend it or leave it out\n");
-  _exit(2);
+  end(2);
 }
 
 static void left(void) {
   const hk_instance *plugin = acting;
-  if (!plugin || getpid() != watched) return;
-  name(plugin);
+  const char *file = loading->opening;
+  if ((!plugin && !file) || getpid() != watched) return;
+  name(plugin, file);
   say(" ended the process by exit(): the error is in the plugin, which has to return a status; mend it or leave it "
       "out\n");
   fflush(NULL);
-  _exit(2);
+  end(2);
 }
+
+/* ---- calls that do not return ---- */
+
+/* s; who asked to stop waits for it, and a step that is this long is rare. */
+enum { PATIENCE = 5 };
+
+static const hk_instance *volatile looked_at; /* who was at work when the time began */
+static volatile sig_atomic_t asked;
+
+static void overdue(const hk_instance *plugin, const char *when) {
+  name(plugin, NULL);
+  say(" has not returned ");
+  say(when);
+  say(": the run ends in this call, and its outputs are not closed\n");
+  end(130);
+}
+
+static void look(int number) {
+  const hk_instance *plugin = acting;
+  (void)number;
+  if (getpid() != watched) return;
+  if (plugin && plugin == looked_at) overdue(plugin, "5 s after the interruption");
+  looked_at = plugin;
+  alarm(PATIENCE);
+}
+
+void hk_faults_interrupt(void) {
+  const hk_instance *plugin = acting;
+  if (getpid() != watched) return;
+  if (asked++ && plugin) overdue(plugin, "at the second interruption");
+  looked_at = plugin;
+  alarm(PATIENCE);
+}
+
+void hk_faults_returned(void) { alarm(0); }
 
 /* A stack of its own, for a plugin whose recursion does not end. */
 static int take_stack(void) {
@@ -77,9 +128,12 @@ static int take_stack(void) {
   return sigaltstack(&stack, NULL) == 0 ? SA_ONSTACK : 0;
 }
 
-const hk_instance *volatile *hk_faults_watch(void) {
-  struct sigaction action = {.sa_handler = crashed}, before;
+const hk_instance *volatile *hk_faults_watch(const hk_registry *registry) {
+  struct sigaction action = {.sa_handler = crashed}, clock = {.sa_handler = look, .sa_flags = SA_RESTART}, before;
   watched = getpid();
+  loading = registry;
+  sigemptyset(&clock.sa_mask);
+  sigaction(SIGALRM, &clock, NULL);
   sigemptyset(&action.sa_mask);
   action.sa_flags = (int)((unsigned)SA_RESETHAND | SA_NODEFER);
   for (int k = 0; k < FAULTS; k++) {

@@ -3,6 +3,7 @@
 #include "core/command/auto.h"
 #include "core/base/base.h"
 #include "core/command/faults.h"
+#include "core/command/keep.h"
 #include "core/command/options.h"
 #include "core/host/host.h"
 #include "core/report/report.h"
@@ -25,6 +26,7 @@ static volatile sig_atomic_t interrupted;
 static void interrupt(int signal_number) {
   (void)signal_number;
   interrupted = 1;
+  hk_faults_interrupt();
 }
 
 typedef struct places {
@@ -116,6 +118,7 @@ static hk_script_options script_options(const hk_options *o, hk_registry *regist
 /* To the end, outputs closed, the state written: whatever happens on the way, what there is is kept. */
 static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   hk_status status = hk_run_advance(run, hk_run_end(run), error);
+  hk_faults_returned();
   hk_error later = {0};
   hk_status closed = hk_run_close(run, &later);
   if (o->state && closed == HK_OK)
@@ -147,6 +150,7 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   hk_status status = hk_run_open(scene, &o->run, &run, &error);
   if (status != HK_OK) return complain(&error);
   status = finish(run, o, &error);
+  hk_keep_end();
   hk_summary summary;
   hk_run_summary(run, &summary);
   if (status == HK_OK) {
@@ -187,7 +191,9 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
     o.run.interrupted = &interrupted;
     /* A script with full rights may write files: it is not run again unasked. */
     o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
-    o.run.acting = hk_faults_watch();
+    o.run.acting = hk_faults_watch(registry);
+    if (o.state) hk_keep_begin(o.state);
+    o.run.kept = hk_keep_frame;
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
     registry->allow_script_folder = o.trust;
     hk_script_options options = script_options(&o, registry, library);
@@ -251,7 +257,7 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
     return 1;
   }
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
-  run.acting = hk_faults_watch();
+  run.acting = hk_faults_watch(registry);
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
   int code = 0;
   registry->allow_script_folder = true; /* of the tool's own; scenes are opened as they are trusted */
@@ -270,6 +276,7 @@ static void help(const places *p) {
 }
 
 int main(int argc, char **argv) {
+  if (hk_keep_asked(argc, argv)) return hk_keep_write(argv);
   hk_error error = {0};
   places p = {0};
   hk_registry registry;

@@ -101,7 +101,7 @@ static hk_status add_force(hk_dynamics *d, size_t k, double *F, double *dy) {
   const hk_instance *outer = hk_enter(force);
   hk_status status = functions->add(force->self, &d->force_view[k], F);
   if (status == HK_OK && functions->rates) status = functions->rates(force->self, &d->force_view[k], dy);
-  hk_leave(force, outer);
+  status = hk_leave_with(force, outer, "add", status);
   force->calls++;
   if (sample) {
     force->seconds += hk_clock() - begin;

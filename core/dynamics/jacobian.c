@@ -110,8 +110,7 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
     view.power = NULL;
     hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D, want};
     const hk_instance *outer = hk_enter(force);
-    status = force->plugin->force->jacobian(force->self, &view, &into);
-    hk_leave(force, outer);
+    status = hk_leave_with(force, outer, "jacobian", force->plugin->force->jacobian(force->self, &view, &into));
   }
   if (status != HK_OK || !d->saddle) return status;
   return hk_saddle_point_stiffness(d, t, X, X + 3 * n, s->matrix.slot + s->first_constraint, s->K);

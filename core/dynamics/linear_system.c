@@ -143,9 +143,7 @@ static hk_status set_time(hk_dynamics *d, hk_instance *solver) {
 static hk_status analyze(hk_instance *solver, const hk_matrix *A) {
   const hk_solver *functions = solver->plugin->solver;
   const hk_instance *outer = hk_enter(solver);
-  hk_status status = functions->analyze ? functions->analyze(solver->self, A) : HK_OK;
-  hk_leave(solver, outer);
-  return status;
+  return hk_leave_with(solver, outer, "analyze", functions->analyze ? functions->analyze(solver->self, A) : HK_OK);
 }
 
 hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
@@ -164,8 +162,7 @@ hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, c
     linear->analyzed = true;
   }
   const hk_instance *outer = hk_enter(solver);
-  status = solver->plugin->solver->factorize(solver->self, A);
-  hk_leave(solver, outer);
+  status = hk_leave_with(solver, outer, "factorize", solver->plugin->solver->factorize(solver->self, A));
   solver->seconds += hk_clock() - begin;
   solver->calls++;
   solver->sampled++;
@@ -180,7 +177,7 @@ hk_status hk_linear_system_solve(hk_dynamics *d, hk_linear_system *linear, const
   hk_status status = set_time(d, linear->solver);
   const hk_instance *outer = hk_enter(linear->solver);
   if (status == HK_OK) status = linear->solver->plugin->solver->solve(linear->solver->self, b, x, &own);
-  hk_leave(linear->solver, outer);
+  status = hk_leave_with(linear->solver, outer, "solve", status);
   linear->solver->seconds += hk_clock() - begin;
   d->count.linear_iterations += (size_t)own.iterations;
   if (info) *info = own;
@@ -212,7 +209,7 @@ hk_status hk_linear_system_solve_columns(hk_dynamics *d, hk_linear_system *linea
   if (status == HK_OK)
     status = functions->solve_columns ? functions->solve_columns(linear->solver->self, b, x, columns)
                                       : each_column(linear, b, x, columns);
-  hk_leave(linear->solver, outer);
+  status = hk_leave_with(linear->solver, outer, "solve_columns", status);
   linear->solver->seconds += hk_clock() - begin;
   if (status == HK_NO_MEMORY && !*d->error->text)
     hk_error_set(d->error, status, "no memory for a right-hand side of %zu rows", linear->rows);

@@ -29,8 +29,7 @@ hk_status hk_sweep_update(hk_system *s, double t, const double *X, const double 
     if (status != HK_OK) return status;
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
     const hk_instance *outer = hk_enter(force);
-    status = force->plugin->force->update(force->self, &view, x_to, &changed);
-    hk_leave(force, outer);
+    status = hk_leave_with(force, outer, "update", force->plugin->force->update(force->self, &view, x_to, &changed));
     if (changed) hk_jacobian_renew(d);
   }
   return status;
@@ -76,8 +75,7 @@ hk_status hk_sweep_accepted(hk_dynamics *d, double h) {
     if (!d->force_acts[k] || !force->plugin->force->accepted) continue;
     hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
     const hk_instance *outer = hk_enter(force);
-    status = force->plugin->force->accepted(force->self, &view, h);
-    hk_leave(force, outer);
+    status = hk_leave_with(force, outer, "accepted", force->plugin->force->accepted(force->self, &view, h));
   }
   return status;
 }
@@ -155,7 +153,7 @@ hk_status hk_sweep_product(hk_system *s, double t, const double *X, const double
     hk_view view = hk_force_view_at(d, k, t, X, s->n);
     const hk_instance *outer = hk_enter(force);
     if (status == HK_OK) status = force->plugin->force->product(force->self, &view, dx, dv, dF);
-    hk_leave(force, outer);
+    status = hk_leave_with(force, outer, "product", status);
   }
   return status;
 }

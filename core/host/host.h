@@ -21,6 +21,7 @@ typedef struct hk_registry {
   bool allow_script_folder; /* --trust: a path may name any file; without it only files in the folders above */
   size_t count;
   hk_loaded *item;
+  const char *volatile opening; /* the file that is being loaded, for whoever has to say why the process ends; NULL */
 } hk_registry;
 
 hk_status hk_registry_open(hk_registry *, const char *root, const char *search, hk_error *error);
@@ -155,6 +156,17 @@ static inline const hk_instance *hk_enter(const hk_instance *instance) {
 
 static inline void hk_leave(const hk_instance *instance, const hk_instance *outer) {
   if (instance->shared->acting) *instance->shared->acting = outer;
+}
+
+/* A failure of a plugin's function that came without a message gets one. Returns the status, HK_FAILED for what is
+ * none. */
+hk_status hk_failure_explained(const hk_instance *, const char *function, hk_status status);
+
+/* hk_leave after a call of the plugin's `function` that returned `status`. */
+static inline hk_status hk_leave_with(const hk_instance *instance, const hk_instance *outer, const char *function,
+                                      hk_status status) {
+  hk_leave(instance, outer);
+  return status == HK_OK ? HK_OK : hk_failure_explained(instance, function, status);
 }
 
 /* NULL with `error` set when there is no memory. `shared` must live as long as the instance. */

@@ -71,11 +71,7 @@ hk_status hk_instance_start(hk_instance *instance, const hk_view *view, size_t s
   instance->started = true;
   const hk_instance *outer = hk_enter(instance);
   status = plugin->create ? plugin->create(instance->self, &instance->host, view) : HK_OK;
-  hk_leave(instance, outer);
-  if (status != HK_OK)
-    hk_error_set(error, status, "%s: %s: the plugin's create failed without saying why", instance->where,
-                 instance->label);
-  return status;
+  return hk_leave_with(instance, outer, "create", status);
 }
 
 static void *field_of(const hk_instance *instance, const hk_param *p) { return (char *)instance->self + p->offset; }
@@ -150,8 +146,7 @@ hk_status hk_instance_remap(hk_instance *instance, const uint32_t *map, size_t n
   hk_view own = hk_instance_view(instance, view);
   const hk_instance *outer = hk_enter(instance);
   if (instance->plugin->topology) status = instance->plugin->topology(instance->self, &own);
-  hk_leave(instance, outer);
-  return status;
+  return hk_leave_with(instance, outer, "topology", status);
 }
 
 hk_status hk_instance_select(hk_instance *instance, const hk_model *model, hk_error *error) {

@@ -2,7 +2,7 @@
  * name with a slash is a file. The exported constant is read before any code of the plugin runs (except constructors,
  * which the project's style forbids). Invariant: an item's plugin is NULL exactly when its reason is set. */
 #include "core/host/host.h"
-#include "core/base/base.h"
+#include "core/contract/contract.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static const char *const kind_name[HK_KINDS] = {"force",      "constraint", "corrector", "source",
@@ -43,68 +42,23 @@ void hk_registry_close(hk_registry *registry) {
   *registry = (hk_registry){0};
 }
 
-/* Writes the reason why a plugin's constant cannot be used, or an empty text. */
-static void check_constant(const hk_plugin *p, char *reason, size_t size) {
-  unsigned major = p->abi >> 16, minor = p->abi & 0xffff;
-  *reason = 0;
-  if (major != HK_ABI_MAJOR || minor > HK_ABI_MINOR)
-    snprintf(reason, size, "it was built for plugin interface %u.%u and this hooke has %d.%d: build it again", major,
-             minor, HK_ABI_MAJOR, HK_ABI_MINOR);
-  else if ((unsigned)p->kind >= HK_KINDS)
-    snprintf(reason, size, "its kind, %d, is unknown", (int)p->kind);
-  else if (!p->name || !p->summary || !p->force)
-    snprintf(reason, size, "its name, summary or functions are missing");
-}
-
-typedef struct plugin_copy {
-  hk_plugin plugin;
-  union {
-    hk_force force;
-    hk_constraint constraint;
-    hk_corrector corrector;
-    hk_source source;
-    hk_integrator integrator;
-    hk_solver solver;
-    hk_output output;
-    hk_service service;
-  } table;
-} plugin_copy;
-
-/* A copy of the constant with a table of this host's length; members that the plugin's table lacks are zero. */
-static const hk_plugin *copy_plugin(const hk_plugin *plugin) {
-  static const size_t length[HK_KINDS] = {sizeof(hk_force),  sizeof(hk_constraint), sizeof(hk_corrector),
-                                          sizeof(hk_source), sizeof(hk_integrator), sizeof(hk_solver),
-                                          sizeof(hk_output), sizeof(hk_service)};
-  plugin_copy *c = calloc(1, sizeof *c);
-  if (!c) return NULL;
-  size_t size = plugin->force->size, known = length[plugin->kind]; /* `size` is the first member of every table */
-  c->plugin = *plugin;
-  memcpy(&c->table, plugin->force, size < known ? size : known);
-  c->plugin.force = &c->table.force;
-  return &c->plugin;
-}
-
-static void open_file(hk_loaded *item) {
-  char reason[1200] = "";
+static void open_file(hk_registry *registry, hk_loaded *item) {
+  hk_reason_text why = {""};
+  const hk_plugin *plugin = NULL;
+  registry->opening = item->path; /* constructors run now */
   /* RTLD_NODELETE: some libraries that plugins load (threads of a BLAS, the compiler of a graphics driver) crash when
    * they are unloaded. */
-  item->handle = dlopen(item->path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (!item->handle) {
-    snprintf(reason, sizeof reason, "%s", dlerror());
-  } else {
-    const hk_plugin *plugin = dlsym(item->handle, "hk_plugin_main");
-    if (!plugin)
-      snprintf(reason, sizeof reason, "it exports no hk_plugin_main: it is not a plugin of hooke");
-    else
-      check_constant(plugin, reason, sizeof reason);
-    if (!*reason && !(item->plugin = copy_plugin(plugin))) snprintf(reason, sizeof reason, "there is no memory for it");
-  }
-  if (!item->plugin) item->reason = hk_string_copy(reason);
+  if (hk_contract_file(item->path, &why) && !(item->handle = dlopen(item->path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE)))
+    hk_wrong(&why, "%s", dlerror());
+  if (item->handle && !(plugin = dlsym(item->handle, "hk_plugin_main")))
+    hk_wrong(&why, "it exports no hk_plugin_main: it is not a plugin of hooke");
+  if (plugin && hk_contract_plugin(plugin, item->path, &why) && !(item->plugin = hk_contract_copy(plugin)))
+    hk_wrong(&why, "there is no memory for it");
+  if (!item->plugin) item->reason = hk_string_copy(why.text);
+  registry->opening = NULL;
 }
 
-static hk_loaded *load(hk_registry *registry, const char *path, hk_error *error) {
-  for (size_t k = 0; k < registry->count; k++)
-    if (strcmp(registry->item[k].path, path) == 0) return &registry->item[k];
+static hk_loaded *append(hk_registry *registry, const char *path, hk_error *error) {
   hk_loaded *grown = realloc(registry->item, (registry->count + 1) * sizeof *grown);
   char *copy = hk_string_copy(path);
   if (grown) registry->item = grown;
@@ -115,7 +69,14 @@ static hk_loaded *load(hk_registry *registry, const char *path, hk_error *error)
   }
   hk_loaded *item = &registry->item[registry->count++];
   *item = (hk_loaded){.path = copy};
-  open_file(item);
+  return item;
+}
+
+static hk_loaded *load(hk_registry *registry, const char *path, hk_error *error) {
+  for (size_t k = 0; k < registry->count; k++)
+    if (strcmp(registry->item[k].path, path) == 0) return &registry->item[k];
+  hk_loaded *item = append(registry, path, error);
+  if (item) open_file(registry, item);
   return item;
 }
 
@@ -180,12 +141,22 @@ static const char *name_at(const void *context, size_t k) {
   return k < list->count ? list->name[k] : NULL;
 }
 
-static bool find_file(const hk_registry *registry, hk_kind kind, const char *name, char *path, size_t size) {
-  char folder[PATH_MAX - 64];
-  for (size_t k = 0; folder_at(registry, k, folder, sizeof folder); k++)
-    if (snprintf(path, size, "%s/%s/%s.so", folder, kind_folder[kind], name) < (int)size && access(path, F_OK) == 0)
-      return true;
-  return false;
+/* The file of a name; *path is empty when there is none. Two files of one name are an error: which of them is meant is
+ * not for the host to guess. */
+static hk_status find_file(const hk_registry *registry, hk_kind kind, const char *name, char *path, hk_error *error) {
+  char folder[PATH_MAX - 64], next[PATH_MAX], real[2][PATH_MAX];
+  *path = 0;
+  for (size_t k = 0; folder_at(registry, k, folder, sizeof folder); k++) {
+    if (snprintf(next, sizeof next, "%s/%s/%s.so", folder, kind_folder[kind], name) >= (int)sizeof next) continue;
+    if (access(next, F_OK) != 0) continue;
+    if (*path && realpath(path, real[0]) && realpath(next, real[1]) && strcmp(real[0], real[1]) != 0)
+      return hk_error_set(error, HK_FAILED,
+                          "there are two plugins of the name '%s', %s and %s: rename yours, or name it by its path in "
+                          "the scene",
+                          name, path, next);
+    if (!*path) strcpy(path, next);
+  }
+  return HK_OK;
 }
 
 static hk_status unknown(const hk_registry *registry, hk_kind kind, const char *name, hk_error *error) {
@@ -230,10 +201,11 @@ hk_status hk_registry_find(hk_registry *registry, hk_kind kind, const char *name
   const hk_loaded *item;
   if (strchr(name, '/'))
     item = hk_registry_load(registry, name, error);
-  else if (find_file(registry, kind, name, path, sizeof path))
-    item = load_usable(registry, path, name, error);
+  else if (find_file(registry, kind, name, path, error) != HK_OK)
+    item = NULL;
   else
-    return unknown(registry, kind, name, error);
+    item = *path ? load_usable(registry, path, name, error) : NULL;
+  if (!item && error->status == HK_OK) return unknown(registry, kind, name, error);
   if (!item) return error->status;
   if (item->plugin->kind != kind)
     return hk_error_set(error, HK_BAD_PARAM, "the plugin %s is of the kind '%s', not '%s'", name,
@@ -242,29 +214,40 @@ hk_status hk_registry_find(hk_registry *registry, hk_kind kind, const char *name
   return HK_OK;
 }
 
-hk_status hk_registry_load_all(hk_registry *registry, hk_error *error) {
+static hk_status load_name(hk_registry *registry, hk_kind kind, const char *name, hk_loaded **item, hk_error *error) {
   char path[PATH_MAX];
-  for (int kind = 0; kind < HK_KINDS; kind++) {
+  hk_status status = find_file(registry, kind, name, path, error);
+  *item = NULL;
+  if (status == HK_OK && *path && !(*item = load(registry, path, error))) status = HK_NO_MEMORY;
+  return status;
+}
+
+hk_status hk_registry_load_all(hk_registry *registry, hk_error *error) {
+  hk_loaded *item;
+  hk_status status = HK_OK;
+  for (int kind = 0; kind < HK_KINDS && status == HK_OK; kind++) {
     name_list list = collect(registry, (hk_kind)kind);
-    bool loaded = true;
-    for (size_t k = 0; loaded && k < list.count; k++)
-      if (find_file(registry, (hk_kind)kind, list.name[k], path, sizeof path))
-        loaded = load(registry, path, error) != NULL;
+    for (size_t k = 0; k < list.count && status == HK_OK; k++) {
+      hk_error why = {0};
+      if (k > 0 && strcmp(list.name[k], list.name[k - 1]) == 0) continue;
+      status = load_name(registry, (hk_kind)kind, list.name[k], &item, &why);
+      if (status == HK_FAILED && (item = append(registry, list.name[k], error))) {
+        item->reason = hk_string_copy(why.text);
+        status = HK_OK;
+      }
+    }
     free_names(&list);
-    if (!loaded) return HK_NO_MEMORY;
   }
-  return HK_OK;
+  return status;
 }
 
 static hk_status try_name(hk_registry *registry, hk_kind kind, const char *name,
                           bool (*suits)(const hk_plugin *, const void *), const void *context, const hk_plugin **plugin,
                           hk_error *error) {
-  char path[PATH_MAX];
-  if (!find_file(registry, kind, name, path, sizeof path)) return HK_OK;
-  const hk_loaded *item = load(registry, path, error);
-  if (!item) return HK_NO_MEMORY;
-  if (item->plugin && item->plugin->kind == kind && suits(item->plugin, context)) *plugin = item->plugin;
-  return HK_OK;
+  hk_loaded *item;
+  hk_status status = load_name(registry, kind, name, &item, error);
+  if (item && item->plugin && item->plugin->kind == kind && suits(item->plugin, context)) *plugin = item->plugin;
+  return status;
 }
 
 hk_status hk_registry_prefer(hk_registry *registry, hk_kind kind, bool (*suits)(const hk_plugin *, const void *context),

@@ -20,6 +20,7 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
+  if (!*text) snprintf(text, sizeof text, "it failed without saying why");
   const char *separator = *instance->where ? ": " : "";
   hk_error *error = instance->shared->error;
   /* the message of an earlier attempt is replaced by that of the last one */
@@ -30,6 +31,13 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
                         before.text);
   }
   return hk_error_set(error, status, "%s%s%s: %s", instance->where, separator, instance->label, text);
+}
+
+hk_status hk_failure_explained(const hk_instance *instance, const char *function, hk_status status) {
+  bool known = (unsigned)status <= HK_INTERRUPTED;
+  return hk_error_set(instance->shared->error, known ? status : HK_FAILED, "%s%s%s: the plugin's %s %s",
+                      instance->where, *instance->where ? ": " : "", instance->label, function,
+                      known ? "failed without saying why" : "returned a number that is no status");
 }
 
 static void host_warn(const hk_host *host, const char *format, ...) {

@@ -25,7 +25,7 @@ static hk_status call(hk_loop *loop, hk_instance *corrector, hk_correction *c) {
   double begin = hk_clock();
   const hk_instance *outer = hk_enter(corrector);
   if (status == HK_OK) status = functions->correct(corrector->self, &view, c);
-  hk_leave(corrector, outer);
+  status = hk_leave_with(corrector, outer, "correct", status);
   corrector->seconds += hk_clock() - begin;
   corrector->calls++;
   corrector->sampled++;

@@ -19,7 +19,7 @@ static hk_status emit(hk_loop *loop, hk_instance *source, double h, bool *change
   hk_status status = hk_instance_set_time(source, loop->state->t, loop->error);
   const hk_instance *outer = hk_enter(source);
   if (status == HK_OK) status = source->plugin->source->emit(source->self, &view, h, &change.population);
-  hk_leave(source, outer);
+  status = hk_leave_with(source, outer, "emit", status);
   if (status == HK_OK && change.births + change.deaths) {
     status = apply(loop, &change);
     *changed = true;

@@ -132,7 +132,7 @@ static hk_status integrate(hk_loop *loop, double t_stop, double h, hk_step *out)
     status = hk_instance_set_time(integrator, loop->state->t, loop->error);
   const hk_instance *outer = hk_enter(integrator);
   if (status == HK_OK) status = method->step(integrator->self, &loop->dynamics->system, t_stop, h, out);
-  hk_leave(integrator, outer);
+  status = hk_leave_with(integrator, outer, "step", status);
   hk_dynamics_take_all(loop->dynamics);
   if (status != HK_OK) return status;
   hk_error_clear(loop->error); /* the message of an attempt that the method repeated */

@@ -8,7 +8,7 @@ static hk_status call_output(hk_run *run, hk_instance *output) {
   double begin = hk_clock();
   const hk_instance *outer = hk_enter(output);
   if (status == HK_OK) status = output->plugin->output->frame(output->self, &view, &run->judgement.last_frame);
-  hk_leave(output, outer);
+  status = hk_leave_with(output, outer, "frame", status);
   output->seconds += hk_clock() - begin;
   output->calls++;
   output->sampled++;
@@ -25,6 +25,7 @@ hk_status hk_run_frame(void *context) {
   for (size_t k = 0; k < run->outputs_open && status == HK_OK; k++)
     status = call_output(run, run->plugins.kind[HK_OUTPUT].item[k]);
   if (status == HK_OK) status = hk_measures_write(run->measures, t, &run->judgement.last_frame, &run->error);
+  if (run->options.kept) run->options.kept(run->options.kept_context, &run->judgement.last_good, &run->state);
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
   return status;
 }

@@ -39,9 +39,10 @@ static const void *table_of(const hk_instance *service) {
 static const hk_plugin_spec *found_service(hk_run *run, const char *wanted) {
   char name[64];
   const hk_plugin *plugin;
-  hk_error ignored = {0};
+  hk_error why = {0};
   snprintf(name, sizeof name, "%.*s", (int)strcspn(wanted, "/"), wanted);
-  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &ignored);
+  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &why);
+  if (status == HK_FAILED) hk_error_set(&run->error, status, "%s", why.text); /* it is there and cannot be used */
   if (status != HK_OK || !serves(plugin, wanted)) return NULL;
   hk_plugin_spec **grown = realloc(run->service_spec, (run->services + 1) * sizeof *grown);
   if (grown) run->service_spec = grown;
@@ -256,7 +257,7 @@ static hk_status open_outputs(hk_run *run) {
     const hk_instance *outer = hk_enter(output);
     if (output->plugin->output->open)
       status = output->plugin->output->open(output->self, &view, &run->judgement.last_frame);
-    hk_leave(output, outer);
+    status = hk_leave_with(output, outer, "open", status);
     if (status == HK_OK) run->outputs_open++;
   }
   return status;

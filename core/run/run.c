@@ -29,7 +29,7 @@ static hk_status close_outputs(hk_run *run) {
     const hk_instance *outer = hk_enter(output);
     hk_status status =
         output->plugin->output->close ? output->plugin->output->close(output->self, run->judgement.verdict) : HK_OK;
-    hk_leave(output, outer);
+    status = hk_leave_with(output, outer, "close", status);
     output->seconds += hk_clock() - begin;
     if (first == HK_OK) first = status;
   }

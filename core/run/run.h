@@ -34,8 +34,11 @@ typedef struct hk_run_options {
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* NULL: cannot be */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
-  int threads;                              /* 0: the scene's */
-  long allocations;                         /* plugins get so many; 0: any number. For tests of what happens then */
+  /* Is given the last good state at every frame; NULL: nobody wants it. */
+  void (*kept)(void *context, const hk_snapshot *last_good, const hk_state *);
+  void *kept_context;
+  int threads;      /* 0: the scene's */
+  long allocations; /* plugins get so many; 0: any number. For tests of what happens then */
 } hk_run_options;
 
 typedef struct hk_run {

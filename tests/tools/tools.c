@@ -65,23 +65,6 @@ static void explain_leaves_an_integrator_that_is_to_be_chosen_open(void **state)
   says("explain open.lua", 0, "with auto");
 }
 
-static void a_new_force_compiles_and_is_right(void **state) {
-  (void)state;
-  char before[1024];
-  says("new force wind", 0, "wrote wind.c and wind.lua");
-  says("new force wind", 1, "wind.c exists already");
-  says("new forse x", 1, "did you mean 'force'?");
-  /* the sanitizers' runtime is in hooke; the plugin itself is built as a user builds it */
-  snprintf(before, sizeof before,
-           "cc -O2 -Wall -Wextra -Werror -shared -fPIC $(%s/hooke --cflags) wind.c -o wind.so && ", HK_BUILD);
-  test_hooke(&r, before, "run --trust wind.lua --json --quiet --no-output");
-  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
-  assert_true(test_json(r.out, "exact_error") < 1e-9); /* rk4 at h = 1/60, rate 0.5: (h rate)^4 = 5e-9 of some metres */
-  test_hooke(&r, NULL, "run wind.lua");
-  assert_int_equal(r.code, 2);
-  assert_non_null(strstr(r.err, "run with --trust"));
-}
-
 static void verify_prints_a_difference(void **state) {
   (void)state;
   char arguments[512];
@@ -99,7 +82,6 @@ int main(void) {
       cmocka_unit_test(failed_loads_are_listed_with_the_reason),
       cmocka_unit_test(explain_tells_the_stable_steps),
       cmocka_unit_test(explain_leaves_an_integrator_that_is_to_be_chosen_open),
-      cmocka_unit_test(a_new_force_compiles_and_is_right),
       cmocka_unit_test(verify_prints_a_difference),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,27 +1,21 @@
-/* inspect: evaluates one force of a scene directly, for `hooke check`. The first force of a tool's run (scene:run{ to =
- * 0 }) is evaluated at states made here, random or degenerate; the run itself does not change. Differences are central
- * ones, and the best of several steps counts: a long step has a truncation error, a short one a rounding error. */
-#include "core/lua/lua.h"
-#include "core/base/base.h"
+/* inspect: evaluates one force of a scene directly, for `hooke check`: F, energy, Jacobians, and central differences of
+ * them. What is right is decided in Lua (common/check). */
+#include "tools/native/common/imports.h"
+#include "tools/native/common/subject.h"
 
-#include <lauxlib.h>
-#include <lua.h>
+#include <dlfcn.h>
 #include <string.h>
 #include <time.h>
 
-static void set_number(lua_State *L, const char *key, double value) {
-  lua_pushnumber(L, value);
-  lua_setfield(L, -2, key);
-}
-
-static void set_flag(lua_State *L, const char *key, bool value) {
-  lua_pushboolean(L, value);
-  lua_setfield(L, -2, key);
-}
-
-/* threads(scene, n): sets the number of threads of the scene's run. */
+/* threads(scene, n): sets the number of threads of the scene's run. allocations(scene, n): its plugins get n - 1, 0:
+ * any number. */
 static int set_threads(lua_State *L) {
   hk_script_run_options(hk_lua_owner(L, 1))->threads = (int)luaL_checkinteger(L, 2);
+  return 0;
+}
+
+static int set_allocations(lua_State *L) {
+  hk_script_run_options(hk_lua_owner(L, 1))->allocations = (long)luaL_checkinteger(L, 2);
   return 0;
 }
 
@@ -32,349 +26,112 @@ static int set_quiet(lua_State *L) {
   return 0;
 }
 
-/* ---- the force at a state ---- */
-
-typedef struct subject {
-  hk_instance *instance;
-  const hk_force *force;
-  hk_view view; /* x and v point to arrays of this struct */
-  size_t n, size;
-  double *x, *v, *F, *other;
-  double *K, *D, *measured; /* size x size; before the Jacobians `measured` has `size` numbers */
-  size_t count, room;       /* number of named blocks and of allocated slots */
-  uint32_t (*at)[2];
-  bool fine; /* every call returned HK_OK */
-} subject;
-
-/* The memory of a subject belongs to the Lua state, so that errors do not leak it. */
-static double *numbers(lua_State *L, size_t count) {
-  double *p = lua_newuserdatauv(L, (count + 1) * sizeof *p, 0);
-  memset(p, 0, (count + 1) * sizeof *p);
-  return p;
+/* watch(fd [, path]): the last words of this process go to fd; the heap's functions of the plugin at `path` count. */
+static int watch(lua_State *L) {
+  hk_error error = {0};
+  hk_guard_watch((int)luaL_checkinteger(L, 1));
+  if (lua_isnoneornil(L, 2)) return 0;
+  const hk_loaded *item = hk_registry_load(hk_script_asked(hk_lua_script(L))->registry, luaL_checkstring(L, 2), &error);
+  if (item) hk_imports_watch(dlsym(item->handle, "hk_plugin_main"));
+  return 0;
 }
 
-static hk_run *run_of(lua_State *L) {
-  hk_run *run = hk_lua_run(L);
-  if (run->plugins.kind[HK_FORCE].count == 0) luaL_error(L, "check: there is no run with a force");
-  return run;
+/* fill(byte): of new memory of the plugin's heap. heap() -> calls that allocated, calls that freed. */
+static int set_fill(lua_State *L) {
+  hk_imports_fill((unsigned char)luaL_checkinteger(L, 1));
+  return 0;
 }
 
-static subject look(lua_State *L) {
-  hk_run *run = run_of(L);
-  subject s = {.instance = run->plugins.kind[HK_FORCE].item[0], .view = run->dynamics.force_view[0], .fine = true};
-  s.n = run->state.model.n;
-  luaL_checkstack(L, 16, "check");
-  s.force = s.instance->plugin->force;
-  s.size = 3 * s.n;
-  s.x = numbers(L, s.size);
-  s.v = numbers(L, s.size);
-  s.F = numbers(L, s.size);
-  s.other = numbers(L, s.size);
-  s.measured = numbers(L, s.size);
-  memcpy(s.x, run->state.X, s.size * sizeof *s.x);
-  memcpy(s.v, run->state.X + s.size, s.size * sizeof *s.v);
-  s.view.x = s.x;
-  s.view.v = s.v;
-  s.view.power = NULL;
-  return s;
+static int get_heap(lua_State *L) {
+  hk_heap heap = hk_imports_heap();
+  lua_pushinteger(L, (lua_Integer)heap.allocated);
+  lua_pushinteger(L, (lua_Integer)heap.freed);
+  return 2;
 }
 
-typedef enum shape { RANDOM, COINCIDENT, COLLINEAR, FLAT, MIRRORED, SHAPES } shape;
-static const char *const shape_name[] = {"random", "coincident", "collinear", "flat", "mirrored", NULL};
+/* ---- the state ---- */
 
-static void place(subject *s, shape how, uint64_t seed) {
-  uint64_t random[4];
-  hk_random_seed(random, seed);
-  for (size_t i = 0; i < s->n; i++)
-    for (size_t c = 0; c < 3; c++) {
-      double *x = &s->x[3 * i + c], off = 2 * hk_random_uniform(random) - 1;
-      s->v[3 * i + c] = how == RANDOM ? 2 * hk_random_uniform(random) - 1 : 0;
-      if (how == RANDOM) *x += 0.3 * off;
-      if (how == COINCIDENT) *x = 0;
-      if (how == COLLINEAR) *x = c == 0 ? (double)i * 0.37 : 0;
-      if (how == FLAT && c == 1) *x = 0;
-      if (how == MIRRORED && c == 0) *x = -*x;
-    }
-}
-
-/* Evaluates F at (x, v), added to `start` in every entry; returns the power of non-conservative parts. */
-static double evaluate(subject *s, double *F, double start, bool with_power) {
-  double power = 0;
-  for (size_t k = 0; k < s->size; k++) F[k] = start;
-  s->view.power = with_power ? &power : NULL;
-  s->fine &= s->force->add(s->instance->self, &s->view, F) == HK_OK;
-  return power;
-}
-
-static double energy(subject *s) { return s->force->energy ? s->force->energy(s->instance->self, &s->view) : 0; }
-
-static double largest(const double *a, size_t count) {
-  double most = 0;
-  for (size_t k = 0; k < count; k++)
-    if (!(fabs(a[k]) <= most)) most = fabs(a[k]); /* true for NAN as well */
-  return most;
-}
-
-/* |a - b| over the largest |a|; infinite when a number is not finite. */
-static double relative_difference(const double *a, const double *b, size_t count) {
-  double most = largest(a, count), off = 0;
-  for (size_t k = 0; k < count; k++) off = fmax(off, fabs(a[k] - b[k]));
-  if (!isfinite(most) || !isfinite(largest(b, count))) return INFINITY;
-  return most > 0 ? off / most : off;
-}
-
-/* ---- against its energy ---- */
-
-enum { STEPS = 9 };
-/* The k-th difference step, m or m/s, for lengths and speeds of about 1; down to 2.6e-8. */
-static double step_of(int k) { return 1e-2 * pow(0.2, k); }
-
-/* F + dE/dx. */
-static double gradient_error(subject *s) {
-  double best = INFINITY;
-  evaluate(s, s->F, 0, false);
-  for (int q = 0; q < STEPS; q++) {
-    double h = step_of(q);
-    for (size_t k = 0; k < s->size; k++) {
-      double at = s->x[k];
-      s->x[k] = at + h;
-      double up = energy(s);
-      s->x[k] = at - h;
-      s->other[k] = -(up - energy(s)) / (2 * h);
-      s->x[k] = at;
-    }
-    best = fmin(best, relative_difference(s->F, s->other, s->size));
-  }
-  return best;
-}
-
-/* F.v + dE/dt along v - power, over the sum of |F_i v_i|. */
-static double power_error(subject *s) {
-  double power = evaluate(s, s->F, 0, true), work = 0, scale = 0, best = INFINITY;
-  for (size_t k = 0; k < s->size; k++) {
-    work += s->F[k] * s->v[k];
-    scale += fabs(s->F[k] * s->v[k]);
-  }
-  for (int q = 0; q < STEPS; q++) {
-    double h = step_of(q), up;
-    for (size_t k = 0; k < s->size; k++) s->x[k] += h * s->v[k];
-    up = energy(s);
-    for (size_t k = 0; k < s->size; k++) s->x[k] -= 2 * h * s->v[k];
-    double rate = (up - energy(s)) / (2 * h);
-    for (size_t k = 0; k < s->size; k++) s->x[k] += h * s->v[k];
-    best = fmin(best, fabs(work + rate - power));
-  }
-  return scale > 0 ? best / scale : best;
-}
-
-/* ---- sums ---- */
-
-static void momenta(subject *s, double *linear, double *angular) {
-  double sum[6] = {0}, force = 0, moment = 0;
-  evaluate(s, s->F, 0, false);
-  for (size_t i = 0; i < s->n; i++) {
-    const double *x = s->x + 3 * i, *F = s->F + 3 * i;
-    for (size_t c = 0; c < 3; c++) {
-      size_t d = (c + 1) % 3, e = (c + 2) % 3;
-      sum[c] += F[c];
-      sum[3 + c] += x[d] * F[e] - x[e] * F[d];
-      force += fabs(F[c]);
-      moment += fabs(x[d] * F[e]) + fabs(x[e] * F[d]);
-    }
-  }
-  *linear = force > 0 ? largest(sum, 3) / force : 0;
-  *angular = moment > 0 ? largest(sum + 3, 3) / moment : 0;
-}
-
-/* ---- Jacobians ---- */
-
-typedef struct names {
-  hk_pattern pattern; /* first member */
-  lua_State *L;
-  subject *s;
-  bool outside;
-} names;
-
-static void count_block(hk_pattern *pattern, uint32_t row, uint32_t column) {
-  names *list = (names *)(void *)pattern;
-  list->outside |= row >= list->s->n || column >= list->s->n;
-  if (list->s->at && list->s->count < list->s->room) {
-    list->s->at[list->s->count][0] = row;
-    list->s->at[list->s->count][1] = column;
-  }
-  list->s->count++;
-}
-
-/* Has the force name its blocks twice, to count and to store them. False: a block is out of range, or the second naming
- * differs. */
-static bool name_blocks(lua_State *L, subject *s) {
-  names list = {{count_block}, L, s, false};
-  s->force->pattern(s->instance->self, &s->view, &list.pattern);
-  s->room = s->count;
-  s->at = lua_newuserdatauv(L, (s->room + 1) * sizeof *s->at, 0);
-  s->count = 0;
-  s->force->pattern(s->instance->self, &s->view, &list.pattern);
-  return !list.outside && s->count == s->room;
-}
-
-static void expand(const subject *s, const double *block, double *full) {
-  memset(full, 0, s->size * s->size * sizeof *full);
-  for (size_t b = 0; b < s->count; b++)
-    for (size_t q = 0; q < 9; q++)
-      full[(3 * s->at[b][0] + q / 3) * s->size + 3 * s->at[b][1] + q % 3] += block[9 * b + q];
-}
-
-/* Computes K and D as full matrices. */
-static void matrices(subject *s, double *block, size_t *slot, unsigned want) {
-  memset(block, 0, 18 * s->count * sizeof *block);
-  for (size_t b = 0; b < s->count; b++) slot[b] = b;
-  hk_blocks into = {slot, block, block + 9 * s->count, want};
-  s->fine &= s->force->jacobian(s->instance->self, &s->view, &into) == HK_OK;
-  expand(s, block, s->K);
-  expand(s, block + 9 * s->count, s->D);
-}
-
-static double matrix_error(subject *s, double *z, const double *A, double *step) {
-  double best = INFINITY;
-  for (int q = 0; q < STEPS; q++) {
-    double h = step_of(q);
-    for (size_t k = 0; k < s->size; k++) {
-      double at = z[k];
-      z[k] = at + h;
-      evaluate(s, s->F, 0, false);
-      z[k] = at - h;
-      evaluate(s, s->other, 0, false);
-      z[k] = at;
-      for (size_t r = 0; r < s->size; r++) s->measured[r * s->size + k] = -(s->F[r] - s->other[r]) / (2 * h);
-    }
-    double error = relative_difference(A, s->measured, s->size * s->size);
-    if (error < best) *step = h;
-    best = fmin(best, error);
-  }
-  return best;
-}
-
-static double asymmetry(const double *A, size_t size) {
-  double most = largest(A, size * size), off = 0;
-  for (size_t r = 0; r < size; r++)
-    for (size_t k = 0; k < r; k++) off = fmax(off, fabs(A[r * size + k] - A[k * size + r]));
-  return most > 0 ? off / most : 0;
-}
-
-/* Whether A + 1e-9 |A| I has a Cholesky factor: no eigenvalue of the symmetric part is below -1e-9 |A|. */
-static bool definite(const double *A, size_t size, double *factor) {
-  double shift = 1e-9 * largest(A, size * size);
-  for (size_t r = 0; r < size; r++)
-    for (size_t k = 0; k <= r; k++) {
-      double sum = (A[r * size + k] + A[k * size + r]) / 2 + (r == k ? shift : 0);
-      for (size_t q = 0; q < k; q++) sum -= factor[r * size + q] * factor[k * size + q];
-      if (r == k && sum < 0) return false;
-      factor[r * size + k] = r == k ? sqrt(sum) : factor[k * size + k] > 0 ? sum / factor[k * size + k] : 0;
-    }
-  return true;
-}
-
-static void push_jacobians(lua_State *L, subject *s, int result) {
-  size_t full = s->size * s->size;
-  bool named = name_blocks(L, s);
-  s->K = numbers(L, full);
-  s->D = numbers(L, full);
-  s->measured = numbers(L, full);
-  double *block = numbers(L, 18 * s->count), h = 0;
-  size_t *slot = lua_newuserdatauv(L, (s->count + 1) * sizeof *slot, 0);
-  lua_pushvalue(L, result);
-  set_flag(L, "pattern", named);
-  if (!named) return;
-  matrices(s, block, slot, 0);
-  set_number(L, "asymmetry", fmax(asymmetry(s->K, s->size), asymmetry(s->D, s->size)));
-  set_number(L, "stiffness", matrix_error(s, s->x, s->K, &h));
-  set_number(L, "stiffness_step", h);
-  set_number(L, "damping", matrix_error(s, s->v, s->D, &h));
-  set_number(L, "damping_step", h);
-  matrices(s, block, slot, HK_WANT_SYMMETRIC);
-  set_number(L, "wanted_asymmetry", fmax(asymmetry(s->K, s->size), asymmetry(s->D, s->size)));
-  matrices(s, block, slot, HK_WANT_SYMMETRIC | HK_WANT_DEFINITE);
-  set_flag(L, "definite", definite(s->K, s->size, s->measured) && definite(s->D, s->size, s->measured));
-}
-
-/* ---- dependence on x, v and channels, and reproducibility ---- */
-
-static bool same_bits(const subject *s) { return memcmp(s->F, s->other, s->size * sizeof *s->F) == 0; }
-
-/* Whether F changes with z, which is x or v. */
-static bool depends_on(subject *s, double *z) {
-  for (size_t k = 0; k < s->size; k++) {
-    s->measured[k] = z[k];
-    z[k] += 0.1 * sin((double)k);
-  }
-  evaluate(s, s->other, 0, false);
-  memcpy(z, s->measured, s->size * sizeof *z);
-  return !same_bits(s);
-}
-
-static void push_habits(lua_State *L, subject *s) {
-  double t = s->view.t;
-  evaluate(s, s->F, 0, false);
-  evaluate(s, s->other, 0, true);
-  set_flag(L, "repeats", same_bits(s)); /* F has equal bits in both evaluations, with and without its power */
-  evaluate(s, s->other, 1, false);
-  for (size_t k = 0; k < s->size; k++) s->other[k] -= 1;
-  set_number(L, "adds", relative_difference(s->F, s->other, s->size));
-  set_flag(L, "moved_by_x", depends_on(s, s->x));
-  set_flag(L, "moved_by_v", depends_on(s, s->v));
-  s->view.t = t + 0.1;
-  evaluate(s, s->other, 0, false);
-  s->view.t = t;
-  set_flag(L, "moved_by_t", !same_bits(s));
-  double astray = 0;
-  for (size_t k = 0; k < s->size && s->view.is_active; k++)
-    if (!s->view.is_active[k / 3]) astray = fmax(astray, fabs(s->F[k]));
-  set_number(L, "astray", astray);
-  set_number(L, "force", largest(s->F, s->size));
-}
-
-/* force(run, shape, seed) -> the results of the tests of the run's first force at this state: for degenerate shapes
- * whether all numbers are finite, for random ones all tests. */
-static int check_force(lua_State *L) {
-  int how = luaL_checkoption(L, 2, "random", shape_name);
-  uint64_t seed = (uint64_t)luaL_checkinteger(L, 3);
+/* state(subject) -> {n, t, x, v, y}. */
+static int get_state(lua_State *L) {
+  const hk_subject *s = hk_subject_at(L, 1);
   lua_newtable(L);
-  int result = lua_gettop(L);
-  subject s = look(L);
-  place(&s, (shape)how, seed);
-  lua_pushvalue(L, result);
-  evaluate(&s, s.F, 0, false);
-  bool finite = isfinite(largest(s.F, s.size)) && isfinite(energy(&s));
-  if (how == RANDOM) {
-    double linear, angular;
-    push_habits(L, &s);
-    momenta(&s, &linear, &angular);
-    set_number(L, "momentum", linear);
-    set_number(L, "angular_momentum", angular);
-    set_number(L, "power", power_error(&s));
-    set_number(L, "gradient", gradient_error(&s));
-    if (s.force->jacobian) push_jacobians(L, &s, result);
-  } else if (s.force->jacobian && name_blocks(L, &s)) {
-    s.K = numbers(L, s.size * s.size);
-    s.D = numbers(L, s.size * s.size);
-    double *block = numbers(L, 18 * s.count);
-    matrices(&s, block, lua_newuserdatauv(L, (s.count + 1) * sizeof(size_t), 0), 0);
-    finite = finite && isfinite(largest(s.K, s.size * s.size)) && isfinite(largest(s.D, s.size * s.size));
+  lua_pushinteger(L, (lua_Integer)s->n);
+  lua_setfield(L, -2, "n");
+  hk_table_set(L, "t", s->view.t);
+  const hk_guarded *all[] = {&s->x, &s->v, &s->y};
+  static const char *const key[] = {"x", "v", "y"};
+  for (size_t k = 0; k < 3; k++) {
+    hk_table_push(L, all[k]->at, all[k]->bytes / sizeof(double));
+    lua_setfield(L, -2, key[k]);
   }
-  lua_settop(L, result);
-  set_flag(L, "finite", finite);
-  set_flag(L, "fine", s.fine);
   return 1;
 }
 
-/* bytes(run, seed) -> F at a random state as a string. */
-static int force_bytes(lua_State *L) {
-  subject s = look(L);
-  place(&s, RANDOM, (uint64_t)luaL_checkinteger(L, 2));
-  evaluate(&s, s.F, 0, false);
-  lua_pushlstring(L, (const char *)s.F, s.size * sizeof *s.F);
+static void set_array(lua_State *L, const char *key, hk_guarded *g) {
+  if (lua_getfield(L, 2, key) == LUA_TTABLE) {
+    hk_guard_allow(g, true);
+    hk_table_read(L, lua_gettop(L), g->at, g->bytes / sizeof(double));
+    hk_guard_allow(g, false);
+  }
+  lua_pop(L, 1);
+}
+
+/* set(subject, {t =, x =, v =, y =, fill =}): what is given; `fill` is a byte below the stack of each call, 0: none. */
+static int set_state(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  set_array(L, "x", &s->x);
+  set_array(L, "v", &s->v);
+  set_array(L, "y", &s->y);
+  if (lua_getfield(L, 2, "t") == LUA_TNUMBER) s->view.t = lua_tonumber(L, -1);
+  if (lua_getfield(L, 2, "fill") == LUA_TNUMBER) s->fill = (unsigned char)lua_tointeger(L, -1);
+  return 0;
+}
+
+/* ---- force, energy, rates ---- */
+
+/* force(subject [, start [, power]]) -> F + start, the power added to what stood there (nil: the view had no power),
+ * whether it was fine. */
+static int get_force(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  double start = luaL_optnumber(L, 2, 0), power = luaL_optnumber(L, 3, NAN), *F = s->F.at;
+  for (size_t k = 0; k < s->size; k++) F[k] = start;
+  s->status = HK_OK;
+  double added = hk_subject_add(s, power);
+  hk_table_push(L, F, s->size);
+  lua_pushnumber(L, added);
+  lua_pushboolean(L, s->status == HK_OK);
+  return 3;
+}
+
+/* bytes(subject) -> F as a string. */
+static int get_bytes(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  memset(s->F.at, 0, s->F.bytes);
+  hk_subject_add(s, NAN);
+  lua_pushlstring(L, s->F.at, s->F.bytes);
   return 1;
 }
+
+static int get_energy(lua_State *L) {
+  lua_pushnumber(L, hk_subject_energy(hk_subject_at(L, 1)));
+  return 1;
+}
+
+/* rates(subject, start) -> dy + start; nil: it has none. */
+static int get_rates(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  double start = luaL_optnumber(L, 2, 0), *dy = s->dy.at;
+  size_t count = s->dy.bytes / sizeof *dy;
+  if (!s->force->rates) return 0;
+  for (size_t k = 0; k < count; k++) dy[k] = start;
+  hk_subject_enter(s, "rates");
+  s->force->rates(s->instance->self, &s->view, dy);
+  hk_subject_leave(s);
+  hk_table_push(L, dy, count);
+  return 1;
+}
+
+/* ---- differences ---- */
 
 static double now(void) {
   struct timespec t;
@@ -382,25 +139,177 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* seconds(run) -> the time of one evaluation, the least of several, since other load can only increase it. */
-static int force_seconds(lua_State *L) {
-  subject s = look(L);
+/* seconds(subject) -> the time of one evaluation, the least of several, since other load can only increase it. */
+static int get_seconds(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
   double best = INFINITY;
-  place(&s, RANDOM, 1);
-  for (int k = 0; k < 20; k++) {
+  for (int k = 0; k < 10; k++) {
     double begin = now();
-    evaluate(&s, s.F, 0, false);
+    hk_subject_add(s, NAN);
     best = fmin(best, now() - begin);
   }
   lua_pushnumber(L, best);
   return 1;
 }
 
+static hk_guarded *variable(lua_State *L, hk_subject *s) {
+  static const char *const names[] = {"x", "v", NULL};
+  return luaL_checkoption(L, 2, NULL, names) ? &s->v : &s->x;
+}
+
+/* gradient(subject, "x" or "v", h) -> the central differences of the energy. */
+static int energy_differences(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  hk_guarded *of = variable(L, s);
+  double h = luaL_checknumber(L, 3), *z = of->at, *result = hk_table_memory(L, s->size);
+  hk_guard_allow(of, true);
+  for (size_t k = 0; k < s->size; k++) {
+    double at = z[k];
+    z[k] = at + h;
+    double up = hk_subject_energy(s);
+    z[k] = at - h;
+    result[k] = (up - hk_subject_energy(s)) / (2 * h);
+    z[k] = at;
+  }
+  hk_guard_allow(of, false);
+  hk_table_push(L, result, s->size);
+  return 1;
+}
+
+/* slopes(subject, "x" or "v", h) -> -dF/dz by central differences, 3n x 3n. */
+static int force_differences(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  hk_guarded *of = variable(L, s);
+  double h = luaL_checknumber(L, 3), *z = of->at, *F = s->F.at, *result = hk_table_memory(L, s->size * s->size);
+  hk_guard_allow(of, true);
+  for (size_t k = 0; k < s->size; k++)
+    for (int side = 0; side < 2; side++) {
+      double at = z[k];
+      z[k] = side ? at - h : at + h;
+      memset(F, 0, s->F.bytes);
+      hk_subject_add(s, NAN);
+      for (size_t r = 0; r < s->size; r++) result[r * s->size + k] += (side ? F[r] : -F[r]) / (2 * h);
+      z[k] = at;
+    }
+  hk_guard_allow(of, false);
+  hk_table_push(L, result, s->size * s->size);
+  return 1;
+}
+
+/* ---- Jacobians ---- */
+
+typedef struct names {
+  hk_pattern pattern; /* first member */
+  size_t count, room;
+  uint32_t (*at)[2];
+} names;
+
+static void name_block(hk_pattern *pattern, uint32_t row, uint32_t column) {
+  names *list = (names *)(void *)pattern;
+  if (list->count < list->room) list->at[list->count][0] = row, list->at[list->count][1] = column;
+  list->count++;
+}
+
+/* Has the force name its blocks, twice to count and to store them. False: the second naming differs. */
+static bool collect(lua_State *L, hk_subject *s, names *list) {
+  *list = (names){{name_block}, 0, 0, NULL};
+  hk_subject_enter(s, "pattern");
+  s->force->pattern(s->instance->self, &s->view, &list->pattern);
+  list->room = list->count;
+  list->at = lua_newuserdatauv(L, (list->room + 1) * sizeof *list->at, 0);
+  list->count = 0;
+  s->force->pattern(s->instance->self, &s->view, &list->pattern);
+  hk_subject_leave(s);
+  return list->count == list->room;
+}
+
+/* pattern(subject) -> rows and columns in turn, from 0; nil and why not. */
+static int get_pattern(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  names list;
+  if (!s->force->jacobian || !s->force->pattern) return 0;
+  if (!collect(L, s, &list)) {
+    lua_pushnil(L);
+    lua_pushfstring(L, "%I blocks, then %I", (LUAI_UACINT)list.room, (LUAI_UACINT)list.count);
+    return 2;
+  }
+  lua_newtable(L);
+  for (size_t k = 0; k < 2 * list.count; k++) {
+    lua_pushinteger(L, list.at[k / 2][k % 2]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  return 1;
+}
+
+static void expand(const hk_subject *s, const names *list, const double *block, double *full) {
+  for (size_t b = 0; b < list->count; b++)
+    for (size_t q = 0; q < 9 && list->at[b][0] < s->n && list->at[b][1] < s->n; q++)
+      full[(3 * list->at[b][0] + q / 3) * s->size + 3 * list->at[b][1] + q % 3] += block[9 * b + q];
+}
+
+/* blocks(subject, want, start) -> K and D, 3n x 3n, of blocks that held `start` before, which is taken off again; and
+ * whether it was fine. */
+static int get_blocks(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  unsigned want = (unsigned)luaL_optinteger(L, 2, 0);
+  double start = luaL_optnumber(L, 3, 0);
+  names list;
+  if (!s->force->jacobian || !collect(L, s, &list)) return 0;
+  hk_guarded all = {0}, slots = {0};
+  size_t bytes = 9 * list.count * sizeof(double);
+  if (!hk_guard_get(&all, "the blocks D (or K)", 2 * bytes, s->side) ||
+      !hk_guard_get(&slots, "the slots of the blocks", list.count * sizeof(size_t), s->side))
+    return luaL_error(L, "no memory for the blocks");
+  double *K = all.at, *D = K + 9 * list.count;
+  for (size_t k = 0; k < 18 * list.count; k++) K[k] = start;
+  /* In another order than they were named, so that a force cannot go by its own count. */
+  for (size_t b = 0; b < list.count; b++) ((size_t *)slots.at)[b] = list.count - 1 - b;
+  hk_guard_allow(&slots, false);
+  hk_subject_enter(s, "jacobian");
+  hk_blocks into = {slots.at, K, D, want};
+  hk_status status = s->force->jacobian(s->instance->self, &s->view, &into);
+  hk_subject_leave(s);
+  for (size_t k = 0; k < 18 * list.count; k++) K[k] -= start;
+  for (size_t b = 0; b < list.count / 2; b++) {
+    uint32_t other[2];
+    memcpy(other, list.at[b], sizeof other);
+    memcpy(list.at[b], list.at[list.count - 1 - b], sizeof other);
+    memcpy(list.at[list.count - 1 - b], other, sizeof other);
+  }
+  for (int m = 0; m < 2; m++) {
+    double *full = hk_table_memory(L, s->size * s->size);
+    expand(s, &list, m ? D : K, full);
+    hk_table_push(L, full, s->size * s->size);
+    lua_remove(L, -2);
+  }
+  hk_guard_free(&all);
+  hk_guard_free(&slots);
+  lua_pushboolean(L, status == HK_OK);
+  return 3;
+}
+
 __attribute__((visibility("default"))) int luaopen_inspect(lua_State *L);
 
 int luaopen_inspect(lua_State *L) {
-  static const luaL_Reg functions[] = {{"threads", set_threads}, {"quiet", set_quiet},       {"force", check_force},
-                                       {"bytes", force_bytes},   {"seconds", force_seconds}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"threads", set_threads},
+                                       {"allocations", set_allocations},
+                                       {"quiet", set_quiet},
+                                       {"watch", watch},
+                                       {"fill", set_fill},
+                                       {"heap", get_heap},
+                                       {"open", hk_subject_open},
+                                       {"state", get_state},
+                                       {"set", set_state},
+                                       {"force", get_force},
+                                       {"bytes", get_bytes},
+                                       {"energy", get_energy},
+                                       {"rates", get_rates},
+                                       {"seconds", get_seconds},
+                                       {"gradient", energy_differences},
+                                       {"slopes", force_differences},
+                                       {"pattern", get_pattern},
+                                       {"blocks", get_blocks},
+                                       {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

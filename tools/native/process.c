@@ -1,12 +1,16 @@
 /* process: child processes, pipes and clocks, which Lua lacks (Debian's lua-posix stops at Lua 5.3). A call that the
  * system refuses raises an error with the system's message, unless its comment says otherwise. */
+#include "tools/native/common/guard.h"
+
 #include <errno.h>
 #include <lauxlib.h>
 #include <lua.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #ifdef __linux__
 #include <sys/prctl.h>
 #endif
@@ -54,6 +58,44 @@ static int start(lua_State *L) {
   lua_pushinteger(L, pid);
   lua_pushinteger(L, fd[pid == 0 ? 1 : 0]);
   return 2;
+}
+
+/* capture() -> fd of a nameless file, in which what a process prints can be kept. */
+static int capture(lua_State *L) {
+  char name[] = "/tmp/hooke-XXXXXX";
+  int fd = mkstemp(name);
+  if (fd < 0) return refuse(L, "mkstemp");
+  unlink(name);
+  lua_pushinteger(L, fd);
+  return 1;
+}
+
+/* captured(fd) -> the text in such a file, up to 4 kB; closes it. */
+static int captured(lua_State *L) {
+  char text[4096];
+  int fd = (int)luaL_checkinteger(L, 1);
+  ssize_t count = pread(fd, text, sizeof text, 0);
+  close(fd);
+  lua_pushlstring(L, text, count > 0 ? (size_t)count : 0);
+  return 1;
+}
+
+static void limit(int resource, rlim_t most) { setrlimit(resource, &(struct rlimit){most, most}); }
+
+/* confine(seconds, bytes, out, err, fd): the calling process has so much processor time and address space left, leaves
+ * no core file, writes files of 16 MB at most, and prints into the files `out` and `err`. A fatal signal or an exit()
+ * writes a line to fd (common/guard.h). */
+static int confine(lua_State *L) {
+  limit(RLIMIT_CPU, (rlim_t)luaL_checknumber(L, 1) + 1);
+#ifndef __SANITIZE_ADDRESS__ /* whose shadow memory needs terabytes of addresses */
+  limit(RLIMIT_AS, (rlim_t)luaL_checknumber(L, 2));
+#endif
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_FSIZE, 1 << 24);
+  fflush(NULL);
+  if (dup2((int)luaL_checkinteger(L, 3), 1) < 0 || dup2((int)luaL_checkinteger(L, 4), 2) < 0) return refuse(L, "dup2");
+  hk_guard_watch((int)luaL_checkinteger(L, 5));
+  return 0;
 }
 
 /* write(fd, text) -> whether all of the text was written (the reader may have closed the pipe). */
@@ -138,7 +180,8 @@ int luaopen_process(lua_State *L) {
   static const luaL_Reg functions[] = {{"clock", get_clock},   {"terminal", is_terminal}, {"processors", processors},
                                        {"fork", start},        {"write", write_all},      {"read", read_some},
                                        {"close", close_fd},    {"ready", ready},          {"wait", wait_for},
-                                       {"kill", kill_process}, {"exit", exit_now},        {NULL, NULL}};
+                                       {"kill", kill_process}, {"exit", exit_now},        {"capture", capture},
+                                       {"captured", captured}, {"confine", confine},      {NULL, NULL}};
   signal(SIGPIPE, SIG_IGN); /* write returns an error in a child whose parent has ended */
   luaL_newlib(L, functions);
   return 1;

@@ -1,12 +1,17 @@
-/* A plugin that takes the process along is named, with its place in the script, and the run ends with code 2. */
+/* A plugin that takes the process along is named, with its place in the script, and the run ends with code 2; with
+ * --state the last good state is kept. One that does not return is ended where the user asks to stop, and one that
+ * fails without a word is named. */
 #include "tests/support/command.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -83,6 +88,112 @@ static void the_innermost_plugin_is_the_one_named(void **state) {
 #endif
 }
 
+/* ---- the last good state ---- */
+
+/* A particle at 3 m/s that no force acts on, in frames of 0.1 s: at the last one before the fault it is at 0.6 m, up to
+ * the rounding of some tens of steps. The channel is 5 for ever. */
+static void write_flight(const char *how) {
+  char scene[1024];
+  snprintf(scene, sizeof scene,
+           "local scene = hooke.scene { duration = 1, fps = 10, dt = 0.01, integrator = 'leapfrog' }\n"
+           "scene:channel('heat', { size = 1, initial = 5 })\n"
+           "scene:particle { mass = 2, velocity = { 3, 0, 0 } }\n"
+           "scene:force('%s/tests/fixtures/exiter.so', { how = '%s', at = 0.255 })\nreturn scene\n",
+           HK_BUILD, how);
+  test_write("bad.lua", scene);
+  char command[256];
+  snprintf(command, sizeof command, "rm -f '%s'/last.csv", test_folder());
+  assert_int_equal(system(command), 0);
+}
+
+static void assert_flight_kept(void) {
+  char path[256], head[256];
+  unsigned id;
+  double x, y, z, vx, vy, vz, mass, heat;
+  snprintf(path, sizeof path, "%s/last.csv", test_folder());
+  FILE *file = fopen(path, "r");
+  if (!file) fail_msg("no state was kept: %s", r.err);
+  assert_non_null(fgets(head, sizeof head, file));
+  assert_string_equal(head, "id,x,y,z,vx,vy,vz,mass,heat\n");
+  assert_int_equal(fscanf(file, "%u,%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf\n", &id, &x, &y, &z, &vx, &vy, &vz, &mass, &heat),
+                   9);
+  fclose(file);
+  assert_true(id == 1 && fabs(x - 0.6) < 1e-14 && vx == 3 && mass == 2 && heat == 5);
+}
+
+static void the_last_good_state_is_kept(void **state) {
+  (void)state;
+  static const char *const how[] = {"exit", "abort", "segv", "overflow"};
+#ifdef SANITIZED
+  enum { WAYS = 2 }; /* of the others a sanitizer takes care */
+#else
+  enum { WAYS = 4 };
+#endif
+  for (size_t k = 0; k < WAYS; k++) {
+    write_flight(how[k]);
+    test_hooke(&r, NULL, "run bad.lua --trust --quiet --state last.csv");
+    assert_int_equal(r.code, 2);
+    if (!strstr(r.err, "bad.lua:4: the force 'exiter'") ||
+        !strstr(r.err, "hooke: the last good state, at t = 0.2 s, is in last.csv\n"))
+      fail_msg("%s", r.err);
+    assert_flight_kept();
+  }
+}
+
+/* A state that is good beside a fault has no place in the file of a run that came to its end. */
+static void a_fault_after_the_end_leaves_the_final_state(void **state) {
+  (void)state;
+  char scene[512], last[512];
+  snprintf(scene, sizeof scene,
+           HEAD "scene:force('%s/tests/fixtures/exiter.so', { where = 'destroy' })\nreturn scene\n", HK_BUILD);
+  test_write("bad.lua", scene);
+  test_hooke(&r, NULL, "run bad.lua --trust --quiet --state last.csv");
+  assert_int_equal(r.code, 2);
+  assert_null(strstr(r.err, "last good state"));
+  snprintf(last, sizeof last, "%s/last.csv", test_folder());
+  assert_int_equal(access(last, F_OK), 0);
+}
+
+/* ---- calls that do not return ---- */
+
+static void an_endless_loop_obeys_an_interruption(void **state) {
+  (void)state;
+  write_flight("loop");
+  test_hooke(&r, "timeout --preserve-status -k 60 -s INT 1", "run bad.lua --trust --quiet --state last.csv");
+  if (r.code != 130 || !strstr(r.err, "bad.lua:4: the force 'exiter' has not returned 5 s after the interruption"))
+    fail_msg("exit %d: %s", r.code, r.err);
+  assert_flight_kept();
+}
+
+static void a_second_interruption_ends_a_loop_at_once(void **state) {
+  (void)state;
+  write_flight("loop");
+  test_write("twice.sh", "\"$@\" & p=$!\nsleep 1; kill -TERM $p; sleep 0.2; kill -TERM $p; wait $p\n");
+  test_hooke(&r, "timeout --preserve-status -s KILL 5 sh ./twice.sh", "run bad.lua --trust --quiet --state last.csv");
+  if (r.code != 130 || !strstr(r.err, "bad.lua:4: the force 'exiter' has not returned at the second interruption"))
+    fail_msg("exit %d: %s", r.code, r.err);
+  assert_flight_kept();
+}
+
+/* A run whose plugins return ends in order, and the alarm is off. */
+static void an_interruption_of_a_sound_run_waits_for_its_end(void **state) {
+  (void)state;
+  test_write("bad.lua", "local scene = hooke.scene { duration = 1e6, fps = 10, dt = 0.001, integrator = 'leapfrog' }\n"
+                        "scene:particle { mass = 2 }\nscene:force('gravity')\nreturn scene\n");
+  test_hooke(&r, "timeout --preserve-status -s INT 0.5", "run bad.lua --quiet --state last.csv");
+  if (r.code != 130 || strstr(r.err, "has not returned")) fail_msg("exit %d: %s", r.code, r.err);
+}
+
+/* ---- failures without a message ---- */
+
+static void a_failure_without_a_message_gets_one(void **state) {
+  (void)state;
+  expect_fault("add", "mute", "hooke: bad.lua:3: exiter: the plugin's add failed without saying why\n");
+  expect_fault("add", "blank", "hooke: bad.lua:3: exiter: it failed without saying why\n");
+  expect_fault("add", "stray", "hooke: bad.lua:3: exiter: the plugin's add returned a number that is no status\n");
+  expect_fault("create", "mute", "hooke: bad.lua:3: exiter: the plugin's create failed without saying why\n");
+}
+
 static void tools_name_the_plugin_as_well(void **state) {
   (void)state;
   test_write("bad.lua",
@@ -109,6 +220,12 @@ int main(void) {
       cmocka_unit_test(abort_in_a_plugin_names_it),
       cmocka_unit_test(a_crash_in_a_plugin_names_it),
       cmocka_unit_test(the_innermost_plugin_is_the_one_named),
+      cmocka_unit_test(the_last_good_state_is_kept),
+      cmocka_unit_test(a_fault_after_the_end_leaves_the_final_state),
+      cmocka_unit_test(an_endless_loop_obeys_an_interruption),
+      cmocka_unit_test(a_second_interruption_ends_a_loop_at_once),
+      cmocka_unit_test(an_interruption_of_a_sound_run_waits_for_its_end),
+      cmocka_unit_test(a_failure_without_a_message_gets_one),
       cmocka_unit_test(tools_name_the_plugin_as_well),
       cmocka_unit_test(what_a_script_does_is_not_put_down_to_a_plugin),
   };

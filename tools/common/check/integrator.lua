@@ -159,9 +159,14 @@ local function reversibility(plugin, report, step_error)
 end
 
 -- Checks the integrator that hooke.describe described; `path` and `given` are also fields of it.
-return function(plugin, report)
+local function check(plugin, report)
   if plugin.adaptive and tolerance(plugin, report) then return end
   local step_error = order(plugin, report)
   stability(plugin, report)
   if plugin.reversible and step_error then reversibility(plugin, report, step_error) end
+end
+
+return function(plugin, report)
+  require("inspect").quiet()
+  report:try("its properties", function(lines) check(plugin, lines) end)
 end

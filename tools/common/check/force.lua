@@ -1,0 +1,49 @@
+-- The tests of a force (hooke check), each in a process of its own. What they try is in force/: what every plugin owes
+-- its host (habits), derivatives, claims, the further functions (further), births and deaths (population).
+local inspect = require("inspect")
+local members = require("members")
+local cases = require("common.check.force.cases")
+local claims = require("common.check.force.claims")
+local derivatives = require("common.check.force.derivatives")
+local further = require("common.check.force.further")
+local habits = require("common.check.force.habits")
+local population = require("common.check.force.population")
+
+local DEPENDS_ON_CHANNELS, STIFFENS = 8, 1024 -- hk_force.flags
+
+-- Whether one scene at least takes the plugin with parameters made here; what it has beyond `add`.
+local function starts(plugin, lines)
+  local flags, has
+  local accepted = {}
+  cases.each(plugin, lines, nil, function(subject, case)
+    accepted[case.name] = true
+    flags, has = members.flags(subject)
+  end)
+  lines:value { flags = flags, has = has, accepted = accepted }
+end
+
+-- Checks the force that hooke.describe described; `path`, `given` and `scene` are also fields of it.
+return function(plugin, report)
+  inspect.quiet()
+  -- The first line of every property: the plugin's calls are named, its heap is counted.
+  local function try(name, body)
+    return report:try(name, function(lines)
+      inspect.watch(lines.fd, plugin.path)
+      body(lines)
+    end)
+  end
+  local watched = setmetatable({ try = function(_, name, body) return try(name, body) end }, { __index = report })
+  local fine, found = watched:try("it starts", function(lines) starts(plugin, lines) end)
+  if not found[1] then return fine end
+  plugin.accepted = found[1].accepted
+  plugin.has, plugin.on_y = found[1].has, found[1].flags & DEPENDS_ON_CHANNELS ~= 0
+  plugin.stiffens = found[1].flags & STIFFENS ~= 0
+  for _, property in ipairs(habits.list) do
+    watched:try(property[1], function(lines) property[2](plugin, lines) end)
+  end
+  habits.instances(plugin, watched)
+  derivatives.try(plugin, watched)
+  claims.try(plugin, watched)
+  further.try(plugin, watched)
+  population.try(plugin, watched)
+end

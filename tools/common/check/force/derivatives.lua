@@ -1,0 +1,299 @@
+-- A force against its energy and its Jacobians, by central differences: the best of several steps counts, since a long
+-- one has a truncation error and a short one a rounding error.
+local inspect = require("inspect")
+local members = require("members")
+local cases = require("common.check.force.cases")
+local worst = require("common.check.force.worst")
+
+local derivatives = {}
+
+-- Differences of smooth forces are accurate to 1e-10 at the best step; a wrong term has a relative error of some
+-- percent.
+local DIFFERENCES = 1e-6
+local ROUNDING = 1e-12 -- of sums over some tens of numbers of size 1
+local EPSILON = 2 ^ -52
+local STEPS = { 1e-3, 1e-4, 1e-5, 1e-2, 1e-6, 1e-7 } -- relative to the length of the scene, the best ones first
+local WANT_SYMMETRIC, WANT_DEFINITE = 1, 2
+
+-- The least figure over the steps, and its text; it stops at the first that is fine.
+local function best(length, figure_of)
+  local least, text = math.huge, nil
+  for _, step in ipairs(STEPS) do
+    local figure, said = figure_of(step * length)
+    if figure < least then least, text = figure, said end
+    if least <= 0.1 * DIFFERENCES then break end
+  end
+  return least, text
+end
+
+local function at(case, text) return text and ("%s: %s"):format(case.name, text) or case.name end
+
+-- Calls body(subject, case, x, v) at random states of all cases.
+local function at_random_states(plugin, lines, body, wanted)
+  cases.each(plugin, lines, wanted, function(subject, case)
+    for seed = 1, case.few and 2 or 1 do
+      local x, v = cases.random_state(subject, case, seed)
+      body(subject, case, x, v)
+    end
+  end)
+end
+
+-- ---- energy ----
+
+local function gradient_of(subject, case, F)
+  local E = math.abs(inspect.energy(subject))
+  return best(case.length, function(h)
+    local slope = inspect.gradient(subject, "x", h)
+    for k = 1, #slope do slope[k] = -slope[k] end
+    return worst.difference(F, slope, 8 * EPSILON * E / h)
+  end)
+end
+
+local function force_is_minus_the_gradient(plugin, lines)
+  local found, moved = worst.new(), worst.new()
+  at_random_states(plugin, lines, function(subject, case)
+    local F = inspect.force(subject, 0)
+    local figure, text = gradient_of(subject, case, F)
+    found:take(figure, at(case, text))
+    moved:take(worst.largest(inspect.gradient(subject, "v", 0.1)) > 0 and 1 or 0, case.name)
+  end)
+  lines:most("force is minus the gradient of its energy", found.figure, DIFFERENCES,
+    "compare the formulas of `add` and `energy`; a force with another part than that has HK_POWER", found.where)
+  lines:most("its energy does not depend on velocities", moved.figure, 0,
+    "energy is that of the positions; what damping takes goes to `power`", moved.where)
+end
+
+-- F.v + dE/dt along v - power, over the sum of |F_i v_i|.
+local function power_error(subject, case, x, v)
+  local F, power = inspect.force(subject, 0, 0)
+  local E, work, scale = math.abs(inspect.energy(subject)), 0, 0
+  for k = 1, #F do
+    work = work + F[k] * v[k]
+    scale = scale + math.abs(F[k] * v[k])
+  end
+  return best(case.length, function(h)
+    local function moved(step)
+      local to = {}
+      for k = 1, #x do to[k] = x[k] + step * v[k] end
+      inspect.set(subject, { x = to })
+      return inspect.energy(subject)
+    end
+    local rate = (moved(h) - moved(-h)) / (2 * h)
+    inspect.set(subject, { x = x })
+    local off = math.abs(work + rate - power) - 8 * EPSILON * (E / h + scale)
+    if off ~= off then return math.huge end
+    return scale > 0 and math.max(0, off) / scale or off > 0 and off or 0,
+      ("power %.6g W, expected %.6g W"):format(power, work + rate)
+  end)
+end
+
+local function power_is_of_the_rest(plugin, lines)
+  local found = worst.new()
+  at_random_states(plugin, lines, function(subject, case, x, v)
+    local figure, text = power_error(subject, case, x, v)
+    found:take(figure, at(case, text))
+  end)
+  lines:most("its power is that of the force less the gradient of its energy", found.figure, DIFFERENCES,
+    "add (F + dE/dx).v to *view->power, negative for what damps", found.where)
+end
+
+-- ---- Jacobians ----
+
+local function names_fitting_blocks(lines, subject)
+  local names, why = inspect.pattern(subject)
+  local n = inspect.state(subject).n
+  if not names then
+    return lines:wrong("its pattern names other blocks the second time: " .. (why or ""),
+      "name the same blocks in the same order until `update` reports a change")
+  end
+  for k = 1, #names do
+    if names[k] >= n then
+      return lines:wrong(("its pattern names particle %d of %d"):format(names[k] + 1, n), "name indices below view->n")
+    end
+  end
+  return true
+end
+
+local function jacobian_error(subject, case, z, A, lengths)
+  local size = #inspect.state(subject).x
+  local F = worst.largest(inspect.force(subject, 0))
+  return best(lengths, function(h)
+    local slopes = inspect.slopes(subject, z, h)
+    return worst.matrix_difference(A, slopes, size, 16 * EPSILON * F / h)
+  end)
+end
+
+-- Pairs and clouds are small enough for full matrices.
+local function jacobians_are_the_derivatives(plugin, lines)
+  local K_found, D_found, adds, stale, fine = worst.new(), worst.new(), worst.new(), nil, true
+  at_random_states(plugin, lines, function(subject, case, x)
+    if not fine then return end
+    fine = names_fitting_blocks(lines, subject)
+    if not fine then return end
+    local K, D, good = inspect.blocks(subject, 0)
+    if not good then
+      fine = false
+      return lines:wrong("its `jacobian` fails at a random state", "return HK_OK, or host->fail with the cause")
+    end
+    local figure, text = jacobian_error(subject, case, "x", K, case.length)
+    K_found:take(figure, at(case, text))
+    figure, text = jacobian_error(subject, case, "v", D, 1)
+    D_found:take(figure, at(case, text))
+    local K_on, D_on = inspect.blocks(subject, 0, 1)
+    local size = math.max(1, worst.largest(K), worst.largest(D))
+    for k = 1, #K do adds:take(math.max(math.abs(K_on[k] - K[k]), math.abs(D_on[k] - D[k])) / size, case.name) end
+    -- The last evaluation was elsewhere.
+    local elsewhere = {}
+    for k = 1, #x do elsewhere[k] = x[k] + 0.1 * case.length * math.sin(k) end
+    inspect.set(subject, { x = elsewhere })
+    inspect.force(subject, 0)
+    inspect.energy(subject)
+    inspect.set(subject, { x = x })
+    local K_now, D_now = inspect.blocks(subject, 0)
+    if worst.difference(K_now, K) > ROUNDING or worst.difference(D_now, D) > ROUNDING then stale = stale or case.name end
+  end)
+  if not fine then return end
+  lines:most("K = -dF/dx (central differences)", K_found.figure, DIFFERENCES,
+    "K is minus the derivative of F; look at the signs and at the terms across the direction", K_found.where)
+  lines:most("D = -dF/dv (central differences)", D_found.figure, DIFFERENCES,
+    "D is minus the derivative of F with respect to the velocities", D_found.where)
+  lines:most("it adds to the blocks (K += ..., D += ...)", adds.figure, 1e-14 * 64, -- a block has up to 64 summands here
+    "write K[9*slot + q] += ..., never =: forces share the blocks", adds.where)
+  lines:add(not stale, "its Jacobian is that of the state it is given" .. (stale and ": it is that of the last evaluation"
+    or ""), nil, nil, "compute it from view->x and view->v; keep nothing from `add`", stale)
+end
+
+local function asymmetry(A, size)
+  local most, off = worst.largest(A), 0
+  for r = 1, size do
+    for k = 1, r - 1 do off = math.max(off, math.abs(A[(r - 1) * size + k] - A[(k - 1) * size + r])) end
+  end
+  return most > 0 and off / most or 0
+end
+
+-- Whether A + 1e-9 scale I has a Cholesky factor: no eigenvalue of the symmetric part is below -1e-9 scale.
+local function definite(A, size, scale)
+  local shift, factor = 1e-9 * scale, {}
+  for r = 1, size do
+    for k = 1, r do
+      local sum = (A[(r - 1) * size + k] + A[(k - 1) * size + r]) / 2 + (r == k and shift or 0)
+      for q = 1, k - 1 do sum = sum - factor[(r - 1) * size + q] * factor[(k - 1) * size + q] end
+      if r == k and (sum < 0 or sum ~= sum) then return false end
+      local pivot = factor[(k - 1) * size + k]
+      factor[(r - 1) * size + k] = r == k and math.sqrt(sum) or pivot > 0 and sum / pivot or 0
+    end
+  end
+  return true
+end
+derivatives.definite = definite
+
+local function symmetric_as_claimed(plugin, lines)
+  local claimed, wanted, left_out = worst.new(), worst.new(), worst.new()
+  at_random_states(plugin, lines, function(subject, case, _, v)
+    local size = #v
+    local K, D = inspect.blocks(subject, 0)
+    claimed:take(math.max(asymmetry(K, size), asymmetry(D, size)), case.name)
+    local K_wanted, D_wanted = inspect.blocks(subject, WANT_SYMMETRIC)
+    if plugin.symmetric or plugin.offers_symmetric then
+      wanted:take(math.max(asymmetry(K_wanted, size), asymmetry(D_wanted, size)), case.name)
+    end
+    -- Where the exact blocks are symmetric nothing is to be left out; at rest those of damped elements are.
+    local rest = {}
+    for k = 1, size do rest[k] = 0 end
+    for _, at_v in ipairs { v, rest } do
+      inspect.set(subject, { v = at_v })
+      local A, B = { inspect.blocks(subject, 0) }, { inspect.blocks(subject, WANT_SYMMETRIC) }
+      for m = 1, 2 do
+        if asymmetry(A[m], size) <= ROUNDING then
+          local figure, text = worst.matrix_difference(B[m], A[m], size)
+          left_out:take(figure, at(case, (m == 1 and "K, " or "D, ") .. (text or "")))
+        end
+      end
+    end
+  end, function(case) return case.few end)
+  if plugin.symmetric then
+    lines:most("K and D are symmetric, as claimed", claimed.figure, ROUNDING,
+      "drop HK_SYMMETRIC_JACOBIAN; HK_OFFERS_SYMMETRIC says that the unsymmetric terms can be left out", claimed.where)
+  end
+  if plugin.offers_symmetric then
+    lines:most("K and D are symmetric when it is asked for", wanted.figure, ROUNDING,
+      "with HK_WANT_SYMMETRIC leave out the unsymmetric terms of dF/dx", wanted.where)
+  end
+  lines:most("HK_WANT_SYMMETRIC leaves out unsymmetric terms and nothing else", left_out.figure, 1e-9,
+    "symmetric blocks are the same with that flag", left_out.where)
+end
+
+local function definite_as_offered(plugin, lines)
+  local negative, takes, huge
+  at_random_states(plugin, lines, function(subject, case, _, v)
+    local size, want = #v, WANT_SYMMETRIC + WANT_DEFINITE
+    local exact, asked = { inspect.blocks(subject, WANT_SYMMETRIC) }, { inspect.blocks(subject, want) }
+    for m, name in ipairs { "K", "D" } do
+      local scale, more = math.max(worst.largest(exact[m]), worst.largest(asked[m])), {}
+      if scale - scale ~= 0 then huge = huge or name .. ", " .. case.name
+      else
+        for k = 1, size * size do more[k] = asked[m][k] - exact[m][k] end
+        if not definite(asked[m], size, scale) then negative = negative or name .. ", " .. case.name end
+        if not definite(more, size, scale) then takes = takes or name .. ", " .. case.name end
+      end
+      -- A projection takes no more off an element's block than the block is large; they add up.
+      if worst.largest(asked[m]) > 10 * worst.largest(exact[m]) + 1e-300 then huge = huge or name .. ", " .. case.name end
+    end
+  end, function(case) return case.few end)
+  lines:add(not negative, "K and D have no negative eigenvalue when it is asked for", "above -1e-9 of the largest", nil,
+    "with HK_WANT_DEFINITE project each element's block on what is not negative", negative or false)
+  lines:add(not takes, "HK_WANT_DEFINITE takes off negative eigenvalues and nothing else", nil, nil,
+    "leave blocks that are definite as they are", takes or false)
+  lines:add(not huge, "the blocks under HK_WANT_DEFINITE are of the size of the exact ones", nil, nil,
+    "project, do not replace", huge or false)
+end
+
+-- dF of `product` against the blocks, or against differences where there are none.
+local function product_is_that_of_the_blocks(plugin, lines)
+  local found, adds = worst.new(), worst.new()
+  local none
+  at_random_states(plugin, lines, function(subject, case, x, v)
+    local size, dx, dv = #x, {}, {}
+    for k = 1, size do dx[k], dv[k] = math.sin(k + 1), math.cos(3 * k) end
+    local K, D = inspect.blocks(subject, 0)
+    if not K then none = true return end
+    local expected = {}
+    for r = 1, size do
+      local sum = 0
+      for k = 1, size do sum = sum - K[(r - 1) * size + k] * dx[k] - D[(r - 1) * size + k] * dv[k] end
+      expected[r] = sum
+    end
+    inspect.set(subject, { x = v, v = x })
+    inspect.force(subject, 0)
+    inspect.set(subject, { x = x, v = v })
+    local figure, text = worst.difference(members.product(subject, dx, dv), expected)
+    found:take(figure, at(case, text))
+    local F, onto = members.product(subject, dx, dv), members.product(subject, dx, dv, 1)
+    for k = 1, size do
+      adds:take(math.abs(onto[k] - F[k] - 1) / math.max(1, math.abs(F[k])), case.name)
+    end
+  end)
+  if none then return end
+  lines:most("product = -K dx - D dv", found.figure, 1e-9, "it is the derivative of F along dx and dv, not minus it",
+    found.where)
+  lines:most("product adds to dF", adds.figure, 1e-14, "write dF[...] += ...", adds.where)
+end
+
+function derivatives.try(plugin, report)
+  if plugin.energy and not plugin.power then
+    report:try("force is minus the gradient of its energy", function(l) force_is_minus_the_gradient(plugin, l) end)
+  elseif plugin.power then
+    report:try("its power", function(l) power_is_of_the_rest(plugin, l) end)
+  else
+    report:note("it has neither energy nor power: all of F.v counts as work done on the scene")
+  end
+  if not plugin.jacobian then return report:note("it has no Jacobian: implicit methods leave it out") end
+  report:try("its Jacobian", function(l) jacobians_are_the_derivatives(plugin, l) end)
+  report:try("the symmetry of its Jacobian", function(l) symmetric_as_claimed(plugin, l) end)
+  if plugin.offers_definite then
+    report:try("its definite blocks", function(l) definite_as_offered(plugin, l) end)
+  end
+  if plugin.has.product then report:try("its product", function(l) product_is_that_of_the_blocks(plugin, l) end) end
+end
+
+return derivatives

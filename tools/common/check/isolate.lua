@@ -1,0 +1,96 @@
+-- A body of Lua in a child process with limits. What a plugin does there, crash, hang, exit, abort or print, ends or
+-- soils the child alone, and comes back as a sentence. The child tells its parent by lines on a pipe:
+--   @TEXT   where it is      =TABLE  something it found (a table as Lua text)      !TEXT  last words of a dying process
+--   .       it came to its end
+local process = require("process")
+
+local isolate = {}
+
+local BYTES = 4 << 30 -- address space; a check takes some tens of megabytes, the threads' stacks some hundreds
+
+local signals = { [2] = "SIGINT", [4] = "SIGILL", [6] = "SIGABRT", [7] = "SIGBUS", [8] = "SIGFPE", [9] = "SIGKILL",
+  [11] = "SIGSEGV", [15] = "SIGTERM", [24] = "SIGXCPU", [25] = "SIGXFSZ" }
+
+-- A value as one line of Lua, with all bits of numbers.
+local function dump(value)
+  if type(value) ~= "table" then return (("%q"):format(value):gsub("\\?\n", "\\n")) end
+  local parts = {}
+  for key, item in pairs(value) do parts[#parts + 1] = ("[%s]=%s"):format(dump(key), dump(item)) end
+  return "{" .. table.concat(parts, ",") .. "}"
+end
+
+local function undump(text) return assert(load("return " .. text, "=line", "t", {}))() end
+
+-- Lua's errors carry the file and line of the checker or the script; the rest is the cause.
+local function plain(message) return (tostring(message):gsub("^[%w_/%.%-]+%.lua:%d+: ", "")) end
+
+local function child(fd, out, err, seconds, body)
+  process.confine(seconds, BYTES, out, err, fd)
+  local teller = {
+    at = function(place) process.write(fd, "@" .. place:gsub("\n", " ") .. "\n") end,
+    tell = function(found) process.write(fd, "=" .. dump(found) .. "\n") end,
+  }
+  local fine, message = xpcall(body, function(m)
+    return type(m) == "string" and m .. "\n" .. debug.traceback("", 2) or tostring(m) end, teller, fd)
+  if fine then process.write(fd, ".\n")
+  else process.write(fd, "=" .. dump { failed = plain(message) } .. "\n.\n") end
+  process.exit(0)
+end
+
+-- What the child printed, in a few words; nil: nothing.
+local function shown(text)
+  text = text:gsub("^%s+", ""):gsub("%s+$", "")
+  if text == "" then return nil end
+  local line = text:match("ERROR: (AddressSanitizer:[^\n]*)") or text:match("runtime error: [^\n]*") or text
+  return line:sub(1, 200):gsub("%s+", " ")
+end
+
+local function read_lines(state, text, on_found)
+  state.rest = state.rest .. text
+  for line in state.rest:gmatch("([^\n]*)\n") do
+    local mark, said = line:sub(1, 1), line:sub(2)
+    if mark == "@" then state.place = said
+    elseif mark == "=" then on_found(undump(said))
+    elseif mark == "!" then state.last_words = said
+    elseif mark == "." then state.done = true end
+  end
+  state.rest = state.rest:match("[^\n]*$")
+end
+
+local function follow(pid, fd, seconds, on_found)
+  local state, deadline = { rest = "", place = nil }, process.clock() + seconds
+  while true do
+    local text = process.ready({ fd }, 0.1)[fd] and process.read(fd)
+    if text == "" then break end
+    if text then read_lines(state, text, on_found)
+    elseif process.clock() > deadline then
+      process.kill(pid)
+      state.late = true
+      break
+    end
+  end
+  process.close(fd)
+  state.how, state.code = process.wait(pid)
+  return state
+end
+
+-- Runs body(teller, fd) in a child of at most `seconds`: teller.at(text) says where it is, teller.tell(table) what it
+-- found, which comes to on_found(table) here at once. Returns nil or, where the child did not come to its end, what
+-- ended it in a sentence; the place where it was then; what it printed on standard output, and on standard error.
+function isolate.run(seconds, body, on_found)
+  local out, err = process.capture(), process.capture()
+  local pid, fd = process.fork()
+  if pid == 0 then child(fd, out, err, seconds, body) end
+  local state = follow(pid, fd, seconds, on_found)
+  local printed, complaint = shown(process.captured(out)), shown(process.captured(err))
+  local ended
+  if state.late then ended = ("it does not end: the process was ended after %g s"):format(seconds)
+  elseif state.last_words then ended = state.last_words
+  elseif not state.done then
+    ended = state.how == "signal" and ("the process was ended by signal %d (%s)"):format(state.code,
+      signals[state.code] or "?") or ("it ends the process with exit code %d"):format(state.code)
+  end
+  return ended, state.place, printed, complaint, state.late
+end
+
+return isolate

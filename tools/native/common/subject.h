@@ -1,0 +1,43 @@
+/* One force of a tool's run, evaluated directly at states made by the tool, in guarded arrays (guard.h): positions and
+ * velocities it may only read. The run itself does not change. As Lua sees it a subject is a userdata; arrays are
+ * tables of numbers. */
+#ifndef HK_TOOLS_SUBJECT_H
+#define HK_TOOLS_SUBJECT_H
+
+#include "core/lua/lua.h"
+#include "tools/native/common/guard.h"
+
+#include <lauxlib.h>
+#include <lua.h>
+
+typedef struct hk_subject {
+  hk_run *run;
+  hk_instance *instance;
+  const hk_force *force;
+  size_t index; /* of the force in the run */
+  hk_view view;
+  size_t n, size;                /* particles, 3n */
+  hk_guarded x, v, y, F, dy, dx; /* dx: a displacement, or other positions, n x 3 */
+  hk_guard_side side;
+  unsigned char fill; /* what the stack below a call is filled with */
+  hk_status status;   /* the last that was not HK_OK */
+} hk_subject;
+
+hk_subject *hk_subject_at(lua_State *L, int index);
+/* open(run, name [, "behind" or "before"]): the first force of the run that is a plugin of that name; its state is that
+ * of the run. */
+int hk_subject_open(lua_State *L);
+void hk_subject_enter(hk_subject *, const char *function); /* before a call of the plugin */
+void hk_subject_leave(hk_subject *);
+/* F += force, with what is there; returns the power that it added to `power`. With NAN the view has no power. */
+double hk_subject_add(hk_subject *, double power);
+double hk_subject_energy(hk_subject *);
+
+/* Numbers and tables. */
+void hk_table_push(lua_State *L, const double *number, size_t count);
+/* The table at `index`, `count` numbers of it. */
+void hk_table_read(lua_State *L, int index, double *number, size_t count);
+void hk_table_set(lua_State *L, const char *key, double value);
+double *hk_table_memory(lua_State *L, size_t count); /* zeroed; belongs to the Lua state */
+
+#endif
