@@ -5,6 +5,7 @@
 #include "core/plugin.h"
 
 #include <stdarg.h>
+#include <stdio.h>
 
 /* ---- error.c: a status and one sentence, made where the cause is known ---- */
 
@@ -54,6 +55,14 @@ void hk_threads_for(hk_threads *, size_t count, size_t grain,
 
 void hk_random_seed(uint64_t state[4], uint64_t seed);
 double hk_random_uniform(uint64_t state[4]); /* [0, 1), 53 bits */
+
+/* ---- plain.c: text from scripts and file names, for people ---- */
+
+/* Writes UTF-8 with letters and line breaks as they are; what could command a terminal (control characters, orders of
+ * writing direction, bytes that are no UTF-8) is written as \xHH or \u{HHHH}. */
+void hk_print_plain(FILE *, const char *text);
+void hk_plain_copy(char *into, size_t size, const char *text); /* the same into a buffer, cut at its end */
+size_t hk_utf8_length(const char *text); /* bytes of the character that text begins with; 0: it is no UTF-8 */
 
 /* ---- clock.c ---- */
 

@@ -4,6 +4,7 @@
 #include "core/base/base.h"
 #include "core/command/faults.h"
 #include "core/command/options.h"
+#include "core/command/watchdog.h"
 #include "core/host/host.h"
 #include "core/report/report.h"
 #include "core/lua/lua.h"
@@ -16,14 +17,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #define HK_VERSION "0.1.0"
 
 static volatile sig_atomic_t interrupted;
 
+/* The first signal asks for an orderly end, with everything kept; a second one, a second later, ends what does not come
+ * to it. (Some senders, such as timeout(1), send twice at once.) */
 static void interrupt(int signal_number) {
+  static struct timespec first;
+  struct timespec now;
   (void)signal_number;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (interrupted && now.tv_sec - first.tv_sec > 1) _exit(130);
+  if (!interrupted) first = now;
   interrupted = 1;
 }
 
@@ -105,6 +114,7 @@ static hk_script_options script_options(const hk_options *o, hk_registry *regist
                              .library = library,
                              .trust = o->trust,
                              .run = &o->run,
+                             .pulse = o->trust ? NULL : hk_watchdog_start(&interrupted),
                              .threads = o->threads,
                              .seed = o->seed,
                              .given_count = o->given_count,
@@ -189,7 +199,6 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
     o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch();
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
-    registry->allow_script_folder = o.trust;
     hk_script_options options = script_options(&o, registry, library);
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
@@ -253,8 +262,8 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
   run.acting = hk_faults_watch();
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
+  options.pulse = hk_watchdog_start(&interrupted);
   int code = 0;
-  registry->allow_script_folder = true; /* of the tool's own; scenes are opened as they are trusted */
   if (hk_tool_run(path, argc, argv, &options, &code, NULL, &error) != HK_OK) return complain(&error);
   return code;
 }

@@ -160,7 +160,7 @@ static int mesh_builder(lua_State *L) {
   luaL_checktype(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "mesh", keys);
-  if (lua_getfield(L, 2, "file") != LUA_TSTRING)
+  if (hk_lua_field(L, 2, "file") != LUA_TSTRING)
     return hk_lua_fail(L, HK_BAD_PARAM, "mesh: file is required, an OBJ file");
   mesh *m = new_mesh(L);
   load(L, m, lua_tostring(L, 3));
@@ -175,6 +175,7 @@ static int mesh_builder(lua_State *L) {
   int handle = lua_gettop(L);
   const side *list = push_sides(L, m, h.first);
   const hk_lua_edges *edges = push_pairs(L, list, 3 * m->triangles, false);
+  hk_limits_take(L, edges->count * sizeof *edges->pair + m->triangles * sizeof *m->triangle);
   hk_status status = hk_scene_add_edges(scene, edges->count, (const uint32_t(*)[2])edges->pair, &error);
   lua_setiuservalue(L, handle, 1);
   push_pairs(L, list, 3 * m->triangles, true);

@@ -126,6 +126,15 @@ static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double 
   return status;
 }
 
+/* About what a run needs: some vectors like the state's, and what plugins and threads have of their own. */
+static size_t run_bytes(const hk_scene *scene) {
+  enum { VECTORS = 16, PLUGIN = 4096, BASE = 1 << 18 };
+  size_t width = 6, plugins = 0;
+  for (size_t k = 0; k < scene->channels; k++) width += scene->channel[k].size;
+  for (int kind = 0; kind < HK_KINDS; kind++) plugins += scene->plugin[kind].count;
+  return BASE + PLUGIN * plugins + VECTORS * width * scene->n * sizeof(double);
+}
+
 int hk_lua_scene_run(lua_State *L) {
   static const char *const keys[] = {"to", NULL};
   hk_script *s = hk_lua_script(L);
@@ -142,9 +151,12 @@ int hk_lua_scene_run(lua_State *L) {
     return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, slot->scene->duration);
   if (s->finished || s->driving)
     return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");
+  if (!slot->run) hk_limits_take(L, run_bytes(slot->scene));
   s->drove = s->driving = true;
   s->current = L;
+  bool inside = hk_limits_inside(s, false);
   hk_status status = drive(slot, &hk_lua_owner(L, 1)->run_options, to, &error);
+  hk_limits_inside(s, inside);
   s->current = outer;
   s->driving = false;
   s->instructions += CALL_COST;
@@ -165,5 +177,7 @@ void hk_lua_open_run(lua_State *L) {
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
   lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);
 }

@@ -3,7 +3,6 @@
  * that suggests the nearest name. */
 #include "core/lua/internal.h"
 
-#include <stdio.h>
 #include <string.h>
 
 static int refuse(lua_State *L) {
@@ -49,16 +48,6 @@ static int set_metatable(lua_State *L) {
   lua_settop(L, 2);
   lua_setmetatable(L, 1);
   return 1;
-}
-
-static int print_to_stderr(lua_State *L) {
-  int count = lua_gettop(L);
-  for (int k = 1; k <= count; k++) {
-    fprintf(stderr, "%s%s", k > 1 ? "\t" : "", luaL_tolstring(L, k, NULL));
-    lua_pop(L, 1);
-  }
-  fputc('\n', stderr);
-  return 0;
 }
 
 static int print_nothing(lua_State *L) {
@@ -120,7 +109,7 @@ static const char *key_at(const void *context, size_t k) {
 
 /* __index of the environment: raises the error of a name that does not exist. */
 static int undefined(lua_State *L) {
-  if (lua_type(L, 2) != LUA_TSTRING) return 0;
+  if (!lua_istable(L, 1) || lua_type(L, 2) != LUA_TSTRING) return 0;
   const char *name = lua_tostring(L, 2);
   key_list list = {0};
   for (lua_pushnil(L); list.count < 256 && lua_next(L, 1); lua_pop(L, 1))
@@ -190,14 +179,15 @@ void hk_lua_push_sandbox(lua_State *L) {
   lua_pushcfunction(L, set_metatable);
   lua_setfield(L, -2, "setmetatable");
   hk_lua_guard(L);
+  hk_lua_hide_addresses(L, silent);
   seal_strings(L);
-  lua_pushcfunction(L, silent ? print_nothing : print_to_stderr);
-  lua_setfield(L, -2, "print");
   lua_pushvalue(L, -1);
   lua_setfield(L, -2, "_G");
   add_require(L);
-  lua_createtable(L, 0, 1);
+  lua_createtable(L, 0, 2);
   lua_pushcfunction(L, undefined);
   lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
   lua_setmetatable(L, -2);
 }

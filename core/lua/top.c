@@ -86,14 +86,9 @@ static hk_status run_script(hk_script *s, hk_error *error) {
 }
 
 hk_status hk_script_open(const char *path, const hk_script_options *options, hk_script **script, hk_error *error) {
-  hk_registry *registry = options->registry;
-  bool outer = registry->allow_script_folder;
   *script = new_script(path, options);
   if (!*script) return hk_error_set(error, HK_NO_MEMORY, "no memory for the script %s", path);
-  registry->allow_script_folder = options->trust;
-  hk_status status = run_script(*script, error);
-  registry->allow_script_folder = outer;
-  return status;
+  return run_script(*script, error);
 }
 
 void hk_script_close(hk_script *s) {

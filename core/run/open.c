@@ -41,7 +41,7 @@ static const hk_plugin_spec *found_service(hk_run *run, const char *wanted) {
   const hk_plugin *plugin;
   hk_error ignored = {0};
   snprintf(name, sizeof name, "%.*s", (int)strcspn(wanted, "/"), wanted);
-  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &ignored);
+  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, false, &plugin, &ignored);
   if (status != HK_OK || !serves(plugin, wanted)) return NULL;
   hk_plugin_spec **grown = realloc(run->service_spec, (run->services + 1) * sizeof *grown);
   if (grown) run->service_spec = grown;
