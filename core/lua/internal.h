@@ -55,8 +55,10 @@ hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error)
 
 /* chunk.c */
 /* Pushes the compiled script at `path`, or the text of the error. LUA_ERRFILE: the file cannot be read (errno), and
- * nothing is pushed. */
-int hk_lua_load(lua_State *L, const char *path, const char *name);
+ * nothing is pushed. `within`: as in hk_file_read. */
+int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within);
+/* The folders from which the script may read, for hk_file_read; NULL: all. */
+const char *const *hk_lua_readable(const hk_script *, const char *folders[3]);
 hk_status hk_lua_no_file(const hk_script *, hk_error *error); /* the reason why its file cannot be read, by errno */
 
 /* edges.c: a block of pairs of ids. */

@@ -2,6 +2,7 @@
  * the Wavefront OBJ format the records v and f are read; f may have texture and normal indices, which are skipped, and
  * negative ones. */
 #include "core/lua/internal.h"
+#include "core/base/base.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -144,10 +145,10 @@ static void push_triangles(lua_State *L, const mesh *m) {
 }
 
 static void load(lua_State *L, mesh *m, const char *name) {
-  const char *folder = hk_lua_script(L)->folder;
+  const char *folder = hk_lua_script(L)->folder, *folders[3];
   const char *path = *name == '/' ? name : lua_pushfstring(L, "%s/%s", folder, name);
-  FILE *file = fopen(path, "r");
-  if (!file) hk_lua_fail(L, HK_IO, "mesh: cannot read %s: %s", path, strerror(errno));
+  FILE *file = hk_file_read(path, hk_lua_readable(hk_lua_script(L), folders));
+  if (!file) hk_lua_fail(L, HK_IO, "mesh: cannot read %s: %s", path, hk_file_reason(errno));
   const char *wrong = read_file(m, file);
   fclose(file);
   if (wrong) hk_lua_fail(L, HK_IO, "mesh: %s:%d: %s", name, (int)m->line, wrong);

@@ -2,7 +2,9 @@
  * Using a function that is excluded on purpose is an error that says so; using a name that does not exist is an error
  * that suggests the nearest name. */
 #include "core/lua/internal.h"
+#include "core/base/base.h"
 
+#include <errno.h>
 #include <string.h>
 
 static int refuse(lua_State *L) {
@@ -59,7 +61,10 @@ static int print_nothing(lua_State *L) {
 static bool load_module(lua_State *L, const char *folder, const char *name) {
   lua_pushfstring(L, "%s.lua", name);
   lua_pushfstring(L, "%s/%s", folder, lua_tostring(L, -1));
-  int code = hk_lua_load(L, lua_tostring(L, -1), lua_tostring(L, -2));
+  const char *folders[3];
+  int code = hk_lua_load(L, lua_tostring(L, -1), lua_tostring(L, -2), hk_lua_readable(hk_lua_script(L), folders));
+  if (code == LUA_ERRFILE && errno != ENOENT)
+    hk_lua_fail(L, HK_IO, "require: cannot read %s.lua: %s", name, hk_file_reason(errno));
   if (code == LUA_ERRFILE) return false;
   if (code != LUA_OK) lua_error(L);
   lua_pushvalue(L, lua_upvalueindex(1));

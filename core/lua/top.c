@@ -45,7 +45,7 @@ static int prepare(lua_State *L) {
   const hk_script *s = hk_lua_script(L);
   open_libraries(L);
   hk_lua_push_sandbox(L);
-  int code = hk_lua_load(L, s->path, s->name);
+  int code = hk_lua_load(L, s->path, s->name, NULL);
   if (code == LUA_ERRFILE) return 0;
   if (code != LUA_OK) return lua_error(L);
   lua_insert(L, -2);

@@ -305,7 +305,7 @@ static hk_status start(hk_run *run) {
   double given = isnan(run->options.dt) ? run->scene->dt : isinf(run->options.dt) ? NAN : run->options.dt;
   hk_status status = HK_OK;
   if (run->scene->start_file)
-    status = hk_start_file_read(&run->loop, &run->judgement, run->scene->start_file, &run->resumed);
+    status = hk_start_file_read(&run->loop, &run->judgement, run->folder, run->scene->start_file, &run->resumed);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < forces->count; k++)
     run->dynamics.force_acts[k] = hk_force_acts_at(forces->item[k], run->state.t);
