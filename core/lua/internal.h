@@ -16,6 +16,7 @@ struct hk_script {
   size_t memory, memory_limit;              /* of Lua */
   size_t engine_memory;                     /* of scenes and runs */
   uint64_t instructions, instruction_limit; /* count and limit of the current call */
+  double started, seconds_limit;            /* s, processor time: at the current call's first look at it; of one call */
   const void *refused;                      /* the last request for memory that was refused, see allocate() */
   size_t refused_size;
   bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
@@ -46,6 +47,9 @@ void hk_limits_take(lua_State *L, size_t bytes);
 void hk_limits_coroutine(lua_State *L, lua_State *coroutine);
 /* The engine works for the script, or no longer; returns what was. While it does the watchdog sees no standstill. */
 bool hk_limits_inside(hk_script *, bool inside);
+/* The engine's time is not the script's: what the call has used, and its clock set to that. */
+double hk_limits_pause(hk_script *);
+void hk_limits_resume(hk_script *, double used);
 
 /* errors.c */
 /* "file.lua:12", the place of the calling function of the script; also pushed on the stack. */

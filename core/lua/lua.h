@@ -63,6 +63,9 @@ hk_status hk_script_verify(const char *path, const hk_script_options *options, c
 hk_status hk_script_host(const char *path, const hk_script_options *options, lua_CFunction function, void *context,
                          hk_error *error);
 
+/* Runs the file at the script's path in the sandbox, with the present `hooke`; pushes what it returns. */
+void hk_lua_run_file(lua_State *L);
+
 hk_script *hk_lua_script(lua_State *L); /* the script that the Lua state belongs to */
 const hk_script_options *hk_script_asked(const hk_script *);
 hk_run_options *hk_script_run_options(hk_script *); /* options of the runs that the script drives; may be changed */

@@ -155,7 +155,9 @@ int hk_lua_scene_run(lua_State *L) {
   s->drove = s->driving = true;
   s->current = L;
   bool inside = hk_limits_inside(s, false);
+  double used = hk_limits_pause(s);
   hk_status status = drive(slot, &hk_lua_owner(L, 1)->run_options, to, &error);
+  hk_limits_resume(s, used);
   hk_limits_inside(s, inside);
   s->current = outer;
   s->driving = false;

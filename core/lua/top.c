@@ -4,6 +4,7 @@
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,6 +52,17 @@ static int prepare(lua_State *L) {
   lua_insert(L, -2);
   lua_setupvalue(L, -2, 1); /* _ENV */
   return 1;
+}
+
+void hk_lua_run_file(lua_State *L) {
+  const hk_script *s = hk_lua_script(L);
+  hk_lua_push_sandbox(L);
+  int code = hk_lua_load(L, s->path, s->name, NULL);
+  if (code == LUA_ERRFILE) hk_lua_fail(L, HK_IO, "cannot read %s: %s", s->path, strerror(errno));
+  if (code != LUA_OK) lua_error(L);
+  lua_insert(L, -2);
+  lua_setupvalue(L, -2, 1); /* _ENV */
+  lua_call(L, 0, 1);
 }
 
 /* Closes the runs that the script left open. */
