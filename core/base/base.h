@@ -69,7 +69,8 @@ const char *hk_file_reason(int cause); /* strerror, and sentences for files outs
  * writing direction, bytes that are no UTF-8) is written as \xHH or \u{HHHH}. */
 void hk_print_plain(FILE *, const char *text);
 void hk_plain_copy(char *into, size_t size, const char *text); /* the same into a buffer, cut at its end */
-size_t hk_utf8_length(const char *text); /* bytes of the character that text begins with; 0: it is no UTF-8 */
+size_t hk_utf8_next(const char *text, uint32_t *code);         /* bytes of the first character; 0: it is no UTF-8 */
+bool hk_commands_terminal(uint32_t code);
 
 /* ---- clock.c ---- */
 

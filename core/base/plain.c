@@ -5,29 +5,22 @@
 #include <stdio.h>
 #include <string.h>
 
-size_t hk_utf8_length(const char *text) {
+size_t hk_utf8_next(const char *text, uint32_t *code) {
+  static const unsigned char first[] = {0, 0x7f, 0x1f, 0x0f, 0x07};
+  static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
   const unsigned char *c = (const unsigned char *)text;
-  size_t length = *c < 0x80                 ? 1
-                  : *c >= 0xc2 && *c < 0xe0 ? 2
-                  : *c >= 0xe0 && *c < 0xf0 ? 3
-                  : *c >= 0xf0 && *c < 0xf5 ? 4
-                                            : 0;
-  for (size_t k = 1; k < length; k++)
+  size_t length = *c < 0x80 ? 1 : *c < 0xc0 ? 0 : *c < 0xe0 ? 2 : *c < 0xf0 ? 3 : *c < 0xf8 ? 4 : 0;
+  *code = *c & first[length];
+  for (size_t k = 1; k < length; k++) {
     if ((c[k] & 0xc0) != 0x80) return 0;
-  bool wrong = (c[0] == 0xe0 && c[1] < 0xa0) || (c[0] == 0xed && c[1] > 0x9f) || (c[0] == 0xf0 && c[1] < 0x90) ||
-               (c[0] == 0xf4 && c[1] > 0x8f);
-  return wrong ? 0 : length;
-}
-
-static unsigned long code_of(const char *text, size_t length) {
-  static const unsigned char mask[] = {0, 0x7f, 0x1f, 0x0f, 0x07};
-  unsigned long code = (unsigned char)text[0] & mask[length];
-  for (size_t k = 1; k < length; k++) code = code << 6 | ((unsigned char)text[k] & 0x3f);
-  return code;
+    *code = *code << 6 | (c[k] & 0x3f);
+  }
+  bool valid = length && *code >= least[length] && *code <= 0x10ffff && (*code < 0xd800 || *code > 0xdfff);
+  return valid ? length : 0;
 }
 
 /* Control characters, and those that change the direction of writing (Unicode UAX 9). */
-static bool commands(unsigned long code) {
+bool hk_commands_terminal(uint32_t code) {
   if (code == '\n' || code == '\t') return false;
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x61c || (code >= 0x200e && code <= 0x200f) ||
          (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
@@ -35,14 +28,15 @@ static bool commands(unsigned long code) {
 
 /* Writes the next character into `piece`; returns the bytes read. */
 static size_t next(const char *text, char piece[16]) {
-  size_t length = hk_utf8_length(text);
-  unsigned long code = length ? code_of(text, length) : (unsigned char)*text;
-  if (length && !commands(code)) {
+  uint32_t code;
+  size_t length = hk_utf8_next(text, &code);
+  if (length && !hk_commands_terminal(code)) {
     memcpy(piece, text, length);
     piece[length] = 0;
     return length;
   }
-  snprintf(piece, 16, code < 0x100 ? "\\x%02lx" : "\\u{%lx}", code);
+  if (!length) code = (unsigned char)*text;
+  snprintf(piece, 16, code < 0x100 ? "\\x%02x" : "\\u{%x}", (unsigned)code);
   return length ? length : 1;
 }
 

@@ -105,8 +105,14 @@ static void print_params(const hk_script *script) {
   const hk_param_declared *params;
   size_t count = hk_script_params(script, &params);
   if (count) printf("\nparameters of this scene (name=value):\n");
-  for (size_t k = 0; k < count; k++)
-    printf("  %-12s %-12s %s\n", params[k].name, params[k].initial, params[k].help ? params[k].help : "");
+  for (size_t k = 0; k < count; k++) {
+    char name[256], initial[256];
+    hk_plain_copy(name, sizeof name, params[k].name);
+    hk_plain_copy(initial, sizeof initial, params[k].initial);
+    printf("  %-12s %-12s ", name, initial);
+    hk_print_plain(stdout, params[k].help ? params[k].help : "");
+    printf("\n");
+  }
 }
 
 static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {

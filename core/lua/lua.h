@@ -104,6 +104,8 @@ hk_script *hk_lua_owner(lua_State *L, int index);     /* owner of the scene at `
  * user value of a run is its scene. */
 extern const char hk_lua_run_type[];
 hk_run *hk_lua_run(lua_State *L);
+/* Pushes a name of a scene, or another text of a script, harmless for a terminal. */
+void hk_lua_push_plain(lua_State *L, const char *text);
 void hk_lua_push_summary(lua_State *L, const hk_summary *);
 
 #endif

@@ -15,6 +15,12 @@ const char *hk_lua_plain_text(lua_State *L, int index) {
   return lua_pushstring(L, lua_typename(L, type));
 }
 
+void hk_lua_push_plain(lua_State *L, const char *text) {
+  char plain[4096];
+  hk_plain_copy(plain, sizeof plain, text);
+  lua_pushstring(L, plain);
+}
+
 /* Pushes the value's text, its own where it has one. */
 static const char *text_of(lua_State *L, int index) {
   luaL_checkany(L, index);

@@ -12,7 +12,10 @@ static void set_number(lua_State *L, const char *key, double value) {
 }
 
 static void set_text(lua_State *L, const char *key, const char *value) {
-  lua_pushstring(L, value);
+  if (value)
+    hk_lua_push_plain(L, value);
+  else
+    lua_pushnil(L);
   lua_setfield(L, -2, key);
 }
 
@@ -28,7 +31,12 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   }
   lua_setfield(L, -2, "plugins");
   lua_createtable(L, 0, (int)s->measures);
-  for (size_t k = 0; k < s->measures; k++) set_number(L, s->measure_name[k], s->measure[k]);
+  for (size_t k = 0; k < s->measures; k++)
+    if (isfinite(s->measure[k])) {
+      hk_lua_push_plain(L, s->measure_name[k]);
+      lua_pushnumber(L, s->measure[k]);
+      lua_rawset(L, -3);
+    }
   lua_setfield(L, -2, "measures");
 }
 
