@@ -2,6 +2,7 @@
  * the environment or catch a signal. */
 #include "core/command/auto.h"
 #include "core/base/base.h"
+#include "core/command/confinement.h"
 #include "core/command/faults.h"
 #include "core/command/options.h"
 #include "core/command/watchdog.h"
@@ -186,6 +187,24 @@ static void catch_signals(void) {
   sigaction(SIGTERM, &action, NULL);
 }
 
+/* Before the script and before any thread: what an untrusted scene has no use for is given up. */
+static const char *confine(const hk_options *o, const hk_registry *registry, const places *p) {
+  char output[PATH_MAX], native[PATH_MAX + 16];
+  const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
+  size_t length = strlen(name);
+  if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
+  bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output && name[0] != '.';
+  snprintf(native, sizeof native, "%s/../tools", p->plugins);
+  hk_confinement c = {
+      .scene = o->scene, .read = {p->plugins, p->scripts, p->tools, native}, .search = registry->search};
+  c.libraries = getenv("LD_LIBRARY_PATH");
+  c.programs = getenv("PATH");
+  c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
+  c.named = o->run.out != NULL;
+  c.state = o->state;
+  return hk_confine(&c);
+}
+
 static int run_command(int argc, char **argv, hk_registry *registry, const places *p) {
   hk_error error = {0};
   hk_options o;
@@ -205,6 +224,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
     o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch();
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
+    if (!o.trust) o.run.caution = confine(&o, registry, p);
     hk_script_options options = script_options(&o, registry, library);
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
@@ -223,6 +243,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
       code = run_scene(script, &o, registry, library);
   }
   hk_script_close(script);
+  hk_confinement_end();
   free(o.given);
   return code;
 }

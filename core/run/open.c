@@ -81,6 +81,7 @@ static hk_status open_shared(hk_run *run) {
   int asked = run->options.threads > 0 ? run->options.threads : scene->threads;
   int threads = asked > 0 ? asked : online > 0 ? (int)online : 1;
   run->warnings.silent = run->options.progress < 0;
+  if (run->options.caution) hk_warn(&run->warnings, "%s", run->options.caution);
   run->shared = (hk_shared){.error = &run->error, .warnings = &run->warnings, .seed = scene->seed};
   run->shared.allocations_left = run->options.allocations > 0 ? run->options.allocations - 1 : -1;
   run->shared.path = path_of;

@@ -34,6 +34,7 @@ typedef struct hk_run_options {
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* NULL: cannot be */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
+  const char *caution;                      /* a warning that the run begins with; NULL: none */
   int threads;                              /* 0: the scene's */
   long allocations;                         /* plugins get so many; 0: any number. For tests of what happens then */
 } hk_run_options;
