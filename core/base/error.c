@@ -7,7 +7,9 @@
 hk_status hk_error_setv(hk_error *error, hk_status status, const char *format, va_list arguments) {
   if (error && error->status == HK_OK) {
     error->status = status;
-    vsnprintf(error->text, sizeof error->text, format, arguments);
+    char text[sizeof error->text];
+    vsnprintf(text, sizeof text, format, arguments);
+    hk_plain_copy(error->text, sizeof error->text, text); /* names in it may be anything */
   }
   return status;
 }

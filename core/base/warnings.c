@@ -6,11 +6,12 @@
 #include <string.h>
 
 void hk_warn(hk_warnings *w, const char *format, ...) {
-  char text[1024];
+  char text[1024], raw[1024];
   va_list arguments;
   va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
+  vsnprintf(raw, sizeof raw, format, arguments);
   va_end(arguments);
+  hk_plain_copy(text, sizeof text, raw);
   for (size_t k = 0; k < w->count; k++)
     if (strcmp(w->text[k], text) == 0) return;
   char *copy = hk_string_copy(text), **grown = realloc(w->text, (w->count + 1) * sizeof *grown);

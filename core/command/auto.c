@@ -53,6 +53,7 @@ hk_status hk_auto_choose(hk_options *o, const hk_scene *scene, const char *tools
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = o->run.interrupted};
   run.acting = o->run.acting;
   hk_script_options options = {.registry = script->registry, .library = script->library, .trust = true, .run = &run};
+  options.pulse = script->pulse;
   hk_status status = question(&w, o, accuracy) ? hk_tool_run(path, w.count, w.word, &options, &code, choice, error)
                                                : hk_error_set(error, HK_NO_MEMORY, "no memory to choose an integrator");
   for (int k = 0; k < w.count; k++) free(w.word[k]);

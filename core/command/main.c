@@ -2,9 +2,11 @@
  * the environment or catch a signal. */
 #include "core/command/auto.h"
 #include "core/base/base.h"
+#include "core/command/confinement.h"
 #include "core/command/faults.h"
 #include "core/command/keep.h"
 #include "core/command/options.h"
+#include "core/command/watchdog.h"
 #include "core/host/host.h"
 #include "core/report/report.h"
 #include "core/lua/lua.h"
@@ -17,14 +19,22 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #define HK_VERSION "0.1.0"
 
 static volatile sig_atomic_t interrupted;
 
+/* The first signal asks for an orderly end, with everything kept; a second one, a second later, ends what does not come
+ * to it. (Some senders, such as timeout(1), send twice at once.) */
 static void interrupt(int signal_number) {
+  static struct timespec first;
+  struct timespec now;
   (void)signal_number;
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (interrupted && now.tv_sec - first.tv_sec > 1) _exit(130);
+  if (!interrupted) first = now;
   interrupted = 1;
   hk_faults_interrupt();
 }
@@ -98,8 +108,14 @@ static void print_params(const hk_script *script) {
   const hk_param_declared *params;
   size_t count = hk_script_params(script, &params);
   if (count) printf("\nparameters of this scene (name=value):\n");
-  for (size_t k = 0; k < count; k++)
-    printf("  %-12s %-12s %s\n", params[k].name, params[k].initial, params[k].help ? params[k].help : "");
+  for (size_t k = 0; k < count; k++) {
+    char name[256], initial[256];
+    hk_plain_copy(name, sizeof name, params[k].name);
+    hk_plain_copy(initial, sizeof initial, params[k].initial);
+    printf("  %-12s %-12s ", name, initial);
+    hk_print_plain(stdout, params[k].help ? params[k].help : "");
+    printf("\n");
+  }
 }
 
 static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
@@ -107,6 +123,7 @@ static hk_script_options script_options(const hk_options *o, hk_registry *regist
                              .library = library,
                              .trust = o->trust,
                              .run = &o->run,
+                             .pulse = o->trust ? NULL : hk_watchdog_start(&interrupted),
                              .threads = o->threads,
                              .seed = o->seed,
                              .given_count = o->given_count,
@@ -174,6 +191,24 @@ static void catch_signals(void) {
   sigaction(SIGTERM, &action, NULL);
 }
 
+/* Before the script and before any thread: what an untrusted scene has no use for is given up. */
+static const char *confine(const hk_options *o, const hk_registry *registry, const places *p) {
+  char output[PATH_MAX], native[PATH_MAX + 16];
+  const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
+  size_t length = strlen(name);
+  if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
+  bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output && name[0] != '.';
+  snprintf(native, sizeof native, "%s/../tools", p->plugins);
+  hk_confinement c = {
+      .scene = o->scene, .read = {p->plugins, p->scripts, p->tools, native}, .search = registry->search};
+  c.libraries = getenv("LD_LIBRARY_PATH");
+  c.programs = getenv("PATH");
+  c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
+  c.named = o->run.out != NULL;
+  c.state = o->state;
+  return hk_confine(&c);
+}
+
 static int run_command(int argc, char **argv, hk_registry *registry, const places *p) {
   hk_error error = {0};
   hk_options o;
@@ -195,7 +230,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
-    registry->allow_script_folder = o.trust;
+    if (!o.trust) o.run.caution = confine(&o, registry, p);
     hk_script_options options = script_options(&o, registry, library);
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
@@ -214,6 +249,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
       code = run_scene(script, &o, registry, library);
   }
   hk_script_close(script);
+  hk_confinement_end();
   free(o.given);
   return code;
 }
@@ -259,8 +295,8 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
   run.acting = hk_faults_watch(registry);
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
+  options.pulse = hk_watchdog_start(&interrupted);
   int code = 0;
-  registry->allow_script_folder = true; /* of the tool's own; scenes are opened as they are trusted */
   if (hk_tool_run(path, argc, argv, &options, &code, NULL, &error) != HK_OK) return complain(&error);
   return code;
 }

@@ -18,7 +18,6 @@ typedef struct hk_loaded {
 typedef struct hk_registry {
   char *root;   /* folder with forces/, integrators/ ...: beside the executable or in ../lib/hooke/plugins */
   char *search; /* further folders, separated by ':', or NULL */
-  bool allow_script_folder; /* --trust: a path may name any file; without it only files in the folders above */
   size_t count;
   hk_loaded *item;
   const char *volatile opening; /* the file that is being loaded, for whoever has to say why the process ends; NULL */
@@ -27,10 +26,11 @@ typedef struct hk_registry {
 hk_status hk_registry_open(hk_registry *, const char *root, const char *search, hk_error *error);
 void hk_registry_close(hk_registry *); /* to be called after all instances are destroyed */
 /* Finds a plugin by its name, or by a path with a slash; the error of an unknown name suggests the nearest name and
- * lists failed loads. */
-hk_status hk_registry_find(hk_registry *, hk_kind kind, const char *name, const hk_plugin **plugin, hk_error *error);
+ * lists failed loads. `trusted`: the path may name any file; otherwise only those in the folders above. */
+hk_status hk_registry_find(hk_registry *, hk_kind kind, const char *name, bool trusted, const hk_plugin **plugin,
+                           hk_error *error);
 /* Loads the plugin in a file, of any kind; NULL with `error`. */
-const hk_loaded *hk_registry_load(hk_registry *, const char *path, hk_error *error);
+const hk_loaded *hk_registry_load(hk_registry *, const char *path, bool trusted, hk_error *error);
 hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* loads all plugins, for the catalogue */
 /* The first plugin of a kind for which `suits` is true: first those that the installation names in KIND/default, in
  * that order, then all. They are opened one by one. HK_FAILED: there is none. */

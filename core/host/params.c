@@ -279,7 +279,8 @@ const hk_param *hk_param_list(const hk_plugin *plugin, const hk_param *per_tuple
 static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_error *error) {
   const hk_param *list = hk_param_list(spec->plugin, p);
   const hk_per_tuple *values = (const hk_per_tuple *)(const void *)((const char *)spec->values + p->offset);
-  if (!list || values->count <= 1) return HK_OK;
+  bool given = spec->given[p - spec->plugin->params]; /* an empty list says nothing of any tuple */
+  if (!list || values->count == 1 || (values->count == 0 && !given)) return HK_OK;
   const hk_tuples *tuples = (const hk_tuples *)(const void *)((const char *)spec->values + list->offset);
   if (values->count == tuples->count) return HK_OK;
   return hk_error_set(error, HK_BAD_PARAM, "%s: %s has %zu numbers for %zu %s", spec->label, p->name, values->count,

@@ -170,10 +170,10 @@ static hk_status unknown(const hk_registry *registry, hk_kind kind, const char *
 }
 
 /* A file named by its path: only below the installation's or the search path's folders, unless trusted. */
-static hk_status find_path(const hk_registry *registry, const char *name, char *path, hk_error *error) {
+static hk_status find_path(const hk_registry *registry, const char *name, bool trusted, char *path, hk_error *error) {
   char folder[PATH_MAX - 64], real[PATH_MAX];
   if (!realpath(name, path)) return hk_error_set(error, HK_FAILED, "the plugin %s does not exist", name);
-  if (registry->allow_script_folder) return HK_OK;
+  if (trusted) return HK_OK;
   for (size_t k = 0; folder_at(registry, k, folder, sizeof folder); k++)
     if (realpath(folder, real) && strncmp(path, real, strlen(real)) == 0 && path[strlen(real)] == '/') return HK_OK;
   return hk_error_set(
@@ -190,17 +190,17 @@ static const hk_loaded *load_usable(hk_registry *registry, const char *path, con
   return NULL;
 }
 
-const hk_loaded *hk_registry_load(hk_registry *registry, const char *name, hk_error *error) {
+const hk_loaded *hk_registry_load(hk_registry *registry, const char *name, bool trusted, hk_error *error) {
   char path[PATH_MAX];
-  return find_path(registry, name, path, error) == HK_OK ? load_usable(registry, path, name, error) : NULL;
+  return find_path(registry, name, trusted, path, error) == HK_OK ? load_usable(registry, path, name, error) : NULL;
 }
 
-hk_status hk_registry_find(hk_registry *registry, hk_kind kind, const char *name, const hk_plugin **plugin,
-                           hk_error *error) {
+hk_status hk_registry_find(hk_registry *registry, hk_kind kind, const char *name, bool trusted,
+                           const hk_plugin **plugin, hk_error *error) {
   char path[PATH_MAX];
   const hk_loaded *item;
   if (strchr(name, '/'))
-    item = hk_registry_load(registry, name, error);
+    item = hk_registry_load(registry, name, trusted, error);
   else if (find_file(registry, kind, name, path, error) != HK_OK)
     item = NULL;
   else

@@ -109,9 +109,15 @@ static hk_status check_demand(const hk_loop *loop, double longest, double at) {
                       longest, loop->state->t);
 }
 
+static hk_status check_given(const hk_loop *loop, double at) {
+  if (loop->step->dt > 64 * DBL_EPSILON * fabs(at)) return HK_OK;
+  return hk_error_set(loop->error, HK_BAD_PARAM, "steps of %g s are too short to move t = %g s", loop->step->dt, at);
+}
+
 static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
   double h, dt = loop->step->dt;
   hk_status demand = check_demand(loop, hk_sweep_longest_step(loop->dynamics), stop);
+  if (demand == HK_OK) demand = check_given(loop, stop);
   if (demand != HK_OK) return demand;
   size_t n = divide(loop, begin, stop, &h);
   const hk_loop_hooks *hooks = &loop->hooks;

@@ -8,8 +8,9 @@
 uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what) {
   hk_error error = {0};
   uint32_t group = 0;
-  if (lua_getfield(L, table, "group") != LUA_TNIL) {
+  if (hk_lua_field(L, table, "group") != LUA_TNIL) {
     if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: group: expected a name", what);
+    hk_limits_take(L, lua_rawlen(L, -1) + 64);
     if (hk_scene_add_group(scene, lua_tostring(L, -1), &group, &error) != HK_OK) hk_lua_raise(L, &error);
   }
   lua_pop(L, 1);
@@ -25,6 +26,8 @@ uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t coun
   hk_error error = {0};
   uint32_t first = 0;
   if (scene->frozen) hk_lua_fail(L, HK_BAD_PARAM, "%s: the scene runs and can no longer be edited", what);
+  hk_limits_take(L, count * (7 * sizeof(double) + sizeof(uint32_t)));
+  for (size_t k = 0; k < scene->channels; k++) hk_limits_take(L, count * scene->channel[k].size * sizeof(double));
   if (hk_scene_add_particles(scene, count, x, v, mass, common, group, &first, &error) != HK_OK)
     prefix_raise(L, what, &error);
   return first;
@@ -36,7 +39,7 @@ static void set_channels(lua_State *L, hk_scene *scene, int table, uint32_t id) 
   for (size_t k = 0; k < scene->channels; k++) {
     const hk_channel_spec *channel = &scene->channel[k];
     hk_error error = {0};
-    if (lua_getfield(L, table, channel->name) != LUA_TNIL) {
+    if (hk_lua_field(L, table, channel->name) != LUA_TNIL) {
       size_t count = 1;
       double number, *list = &number;
       if (lua_isnumber(L, -1))
@@ -73,7 +76,7 @@ static int particle(lua_State *L) {
 /* Converts a list of triples to a block on the Lua stack; NULL: the key is absent. */
 static double *triples(lua_State *L, int table, const char *key, size_t *count) {
   char what[64];
-  if (lua_getfield(L, table, key) == LUA_TNIL) return NULL;
+  if (hk_lua_field(L, table, key) == LUA_TNIL) return NULL;
   int list = lua_gettop(L);
   if (!lua_istable(L, list)) hk_lua_fail(L, HK_BAD_PARAM, "particles: %s: expected a list of {x, y, z}", key);
   *count = lua_rawlen(L, list);
@@ -97,7 +100,7 @@ static int particles(lua_State *L) {
   if (!x) return hk_lua_fail(L, HK_BAD_PARAM, "particles: positions is required");
   if (v && velocities != count)
     return hk_lua_fail(L, HK_BAD_PARAM, "particles: %d velocities for %d positions", (int)velocities, (int)count);
-  if (lua_getfield(L, 2, "masses") != LUA_TNIL) {
+  if (hk_lua_field(L, 2, "masses") != LUA_TNIL) {
     m = hk_lua_to_ids(L, -1, &masses);
     if (!m || masses != count)
       return hk_lua_fail(L, HK_BAD_PARAM, "particles: masses: expected %d numbers", (int)count);
@@ -122,6 +125,7 @@ static void add_surface(lua_State *L, hk_scene *scene, const hk_lua_handle *h) {
   hk_error error = {0};
   size_t cells = (size_t)(h->nx - 1) * (h->ny - 1), at = 0;
   uint32_t(*triangle)[3] = lua_newuserdatauv(L, (2 * cells + 1) * sizeof *triangle, 0);
+  hk_limits_take(L, 2 * cells * sizeof *triangle);
   for (uint32_t j = 0; j + 1 < h->ny; j++)
     for (uint32_t i = 0; i + 1 < h->nx; i++) {
       uint32_t a = h->first + j * h->nx + i, b = a + 1, c = a + h->nx, d = c + 1;
@@ -135,6 +139,7 @@ static void add_surface(lua_State *L, hk_scene *scene, const hk_lua_handle *h) {
 static void add_edges(lua_State *L, hk_scene *scene) {
   hk_error error = {0};
   const hk_lua_edges *edges = hk_lua_to_edges(L, -1);
+  hk_limits_take(L, edges->count * sizeof *edges->pair);
   if (hk_scene_add_edges(scene, edges->count, (const uint32_t(*)[2])edges->pair, &error) != HK_OK)
     hk_lua_raise(L, &error);
 }

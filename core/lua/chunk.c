@@ -1,6 +1,7 @@
 /* Reading a script's file and compiling it: text only, no bytecode; a first line for the shell (#!) is skipped. When
  * the file does not exist, the error suggests the nearest name in its folder. */
 #include "core/lua/internal.h"
+#include "core/base/base.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -20,8 +21,15 @@ static const char *next_block(lua_State *L, void *context, size_t *size) {
   return *size ? from->block : NULL;
 }
 
-int hk_lua_load(lua_State *L, const char *path, const char *name) {
-  source from = {.file = fopen(path, "rb")};
+const char *const *hk_lua_readable(const hk_script *s, const char *folders[3]) {
+  folders[0] = s->folder;
+  folders[1] = s->options.library;
+  folders[2] = NULL;
+  return s->options.trust ? NULL : folders;
+}
+
+int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within) {
+  source from = {.file = hk_file_read(path, within)};
   if (!from.file) return LUA_ERRFILE;
   lua_pushfstring(L, "@%s", name);
   int first = getc(from.file); /* a first line for the shell is skipped, but not its newline */

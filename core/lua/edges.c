@@ -6,7 +6,7 @@
 #include <string.h>
 
 static const char type_name[] = "hooke.edges";
-enum { DEEPEST = 16 }; /* depth of nested lists */
+enum { DEEPEST = 16, VISIT = 8 }; /* depth of nested lists; instructions that looking at a member costs, about */
 
 hk_lua_edges *hk_lua_new_edges(lua_State *L, size_t count) {
   hk_lua_edges *e = lua_newuserdatauv(L, sizeof *e + count * sizeof e->pair[0], 0);
@@ -37,6 +37,7 @@ static bool is_pair(lua_State *L, int index) {
 static bool count_edges(lua_State *L, int table, int depth, size_t *count) {
   *count = 0;
   for (lua_Integer k = 1;; k++) {
+    hk_limits_count(L, VISIT);
     if (lua_rawgeti(L, table, k) == LUA_TNIL) {
       lua_pop(L, 1);
       return true;

@@ -3,6 +3,7 @@
 #include "core/lua/internal.h"
 
 enum { DEEPEST = 4, ROOM = DEEPEST + 8 }; /* a list of triples is 2 deep */
+enum { EMPTY = 1000 };                    /* tables of a result that need not hold a number */
 
 static hk_status wrong_result(const hk_function *f, lua_State *L, hk_error *error, const char *what) {
   lua_Debug ar;
@@ -15,7 +16,7 @@ static hk_status wrong_result(const hk_function *f, lua_State *L, hk_error *erro
 
 /* Appends the value at `index`, a number or a table of numbers and tables, to `out`. Returns NULL, or a text that says
  * why the value cannot be used. */
-static const char *flatten(lua_State *L, int index, int depth, double *out, size_t max, size_t *count) {
+static const char *flatten(lua_State *L, int index, int depth, double *out, size_t max, size_t *count, size_t *looks) {
   int type = lua_type(L, index);
   if (type == LUA_TNUMBER) {
     if (*count == max) return "more numbers than are expected";
@@ -25,9 +26,10 @@ static const char *flatten(lua_State *L, int index, int depth, double *out, size
   if (type == LUA_TNIL) return "nil where a number is needed";
   if (type != LUA_TTABLE) return "something else where a number is needed";
   if (depth == DEEPEST) return "tables nested too deeply";
+  if (++*looks > max + EMPTY) return "too many empty tables";
   const char *wrong = NULL;
   for (lua_Integer k = 1; !wrong && lua_rawgeti(L, index, k) != LUA_TNIL; k++) {
-    wrong = flatten(L, lua_gettop(L), depth + 1, out, max, count);
+    wrong = flatten(L, lua_gettop(L), depth + 1, out, max, count, looks);
     lua_pop(L, 1);
   }
   if (!wrong) lua_pop(L, 1);
@@ -62,6 +64,7 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   lua_State *L = s->current;
   int top = lua_gettop(L);
   const char *wrong = NULL;
+  size_t looks = 0;
   *n_out = 0;
   if (!lua_checkstack(L, (int)n_in + ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
@@ -73,7 +76,7 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   if (s->run_options.acting) *s->run_options.acting = acting;
   if (status == HK_OK && !lua_checkstack(L, ROOM)) wrong = "too many values";
   for (int k = top + 1, last = lua_gettop(L); status == HK_OK && !wrong && k <= last; k++)
-    wrong = flatten(L, k, 0, out, max_out, n_out);
+    wrong = flatten(L, k, 0, out, max_out, n_out, &looks);
   if (wrong) status = wrong_result(f, L, error, wrong);
   if (status == HK_OK && n_in) status = check_finite(f, L, in[0], out, *n_out, error);
   lua_settop(L, top);

@@ -1,7 +1,7 @@
 /* Replacements for functions of Lua's library with which a scene could evade its limits: pcall, xpcall and
  * coroutine.resume pass on the error of a script that exceeded a limit, and long loops inside C functions, which no
- * hook can end, are refused. Patterns of string.find and similar functions are not covered: the time of some grows
- * exponentially with the length of the text. */
+ * hook can end, are refused. What remains, such as patterns whose
+ * time grows exponentially with the length of the text, is ended by the watchdog (hk_pulse). */
 #include "core/lua/internal.h"
 
 /* ---- calls that catch errors ---- */
@@ -21,21 +21,54 @@ static int guarded_pcall(lua_State *L) {
   return caught(L, lua_pcallk(L, lua_gettop(L) - 2, LUA_MULTRET, 0, 0, caught), 0);
 }
 
+/* Errors of a hook call the handler with hooks switched off: the script's own could run without end. */
+static int handle(lua_State *L) {
+  if (hk_lua_script(L)->spent) return 1;
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, lua_gettop(L) - 1, 1);
+  return 1;
+}
+
 static int guarded_xpcall(lua_State *L) {
   int count = lua_gettop(L);
   luaL_checktype(L, 2, LUA_TFUNCTION);
+  lua_pushvalue(L, 2);
+  lua_pushcclosure(L, handle, 1);
+  lua_replace(L, 2);
   lua_pushboolean(L, 1);
   lua_pushvalue(L, 1);
   lua_rotate(L, 3, 2);
   return caught(L, lua_pcallk(L, count - 2, LUA_MULTRET, 2, 2, caught), 2);
 }
 
+/* resume, close */
 static int guarded_resume(lua_State *L) {
   lua_pushvalue(L, lua_upvalueindex(1));
   lua_insert(L, 1);
   lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
   if (!lua_toboolean(L, 1) && hk_lua_script(L)->spent) return lua_error(L);
   return lua_gettop(L);
+}
+
+static int guarded_create(lua_State *L) {
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, lua_gettop(L) - 1, 1);
+  hk_limits_coroutine(L, lua_tothread(L, -1));
+  return 1;
+}
+
+/* The first upvalue of the function that coroutine.wrap makes is its coroutine. */
+static int guarded_wrap(lua_State *L) {
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, lua_gettop(L) - 1, 1);
+  if (lua_getupvalue(L, -1, 1)) {
+    if (lua_isthread(L, -1)) hk_limits_coroutine(L, lua_tothread(L, -1));
+    lua_pop(L, 1);
+  }
+  return 1;
 }
 
 /* ---- loops inside C functions ---- */
@@ -75,25 +108,27 @@ static int guarded_length(lua_State *L) {
 
 /* ---- installing the guards: the environment is on top of the stack ---- */
 
-/* Replaces member `name` of the table on top by `guard`, whose upvalue is the original. */
-static void guard(lua_State *L, const char *name, lua_CFunction by) {
+void hk_lua_replace(lua_State *L, const char *name, lua_CFunction by) {
   lua_getfield(L, -1, name);
   lua_pushcclosure(L, by, 1);
   lua_setfield(L, -2, name);
 }
 
 void hk_lua_guard(lua_State *L) {
-  guard(L, "pcall", guarded_pcall);
-  guard(L, "xpcall", guarded_xpcall);
+  hk_lua_replace(L, "pcall", guarded_pcall);
+  hk_lua_replace(L, "xpcall", guarded_xpcall);
   lua_getfield(L, -1, "coroutine");
-  guard(L, "resume", guarded_resume);
+  hk_lua_replace(L, "resume", guarded_resume);
+  hk_lua_replace(L, "close", guarded_resume);
+  hk_lua_replace(L, "create", guarded_create);
+  hk_lua_replace(L, "wrap", guarded_wrap);
   lua_pop(L, 1);
   lua_getfield(L, -1, "string");
-  guard(L, "rep", guarded_rep);
+  hk_lua_replace(L, "rep", guarded_rep);
   lua_pop(L, 1);
   lua_getfield(L, -1, "table");
-  guard(L, "move", guarded_move);
-  guard(L, "insert", guarded_length);
-  guard(L, "remove", guarded_length);
+  hk_lua_replace(L, "move", guarded_move);
+  hk_lua_replace(L, "insert", guarded_length);
+  hk_lua_replace(L, "remove", guarded_length);
   lua_pop(L, 1);
 }

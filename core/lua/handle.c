@@ -95,8 +95,8 @@ static int ids(lua_State *L) {
 }
 
 static int structural(lua_State *L) {
-  if (lua_getiuservalue(L, 1, 1) == LUA_TUSERDATA) return 1; /* a mesh's */
   const hk_lua_handle *h = self(L);
+  if (lua_getiuservalue(L, 1, 1) == LUA_TUSERDATA) return 1; /* a mesh's */
   if (h->grid || h->chain) return hk_lua_push_structural(L, h);
   return hk_lua_fail(L, HK_BAD_PARAM, "particles have no edges of their own: list them, { {1, 2}, {2, 3} }");
 }
@@ -109,9 +109,10 @@ static int shear(lua_State *L) {
 
 static int flexion(lua_State *L) {
   int offset[2][2] = {{2, 0}, {0, 2}};
+  const hk_lua_handle *h = self(L);
   if (lua_getiuservalue(L, 1, 3) == LUA_TUSERDATA) return 1; /* a mesh's */
-  if (!self(L)->grid && !self(L)->chain) return hk_lua_fail(L, HK_BAD_PARAM, "particles have no flexion edges");
-  return push_offsets(L, self(L), offset, 2);
+  if (!h->grid && !h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "particles have no flexion edges");
+  return push_offsets(L, h, offset, 2);
 }
 
 static int triangles(lua_State *L) {

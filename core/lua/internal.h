@@ -12,9 +12,11 @@ struct hk_script {
   lua_State *current; /* L, or the coroutine in which the script drives a run */
   hk_script_options options;
   hk_run_options run_options;
-  char *path, *name, *folder; /* as given; file name; folder, "." at least */
-  size_t memory, memory_limit;
+  char *path, *name, *folder;               /* as given; file name; folder, "." at least */
+  size_t memory, memory_limit;              /* of Lua */
+  size_t engine_memory;                     /* of scenes and runs */
   uint64_t instructions, instruction_limit; /* count and limit of the current call */
+  double started, seconds_limit;            /* s, processor time: at the current call's first look at it; of one call */
   const void *refused;                      /* the last request for memory that was refused, see allocate() */
   size_t refused_size;
   bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
@@ -37,6 +39,18 @@ bool hk_limits_open(hk_script *); /* creates the Lua state, without libraries; f
  * `limit` which one. */
 int hk_limits_call(lua_State *L, int arguments, int results);
 
+/* Counts work that C code does for the script as instructions, or memory that it takes, as bytes; raises the error of
+ * the limit when that is exceeded. */
+void hk_limits_count(lua_State *L, size_t instructions);
+void hk_limits_take(lua_State *L, size_t bytes);
+/* Makes the instructions of a new coroutine count, which has a counter of its own. */
+void hk_limits_coroutine(lua_State *L, lua_State *coroutine);
+/* The engine works for the script, or no longer; returns what was. While it does the watchdog sees no standstill. */
+bool hk_limits_inside(hk_script *, bool inside);
+/* The engine's time is not the script's: what the call has used, and its clock set to that. */
+double hk_limits_pause(hk_script *);
+void hk_limits_resume(hk_script *, double used);
+
 /* errors.c */
 /* "file.lua:12", the place of the calling function of the script; also pushed on the stack. */
 const char *hk_lua_where(lua_State *L);
@@ -45,8 +59,10 @@ hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error)
 
 /* chunk.c */
 /* Pushes the compiled script at `path`, or the text of the error. LUA_ERRFILE: the file cannot be read (errno), and
- * nothing is pushed. */
-int hk_lua_load(lua_State *L, const char *path, const char *name);
+ * nothing is pushed. `within`: as in hk_file_read. */
+int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within);
+/* The folders from which the script may read, for hk_file_read; NULL: all. */
+const char *const *hk_lua_readable(const hk_script *, const char *folders[3]);
 hk_status hk_lua_no_file(const hk_script *, hk_error *error); /* the reason why its file cannot be read, by errno */
 
 /* edges.c: a block of pairs of ids. */
@@ -90,8 +106,9 @@ hk_function hk_lua_frame_function(lua_State *L, int index); /* it is called with
 hk_function hk_lua_rate_function(lua_State *L, int index);  /* it is called with t, id, y... */
 
 /* values.c */
-double hk_lua_number(lua_State *L, int index, const char *what); /* finite */
-double hk_lua_fastest(lua_State *L, const char *what);           /* s, above 0: on top of the stack */
+double hk_lua_number(lua_State *L, int index, const char *what);    /* finite */
+double hk_lua_fastest(lua_State *L, const char *what);              /* s, above 0: on top of the stack */
+void hk_lua_check_plain(lua_State *L, int index, const char *what); /* no fields from a metatable */
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */
@@ -117,9 +134,17 @@ void hk_lua_open_run(lua_State *L);
 /* scene.c */
 void hk_lua_open_scene(lua_State *L);
 
+/* plain.c */
+const char *hk_lua_plain_text(lua_State *L, int index); /* pushes the value as text, without running any function */
+/* Replaces functions of the environment on top of the stack that show addresses; `silent`: print does nothing. */
+void hk_lua_hide_addresses(lua_State *L, bool silent);
+
 /* sandbox.c: leaves the environment of scenes on the stack. */
 void hk_lua_push_sandbox(lua_State *L);
-void hk_lua_guard(lua_State *L); /* guards.c: replaces functions that could evade the limits, in the environment on top
-                                    of the stack */
+/* guards.c */
+/* Replaces a function of the table on top of the stack; its upvalue is the original. */
+void hk_lua_replace(lua_State *L, const char *name, lua_CFunction by);
+/* Replaces functions that could evade the limits, in the environment on top of the stack. */
+void hk_lua_guard(lua_State *L);
 
 #endif

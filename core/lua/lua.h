@@ -6,6 +6,7 @@
 #include "core/run/run.h"
 
 #include <lua.h>
+#include <stdatomic.h>
 
 typedef struct hk_param_given {
   const char *name, *value; /* name=value of the command line */
@@ -17,6 +18,13 @@ typedef struct hk_param_declared { /* by param() in the script */
   char *initial, *value; /* as text */
 } hk_param_declared;
 
+/* What an untrusted script does, for a watchdog in a thread of its own: no hook ends a long call of a function of Lua's
+ * library. */
+typedef struct hk_pulse {
+  atomic_bool inside;         /* in the script's code: not waiting for the engine */
+  atomic_uint_fast64_t beats; /* grows while instructions of the script are executed */
+} hk_pulse;
+
 typedef struct hk_script_options {
   hk_registry *registry;
   const char *library;        /* folder of scripts/lib; NULL: none */
@@ -25,6 +33,7 @@ typedef struct hk_script_options {
   size_t memory_limit;        /* bytes, 0: the default of 512 MiB */
   uint64_t instruction_limit; /* Lua VM instructions in one call into the script, 0: the default of 5e8 */
   const hk_run_options *run;  /* options of scene:run{} for scripts that drive runs */
+  hk_pulse *pulse;            /* NULL: nobody watches */
   int threads;
   uint64_t seed;
   size_t given_count;
@@ -54,6 +63,9 @@ hk_status hk_script_verify(const char *path, const hk_script_options *options, c
 hk_status hk_script_host(const char *path, const hk_script_options *options, lua_CFunction function, void *context,
                          hk_error *error);
 
+/* Runs the file at the script's path in the sandbox, with the present `hooke`; pushes what it returns. */
+void hk_lua_run_file(lua_State *L);
+
 hk_script *hk_lua_script(lua_State *L); /* the script that the Lua state belongs to */
 const hk_script_options *hk_script_asked(const hk_script *);
 hk_run_options *hk_script_run_options(hk_script *); /* options of the runs that the script drives; may be changed */
@@ -64,6 +76,9 @@ const char *hk_script_folder(const hk_script *);
 int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) HK_PRINTF(3, 4) __attribute__((noreturn));
 int hk_lua_raise(lua_State *L, const hk_error *error) __attribute__((noreturn));
 
+/* Tables of a script are read as they are, past metatables, so that nothing of the script runs while its values are
+ * taken. A table that takes fields from a metatable (__index) is refused, since what it seems to hold is not there. */
+int hk_lua_field(lua_State *L, int table, const char *key); /* pushes the field; returns its type */
 /* Every key of the table at `index` must be in `known` (NULL ends it); otherwise the error suggests the nearest key. */
 void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known);
 double hk_lua_field_number(lua_State *L, int table, const char *what, const char *key, double otherwise);
@@ -89,6 +104,8 @@ hk_script *hk_lua_owner(lua_State *L, int index);     /* owner of the scene at `
  * user value of a run is its scene. */
 extern const char hk_lua_run_type[];
 hk_run *hk_lua_run(lua_State *L);
+/* Pushes a name of a scene, or another text of a script, harmless for a terminal. */
+void hk_lua_push_plain(lua_State *L, const char *text);
 void hk_lua_push_summary(lua_State *L, const hk_summary *);
 
 #endif

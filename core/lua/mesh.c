@@ -2,12 +2,14 @@
  * the Wavefront OBJ format the records v and f are read; f may have texture and normal indices, which are skipped, and
  * negative ones. */
 #include "core/lua/internal.h"
+#include "core/base/base.h"
 
 #include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct mesh {
   size_t vertices, vertex_capacity, triangles, triangle_capacity;
@@ -16,11 +18,15 @@ typedef struct mesh {
   size_t line;
 } mesh;
 
-/* The mesh is a userdata, so that an error during reading frees it. */
-static int mesh_gc(lua_State *L) {
-  mesh *m = lua_touserdata(L, 1);
+static void clear(mesh *m) {
   free(m->vertex);
   free(m->triangle);
+  *m = (mesh){0};
+}
+
+/* The mesh is a userdata, so that an error during reading frees it. */
+static int mesh_gc(lua_State *L) {
+  clear(lua_touserdata(L, 1));
   return 0;
 }
 
@@ -143,11 +149,19 @@ static void push_triangles(lua_State *L, const mesh *m) {
   }
 }
 
+/* Bytes that the numbers of a file take, at most, per byte of its text: "v 0 0 0" is 24, in arrays that double. */
+enum { NUMBERS = 6 };
+
 static void load(lua_State *L, mesh *m, const char *name) {
-  const char *folder = hk_lua_script(L)->folder;
+  const char *folder = hk_lua_script(L)->folder, *folders[3];
   const char *path = *name == '/' ? name : lua_pushfstring(L, "%s/%s", folder, name);
-  FILE *file = fopen(path, "r");
-  if (!file) hk_lua_fail(L, HK_IO, "mesh: cannot read %s: %s", path, strerror(errno));
+  FILE *file = hk_file_read(path, hk_lua_readable(hk_lua_script(L), folders));
+  if (!file) hk_lua_fail(L, HK_IO, "mesh: cannot read %s: %s", path, hk_file_reason(errno));
+  struct stat info = {0};
+  if (fstat(fileno(file), &info) != 0 || (double)info.st_size * NUMBERS > (double)hk_lua_script(L)->memory_limit) {
+    fclose(file);
+    hk_lua_fail(L, HK_IO, "mesh: %s: the file is larger than the script's memory", name);
+  }
   const char *wrong = read_file(m, file);
   fclose(file);
   if (wrong) hk_lua_fail(L, HK_IO, "mesh: %s:%d: %s", name, (int)m->line, wrong);
@@ -160,7 +174,7 @@ static int mesh_builder(lua_State *L) {
   luaL_checktype(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "mesh", keys);
-  if (lua_getfield(L, 2, "file") != LUA_TSTRING)
+  if (hk_lua_field(L, 2, "file") != LUA_TSTRING)
     return hk_lua_fail(L, HK_BAD_PARAM, "mesh: file is required, an OBJ file");
   mesh *m = new_mesh(L);
   load(L, m, lua_tostring(L, 3));
@@ -175,6 +189,7 @@ static int mesh_builder(lua_State *L) {
   int handle = lua_gettop(L);
   const side *list = push_sides(L, m, h.first);
   const hk_lua_edges *edges = push_pairs(L, list, 3 * m->triangles, false);
+  hk_limits_take(L, edges->count * sizeof *edges->pair + m->triangles * sizeof *m->triangle);
   hk_status status = hk_scene_add_edges(scene, edges->count, (const uint32_t(*)[2])edges->pair, &error);
   lua_setiuservalue(L, handle, 1);
   push_pairs(L, list, 3 * m->triangles, true);
@@ -185,6 +200,7 @@ static int mesh_builder(lua_State *L) {
   if (status != HK_OK) return hk_lua_raise(L, &error);
   push_triangles(L, m);
   lua_setiuservalue(L, -2, 2);
+  clear(m);
   return 1;
 }
 

@@ -5,12 +5,15 @@
 
 #include <string.h>
 
+/* Pushes the value as text. */
 static const char *text_of(lua_State *L, int index) {
-  return lua_isnil(L, index) ? "" : luaL_tolstring(L, index, NULL);
+  return lua_isnil(L, index) ? lua_pushliteral(L, "") : hk_lua_plain_text(L, index);
 }
 
 static void declare(lua_State *L, const char *name, const char *help, int initial, int value) {
   hk_script *s = hk_lua_script(L);
+  const char *first = text_of(L, initial), *now = text_of(L, value);
+  hk_limits_take(L, sizeof *s->param + strlen(name) + strlen(help) + strlen(first) + strlen(now));
   void *list = s->param;
   int failed = hk_array_reserve(&list, &s->param_capacity, s->params + 1, sizeof *s->param);
   s->param = list;
@@ -20,8 +23,8 @@ static void declare(lua_State *L, const char *name, const char *help, int initia
   s->params++;
   p->name = hk_string_copy(name);
   p->help = hk_string_copy(help);
-  p->initial = hk_string_copy(text_of(L, initial));
-  p->value = hk_string_copy(text_of(L, value));
+  p->initial = hk_string_copy(first);
+  p->value = hk_string_copy(now);
 }
 
 /* Pushes the given text converted to the type of the default. */

@@ -12,7 +12,10 @@ static void set_number(lua_State *L, const char *key, double value) {
 }
 
 static void set_text(lua_State *L, const char *key, const char *value) {
-  lua_pushstring(L, value);
+  if (value)
+    hk_lua_push_plain(L, value);
+  else
+    lua_pushnil(L);
   lua_setfield(L, -2, key);
 }
 
@@ -28,7 +31,12 @@ static void push_lists(lua_State *L, const hk_summary *s) {
   }
   lua_setfield(L, -2, "plugins");
   lua_createtable(L, 0, (int)s->measures);
-  for (size_t k = 0; k < s->measures; k++) set_number(L, s->measure_name[k], s->measure[k]);
+  for (size_t k = 0; k < s->measures; k++)
+    if (isfinite(s->measure[k])) {
+      hk_lua_push_plain(L, s->measure_name[k]);
+      lua_pushnumber(L, s->measure[k]);
+      lua_rawset(L, -3);
+    }
   lua_setfield(L, -2, "measures");
 }
 
@@ -126,6 +134,15 @@ static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double 
   return status;
 }
 
+/* About what a run needs: some vectors like the state's, and what plugins and threads have of their own. */
+static size_t run_bytes(const hk_scene *scene) {
+  enum { VECTORS = 16, PLUGIN = 4096, BASE = 1 << 18 };
+  size_t width = 6, plugins = 0;
+  for (size_t k = 0; k < scene->channels; k++) width += scene->channel[k].size;
+  for (int kind = 0; kind < HK_KINDS; kind++) plugins += scene->plugin[kind].count;
+  return BASE + PLUGIN * plugins + VECTORS * width * scene->n * sizeof(double);
+}
+
 int hk_lua_scene_run(lua_State *L) {
   static const char *const keys[] = {"to", NULL};
   hk_script *s = hk_lua_script(L);
@@ -142,9 +159,14 @@ int hk_lua_scene_run(lua_State *L) {
     return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, slot->scene->duration);
   if (s->finished || s->driving)
     return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");
+  if (!slot->run) hk_limits_take(L, run_bytes(slot->scene));
   s->drove = s->driving = true;
   s->current = L;
+  bool inside = hk_limits_inside(s, false);
+  double used = hk_limits_pause(s);
   hk_status status = drive(slot, &hk_lua_owner(L, 1)->run_options, to, &error);
+  hk_limits_resume(s, used);
+  hk_limits_inside(s, inside);
   s->current = outer;
   s->driving = false;
   s->instructions += CALL_COST;
@@ -165,5 +187,7 @@ void hk_lua_open_run(lua_State *L) {
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
   lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);
 }

@@ -2,8 +2,9 @@
  * Using a function that is excluded on purpose is an error that says so; using a name that does not exist is an error
  * that suggests the nearest name. */
 #include "core/lua/internal.h"
+#include "core/base/base.h"
 
-#include <stdio.h>
+#include <errno.h>
 #include <string.h>
 
 static int refuse(lua_State *L) {
@@ -51,16 +52,6 @@ static int set_metatable(lua_State *L) {
   return 1;
 }
 
-static int print_to_stderr(lua_State *L) {
-  int count = lua_gettop(L);
-  for (int k = 1; k <= count; k++) {
-    fprintf(stderr, "%s%s", k > 1 ? "\t" : "", luaL_tolstring(L, k, NULL));
-    lua_pop(L, 1);
-  }
-  fputc('\n', stderr);
-  return 0;
-}
-
 static int print_nothing(lua_State *L) {
   (void)L;
   return 0;
@@ -70,7 +61,10 @@ static int print_nothing(lua_State *L) {
 static bool load_module(lua_State *L, const char *folder, const char *name) {
   lua_pushfstring(L, "%s.lua", name);
   lua_pushfstring(L, "%s/%s", folder, lua_tostring(L, -1));
-  int code = hk_lua_load(L, lua_tostring(L, -1), lua_tostring(L, -2));
+  const char *folders[3];
+  int code = hk_lua_load(L, lua_tostring(L, -1), lua_tostring(L, -2), hk_lua_readable(hk_lua_script(L), folders));
+  if (code == LUA_ERRFILE && errno != ENOENT)
+    hk_lua_fail(L, HK_IO, "require: cannot read %s.lua: %s", name, hk_file_reason(errno));
   if (code == LUA_ERRFILE) return false;
   if (code != LUA_OK) lua_error(L);
   lua_pushvalue(L, lua_upvalueindex(1));
@@ -120,7 +114,7 @@ static const char *key_at(const void *context, size_t k) {
 
 /* __index of the environment: raises the error of a name that does not exist. */
 static int undefined(lua_State *L) {
-  if (lua_type(L, 2) != LUA_TSTRING) return 0;
+  if (!lua_istable(L, 1) || lua_type(L, 2) != LUA_TSTRING) return 0;
   const char *name = lua_tostring(L, 2);
   key_list list = {0};
   for (lua_pushnil(L); list.count < 256 && lua_next(L, 1); lua_pop(L, 1))
@@ -190,14 +184,15 @@ void hk_lua_push_sandbox(lua_State *L) {
   lua_pushcfunction(L, set_metatable);
   lua_setfield(L, -2, "setmetatable");
   hk_lua_guard(L);
+  hk_lua_hide_addresses(L, silent);
   seal_strings(L);
-  lua_pushcfunction(L, silent ? print_nothing : print_to_stderr);
-  lua_setfield(L, -2, "print");
   lua_pushvalue(L, -1);
   lua_setfield(L, -2, "_G");
   add_require(L);
-  lua_createtable(L, 0, 1);
+  lua_createtable(L, 0, 2);
   lua_pushcfunction(L, undefined);
   lua_setfield(L, -2, "__index");
+  lua_pushboolean(L, 0);
+  lua_setfield(L, -2, "__metatable");
   lua_setmetatable(L, -2);
 }

@@ -38,10 +38,11 @@ static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const ch
   hk_error error = {0};
   hk_plugin_spec *spec;
   const char *label = NULL;
-  if (params && lua_istable(L, params) && lua_getfield(L, params, "label") != LUA_TNIL) {
+  if (params && lua_istable(L, params) && hk_lua_field(L, params, "label") != LUA_TNIL) {
     label = lua_tostring(L, -1);
     if (!label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text", name);
   }
+  hk_limits_take(L, 1024 + (label ? strlen(label) : 0));
   check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &spec, &error), &error);
   hk_lua_set_params(L, scene, spec, params);
   return spec;
@@ -61,7 +62,7 @@ static int add_kind(lua_State *L) {
 
 /* integrator = "name" or {"name", param = value}. */
 static void choose(lua_State *L, hk_scene *scene, hk_kind kind, const char *key) {
-  if (lua_getfield(L, 1, key) == LUA_TNIL) {
+  if (hk_lua_field(L, 1, key) == LUA_TNIL) {
     lua_pop(L, 1);
     return;
   }
@@ -69,6 +70,7 @@ static void choose(lua_State *L, hk_scene *scene, hk_kind kind, const char *key)
   if (lua_type(L, value) == LUA_TSTRING)
     add(L, scene, kind, lua_tostring(L, value), 0);
   else if (lua_istable(L, value) && lua_rawgeti(L, value, 1) == LUA_TSTRING) {
+    hk_lua_check_plain(L, value, key);
     const char *name = lua_tostring(L, -1);
     lua_newtable(L); /* the entries with string keys are the parameters */
     for (lua_pushnil(L); lua_next(L, value); lua_pop(L, 1)) {
@@ -94,7 +96,7 @@ static double positive(lua_State *L, const char *key, double otherwise) {
 }
 
 static bool accuracy_at_end(lua_State *L) {
-  lua_getfield(L, 1, "accuracy_at");
+  hk_lua_field(L, 1, "accuracy_at");
   const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
   bool given = !lua_isnil(L, -1), end = strcmp(text, "end") == 0;
   if (given && !end && strcmp(text, "frames") != 0)
@@ -105,6 +107,9 @@ static bool accuracy_at_end(lua_State *L) {
 
 static hk_scene *new_scene(lua_State *L) {
   hk_script *s = hk_lua_script(L);
+  if (s->finished || s->calling)
+    hk_lua_fail(L, HK_SCRIPT, "a scene is made by the script itself, not by a function that the run calls");
+  hk_limits_take(L, sizeof(hk_scene) + strlen(s->path) + 1024);
   hk_lua_scene_handle *holder = hk_lua_push_scene(L);
   hk_lua_slot **grown = realloc(s->slot, (s->slots + 1) * sizeof *grown), *slot = calloc(1, sizeof *slot);
   if (grown) s->slot = grown;
@@ -113,6 +118,7 @@ static hk_scene *new_scene(lua_State *L) {
     free(slot);
     hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
   }
+  slot->scene->trusted = s->options.trust;
   holder->slot = s->slot[s->slots++] = slot; /* the script owns it */
   return slot->scene;
 }
@@ -150,13 +156,13 @@ static void pin_options(lua_State *L, hk_pin_spec *spec) {
   hk_lua_check_keys(L, 3, "pin", keys);
   bool line = hk_lua_field_vector(L, 3, "pin", "axes", spec->axis);
   bool plane = hk_lua_field_vector(L, 3, "pin", "normal", line ? (double[3]){0} : spec->axis);
-  bool path = lua_getfield(L, 3, "path") != LUA_TNIL;
+  bool path = hk_lua_field(L, 3, "path") != LUA_TNIL;
   if (line + plane + path > 1) hk_lua_fail(L, HK_BAD_PARAM, "pin: give one of path, axes and normal");
   if (path && !lua_isfunction(L, -1)) hk_lua_fail(L, HK_BAD_PARAM, "pin: path: expected a function of t");
   if (path) spec->path = hk_lua_function(L, lua_gettop(L));
   spec->kind = line ? HK_PIN_LINE : plane ? HK_PIN_PLANE : path ? HK_PIN_PATH : HK_PIN_FIXED;
   spec->release = hk_lua_field_number(L, 3, "pin", "release", INFINITY);
-  bool declared = lua_getfield(L, 3, "fastest") != LUA_TNIL;
+  bool declared = hk_lua_field(L, 3, "fastest") != LUA_TNIL;
   if (declared && !path) hk_lua_fail(L, HK_BAD_PARAM, "pin: fastest: the pin has no path that could change");
   if (declared) spec->fastest = hk_lua_fastest(L, "pin: fastest");
 }
@@ -188,6 +194,7 @@ static int pin(lua_State *L) {
     spec.id[k] = (uint32_t)ids[k];
   }
   if (lua_istable(L, 3)) pin_options(L, &spec);
+  hk_limits_take(L, sizeof spec + spec.count * sizeof *spec.id);
   spec.where = (char *)(uintptr_t)hk_lua_where(L); /* hk_scene_add_pin copies it */
   check(L, hk_scene_add_pin(target, &spec, &error), &error);
   return 0;
@@ -225,19 +232,20 @@ static int channel(lua_State *L) {
   }
   luaL_checktype(L, 3, LUA_TTABLE);
   hk_lua_check_keys(L, 3, "channel", keys);
-  size_t given = lua_getfield(L, 3, "initial") != LUA_TNIL ? initial_values(L, initial, 16) : 0;
+  size_t given = hk_lua_field(L, 3, "initial") != LUA_TNIL ? initial_values(L, initial, 16) : 0;
   double size = hk_lua_field_number(L, 3, "channel", "size", given ? (double)given : 1);
   if (size < 1 || size > 16 || floor(size) != size)
     return hk_lua_fail(L, HK_BAD_PARAM, "channel: size: %g is not 1 to 16", size);
   if (given && given != (size_t)size)
     return hk_lua_fail(L, HK_BAD_PARAM, "channel: initial has %d numbers for size %d", (int)given, (int)size);
-  int type = lua_getfield(L, 3, "rate");
+  int type = hk_lua_field(L, 3, "rate");
   if (type == LUA_TNUMBER)
     decay = hk_lua_number(L, -1, "channel: rate");
   else if (type == LUA_TFUNCTION)
     rate = hk_lua_rate_function(L, lua_gettop(L));
   else if (type != LUA_TNIL && type != LUA_TSTRING)
     return hk_lua_fail(L, HK_BAD_PARAM, "channel: rate: expected a number, a function or the name of a plugin");
+  hk_limits_take(L, 1024 + strlen(name) + (size_t)size * (target->capacity + 1) * sizeof(double));
   check(L, hk_scene_add_channel(target, name, (size_t)size, initial, decay, rate.call ? &rate : NULL, &error), &error);
   target->channel[target->channels - 1].accuracy = positive_of(L, 3, "channel", "accuracy", NAN);
   if (type == LUA_TSTRING) {
@@ -255,6 +263,7 @@ static int measure(lua_State *L) {
   hk_error error = {0};
   const char *name = luaL_checkstring(L, 2);
   luaL_checktype(L, 3, LUA_TFUNCTION);
+  hk_limits_take(L, sizeof(hk_measure) + strlen(name) + 64);
   hk_function function = hk_lua_frame_function(L, 3);
   check(L, hk_scene_add_measure(target, name, hk_lua_where(L), &function, &error), &error);
   return 0;
@@ -278,7 +287,7 @@ static int start(lua_State *L) {
   hk_scene *target = editable(L);
   luaL_checktype(L, 2, LUA_TTABLE);
   hk_lua_check_keys(L, 2, "start", keys);
-  if (lua_getfield(L, 2, "file") != LUA_TSTRING) return hk_lua_fail(L, HK_BAD_PARAM, "start: file is required");
+  if (hk_lua_field(L, 2, "file") != LUA_TSTRING) return hk_lua_fail(L, HK_BAD_PARAM, "start: file is required");
   free(target->start_file);
   target->start_file = hk_string_copy(lua_tostring(L, -1));
   return 0;

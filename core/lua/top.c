@@ -4,6 +4,7 @@
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,12 +46,23 @@ static int prepare(lua_State *L) {
   const hk_script *s = hk_lua_script(L);
   open_libraries(L);
   hk_lua_push_sandbox(L);
-  int code = hk_lua_load(L, s->path, s->name);
+  int code = hk_lua_load(L, s->path, s->name, NULL);
   if (code == LUA_ERRFILE) return 0;
   if (code != LUA_OK) return lua_error(L);
   lua_insert(L, -2);
   lua_setupvalue(L, -2, 1); /* _ENV */
   return 1;
+}
+
+void hk_lua_run_file(lua_State *L) {
+  const hk_script *s = hk_lua_script(L);
+  hk_lua_push_sandbox(L);
+  int code = hk_lua_load(L, s->path, s->name, NULL);
+  if (code == LUA_ERRFILE) hk_lua_fail(L, HK_IO, "cannot read %s: %s", s->path, strerror(errno));
+  if (code != LUA_OK) lua_error(L);
+  lua_insert(L, -2);
+  lua_setupvalue(L, -2, 1); /* _ENV */
+  lua_call(L, 0, 1);
 }
 
 /* Closes the runs that the script left open. */
@@ -86,14 +98,9 @@ static hk_status run_script(hk_script *s, hk_error *error) {
 }
 
 hk_status hk_script_open(const char *path, const hk_script_options *options, hk_script **script, hk_error *error) {
-  hk_registry *registry = options->registry;
-  bool outer = registry->allow_script_folder;
   *script = new_script(path, options);
   if (!*script) return hk_error_set(error, HK_NO_MEMORY, "no memory for the script %s", path);
-  registry->allow_script_folder = options->trust;
-  hk_status status = run_script(*script, error);
-  registry->allow_script_folder = outer;
-  return status;
+  return run_script(*script, error);
 }
 
 void hk_script_close(hk_script *s) {

@@ -25,6 +25,17 @@ void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]) {
   }
 }
 
+int hk_lua_field(lua_State *L, int table, const char *key) {
+  table = lua_absindex(L, table);
+  lua_pushstring(L, key);
+  return lua_rawget(L, table);
+}
+
+void hk_lua_check_plain(lua_State *L, int index, const char *what) {
+  if (luaL_getmetafield(L, index, "__index") != LUA_TNIL)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: fields from a metatable (__index) are not read: give the table its own", what);
+}
+
 static void name_field(char *name, size_t size, const char *what, const char *key) {
   snprintf(name, size, "%s: %s", what, key);
 }
@@ -32,7 +43,7 @@ static void name_field(char *name, size_t size, const char *what, const char *ke
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key, double into[3]) {
   char name[128];
   name_field(name, sizeof name, what, key);
-  bool there = lua_getfield(L, table, key) != LUA_TNIL;
+  bool there = hk_lua_field(L, table, key) != LUA_TNIL;
   if (there) hk_lua_vector(L, -1, name, into);
   lua_pop(L, 1);
   return there;
@@ -42,7 +53,7 @@ double hk_lua_field_number(lua_State *L, int table, const char *what, const char
   char name[128];
   name_field(name, sizeof name, what, key);
   double value = otherwise;
-  if (lua_getfield(L, table, key) != LUA_TNIL) value = hk_lua_number(L, -1, name);
+  if (hk_lua_field(L, table, key) != LUA_TNIL) value = hk_lua_number(L, -1, name);
   lua_pop(L, 1);
   return value;
 }
@@ -59,6 +70,7 @@ static const char *known_at(const void *context, size_t k) { return ((const char
 
 void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *const *known) {
   index = lua_absindex(L, index);
+  hk_lua_check_plain(L, index, what);
   for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
     if (lua_type(L, -2) != LUA_TSTRING)
       hk_lua_fail(L, HK_BAD_PARAM, "%s: only named values are expected, as in { key = value }", what);
@@ -102,10 +114,11 @@ static bool to_tuple(lua_State *L, int index, unsigned arity, uint32_t *into) {
 /* Counts the tuples of a list of tuples and of such lists, and writes them unless `into` is NULL. False: it holds
  * something else, or itself. */
 static bool collect_tuples(lua_State *L, int table, unsigned arity, int depth, uint32_t *into, size_t *count) {
-  enum { DEEPEST = 16 };
+  enum { DEEPEST = 16, VISIT = 8 }; /* instructions that looking at a member costs, about */
   int top = lua_gettop(L);
   bool fine = depth < DEEPEST && lua_istable(L, table) && lua_rawlen(L, table) > 0;
   for (lua_Integer k = 1; fine && lua_rawgeti(L, table, k) != LUA_TNIL; k++, lua_settop(L, top)) {
+    hk_limits_count(L, VISIT);
     int member = lua_gettop(L);
     if (to_tuple(L, member, arity, into ? into + arity * *count : NULL))
       ++*count;
@@ -169,6 +182,13 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
   return value;
 }
 
+/* Bytes that a spec needs to keep the value. */
+static size_t size_of(const hk_value *value) {
+  if (value->kind == HK_VALUE_STRING) return strlen(value->text) + 64;
+  if (value->kind == HK_VALUE_TUPLES) return value->count * value->arity * sizeof(uint32_t) + 64;
+  return value->kind == HK_VALUE_LIST ? value->count * sizeof(double) + 64 : 0;
+}
+
 static int by_index(const void *a, const void *b) {
   uint32_t i = *(const uint32_t *)a, j = *(const uint32_t *)b;
   return (i > j) - (i < j);
@@ -182,6 +202,7 @@ static void set_only(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec) 
     if (!(ids[k] >= 1 && ids[k] <= (double)scene->n && floor(ids[k]) == ids[k]))
       hk_lua_fail(L, HK_BAD_PARAM, "%s: only[%d]: there is no particle %g (ids are 1 to %d)", spec->label, (int)k + 1,
                   ids[k], (int)scene->n);
+  hk_limits_take(L, (count + 1) * sizeof *spec->only);
   spec->only = malloc((count + 1) * sizeof *spec->only);
   if (!spec->only) hk_lua_fail(L, HK_NO_MEMORY, "%s: no memory for the selection", spec->label);
   for (size_t k = 0; k < count; k++) spec->only[k] = (uint32_t)ids[k] - 1;
@@ -229,6 +250,7 @@ void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec
   else if (!lua_istable(L, table))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are a table, { k = 1000 }", spec->label);
   if (table) {
+    hk_lua_check_plain(L, table, spec->label);
     for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
       if (lua_type(L, -2) != LUA_TSTRING)
         hk_lua_fail(L, HK_BAD_PARAM, "%s: parameters are named, { k = 1000 }", spec->label);
@@ -241,6 +263,7 @@ void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec
       const hk_param *param = hk_spec_param(spec, key, &error);
       if (!param) hk_lua_raise(L, &error);
       hk_value value = to_value(L, top, param, spec->label);
+      hk_limits_take(L, size_of(&value));
       if (hk_spec_set(spec, param, &value, scene->n, &error) != HK_OK) hk_lua_raise(L, &error);
       lua_settop(L, top);
     }

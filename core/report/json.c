@@ -1,17 +1,23 @@
 /* The summary as JSON: one object in one line, with the keys of the figure table. */
 #include "core/report/report.h"
+#include "core/base/base.h"
 
 #include <string.h>
 
+/* RFC 8259: UTF-8, with control characters and such that change the direction of writing as \u escapes. A byte that is
+ * no UTF-8 becomes U+FFFD, the replacement character. */
 static void write_string(FILE *f, const char *text) {
   fputc('"', f);
-  for (const unsigned char *c = (const unsigned char *)text; *c; c++) {
-    if (*c == '"' || *c == '\\')
-      fprintf(f, "\\%c", *c);
-    else if (*c < 0x20)
-      fprintf(f, "\\u%04x", *c);
+  while (*text) {
+    uint32_t code;
+    size_t length = hk_utf8_next(text, &code);
+    if (code == '"' || code == '\\')
+      fprintf(f, "\\%c", (int)code);
+    else if (length == 0 || code < 0x20 || hk_commands_terminal(code))
+      fprintf(f, "\\u%04x", length ? (unsigned)code : 0xfffdu);
     else
-      fputc(*c, f);
+      fwrite(text, 1, length, f);
+    text += length ? length : 1;
   }
   fputc('"', f);
 }

@@ -1,5 +1,6 @@
 /* The summary as text: a line per label of the figure table; unknown figures are omitted. */
 #include "core/report/report.h"
+#include "core/base/base.h"
 
 #include <string.h>
 
@@ -17,13 +18,20 @@ static bool known(const hk_summary *s, const hk_figure *f) {
   return text_of(s, f) && *text_of(s, f);
 }
 
+/* Labels and names may hold anything. */
+static void print_text(FILE *out, const char *format, const char *text) {
+  char plain[1024];
+  hk_plain_copy(plain, sizeof plain, text);
+  fprintf(out, format, plain);
+}
+
 static void print(FILE *out, const hk_summary *s, const hk_figure *f) {
   if (f->type == HK_FIGURE_COUNT)
     fprintf(out, f->format, *(const size_t *)field(s, f));
   else if (f->type == HK_FIGURE_NUMBER)
     fprintf(out, f->format, *(const double *)field(s, f));
   else
-    fprintf(out, f->format, text_of(s, f));
+    print_text(out, f->format, text_of(s, f));
 }
 
 /* Whether a figure gets a line: a constraint violation of 0 is omitted. */
@@ -32,13 +40,19 @@ static bool is_printed(const hk_summary *s, const hk_figure *f) {
 }
 
 static void print_measures(FILE *out, const hk_summary *s) {
-  for (size_t k = 0; k < s->measures; k++) fprintf(out, "  %-17s %.9g\n", s->measure_name[k], s->measure[k]);
+  for (size_t k = 0; k < s->measures; k++) {
+    print_text(out, "  %-17s ", s->measure_name[k]);
+    fprintf(out, "%.9g\n", s->measure[k]);
+  }
 }
 
 static void print_times(FILE *out, const hk_summary *s) {
   for (size_t k = 0; k < s->plugins; k++)
-    if (s->plugin[k].seconds > 0)
-      fprintf(out, "    %-11s %-18s %9.4f s\n", s->plugin[k].kind, s->plugin[k].label, s->plugin[k].seconds);
+    if (s->plugin[k].seconds > 0) {
+      fprintf(out, "    %-11s ", s->plugin[k].kind);
+      print_text(out, "%-18s ", s->plugin[k].label);
+      fprintf(out, "%9.4f s\n", s->plugin[k].seconds);
+    }
 }
 
 static void begin_line(FILE *out, const hk_summary *s, const hk_figure *f, const char *folder) {

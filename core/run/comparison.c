@@ -4,13 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double perturbation = 1e-14, margin = 2, rounding = 1e-9,
-                    visible = 0.1, /* of the motion, as in judge/verdict.c */
-    no_order = 0.75,               /* the ratio of two distances above which no order is seen */
-    order_part = 0.125,            /* of the run that the quarter of the step is taken for: half the run's cost */
-    seen = 1e-4,                   /* of the accuracy: a distance that shows an order */
-    stricter = 1e-3,               /* the tolerance of a second reference, relative to the first */
-    reserve = 0.98;                /* what an estimate leaves of the accuracy, for its own error */
+static const double margin = 2, rounding = 1e-9, visible = 0.1, /* of the motion, as in judge/verdict.c */
+    no_order = 0.75,    /* the ratio of two distances above which no order is seen */
+    order_part = 0.125, /* of the run that the quarter of the step is taken for: half the run's cost */
+    seen = 1e-4,        /* of the accuracy: a distance that shows an order */
+    stricter = 1e-3,    /* the tolerance of a second reference, relative to the first */
+    reserve = 0.98;     /* what an estimate leaves of the accuracy, for its own error */
 
 /* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
 static const size_t calls_asked = 200000, calls_unasked = 60000;
@@ -94,21 +93,16 @@ static bool vibrates(const hk_comparison *c) {
  * method gets half of a dt that was given, which it may use as a fixed step. */
 static hk_run_options refined(const hk_comparison *c, size_t refine) {
   hk_run *whole = c->whole;
-  hk_run_options o = *c->first;
+  hk_run_options o = hk_rerun_options(c->first, refine);
   double given = isnan(o.dt) ? whole->scene->dt : o.dt;
   bool adaptive = whole->step.method->flags & HK_ADAPTIVE;
   o.dt = adaptive ? given / (2 * (double)refine) : given;
-  o.tol = whole->dynamics.system.tol / pow(10, (double)refine);
+  o.tol = whole->dynamics.system.tol / (refine > 1 ? 100 : 10);
   o.refine = refine;
   o.dt_most = whole->record.dt_max / (2 * (double)refine);
   o.step_limit *= 4 * refine;
   o.cut = c->cut;
   o.cuts = c->cuts;
-  o.perturb = perturbation;
-  o.perturb_seed = refine;
-  o.compare = HK_COMPARE_ALWAYS;
-  o.no_output = true;
-  o.progress = -1;
   return o;
 }
 

@@ -41,7 +41,7 @@ static const hk_plugin_spec *found_service(hk_run *run, const char *wanted) {
   const hk_plugin *plugin;
   hk_error why = {0};
   snprintf(name, sizeof name, "%.*s", (int)strcspn(wanted, "/"), wanted);
-  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, &plugin, &why);
+  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, false, &plugin, &why);
   if (status == HK_FAILED) hk_error_set(&run->error, status, "%s", why.text); /* it is there and cannot be used */
   if (status != HK_OK || !serves(plugin, wanted)) return NULL;
   hk_plugin_spec **grown = realloc(run->service_spec, (run->services + 1) * sizeof *grown);
@@ -82,6 +82,7 @@ static hk_status open_shared(hk_run *run) {
   int asked = run->options.threads > 0 ? run->options.threads : scene->threads;
   int threads = asked > 0 ? asked : online > 0 ? (int)online : 1;
   run->warnings.silent = run->options.progress < 0;
+  if (run->options.caution) hk_warn(&run->warnings, "%s", run->options.caution);
   run->shared = (hk_shared){.error = &run->error, .warnings = &run->warnings, .seed = scene->seed};
   run->shared.allocations_left = run->options.allocations > 0 ? run->options.allocations - 1 : -1;
   run->shared.path = path_of;
@@ -306,7 +307,7 @@ static hk_status start(hk_run *run) {
   double given = isnan(run->options.dt) ? run->scene->dt : isinf(run->options.dt) ? NAN : run->options.dt;
   hk_status status = HK_OK;
   if (run->scene->start_file)
-    status = hk_start_file_read(&run->loop, &run->judgement, run->scene->start_file, &run->resumed);
+    status = hk_start_file_read(&run->loop, &run->judgement, run->folder, run->scene->start_file, &run->resumed);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < forces->count; k++)
     run->dynamics.force_acts[k] = hk_force_acts_at(forces->item[k], run->state.t);

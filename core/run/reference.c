@@ -22,7 +22,7 @@ static const struct budget {
 static const struct strictness { double part, reserve; } strictnesses[] = {{1e-5, 0.98}, {3e-3, 0.8}};
 enum { STRICTNESSES = sizeof strictnesses / sizeof *strictnesses };
 
-static const double finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6, perturbation = 1e-14;
+static const double finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6;
 
 typedef struct wish {
   bool implicit, constraints;
@@ -72,18 +72,13 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
   if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
   double steps = allowed_steps(whole, want->effort, plugin->integrator);
   if (!(steps >= least_steps(whole, want, plugin->integrator))) return false;
-  hk_run_options o = *first;
+  hk_run_options o = hk_rerun_options(first, 2);
   o.integrator = plugin->name;
   o.dt = INFINITY;
   o.tol = fmax(finest, fmin(coarsest, want->relative * strict->part));
   o.refine = 0;
   o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
   o.step_limit = (size_t)steps;
-  o.perturb = perturbation;
-  o.perturb_seed = 2;
-  o.compare = HK_COMPARE_ALWAYS;
-  o.no_output = true;
-  o.progress = -1;
   bool reached = hk_rerun_take(reopen, &o, whole, whole->state.t, found, &error) == HK_OK;
   found->method = plugin->name;
   found->reserve = strict->reserve;

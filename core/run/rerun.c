@@ -1,6 +1,19 @@
 /* The scene of a run, run again with other options: refined, perturbed, or with another method. */
 #include "core/run/run.h"
 
+static const double perturbation = 1e-14;
+
+hk_run_options hk_rerun_options(const hk_run_options *first, uint64_t seed) {
+  hk_run_options o = *first;
+  o.perturb = perturbation;
+  o.perturb_seed = seed;
+  o.compare = HK_COMPARE_ALWAYS;
+  o.no_output = true;
+  o.progress = -1;
+  o.kept = NULL;
+  return o;
+}
+
 double hk_energy_defect(const hk_summary *s) { return s->energy_drift * s->kinetic_max; }
 
 static hk_status advance(hk_run *again, double t, hk_error *error) {

@@ -37,8 +37,9 @@ typedef struct hk_run_options {
   /* Is given the last good state at every frame; NULL: nobody wants it. */
   void (*kept)(void *context, const hk_snapshot *last_good, const hk_state *);
   void *kept_context;
-  int threads;      /* 0: the scene's */
-  long allocations; /* plugins get so many; 0: any number. For tests of what happens then */
+  const char *caution; /* a warning that the run begins with; NULL: none */
+  int threads;         /* 0: the scene's */
+  long allocations;    /* plugins get so many; 0: any number. For tests of what happens then */
 } hk_run_options;
 
 typedef struct hk_run {
@@ -126,6 +127,9 @@ typedef struct hk_rerun {
 hk_status hk_rerun_take(const hk_reopen *, const hk_run_options *, const hk_run *whole, double until, hk_rerun *,
                         hk_error *error);
 double hk_energy_defect(const hk_summary *); /* J, the energy drift; an excess is positive */
+/* Options of a run that another one is compared with: from a start off by 1e-14 of the extent, with the positions at
+ * its frames, without outputs, messages and kept states. */
+hk_run_options hk_rerun_options(const hk_run_options *first, uint64_t seed);
 
 /* ---- reference.c: a run with an independent method, an adaptive one of high order ---- */
 

@@ -36,7 +36,7 @@ static hk_status make_spec(const hk_scene *scene, hk_kind kind, const char *choi
   if (!text) return hk_error_set(error, HK_NO_MEMORY, "no memory for the choice '%s'", choice);
   if (settings) *settings++ = 0;
   const hk_plugin *plugin;
-  hk_status status = hk_registry_find(scene->registry, kind, text, &plugin, error);
+  hk_status status = hk_registry_find(scene->registry, kind, text, scene->trusted, &plugin, error);
   if (status == HK_OK && !(*made = hk_spec_create(plugin, plugin->name, "", error))) status = HK_NO_MEMORY;
   for (char *one = settings ? strtok_r(settings, ",", &rest) : NULL; one && status == HK_OK;
        one = strtok_r(NULL, ",", &rest))

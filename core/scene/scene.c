@@ -318,8 +318,8 @@ hk_status hk_scene_add_plugin(hk_scene *scene, hk_kind kind, const char *name, c
                               hk_plugin_spec **spec, hk_error *error) {
   const hk_plugin *plugin;
   char chosen[128], path[4096];
-  hk_status status =
-      hk_registry_find(scene->registry, kind, beside_script(scene, name, path, sizeof path), &plugin, error);
+  const char *from = beside_script(scene, name, path, sizeof path);
+  hk_status status = hk_registry_find(scene->registry, kind, from, scene->trusted, &plugin, error);
   if (status == HK_OK) status = choose_label(scene, plugin, label, chosen, sizeof chosen, error);
   if (status != HK_OK) return status;
   hk_plugin_spec *fresh = hk_spec_create(plugin, chosen, where, error);

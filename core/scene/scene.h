@@ -70,6 +70,7 @@ typedef struct hk_scene {
   hk_measure *measure;
   hk_function on_frame; /* t ->; call == NULL: none */
   hk_function exact;    /* t -> x1, y1, z1, x2, ... of the first particles (as many as it returns) */
+  bool trusted;         /* plugins may be files anywhere, and files be read from anywhere */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
   bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */
 } hk_scene;

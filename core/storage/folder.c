@@ -1,8 +1,11 @@
 /* The output folder. A hidden list in it names the scene and every file that its run wrote there; a new run of the same
- * scene removes exactly those. Files that are not on the list are never touched. */
+ * scene removes exactly those. Files that are not on the list are never touched. No link below the folder is followed,
+ * and none to the folder that hooke chooses itself: somebody else may have put it there. */
 #include "core/storage/storage.h"
+#include "core/base/base.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +14,9 @@
 
 struct hk_folder {
   char path[PATH_MAX / 2];
-  FILE *list; /* NULL until the first file is requested */
+  bool named;     /* by the user */
+  int descriptor; /* of the folder; -1 until the first file is requested */
+  FILE *list;     /* NULL until the first file is requested */
   size_t count;
   char **name; /* files of this run */
   char *scene;
@@ -20,21 +25,26 @@ struct hk_folder {
 static const char list_name[] = ".hooke-files";
 
 static hk_status io_error(hk_error *error, const char *doing, const char *path) {
-  return hk_error_set(error, HK_IO, "cannot %s %s: %s", doing, path, strerror(errno));
+  return hk_error_set(error, HK_IO, "cannot %s %s: %s", doing, path, hk_file_reason(errno));
 }
 
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
   hk_folder *f = calloc(1, sizeof *f);
   if (f) f->scene = hk_string_copy(scene);
+  if (f) f->descriptor = -1, f->named = out != NULL;
   if (!f || !f->scene) {
     hk_folder_close(f);
     hk_error_set(error, HK_NO_MEMORY, "no memory for the output folder");
     return NULL;
   }
   int length = snprintf(f->path, sizeof f->path, out ? "%s" : "out/%s", out ? out : scene);
-  if (length > 0 && length < (int)sizeof f->path) return f;
+  bool nameless = !out && (*scene == 0 || strcmp(scene, ".") == 0 || strcmp(scene, "..") == 0);
+  if (length > 0 && length < (int)sizeof f->path && !nameless) return f;
   hk_error_set(error, HK_BAD_PARAM,
-               length ? "the name of the output folder is too long" : "--out: the folder has no name");
+               nameless ? "'%s' names no output folder: name one with --out"
+               : length ? "the name of the output folder is too long"
+                        : "--out: the folder has no name",
+               scene);
   hk_folder_close(f);
   return NULL;
 }
@@ -42,21 +52,11 @@ hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
 void hk_folder_close(hk_folder *f) {
   if (!f) return;
   if (f->list) fclose(f->list);
+  if (f->descriptor >= 0) close(f->descriptor);
   for (size_t k = 0; k < f->count; k++) free(f->name[k]);
   free(f->name);
   free(f->scene);
   free(f);
-}
-
-/* Makes every folder on the way to the last slash of `path`. */
-static int make_parents(char *path) {
-  for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-    *slash = 0;
-    int failed = mkdir(path, 0777) != 0 && errno != EEXIST;
-    *slash = '/';
-    if (failed) return -1;
-  }
-  return 0;
 }
 
 static bool safe_name(const char *name) {
@@ -68,27 +68,99 @@ static bool safe_name(const char *name) {
   return true;
 }
 
+static int open_folder(int at, const char *name) {
+  return openat(at, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+}
+
+/* Opens, and with `make` makes, the folder of the last slash of `path`, below `at`, past no link. The rest of the path
+ * goes to `last`. -1 with errno. */
+static int open_parent(int at, const char *path, bool make, const char **last) {
+  char part[PATH_MAX];
+  int folder = open_folder(at, ".");
+  for (const char *slash; folder >= 0 && (slash = strchr(path, '/')); path = slash + 1) {
+    size_t length = (size_t)(slash - path);
+    if (length == 0) continue;
+    snprintf(part, sizeof part, "%.*s", (int)length, path);
+    bool made = !make || mkdirat(folder, part, 0777) == 0 || errno == EEXIST;
+    int inner = made ? open_folder(folder, part) : -1, cause = errno;
+    close(folder);
+    errno = cause;
+    folder = inner;
+  }
+  *last = path;
+  return folder;
+}
+
+static void remove_below(int folder, const char *name) {
+  const char *last, *inner = strrchr(name, '/');
+  int parent = open_parent(folder, name, false, &last);
+  if (parent < 0) return;
+  unlinkat(parent, last, 0);
+  close(parent);
+  if (!inner) return;
+  char above[PATH_MAX];
+  snprintf(above, sizeof above, "%.*s", (int)(inner - name), name);
+  parent = open_parent(folder, above, false, &last);
+  if (parent < 0) return;
+  unlinkat(parent, last, AT_REMOVEDIR); /* only when it is empty */
+  close(parent);
+}
+
 static void remove_listed(const hk_folder *f, FILE *list) {
-  char line[PATH_MAX / 2], path[PATH_MAX];
+  char line[PATH_MAX / 2];
   while (fgets(line, sizeof line, list)) {
     line[strcspn(line, "\n")] = 0;
-    if (!safe_name(line)) continue;
-    snprintf(path, sizeof path, "%s/%s", f->path, line);
-    unlink(path);
-    char *slash = strrchr(path, '/');
-    if (slash > path + strlen(f->path)) {
-      *slash = 0;
-      rmdir(path); /* removes the folder only when it is empty */
-    }
+    if (safe_name(line)) remove_below(f->descriptor, line);
   }
+}
+
+/* The list in the folder; -1 with errno. A pipe does not block, and is refused as what it is. */
+static int open_list(const hk_folder *f, int flags) {
+  struct stat info;
+  int list = openat(f->descriptor, list_name, flags | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0666);
+  if (list < 0 || (fstat(list, &info) == 0 && S_ISREG(info.st_mode))) return list;
+  close(list);
+  errno = ENOTBLK;
+  return -1;
+}
+
+/* Makes every folder on the way to the last slash of `path`, past links as they come. */
+static bool make_parents(char *path) {
+  bool made = true;
+  for (char *slash = strchr(path + 1, '/'); slash && made; slash = strchr(slash + 1, '/')) {
+    *slash = 0;
+    made = mkdir(path, 0777) == 0 || errno == EEXIST;
+    *slash = '/';
+  }
+  return made;
+}
+
+/* Below the folder no link is followed; on the way to one that the user names they are the user's. */
+static hk_status open_place(hk_folder *f, hk_error *error) {
+  char path[PATH_MAX];
+  const char *last;
+  snprintf(path, sizeof path, "%s/", f->path);
+  if (!f->named)
+    f->descriptor = open_parent(AT_FDCWD, path, true, &last);
+  else if (make_parents(path))
+    f->descriptor = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (f->descriptor >= 0) return HK_OK;
+  if (errno == ELOOP || (errno == ENOTDIR && !f->named))
+    return hk_error_set(error, HK_IO,
+                        "cannot create the folder %s: a part of it is a link or a file; name a folder with --out",
+                        f->path);
+  return io_error(error, "create the folder", f->path);
 }
 
 /* Removes the files of an earlier run of this scene, and begins a new list. */
 static hk_status begin_list(hk_folder *f, hk_error *error) {
   char path[PATH_MAX], owner[256] = "";
+  hk_status status = open_place(f, error);
+  if (status != HK_OK) return status;
   snprintf(path, sizeof path, "%s/%s", f->path, list_name);
-  if (make_parents(path) != 0) return io_error(error, "create the folder", f->path);
-  FILE *old = fopen(path, "r");
+  int descriptor = open_list(f, O_RDONLY);
+  if (descriptor < 0 && errno != ENOENT) return io_error(error, "read", path);
+  FILE *old = descriptor < 0 ? NULL : fdopen(descriptor, "r");
   if (old) {
     if (fgets(owner, sizeof owner, old)) owner[strcspn(owner, "\n")] = 0;
     bool ours = strcmp(owner, f->scene) == 0;
@@ -97,8 +169,10 @@ static hk_status begin_list(hk_folder *f, hk_error *error) {
     if (!ours)
       return hk_error_set(error, HK_IO, "%s holds the output of the scene '%s': name another folder with --out",
                           f->path, owner);
+    unlinkat(f->descriptor, list_name, 0);
   }
-  f->list = fopen(path, "w");
+  descriptor = open_list(f, O_WRONLY | O_CREAT | O_EXCL);
+  f->list = descriptor < 0 ? NULL : fdopen(descriptor, "w");
   if (!f->list || fprintf(f->list, "%s\n", f->scene) < 0 || fflush(f->list) != 0) return io_error(error, "write", path);
   return HK_OK;
 }
@@ -121,6 +195,8 @@ static hk_status add_to_list(hk_folder *f, const char *name, hk_error *error) {
   return HK_OK;
 }
 
+const char *hk_folder_place(const hk_folder *f) { return f ? f->path : NULL; }
+
 hk_status hk_folder_path(hk_folder *f, const char *name, char *buffer, size_t size, hk_error *error) {
   struct stat info;
   if (!safe_name(name))
@@ -129,8 +205,12 @@ hk_status hk_folder_path(hk_folder *f, const char *name, char *buffer, size_t si
   if (status != HK_OK) return status;
   if (snprintf(buffer, size, "%s/%s", f->path, name) >= (int)size)
     return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);
-  if (make_parents(buffer) != 0) return io_error(error, "create the folder of", buffer);
-  if (lstat(buffer, &info) == 0) {
+  const char *last;
+  int parent = open_parent(f->descriptor, name, true, &last);
+  if (parent < 0) return io_error(error, "create the folder of", buffer);
+  bool exists = fstatat(parent, last, &info, AT_SYMLINK_NOFOLLOW) == 0;
+  close(parent);
+  if (exists) {
     if (is_listed(f, name)) return HK_OK;
     return hk_error_set(error, HK_IO, "%s is not from a run of this scene: move it, or name another folder with --out",
                         buffer);

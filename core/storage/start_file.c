@@ -1,16 +1,28 @@
 /* Reads the file that a run begins with; its first bytes tell a checkpoint from a state table. */
 #include "core/storage/files.h"
+#include "core/base/base.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const char *path, bool *resumed) {
+/* Beside the script, or in the output folder, unless the script is trusted. */
+static FILE *open_start(const hk_scene *scene, const hk_folder *output, const char *path) {
+  char folder[PATH_MAX] = ".";
+  const char *slash = strrchr(scene->script, '/'), *within[3] = {folder, hk_folder_place(output), NULL};
+  if (scene->trusted) return hk_file_read(path, NULL);
+  if (slash)
+    snprintf(folder, sizeof folder, "%.*s", slash == scene->script ? 1 : (int)(slash - scene->script), scene->script);
+  return hk_file_read(path, within);
+}
+
+hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path, bool *resumed) {
   char line[4096] = "";
   errno = 0;
   *resumed = false;
-  FILE *file = fopen(path, "rb");
-  if (!file) return hk_io_error(loop->error, "read", path);
+  FILE *file = open_start(loop->scene, output, path);
+  if (!file) return hk_error_set(loop->error, HK_IO, "cannot read %s: %s", path, hk_file_reason(errno));
   hk_status status;
   if (!fgets(line, sizeof line, file))
     status = hk_error_set(loop->error, HK_IO, "%s is empty", path);

@@ -97,6 +97,8 @@ static bool parse_row(rows *r, const char *line) {
 static hk_status read_rows(hk_loop *loop, FILE *file, const char *path, rows *r) {
   char line[LINE];
   while (fgets(line, sizeof line, file)) {
+    if (r->count == loop->scene->n)
+      return hk_error_set(loop->error, HK_BAD_PARAM, "%s: it has more particles than the scene", path);
     if (!grow(r)) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
     if (!parse_row(r, line))
       return hk_error_set(loop->error, HK_IO, "%s:%zu: expected %s%s with finite numbers", path, r->count + 2, head,

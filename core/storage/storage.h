@@ -8,10 +8,12 @@
 typedef struct hk_folder hk_folder;
 
 /* ---- folder.c: the output folder, made at the request of the first file. All files of an earlier run of the same
- * scene are removed; other files are never touched ---- */
+ * scene are removed; other files are never touched, and no link is followed below it ---- */
 
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
 void hk_folder_close(hk_folder *);
+const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
+/* Where a file of that name is to be written; the folders on the way exist then, and are no links. */
 hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
 
 /* ---- measures.c: measures.csv, a row per frame ---- */
@@ -33,6 +35,6 @@ hk_status hk_checkpoint_write(hk_loop *, hk_judgement *, const char *path, hk_er
  * that data derived from the scene's start state (rest lengths) do not change. *resumed: the file is a checkpoint
  * ---- */
 
-hk_status hk_start_file_read(hk_loop *, hk_judgement *, const char *path, bool *resumed);
+hk_status hk_start_file_read(hk_loop *, hk_judgement *, const hk_folder *output, const char *path, bool *resumed);
 
 #endif

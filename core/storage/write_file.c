@@ -2,6 +2,7 @@
 #include "core/storage/files.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,13 +18,20 @@ static bool plain_target(const char *path) {
   return stat(path, &info) != 0 || S_ISREG(info.st_mode);
 }
 
+/* A new file: what has the name already, a link perhaps, goes first. */
+static FILE *create(const char *path) {
+  unlink(path);
+  int descriptor = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  return descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+}
+
 hk_status hk_write_file(const char *path, bool (*body)(FILE *, const void *), const void *what, hk_error *error) {
   char temporary[PATH_MAX];
   bool rename_it = plain_target(path);
   if (snprintf(temporary, sizeof temporary, rename_it ? "%s.part" : "%s", path) >= (int)sizeof temporary)
     return hk_error_set(error, HK_IO, "the path %s is too long", path);
   errno = 0;
-  FILE *file = fopen(temporary, "wb");
+  FILE *file = rename_it ? create(temporary) : fopen(temporary, "wb");
   if (!file) return hk_io_error(error, "write", path);
   bool fine = body(file, what);
   fine = fclose(file) == 0 && fine;

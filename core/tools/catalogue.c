@@ -99,7 +99,8 @@ int hk_tool_catalogue(lua_State *L) {
 /* hooke.describe(path): one plugin of the catalogue, by its file; or nil and the reason. */
 int hk_tool_describe(lua_State *L) {
   hk_error error = {0};
-  const hk_loaded *item = hk_registry_load(hk_script_asked(hk_lua_script(L))->registry, luaL_checkstring(L, 1), &error);
+  const hk_loaded *item =
+      hk_registry_load(hk_script_asked(hk_lua_script(L))->registry, luaL_checkstring(L, 1), true, &error);
   if (item) {
     push_plugin(L, item);
     return 1;

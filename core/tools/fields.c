@@ -2,7 +2,7 @@
 #include "core/tools/tools.h"
 
 void hk_tool_set_text(lua_State *L, const char *key, const char *value) {
-  lua_pushstring(L, value ? value : "");
+  hk_lua_push_plain(L, value ? value : "");
   lua_setfield(L, -2, key);
 }
 

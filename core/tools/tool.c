@@ -39,9 +39,13 @@ typedef struct tool {
 } tool;
 
 static void open_functions(lua_State *L, tool *t) {
-  static const luaL_Reg functions[] = {
-      {"catalogue", hk_tool_catalogue}, {"describe", hk_tool_describe}, {"explain", hk_tool_explain},
-      {"load", hk_tool_load},           {"nearest", nearest},           {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"catalogue", hk_tool_catalogue},
+                                       {"describe", hk_tool_describe},
+                                       {"explain", hk_tool_explain},
+                                       {"load", hk_tool_load},
+                                       {"definition", hk_tool_definition},
+                                       {"nearest", nearest},
+                                       {NULL, NULL}};
   const hk_script *s = hk_lua_script(L);
   lua_getglobal(L, "hooke");
   luaL_setfuncs(L, functions, 0);

@@ -16,9 +16,9 @@ void test_engine_open(test_engine *e) {
   *e = (test_engine){
       .options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .no_output = true, .progress = -1}};
   must(e, hk_registry_open(&e->registry, HK_BUILD "/plugins", NULL, &e->error));
-  e->registry.allow_script_folder = true;
   e->scene = hk_scene_create("test.lua", &e->registry);
   assert_non_null(e->scene);
+  e->scene->trusted = true;
   e->scene->threads = 1;
 }
 

@@ -157,7 +157,7 @@ static void a_script_describes_and_has_no_hands(void **state) {
   (void)state;
   write_scene();
   test_write("a.lua", "os.remove('s.lua')\nreturn hooke.sweep { scene = 's.lua' }\n");
-  refused("a.lua", "a.lua:1: attempt to index a nil value (global 'os')");
+  refused("a.lua", "a.lua:1: os.remove is not available");
   test_write("b.lua", "return hooke.sweep { scene = 's.lua', integrator = 'rk4' }\n");
   refused("b.lua", "did you mean 'integrators'?");
   test_write("b.lua", "return hooke.sweep { scene = 's.lua', trust = true }\n");
@@ -166,7 +166,7 @@ static void a_script_describes_and_has_no_hands(void **state) {
                       "path = 1, panels = { 'k' }, curves = { [1] = { '0:1', '(t):(system(t))' } } } } }\n");
   refused("b.lua", "there is no function 'system' here");
   test_write("c.lua", "while true do end\nreturn hooke.sweep { scene = 's.lua' }\n");
-  refused("c.lua", "it does not end");
+  refused("c.lua", "is there an endless loop?");
 }
 
 /* ---- running ---- */

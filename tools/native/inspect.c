@@ -31,7 +31,8 @@ static int watch(lua_State *L) {
   hk_error error = {0};
   hk_guard_watch((int)luaL_checkinteger(L, 1));
   if (lua_isnoneornil(L, 2)) return 0;
-  const hk_loaded *item = hk_registry_load(hk_script_asked(hk_lua_script(L))->registry, luaL_checkstring(L, 2), &error);
+  const hk_loaded *item =
+      hk_registry_load(hk_script_asked(hk_lua_script(L))->registry, luaL_checkstring(L, 2), true, &error);
   if (item) hk_imports_watch(dlsym(item->handle, "hk_plugin_main"));
   return 0;
 }

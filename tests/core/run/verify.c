@@ -55,7 +55,6 @@ static void tool(const char *scene, const char *body) {
   snprintf(text, sizeof text, "%s%s", head, body);
   snprintf(path, sizeof path, "%s", test_write("probe.lua", text));
   assert_int_equal(hk_registry_open(&registry, HK_BUILD "/plugins", NULL, &error), HK_OK);
-  registry.allow_script_folder = true; /* as for every tool */
   if (hk_tool_run(path, 1, argv, &script, &code, NULL, &error) != HK_OK) fail_msg("%s", error.text);
   hk_registry_close(&registry);
 }

@@ -287,7 +287,7 @@ static void for_all(const problem *p) {
     test_engine e;
     const hk_plugin *plugin;
     test_engine_open(&e);
-    assert_int_equal(hk_registry_find(&e.registry, HK_INTEGRATOR, names[k], &plugin, &e.error), HK_OK);
+    assert_int_equal(hk_registry_find(&e.registry, HK_INTEGRATOR, names[k], false, &plugin, &e.error), HK_OK);
     const hk_integrator *method = plugin->integrator;
     if (method->flags & HK_IMPLICIT && !method->without_constraints) {
       measured++;

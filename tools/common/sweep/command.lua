@@ -120,7 +120,7 @@ function command.define(asked)
   if not text then plan.refuse("cannot read %s", why or asked.path) end
   file:close()
   local given = asked.given
-  local d = script.is_sweep(text) and script.read(asked.path, text) or { scene = asked.path, folder = "." }
+  local d = script.is_sweep(text) and script.read(asked.path) or { scene = asked.path, folder = "." }
   d.params = d.params or {}
   for name, values in pairs(asked.params) do d.params[name] = values end
   d.integrators = given["--integrators"] and methods(given["--integrators"]) or d.integrators
