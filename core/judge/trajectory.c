@@ -57,7 +57,7 @@ hk_status hk_trajectory_note(hk_trajectory *a, const hk_state *s, size_t frame, 
   while (a->moments > 1 && a->size + size > most_numbers) drop_half(a);
   if (!always && frame % a->stride) return HK_OK;
   if (a->moments && a->moment[a->moments - 1].t == s->t) return HK_OK;
-  if (!reserve(a, size)) return no_memory(error);
+  if (!reserve(a, size + 1)) return no_memory(error); /* the arrays exist without particles, too */
   double *value = a->value + a->size;
   for (size_t i = 0; i < n; i++) value[i] = s->id[i];
   memcpy(value + n, s->X, 3 * n * sizeof *value);

@@ -34,19 +34,27 @@ static double relative(const hk_comparison *c, const hk_distance *d) {
 
 /* ---- what is asked ---- */
 
-/* Where nothing is asked, an error of a tenth of the motion is visible, as in judge/verdict.c. */
-static hk_status set_accuracies(hk_comparison *c, hk_error *error) {
+/* Where nothing is asked, an error of a tenth of the motion is visible, as in judge/verdict.c. The motion is the
+ * smaller one of the two runs: one that explodes is not its own measure. */
+static void measure_by(hk_comparison *c, const hk_trajectory *other) {
   const hk_scene *scene = c->whole->scene;
   const hk_trajectory *own = &c->whole->judgement.trajectory;
-  bool asked = c->summary->accuracies > 0;
-  double moved = visible * hk_trajectory_motion(own) + rounding * hk_state_extent(&c->whole->state);
-  c->accuracy = c->summary->accuracy > 0 ? c->summary->accuracy : asked ? NAN : moved;
+  double motion = fmin(hk_trajectory_motion(own), hk_trajectory_motion(other));
+  if (c->summary->accuracies == 0) c->accuracy = visible * motion + rounding * hk_state_extent(&c->whole->state);
+  for (size_t k = 0; k < scene->channels; k++) {
+    double first = hk_trajectory_channel_change(own, scene, k), second = hk_trajectory_channel_change(other, scene, k);
+    double change = fmax(fmin(first, second), rounding * fmax(first, second));
+    if (!(scene->channel[k].accuracy > 0)) c->channel[k] = change > 0 ? visible * change : INFINITY;
+  }
+}
+
+static hk_status set_accuracies(hk_comparison *c, hk_error *error) {
+  const hk_scene *scene = c->whole->scene;
+  c->accuracy = c->summary->accuracy > 0 ? c->summary->accuracy : NAN;
   c->channel = calloc(scene->channels + 1, sizeof *c->channel);
   if (!c->channel) return hk_error_set(error, HK_NO_MEMORY, "no memory for the accuracies of the channels");
-  for (size_t k = 0; k < scene->channels; k++) {
-    double given = scene->channel[k].accuracy, changed = visible * hk_trajectory_channel_change(own, scene, k);
-    c->channel[k] = given > 0 ? given : changed > 0 ? changed : INFINITY;
-  }
+  for (size_t k = 0; k < scene->channels; k++) c->channel[k] = scene->channel[k].accuracy;
+  measure_by(c, &c->whole->judgement.trajectory);
   return HK_OK;
 }
 
@@ -111,11 +119,13 @@ hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
   hk_run_options o = refined(c, c->sampling.varies ? pulses : 1);
   hk_status status = hk_rerun_take(c->reopen, &o, c->whole, c->whole->state.t, &c->half, error);
   c->compared = status == HK_OK;
+  if (c->compared) measure_by(c, &c->half.trajectory);
   return status;
 }
 
 /* A reference that has passed by a force of short range is none. */
 static void use_reference(hk_comparison *c, const hk_rerun *reference) {
+  measure_by(c, &reference->trajectory);
   hk_distance d = distance(c, NULL, reference, INFINITY);
   if (isnan(d.position) || reference->passed_by > c->accuracy) return;
   c->referred = true;

@@ -122,6 +122,12 @@ static void judge_accuracy(hk_comparison *c) {
   judge(c);
 }
 
+/* Half the step failed: only a reference can say how accurate the run was. */
+static void judge_without_half(hk_comparison *c) {
+  if (c->channel) hk_comparison_refer(c, HK_EFFORT_MEDIUM, false);
+  judge(c);
+}
+
 /* A function of time that acts between the evaluations of a run which is compared with no other. */
 static void judge_sampling(const hk_comparison *c, hk_summary *s) {
   const hk_sampling *f = &c->sampling;
@@ -159,7 +165,7 @@ hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *first, bool h
   if (judged && asked && c.compared)
     judge_accuracy(&c);
   else if (judged && asked)
-    judge(&c);
+    judge_without_half(&c);
   else if (judged && status == HK_OK && whole->judgement.compared)
     judge_motion(&c);
   s->check_wall_s = hk_clock() - begin;
