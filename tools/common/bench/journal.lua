@@ -46,9 +46,11 @@ end
 
 local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
 
--- The text of a script and of every file that it names in quotes: modules, meshes, start states.
+-- The text of a script and of every file beside it, or in scripts/lib, that it names in quotes: modules, meshes, start
+-- states.
 local function texts_of(path, seen, texts)
-  local text, folder = journal.read(path), path:match("^(.*/)") or ""
+  local folder = path:match("^(.*/)") or ""
+  local text = hooke.read(path, folder == "" and "." or folder, hooke.library)
   if seen[path] or not text then return texts end
   seen[path] = true
   texts[#texts + 1] = text
