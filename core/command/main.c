@@ -9,6 +9,7 @@
 #include "core/host/host.h"
 #include "core/report/report.h"
 #include "core/lua/lua.h"
+#include "core/text/text.h"
 #include "core/tools/tools.h"
 
 #include <dirent.h>

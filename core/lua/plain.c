@@ -1,7 +1,7 @@
 /* Values as text for untrusted scripts: tostring, print and string.format show no addresses, which would tell a script
  * where to aim. What has no text of its own (__tostring) is shown by its type. */
 #include "core/lua/internal.h"
-#include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Tools: Lua scripts with full rights, the Lua interface of scenes, and functions for tools only. */
 #include "core/tools/tools.h"
-#include "core/base/base.h"
+#include "core/storage/storage.h"
 
 #include <errno.h>
 #include <lauxlib.h>
