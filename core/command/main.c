@@ -210,9 +210,18 @@ static const char *confine_case(void *context, const char *scene) {
   return hk_confine(&c);
 }
 
+/* Where tools/auto.lua keeps its choices. */
+static const char *cache_folder(char *folder, size_t size) {
+  const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+  bool given = base && *base;
+  if (!given && !(home && *home)) return NULL;
+  int length = snprintf(folder, size, given ? "%s/hooke" : "%s/.cache/hooke", given ? base : home);
+  return length < (int)size ? folder : NULL;
+}
+
 /* Before the script and before any thread: what an untrusted scene has no use for is given up. */
 static const char *confine(const hk_options *o, const hk_registry *registry, const places *p) {
-  char output[PATH_MAX], native[PATH_MAX + 16];
+  char output[PATH_MAX], native[PATH_MAX + 16], cache[PATH_MAX];
   const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
   size_t length = strlen(name);
   if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
@@ -222,6 +231,7 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   c.programs = getenv("PATH");
   c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
   c.named = o->run.out != NULL;
+  c.cache = cache_folder(cache, sizeof cache);
   c.state = o->state;
   return hk_confine(&c);
 }

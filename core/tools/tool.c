@@ -59,6 +59,19 @@ static int read_inside(lua_State *L) {
   return 1;
 }
 
+/* hooke.checksum(path): FNV-1a (64 bits) of a file's bytes; nil where it cannot be read. */
+static int checksum(lua_State *L) {
+  unsigned char block[1 << 14];
+  uint64_t hash = 1469598103934665603u;
+  FILE *file = fopen(luaL_checkstring(L, 1), "rb");
+  if (!file) return 0;
+  for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;)
+    for (size_t k = 0; k < got; k++) hash = (hash ^ block[k]) * 1099511628211u;
+  fclose(file);
+  lua_pushinteger(L, (lua_Integer)hash);
+  return 1;
+}
+
 typedef struct tool {
   int argc;
   char **argv;
@@ -75,6 +88,7 @@ static void open_functions(lua_State *L, tool *t) {
                                        {"nearest", nearest},
                                        {"confine", confine},
                                        {"read", read_inside},
+                                       {"checksum", checksum},
                                        {NULL, NULL}};
   const hk_script *s = hk_lua_script(L);
   lua_getglobal(L, "hooke");

@@ -48,6 +48,8 @@ local list = {
   { "a run saved to a file", scene = ball .. 's:run():save("@OUTSIDE@/ESCAPED")', says = "run:save writes a file" },
   { "addresses by %p", scene = 'error(string.format("%p", {}))', hides = "0x%x+" },
   { "addresses by %p of strings' methods", scene = 'error(("%-20p"):format(print))', hides = "0x%x+" },
+  { "addresses by %p behind a zero", scene = 'error((("\\0%p"):format({}):gsub("%z", "")), 0)', hides = "0x%x+" },
+  { "addresses by %s behind a zero", scene = 'error((("\\0%s"):format({}):gsub("%z", "")), 0)', hides = "0x%x+" },
   { "addresses of functions", scene = 'error(tostring(math.sin), 0)', hides = "0x%x+", says = "function" },
   { "addresses of tables", scene = 'error(tostring({}), 0)', hides = "0x%x+", says = "table" },
   { "addresses of coroutines", scene = 'error(tostring(coroutine.create(print)), 0)', hides = "0x%x+", says = "thread" },

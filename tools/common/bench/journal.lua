@@ -44,8 +44,6 @@ function journal.canonical(value)
   return "{" .. table.concat(parts, ",") .. "}"
 end
 
-local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
-
 -- The text of a script and of every file beside it, or in scripts/lib, that it names in quotes: modules, meshes, start
 -- states.
 local function texts_of(path, seen, texts)
@@ -66,13 +64,11 @@ end
 
 -- The scene's text and the files it names, its parameters, and the contents of the installed plugins.
 function journal.of_scene(path, params)
-  local files = {}
-  for k, plugin in ipairs((hooke.catalogue())) do files[k] = quoted(plugin.path) end
-  local sums = io.popen("cksum " .. table.concat(files, " "))
+  local sums = {}
+  for k, plugin in ipairs((hooke.catalogue())) do sums[k] = ("%s %s"):format(plugin.path, hooke.checksum(plugin.path)) end
   local parts = texts_of(path, {}, {})
   parts[#parts + 1] = journal.canonical(params)
-  parts[#parts + 1] = hooke.version .. sums:read("a")
-  sums:close()
+  parts[#parts + 1] = hooke.version .. table.concat(sums, "\n")
   return journal.hash(table.concat(parts, "\0"))
 end
 
