@@ -140,4 +140,5 @@ end
 
 local o, message = parse()
 if not o then return fail("explain: " .. message) end
+if not o.trust then hooke.confine(o.path) end
 return (o.cost and explain_cost or explain)(o)

@@ -5,7 +5,6 @@
 #include "core/plugin.h"
 
 #include <stdarg.h>
-#include <stdio.h>
 
 /* ---- error.c: a status and one sentence, made where the cause is known ---- */
 
@@ -55,22 +54,6 @@ void hk_threads_for(hk_threads *, size_t count, size_t grain,
 
 void hk_random_seed(uint64_t state[4], uint64_t seed);
 double hk_random_uniform(uint64_t state[4]); /* [0, 1), 53 bits */
-
-/* ---- files.c: files that scripts name ---- */
-
-/* Opens a plain file inside one of the folders (NULL members end the list; "inside" by real paths); `within` NULL: any
- * file. NULL: the reason is hk_file_reason(errno). */
-FILE *hk_file_read(const char *path, const char *const *within);
-const char *hk_file_reason(int cause); /* strerror, and sentences for files outside and for what is no plain file */
-
-/* ---- plain.c: text from scripts and file names, for people ---- */
-
-/* Writes UTF-8 with letters and line breaks as they are; what could command a terminal (control characters, orders of
- * writing direction, bytes that are no UTF-8) is written as \xHH or \u{HHHH}. */
-void hk_print_plain(FILE *, const char *text);
-void hk_plain_copy(char *into, size_t size, const char *text); /* the same into a buffer, cut at its end */
-size_t hk_utf8_next(const char *text, uint32_t *code);         /* bytes of the first character; 0: it is no UTF-8 */
-bool hk_commands_terminal(uint32_t code);
 
 /* ---- clock.c ---- */
 

@@ -1,5 +1,6 @@
 /* Errors and the nearest name. The first error set is the cause; later errors, its consequences, do not replace it. */
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <string.h>

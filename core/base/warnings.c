@@ -1,5 +1,6 @@
 /* Warnings of a run: each text is recorded and printed once. */
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -80,7 +80,15 @@ enum {
            LANDLOCK_ACCESS_FS_MAKE_BLOCK | LANDLOCK_ACCESS_FS_MAKE_SYM
 };
 
-/* ---- landlock: files ---- */
+/* ---- landlock: files, and signals, which then reach none but processes that this one starts ---- */
+
+/* struct landlock_ruleset_attr of version 6 (Linux 6.12); headers of Debian 12 have the first member alone. Before,
+ * what ends cases that take too long has to stay allowed, and with it signals to the user's other processes. */
+typedef struct attributes {
+  uint64_t files, network, scoped;
+} attributes;
+
+enum { SIGNALS_SINCE = 6, SCOPE_SIGNAL = 1 << 1 };
 
 typedef struct ruleset {
   int descriptor;
@@ -141,6 +149,7 @@ static void allow_system(const ruleset *rules) {
 static void allow_writing(const ruleset *rules, const hk_confinement *c) {
   char outermost[PATH_MAX];
   if (c->output) allow(rules, c->output, SEE | CHANGE | MAKE | FOLDERS);
+  if (c->cache) allow(rules, c->cache, SEE | CHANGE | MAKE);
   if (c->state) allow_folder_of(rules, c->state, CHANGE | MAKE);
   if (c->state) allow(rules, c->state, CHANGE);
   if (!made.count) return;
@@ -154,8 +163,9 @@ static bool close_files(const hk_confinement *c) {
   ruleset rules = {.handled = RUN | SEE | CHANGE | MAKE | FOLDERS | OTHERS};
   if (version >= 2) rules.handled |= LANDLOCK_ACCESS_FS_REFER;
   if (version < 3) rules.handled &= ~(uint64_t)LANDLOCK_ACCESS_FS_TRUNCATE;
-  struct landlock_ruleset_attr asked = {.handled_access_fs = rules.handled};
-  rules.descriptor = (int)syscall(SYS_landlock_create_ruleset, &asked, sizeof asked.handled_access_fs, 0);
+  attributes asked = {.files = rules.handled, .scoped = version >= SIGNALS_SINCE ? SCOPE_SIGNAL : 0};
+  size_t size = version >= SIGNALS_SINCE ? sizeof asked : sizeof asked.files;
+  rules.descriptor = (int)syscall(SYS_landlock_create_ruleset, &asked, size, 0);
   if (rules.descriptor < 0) return false;
   allow_system(&rules);
   allow_folder_of(&rules, c->scene, SEE);
@@ -204,8 +214,7 @@ static const int refused[] = {
     __NR_process_madvise,
     __NR_rt_sigqueueinfo,
     __NR_rt_tgsigqueueinfo,
-    __NR_kill,
-    __NR_tkill,
+
     __NR_shmget,
     __NR_shmat,
     __NR_msgget,
@@ -316,6 +325,7 @@ static bool close_calls(bool execute) {
 
 const char *hk_confine(const hk_confinement *c) {
   if (c->output) make_output(c->output, c->named);
+  if (c->cache) mkdir(c->cache, 0777);
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return "the scene's process is not confined: this kernel is too old";
   bool files = close_files(c), calls = close_calls(files);
   if (files && calls) return NULL;

@@ -13,6 +13,7 @@ typedef struct hk_confinement {
   const char *programs;  /* PATH: where ffmpeg is looked for, which outputs call */
   const char *output;    /* a folder to write in, made here where it is missing; NULL: none */
   bool named;            /* the user has named it */
+  const char *cache;     /* the folder of tools/auto.lua, made here; NULL: none */
   const char *state;     /* a file to write, NULL: none */
 } hk_confinement;
 

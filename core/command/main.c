@@ -10,6 +10,7 @@
 #include "core/host/host.h"
 #include "core/report/report.h"
 #include "core/lua/lua.h"
+#include "core/text/text.h"
 #include "core/tools/tools.h"
 
 #include <dirent.h>
@@ -191,20 +192,50 @@ static void catch_signals(void) {
   sigaction(SIGTERM, &action, NULL);
 }
 
+typedef struct installation {
+  const hk_registry *registry;
+  const places *places;
+} installation;
+
+/* What every scene's process reads. */
+static hk_confinement needs_of(const installation *here, const char *scene, char native[PATH_MAX + 16]) {
+  const places *p = here->places;
+  if (snprintf(native, PATH_MAX + 16, "%s/../tools", p->plugins) >= PATH_MAX + 16) native[0] = 0;
+  hk_confinement c = {.scene = scene, .read = {p->plugins, p->scripts, p->tools, native}};
+  c.search = here->registry->search;
+  c.libraries = getenv("LD_LIBRARY_PATH");
+  return c;
+}
+
+/* A case of a tool, in a process of its own: it writes nothing but its result, to a pipe. */
+static const char *confine_case(void *context, const char *scene) {
+  char native[PATH_MAX + 16];
+  hk_confinement c = needs_of(context, scene, native);
+  return hk_confine(&c);
+}
+
+/* Where tools/auto.lua keeps its choices. */
+static const char *cache_folder(char *folder, size_t size) {
+  const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
+  bool given = base && *base;
+  if (!given && !(home && *home)) return NULL;
+  int length = snprintf(folder, size, given ? "%s/hooke" : "%s/.cache/hooke", given ? base : home);
+  return length < (int)size ? folder : NULL;
+}
+
 /* Before the script and before any thread: what an untrusted scene has no use for is given up. */
 static const char *confine(const hk_options *o, const hk_registry *registry, const places *p) {
-  char output[PATH_MAX], native[PATH_MAX + 16];
+  char output[PATH_MAX], native[PATH_MAX + 16], cache[PATH_MAX];
   const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
   size_t length = strlen(name);
   if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
   bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output && name[0] != '.';
-  snprintf(native, sizeof native, "%s/../tools", p->plugins);
-  hk_confinement c = {
-      .scene = o->scene, .read = {p->plugins, p->scripts, p->tools, native}, .search = registry->search};
-  c.libraries = getenv("LD_LIBRARY_PATH");
+  installation here = {registry, p};
+  hk_confinement c = needs_of(&here, o->scene, native);
   c.programs = getenv("PATH");
   c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
   c.named = o->run.out != NULL;
+  c.cache = cache_folder(cache, sizeof cache);
   c.state = o->state;
   return hk_confine(&c);
 }
@@ -296,6 +327,8 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
   run.acting = hk_faults_watch(registry);
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
   options.pulse = hk_watchdog_start(&interrupted);
+  installation here = {registry, p};
+  options.confiner = (hk_confiner){confine_case, &here};
   int code = 0;
   if (hk_tool_run(path, argc, argv, &options, &code, NULL, &error) != HK_OK) return complain(&error);
   return code;

@@ -25,6 +25,12 @@ typedef struct hk_pulse {
   atomic_uint_fast64_t beats; /* grows while instructions of the script are executed */
 } hk_pulse;
 
+/* Confines the process to what the untrusted scene needs, for good. NULL: done; otherwise what cannot be given up. */
+typedef struct hk_confiner {
+  const char *(*confine)(void *context, const char *scene);
+  void *context;
+} hk_confiner;
+
 typedef struct hk_script_options {
   hk_registry *registry;
   const char *library;        /* folder of scripts/lib; NULL: none */
@@ -34,6 +40,7 @@ typedef struct hk_script_options {
   uint64_t instruction_limit; /* Lua VM instructions in one call into the script, 0: the default of 5e8 */
   const hk_run_options *run;  /* options of scene:run{} for scripts that drive runs */
   hk_pulse *pulse;            /* NULL: nobody watches */
+  hk_confiner confiner;       /* for tools; confine NULL: there is none */
   int threads;
   uint64_t seed;
   size_t given_count;

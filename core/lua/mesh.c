@@ -2,7 +2,7 @@
  * the Wavefront OBJ format the records v and f are read; f may have texture and normal indices, which are skipped, and
  * negative ones. */
 #include "core/lua/internal.h"
-#include "core/base/base.h"
+#include "core/storage/storage.h"
 
 #include <ctype.h>
 #include <errno.h>

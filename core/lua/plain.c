@@ -1,7 +1,7 @@
 /* Values as text for untrusted scripts: tostring, print and string.format show no addresses, which would tell a script
  * where to aim. What has no text of its own (__tostring) is shown by its type. */
 #include "core/lua/internal.h"
-#include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -52,8 +52,10 @@ static int print_nothing(lua_State *L) {
 
 /* string.format with its arguments of %s made texts first. */
 static int format(lua_State *L) {
+  size_t length;
   int top = lua_gettop(L), argument = 1;
-  for (const char *c = luaL_checkstring(L, 1); *c; c++) {
+  const char *c = luaL_checklstring(L, 1, &length);
+  for (const char *end = c + length; c < end; c++) { /* zeros do not end it */
     if (*c != '%' || *++c == '%') continue;
     c += strspn(c, "-+ #0123456789.");
     if (*c == 'p') return hk_lua_fail(L, HK_SCRIPT, "string.format: %%p, an address, is not available to scenes");

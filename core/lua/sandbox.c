@@ -2,7 +2,7 @@
  * Using a function that is excluded on purpose is an error that says so; using a name that does not exist is an error
  * that suggests the nearest name. */
 #include "core/lua/internal.h"
-#include "core/base/base.h"
+#include "core/storage/storage.h"
 
 #include <errno.h>
 #include <string.h>

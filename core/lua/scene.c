@@ -29,6 +29,26 @@ static void clear_choice(lua_State *L, hk_scene *scene, hk_kind kind, int params
   if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
 }
 
+/* hk_lua_set_params(scene, spec, parameters) as a function of Lua. */
+static int set_params(lua_State *L) {
+  hk_lua_set_params(L, lua_touserdata(L, 1), lua_touserdata(L, 2), 3);
+  return 0;
+}
+
+/* A plugin whose parameters are refused leaves the scene, also where the script catches the error. */
+static void fill(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int params) {
+  lua_pushcfunction(L, set_params);
+  lua_pushlightuserdata(L, scene);
+  lua_pushlightuserdata(L, spec);
+  if (params)
+    lua_pushvalue(L, params);
+  else
+    lua_pushnil(L);
+  if (lua_pcall(L, 3, 0, 0) == LUA_OK) return;
+  hk_scene_drop(scene, spec);
+  lua_error(L);
+}
+
 static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const char *name, int params) {
   if ((kind == HK_SOLVER || kind == HK_INTEGRATOR) && strcmp(name, "auto") == 0) {
     clear_choice(L, scene, kind, params);
@@ -44,7 +64,7 @@ static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const ch
   }
   hk_limits_take(L, 1024 + (label ? strlen(label) : 0));
   check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &spec, &error), &error);
-  hk_lua_set_params(L, scene, spec, params);
+  fill(L, scene, spec, params);
   return spec;
 }
 

@@ -1,6 +1,6 @@
 /* The summary as JSON: one object in one line, with the keys of the figure table. */
 #include "core/report/report.h"
-#include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <string.h>
 

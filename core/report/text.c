@@ -1,6 +1,6 @@
 /* The summary as text: a line per label of the figure table; unknown figures are omitted. */
 #include "core/report/report.h"
-#include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <string.h>
 

@@ -1,6 +1,7 @@
 /* The output folder. A hidden list in it names the scene and every file that its run wrote there; a new run of the same
  * scene removes exactly those. Files that are not on the list are never touched. No link below the folder is followed,
  * and none to the folder that hooke chooses itself: somebody else may have put it there. */
+#define _GNU_SOURCE /* O_PATH */
 #include "core/storage/storage.h"
 #include "core/base/base.h"
 
@@ -23,6 +24,12 @@ struct hk_folder {
 };
 
 static const char list_name[] = ".hooke-files";
+
+#ifdef O_PATH
+enum { HOLD = O_PATH | O_DIRECTORY | O_CLOEXEC }; /* needs no right to list the folder */
+#else
+enum { HOLD = O_RDONLY | O_DIRECTORY | O_CLOEXEC };
+#endif
 
 static hk_status io_error(hk_error *error, const char *doing, const char *path) {
   return hk_error_set(error, HK_IO, "cannot %s %s: %s", doing, path, hk_file_reason(errno));
@@ -68,9 +75,7 @@ static bool safe_name(const char *name) {
   return true;
 }
 
-static int open_folder(int at, const char *name) {
-  return openat(at, name, O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
-}
+static int open_folder(int at, const char *name) { return openat(at, name, HOLD | O_NOFOLLOW); }
 
 /* Opens, and with `make` makes, the folder of the last slash of `path`, below `at`, past no link. The rest of the path
  * goes to `last`. -1 with errno. */
@@ -143,7 +148,7 @@ static hk_status open_place(hk_folder *f, hk_error *error) {
   if (!f->named)
     f->descriptor = open_parent(AT_FDCWD, path, true, &last);
   else if (make_parents(path))
-    f->descriptor = open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    f->descriptor = open(path, HOLD);
   if (f->descriptor >= 0) return HK_OK;
   if (errno == ELOOP || (errno == ENOTDIR && !f->named))
     return hk_error_set(error, HK_IO,

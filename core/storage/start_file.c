@@ -1,6 +1,5 @@
 /* Reads the file that a run begins with; its first bytes tell a checkpoint from a state table. */
 #include "core/storage/files.h"
-#include "core/base/base.h"
 
 #include <errno.h>
 #include <limits.h>

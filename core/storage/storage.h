@@ -16,6 +16,13 @@ const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is 
 /* Where a file of that name is to be written; the folders on the way exist then, and are no links. */
 hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
 
+/* ---- inside.c: files that scripts name ---- */
+
+/* Opens a plain file inside one of the folders (NULL members end the list; "inside" by real paths); `within` NULL: any
+ * file. NULL: the reason is hk_file_reason(errno). */
+FILE *hk_file_read(const char *path, const char *const *within);
+const char *hk_file_reason(int cause); /* strerror, and sentences for files outside and for what is no plain file */
+
 /* ---- measures.c: measures.csv, a row per frame ---- */
 
 hk_status hk_measures_open(hk_folder *, const hk_scene *, FILE **, hk_error *error);

@@ -1,6 +1,8 @@
 /* Tools: Lua scripts with full rights, the Lua interface of scenes, and functions for tools only. */
 #include "core/tools/tools.h"
+#include "core/storage/storage.h"
 
+#include <errno.h>
 #include <lauxlib.h>
 #include <math.h>
 #include <string.h>
@@ -31,6 +33,45 @@ static int chosen(lua_State *L) {
   return 0;
 }
 
+/* hooke.confine(path): the process gives up what the untrusted scene has no use for; nil, or what it cannot give up. */
+static int confine(lua_State *L) {
+  const hk_confiner *c = &hk_script_asked(hk_lua_script(L))->confiner;
+  const char *path = luaL_checkstring(L, 1);
+  lua_pushstring(L, c->confine ? c->confine(c->context, path) : NULL);
+  return 1;
+}
+
+/* hooke.read(path, folder, folder): the text of a plain file whose real path is inside one of the folders; or nil and
+ * the reason. For names that come from scenes. */
+static int read_inside(lua_State *L) {
+  const char *within[3] = {luaL_checkstring(L, 2), luaL_optstring(L, 3, NULL), NULL};
+  FILE *file = hk_file_read(luaL_checkstring(L, 1), within);
+  luaL_Buffer text;
+  if (!file) {
+    lua_pushnil(L);
+    lua_pushstring(L, hk_file_reason(errno));
+    return 2;
+  }
+  luaL_buffinit(L, &text);
+  for (size_t got = 1; got > 0; luaL_addsize(&text, got)) got = fread(luaL_prepbuffer(&text), 1, LUAL_BUFFERSIZE, file);
+  fclose(file);
+  luaL_pushresult(&text);
+  return 1;
+}
+
+/* hooke.checksum(path): FNV-1a (64 bits) of a file's bytes; nil where it cannot be read. */
+static int checksum(lua_State *L) {
+  unsigned char block[1 << 14];
+  uint64_t hash = 1469598103934665603u;
+  FILE *file = fopen(luaL_checkstring(L, 1), "rb");
+  if (!file) return 0;
+  for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;)
+    for (size_t k = 0; k < got; k++) hash = (hash ^ block[k]) * 1099511628211u;
+  fclose(file);
+  lua_pushinteger(L, (lua_Integer)hash);
+  return 1;
+}
+
 typedef struct tool {
   int argc;
   char **argv;
@@ -45,6 +86,9 @@ static void open_functions(lua_State *L, tool *t) {
                                        {"load", hk_tool_load},
                                        {"definition", hk_tool_definition},
                                        {"nearest", nearest},
+                                       {"confine", confine},
+                                       {"read", read_inside},
+                                       {"checksum", checksum},
                                        {NULL, NULL}};
   const hk_script *s = hk_lua_script(L);
   lua_getglobal(L, "hooke");

@@ -48,6 +48,8 @@ local list = {
   { "a run saved to a file", scene = ball .. 's:run():save("@OUTSIDE@/ESCAPED")', says = "run:save writes a file" },
   { "addresses by %p", scene = 'error(string.format("%p", {}))', hides = "0x%x+" },
   { "addresses by %p of strings' methods", scene = 'error(("%-20p"):format(print))', hides = "0x%x+" },
+  { "addresses by %p behind a zero", scene = 'error((("\\0%p"):format({}):gsub("%z", "")), 0)', hides = "0x%x+" },
+  { "addresses by %s behind a zero", scene = 'error((("\\0%s"):format({}):gsub("%z", "")), 0)', hides = "0x%x+" },
   { "addresses of functions", scene = 'error(tostring(math.sin), 0)', hides = "0x%x+", says = "function" },
   { "addresses of tables", scene = 'error(tostring({}), 0)', hides = "0x%x+", says = "table" },
   { "addresses of coroutines", scene = 'error(tostring(coroutine.create(print)), 0)', hides = "0x%x+", says = "thread" },
@@ -58,13 +60,20 @@ local list = {
   { "addresses by %s", scene = 'error(string.format("%s %s", {}, print), 0)', hides = "0x%x+", says = "table" },
   { "addresses by print", scene = 'print({}, print, hooke.scene{}) error("end")', hides = "0x%x+", says = "end" },
   { "addresses by the text of an error", scene = 'param({}, print)', hides = "0x%x+", says = "hooke:" },
-  { "addresses in the values of parameters", scene = 'param("a", print) param("b", {}) error("end")', args = "--help", any = true, hides = "0x%x+" },
+  { "addresses in the values of parameters", scene = 'param("a", print) param("b", {}) error("end")',
+    args = "--help", any = true, hides = "0x%x+" },
   { "addresses by a __name", scene = 'error(tostring(setmetatable({}, { __name = "n" })), 0)', hides = "0x%x+" },
   { "the address in the seed of random numbers", says = "same",
     scene = 'local a, b = math.randomseed()\nerror((b == 0 or b == nil) and "same" or "other", 0)' },
   { "the address in the random numbers before a seed", says = "hooke:", same = true,
     scene = 'error(tostring(math.random(0)), 0)' },
 }
+local burglar = ball .. 's:force("@FIXTURES@/burglar.so")\nreturn s'
+local lets_in = "HOOKE_PLUGIN_PATH=@FIXTURES@ HOOKE_OUTSIDE=@OUTSIDE@"
+for _, tool in ipairs { "run", "sweep", "explain" } do
+  list[#list + 1] = { "native code that got in all the same, under " .. tool, scene = burglar, environment = lets_in, any = true,
+    command = tool, args = tool == "run" and "--out out --state final.csv", says = "burglar: 0 of 17 doors were open" }
+end
 for _, tool in ipairs { "run", "explain", "stability", "bench --budget 2 --jobs 1", "sweep" } do
   list[#list + 1] = { "native code in a measure, under " .. tool, scene = in_measure, command = tool, any = true }
   list[#list + 1] = { "native code in a measure of a run that the script drives, under " .. tool, command = tool, any = true,

@@ -69,6 +69,8 @@ param("a", 1, "", setmetatable({}, { __index = function() for i = 1, 100 do para
     scene = chain .. 's:force("springs", { edges = h:edges(), k = 1, rest = {} })\nreturn s' },
   { "springs with one stiffness for two edges as a list", any = true,
     scene = chain .. 's:force("springs", { edges = h:edges(), k = {1} })\nreturn s' },
+  { "a force that was refused and stays", says = "verdict           ok", any = true,
+    scene = chain .. 'pcall(s.force, s, "springs", { edges = h:edges(), k = -1 })\npcall(s.force, s, "springs", {})\nreturn s' },
   { "springs between particles that are not there", says = "there is no particle",
     scene = ball .. 's:force("springs", { edges = { {1, 4294967295} }, k = 1 })' },
   { "strain in a measure without springs", says = "hooke:",

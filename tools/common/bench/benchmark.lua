@@ -78,7 +78,7 @@ end
 -- (methods that are slower than the best at the target are not refined further). In the returned bench the caller may
 -- set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
-  local explained, why = hooke.explain(options.scene, options.params, { trust = options.trust })
+  local explained, why = case_process.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
   local catalogue = hooke.catalogue()
   local list = methods.all(catalogue, explained.steps)

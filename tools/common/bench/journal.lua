@@ -44,11 +44,11 @@ function journal.canonical(value)
   return "{" .. table.concat(parts, ",") .. "}"
 end
 
-local function quoted(path) return "'" .. path:gsub("'", "'\\''") .. "'" end
-
--- The text of a script and of every file that it names in quotes: modules, meshes, start states.
+-- The text of a script and of every file beside it, or in scripts/lib, that it names in quotes: modules, meshes, start
+-- states.
 local function texts_of(path, seen, texts)
-  local text, folder = journal.read(path), path:match("^(.*/)") or ""
+  local folder = path:match("^(.*/)") or ""
+  local text = hooke.read(path, folder == "" and "." or folder, hooke.library)
   if seen[path] or not text then return texts end
   seen[path] = true
   texts[#texts + 1] = text
@@ -64,13 +64,11 @@ end
 
 -- The scene's text and the files it names, its parameters, and the contents of the installed plugins.
 function journal.of_scene(path, params)
-  local files = {}
-  for k, plugin in ipairs((hooke.catalogue())) do files[k] = quoted(plugin.path) end
-  local sums = io.popen("cksum " .. table.concat(files, " "))
+  local sums = {}
+  for k, plugin in ipairs((hooke.catalogue())) do sums[k] = ("%s %s"):format(plugin.path, hooke.checksum(plugin.path)) end
   local parts = texts_of(path, {}, {})
   parts[#parts + 1] = journal.canonical(params)
-  parts[#parts + 1] = hooke.version .. sums:read("a")
-  sums:close()
+  parts[#parts + 1] = hooke.version .. table.concat(sums, "\n")
   return journal.hash(table.concat(parts, "\0"))
 end
 

@@ -63,21 +63,6 @@ function case_process.execute(case)
   return result, states
 end
 
--- Loads the plugins that a case names before the fork, so that the processes of cases need not load them.
-local loaded = {}
-function case_process.warm(case)
-  local key = case.scene .. "\0" .. (case.integrator or "") .. "\0" .. (case.solver or "")
-  if loaded[key] then return end
-  loaded[key] = true
-  local scene = hooke.load(case.scene, case.params, options_of(case))
-  if not scene then return end
-  for method, choice in pairs { integrator = case.integrator, solver = case.solver } do
-    pcall(scene[method], scene, (choice:gsub(":.*", "")))
-  end
-end
-
--- ---- processes ----
-
 -- A value as text of a Lua expression, with all bits of numbers.
 local function dump(value)
   if type(value) ~= "table" then return ("%q"):format(value) end
@@ -88,7 +73,49 @@ end
 
 local function undump(text) return assert(load("return " .. text, "=result", "t", {}))() end
 
+-- What hooke.explain(path, params, options) returns, from a process of its own that the scene cannot leave.
+function case_process.explain(path, params, options)
+  local pid, fd = process.fork()
+  if pid == 0 then
+    if not (options and options.trust) then hooke.confine(path) end
+    local fine, explained, why = pcall(hooke.explain, path, params, options)
+    process.write(fd, dump { explained = fine and explained or nil, why = fine and why or tostring(explained) })
+    process.exit(0)
+  end
+  local parts = {}
+  repeat parts[#parts + 1] = process.read(fd) until parts[#parts] == ""
+  process.close(fd)
+  local how, code = process.wait(pid)
+  local text = table.concat(parts)
+  if text == "" then return nil, ("explaining %s crashed (%s %d)"):format(path, how, code) end
+  local result = undump(text)
+  return result.explained, result.why
+end
+
+-- Loads the installation's plugins that a case names before the fork, so that the processes of cases need not load
+-- them. The scene's script tells them in a process of its own.
+local loaded = {}
+function case_process.warm(case)
+  local key = case.scene .. "\0" .. (case.integrator or "") .. "\0" .. (case.solver or "")
+  if loaded[key] then return end
+  loaded[key] = true
+  local explained = case_process.explain(case.scene, case.params, { trust = case.trust })
+  if not explained then return end
+  local list = explained.plugins
+  for kind, choice in pairs { integrator = case.integrator or explained.integrator, solver = case.solver or explained.solver } do
+    list[#list + 1] = { kind = kind, name = choice:gsub(":.*", "") }
+  end
+  for _, plugin in ipairs(list) do
+    if plugin.name:match("^[%w_]+$") and plugin.kind:match("^%a+$") then
+      pcall(hooke.describe, ("%s/%ss/%s.so"):format(hooke.plugins, plugin.kind, plugin.name))
+    end
+  end
+end
+
+-- ---- processes ----
+
 local function child(case, fd)
+  if not case.trust then hooke.confine(case.scene) end
   local fine, result, states = pcall(case_process.execute, case)
   if not fine then result = { failed = tostring(result) } end
   local parts = { string.pack("<s8", dump(result)) }

@@ -116,7 +116,7 @@ end
 function largest_step.usual(path, given)
   local list = {}
   for _, ladder in ipairs(usual) do
-    if given[ladder[1]] == nil and hooke.explain(path, copy(given, ladder[1], ladder[2][1])) then list[#list + 1] = ladder end
+    if given[ladder[1]] == nil and case_process.explain(path, copy(given, ladder[1], ladder[2][1])) then list[#list + 1] = ladder end
   end
   return list
 end
@@ -140,7 +140,7 @@ function largest_step.tasks(path, given, ladders, plugins)
     end
   end
   for _, variant in ipairs(variants) do
-    local e, why = hooke.explain(path, variant.params)
+    local e, why = case_process.explain(path, variant.params)
     if not e then return nil, why end
     for _, step in ipairs(e.steps) do
       if wanted[step.name] and step.limit > 0 and step.limit < math.huge then
@@ -179,7 +179,10 @@ function largest_step.run(tasks, jobs, done, tick)
   while next <= #tasks or count > 0 do
     while count < jobs and tasks[next] do
       local task, pid, fd = tasks[next], process.fork()
-      if pid == 0 then work(task, fd) end
+      if pid == 0 then
+        hooke.confine(task.scene)
+        work(task, fd)
+      end
       running[fd], count, next = { task = task, pid = pid, text = "" }, count + 1, next + 1
     end
     local fds = {}

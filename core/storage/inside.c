@@ -1,7 +1,7 @@
 /* Opening files whose name comes from a script. A file counts as inside a folder when its real path is, whatever links
  * led there; nothing is said of files outside, not even whether they exist. Pipes and devices, which may block or never
  * end, are no plain files. */
-#include "core/base/base.h"
+#include "core/storage/storage.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,6 +1,6 @@
-/* Text of unknown origin made harmless for a terminal, see base.h. UTF-8 as in RFC 3629: no overlong forms, no
+/* Text of unknown origin made harmless for a terminal, see text.h. UTF-8 as in RFC 3629: no overlong forms, no
  * surrogates. */
-#include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <string.h>

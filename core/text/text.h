@@ -1,0 +1,17 @@
+/* Text of unknown origin, from scripts and file names, made harmless for people and their terminals. */
+#ifndef HK_TEXT_H
+#define HK_TEXT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/* Writes UTF-8 with letters and line breaks as they are; what could command a terminal (control characters, orders of
+ * writing direction, bytes that are no UTF-8) is written as \xHH or \u{HHHH}. */
+void hk_print_plain(FILE *, const char *text);
+void hk_plain_copy(char *into, size_t size, const char *text); /* the same into a buffer, cut at its end */
+size_t hk_utf8_next(const char *text, uint32_t *code);         /* bytes of the first character; 0: it is no UTF-8 */
+bool hk_commands_terminal(uint32_t code);
+
+#endif
