@@ -26,9 +26,9 @@ static hk_status path_of(void *context, const char *name, char *buffer, size_t s
   return HK_OK;
 }
 
-/* quiet(scene): its runs use no outputs. */
+/* quiet(scene, whether): runs that open from now on use no outputs. */
 static int quiet(lua_State *L) {
-  hk_script_run_options(hk_lua_owner(L, 1))->no_output = true;
+  hk_script_run_options(hk_lua_owner(L, 1))->no_output = lua_toboolean(L, 2);
   return 0;
 }
 

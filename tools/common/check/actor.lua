@@ -95,7 +95,6 @@ function actor.scene(plugin, values, options)
     for name, value in pairs(values) do params[name] = value end
     scene[plugin.kind](scene, plugin.path, params)
   end
-  if options.quiet then watching.quiet(scene) end
   inspect.threads(scene, options.threads or 1)
   inspect.allocations(scene, options.allocations or 0)
   return scene
@@ -113,8 +112,10 @@ function actor.each(plugin, lines, body, options)
     local scene -- lives as long as its run is looked at
     local fine, run = pcall(function()
       scene = actor.scene(plugin, setting.values, options)
+      watching.quiet(scene, options and options.quiet)
       return scene:run { to = 0 }
     end)
+    if scene then watching.quiet(scene, false) end
     if fine then
       taken = taken + 1
       body(actors.open(run, plugin.kind, options and options.side), setting, run, scene)
@@ -213,6 +214,20 @@ local function goes_on_from_a_checkpoint(plugin, lines, options)
   os.remove(file)
 end
 
+-- Whether what body() takes from the heap is freed in the end.
+function actor.frees(lines, body)
+  local before, freed = inspect.heap()
+  body()
+  collectgarbage()
+  collectgarbage()
+  local now, freed_now = inspect.heap()
+  local left = now - before - (freed_now - freed)
+  if left > 0 then
+    lines:wrong(("%d of %d blocks of malloc were not freed"):format(left, now - before),
+      "free them in `destroy`, or take them from host->allocate")
+  end
+end
+
 -- The plugin, its memory and its words: what every kind owes the host. options: those of the scene; keeps_nothing: it is
 -- of a kind that has nothing to keep in a checkpoint.
 function actor.habits(plugin, try, options)
@@ -225,16 +240,7 @@ function actor.habits(plugin, try, options)
     end)
   end
   try("it frees what it takes from the heap", function(lines)
-    local before, freed = inspect.heap()
-    actor.each(plugin, lines, function() end, options)
-    collectgarbage()
-    collectgarbage()
-    local now, freed_now = inspect.heap()
-    local left = now - before - (freed_now - freed)
-    if left > 0 then
-      lines:wrong(("%d of %d blocks of malloc were not freed"):format(left, now - before),
-        "free them in `destroy`, or take them from host->allocate")
-    end
+    actor.frees(lines, function() actor.each(plugin, lines, function() end, options) end)
   end)
   try("it refuses to start, with a message, where there is no memory", function(lines)
     for allocations = 1, 6 do

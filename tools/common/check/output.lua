@@ -118,14 +118,14 @@ end
 local function closes_its_files(plugin, lines)
   folder_of(function(folder)
     local before = watching.files()
-    for _ = 1, 3 do
-      each(plugin, lines, function(a)
-        watching.into(a, folder)
-        show(a, { 3, 3 }, "ok", function() end)
-      end)
-      collectgarbage()
-      collectgarbage()
-    end
+    actor.frees(lines, function()
+      for _ = 1, 3 do
+        each(plugin, lines, function(a)
+          watching.into(a, folder)
+          show(a, { 3, 3 }, "ok", function() end)
+        end)
+      end
+    end)
     local left = watching.files() - before
     if left > 0 then lines:wrong(("%d files are open after the runs"):format(left), "close them in `close` and `destroy`") end
   end)
@@ -156,7 +156,7 @@ return function(plugin, report)
   try("it can be closed without a frame, whatever the verdict", function(l) ends_in_every_way(plugin, l) end)
   try("a disk that is full is an error", function(l) says_that_the_disk_is_full(plugin, l) end)
   try("a folder that is not there is an error", function(l) says_that_there_is_no_folder(plugin, l) end)
-  try("it closes its files", function(l) closes_its_files(plugin, l) end)
+  try("it closes its files and frees its memory", function(l) closes_its_files(plugin, l) end)
   try("it closes its files after a run that failed", function(l) closes_after_a_failure(plugin, l) end)
-  actor.habits(plugin, try, { duration = 0.2, keeps_nothing = true })
+  actor.habits(plugin, try, { duration = 0.2, keeps_nothing = true, quiet = true })
 end
