@@ -1,6 +1,7 @@
 -- The scenes in which a force is tried, and the values of its parameters. A case is a scene with a setting of the
 -- parameters; cases.each opens each case that the plugin accepts, and hands out its subject.
 local inspect = require("inspect")
+local members = require("members")
 
 local cases = {}
 
@@ -243,7 +244,9 @@ function cases.each(plugin, lines, wanted, body, options)
       if run then
         tried = tried + 1
         collectgarbage() -- the subjects before, with their arrays
-        body(inspect.open(run, plugin.name, options and options.side), case, run)
+        local subject = inspect.open(run, plugin.name, options and options.side)
+        case.limits = plugin.has and plugin.has.step_limit
+        if not (case.limits and inspect.energy(subject) == math.huge) then body(subject, case, run) end
       else
         refused = refused or why
       end
@@ -258,17 +261,20 @@ end
 -- Pseudorandom numbers in [-1, 1], the same ones on every machine.
 local function noise(k, seed) return 2 * ((math.sin(12.9898 * k + 78.233 * seed) * 43758.5453) % 1) - 1 end
 
--- A random state around the case's own: displaced by 0.3 of its length, moving at about 1 m/s.
+-- A random state around the case's own: displaced by 0.3 of its length, moving at about 1 m/s. Where the force limits
+-- moves, so that some states are never reached, by as much as has a finite energy.
 function cases.random_state(subject, case, seed)
-  local start = inspect.state(subject)
-  case.start = case.start or start
+  local start = case.start or inspect.state(subject)
+  case.start = start
   local x, v, y = {}, {}, {}
-  for k = 1, #start.x do
-    x[k] = case.start.x[k] + 0.3 * case.length * noise(k, seed)
-    v[k] = noise(k + 1000, seed)
-  end
+  for k = 1, #start.x do v[k] = noise(k + 1000, seed) end
   for k = 1, #start.y do y[k] = 0.5 + 0.3 * noise(k + 2000, seed) end
-  inspect.set(subject, { x = x, v = v, y = y, t = case.start.t })
+  for _, part in ipairs(case.limits and { 0.3, 0.1, 0.03, 0.01, 0 } or { 0.3 }) do
+    for k = 1, #start.x do x[k] = start.x[k] + part * case.length * noise(k, seed) end
+    inspect.set(subject, { x = x, v = v, y = y, t = start.t })
+    if case.limits then members.update(subject, x) end
+    if not case.limits or inspect.energy(subject) < math.huge then break end
+  end
   return x, v
 end
 

@@ -54,7 +54,7 @@ end
 
 local function all_of(run, plugin, case, start)
   local subject = inspect.open(run, plugin.name)
-  case = { name = case.name, length = case.length, start = start }
+  case = { name = case.name, length = case.length, start = start, limits = case.limits }
   cases.random_state(subject, case, 1)
   return answers.all(subject)
 end
