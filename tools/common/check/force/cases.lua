@@ -191,7 +191,10 @@ function cases.open(plugin, case, options)
   inspect.threads(scene, options.threads or 1)
   inspect.allocations(scene, options.allocations or 0)
   local fine, run = pcall(scene.run, scene, { to = 0 })
-  if not fine then return nil, tostring(run) end
+  if not fine then
+    local why = tostring(run)
+    return nil, why:find("%S") and why or "one of its functions fails and does not say why (host->fail)"
+  end
   return run
 end
 
@@ -226,10 +229,17 @@ function cases.list(plugin)
   return list
 end
 
--- A case like this one with another shape, and numbers that are larger by a factor.
-function cases.variant(case, shape, factor)
+-- A case like this one with another shape. With a plugin, its numbers are others as well, those by default, too.
+function cases.variant(case, shape, plugin)
   local setting = { name = case.setting.name, values = case.setting.values, each = case.setting.each,
-    factor = factor or case.setting.factor }
+    factor = plugin and 1.7 }
+  if plugin then
+    setting.values = {}
+    for _, p in ipairs(plugin.params) do
+      if p.type == "number" and not p.optional then setting.values[p.name] = MADE end
+    end
+    for name, value in pairs(case.setting.values) do setting.values[name] = value end
+  end
   return { name = name_of(shape, setting), shape = shape, setting = setting, length = shape.length, few = true }
 end
 

@@ -49,6 +49,11 @@ local function gradient_of(subject, case, F)
   end)
 end
 
+local function velocities_do_not_matter(lines, moved)
+  lines:most("its energy does not depend on velocities", moved.figure, 0,
+    "energy is that of the positions; what damping takes goes to `power`", moved.where)
+end
+
 local function force_is_minus_the_gradient(plugin, lines)
   local found, moved = worst.new(), worst.new()
   at_random_states(plugin, lines, function(subject, case)
@@ -59,8 +64,7 @@ local function force_is_minus_the_gradient(plugin, lines)
   end)
   lines:most("force is minus the gradient of its energy", found.figure, DIFFERENCES,
     "compare the formulas of `add` and `energy`; a force with another part than that has HK_POWER", found.where)
-  lines:most("its energy does not depend on velocities", moved.figure, 0,
-    "energy is that of the positions; what damping takes goes to `power`", moved.where)
+  velocities_do_not_matter(lines, moved)
 end
 
 -- F.v + dE/dt along v - power, over the sum of |F_i v_i|.
@@ -88,11 +92,13 @@ local function power_error(subject, case, x, v)
 end
 
 local function power_is_of_the_rest(plugin, lines)
-  local found = worst.new()
+  local found, moved = worst.new(), worst.new()
   at_random_states(plugin, lines, function(subject, case, x, v)
     local figure, text = power_error(subject, case, x, v)
     found:take(figure, at(case, text))
+    moved:take(worst.largest(inspect.gradient(subject, "v", 0.1)) > 0 and 1 or 0, case.name)
   end)
+  if plugin.energy then velocities_do_not_matter(lines, moved) end
   lines:most("its power is that of the force less the gradient of its energy", found.figure, DIFFERENCES,
     "add (F + dE/dx).v to *view->power, negative for what damps", found.where)
 end
@@ -230,9 +236,10 @@ local function definite_as_offered(plugin, lines)
   at_random_states(plugin, lines, function(subject, case, _, v)
     local size, want = #v, WANT_SYMMETRIC + WANT_DEFINITE
     local exact, asked = { inspect.blocks(subject, WANT_SYMMETRIC) }, { inspect.blocks(subject, want) }
+    local unasked = { inspect.blocks(subject, 0) }
     for m, name in ipairs { "K", "D" } do
       local place = name .. ", " .. case.name
-      local was, is, rest = worst.largest(exact[m]), worst.largest(asked[m]), {}
+      local was, is, rest = worst.largest(unasked[m]), worst.largest(asked[m]), {}
       local finite = is - is == 0
       if not finite or is > 10 * was or is < 1e-6 * was then off = off or place end
       if finite and not definite(asked[m], size, is) then negative = negative or place end
