@@ -31,7 +31,9 @@ local function child(fd, out, err, seconds, body)
     tell = function(found) process.write(fd, "=" .. dump(found) .. "\n") end,
   }
   local fine, message = xpcall(body, function(m)
-    return type(m) == "string" and m .. "\n" .. debug.traceback("", 2) or tostring(m) end, teller, fd)
+    -- An error with a place in a file is one of the checker or of the scene.
+    return type(m) == "string" and m:find("%.lua:%d") and m .. "\n" .. debug.traceback("", 2) or tostring(m)
+  end, teller, fd)
   if fine then process.write(fd, ".\n")
   else process.write(fd, "=" .. dump { failed = plain(message) } .. "\n.\n") end
   process.exit(0)
