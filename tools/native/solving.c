@@ -152,9 +152,9 @@ static int flags(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_solving(lua_State *L);
 
 int luaopen_solving(lua_State *L) {
-  static const luaL_Reg functions[] = {{"open", hk_actor_open}, {"matrix", matrix},   {"factorize", factorize},
-                                       {"solve", solve},        {"columns", columns}, {"describe", describe},
-                                       {"flags", flags},        {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"open", hk_actor_open},  {"watch", hk_actor_watch}, {"matrix", matrix},
+                                       {"factorize", factorize}, {"solve", solve},          {"columns", columns},
+                                       {"describe", describe},   {"flags", flags},          {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

@@ -137,8 +137,9 @@ static int files(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_watching(lua_State *L);
 
 int luaopen_watching(lua_State *L) {
-  static const luaL_Reg functions[] = {{"open", hk_actor_open}, {"into", into},     {"quiet", quiet}, {"begin", begin},
-                                       {"frame", show},         {"finish", finish}, {"files", files}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"open", hk_actor_open}, {"watch", hk_actor_watch}, {"into", into},
+                                       {"quiet", quiet},        {"begin", begin},          {"frame", show},
+                                       {"finish", finish},      {"files", files},          {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

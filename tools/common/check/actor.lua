@@ -240,7 +240,9 @@ function actor.habits(plugin, try, options)
     end)
   end
   try("it frees what it takes from the heap", function(lines)
-    actor.frees(lines, function() actor.each(plugin, lines, function() end, options) end)
+    actor.each(plugin, lines, function(_, _, run)
+      actor.frees(lines, function() actors.open(run, plugin.kind, "behind", true) end)
+    end, options)
   end)
   try("it refuses to start, with a message, where there is no memory", function(lines)
     for allocations = 1, 6 do
@@ -256,11 +258,13 @@ function actor.habits(plugin, try, options)
 end
 
 -- The `try` of a kind's properties: the plugin's calls are named where a process ends, and its heap is counted.
-function actor.watched(plugin, report)
+-- `module` is the native one that calls it; left out: actors.
+function actor.watched(plugin, report, module)
   inspect.quiet()
   return function(name, body)
     return report:try(name, function(lines)
-      inspect.watch(lines.fd, plugin.path)
+      inspect.watch(lines.fd, plugin.path);
+      (module or actors).watch(lines.fd)
       body(lines)
     end)
   end

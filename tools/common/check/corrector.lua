@@ -26,9 +26,10 @@ end
 
 -- ---- properties ----
 
+-- Of a state that is corrected already, nothing is left to change.
 local function says_what_it_changed(plugin, lines)
   actor.each(plugin, lines, function(a)
-    states(a, function(x, v, start)
+    local function try(x, v, start)
       local c = correct(a, start.x)
       local moved = not (actor.same(c.x, x) and actor.same(c.v, v))
       if moved and not c.changed then
@@ -37,6 +38,12 @@ local function says_what_it_changed(plugin, lines)
         lines:wrong("it says that it changed x or v and did not", "set c->changed only then: every change voids the"
           .. " integrator's history")
       end
+      return c
+    end
+    states(a, function(x, v, start)
+      local c = try(x, v, start)
+      actors.set(a, { x = c.x, v = c.v })
+      try(c.x, c.v, start)
     end)
   end)
 end

@@ -149,7 +149,7 @@ local function closes_after_a_failure(plugin, lines)
 end
 
 return function(plugin, report)
-  local try = actor.watched(plugin, report)
+  local try = actor.watched(plugin, report, watching)
   if not actor.starts(plugin, try) then return end
   try("it changes nothing", function(l) changes_nothing(plugin, l) end)
   try("it copes with births and deaths", function(l) copes_with_births_and_deaths(plugin, l) end)

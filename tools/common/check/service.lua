@@ -9,7 +9,7 @@ local function has_a_version(plugin, lines, interface)
     return lines:wrong(("its interface '%s' is not like \"neighbours/1\""):format(interface), "name and version")
   end
   if name ~= plugin.name then
-    lines:wrong(("its interface is %s and its name %s: `query` finds a service by its file"):format(name, plugin.name),
+    lines:wrong(("its interface is %s and its name %s: `query` finds a service by its file"):format(interface, plugin.name),
       "give both the same name")
   end
   if tonumber(version) < 1 then lines:wrong("its version is below 1") end

@@ -275,7 +275,7 @@ local function run(plugin, lines)
 end
 
 return function(plugin, report)
-  local try = actor.watched(plugin, report)
+  local try = actor.watched(plugin, report, solving)
   local fine = try("it starts", function(lines) each(plugin, lines, function() end) end)
   if not fine then return end
   try("it solves", function(l) solves(plugin, l) end)

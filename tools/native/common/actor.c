@@ -27,16 +27,15 @@ static int close_actor(lua_State *L) {
   return 0;
 }
 
-static void find(lua_State *L, hk_actor *a, const char *kind) {
+static void find(lua_State *L, hk_actor *a, const char *kind, bool fresh) {
   hk_run *run = a->run;
   int k = 0;
   while (k < HK_KINDS - 1 && strcmp(hk_kind_name((hk_kind)k), kind) != 0) k++;
-  if (run->plugins.kind[k].count) {
-    a->instance = run->plugins.kind[k].item[0];
-    return;
-  }
-  if (run->scene->plugin[k].count == 0) luaL_error(L, "the scene has no %s", kind);
-  a->instance = hk_instance_create(run->scene->plugin[k].item[0], &run->shared, &run->error);
+  a->instance = run->plugins.kind[k].count ? run->plugins.kind[k].item[0] : NULL;
+  if (a->instance && !fresh) return;
+  if (!a->instance && run->scene->plugin[k].count == 0) luaL_error(L, "the scene has no %s", kind);
+  const hk_plugin_spec *spec = a->instance ? a->instance->spec : run->scene->plugin[k].item[0];
+  a->instance = hk_instance_create(spec, &run->shared, &run->error);
   if (!a->instance) luaL_error(L, "%s", run->error.text);
   a->own = true;
   hk_view view = hk_instance_view(a->instance, &run->state.view);
@@ -58,6 +57,7 @@ int hk_actor_open(lua_State *L) {
   const char *kind = luaL_checkstring(L, 2);
   static const char *const sides[] = {"behind", "before", NULL};
   int side = luaL_checkoption(L, 3, "behind", sides);
+  lua_settop(L, 4);
   hk_actor *a = lua_newuserdatauv(L, sizeof *a, 1);
   *a = (hk_actor){.run = run, .n = run->state.model.n, .side = side ? HK_GUARD_BEFORE : HK_GUARD_BEHIND};
   lua_pushvalue(L, 1);
@@ -67,7 +67,7 @@ int hk_actor_open(lua_State *L) {
     lua_setfield(L, -2, "__gc");
   }
   lua_setmetatable(L, -2);
-  find(L, a, kind);
+  find(L, a, kind, lua_toboolean(L, 4));
   a->view = hk_instance_view(a->instance, &run->state.view);
   take(L, &a->x, "the positions x", run->state.X, 3 * a->n, a->side);
   take(L, &a->v, "the velocities v", run->state.X + 3 * a->n, 3 * a->n, a->side);
@@ -76,6 +76,11 @@ int hk_actor_open(lua_State *L) {
   hk_guard_allow(&a->x, false);
   hk_guard_allow(&a->v, false);
   return 1;
+}
+
+int hk_actor_watch(lua_State *L) {
+  hk_guard_watch((int)luaL_checkinteger(L, 1));
+  return 0;
 }
 
 static void set_array(lua_State *L, const char *key, hk_guarded *g) {
