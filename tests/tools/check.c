@@ -161,7 +161,6 @@ static void what_cannot_be_checked_is_said(void **state) {
       {"check none.so", "none.so"},
       {"check %s/tests/fixtures/no_symbol.so", "exports no hk_plugin_main"},
       {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 3.0"},
-      {"check %s/tests/fixtures/floor.so", "of the kind 'corrector'"},
       {"check %s/plugins/forces/springs.so stiffnes=3", "no parameter 'stiffnes'"},
       {"check %s/plugins/forces/springs.so k=soft", "'soft' is not a number"},
   };

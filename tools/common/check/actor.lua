@@ -38,8 +38,9 @@ function actor.settings(plugin)
   local base, list, not_zero = {}, {}, {}
   for _, p in ipairs(plugin.params) do
     local zero = p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0
-    if (p.type == "number" or p.type == "vector") and zero and not p.optional then not_zero[p.name] = value_for(p) end
-    if plugin.given[p.name] ~= nil then base[p.name] = plugin.given[p.name]
+    local given = plugin.given[p.name] ~= nil
+    if (p.type == "number" or p.type == "vector") and zero and not p.optional and not given then not_zero[p.name] = value_for(p) end
+    if given then base[p.name] = plugin.given[p.name]
     elseif p.required or lists[p.type] then base[p.name] = value_for(p) end
   end
   list[1] = { name = "as it is", values = base }
