@@ -16,6 +16,7 @@ static struct {
   size_t count[CALLS];
   int fail_what; /* which of the counted calls fails, from the fail_at-th on; 0: none */
   size_t fail_at;
+  bool fail_once; /* and no later one */
   hk_status fail_with;
   bool within; /* one of the host's functions is at work and may call others */
   double time[TIMES];
@@ -26,7 +27,9 @@ static struct {
 /* Whether this call is to fail; counts it. */
 static bool fails(int what) {
   if (probe.within) return false;
-  return ++probe.count[what] >= probe.fail_at && probe.fail_at && what == probe.fail_what;
+  size_t count = ++probe.count[what];
+  if (!probe.fail_at || what != probe.fail_what) return false;
+  return probe.fail_once ? count == probe.fail_at : count >= probe.fail_at;
 }
 
 static hk_status failure(void) {
@@ -152,9 +155,11 @@ static void push_report(lua_State *L, const hk_system *s, const hk_step *out, hk
   lua_setfield(L, -2, "message");
 }
 
-/* run(run, { t =, h =, X =, steps = 1, stop =, before =, scratch =, contact =, fail_what =, fail_at =, fail_with = })
+/* run(run, { t =, h =, X =, steps = 1, stop =, before =, scratch =, contact =, fail_what =, fail_at =, fail_once =,
+ * fail_with = })
  * -> a report of the last step, with X, `t`, `taken` steps and the counts of all. An adaptive method takes steps to
- * `stop`, others `steps` steps of h. `moved_time` and `changed_system` say what the method did to its host's data. */
+ * `stop`; others, and it without a stop, `steps` steps of h. `moved_time` and `changed_system` say what the method did
+ * to its host's data. */
 static int run_steps(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   hk_instance *m = method_of(L);
@@ -163,6 +168,7 @@ static int run_steps(lua_State *L) {
   hk_system *s = take_over(L, run, option(L, "before", 0) != 0 ? HK_GUARD_BEFORE : HK_GUARD_BEHIND);
   size_t steps = (size_t)option(L, "steps", adaptive ? 100000 : 1), size = s->size, taken = 0;
   double h = option(L, "h", 0.01), t = option(L, "t", 0), stop = option(L, "stop", INFINITY);
+  bool free = adaptive && stop < INFINITY; /* to choose its steps */
   int scratch = (int)option(L, "scratch", -1);
   if (lua_getfield(L, 2, "X") == LUA_TTABLE)
     hk_table_read(L, lua_gettop(L), probe.X.at, size);
@@ -172,11 +178,12 @@ static int run_steps(lua_State *L) {
   s->contact |= option(L, "contact", 0) != 0;
   probe.fail_what = (int)option(L, "fail_what", 0);
   probe.fail_at = (size_t)option(L, "fail_at", 0);
+  probe.fail_once = option(L, "fail_once", 0) != 0;
   probe.fail_with = (hk_status)option(L, "fail_with", HK_FAILED);
   hk_step out = {NAN, NAN, NAN};
   hk_status status = HK_OK;
   while (status == HK_OK && taken < steps && (!adaptive || t < stop)) {
-    double end = adaptive ? stop : t + h;
+    double end = free ? stop : t + h;
     out = (hk_step){adaptive ? NAN : h, NAN, NAN};
     fill_scratch(m, size, s->n, scratch);
     hk_guard_enter("step");
@@ -188,7 +195,7 @@ static int run_steps(lua_State *L) {
     if (moved || changed || status != HK_OK) break;
     if (adaptive && !(out.h > 0)) break;
     t = adaptive && t + out.h >= stop * (1 - 1e-14) ? stop : t + out.h;
-    if (adaptive && out.h_next > 0) h = out.h_next;
+    if (free && out.h_next > 0) h = out.h_next;
     s->t = t;
   }
   push_report(L, s, &out, status);

@@ -168,7 +168,7 @@ local function rotation_is_true(plugin, lines)
       end
     end
   end
-  for _, at in ipairs { { 0, 0 }, { 0.2, 0.4 }, { 0, -0.3 } } do
+  for _, at in ipairs { { 0, 0 }, { 0.2, 0.4 }, { 0.2, -0.4 } } do
     local damping, share = at[1], at[2] ~= 0 and at[2] or 1
     compare_limit(lines, ("turning at %g of h w, damping ratio %g"):format(share, damping),
       function(hw) return method.growth(run, hw, 2 * damping * hw, share * hw) end,

@@ -48,7 +48,7 @@ local function reads_what_was_written(plugin, lines)
   for round, fill in ipairs { 0, 0xc1 } do
     inspect.fill(fill)
     each_scene(plugin, lines, function(run, name)
-      local X = go(plugin, run, { scratch = fill }).X
+      local X = go(plugin, run, { scratch = fill, stop = plugin.adaptive and 3 * H or nil }).X
       if round == 1 then first[name] = X return end
       local fine, k, a, b = same(first[name], X)
       if fine or told then return end
@@ -169,9 +169,14 @@ local function passes_on_failures(plugin, lines)
         local start = method.state(run)
         local options = { fail_what = what, fail_at = at, fail_with = FAILED, h = H, steps = 2, stop = 2 * H }
         local r = method.run(run, options)
+        -- Iterations may try again, with other factors, what fails once.
+        options.fail_once = plugin.implicit and 0 or 1
+        local once = scenes.open(plugin, scenes[name])
+        local ignored = not plugin.implicit and method.run(once, options).status == 0
+        options.fail_once = 0
         local counts = { [0] = r.evaluations, r.jacobians, r.factorizations, r.solves }
         if counts[what] < at then break end
-        if r.status == 0 and not told[what] then
+        if (r.status == 0 or ignored) and not told[what] then
           told[what] = true
           lines:wrong(("it goes on when %s fails"):format(calls[what]), "return every status that is not HK_OK")
         end
@@ -304,7 +309,7 @@ local function is_what_its_flags_say(plugin, lines)
   if not plugin.implicit and not plugin.adaptive then
     local per_step = later.evaluations / later.taken
     lines:add(per_step == plugin.stages, ("%d evaluations a step"):format(plugin.stages), ("%.3g"):format(per_step), nil,
-      "`stages` is the number of evaluations of f per step, those of the first step apart", per_step ~= plugin.stages)
+      "`stages` is the number of evaluations of f per step, those of the first step apart")
   elseif later.evaluations == 0 then
     lines:wrong("it takes steps without an evaluation of f", "see hk_system.accelerations")
   end
