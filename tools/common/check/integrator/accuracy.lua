@@ -42,13 +42,16 @@ local function order(plugin, lines)
   for _, entry in ipairs(orders) do order_in(plugin, lines, entry) end
 end
 
--- An adaptive method: its error is at most proportional to tol^(p/(p+1)); between 1e-4 and 1e-8 a factor of a hundred
--- for p >= 1. Its steps say its order: they are proportional to tol^(1/(p+1)).
+-- An adaptive method: its error is at most proportional to tol^(p/(p+1)), so that it falls by more than the root of what
+-- tol falls by, for p >= 1. Its steps say its order: they are proportional to tol^(1/(p+1)). Methods of low order need
+-- too many of them for small tolerances.
 local function tolerance(plugin, lines)
+  local tols = plugin.order > 2 and { 1e-4, 1e-8, 1e-11 } or { 1e-3, 1e-5, 1e-7 }
+  local fall = tols[1] / tols[2]
   for _, entry in ipairs(orders) do
-    lines:at("the scene '%s', tol of 1e-4 to 1e-11", entry[1])
+    lines:at("the scene '%s', tol of %g to %g", entry[1], tols[1], tols[3])
     local list, steps, refused, estimates = {}, {}, nil, false
-    for k, tol in ipairs { 1e-4, 1e-8, 1e-11 } do
+    for k, tol in ipairs(tols) do
       local X, report = scenes.advance(plugin, scenes[entry[1]], 0.5, 50, { tol = tol })
       if not X then refused = report break end
       list[k], steps[k] = X, report.taken
@@ -64,15 +67,16 @@ local function tolerance(plugin, lines)
         lines:value("no estimate")
         return lines:note("it estimates no error: tol is not its own, and it is tried with equal steps")
       elseif steps[1] == steps[2] and steps[2] == steps[3] then
-        lines:wrong(("tol has no effect: %d steps with 1e-4, 1e-8 and 1e-11"):format(steps[1]),
+        lines:wrong(("tol has no effect: %d steps with %g, %g and %g"):format(steps[1],
+          tols[1], tols[2], tols[3]),
           "choose the step so that the error estimate meets s->tol; or drop HK_ADAPTIVE")
       else
-        lines:add(tight < loose / 100 and loose > 0, ("the error falls with tol, from 1e-4 to 1e-8, m%s"):format(entry[2]),
+        lines:add(tight < loose / math.sqrt(fall) and loose > 0, ("the error falls with tol, by %g, m%s"):format(fall, entry[2]),
           ("%.2g to %.2g"):format(loose, tight), nil, "check the error estimate, and the weights and times of the stages")
-        -- tol falls by 1e4: a method of order p takes 1e4^(1/(p+1)) times as many steps; a lower order more.
-        local asked = math.log(1e4) / math.log(steps[2] / steps[1]) - 1
+        -- A method of order p takes fall^(1/(p+1)) times as many steps; one of a lower order more.
+        local asked = math.log(fall) / math.log(steps[2] / steps[1]) - 1
         if entry[1] == "swing" and steps[1] >= 8 then
-          lines:add(asked > plugin.order - 1.3, ("order %d, by its steps between tol 1e-4 and 1e-8"):format(plugin.order),
+          lines:add(asked > plugin.order - 1.3, ("order %d, by the number of its steps"):format(plugin.order),
             ("%.2f"):format(asked), nil, "the order is that of the solution that is kept")
         end
       end

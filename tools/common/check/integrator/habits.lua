@@ -48,7 +48,7 @@ local function reads_what_was_written(plugin, lines)
   for round, fill in ipairs { 0, 0xc1 } do
     inspect.fill(fill)
     each_scene(plugin, lines, function(run, name)
-      local X = go(plugin, run, { scratch = fill, stop = plugin.adaptive and 3 * H or nil }).X
+      local X = go(plugin, run, { scratch = fill, steps = plugin.adaptive and 100 or nil }).X
       if round == 1 then first[name] = X return end
       local fine, k, a, b = same(first[name], X)
       if fine or told then return end
@@ -126,7 +126,7 @@ local function says_what_it_did(plugin, lines)
   each_scene(plugin, lines, function(run)
     for _, t in ipairs { 0, 2.5 } do
       if t > 0 then method.reset(run, "state") end
-      local r = plugin.adaptive and method.run(run, { t = t, h = H, stop = t + 3 * H, steps = 1 })
+      local r = plugin.adaptive and method.run(run, { t = t, h = 10 * H, stop = t + 3 * H, steps = 1 })
         or method.run(run, { t = t, h = H, steps = 2 })
       if r.status ~= 0 then once("fails", "a step fails: " .. r.message, "see the message") end
       if r.moved_time then once("time", "it moves s->t, which is the host's", "leave s->t alone: the host moves it") end
