@@ -48,19 +48,28 @@ local function shown(text)
 end
 
 local function read_lines(state, text, on_found)
-  state.rest = state.rest .. text
-  for line in state.rest:gmatch("([^\n]*)\n") do
+  state.parts[#state.parts + 1] = text
+  if not text:find("\n", 1, true) then return end
+  local all, from = table.concat(state.parts), 1
+  local function next_line()
+    local to = all:find("\n", from, true)
+    if not to then return nil end
+    local line = all:sub(from, to - 1)
+    from = to + 1
+    return line
+  end
+  for line in next_line do
     local mark, said = line:sub(1, 1), line:sub(2)
     if mark == "@" then state.place = said
     elseif mark == "=" then on_found(undump(said))
     elseif mark == "!" then state.last_words = said
     elseif mark == "." then state.done = true end
   end
-  state.rest = state.rest:match("[^\n]*$")
+  state.parts = { all:sub(from) }
 end
 
 local function follow(pid, fd, seconds, on_found)
-  local state, deadline = { rest = "", place = nil }, process.clock() + seconds
+  local state, deadline = { parts = {} }, process.clock() + seconds
   while true do
     local text = process.ready({ fd }, 0.1)[fd] and process.read(fd)
     if text == "" then break end
