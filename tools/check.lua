@@ -1,8 +1,9 @@
--- hooke check PLUGIN.so [name=value ...] [--scene FILE] [--seconds N]: is this plugin right? Each property is tried in a
--- process of its own, of N seconds at most (default 20): a crash, a hang, an exit and output are findings like a wrong
--- figure. One line for each property, with the figure and its bound; below one that is WRONG where it was seen, and what
--- to do. The exit code is 1 when one is. name=value sets parameters of the plugin; with --scene the plugin is checked as
--- that script has it, beside the scenes made here. What there is to try of a kind is in common/check/KIND.lua.
+-- hooke check PLUGIN.so [name=value ...] [--scene FILE] [--seconds N] [--only TEXT]: is this plugin right? Each property
+-- is tried in a process of its own, of N seconds at most (default 20): a crash, a hang, an exit and output are findings
+-- like a wrong figure. One line for each property, with the figure and its bound; below one that is WRONG where it was
+-- seen, and what to do. The exit code is 1 when one is. name=value sets parameters of the plugin; with --scene the plugin
+-- is checked as that script has it, beside the scenes made here; --only tries the properties with TEXT in their name.
+-- What there is to try of a kind is in common/check/KIND.lua.
 local process = require("process")
 local reports = require("common.check.report")
 
@@ -11,7 +12,7 @@ local function fail(message)
   return 1
 end
 
-local options = { ["--scene"] = "scene", ["--seconds"] = "seconds" }
+local options = { ["--scene"] = "scene", ["--seconds"] = "seconds", ["--only"] = "only" }
 
 -- The command line: the path, name=value as texts, options; or nil and what is wrong with it.
 local function read_arguments()
@@ -67,7 +68,7 @@ end
 local asked, why = read_arguments()
 if not asked then return fail(why) end
 
-local report, begun = reports.new(tonumber(asked.seconds)), process.clock()
+local report, begun = reports.new(tonumber(asked.seconds), asked.only), process.clock()
 -- A file whose loading ends the process is a finding; one that is no plugin is wrong use.
 local plugin, refused
 local loads = report:try("it is loaded", function() hooke.describe(asked.path) end)
@@ -82,6 +83,9 @@ if loads then
   plugin.scene = asked.scene
   print(("%s '%s': %s"):format(plugin.kind, plugin.name, plugin.summary))
   require("common.check." .. plugin.kind)(plugin, report)
+  if report.tried == 0 and report.failed == 0 then
+    return fail(asked.only and ("no property has '%s' in its name"):format(asked.only) or "nothing was tried")
+  end
 end
 print(("%d of %d properties hold (%.1f s)"):format(report.lines - report.failed, report.lines, process.clock() - begun))
 return report.failed > 0 and 1 or 0

@@ -77,14 +77,15 @@ static void set_array(lua_State *L, const char *key, hk_guarded *g) {
   lua_pop(L, 1);
 }
 
-/* set(subject, {t =, x =, v =, y =, fill =}): what is given; `fill` is a byte below the stack of each call, 0: none. */
+/* set(subject, {t =, x =, v =, y =, fill =}): what is given; `fill` is a byte below the stack of each call, negative:
+ * none. */
 static int set_state(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   set_array(L, "x", &s->x);
   set_array(L, "v", &s->v);
   set_array(L, "y", &s->y);
   if (lua_getfield(L, 2, "t") == LUA_TNUMBER) s->view.t = lua_tonumber(L, -1);
-  if (lua_getfield(L, 2, "fill") == LUA_TNUMBER) s->fill = (unsigned char)lua_tointeger(L, -1);
+  if (lua_getfield(L, 2, "fill") == LUA_TNUMBER) s->fill = (int)lua_tointeger(L, -1);
   return 0;
 }
 

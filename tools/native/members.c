@@ -342,6 +342,12 @@ static int selection(lua_State *L) {
   return 1;
 }
 
+/* watch(fd): as the module inspect's. */
+static int watch(lua_State *L) {
+  hk_guard_watch((int)luaL_checkinteger(L, 1));
+  return 0;
+}
+
 /* flags(subject) -> hk_force.flags, and a table of the members that it has. */
 static int flags(lua_State *L) {
   const hk_force *f = hk_subject_at(L, 1)->force;
@@ -370,9 +376,10 @@ __attribute__((visibility("default"))) int luaopen_members(lua_State *L);
 
 int luaopen_members(lua_State *L) {
   static const luaL_Reg functions[] = {
-      {"bound", bound},     {"product", product},   {"elements", elements},   {"update", update}, {"limit", limit},
-      {"longest", longest}, {"accepted", accepted}, {"passages", passages},   {"change", change}, {"save", save},
-      {"restore", restore}, {"left", left},         {"selection", selection}, {"flags", flags},   {NULL, NULL}};
+      {"bound", bound},         {"product", product}, {"elements", elements}, {"update", update},
+      {"limit", limit},         {"longest", longest}, {"accepted", accepted}, {"passages", passages},
+      {"change", change},       {"save", save},       {"restore", restore},   {"left", left},
+      {"selection", selection}, {"flags", flags},     {"watch", watch},       {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

@@ -29,6 +29,7 @@ return function(plugin, report)
   local function try(name, body)
     return report:try(name, function(lines)
       inspect.watch(lines.fd, plugin.path)
+      members.watch(lines.fd)
       body(lines)
     end)
   end

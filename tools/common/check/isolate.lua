@@ -31,7 +31,9 @@ local function child(fd, out, err, seconds, body)
     tell = function(found) process.write(fd, "=" .. dump(found) .. "\n") end,
   }
   local fine, message = xpcall(body, function(m)
-    return type(m) == "string" and m .. "\n" .. debug.traceback("", 2) or tostring(m) end, teller, fd)
+    -- An error with a place in a file is one of the checker or of the scene.
+    return type(m) == "string" and m:find("%.lua:%d") and m .. "\n" .. debug.traceback("", 2) or tostring(m)
+  end, teller, fd)
   if fine then process.write(fd, ".\n")
   else process.write(fd, "=" .. dump { failed = plain(message) } .. "\n.\n") end
   process.exit(0)
@@ -46,19 +48,28 @@ local function shown(text)
 end
 
 local function read_lines(state, text, on_found)
-  state.rest = state.rest .. text
-  for line in state.rest:gmatch("([^\n]*)\n") do
+  state.parts[#state.parts + 1] = text
+  if not text:find("\n", 1, true) then return end
+  local all, from = table.concat(state.parts), 1
+  local function next_line()
+    local to = all:find("\n", from, true)
+    if not to then return nil end
+    local line = all:sub(from, to - 1)
+    from = to + 1
+    return line
+  end
+  for line in next_line do
     local mark, said = line:sub(1, 1), line:sub(2)
     if mark == "@" then state.place = said
     elseif mark == "=" then on_found(undump(said))
     elseif mark == "!" then state.last_words = said
     elseif mark == "." then state.done = true end
   end
-  state.rest = state.rest:match("[^\n]*$")
+  state.parts = { all:sub(from) }
 end
 
 local function follow(pid, fd, seconds, on_found)
-  local state, deadline = { rest = "", place = nil }, process.clock() + seconds
+  local state, deadline = { parts = {} }, process.clock() + seconds
   while true do
     local text = process.ready({ fd }, 0.1)[fd] and process.read(fd)
     if text == "" then break end

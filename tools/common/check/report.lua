@@ -8,8 +8,9 @@ report.__index = report
 
 local MOST_ENDS = 3 -- properties that end the process, after which the others are not tried
 
-function report.new(seconds)
-  return setmetatable({ lines = 0, failed = 0, ends = 0, seconds = seconds }, report)
+-- seconds: of each property at most; only: a part of the names of those that are tried, nil: all are.
+function report.new(seconds, only)
+  return setmetatable({ lines = 0, failed = 0, ends = 0, tried = 0, seconds = seconds, only = only }, report)
 end
 
 local function text_of(x) return type(x) == "number" and ("%.2g"):format(x) or x end
@@ -57,12 +58,17 @@ function lines:value(value) self.teller.tell { value = value } end
 
 function lines:note(text) self.teller.tell { note = text } end
 
+-- The first of what is tried of every plugin; the others need it.
+local always = { ["it is loaded"] = true, ["it starts"] = true }
+
 -- Tries body(lines) in a process of its own. `name` is the property, which is added as fine when the body came to its
 -- end and added nothing; nil: nothing is added then. Returns false when the process did not come to its end, and the list
 -- of values that the body handed out.
 function report:try(name, body, seconds)
   local added, values = name and 0 or 1, {}
-  if self.stopped then return false, values end
+  local left_out = self.only and name and not always[name] and not name:find(self.only, 1, true)
+  if self.stopped or left_out then return false, values end
+  if not always[name] then self.tried = self.tried + 1 end
   name = name or "a second try"
   local ended, place, printed, complaint, late = isolate.run(seconds or self.seconds, function(teller, fd)
     body(setmetatable({ teller = teller, count = 0, fd = fd }, lines))

@@ -1,5 +1,7 @@
 /* Guarded arrays: three maps of pages side by side, of which the outer two have no rights. A signal handler finds the
- * array by the address that was touched. The handler uses what may be used in one alone: write() and _exit(). */
+ * array by the address that was touched. Each module of the tools has a watch of its own; one that does not know what
+ * happened asks the one that began to watch before it. The handler uses what may be used in one alone: write() and
+ * _exit(). */
 #include "tools/native/common/guard.h"
 
 #include <signal.h>
@@ -13,7 +15,8 @@
 static struct {
   const hk_guarded *array[HK_GUARDED_MOST];
   const char *volatile function;
-  int fd; /* 0: nothing is watched */
+  int fd;                 /* 0: nothing is watched */
+  struct sigaction outer; /* who watched before */
 } guard;
 
 static size_t page(void) { return (size_t)sysconf(_SC_PAGESIZE); }
@@ -96,14 +99,19 @@ static const char *meaning(int number) {
   }
 }
 
+/* Whether another module watches this process as well, and this one's functions are not at work. */
+static bool leave_to_outer(void) {
+  return !guard.function && guard.outer.sa_flags & SA_SIGINFO && guard.outer.sa_sigaction;
+}
+
 static void last_words(int number, siginfo_t *info, void *context) {
-  (void)context;
   const hk_guarded *found = NULL;
   const char *touched = info->si_addr;
   for (size_t k = 0; k < HK_GUARDED_MOST && (number == SIGSEGV || number == SIGBUS); k++) {
     const hk_guarded *g = guard.array[k];
     if (g && touched >= g->map && touched < g->map + g->mapped) found = g;
   }
+  if (!found && leave_to_outer()) guard.outer.sa_sigaction(number, info, context);
   say("!");
   say(guard.function ? guard.function : "the plugin");
   say(" ");
@@ -116,7 +124,7 @@ static void last_words(int number, siginfo_t *info, void *context) {
 }
 
 static void left(void) {
-  if (!guard.fd) return;
+  if (!guard.fd || leave_to_outer()) return;
   say("!");
   say(guard.function ? guard.function : "the plugin");
   say(" ends the process by exit()\n");
@@ -129,7 +137,7 @@ void hk_guard_watch(int fd) {
   struct sigaction action = {.sa_sigaction = last_words, .sa_flags = SA_SIGINFO | SA_ONSTACK | SA_RESETHAND};
   guard.fd = fd;
   sigaltstack(&(stack_t){.ss_sp = stack, .ss_size = sizeof stack}, NULL);
-  for (size_t k = 0; k < sizeof fatal / sizeof *fatal; k++) sigaction(fatal[k], &action, NULL);
+  for (size_t k = 0; k < sizeof fatal / sizeof *fatal; k++) sigaction(fatal[k], &action, &guard.outer);
   atexit(left);
 }
 

@@ -64,7 +64,7 @@ int hk_subject_open(lua_State *L) {
   static const char *const sides[] = {"behind", "before", NULL};
   int side = luaL_checkoption(L, 3, "behind", sides);
   hk_subject *s = lua_newuserdatauv(L, sizeof *s, 1);
-  *s = (hk_subject){.run = run, .n = run->state.model.n, .side = side ? HK_GUARD_BEFORE : HK_GUARD_BEHIND};
+  *s = (hk_subject){.run = run, .n = run->state.model.n, .fill = -1, .side = side ? HK_GUARD_BEFORE : HK_GUARD_BEHIND};
   lua_pushvalue(L, 1);
   lua_setiuservalue(L, -2, 1);
   if (luaL_newmetatable(L, type)) {
@@ -98,7 +98,7 @@ __attribute__((noinline)) static void fill_stack(unsigned char byte) {
 
 void hk_subject_enter(hk_subject *s, const char *function) {
   hk_guard_enter(function);
-  if (s->fill) fill_stack(s->fill);
+  if (s->fill >= 0) fill_stack((unsigned char)s->fill);
 }
 
 void hk_subject_leave(hk_subject *s) {

@@ -19,7 +19,7 @@ typedef struct hk_subject {
   size_t n, size;                /* particles, 3n */
   hk_guarded x, v, y, F, dy, dx; /* dx: a displacement, or other positions, n x 3 */
   hk_guard_side side;
-  unsigned char fill; /* what the stack below a call is filled with */
+  int fill;           /* the byte that the stack below a call is filled with; negative: none */
   hk_status status;   /* the last that was not HK_OK */
 } hk_subject;
 

@@ -47,6 +47,13 @@ function answers.all(subject)
   return list
 end
 
+-- NaN as a text's worth of a number: equal to itself.
+local function finite(numbers)
+  local list = {}
+  for k = 1, #numbers do list[k] = numbers[k] == numbers[k] and numbers[k] or math.huge end
+  return list
+end
+
 -- The first of the named arrays that differs by more than `bound`, in a sentence; nil: none does. Bits count where
 -- `bound` is nil.
 function answers.difference(a, b, bound)
@@ -59,6 +66,7 @@ function answers.difference(a, b, bound)
       if not same and not bound then return ("%s: %.17g, then %.17g"):format(name, p[e], q[e]) end
     end
     if bound then
+      p, q = finite(p), finite(q)
       local figure, text = worst.difference(p, q)
       if figure > bound then return ("%s: %s"):format(name, text or "") end
     end

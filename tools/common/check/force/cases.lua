@@ -1,6 +1,7 @@
 -- The scenes in which a force is tried, and the values of its parameters. A case is a scene with a setting of the
 -- parameters; cases.each opens each case that the plugin accepts, and hands out its subject.
 local inspect = require("inspect")
+local members = require("members")
 
 local cases = {}
 
@@ -190,7 +191,10 @@ function cases.open(plugin, case, options)
   inspect.threads(scene, options.threads or 1)
   inspect.allocations(scene, options.allocations or 0)
   local fine, run = pcall(scene.run, scene, { to = 0 })
-  if not fine then return nil, tostring(run) end
+  if not fine then
+    local why = tostring(run)
+    return nil, why:find("%S") and why or "one of its functions fails and does not say why (host->fail)"
+  end
   return run
 end
 
@@ -225,10 +229,17 @@ function cases.list(plugin)
   return list
 end
 
--- A case like this one with another shape, and numbers that are larger by a factor.
-function cases.variant(case, shape, factor)
+-- A case like this one with another shape. With a plugin, its numbers are others as well, those by default, too.
+function cases.variant(case, shape, plugin)
   local setting = { name = case.setting.name, values = case.setting.values, each = case.setting.each,
-    factor = factor or case.setting.factor }
+    factor = plugin and 1.7 }
+  if plugin then
+    setting.values = {}
+    for _, p in ipairs(plugin.params) do
+      if p.type == "number" and not p.optional then setting.values[p.name] = MADE end
+    end
+    for name, value in pairs(case.setting.values) do setting.values[name] = value end
+  end
   return { name = name_of(shape, setting), shape = shape, setting = setting, length = shape.length, few = true }
 end
 
@@ -243,7 +254,9 @@ function cases.each(plugin, lines, wanted, body, options)
       if run then
         tried = tried + 1
         collectgarbage() -- the subjects before, with their arrays
-        body(inspect.open(run, plugin.name, options and options.side), case, run)
+        local subject = inspect.open(run, plugin.name, options and options.side)
+        case.limits = plugin.has and plugin.has.step_limit
+        if not (case.limits and inspect.energy(subject) == math.huge) then body(subject, case, run) end
       else
         refused = refused or why
       end
@@ -258,17 +271,20 @@ end
 -- Pseudorandom numbers in [-1, 1], the same ones on every machine.
 local function noise(k, seed) return 2 * ((math.sin(12.9898 * k + 78.233 * seed) * 43758.5453) % 1) - 1 end
 
--- A random state around the case's own: displaced by 0.3 of its length, moving at about 1 m/s.
+-- A random state around the case's own: displaced by 0.3 of its length, moving at about 1 m/s. Where the force limits
+-- moves, so that some states are never reached, by as much as has a finite energy.
 function cases.random_state(subject, case, seed)
-  local start = inspect.state(subject)
-  case.start = case.start or start
+  local start = case.start or inspect.state(subject)
+  case.start = start
   local x, v, y = {}, {}, {}
-  for k = 1, #start.x do
-    x[k] = case.start.x[k] + 0.3 * case.length * noise(k, seed)
-    v[k] = noise(k + 1000, seed)
-  end
+  for k = 1, #start.x do v[k] = noise(k + 1000, seed) end
   for k = 1, #start.y do y[k] = 0.5 + 0.3 * noise(k + 2000, seed) end
-  inspect.set(subject, { x = x, v = v, y = y, t = case.start.t })
+  for _, part in ipairs(case.limits and { 0.3, 0.1, 0.03, 0.01, 0 } or { 0.3 }) do
+    for k = 1, #start.x do x[k] = start.x[k] + part * case.length * noise(k, seed) end
+    inspect.set(subject, { x = x, v = v, y = y, t = start.t })
+    if case.limits then members.update(subject, x) end
+    if not case.limits or inspect.energy(subject) < math.huge then break end
+  end
   return x, v
 end
 

@@ -49,6 +49,11 @@ local function gradient_of(subject, case, F)
   end)
 end
 
+local function velocities_do_not_matter(lines, moved)
+  lines:most("its energy does not depend on velocities", moved.figure, 0,
+    "energy is that of the positions; what damping takes goes to `power`", moved.where)
+end
+
 local function force_is_minus_the_gradient(plugin, lines)
   local found, moved = worst.new(), worst.new()
   at_random_states(plugin, lines, function(subject, case)
@@ -59,8 +64,7 @@ local function force_is_minus_the_gradient(plugin, lines)
   end)
   lines:most("force is minus the gradient of its energy", found.figure, DIFFERENCES,
     "compare the formulas of `add` and `energy`; a force with another part than that has HK_POWER", found.where)
-  lines:most("its energy does not depend on velocities", moved.figure, 0,
-    "energy is that of the positions; what damping takes goes to `power`", moved.where)
+  velocities_do_not_matter(lines, moved)
 end
 
 -- F.v + dE/dt along v - power, over the sum of |F_i v_i|.
@@ -88,11 +92,13 @@ local function power_error(subject, case, x, v)
 end
 
 local function power_is_of_the_rest(plugin, lines)
-  local found = worst.new()
+  local found, moved = worst.new(), worst.new()
   at_random_states(plugin, lines, function(subject, case, x, v)
     local figure, text = power_error(subject, case, x, v)
     found:take(figure, at(case, text))
+    moved:take(worst.largest(inspect.gradient(subject, "v", 0.1)) > 0 and 1 or 0, case.name)
   end)
+  if plugin.energy then velocities_do_not_matter(lines, moved) end
   lines:most("its power is that of the force less the gradient of its energy", found.figure, DIFFERENCES,
     "add (F + dE/dx).v to *view->power, negative for what damps", found.where)
 end
@@ -114,10 +120,10 @@ local function names_fitting_blocks(lines, subject)
   return true
 end
 
-local function jacobian_error(subject, case, z, A, lengths)
+local function jacobian_error(subject, z, A, length)
   local size = #inspect.state(subject).x
   local F = worst.largest(inspect.force(subject, 0))
-  return best(lengths, function(h)
+  return best(length, function(h)
     local slopes = inspect.slopes(subject, z, h)
     return worst.matrix_difference(A, slopes, size, 16 * EPSILON * F / h)
   end)
@@ -135,9 +141,9 @@ local function jacobians_are_the_derivatives(plugin, lines)
       fine = false
       return lines:wrong("its `jacobian` fails at a random state", "return HK_OK, or host->fail with the cause")
     end
-    local figure, text = jacobian_error(subject, case, "x", K, case.length)
+    local figure, text = jacobian_error(subject, "x", K, case.length)
     K_found:take(figure, at(case, text))
-    figure, text = jacobian_error(subject, case, "v", D, 1)
+    figure, text = jacobian_error(subject, "v", D, 1)
     D_found:take(figure, at(case, text))
     local K_on, D_on = inspect.blocks(subject, 0, 1)
     local size = math.max(1, worst.largest(K), worst.largest(D))
@@ -223,29 +229,32 @@ local function symmetric_as_claimed(plugin, lines)
     "symmetric blocks are the same with that flag", left_out.where)
 end
 
+-- A force may project the blocks of its elements, or leave out the terms that can be negative (Gauss and Newton): of one
+-- element both are the block itself, or less, where that is definite.
 local function definite_as_offered(plugin, lines)
-  local negative, takes, huge
+  local negative, off, more
   at_random_states(plugin, lines, function(subject, case, _, v)
     local size, want = #v, WANT_SYMMETRIC + WANT_DEFINITE
     local exact, asked = { inspect.blocks(subject, WANT_SYMMETRIC) }, { inspect.blocks(subject, want) }
+    local unasked = { inspect.blocks(subject, 0) }
     for m, name in ipairs { "K", "D" } do
-      local scale, more = math.max(worst.largest(exact[m]), worst.largest(asked[m])), {}
-      if scale - scale ~= 0 then huge = huge or name .. ", " .. case.name
-      else
-        for k = 1, size * size do more[k] = asked[m][k] - exact[m][k] end
-        if not definite(asked[m], size, scale) then negative = negative or name .. ", " .. case.name end
-        if not definite(more, size, scale) then takes = takes or name .. ", " .. case.name end
+      local place = name .. ", " .. case.name
+      local was, is, rest = worst.largest(unasked[m]), worst.largest(asked[m]), {}
+      local finite = is - is == 0
+      if not finite or is > 10 * was or is < 1e-6 * was then off = off or place end
+      if finite and not definite(asked[m], size, is) then negative = negative or place end
+      if finite and size == 6 and definite(exact[m], size, was) then
+        for k = 1, size * size do rest[k] = exact[m][k] - asked[m][k] end
+        if not definite(rest, size, 10 * was) then more = more or place end
       end
-      -- A projection takes no more off an element's block than the block is large; they add up.
-      if worst.largest(asked[m]) > 10 * worst.largest(exact[m]) + 1e-300 then huge = huge or name .. ", " .. case.name end
     end
-  end, function(case) return case.few end)
+  end)
   lines:add(not negative, "K and D have no negative eigenvalue when it is asked for", "above -1e-9 of the largest", nil,
     "with HK_WANT_DEFINITE project each element's block on what is not negative", negative or false)
-  lines:add(not takes, "HK_WANT_DEFINITE takes off negative eigenvalues and nothing else", nil, nil,
-    "leave blocks that are definite as they are", takes or false)
-  lines:add(not huge, "the blocks under HK_WANT_DEFINITE are of the size of the exact ones", nil, nil,
-    "project, do not replace", huge or false)
+  lines:add(not off, "the blocks under HK_WANT_DEFINITE are of the size of the exact ones", nil, nil,
+    "project the blocks, do not replace them; fill them as without the flag", off or false)
+  lines:add(not more, "HK_WANT_DEFINITE leaves a block as it is that is definite", nil, nil,
+    "take off negative eigenvalues and nothing else", more or false)
 end
 
 -- dF of `product` against the blocks, or against differences where there are none.

@@ -14,7 +14,7 @@ local DEAD = { [2] = true, [5] = true } -- one inside, and one further on, so th
 -- The positions of the newborn.
 local function born_beside(shape)
   local l = shape.length
-  return { { 0.31 * l, 1.7 * l, 0.4 * l }, { 0.9 * l, -0.6 * l, 0.2 * l } }
+  return { { 0.31 * l, 1.7 * l, 0.4 * l } }
 end
 
 local function without_the_dead(shape)
@@ -54,7 +54,7 @@ end
 
 local function all_of(run, plugin, case, start)
   local subject = inspect.open(run, plugin.name)
-  case = { name = case.name, length = case.length, start = start }
+  case = { name = case.name, length = case.length, start = start, limits = case.limits }
   cases.random_state(subject, case, 1)
   return answers.all(subject)
 end
@@ -66,7 +66,7 @@ local function follows(plugin, lines)
       if told then return end
       cases.random_state(subject, case, 1)
       answers.all(subject) -- what it keeps of the state is now that of the old particles
-      lines:at("%s, where particles 2 and 5 die and two are born", case.name)
+      lines:at("%s, where particles 2 and 5 die and one is born", case.name)
       members.change(run, indices(), born_beside(case.shape))
       local reference = cases.open(plugin, cases.variant(case, without_the_dead(case.shape)))
       if not reference then return end

@@ -28,9 +28,9 @@ function worst.difference(a, b, noise)
   local scale, off, at = 0, 0, nil
   for k = 1, #a do
     local x, y = a[k], b[k]
-    if x - x ~= 0 or y - y ~= 0 then return math.huge, ("%s: %g, expected %g"):format(entry(k), x, y) end
-    scale = math.max(scale, math.abs(x), math.abs(y))
-    if math.abs(x - y) > off then off, at = math.abs(x - y), k end
+    if x ~= y and (x - x ~= 0 or y - y ~= 0) then return math.huge, ("%s: %g, expected %g"):format(entry(k), x, y) end
+    if x - x == 0 then scale = math.max(scale, math.abs(x), math.abs(y)) end
+    if x ~= y and math.abs(x - y) > off then off, at = math.abs(x - y), k end
   end
   off = off - (noise or 0)
   if off <= 0 or scale == 0 then return 0 end

@@ -1,0 +1,289 @@
+-- What the checks of constraints, correctors, sources, solvers, outputs and services share: the scene in which a plugin
+-- is tried, values for its parameters, and the properties that a whole run shows.
+local inspect = require("inspect")
+local actors = require("actors")
+local watching = require("watching")
+
+local actor = {}
+
+-- ---- the scene ----
+
+actor.POSITIONS = { { 0, 0, 0.1 }, { 1, 0.1, -0.2 }, { 2, -0.1, 0.3 }, { 2.9, 0.2, -0.1 }, { 4, 0, 0.2 }, { 5, 0.3, 0 } }
+
+local function number_for(p)
+  local low, high = p.min or -math.huge, p.max or math.huge
+  if p.max and p.max <= p.min then high = math.huge end
+  local x = 1
+  if x > high then x = low > -math.huge and (low + high) / 2 or high - 1 end
+  if x < low or (x == low and p.above_min) then x = low + 1 end
+  return p.type == "integer" and math.floor(x + 0.5) or x
+end
+
+local lists = { particles = { 2, 4, 6 }, edges = { { 1, 2 }, { 2, 3 }, { 4, 5 } }, triangles = { { 1, 2, 3 }, { 4, 5, 6 } },
+  tetrahedra = { { 1, 2, 3, 4 }, { 3, 4, 5, 6 } } }
+
+local function value_for(p)
+  if lists[p.type] then return lists[p.type] end
+  if p.type == "number" or p.type == "integer" or p.type == "per tuple" then return number_for(p) end
+  if p.type == "vector" then return { 0.3, -0.7, 0.5 } end
+  if p.type == "numbers" then return { number_for(p), number_for(p), number_for(p) } end
+  if p.type == "boolean" then return true end
+  if p.type == "string" then return "heat" end
+  return p.text:match("^[^|]+")
+end
+
+-- The settings in which a plugin is tried: what it needs and every list that may be given; in addition, one at a time,
+-- every other choice, and values for all numbers that are 0 by default.
+function actor.settings(plugin)
+  local base, list, not_zero = {}, {}, {}
+  for _, p in ipairs(plugin.params) do
+    local zero = p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0
+    local given = plugin.given[p.name] ~= nil
+    if (p.type == "number" or p.type == "vector") and zero and not p.optional and not given then not_zero[p.name] = value_for(p) end
+    if given then base[p.name] = plugin.given[p.name]
+    elseif p.required or lists[p.type] then base[p.name] = value_for(p) end
+  end
+  list[1] = { name = "as it is", values = base }
+  local function more(p, value)
+    local values = { [p.name] = value }
+    for name, other in pairs(base) do if values[name] == nil then values[name] = other end end
+    list[#list + 1] = { name = ("%s = %s"):format(p.name, tostring(value)), values = values }
+  end
+  for _, p in ipairs(plugin.params) do
+    local free = plugin.given[p.name] == nil
+    if free and p.type == "boolean" then more(p, p.initial[1] == 0) end
+    if free and p.type == "choice" then
+      local k = 0
+      for word in p.text:gmatch("[^|]+") do
+        if k ~= p.initial[1] then more(p, word) end
+        k = k + 1
+      end
+    end
+  end
+  if next(not_zero) then
+    for name, value in pairs(base) do not_zero[name] = value end
+    list[#list + 1] = { name = "with no number 0", values = not_zero }
+  end
+  return list
+end
+
+-- A scene with the plugin. options: integrator, dt, duration, gravity, springs, positions, velocities, threads, without,
+-- allocations.
+function actor.scene(plugin, values, options)
+  options = options or {}
+  local scene
+  if plugin.scene then
+    local why
+    scene, why = hooke.load(plugin.scene, {}, { trust = true, threads = options.threads,
+      without = options.without and { "checked" } or nil })
+    if not scene then error(why, 0) end
+    return scene
+  end
+  scene = hooke.scene { duration = options.duration or 1, fps = 20, integrator = options.integrator or "rk4",
+    dt = options.dt or 0.01 }
+  scene:channel("heat", { initial = 0.4 })
+  local points, masses, velocities = options.positions or actor.POSITIONS, {}, {}
+  for i = 1, #points do
+    masses[i] = 0.7 + 0.1 * (i % 5)
+    velocities[i] = options.velocities and options.velocities[i]
+      or { 0.4 * math.sin(3.3 * i), 0.4 * math.sin(1.9 * i), 0.4 * math.sin(2.7 * i) }
+  end
+  if #points > 0 then scene:particles { positions = points, velocities = velocities, masses = masses } end
+  if options.gravity then scene:force("gravity", {}) end
+  if options.springs then scene:force("springs", { edges = lists.edges, k = 50 }) end
+  if not options.without then
+    local params = { label = plugin.kind ~= "solver" and "checked" or nil }
+    for name, value in pairs(values) do params[name] = value end
+    scene[plugin.kind](scene, plugin.path, params)
+  end
+  inspect.threads(scene, options.threads or 1)
+  inspect.allocations(scene, options.allocations or 0)
+  return scene
+end
+
+-- An error's text without the place in a script.
+function actor.plain(why) return (tostring(why):gsub("^%S+%.lua:%d+: ", "")) end
+
+-- Calls body(a, setting, run) with the plugin of a run at its start, in every setting that it takes. That it takes none is
+-- an error with the reason of the first refusal.
+function actor.each(plugin, lines, body, options)
+  local taken, refused = 0, nil
+  for _, setting in ipairs(actor.settings(plugin)) do
+    lines:at("%s", setting.name)
+    local scene -- lives as long as its run is looked at
+    local fine, run = pcall(function()
+      scene = actor.scene(plugin, setting.values, options)
+      watching.quiet(scene, options and options.quiet)
+      return scene:run { to = 0 }
+    end)
+    if scene then watching.quiet(scene, false) end
+    if fine then
+      taken = taken + 1
+      body(actors.open(run, plugin.kind, options and options.side), setting, run, scene)
+    else refused = refused or actor.plain(run) end
+  end
+  if taken == 0 then error(refused, 0) end
+end
+
+-- ---- states ----
+
+-- The same numbers for every seed: a linear congruence (Knuth), the upper bits.
+function actor.random(seed)
+  local state = seed * 7919 + 1
+  return function()
+    state = (state * 6364136223846793005 + 1442695040888963407)
+    return ((state >> 11) & 0x1fffffffffffff) / 0x20000000000000 * 2 - 1
+  end
+end
+
+function actor.moved(list, random, by)
+  local moved = {}
+  for k, x in ipairs(list) do moved[k] = x + by * random() end
+  return moved
+end
+
+function actor.largest(list)
+  local most = 0
+  for _, x in ipairs(list) do most = (x ~= x or math.abs(x) > most) and math.abs(x) or most end
+  return most
+end
+
+function actor.finite(list)
+  for _, x in ipairs(list) do if x ~= x or math.abs(x) == math.huge then return false end end
+  return true
+end
+
+function actor.same(a, b)
+  if #a ~= #b then return false end
+  for k = 1, #a do if a[k] ~= b[k] and (a[k] == a[k] or b[k] == b[k]) then return false end end
+  return true
+end
+
+-- Degenerate shapes of the state: all at one point, all on a line, all in a plane.
+function actor.degenerate(state)
+  local at_one, on_line, flat = {}, {}, {}
+  for k, x in ipairs(state.x) do
+    local c = (k - 1) % 3
+    at_one[k], on_line[k], flat[k] = 0.5, c == 0 and x or 0, c < 2 and x or 0
+  end
+  return { { "coincident", at_one }, { "collinear", on_line }, { "flat", flat } }
+end
+
+-- ---- what a whole run shows ----
+
+local function ended(plugin, setting, options)
+  local scene = actor.scene(plugin, setting.values, options)
+  local run = scene:run()
+  return run:packed(), run:summary()
+end
+
+local function runs_and_repeats(plugin, lines, options)
+  for _, setting in ipairs(actor.settings(plugin)) do
+    lines:at("%s", setting.name)
+    if pcall(function() return actor.scene(plugin, setting.values, options):run { to = 0 } end) then
+      local one = ended(plugin, setting, options)
+      if one ~= ended(plugin, setting, options) then
+        lines:wrong("two runs differ", "keep nothing outside the instance, initialise what you read, and take random"
+          .. " numbers from host->random")
+      end
+      local more = {}
+      for key, value in pairs(options or {}) do more[key] = value end
+      more.threads = 2
+      if one ~= ended(plugin, setting, more) then
+        lines:wrong("the bits differ with 2 threads", "cut loops by count and grain, sum chunks in their order")
+      end
+    end
+  end
+end
+
+local function goes_on_from_a_checkpoint(plugin, lines, options)
+  local file = os.tmpname()
+  for _, setting in ipairs(actor.settings(plugin)) do
+    lines:at("%s", setting.name)
+    local fine, first = pcall(function() return actor.scene(plugin, setting.values, options):run { to = 0.5 } end)
+    if fine then
+      first:save(file)
+      local whole = ended(plugin, setting, options)
+      local again = actor.scene(plugin, setting.values, options)
+      again:start { file = file }
+      if whole ~= again:run():packed() then
+        lines:wrong("a run that goes on from a checkpoint ends elsewhere",
+          "put what evolves into the field table (hk_field), which checkpoints save")
+      end
+    end
+  end
+  os.remove(file)
+end
+
+-- Whether what body() takes from the heap is freed in the end.
+function actor.frees(lines, body)
+  local before, freed = inspect.heap()
+  body()
+  collectgarbage()
+  collectgarbage()
+  local now, freed_now = inspect.heap()
+  local left = now - before - (freed_now - freed)
+  if left > 0 then
+    lines:wrong(("%d of %d blocks of malloc were not freed"):format(left, now - before),
+      "free them in `destroy`, or take them from host->allocate")
+  end
+end
+
+-- The plugin, its memory and its words: what every kind owes the host. options: those of the scene; keeps_nothing: it is
+-- of a kind that has nothing to keep in a checkpoint.
+function actor.habits(plugin, try, options)
+  try("two runs, and runs with 1 and 2 threads, have the same bits", function(lines)
+    runs_and_repeats(plugin, lines, options)
+  end)
+  if not plugin.scene and not (options and options.keeps_nothing) then
+    try("a run goes on from a checkpoint as if it had not stopped", function(lines)
+      goes_on_from_a_checkpoint(plugin, lines, options)
+    end)
+  end
+  try("it frees what it takes from the heap", function(lines)
+    actor.each(plugin, lines, function(_, _, run)
+      actor.frees(lines, function() actors.open(run, plugin.kind, "behind", true) end)
+    end, options)
+  end)
+  try("it refuses to start, with a message, where there is no memory", function(lines)
+    for allocations = 1, 6 do
+      local fine, why = pcall(function()
+        return actor.scene(plugin, actor.settings(plugin)[1].values, { allocations = allocations }):run { to = 0 }
+      end)
+      if not fine and tostring(why):find("without saying why", 1, true) then
+        lines:wrong(actor.plain(why), "return host->fail(host, HK_NO_MEMORY, ...) where host->allocate gives NULL")
+        break
+      end
+    end
+  end)
+end
+
+-- The `try` of a kind's properties: the plugin's calls are named where a process ends, and its heap is counted.
+-- `module` is the native one that calls it; left out: actors.
+function actor.watched(plugin, report, module)
+  inspect.quiet()
+  return function(name, body)
+    return report:try(name, function(lines)
+      inspect.watch(lines.fd, plugin.path);
+      (module or actors).watch(lines.fd)
+      body(lines)
+    end)
+  end
+end
+
+-- Whether the plugin starts; its flags and further functions are then fields of it.
+function actor.starts(plugin, try, options)
+  local fine, found = try("it starts", function(lines)
+    local told
+    actor.each(plugin, lines, function(a)
+      local flags, has = actors.flags(a)
+      if not told then lines:value { flags = flags, has = has } end
+      told = true
+    end, options)
+  end)
+  if not fine or not found[1] then return false end
+  plugin.flags, plugin.has = found[1].flags, found[1].has
+  return true
+end
+
+return actor

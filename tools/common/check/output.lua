@@ -1,0 +1,162 @@
+-- The tests of an output (hooke check): it watches and changes nothing, says when a file cannot be written, copes with
+-- particles that come and go, and closes what it opens.
+local watching = require("watching")
+local actor = require("common.check.actor")
+
+local function folder_of(body)
+  local folder = os.tmpname()
+  os.remove(folder)
+  os.execute(("mkdir -p '%s'"):format(folder))
+  local fine, why = pcall(body, folder)
+  os.execute(("rm -rf '%s'"):format(folder))
+  if not fine then error(why, 0) end
+end
+
+-- As actor.each, with an instance that no run has opened yet.
+local function each(plugin, lines, body)
+  actor.each(plugin, lines, body, { quiet = true })
+end
+
+-- ---- properties ----
+
+local function changes_nothing(plugin, lines)
+  local options = { gravity = true, springs = true, duration = 0.3 }
+  for _, setting in ipairs(actor.settings(plugin)) do
+    lines:at("%s", setting.name)
+    local own = actor.scene(plugin, setting.values, options):run()
+    local bare = { gravity = true, springs = true, duration = 0.3, without = true }
+    if own:packed() ~= actor.scene(plugin, setting.values, bare):run():packed() then
+      lines:wrong("the motion is another one with it", "an output reads the view and writes files, nothing else")
+    end
+  end
+end
+
+-- Begins, gives frames with so many particles each, and finishes; calls `heard` after every call.
+local function show(a, counts, verdict, heard)
+  local fine, said = watching.begin(a, counts[1])
+  heard("open", fine, said)
+  if not fine then return end
+  for k, n in ipairs(counts) do
+    fine, said = watching.frame(a, n, k - 1)
+    heard("frame", fine, said)
+    if not fine then break end
+  end
+  fine, said = watching.finish(a, verdict)
+  heard("close", fine, said)
+end
+
+local function copes_with_births_and_deaths(plugin, lines)
+  folder_of(function(folder)
+    each(plugin, lines, function(a)
+      watching.into(a, folder)
+      lines:at("4, 7, 2, 0, 5 particles at five frames")
+      show(a, { 4, 7, 2, 0, 5 }, "ok", function(what, fine, said)
+        if not fine then
+          lines:wrong(("%s fails where particles come and go: %s"):format(what, said),
+            "the number of particles is view->n of each call")
+        end
+      end)
+    end)
+  end)
+end
+
+local function ends_in_every_way(plugin, lines)
+  folder_of(function(folder)
+    for _, verdict in ipairs { "ok", "diverged", "stopped" } do
+      each(plugin, lines, function(a)
+        watching.into(a, folder)
+        lines:at("a run that ends %s, before its first frame", verdict)
+        local fine, said = watching.begin(a, 3)
+        if fine then fine, said = watching.finish(a, verdict) end
+        if not fine then lines:wrong("it cannot be closed without a frame: " .. said) end
+      end)
+    end
+  end)
+end
+
+-- On Linux /dev/full takes no byte.
+local function says_that_the_disk_is_full(plugin, lines)
+  local told = false
+  each(plugin, lines, function(a)
+    watching.into(a, "/dev/full", true)
+    lines:at("a disk that is full")
+    local said_so, mute = false, nil
+    show(a, { 3, 3, 3 }, "ok", function(what, fine, said)
+      if not fine then said_so = true end
+      if not fine and said == "" then mute = what end
+    end)
+    if mute and not told then
+      told = true
+      lines:wrong(("%s fails without saying why"):format(mute), "use host->fail with the path and strerror(errno)")
+    elseif not said_so and not told then
+      told = true
+      lines:wrong("it does not see that its file cannot be written", "look at the results of fprintf, fflush and fclose")
+    end
+  end)
+end
+
+local function says_that_there_is_no_folder(plugin, lines)
+  each(plugin, lines, function(a)
+    watching.into(a, "/nowhere/at/all")
+    lines:at("a folder that is not there")
+    local failed = false
+    show(a, { 3, 3 }, "ok", function(what, fine, said)
+      failed = failed or not fine
+      if not fine and said == "" then
+        lines:wrong(("%s fails without saying why"):format(what), "use host->fail with the path and strerror(errno)")
+      end
+    end)
+    if not failed then lines:wrong("it does not see that its file cannot be made", "look at the result of fopen") end
+    watching.into(a)
+    lines:at("a run without a folder")
+    local fine = watching.begin(a, 3)
+    if fine then fine = watching.frame(a, 3, 0) end
+    if fine then lines:wrong("it does not see that host->path fails", "return its status") end
+  end)
+end
+
+local function closes_its_files(plugin, lines)
+  folder_of(function(folder)
+    local before = watching.files()
+    actor.frees(lines, function()
+      for _ = 1, 3 do
+        each(plugin, lines, function(a)
+          watching.into(a, folder)
+          show(a, { 3, 3 }, "ok", function() end)
+        end)
+      end
+    end)
+    local left = watching.files() - before
+    if left > 0 then lines:wrong(("%d files are open after the runs"):format(left), "close them in `close` and `destroy`") end
+  end)
+end
+
+-- A run that fails before `close`: destroy alone is called.
+local function closes_after_a_failure(plugin, lines)
+  folder_of(function(folder)
+    local before = watching.files()
+    each(plugin, lines, function(a)
+      watching.into(a, folder)
+      watching.begin(a, 3)
+    end)
+    collectgarbage()
+    collectgarbage()
+    local left = watching.files() - before
+    if left > 0 then
+      lines:wrong(("%d files are open after a run that failed before its end"):format(left), "close them in `destroy`")
+    end
+  end)
+end
+
+return function(plugin, report)
+  local try = actor.watched(plugin, report, watching)
+  if not actor.starts(plugin, try) then return end
+  try("it changes nothing", function(l) changes_nothing(plugin, l) end)
+  try("it copes with births and deaths", function(l) copes_with_births_and_deaths(plugin, l) end)
+  try("it can be closed without a frame, whatever the verdict", function(l) ends_in_every_way(plugin, l) end)
+  try("a disk that is full is an error", function(l) says_that_the_disk_is_full(plugin, l) end)
+  try("a folder that is not there is an error", function(l) says_that_there_is_no_folder(plugin, l) end)
+  try("it closes its files and frees its memory", function(l) closes_its_files(plugin, l) end)
+  try("it closes its files after a run that failed", function(l) closes_after_a_failure(plugin, l) end)
+  actor.habits(plugin, try, { duration = 0.2, keeps_nothing = true, quiet = true })
+end

@@ -1,0 +1,266 @@
+/* method: one integrator of a tool's run, stepped directly, for `hooke check`. Its system is the run's own, whose
+ * functions are counted, noted with their times, and made to fail on demand; its state vector lies between guard pages
+ * (common/guard.h). The run's own state does not change. */
+#include "tools/native/common/subject.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { TIMES = 256, CALLS = 5 };
+enum { EVALUATIONS, JACOBIANS, FACTORIZATIONS, SOLVES, MOVES }; /* what is counted */
+
+/* One method is at work at a time. */
+static struct {
+  hk_system real; /* with the host's functions */
+  hk_run *run;
+  size_t count[CALLS];
+  int fail_what; /* which of the counted calls fails, from the fail_at-th on; 0: none */
+  size_t fail_at;
+  bool fail_once; /* and no later one */
+  hk_status fail_with;
+  bool within; /* one of the host's functions is at work and may call others */
+  double time[TIMES];
+  size_t times;
+  hk_guarded X;
+} probe;
+
+/* Whether this call is to fail; counts it. */
+static bool fails(int what) {
+  if (probe.within) return false;
+  size_t count = ++probe.count[what];
+  if (!probe.fail_at || what != probe.fail_what) return false;
+  return probe.fail_once ? count == probe.fail_at : count >= probe.fail_at;
+}
+
+static hk_status failure(void) {
+  return hk_error_set(&probe.run->error, probe.fail_with, "a failure made by hooke check");
+}
+
+static void note(double t) {
+  if (probe.times < TIMES) probe.time[probe.times++] = t;
+}
+
+/* Calls the host's function, from which the plugin's name is taken meanwhile. */
+#define HOST(what, call)                                                                                               \
+  do {                                                                                                                 \
+    if (fails(what)) return failure();                                                                                 \
+    bool outer = probe.within;                                                                                         \
+    probe.within = true;                                                                                               \
+    hk_status status = (call);                                                                                         \
+    probe.within = outer;                                                                                              \
+    return status;                                                                                                     \
+  } while (0)
+
+static hk_status accelerations(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy) {
+  if (!probe.within) note(t);
+  HOST(EVALUATIONS, probe.real.accelerations(s, t, x, v, y, a, dy));
+}
+
+static hk_status rates(hk_system *s, double t, double *X, double *dX) {
+  if (!probe.within) note(t);
+  HOST(EVALUATIONS, probe.real.rates(s, t, X, dX));
+}
+
+static hk_status jacobian(hk_system *s, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {
+  HOST(JACOBIANS, probe.real.jacobian(s, t, X, want, K, D));
+}
+
+static hk_status factorize(hk_system *s, const hk_matrix *A) { HOST(FACTORIZATIONS, probe.real.factorize(s, A)); }
+
+static hk_status solve(hk_system *s, const double *b, double *x, hk_solve_info *info) {
+  HOST(SOLVES, probe.real.solve(s, b, x, info));
+}
+
+static hk_status solve_along(hk_system *s, const double *b, const double *u, double *x, hk_solve_info *info) {
+  HOST(SOLVES, probe.real.solve_along(s, b, u, x, info));
+}
+
+static hk_status solve_columns(hk_system *s, const double *b, double *x, size_t columns) {
+  HOST(SOLVES, probe.real.solve_columns(s, b, x, columns));
+}
+
+static hk_status update(hk_system *s, double t, const double *X, const double *x_to) {
+  HOST(MOVES, probe.real.update(s, t, X, x_to));
+}
+
+/* ---- Lua ---- */
+
+static hk_instance *method_of(lua_State *L) {
+  hk_run *run = hk_lua_run(L);
+  hk_instance *m = hk_plugins_one(&run->plugins, HK_INTEGRATOR);
+  if (!m) luaL_error(L, "the run has no integrator");
+  return m;
+}
+
+/* Takes the run's system over; give_back undoes it. */
+static hk_system *take_over(lua_State *L, hk_run *run, hk_guard_side side) {
+  hk_system *s = &run->dynamics.system;
+  if (!hk_guard_get(&probe.X, "the state X", s->size * sizeof(double), side)) luaL_error(L, "no memory");
+  memset(probe.count, 0, sizeof probe.count);
+  probe.real = *s;
+  probe.run = run;
+  probe.times = 0;
+  s->X = probe.X.at;
+  s->accelerations = accelerations;
+  s->rates = rates;
+  s->jacobian = jacobian;
+  s->factorize = factorize;
+  s->solve = solve;
+  s->solve_along = solve_along;
+  s->solve_columns = solve_columns;
+  s->update = update;
+  return s;
+}
+
+static void give_back(hk_system *s) {
+  hk_system real = probe.real;
+  *s = real;
+  hk_dynamics_take_all(&probe.run->dynamics);
+  hk_error_clear(&probe.run->error);
+}
+
+/* The fields that need not outlive a step get this byte. */
+static void fill_scratch(const hk_instance *m, size_t size, size_t n, int byte) {
+  for (const hk_field *f = m->plugin->fields; byte >= 0 && f && f->name; f++) {
+    size_t length = f->width * (f->type == HK_FIELD_STATE ? size : n);
+    if (f->flags & HK_SCRATCH && (f->type == HK_FIELD_STATE || f->type == HK_FIELD_PER_PARTICLE))
+      memset(*(double **)((char *)m->self + f->offset), byte, length * sizeof(double));
+  }
+}
+
+static double option(lua_State *L, const char *key, double otherwise) {
+  lua_getfield(L, 2, key);
+  double value = luaL_optnumber(L, -1, otherwise);
+  lua_pop(L, 1);
+  return value;
+}
+
+static void push_report(lua_State *L, const hk_system *s, const hk_step *out, hk_status status) {
+  static const char *const names[CALLS] = {"evaluations", "jacobians", "factorizations", "solves", "moves"};
+  lua_newtable(L);
+  hk_table_set(L, "status", status);
+  hk_table_set(L, "h", out->h);
+  hk_table_set(L, "h_next", out->h_next);
+  hk_table_set(L, "error", out->error);
+  for (int k = 0; k < CALLS; k++) hk_table_set(L, names[k], (double)probe.count[k]);
+  hk_table_push(L, probe.X.at, s->size);
+  lua_setfield(L, -2, "X");
+  hk_table_push(L, probe.time, probe.times);
+  lua_setfield(L, -2, "times");
+  bool splits = false;
+  for (size_t k = 0; k < s->forces; k++) splits |= !s->takes[k];
+  lua_pushboolean(L, splits);
+  lua_setfield(L, -2, "splits");
+  lua_pushstring(L, probe.run->error.text);
+  lua_setfield(L, -2, "message");
+}
+
+/* run(run, { t =, h =, X =, steps = 1, stop =, before =, scratch =, contact =, fail_what =, fail_at =, fail_once =,
+ * fail_with = })
+ * -> a report of the last step, with X, `t`, `taken` steps and the counts of all. An adaptive method takes steps to
+ * `stop`; others, and it without a stop, `steps` steps of h. `moved_time` and `changed_system` say what the method did
+ * to its host's data. */
+static int run_steps(lua_State *L) {
+  hk_run *run = hk_lua_run(L);
+  hk_instance *m = method_of(L);
+  const hk_integrator *method = m->plugin->integrator;
+  bool adaptive = method->flags & HK_ADAPTIVE, moved = false, changed = false;
+  hk_system *s = take_over(L, run, option(L, "before", 0) != 0 ? HK_GUARD_BEFORE : HK_GUARD_BEHIND);
+  size_t steps = (size_t)option(L, "steps", adaptive ? 100000 : 1), size = s->size, taken = 0;
+  double h = option(L, "h", 0.01), t = option(L, "t", 0), stop = option(L, "stop", INFINITY);
+  bool free = adaptive && stop < INFINITY; /* to choose its steps */
+  int scratch = (int)option(L, "scratch", -1);
+  if (lua_getfield(L, 2, "X") == LUA_TTABLE)
+    hk_table_read(L, lua_gettop(L), probe.X.at, size);
+  else
+    memcpy(probe.X.at, run->state.X, size * sizeof(double));
+  s->t = t;
+  s->contact |= option(L, "contact", 0) != 0;
+  probe.fail_what = (int)option(L, "fail_what", 0);
+  probe.fail_at = (size_t)option(L, "fail_at", 0);
+  probe.fail_once = option(L, "fail_once", 0) != 0;
+  probe.fail_with = (hk_status)option(L, "fail_with", HK_FAILED);
+  hk_step out = {NAN, NAN, NAN};
+  hk_status status = HK_OK;
+  while (status == HK_OK && taken < steps && (!adaptive || t < stop)) {
+    double end = free ? stop : t + h;
+    out = (hk_step){adaptive ? NAN : h, NAN, NAN};
+    fill_scratch(m, size, s->n, scratch);
+    hk_guard_enter("step");
+    status = method->step(m->self, s, end, h, &out);
+    hk_guard_enter(NULL);
+    moved |= s->t != t;
+    changed |= s->X != probe.X.at || s->size != size || s->n != run->state.model.n;
+    taken++;
+    if (moved || changed || status != HK_OK) break;
+    if (adaptive && !(out.h > 0)) break;
+    t = adaptive && t + out.h >= stop * (1 - 1e-14) ? stop : t + out.h;
+    if (free && out.h_next > 0) h = out.h_next;
+    s->t = t;
+  }
+  push_report(L, s, &out, status);
+  hk_table_set(L, "taken", (double)taken);
+  hk_table_set(L, "t", t);
+  lua_pushboolean(L, moved);
+  lua_setfield(L, -2, "moved_time");
+  lua_pushboolean(L, changed);
+  lua_setfield(L, -2, "changed_system");
+  give_back(s);
+  return 1;
+}
+
+/* reset(run, "particles", "state" or "step") */
+static int reset(lua_State *L) {
+  static const char *const reasons[] = {"particles", "state", "step", NULL};
+  hk_instance *m = method_of(L);
+  int why = luaL_checkoption(L, 2, "state", reasons);
+  hk_guard_enter("reset");
+  if (m->plugin->integrator->reset) m->plugin->integrator->reset(m->self, (hk_reason)why);
+  hk_guard_enter(NULL);
+  return 0;
+}
+
+/* state(run) -> X, n. flags(run) -> hk_integrator.flags, whether it has `rotation`, `amplification`, whether it can be
+ * used with constraints. */
+static int state(lua_State *L) {
+  const hk_run *run = hk_lua_run(L);
+  hk_table_push(L, run->state.X, run->state.size);
+  lua_pushinteger(L, (lua_Integer)run->state.model.n);
+  return 2;
+}
+
+static int flags(lua_State *L) {
+  const hk_integrator *m = method_of(L)->plugin->integrator;
+  lua_pushinteger(L, m->flags);
+  lua_pushboolean(L, m->rotation != NULL);
+  lua_pushboolean(L, m->amplification != NULL);
+  lua_pushboolean(L, !m->without_constraints);
+  return 4;
+}
+
+/* growth(run, hw, hg [, hb]) -> what the method states, with the parameters of the run: `rotation` where hb is given.
+ */
+static int growth(lua_State *L) {
+  const hk_instance *m = method_of(L);
+  const hk_integrator *method = m->plugin->integrator;
+  double hw = luaL_checknumber(L, 2), hg = luaL_checknumber(L, 3);
+  hk_guard_enter(lua_isnoneornil(L, 4) ? "amplification" : "rotation");
+  lua_pushnumber(L, lua_isnoneornil(L, 4) ? method->amplification(m->self, hw, hg)
+                                          : method->rotation(m->self, hw, hg, luaL_checknumber(L, 4)));
+  hk_guard_enter(NULL);
+  return 1;
+}
+
+static int watch(lua_State *L) {
+  hk_guard_watch((int)luaL_checkinteger(L, 1));
+  return 0;
+}
+
+__attribute__((visibility("default"))) int luaopen_method(lua_State *L);
+
+int luaopen_method(lua_State *L) {
+  static const luaL_Reg functions[] = {{"run", run_steps}, {"reset", reset}, {"state", state}, {"flags", flags},
+                                       {"growth", growth}, {"watch", watch}, {NULL, NULL}};
+  luaL_newlib(L, functions);
+  return 1;
+}
