@@ -1,5 +1,5 @@
 /* hooke check: every force and integrator of the build passes, and each fault that is put into one that is right is
- * found, by the property that it breaks. The wrong plugins are compiled here, as a user compiles one. */
+ * found, in the sentence that names it. The wrong plugins are compiled here, as a user compiles one. */
 #include "tests/support/command.h"
 
 #include <dirent.h>
@@ -34,123 +34,87 @@ static void check_all(const char *kind, size_t least) {
 
 static void every_force_passes(void **state) {
   (void)state;
-  check_all("forces", 5);
+  check_all("forces", 9);
 }
 
 static void every_integrator_passes(void **state) {
   (void)state;
-  check_all("integrators", 10);
+  check_all("integrators", 24);
 }
 
-/* ---- faults ---- */
+/* ---- faults: tests/fixtures/wrong/NAME.c is a plugin that is right with -DBUG=NONE, and NAME.txt has a line for each
+ * fault: its BUG, the property that finds it, and the sentence that names it ---- */
 
-/* A pull to the origin, F = -s x, and its faults. */
-static const char force_source[] =
-    "#include \"core/plugin.h\"\n"
-    "#ifndef FLAGS\n#define FLAGS (HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN)\n#endif\n"
-    "#ifndef ENERGY\n#define ENERGY 0.5\n#endif\n"
-    "#ifndef JACOBIAN\n#define JACOBIAN 1\n#endif\n"
-    "#ifndef PULL\n#define PULL(i, x) (-p->s * (x))\n#endif\n"
-    "#ifndef ACTS\n#define ACTS(view, i) (!(view)->is_active || (view)->is_active[i])\n#endif\n"
-    "typedef struct pull { double s; long calls; } pull;\n"
-    "static const hk_param params[] = {{\"s\", \"N/m\", \"strength\", HK_NUMBER, {2}, MIN, INFINITY, offsetof(pull, "
-    "s), "
-    "0, NULL}, {0}};\n"
-    "static hk_status add(void *self, const hk_view *view, double *F) {\n"
-    "  pull *p = self;\n"
-    "  p->calls++;\n"
-    "  for (size_t i = 0; i < view->n; i++)\n"
-    "    for (size_t c = 3 * i; ACTS(view, i) && c < 3 * i + 3; c++) F[c] ADD PULL(i, view->x[c]);\n"
-    "  return HK_OK;\n}\n"
-    "static double energy(void *self, const hk_view *view) {\n"
-    "  const pull *p = self;\n"
-    "  double sum = 0;\n"
-    "  for (size_t i = 0; i < view->n; i++)\n"
-    "    for (size_t c = 3 * i; ACTS(view, i) && c < 3 * i + 3; c++) sum += p->s * view->x[c] * view->x[c];\n"
-    "  return ENERGY * sum;\n}\n"
-    "static void pattern(void *self, const hk_view *view, hk_pattern *into) {\n"
-    "  (void)self;\n"
-    "  for (uint32_t i = 0; i < view->n; i++) into->block(into, i, i);\n}\n"
-    "static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {\n"
-    "  const pull *p = self;\n"
-    "  for (size_t i = 0; i < view->n; i++)\n"
-    "    for (size_t c = 0; ACTS(view, i) && c < 3; c++) into->K[9 * into->slot[i] + 4 * c] += JACOBIAN * p->s;\n"
-    "  return HK_OK;\n}\n"
-    "static const hk_force force = {.size = sizeof(hk_force), .flags = FLAGS, .add = add, .energy = energy, .pattern = "
-    "pattern, .jacobian = "
-    "jacobian};\n"
-    "HK_EXPORT const hk_plugin hk_plugin_main = {.abi = HK_ABI, .kind = HK_FORCE, .name = \"plugin\", .summary = \"F = "
-    "-s "
-    "x\", .reference = \"\", .instance_size = sizeof(pull), .params = params, .force = &force};\n";
+static void compile_and_check(const char *name, const char *bug, const char *options) {
+  char before[1024], arguments[512];
+  snprintf(before, sizeof before,
+           "cc -O1 -w -shared -fPIC -DBUG=%s $(%s/hooke --cflags) %s/tests/fixtures/wrong/%s.c -o %s.so -lm && ", bug,
+           HK_BUILD, HK_ROOT, name, name);
+  snprintf(arguments, sizeof arguments, "check %s.so %s", name, options);
+  test_hooke(&r, before, arguments);
+}
 
-/* Symplectic Euler and its faults. */
-static const char method_source[] =
-    "#include \"core/plugin.h\"\n"
-    "typedef struct method { double *slope; } method;\n"
-    "static const hk_field fields[] = {{\"slope\", HK_FIELD_STATE, 1, offsetof(method, slope), HK_SCRATCH}, {0}};\n"
-    /* the roots of l^2 - (2 - z - g) l + 1 - g, z = (h w)^2: x and v of a step with v first */
-    "static double amplification(const void *self, double hw, double hg) {\n"
-    "  (void)self;\n"
-    "  double z = BY * BY * hw * hw, half = 1 - (z + hg) / 2, root = half * half - (1 - hg);\n"
-    "  double most = root <= 0 ? sqrt(fabs(1 - hg)) : fabs(half) + sqrt(root);\n"
-    "  return most > 1 ? most : 1;\n}\n"
-    "static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {\n"
-    "  double *a = ((method *)self)->slope, *x = s->X, *v = s->X + 3 * s->n;\n"
-    "  (void)t_stop, (void)out;\n"
-    "  hk_status status = s->accelerations(s, s->t, x, v, s->X + 6 * s->n, a, a + 3 * s->n);\n"
-    "  for (size_t e = 0; status == HK_OK && e < 3 * s->n; e++) {\n"
-    "    v[e] += h * a[e];\n    x[e] += h * v[e];\n  }\n"
-    "  return status;\n}\n"
-    "static const hk_integrator integrator = {.size = sizeof(hk_integrator), .order = ORDER, .stages = 1, .flags = "
-    "FLAGS, .amplification = "
-    "amplification, .step = step};\n"
-    "HK_EXPORT const hk_plugin hk_plugin_main = {.abi = HK_ABI, .kind = HK_INTEGRATOR, .name = \"plugin\", .summary = "
-    "\"Euler\", .reference = \"\", .instance_size = sizeof(method), .fields = fields, .integrator = &integrator};\n";
-
-/* Compiles with these macros and checks; `broken`: the only line that may be WRONG, NULL: none. */
-static void compile_and_check(const char *source, const char *macros, const char *broken) {
-  char before[1024];
-  test_write("plugin.c", source);
-  snprintf(before, sizeof before, "cc -O1 -shared -fPIC %s $(%s/hooke --cflags) plugin.c -o plugin.so && ", macros,
-           HK_BUILD);
-  test_hooke(&r, before, "check plugin.so");
-  if (r.code != (broken ? 1 : 0)) fail_msg("%s: exit %d: %s%s", macros, r.code, r.out, r.err);
-  size_t wrong = 0;
-  for (const char *at = r.out; (at = strstr(at, "  WRONG ")); at += 8) {
-    wrong++;
-    if (!broken || strncmp(at + 8, broken, strlen(broken)) != 0) fail_msg("%s: not '%s': %s", macros, broken, r.out);
+/* Whether a line that starts with WRONG has the sentence in it. */
+static bool says(const char *out, const char *sentence) {
+  for (const char *at = out; (at = strstr(at, "  WRONG ")); at++) {
+    const char *end = strchr(at, '\n'), *found = strstr(at, sentence);
+    if (found && end && found < end) return true;
   }
-  if (broken && !wrong) fail_msg("%s: exit 1 and nothing WRONG: %s%s", macros, r.out, r.err);
+  return false;
 }
 
-static void faults_of_forces_are_found_and_named(void **state) {
-  (void)state;
-  static const char *const faults[][2] = {
-      {"-DADD=+= -DMIN=0", NULL},
-      {"-DADD=+= -DMIN=0 -DENERGY=0.505", "force is minus the gradient of its energy"},
-      {"-DADD=+= -DMIN=0 -DJACOBIAN=1.01", "K = -dF/dx"},
-      {"-DADD=+= -DMIN=0 -DJACOBIAN=-1", "K = -dF/dx"},
-      {"-DADD=+= -DMIN=0 '-DFLAGS=HK_DEPENDS_ON_X|HK_CONSERVES_MOMENTUM'", "momentum is kept"},
-      {"-DADD=+= -DMIN=0 -DFLAGS=0", "it does not depend on positions"},
-      {"-DADD=+= -DMIN=0 '-DPULL(i,x)=(-p->s*(x)*((x)/(x)))'", "finite with"},
-      {"-DADD=+= -DMIN=0 '-DPULL(i,x)=(-p->s*(x)*(1+1e-9*(p->calls%2)))'", "the same twice"},
-      {"-DADD=+= -DMIN=0 '-DACTS(view,i)=((void)(view),1)'", "it leaves particles alone"},
-      {"-DADD== -DMIN=0", "it adds to what is there"},
-  };
-  for (size_t k = 0; k < sizeof faults / sizeof *faults; k++)
-    compile_and_check(force_source, faults[k][0], faults[k][1]);
+static void right_and_wrong(const char *name, size_t least) {
+  char path[512], line[512], options[256];
+  size_t count = 0;
+  compile_and_check(name, "NONE", "");
+  if (r.code != 0) fail_msg("%s without a fault: exit %d: %s%s", name, r.code, r.out, r.err);
+  snprintf(path, sizeof path, "%s/tests/fixtures/wrong/%s.txt", HK_ROOT, name);
+  FILE *table = fopen(path, "r");
+  assert_non_null(table);
+  while (fgets(line, sizeof line, table)) {
+    char *bug = strtok(line, " "), *property = strtok(NULL, "|"), *sentence = strtok(NULL, "\n");
+    assert_non_null(sentence);
+    sentence += strspn(sentence, " ");
+    property += strspn(property, " ");
+    property[strcspn(property, "|") - 1] = 0;
+    snprintf(options, sizeof options, "--seconds 3 --only '%s'", property);
+    compile_and_check(name, bug, options);
+    if (r.code != 1 || !says(r.out, sentence))
+      fail_msg("%s, %s: exit %d, not '%s': %s%s", name, bug, r.code, sentence, r.out, r.err);
+    count++;
+  }
+  fclose(table);
+  assert_true(count >= least);
 }
 
-static void faults_of_integrators_are_found_and_named(void **state) {
+static void faults_of_forces_are_named(void **state) {
   (void)state;
-  static const char *const faults[][2] = {
-      {"-DORDER=1 -DFLAGS=0 -DBY=1", NULL},
-      {"-DORDER=2 -DFLAGS=0 -DBY=1", "order 2"},                                    /* order 1 posing as 2 */
-      {"-DORDER=1 -DFLAGS=0 -DBY=0.9", "damping ratio 0"},                          /* stable to 2.2 instead of 2 */
-      {"-DORDER=1 -DFLAGS=HK_REVERSIBLE -DBY=1", "it returns when velocities are"}, /* it is not */
-  };
-  for (size_t k = 0; k < sizeof faults / sizeof *faults; k++)
-    compile_and_check(method_source, faults[k][0], faults[k][1]);
+  right_and_wrong("force", 59);
+}
+
+static void faults_of_contact_are_named(void **state) {
+  (void)state;
+  right_and_wrong("contact", 14);
+}
+
+static void faults_of_explicit_methods_are_named(void **state) {
+  (void)state;
+  right_and_wrong("integrator", 40);
+}
+
+static void faults_of_histories_are_named(void **state) {
+  (void)state;
+  right_and_wrong("multistep", 6);
+}
+
+static void faults_of_adaptive_methods_are_named(void **state) {
+  (void)state;
+  right_and_wrong("adaptive", 7);
+}
+
+static void faults_of_implicit_methods_are_named(void **state) {
+  (void)state;
+  right_and_wrong("implicit", 5);
 }
 
 static void what_cannot_be_checked_is_said(void **state) {
@@ -163,6 +127,8 @@ static void what_cannot_be_checked_is_said(void **state) {
       {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 3.0"},
       {"check %s/plugins/forces/springs.so stiffnes=3", "no parameter 'stiffnes'"},
       {"check %s/plugins/forces/springs.so k=soft", "'soft' is not a number"},
+      {"check %s/plugins/forces/springs.so --only cheese", "no property has 'cheese' in its name"},
+      {"check %s/plugins/forces/springs.so --seconds none", "'none' is not a time"},
   };
   for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
     snprintf(arguments, sizeof arguments, bad[k][0], HK_BUILD);
@@ -175,8 +141,12 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_force_passes),
       cmocka_unit_test(every_integrator_passes),
-      cmocka_unit_test(faults_of_forces_are_found_and_named),
-      cmocka_unit_test(faults_of_integrators_are_found_and_named),
+      cmocka_unit_test(faults_of_forces_are_named),
+      cmocka_unit_test(faults_of_contact_are_named),
+      cmocka_unit_test(faults_of_explicit_methods_are_named),
+      cmocka_unit_test(faults_of_histories_are_named),
+      cmocka_unit_test(faults_of_adaptive_methods_are_named),
+      cmocka_unit_test(faults_of_implicit_methods_are_named),
       cmocka_unit_test(what_cannot_be_checked_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

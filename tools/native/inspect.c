@@ -114,6 +114,12 @@ static int get_bytes(lua_State *L) {
   return 1;
 }
 
+/* reverse(subject): see hk_reverse_chunks. */
+static int reverse(lua_State *L) {
+  hk_reverse_chunks(hk_subject_at(L, 1)->instance);
+  return 0;
+}
+
 static int get_energy(lua_State *L) {
   lua_pushnumber(L, hk_subject_energy(hk_subject_at(L, 1)));
   return 1;
@@ -304,6 +310,7 @@ int luaopen_inspect(lua_State *L) {
                                        {"set", set_state},
                                        {"force", get_force},
                                        {"bytes", get_bytes},
+                                       {"reverse", reverse},
                                        {"energy", get_energy},
                                        {"rates", get_rates},
                                        {"seconds", get_seconds},

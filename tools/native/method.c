@@ -251,6 +251,12 @@ static int growth(lua_State *L) {
   return 1;
 }
 
+/* reverse(run): see hk_reverse_chunks. */
+static int reverse(lua_State *L) {
+  hk_reverse_chunks(method_of(L));
+  return 0;
+}
+
 static int watch(lua_State *L) {
   hk_guard_watch((int)luaL_checkinteger(L, 1));
   return 0;
@@ -259,8 +265,8 @@ static int watch(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_method(lua_State *L);
 
 int luaopen_method(lua_State *L) {
-  static const luaL_Reg functions[] = {{"run", run_steps}, {"reset", reset}, {"state", state}, {"flags", flags},
-                                       {"growth", growth}, {"watch", watch}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"run", run_steps}, {"reset", reset}, {"state", state},     {"flags", flags},
+                                       {"growth", growth}, {"watch", watch}, {"reverse", reverse}, {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

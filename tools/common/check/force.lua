@@ -25,26 +25,21 @@ end
 -- Checks the force that hooke.describe described; `path`, `given` and `scene` are also fields of it.
 return function(plugin, report)
   inspect.quiet()
-  -- The first line of every property: the plugin's calls are named, its heap is counted.
-  local function try(name, body)
-    return report:try(name, function(lines)
-      inspect.watch(lines.fd, plugin.path)
-      members.watch(lines.fd)
-      body(lines)
-    end)
+  function report.before(lines) -- the plugin's calls are named, its heap is counted
+    inspect.watch(lines.fd, plugin.path)
+    members.watch(lines.fd)
   end
-  local watched = setmetatable({ try = function(_, name, body) return try(name, body) end }, { __index = report })
-  local fine, found = watched:try("it starts", function(lines) starts(plugin, lines) end)
+  local fine, found = report:try("it starts", function(lines) starts(plugin, lines) end)
   if not found[1] then return fine end
   plugin.accepted = found[1].accepted
   plugin.has, plugin.on_y = found[1].has, found[1].flags & DEPENDS_ON_CHANNELS ~= 0
   plugin.stiffens = found[1].flags & STIFFENS ~= 0
   for _, property in ipairs(habits.list) do
-    watched:try(property[1], function(lines) property[2](plugin, lines) end)
+    report:try(property[1], function(lines) property[2](plugin, lines) end)
   end
-  habits.instances(plugin, watched)
-  derivatives.try(plugin, watched)
-  claims.try(plugin, watched)
-  further.try(plugin, watched)
-  population.try(plugin, watched)
+  habits.instances(plugin, report)
+  derivatives.try(plugin, report)
+  claims.try(plugin, report)
+  further.try(plugin, report)
+  population.try(plugin, report)
 end

@@ -21,15 +21,13 @@ end
 -- Checks the integrator that hooke.describe described; `path` and `given` are also fields of it.
 return function(plugin, report)
   inspect.quiet()
-  local watched = setmetatable({ try = function(_, name, body)
-    return report:try(name, function(lines)
-      inspect.watch(lines.fd, plugin.path)
-      members.watch(lines.fd)
-      method.watch(lines.fd)
-      body(lines)
-    end)
-  end }, { __index = report })
-  local _, found = watched:try("it starts", function(lines) starts(plugin, lines) end)
+  if plugin.scene then report:note("methods are tried in scenes made here alone: --scene is left aside") end
+  function report.before(lines) -- the plugin's calls are named, its heap is counted
+    inspect.watch(lines.fd, plugin.path)
+    members.watch(lines.fd)
+    method.watch(lines.fd)
+  end
+  local _, found = report:try("it starts", function(lines) starts(plugin, lines) end)
   if not found[1] then return end
   local flags = found[1].flags
   plugin.needs_jacobian, plugin.needs_solver = flags & NEEDS_JACOBIAN ~= 0, flags & NEEDS_SOLVER ~= 0
@@ -37,7 +35,7 @@ return function(plugin, report)
   plugin.constrained = found[1].constrained
   plugin.states_growth, plugin.states_rotation = found[1].amplifies, found[1].rotates
   for _, property in ipairs(habits.list) do
-    watched:try(property[1], function(lines) property[2](plugin, lines) end)
+    report:try(property[1], function(lines) property[2](plugin, lines) end)
   end
-  accuracy.try(plugin, watched)
+  accuracy.try(plugin, report)
 end

@@ -63,7 +63,7 @@ local always = { ["it is loaded"] = true, ["it starts"] = true }
 
 -- Tries body(lines) in a process of its own. `name` is the property, which is added as fine when the body came to its
 -- end and added nothing; nil: nothing is added then. Returns false when the process did not come to its end, and the list
--- of values that the body handed out.
+-- of values that the body handed out. report.before(lines), where it is set, is called in front of each body.
 function report:try(name, body, seconds)
   local added, values = name and 0 or 1, {}
   local left_out = self.only and name and not always[name] and not name:find(self.only, 1, true)
@@ -71,7 +71,9 @@ function report:try(name, body, seconds)
   if not always[name] then self.tried = self.tried + 1 end
   name = name or "a second try"
   local ended, place, printed, complaint, late = isolate.run(seconds or self.seconds, function(teller, fd)
-    body(setmetatable({ teller = teller, count = 0, fd = fd }, lines))
+    local own = setmetatable({ teller = teller, count = 0, fd = fd }, lines)
+    if self.before then self.before(own) end
+    body(own)
   end, function(found)
     if found.note then return self:note(found.note) end
     if found.value ~= nil then values[#values + 1] = found.value return end

@@ -91,6 +91,18 @@ int hk_subject_open(lua_State *L) {
   return 1;
 }
 
+static void backwards(const hk_host *host, size_t count, size_t grain,
+                      void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
+  (void)host;
+  if (grain == 0) grain = 1;
+  for (size_t chunk = (count + grain - 1) / grain; chunk-- > 0;) {
+    size_t begin = chunk * grain;
+    body(context, begin, count - begin < grain ? count : begin + grain, chunk);
+  }
+}
+
+void hk_reverse_chunks(hk_instance *instance) { instance->host.parallel_for = backwards; }
+
 __attribute__((noinline)) static void fill_stack(unsigned char byte) {
   volatile unsigned char below[1 << 14];
   for (size_t k = 0; k < sizeof below; k++) below[k] = byte;

@@ -19,8 +19,8 @@ typedef struct hk_subject {
   size_t n, size;                /* particles, 3n */
   hk_guarded x, v, y, F, dy, dx; /* dx: a displacement, or other positions, n x 3 */
   hk_guard_side side;
-  int fill;           /* the byte that the stack below a call is filled with; negative: none */
-  hk_status status;   /* the last that was not HK_OK */
+  int fill;         /* the byte that the stack below a call is filled with; negative: none */
+  hk_status status; /* the last that was not HK_OK */
 } hk_subject;
 
 hk_subject *hk_subject_at(lua_State *L, int index);
@@ -32,6 +32,10 @@ void hk_subject_leave(hk_subject *);
 /* F += force, with what is there; returns the power that it added to `power`. With NAN the view has no power. */
 double hk_subject_add(hk_subject *, double power);
 double hk_subject_energy(hk_subject *);
+
+/* From now on the instance's parallel_for takes the chunks one by one from the last to the first: what depends on the
+ * order in which threads come is seen without luck. */
+void hk_reverse_chunks(hk_instance *);
 
 /* Numbers and tables. */
 void hk_table_push(lua_State *L, const double *number, size_t count);

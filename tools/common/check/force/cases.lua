@@ -257,9 +257,8 @@ function cases.each(plugin, lines, wanted, body, options)
         local subject = inspect.open(run, plugin.name, options and options.side)
         case.limits = plugin.has and plugin.has.step_limit
         if not (case.limits and inspect.energy(subject) == math.huge) then body(subject, case, run) end
-      else
-        refused = refused or why
-      end
+      elseif case.file then error(("--scene %s: %s"):format(case.file, why), 0)
+      else refused = refused or why end
     end
   end
   if tried == 0 and refused then error(refused, 0) end
