@@ -22,19 +22,6 @@ static struct made {
   size_t count, end[32];
 } made;
 
-/* As the run itself would make it later; that it cannot be made is said then. No link is followed to a folder that the
- * user has not named. */
-static void make_output(const char *folder, bool named) {
-  struct stat info;
-  if (snprintf(made.path, sizeof made.path, "%s/", folder) >= (int)sizeof made.path) return;
-  for (char *slash = strchr(made.path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-    *slash = 0;
-    if (!named && lstat(made.path, &info) == 0 && S_ISLNK(info.st_mode)) return;
-    if (mkdir(made.path, 0777) == 0 && made.count < 32) made.end[made.count++] = (size_t)(slash - made.path);
-    *slash = '/';
-  }
-}
-
 void hk_confinement_end(void) {
   while (made.count > 0) {
     made.path[made.end[--made.count]] = 0;
@@ -321,6 +308,19 @@ static bool close_calls(bool execute) {
   write_program(&p, execute);
   struct sock_fprog filter = {p.length, p.code};
   return syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, SECCOMP_FILTER_FLAG_TSYNC, &filter) == 0;
+}
+
+/* As the run itself would make it later; that it cannot be made is said then. No link is followed to a folder that the
+ * user has not named. */
+static void make_output(const char *folder, bool named) {
+  struct stat info;
+  if (snprintf(made.path, sizeof made.path, "%s/", folder) >= (int)sizeof made.path) return;
+  for (char *slash = strchr(made.path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+    *slash = 0;
+    if (!named && lstat(made.path, &info) == 0 && S_ISLNK(info.st_mode)) return;
+    if (mkdir(made.path, 0777) == 0 && made.count < 32) made.end[made.count++] = (size_t)(slash - made.path);
+    *slash = '/';
+  }
 }
 
 const char *hk_confine(const hk_confinement *c) {

@@ -17,8 +17,8 @@ enum { STACK_SLOTS = 4000 };
 enum { HOOK_COUNT = 10000, BYTES_PER_INSTRUCTION = 16, LARGE = 65536 };
 /* A coroutine counts from 0: what it does between two calls of the hook is charged when it is made, so it is less. */
 enum { COROUTINE_COUNT = 1000 };
-/* Scenes and runs are plain arrays: with the default limit, 2 GiB hold some 20 million particles. */
-enum { ENGINE_SHARE = 4 };
+/* Scenes and runs are plain arrays, which double as they grow: the default of 1 GiB holds some 10 million particles. */
+enum { ENGINE_SHARE = 2 };
 
 hk_script *hk_lua_script(lua_State *L) { return *(hk_script **)lua_getextraspace(L); }
 
