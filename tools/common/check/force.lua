@@ -1,9 +1,10 @@
 -- The tests of a force (hooke check), each in a process of its own. What they try is in force/: what every plugin owes
--- its host (habits), derivatives, claims, the further functions (further), births and deaths (population).
+-- its host (habits), derivatives, claims, the further functions (further, contact), births and deaths (population).
 local inspect = require("inspect")
 local members = require("members")
 local cases = require("common.check.force.cases")
 local claims = require("common.check.force.claims")
+local contact = require("common.check.force.contact")
 local derivatives = require("common.check.force.derivatives")
 local further = require("common.check.force.further")
 local habits = require("common.check.force.habits")
@@ -41,5 +42,6 @@ return function(plugin, report)
   derivatives.try(plugin, report)
   claims.try(plugin, report)
   further.try(plugin, report)
+  contact.try(plugin, report)
   population.try(plugin, report)
 end
