@@ -46,8 +46,9 @@ static void every_plugin_of_the_project_passes(void **state) {
 static void every_fixture_that_is_right_passes(void **state) {
   (void)state;
   static const char *const fixtures[][2] = {
-      {"bar", ""},   {"ground", ""},   {"telescope", ""},         {"stretching_bar", "rate=0"}, {"floor", ""},
-      {"sower", ""}, {"rejecter", ""}, {"emitter", "every=0.25"}, {"witness", ""},        {"counting_solver", ""},
+      {"bar", ""},     {"ground", ""},          {"telescope", ""}, {"stretching_bar", "rate=0"},
+      {"floor", ""},   {"sower", ""},           {"rejecter", ""},  {"emitter", "every=0.25"},
+      {"witness", ""}, {"counting_solver", ""},
   };
   char path[512];
   for (size_t k = 0; k < sizeof fixtures / sizeof *fixtures; k++) {
