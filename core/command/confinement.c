@@ -111,10 +111,13 @@ static void allow_list(const ruleset *rules, const char *list, const char *name,
   }
 }
 
-/* The program interpreter, which every program is started by. */
-static int allow_loader(struct dl_phdr_info *library, size_t size, void *rules) {
+/* The folders of the libraries that are there already, where others lie, too; of them the program interpreter, which
+ * every program is started by, may be executed. */
+static int allow_library(struct dl_phdr_info *library, size_t size, void *rules) {
   (void)size;
   const char *name = strrchr(library->dlpi_name, '/');
+  if (name && library->dlpi_name[0] == '/' && name > library->dlpi_name)
+    allow_folder_of(rules, library->dlpi_name, SEE);
   if (name && strncmp(name, "/ld", 3) == 0) allow(rules, library->dlpi_name, RUN | SEE);
   return 0;
 }
@@ -127,10 +130,10 @@ static void allow_system(const ruleset *rules) {
                                      "/proc/stat",  "/proc/self",     "/proc/sys/vm",   "/etc/ld.so.cache",
                                      "/etc/glvnd",  "/etc/drirc",     "/etc/localtime", "/etc/alternatives",
                                      "/dev/urandom"};
-  static const char *const used[] = {"/dev/null", "/dev/zero", "/dev/dri", "/dev/shm"};
+  static const char *const used[] = {"/dev/null", "/dev/zero", "/dev/dri"};
   for (size_t k = 0; k < sizeof seen / sizeof *seen; k++) allow(rules, seen[k], SEE);
-  for (size_t k = 0; k + 1 < sizeof used / sizeof *used; k++) allow(rules, used[k], SEE | CHANGE);
-  dl_iterate_phdr(allow_loader, (void *)(uintptr_t)rules);
+  for (size_t k = 0; k < sizeof used / sizeof *used; k++) allow(rules, used[k], SEE | CHANGE);
+  dl_iterate_phdr(allow_library, (void *)(uintptr_t)rules);
 }
 
 static void allow_writing(const ruleset *rules, const hk_confinement *c) {

@@ -1,7 +1,7 @@
 /* Limits of scripts are kept by a hook that Lua calls after every so many instructions. One call of a function of Lua's
  * library is one instruction: a pattern match may take hours, table.move with numbers of the script's choice years. A
  * thread looks at the script's pulse a few times a second. When the script is at work, has executed no further
- * instructions and its thread has used three seconds of processor time for that, or the user has asked for the end, the
+ * instructions and its thread has used two seconds of processor time for that, or the user has asked for the end, the
  * process is ended: nothing can be saved from within that call. Waiting for the engine, or for a processor that others
  * use, is no standstill. */
 #include "core/command/watchdog.h"
@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static const double most = 3, patience = 0.5; /* s: as long as 5e8 instructions take; after an interrupt */
+static const double most = 2, patience = 0.5; /* s: as long as 5e8 instructions take; after an interrupt */
 
 /* Threads and handlers of a fork are given nothing. */
 static hk_pulse pulse;
@@ -51,7 +51,7 @@ static void *watch(void *unused) {
     if (interrupted_at > 0 && now - interrupted_at > patience)
       end("hooke: interrupted, inside a function of Lua's library that a script called: nothing was saved\n", 130);
     if (used - since > most)
-      end("hooke: a script was for 3 s inside one call of a function of Lua's library: it was ended beyond its limit, "
+      end("hooke: a script was for 2 s inside one call of a function of Lua's library: it was ended beyond its limit, "
           "and "
           "nothing was saved (a pattern that matches in too many ways? --trust lifts the limit)\n",
           1);

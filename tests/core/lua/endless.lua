@@ -1,3 +1,3 @@
--- Attempts of scenes never to end, or to take all memory; see tests/support/attempts/run.lua.
+-- Attempts of scenes never to end; see tests/support/attempts/run.lua.
 package.path = (os.getenv("HK_ROOT") or ".") .. "/tests/support/?.lua;" .. package.path
 os.exit(require("attempts.run")({ "endless" }, arg[1]))
