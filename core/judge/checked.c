@@ -1,15 +1,14 @@
 /* The words behind the verdict ok: what was measured of this run, what was not checked, and how to ask for it. */
 #include "core/judge/judge.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <string.h>
 
 void hk_checked_add(hk_summary *s, const char *separator, const char *format, ...) {
-  size_t used = strlen(s->checked), room = sizeof s->checked;
   va_list arguments;
-  if (used && used + 2 < room) used += (size_t)snprintf(s->checked + used, room - used, "%s", separator);
   va_start(arguments, format);
-  vsnprintf(s->checked + used, room - used, format, arguments);
+  hk_text_append(s->checked, sizeof s->checked, separator, format, arguments);
   va_end(arguments);
 }
 

@@ -1,5 +1,6 @@
 /* The verdict of a run that reached its end, derived from the figures that the run measured. */
 #include "core/judge/judge.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -13,11 +14,9 @@ static const double energy_limit = 0.1, mean_energy_limit = 0.5, visible = 0.1, 
     energy_rounding = 1e-11;         /* of the energy held: a scene at rest has a kinetic energy of rounding */
 
 static void add_reason(hk_judgement *j, const char *format, ...) {
-  size_t used = strlen(j->reason);
   va_list arguments;
-  if (used && used + 2 < sizeof j->reason) used += (size_t)snprintf(j->reason + used, sizeof j->reason - used, "; ");
   va_start(arguments, format);
-  vsnprintf(j->reason + used, sizeof j->reason - used, format, arguments);
+  hk_text_append(j->reason, sizeof j->reason, "; ", format, arguments);
   va_end(arguments);
 }
 

@@ -1,7 +1,9 @@
-/* Text of unknown origin, from scripts and file names, made harmless for people and their terminals. */
+/* Text for people: that of unknown origin, from scripts and file names, made harmless for their terminals, and
+ * sentences in one buffer. */
 #ifndef HK_TEXT_H
 #define HK_TEXT_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -13,5 +15,8 @@ void hk_print_plain(FILE *, const char *text);
 void hk_plain_copy(char *into, size_t size, const char *text); /* the same into a buffer, cut at its end */
 size_t hk_utf8_next(const char *text, uint32_t *code);         /* bytes of the first character; 0: it is no UTF-8 */
 bool hk_commands_terminal(uint32_t code);
+
+/* Appends to the text in a buffer of `size` bytes, after `separator` unless it is empty; cut at the buffer's end. */
+void hk_text_append(char *text, size_t size, const char *separator, const char *format, va_list);
 
 #endif
