@@ -56,10 +56,14 @@ static void set_limit_error(hk_script *s, const char *place, int line) {
                  line, (int)(s->instruction_limit / 1000000));
 }
 
+/* Instructions after which an interruption is heeded, some 0.1 s of a function that a run calls: the run then stops
+ * between two steps, where it can be saved. */
+static uint64_t grace(const hk_script *s) { return s->finished ? 10000000 : 0; }
+
 static void count_instructions(lua_State *L, lua_Debug *ar) {
   hk_script *s = hk_lua_script(L);
   s->instructions += HOOK_COUNT;
-  bool interrupted = s->run_options.interrupted && *s->run_options.interrupted;
+  bool interrupted = s->run_options.interrupted && *s->run_options.interrupted && s->instructions > grace(s);
   if (!s->spent && !interrupted && s->instructions <= s->instruction_limit) return;
   s->spent = true;
   lua_sethook(L, count_instructions, LUA_MASKCOUNT, 1); /* each instruction now raises the error */
