@@ -20,6 +20,13 @@ static const char *next_block(lua_State *L, void *context, size_t *size) {
   return *size ? from->block : NULL;
 }
 
+void hk_lua_note_file(lua_State *L, const char *what, const char *path, const char *name) {
+  char line[512];
+  snprintf(line, sizeof line, "%s %s", what, name);
+  if (!hk_origin_add_file(&hk_lua_script(L)->origin, line, path))
+    hk_lua_fail(L, HK_NO_MEMORY, "no memory for the list of files");
+}
+
 int hk_lua_load(lua_State *L, const char *path, const char *name) {
   source from = {.file = fopen(path, "rb")};
   if (!from.file) return LUA_ERRFILE;
@@ -31,6 +38,7 @@ int hk_lua_load(lua_State *L, const char *path, const char *name) {
   int cause = ferror(from.file) ? errno : 0;
   fclose(from.file);
   lua_remove(L, -2);
+  if (!cause) hk_lua_note_file(L, "the script", path, name);
   if (!cause) return code;
   lua_pop(L, 1);
   errno = cause;
@@ -58,8 +66,9 @@ hk_status hk_lua_no_file(const hk_script *s, hk_error *error) {
   }
   if (directory) closedir(directory);
   const char *near = names ? hk_nearest_name(s->name, folder_name, names) : NULL;
-  hk_status status = hk_error_set(error, HK_IO, "cannot read the scene %s: %s%s%s%s", s->path, strerror(cause),
-                                  near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+  hk_status status =
+      hk_error_set(error, cause == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot read the scene %s: %s%s%s%s", s->path,
+                   strerror(cause), near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
   free(names);
   return status;
 }
