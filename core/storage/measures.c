@@ -6,7 +6,7 @@
 #include <string.h>
 
 static hk_status failed(hk_error *error) {
-  return hk_error_set(error, HK_IO, "cannot write measures.csv: %s", strerror(errno));
+  return hk_error_set(error, errno == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot write measures.csv: %s", strerror(errno));
 }
 
 hk_status hk_measures_open(hk_folder *folder, const hk_scene *scene, FILE **file, hk_error *error) {
