@@ -27,11 +27,14 @@ WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wstrict-prototypes -Wmissing-prot
 FLAGS    := -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. -fPIC -fvisibility=hidden -ffunction-sections \
             -fdata-sections -fno-math-errno -fno-trapping-math -ffp-contract=off -MMD -MP -g $(WARNINGS)
 LINK     := -Wl,--as-needed -Wl,--gc-sections
+# Against what a scene from a stranger may reach in C: overwritten stacks, tables of functions and buffers.
+HARDENED := -fstack-protector-strong -fstack-clash-protection -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2
 ifdef SANITIZE
 FLAGS    += -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
 LINK     += -fsanitize=address,undefined
 else
-FLAGS    += -O3
+FLAGS    += -O3 $(HARDENED)
+LINK     += -Wl,-z,relro -Wl,-z,now
 # Nothing is left for a plugin to find in its host. (The sanitizers' own functions may be there.)
 COMPLETE := -Wl,-z,defs
 endif
@@ -175,7 +178,7 @@ $B/bench/sundials $B/bench/rivals: LIBS += -lsundials_cvode -lsundials_arkode $(
 
 $B/hooke: $B/obj/core/command/main.o $B/core.a
 	$(link)
-	$(call link_with)
+	$(call link_with,-pie)
 $B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
 	$(link)
 	$(call link_with,-shared $(COMPLETE))
