@@ -99,22 +99,19 @@ static void divide(hk_loop *loop, double stop) {
   loop->last_h = p->h;
 }
 
-/* Whether the remaining segment needs shorter steps: a source made the scene stiffer, or a force demands them, after
- * births perhaps shorter ones than when the segment was divided. The slack is twice that of `divide`, for rounding. */
+/* Whether the rest of the segment needs shorter steps than when it was divided: sources made the scene stiffer, or a force
+ * demands them. The slack is twice that of `divide`, for rounding. */
 static bool too_long(const hk_loop *loop, const hk_piece *p) {
   return loop->step->dt < p->dt || hk_sweep_longest_step(loop->dynamics) < p->h * (1 - 2e-12);
 }
 
 /* Steps have to move the time `at`; 64: so that their lengths have some digits, too. */
-static hk_status check_demand(const hk_loop *loop, double longest, double at) {
-  if (longest > 64 * DBL_EPSILON * fabs(at)) return HK_OK;
-  return hk_error_set(loop->error, HK_NOT_CONVERGED, "a force allows steps of %g s at most, too short to move t = %g s",
-                      longest, loop->state->t);
-}
-
-static hk_status check_given(const hk_loop *loop, double at) {
-  if (loop->step->dt > 64 * DBL_EPSILON * fabs(at)) return HK_OK;
-  return hk_error_set(loop->error, HK_BAD_PARAM, "steps of %g s are too short to move t = %g s", loop->step->dt, at);
+static hk_status check_length(const hk_loop *loop, double dt, double at) {
+  double demanded = hk_sweep_longest_step(loop->dynamics), least = 64 * DBL_EPSILON * fabs(at);
+  if (demanded > least && dt > least) return HK_OK;
+  return hk_error_set(loop->error, demanded > least ? HK_BAD_PARAM : HK_NOT_CONVERGED,
+                      "%s allows steps of %g s at most, too short to move t = %g s",
+                      demanded > least ? "dt" : "a force", fmin(dt, demanded), loop->state->t);
 }
 
 static hk_status piece_step(hk_loop *loop, const hk_piece *p) {
@@ -130,9 +127,8 @@ static hk_status piece_step(hk_loop *loop, const hk_piece *p) {
 static hk_status fixed_segment(hk_loop *loop, double stop) {
   hk_piece *p = &loop->piece;
   if (p->n == 0 || p->stop != stop) { /* otherwise the run was interrupted in this piece */
-    hk_status demand = check_demand(loop, hk_sweep_longest_step(loop->dynamics), stop);
-    if (demand == HK_OK) demand = check_given(loop, stop);
-    if (demand != HK_OK) return demand;
+    hk_status status = check_length(loop, loop->step->dt, stop);
+    if (status != HK_OK) return status;
     divide(loop, stop);
   }
   for (; p->i <= p->n; p->i++) {
@@ -164,7 +160,7 @@ static hk_status adaptive_segment(hk_loop *loop, double stop) {
            h = fmin(longest, offered_step(loop, stop, fmin(most, longest)));
     hk_status status = hk_step_begin(loop, h);
     longest = hk_sweep_longest_step(loop->dynamics); /* of the newborn, too */
-    if (status == HK_OK) status = check_demand(loop, longest, loop->state->t);
+    if (status == HK_OK) status = check_length(loop, INFINITY, loop->state->t);
     if (status == HK_OK) status = hk_step_adaptive(loop, stop, fmin(h, longest));
     if (status != HK_OK) return status;
   }

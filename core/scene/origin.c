@@ -4,9 +4,12 @@
 #include "core/scene/scene.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 bool hk_origin_add(char **text, const char *what, const char *value) {
   size_t before = *text ? strlen(*text) : 0, room = before + strlen(what) + strlen(value) + 3;
@@ -20,15 +23,25 @@ bool hk_origin_add(char **text, const char *what, const char *value) {
 }
 
 /* FNV-1a, 64 bits. */
+static bool hash_of(int file, uint64_t *hash) {
+  unsigned char block[1 << 14];
+  ssize_t got;
+  *hash = 1469598103934665603u;
+  while ((got = read(file, block, sizeof block)) > 0)
+    for (ssize_t k = 0; k < got; k++) *hash = (*hash ^ block[k]) * 1099511628211u;
+  return got == 0;
+}
+
+/* A pipe or a device, which may block or never end, is not read: what came from it is not known again. */
 bool hk_origin_add_file(char **text, const char *what, const char *path) {
-  unsigned char block[1 << 12];
-  uint64_t hash = 1469598103934665603u;
+  struct stat info;
+  uint64_t hash;
   char value[32];
-  FILE *file = fopen(path, "rb");
-  if (!file) return hk_origin_add(text, what, strerror(errno));
-  for (size_t got; (got = fread(block, 1, sizeof block, file)) > 0;)
-    for (size_t k = 0; k < got; k++) hash = (hash ^ block[k]) * 1099511628211u;
-  fclose(file);
+  int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  bool plain = file >= 0 && fstat(file, &info) == 0 && S_ISREG(info.st_mode), known = plain && hash_of(file, &hash);
+  int cause = errno;
+  if (file >= 0) close(file);
+  if (!known) return hk_origin_add(text, what, file >= 0 && !plain ? "not a plain file" : strerror(cause));
   snprintf(value, sizeof value, "#%016llx", (unsigned long long)hash);
   return hk_origin_add(text, what, value);
 }

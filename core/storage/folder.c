@@ -61,10 +61,17 @@ hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
   return NULL;
 }
 
-void hk_folder_close(hk_folder *f) {
+void hk_folder_release(hk_folder *f) {
   if (!f) return;
   if (f->list) fclose(f->list);
   if (f->descriptor >= 0) close(f->descriptor);
+  f->list = NULL;
+  f->descriptor = -1;
+}
+
+void hk_folder_close(hk_folder *f) {
+  if (!f) return;
+  hk_folder_release(f);
   for (size_t k = 0; k < f->count; k++) free(f->name[k]);
   free(f->name);
   free(f->scene);
@@ -243,15 +250,6 @@ static hk_status add_to_list(hk_folder *f, const char *name, hk_error *error) {
 
 const char *hk_folder_place(const hk_folder *f) { return f ? f->path : NULL; }
 
-/* A folder whose list could not be begun is let go of. */
-static hk_status give_up(hk_folder *f, hk_status status) {
-  if (f->list) fclose(f->list);
-  if (f->descriptor >= 0) close(f->descriptor);
-  f->list = NULL;
-  f->descriptor = -1;
-  return status;
-}
-
 void hk_folder_go_on(hk_folder *f, size_t step) { snprintf(f->part, sizeof f->part, "from-step-%zu/", step); }
 
 hk_status hk_folder_path(hk_folder *f, const char *given, char *buffer, size_t size, hk_error *error) {
@@ -260,7 +258,8 @@ hk_status hk_folder_path(hk_folder *f, const char *given, char *buffer, size_t s
   if (!safe_name(given) || snprintf(name, sizeof name, "%s%s", f->part, given) >= (int)sizeof name)
     return hk_error_set(error, HK_BAD_PARAM, "'%s' is not a file name inside the output folder", given);
   hk_status status = f->list ? HK_OK : begin_list(f, error);
-  if (status != HK_OK) return give_up(f, status);
+  if (status != HK_OK) hk_folder_release(f);
+  if (status != HK_OK) return status;
   if (snprintf(buffer, size, "%s/%s", f->path, name) >= (int)size)
     return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);
   const char *last;

@@ -12,6 +12,8 @@ typedef struct hk_folder hk_folder;
  * writing there ---- */
 
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
+/* After the last file: other runs may write there. */
+void hk_folder_release(hk_folder *);
 void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
 /* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */

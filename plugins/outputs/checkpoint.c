@@ -7,6 +7,7 @@
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
 typedef struct checkpoint {
@@ -58,12 +59,25 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return c->service ? HK_OK : host->fail(host, HK_FAILED, "this hooke has no checkpoints for outputs");
 }
 
+/* What could not be written after hours is said before them. */
+static hk_status try_to_write(const checkpoint *c) {
+  struct stat info = {0};
+  errno = 0;
+  FILE *file = fopen(c->newest, "wb");
+  bool fine = file && fputs(c->newest, file) >= 0 && fflush(file) == 0 && fstat(fileno(file), &info) == 0;
+  int cause = errno;
+  if (file && fclose(file) != 0 && fine) fine = false, cause = errno;
+  if (S_ISREG(info.st_mode)) remove(c->newest);
+  return fine ? HK_OK : c->host->fail(c->host, HK_IO, "cannot write %s: %s", c->newest, strerror(cause));
+}
+
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   checkpoint *c = self;
   (void)view, (void)frame;
   c->written_at = now();
   hk_status status = c->host->path(c->host, "before.checkpoint", c->before, sizeof c->before);
-  return status == HK_OK ? c->host->path(c->host, "newest.checkpoint", c->newest, sizeof c->newest) : status;
+  if (status == HK_OK) status = c->host->path(c->host, "newest.checkpoint", c->newest, sizeof c->newest);
+  return status == HK_OK ? try_to_write(c) : status;
 }
 
 /* The newest one so far becomes the one before. */

@@ -113,18 +113,18 @@ static void a_plugin_that_has_changed_is_named(void **state) {
   (void)state;
   static test_result r;
   char text[2048];
-  snprintf(text, sizeof text, "cp %s/plugins/forces/drag.so own.so;", HK_BUILD);
+  snprintf(text, sizeof text, "cp %s/plugins/forces/drag.so drag.so;", HK_BUILD);
   write_scene();
   test_write("own.lua", "local scene = hooke.scene { duration = 0.2, fps = 20 }\n"
                         "scene:particle { position = {0, 0, 0}, velocity = {1, 0, 0}, mass = 1 }\n"
-                        "scene:force('./own.so', { rate = 1 })\n"
+                        "scene:force('./drag.so', { rate = 1 })\n"
                         "scene:output('checkpoint', { every = 2 })\n"
                         "return scene\n");
   test_hooke(&r, text, "run own.lua --trust --quiet --out own");
   if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
   test_hooke(&r, NULL, "run --resume own/newest.checkpoint --trust --quiet --out own");
   if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
-  test_hooke(&r, "printf x >> own.so;", "run --resume own/before.checkpoint --trust --quiet --out own");
+  test_hooke(&r, "printf x >> drag.so;", "run --resume own/before.checkpoint --trust --quiet --out own");
   if (r.code != 1 || !strstr(r.err, "the force 'drag' of the plugin drag has changed"))
     fail_msg("%d: %s", r.code, r.err);
   test_hooke(&r, NULL, "run --resume own/before.checkpoint --quiet --out own"); /* rights are not in a file */

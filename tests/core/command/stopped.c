@@ -134,7 +134,7 @@ static void a_hanging_ffmpeg_is_ended_with_the_run(void **state) {
   (void)state;
   static test_result r;
   static const int signals[] = {SIGINT, SIGKILL};
-  static const char *const arguments[] = {"hooke", "run", "film.lua", "--quiet", "--out", "film", NULL};
+  static const char *const arguments[] = {"hooke", "run", "film.lua", "--trust", "--quiet", "--out", "film", NULL};
   if (access(HK_BUILD "/plugins/outputs/frames.so", R_OK) != 0) skip();
   test_write("film.lua", "local scene = hooke.scene { duration = 0.05, fps = 60 }\n"
                          "scene:particle { position = {0, 0, 0}, velocity = {1, 0, 0}, mass = 1 }\n"
