@@ -90,8 +90,7 @@ static void divide(hk_loop *loop, double stop) {
   *p = (hk_piece){.i = 1, .begin = loop->state->t, .stop = stop, .dt = loop->step->dt};
   bool whole = frames > 0 && p->begin == frame_time(loop, frames - 1) && stop == frame_time(loop, frames);
   double length = whole ? 1 / loop->fps : stop - p->begin;
-  double longest = fmin(p->dt, hk_sweep_longest_step(loop->dynamics));
-  double pieces = ceil(length / longest * (1 - 1e-12));
+  double pieces = ceil(length / fmin(p->dt, hk_sweep_longest_step(loop->dynamics)) * (1 - 1e-12));
   p->n = pieces > 1 ? (size_t)pieces : 1;
   if (refines(loop, p->begin, stop)) p->n = 2 * loop->schedule.refine * p->n + 1;
   p->h = whole ? 1 / (loop->fps * (double)p->n) : length / (double)p->n;
@@ -99,8 +98,8 @@ static void divide(hk_loop *loop, double stop) {
   loop->last_h = p->h;
 }
 
-/* Whether the rest of the segment needs shorter steps than when it was divided: sources made the scene stiffer, or a force
- * demands them. The slack is twice that of `divide`, for rounding. */
+/* Whether the rest of the segment needs shorter steps than when it was divided: sources made the scene stiffer, or a
+ * force demands them. The slack is twice that of `divide`, for rounding. */
 static bool too_long(const hk_loop *loop, const hk_piece *p) {
   return loop->step->dt < p->dt || hk_sweep_longest_step(loop->dynamics) < p->h * (1 - 2e-12);
 }
@@ -115,12 +114,12 @@ static hk_status check_length(const hk_loop *loop, double dt, double at) {
 }
 
 static hk_status piece_step(hk_loop *loop, const hk_piece *p) {
-  const hk_loop_hooks *hooks = &loop->hooks;
-  bool last = p->i == p->n, sample = last && hooks->before_sample && hooks->after_sample;
+  const hk_loop_hooks *hooks = p->i == p->n ? &loop->hooks : NULL;
+  if (hooks && !(hooks->before_sample && hooks->after_sample)) hooks = NULL;
   periodic_hook(loop);
-  if (sample) hooks->before_sample(hooks->context);
-  hk_status status = hk_step_fixed(loop, last ? p->stop : p->begin + (double)p->i * p->h, p->h);
-  if (status == HK_OK && sample) hooks->after_sample(hooks->context, p->h);
+  if (hooks) hooks->before_sample(hooks->context);
+  hk_status status = hk_step_fixed(loop, p->i == p->n ? p->stop : p->begin + (double)p->i * p->h, p->h);
+  if (status == HK_OK && hooks) hooks->after_sample(hooks->context, p->h);
   return status;
 }
 
