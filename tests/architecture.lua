@@ -29,12 +29,13 @@ local ordinary_words = {
   code = {
     table = "a table of Lua or of parameters", frames = "the frames of a run",
     neighbours = "the interface of that service, which is part of the ABI",
+    checkpoint = "the file of a run that goes on",
   },
   comment = {
     neighbours = "particles, or entries of a list, beside each other",
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
-    drag = "the resistance of the air",
+    drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },
 }
 

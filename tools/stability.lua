@@ -36,6 +36,7 @@ local function parser_of()
   p:flag("--long", "with --hard: the long cases as well, and no limit of steps")
   p:flag("--reasons", "with --hard: say of every run how it ended")
   p:option("--case", "with --hard: only this case; may be repeated"):count("*")
+  p:option("--part", "with --hard: K/N, every N-th run, beginning with the K-th")
   p:option("--timeout", "with --hard: seconds that a run may take"):convert(tonumber)
   return p
 end
@@ -151,6 +152,17 @@ local function chosen_cases(o, hard)
   return kept
 end
 
+-- Every run of o.part = "K/N"; nil and why.
+local function part_of(cells, o)
+  if not o.part then return cells end
+  local first, step = o.part:match("^(%d+)/(%d+)$")
+  first, step = tonumber(first), tonumber(step)
+  if not first or first < 1 or first > step then return nil, "--part: give K/N with 1 <= K <= N, as in 1/4" end
+  local kept = {}
+  for k = first, #cells, step do kept[#kept + 1] = cells[k] end
+  return kept
+end
+
 local function run_hard(o)
   local hard, progress = require("common.stability.hard"), require("common.run.progress")
   local _, names, all = chosen_integrators(o)
@@ -159,7 +171,8 @@ local function run_hard(o)
   if cases then why = select(2, hard.check(cases, all)) end
   if why then return fail(why) end
   o.timeout = o.timeout or (o.long and 600 or 60)
-  local cells = hard.cells(cases, names, o)
+  local cells, refused = part_of(hard.cells(cases, names, o), o)
+  if not cells then return fail(refused) end
   local bar = progress.new { what = "hard cases", total = #cells, quiet = o.quiet or o.json }
   hard.run(cells, o.jobs, function(cell) bar:add { failed = cell.failed } end, function() bar:tick() end)
   bar:finish()
@@ -167,8 +180,8 @@ local function run_hard(o)
   local rows = {}
   for k, cell in ipairs(cells) do rows[k] = hard.row(cell) end
   if o.csv then
-    local fine, refused = write(o.csv, csv_of(hard.columns, rows))
-    if not fine then io.stderr:write("hooke: stability: " .. refused .. "\n") return 4 end
+    local fine, reason = write(o.csv, csv_of(hard.columns, rows))
+    if not fine then io.stderr:write("hooke: stability: " .. reason .. "\n") return 4 end
   end
   return hard.counts(cells).failed > 0 and 1 or 0
 end

@@ -6,6 +6,7 @@
 #include "core/command/faults.h"
 #include "core/command/keep.h"
 #include "core/command/options.h"
+#include "core/command/resume.h"
 #include "core/command/watchdog.h"
 #include "core/host/host.h"
 #include "core/report/report.h"
@@ -15,6 +16,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
@@ -36,7 +38,7 @@ static void interrupt(int signal_number) {
   clock_gettime(CLOCK_MONOTONIC, &now);
   if (interrupted && now.tv_sec - first.tv_sec > 1) _exit(130);
   if (!interrupted) first = now;
-  interrupted = 1;
+  if (interrupted < 100) interrupted = interrupted + 1;
   hk_faults_interrupt();
 }
 
@@ -81,9 +83,9 @@ static int exit_code(hk_status status) {
     return 0;
   case HK_BAD_PARAM:
   case HK_SCRIPT:
+  case HK_NO_MEMORY: /* of this machine, and no plugin's fault */
     return 1;
   case HK_FAILED:
-  case HK_NO_MEMORY:
     return 2;
   case HK_NOT_FINITE:
   case HK_NOT_CONVERGED:
@@ -185,6 +187,12 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   return code;
 }
 
+/* Where standard streams are closed, files must not take their numbers; what is written there still fails. */
+static void keep_standard_streams(void) {
+  for (int k = STDIN_FILENO; k <= STDERR_FILENO; k++)
+    if (fcntl(k, F_GETFD) < 0) open("/dev/null", O_RDONLY); /* takes the lowest number */
+}
+
 static void catch_signals(void) {
   struct sigaction action = {.sa_handler = interrupt};
   sigemptyset(&action.sa_mask);
@@ -245,10 +253,15 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
   hk_options o;
   hk_script *script = NULL;
   hk_choice choice = {.dt = NAN};
-  char library[PATH_MAX + 8];
+  char library[PATH_MAX + 8], **list = NULL, *text = NULL, *words = NULL;
   snprintf(library, sizeof library, "%s/lib", p->scripts);
   int code = 0;
-  if (hk_options_parse(&o, argc, argv, &error) != HK_OK) {
+  hk_status parsed = hk_resume_expand(&argc, &argv, &list, &text, &error);
+  if (parsed == HK_OK) words = hk_resume_words(argc, argv);
+  o = (hk_options){0};
+  if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
+  o.run.words = words;
+  if (parsed != HK_OK) {
     code = complain(&error);
   } else if (o.help && !o.scene) {
     hk_options_print();
@@ -282,6 +295,9 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
   hk_script_close(script);
   hk_confinement_end();
   free(o.given);
+  free(words);
+  free(list);
+  free(text);
   return code;
 }
 
@@ -349,6 +365,7 @@ int main(int argc, char **argv) {
   hk_error error = {0};
   places p = {0};
   hk_registry registry;
+  keep_standard_streams();
   if (find_places(&p, &error) != HK_OK ||
       hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);

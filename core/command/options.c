@@ -13,6 +13,7 @@ typedef struct option {
   const char *name, *value, *help;
   option_type type;
   size_t offset;
+  bool kept; /* the result depends on it: a run that goes on from a checkpoint has it, too */
 } option;
 
 #define AT(field) offsetof(hk_options, field)
@@ -20,26 +21,28 @@ typedef struct option {
 static const option options[] = {
     {"--integrator", "NAME",
      "in place of the scene's choice; NAME:parameter=value,... sets its own; auto: chosen by measuring", TEXT,
-     AT(run.integrator)},
+     AT(run.integrator), true},
     {"--solver", "NAME", "the linear solver, in place of the scene's choice; auto: by the forces and the size", TEXT,
-     AT(run.solver)},
-    {"--dt", "SECONDS", "the longest step", POSITIVE, AT(run.dt)},
-    {"--tol", "X", "relative tolerance of adaptive integrators", POSITIVE, AT(run.tol)},
+     AT(run.solver), true},
+    {"--dt", "SECONDS", "the longest step", POSITIVE, AT(run.dt), true},
+    {"--tol", "X", "relative tolerance of adaptive integrators", POSITIVE, AT(run.tol), true},
     {"--accuracy", "METRES", "of the positions (RMS); the run is then checked by other runs of the scene", POSITIVE,
-     AT(run.accuracy)},
+     AT(run.accuracy), true},
     {"--accuracy-at", "WHEN", "frames: the accuracy holds at every frame (the default); end: at the end of the run",
-     TEXT, AT(run.accuracy_at)},
-    {"--until", "SECONDS", "end there instead of at the scene's duration", NOT_NEGATIVE, AT(run.until)},
-    {"--threads", "N", "number of threads; results do not depend on it", COUNT, AT(threads)},
-    {"--seed", "N", "seed of all random numbers, default 0", WHOLE, AT(seed)},
-    {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state)},
-    {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out)},
-    {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json)},
-    {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet)},
-    {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output)},
-    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify)},
-    {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust)},
-    {"--help", NULL, "this text, with the scene's own parameters when one is named", FLAG, AT(help)},
+     TEXT, AT(run.accuracy_at), true},
+    {"--until", "SECONDS", "end there instead of at the scene's duration", NOT_NEGATIVE, AT(run.until), true},
+    {"--threads", "N", "number of threads; results do not depend on it", COUNT, AT(threads), false},
+    {"--seed", "N", "seed of all random numbers, default 0", WHOLE, AT(seed), true},
+    {"--resume", "FILE", "go on from a checkpoint (output checkpoint), with its scene and options", TEXT,
+     AT(run.resume), false},
+    {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state), false},
+    {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out), false},
+    {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json), false},
+    {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
+    {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
+    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify), false},
+    {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
+    {"--help", NULL, "this text, with the scene's own parameters when one is named", FLAG, AT(help), false},
 };
 
 enum { OPTIONS = sizeof options / sizeof *options };
@@ -111,6 +114,16 @@ static hk_status parse_option(hk_options *into, const char *word, const char *ne
     return store(o, into, value, error);
   }
   return unknown(word, error);
+}
+
+bool hk_option_kept(const char *word, bool *takes_value) {
+  size_t length = strcspn(word, "=");
+  for (size_t k = 0; k < OPTIONS; k++)
+    if (strlen(options[k].name) == length && strncmp(options[k].name, word, length) == 0) {
+      *takes_value = options[k].type != FLAG;
+      return options[k].kept;
+    }
+  return false;
 }
 
 /* NAME=VALUE in place: the word is cut in two. */

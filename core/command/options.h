@@ -17,6 +17,9 @@ typedef struct hk_options {
 
 /* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` afterwards. */
 hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error);
+/* Whether the option of that word, "--name" or "--name=value", is kept in checkpoints. *takes_value is set to true
+ * where it does, and else left alone. */
+bool hk_option_kept(const char *word, bool *takes_value);
 void hk_options_print(void); /* the help, on standard output */
 
 #endif

@@ -7,20 +7,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CELLS = 32768 };
-
 bool hk_evaluations_open(hk_evaluations *e, double end) {
-  *e = (hk_evaluations){.cell = end > 0 ? end / (CELLS - 1) : 1, .last = NAN};
-  e->distance = calloc(CELLS, sizeof *e->distance);
+  *e = (hk_evaluations){.cell = end > 0 ? end / (HK_CELLS - 1) : 1, .last = NAN};
+  e->distance = calloc(HK_CELLS, sizeof *e->distance);
   return e->distance != NULL;
 }
 
 void hk_evaluations_close(hk_evaluations *e) { free(e->distance); }
 
 static void make_room(hk_evaluations *e, double t) {
-  while (!(t < e->cell * CELLS)) {
-    for (size_t k = 0; k < CELLS / 2; k++) e->distance[k] = fmaxf(e->distance[2 * k], e->distance[2 * k + 1]);
-    memset(e->distance + CELLS / 2, 0, CELLS / 2 * sizeof *e->distance);
+  while (!(t < e->cell * HK_CELLS)) {
+    for (size_t k = 0; k < HK_CELLS / 2; k++) e->distance[k] = fmaxf(e->distance[2 * k], e->distance[2 * k + 1]);
+    memset(e->distance + HK_CELLS / 2, 0, HK_CELLS / 2 * sizeof *e->distance);
     e->cell *= 2;
   }
 }
@@ -62,7 +60,7 @@ void hk_evaluations_accept(hk_evaluations *e, double t) {
 
 double hk_evaluations_distance(const hk_evaluations *e, double t, double otherwise) {
   double cell = e->distance ? t / e->cell : -1;
-  if (!(cell >= 0 && cell < CELLS)) return otherwise;
+  if (!(cell >= 0 && cell < HK_CELLS)) return otherwise;
   double found = e->distance[(size_t)cell];
   return found > 0 ? found : otherwise;
 }

@@ -51,12 +51,13 @@ hk_status hk_path_acceleration(hk_path *, double t, double out[HK_COLUMNS], hk_e
 
 /* ---- evaluations.c: how far apart the times are at which a run evaluated its functions of time ---- */
 
-enum { HK_PENDING = 256 };
+enum { HK_PENDING = 256, HK_CELLS = 32768 };
 
 typedef struct hk_evaluations {
-  float *distance; /* s, per cell: the longest between two neighbouring times; 0: none; NULL: nothing is noted */
-  double cell;     /* s, length of a cell */
-  double last;     /* s, last time of accepted steps; NAN: none */
+  float *
+      distance; /* s, per cell, HK_CELLS: the longest between two neighbouring times; 0: none; NULL: nothing is noted */
+  double cell;  /* s, length of a cell */
+  double last;  /* s, last time of accepted steps; NAN: none */
   size_t pending;
   double time[HK_PENDING]; /* s, of the step under way */
 } hk_evaluations;

@@ -60,6 +60,11 @@ void hk_snapshot_free(hk_snapshot *);
 /* Keeps the state, which is that of frame number `frame`; with `always`, also where only every second frame is kept. */
 hk_status hk_trajectory_note(hk_trajectory *, const hk_state *, size_t frame, bool always, hk_error *error);
 void hk_trajectory_free(hk_trajectory *);
+/* For checkpoints, which hold `moment` (so many bytes), then `value`. Restoring reads both by `get`; without `keep` it
+ * only passes over them. False: they are not there, or contradict each other, or there is no memory. */
+size_t hk_trajectory_bytes(const hk_trajectory *);
+bool hk_trajectory_restore(hk_trajectory *, bool keep, size_t moments, size_t size, size_t stride, void *from,
+                           bool (*get)(void *from, void *data, size_t bytes));
 
 /* How far two runs of a scene are apart. */
 typedef struct hk_distance {

@@ -73,6 +73,37 @@ void hk_trajectory_free(hk_trajectory *a) {
   *a = (hk_trajectory){0};
 }
 
+size_t hk_trajectory_bytes(const hk_trajectory *a) { return a->moments * sizeof *a->moment; }
+
+static bool plausible(const hk_trajectory *a) {
+  size_t begin = 0;
+  bool fine = true;
+  for (size_t k = 0; k < a->moments && fine; k++) {
+    const struct hk_moment *m = &a->moment[k];
+    fine = m->begin == begin && m->size <= a->size - begin && m->n <= m->size / 4 && isfinite(m->t);
+    begin += fine ? m->size : 0;
+  }
+  return fine && begin == a->size;
+}
+
+bool hk_trajectory_restore(hk_trajectory *a, bool keep, size_t moments, size_t size, size_t stride, void *from,
+                           bool (*get)(void *from, void *data, size_t bytes)) {
+  if (moments > SIZE_MAX / sizeof *a->moment - 1 || size > SIZE_MAX / sizeof *a->value - 1 ||
+      !get(from, NULL, moments * sizeof *a->moment) || !get(from, NULL, size * sizeof *a->value))
+    return false;
+  hk_trajectory read = {.moments = moments, .room = moments + 1, .size = size, .capacity = size + 1, .stride = stride};
+  read.moment = malloc(read.room * sizeof *read.moment);
+  read.value = malloc(read.capacity * sizeof *read.value);
+  bool fine = read.moment && read.value && get(from, read.moment, moments * sizeof *read.moment) &&
+              get(from, read.value, size * sizeof *read.value) && plausible(&read) && (moments == 0 || stride > 0);
+  if (fine && keep && moments > 0) {
+    hk_trajectory_free(a);
+    *a = read;
+  } else
+    hk_trajectory_free(&read);
+  return fine;
+}
+
 /* The RMS difference of two lists of vectors; INFINITY where it is not a number. */
 static double rms(const double *a, const double *b, size_t numbers, size_t vectors) {
   double sum = 0;

@@ -79,10 +79,19 @@ typedef struct hk_schedule {
   const volatile sig_atomic_t *interrupted; /* NULL: the run cannot be interrupted */
 } hk_schedule;
 
+/* The steps of a fixed-step method between two cuts: step i of n, of h s, ends at begin + i h. A run that is
+ * interrupted keeps the piece it was in; n is 0 between two pieces. */
+typedef struct hk_piece {
+  size_t i, n;           /* the step that is next, from 1 */
+  double begin, stop, h; /* s */
+  double dt;             /* s, the longest step when it was cut */
+} hk_piece;
+
 /* Functions that the loop calls; NULL: none. */
 typedef struct hk_loop_hooks {
   void *context;
   hk_status (*frame)(void *context);    /* at a frame, and at the start */
+  hk_status (*framed)(void *context);   /* when all that belongs to a frame is done: the run may be saved here */
   void (*before_sample)(void *context); /* before and after the last step of a fixed-step method before a cut */
   void (*after_sample)(void *context, double h);
   void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
@@ -102,9 +111,11 @@ typedef struct hk_loop {
   hk_schedule schedule;
   hk_loop_hooks hooks;
   double fps;
-  double last_h;    /* s; 0: no step yet */
-  bool emitted;     /* the sources were called for the coming step */
-  double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
+  hk_piece piece;
+  double last_h;      /* s; 0: no step yet */
+  bool between_steps; /* it was interrupted there, with nothing half done */
+  bool emitted;       /* the sources were called for the coming step */
+  double *X_before;   /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
   hk_instance *integrator;
@@ -122,6 +133,7 @@ hk_status hk_step_begin(hk_loop *, double h); /* interruptions, sources, updates
  * step. */
 hk_status hk_step_fixed(hk_loop *, double t_end, double h);
 hk_status hk_step_adaptive(hk_loop *, double stop, double h);
+hk_status hk_step_check(const hk_loop *); /* HK_NOT_FINITE where a number of the state is not */
 
 /* ---- reset.c ---- */
 

@@ -25,14 +25,16 @@ static hk_status interrupted(const hk_loop *loop) {
 
 hk_status hk_step_begin(hk_loop *loop, double h) {
   hk_status status = interrupted(loop);
-  if (status == HK_OK && loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
+  loop->between_steps = status != HK_OK;
+  if (status != HK_OK) return status;
+  if (loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
   loop->emitted = true;
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
   return status;
 }
 
-static hk_status check_finite(const hk_loop *loop) {
+hk_status hk_step_check(const hk_loop *loop) {
   double sum = 0;
   for (size_t k = 0; k < loop->state->size; k++) sum += loop->state->X[k] * 0;
   return sum == 0 ? HK_OK : HK_NOT_FINITE;
@@ -81,7 +83,7 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
   if (error > loop->record->worst_error) loop->record->worst_error = error;
   if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
   if (status == HK_OK && loop->record->steps % CHECK_EVERY == 0) {
-    status = check_finite(loop); /* the kinetic energy may be zero at every frame */
+    status = hk_step_check(loop); /* the kinetic energy may be zero at every frame */
     loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
   }
   return status;

@@ -83,57 +83,61 @@ static void periodic_hook(hk_loop *loop) {
   if (loop->hooks.now_and_then && loop->record->steps % HOOK_EVERY == 0) loop->hooks.now_and_then(loop->hooks.context);
 }
 
-/* The number of equal steps from begin to stop, and their length h. */
-static size_t divide(const hk_loop *loop, double begin, double stop, double *h) {
+/* Cuts the time from now to stop into n equal steps h. */
+static void divide(hk_loop *loop, double stop) {
   size_t frames = loop->record->frames;
-  bool whole = frames > 0 && begin == frame_time(loop, frames - 1) && stop == frame_time(loop, frames);
-  double length = whole ? 1 / loop->fps : stop - begin;
-  double longest = fmin(loop->step->dt, hk_sweep_longest_step(loop->dynamics));
-  double pieces = ceil(length / longest * (1 - 1e-12));
-  size_t n = pieces > 1 ? (size_t)pieces : 1;
-  if (refines(loop, begin, stop)) n = 2 * loop->schedule.refine * n + 1;
-  *h = whole ? 1 / (loop->fps * (double)n) : length / (double)n;
-  return n;
+  hk_piece *p = &loop->piece;
+  *p = (hk_piece){.i = 1, .begin = loop->state->t, .stop = stop, .dt = loop->step->dt};
+  bool whole = frames > 0 && p->begin == frame_time(loop, frames - 1) && stop == frame_time(loop, frames);
+  double length = whole ? 1 / loop->fps : stop - p->begin;
+  double pieces = ceil(length / fmin(p->dt, hk_sweep_longest_step(loop->dynamics)) * (1 - 1e-12));
+  p->n = pieces > 1 ? (size_t)pieces : 1;
+  if (refines(loop, p->begin, stop)) p->n = 2 * loop->schedule.refine * p->n + 1;
+  p->h = whole ? 1 / (loop->fps * (double)p->n) : length / (double)p->n;
+  if (loop->last_h != 0 && p->h != loop->last_h) hk_step_reset(loop, HK_STEP_CHANGED);
+  loop->last_h = p->h;
 }
 
-/* Whether the remaining segment needs shorter steps: a source made the scene stiffer, or a force demands them, after
- * births perhaps shorter ones than when the segment was divided. The slack is twice that of `divide`, for rounding. */
-static bool too_long(const hk_loop *loop, double dt, double h) {
-  return loop->step->dt < dt || hk_sweep_longest_step(loop->dynamics) < h * (1 - 2e-12);
+/* Whether the rest of the segment needs shorter steps than when it was divided: sources made the scene stiffer, or a
+ * force demands them. The slack is twice that of `divide`, for rounding. */
+static bool too_long(const hk_loop *loop, const hk_piece *p) {
+  return loop->step->dt < p->dt || hk_sweep_longest_step(loop->dynamics) < p->h * (1 - 2e-12);
 }
 
 /* Steps have to move the time `at`; 64: so that their lengths have some digits, too. */
-static hk_status check_demand(const hk_loop *loop, double longest, double at) {
-  if (longest > 64 * DBL_EPSILON * fabs(at)) return HK_OK;
-  return hk_error_set(loop->error, HK_NOT_CONVERGED, "a force allows steps of %g s at most, too short to move t = %g s",
-                      longest, loop->state->t);
+static hk_status check_length(const hk_loop *loop, double dt, double at) {
+  double demanded = hk_sweep_longest_step(loop->dynamics), least = 64 * DBL_EPSILON * fabs(at);
+  if (demanded > least && dt > least) return HK_OK;
+  return hk_error_set(loop->error, demanded > least ? HK_BAD_PARAM : HK_NOT_CONVERGED,
+                      "%s allows steps of %g s at most, too short to move t = %g s",
+                      demanded > least ? "dt" : "a force", fmin(dt, demanded), loop->state->t);
 }
 
-static hk_status check_given(const hk_loop *loop, double at) {
-  if (loop->step->dt > 64 * DBL_EPSILON * fabs(at)) return HK_OK;
-  return hk_error_set(loop->error, HK_BAD_PARAM, "steps of %g s are too short to move t = %g s", loop->step->dt, at);
+static hk_status piece_step(hk_loop *loop, const hk_piece *p) {
+  const hk_loop_hooks *hooks = p->i == p->n ? &loop->hooks : NULL;
+  if (hooks && !(hooks->before_sample && hooks->after_sample)) hooks = NULL;
+  periodic_hook(loop);
+  if (hooks) hooks->before_sample(hooks->context);
+  hk_status status = hk_step_fixed(loop, p->i == p->n ? p->stop : p->begin + (double)p->i * p->h, p->h);
+  if (status == HK_OK && hooks) hooks->after_sample(hooks->context, p->h);
+  return status;
 }
 
-static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
-  double h, dt = loop->step->dt;
-  hk_status demand = check_demand(loop, hk_sweep_longest_step(loop->dynamics), stop);
-  if (demand == HK_OK) demand = check_given(loop, stop);
-  if (demand != HK_OK) return demand;
-  size_t n = divide(loop, begin, stop, &h);
-  const hk_loop_hooks *hooks = &loop->hooks;
-  if (loop->last_h != 0 && h != loop->last_h) hk_step_reset(loop, HK_STEP_CHANGED);
-  loop->last_h = h;
-  for (size_t i = 1; i <= n; i++) {
-    hk_status status = hk_step_begin(loop, h);
+static hk_status fixed_segment(hk_loop *loop, double stop) {
+  hk_piece *p = &loop->piece;
+  if (p->n == 0 || p->stop != stop) { /* otherwise the run was interrupted in this piece */
+    hk_status status = check_length(loop, loop->step->dt, stop);
+    if (status != HK_OK) return status;
+    divide(loop, stop);
+  }
+  for (; p->i <= p->n; p->i++) {
+    hk_status status = hk_step_begin(loop, p->h);
     if (status == HK_OK) status = hk_step_watch(loop->step, loop->dynamics);
-    if (status == HK_OK && too_long(loop, dt, h)) return HK_OK;
-    periodic_hook(loop);
-    bool sample = i == n && hooks->before_sample && hooks->after_sample;
-    if (status == HK_OK && sample) hooks->before_sample(hooks->context);
-    if (status == HK_OK) status = hk_step_fixed(loop, i == n ? stop : begin + (double)i * h, h);
-    if (status == HK_OK && sample) hooks->after_sample(hooks->context, h);
+    if (status == HK_OK && too_long(loop, p)) break;
+    if (status == HK_OK) status = piece_step(loop, p);
     if (status != HK_OK) return status;
   }
+  p->n = 0;
   return HK_OK;
 }
 
@@ -155,28 +159,23 @@ static hk_status adaptive_segment(hk_loop *loop, double stop) {
            h = fmin(longest, offered_step(loop, stop, fmin(most, longest)));
     hk_status status = hk_step_begin(loop, h);
     longest = hk_sweep_longest_step(loop->dynamics); /* of the newborn, too */
-    if (status == HK_OK) status = check_demand(loop, longest, loop->state->t);
+    if (status == HK_OK) status = check_length(loop, INFINITY, loop->state->t);
     if (status == HK_OK) status = hk_step_adaptive(loop, stop, fmin(h, longest));
     if (status != HK_OK) return status;
   }
   return HK_OK;
 }
 
-static hk_status check_finite(const hk_loop *loop) {
-  for (size_t k = 0; k < loop->state->size; k++)
-    if (!isfinite(loop->state->X[k])) return HK_NOT_FINITE;
-  return HK_OK;
-}
-
 static hk_status segment(hk_loop *loop, double target) {
-  double begin = loop->state->t, stop = scheduled_stop(loop, next_stop(loop, target));
+  double stop = scheduled_stop(loop, next_stop(loop, target));
   bool adaptive = loop->step->method->flags & HK_ADAPTIVE;
   hk_status status = begin_segment(loop, stop);
-  if (status == HK_OK) status = adaptive ? adaptive_segment(loop, stop) : fixed_segment(loop, begin, stop);
+  if (status == HK_OK) status = adaptive ? adaptive_segment(loop, stop) : fixed_segment(loop, stop);
   if (status != HK_OK || loop->state->t != frame_time(loop, loop->record->frames)) return status;
-  status = check_finite(loop);
+  status = hk_step_check(loop);
   if (status == HK_OK) status = hk_loop_frame(loop);
-  return status == HK_OK ? hk_step_reestimate(loop->step, loop->dynamics, false) : status;
+  if (status == HK_OK) status = hk_step_reestimate(loop->step, loop->dynamics, false);
+  return status == HK_OK && loop->hooks.framed ? loop->hooks.framed(loop->hooks.context) : status;
 }
 
 hk_status hk_loop_to(hk_loop *loop, double target) {

@@ -28,6 +28,13 @@ const char *const *hk_lua_readable(const hk_script *s, const char *folders[3]) {
   return s->options.trust ? NULL : folders;
 }
 
+void hk_lua_note_file(lua_State *L, const char *what, const char *path, const char *name) {
+  char line[512];
+  snprintf(line, sizeof line, "%s %s", what, name);
+  if (!hk_origin_add_file(&hk_lua_script(L)->origin, line, path))
+    hk_lua_fail(L, HK_NO_MEMORY, "no memory for the list of files");
+}
+
 int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within) {
   source from = {.file = hk_file_read(path, within)};
   if (!from.file) return LUA_ERRFILE;
@@ -39,6 +46,7 @@ int hk_lua_load(lua_State *L, const char *path, const char *name, const char *co
   int cause = ferror(from.file) ? errno : 0;
   fclose(from.file);
   lua_remove(L, -2);
+  if (!cause) hk_lua_note_file(L, "the script", path, name);
   if (!cause) return code;
   lua_pop(L, 1);
   errno = cause;
@@ -66,8 +74,9 @@ hk_status hk_lua_no_file(const hk_script *s, hk_error *error) {
   }
   if (directory) closedir(directory);
   const char *near = names ? hk_nearest_name(s->name, folder_name, names) : NULL;
-  hk_status status = hk_error_set(error, HK_IO, "cannot read the scene %s: %s%s%s%s", s->path, strerror(cause),
-                                  near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+  hk_status status =
+      hk_error_set(error, cause == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot read the scene %s: %s%s%s%s", s->path,
+                   strerror(cause), near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
   free(names);
   return status;
 }

@@ -29,6 +29,7 @@ struct hk_script {
   const hk_run *calling; /* the run that calls a function of the script; NULL: none */
   bool drove;
   hk_verdict worst;
+  char *origin; /* the files read so far (scene/origin.c) */
   size_t params, param_capacity;
   hk_param_declared *param;
 };
@@ -63,6 +64,8 @@ hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error)
 int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within);
 /* The folders from which the script may read, for hk_file_read; NULL: all. */
 const char *const *hk_lua_readable(const hk_script *, const char *folders[3]);
+/* Notes a file that the scene is made from; `what`: "the script". */
+void hk_lua_note_file(lua_State *L, const char *what, const char *path, const char *name);
 hk_status hk_lua_no_file(const hk_script *, hk_error *error); /* the reason why its file cannot be read, by errno */
 
 /* edges.c: a block of pairs of ids. */

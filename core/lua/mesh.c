@@ -164,6 +164,7 @@ static void load(lua_State *L, mesh *m, const char *name) {
   }
   const char *wrong = read_file(m, file);
   fclose(file);
+  hk_lua_note_file(L, "the mesh", path, name);
   if (wrong) hk_lua_fail(L, HK_IO, "mesh: %s:%d: %s", name, (int)m->line, wrong);
 }
 

@@ -310,6 +310,7 @@ static int start(lua_State *L) {
   if (hk_lua_field(L, 2, "file") != LUA_TSTRING) return hk_lua_fail(L, HK_BAD_PARAM, "start: file is required");
   free(target->start_file);
   target->start_file = hk_string_copy(lua_tostring(L, -1));
+  hk_lua_note_file(L, "the start file", lua_tostring(L, -1), lua_tostring(L, -1));
   return 0;
 }
 

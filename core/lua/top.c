@@ -78,6 +78,24 @@ static hk_status close_runs(hk_script *s, hk_error *error) {
   return status;
 }
 
+/* The script has ended: what its scenes were made from is known, and they stay as they are. */
+static hk_status note_origin(hk_script *s, hk_error *error) {
+  char name[256];
+  bool fine = true;
+  for (size_t k = 0; k < s->params && fine; k++) {
+    snprintf(name, sizeof name, "the parameter %s", s->param[k].name);
+    fine = s->param[k].value && hk_origin_add(&s->origin, name, s->param[k].value);
+  }
+  for (size_t k = 0; k < s->slots && fine; k++) {
+    hk_scene *scene = s->slot[k]->scene;
+    scene->frozen = true;
+    snprintf(name, sizeof name, "%llu", (unsigned long long)scene->seed);
+    scene->origin = s->origin ? hk_string_copy(s->origin) : NULL;
+    fine = hk_origin_add(&scene->origin, "the seed", name);
+  }
+  return fine ? HK_OK : hk_error_set(error, HK_NO_MEMORY, "no memory for what %s was made from", s->name);
+}
+
 static hk_status run_script(hk_script *s, hk_error *error) {
   lua_State *L = s->L;
   lua_pushcfunction(L, prepare);
@@ -89,7 +107,8 @@ static hk_status run_script(hk_script *s, hk_error *error) {
   if (status != HK_OK) return status;
   const hk_lua_scene_handle *returned = luaL_testudata(L, -1, hk_lua_scene_type);
   if (returned) s->returned = returned->slot;
-  for (size_t k = 0; k < s->slots; k++) s->slot[k]->scene->frozen = true;
+  status = note_origin(s, error);
+  if (status != HK_OK) return status;
   lua_settop(L, 0);
   lua_gc(L, LUA_GCCOLLECT, 0); /* frees lists of edges, which the plugins have copied, before the run allocates */
   if (s->returned) return HK_OK;
@@ -120,6 +139,7 @@ void hk_script_close(hk_script *s) {
     free(s->param[k].value);
   }
   free(s->param);
+  free(s->origin);
   free(s->slot);
   free(s->path);
   free(s->name);

@@ -23,7 +23,10 @@ enum { /* hk_integrator.flags */
 typedef enum hk_reason { /* the reason why the host calls `reset` */
                          HK_PARTICLES_CHANGED,
                          HK_STATE_CHANGED, /* a corrector, an event or a release changed x, v or the forces */
-                         HK_STEP_CHANGED   /* the next h differs from the last (fixed-step methods) */
+                         HK_STEP_CHANGED,  /* the next h differs from the last (fixed-step methods) */
+                         /* The run shall be able to go on from here: what no saved field holds is void (factors, the
+                            history of a library), what fields hold stays. For methods that solve linear systems. */
+                         HK_CHECKPOINT
 } hk_reason;
 
 typedef struct hk_step {

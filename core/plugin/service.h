@@ -39,4 +39,27 @@ typedef struct hk_neighbours {
   hk_status (*rows)(void *self, const hk_view *view, const double *x, hk_neighbour_rows *rows);
 } hk_neighbours;
 
+/* ---- "interruption/1", which the host serves itself -------------------------------------------------------------- */
+
+/* For outputs whose `close` takes long. */
+typedef struct hk_interruption {
+  void *self;
+  bool (*again)(void *self); /* whether the user has asked to stop since the outputs began to be closed */
+} hk_interruption;
+
+/* ---- "checkpoint/1", which the host serves itself ---------------------------------------------------------------- */
+
+/* Points from which the run can go on, bit by bit as if it had not stopped (hooke run --resume). */
+typedef struct hk_checkpoints {
+  void *self;
+  /* Called in an output's `frame`: once this frame is done with, the methods drop what checkpoints cannot hold
+   * (HK_CHECKPOINT), and the point is kept in memory and, where `path` is not NULL, written there. Frames are to be
+   * asked for by their number alone, never by a clock: the run goes on a little differently from each. */
+  hk_status (*ask)(void *self, const char *path);
+  /* Called in an output's `close`. *newer: a point is known that is on no file: of a run that was interrupted the
+   * present one where its method has nothing to drop, else the last that was asked for. */
+  hk_status (*newest)(void *self, bool *newer);
+  hk_status (*write)(void *self, const char *path); /* after `newest` said so: writes that point */
+} hk_checkpoints;
+
 #endif

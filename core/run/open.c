@@ -54,6 +54,8 @@ static const hk_plugin_spec *found_service(hk_run *run, const char *wanted) {
 /* Each service has one instance per run, which is created and started at the first request. */
 static const void *query(void *context, const char *wanted) {
   hk_run *run = context;
+  if (strcmp(wanted, "checkpoint/1") == 0) return hk_run_checkpoints(run);
+  if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);
@@ -225,7 +227,8 @@ static void connect_parts(hk_run *run) {
   loop->error = &run->error;
   loop->fps = run->scene->fps;
   loop->schedule = schedule_of(run);
-  loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .now_and_then = show_progress};
+  loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .framed = hk_run_framed};
+  loop->hooks.now_and_then = show_progress;
   bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
   if (run->judgement.compared && !repeats && hk_passed_by_asks(loop)) loop->hooks.moved = note_passages;
   if (run->step.method->flags & HK_IMPLICIT) {
@@ -306,9 +309,11 @@ static hk_status start(hk_run *run) {
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
   double given = isnan(run->options.dt) ? run->scene->dt : isinf(run->options.dt) ? NAN : run->options.dt;
   hk_status status = HK_OK;
-  if (run->scene->start_file)
-    status = hk_start_file_read(&run->loop, &run->judgement, run->folder, run->scene->start_file, &run->resumed);
+  const char *file = run->options.resume ? run->options.resume : run->scene->start_file;
+  const char *origin = run->options.resume ? run->saving.origin : NULL;
+  if (file) status = hk_start_file_read(&run->loop, &run->judgement, run->folder, file, origin, &run->resumed);
   if (status != HK_OK) return status;
+  if (run->options.resume) hk_folder_go_on(run->folder, run->record.steps);
   for (size_t k = 0; k < forces->count; k++)
     run->dynamics.force_acts[k] = hk_force_acts_at(forces->item[k], run->state.t);
   hk_state_refresh(&run->state);
@@ -317,7 +322,10 @@ static hk_status start(hk_run *run) {
   if (status == HK_OK) status = impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_sweep_settle(&run->dynamics);
   double limit = run->step.dt_limit;
-  if (status == HK_OK && !goes_on_with_its_step(run, given)) status = hk_step_choose(&run->step, &run->dynamics, given);
+  if (status == HK_OK && !goes_on_with_its_step(run, given)) {
+    run->loop.piece.n = 0;
+    status = hk_step_choose(&run->step, &run->dynamics, given);
+  }
   if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
   if (status == HK_OK) hk_check_given_speeds(&run->loop, run->asked.end);
   if (status == HK_OK) hk_warn_of_long_steps(&run->loop);
@@ -346,6 +354,7 @@ static hk_status build(hk_run *run) {
   if (status == HK_OK) status = open_linear_systems(run);
   if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
   warn_of_unused_services(run);
+  if (status == HK_OK) status = hk_run_begin_saving(run);
   return status == HK_OK ? start(run) : status;
 }
 
@@ -364,6 +373,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   if (!run) return hk_error_set(error, HK_NO_MEMORY, "no memory for a run");
   run->scene = scene;
   run->options = *options;
+  run->interruption = (hk_interruption){run, hk_run_interrupted_again};
   run->record.dt_min = INFINITY;
   run->asked.end = isnan(options->until) ? scene->duration : options->until;
   run->asked.accuracy = isnan(options->accuracy) ? scene->accuracy : options->accuracy;
@@ -397,6 +407,7 @@ void hk_run_destroy(hk_run *run) {
   hk_pins_close(&run->pins);
   hk_state_close(&run->state);
   hk_folder_close(run->folder);
+  hk_run_end_saving(run);
   hk_warnings_clear(&run->warnings);
   hk_threads_destroy(run->shared.threads);
   free(run);

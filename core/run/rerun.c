@@ -31,8 +31,10 @@ hk_status hk_rerun_take(const hk_reopen *reopen, const hk_run_options *options, 
                         hk_rerun *found, hk_error *error) {
   hk_run *again = NULL;
   hk_summary summary;
+  hk_run_options o = *options;
+  o.resume = NULL; /* runs are compared as a whole */
   *found = (hk_rerun){.energy_defect = NAN, .step = NAN};
-  hk_status status = reopen->open(reopen->context, options, &again, error);
+  hk_status status = reopen->open(reopen->context, &o, &again, error);
   if (status == HK_OK) status = advance(again, until, error);
   if (status == HK_OK) {
     hk_run_summary(again, &summary);

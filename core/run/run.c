@@ -21,8 +21,18 @@ hk_status hk_run_advance(hk_run *run, double t, hk_error *error) {
   return status;
 }
 
+static sig_atomic_t interruptions(const hk_run *run) {
+  return run->options.interrupted ? *run->options.interrupted : 0;
+}
+
+bool hk_run_interrupted_again(void *self) {
+  const hk_run *run = self;
+  return interruptions(run) > run->interruptions;
+}
+
 static hk_status close_outputs(hk_run *run) {
   hk_status first = HK_OK;
+  run->interruptions = interruptions(run);
   for (size_t k = 0; k < run->outputs_open; k++) {
     hk_instance *output = run->plugins.kind[HK_OUTPUT].item[k];
     double begin = hk_clock();
@@ -34,6 +44,7 @@ static hk_status close_outputs(hk_run *run) {
     if (first == HK_OK) first = status;
   }
   hk_status status = hk_measures_close(&run->measures, &run->error);
+  hk_folder_release(run->folder);
   return first == HK_OK ? status : first;
 }
 
@@ -59,10 +70,6 @@ hk_status hk_run_write_state(hk_run *run, const char *path, hk_error *error) {
   hk_snapshot now = {.t = s->t, .n = s->model.n, .size = s->size, .X = s->X, .id = s->id, .mass = s->mass};
   const hk_snapshot *written = run->judgement.verdict == HK_DIVERGED ? &run->judgement.last_good : &now;
   return hk_state_table_write(written, s, path, error);
-}
-
-hk_status hk_run_save(hk_run *run, const char *path, hk_error *error) {
-  return hk_checkpoint_write(&run->loop, &run->judgement, path, error);
 }
 
 const hk_view *hk_run_view(hk_run *run) { return &run->state.view; }

@@ -30,9 +30,11 @@ typedef struct hk_run_options {
   size_t without_count;
   const char *const *without; /* labels of the plugins that are omitted from the scene */
   const char *out;            /* NULL: "out/NAME" */
+  const char *resume;         /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
+  const char *words;          /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
   bool no_output;
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
-  const volatile sig_atomic_t *interrupted; /* NULL: cannot be */
+  const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
   /* Is given the last good state at every frame; NULL: nobody wants it. */
   void (*kept)(void *context, const hk_snapshot *last_good, const hk_state *);
@@ -41,6 +43,17 @@ typedef struct hk_run_options {
   int threads;         /* 0: the scene's */
   long allocations;    /* plugins get so many; 0: any number. For tests of what happens then */
 } hk_run_options;
+
+/* Checkpoints of the run under way, see saving.c. */
+typedef struct hk_saving {
+  hk_checkpoints table; /* what outputs call */
+  bool served;          /* an output asked for the table */
+  bool asked;           /* for a point after this frame, on `path`; "": in memory only */
+  bool on_file;         /* the point is written */
+  char path[4096];
+  hk_checkpoint point; /* the last one; empty: none */
+  char *origin;        /* of scene and plugins; NULL: not needed */
+} hk_saving;
 
 typedef struct hk_run {
   const hk_scene *scene;
@@ -64,7 +77,10 @@ typedef struct hk_run {
   hk_folder *folder;
   FILE *measures;
   size_t outputs_open;
-  bool resumed; /* the run was continued from a checkpoint */
+  hk_saving saving;
+  hk_interruption interruption;
+  sig_atomic_t interruptions; /* before the outputs began to be closed */
+  bool resumed;               /* the run was continued from a checkpoint */
   bool closed;
 } hk_run;
 
@@ -81,11 +97,10 @@ void hk_run_destroy(hk_run *);
 hk_status hk_run_advance(hk_run *, double t, hk_error *error);
 /* Closes the outputs; a second call does nothing. The run's data stay readable until hk_run_destroy. */
 hk_status hk_run_close(hk_run *, hk_error *error);
+bool hk_run_interrupted_again(void *run); /* since then */
 void hk_run_summary(hk_run *, hk_summary *);
-/* hk_run_write_state writes the final (or last good) state as a table, hk_run_save everything that a continued run
- * needs, as a checkpoint. */
+/* Writes the final (or last good) state as a table; hk_run_save (saving.c) writes all that a continued run needs. */
 hk_status hk_run_write_state(hk_run *, const char *path, hk_error *error);
-hk_status hk_run_save(hk_run *, const char *path, hk_error *error);
 
 /* Queries for script callbacks and for results. Indices of the view are particle indices. */
 const hk_view *hk_run_view(hk_run *);
@@ -100,6 +115,14 @@ hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *
 /* ---- frame.c: figures, measures, on_frame, outputs ---- */
 
 hk_status hk_run_frame(void *run);
+
+/* ---- saving.c: the checkpoints that outputs ask for ---- */
+
+hk_status hk_run_save(hk_run *, const char *path, hk_error *error);
+hk_status hk_run_framed(void *run);       /* after a frame */
+hk_status hk_run_begin_saving(hk_run *);  /* once the plugins have started */
+const void *hk_run_checkpoints(hk_run *); /* "checkpoint/1" */
+void hk_run_end_saving(hk_run *);
 
 /* ---- rerun.c: the scene of a run, run again with other options ---- */
 

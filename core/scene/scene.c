@@ -75,6 +75,7 @@ void hk_scene_destroy(hk_scene *scene) {
   free(scene->edge);
   free(scene->triangle);
   free(scene->start_file);
+  free(scene->origin);
   free(scene->name);
   free(scene->script);
   free(scene);

@@ -72,6 +72,7 @@ typedef struct hk_scene {
   hk_function exact;    /* t -> x1, y1, z1, x2, ... of the first particles (as many as it returns) */
   bool trusted;         /* plugins may be files anywhere, and files be read from anywhere */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
+  char *origin;         /* origin.c: its script, modules, meshes and parameters; NULL: not known */
   bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */
 } hk_scene;
 
@@ -104,6 +105,13 @@ hk_status hk_scene_add_plugin(hk_scene *, hk_kind kind, const char *name, const 
 void hk_scene_drop(hk_scene *, hk_plugin_spec *);
 const hk_plugin_spec *hk_scene_one(const hk_scene *,
                                    hk_kind kind); /* the integrator or the solver; NULL: the scene names none */
+
+/* ---- origin.c: what a scene is made from, a text of lines "what<TAB>value" in malloc's memory; NULL: empty ---- */
+
+bool hk_origin_add(char **text, const char *what, const char *value); /* false: no memory */
+bool hk_origin_add_file(char **text, const char *what, const char *path);
+/* False: they differ; `sentence` says in what, "the script cloth.lua has changed". */
+bool hk_origin_same(const char *then, const char *now, char *sentence, size_t size);
 
 /* ---- overrides.c: choices of the command line that replace those of the script, for one run ---- */
 

@@ -1,17 +1,19 @@
 /* Checkpoints: time, state, who is in it, plugin fields and random streams, and what verdict and choice of the step
  * rest on, so that a run goes on bit by bit as if it had not stopped and is judged as a whole. The walk that writes is
- * the walk that reads. A checksum (FNV-1a, 64 bits) ends the file: what is damaged is not gone on from. */
-#include "core/storage/files.h"
+ * the walk that reads. It is taken in memory and then written as a whole; a checksum ends the file: what is damaged is
+ * not gone on from. */
+#include "core/storage/walk.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-const char hk_checkpoint_magic[] = "hooke checkpoint 4\n";
+const char hk_checkpoint_magic[] = "hooke checkpoint 5\n";
 
 typedef struct header {
-  uint64_t record_bytes, n, width, channels, samples, warnings, measures;
+  uint64_t record_bytes, n, width, channels, samples, warnings, measures, moments, numbers, room, cells;
   double t, last_h;
+  hk_piece piece;
   uint32_t next_id, emitted;
 } header;
 
@@ -24,52 +26,17 @@ typedef struct progress {
   uint64_t estimate_cost, estimates_cost, estimated_at, chosen, growth_expected;
 } progress;
 
-/* A file under way. */
-typedef struct stream {
-  FILE *file;
-  uint64_t hash;
-  uint64_t left; /* bytes that may still be read */
-} stream;
-
-typedef struct walk {
-  stream *stream;
-  bool (*move)(void *stream, void *data, size_t bytes);
-} walk;
-
-static const uint64_t hash_start = 1469598103934665603u;
-
-static uint64_t hash_of(uint64_t hash, const void *data, size_t bytes) {
-  for (const unsigned char *c = data, *end = c + bytes; c < end; c++) hash = (hash ^ *c) * 1099511628211u;
-  return hash;
-}
-
-static bool put(void *to, void *data, size_t bytes) {
-  stream *s = to;
-  if (bytes) s->hash = hash_of(s->hash, data, bytes);
-  return bytes == 0 || fwrite(data, 1, bytes, s->file) == bytes;
-}
-
-/* `data` NULL: whether there are so many. */
-static bool get(void *from, void *data, size_t bytes) {
-  stream *s = from;
-  if (bytes > s->left) return false;
-  if (!data || bytes == 0) return true;
-  s->left -= bytes;
-  return fread(data, 1, bytes, s->file) == bytes;
-}
-
-static bool move_instance(const walk *w, hk_instance *instance, const hk_state *s) {
+static bool move_instance(hk_walk *w, hk_instance *instance, const hk_state *s) {
   char label[128] = "";
   strncpy(label, instance->label, sizeof label - 1);
-  if (!w->move(w->stream, label, sizeof label) || strncmp(label, instance->label, sizeof label - 1) != 0) return false;
-  return w->move(w->stream, instance->random, sizeof instance->random) &&
-         hk_fields_visit(instance, s->model.n, s->size, w->move, w->stream);
+  if (!w->move(w, label, sizeof label) || strncmp(label, instance->label, sizeof label - 1) != 0) return false;
+  return w->move(w, instance->random, sizeof instance->random) &&
+         hk_fields_visit(instance, s->model.n, s->size, w->move, w);
 }
 
 /* Writes or reads the fields of all instances but solvers, whose data are recomputed. */
-static bool move_instances(const walk *w, const hk_loop *loop) {
-  static const hk_kind order[] = {HK_INTEGRATOR, HK_SERVICE,   HK_SOURCE, HK_FORCE,
-                                  HK_CONSTRAINT, HK_CORRECTOR, HK_OUTPUT};
+static bool move_instances(hk_walk *w, const hk_loop *loop) {
+  static const hk_kind order[] = {HK_INTEGRATOR, HK_SERVICE, HK_SOURCE, HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR};
   bool fine = true;
   for (size_t o = 0; o < sizeof order / sizeof *order; o++)
     for (size_t k = 0; k < loop->plugins->kind[order[o]].count && fine; k++)
@@ -79,20 +46,20 @@ static bool move_instances(const walk *w, const hk_loop *loop) {
 
 /* ---- writing ---- */
 
-typedef struct subject {
-  hk_loop *loop;
-  hk_judgement *judgement;
-} subject;
-
-static header header_of(const subject *of) {
-  const hk_loop *loop = of->loop;
+static header header_of(const hk_loop *loop, const hk_judgement *j) {
+  const hk_evaluations *e = &loop->dynamics->evaluations;
   header h = {.record_bytes = sizeof *loop->record, .n = loop->state->model.n, .width = loop->state->width};
   h.channels = loop->state->model.channels;
-  h.samples = of->judgement->samples;
+  h.samples = j->samples;
   h.warnings = loop->warnings->count;
-  h.measures = of->judgement->last_frame.measures;
+  h.measures = j->last_frame.measures;
+  h.moments = j->trajectory.moments;
+  h.numbers = j->trajectory.size;
+  h.room = j->trajectory.stride;
+  h.cells = e->distance ? HK_CELLS : 0;
   h.t = loop->state->t;
   h.last_h = loop->last_h;
+  h.piece = loop->piece;
   h.next_id = loop->state->next_id;
   h.emitted = loop->emitted;
   return h;
@@ -116,73 +83,85 @@ static progress progress_of(const hk_loop *loop) {
                     .growth_expected = c->growth_expected};
 }
 
-static bool write_warnings(stream *s, const hk_warnings *warnings) {
+static bool write_text(hk_walk *w, const char *text, size_t bytes) {
+  uint64_t length = bytes;
+  return hk_walk_put(w, &length, sizeof length) && hk_walk_put(w, text, bytes);
+}
+
+static bool write_warnings(hk_walk *w, const hk_warnings *warnings) {
   bool fine = true;
-  for (size_t k = 0; k < warnings->count && fine; k++) {
-    uint64_t length = strlen(warnings->text[k]);
-    fine = put(s, &length, sizeof length) && put(s, warnings->text[k], length);
-  }
+  for (size_t k = 0; k < warnings->count && fine; k++)
+    fine = write_text(w, warnings->text[k], strlen(warnings->text[k]));
   return fine;
 }
 
-static bool write_record(stream *s, const subject *of, const header *h) {
-  const hk_judgement *j = of->judgement;
-  progress p = progress_of(of->loop);
+/* The positions at the frames, and when functions of time were evaluated: what comparisons with other runs rest on. */
+static bool write_history(hk_walk *w, const hk_loop *loop, const hk_judgement *j) {
+  const hk_evaluations *e = &loop->dynamics->evaluations;
+  const hk_trajectory *a = &j->trajectory;
+  if (!hk_walk_put(w, a->moment, hk_trajectory_bytes(a)) || !hk_walk_put(w, a->value, a->size * sizeof *a->value))
+    return false;
+  return !e->distance || (hk_walk_put(w, e->distance, HK_CELLS * sizeof *e->distance) && hk_walk_put(w, e, sizeof *e));
+}
+
+static bool write_record(hk_walk *w, const hk_loop *loop, const hk_judgement *j, const header *h) {
+  progress p = progress_of(loop);
   hk_frame frame = j->last_frame;
   frame.measure_name = NULL; /* addresses mean nothing to another process */
   frame.measure = NULL;
-  return put(s, of->loop->record, sizeof *of->loop->record) && put(s, &p, sizeof p) && put(s, &frame, sizeof frame) &&
-         put(s, j->measure, h->measures * sizeof(double)) && put(s, j->unresolved, h->samples * sizeof(double)) &&
-         write_warnings(s, of->loop->warnings);
+  return hk_walk_put(w, loop->record, sizeof *loop->record) && hk_walk_put(w, &p, sizeof p) &&
+         hk_walk_put(w, &frame, sizeof frame) && hk_walk_put(w, j->measure, h->measures * sizeof(double)) &&
+         hk_walk_put(w, j->unresolved, h->samples * sizeof(double)) && write_warnings(w, loop->warnings);
+}
+
+/* The length of a list of words, each with its 0, that an empty one ends. */
+static size_t list_length(const char *words) {
+  const char *end = words;
+  while (end && *end) end += strlen(end) + 1;
+  return words ? (size_t)(end - words) + 1 : 0;
+}
+
+hk_status hk_checkpoint_take(hk_checkpoint *c, hk_loop *loop, const hk_judgement *j, const char *origin,
+                             const char *words, hk_error *error) {
+  const hk_state *s = loop->state;
+  header h = header_of(loop, j);
+  hk_walk w = hk_walk_write(c);
+  c->count = 0;
+  bool fine = hk_walk_put(&w, hk_checkpoint_magic, strlen(hk_checkpoint_magic)) &&
+              write_text(&w, words, list_length(words)) && write_text(&w, origin, origin ? strlen(origin) + 1 : 0) &&
+              hk_walk_put(&w, &h, sizeof h) && write_record(&w, loop, j, &h) && write_history(&w, loop, j) &&
+              hk_walk_put(&w, s->id, h.n * sizeof *s->id) && hk_walk_put(&w, s->group, h.n * sizeof *s->group) &&
+              hk_walk_put(&w, s->mass, h.n * sizeof *s->mass) && hk_walk_put(&w, s->X, s->size * sizeof *s->X) &&
+              move_instances(&w, loop) && hk_walk_seal(c, strlen(hk_checkpoint_magic));
+  if (fine) return HK_OK;
+  c->count = 0;
+  return hk_error_set(error, HK_NO_MEMORY, "no memory for a checkpoint of %zu particles", (size_t)h.n);
 }
 
 static bool body(FILE *file, const void *what) {
-  const subject *of = what;
-  const hk_state *s = of->loop->state;
-  stream to = {.file = file, .hash = hash_start};
-  header h = header_of(of);
-  walk w = {&to, put};
-  bool fine = fputs(hk_checkpoint_magic, file) >= 0 && put(&to, &h, sizeof h) && write_record(&to, of, &h) &&
-              put(&to, s->id, h.n * sizeof *s->id) && put(&to, s->group, h.n * sizeof *s->group) &&
-              put(&to, s->mass, h.n * sizeof *s->mass) && put(&to, s->X, s->size * sizeof *s->X) &&
-              move_instances(&w, of->loop);
-  uint64_t hash = to.hash;
-  return fine && put(&to, &hash, sizeof hash);
+  const hk_checkpoint *c = what;
+  return fwrite(c->byte, 1, c->count, file) == c->count;
 }
 
-hk_status hk_checkpoint_write(hk_loop *loop, hk_judgement *judgement, const char *path, hk_error *error) {
-  subject of = {loop, judgement};
-  return hk_write_file(path, body, &of, error);
+hk_status hk_checkpoint_write(const hk_checkpoint *c, const char *path, hk_error *error) {
+  return hk_write_file(path, body, c, error);
+}
+
+void hk_checkpoint_free(hk_checkpoint *c) {
+  free(c->byte);
+  *c = (hk_checkpoint){0};
 }
 
 /* ---- reading ---- */
 
-/* Whether the file is whole; then it stands behind the first line again, with the bytes up to the checksum to read. */
-static bool check_sum(stream *s) {
-  char block[1 << 14];
-  uint64_t hash = hash_start, stated;
-  long begin = ftell(s->file);
-  if (begin < 0 || fseek(s->file, 0, SEEK_END) != 0) return false;
-  long end = ftell(s->file);
-  if (end - begin < (long)sizeof stated || fseek(s->file, begin, SEEK_SET) != 0) return false;
-  s->left = (uint64_t)(end - begin) - sizeof stated;
-  for (uint64_t left = s->left, got; left > 0; left -= got) {
-    got = fread(block, 1, left < sizeof block ? left : sizeof block, s->file);
-    if (got == 0) return false;
-    hash = hash_of(hash, block, got);
-  }
-  bool fine = fread(&stated, sizeof stated, 1, s->file) == 1 && stated == hash;
-  return fseek(s->file, begin, SEEK_SET) == 0 && fine;
-}
-
-static bool read_warnings(stream *s, hk_warnings *warnings, uint64_t count) {
+static bool read_warnings(hk_walk *w, hk_warnings *warnings, uint64_t count) {
   char text[1024];
   bool silent = warnings->silent;
   warnings->silent = true; /* these warnings were printed in the first run */
   bool fine = true;
   for (uint64_t k = 0; k < count && fine; k++) {
     uint64_t length = 0;
-    fine = get(s, &length, sizeof length) && length < sizeof text && get(s, text, length);
+    fine = hk_walk_get(w, &length, sizeof length) && length < sizeof text && hk_walk_get(w, text, length);
     text[fine ? length : 0] = 0;
     if (fine) hk_warn(warnings, "%s", text);
   }
@@ -191,18 +170,15 @@ static bool read_warnings(stream *s, hk_warnings *warnings, uint64_t count) {
 }
 
 /* Values of measures are taken where the scene has as many; the next frame measures anew. */
-static bool read_frame(stream *s, hk_judgement *j, uint64_t measures) {
+static bool read_frame(hk_walk *w, hk_judgement *j, uint64_t measures) {
   hk_frame frame;
   bool known = measures == j->last_frame.measures;
-  if (!get(s, NULL, measures * sizeof(double)) || !get(s, &frame, sizeof frame)) return false;
+  if (measures > w->left / sizeof(double) || !hk_walk_get(w, &frame, sizeof frame)) return false;
   frame.measures = j->last_frame.measures;
   frame.measure_name = j->last_frame.measure_name;
   frame.measure = j->last_frame.measure;
   j->last_frame = frame;
-  double other;
-  for (uint64_t k = 0; k < measures; k++)
-    if (!get(s, known ? &j->measure[k] : &other, sizeof other)) return false;
-  return true;
+  return known ? hk_walk_get(w, j->measure, measures * sizeof(double)) : hk_walk_skip(w, measures * sizeof(double));
 }
 
 static void restore_progress(hk_loop *loop, const progress *p) {
@@ -223,36 +199,60 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->growth_expected = p->growth_expected;
 }
 
-static bool read_record(hk_loop *loop, hk_judgement *j, stream *s, const header *h, progress *p) {
-  if (h->record_bytes != sizeof *loop->record || !get(s, loop->record, sizeof *loop->record) || !get(s, p, sizeof *p) ||
-      !(p->dt > 0) || !read_frame(s, j, h->measures) || h->samples > s->left / sizeof(double))
+/* Kept where the run is to be compared with others. */
+static bool read_history(hk_walk *w, hk_loop *loop, hk_judgement *j, const header *h) {
+  hk_evaluations *e = &loop->dynamics->evaluations, then;
+  if (!hk_trajectory_restore(&j->trajectory, j->compared, (size_t)h->moments, (size_t)h->numbers, (size_t)h->room, w,
+                             hk_walk_get))
+    return false;
+  if (h->cells == 0) return true;
+  if (h->cells != HK_CELLS) return false;
+  if (!e->distance) return hk_walk_skip(w, HK_CELLS * sizeof *e->distance + sizeof *e);
+  if (!hk_walk_get(w, e->distance, HK_CELLS * sizeof *e->distance) || !hk_walk_get(w, &then, sizeof then) ||
+      then.pending > HK_PENDING || !(then.cell > 0))
+    return false;
+  then.distance = e->distance;
+  *e = then;
+  return true;
+}
+
+static bool read_record(hk_loop *loop, hk_judgement *j, hk_walk *w, const header *h, progress *p) {
+  if (h->record_bytes != sizeof *loop->record || !hk_walk_get(w, loop->record, sizeof *loop->record) ||
+      !hk_walk_get(w, p, sizeof *p) || !(p->dt > 0) || !read_frame(w, j, h->measures) ||
+      h->samples > w->left / sizeof(double))
     return false;
   double *samples = malloc((size_t)(h->samples + 1) * sizeof *samples);
-  bool fine = samples && get(s, samples, h->samples * sizeof *samples) && read_warnings(s, loop->warnings, h->warnings);
+  bool fine =
+      samples && hk_walk_get(w, samples, h->samples * sizeof *samples) && read_warnings(w, loop->warnings, h->warnings);
   free(j->unresolved);
   j->unresolved = samples;
   j->samples = fine ? (size_t)h->samples : 0;
-  return fine;
+  return fine && read_history(w, loop, j, h);
 }
 
-static bool read_particles(stream *s, const header *h, hk_particle_set *set) {
+static bool read_particles(hk_walk *w, const header *h, hk_particle_set *set) {
   uint64_t each = sizeof *set->id + sizeof *set->group + (7 + h->width) * sizeof *set->X;
-  if (h->n >= UINT32_MAX || h->n > s->left / each || !hk_particle_set_allocate(set, h->n, h->width)) return false;
-  return get(s, set->id, h->n * sizeof *set->id) && get(s, set->group, h->n * sizeof *set->group) &&
-         get(s, set->mass, h->n * sizeof *set->mass) && get(s, set->X, ((6 + h->width) * h->n + 1) * sizeof *set->X);
+  if (h->n >= UINT32_MAX || h->n > w->left / each || !hk_particle_set_allocate(set, h->n, h->width)) return false;
+  return hk_walk_get(w, set->id, h->n * sizeof *set->id) && hk_walk_get(w, set->group, h->n * sizeof *set->group) &&
+         hk_walk_get(w, set->mass, h->n * sizeof *set->mass) &&
+         hk_walk_get(w, set->X, ((6 + h->width) * h->n + 1) * sizeof *set->X);
+}
+
+static bool plausible_piece(const hk_piece *p) {
+  return p->n == 0 || (p->i > 0 && p->i <= p->n && p->h > 0 && isfinite(p->begin) && isfinite(p->stop) && p->dt > 0);
 }
 
 /* Whether the numbers read as indices, lengths and steps are valid. */
 static bool plausible(const hk_loop *loop, const header *h, const hk_particle_set *set) {
-  bool fine = isfinite(h->t) && h->last_h >= 0;
+  bool fine = isfinite(h->t) && h->last_h >= 0 && plausible_piece(&h->piece);
   for (size_t i = 0; i < set->n && fine; i++)
     fine = set->group[i] < loop->state->model.groups && set->id[i] > 0 && set->id[i] < h->next_id &&
            (i == 0 || set->id[i] > set->id[i - 1]) && set->mass[i] >= 0 && isfinite(set->mass[i]);
   return fine;
 }
 
-static hk_status damaged_file(hk_loop *loop, const char *path) {
-  return hk_error_set(loop->error, HK_IO, "%s is cut short or damaged: it cannot be gone on from", path);
+static hk_status damaged_file(hk_error *error, const char *path) {
+  return hk_error_set(error, HK_IO, "%s is cut short or damaged: it cannot be gone on from", path);
 }
 
 static hk_status other_scene(hk_loop *loop, const char *path, const char *what) {
@@ -268,27 +268,78 @@ static hk_status adopt(hk_loop *loop, const header *h, hk_particle_set *set) {
   if (hk_pins_due(loop->pins, s->t)) hk_pins_release(loop->pins, s);
   s->next_id = h->next_id;
   loop->last_h = h->last_h;
+  loop->piece = h->piece;
   loop->emitted = h->emitted;
   return HK_OK;
 }
 
-hk_status hk_checkpoint_read(hk_loop *loop, hk_judgement *j, FILE *file, const char *path) {
-  stream from = {.file = file};
+/* The text at the walk, in the checkpoint's own memory; NULL: an empty one. False: it is damaged. */
+static bool read_text(hk_walk *w, const char **text) {
+  uint64_t length = 0;
+  if (!hk_walk_get(w, &length, sizeof length) || length > w->left) return false;
+  *text = length ? (const char *)w->at : NULL;
+  return (length == 0 || w->at[length - 1] == 0) && hk_walk_skip(w, (size_t)length);
+}
+
+/* Reads the file, and the two texts that it begins with. */
+static hk_status open_file(hk_checkpoint *c, hk_walk *w, const char *path, const char **words, const char **origin,
+                           hk_error *error) {
+  size_t first = strlen(hk_checkpoint_magic);
+  errno = 0;
+  if (!hk_walk_read_file(c, path)) return hk_io_error(error, "read", path);
+  if (c->count < first || memcmp(c->byte, hk_checkpoint_magic, first - 2) != 0 || c->byte[first - 1] != '\n')
+    return hk_error_set(error, HK_IO, "%s is no checkpoint", path);
+  if (c->byte[first - 2] != hk_checkpoint_magic[first - 2])
+    return hk_error_set(error, HK_IO, "%s is a checkpoint of another version of hooke: write it again", path);
+  if (!hk_walk_open(w, c, first) || !read_text(w, words) || !read_text(w, origin)) return damaged_file(error, path);
+  return HK_OK;
+}
+
+hk_status hk_checkpoint_words(const char *path, char **words, hk_error *error) {
+  hk_checkpoint c = {0};
+  hk_walk w;
+  const char *found = NULL, *origin = NULL;
+  *words = NULL;
+  hk_status status = open_file(&c, &w, path, &found, &origin, error);
+  size_t length = status == HK_OK ? list_length(found) : 0;
+  if (status == HK_OK && length == 0)
+    status = hk_error_set(error, HK_BAD_PARAM, "%s was not written by hooke run: name its scene", path);
+  if (status == HK_OK && !(*words = malloc(length)))
+    status = hk_error_set(error, HK_NO_MEMORY, "no memory for the words of %s", path);
+  if (status == HK_OK) memcpy(*words, found, length);
+  hk_checkpoint_free(&c);
+  return status;
+}
+
+static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *path) {
   header h;
   progress p;
   hk_particle_set set = {0};
-  walk w = {&from, get};
-  if (!check_sum(&from) || !get(&from, &h, sizeof h)) return damaged_file(loop, path);
+  if (!hk_walk_get(w, &h, sizeof h)) return damaged_file(loop->error, path);
   if (h.width != loop->state->width || h.channels != loop->state->model.channels)
     return other_scene(loop, path, "its channels differ");
-  if (!read_record(loop, j, &from, &h, &p) || !read_particles(&from, &h, &set) || !plausible(loop, &h, &set)) {
+  if (!read_record(loop, j, w, &h, &p) || !read_particles(w, &h, &set) || !plausible(loop, &h, &set)) {
     hk_particle_set_free(&set);
-    return damaged_file(loop, path);
+    return damaged_file(loop->error, path);
   }
   hk_status status = adopt(loop, &h, &set);
   if (status != HK_OK) return status;
-  if (!move_instances(&w, loop) || from.left > 0)
+  if (!move_instances(w, loop) || w->left > 0)
     return other_scene(loop, path, "its plugins, their labels or what they keep differ");
   restore_progress(loop, &p);
   return hk_snapshot_take(&j->last_good, loop->state, loop->error);
+}
+
+hk_status hk_checkpoint_read(hk_loop *loop, hk_judgement *j, const char *path, const char *origin) {
+  hk_checkpoint c = {0};
+  hk_walk w;
+  const char *words = NULL, *then = NULL;
+  char what[1200];
+  hk_status status = open_file(&c, &w, path, &words, &then, loop->error);
+  if (status == HK_OK && origin && !hk_origin_same(then, origin, what, sizeof what))
+    status = hk_error_set(loop->error, HK_BAD_PARAM,
+                          "%s cannot be gone on from: %s; scene:start{file=} takes it for another run", path, what);
+  if (status == HK_OK) status = read(loop, j, &w, path);
+  hk_checkpoint_free(&c);
+  return status;
 }

@@ -11,8 +11,8 @@ hk_status hk_write_file(const char *path, bool (*body)(FILE *, const void *), co
 /* Replaces the particles of the run by the set, in the state and wherever indices are stored. */
 hk_status hk_install(hk_loop *, hk_particle_set *);
 
-/* Reads the checkpoint after its first line. */
-hk_status hk_checkpoint_read(hk_loop *, hk_judgement *, FILE *, const char *path);
+/* `origin` NULL: it may be one of another scene. */
+hk_status hk_checkpoint_read(hk_loop *, hk_judgement *, const char *path, const char *origin);
 hk_status hk_state_table_read(hk_loop *, FILE *, const char *head, const char *path);
 extern const char hk_checkpoint_magic[];
 

@@ -1,6 +1,8 @@
 /* The output folder. A hidden list in it names the scene and every file that its run wrote there; a new run of the same
  * scene removes exactly those. Files that are not on the list are never touched. No link below the folder is followed,
- * and none to the folder that hooke chooses itself: somebody else may have put it there. */
+ * and none to the folder that hooke chooses itself: somebody else may have put it there. A run that goes on from a
+ * checkpoint removes nothing: its files are in a folder of their own below, named by the step. The list is locked as
+ * long as a run writes; the system lets go of it with the process, however that ends. */
 #define _GNU_SOURCE /* O_PATH */
 #include "core/storage/storage.h"
 #include "core/base/base.h"
@@ -10,6 +12,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -21,6 +24,7 @@ struct hk_folder {
   size_t count;
   char **name; /* files of this run */
   char *scene;
+  char part[32]; /* subfolder of a run that goes on, "from-step-1200/"; "": none, and earlier files are removed */
 };
 
 static const char list_name[] = ".hooke-files";
@@ -32,7 +36,8 @@ enum { HOLD = O_RDONLY | O_DIRECTORY | O_CLOEXEC };
 #endif
 
 static hk_status io_error(hk_error *error, const char *doing, const char *path) {
-  return hk_error_set(error, HK_IO, "cannot %s %s: %s", doing, path, hk_file_reason(errno));
+  return hk_error_set(error, errno == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot %s %s: %s", doing, path,
+                      hk_file_reason(errno));
 }
 
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
@@ -56,10 +61,17 @@ hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
   return NULL;
 }
 
-void hk_folder_close(hk_folder *f) {
+void hk_folder_release(hk_folder *f) {
   if (!f) return;
   if (f->list) fclose(f->list);
   if (f->descriptor >= 0) close(f->descriptor);
+  f->list = NULL;
+  f->descriptor = -1;
+}
+
+void hk_folder_close(hk_folder *f) {
+  if (!f) return;
+  hk_folder_release(f);
   for (size_t k = 0; k < f->count; k++) free(f->name[k]);
   free(f->name);
   free(f->scene);
@@ -157,29 +169,71 @@ static hk_status open_place(hk_folder *f, hk_error *error) {
   return io_error(error, "create the folder", f->path);
 }
 
-/* Removes the files of an earlier run of this scene, and begins a new list. */
+static bool remember(hk_folder *f, const char *name) {
+  char **grown = realloc(f->name, (f->count + 1) * sizeof *grown), *copy = hk_string_copy(name);
+  if (grown) f->name = grown;
+  if (grown && copy)
+    f->name[f->count++] = copy;
+  else
+    free(copy);
+  return grown && copy;
+}
+
+/* The files of an earlier part of this run, which are its own too. */
+static bool remember_listed(hk_folder *f) {
+  char line[PATH_MAX / 2];
+  bool fine = true;
+  while (fine && fgets(line, sizeof line, f->list)) {
+    line[strcspn(line, "\n")] = 0;
+    fine = remember(f, line);
+  }
+  return fine;
+}
+
+/* Opens the list, which no other run may have open. */
+static hk_status lock_list(hk_folder *f, const char *path, hk_error *error) {
+  int file = open_list(f, O_RDWR | O_CREAT);
+  f->list = file < 0 ? NULL : fdopen(file, "r+");
+  if (!f->list) {
+    hk_status status = io_error(error, "write", path);
+    if (file >= 0) close(file);
+    return status;
+  }
+  if (flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return HK_OK; /* not every file system has locks */
+  return hk_error_set(error, HK_IO, "another run is writing to %s: wait for its end, or name another folder with --out",
+                      f->path);
+}
+
+/* A new list, in place of the old one and under its lock. */
+static hk_status clear_list(hk_folder *f, hk_error *error) {
+  rewind(f->list);
+  if (ftruncate(fileno(f->list), 0) != 0 || fprintf(f->list, "%s\n", f->scene) < 0 || fflush(f->list) != 0)
+    return io_error(error, "write", list_name);
+  return HK_OK;
+}
+
+/* Goes on with the list of the run's earlier part. */
+static hk_status keep_list(hk_folder *f, hk_error *error) {
+  if (!remember_listed(f)) return hk_error_set(error, HK_NO_MEMORY, "no memory for the list of files");
+  return fseek(f->list, 0, SEEK_END) == 0 ? HK_OK : io_error(error, "write", list_name);
+}
+
+/* Removes the files of an earlier run of this scene and begins a new list, or goes on with the old one. */
 static hk_status begin_list(hk_folder *f, hk_error *error) {
   char path[PATH_MAX], owner[256] = "";
   hk_status status = open_place(f, error);
   if (status != HK_OK) return status;
   snprintf(path, sizeof path, "%s/%s", f->path, list_name);
-  int descriptor = open_list(f, O_RDONLY);
-  if (descriptor < 0 && errno != ENOENT) return io_error(error, "read", path);
-  FILE *old = descriptor < 0 ? NULL : fdopen(descriptor, "r");
-  if (old) {
-    if (fgets(owner, sizeof owner, old)) owner[strcspn(owner, "\n")] = 0;
-    bool ours = strcmp(owner, f->scene) == 0;
-    if (ours) remove_listed(f, old);
-    fclose(old);
-    if (!ours)
-      return hk_error_set(error, HK_IO, "%s holds the output of the scene '%s': name another folder with --out",
-                          f->path, owner);
-    unlinkat(f->descriptor, list_name, 0);
-  }
-  descriptor = open_list(f, O_WRONLY | O_CREAT | O_EXCL);
-  f->list = descriptor < 0 ? NULL : fdopen(descriptor, "w");
-  if (!f->list || fprintf(f->list, "%s\n", f->scene) < 0 || fflush(f->list) != 0) return io_error(error, "write", path);
-  return HK_OK;
+  status = lock_list(f, path, error);
+  if (status != HK_OK) return status;
+  bool old = fgets(owner, sizeof owner, f->list);
+  owner[strcspn(owner, "\n")] = 0;
+  if (old && strcmp(owner, f->scene) != 0)
+    return hk_error_set(error, HK_IO, "%s holds the output of the scene '%s': name another folder with --out", f->path,
+                        owner);
+  if (old && *f->part) return keep_list(f, error);
+  if (old) remove_listed(f, f->list);
+  return clear_list(f, error);
 }
 
 static bool is_listed(const hk_folder *f, const char *name) {
@@ -189,24 +243,22 @@ static bool is_listed(const hk_folder *f, const char *name) {
 }
 
 static hk_status add_to_list(hk_folder *f, const char *name, hk_error *error) {
-  char **grown = realloc(f->name, (f->count + 1) * sizeof *grown), *copy = hk_string_copy(name);
-  if (grown) f->name = grown;
-  if (!grown || !copy) {
-    free(copy);
-    return hk_error_set(error, HK_NO_MEMORY, "no memory for the list of files");
-  }
-  f->name[f->count++] = copy;
+  if (!remember(f, name)) return hk_error_set(error, HK_NO_MEMORY, "no memory for the list of files");
   if (fprintf(f->list, "%s\n", name) < 0 || fflush(f->list) != 0) return io_error(error, "write", list_name);
   return HK_OK;
 }
 
 const char *hk_folder_place(const hk_folder *f) { return f ? f->path : NULL; }
 
-hk_status hk_folder_path(hk_folder *f, const char *name, char *buffer, size_t size, hk_error *error) {
+void hk_folder_go_on(hk_folder *f, size_t step) { snprintf(f->part, sizeof f->part, "from-step-%zu/", step); }
+
+hk_status hk_folder_path(hk_folder *f, const char *given, char *buffer, size_t size, hk_error *error) {
+  char name[PATH_MAX / 2];
   struct stat info;
-  if (!safe_name(name))
-    return hk_error_set(error, HK_BAD_PARAM, "'%s' is not a file name inside the output folder", name);
+  if (!safe_name(given) || snprintf(name, sizeof name, "%s%s", f->part, given) >= (int)sizeof name)
+    return hk_error_set(error, HK_BAD_PARAM, "'%s' is not a file name inside the output folder", given);
   hk_status status = f->list ? HK_OK : begin_list(f, error);
+  if (status != HK_OK) hk_folder_release(f);
   if (status != HK_OK) return status;
   if (snprintf(buffer, size, "%s/%s", f->path, name) >= (int)size)
     return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);

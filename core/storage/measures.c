@@ -7,7 +7,7 @@
 #include <string.h>
 
 static hk_status failed(hk_error *error) {
-  return hk_error_set(error, HK_IO, "cannot write measures.csv: %s", strerror(errno));
+  return hk_error_set(error, errno == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot write measures.csv: %s", strerror(errno));
 }
 
 /* In quotes where the text has a comma, a quote or a line break (RFC 4180, section 2). */

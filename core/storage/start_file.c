@@ -16,7 +16,8 @@ static FILE *open_start(const hk_scene *scene, const hk_folder *output, const ch
   return hk_file_read(path, within);
 }
 
-hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path, bool *resumed) {
+hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path, const char *origin,
+                             bool *resumed) {
   char line[4096] = "";
   errno = 0;
   *resumed = false;
@@ -25,12 +26,10 @@ hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *ou
   hk_status status;
   if (!fgets(line, sizeof line, file))
     status = hk_error_set(loop->error, HK_IO, "%s is empty", path);
-  else if (strcmp(line, hk_checkpoint_magic) == 0) {
-    status = hk_checkpoint_read(loop, j, file, path);
+  else if (origin || strncmp(line, hk_checkpoint_magic, strlen(hk_checkpoint_magic) - 2) == 0) {
+    status = hk_checkpoint_read(loop, j, path, origin);
     *resumed = status == HK_OK;
-  } else if (strncmp(line, hk_checkpoint_magic, 17) == 0)
-    status = hk_error_set(loop->error, HK_IO, "%s is a checkpoint of another version of hooke: write it again", path);
-  else if (strncmp(line, "id,x,", 5) == 0) {
+  } else if (strncmp(line, "id,x,", 5) == 0) {
     line[strcspn(line, "\r\n")] = 0;
     status = hk_state_table_read(loop, file, line, path);
   } else

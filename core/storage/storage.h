@@ -8,11 +8,16 @@
 typedef struct hk_folder hk_folder;
 
 /* ---- folder.c: the output folder, made at the request of the first file. All files of an earlier run of the same
- * scene are removed; other files are never touched, and no link is followed below it ---- */
+ * scene are removed; other files are never touched, and no link is followed below it. HK_IO where another run is
+ * writing there ---- */
 
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
+/* After the last file: other runs may write there. */
+void hk_folder_release(hk_folder *);
 void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
+/* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */
+void hk_folder_go_on(hk_folder *, size_t step);
 /* Where a file of that name is to be written; the folders on the way exist then, and are no links. */
 hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
 
@@ -36,12 +41,25 @@ hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, cons
 
 /* ---- checkpoint.c: all data that a continued run needs, in the machine's byte order ---- */
 
-hk_status hk_checkpoint_write(hk_loop *, hk_judgement *, const char *path, hk_error *error);
+typedef struct hk_checkpoint { /* in memory; begins zeroed */
+  unsigned char *byte;
+  size_t count, capacity;
+} hk_checkpoint;
+
+/* `origin`: of the scene and its plugins (scene/origin.c). `words`: how the run was asked for, each word with its 0, an
+ * empty one at the end. Both may be NULL. HK_NO_MEMORY: the checkpoint is empty. */
+hk_status hk_checkpoint_take(hk_checkpoint *, hk_loop *, const hk_judgement *, const char *origin, const char *words,
+                             hk_error *error);
+hk_status hk_checkpoint_write(const hk_checkpoint *, const char *path, hk_error *error);
+void hk_checkpoint_free(hk_checkpoint *);
+/* The words of the run that wrote the file; the caller frees them. */
+hk_status hk_checkpoint_words(const char *path, char **words, hk_error *error);
 
 /* ---- start_file.c: begins a run with a state table or a checkpoint. It is read after the plugins have started, so
- * that data derived from the scene's start state (rest lengths) do not change. *resumed: the file is a checkpoint
- * ---- */
+ * that data derived from the scene's start state (rest lengths) do not change. *resumed: the file is a checkpoint. With
+ * `origin` it has to be one, of the same scene and plugins ---- */
 
-hk_status hk_start_file_read(hk_loop *, hk_judgement *, const hk_folder *output, const char *path, bool *resumed);
+hk_status hk_start_file_read(hk_loop *, hk_judgement *, const hk_folder *output, const char *path, const char *origin,
+                             bool *resumed);
 
 #endif

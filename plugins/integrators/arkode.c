@@ -9,6 +9,7 @@
  * history is the length of the step. */
 #include "plugins/common/integrate/runge_kutta.h"
 #include "plugins/common/sundials/sundials.h"
+#include "plugins/common/sundials/sundials_vector.h"
 
 #include <arkode/arkode_arkstep.h>
 #include <string.h>
@@ -149,7 +150,8 @@ static hk_status set_up(arkode *m, const hk_host *host, const hk_view *view) {
   m->memory = ARKStepCreate(explicit_part, explicit_part ? NULL : hk_sundials_rates, view->t, s->X, s->context);
   m->error = N_VClone(s->X);
   m->weight = N_VClone(s->X);
-  if (!m->memory || !m->error || !m->weight) return host->fail(host, HK_NO_MEMORY, "no memory for ARKODE");
+  if (!m->memory || !m->error || !m->weight || hk_sundials_vector_failed(s->X))
+    return host->fail(host, HK_NO_MEMORY, "no memory for ARKODE");
   status = hk_sundials_setup(s, set_options(m));
   return status == HK_OK ? attach_solver(m) : status;
 }

@@ -37,7 +37,7 @@ static double amplification(const void *self, double hw, double hg) {
 
 static void reset(void *self, hk_reason why) {
   bdf2 *m = self;
-  m->known = 0;
+  if (why != HK_CHECKPOINT) m->known = 0;
   hk_dirk_reset(&m->start, why);
 }
 

@@ -7,6 +7,7 @@
  * event, a birth, a corrector, a resumed run) restarts it at order 1. Constraint forces are part of f but not of the
  * Jacobian. */
 #include "plugins/common/sundials/sundials.h"
+#include "plugins/common/sundials/sundials_vector.h"
 
 #include <complex.h>
 #include <cvode/cvode.h>
@@ -152,7 +153,8 @@ static hk_status set_up(cvode *m, const hk_host *host, const hk_view *view) {
   m->memory = CVodeCreate(m->method == BDF ? CV_BDF : CV_ADAMS, s->context);
   m->error = N_VClone(s->X);
   m->weight = N_VClone(s->X);
-  if (!m->memory || !m->error || !m->weight) return host->fail(host, HK_NO_MEMORY, "no memory for CVODE");
+  if (!m->memory || !m->error || !m->weight || hk_sundials_vector_failed(s->X))
+    return host->fail(host, HK_NO_MEMORY, "no memory for CVODE");
   status = hk_sundials_setup(s, CVodeInit(m->memory, hk_sundials_rates, view->t, s->X));
   if (status == HK_OK) status = hk_sundials_setup(s, set_options(m));
   return status == HK_OK ? attach_solver(m) : status;
@@ -168,8 +170,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static hk_status topology(void *self, const hk_view *view) { return set_up(self, view->host, view); }
 
 static void reset(void *self, hk_reason why) {
-  (void)why;
-  ((cvode *)self)->running = false;
+  cvode *m = self;
+  m->running = false;
+  if (why == HK_CHECKPOINT) m->most = 0;
 }
 
 /* The correction that projects X onto the constraints. CVODE adds it to its history; a projection by the host would

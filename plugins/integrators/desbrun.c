@@ -401,13 +401,19 @@ static hk_status topology(void *self, const hk_view *view) {
   return HK_OK;
 }
 
+/* Factors are in no checkpoint. */
+static void reset(void *self, hk_reason why) {
+  if (why == HK_CHECKPOINT) ((desbrun *)self)->h = 0;
+}
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_NEEDS_SOLVER,
                                          .without_constraints = "its filtered forces know no multipliers",
                                          .amplification = amplification,
-                                         .step = step};
+                                         .step = step,
+                                         .reset = reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

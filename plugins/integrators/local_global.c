@@ -506,13 +506,19 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return status;
 }
 
+/* Factors are in no checkpoint. */
+static void reset(void *self, hk_reason why) {
+  if (why == HK_CHECKPOINT) ((local_global *)self)->h = 0;
+}
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_NEEDS_SOLVER,
                                          .without_constraints = "its constant matrix has no multipliers",
                                          .amplification = amplification,
-                                         .step = step};
+                                         .step = step,
+                                         .reset = reset};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

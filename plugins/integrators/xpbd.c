@@ -177,8 +177,7 @@ static hk_status substep(xpbd *m, hk_system *s, const part *p) {
 }
 
 static void reset(void *self, hk_reason why) {
-  (void)why;
-  ((xpbd *)self)->known = 0;
+  if (why != HK_CHECKPOINT) ((xpbd *)self)->known = 0;
 }
 
 /* Takes `substeps` of `length`. The first one is backward Euler if the state before it is not known. */

@@ -24,6 +24,7 @@ typedef struct frames {
   bool ground, legend, video;
 
   const hk_host *host;
+  const hk_interruption *interruption;
   hk_look look;
   hk_framing framing;
   hk_view_setup setup;
@@ -104,6 +105,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   const char *label;
   f->host = host;
+  f->interruption = host->query(host, "interruption/1");
   f->look.springs = f->springs, f->look.particles = f->particles;
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
@@ -183,6 +185,12 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   return draw(f);
 }
 
+/* Whether the user asks, once more, to stop: while the pictures of a run that has ended are drawn or made a video. */
+static bool stopped(void *self) {
+  const frames *f = self;
+  return f->interruption && f->interruption->again(f->interruption->self);
+}
+
 /* Draws the stored frames. A frame that reaches five times (diverged) or a thousand times as far as the median frame is
  * drawn as well, but ignored in the choice of the camera. */
 static hk_status draw_waiting(frames *f, hk_verdict verdict) {
@@ -190,6 +198,8 @@ static hk_status draw_waiting(frames *f, hk_verdict verdict) {
   hk_status status =
       hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
+    if (stopped(f))
+      return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);
   }
@@ -212,8 +222,11 @@ static hk_status make_video(frames *f) {
   }
   status = f->host->path(f->host, f->video_file, file, sizeof file);
   if (status != HK_OK) return status;
-  if (hk_video_make(first, f->pictures, f->fps, file, why, sizeof why) != HK_VIDEO_MADE)
-    f->host->warn(f->host, "no video: ffmpeg: %s; the pictures are in %s", why, first);
+  hk_video_stop stop = {stopped, f};
+  hk_video_result result = hk_video_make(first, f->pictures, f->fps, file, &stop, why, sizeof why);
+  if (result == HK_VIDEO_STOPPED)
+    return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: no video; the pictures are in %s", first);
+  if (result != HK_VIDEO_MADE) f->host->warn(f->host, "no video: ffmpeg: %s; the pictures are in %s", why, first);
   return HK_OK;
 }
 

@@ -32,7 +32,8 @@ static const hk_param params[] = {
 };
 
 static hk_status io_error(const table *t, const char *doing) {
-  return t->host->fail(t->host, HK_IO, "cannot %s %s: %s", doing, t->path, strerror(errno));
+  return t->host->fail(t->host, errno == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot %s %s: %s", doing, t->path,
+                       strerror(errno));
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {

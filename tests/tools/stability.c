@@ -137,6 +137,8 @@ static void the_matrix_holds_what_cases_demand(void **state) {
   write_case("right.lua", "what: a swing\nright: cos 3 t\nmust: leapfrog\nalso: leapfrog dt=1/500; euler dt=1e-4\n",
              "math.cos(3 * t)");
   hard("", 0, "1 cases, 5 runs: 3 ok, 2 said they are not, 0 above the limit of steps, 0 do not fit; 0 failed");
+  hard("--part 1/2", 0, "1 cases, 3 runs:");
+  hard("--part 3/2", 1, "1 <= K <= N");
   hard("--csv matrix.csv", 0, "right ok x  x");
   read_file("matrix.csv");
   assert_non_null(strstr(text, "right,euler,euler dt=1e-4,false,ok"));

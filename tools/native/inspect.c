@@ -14,6 +14,13 @@ static int set_threads(lua_State *L) {
   return 0;
 }
 
+static int set_folder(lua_State *L) {
+  hk_script_run_options(hk_lua_owner(L, 1))->out = luaL_checkstring(L, 2);
+  lua_settop(L, 2);
+  lua_setfield(L, LUA_REGISTRYINDEX, "hooke.check.folder"); /* keeps the text */
+  return 0;
+}
+
 static int set_allocations(lua_State *L) {
   hk_script_run_options(hk_lua_owner(L, 1))->allocations = (long)luaL_checkinteger(L, 2);
   return 0;
@@ -23,6 +30,17 @@ static int set_allocations(lua_State *L) {
  * purpose. */
 static int set_quiet(lua_State *L) {
   hk_script_run_options(hk_lua_script(L))->progress = -1;
+  return 0;
+}
+
+/* destroy(run): its plugins are destroyed now, not with the script. The run may not be used afterwards. */
+static int destroy(lua_State *L) {
+  hk_lua_run(L);
+  lua_getiuservalue(L, 1, 1);
+  hk_lua_slot *slot = ((hk_lua_scene_handle *)lua_touserdata(L, -1))->slot;
+  hk_run_close(slot->run, NULL);
+  hk_run_destroy(slot->run);
+  slot->run = NULL;
   return 0;
 }
 
@@ -301,6 +319,8 @@ __attribute__((visibility("default"))) int luaopen_inspect(lua_State *L);
 int luaopen_inspect(lua_State *L) {
   static const luaL_Reg functions[] = {{"threads", set_threads},
                                        {"allocations", set_allocations},
+                                       {"folder", set_folder},
+                                       {"destroy", destroy},
                                        {"quiet", set_quiet},
                                        {"watch", watch},
                                        {"fill", set_fill},

@@ -3,14 +3,19 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <spawn.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/wait.h>
 #include <unistd.h>
 
-extern char **environ;
+enum { PATIENCE = 100 }; /* ms between two looks whether to stop */
 
 bool hk_video_possible(void) {
   const char *path = getenv("PATH");
@@ -35,15 +40,18 @@ static bool safe_name(const char *name, bool pattern, const char *tail, char *ou
   return !*name && at < size && snprintf(out + at, size - at, "%s", tail) < (int)(size - at);
 }
 
-/* Reads until the other end closes the pipe; keeps the last line. */
-static void last_line(int pipe, char *line, size_t size) {
+/* Reads until the other end closes the pipe; keeps the last line. False: it is to stop. */
+static bool last_line(int pipe, const hk_video_stop *stop, char *line, size_t size) {
   char tail[2048];
   size_t kept = 0;
   for (;;) {
+    if (stop->asked(stop->context)) return false;
     if (kept > sizeof tail / 2) {
       memmove(tail, tail + kept - sizeof tail / 4, sizeof tail / 4);
       kept = sizeof tail / 4;
     }
+    struct pollfd wait = {.fd = pipe, .events = POLLIN};
+    if (poll(&wait, 1, PATIENCE) <= 0) continue;
     ssize_t got = read(pipe, tail + kept, sizeof tail - 1 - kept);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
@@ -53,42 +61,69 @@ static void last_line(int pipe, char *line, size_t size) {
   tail[kept] = 0;
   const char *start = strrchr(tail, '\n');
   snprintf(line, size, "%s", start ? start + 1 : tail);
+  return true;
 }
 
-static int spawn(const char *const arguments[], const int out[2], pid_t *child) {
-  posix_spawn_file_actions_t actions;
-  int error = posix_spawn_file_actions_init(&actions);
-  if (error) return error;
-  error = posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-  if (!error) error = posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-  if (!error) error = posix_spawn_file_actions_adddup2(&actions, out[1], 2);
-  if (!error) error = posix_spawnp(child, "ffmpeg", &actions, NULL, (char *const *)arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  return error;
+/* In the child: ffmpeg, which ends with this process, however that ends. The end of `started` is closed by its start;
+ * where there is none the cause is written to it. */
+static void become(const char *const arguments[], pid_t parent, int errors, int started) {
+  int nothing = open("/dev/null", O_RDWR);
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+  bool fine = getppid() == parent && dup2(nothing, 0) >= 0 && dup2(nothing, 1) >= 0 && dup2(errors, 2) >= 0;
+  if (fine) execvp("ffmpeg", (char *const *)(uintptr_t)arguments);
+  int cause = errno;
+  ssize_t written = write(started, &cause, sizeof cause);
+  _exit(written > 0 ? 127 : 126);
 }
 
-static hk_video_result run(const char *const arguments[], char *why, size_t size) {
-  int out[2], status = 0;
-  pid_t child;
-  if (pipe(out) != 0) {
+/* A pipe that programs started here do not inherit. */
+static bool open_pipe(int ends[2]) {
+  if (pipe(ends) != 0) return false;
+  for (int k = 0; k < 2; k++) fcntl(ends[k], F_SETFD, FD_CLOEXEC);
+  return true;
+}
+
+/* The cause of the failure, or 0. */
+static int start(const char *const arguments[], int errors, pid_t *child) {
+  int started[2], cause = 0;
+  pid_t parent = getpid();
+  if (!open_pipe(started)) return errno;
+  *child = fork();
+  if (*child == 0) become(arguments, parent, errors, started[1]);
+  if (*child < 0) cause = errno;
+  close(started[1]);
+  ssize_t got;
+  do got = *child < 0 ? 0 : read(started[0], &cause, sizeof cause);
+  while (got < 0 && errno == EINTR);
+  close(started[0]);
+  return cause;
+}
+
+static hk_video_result run(const char *const arguments[], const hk_video_stop *stop, char *why, size_t size) {
+  int errors[2], status = 0;
+  pid_t child = -1;
+  if (!open_pipe(errors)) {
     snprintf(why, size, "%s", strerror(errno));
     return HK_VIDEO_FAILED;
   }
-  for (int k = 0; k < 2; k++) fcntl(out[k], F_SETFD, FD_CLOEXEC);
-  int error = spawn(arguments, out, &child);
-  close(out[1]);
-  if (error) snprintf(why, size, "%s", strerror(error));
-  if (!error) last_line(out[0], why, size);
-  close(out[0]);
-  if (error) return error == ENOENT ? HK_VIDEO_NO_PROGRAM : HK_VIDEO_FAILED;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
+  int cause = start(arguments, errors[1], &child);
+  close(errors[1]);
+  if (cause) snprintf(why, size, "%s", strerror(cause));
+  bool whole = cause || last_line(errors[0], stop, why, size);
+  close(errors[0]);
+  if (!whole) kill(child, SIGKILL);
+  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
+  if (cause) return cause == ENOENT ? HK_VIDEO_NO_PROGRAM : HK_VIDEO_FAILED;
+  if (!whole) return HK_VIDEO_STOPPED;
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return HK_VIDEO_MADE;
   if (!*why) snprintf(why, size, "it ended with status %d", status);
   return HK_VIDEO_FAILED;
 }
 
-hk_video_result hk_video_make(const char *folder, size_t count, double fps, const char *file, char *why, size_t size) {
+hk_video_result hk_video_make(const char *folder, size_t count, double fps, const char *file, const hk_video_stop *stop,
+                              char *why, size_t size) {
   char input[PATH_MAX], output[PATH_MAX], rate[32], frames[32];
   if (!safe_name(folder, true, "/%06d.png", input, sizeof input) ||
       !safe_name(file, false, "", output, sizeof output)) {
@@ -102,5 +137,7 @@ hk_video_result hk_video_make(const char *folder, size_t count, double fps, cons
       rate,      "-i",           input,        "-frames:v", frames,     "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2",
       "-c:v",    "libx264",      "-preset",    "veryfast",  "-crf",     "18",  "-pix_fmt",
       "yuv420p", "-movflags",    "+faststart", output,      NULL};
-  return run(arguments, why, size);
+  hk_video_result result = run(arguments, stop, why, size);
+  if (result == HK_VIDEO_STOPPED) unlink(file);
+  return result;
 }

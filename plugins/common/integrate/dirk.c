@@ -247,10 +247,9 @@ hk_status hk_dirk_adaptive_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system 
 }
 
 void hk_dirk_reset(hk_dirk *m, hk_reason why) {
-  if (why != HK_STEP_CHANGED) {
-    m->primed = 0;
-    hk_newton_forget(&m->newton);
-  }
+  if (why == HK_STEP_CHANGED) return;
+  if (why != HK_CHECKPOINT) m->primed = 0;
+  hk_newton_forget(&m->newton);
 }
 
 static double growth(const hk_dirk_tableau *T, double complex z) {

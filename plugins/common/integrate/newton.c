@@ -48,6 +48,7 @@ double hk_newton_limit(hk_newton *w, const hk_system *s, const double *v) {
 
 void hk_newton_forget(hk_newton *w) {
   w->factor_g = 0;
+  w->definite = 0;
   w->krylov = w->chord = (hk_shortcut){0};
   hk_channels_forget(&w->channels);
 }

@@ -66,6 +66,10 @@ static int make_context(hk_sundials *m) {
 }
 #endif
 
+static hk_status no_memory(const hk_sundials *m, size_t size) {
+  return m->host->fail(m->host, HK_NO_MEMORY, "no memory for SUNDIALS' vectors of %zu numbers", size);
+}
+
 hk_status hk_sundials_stuck(hk_sundials *m) {
   keep(m, "its step no longer moves the time");
   return hk_sundials_failed(m, 0, false);
@@ -73,6 +77,7 @@ hk_status hk_sundials_stuck(hk_sundials *m) {
 
 hk_status hk_sundials_failed(hk_sundials *m, int flag, bool rates) {
   if (is_fatal(m->status) || (rates && m->status != HK_OK)) return m->status;
+  if (hk_sundials_vector_failed(m->X)) return no_memory(m, (size_t)N_VGetLength(m->X));
   return m->host->fail(m->host, HK_NOT_CONVERGED,
                        "no step from t = %.17g s meets the tolerance %g (SUNDIALS, %d: %s); give a larger tol, or look "
                        "for a force that jumps",
@@ -80,16 +85,13 @@ hk_status hk_sundials_failed(hk_sundials *m, int flag, bool rates) {
 }
 
 hk_status hk_sundials_setup(hk_sundials *m, int flag) {
+  if (hk_sundials_vector_failed(m->X)) return no_memory(m, (size_t)N_VGetLength(m->X));
   if (flag == 0) return HK_OK;
   return m->host->fail(m->host, HK_FAILED, "SUNDIALS does not start (%d: %s): is there memory for %zu numbers?", flag,
                        *m->message ? m->message : "no word", m->X ? (size_t)N_VGetLength(m->X) : (size_t)0);
 }
 
 /* ---- life ---- */
-
-static hk_status no_memory(const hk_sundials *m, size_t size) {
-  return m->host->fail(m->host, HK_NO_MEMORY, "no memory for SUNDIALS' vectors of %zu numbers", size);
-}
 
 hk_status hk_sundials_open(hk_sundials *m, const hk_host *host, const hk_view *view) {
   size_t size = 6 * view->n + 1;

@@ -1,10 +1,14 @@
 /* SUNDIALS' serial vectors with their own arithmetic, compiled as hooke is: distributions compile the library's
  * arithmetic without optimisation, where the sums over stages and past steps cost more than a cloth's forces. Vectors
  * cloned from one inherit its functions. Sums over a vector use lanes in a fixed order; sums of several vectors run
- * over chunks that fit the first-level cache. The other functions are SUNDIALS' own. */
+ * over chunks that fit the first-level cache. The other functions are SUNDIALS' own.
+ *
+ * SUNDIALS 6 writes to a clone without looking whether there is one. So a clone for which there is no memory is a spare
+ * vector, made beforehand: SUNDIALS goes on, and whoever set it up asks hk_sundials_vector_failed and gives up. */
 #include "plugins/common/sundials/sundials_vector.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 enum { LANES = 8, CHUNK = 512 };
 
@@ -109,9 +113,65 @@ static int scale_each(int count, sunrealtype *c, N_Vector *X, N_Vector *Z) {
   return 0;
 }
 
-N_Vector hk_sundials_vector(size_t size, double *data, SUNContext context) {
-  N_Vector x = N_VMake_Serial((sunindextype)size, data, context);
+/* ---- life ---- */
+
+/* What the vectors of one family have in common. */
+typedef struct family {
+  N_Vector spare;
+  bool failed;
+} family;
+
+typedef struct content {
+  struct _N_VectorContent_Serial serial; /* first member: SUNDIALS' macros see it */
+  family *family;
+  bool owns; /* the family */
+} content;
+
+static content *content_of(N_Vector x) { return x->content; }
+
+static void release(N_Vector x) {
+  content *c = content_of(x);
+  if (c && c->serial.own_data) free(c->serial.data);
+  free(c);
+  x->content = NULL;
+  N_VFreeEmpty(x);
+}
+
+static void destroy(N_Vector x) {
+  family *f = content_of(x)->family;
+  bool owns = content_of(x)->owns;
+  if (x == f->spare) return; /* it may have been handed out several times */
+  release(x);
+  if (!owns) return;
+  if (f->spare) release(f->spare);
+  free(f);
+}
+
+/* A vector over `data`, or over memory of its own; NULL: no memory. */
+static N_Vector make(sunindextype length, double *data, SUNContext context, family *f) {
+  N_Vector x = N_VNewEmpty(context);
   if (!x) return NULL;
+  content *c = x->content = calloc(1, sizeof *c);
+  if (c) *c = (content){.serial = {.length = length, .data = data, .own_data = !data}, .family = f};
+  if (c && !data) c->serial.data = malloc((size_t)(length + 1) * sizeof *data);
+  if (c && c->serial.data) return x;
+  release(x);
+  return NULL;
+}
+
+static N_Vector clone(N_Vector x) {
+  family *f = content_of(x)->family;
+  N_Vector made = make(NV_LENGTH_S(x), NULL, x->sunctx, f);
+  if (made && N_VCopyOps(x, made) == 0) return made;
+  if (made) release(made);
+  f->failed = true;
+  return f->spare;
+}
+
+static void set_operations(N_Vector x) {
+  x->ops->nvclone = clone;
+  x->ops->nvcloneempty = clone;
+  x->ops->nvdestroy = destroy;
   x->ops->nvlinearsum = linear_sum;
   x->ops->nvconst = set;
   x->ops->nvprod = product;
@@ -121,5 +181,27 @@ N_Vector hk_sundials_vector(size_t size, double *data, SUNContext context) {
   x->ops->nvlinearcombination = combine;
   x->ops->nvscaleaddmulti = scale_add;
   x->ops->nvscalevectorarray = scale_each;
-  return x;
+}
+
+bool hk_sundials_vector_failed(N_Vector x) { return content_of(x)->family->failed; }
+
+N_Vector hk_sundials_vector(size_t size, double *data, SUNContext context) {
+  N_Vector model = N_VNewEmpty_Serial((sunindextype)size, context), x = NULL; /* SUNDIALS' own functions */
+  family *f = calloc(1, sizeof *f);
+  if (model && f) {
+    f->spare = make((sunindextype)size, NULL, context, f);
+    x = f->spare ? make((sunindextype)size, data, context, f) : NULL;
+  }
+  bool fine = x && N_VCopyOps(model, x) == 0 && N_VCopyOps(model, f->spare) == 0;
+  if (model) N_VDestroy(model);
+  if (fine) {
+    content_of(x)->owns = true;
+    set_operations(x);
+    set_operations(f->spare);
+    return x;
+  }
+  if (x) release(x);
+  if (f && f->spare) release(f->spare);
+  free(f);
+  return NULL;
 }

@@ -46,6 +46,12 @@ static inline void fake_warn(const hk_host *host, const char *format, ...) {
   va_end(list);
 }
 
+/* It serves nothing. */
+static inline const void *fake_query(const hk_host *host, const char *service) {
+  (void)host, (void)service;
+  return NULL;
+}
+
 static inline void *fake_allocate(const hk_host *host, size_t bytes) {
   fake *f = fake_of(host);
   if (f->allocations_left == 0) return NULL;
@@ -120,7 +126,7 @@ static inline void fake_default(char *self, const hk_param *p) {
 static inline void fake_open(fake *f, const char *name) {
   char path[512];
   *f = (fake){.host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path,
-                       NULL, NULL},
+                       fake_query, NULL},
               .allocations_left = -1};
   snprintf(path, sizeof path, strchr(name, '/') ? "%s" : HK_BUILD "/plugins/outputs/%s.so", name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);

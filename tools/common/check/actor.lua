@@ -67,6 +67,8 @@ function actor.settings(plugin)
   return list
 end
 
+local scenes = 0
+
 -- A scene with the plugin. options: integrator, dt, duration, gravity, springs, positions, velocities, threads, without,
 -- allocations.
 function actor.scene(plugin, values, options)
@@ -98,6 +100,8 @@ function actor.scene(plugin, values, options)
   end
   inspect.threads(scene, options.threads or 1)
   inspect.allocations(scene, options.allocations or 0)
+  scenes = scenes + 1
+  inspect.folder(scene, ("out/check/%d"):format(scenes)) -- a run has its folder for itself
   return scene
 end
 

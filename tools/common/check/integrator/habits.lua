@@ -71,9 +71,8 @@ local function allocates_nothing(plugin, lines)
       told = true
       lines:wrong(("it allocates in a step: %d times in three steps"):format(calls + asked), "allocate in `create` and `topology`")
     end
+    inspect.destroy(run)
   end, { allocations = 1 << 40 })
-  collectgarbage()
-  collectgarbage()
   local allocated, freed = inspect.heap()
   local lost = (allocated - before) - (freed - freed_before)
   if lost > 0 then

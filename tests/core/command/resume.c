@@ -1,0 +1,175 @@
+/* hooke run --resume: the command goes on with the scene, the parameters and the options of the run that was stopped,
+ * into the same bits; what has changed meanwhile is named, and the files of the first part stay. */
+#include "tests/support/command.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const char scene[] = "local rope = require 'lost_rope'\n"
+                            "local N = param('N', 12, 'particles')\n"
+                            "local scene = hooke.scene { duration = 0.9, fps = 20 }\n"
+                            "rope(scene, N)\n"
+                            "local stop = param('stop', 0, 'frame of an error')\n"
+                            "local frame = 0\n"
+                            "scene:measure('low', function(s) return s:position(N)[3] end)\n"
+                            "scene:on_frame(function(s) frame = frame + 1\n"
+                            "  if frame == stop then error('enough') end end)\n"
+                            "scene:output('checkpoint', { every = 4 })\n"
+                            "return scene\n";
+
+static const char module[] = "return function(scene, N)\n"
+                             "  local rope = scene:strand { n = N, from = {0, 0, 0}, to = {1, 0, 0}, mass = 0.1 }\n"
+                             "  scene:pin { 1 }\n"
+                             "  scene:force('gravity', {})\n"
+                             "  scene:force('springs', { edges = rope:edges(), k = 100, damping = 0.01 })\n"
+                             "end\n";
+
+static void write_scene(void) {
+  test_write("rope.lua", scene);
+  test_write("lost_rope.lua", module);
+}
+
+/* Stops at frame 10 by an error of the script; the last point is that of frame 8. The script counts frames anew when it
+ * goes on, so that the error does not come back. */
+static void stop(const char *options) {
+  static test_result r;
+  char arguments[512];
+  write_scene();
+  snprintf(arguments, sizeof arguments, "run rope.lua N=9 --quiet --out part %s stop=11", options);
+  test_hooke(&r, NULL, arguments);
+  if (r.code != 1 || !strstr(r.err, "enough")) fail_msg("code %d: %s", r.code, r.err);
+  assert_true(test_exists("part/newest.checkpoint") && test_exists("part/before.checkpoint"));
+}
+
+/* The first part ends at 0.55 s; its newest checkpoint is that of frame 8, at 0.4 s. */
+static void it_goes_on_with_scene_parameters_and_options(void **state) {
+  (void)state;
+  static test_result r;
+  for (int k = 0; k < 2; k++) {
+    const char *options = k ? "--integrator bdf2 --seed 5" : "--integrator rk4 --dt 0.001";
+    char arguments[512];
+    write_scene();
+    snprintf(arguments, sizeof arguments, "run rope.lua N=9 --quiet --out whole --state whole.csv stop=1000 %s",
+             options);
+    test_hooke(&r, NULL, arguments);
+    assert_int_equal(r.code, 0);
+    snprintf(arguments, sizeof arguments, "run rope.lua N=9 stop=1000 --until 0.55 --out part --quiet %s", options);
+    test_hooke(&r, NULL, arguments);
+    assert_int_equal(r.code, 0);
+    test_hooke(&r, "cp part/newest.checkpoint at.checkpoint; mkdir -p elsewhere; cd elsewhere;",
+               "run --resume ../at.checkpoint --until 0.9 --out ../part --quiet --threads 1 --state ../rest.csv");
+    if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+    test_hooke(&r, "cmp whole.csv rest.csv || exit 9;", "--version");
+    assert_int_equal(r.code, 0);
+  }
+}
+
+static void the_files_of_the_first_part_stay(void **state) {
+  (void)state;
+  static test_result r;
+  stop("");
+  test_hooke(&r, NULL, "run --resume part/newest.checkpoint --out part --quiet");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  assert_true(test_exists("part/newest.checkpoint") && test_exists("part/measures.csv"));
+  test_hooke(&r, "test -f part/from-step-*/measures.csv && test -f part/from-step-*/newest.checkpoint || exit 9;",
+             "--version");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run rope.lua --out part --quiet --until 0.1"); /* a new run replaces all of it */
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "test ! -e part/from-step-* || exit 9;", "--version");
+  assert_int_equal(r.code, 0);
+}
+
+static void expect_refused(const char *arguments, const char *what) {
+  static test_result r;
+  char all[512];
+  snprintf(all, sizeof all, "run --resume part/newest.checkpoint --out part --quiet %s", arguments);
+  test_hooke(&r, NULL, all);
+  if (r.code != 1 || !strstr(r.err, "cannot be gone on from") || !strstr(r.err, what))
+    fail_msg("code %d: expected '%s' in '%s'", r.code, what, r.err);
+}
+
+static void what_has_changed_is_named(void **state) {
+  (void)state;
+  char text[2048];
+  stop("");
+  expect_refused("N=10", "the parameter N was 9 and is 10");
+  expect_refused("--seed 7", "the seed was 0 and is 7");
+  expect_refused("--integrator rk4", "the integrator 'leapfrog' of the plugin leapfrog is no longer part of it");
+  snprintf(text, sizeof text, "%s-- a comment\n", scene);
+  test_write("rope.lua", text);
+  expect_refused("", "the script rope.lua has changed");
+  write_scene();
+  snprintf(text, sizeof text, "%s-- a comment\n", module);
+  test_write("lost_rope.lua", text);
+  expect_refused("", "the script lost_rope.lua has changed");
+}
+
+static void a_plugin_that_has_changed_is_named(void **state) {
+  (void)state;
+  static test_result r;
+  char text[2048];
+  snprintf(text, sizeof text, "cp %s/plugins/forces/drag.so drag.so;", HK_BUILD);
+  write_scene();
+  test_write("own.lua", "local scene = hooke.scene { duration = 0.2, fps = 20 }\n"
+                        "scene:particle { position = {0, 0, 0}, velocity = {1, 0, 0}, mass = 1 }\n"
+                        "scene:force('./drag.so', { rate = 1 })\n"
+                        "scene:output('checkpoint', { every = 2 })\n"
+                        "return scene\n");
+  test_hooke(&r, text, "run own.lua --trust --quiet --out own");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, NULL, "run --resume own/newest.checkpoint --trust --quiet --out own");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, "printf x >> drag.so;", "run --resume own/before.checkpoint --trust --quiet --out own");
+  if (r.code != 1 || !strstr(r.err, "the force 'drag' of the plugin drag has changed"))
+    fail_msg("%d: %s", r.code, r.err);
+  test_hooke(&r, NULL, "run --resume own/before.checkpoint --quiet --out own"); /* rights are not in a file */
+  assert_true(r.code != 0 && strstr(r.err, "--trust"));
+}
+
+static void what_is_no_checkpoint_is_refused(void **state) {
+  (void)state;
+  static test_result r;
+  write_scene();
+  test_hooke(&r, NULL, "run --resume rope.lua");
+  assert_true(r.code == 4 && strstr(r.err, "rope.lua is no checkpoint"));
+  test_hooke(&r, NULL, "run --resume nowhere.checkpoint");
+  assert_true(r.code == 4 && strstr(r.err, "cannot read nowhere.checkpoint"));
+  test_hooke(&r, NULL, "run --resume");
+  assert_true(r.code == 1 && strstr(r.err, "--resume needs a value"));
+}
+
+/* Two runs at once: the second is told, and takes nothing from the first. */
+static void a_folder_takes_one_run_at_a_time(void **state) {
+  (void)state;
+  static test_result r;
+  test_write("long.lua", "local scene = hooke.scene { duration = 1e4, fps = 60, dt = 1e-4 }\n"
+                         "scene:particle { position = {0, 0, 0}, velocity = {1, 0, 0}, mass = 1 }\n"
+                         "scene:measure('x', function(s) return s:position(1)[1] end)\n"
+                         "return scene\n");
+  test_hooke(&r,
+             "\"" HK_BUILD "/hooke\" run long.lua --quiet --out both 2>/dev/null & first=$!; "
+             "trap 'kill -INT $first; wait $first' EXIT; "
+             "while ! test -s both/measures.csv; do sleep 0.05; done;",
+             "run long.lua --quiet --out both");
+  if (r.code != 4 || !strstr(r.err, "another run is writing to both")) fail_msg("code %d: %s", r.code, r.err);
+  assert_true(test_exists("both/measures.csv"));
+  test_hooke(&r, NULL, "run long.lua --quiet --out both --until 0.1");
+  assert_int_equal(r.code, 0);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(it_goes_on_with_scene_parameters_and_options),
+      cmocka_unit_test(the_files_of_the_first_part_stay),
+      cmocka_unit_test(what_has_changed_is_named),
+      cmocka_unit_test(a_plugin_that_has_changed_is_named),
+      cmocka_unit_test(what_is_no_checkpoint_is_refused),
+      cmocka_unit_test(a_folder_takes_one_run_at_a_time),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
