@@ -8,6 +8,7 @@
 #include "plugins/common/space/cell_list.h"
 
 #include <string.h>
+#include <time.h>
 
 enum { GRAIN = 4096 };
 
@@ -25,7 +26,8 @@ typedef struct neighbours {
   bool listed;        /* the rows for found_at are in `list`: not so when a checkpoint was read */
   hk_cell_list list;
   size_t chunks;
-  bool *moved; /* chunks: a particle of it has moved too far, or is not finite */
+  bool *moved;    /* chunks: a particle of it has moved too far, or is not finite */
+  double seconds; /* wall time of `rows` so far */
   hk_neighbours table;
   const hk_host *host;
 } neighbours;
@@ -135,8 +137,7 @@ static hk_status find_again(neighbours *s, const hk_view *view, const double *x,
   return list_rows(s, view->n);
 }
 
-static hk_status rows(void *self, const hk_view *view, const double *x, hk_neighbour_rows *out) {
-  neighbours *s = self;
+static hk_status look(neighbours *s, const hk_view *view, const double *x, hk_neighbour_rows *out) {
   double reach = s->radius * (1 + s->skin) * (1 + margin);
   bool good = s->found && s->found_reach == reach && !has_moved(s, x, view->n);
   hk_status status = !good ? find_again(s, view, x, reach) : s->listed ? HK_OK : list_rows(s, view->n);
@@ -144,6 +145,22 @@ static hk_status rows(void *self, const hk_view *view, const double *x, hk_neigh
   *out = (hk_neighbour_rows){view->n, s->list.row_start, s->list.other, reach, (uint64_t)s->number};
   return HK_OK;
 }
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static hk_status rows(void *self, const hk_view *view, const double *x, hk_neighbour_rows *out) {
+  neighbours *s = self;
+  double begin = now();
+  hk_status status = look(s, view, x, out);
+  s->seconds += now() - begin;
+  return status;
+}
+
+static double seconds(void *self) { return ((neighbours *)self)->seconds; }
 
 /* ---- the plugin ---- */
 
@@ -167,7 +184,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static const void *table(void *self) { return &((neighbours *)self)->table; }
 
-static const hk_service service = {.size = sizeof(hk_service), .interface = "neighbours/1", .table = table};
+static const hk_service service = {
+    .size = sizeof(hk_service), .interface = "neighbours/1", .table = table, .seconds = seconds};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
