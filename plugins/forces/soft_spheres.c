@@ -19,9 +19,6 @@
 
 enum { GRAIN = 256 };
 
-static const double travel = 0.25; /* of the smallest radius, in a step: no contact is passed by unseen */
-static const double grown = 1e-9;  /* of the radius: rounding of a channel that does not change */
-
 typedef struct soft_spheres {
   hk_spheres spheres;
   double restitution, tangential; /* tangential: k_t/k */
@@ -93,10 +90,6 @@ static double overlap(const task *t, size_t i, size_t j, double r[3], double *di
   return reach - *distance;
 }
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-  for (int c = 0; c < 3; c++) out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
-
 /* u -= (l_i w_i + l_j w_j) x n, and the slip with it, by the mean of the spins then and now. */
 static void roll(const task *t, size_t i, size_t j, double lever_i, double lever_j, bool remembered, hk_contact *c) {
   const soft_spheres *s = t->self;
@@ -106,8 +99,8 @@ static void roll(const task *t, size_t i, size_t j, double lever_i, double lever
     now[a] = lever_i * wi[a] + lever_j * wj[a];
     then[a] = now[a] + lever_i * s->spin_then[3 * i + a] + lever_j * s->spin_then[3 * j + a];
   }
-  cross(now, c->normal, u);
-  cross(then, c->normal, du);
+  hk_cross(now, c->normal, u);
+  hk_cross(then, c->normal, du);
   for (int a = 0; a < 3; a++) c->u[a] -= u[a], c->slip[a] -= passed * du[a];
 }
 
@@ -142,7 +135,7 @@ static double add_one(const task *t, size_t i) {
     if (!(d > 0)) continue;
     hk_contact c;
     contact_of(t, i, j, d, r, distance, hk_history_find(&s->history, i, &at, t->view->model->id[j]), &c);
-    cross(c.normal, c.across, moment);
+    hk_cross(c.normal, c.across, moment);
     for (int a = 0; a < 3; a++) force[a] += c.force[a], torque[a] -= (R - d / 2) * moment[a];
     power += c.power / 2;
   }
@@ -176,13 +169,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
 /* Of the torques of `add`, which the host calls just before. */
 static hk_status rates(void *self, const hk_view *view, double *dy) {
   const soft_spheres *s = self;
-  if (!s->spheres.spin_channel) return HK_OK;
-  double *spin = dy + s->spheres.spin_channel->offset * view->n;
-  for (size_t k = 0; k < view->acting; k++) {
-    size_t i = acting(view, k);
-    double inertia = hk_sphere_inertia(&s->spheres, view, i);
-    for (size_t a = 3 * i; a < 3 * i + 3; a++) spin[a] += s->torque[a] / inertia;
-  }
+  hk_spheres_turn(&s->spheres, view, s->torque, dy);
   return HK_OK;
 }
 
@@ -249,22 +236,19 @@ static void remember_chunk(void *context, size_t first, size_t end, size_t chunk
   for (size_t k = first; k < end; k++) remember_one(t, acting(t->view, k));
 }
 
-static hk_status check_radii(soft_spheres *s, const hk_view *view) {
-  double largest = s->spheres.largest;
-  if (!s->spheres.radius_channel) return HK_OK;
-  hk_status status = hk_spheres_measure(&s->spheres, view);
-  if (status != HK_OK || s->spheres.largest <= largest * (1 + grown)) return status;
-  return s->host->fail(s->host, HK_FAILED,
-                       "a radius has grown from %g m to %g m at t = %g s: pairs are looked for up to "
-                       "the largest radius at the start only",
-                       largest, s->spheres.largest, view->t);
+/* Radii of a channel may change, and be others after a checkpoint was read. */
+static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
+  const soft_spheres *s = self;
+  (void)x_to, (void)pattern_changed;
+  hk_status status = hk_spheres_check(&s->spheres, from);
+  return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, from).largest)
+                         : status;
 }
 
 static hk_status accepted(void *self, const hk_view *view, double h) {
   soft_spheres *s = self;
   task t;
-  hk_status status = check_radii(s, view);
-  if (status == HK_OK) status = begin(&t, s, view);
+  hk_status status = begin(&t, s, view);
   if (status != HK_OK) return status;
   t.fresh = fabs(view->t - h - s->history.t) > h / 2; /* it did not act in the step before */
   view->host->parallel_for(view->host, view->n, GRAIN, count_chunk, &t);
@@ -272,8 +256,7 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   if (status != HK_OK) return status;
   view->host->parallel_for(view->host, view->acting, GRAIN, remember_chunk, &t);
   hk_history_commit(&s->history, view->n, view->t);
-  for (size_t i = 0; s->spheres.spin_channel && i < view->n; i++)
-    for (size_t a = 0; a < 3; a++) s->spin_then[3 * i + a] = hk_sphere_spin(&s->spheres, view, i)[a];
+  hk_spheres_keep_spin(&s->spheres, view, s->spin_then);
   return HK_OK;
 }
 
@@ -293,33 +276,23 @@ static size_t touching(const task *t, size_t i) {
   return count;
 }
 
-/* Of a pair, k (u_i - u_j)^2 <= 2 k u_i^2 + 2 k u_j^2. Turning makes the tangential spring 7/2 as stiff: 1 + m R^2/I.
- * Dashpots: the effective mass is below each sphere's own. */
+/* Of a pair, k (u_i - u_j)^2 <= 2 k u_i^2 + 2 k u_j^2. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const soft_spheres *s = self;
   task t;
   bool known = begin(&t, self, view) == HK_OK;
-  double turning = s->spheres.spin_channel ? 3.5 : 1, k = fmax(s->law.stiffness, turning * s->law.tangential);
-  for (size_t e = 0; e < view->acting; e++) {
-    size_t i = acting(view, e);
-    double most = most_around(hk_sphere_radius(&s->spheres, view, i), s->spheres.smallest);
-    double one = part == HK_DAMPING_WHOLE
-                     ? 2 * s->law.damping * fmax(sqrt(s->law.stiffness), turning * sqrt(s->law.tangential)) *
-                           sqrt(view->model->mass[i])
-                     : k;
+  double smallest = hk_spheres_measure(&s->spheres, view).smallest;
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = acting(view, k);
+    double one = hk_contact_bound(&s->law, part, view->model->mass[i], s->spheres.spin_channel);
+    double most = most_around(hk_sphere_radius(&s->spheres, view, i), smallest);
     double sum = known ? 2 * one * fmax(most, (double)touching(&t, i)) : INFINITY;
     for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += sum;
   }
 }
 
 static double longest_step(void *self, const hk_view *view) {
-  const soft_spheres *s = self;
-  double most2 = 0;
-  for (size_t k = 0; k < view->acting; k++) {
-    const double *v = view->v + 3 * acting(view, k);
-    most2 = fmax(most2, hk_dot(v, v));
-  }
-  return travel * s->spheres.smallest / sqrt(most2);
+  return hk_spheres_longest_step(&((const soft_spheres *)self)->spheres, view);
 }
 
 /* ---- the plugin ---- */
@@ -329,9 +302,10 @@ static hk_status topology(void *self, const hk_view *view) {
   s->host->release(s->host, s->sums);
   s->sums = s->host->allocate(s->host, (view->n / GRAIN + 1) * sizeof *s->sums);
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
-  hk_status status = hk_spheres_measure(&s->spheres, view);
+  hk_status status = hk_spheres_check(&s->spheres, view);
   if (status == HK_OK) status = hk_history_adapt(&s->history, view, true);
-  return status == HK_OK ? s->service->reach(s->service->self, 2 * s->spheres.largest * (1 + grown)) : status;
+  return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
+                         : status;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -356,6 +330,7 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .energy = energy,
                                .rates = rates,
                                .stiffness_bound = stiffness_bound,
+                               .update = update,
                                .longest_step = longest_step,
                                .accepted = accepted};
 

@@ -34,6 +34,15 @@ double hk_contact_duration(double damping);
 
 static inline double hk_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+static inline void hk_cross(const double a[3], const double b[3], double out[3]) {
+  for (int c = 0; c < 3; c++) out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+}
+
+/* N/m or N s/m: the largest eigenvalue of -dF/dx or -dF/dv of a contact of a sphere of that mass with a fixed body.
+ * Turning makes the tangential spring 7/2 as stiff, 1 + m R^2/I. The effective mass is never more than a sphere's own.
+ */
+double hk_contact_bound(const hk_contact_law *, hk_stiffness_part part, double mass, bool turns);
+
 static inline void hk_contact_force(const hk_contact_law *law, hk_contact *c) {
   double apart = hk_dot(c->u, c->normal), spring = law->stiffness * c->overlap;
   double N = spring - 2 * law->damping * sqrt(law->stiffness * c->mass) * apart;

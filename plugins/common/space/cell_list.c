@@ -11,6 +11,7 @@ enum {
   LANES = 9,
   PIECES = 2 * LANES, /* a lane that passes the end of the table is two */
   CANDIDATES = 2048,
+  FEW = 256, /* pairs that there is always room for */
   CROWD = 4 /* points of a cell from which on sorting its candidates once is cheaper than sorting every row */
 };
 
@@ -45,6 +46,7 @@ static hk_status reserve_pairs(hk_cell_list *l, const hk_host *host, size_t pair
   if (pairs <= l->pairs) return HK_OK;
   size_t room = l->pairs + l->pairs / 2;
   if (room < pairs) room = pairs;
+  if (room < FEW) room = FEW;
   host->release(host, l->other);
   l->other = room < SIZE_MAX / sizeof *l->other ? host->allocate(host, room * sizeof *l->other) : NULL;
   l->pairs = room;
