@@ -21,11 +21,14 @@ const char *hk_verdict_name(hk_verdict verdict) {
 }
 
 static double seconds_of(const hk_instance *instance) {
+  if (instance->plugin->kind == HK_SERVICE)
+    return instance->plugin->service->seconds ? instance->plugin->service->seconds(instance->self) : NAN;
   bool sampled = instance->sampled && instance->calls > instance->sampled;
   return instance->seconds * (sampled ? (double)instance->calls / (double)instance->sampled : 1);
 }
 
-/* The integrator's time is the time of the steps less that of the forces; the time of services is in their clients'. */
+/* The integrator's time is the time of the steps less that of the forces; that of services is also in their clients'.
+ */
 static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
   static const hk_kind order[] = {HK_FORCE,  HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE,
                                   HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER,    HK_SERVICE};

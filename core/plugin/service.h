@@ -10,6 +10,9 @@ typedef struct hk_service {
   size_t size;
   const char *interface;            /* "neighbours/1": the name and version that `query` asks for */
   const void *(*table)(void *self); /* the result of `query`, valid as long as the run; called after `create` */
+  /* s, wall time that the table's functions have taken in this run, for the summary, where it is also part of the time
+   * of the plugins that called them; NULL: not known. */
+  double (*seconds)(void *self);
 } hk_service;
 
 /* ---- "neighbours/1" -------------------------------------------------------------------------------------------- */
@@ -29,13 +32,13 @@ typedef struct hk_neighbour_rows {
 
 typedef struct hk_neighbours {
   void *self;
-  /* Called in `create` or `topology`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to 1e150. The
+  /* Called in `create`, `topology` or `update`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to 1e150. The
    * largest request counts, to the end of the run. HK_BAD_PARAM. */
   hk_status (*reach)(void *self, double radius);
   /* The rows for the positions x (n x 3), valid until the next call of any client. They hold pairs up to `reach` apart
    * and, as x has moved since the search, somewhat more: the caller checks the distance. May be called from `add`,
-   * `energy`, `update` and sources, not inside a parallel_for, which it uses. It allocates when there are more pairs
-   * than ever before, by half at least. HK_NO_MEMORY; HK_NOT_FINITE, which names the particle. */
+   * `energy`, `update`, `accepted` and sources, not inside a parallel_for, which it uses. It allocates when there are
+   * more pairs than ever before, by half at least. HK_NO_MEMORY; HK_NOT_FINITE, which names the particle. */
   hk_status (*rows)(void *self, const hk_view *view, const double *x, hk_neighbour_rows *rows);
 } hk_neighbours;
 
