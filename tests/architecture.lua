@@ -27,13 +27,14 @@ local further_headers = {}
 -- Plugins that are called by an ordinary word: what the word means in core/.
 local ordinary_words = {
   code = {
-    table = "a table of Lua or of parameters", frames = "the frames of a run",
+    table = "a table of Lua or of parameters", frames = "the frames of a run", field = "a row of a table of fields",
     neighbours = "the interface of that service, which is part of the ABI",
     checkpoint = "the file of a run that goes on",
   },
   comment = {
     neighbours = "particles, or entries of a list, beside each other",
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
+    field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },

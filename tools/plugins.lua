@@ -14,13 +14,14 @@ local function default(p)
       k = k + 1
     end
   end
+  if p.type == "function" then return "-" end
   local lists = { particles = true, edges = true, triangles = true, tetrahedra = true, numbers = true }
   if lists[p.type] then return "{}" end
   return ("%g"):format(p.initial[1])
 end
 
 local function range(p)
-  if not p.min then return p.type == "choice" and p.text or "" end
+  if not p.min then return (p.type == "choice" or p.type == "function") and p.text or "" end
   return p.max <= p.min and (">= %g"):format(p.min) or p.max == math.huge and (">= %g"):format(p.min)
     or ("%g to %g"):format(p.min, p.max)
 end

@@ -7,6 +7,10 @@
 
 enum { HK_COLUMNS = 3, HK_RESULTS = 2 * HK_COLUMNS }; /* of the numbers that a function returns, at most */
 
+/* ---- arguments.c ---- */
+
+size_t hk_function_arguments(const hk_param *); /* number of arguments of a HK_FUNCTION, by its text */
+
 /* ---- derivative.c: derivatives by differences (Ridders 1982) ---- */
 
 typedef struct hk_derivative {

@@ -2,6 +2,8 @@
  * exact. A call runs under the script's limits and allocates nothing outside a protected call. */
 #include "core/lua/internal.h"
 
+#include <string.h>
+
 enum { DEEPEST = 4, ROOM = DEEPEST + 8 }; /* a list of triples is 2 deep */
 enum { EMPTY = 1000 };                    /* tables of a result that need not hold a number */
 
@@ -38,15 +40,18 @@ static const char *flatten(lua_State *L, int index, int depth, double *out, size
 
 /* A result that is not finite is an error that names the function, its line and the time, since it would otherwise
  * appear later as a diverged force. */
-static hk_status check_finite(const hk_function *f, lua_State *L, double t, const double *out, size_t count,
-                              hk_error *error) {
-  char what[80];
+static const char *not_finite(const double *out, size_t count) {
   for (size_t k = 0; k < count; k++)
-    if (!isfinite(out[k])) {
-      snprintf(what, sizeof what, "%s at t = %.9g s", isnan(out[k]) ? "nan" : out[k] > 0 ? "inf" : "-inf", t);
-      return wrong_result(f, L, error, what);
-    }
-  return HK_OK;
+    if (!isfinite(out[k])) return isnan(out[k]) ? "nan" : out[k] > 0 ? "inf" : "-inf";
+  return NULL;
+}
+
+/* The time, and the particle of a function of the state, at the end of the message; `raised`: of the script's own. */
+static void add_place(const hk_function *f, const double *in, bool raised, hk_error *error) {
+  size_t length = strlen(error->text), room = sizeof error->text - length;
+  char particle[32] = "";
+  if (f->id) snprintf(particle, sizeof particle, ", particle %.0f", in[f->id]);
+  snprintf(error->text + length, room, raised ? " (at t = %.9g s%s)" : " at t = %.9g s%s", in[0], particle);
 }
 
 /* What the script's function does is no doing of the plugin that asked for its value. */
@@ -68,7 +73,11 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   *n_out = 0;
   if (!lua_checkstack(L, (int)n_in + ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
-  for (size_t k = 0; k < n_in; k++) lua_pushnumber(L, in[k]);
+  for (size_t k = 0; k < n_in; k++)
+    if (k && k == f->id)
+      lua_pushinteger(L, (lua_Integer)in[k]);
+    else
+      lua_pushnumber(L, in[k]);
   s->calling = caller;
   const hk_instance *acting = leave_plugin(s);
   hk_status status = hk_lua_call(L, (int)n_in, max_out ? LUA_MULTRET : 0, error);
@@ -77,8 +86,9 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   if (status == HK_OK && !lua_checkstack(L, ROOM)) wrong = "too many values";
   for (int k = top + 1, last = lua_gettop(L); status == HK_OK && !wrong && k <= last; k++)
     wrong = flatten(L, k, 0, out, max_out, n_out, &looks);
+  if (status == HK_OK && !wrong && n_in) wrong = not_finite(out, *n_out);
   if (wrong) status = wrong_result(f, L, error, wrong);
-  if (status == HK_OK && n_in) status = check_finite(f, L, in[0], out, *n_out, error);
+  if (n_in && (wrong || (f->id && status == HK_SCRIPT))) add_place(f, in, !wrong, error);
   lua_settop(L, top);
   return status;
 }
@@ -86,7 +96,7 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
 hk_function hk_lua_function(lua_State *L, int index) {
   luaL_checktype(L, index, LUA_TFUNCTION);
   lua_pushvalue(L, index);
-  return (hk_function){call_function, hk_lua_script(L), luaL_ref(L, LUA_REGISTRYINDEX)};
+  return (hk_function){.call = call_function, .context = hk_lua_script(L), .reference = luaL_ref(L, LUA_REGISTRYINDEX)};
 }
 
 /* ---- adapters; their first upvalue is the script's function ---- */
@@ -109,20 +119,8 @@ hk_function hk_lua_frame_function(lua_State *L, int index) {
   return function;
 }
 
-/* t, id, y... -> function(t, id, y...), the id a whole number */
-static int with_id(lua_State *L) {
-  lua_pushinteger(L, (lua_Integer)lua_tonumber(L, 2));
-  lua_replace(L, 2);
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_insert(L, 1);
-  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
-  return lua_gettop(L);
-}
-
 hk_function hk_lua_rate_function(lua_State *L, int index) {
-  lua_pushvalue(L, index);
-  lua_pushcclosure(L, with_id, 1);
-  hk_function function = hk_lua_function(L, lua_gettop(L));
-  lua_pop(L, 1);
+  hk_function function = hk_lua_function(L, index);
+  function.id = 1;
   return function;
 }

@@ -153,7 +153,9 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
   case LUA_TSTRING:
     return (hk_value){.kind = HK_VALUE_STRING, .text = lua_tostring(L, index)};
   case LUA_TFUNCTION:
-    return (hk_value){.kind = HK_VALUE_FUNCTION, .function = hk_lua_function(L, index)};
+    value = (hk_value){.kind = HK_VALUE_FUNCTION, .function = hk_lua_function(L, index)};
+    if (p->type == HK_FUNCTION) value.function.id = hk_function_arguments(p) - 1;
+    return value;
   default:
     break;
   }
@@ -175,7 +177,8 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
                                          "a list of edges, {{1, 2}, {2, 3}}",
                                          "a list of triangles, {{1, 2, 3}}",
                                          "a list of tetrahedra or hinges, {{1, 2, 3, 4}}",
-                                         "a number or a list with one number per tuple"};
+                                         "a number or a list with one number per tuple",
+                                         "a function"};
     hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected %s, got %s", label, p->name, wanted[p->type],
                 lua_istable(L, index) ? "another kind of list" : luaL_typename(L, index));
   }
@@ -243,6 +246,12 @@ static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *s
   return true;
 }
 
+static bool has_state_function(const hk_plugin_spec *spec) {
+  for (const hk_param *p = spec->plugin->params; p && p->name; p++)
+    if (p->type == HK_FUNCTION && spec->given[p - spec->plugin->params]) return true;
+  return false;
+}
+
 void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table) {
   hk_error error = {0};
   if (table == 0 || lua_isnoneornil(L, table))
@@ -270,7 +279,7 @@ void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec
   }
   if (spec->from >= spec->to)
     hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", spec->label, spec->from, spec->to);
-  if (spec->fastest > 0 && spec->timed_count == 0)
+  if (spec->fastest > 0 && spec->timed_count == 0 && !has_state_function(spec))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: fastest: no parameter is a function of time", spec->label);
   if (hk_spec_check(spec, &error) != HK_OK) hk_lua_raise(L, &error);
 }
