@@ -1,0 +1,156 @@
+/* Gravitation between bodies, with Plummer's softening: with d = x_j - x_i and s^2 = d^2 + softening^2,
+ *     F_i = sum_j G m_i m_j d/s^3,      energy = -sum over pairs G m_i m_j/s.
+ * Two bodies at one place have no force on each other with softening; without, it is infinite, which is an error. */
+#include "plugins/common/gravity/direct_sum.h"
+#include "plugins/common/gravity/pair_blocks.h"
+
+#include <string.h>
+
+typedef struct nbody {
+  double G, softening;
+  hk_tuples sources;
+  bool among;
+  bool chosen;     /* there are sources, whose last one may have died */
+  bool *is_source; /* n */
+  double *pull;    /* n, of stiffness_bound */
+  hk_gravity_bodies bodies;
+  const hk_host *host;
+} nbody;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"G", "m^3/(kg s^2)", "gravitational constant", HK_NUMBER, {6.67430e-11}, 0, INFINITY, offsetof(nbody, G), 0, NULL},
+    {"softening", "m", "added to distances in quadrature; 0: point masses", HK_NUMBER, {0}, 0, 1e150, offsetof(nbody, softening), 0, NULL},
+    {"sources", "", "only pairs with one of these or two act; left out: all pairs", HK_PARTICLES, {0}, 0, 0, offsetof(nbody, sources), HK_OPTIONAL, NULL},
+    {"among", "", "whether the sources attract each other as well", HK_BOOLEAN, {1}, 0, 0, offsetof(nbody, among), 0, NULL},
+    {0},
+};
+/* clang-format on */
+
+/* ---- the bodies ---- */
+
+static hk_status topology(void *self, const hk_view *view) {
+  nbody *p = self;
+  p->host->release(p->host, p->is_source);
+  p->host->release(p->host, p->pull);
+  p->is_source = p->host->allocate(p->host, view->n * sizeof *p->is_source);
+  p->pull = p->host->allocate(p->host, view->n * sizeof *p->pull);
+  if (!p->is_source || !p->pull || hk_gravity_reserve(&p->bodies, p->host, view->n) != HK_OK)
+    return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu bodies", view->n);
+  for (size_t k = 0; k < p->sources.count; k++) p->is_source[p->sources.index[k]] = true;
+  return HK_OK;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  nbody *p = self;
+  p->host = host;
+  p->chosen = p->sources.count > 0;
+  return topology(self, view);
+}
+
+static void destroy(void *self, const hk_host *host) {
+  (void)host;
+  hk_gravity_release(&((nbody *)self)->bodies);
+}
+
+static uint32_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : (uint32_t)k; }
+
+/* Sources first. */
+static void order_bodies(nbody *p, const hk_view *view) {
+  hk_gravity_bodies *g = &p->bodies;
+  g->count = 0;
+  for (size_t k = 0; k < view->acting; k++)
+    if (!p->chosen || p->is_source[acting(view, k)]) g->order[g->count++] = acting(view, k);
+  g->sources = g->count;
+  g->mutual = !p->chosen || p->among;
+  for (size_t k = 0; k < view->acting && p->chosen; k++)
+    if (!p->is_source[acting(view, k)]) g->order[g->count++] = acting(view, k);
+}
+
+static void gather(nbody *p, const hk_view *view) {
+  order_bodies(p, view);
+  hk_gravity_gather(&p->bodies, view->x, view->model->mass, p->softening);
+}
+
+/* ---- force and energy ---- */
+
+static hk_status fail_coincident(const nbody *p, const hk_view *view) {
+  uint32_t pair[2] = {0};
+  hk_direct_coincident(&p->bodies, pair);
+  const double *x = view->x + 3 * (size_t)pair[0];
+  const uint32_t *id = view->model->id;
+  return p->host->fail(
+      p->host, HK_FAILED,
+      "particles %u and %u are both at (%g, %g, %g) m at t = %g s, where their force is infinite: move "
+      "one of them, or give a softening",
+      id[pair[0]], id[pair[1]], x[0], x[1], x[2], view->t);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  nbody *p = self;
+  gather(p, view);
+  return hk_direct_forces(&p->bodies, p->G, F) ? HK_OK : fail_coincident(p, view);
+}
+
+static double energy(void *self, const hk_view *view) {
+  nbody *p = self;
+  gather(p, view);
+  return hk_direct_energy(&p->bodies, p->G);
+}
+
+/* ---- implicit steps and stable ones ---- */
+
+static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
+  nbody *p = self;
+  order_bodies(p, view);
+  if (p->bodies.count <= HK_PAIR_BLOCKS_MOST) hk_pair_pattern(&p->bodies, pattern);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  nbody *p = self;
+  order_bodies(p, view);
+  if (p->bodies.count > HK_PAIR_BLOCKS_MOST)
+    return p->host->fail(
+        p->host, HK_FAILED,
+        "an implicit method needs a block for each of the pairs of %zu bodies, and %d is the most: use "
+        "an explicit integrator (leapfrog, blanes_moan, dopri5)",
+        p->bodies.count, HK_PAIR_BLOCKS_MOST);
+  hk_pair_jacobian(&p->bodies, view, p->G, p->softening, into);
+  return HK_OK;
+}
+
+/* A pair's K is at most G m_i m_j/s^3 |u_i - u_j|^2, and |u_i - u_j|^2 <= 2 |u_i|^2 + 2 |u_j|^2. */
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  nbody *p = self;
+  if (part == HK_DAMPING_WHOLE) return;
+  gather(p, view);
+  hk_direct_stiffness(&p->bodies, p->G, p->pull);
+  for (size_t k = 0; k < p->bodies.count; k++) {
+    uint32_t i = p->bodies.order[k];
+    double bound = 2 * view->model->mass[i] * p->pull[k];
+    block[i][0] += bound, block[i][3] += bound, block[i][5] += bound;
+  }
+}
+
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
+                                        HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE,
+                               .add = add,
+                               .energy = energy,
+                               .pattern = pattern,
+                               .jacobian = jacobian,
+                               .stiffness_bound = stiffness_bound};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "nbody",
+    .summary = "gravitation between bodies, F = G m_i m_j d/s^3, s^2 = d^2 + softening^2",
+    .reference = "Newton 1687; softening: Plummer 1911, MNRAS 71; Aarseth 1963, MNRAS 126",
+    .instance_size = sizeof(nbody),
+    .params = params,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .force = &force,
+};
