@@ -67,7 +67,7 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   for (size_t k = 0; k < correctors->count; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
     hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n};
-    if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before;
+    if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
     hk_status status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;
     if (c.reject && functions->flags & HK_MAY_REJECT) {
