@@ -1,5 +1,5 @@
 #include "plugins/common/obstacles/obstacle.h"
-#include "plugins/common/obstacles/path.h"
+#include "plugins/common/obstacles/parabola.h"
 #include "plugins/common/space/vector3.h"
 
 #include <float.h>
@@ -58,18 +58,17 @@ static double tolerance(const hk_obstacle *o, const hk_obstacle_step *step) {
   return hk_obstacle_rounding(o, step->x_from, step->x, step->i);
 }
 
-/* The rest of the path in the obstacle's frame. */
-static hk_path path_past(const march *m, const hk_obstacle *o, const hk_body_frame *now) {
-  double tau = remaining(m), p_end[3], w[3], w_end[3];
-  hk_path path = {.span = tau};
+/* The rest of the path in the obstacle's frame: through its position and velocity of now and its position at the end.
+ * Where the obstacle moves, the velocity at the end, w_end, is that of the parabola up to O(h^2) only. */
+static hk_parabola path_past(const march *m, const hk_obstacle *o, const hk_body_frame *now, double w_end[3]) {
+  double tau = remaining(m), p_end[3];
+  hk_parabola path = {.span = tau};
   hk_body_point(now, m->x, path.p);
-  hk_body_velocity(now, m->x, m->u, w);
+  hk_body_velocity(now, m->x, m->u, path.w);
   hk_body_point(&o->motion.end, m->x_end, p_end);
   hk_body_velocity(&o->motion.end, m->x_end, m->u_end, w_end);
-  for (int c = 0; c < 3; c++) {
-    path.a[c] = (w_end[c] - w[c]) / tau;
-    path.w[c] = o->motion.still ? w[c] : (p_end[c] - path.p[c]) / tau - tau / 2 * path.a[c];
-  }
+  for (int c = 0; c < 3; c++)
+    path.a[c] = o->motion.still ? (w_end[c] - path.w[c]) / tau : 2 * ((p_end[c] - path.p[c]) / tau - path.w[c]) / tau;
   return path;
 }
 
@@ -90,6 +89,16 @@ static void advance(march *m, double t) {
   m->s = fmin(1, m->s + t / m->step->h);
 }
 
+/* A meeting of the particle with an obstacle. */
+typedef struct event {
+  double t; /* s from now; INFINITY: none */
+  const hk_obstacle *o;
+  uint64_t bit;
+  hk_parabola path;
+  double w_end[3];
+  hk_body_frame frame;
+} event;
+
 /* ---- impact ---- */
 
 /* The restitution that counts: none where the bounces end within the step. */
@@ -99,23 +108,24 @@ static double restitution(const march *m, const hk_obstacle *o, double closing, 
   return flight <= (1 - e) * remaining(m) || flight <= shortest_flight * m->step->h ? 0 : e;
 }
 
-static void strike(march *m, const hk_obstacle *o, const hk_body_frame *f, const hk_path *path, const double n[3]) {
-  double along = hk_dot(path->w, n), e = restitution(m, o, -along, -hk_dot(path->a, n)), across[3], change[3], dv[3];
-  for (int c = 0; c < 3; c++) across[c] = path->w[c] - along * n[c];
-  double impulse = -(1 + e) * along, speed = hk_length(across), drag = fmin(o->friction * impulse, speed);
+static void strike(march *m, const event *at, const double n[3]) {
+  const double *w = at->path.w;
+  double along = hk_dot(w, n), e = restitution(m, at->o, -along, -hk_dot(at->path.a, n)), across[3], change[3], du[3];
+  for (int c = 0; c < 3; c++) across[c] = w[c] - along * n[c];
+  double impulse = -(1 + e) * along, speed = hk_length(across), drag = fmin(at->o->friction * impulse, speed);
   for (int c = 0; c < 3; c++) change[c] = impulse * n[c] - (speed > 0 ? drag * across[c] / speed : 0);
-  hk_body_direction(f, change, dv);
-  m->step->work += m->step->mass * (hk_dot(m->u, dv) + hk_dot(dv, dv) / 2);
-  hk_add_scaled(m->u, 1, dv);
+  hk_body_direction(&at->frame, change, du);
+  m->step->work += m->step->mass * (hk_dot(m->u, du) + hk_dot(du, du) / 2);
+  hk_add_scaled(m->u, 1, du);
   start_anew(m);
 }
 
 /* ---- contact that lasts ---- */
 
 /* The normal acceleration that keeps the end of the path on the surface. On curved ones the distance is not linear. */
-static double reaction(const hk_path *path, const hk_obstacle *o, double radius, const double n[3]) {
+static double reaction(const hk_parabola *path, const hk_obstacle *o, double radius, const double n[3]) {
   double p[3], w[3], other[3], N = 0, tau = path->span;
-  hk_path_at(path, tau, p, w);
+  hk_parabola_at(path, tau, p, w);
   for (int k = 0; k < REACTIONS; k++) {
     double gap = hk_shape_distance(&o->shape, p, other) - radius;
     double more = -2 * gap / (tau * tau);
@@ -127,7 +137,7 @@ static double reaction(const hk_path *path, const hk_obstacle *o, double radius,
 }
 
 /* Adds friction of mu N to `change`, and finds when it brings the particle to rest. False: it stays where it is. */
-static bool slides(march *m, const hk_path *path, double limit, const double n[3], double change[3]) {
+static bool slides(march *m, const hk_parabola *path, double limit, const double n[3], double change[3]) {
   double along = hk_dot(path->w, n), pull = hk_dot(path->a, n), w[3], a[3], d[3];
   for (int c = 0; c < 3; c++) {
     w[c] = path->w[c] - along * n[c];
@@ -143,18 +153,21 @@ static bool slides(march *m, const hk_path *path, double limit, const double n[3
   return true;
 }
 
-static void lie(march *m, const hk_obstacle *o, const hk_path *path, const double n[3], uint64_t bit) {
+static void lie(march *m, const event *e, const double n[3]) {
+  const hk_obstacle *o = e->o;
+  const hk_parabola *path = &e->path;
   const hk_body_frame *end = &o->motion.end;
   double tau = path->span, change[3] = {0}, p[3], w[3], N = reaction(path, o, hk_obstacle_radius(o, m->step->i), n);
-  *(N > 0 ? &m->resting : &m->leaving) |= bit;
+  *(N > 0 ? &m->resting : &m->leaving) |= e->bit;
   if (N == 0) return;
-  hk_path_at(path, tau, p, w);
+  hk_parabola_at(path, tau, p, w);
+  hk_copy(w, e->w_end);
   if (slides(m, path, o->friction * N, n, change)) {
     hk_add_scaled(change, N, n);
     hk_add_scaled(p, tau * tau / 2, change);
     hk_add_scaled(w, tau, change);
   } else {
-    m->stuck |= bit;
+    m->stuck |= e->bit;
     hk_copy(p, path->p);
     for (int c = 0; c < 3; c++) w[c] = 0;
   }
@@ -170,27 +183,19 @@ static bool pushed_in(const march *m, const hk_obstacle *o, double least) {
   return hk_obstacle_gap(o, &o->motion.end, m->x_end, m->step->i, n) < -least;
 }
 
-typedef struct event {
-  double t; /* s from now; INFINITY: none */
-  const hk_obstacle *o;
-  uint64_t bit;
-  hk_path path;
-  hk_body_frame frame;
-} event;
-
 static event next_event(const march *m) {
   event first = {.t = INFINITY};
   for (size_t k = 0; k < m->set->count; k++) {
     event e = {.o = m->set->member[k], .bit = (uint64_t)1 << k};
     double least = tolerance(e.o, m->step);
     hk_motion_at(&e.o->motion, m->s, &e.frame);
-    e.path = path_past(m, e.o, &e.frame);
+    e.path = path_past(m, e.o, &e.frame, e.w_end);
     if (m->leaving & e.bit)
       e.t = INFINITY;
     else if (m->resting & e.bit)
       e.t = m->until == 1 && pushed_in(m, e.o, 4 * least) ? 0 : INFINITY;
     else
-      e.t = hk_path_contact(&e.path, &e.o->shape, hk_obstacle_radius(e.o, m->step->i), least);
+      e.t = hk_parabola_contact(&e.path, &e.o->shape, hk_obstacle_radius(e.o, m->step->i), least);
     if (e.t < first.t) first = e;
   }
   return first;
@@ -201,9 +206,9 @@ static void resolve(march *m, const event *e) {
   hk_shape_distance(&e->o->shape, e->path.p, n);
   double least = rest * hk_length(m->a) * m->step->h;
   if (hk_dot(e->path.w, n) < -least)
-    strike(m, e->o, &e->frame, &e->path, n);
+    strike(m, e, n);
   else
-    lie(m, e->o, &e->path, n, e->bit);
+    lie(m, e, n);
 }
 
 /* False: there are too many. */

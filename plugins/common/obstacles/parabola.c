@@ -1,4 +1,4 @@
-#include "plugins/common/obstacles/path.h"
+#include "plugins/common/obstacles/parabola.h"
 #include "plugins/common/space/vector3.h"
 
 #include <float.h>
@@ -8,7 +8,7 @@ enum { STEPS = 200, HALVINGS = 100 };
 /* Inside a hollow shape the nearest wall does not tell of the others: no step is longer than this part of its size. */
 static const double farthest_look = 0.125;
 
-void hk_path_at(const hk_path *path, double t, double p[3], double w[3]) {
+void hk_parabola_at(const hk_parabola *path, double t, double p[3], double w[3]) {
   for (int c = 0; c < 3; c++) {
     p[c] = path->p[c] + t * (path->w[c] + t / 2 * path->a[c]);
     w[c] = path->w[c] + t * path->a[c];
@@ -16,7 +16,7 @@ void hk_path_at(const hk_path *path, double t, double p[3], double w[3]) {
 }
 
 /* Rounding of speeds is no motion: some units in the last place of the largest speed on the way. */
-bool hk_path_closes(const hk_path *path, const double w[3], const double n[3]) {
+bool hk_parabola_closes(const hk_parabola *path, const double w[3], const double n[3]) {
   double pull = hk_length(path->a), least = 16 * DBL_EPSILON * (hk_length(path->w) + pull * path->span);
   double closing = hk_dot(w, n);
   return closing < -least || (closing <= least && hk_dot(path->a, n) < -1e-9 * pull);
@@ -32,7 +32,7 @@ static double first_root(double g, double b, double c) {
 }
 
 typedef struct search {
-  const hk_path *path;
+  const hk_parabola *path;
   const hk_shape *shape;
   double radius, tolerance;
   double w[3], n[3]; /* at the point looked at last */
@@ -40,7 +40,7 @@ typedef struct search {
 
 static double gap_at(search *s, double t) {
   double p[3];
-  hk_path_at(s->path, t, p, s->w);
+  hk_parabola_at(s->path, t, p, s->w);
   return hk_shape_distance(s->shape, p, s->n) - s->radius;
 }
 
@@ -68,13 +68,13 @@ static double outside_after(search *s, double t, double step) {
   return t;
 }
 
-static double fastest(const hk_path *path) { return hk_length(path->w) + hk_length(path->a) * path->span; }
+static double fastest(const hk_parabola *path) { return hk_length(path->w) + hk_length(path->a) * path->span; }
 
-double hk_path_contact(const hk_path *path, const hk_shape *shape, double radius, double tolerance) {
+double hk_parabola_contact(const hk_parabola *path, const hk_shape *shape, double radius, double tolerance) {
   search s = {path, shape, radius, tolerance, {0}, {0}};
   double t = 0, gap = gap_at(&s, 0);
   for (int k = 0; k < STEPS; k++) {
-    if (gap <= tolerance && hk_path_closes(path, s.w, s.n)) return t;
+    if (gap <= tolerance && hk_parabola_closes(path, s.w, s.n)) return t;
     double slope = hk_dot(s.w, s.n),
            step = first_root(fmax(gap, 0), gap > tolerance ? slope : fabs(slope), hk_dot(path->a, s.n) / 2);
     if (!hk_shape_is_convex(shape)) step = fmin(step, farthest_look * hk_shape_size(shape) / fastest(path));
@@ -85,7 +85,7 @@ double hk_path_contact(const hk_path *path, const hk_shape *shape, double radius
       double from = gap > tolerance ? t : outside_after(&s, t, (next - t) / 2);
       return meeting(&s, from, next);
     }
-    if (next == path->span) return there <= tolerance && hk_path_closes(path, s.w, s.n) ? next : INFINITY;
+    if (next == path->span) return there <= tolerance && hk_parabola_closes(path, s.w, s.n) ? next : INFINITY;
     t = next;
     gap = there;
   }
