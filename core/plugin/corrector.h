@@ -20,6 +20,8 @@ typedef struct hk_correction {
   bool reject; /* the host is to repeat the step with half its length; it restores the state, not the fields of
                   correctors */
   const double *v_before; /* n x 3, velocities before the step; NULL without HK_WANTS_BEFORE */
+  double part; /* with reject: the step is repeated as two, of this part of its length, in (0, 1), and of the rest, to
+                  end one where something happens; 0: as two halves */
 } hk_correction;
 
 typedef struct hk_corrector {

@@ -7,19 +7,28 @@
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
-enum { GRAIN = 1024 };
+enum { GRAIN = 1024, MOST_DIVISIONS = 8 /* of 12 that the host allows */ };
+
+/* A landing is at the end of a step from here on. What is left of the step leaves this part of the error of not
+ * evaluating the forces anew. */
+static const double at_end = 0.999, beyond = 5e-4;
 
 typedef struct chunk_result {
   double work, depth;              /* J, m */
   size_t deepest, slider, endless; /* indices; SIZE_MAX: none. Of the deepest; of one on a sliding pin */
+  double landing;                  /* the first, as a part of the step; 1: none */
+  size_t landings;
   bool changed;
 } chunk_result;
 
 typedef struct obstacle {
   hk_obstacle_params params;
   double restitution;
-  hk_array history; /* hk_pose[HK_POSES] */
-  int64_t warned;   /* of a particle that came to be inside during the run */
+  int64_t divide;
+  int64_t divisions; /* of the step that ends at `divided` */
+  double divided;    /* s */
+  hk_array history;  /* hk_pose[HK_POSES] */
+  int64_t warned;    /* of a particle that came to be inside during the run */
   hk_obstacle obstacle;
   const hk_obstacles *all;
   chunk_result *result;
@@ -32,12 +41,17 @@ static const hk_param params[] = {
     HK_OBSTACLE_PARAM_ROWS(obstacle),
     {"restitution", "", "e, the part of the normal speed that an impact leaves",
      HK_NUMBER, {0}, 0, 1, offsetof(obstacle, restitution), 0, NULL},
+    {"divide", "", "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
+     "anew after it; with more, they are taken from the path before, of order 1 where they change with the velocity",
+     HK_INTEGER, {4}, 0, 1e9, offsetof(obstacle, divide), 0, NULL},
     {0},
 };
 
 static const hk_field fields[] = {
     {"history", HK_FIELD_ARRAY, sizeof(hk_pose), offsetof(obstacle, history), 0},
     {"warned", HK_FIELD_INTEGER, 1, offsetof(obstacle, warned), 0},
+    {"divisions", HK_FIELD_INTEGER, 1, offsetof(obstacle, divisions), 0},
+    {"divided", HK_FIELD_NUMBER, 1, offsetof(obstacle, divided), 0},
     {0},
 };
 /* clang-format on */
@@ -76,6 +90,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? topology(self, view) : status;
 }
 
+static const chunk_result nothing = {.deepest = SIZE_MAX, .slider = SIZE_MAX, .endless = SIZE_MAX, .landing = 1};
+
 typedef struct task {
   const obstacle *self;
   const hk_view *view;
@@ -93,6 +109,10 @@ static void meet(const task *t, size_t i, chunk_result *r) {
   if (!hk_obstacles_near(t->self->all->set, &step)) return;
   hk_obstacles_meet(t->self->all->set, &step);
   if (step.endless) r->endless = i;
+  if (step.landing < at_end) {
+    r->landings++;
+    r->landing = fmin(r->landing, step.landing);
+  }
   if (!step.changed) return;
   r->changed = true;
   r->work += step.work;
@@ -103,7 +123,7 @@ static void meet(const task *t, size_t i, chunk_result *r) {
 static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const task *t = context;
   chunk_result *r = &t->self->result[chunk];
-  *r = (chunk_result){.deepest = SIZE_MAX, .slider = SIZE_MAX, .endless = SIZE_MAX};
+  *r = nothing;
   for (size_t i = begin; i < end; i++)
     if (t->view->model->inverse_mass[i] > 0) meet(t, i, r);
 }
@@ -118,12 +138,25 @@ static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *
                 view->model->id[all->deepest], all->depth, view->t);
 }
 
+/* Whether the step is to end where the first particle lands. Landings at the very start of it are not: the step before
+ * ended there. */
+static bool divides(obstacle *s, const hk_view *view, const chunk_result *all) {
+  if (all->landings == 0 || all->landings > (size_t)s->divide || !(all->landing > beyond)) return false;
+  if (view->t > s->divided) {
+    s->divided = view->t;
+    s->divisions = 0;
+  }
+  return s->divisions++ < MOST_DIVISIONS;
+}
+
 static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
-  chunk_result all = {.deepest = SIZE_MAX, .slider = SIZE_MAX, .endless = SIZE_MAX};
+  chunk_result all = nothing;
   for (size_t k = 0; k < s->results; k++) {
     const chunk_result *r = &s->result[k];
     all.work += r->work;
     all.changed |= r->changed;
+    all.landings += r->landings;
+    all.landing = fmin(all.landing, r->landing);
     if (r->slider < all.slider) all.slider = r->slider;
     if (r->endless < all.endless) all.endless = r->endless;
     if (r->depth > all.depth) all.depth = r->depth, all.deepest = r->deepest;
@@ -136,6 +169,10 @@ static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
         view->model->id[all.slider], view->t);
   warn_of_depth(s, view, &all, c->h);
   c->reject = all.endless < SIZE_MAX;
+  if (!c->reject && divides(s, view, &all)) {
+    c->reject = true;
+    c->part = all.landing + beyond;
+  }
   c->changed = all.changed;
   c->work = all.work;
   return HK_OK;

@@ -83,7 +83,7 @@ static void advance(march *m, double t) {
     a[c] = (m->u_end[c] - m->u[c]) / tau;
     double u = (m->x_end[c] - m->x[c]) / tau - tau / 2 * a[c];
     m->x[c] += t * (u + t / 2 * a[c]);
-    m->u[c] = u + t * a[c];
+    m->u[c] += t * a[c];
     if (m->resting) m->step->work += m->step->mass * (a[c] - m->a[c]) * (m->x[c] - from[c]);
   }
   m->s = fmin(1, m->s + t / m->step->h);
@@ -115,6 +115,7 @@ static void strike(march *m, const event *at, const double n[3]) {
   double impulse = -(1 + e) * along, speed = hk_length(across), drag = fmin(at->o->friction * impulse, speed);
   for (int c = 0; c < 3; c++) change[c] = impulse * n[c] - (speed > 0 ? drag * across[c] / speed : 0);
   hk_body_direction(&at->frame, change, du);
+  m->step->landing = fmin(m->step->landing, m->s);
   m->step->work += m->step->mass * (hk_dot(m->u, du) + hk_dot(du, du) / 2);
   hk_add_scaled(m->u, 1, du);
   start_anew(m);
@@ -122,13 +123,14 @@ static void strike(march *m, const event *at, const double n[3]) {
 
 /* ---- contact that lasts ---- */
 
-/* The normal acceleration that keeps the end of the path on the surface. On curved ones the distance is not linear. */
-static double reaction(const hk_parabola *path, const hk_obstacle *o, double radius, const double n[3]) {
-  double p[3], w[3], other[3], N = 0, tau = path->span;
+/* The normal acceleration N that keeps the end of the path on the surface, and the normal there. On curved surfaces the
+ * distance is not linear. */
+static double reaction(const hk_parabola *path, const hk_obstacle *o, double radius, const double n[3],
+                       double n_end[3]) {
+  double p[3], w[3], N = 0, tau = path->span;
   hk_parabola_at(path, tau, p, w);
   for (int k = 0; k < REACTIONS; k++) {
-    double gap = hk_shape_distance(&o->shape, p, other) - radius;
-    double more = -2 * gap / (tau * tau);
+    double more = -2 * (hk_shape_distance(&o->shape, p, n_end) - radius) / (tau * tau);
     if (k == 0 && more <= 0) return 0;
     N += more;
     hk_add_scaled(p, tau * tau / 2 * more, n);
@@ -153,26 +155,23 @@ static bool slides(march *m, const hk_parabola *path, double limit, const double
   return true;
 }
 
+/* The velocity at the end is that of a normal which has turned half of the way: order 2 on curved surfaces. */
 static void lie(march *m, const event *e, const double n[3]) {
   const hk_obstacle *o = e->o;
   const hk_parabola *path = &e->path;
-  const hk_body_frame *end = &o->motion.end;
-  double tau = path->span, change[3] = {0}, p[3], w[3], N = reaction(path, o, hk_obstacle_radius(o, m->step->i), n);
+  double tau = path->span, along[3] = {0}, p[3], w[3], n_end[3];
+  double N = reaction(path, o, hk_obstacle_radius(o, m->step->i), n, n_end);
   *(N > 0 ? &m->resting : &m->leaving) |= e->bit;
   if (N == 0) return;
-  hk_parabola_at(path, tau, p, w);
-  hk_copy(w, e->w_end);
-  if (slides(m, path, o->friction * N, n, change)) {
-    hk_add_scaled(change, N, n);
-    hk_add_scaled(p, tau * tau / 2, change);
-    hk_add_scaled(w, tau, change);
-  } else {
-    m->stuck |= e->bit;
-    hk_copy(p, path->p);
-    for (int c = 0; c < 3; c++) w[c] = 0;
+  bool moves = slides(m, path, o->friction * N, n, along);
+  if (!moves) m->stuck |= e->bit;
+  hk_parabola_at(path, moves ? tau : 0, p, w);
+  for (int c = 0; c < 3; c++) {
+    p[c] += moves ? tau * tau / 2 * (along[c] + N * n[c]) : 0;
+    w[c] = moves ? e->w_end[c] + tau * (along[c] + N * (n[c] + n_end[c]) / 2) : 0;
   }
-  hk_body_place(end, p, m->x_end);
-  hk_body_move(end, m->x_end, w, m->u_end);
+  hk_body_place(&o->motion.end, p, m->x_end);
+  hk_body_move(&o->motion.end, m->x_end, w, m->u_end);
 }
 
 /* ---- one event after the other ---- */
@@ -278,14 +277,19 @@ void hk_obstacles_meet(const hk_obstacle_set *set, hk_obstacle_step *step) {
   march m = {.set = set, .step = step};
   double offset[3], v[3], h = step->h;
   hk_copy(m.x, step->x_from);
+  step->landing = 1;
   for (int c = 0; c < 3; c++) {
     m.a[c] = (step->v[c] - step->v_from[c]) / h;
     m.u[c] = (step->x[c] - step->x_from[c]) / h - h / 2 * m.a[c];
   }
   if (put_outside(&m)) hk_copy(m.u, step->v_from);
-  hk_subtract(offset, step->v_from, m.u); /* by which the method's velocity differs from its path's */
+  /* By which the method's velocity differs from its path's: a h/2 with methods of order 1, O(h^2) with others. The
+   * former lose more by steps of many lengths than they gain by landing at the end of one. */
+  hk_subtract(offset, step->v_from, m.u);
+  bool first_order = hk_length(offset) > 0.1 * h * hk_length(m.a);
   start_anew(&m);
   if (!go(&m)) step->endless = true;
+  if (first_order) step->landing = 1;
   if (!step->changed || step->endless) return;
   for (int c = 0; c < 3; c++) v[c] = m.u[c] + offset[c];
   settle(&m, v);

@@ -40,6 +40,7 @@ typedef struct hk_obstacle_step {
   double *x, *v;         /* at the end of the step; changed where obstacles say so */
   double work;           /* J */
   double depth;          /* m, by which it was inside at the start of the step; 0: it was not */
+  double landing;        /* part of the step at which it was struck first; 1: it was not, or that does not matter */
   bool changed, endless; /* endless: more impacts than can be counted; x and v are as they were */
 } hk_obstacle_step;
 

@@ -113,16 +113,16 @@ static void ten_bounces_against_the_closed_form(void **state) {
   }
 }
 
-/* With drag nothing is exact: forces on the particle after a bounce are not those before. Against rk4 in steps of
- * 1/2^17 s: the acceleration after an impact is taken from the free path, which leaves c (1 + e) v h in speed at every
- * bounce, order 1 in all. */
-static double with_drag(const char *method, double h) {
+/* With drag forces after a bounce are others than before it. Steps are divided at the landing, which keeps order 2; the
+ * 5e-4 of a step that are left after it, with forces of before, keep a trace of order 1, c (1 + e) v 5e-4 h in speed at
+ * a bounce: 3e-5 m at 1/60 s. With `divide` 0 that is the whole step, order 1. Against rk4 in steps of 1/245760 s. */
+static double with_drag(const char *method, double h, double divide) {
   bench b;
   open_bench(&b, method, h);
   put(&b, (double[]){0, 0, 1}, (double[]){0, 0, 0});
   fall(&b);
   test_number(&b.e, test_plugin(&b.e, HK_FORCE, "drag"), "rate", 0.3);
-  add(&b, "plane", 0.8, 0);
+  test_number(&b.e, add(&b, "plane", 0.8, 0), "divide", divide);
   test_run(&b.e);
   test_advance(&b.e, 1);
   double z = test_position(&b.e, 1)[2];
@@ -132,12 +132,16 @@ static double with_drag(const char *method, double h) {
 
 static void bounces_with_drag_converge(void **state) {
   (void)state;
-  static const char *const names[] = {"symplectic_euler", "leapfrog", "rk4", "bdf2"};
-  double reference = with_drag("rk4", 1.0 / 60 / 4096);
-  for (size_t k = 0; k < 4; k++) {
-    double a = fabs(with_drag(names[k], 1.0 / 60) - reference), c = fabs(with_drag(names[k], 1.0 / 960) - reference);
-    print_message("with drag,   %-18s off by %.1e, %.1e: order %.2f\n", names[k], a, c, log2(a / c) / 4);
-    assert_true(log2(a / c) / 4 > 0.7);
+  static const struct method names[] = {{"symplectic_euler", 1}, {"leapfrog", 2}, {"rk4", 4}, {"bdf2", 2}};
+  double reference = with_drag("rk4", 1.0 / 60 / 4096, 4);
+  for (size_t k = 0; k < 8; k++) {
+    double divide = k < 4 ? 4 : 0;
+    double a = fabs(with_drag(names[k % 4].name, 1.0 / 60, divide) - reference),
+           c = fabs(with_drag(names[k % 4].name, 1.0 / 960, divide) - reference), order = log2(a / c) / 4;
+    print_message("with drag,   %-18s %s off by %.1e, %.1e: order %.2f\n", names[k % 4].name,
+                  divide > 0 ? "divided," : "whole,  ", a, c, order);
+    bool second = divide > 0 && names[k % 4].order > 1;
+    assert_true(order > (second ? 1.6 : 0.7) && a < (second ? 1e-3 : 0.02));
   }
 }
 
@@ -286,10 +290,9 @@ static void a_lift_carries_what_lies_on_it(void **state) {
       speed_off = fmax(speed_off, fabs(test_velocity(&b.e, 1)[2] - 0.6 * cos(frame / 30.0)));
     }
     print_message("lift,        %-18s off by %.1e m, %.1e m/s\n", methods[k].name, off, speed_off);
-    hk_summary s = balanced(&b, 0.1);
+    balanced(&b, 0.1);
     assert_true(off < exact && speed_off < 1.2 * h * h / 3 * 2.4);
     test_engine_close(&b.e);
-    (void)s;
   }
 }
 
@@ -353,7 +356,7 @@ static void a_turntable_carries_what_does_not_slide(void **state) {
       off = fmax(off, distance(test_velocity(&b.e, 1), (double[]){-1.4 * sin(angle), 1.4 * cos(angle), 0}));
     }
     print_message("turntable,   %-18s off by %.1e\n", methods[k].name, off);
-    assert_true(off < 1e-3 && off < (methods[k].order == 1 ? 1e-3 : 1e-3));
+    assert_true(off < exact);
     balanced(&b, 0.1);
     test_engine_close(&b.e);
   }
@@ -383,7 +386,7 @@ static void a_turning_bar_bats(void **state) {
   for (size_t k = 0; k < METHODS; k++) {
     double a = batted(methods[k].name, 1.0 / 60), c = batted(methods[k].name, 1.0 / 960);
     print_message("bat,         %-18s off by %.1e, %.1e m/s\n", methods[k].name, a, c);
-    assert_true(a < 1e-2 && c < 1e-4);
+    assert_true(a < 1e-8 && c < 1e-11 + (methods[k].order == 5 ? 1e-8 : 0));
   }
 }
 
@@ -438,12 +441,15 @@ static double leaves(const char *method, double h) {
   return NAN;
 }
 
+/* Contact on a curved surface is of order 2. */
 static void a_particle_leaves_a_smooth_sphere_at_two_thirds(void **state) {
   (void)state;
   for (size_t k = 0; k < METHODS; k++) {
     double a = leaves(methods[k].name, 1.0 / 60), c = leaves(methods[k].name, 1.0 / 960);
     print_message("sphere,      %-18s lands %.1e, %.1e m off\n", methods[k].name, a, c);
-    assert_true(a < 0.02 && c < 0.002);
+    bool adaptive = strcmp(methods[k].name, "dopri5") == 0; /* by itself it takes steps of 1/60 s in both runs */
+    assert_true(a < (methods[k].order > 1 ? 1e-4 : 4e-3) &&
+                (adaptive || log2(a / c) / 4 > (methods[k].order > 1 ? 1.7 : 0.6)));
   }
 }
 
