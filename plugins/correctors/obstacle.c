@@ -124,8 +124,11 @@ static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const task *t = context;
   chunk_result *r = &t->self->result[chunk];
   *r = nothing;
+  bool near[GRAIN];
+  hk_obstacles_sift(t->self->all->set, &(hk_obstacle_moves){t->c->h, t->c->x_before, t->c->v_before, t->c->x, t->c->v},
+                    begin, end, near);
   for (size_t i = begin; i < end; i++)
-    if (t->view->model->inverse_mass[i] > 0) meet(t, i, r);
+    if (near[i - begin] && t->view->model->inverse_mass[i] > 0) meet(t, i, r);
 }
 
 static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *all, double h) {

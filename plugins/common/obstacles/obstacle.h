@@ -46,6 +46,15 @@ typedef struct hk_obstacle_step {
 
 static inline double hk_obstacle_radius(const hk_obstacle *o, size_t i) { return o->radii ? o->radii[i] : o->radius; }
 
+/* What all particles did in a step: n x 3 each, at its start and at its end. */
+typedef struct hk_obstacle_moves {
+  double h;
+  const double *x_from, *v_from, *x, *v;
+} hk_obstacle_moves;
+
+/* near[k]: whether particle begin + k may meet something, quickly and with a wide margin; to be followed by the next.
+ */
+void hk_obstacles_sift(const hk_obstacle_set *, const hk_obstacle_moves *, size_t begin, size_t end, bool *near);
 /* False: in this step the particle meets nothing (cheap, and right whenever it says so). */
 bool hk_obstacles_near(const hk_obstacle_set *, const hk_obstacle_step *);
 void hk_obstacles_meet(const hk_obstacle_set *, hk_obstacle_step *);
