@@ -170,7 +170,7 @@ typedef struct hk_summary {
   double kinetic_max;
   double kinetic_mean;         /* J, over the frames */
   double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
-  double constraint_violation; /* m */
+  double constraint_violation; /* m, of constraints and of what correctors keep */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
   double path_speed_error;     /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */

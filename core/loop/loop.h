@@ -118,6 +118,7 @@ typedef struct hk_loop {
   double *X_before;   /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
+  double part;             /* of its length, in which the step is repeated next */
   hk_instance *integrator;
   double first_step_at, seconds, output_seconds; /* s, wall: of the first step; spent in steps; in frames */
 } hk_loop;

@@ -144,6 +144,23 @@ static void string_reports_its_stretch(void **state) {
   assert_true(value("drift") < 0.05);
 }
 
+/* Impacts are found inside the step; what is left is rounding, some 1e-16 m for each of 20 bounces that matter. */
+static void a_ball_bounces_as_its_closed_form_says(void **state) {
+  (void)state;
+  run("bounce", "");
+  near(value("exact_error"), 0, 1e-12);
+  near(test_json(strstr(r.out, "\"measures\""), "height"), 0, 1e-15); /* it lies still after 4.06 s */
+  assert_true(value("drift") < 1e-12);
+}
+
+/* Their radius above the floor, to rounding. */
+static void sparks_stay_above_the_floor(void **state) {
+  (void)state;
+  run("sparks", "n=300");
+  near(test_json(strstr(r.out, "\"measures\""), "lowest"), 0.006, 1e-15);
+  assert_true(value("constraint_violation") < 1e-12 && fabs(value("drift")) < 0.01);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_scene_runs_and_opens_with_a_comment),
@@ -156,6 +173,8 @@ int main(void) {
       cmocka_unit_test(cloth_hangs_where_it_should),
       cmocka_unit_test(curtain_agrees_between_methods),
       cmocka_unit_test(string_reports_its_stretch),
+      cmocka_unit_test(a_ball_bounces_as_its_closed_form_says),
+      cmocka_unit_test(sparks_stay_above_the_floor),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

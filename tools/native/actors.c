@@ -109,18 +109,19 @@ static int jacobian(lua_State *L) {
 
 /* ---- correctors ---- */
 
-/* correct(actor, h, x_before) -> {x, v, changed, work, reject}, whether it was fine, what it said */
+/* correct(actor, h, x_before, v_before) -> {x, v, changed, work, reject}, whether it was fine, what it said */
 static int correct(lua_State *L) {
   hk_actor *a = hk_actor_at(L, 1);
   const hk_corrector *functions = plugin_of(a)->corrector;
-  double *before = hk_table_memory(L, 3 * a->n);
+  double *before = hk_table_memory(L, 6 * a->n);
   hk_table_read(L, 3, before, 3 * a->n);
+  hk_table_read(L, 4, before + 3 * a->n, 3 * a->n);
   hk_correction c = {.h = luaL_checknumber(L, 2)};
   c.x = hk_actor_out(L, a, 0, "the positions x", 3 * a->n);
   c.v = hk_actor_out(L, a, 1, "the velocities v", 3 * a->n);
   memcpy(c.x, a->x.at, a->x.bytes);
   memcpy(c.v, a->v.at, a->v.bytes);
-  if (functions->flags & HK_WANTS_BEFORE) c.x_before = before;
+  if (functions->flags & HK_WANTS_BEFORE) c.x_before = before, c.v_before = before + 3 * a->n;
   hk_view own = a->view, *view = &own; /* as in a run, the view shows what is corrected */
   own.x = c.x;
   own.v = c.v;
