@@ -25,7 +25,7 @@ static hk_status interrupted(const hk_loop *loop) {
 
 hk_status hk_step_begin(hk_loop *loop, double h) {
   hk_status status = interrupted(loop);
-  if (status == HK_OK && loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
+  if (status == HK_OK && loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h, 0);
   loop->emitted = true;
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);

@@ -132,6 +132,7 @@ static hk_status fixed_segment(hk_loop *loop, double begin, double stop) {
     if (status == HK_OK && sample) hooks->before_sample(hooks->context);
     if (status == HK_OK) status = hk_step_fixed(loop, i == n ? stop : begin + (double)i * h, h);
     if (status == HK_OK && sample) hooks->after_sample(hooks->context, h);
+    if (status == HK_OK) status = hk_sources_emit(loop, h, HK_AFTER_STEPS);
     if (status != HK_OK) return status;
   }
   return HK_OK;
@@ -156,7 +157,9 @@ static hk_status adaptive_segment(hk_loop *loop, double stop) {
     hk_status status = hk_step_begin(loop, h);
     longest = hk_sweep_longest_step(loop->dynamics); /* of the newborn, too */
     if (status == HK_OK) status = check_demand(loop, longest, loop->state->t);
+    double begin = loop->state->t;
     if (status == HK_OK) status = hk_step_adaptive(loop, stop, fmin(h, longest));
+    if (status == HK_OK) status = hk_sources_emit(loop, loop->state->t - begin, HK_AFTER_STEPS);
     if (status != HK_OK) return status;
   }
   return HK_OK;
