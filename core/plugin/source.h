@@ -8,7 +8,8 @@ typedef struct hk_birth {
   double mass; /* kg, positive */
   double position[3], velocity[3];
   uint32_t group;        /* position in model->group_name */
-  const double *channel; /* all channel values of the particle in the order of model->channel; NULL: initial ones */
+  const double *channel; /* all channel values of the particle in the order of model->channel, NAN for the initial one;
+                            NULL: all initial ones */
 } hk_birth;
 
 /* Births and deaths that the sources request in `emit` take effect together, after all of them: dead particles are

@@ -22,11 +22,13 @@ static hk_status check_birth(hk_population_change *c, const hk_birth *b) {
   return HK_OK;
 }
 
-static void initial_channels(const hk_population_change *c, double *into) {
+static void set_channels(const hk_population_change *c, const double *given, double *into) {
   for (size_t k = 0; k < c->scene->channels; k++) {
     const hk_channel_spec *spec = &c->scene->channel[k];
     memcpy(into + c->state->channel[k].offset, spec->initial, spec->size * sizeof *into);
   }
+  for (size_t e = 0; given && e < c->state->width; e++)
+    if (!isnan(given[e])) into[e] = given[e];
 }
 
 static bool reserve(hk_population_change *c, size_t width) {
@@ -52,10 +54,7 @@ static hk_status request(hk_population_change *c, const hk_birth *birth, double 
   hk_status status = check_birth(c, birth);
   if (status != HK_OK) return status;
   if (!reserve(c, width)) return refuse(c, HK_NO_MEMORY, "no memory for births", (double)c->births);
-  if (width && birth->channel)
-    memcpy(c->channel + c->births * width, birth->channel, width * sizeof(double));
-  else if (width)
-    initial_channels(c, c->channel + c->births * width);
+  set_channels(c, birth->channel, c->channel + c->births * width);
   c->birth[c->births] = (hk_newborn){*birth, age, lifetime, id, c->births, 0};
   c->birth[c->births].birth.group = group_of(c, birth);
   c->births++;
@@ -74,7 +73,7 @@ static hk_status add_birth(hk_population *population, const hk_birth *birth, uin
 static hk_status add_aged(hk_population *population, const hk_birth *birth, double age, double lifetime, uint32_t *id) {
   hk_population_change *c = (hk_population_change *)(void *)population;
   if (!(age >= 0) || isinf(age)) return refuse(c, HK_FAILED, "the age of a newborn is not 0 s or more", age);
-  if (!(lifetime > 0)) return refuse(c, HK_FAILED, "the lifetime of a newborn must be positive, s", lifetime);
+  if (!(lifetime >= 0)) return refuse(c, HK_FAILED, "the lifetime of a newborn is not 0 s or more", lifetime);
   return request(c, birth, age, lifetime, id);
 }
 
