@@ -1,15 +1,21 @@
-/* Newborn particles are moved from their births, at different times within a step, to its end: by one step of the
- * classical Runge-Kutta method each, as long as the particle is old, under the forces of the scene on it alone (forces
- * between it and others begin to act with the next step). Constant accelerations are followed exactly, others with an
- * error of h^5 where they do not depend on the time. Where they do, they are evaluated at the ends and the middle of
- * the step, and the parabola through the three gives them at each particle's own times, which leaves h^4 in the
- * velocity. */
+/* Newborn particles are moved from their births, at different times within a step, to its end: by steps of the
+ * classical Runge-Kutta method, each as long as a part of the particle's age, under the forces of the scene on it alone
+ * (forces between it and others begin to act with the next step). Constant accelerations are followed exactly, others
+ * with an error of h^5 where they do not depend on the time. Where they do, they are evaluated at the ends and the
+ * middle of the host's step, and the parabola through the three gives them at each particle's own times, which leaves
+ * h^4 in the velocity.
+ *
+ * One step is enough for whatever an explicit method can follow. A drag that an implicit one steps over would make it
+ * explode, so the steps are halved until they differ from the midpoint rule, which uses the same slopes, by a small
+ * part of the change: then the product of rate and step is 0.25 at most. */
 #include "core/population/population.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { NODES = 3 };
+enum { NODES = 3, VECTORS = 6, HALVINGS = 16 };
+
+static const double small = 0.01, rounding = 1e-12;
 
 /* All vectors have the shape of X; only what is of newborns in them is ever touched. */
 typedef struct nursery {
@@ -17,25 +23,38 @@ typedef struct nursery {
   const hk_newborn *newborn;
   size_t first, count;
   double h;
-  double *begin, *sum, *slope, *part; /* the state at birth; the weighted sum of slopes; a slope, and one at a node */
-  uint32_t *index;                    /* count, of the newborns */
-  bool *is_active;                    /* n, false between evaluations */
+  double *birth, *begin;  /* the state at birth, and at the beginning of a step */
+  double *slope, *part;   /* a slope, and one at a node */
+  double *sum, *midpoint; /* the weighted sums of slopes: the mean one, and its difference from that at the middle */
+  uint32_t *index;        /* count, of the newborns */
+  bool *is_active;        /* n, false between evaluations */
 } nursery;
 
-/* Calls visit for the newborns' numbers in each block of X: `at` is the first, `width` the number per particle. */
-static void each_block(const nursery *y, void (*visit)(const nursery *, size_t at, size_t width, const double *number),
-                       const double *number) {
+/* One of the four slopes of a step: at `time`, a fraction of the age; its weights in the two sums; where it leads, as a
+ * fraction of the age. */
+typedef struct stage {
+  double time, weight, defect, ahead;
+} stage;
+
+typedef void visit(const nursery *, size_t at, size_t width, const void *context);
+
+/* Calls `what` for the newborns' numbers in each block of X: `at` is the first, `width` the number per particle. */
+static void each_block(const nursery *y, visit *what, const void *context) {
   const hk_state *s = y->d->state;
   size_t n = s->model.n;
-  visit(y, 3 * y->first, 3, number);
-  visit(y, 3 * (n + y->first), 3, number);
+  what(y, 3 * y->first, 3, context);
+  what(y, 3 * (n + y->first), 3, context);
   for (size_t k = 0; k < s->model.channels; k++) {
     size_t width = s->channel[k].size;
-    visit(y, (6 + s->channel[k].offset) * n + width * y->first, width, number);
+    what(y, (6 + s->channel[k].offset) * n + width * y->first, width, context);
   }
 }
 
 static double age_of(const nursery *y, size_t b) { return isinf(y->newborn[b].age) ? 0 : y->newborn[b].age; }
+
+static void clear(const nursery *y, size_t at, size_t width, const void *vector) {
+  memset((double *)(uintptr_t)vector + at, 0, width * y->count * sizeof(double));
+}
 
 /* ---- f at one time ---- */
 
@@ -71,17 +90,12 @@ static hk_status add_force(const nursery *y, size_t k, double t, double *slope) 
   return status;
 }
 
-static void clear(const nursery *y, size_t at, size_t width, const double *number) {
-  (void)number;
-  memset(y->part + at, 0, width * y->count * sizeof *y->part);
-}
-
 /* part = f(t, X) */
 static hk_status evaluate(const nursery *y, double t) {
   hk_state *s = y->d->state;
   size_t v = 3 * s->model.n;
   hk_status status = HK_OK;
-  each_block(y, clear, NULL);
+  each_block(y, clear, y->part);
   for (size_t k = 0; k < y->d->system.forces && status == HK_OK; k++) status = add_force(y, k, t, y->part);
   for (size_t k = 0; k < s->model.channels && status == HK_OK; k++)
     status = hk_evaluate_rate(y->d, k, t, s->X + 2 * v, y->part + 2 * v, y->first);
@@ -94,65 +108,115 @@ static hk_status evaluate(const nursery *y, double t) {
 
 /* ---- f at each newborn's own time ---- */
 
-/* slope += part times the node's weight at the times t - (1 - c) age, which number[0] = c and number[1], the node,
- * name. */
-static void add_node(const nursery *y, size_t at, size_t width, const double *number) {
+typedef struct node {
+  int number;
+  double time; /* fraction of the age */
+} node;
+
+/* slope += part times the node's weight at the newborn's time, which is a fraction u of the host's step. */
+static void add_node(const nursery *y, size_t at, size_t width, const void *context) {
+  const node *of = context;
   for (size_t b = 0, e = at; b < y->count; b++) {
-    double u = 1 - (1 - number[0]) * age_of(y, b) / y->h;
+    double u = 1 - (1 - of->time) * age_of(y, b) / y->h;
     const double weight[NODES] = {(2 * u - 1) * (u - 1), 4 * u * (1 - u), u * (2 * u - 1)};
-    for (size_t c = 0; c < width; c++, e++) y->slope[e] += weight[(int)number[1]] * y->part[e];
+    for (size_t c = 0; c < width; c++, e++) y->slope[e] += weight[of->number] * y->part[e];
   }
 }
 
-static void clear_slope(const nursery *y, size_t at, size_t width, const double *number) {
-  (void)number;
-  memset(y->slope + at, 0, width * y->count * sizeof *y->slope);
-}
-
-static hk_status find_slope(nursery *y, double c) {
-  double t = y->d->state->t;
+static hk_status find_slope(nursery *y, double time) {
+  double t = y->d->state->t, *slope = y->slope;
   hk_status status = HK_OK;
   if (!(y->d->system.flags & HK_DEPENDS_ON_T)) {
-    double *slope = y->slope;
     status = evaluate(y, t);
     y->slope = y->part;
     y->part = slope;
     return status;
   }
-  each_block(y, clear_slope, NULL);
-  for (int node = 0; node < NODES && status == HK_OK; node++) {
-    status = evaluate(y, t - y->h * (NODES - 1 - node) / (NODES - 1));
-    each_block(y, add_node, (const double[]){c, node});
+  each_block(y, clear, y->slope);
+  for (int k = 0; k < NODES && status == HK_OK; k++) {
+    status = evaluate(y, t - y->h * (NODES - 1 - k) / (NODES - 1));
+    each_block(y, add_node, &(node){k, time});
   }
   return status;
 }
 
-/* ---- the step ---- */
+/* ---- the steps ---- */
 
-static void begin(const nursery *y, size_t at, size_t width, const double *number) {
-  (void)number;
-  memcpy(y->begin + at, y->d->state->X + at, width * y->count * sizeof *y->begin);
-  memset(y->sum + at, 0, width * y->count * sizeof *y->sum);
+static void copy(const nursery *y, size_t at, size_t width, const void *context) {
+  double *const *pair = context;
+  memcpy(pair[1] + at, pair[0] + at, width * y->count * sizeof(double));
 }
 
-/* Adds number[0] slope to the sum and goes on to begin + age number[1] slope, or, at the end, begin + age sum. */
-static void go_on(const nursery *y, size_t at, size_t width, const double *number) {
-  bool last = number[1] == 0;
+static void copy_all(const nursery *y, double *from, double *to) { each_block(y, copy, (double *const[]){from, to}); }
+
+/* Adds the slope to the sums and goes on from `begin` along it. */
+static void go_on(const nursery *y, size_t at, size_t width, const void *context) {
+  const stage *of = context;
   for (size_t b = 0, e = at; b < y->count; b++)
     for (size_t c = 0; c < width; c++, e++) {
-      y->sum[e] += number[0] * y->slope[e];
-      y->d->state->X[e] = y->begin[e] + age_of(y, b) * (last ? y->sum[e] : number[1] * y->slope[e]);
+      y->sum[e] += of->weight * y->slope[e];
+      y->midpoint[e] += of->defect * y->slope[e];
+      y->d->state->X[e] = y->begin[e] + age_of(y, b) * of->ahead * y->slope[e];
     }
 }
 
-static hk_status take_step(nursery *y) {
-  static const double time[] = {0, 0.5, 0.5, 1}, weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6},
-                      ahead[] = {0.5, 0.5, 1, 0};
+typedef struct end {
+  double part; /* of the age, the length of a step */
+  bool *rough; /* the step is too long */
+} end;
+
+/* The end of a step: X = begin + part age sum. A block is rough where the defect is no small part of the change in the
+ * step, nor of the step's share of the change since the birth. */
+static void finish(const nursery *y, size_t at, size_t width, const void *context) {
+  const end *of = context;
+  double change = 0, defect = 0, size = 0, total = 0;
+  for (size_t b = 0, e = at; b < y->count; b++) {
+    double step = of->part * age_of(y, b);
+    for (size_t c = 0; c < width; c++, e++) {
+      change = fmax(change, fabs(step * y->sum[e]));
+      defect = fmax(defect, fabs(step * y->midpoint[e]));
+      size = fmax(size, fabs(y->begin[e]));
+      total = fmax(total, fabs(y->begin[e] - y->birth[e]));
+      y->d->state->X[e] = y->begin[e] + step * y->sum[e];
+    }
+  }
+  *of->rough |= !(defect <= small * fmax(change, of->part * total) + rounding * size);
+}
+
+/* Step `number` of `steps`. */
+static hk_status take_step(nursery *y, size_t number, size_t steps, bool *rough) {
+  static const stage stages[] = {
+      {0, 1.0 / 6, 1.0 / 6, 0.5}, {0.5, 1.0 / 3, -2.0 / 3, 0.5}, {0.5, 1.0 / 3, 1.0 / 3, 1}, {1, 1.0 / 6, 1.0 / 6, 0}};
+  double part = 1 / (double)steps;
   hk_status status = HK_OK;
-  each_block(y, begin, NULL);
-  for (int stage = 0; stage < 4 && status == HK_OK; stage++) {
-    status = find_slope(y, time[stage]);
-    each_block(y, go_on, (const double[]){weight[stage], ahead[stage]});
+  copy_all(y, y->d->state->X, y->begin);
+  each_block(y, clear, y->sum);
+  each_block(y, clear, y->midpoint);
+  for (int k = 0; k < 4 && status == HK_OK; k++) {
+    stage s = stages[k];
+    status = find_slope(y, ((double)number + s.time) * part);
+    s.ahead *= part;
+    each_block(y, go_on, &s);
+  }
+  each_block(y, finish, &(end){part, rough});
+  return status;
+}
+
+static hk_status move(nursery *y) {
+  hk_status status = HK_OK;
+  bool rough = true;
+  copy_all(y, y->d->state->X, y->birth);
+  for (int halving = 0; rough && status == HK_OK; halving++) {
+    size_t steps = (size_t)1 << halving;
+    if (halving > HALVINGS)
+      return hk_error_set(
+          y->d->error, HK_NOT_CONVERGED,
+          "%zu births at t = %g s: the forces on them change too fast to follow them from their births; "
+          "a shorter dt may do",
+          y->count, y->d->state->t);
+    copy_all(y, y->birth, y->d->state->X);
+    rough = false;
+    for (size_t k = 0; k < steps && !rough && status == HK_OK; k++) status = take_step(y, k, steps, &rough);
   }
   y->d->timed_at = NAN; /* parameters are those of another time */
   return status;
@@ -163,13 +227,14 @@ hk_status hk_newborns_move(hk_dynamics *d, const hk_newborn *newborn, size_t cou
   for (size_t b = 0; b < count; b++) aged += newborn[b].age > 0 && !isinf(newborn[b].age);
   if (aged == 0) return HK_OK;
   nursery y = {.d = d, .newborn = newborn, .first = n - count, .count = count, .h = h};
-  double *memory = calloc(4 * size, sizeof *memory);
-  y.begin = memory, y.sum = memory + size, y.slope = memory + 2 * size, y.part = memory + 3 * size;
+  double *memory = calloc(VECTORS * size, sizeof *memory),
+         **vector[] = {&y.birth, &y.begin, &y.slope, &y.part, &y.sum, &y.midpoint};
+  for (size_t k = 0; memory && k < sizeof vector / sizeof *vector; k++) *vector[k] = memory + k * size;
   y.index = malloc(count * sizeof *y.index);
   y.is_active = calloc(n, sizeof *y.is_active);
   bool fine = memory && y.index && y.is_active;
   for (size_t b = 0; fine && b < count; b++) y.index[b] = (uint32_t)(y.first + b);
-  hk_status status = fine ? take_step(&y) : hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu births", count);
+  hk_status status = fine ? move(&y) : hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu births", count);
   free(memory);
   free(y.index);
   free(y.is_active);
