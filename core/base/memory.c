@@ -9,6 +9,7 @@ enum { HEADER = 64 };
 
 struct hk_block {
   hk_block *next, *previous;
+  size_t bytes;
 };
 
 void *hk_memory_get(hk_block **list, size_t bytes) {
@@ -17,10 +18,15 @@ void *hk_memory_get(hk_block **list, size_t bytes) {
   hk_block *block = aligned_alloc(64, total);
   if (!block) return NULL;
   memset(block, 0, total);
+  block->bytes = bytes;
   block->next = *list;
   if (*list) (*list)->previous = block;
   *list = block;
   return (char *)block + HEADER;
+}
+
+size_t hk_memory_size(const void *memory) {
+  return memory ? ((const hk_block *)(const void *)((const char *)memory - HEADER))->bytes : 0;
 }
 
 void hk_memory_put(hk_block **list, void *memory) {
@@ -52,6 +58,33 @@ int hk_array_reserve(void **array, size_t *capacity, size_t wanted, size_t size)
   *array = bigger;
   *capacity = grown;
   return 0;
+}
+
+/* The number of items from i on that stay beside each other: along them the map rises by one an item. */
+static size_t run_length(const uint32_t *map, size_t i, size_t n) {
+  size_t within = 0, beyond = 1;
+  for (; i + beyond < n && map[i + beyond] == map[i] + beyond; beyond *= 2) within = beyond;
+  if (beyond > n - i) beyond = n - i;
+  while (within + 1 < beyond) {
+    size_t middle = (within + beyond) / 2;
+    if (map[i + middle] == map[i] + middle)
+      within = middle;
+    else
+      beyond = middle;
+  }
+  return beyond;
+}
+
+size_t hk_array_move(void *to, const void *from, size_t size, const uint32_t *map, size_t n) {
+  size_t kept = 0;
+  for (size_t i = 0, length; i < n; i += length) {
+    length = 1;
+    if (map[i] == UINT32_MAX) continue;
+    length = run_length(map, i, n);
+    memmove((char *)to + size * map[i], (const char *)from + size * i, size * length);
+    kept = map[i] + length;
+  }
+  return kept;
 }
 
 char *hk_string_copy(const char *text) {

@@ -81,6 +81,8 @@ hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *
 
 hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v, const double *y, double *a,
                                     double *dy);
+/* dy += the rate that the scene states for channel k of the particles from `first` on */
+hk_status hk_evaluate_rate(hk_dynamics *, size_t k, double t, const double *y, double *dy, size_t first);
 hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number of particles */
 
 /* ---- probe.c: energies and forces of one state, apart from the evaluation of f ---- */

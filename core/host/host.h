@@ -87,7 +87,7 @@ typedef struct hk_plugin_spec {
   double fastest;  /* s, shortest time in which a function of time changes, as the script declares; 0: not declared */
   size_t only_count;
   uint32_t *only; /* id - 1, increasing; NULL: all */
-  char *group;    /* the group that the force acts on, or NULL */
+  char *group;    /* the group that the force acts on, or into which the source bears; NULL: none is named */
   void *values;   /* instance_size bytes, of which the parameters are filled; lists hold id - 1 */
   bool *given;    /* one per parameter: set by the user */
   size_t timed_count;

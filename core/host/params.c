@@ -11,13 +11,13 @@
 
 static const char *param_name(const void *context, size_t k) {
   const hk_plugin *plugin = context;
-  static const char *const common[] = {"label", "only", "group", "from", "to"};
+  static const char *const common[] = {"label", "group", "only", "from", "to"};
   size_t own = 0;
   while (plugin->params && plugin->params[own].name) own++;
   if (k < own) return plugin->params[k].name;
   k -= own;
-  if (plugin->kind != HK_FORCE) return k == 0 ? common[0] : NULL;
-  return k < sizeof common / sizeof *common ? common[k] : NULL;
+  size_t known = plugin->kind == HK_FORCE ? 5 : plugin->kind == HK_SOURCE ? 2 : 1;
+  return k < known ? common[k] : NULL;
 }
 
 const hk_param *hk_spec_param(const hk_plugin_spec *spec, const char *name, hk_error *error) {

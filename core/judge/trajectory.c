@@ -156,15 +156,32 @@ hk_distance hk_trajectory_distance(const hk_trajectory *a, const hk_trajectory *
   return d;
 }
 
-/* The largest RMS change of a part of the moments since the first of them; `offset` and `width` per particle. */
-static double change(const hk_trajectory *a, size_t offset, size_t width) {
-  double most = 0;
-  for (size_t k = 1; k < a->moments; k++) {
-    const struct hk_moment *p = &a->moment[0], *q = &a->moment[k];
-    size_t n = p->n;
-    if (n != q->n) continue;
-    most = fmax(most, rms(a->value + p->begin + offset * n, a->value + q->begin + offset * n, width * n, n));
+static uint32_t last_id(const hk_trajectory *a) {
+  double last = 0;
+  for (size_t k = 0; k < a->moments; k++) {
+    const struct hk_moment *m = &a->moment[k];
+    if (m->n) last = fmax(last, a->value[m->begin + m->n - 1]);
   }
+  return (uint32_t)last;
+}
+
+/* The largest RMS change of a part of the moments, each particle's since the first moment that has it; `offset` and
+ * `width` per particle. NAN: no memory. */
+static double change(const hk_trajectory *a, size_t offset, size_t width) {
+  const double **first = calloc((size_t)last_id(a) + 1, sizeof *first);
+  double most = first ? 0 : NAN;
+  for (size_t k = 0; first && k < a->moments; k++) {
+    const struct hk_moment *m = &a->moment[k];
+    const double *id = a->value + m->begin, *part = id + offset * m->n;
+    double sum = 0;
+    for (size_t i = 0; i < m->n; i++, part += width) {
+      const double **from = &first[(size_t)id[i]];
+      if (!*from) *from = part;
+      for (size_t c = 0; c < width; c++) sum += (part[c] - (*from)[c]) * (part[c] - (*from)[c]);
+    }
+    if (m->n) most = fmax(most, isnan(sum) ? INFINITY : sqrt(sum / (double)m->n));
+  }
+  free(first);
   return most;
 }
 

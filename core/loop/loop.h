@@ -56,6 +56,9 @@ typedef struct hk_step_choice {
   size_t estimate_cost;  /* evaluations */
   size_t estimates_cost; /* of all of them that no time or event called for, evaluations */
   size_t estimated_at;   /* number of evaluations at the last estimate */
+  double lightest;       /* kg, the least mass of a newborn; 0: there was none */
+  size_t births_cost;    /* of all estimates after births and deaths, evaluations */
+  size_t turnover;       /* births and deaths since the last of them */
 } hk_step_choice;
 
 hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and the stable limit, for any method */
@@ -63,6 +66,9 @@ hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and
 hk_status hk_step_choose(hk_step_choice *, hk_dynamics *, double given);
 /* Estimates the limit again after enough evaluations; with `event`, always. */
 hk_status hk_step_reestimate(hk_step_choice *, hk_dynamics *, bool event);
+/* After births and deaths: estimates the limit again where a newborn is lighter than all before or many particles are
+ * others. */
+hk_status hk_step_review_births(hk_step_choice *, hk_dynamics *, size_t births, size_t deaths);
 /* Before a step: lowers the limit, and a chosen dt, before the scene has become too stiff for them. */
 hk_status hk_step_watch(hk_step_choice *, hk_dynamics *);
 
@@ -155,6 +161,6 @@ hk_status hk_contact_check(hk_loop *, double t_before, bool *rejected);
 bool hk_correctors_look_back(const hk_loop *); /* whether a corrector needs the state before the step */
 /* *rejected: a corrector rejected the step; the state before the step is then restored. */
 hk_status hk_correctors_apply(hk_loop *, double h, bool *rejected);
-hk_status hk_sources_emit(hk_loop *, double h);
+hk_status hk_sources_emit(hk_loop *, double h, unsigned when); /* 0: before a step; HK_AFTER_STEPS: after it */
 
 #endif

@@ -27,7 +27,7 @@ hk_status hk_step_begin(hk_loop *loop, double h) {
   hk_status status = interrupted(loop);
   loop->between_steps = status != HK_OK;
   if (status != HK_OK) return status;
-  if (loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
+  if (loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h, 0);
   loop->emitted = true;
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);

@@ -10,6 +10,10 @@
  * their stiffness and are watched, and of those that the watch asks for. */
 enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
 
+/* Of estimates after births and deaths: evaluations of the run per evaluation of one, the number that is free, and the
+ * inverse of the part of the particles that has to be new. */
+enum { REVIEW_BIRTHS = 20, FREE_BIRTHS = 10, TURNOVER = 10 };
+
 /* Equal within a tenth of a percent: the old limit is then kept, since computing it can cost more than a frame of a
  * small scene. */
 static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
@@ -132,6 +136,27 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
   keep_least(c, old, expected, c->dt_estimated);
   c->dt_estimated = c->dt;
   return HK_OK;
+}
+
+/* Newborns may be stiffer than all others where they are lighter; a stream of births has few masses, or fewer and fewer
+ * that are the lightest so far. Otherwise the scene is another one when a tenth of its particles are others, and is
+ * then estimated as far as the evaluations so far can pay for it, at first without. */
+hk_status hk_step_review_births(hk_step_choice *c, hk_dynamics *d, size_t births, size_t deaths) {
+  const hk_model *model = &d->state->model;
+  bool lighter = false;
+  for (size_t i = model->n - births; i < model->n; i++)
+    if (!(c->lightest > 0) || model->mass[i] < c->lightest) {
+      c->lightest = model->mass[i];
+      lighter = true;
+    }
+  c->turnover += births + deaths;
+  bool another = TURNOVER * c->turnover >= model->n;
+  bool paid = REVIEW_BIRTHS * c->births_cost <= d->count.evaluations + FREE_BIRTHS * REVIEW_BIRTHS * c->estimate_cost;
+  if (!lighter && !(another && paid)) return HK_OK;
+  hk_status status = hk_step_reestimate(c, d, true);
+  c->births_cost += c->estimate_cost;
+  c->turnover = 0;
+  return status;
 }
 
 /* A new estimate is sharper than the raised bounds, where the evaluations so far allow for it. */

@@ -115,7 +115,7 @@ void hk_lua_check_plain(lua_State *L, int index, const char *what); /* no fields
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */
-void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table);
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table);
 
 /* param.c: param(), and the check that every name=value was declared. */
 int hk_lua_param(lua_State *L);

@@ -222,13 +222,26 @@ double hk_lua_fastest(lua_State *L, const char *what) {
   return seconds;
 }
 
+static void add_group(lua_State *L, hk_scene *scene, const char *name) {
+  hk_error error = {0};
+  uint32_t group;
+  hk_limits_take(L, strlen(name) + 64);
+  if (hk_scene_add_group(scene, name, &group, &error) != HK_OK) hk_lua_raise(L, &error);
+}
+
 /* True: `key` is an option that the host handles; its value is on top of the stack. */
-static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, const char *key) {
+static bool common_option(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, const char *key) {
   char name[160];
   snprintf(name, sizeof name, "%s: %s", spec->label, key);
   if (strcmp(key, "label") == 0) return true;
   if (strcmp(key, "fastest") == 0) {
     spec->fastest = hk_lua_fastest(L, name);
+    return true;
+  }
+  if (strcmp(key, "group") == 0 && (spec->plugin->kind == HK_FORCE || spec->plugin->kind == HK_SOURCE)) {
+    if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected the name of a group", name);
+    spec->group = hk_string_copy(lua_tostring(L, -1));
+    if (spec->plugin->kind == HK_SOURCE) add_group(L, scene, spec->group); /* its particles will be the first */
     return true;
   }
   if (spec->plugin->kind != HK_FORCE) return false;
@@ -238,10 +251,7 @@ static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *s
     spec->from = hk_lua_number(L, -1, name);
   else if (strcmp(key, "to") == 0)
     spec->to = hk_lua_number(L, -1, name);
-  else if (strcmp(key, "group") == 0) {
-    if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected the name of a group", name);
-    spec->group = hk_string_copy(lua_tostring(L, -1));
-  } else
+  else
     return false;
   return true;
 }
@@ -252,7 +262,7 @@ static bool has_state_function(const hk_plugin_spec *spec) {
   return false;
 }
 
-void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table) {
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table) {
   hk_error error = {0};
   if (table == 0 || lua_isnoneornil(L, table))
     table = 0;

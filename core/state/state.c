@@ -78,13 +78,15 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
   if (status == HK_OK) status = allocate(s, scene, error);
   if (status != HK_OK) return status;
   s->next_id = (uint32_t)scene->n + 1;
+  s->room = scene->n;
   if (scene->n) copy_particles(s, scene);
   hk_state_refresh(s);
   return HK_OK;
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->mass, s->inverse_mass, s->id, s->group, s->pin, s->X, s->edge, s->triangle, s->channel};
+  void *arrays[] = {s->mass,     s->inverse_mass, s->id,      s->group,      s->pin,      s->X,          s->edge,
+                    s->triangle, s->channel,      s->spare.X, s->spare.mass, s->spare.id, s->spare.group};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }
 

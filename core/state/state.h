@@ -1,10 +1,19 @@
-/* The state of a scene: the vector X = (x, v, channels, work), the data of the particles (masses, ids, groups, pins),
- * and the changes by births and deaths. */
+/* The state of a scene: the vector X = (x, v, channels, work) and the data of the particles (masses, ids, groups,
+ * pins).
+ */
 #ifndef HK_STATE_H
 #define HK_STATE_H
 
 #include "core/functions/functions.h"
 #include "core/scene/scene.h"
+
+typedef struct hk_particle_set {
+  size_t n, room; /* the arrays are for up to `room` particles */
+  double *X;      /* (6 + width) n + 1 */
+  double *mass;
+  uint32_t *id; /* increasing */
+  uint32_t *group;
+} hk_particle_set;
 
 /* Ids increase with the index: deaths preserve the order of the other particles and births are appended, so an id is
  * found by bisection. */
@@ -17,6 +26,8 @@ typedef struct hk_state {
   uint32_t *id, *group;
   uint8_t *pin;
   uint32_t next_id;
+  size_t room;           /* the arrays of particles are for up to so many */
+  hk_particle_set spare; /* arrays for the next change; those of a scene without births and deaths are NULL */
   hk_channel *channel;
   uint32_t (*edge)[2], (*triangle)[3];
   hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
@@ -37,40 +48,12 @@ hk_status hk_state_check_masses(const hk_state *, hk_error *error);
 /* ---- particle_set.c: a set of particles that replaces those of the state, after births and deaths or from a file
  * ---- */
 
-typedef struct hk_particle_set {
-  size_t n;
-  double *X; /* (6 + width) n + 1 */
-  double *mass;
-  uint32_t *id; /* increasing */
-  uint32_t *group;
-} hk_particle_set;
-
 /* false: no memory; the set must be freed all the same */
 bool hk_particle_set_allocate(hk_particle_set *, size_t n, size_t width);
 void hk_particle_set_free(hk_particle_set *);
 /* Replaces the particles: old index i becomes map[i] (UINT32_MAX: removed). Takes ownership of the set's arrays, also
  * when it fails. The caller must remap the indices in pins, plugins and matrices. */
 hk_status hk_state_adopt(hk_state *, const uint32_t *map, hk_particle_set *, hk_error *error);
-
-/* ---- population.c: births and deaths that a source asks for ---- */
-
-typedef struct hk_population_change {
-  hk_population population; /* first member: the table that the source gets */
-  hk_state *state;
-  const hk_scene *scene;
-  const hk_instance *source;
-  size_t births, capacity;
-  hk_birth *birth;
-  double *channel; /* births x width */
-  size_t channel_capacity;
-  size_t deaths;
-  bool *dies; /* n, whether the particle dies; NULL: none does */
-} hk_population_change;
-
-hk_population_change hk_population_begin(hk_state *, const hk_scene *, const hk_instance *source);
-/* Applies all births and deaths; the caller frees *map, from old indices to new ones. */
-hk_status hk_population_apply(hk_population_change *, uint32_t **map, hk_error *error);
-void hk_population_end(hk_population_change *);
 
 /* ---- pins.c ---- */
 

@@ -22,8 +22,8 @@ typedef struct progress {
   hk_spectrum spectrum;
   hk_watch watch;
   hk_counts count;
-  double dt, dt_suggested, dt_estimated, dt_limit, limit_now, growth_rate;
-  uint64_t estimate_cost, estimates_cost, estimated_at, chosen, growth_expected;
+  double dt, dt_suggested, dt_estimated, dt_limit, limit_now, growth_rate, lightest;
+  uint64_t estimate_cost, estimates_cost, estimated_at, births_cost, turnover, chosen, growth_expected;
 } progress;
 
 static bool move_instance(hk_walk *w, hk_instance *instance, const hk_state *s) {
@@ -79,6 +79,9 @@ static progress progress_of(const hk_loop *loop) {
                     .estimate_cost = c->estimate_cost,
                     .estimates_cost = c->estimates_cost,
                     .estimated_at = c->estimated_at,
+                    .lightest = c->lightest,
+                    .births_cost = c->births_cost,
+                    .turnover = c->turnover,
                     .chosen = c->chosen,
                     .growth_expected = c->growth_expected};
 }
@@ -195,6 +198,9 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->estimate_cost = (size_t)p->estimate_cost;
   c->estimates_cost = (size_t)p->estimates_cost;
   c->estimated_at = (size_t)p->estimated_at;
+  c->lightest = p->lightest;
+  c->births_cost = (size_t)p->births_cost;
+  c->turnover = (size_t)p->turnover;
   c->chosen = p->chosen;
   c->growth_expected = p->growth_expected;
 }

@@ -179,6 +179,17 @@ static hk_status add(hk_population *population, const hk_birth *b, uint32_t *id)
   return HK_OK;
 }
 
+static hk_status add_aged(hk_population *population, const hk_birth *b, double age, double lifetime, uint32_t *id) {
+  recorded *r = (recorded *)(void *)population;
+  hk_status status = add(population, b, id);
+  if (status != HK_OK) return status;
+  lua_rawgeti(r->L, -2, r->births);
+  hk_table_set(r->L, "age", age);
+  hk_table_set(r->L, "lifetime", lifetime);
+  lua_pop(r->L, 1);
+  return status;
+}
+
 static hk_status take(hk_population *population, uint32_t index) {
   recorded *r = (recorded *)(void *)population;
   lua_pushinteger(r->L, (lua_Integer)index + 1);
@@ -195,7 +206,7 @@ static int emit(lua_State *L) {
   lua_newtable(L);
   lua_newtable(L);
   luaL_checkstack(L, 10, NULL);
-  recorded r = {.population = {add, take}, .L = L, .n = a->n, .most = most, .next_id = 1000};
+  recorded r = {.population = {add, take, add_aged}, .L = L, .n = a->n, .most = most, .next_id = 1000};
   hk_guard_enter("emit");
   hk_status status = plugin_of(a)->source->emit(a->instance->self, &a->view, h, &r.population);
   push_status(L, a, status);

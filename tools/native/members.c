@@ -2,6 +2,8 @@
  * bounds, products, contact, passages; births and deaths; what checkpoints save. */
 #include "tools/native/common/subject.h"
 
+#include "core/population/population.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -258,7 +260,8 @@ static int change(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
   size_t n_old = run->state.model.n, deaths = lua_rawlen(L, 2), births = lua_rawlen(L, 3);
-  hk_population_change c = hk_population_begin(&run->state, run->scene, forces->item[0]);
+  hk_population_change c = hk_population_begin(&run->state, run->scene);
+  c.source = forces->item[0];
   uint32_t *map = NULL;
   hk_status status = HK_OK;
   for (size_t k = 0; k < deaths && status == HK_OK; k++, lua_pop(L, 1)) {
