@@ -161,7 +161,8 @@ static hk_status draw(frames *f) {
   if (status != HK_OK) return status;
   if (f->legend && f->framing.counted)
     hk_legend_draw(&f->painter, &(hk_legend){f->label, percent * f->framing.low, percent * f->framing.high, f->table});
-  hk_painter_read(&f->painter, f->picture);
+  status = hk_painter_read(&f->painter, &f->setup, f->picture);
+  if (status != HK_OK) return status;
   snprintf(name, sizeof name, "%s/%06zu.png", f->folder, f->pictures);
   status = f->host->path(f->host, name, path, sizeof path);
   if (status != HK_OK) return status;

@@ -53,7 +53,7 @@ static void choose_radii(const hk_framing *framing, size_t n, size_t lines, hk_v
   if (!isnan(framing->radius)) setup->bead = framing->radius;
   setup->pin = 0.0065 * setup->size;
   if (lines) setup->pin = 1.25 * setup->bead;
-  setup->bead_pixels = 1;
+  setup->sprites.least = 1, setup->sprites.opacity = 1;
 }
 
 /* Chooses the floor: z = 0 for a scene whose lowest point is there or a little above, otherwise just below the lowest

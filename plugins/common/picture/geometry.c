@@ -53,6 +53,7 @@ static void normalize(float v[3]) {
 
 static void add_bead(hk_painter *p, const float x[3], double radius, const uint8_t colour[4]) {
   hk_bead *bead = p->bead + p->beads++;
+  memset(bead, 0, sizeof *bead);
   memcpy(bead->centre, x, sizeof bead->centre);
   memcpy(bead->colour, colour, sizeof bead->colour);
   bead->radius = (float)radius;
