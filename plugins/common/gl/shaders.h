@@ -107,13 +107,14 @@ static const char hk_floor_fragment[] =
     "in vec2 at, place;\n"
     "uniform vec3 grid;\n" /* spacing; where a line passes, x and y */
     "uniform vec3 colour;\n"
+    "uniform float line;\n" /* how much lighter the lines are */
     "out vec4 result;\n"
     "void main() {\n"
     "  vec2 cell = (at - grid.yz) / grid.x, width = fwidth(cell);\n"
     "  vec2 near = abs(fract(cell - 0.5) - 0.5) / max(width, 1e-6);\n"
-    "  vec2 line = clamp(1.1 - near, 0.0, 1.0) * clamp(0.7 - 2.0 * width, 0.0, 1.0);\n"
+    "  vec2 on = clamp(1.1 - near, 0.0, 1.0) * clamp(0.7 - 2.0 * width, 0.0, 1.0);\n"
     "  float fade = 1.0 - smoothstep(0.25, 1.0, length(place));\n"
-    "  result = vec4(colour * (1.0 - 0.26 * max(line.x, line.y)), fade);\n"
+    "  result = vec4(colour * (1.0 + line * max(on.x, on.y)), fade);\n"
     "}\n";
 
 static const char hk_shade_fragment[] =

@@ -5,7 +5,7 @@
 #define HK_PAINTER_H
 
 #include "plugins/common/gl/canvas.h"
-#include "plugins/common/picture/snapshot3d.h"
+#include "plugins/common/snapshot/snapshot3d.h"
 #include "plugins/common/picture/view_setup.h"
 #include "plugins/common/sprites/sprites.h"
 

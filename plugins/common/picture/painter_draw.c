@@ -125,6 +125,7 @@ static void draw_floor(hk_painter *p, const scene *s) {
   glUniform3f(uniform(p, HK_FLOOR, "grid"), (float)spacing, (float)-fmod(setup->offset[0], spacing),
               (float)-fmod(setup->offset[1], spacing));
   glUniform3f(uniform(p, HK_FLOOR, "colour"), fminf(1.03f * b[0], 1), fminf(1.03f * b[1], 1), fminf(1.02f * b[2], 1));
+  glUniform1f(uniform(p, HK_FLOOR, "line"), hk_is_dark(b) ? 0.9f : -0.26f);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 16);
   draw_square(p, s, HK_FLOOR, square);
@@ -190,13 +191,13 @@ void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, doub
   glDepthFunc(GL_LESS);
 }
 
-/* From depths between the planes to distances along the line of sight; strokes, at depth 0, are nearer than anything.
- */
+/* From depths between the planes to distances along the line of sight. Strokes, at depth 0, are nearer than anything,
+ * and where nothing was drawn, at depth 1, there is no end. */
 static void find_distances(const hk_camera *camera, size_t count, float *depth) {
   float sum = (float)(camera->far + camera->near), difference = (float)(camera->far - camera->near);
   float product = (float)(2 * camera->far * camera->near);
   for (size_t k = 0; k < count; k++)
-    depth[k] = depth[k] > 0 ? product / (sum - (2 * depth[k] - 1) * difference) : -INFINITY;
+    depth[k] = depth[k] <= 0 ? -INFINITY : depth[k] >= 1 ? INFINITY : product / (sum - (2 * depth[k] - 1) * difference);
 }
 
 hk_status hk_painter_read(hk_painter *p, const hk_view_setup *setup, unsigned char *rgba) {
