@@ -71,8 +71,8 @@ static const hk_param params[] = {
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
     {"least", "pixels", "smallest radius of a particle on the picture",
      HK_NUMBER, {1}, 0.25, 100, offsetof(frames, least), 0, NULL},
-    {"opacity", "", "of particles; of lights, their strength",
-     HK_NUMBER, {1}, 0, 1e6, offsetof(frames, opacity), 0, NULL},
+    {"opacity", "", "of particles, of lights their strength; left out: 1, for glow by how bright they are together",
+     HK_NUMBER, {0}, 0, 1e6, offsetof(frames, opacity), HK_OPTIONAL, NULL},
     {"fade", "", "a channel that makes particles fainter, from 1 down to 0, which is not seen",
      HK_STRING, {0}, 0, 0, offsetof(frames, names.fade), 0, NULL},
     {"streak", "s", "soft and glowing particles leave a streak of this much of their way",
@@ -135,7 +135,8 @@ static void plan_light(frames *f) {
   const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
   setup->sprites.style = (hk_style)f->style;
-  setup->sprites.opacity = f->opacity, setup->sprites.least = f->least, setup->sprites.fog = f->fog;
+  setup->sprites.opacity = isnan(f->opacity) && f->style != (int)HK_STYLE_GLOW ? 1 : f->opacity;
+  setup->sprites.least = f->least, setup->sprites.fog = f->fog;
   setup->streak = f->streak;
 }
 

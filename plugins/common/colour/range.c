@@ -8,11 +8,16 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Rounds a positive number up to two digits. */
+/* Rounds a positive number up to two digits, or down. */
 static double round_up(double value) {
   if (!(value > 0)) return value;
   double unit = pow(10, floor(log10(value)) - 1);
   return unit * ceil(value / unit * (1 - 1e-9));
+}
+
+static double round_down(double value) {
+  double unit = pow(10, floor(log10(value)) - 1);
+  return unit * floor(value / unit * (1 + 1e-9));
 }
 
 static void choose_linear(hk_scale *s, double low, double high, bool centred) {
@@ -27,7 +32,7 @@ static void choose_linear(hk_scale *s, double low, double high, bool centred) {
 }
 
 static void choose_log(hk_scale *s, double low, double high) {
-  s->low = 1 / round_up(1 / low), s->high = round_up(high);
+  s->low = round_down(low), s->high = round_up(high);
   if (s->high <= 1.01 * s->low) s->low /= 10, s->high *= 10;
 }
 

@@ -11,8 +11,8 @@
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
-  return isnan(framing->eye[0]) || (framing->floor && isnan(framing->height)) || f->look.sizes == HK_SIZE_MASS ||
-         (framing->counted && isnan(framing->scale.low));
+  return isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) || (framing->floor && isnan(framing->height)) ||
+         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
 }
 
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
@@ -77,6 +77,20 @@ static hk_status write_picture(hk_film *f) {
   return HK_OK;
 }
 
+/* Exposes for the frame with the most particles, the one in the middle if it is one of them. */
+static hk_status expose(hk_film *f) {
+  const hk_frame_spool_entry *entry = f->spool.entry;
+  size_t best = f->spool.count / 2;
+  if (!isnan(f->setup.sprites.opacity)) return HK_OK;
+  for (size_t k = 0; k < f->spool.count; k++)
+    if (entry[k].n > entry[best].n) best = k;
+  hk_status status = hk_frame_spool_read(&f->spool, best, &f->snapshot);
+  if (status == HK_OK) status = make_colours(f, f->snapshot.n);
+  if (status != HK_OK) return status;
+  colour_particles(f);
+  return hk_painter_expose(&f->painter, &f->setup, &f->snapshot, f->colour);
+}
+
 static hk_status draw(hk_film *f) {
   hk_status status = make_colours(f, f->snapshot.n);
   if (status != HK_OK) return status;
@@ -110,6 +124,7 @@ hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {
   hk_status status = use_context(f);
   if (status == HK_OK)
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
+  if (status == HK_OK) status = expose(f);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);

@@ -88,6 +88,12 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
 static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const double at[2], double length,
                      double thickness) {
   s->count = 0;
+  if (legend->light) { /* a rim, or the dark end would not be seen */
+    add_stroke(s, at[0] + thickness / 4, at[1] + thickness / 2, at[0] + length - thickness / 4, at[1] + thickness / 2,
+               s->ink);
+    hk_painter_strokes(p, s->tube, s->count, thickness / 2 + 1);
+    s->count = 0;
+  }
   for (int k = 0; k < SEGMENTS; k++) {
     double left = at[0] + length * k / SEGMENTS, right = at[0] + length * (k + 1) / SEGMENTS;
     double y = at[1] + thickness / 2;

@@ -46,6 +46,8 @@ void hk_painter_close(hk_painter *); /* a zeroed painter is allowed */
  * all pictures of a painter; the box may differ. */
 hk_status hk_painter_draw(hk_painter *, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
                           uint8_t (*colour)[4]);
+/* Sets the opacity of lights so that most of their pixels in this picture are neither dark nor white. HK_NO_MEMORY. */
+hk_status hk_painter_expose(hk_painter *, hk_view_setup *setup, const hk_snapshot3d *snapshot, uint8_t (*colour)[4]);
 /* Draws strokes over the picture: coordinates in pixels from the lower left corner, half width in pixels. */
 void hk_painter_strokes(hk_painter *, const hk_tube *stroke, size_t count, double half_width);
 /* As hk_canvas_read, with the particles of the last picture, which strokes hide. HK_NO_MEMORY. */

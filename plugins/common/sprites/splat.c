@@ -1,4 +1,5 @@
-/* A disc's weight is (1 - r^2)^2 at r radii from its middle: it and its slope vanish at the edge. Discs of less than
+/* A disc's weight is w = (1 - r^2)^2 at r radii from its middle: it and its slope vanish at the edge. A light's is
+ * w (1 + 4 w^2)/5, a bright core in a faint halo. Discs of less than
  * one and a half pixels are drawn that large and fainter by the ratio of the areas, so that their light does not
  * flicker as they move from pixel to pixel. With a tail, r is the distance from the line, and the weight falls along it
  * to zero. Spheres have the light of plugins/common/gl/shaders.h, and edges by the share of the pixel that they cover.
@@ -29,6 +30,7 @@ typedef struct disc {
   float front, harden;  /* where it begins, m; 1 / m over which it vanishes */
   float colour[3];      /* light */
   float cover;          /* 1: it hides what is behind; 0: it only adds light */
+  float core;           /* 4/5, or 0 for a disc without one */
   float tail[2], along; /* pixels; 1 / length^2, 0 without a tail */
 } disc;
 
@@ -48,10 +50,17 @@ static disc make_disc(const hk_srgb *srgb, const hk_sprite_look *look, const hk_
             .front = s->depth - s->reach,
             .harden = 1 / (s->reach > 1e-6f * s->depth ? s->reach : 1e-6f * s->depth),
             .cover = look->style == HK_STYLE_SOFT ? 1 : 0,
+            .core = look->style == HK_STYLE_GLOW ? 0.8f : 0,
             .tail = {s->tail[0], s->tail[1]},
             .along = length2 > 1 ? 1 / length2 : 0}; /* a tail within a pixel is none */
   colour_of(srgb, look, s, d.colour);
   return d;
+}
+
+/* inside: 1 - r^2. */
+static inline float weight(const disc *d, float inside) {
+  float w = inside * inside;
+  return w * (1 - d->core + d->core * w * w);
 }
 
 static void add_disc(const disc *d, const span *p) {
@@ -60,7 +69,7 @@ static void add_disc(const disc *d, const span *p) {
   for (int k = 0; k < p->count; k++) {
     float x = p->x + (float)k, inside = 1 - (x * x + p->y * p->y) * d->scale;
     inside = inside > 0 ? inside : 0;
-    float a = rest[k] * d->alpha * inside * inside * clamp01((p->scene[k] - d->front) * d->harden);
+    float a = rest[k] * d->alpha * weight(d, inside) * clamp01((p->scene[k] - d->front) * d->harden);
     red[k] += a * d->colour[0];
     green[k] += a * d->colour[1];
     blue[k] += a * d->colour[2];
@@ -76,7 +85,7 @@ static void add_streak(const disc *d, const span *p) {
     float across = x - t * d->tail[0], up = p->y - t * d->tail[1];
     float inside = 1 - (across * across + up * up) * d->scale;
     inside = (inside > 0 ? inside : 0) * (1 - t);
-    float a = rest[k] * d->alpha * inside * inside * clamp01((p->scene[k] - d->front) * d->harden);
+    float a = rest[k] * d->alpha * weight(d, inside) * clamp01((p->scene[k] - d->front) * d->harden);
     red[k] += a * d->colour[0];
     green[k] += a * d->colour[1];
     blue[k] += a * d->colour[2];

@@ -23,12 +23,12 @@ typedef enum hk_style {
 
 typedef struct hk_sprite_look {
   hk_style style;
-  double opacity;          /* factor of every bead's */
-  double least;            /* smallest radius, pixels */
-  double fog;              /* 0..1: share of the fog's colour in the farthest bead's */
-  double clear, thick;     /* distances where the fog begins and where it is `fog`, m */
-  float fog_colour[3];     /* 0..1 */
-  const float (*light)[3]; /* key, sky, toward, between of plugins/common/gl/shaders.h, in the camera's axes */
+  double opacity;      /* factor of every bead's */
+  double least;        /* smallest radius, pixels */
+  double fog;          /* 0..1: share of the fog's colour in the farthest bead's */
+  double clear, thick; /* distances where the fog begins and where it is `fog`, m */
+  float fog_colour[3]; /* 0..1 */
+  float light[4][3];   /* key, sky, toward, between of plugins/common/gl/shaders.h, in the camera's axes */
 } hk_sprite_look;
 
 /* x and y are in pixels from the lower left corner of the picture. radius 0: not visible. */

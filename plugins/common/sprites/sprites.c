@@ -1,17 +1,21 @@
 /* Sprites become light in an image of floats, from the nearest to the farthest, so that those in front say how much is
- * seen of those behind; then it covers the picture or, for HK_STYLE_GLOW, is added to it. A sum of light s over a
- * picture p is shown as 1 - (1 - p) exp(-s): s while it is small, white at most, and the same for any order. */
+ * seen of those behind; then it covers the picture. Sources of light, HK_STYLE_GLOW, are summed instead, in any order.
+ * A sum whose strongest colour is s is shown divided by 1 + s, so that dense places keep the hue of their particles
+ * and are never quite white, and laid over the picture p as 1 - (1 - p)(1 - own): what is faint is added. */
 #include "plugins/common/sprites/sprites.h"
 
 #include "plugins/common/sprites/depth_order.h"
 
+#include <stdlib.h>
 #include <string.h>
+
+static const float FAINT = 1e-3f; /* light that is hardly seen: three steps above black */
 
 typedef struct job {
   hk_sprites *sprites;
   const hk_sprite_look *look;
-  unsigned char *rgba;
-  size_t stride;
+  unsigned char *rgba; /* the image's lower left pixel; NULL: the light is all that is wanted */
+  size_t stride;       /* bytes of a row of the picture */
 } job;
 
 void hk_sprites_open(hk_sprites *s, const hk_host *host) {
@@ -95,42 +99,77 @@ hk_status hk_sprites_place(hk_sprites *s, const hk_lens *lens, const hk_sprite_l
   return hk_bands_fill(&s->bands, s->host, s->sprite, s->order, s->listed, s->image.bottom, s->image.height);
 }
 
+static uint8_t byte_of(const hk_srgb *srgb, float light) {
+  return srgb->byte[(int)(sqrtf(hk_min(hk_max(light, 0), 1)) * (HK_SRGB_ROOTS - 1) + 0.5f)];
+}
+
 static void begin_row(float *light, int width) {
   memset(light, 0, 3 * (size_t)width * sizeof *light);
   for (int x = 0; x < width; x++) light[3 * width + x] = 1;
 }
 
-static void end_row(const hk_srgb *srgb, unsigned char *rgba, const float *light, int width, bool glow) {
+static void cover_row(const hk_srgb *srgb, unsigned char *rgba, const float *light, int width) {
   for (int c = 0; c < 3; c++)
     for (int x = 0; x < width; x++) {
       float own = light[c * width + x], rest = light[3 * width + x];
-      if (own <= 0 && rest >= 1) continue;
-      float behind = srgb->light[rgba[4 * x + c]];
-      float sum = glow ? 1 - (1 - behind) * expf(-own) : own + rest * behind;
-      rgba[4 * x + c] = srgb->byte[(int)(sqrtf(hk_min(hk_max(sum, 0), 1)) * (HK_SRGB_ROOTS - 1) + 0.5f)];
+      if (rest < 1) rgba[4 * x + c] = byte_of(srgb, own + rest * srgb->light[rgba[4 * x + c]]);
     }
 }
 
-static void draw_bands(void *context, size_t begin, size_t end, size_t chunk) {
-  const job *j = context;
-  hk_sprites *s = j->sprites;
-  bool glow = j->look->style == HK_STYLE_GLOW;
-  size_t width = (size_t)s->image.width;
-  (void)chunk;
-  for (size_t b = begin; b < end; b++) {
-    int first = (int)b * HK_BAND_ROWS, last = first + HK_BAND_ROWS;
-    last = last < s->image.height ? last : s->image.height;
-    for (int y = first; y < last; y++) begin_row(s->image.light + HK_PLANES * width * (size_t)y, s->image.width);
-    for (size_t k = s->bands.start[b]; k < s->bands.start[b + 1]; k++)
-      hk_splat(&s->image, &s->srgb, j->look, s->sprite + s->bands.item[k], first, last);
-    for (int y = first; y < last; y++)
-      end_row(&s->srgb, j->rgba + 4 * j->stride * (size_t)y, s->image.light + HK_PLANES * width * (size_t)y,
-              s->image.width, glow);
+static float strongest(const float *light, int width, int x) {
+  return hk_max(light[x], hk_max(light[width + x], light[2 * width + x]));
+}
+
+static void add_row(const hk_srgb *srgb, unsigned char *rgba, const float *light, int width) {
+  for (int x = 0; x < width; x++) {
+    float level = strongest(light, width, x);
+    if (!(level > 0)) continue;
+    float part = 1 / (1 + level);
+    for (int c = 0; c < 3; c++) {
+      float behind = srgb->light[rgba[4 * x + c]], own = light[c * width + x] * part;
+      rgba[4 * x + c] = byte_of(srgb, 1 - (1 - behind) * (1 - own));
+    }
   }
 }
 
-void hk_sprites_draw(hk_sprites *s, const hk_sprite_look *look, unsigned char *rgba, int stride) {
-  size_t corner = 4 * ((size_t)s->image.bottom * (size_t)stride + (size_t)s->image.left);
-  job j = {s, look, rgba + corner, (size_t)stride};
+static void draw_band(const job *j, size_t band) {
+  hk_sprites *s = j->sprites;
+  bool glow = j->look->style == HK_STYLE_GLOW;
+  int width = s->image.width, first = (int)band * HK_BAND_ROWS, end = first + HK_BAND_ROWS;
+  size_t row = HK_PLANES * (size_t)width;
+  end = end < s->image.height ? end : s->image.height;
+  for (int y = first; y < end; y++) begin_row(s->image.light + row * (size_t)y, width);
+  for (size_t k = s->bands.start[band]; k < s->bands.start[band + 1]; k++)
+    hk_splat(&s->image, &s->srgb, j->look, s->sprite + s->bands.item[k], first, end);
+  for (int y = first; y < end && j->rgba; y++)
+    (glow ? add_row : cover_row)(&s->srgb, j->rgba + j->stride * (size_t)y, s->image.light + row * (size_t)y, width);
+}
+
+static void draw_bands(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  for (size_t b = begin; b < end; b++) draw_band(context, b);
+}
+
+void hk_sprites_draw(hk_sprites *s, const hk_sprite_look *look, unsigned char *rgba, int width) {
+  size_t stride = 4 * (size_t)width;
+  job j = {s, look, rgba + stride * (size_t)s->image.bottom + 4 * (size_t)s->image.left, stride};
   if (s->image.width && s->image.height) s->host->parallel_for(s->host, s->bands.count, 1, draw_bands, &j);
+}
+
+static int by_size(const void *a, const void *b) {
+  float x = *(const float *)a, y = *(const float *)b;
+  return (x > y) - (x < y);
+}
+
+double hk_sprites_level(hk_sprites *s, const hk_sprite_look *look, double share) {
+  job j = {s, look, NULL, 0};
+  size_t width = (size_t)s->image.width, pixels = width * (size_t)s->image.height, lit = 0;
+  for (size_t k = 0; k < pixels; k++) s->distance[k] = INFINITY;
+  if (pixels) s->host->parallel_for(s->host, s->bands.count, 1, draw_bands, &j);
+  for (size_t k = 0; k < pixels; k++) {
+    float level = strongest(s->image.light + k / width * HK_PLANES * width, (int)width, (int)(k % width));
+    if (level > FAINT) s->distance[lit++] = level;
+  }
+  qsort(s->distance, lit, sizeof *s->distance, by_size);
+  return lit ? (double)s->distance[(size_t)(share * (double)(lit - 1))] : 0;
 }
