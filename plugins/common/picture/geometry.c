@@ -51,20 +51,32 @@ static void normalize(float v[3]) {
     for (int c = 0; c < 3; c++) v[c] /= most;
 }
 
-static void add_bead(hk_painter *p, const float x[3], double radius, const uint8_t colour[4]) {
+static void add_bead(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i,
+                     const uint8_t colour[4]) {
+  const float *size = s->extra[HK_EXTRA_SIZE], *v = s->extra[HK_EXTRA_VELOCITY];
   hk_bead *bead = p->bead + p->beads++;
-  memcpy(bead->centre, x, sizeof bead->centre);
+  memcpy(bead->centre, s->x[i], sizeof bead->centre);
   memcpy(bead->colour, colour, sizeof bead->colour);
-  bead->radius = (float)radius;
+  bead->radius = (float)(size ? setup->bead_unit * (double)size[i] : setup->bead);
+  for (size_t c = 0; c < 3; c++) bead->tail[c] = v ? (float)(setup->streak * (double)v[3 * i + c]) : 0;
+}
+
+static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
+  static const uint8_t colour[4] = {52, 58, 70, 255};
+  hk_bead *bead = p->bead + p->beads++;
+  *bead = (hk_bead){.radius = (float)setup->pin};
+  memcpy(bead->centre, s->x[i], sizeof bead->centre);
+  memcpy(bead->colour, colour, sizeof colour);
 }
 
 static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
                       float limit) {
-  static const uint8_t pin[4] = {52, 58, 70, 255};
   for (size_t i = 0; i < s->n; i++) {
     if (!s->mark[i] || !has_place(s->x[i], limit)) continue;
-    bool held = s->mark[i] & HK_MARK_PIN;
-    add_bead(p, s->x[i], held ? setup->pin : setup->bead, held ? pin : colour[i]);
+    if (s->mark[i] & HK_MARK_PIN)
+      add_pin(p, setup, s, i);
+    else if (colour[i][3])
+      add_bead(p, setup, s, i, colour[i]);
   }
 }
 

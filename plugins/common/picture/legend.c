@@ -1,7 +1,6 @@
 #include "plugins/common/picture/legend.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { STROKES = 1024, SEGMENTS = 96 };
@@ -57,6 +56,7 @@ static const char *glyph(int c) {
 typedef struct strokes {
   hk_tube tube[STROKES];
   size_t count;
+  const uint8_t *ink;
 } strokes;
 
 static void add_stroke(strokes *s, double ax, double ay, double bx, double by, const uint8_t colour[4]) {
@@ -71,7 +71,6 @@ static double text_width(const char *text, double unit) { return unit * (6 * (do
 
 /* `align` 0: x is the left end, 0.5: the middle, 1: the right end. `unit`: spacing of the glyphs' grid, pixels. */
 static void add_text(strokes *s, const char *text, double x, double y, double unit, double align) {
-  static const uint8_t ink[4] = {62, 68, 80, 255};
   x -= align * text_width(text, unit);
   for (; *text; text++, x += 6 * unit) {
     const char *g = glyph((unsigned char)*text);
@@ -81,7 +80,7 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
         continue;
       }
       add_stroke(s, x + (g[0] - '0') * unit, y + (g[1] - '2') * unit, x + (g[3] - '0') * unit, y + (g[4] - '2') * unit,
-                 ink);
+                 s->ink);
     }
   }
 }
@@ -89,6 +88,12 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
 static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const double at[2], double length,
                      double thickness) {
   s->count = 0;
+  if (legend->light) { /* a rim, or the dark end would not be seen */
+    add_stroke(s, at[0] + thickness / 4, at[1] + thickness / 2, at[0] + length - thickness / 4, at[1] + thickness / 2,
+               s->ink);
+    hk_painter_strokes(p, s->tube, s->count, thickness / 2 + 1);
+    s->count = 0;
+  }
   for (int k = 0; k < SEGMENTS; k++) {
     double left = at[0] + length * k / SEGMENTS, right = at[0] + length * (k + 1) / SEGMENTS;
     double y = at[1] + thickness / 2;
@@ -99,25 +104,20 @@ static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const d
   hk_painter_strokes(p, s->tube, s->count, thickness / 2);
 }
 
-static void number_text(char *text, size_t size, double value, double most) {
-  if (fabs(value) < 1e-9 * most) value = 0;
-  snprintf(text, size, "%.3g", value);
-}
-
 void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
+  static const uint8_t ink[2][4] = {{62, 68, 80, 255}, {206, 213, 222, 255}};
   int width = p->canvas.width, height = p->canvas.height;
   if (height < 200 || width < 200) return;
-  strokes s = {.count = 0};
-  char text[32];
-  double unit = fmax(height / 420.0, 1), margin = 0.04 * height, length = fmin(0.3 * height, 0.3 * width);
+  strokes s = {.ink = ink[legend->light]};
+  hk_tick tick[HK_TICKS];
+  double unit = fmax(height / 420.0, 1), margin = 0.04 * height, advance = 6 * unit;
+  double length = fmax(fmin(0.3 * height, 0.3 * width), advance * hk_scale_least(&legend->scale));
   double thickness = fmax(0.013 * height, 5), at[2] = {margin, margin + 11 * unit};
-  double most = fmax(fabs(legend->low), fabs(legend->high));
+  size_t ticks = hk_scale_ticks(&legend->scale, length / advance, tick);
   draw_bar(p, &s, legend, at, length, thickness);
   s.count = 0;
   add_text(&s, legend->label, at[0], at[1] + thickness + 5 * unit, unit, 0);
-  for (int k = 0; k < 3; k++) {
-    number_text(text, sizeof text, legend->low + (legend->high - legend->low) * k / 2, most);
-    add_text(&s, text, at[0] + length * k / 2, at[1] - 11 * unit, unit, k / 2.0);
-  }
+  for (size_t k = 0; k < ticks; k++)
+    add_text(&s, tick[k].text, at[0] + length * tick[k].place, at[1] - 11 * unit, unit, tick[k].align);
   hk_painter_strokes(p, s.tube, s.count, 0.42 * unit + 0.15);
 }

@@ -393,7 +393,7 @@ static void frames_refuse_what_makes_no_picture(void **state) {
   world_open(&w, 1);
   set_text(&w, "color", "temperature");
   assert_int_equal(begin(&w), HK_BAD_PARAM);
-  assert_string_equal(w.f.error, "color: 'temperature' is not one of auto, none, strain, speed, group, paint");
+  assert_string_equal(w.f.error, "color: 'temperature' is not one of auto, none, strain, speed, group, age, mass, paint");
   fake_close(&w.f);
   world_open(&w, 1);
   *(hk_numbers *)fake_field(&w.f, "range") = (hk_numbers){2, backwards};

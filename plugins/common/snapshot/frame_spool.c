@@ -1,4 +1,4 @@
-#include "plugins/common/film/frame_spool.h"
+#include "plugins/common/snapshot/frame_spool.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -14,7 +14,8 @@ static hk_status io_error(const hk_frame_spool *s, const char *doing) {
 hk_status hk_frame_spool_open(hk_frame_spool *s, const hk_host *host, const char *name) {
   char path[PATH_MAX];
   *s = (hk_frame_spool){.host = host, .file = -1};
-  hk_status status = host->path(host, name, path, sizeof path);
+  hk_status status = hk_point_sample_open(&s->points, host);
+  if (status == HK_OK) status = host->path(host, name, path, sizeof path);
   if (status != HK_OK) return status;
   s->file = mkstemp(path);
   if (s->file < 0) return host->fail(host, HK_IO, "cannot create %s: %s", path, strerror(errno));
@@ -27,6 +28,7 @@ void hk_frame_spool_close(hk_frame_spool *s) {
   if (!s->host) return;
   if (s->file >= 0) close(s->file);
   s->host->release(s->host, s->entry);
+  hk_point_sample_close(&s->points, s->host);
   *s = (hk_frame_spool){0};
 }
 
@@ -49,6 +51,24 @@ static bool get(const hk_frame_spool *s, int64_t *at, void *data, size_t bytes) 
     to += done, bytes -= (size_t)done, *at += done;
   }
   return true;
+}
+
+static bool append_extras(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
+  bool ok = true;
+  for (int k = 0; k < HK_EXTRAS; k++) {
+    size_t width = hk_snapshot3d_extra_width(snapshot, k);
+    ok = ok && append_bytes(s, snapshot->extra[k], snapshot->n * width * sizeof(float));
+  }
+  return ok;
+}
+
+static bool get_extras(const hk_frame_spool *s, int64_t *at, size_t n, hk_snapshot3d *snapshot) {
+  bool ok = true;
+  for (int k = 0; k < HK_EXTRAS; k++) {
+    size_t width = hk_snapshot3d_extra_width(snapshot, k);
+    ok = ok && get(s, at, snapshot->extra[k], n * width * sizeof(float));
+  }
+  return ok;
 }
 
 static hk_status make_room(hk_frame_spool *s) {
@@ -81,12 +101,12 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
                      append_bytes(s, snapshot->line, snapshot->lines * sizeof *snapshot->line));
   e->at = s->end;
   ok = ok && append_bytes(s, snapshot->x, snapshot->n * sizeof *snapshot->x) &&
-       append_bytes(s, snapshot->ink, snapshot->n * sizeof *snapshot->ink);
+       append_bytes(s, snapshot->ink, snapshot->n * sizeof *snapshot->ink) && append_extras(s, snapshot);
   if (!ok) {
     s->end = end;
     return io_error(s, "write");
   }
-  s->count++;
+  hk_point_sample_add(&s->points, snapshot, (uint32_t)s->count++);
   return HK_OK;
 }
 
@@ -102,7 +122,7 @@ hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *
          get(s, &at, snapshot->line, e->lines * sizeof *snapshot->line);
   at = e->at;
   ok = ok && get(s, &at, snapshot->x, e->n * sizeof *snapshot->x) &&
-       get(s, &at, snapshot->ink, e->n * sizeof *snapshot->ink);
+       get(s, &at, snapshot->ink, e->n * sizeof *snapshot->ink) && get_extras(s, &at, e->n, snapshot);
   snapshot->stale = !ok;
   if (!ok) return io_error(s, "read");
   snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->lines = e->lines;

@@ -3,7 +3,7 @@
 #ifndef HK_FRAME_SPOOL_H
 #define HK_FRAME_SPOOL_H
 
-#include "plugins/common/picture/snapshot3d.h"
+#include "plugins/common/snapshot/point_sample.h"
 
 typedef struct hk_frame_spool_entry {
   int64_t at, topology_at; /* offsets in the file, bytes */
@@ -18,6 +18,7 @@ typedef struct hk_frame_spool {
   int64_t end;
   size_t count, room;
   hk_frame_spool_entry *entry;
+  hk_point_sample points;
 } hk_frame_spool;
 
 /* `name`: name of the file until it is unlinked, inside the run's output folder, ending in XXXXXX. */
