@@ -11,8 +11,8 @@
  * }) Forces act at the middle of the overlap, so angular momentum is kept as well. The energy is that of the normal
  * springs and of the spin; dashpots, friction and the tangential springs work (HK_POWER).
  *
- * The stable step follows from the contacts that a sphere can have, overlapping a little: no more of its smallest
- * neighbours than their caps of half-angle asin(r/(R + r)) fit onto a sphere, or than touch it now. */
+ * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived at `crowd_of`, or
+ * from those that it has now, if they are more. */
 #include "plugins/common/contact/contact_history.h"
 #include "plugins/common/contact/contact_law.h"
 #include "plugins/common/contact/spheres.h"
@@ -262,10 +262,19 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
 
 /* ---- the step ---- */
 
-/* How many spheres of radius r fit around one of radius R. */
-static double most_around(double R, double r) {
-  double sine = r / (R + r);
-  return floor(2 / (1 - sqrt(1 - sine * sine)));
+/* What contacts on all sides of a sphere add up to: their number N and the largest eigenvalue S of the sum of n n^T. */
+typedef struct crowd {
+  double number, along;
+} crowd;
+
+/* Spheres of radius r that touch one of radius R shade caps of half-angle A, sin A = r/(R + r), which do not overlap.
+ * Each has the part w = (1 - cos A)/2 of the sphere: N <= 1/w. Over a cap, the mean of P2(cos theta) is f P2 at its
+ * middle, f = cos A (1 + cos A)/2; so the sum of cos^2 theta over the middles of caps that cover the part p is largest
+ * where they lie around the poles, (p + (1 - p - (1 - p)^3)/f)/(3 w), and of all p at 1 - p = sqrt((1 - f)/3). */
+static crowd crowd_of(double R, double r) {
+  double sine = r / (R + r), cosine = sqrt(1 - sine * sine), w = (1 - cosine) / 2, f = cosine * (1 + cosine) / 2;
+  double bare = sqrt((1 - f) / 3);
+  return (crowd){1 / w, (1 - bare + (bare - bare * bare * bare) / f) / (3 * w)};
 }
 
 static size_t touching(const task *t, size_t i) {
@@ -276,17 +285,26 @@ static size_t touching(const task *t, size_t i) {
   return count;
 }
 
+static double largest_mass(const hk_view *view) {
+  double most = 0;
+  for (size_t i = 0; i < view->n; i++) most = fmax(most, view->model->mass[i]);
+  return most;
+}
+
 /* Of a pair, k (u_i - u_j)^2 <= 2 k u_i^2 + 2 k u_j^2. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const soft_spheres *s = self;
   task t;
   bool known = begin(&t, self, view) == HK_OK;
-  double smallest = hk_spheres_measure(&s->spheres, view).smallest;
+  double smallest = hk_spheres_measure(&s->spheres, view).smallest, heaviest = largest_mass(view);
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = acting(view, k);
-    double one = hk_contact_bound(&s->law, part, view->model->mass[i], s->spheres.spin_channel);
-    double most = most_around(hk_sphere_radius(&s->spheres, view, i), smallest);
-    double sum = known ? 2 * one * fmax(most, (double)touching(&t, i)) : INFINITY;
+    double m = view->model->mass[i];
+    crowd around = crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
+    hk_contact_bound one = hk_contact_stiffness(&s->law, part, m * heaviest / (m + heaviest), s->spheres.spin_channel);
+    double sum = one.across * around.number + fmax(0, one.along - one.across) * around.along;
+    double now = fmax(one.along, one.across) * (double)touching(&t, i);
+    sum = known ? 2 * fmax(sum, now) : INFINITY;
     for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += sum;
   }
 }

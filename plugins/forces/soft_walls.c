@@ -238,8 +238,8 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   const soft_walls *s = self;
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = acting(view, k);
-    double one = hk_contact_bound(&s->law, part, view->model->mass[i], s->spheres.spin_channel);
-    for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += s->walls * one;
+    hk_contact_bound one = hk_contact_stiffness(&s->law, part, view->model->mass[i], s->spheres.spin_channel);
+    for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += s->walls * fmax(one.along, one.across);
   }
 }
 

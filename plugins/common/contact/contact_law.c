@@ -25,8 +25,8 @@ double hk_contact_damping(double restitution) {
   return high;
 }
 
-double hk_contact_bound(const hk_contact_law *law, hk_stiffness_part part, double mass, bool turns) {
-  double turning = turns ? 3.5 : 1;
-  if (part != HK_DAMPING_WHOLE) return fmax(law->stiffness, turning * law->tangential);
-  return 2 * law->damping * sqrt(mass) * fmax(sqrt(law->stiffness), turning * sqrt(law->tangential));
+hk_contact_bound hk_contact_stiffness(const hk_contact_law *law, hk_stiffness_part part, double mass, bool turns) {
+  double k = law->stiffness, across = law->tangential, turning = turns ? 3.5 : 1;
+  if (part != HK_DAMPING_WHOLE) return (hk_contact_bound){k, turning * across};
+  return (hk_contact_bound){2 * law->damping * sqrt(k * mass), turning * 2 * law->damping * sqrt(across * mass)};
 }

@@ -38,10 +38,13 @@ static inline void hk_cross(const double a[3], const double b[3], double out[3])
   for (int c = 0; c < 3; c++) out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
 }
 
-/* N/m or N s/m: the largest eigenvalue of -dF/dx or -dF/dv of a contact of a sphere of that mass with a fixed body.
- * Turning makes the tangential spring 7/2 as stiff, 1 + m R^2/I. The effective mass is never more than a sphere's own.
- */
-double hk_contact_bound(const hk_contact_law *, hk_stiffness_part part, double mass, bool turns);
+/* The stiffness of a contact along the normal and across it: of -dF/dx, N/m, or of -dF/dv, N s/m; mass: an effective
+ * mass that no contact of the sphere exceeds. Turning makes what is across 7/2 as stiff, 1 + m R^2/I. */
+typedef struct hk_contact_bound {
+  double along, across;
+} hk_contact_bound;
+
+hk_contact_bound hk_contact_stiffness(const hk_contact_law *, hk_stiffness_part part, double mass, bool turns);
 
 static inline void hk_contact_force(const hk_contact_law *law, hk_contact *c) {
   double apart = hk_dot(c->u, c->normal), spring = law->stiffness * c->overlap;
