@@ -107,15 +107,18 @@ static void ten_bounces_against_the_closed_form(void **state) {
                   fine = after_ten_bounces(methods[k].name, 1.0 / 960, &drift);
     print_message("ten bounces, %-18s off by %.1e, %.1e (h = 1/60, 1/960 s), drift %.1e\n", methods[k].name, coarse,
                   fine, drift);
-    if (methods[k].order > 1 && !(coarse < 1e-11 && fine < 1e-11)) fail_msg("%s is off", methods[k].name);
+    double bound =
+        strcmp(methods[k].name, "bdf2") == 0 ? 1e-8 : 1e-11; /* iterates to 1e-6 of a step's change of speed */
+    if (methods[k].order > 1 && !(coarse < bound && fine < bound)) fail_msg("%s is off", methods[k].name);
     if (methods[k].order == 1 && !(log2(coarse / fine) / 4 > 0.7)) fail_msg("%s: not of order 1", methods[k].name);
-    if (methods[k].order > 1) assert_true(fabs(drift) < 1e-12);
+    if (methods[k].order > 1) assert_true(fabs(drift) < bound / 10);
   }
 }
 
-/* With drag forces after a bounce are others than before it. Steps are divided at the landing, which keeps order 2; the
- * 5e-4 of a step that are left after it, with forces of before, keep a trace of order 1, c (1 + e) v 5e-4 h in speed at
- * a bounce: 3e-5 m at 1/60 s. With `divide` 0 that is the whole step, order 1. Against rk4 in steps of 1/245760 s. */
+/* With drag forces after a bounce are others than before it. Steps are divided at the landing, so that methods keep
+ * their order, down to 1e-5 to 1e-4 of a step after each of two landings with the acceleration of before: c (1 + e) v h
+ * times that, up to 4e-6 m in all at h = 1/60 s, in proportion to h. With `divide` 0 it is the whole step, order 1.
+ * Against rk4 in steps of 1/245760 s. */
 static double with_drag(const char *method, double h, double divide) {
   bench b;
   open_bench(&b, method, h);
@@ -141,7 +144,8 @@ static void bounces_with_drag_converge(void **state) {
     print_message("with drag,   %-18s %s off by %.1e, %.1e: order %.2f\n", names[k % 4].name,
                   divide > 0 ? "divided," : "whole,  ", a, c, order);
     bool second = divide > 0 && names[k % 4].order > 1;
-    assert_true(order > (second ? 1.6 : 0.7) && a < (second ? 1e-3 : 0.02));
+    bool high = second && names[k % 4].order > 2;
+    assert_true(a < (high ? 4e-6 : second ? 1e-3 : 0.02) && (high || order > (second ? 1.7 : 0.7)));
   }
 }
 

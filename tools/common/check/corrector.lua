@@ -154,7 +154,7 @@ local function lets_time_go_on(plugin, lines)
     local rest = {}
     for k = 1, #start.x do rest[k] = 0 end
     actors.set(a, { v = rest })
-    if correct(a, start).reject then
+    if correct(a, { x = start.x, v = rest }).reject then
       lines:wrong("it takes back a step in which nothing moved", "a step that is short enough has to be accepted")
     end
   end)
