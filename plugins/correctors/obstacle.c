@@ -31,6 +31,7 @@ typedef struct obstacle {
   hk_array history;  /* hk_pose[HK_POSES] */
   int64_t warned;    /* of a particle that came to be inside during the run */
   hk_obstacle obstacle;
+  hk_surface surface;
   const hk_obstacles *all;
   chunk_result *result;
   size_t results;
@@ -78,7 +79,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   obstacle *s = self;
   s->host = host;
   s->obstacle.restitution = s->restitution;
-  hk_status status = hk_obstacle_open(&s->obstacle, &s->params, host, view);
+  hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
   if (status == HK_OK) status = host->resize(host, &s->history, HK_POSES);
   if (status != HK_OK) return status;
   hk_pose now = hk_obstacle_pose(&s->params, view->t);
