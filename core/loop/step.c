@@ -159,7 +159,8 @@ static hk_status one_step(hk_loop *loop, double t_end, double h, int halvings) {
   }
   if (!rejected) return status;
   hk_step_reset(loop, HK_STATE_CHANGED);
-  if (halvings > 0) return divide(loop, t_end, h, loop->part, halvings - 1);
+  if (halvings > 0 && loop->state->t + loop->part * h > loop->state->t)
+    return divide(loop, t_end, h, loop->part, halvings - 1);
   return stuck(loop, h);
 }
 
@@ -193,6 +194,6 @@ hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
     status = finish(loop, reaches_stop ? stop : t + out.h, out.h, out.error, &rejected);
     if (!rejected) return status;
     hk_step_reset(loop, HK_STATE_CHANGED);
-    if (tries == HALVINGS) return stuck(loop, h);
+    if (tries == HALVINGS || t + loop->part * h == t) return stuck(loop, h);
   }
 }

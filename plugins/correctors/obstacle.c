@@ -9,9 +9,10 @@
 
 enum { GRAIN = 1024, MOST_DIVISIONS = 8 /* of 12 that the host allows */ };
 
-/* A landing is at the end of a step from here on. What is left of the step leaves this part of the error of not
- * evaluating the forces anew. */
-static const double at_end = 0.999, beyond = 5e-4;
+/* Parts of the step: a landing is at its end from here on; so far beyond the landing, as the path is known, the
+ * repeated step ends. What is left of that after the landing has the acceleration from before it, and so has that part
+ * of its error. */
+static const double at_end = 1 - 1e-4, beyond = 1e-5;
 
 typedef struct chunk_result {
   double work, depth;              /* J, m */
@@ -30,6 +31,7 @@ typedef struct obstacle {
   hk_array history;  /* hk_pose[HK_POSES] */
   int64_t warned;    /* of a particle that came to be inside during the run */
   hk_obstacle obstacle;
+  hk_surface surface;
   const hk_obstacles *all;
   chunk_result *result;
   size_t results;
@@ -77,7 +79,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   obstacle *s = self;
   s->host = host;
   s->obstacle.restitution = s->restitution;
-  hk_status status = hk_obstacle_open(&s->obstacle, &s->params, host, view);
+  hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
   if (status == HK_OK) status = host->resize(host, &s->history, HK_POSES);
   if (status != HK_OK) return status;
   hk_pose now = hk_obstacle_pose(&s->params, view->t);
@@ -141,10 +143,9 @@ static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *
                 view->model->id[all->deepest], all->depth, view->t);
 }
 
-/* Whether the step is to end where the first particle lands. Landings at the very start of it are not: the step before
- * ended there. */
+/* Whether the step is to end where the first particle lands. */
 static bool divides(obstacle *s, const hk_view *view, const chunk_result *all) {
-  if (all->landings == 0 || all->landings > (size_t)s->divide || !(all->landing > beyond)) return false;
+  if (all->landings == 0 || all->landings > (size_t)s->divide) return false;
   if (view->t > s->divided) {
     s->divided = view->t;
     s->divisions = 0;

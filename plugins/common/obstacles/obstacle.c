@@ -20,6 +20,7 @@ typedef struct march {
   double s;                  /* part of the step that is done */
   double x[3], u[3];         /* now */
   double a[3];               /* m/s^2, without obstacles */
+  double drift[3];           /* m/s, by which u differs from dx/dt in the method's step */
   double x_end[3], u_end[3]; /* at the end of the step, if nothing more happens */
   double until;              /* part of the step at which a sliding particle stops */
   uint64_t resting, stuck;   /* on whom it lies; whom it moves with */
@@ -33,7 +34,7 @@ static void start_anew(march *m) {
   double tau = remaining(m);
   for (int c = 0; c < 3; c++) {
     m->u_end[c] = m->u[c] + tau * m->a[c];
-    m->x_end[c] = m->x[c] + tau * (m->u[c] + tau / 2 * m->a[c]);
+    m->x_end[c] = m->x[c] + tau * (m->u[c] - m->drift[c] + tau / 2 * m->a[c]);
   }
   m->until = 1;
   m->resting = m->stuck = m->leaving = 0;
@@ -59,16 +60,19 @@ static double tolerance(const hk_obstacle *o, const hk_obstacle_step *step) {
 }
 
 /* The rest of the path in the obstacle's frame: through its position and velocity of now and its position at the end.
- * Where the obstacle moves, the velocity at the end, w_end, is that of the parabola up to O(h^2) only. */
-static hk_parabola path_past(const march *m, const hk_obstacle *o, const hk_body_frame *now, double w_end[3]) {
-  double tau = remaining(m), p_end[3];
+ * w: its velocity; w_end: that at the end. */
+static hk_parabola path_past(const march *m, const hk_obstacle *o, const hk_body_frame *now, double w[3],
+                             double w_end[3]) {
+  double tau = remaining(m), p_end[3], way[3];
   hk_parabola path = {.span = tau};
+  hk_subtract(way, m->u, m->drift);
   hk_body_point(now, m->x, path.p);
-  hk_body_velocity(now, m->x, m->u, path.w);
+  hk_body_velocity(now, m->x, way, path.w);
+  hk_body_velocity(now, m->x, m->u, w);
   hk_body_point(&o->motion.end, m->x_end, p_end);
   hk_body_velocity(&o->motion.end, m->x_end, m->u_end, w_end);
   for (int c = 0; c < 3; c++)
-    path.a[c] = o->motion.still ? (w_end[c] - path.w[c]) / tau : 2 * ((p_end[c] - path.p[c]) / tau - path.w[c]) / tau;
+    path.a[c] = o->motion.still ? (w_end[c] - w[c]) / tau : 2 * ((p_end[c] - path.p[c]) / tau - path.w[c]) / tau;
   return path;
 }
 
@@ -95,7 +99,7 @@ typedef struct event {
   const hk_obstacle *o;
   uint64_t bit;
   hk_parabola path;
-  double w_end[3];
+  double w[3], w_end[3];
   hk_body_frame frame;
 } event;
 
@@ -109,13 +113,13 @@ static double restitution(const march *m, const hk_obstacle *o, double closing, 
 }
 
 static void strike(march *m, const event *at, const double n[3]) {
-  const double *w = at->path.w;
+  const double *w = at->w;
   double along = hk_dot(w, n), e = restitution(m, at->o, -along, -hk_dot(at->path.a, n)), across[3], change[3], du[3];
   for (int c = 0; c < 3; c++) across[c] = w[c] - along * n[c];
   double impulse = -(1 + e) * along, speed = hk_length(across), drag = fmin(at->o->friction * impulse, speed);
   for (int c = 0; c < 3; c++) change[c] = impulse * n[c] - (speed > 0 ? drag * across[c] / speed : 0);
   hk_body_direction(&at->frame, change, du);
-  m->step->landing = fmin(m->step->landing, m->s);
+  if (-along > hk_length(m->a) * m->step->h) m->step->landing = fmin(m->step->landing, m->s);
   m->step->work += m->step->mass * (hk_dot(m->u, du) + hk_dot(du, du) / 2);
   hk_add_scaled(m->u, 1, du);
   start_anew(m);
@@ -188,7 +192,7 @@ static event next_event(const march *m) {
     event e = {.o = m->set->member[k], .bit = (uint64_t)1 << k};
     double least = tolerance(e.o, m->step);
     hk_motion_at(&e.o->motion, m->s, &e.frame);
-    e.path = path_past(m, e.o, &e.frame, e.w_end);
+    e.path = path_past(m, e.o, &e.frame, e.w, e.w_end);
     if (m->leaving & e.bit)
       e.t = INFINITY;
     else if (m->resting & e.bit)
@@ -204,7 +208,7 @@ static void resolve(march *m, const event *e) {
   double n[3];
   hk_shape_distance(&e->o->shape, e->path.p, n);
   double least = rest * hk_length(m->a) * m->step->h;
-  if (hk_dot(e->path.w, n) < -least)
+  if (hk_dot(e->w, n) < -least)
     strike(m, e, n);
   else
     lie(m, e, n);
@@ -273,23 +277,36 @@ static void settle(march *m, double v[3]) {
   }
 }
 
+/* The velocity at the start of the path. Methods of order 1 do not agree with themselves: their velocity differs by a
+ * h/2 from that of the parabola through their positions, on which impacts are; the law is then applied to the latter.
+ * The difference, O(h^2) with other methods, is carried on. Whether the method is of order 1. */
+static bool start_velocity(march *m, bool touches, double offset[3]) {
+  const hk_obstacle_step *step = m->step;
+  double h = step->h;
+  for (int c = 0; c < 3; c++) {
+    double way = (step->x[c] - step->x_from[c]) / h - h / 2 * m->a[c];
+    m->u[c] = step->v_from[c];
+    m->drift[c] = touches ? 0 : m->u[c] - way;
+    offset[c] = 0;
+  }
+  if (!(hk_length(m->drift) > 0.1 * h * hk_length(m->a))) return false;
+  hk_copy(offset, m->drift);
+  hk_subtract(m->u, m->u, offset);
+  hk_subtract(m->drift, offset, offset);
+  return true;
+}
+
 void hk_obstacles_meet(const hk_obstacle_set *set, hk_obstacle_step *step) {
   march m = {.set = set, .step = step};
-  double offset[3], v[3], h = step->h;
-  hk_copy(m.x, step->x_from);
+  double offset[3], v[3];
   step->landing = 1;
-  for (int c = 0; c < 3; c++) {
-    m.a[c] = (step->v[c] - step->v_from[c]) / h;
-    m.u[c] = (step->x[c] - step->x_from[c]) / h - h / 2 * m.a[c];
-  }
-  if (put_outside(&m)) hk_copy(m.u, step->v_from);
-  /* By which the method's velocity differs from its path's: a h/2 with methods of order 1, O(h^2) with others. The
-   * former lose more by steps of many lengths than they gain by landing at the end of one. */
-  hk_subtract(offset, step->v_from, m.u);
-  bool first_order = hk_length(offset) > 0.1 * h * hk_length(m.a);
+  hk_copy(m.x, step->x_from);
+  for (int c = 0; c < 3; c++) m.a[c] = (step->v[c] - step->v_from[c]) / step->h;
+  bool touches = put_outside(&m), first_order = start_velocity(&m, touches, offset);
   start_anew(&m);
   if (!go(&m)) step->endless = true;
-  if (first_order) step->landing = 1;
+  if (first_order)
+    step->landing = 1; /* steps of many lengths would cost it more than landing at the end of one gains */
   if (!step->changed || step->endless) return;
   for (int c = 0; c < 3; c++) v[c] = m.u[c] + offset[c];
   settle(&m, v);

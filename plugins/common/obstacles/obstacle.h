@@ -37,10 +37,11 @@ typedef struct hk_obstacle_step {
   size_t i;
   double h, mass; /* s, kg */
   const double *x_from, *v_from;
-  double *x, *v;         /* at the end of the step; changed where obstacles say so */
-  double work;           /* J */
-  double depth;          /* m, by which it was inside at the start of the step; 0: it was not */
-  double landing;        /* part of the step at which it was struck first; 1: it was not, or that does not matter */
+  double *x, *v;  /* at the end of the step; changed where obstacles say so */
+  double work;    /* J */
+  double depth;   /* m, by which it was inside at the start of the step; 0: it was not */
+  double landing; /* part of the step at which it was first struck by more than the step's own change of speed; 1: it
+was not, or the method is of order 1 */
   bool changed, endless; /* endless: more impacts than can be counted; x and v are as they were */
 } hk_obstacle_step;
 

@@ -34,13 +34,15 @@ static hk_status find_channel(hk_obstacle_params *p, const hk_host *host, const 
   return HK_OK;
 }
 
-hk_status hk_obstacle_open(hk_obstacle *o, hk_obstacle_params *p, const hk_host *host, const hk_view *view) {
-  hk_status status = check_size(p, host);
+hk_status hk_obstacle_open(hk_obstacle *o, hk_surface *surface, hk_obstacle_params *p, const hk_host *host,
+                           const hk_view *view) {
+  bool mesh = p->shape == HK_SHAPE_MESH;
+  hk_status status = mesh ? hk_surface_open(surface, host, &p->vertices, &p->faces, p->file) : check_size(p, host);
   if (status == HK_OK) status = find_channel(p, host, view->model);
   if (status != HK_OK) return status;
   double length = hk_length(p->normal);
   if (!(length > 0)) return host->fail(host, HK_BAD_PARAM, "normal: it has no length, so no direction");
-  o->shape = (hk_shape){.kind = (hk_shape_kind)p->shape, .hollow = p->hollow};
+  o->shape = (hk_shape){.kind = (hk_shape_kind)p->shape, .hollow = p->hollow, .surface = surface};
   for (int c = 0; c < 3; c++) {
     o->shape.normal[c] = p->normal[c] / length;
     o->shape.half[c] = p->size[c] / 2;

@@ -9,7 +9,8 @@ typedef struct hk_obstacle_params {
   bool hollow;
   double position[3], rotation[3], normal[3], size[3];
   double friction, radius;
-  const char *radius_channel;
+  const char *radius_channel, *file;
+  hk_numbers vertices, faces;
   size_t channel; /* position of the channel, or the number of channels */
 } hk_obstacle_params;
 
@@ -31,11 +32,18 @@ typedef struct hk_obstacle_params {
   {"friction", "", "Coulomb's coefficient mu", HK_NUMBER, {0}, 0, 1e9, offsetof(instance, params.friction), 0, NULL},   \
   {"radius", "m", "of the particles", HK_NUMBER, {0}, 0, 1e9, offsetof(instance, params.radius), 0, NULL},              \
   {"radius_channel", "", "a channel with the radius of each particle, m, instead of `radius`",                          \
-   HK_STRING, {0}, 0, 0, offsetof(instance, params.radius_channel), 0, NULL}
+   HK_STRING, {0}, 0, 0, offsetof(instance, params.radius_channel), 0, NULL},                                            \
+  {"vertices", "m", "of a mesh: x1, y1, z1, x2, ...",                                                                   \
+   HK_NUMBERS, {0}, 0, 0, offsetof(instance, params.vertices), HK_OPTIONAL, NULL},                                      \
+  {"faces", "", "of a mesh: three vertices a triangle, from 1; closed, all outward or all inward",                       \
+   HK_NUMBERS, {0}, 0, 0, offsetof(instance, params.faces), HK_OPTIONAL, NULL},                                         \
+  {"file", "", "where the mesh comes from, for messages",                                                               \
+   HK_STRING, {0}, 0, 0, offsetof(instance, params.file), 0, "the mesh"}
 /* clang-format on */
 
-/* Checks them and fills `obstacle`, but for its motion and its law. HK_BAD_PARAM. */
-hk_status hk_obstacle_open(hk_obstacle *, hk_obstacle_params *, const hk_host *, const hk_view *);
+/* Checks them and fills the obstacle, but for its motion and its law; the surface is filled where it is a mesh.
+ * HK_BAD_PARAM. */
+hk_status hk_obstacle_open(hk_obstacle *, hk_surface *, hk_obstacle_params *, const hk_host *, const hk_view *);
 /* The pose and the particles' radii of this moment. */
 hk_pose hk_obstacle_pose(const hk_obstacle_params *, double t);
 void hk_obstacle_look(hk_obstacle *, const hk_obstacle_params *, const hk_view *);

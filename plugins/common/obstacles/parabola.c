@@ -5,8 +5,8 @@
 
 enum { STEPS = 200, HALVINGS = 100 };
 
-/* Inside a hollow shape the nearest wall does not tell of the others: no step is longer than this part of its size. */
-static const double farthest_look = 0.125;
+/* What is thinner than this part of a shape that is not convex may be passed. */
+static const double thinnest = 1e-4;
 
 void hk_parabola_at(const hk_parabola *path, double t, double p[3], double w[3]) {
   for (int c = 0; c < 3; c++) {
@@ -34,8 +34,8 @@ static double first_root(double g, double b, double c) {
 typedef struct search {
   const hk_parabola *path;
   const hk_shape *shape;
-  double radius, tolerance;
-  double w[3], n[3]; /* at the point looked at last */
+  double radius, tolerance, fastest; /* m, m, m/s */
+  double w[3], n[3];                 /* at the point looked at last */
 } search;
 
 static double gap_at(search *s, double t) {
@@ -68,26 +68,46 @@ static double outside_after(search *s, double t, double step) {
   return t;
 }
 
+/* The end of the first piece of the way from `a` to `b` that ends inside, with the gaps there; INFINITY: none. A
+ * distance does not change by more than the way, so a piece whose gaps are larger together is clear; others are halved.
+ */
+static double first_inside(search *s, double a, double gap_a, double b, double gap_b) {
+  double way = s->fastest * (b - a);
+  if (gap_a + gap_b > way) return INFINITY;
+  if (way < thinnest * hk_shape_size(s->shape)) return gap_b < -s->tolerance ? b : INFINITY;
+  double middle = a + (b - a) / 2, gap = gap_at(s, middle), first = first_inside(s, a, gap_a, middle, gap);
+  return first < INFINITY ? first : gap < -s->tolerance ? middle : first_inside(s, middle, gap, b, gap_b);
+}
+
+static double contact_by_halving(search *s, double gap) {
+  double span = s->path->span, inside = first_inside(s, 0, gap, span, gap_at(s, span));
+  if (!(inside < INFINITY)) return INFINITY;
+  double a = fmax(0, inside - thinnest * hk_shape_size(s->shape) / s->fastest);
+  if (!(gap_at(s, a) > s->tolerance)) a = outside_after(s, a, (inside - a) / 2);
+  return meeting(s, a, inside);
+}
+
+static double contact_by_tangents(search *s, double gap) {
+  const hk_parabola *path = s->path;
+  double t = 0;
+  for (int k = 0; k < STEPS; k++) {
+    if (k && gap <= s->tolerance && hk_parabola_closes(path, s->w, s->n)) return t;
+    double slope = hk_dot(s->w, s->n), bend = hk_dot(path->a, s->n) / 2;
+    double step = first_root(fmax(gap, 0), gap > s->tolerance ? slope : fabs(slope), bend);
+    double next = fmin(t + step, path->span);
+    if (!(next > t)) return t + step <= path->span ? t : INFINITY;
+    gap = gap_at(s, next);
+    if (next == path->span) return gap <= s->tolerance && hk_parabola_closes(path, s->w, s->n) ? next : INFINITY;
+    t = next;
+  }
+  return t;
+}
+
 static double fastest(const hk_parabola *path) { return hk_length(path->w) + hk_length(path->a) * path->span; }
 
 double hk_parabola_contact(const hk_parabola *path, const hk_shape *shape, double radius, double tolerance) {
-  search s = {path, shape, radius, tolerance, {0}, {0}};
-  double t = 0, gap = gap_at(&s, 0);
-  for (int k = 0; k < STEPS; k++) {
-    if (gap <= tolerance && hk_parabola_closes(path, s.w, s.n)) return t;
-    double slope = hk_dot(s.w, s.n),
-           step = first_root(fmax(gap, 0), gap > tolerance ? slope : fabs(slope), hk_dot(path->a, s.n) / 2);
-    if (!hk_shape_is_convex(shape)) step = fmin(step, farthest_look * hk_shape_size(shape) / fastest(path));
-    double next = fmin(t + step, path->span);
-    if (!(next > t)) return t + step <= path->span ? t : INFINITY;
-    double there = gap_at(&s, next);
-    if (there < -tolerance) {
-      double from = gap > tolerance ? t : outside_after(&s, t, (next - t) / 2);
-      return meeting(&s, from, next);
-    }
-    if (next == path->span) return there <= tolerance && hk_parabola_closes(path, s.w, s.n) ? next : INFINITY;
-    t = next;
-    gap = there;
-  }
-  return t;
+  search s = {path, shape, radius, tolerance, fastest(path), {0}, {0}};
+  double gap = gap_at(&s, 0);
+  if (gap <= tolerance && hk_parabola_closes(path, s.w, s.n)) return 0;
+  return hk_shape_is_convex(shape) ? contact_by_tangents(&s, gap) : contact_by_halving(&s, gap);
 }

@@ -3,8 +3,9 @@
  * Outside a convex shape the distance is never below its tangent: along p(t) = p + w t + a t^2/2 it is at least
  * g + (n.w) t + (n.a) t^2/2, with g and n those of a point on the way. So the first root of that quadratic is a safe
  * step; from there it goes on. For a plane the first step is exact, for other shapes steps converge as Newton's do,
- * from outside, and no obstacle is too thin for them. A hollow shape has its distance below the tangent: steps may end
- * behind the surface, and then the root is found between. */
+ * from outside, and no obstacle is too thin for them. In shapes that
+ * are not convex the way is halved until the distance, which changes by no more than the way, shows it to be clear, or
+ * until a piece is shorter than 1e-4 of the shape. */
 #ifndef HK_PARABOLA_H
 #define HK_PARABOLA_H
 

@@ -52,6 +52,8 @@ static double outward(const hk_shape *s, const double p[3], double n[3]) {
     return to_cylinder(s->half, p, n);
   case HK_SHAPE_CAPSULE:
     return to_capsule(s->half, p, n);
+  case HK_SHAPE_MESH:
+    return hk_surface_distance(s->surface, p, n);
   case HK_SHAPE_PLANE:
     break;
   }
@@ -66,5 +68,6 @@ double hk_shape_distance(const hk_shape *s, const double p[3], double n[3]) {
 }
 
 double hk_shape_size(const hk_shape *s) {
+  if (s->kind == HK_SHAPE_MESH) return s->surface->size;
   return s->kind == HK_SHAPE_PLANE ? 0 : 2 * fmax(s->half[0], fmax(s->half[1], s->half[2]));
 }

@@ -58,7 +58,7 @@ void hk_obstacles_sift(const hk_obstacle_set *set, const hk_obstacle_moves *move
     const double *half = o->shape.half, *c = o->motion.end.origin;
     double scale = fabs(c[0]) + fabs(c[1]) + fabs(c[2]) + hk_length(half);
     block b = {o, moves, begin, end - begin, largest_radius(o, begin, end - begin) + 1e-12 * scale, near};
-    if (!o->motion.still || o->shape.hollow)
+    if (!o->motion.still || o->shape.hollow || o->shape.kind == HK_SHAPE_MESH)
       for (size_t k = 0; k < b.count; k++) near[k] = true;
     else if (o->shape.kind == HK_SHAPE_PLANE)
       sift_plane(&b);

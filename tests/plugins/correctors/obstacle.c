@@ -107,15 +107,18 @@ static void ten_bounces_against_the_closed_form(void **state) {
                   fine = after_ten_bounces(methods[k].name, 1.0 / 960, &drift);
     print_message("ten bounces, %-18s off by %.1e, %.1e (h = 1/60, 1/960 s), drift %.1e\n", methods[k].name, coarse,
                   fine, drift);
-    if (methods[k].order > 1 && !(coarse < 1e-11 && fine < 1e-11)) fail_msg("%s is off", methods[k].name);
+    double bound =
+        strcmp(methods[k].name, "bdf2") == 0 ? 1e-8 : 1e-11; /* iterates to 1e-6 of a step's change of speed */
+    if (methods[k].order > 1 && !(coarse < bound && fine < bound)) fail_msg("%s is off", methods[k].name);
     if (methods[k].order == 1 && !(log2(coarse / fine) / 4 > 0.7)) fail_msg("%s: not of order 1", methods[k].name);
-    if (methods[k].order > 1) assert_true(fabs(drift) < 1e-12);
+    if (methods[k].order > 1) assert_true(fabs(drift) < bound / 10);
   }
 }
 
-/* With drag forces after a bounce are others than before it. Steps are divided at the landing, which keeps order 2; the
- * 5e-4 of a step that are left after it, with forces of before, keep a trace of order 1, c (1 + e) v 5e-4 h in speed at
- * a bounce: 3e-5 m at 1/60 s. With `divide` 0 that is the whole step, order 1. Against rk4 in steps of 1/245760 s. */
+/* With drag forces after a bounce are others than before it. Steps are divided at the landing, so that methods keep
+ * their order, down to 1e-5 to 1e-4 of a step after each of two landings with the acceleration of before: c (1 + e) v h
+ * times that, up to 4e-6 m in all at h = 1/60 s, in proportion to h. With `divide` 0 it is the whole step, order 1.
+ * Against rk4 in steps of 1/245760 s. */
 static double with_drag(const char *method, double h, double divide) {
   bench b;
   open_bench(&b, method, h);
@@ -141,7 +144,8 @@ static void bounces_with_drag_converge(void **state) {
     print_message("with drag,   %-18s %s off by %.1e, %.1e: order %.2f\n", names[k % 4].name,
                   divide > 0 ? "divided," : "whole,  ", a, c, order);
     bool second = divide > 0 && names[k % 4].order > 1;
-    assert_true(order > (second ? 1.6 : 0.7) && a < (second ? 1e-3 : 0.02));
+    bool high = second && names[k % 4].order > 2;
+    assert_true(a < (high ? 4e-6 : second ? 1e-3 : 0.02) && (high || order > (second ? 1.7 : 0.7)));
   }
 }
 
@@ -514,6 +518,37 @@ static void a_wedge_holds(void **state) {
   }
 }
 
+/* Plates that close on a ball at 0.475 m/s each from 1 m meet at 1.0526 s, before which bounces have no end. The run
+ * says so there. */
+static hk_status closing(const hk_function *f, const void *caller, const double *t, size_t count, double *out,
+                         size_t room, size_t *got, hk_error *error) {
+  (void)caller, (void)count, (void)room, (void)error;
+  out[0] = out[1] = 0;
+  out[2] = *(const double *)f->context * (0.5 - 0.475 * *t);
+  *got = 3;
+  return HK_OK;
+}
+
+static void a_ball_between_closed_plates_ends_the_run(void **state) {
+  (void)state;
+  double sides[] = {-1, 1};
+  for (size_t k = 0; k < 2 * METHODS; k++) {
+    bench b;
+    open_bench(&b, methods[k / 2].name, 1.0 / 60);
+    put(&b, (double[]){0, 0, 0.1}, (double[]){0, 0, 1});
+    for (int q = 0; q < 2; q++) {
+      hk_plugin_spec *plate = add(&b, "plane", k % 2 ? 1 : 0.5, 0);
+      test_vector(&b.e, plate, "normal", 0, 0, -sides[q]);
+      test_function(&b.e, plate, "position", (hk_function){.call = closing, .context = &sides[q]});
+    }
+    test_run(&b.e);
+    assert_int_equal(hk_run_advance(b.e.run, 1.2, &b.e.error), HK_NOT_CONVERGED);
+    if (!strstr(b.e.error.text, "takes every step back")) fail_msg("%s: %s", methods[k / 2].name, b.e.error.text);
+    assert_true(fabs(hk_run_view(b.e.run)->t - 0.5 / 0.475) < 1e-3);
+    test_engine_close(&b.e);
+  }
+}
+
 /* ---- what a scene may get wrong ---- */
 
 static void particles_inside_at_the_start_are_counted(void **state) {
@@ -607,6 +642,7 @@ int main(void) {
       cmocka_unit_test(a_closed_box_keeps_its_particles_and_their_energy),
       cmocka_unit_test(a_corner_stops_what_slides_into_it),
       cmocka_unit_test(a_wedge_holds),
+      cmocka_unit_test(a_ball_between_closed_plates_ends_the_run),
       cmocka_unit_test(particles_inside_at_the_start_are_counted),
       cmocka_unit_test(what_is_no_shape_is_refused),
       cmocka_unit_test(a_sliding_pin_is_refused_where_it_meets_something),
