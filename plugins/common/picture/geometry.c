@@ -1,5 +1,7 @@
 #include "plugins/common/picture/geometry.h"
 
+#include "plugins/common/picture/solid_mesh.h"
+
 #include <string.h>
 
 static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
@@ -8,13 +10,18 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
 }
 
 static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
-  if (s->n >= p->room) {
-    p->room = p->bead_room = s->n + s->n / 2 + 1;
-    p->vertex = renew(p->host, p->vertex, p->room, sizeof *p->vertex);
-    p->bead = renew(p->host, p->bead, p->room, sizeof *p->bead);
+  size_t vertices = (s->triangles ? s->n : 0) + s->solids * HK_SOLID_VERTICES;
+  size_t triangles = s->triangles + s->solids * HK_SOLID_TRIANGLES;
+  if (s->n >= p->bead_room) {
+    p->bead_room = s->n + s->n / 2 + 1;
+    p->bead = renew(p->host, p->bead, p->bead_room, sizeof *p->bead);
   }
-  if (s->triangles >= p->triangle_room) {
-    p->triangle_room = s->triangles + s->triangles / 2 + 1;
+  if (vertices >= p->room) {
+    p->room = vertices + vertices / 2 + 1;
+    p->vertex = renew(p->host, p->vertex, p->room, sizeof *p->vertex);
+  }
+  if (triangles >= p->triangle_room) {
+    p->triangle_room = triangles + triangles / 2 + 1;
     p->triangle = renew(p->host, p->triangle, p->triangle_room, sizeof *p->triangle);
   }
   if (s->lines >= p->tube_room) {
@@ -22,7 +29,7 @@ static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
     p->tube = renew(p->host, p->tube, p->tube_room, sizeof *p->tube);
   }
   if (p->vertex && p->bead && p->triangle && p->tube) return HK_OK;
-  p->room = p->triangle_room = p->tube_room = 0;
+  p->room = p->triangle_room = p->tube_room = p->bead_room = 0;
   return p->host->fail(p->host, HK_NO_MEMORY, "no memory to draw %zu particles", s->n);
 }
 
@@ -61,6 +68,23 @@ static void add_bead(hk_painter *p, const hk_view_setup *setup, const hk_snapsho
   for (size_t c = 0; c < 3; c++) bead->tail[c] = v ? (float)(setup->streak * (double)v[3 * i + c]) : 0;
 }
 
+static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], float limit) {
+  p->vertices = s->n;
+  for (size_t i = 0; i < s->n; i++) {
+    hk_vertex *v = p->vertex + i;
+    memcpy(v->x, s->x[i], sizeof v->x);
+    memset(v->normal, 0, sizeof v->normal);
+    memcpy(v->colour, colour[i], sizeof v->colour);
+  }
+  add_triangles(p, s, limit);
+  for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
+}
+
+static void add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
+  for (size_t k = 0; k < s->solids; k++)
+    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+}
+
 static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
   static const uint8_t colour[4] = {52, 58, 70, 255};
   hk_bead *bead = p->bead + p->beads++;
@@ -96,16 +120,11 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   float limit = (float)(50 * setup->size);
   hk_status status = make_room(p, s);
   if (status != HK_OK) return status;
-  p->vertices = s->n;
-  p->triangles = p->tubes = p->beads = 0;
-  for (size_t i = 0; i < s->n; i++) {
-    hk_vertex *v = p->vertex + i;
-    memcpy(v->x, s->x[i], sizeof v->x);
-    memset(v->normal, 0, sizeof v->normal);
-    memcpy(v->colour, colour[i], sizeof v->colour);
-  }
-  add_triangles(p, s, limit);
-  for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
+  p->vertices = p->triangles = p->tubes = p->beads = 0;
+  if (s->triangles) add_mesh(p, s, colour, limit);
+  add_solids(p, setup, s, false);
+  p->opaque = p->triangles;
+  add_solids(p, setup, s, true);
   add_tubes(p, s, colour, limit);
   add_beads(p, setup, s, colour, limit);
   return HK_OK;
