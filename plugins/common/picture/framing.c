@@ -38,6 +38,7 @@ static void end_box(hk_view_setup *setup) {
     sum += side * side;
   }
   setup->size = sum > 0 ? sqrt(sum) / 2 : 0.5;
+  for (int c = 0; c < 3; c++) setup->middle[c] = (setup->low[c] + setup->high[c]) / 2;
 }
 
 /* The median of the frames' reach, without frames whose particles are all at the origin, since they give no size. */
@@ -100,9 +101,7 @@ static void set_fog(hk_view_setup *setup, double distance) {
 
 /* Sets near and far: the depth buffer's 24 bits suffice for a ratio of some thousands. */
 static void set_depths(hk_view_setup *setup) {
-  double middle[3];
-  for (int c = 0; c < 3; c++) middle[c] = (setup->low[c] + setup->high[c]) / 2;
-  double distance = distance_between(setup->camera.eye, middle);
+  double distance = distance_between(setup->camera.eye, setup->middle);
   setup->camera.near = fmax(distance - 2 * setup->size, 0.01 * (distance + setup->size));
   setup->camera.far = distance + 12 * setup->size;
   set_fog(setup, distance);
@@ -253,8 +252,9 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
   double distance = distance_between(setup->camera.eye, setup->camera.target);
   setup->size = fmax(distance, 1e-9) * tan(framing->fov / 2);
   for (int c = 0; c < 3; c++) {
-    setup->low[c] = fmax(setup->low[c], -50 * setup->size);
-    setup->high[c] = fmin(setup->high[c], 50 * setup->size);
+    setup->middle[c] = setup->camera.target[c];
+    setup->low[c] = fmax(setup->low[c], setup->middle[c] - 50 * setup->size);
+    setup->high[c] = fmin(setup->high[c], setup->middle[c] + 50 * setup->size);
   }
   if (!first) return;
   choose_radii(framing, snapshot->n, snapshot->lines, setup);
