@@ -2,6 +2,7 @@
  * plugins/common/film, and the times of births, which the scene does not keep. */
 #include "core/plugin.h"
 #include "plugins/common/film/film.h"
+#include "plugins/common/film/solid_list.h"
 #include "plugins/common/film/video.h"
 
 #include <limits.h>
@@ -14,6 +15,7 @@ typedef struct frames {
   const char *unit, *folder, *video_file;
   double camera[3], target[3], fov, outliers, radius, least, opacity, fog, streak, ground_height, background[3];
   hk_numbers range;
+  hk_solid_numbers solids;
   int map, up, springs, particles, style, light;
   bool reverse, log, ground, legend, video;
 
@@ -79,6 +81,12 @@ static const hk_param params[] = {
      HK_NUMBER, {0}, 0, 1e9, offsetof(frames, streak), 0, NULL},
     {"fog", "", "share of the background in the colour of the farthest particles",
      HK_NUMBER, {0}, 0, 1, offsetof(frames, fog), 0, NULL},
+    {"spheres", "m", "solids to draw: x, y, z and radius of each, one after the other",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.spheres), HK_OPTIONAL, NULL},
+    {"boxes", "m", "solids to draw: middle and extents of each, x, y, z, a, b, c",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
+    {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
     {"ground", "", "draw the floor with its grid and the shadow",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0, NULL},
     {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
@@ -168,7 +176,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
   if (f->opacity > 1 && f->style != (int)HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
-  return choose_look(f, view->model);
+  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->film.solid, &f->film.solids);
+  return status == HK_OK ? choose_look(f, view->model) : status;
 }
 
 /* Who appears between two frames is taken to be born in the middle. */

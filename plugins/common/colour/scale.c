@@ -11,11 +11,14 @@ double hk_scale_place(const hk_scale *s, double value) {
   return value > 0 ? log(value / s->low) / log(s->high / s->low) : 0;
 }
 
-/* The shortest text, of three digits or more, whose number is off by less than can be seen on the bar. */
+/* The shortest text, of three digits or more, whose number is off by less than can be seen on the bar; below a million
+ * without a power of ten. */
 static void write_number(const hk_scale *s, double value, char text[24]) {
-  double range = s->high - s->low, error = s->log ? 0.006 * fabs(value) : 0.006 * range;
+  double range = s->high - s->low, error = 0.006 * range;
+  if (s->log) error = 0.006 * fabs(value) * fmin(log(s->high / s->low), 1);
   if (!s->log && fabs(value) < 1e-9 * range) value = 0;
-  for (int digits = 3; digits <= 15; digits++) {
+  int whole = fabs(value) >= 1 && fabs(value) < 1e6 ? (int)floor(log10(fabs(value))) + 1 : 0;
+  for (int digits = whole > 3 ? whole : 3; digits <= 15; digits++) {
     snprintf(text, 24, "%.*g", digits, value);
     if (fabs(strtod(text, NULL) - value) <= error) return;
   }

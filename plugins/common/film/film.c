@@ -21,6 +21,7 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   f->host = host;
   f->interruption = host->query(host, "interruption/1");
   hk_snapshot3d_open(&f->snapshot, host, &f->look);
+  f->snapshot.solids = f->solids, f->snapshot.solid = f->solid;
   hk_colormap_fill(f->map, f->reverse, f->table);
   f->gl = hk_gl_context_create(&why);
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);

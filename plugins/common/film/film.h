@@ -17,6 +17,8 @@ typedef struct hk_film {
   hk_colormap map;
   bool reverse;
   const char *label, *unit; /* of the legend; unit NULL: as the label has it */
+  size_t solids;
+  hk_solid *solid; /* valid as long as the film; in coordinates with z up */
   hk_look look;
   hk_framing framing;
   hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */

@@ -1,6 +1,7 @@
 #include "plugins/common/picture/framing.h"
 
 #include "plugins/common/colour/range.h"
+#include "plugins/common/picture/solid_mesh.h"
 #include "plugins/common/picture/trim.h"
 
 #include <stdlib.h>
@@ -37,6 +38,7 @@ static void end_box(hk_view_setup *setup) {
     sum += side * side;
   }
   setup->size = sum > 0 ? sqrt(sum) / 2 : 0.5;
+  for (int c = 0; c < 3; c++) setup->middle[c] = (setup->low[c] + setup->high[c]) / 2;
 }
 
 /* The median of the frames' reach, without frames whose particles are all at the origin, since they give no size. */
@@ -67,12 +69,12 @@ static void choose_unit(const hk_look *look, double largest, hk_view_setup *setu
 }
 
 /* Chooses the floor: z = 0 for a scene whose lowest point is there or a little above, otherwise just below the lowest
- * point. */
-static void choose_floor(const hk_framing *framing, const double origin[3], hk_view_setup *setup) {
+ * point. Spheres with their middle at z = 0 would be cut in half there. */
+static void choose_floor(const hk_framing *framing, const double origin[3], bool spheres, hk_view_setup *setup) {
   double lowest = setup->low[2] + origin[2];
   setup->floor = framing->floor;
   setup->height = setup->low[2] - fmax(0.06 * setup->size, setup->bead);
-  if (lowest > -1e-3 * setup->size && lowest < 0.4 * setup->size) setup->height = -origin[2];
+  if (lowest > (spheres ? 1e-3 : -1e-3) * setup->size && lowest < 0.4 * setup->size) setup->height = -origin[2];
   if (!isnan(framing->height)) setup->height = framing->height - origin[2];
   setup->offset[0] = origin[0], setup->offset[1] = origin[1];
 }
@@ -99,9 +101,7 @@ static void set_fog(hk_view_setup *setup, double distance) {
 
 /* Sets near and far: the depth buffer's 24 bits suffice for a ratio of some thousands. */
 static void set_depths(hk_view_setup *setup) {
-  double middle[3];
-  for (int c = 0; c < 3; c++) middle[c] = (setup->low[c] + setup->high[c]) / 2;
-  double distance = distance_between(setup->camera.eye, middle);
+  double distance = distance_between(setup->camera.eye, setup->middle);
   setup->camera.near = fmax(distance - 2 * setup->size, 0.01 * (distance + setup->size));
   setup->camera.far = distance + 12 * setup->size;
   set_fog(setup, distance);
@@ -133,7 +133,8 @@ typedef struct survey { /* what needs every particle of every frame */
   bool fitted, trimmed;
   hk_fit fit;
   sample numbers;
-  double largest; /* number of hk_look.sizes */
+  double largest;                     /* number of hk_look.sizes */
+  double solid_low[3], solid_high[3]; /* low > high when there are none */
 } survey;
 
 static hk_status look_at_frames(survey *v, const hk_framing *framing, const hk_frame_spool *spool,
@@ -163,29 +164,58 @@ static void drop_wild(hk_frame_spool *spool, double limit) {
   s->count = kept;
 }
 
+/* Enlarges the box by the solids, as far as they do not make the particles less than half as large, and notes what of
+ * it they are. */
+static void add_solids(survey *v, hk_view_setup *setup, const hk_snapshot3d *snapshot) {
+  for (int c = 0; c < 3; c++) v->solid_low[c] = INFINITY, v->solid_high[c] = -INFINITY;
+  for (size_t k = 0; k < snapshot->solids; k++) hk_solid_box(snapshot->solid + k, v->solid_low, v->solid_high);
+  double spare = distance_between(setup->low, setup->high) / 2;
+  if (!(v->solid_low[0] <= v->solid_high[0])) return;
+  for (int c = 0; c < 3; c++) {
+    bool empty = setup->low[c] > setup->high[c];
+    v->solid_low[c] -= snapshot->origin[c], v->solid_high[c] -= snapshot->origin[c];
+    if (!empty) v->solid_low[c] = fmax(v->solid_low[c], setup->low[c] - spare);
+    if (!empty) v->solid_high[c] = fmin(v->solid_high[c], setup->high[c] + spare);
+    setup->low[c] = fmin(setup->low[c], v->solid_low[c]);
+    setup->high[c] = fmax(setup->high[c], v->solid_high[c]);
+  }
+}
+
+static void fit_solids(const survey *v, hk_fit *fit) {
+  if (!(v->solid_low[0] <= v->solid_high[0])) return;
+  for (int corner = 0; corner < 8; corner++) {
+    float point[3];
+    for (int c = 0; c < 3; c++) point[c] = (float)(corner >> c & 1 ? v->solid_high : v->solid_low)[c];
+    hk_fit_add(fit, point, 0);
+  }
+}
+
 /* The box of the motion and what follows from it and from the numbers of particles and springs. */
-static void choose_box(survey *v, const hk_framing *framing, const hk_frame_spool *spool, const double origin[3],
+static void choose_box(survey *v, const hk_framing *framing, const hk_frame_spool *spool, const hk_snapshot3d *snapshot,
                        hk_view_setup *setup) {
-  size_t n = 0, lines = 0, total = 0;
+  size_t n = 0, lines = 0, triangles = 0, total = 0;
   begin_box(setup);
   for (size_t k = 0; k < spool->count; k++) {
     const hk_frame_spool_entry *e = spool->entry + k;
-    n = e->n > n ? e->n : n, lines = e->lines > lines ? e->lines : lines, total += e->n;
+    n = e->n > n ? e->n : n, lines = e->lines > lines ? e->lines : lines;
+    triangles += e->triangles, total += e->n;
     if ((double)e->reach <= v->limit) add_box(setup, e->low, e->high);
   }
   v->trimmed = hk_trim_box(&spool->points, framing->outliers, v->numbers.number, setup->low, setup->high);
   v->numbers.stride = total / SAMPLES + 1;
+  add_solids(v, setup, snapshot);
   end_box(setup);
   choose_radii(framing, n, lines, setup);
-  choose_floor(framing, origin, setup);
-  set_camera(framing, origin, setup);
+  choose_floor(framing, snapshot->origin, triangles == 0, setup);
+  set_camera(framing, snapshot->origin, setup);
 }
 
 static hk_status choose_all(survey *v, hk_framing *framing, const hk_frame_spool *spool, hk_snapshot3d *snapshot,
                             hk_view_setup *setup) {
-  choose_box(v, framing, spool, snapshot->origin, setup);
+  choose_box(v, framing, spool, snapshot, setup);
   hk_fit_begin(&v->fit, &setup->camera, 0.84);
   v->fitted = isnan(framing->eye[0]);
+  fit_solids(v, &v->fit);
   if (v->trimmed)
     hk_trim_fit(&spool->points, framing->outliers, fmax(setup->bead, 0.02 * setup->size), v->numbers.number, &v->fit);
   hk_status status = look_at_frames(v, framing, spool, snapshot, setup);
@@ -222,13 +252,14 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
   double distance = distance_between(setup->camera.eye, setup->camera.target);
   setup->size = fmax(distance, 1e-9) * tan(framing->fov / 2);
   for (int c = 0; c < 3; c++) {
-    setup->low[c] = fmax(setup->low[c], -50 * setup->size);
-    setup->high[c] = fmin(setup->high[c], 50 * setup->size);
+    setup->middle[c] = setup->camera.target[c];
+    setup->low[c] = fmax(setup->low[c], setup->middle[c] - 50 * setup->size);
+    setup->high[c] = fmin(setup->high[c], setup->middle[c] + 50 * setup->size);
   }
   if (!first) return;
   choose_radii(framing, snapshot->n, snapshot->lines, setup);
   choose_unit(snapshot->look, 0, setup);
-  choose_floor(framing, snapshot->origin, setup);
+  choose_floor(framing, snapshot->origin, snapshot->triangles == 0, setup);
   setup->camera.near = 0.02 * distance, setup->camera.far = 60 * distance;
   set_fog(setup, distance);
 }

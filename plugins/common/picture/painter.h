@@ -34,8 +34,9 @@ typedef struct hk_painter {
   hk_vertex *vertex;
   hk_tube *tube;
   hk_bead *bead;
-  uint32_t (*triangle)[3]; /* the triangles whose corners have finite positions */
+  uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
   size_t vertices, triangles, tubes, beads;
+  size_t opaque; /* the first triangles, which cast shadows: planes, which have no end, cast none */
   hk_sprites sprites;
 } hk_painter;
 

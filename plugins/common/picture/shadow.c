@@ -108,7 +108,7 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[
   caster c = {.shade = p->shade, .height = (float)setup->height, .scale = SIZE / (2 * patch[2])};
   for (int k = 0; k < 2; k++) c.lean[k] = (float)(key[k] / key[2]), c.corner[k] = patch[k] - patch[2];
   memset(p->shade, 0, SIZE * SIZE);
-  for (size_t k = 0; k < p->triangles; k++) {
+  for (size_t k = 0; k < p->opaque; k++) {
     float corner[3][2];
     for (int i = 0; i < 3; i++) project(&c, p->vertex[p->triangle[k][i]].x, corner[i]);
     fill_triangle(&c, (const float(*)[2])corner);

@@ -11,6 +11,7 @@ typedef struct hk_view_setup {
   hk_camera camera;
   double low[3], high[3]; /* box of the motion */
   double size;            /* half its diagonal, never 0 */
+  double middle[3];       /* what is farther from here than fifty times the size is left out */
   bool floor;
   double height;          /* height of the floor */
   double offset[2];       /* offset of the origin from the scene's, so that grid lines are at round coordinates */

@@ -4,6 +4,7 @@
 #define HK_SNAPSHOT3D_H
 
 #include "plugins/common/snapshot/look.h"
+#include "plugins/common/snapshot/solid.h"
 
 typedef union hk_ink { /* hk_snapshot3d.ink: by hk_look.paint */
   float number;
@@ -28,6 +29,8 @@ typedef struct hk_snapshot3d {
   /* What the look asks for, otherwise NULL: by hk_look.sizes the cube root of the mass or the radius, n; opacity, n;
    * velocity, n x 3. */
   float *extra[HK_EXTRAS];
+  size_t solids;
+  const hk_solid *solid; /* in the scene's coordinates, z up; the caller's */
   size_t triangles, lines;
   uint32_t (*triangle)[3];
   uint32_t (*line)[2];

@@ -155,8 +155,7 @@ static inline void fake_remove_files(const char *folder) {
 /* Destroys the instance. The library stays loaded, as the engine leaves it. */
 static inline void fake_close(fake *f) {
   if (f->plugin->destroy) f->plugin->destroy(f->self, &f->host);
-  for (const hk_field *p = f->plugin->fields; p && p->name; p++)
-    free(*(void **)(void *)((char *)f->self + p->offset));
+  for (const hk_field *p = f->plugin->fields; p && p->name; p++) free(*(void **)(void *)((char *)f->self + p->offset));
   while (f->blocks) free(f->memory[--f->blocks]);
   free(f->self);
   if (strncmp(f->folder, "/tmp/hooke-test-", 16) == 0) fake_remove_files(f->folder);
