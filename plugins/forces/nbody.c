@@ -3,6 +3,7 @@
  * Two bodies at one place have no force on each other with softening; without, it is infinite, which is an error. */
 #include "plugins/common/gravity/direct_sum.h"
 #include "plugins/common/gravity/pair_blocks.h"
+#include "plugins/common/gravity/tree_sum.h"
 
 #include <string.h>
 
@@ -13,9 +14,18 @@ typedef struct nbody {
   bool chosen;     /* there are sources, whose last one may have died */
   bool *is_source; /* n */
   double *pull;    /* n, of stiffness_bound */
+  int method;
+  hk_tree_accuracy accuracy;
   hk_gravity_bodies bodies;
+  hk_gravity_tree tree;
+  const hk_octrees *octrees;
   const hk_host *host;
 } nbody;
+
+enum { AUTO, DIRECT, TREE };
+
+/* Where nothing is said: the number of bodies from which on the tree is faster (tests/bench/nbody.c). */
+enum { TREE_FROM = 8192 };
 
 /* clang-format off */
 static const hk_param params[] = {
@@ -23,6 +33,9 @@ static const hk_param params[] = {
     {"softening", "m", "added to distances in quadrature; 0: point masses", HK_NUMBER, {0}, 0, 1e150, offsetof(nbody, softening), 0, NULL},
     {"sources", "", "only pairs with one of these or two act; left out: all pairs", HK_PARTICLES, {0}, 0, 0, offsetof(nbody, sources), HK_OPTIONAL, NULL},
     {"among", "", "whether the sources attract each other as well", HK_BOOLEAN, {1}, 0, 0, offsetof(nbody, among), 0, NULL},
+    {"method", "", "sum over all pairs, or an octree; auto: by the number of bodies", HK_CHOICE, {0}, 0, 0, offsetof(nbody, method), 0, "auto|direct|tree"},
+    {"alpha", "", "of the tree: error that a cell may have, as a part of the body's acceleration", HK_NUMBER, {0.005}, 0, 1, offsetof(nbody, accuracy.alpha), 0, NULL},
+    {"opening_angle", "rad", "of the tree, instead of alpha: the angle below which a cell is taken whole", HK_NUMBER, {0}, 0, 1, offsetof(nbody, accuracy.angle), HK_OPTIONAL, NULL},
     {0},
 };
 /* clang-format on */
@@ -35,7 +48,8 @@ static hk_status topology(void *self, const hk_view *view) {
   p->host->release(p->host, p->pull);
   p->is_source = p->host->allocate(p->host, view->n * sizeof *p->is_source);
   p->pull = p->host->allocate(p->host, view->n * sizeof *p->pull);
-  if (!p->is_source || !p->pull || hk_gravity_reserve(&p->bodies, p->host, view->n) != HK_OK)
+  if (!p->is_source || !p->pull || hk_gravity_reserve(&p->bodies, p->host, view->n) != HK_OK ||
+      hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK)
     return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu bodies", view->n);
   for (size_t k = 0; k < p->sources.count; k++) p->is_source[p->sources.index[k]] = true;
   return HK_OK;
@@ -45,12 +59,20 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   nbody *p = self;
   p->host = host;
   p->chosen = p->sources.count > 0;
+  if (p->chosen && p->method == TREE)
+    return host->fail(host, HK_BAD_PARAM,
+                      "method: a tree sums over all pairs, and `sources` chooses some: use \"direct\"");
+  p->octrees = host->query(host, "octree/1");
+  if (!p->octrees)
+    return host->fail(host, HK_FAILED,
+                      "it needs the service 'octree/1', and no plugin of that name is installed in services/; see: "
+                      "hooke plugins");
   return topology(self, view);
 }
 
 static void destroy(void *self, const hk_host *host) {
-  (void)host;
   hk_gravity_release(&((nbody *)self)->bodies);
+  hk_tree_release(&((nbody *)self)->tree, host);
 }
 
 static uint32_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : (uint32_t)k; }
@@ -67,9 +89,24 @@ static void order_bodies(nbody *p, const hk_view *view) {
     if (!p->is_source[acting(view, k)]) g->order[g->count++] = acting(view, k);
 }
 
-static void gather(nbody *p, const hk_view *view) {
+static bool uses_tree(const nbody *p, const hk_view *view) {
+  return !p->chosen && (p->method == TREE || (p->method == AUTO && view->acting >= TREE_FROM));
+}
+
+/* The bodies in the order of the sum: that of the tree, with its moments, or sources first. */
+static hk_status gather(nbody *p, const hk_view *view) {
+  hk_octree octree;
   order_bodies(p, view);
+  if (!uses_tree(p, view)) {
+    hk_gravity_gather(&p->bodies, view->x, view->model->mass, p->softening);
+    return HK_OK;
+  }
+  hk_status status = p->octrees->tree(p->octrees->self, view, view->x, view->active, view->acting, &octree);
+  if (status != HK_OK) return status;
+  if (octree.points) memcpy(p->bodies.order, octree.order, octree.points * sizeof *octree.order);
   hk_gravity_gather(&p->bodies, view->x, view->model->mass, p->softening);
+  hk_tree_moments(&p->tree, &p->bodies, &octree, &p->accuracy);
+  return HK_OK;
 }
 
 /* ---- force and energy ---- */
@@ -88,14 +125,18 @@ static hk_status fail_coincident(const nbody *p, const hk_view *view) {
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   nbody *p = self;
-  gather(p, view);
-  return hk_direct_forces(&p->bodies, p->G, F) ? HK_OK : fail_coincident(p, view);
+  hk_status status = gather(p, view);
+  if (status != HK_OK) return status;
+  bool apart = uses_tree(p, view) ? hk_tree_forces(&p->tree, &p->bodies, &p->accuracy, p->G, F)
+                                  : hk_direct_forces(&p->bodies, p->G, F);
+  return apart ? HK_OK : fail_coincident(p, view);
 }
 
 static double energy(void *self, const hk_view *view) {
   nbody *p = self;
-  gather(p, view);
-  return hk_direct_energy(&p->bodies, p->G);
+  if (gather(p, view) != HK_OK) return NAN;
+  return uses_tree(p, view) ? hk_tree_energy(&p->tree, &p->bodies, &p->accuracy, p->G)
+                            : hk_direct_energy(&p->bodies, p->G);
 }
 
 /* ---- implicit steps and stable ones ---- */
@@ -122,9 +163,11 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 /* A pair's K is at most G m_i m_j/s^3 |u_i - u_j|^2, and |u_i - u_j|^2 <= 2 |u_i|^2 + 2 |u_j|^2. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   nbody *p = self;
-  if (part == HK_DAMPING_WHOLE) return;
-  gather(p, view);
-  hk_direct_stiffness(&p->bodies, p->G, p->pull);
+  if (part == HK_DAMPING_WHOLE || gather(p, view) != HK_OK) return;
+  if (uses_tree(p, view))
+    hk_tree_stiffness(&p->tree, &p->bodies, p->G, p->pull);
+  else
+    hk_direct_stiffness(&p->bodies, p->G, p->pull);
   for (size_t k = 0; k < p->bodies.count; k++) {
     uint32_t i = p->bodies.order[k];
     double bound = 2 * view->model->mass[i] * p->pull[k];

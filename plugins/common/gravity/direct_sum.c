@@ -13,7 +13,7 @@ hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n
   if (!g->path) g->path = hk_gravity_best();
   g->order = host->allocate(host, room * sizeof *g->order);
   g->at.x = host->allocate(host, 4 * each * sizeof(double));
-  g->parts = room / BLOCK + 2;
+  g->parts = room + 1;
   g->part = host->allocate(host, g->parts * sizeof *g->part);
   if (!g->order || !g->at.x || !g->part) {
     hk_gravity_release(g);
@@ -84,12 +84,6 @@ static block block_at(const hk_gravity_bodies *g, size_t index) {
   size_t left = (attracts ? g->sources : g->count) - first;
   return (block){first, left < BLOCK ? left : BLOCK, attracts && !g->mutual ? g->sources : 0,
                  attracts ? g->count : g->sources};
-}
-
-/* s between two bodies, scaled. */
-static double distance(const hk_gravity_bodies *g, size_t j, size_t k) {
-  double dx = g->at.x[j] - g->at.x[k], dy = g->at.y[j] - g->at.y[k], dz = g->at.z[j] - g->at.z[k];
-  return sqrt(dx * dx + dy * dy + dz * dz + g->eps2);
 }
 
 typedef struct task {
@@ -163,7 +157,7 @@ bool hk_direct_coincident(const hk_gravity_bodies *g, uint32_t pair[2]) {
   for (size_t j = 0; j < g->sources; j++)
     for (size_t k = g->mutual ? j + 1 : g->sources; k < g->count; k++) {
       pair[0] = g->order[j], pair[1] = g->order[k];
-      if (!(distance(g, j, k) > 0)) return true;
+      if (!(hk_gravity_distance(g, j, k) > 0)) return true;
     }
   return false;
 }
@@ -179,7 +173,7 @@ static double block_energy(const hk_gravity_bodies *g, const block *b) {
   for (size_t l = 0; l < b->count; l++) {
     sum += g->at.m[b->first + l] * potential[l];
     for (size_t j = b->first; j < b->first + l && attracts && g->mutual; j++)
-      sum += g->at.m[j] * g->at.m[b->first + l] / distance(g, j, b->first + l);
+      sum += g->at.m[j] * g->at.m[b->first + l] / hk_gravity_distance(g, j, b->first + l);
   }
   return sum;
 }
@@ -213,7 +207,7 @@ static void stiffness_of(const hk_gravity_bodies *g, const block *b, double *sum
   g->path->scalar(&g->at, from, b->end, &at, g->eps2, 3, sum);
   for (size_t l = 0; l < b->count; l++)
     for (size_t j = until; j < from; j++) {
-      double s = distance(g, j, b->first + l);
+      double s = hk_gravity_distance(g, j, b->first + l);
       if (j != b->first + l) sum[l] += g->at.m[j] / (s * s * s);
     }
 }

@@ -20,7 +20,7 @@ typedef struct hk_gravity_bodies {
   double scale;    /* 1/m */
   double eps2;     /* scaled square of the softening */
   size_t parts;
-  double *part; /* parts: of a sum, one per block of targets */
+  double *part; /* parts: of a sum, one per block or group of targets */
 } hk_gravity_bodies;
 
 /* Memory for n bodies. HK_NO_MEMORY, without a message. */
@@ -39,5 +39,11 @@ void hk_direct_stiffness(hk_gravity_bodies *, double G, double *pull);
 
 /* The place in `at` of `count` targets from body `first` on; lanes beyond repeat the first one. */
 void hk_gravity_targets(const hk_gravity_bodies *, size_t first, size_t count, hk_targets *);
+
+/* s between two bodies, scaled. */
+static inline double hk_gravity_distance(const hk_gravity_bodies *g, size_t j, size_t k) {
+  double dx = g->at.x[j] - g->at.x[k], dy = g->at.y[j] - g->at.y[k], dz = g->at.z[j] - g->at.z[k];
+  return sqrt(dx * dx + dy * dy + dz * dz + g->eps2);
+}
 
 #endif

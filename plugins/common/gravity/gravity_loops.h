@@ -118,14 +118,14 @@ INLINE void pull_cell(lane_sums *t, const double *c, vector soft) {
                  FMA(f, d.z, FMA(-w5, Sd.z, t->a.z))};
 }
 
-TARGET static void pull_of_cells(const double (*cell)[HK_CELL_NUMBERS], size_t count, const hk_targets *t, double eps2,
-                                 hk_pull *sum) {
+TARGET static void pull_of_cells(const double (*cell)[HK_CELL_NUMBERS], const uint32_t *which, size_t count,
+                                 const hk_targets *t, double eps2, hk_pull *sum) {
   const vector soft = SPREAD(eps2);
   for (size_t at = 0; at < HK_GRAVITY_BLOCK; at += TOGETHER * LANES) {
     lane_sums one = load_sums(t, sum, at), two = load_sums(t, sum, at + LANES);
     for (size_t k = 0; k < count; k++) {
-      pull_cell(&one, cell[k], soft);
-      pull_cell(&two, cell[k], soft);
+      pull_cell(&one, cell[which[k]], soft);
+      pull_cell(&two, cell[which[k]], soft);
     }
     store_sums(sum, &one, at);
     store_sums(sum, &two, at + LANES);
@@ -140,13 +140,13 @@ INLINE vector potential_of_cell(const place *p, const double *c, vector soft) {
   return FMA(second, w2 * w, SPREAD(c[HK_CELL_M]) * w);
 }
 
-TARGET static void potential_of_cells(const double (*cell)[HK_CELL_NUMBERS], size_t count, const hk_targets *t,
-                                      double eps2, double *sum) {
+TARGET static void potential_of_cells(const double (*cell)[HK_CELL_NUMBERS], const uint32_t *which, size_t count,
+                                      const hk_targets *t, double eps2, double *sum) {
   const vector soft = SPREAD(eps2);
   for (size_t at = 0; at < HK_GRAVITY_BLOCK; at += LANES) {
     const place p = place_of(t, at);
     vector total = LOAD(sum + at);
-    for (size_t k = 0; k < count; k++) total += potential_of_cell(&p, cell[k], soft);
+    for (size_t k = 0; k < count; k++) total += potential_of_cell(&p, cell[which[k]], soft);
     STORE(sum + at, total);
   }
 }

@@ -43,11 +43,11 @@ typedef struct hk_gravity_path {
   /* sum += sum of m/s^power, power 1 (the potential) or 3 (a bound of the stiffness). Of softening 0, sources at the
    * place of the target are left out. */
   void (*scalar)(const hk_bodies *, size_t begin, size_t end, const hk_targets *, double eps2, int power, double *sum);
-  /* The same of cells with their quadrupoles, which no target is inside of. */
-  void (*pull_of_cells)(const double (*cell)[HK_CELL_NUMBERS], size_t count, const hk_targets *, double eps2,
-                        hk_pull *);
-  void (*potential_of_cells)(const double (*cell)[HK_CELL_NUMBERS], size_t count, const hk_targets *, double eps2,
-                             double *sum);
+  /* The same of the cells `which`, with their quadrupoles, which no target is inside of. */
+  void (*pull_of_cells)(const double (*cell)[HK_CELL_NUMBERS], const uint32_t *which, size_t count, const hk_targets *,
+                        double eps2, hk_pull *);
+  void (*potential_of_cells)(const double (*cell)[HK_CELL_NUMBERS], const uint32_t *which, size_t count,
+                             const hk_targets *, double eps2, double *sum);
 } hk_gravity_path;
 
 extern const hk_gravity_path hk_gravity_narrow; /* for every processor */
