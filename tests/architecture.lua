@@ -28,7 +28,7 @@ local further_headers = {}
 local ordinary_words = {
   code = {
     table = "a table of Lua or of parameters", frames = "the frames of a run",
-    neighbours = "the interface of that service, which is part of the ABI",
+    neighbours = "the interface of that service, which is part of the ABI", relax = "to give a processor a rest",
   },
   comment = {
     neighbours = "particles, or entries of a list, beside each other",
