@@ -29,7 +29,8 @@ local ordinary_words = {
   code = {
     table = "a table of Lua or of parameters", frames = "the frames of a run", field = "a row of a table of fields",
     neighbours = "the interface of that service, which is part of the ABI",
-    checkpoint = "the file of a run that goes on",
+    checkpoint = "the file of a run that goes on", relax = "to give a processor a rest",
+    midpoint = "the middle of a step",
   },
   comment = {
     neighbours = "particles, or entries of a list, beside each other",

@@ -30,6 +30,16 @@ static hk_status emit(hk_loop *loop, hk_instance *source, double h, hk_populatio
   return hk_leave_with(source, outer, "emit", status);
 }
 
+/* What births and deaths take is the time of the sources, in equal parts. */
+static hk_status apply_and_time(hk_loop *loop, hk_population_change *change, double h) {
+  const hk_instances *sources = &loop->plugins->kind[HK_SOURCE];
+  double begin = hk_clock();
+  hk_status status = apply(loop, change, h);
+  for (size_t k = 0; k < sources->count; k++)
+    sources->item[k]->seconds += (hk_clock() - begin) / (double)sources->count;
+  return status;
+}
+
 hk_status hk_sources_emit(hk_loop *loop, double h, unsigned when) {
   const hk_instances *sources = &loop->plugins->kind[HK_SOURCE];
   hk_population_change change = hk_population_begin(loop->state, loop->scene);
@@ -37,7 +47,7 @@ hk_status hk_sources_emit(hk_loop *loop, double h, unsigned when) {
   for (size_t k = 0; k < sources->count && status == HK_OK; k++)
     if ((sources->item[k]->plugin->source->flags & HK_AFTER_STEPS) == when)
       status = emit(loop, sources->item[k], h, &change);
-  if (status == HK_OK && change.births + change.deaths) status = apply(loop, &change, h);
+  if (status == HK_OK && change.births + change.deaths) status = apply_and_time(loop, &change, h);
   hk_population_end(&change);
   return status;
 }

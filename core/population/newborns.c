@@ -23,11 +23,11 @@ typedef struct nursery {
   const hk_newborn *newborn;
   size_t first, count;
   double h;
-  double *birth, *begin;  /* the state at birth, and at the beginning of a step */
-  double *slope, *part;   /* a slope, and one at a node */
-  double *sum, *midpoint; /* the weighted sums of slopes: the mean one, and its difference from that at the middle */
-  uint32_t *index;        /* count, of the newborns */
-  bool *is_active;        /* n, false between evaluations */
+  double *birth, *begin; /* the state at birth, and at the beginning of a step */
+  double *slope, *part;  /* a slope, and one at a node */
+  double *sum, *defect;  /* the weighted sums of slopes: the mean one, and its difference from that at the middle */
+  uint32_t *index;       /* count, of the newborns */
+  bool *is_active;       /* n, false between evaluations */
 } nursery;
 
 /* One of the four slopes of a step: at `time`, a fraction of the age; its weights in the two sums; where it leads, as a
@@ -155,7 +155,7 @@ static void go_on(const nursery *y, size_t at, size_t width, const void *context
   for (size_t b = 0, e = at; b < y->count; b++)
     for (size_t c = 0; c < width; c++, e++) {
       y->sum[e] += of->weight * y->slope[e];
-      y->midpoint[e] += of->defect * y->slope[e];
+      y->defect[e] += of->defect * y->slope[e];
       y->d->state->X[e] = y->begin[e] + age_of(y, b) * of->ahead * y->slope[e];
     }
 }
@@ -174,7 +174,7 @@ static void finish(const nursery *y, size_t at, size_t width, const void *contex
     double step = of->part * age_of(y, b);
     for (size_t c = 0; c < width; c++, e++) {
       change = fmax(change, fabs(step * y->sum[e]));
-      defect = fmax(defect, fabs(step * y->midpoint[e]));
+      defect = fmax(defect, fabs(step * y->defect[e]));
       size = fmax(size, fabs(y->begin[e]));
       total = fmax(total, fabs(y->begin[e] - y->birth[e]));
       y->d->state->X[e] = y->begin[e] + step * y->sum[e];
@@ -191,7 +191,7 @@ static hk_status take_step(nursery *y, size_t number, size_t steps, bool *rough)
   hk_status status = HK_OK;
   copy_all(y, y->d->state->X, y->begin);
   each_block(y, clear, y->sum);
-  each_block(y, clear, y->midpoint);
+  each_block(y, clear, y->defect);
   for (int k = 0; k < 4 && status == HK_OK; k++) {
     stage s = stages[k];
     status = find_slope(y, ((double)number + s.time) * part);
@@ -228,7 +228,7 @@ hk_status hk_newborns_move(hk_dynamics *d, const hk_newborn *newborn, size_t cou
   if (aged == 0) return HK_OK;
   nursery y = {.d = d, .newborn = newborn, .first = n - count, .count = count, .h = h};
   double *memory = calloc(VECTORS * size, sizeof *memory),
-         **vector[] = {&y.birth, &y.begin, &y.slope, &y.part, &y.sum, &y.midpoint};
+         **vector[] = {&y.birth, &y.begin, &y.slope, &y.part, &y.sum, &y.defect};
   for (size_t k = 0; memory && k < sizeof vector / sizeof *vector; k++) *vector[k] = memory + k * size;
   y.index = malloc(count * sizeof *y.index);
   y.is_active = calloc(n, sizeof *y.is_active);

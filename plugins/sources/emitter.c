@@ -9,6 +9,7 @@
  * Means and spreads, both relative to the value: uniform in value (1 +- spread), or lognormal with the mean `value` and
  * the standard deviation spread value, exp(s z - s^2/2) with s^2 = ln(1 + spread^2), the usual distribution of drop
  * sizes (Lefebvre and McDonell, Atomization and Sprays, ch. 3). Reeves, Particle systems, ACM TOG 2 (1983), 91-108. */
+#include "plugins/common/channels/find_channel.h"
 #include "plugins/common/emission/outlet.h"
 
 #include <string.h>
@@ -106,20 +107,6 @@ static particle *particles(const emitter *e) { return (particle *)e->list.item +
 
 /* ---- the start ---- */
 
-/* The place of a channel of size 1 among the numbers of a particle. */
-static hk_status find_channel(const hk_host *host, const hk_model *model, const char *name, const char *wanted_by,
-                              ptrdiff_t *at) {
-  for (size_t k = 0; k < model->channels; k++)
-    if (strcmp(model->channel[k].name, name) == 0) {
-      *at = (ptrdiff_t)model->channel[k].offset;
-      if (model->channel[k].size == 1) return HK_OK;
-      return host->fail(host, HK_BAD_PARAM, "%s: the channel '%s' has %zu numbers per particle, not 1", wanted_by, name,
-                        model->channel[k].size);
-    }
-  return host->fail(host, HK_BAD_PARAM, "%s: the scene declares no channel '%s': scene:channel(\"%s\", {})", wanted_by,
-                    name, name);
-}
-
 static hk_status check_times(const emitter *e, const hk_host *host) {
   for (size_t k = 1; k < e->burst_at.count; k++)
     if (e->burst_at.value[k] < e->burst_at.value[k - 1])
@@ -149,10 +136,14 @@ static hk_status check_radius(const emitter *e, const hk_host *host) {
 
 static hk_status find_channels(emitter *e, const hk_host *host, const hk_model *model) {
   hk_status status = HK_OK;
+  const hk_channel *found = NULL;
   e->radius_at = e->channel_at = -1;
   for (size_t k = 0; k < model->channels; k++) e->width += model->channel[k].size;
-  if (!isnan(e->radius.value)) status = find_channel(host, model, "radius", "radius", &e->radius_at);
-  if (status == HK_OK && e->channel) status = find_channel(host, model, e->channel, "channel", &e->channel_at);
+  if (!isnan(e->radius.value)) status = hk_find_channel(host, model, "radius", "radius", 1, &found);
+  if (found) e->radius_at = (ptrdiff_t)found->offset;
+  found = NULL;
+  if (status == HK_OK && e->channel) status = hk_find_channel(host, model, e->channel, "channel", 1, &found);
+  if (found) e->channel_at = (ptrdiff_t)found->offset;
   return status;
 }
 

@@ -196,6 +196,7 @@ function cases.open(plugin, case, options)
   else
     scene = hooke.scene { duration = 1, integrator = "leapfrog", dt = 0.01 }
     scene:channel("heat", { initial = 0.4 })
+    scene:channel("radius", { initial = 0.3 }) -- the channel by which forces know a size
     particles_of(scene, case.shape)
     local params = { label = "checked", only = options.only }
     for name, value in pairs(case.setting.values) do
