@@ -223,9 +223,33 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->growth_expected = p->growth_expected;
 }
 
+/* Of bytes that are to be read as truth values, any but 0 and 1 are undefined. */
+static bool are_truths(const void *data, const size_t *at, size_t count) {
+  const unsigned char *byte = data;
+  bool fine = true;
+  for (size_t k = 0; k < count; k++) fine = fine && byte[at[k]] <= 1;
+  return fine;
+}
+
+static bool read_figures(hk_record *r, stream *s, size_t forces) {
+  static const size_t truths[] = {offsetof(hk_record, moved), offsetof(hk_record, corrected),
+                                  offsetof(hk_record, sourced), offsetof(hk_record, growth_expected)};
+  if (!get(s, r, sizeof *r) || !are_truths(r, truths, sizeof truths / sizeof *truths)) return false;
+  bool none_passed = r->passed[0] == 0 && r->passed[1] == 0 && r->passed[2] == 0;
+  return r->passed_force < forces || (forces == 0 && none_passed);
+}
+
+static bool read_progress(progress *p, stream *s) {
+  static const size_t truths[] = {offsetof(progress, spectrum.rigorous),     offsetof(progress, spectrum.covered),
+                                  offsetof(progress, watch.allowed.covered), offsetof(progress, watch.last.covered),
+                                  offsetof(progress, watch.seen.covered),    offsetof(progress, watch.ahead.covered)};
+  return get(s, p, sizeof *p) && p->dt > 0 && are_truths(p, truths, sizeof truths / sizeof *truths);
+}
+
 static bool read_record(hk_loop *loop, hk_judgement *j, stream *s, const header *h, progress *p) {
-  if (h->record_bytes != sizeof *loop->record || !get(s, loop->record, sizeof *loop->record) || !get(s, p, sizeof *p) ||
-      !(p->dt > 0) || !read_frame(s, j, h->measures) || h->samples > s->left / sizeof(double))
+  size_t forces = loop->plugins->kind[HK_FORCE].count;
+  if (h->record_bytes != sizeof *loop->record || !read_figures(loop->record, s, forces) || !read_progress(p, s) ||
+      !read_frame(s, j, h->measures) || h->samples > s->left / sizeof(double))
     return false;
   double *samples = malloc((size_t)(h->samples + 1) * sizeof *samples);
   bool fine = samples && get(s, samples, h->samples * sizeof *samples) && read_warnings(s, loop->warnings, h->warnings);
@@ -242,9 +266,10 @@ static bool read_particles(stream *s, const header *h, hk_particle_set *set) {
          get(s, set->mass, h->n * sizeof *set->mass) && get(s, set->X, ((6 + h->width) * h->n + 1) * sizeof *set->X);
 }
 
-/* Whether the numbers read as indices, lengths and steps are valid. */
+/* Whether the numbers read as indices, lengths and steps are valid. The next frame is still to come: the loop would
+ * wait for one that has passed for ever. */
 static bool plausible(const hk_loop *loop, const header *h, const hk_particle_set *set) {
-  bool fine = isfinite(h->t) && h->last_h >= 0;
+  bool fine = h->t >= 0 && h->t < (double)loop->record->frames / loop->fps && h->last_h >= 0;
   for (size_t i = 0; i < set->n && fine; i++)
     fine = set->group[i] < loop->state->model.groups && set->id[i] > 0 && set->id[i] < h->next_id &&
            (i == 0 || set->id[i] > set->id[i - 1]) && set->mass[i] >= 0 && isfinite(set->mass[i]);
@@ -281,7 +306,9 @@ hk_status hk_checkpoint_read(hk_loop *loop, hk_judgement *j, FILE *file, const c
   if (!check_sum(&from) || !get(&from, &h, sizeof h)) return damaged_file(loop, path);
   if (h.width != loop->state->width || h.channels != loop->state->model.channels)
     return other_scene(loop, path, "its channels differ");
-  if (!read_record(loop, j, &from, &h, &p) || !read_particles(&from, &h, &set) || !plausible(loop, &h, &set)) {
+  if (!read_record(loop, j, &from, &h, &p)) return damaged_file(loop, path);
+  if (j->last_frame.fps != loop->fps) return other_scene(loop, path, "its frames per second differ");
+  if (!read_particles(&from, &h, &set) || !plausible(loop, &h, &set)) {
     hk_particle_set_free(&set);
     return damaged_file(loop, path);
   }
