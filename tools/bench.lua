@@ -9,24 +9,28 @@
 -- wall time of the time loop, the median of repeats, of which the first warms the machine up.
 local argparse = require("argparse")
 local benchmark = require("common.bench.benchmark")
+local command_line = require("common.run.command_line")
 local process = require("process")
 local progress = require("common.run.progress")
 local journal = require("common.bench.journal")
 local report = require("common.bench.report")
+
+local number = command_line.number
 
 local function parser()
   local p = argparse("hooke bench", "What accuracy costs in a scene, with every integrator that fits it.")
   p:argument("scene", "the scene's script")
   p:argument("params", "name=value: parameters of the scene"):args("*")
   p:option("--integrators", "only these: a,b,c; a name may have settings, xpbd:substeps=20")
-  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(tonumber)
-  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(tonumber)
+  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(number("--target"))
+  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(number("--finest"))
   p:option("--metric", "x (m) or v (m/s): root mean square over the particles, then over the frames; energy; or a "
     .. "measure of the scene"):default("x")
-  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(tonumber)
-  p:option("--budget", "s for all of it, about"):default("120"):convert(tonumber)
-  p:option("--threads", "of each run"):default("1"):convert(math.tointeger)
-  p:option("--jobs", "processes at once for the reference (timed runs are alone)"):convert(math.tointeger)
+  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(number("--until"))
+  p:option("--budget", "s for all of it, about"):default("120"):convert(number("--budget"))
+  p:option("--threads", "of each run"):default("1"):convert(command_line.whole("--threads"))
+  p:option("--jobs", "processes at once for the reference (timed runs are alone)")
+    :convert(command_line.whole("--jobs"))
   p:option("--out", "where the results go (out/bench/SCENE)")
   p:flag("--trust", "the scene may use plugins beside it")
   p:flag("--quiet", "no progress")
@@ -34,8 +38,7 @@ local function parser()
 end
 
 local function complain(format, ...)
-  io.stderr:write("hooke: bench: ", format:format(...), "\n")
-  return 1
+  return command_line.complain("bench", format:format(...))
 end
 
 local function params_of(list)
@@ -167,7 +170,7 @@ local function write_all(b, o, out)
   assert(report.json(b.methods, b.goal, more_of(b, o), out .. "/bench.json"))
   local fine, why = draw(b, out)
   print(("wrote %s/bench.csv, bench.json%s"):format(out, fine and ", bench.png, bench.svg" or ""))
-  if not fine then io.stderr:write("hooke: bench: ", why, "\n") end
+  if not fine then complain("%s", why) end
   return fine and 0 or 4
 end
 
@@ -179,7 +182,8 @@ local function fingerprint(o)
 end
 
 local function main()
-  local o = parser():parse(arg)
+  local o = command_line.parse("bench", parser())
+  if not o then return 1 end
   local why
   o.params, why = params_of(o.params)
   if not o.params then return complain("%s", why) end

@@ -1,11 +1,9 @@
 -- hooke new KIND NAME: writes NAME.c, the shortest complete plugin of that kind (force, constraint, corrector, source,
 -- integrator, solver, output, service), and NAME.lua, its test, into this folder. The templates are in templates/.
+local command_line = require("common.run.command_line")
 local kind, name = arg[1], arg[2]
 
-local function fail(text)
-  io.stderr:write("hooke: new: " .. text .. "\n")
-  return 1
-end
+local function fail(text) return command_line.complain("new", text) end
 
 local function read(path)
   local file = io.open(path, "r")

@@ -1,4 +1,5 @@
 -- hooke plugins [NAME]: prints the catalogue, or of one plugin its parameters, units, defaults, formula and source.
+local command_line = require("common.run.command_line")
 local list, failed = hooke.catalogue()
 
 local function default(p)
@@ -72,6 +73,5 @@ for _, plugin in ipairs(list) do
 end
 if found then return 0 end
 local near = hooke.nearest(name, names)
-io.stderr:write(("hooke: there is no plugin '%s'%s\n"):format(name,
+return command_line.complain("plugins", ("there is no plugin '%s'%s"):format(name,
   near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins"))
-return 1

@@ -117,7 +117,7 @@ static uint32_t whole(lua_State *L, int table, const char *what, const char *key
   double value = hk_lua_field_number(L, table, what, key, NAN);
   if (isnan(value)) hk_lua_fail(L, HK_BAD_PARAM, "%s: %s is required", what, key);
   if (value < least || value > 1e6 || floor(value) != value)
-    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %g is not a whole number of at least %g", what, key, value, least);
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %.7g is not a whole number from %g to a million", what, key, value, least);
   return (uint32_t)value;
 }
 

@@ -60,7 +60,7 @@ static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const ch
   const char *label = NULL;
   if (params && lua_istable(L, params) && hk_lua_field(L, params, "label") != LUA_TNIL) {
     label = lua_tostring(L, -1);
-    if (!label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text", name);
+    if (!label || !*label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text that is not empty", name);
   }
   hk_limits_take(L, 1024 + (label ? strlen(label) : 0));
   check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &spec, &error), &error);
