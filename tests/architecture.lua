@@ -30,9 +30,10 @@ local ordinary_words = {
     table = "a table of Lua or of parameters", frames = "the frames of a run", field = "a row of a table of fields",
     neighbours = "the interface of that service, which is part of the ABI",
     checkpoint = "the file of a run that goes on", relax = "to give a processor a rest",
-    midpoint = "the middle of a step",
+    midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
   },
   comment = {
+    octree = "the tree of cells",
     neighbours = "particles, or entries of a list, beside each other",
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
     field = "a member of a struct, or a row of a table of fields",
