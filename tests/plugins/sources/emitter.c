@@ -144,7 +144,7 @@ static double error_of_jet(const char *method, double dt, bool swings) {
   test_number(&e, open_scene(&e, 97), "speed", speed);
   hk_plugin_spec *gravity = test_plugin(&e, HK_FORCE, "gravity");
   if (swings)
-    test_function(&e, gravity, "g", (hk_function){swing, NULL, 0});
+    test_function(&e, gravity, "g", (hk_function){.call = swing});
   else
     test_number(&e, test_plugin(&e, HK_FORCE, "drag"), "rate", drag);
   e.options.integrator = method;
