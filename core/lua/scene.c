@@ -330,7 +330,7 @@ static int unknown_method(lua_State *L) {
                                  {"constraint", NULL}, {"corrector", NULL}, {"source", NULL},   {"integrator", NULL},
                                  {"solver", NULL},     {"output", NULL},    {"particle", NULL}, {"particles", NULL},
                                  {"grid", NULL},       {"strand", NULL},    {"mesh", NULL},     {"service", NULL},
-                                 {NULL, NULL}};
+                                 {"surface", NULL},    {NULL, NULL}};
   const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, all);
   if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);

@@ -146,6 +146,7 @@ static hk_status find_normals(hk_surface *s, const hk_host *host, side *sides, c
                       "%s is not closed, so it has no inside: %zu edges, between vertices %s%s; close "
                       "the holes and turn all faces outward",
                       file, open, text, open > 5 ? ", ..." : "");
+  if (s->faces < 4) return host->fail(host, HK_BAD_PARAM, "%s: %zu triangles enclose nothing", file, s->faces);
   if (volume(s) < 0) {
     turn_inside_out(s);
     list_sides(s, sides);
@@ -160,7 +161,7 @@ static hk_status find_normals(hk_surface *s, const hk_host *host, side *sides, c
 hk_status hk_surface_open(hk_surface *s, const hk_host *host, const hk_numbers *vertices, const hk_numbers *faces,
                           const char *file) {
   *s = (hk_surface){.vertices = vertices->count / 3, .faces = faces->count / 3};
-  if (s->vertices < 4 || s->faces < 4 || vertices->count % 3 || faces->count % 3 || s->faces > UINT32_MAX / 3)
+  if (s->vertices < 3 || s->faces < 1 || vertices->count % 3 || faces->count % 3 || s->faces > UINT32_MAX / 3)
     return host->fail(host, HK_BAD_PARAM,
                       "%s: %zu coordinates and %zu corners are no closed surface: `vertices` takes x1, "
                       "y1, z1, x2, ..., `faces` three vertices a triangle, from 1",
