@@ -28,10 +28,10 @@ local further_headers = {}
 local ordinary_words = {
   code = {
     table = "a table of Lua or of parameters", frames = "the frames of a run",
-    neighbours = "the interface of that service, which is part of the ABI",
+    neighbours = "the interface of that service, which is part of the ABI", octree = "the interface of that service",
   },
   comment = {
-    neighbours = "particles, or entries of a list, beside each other",
+    neighbours = "particles, or entries of a list, beside each other", octree = "cubes cut into eight",
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     drag = "the resistance of the air",
