@@ -75,6 +75,7 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   if (!first) violation = fmax(violation, correctors_violation(loop));
   if (violation > r->violation_max) r->violation_max = violation;
   if (fabs(strain) > fabs(r->strain_max)) r->strain_max = strain;
+  hk_force_errors_note(loop);
   if (j->compared) {
     hk_status noted = hk_trajectory_note(&j->trajectory, loop->state, r->frames, false, loop->error);
     if (noted != HK_OK) return noted;

@@ -148,6 +148,10 @@ double hk_passed_by_error(const hk_loop *); /* m, RMS over the particles, at the
  * there is none. */
 bool hk_passed_by_reason(const hk_loop *, double accuracy, char *text, size_t size);
 
+/* ---- force_errors.c ---- */
+
+void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approximations for their errors */
+
 /* ---- summary.c: the figures of a run ---- */
 
 typedef struct hk_summary {
@@ -173,13 +177,15 @@ typedef struct hk_summary {
   double constraint_violation; /* m, of constraints and of what correctors keep */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
-  double path_speed_error;     /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
-  double accuracy;             /* m, accuracy asked for; NAN: none */
-  size_t accuracies;           /* how many were asked for: of the positions, and of channels */
-  double verify_difference;    /* m, RMS difference to half the step from a perturbed start; NAN: not verified */
-  double error_estimate;       /* m, of the positions: RMS over the particles, the largest of all frames; NAN: none */
-  double channel_error;        /* estimated error of the worst channel relative to its accuracy; NAN: none asked */
-  double check_wall_s;         /* s, time of the runs that this one was compared with; NAN: none */
+  double force_rms, force_p99, force_largest; /* relative errors of approximate forces; NAN: there are none */
+  double force_work;                          /* J, of these errors at most; 0: there are none */
+  double path_speed_error;  /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
+  double accuracy;          /* m, accuracy asked for; NAN: none */
+  size_t accuracies;        /* how many were asked for: of the positions, and of channels */
+  double verify_difference; /* m, RMS difference to half the step from a perturbed start; NAN: not verified */
+  double error_estimate;    /* m, of the positions: RMS over the particles, the largest of all frames; NAN: none */
+  double channel_error;     /* estimated error of the worst channel relative to its accuracy; NAN: none asked */
+  double check_wall_s;      /* s, time of the runs that this one was compared with; NAN: none */
   size_t plugins;
   const hk_plugin_time *plugin; /* valid until the next summary of the run */
   size_t measures;

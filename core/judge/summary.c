@@ -132,6 +132,11 @@ static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_aske
   s->constraint_violation = loop->record->violation_max;
   s->max_strain = !found ? NAN : fabs(strain) > fabs(most) || !isfinite(strain) ? strain : most;
   s->accuracy = asked->accuracy > 0 ? asked->accuracy : NAN;
+  s->force_work = loop->record->force_work;
+  bool approximate = loop->record->force_rms > 0;
+  s->force_rms = approximate ? loop->record->force_rms : NAN;
+  s->force_p99 = approximate ? loop->record->force_p99 : NAN;
+  s->force_largest = approximate ? loop->record->force_largest : NAN;
   s->path_speed_error = loop->record->path_speed_error > 0 ? loop->record->path_speed_error : NAN;
   s->exact_error = NAN;
   if (j->verdict != HK_DIVERGED) hk_figures_exact(loop, &s->exact_error, &later);

@@ -32,6 +32,8 @@ typedef struct hk_record {
   double energy_first, momentum_first[3], momentum_scale;
   double violation_max; /* m */
   double strain_max;
+  double force_rms, force_p99, force_largest; /* the largest errors of approximate forces so far, relative; 0: none */
+  double force_work, force_power, force_at;   /* J, of such errors at most; W at the last frame, and its time, s */
 } hk_record;
 
 /* ---- step_choice.c ---- */

@@ -112,6 +112,18 @@ static inline double hk_nearest_square(const double r[3], const double dr[3]) {
   return fmax(0, r[0] * r[0] + r[1] * r[1] + r[2] * r[2] - along * along / length2);
 }
 
+/* ---- Forces that are approximations --------------------------------------------------------------------------------
+ *
+ * A force that is not computed to rounding (by a tree or a mesh) says how large its errors are: the energy balance and
+ * half the step do not show them. */
+
+/* From a sample of the particles, whose forces are computed exactly. */
+typedef struct hk_force_errors {
+  size_t particles;         /* in the sample */
+  double rms, p99, largest; /* relative to the exact force: root mean square, 99th percentile, largest */
+  double power;             /* W, of all particles: sum of the size of the errors' power, |dF.v| */
+} hk_force_errors;
+
 typedef struct hk_force {
   size_t size;
   unsigned flags;
@@ -146,6 +158,12 @@ typedef struct hk_force {
    * of a step) to `to`, the state after it. Called after every step; it should drop a particle with a few operations
    * where it can. False: this run has no passages, and the force is not asked again. NULL: as false. */
   bool (*passages)(const void *self, const hk_view *to, const double *x_from, hk_passages *passages);
+  /* For an approximation: the errors that `add` makes at `view`. Called at frames; it should cost less than an `add`.
+   * False: here it is exact to rounding. NULL: as false. */
+  bool (*errors)(void *self, const hk_view *view, hk_force_errors *out);
+  /* Makes the errors `part` times (0 to 1) of what they were, at most: called before the first step of a run that
+   * another one is compared with. Required where `errors` is not NULL. */
+  void (*sharpen)(void *self, double part);
 } hk_force;
 
 #endif

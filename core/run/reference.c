@@ -100,6 +100,7 @@ static bool emits_before_steps(const hk_run *whole) {
 bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole,
                        const hk_reference *want, hk_rerun *found) {
   if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
+  if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
     if (attempt(reopen, first, whole, want, &strictnesses[k], false, found)) return true;
     if (!is_explicit(whole) && attempt(reopen, first, whole, want, &strictnesses[k], true, found)) return true;

@@ -3,7 +3,7 @@
  * Two bodies at one place have no force on each other with softening; without, it is infinite, which is an error. */
 #include "plugins/common/gravity/direct_sum.h"
 #include "plugins/common/gravity/pair_blocks.h"
-#include "plugins/common/gravity/tree_sum.h"
+#include "plugins/common/gravity/tree_errors.h"
 
 #include <string.h>
 
@@ -42,6 +42,10 @@ static const hk_param params[] = {
 
 /* ---- the bodies ---- */
 
+static bool uses_tree(const nbody *p, const hk_view *view) {
+  return !p->chosen && (p->method == TREE || (p->method == AUTO && view->acting >= TREE_FROM));
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   nbody *p = self;
   p->host->release(p->host, p->is_source);
@@ -49,7 +53,7 @@ static hk_status topology(void *self, const hk_view *view) {
   p->is_source = p->host->allocate(p->host, view->n * sizeof *p->is_source);
   p->pull = p->host->allocate(p->host, view->n * sizeof *p->pull);
   if (!p->is_source || !p->pull || hk_gravity_reserve(&p->bodies, p->host, view->n) != HK_OK ||
-      hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK)
+      (uses_tree(p, view) && hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK))
     return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu bodies", view->n);
   for (size_t k = 0; k < p->sources.count; k++) p->is_source[p->sources.index[k]] = true;
   return HK_OK;
@@ -87,10 +91,6 @@ static void order_bodies(nbody *p, const hk_view *view) {
   g->mutual = !p->chosen || p->among;
   for (size_t k = 0; k < view->acting && p->chosen; k++)
     if (!p->is_source[acting(view, k)]) g->order[g->count++] = acting(view, k);
-}
-
-static bool uses_tree(const nbody *p, const hk_view *view) {
-  return !p->chosen && (p->method == TREE || (p->method == AUTO && view->acting >= TREE_FROM));
 }
 
 /* The bodies in the order of the sum: that of the tree, with its moments, or sources first. */
@@ -139,6 +139,22 @@ static double energy(void *self, const hk_view *view) {
                             : hk_direct_energy(&p->bodies, p->G);
 }
 
+/* ---- errors of the tree ---- */
+
+static bool errors(void *self, const hk_view *view, hk_force_errors *out) {
+  nbody *p = self;
+  if (!uses_tree(p, view) || view->acting == 0 || gather(p, view) != HK_OK) return false;
+  hk_tree_errors(&p->tree, &p->bodies, &p->accuracy, p->G, view->v, out);
+  return true;
+}
+
+/* Errors go as alpha to the power of 0.75 or more (tests/bench/nbody.c), and as the third power of the angle. */
+static void sharpen(void *self, double part) {
+  hk_tree_accuracy *a = &((nbody *)self)->accuracy;
+  a->alpha *= pow(part, 1.5);
+  a->angle *= sqrt(part);
+}
+
 /* ---- implicit steps and stable ones ---- */
 
 static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
@@ -182,7 +198,9 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .energy = energy,
                                .pattern = pattern,
                                .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound};
+                               .stiffness_bound = stiffness_bound,
+                               .errors = errors,
+                               .sharpen = sharpen};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -24,14 +24,11 @@ typedef struct job {
 } job;
 
 typedef struct task {
-  hk_gravity_tree *tree;
-  hk_gravity_bodies *g;
-  const hk_tree_accuracy *accuracy;
-  double G, least; /* least |a| that errors are compared with */
-  double *out;
+  hk_tree_pulls pulls;
+  double G, *out;
 } task;
 
-static void open_job(job *j, const task *t, size_t index) {
+static void open_job(job *j, const hk_tree_pulls *t, size_t index) {
   memset(j->pull, 0, sizeof j->pull);
   memset(j->sum, 0, sizeof j->sum);
   j->tree = t->tree;
@@ -44,8 +41,8 @@ static void open_job(job *j, const task *t, size_t index) {
   }
 }
 
-static void over_groups(task *t, void (*body)(void *, size_t, size_t, size_t)) {
-  t->g->host->parallel_for(t->g->host, t->tree->groups, 4, body, t);
+static void over_groups(const hk_tree_pulls *t, void (*body)(void *, size_t, size_t, size_t), void *context) {
+  t->g->host->parallel_for(t->g->host, t->tree->groups, 1, body, context);
 }
 
 /* ---- the parts of a list ---- */
@@ -97,7 +94,7 @@ static void rough_pull_of_list(void *context, const hk_walk_list *l) {
 }
 
 static void size_groups(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
+  const hk_tree_pulls *t = context;
   job j;
   (void)chunk;
   for (size_t index = begin; index < end; index++) {
@@ -114,16 +111,18 @@ static void size_groups(void *context, size_t begin, size_t end, size_t chunk) {
   }
 }
 
-static void estimate_sizes(task *t) {
+hk_tree_pulls hk_tree_pulls_of(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy) {
+  hk_tree_pulls t = {tree, g, accuracy, 0};
   double sum = 0;
-  if (!isnan(t->accuracy->angle)) return;
-  over_groups(t, size_groups);
-  for (size_t k = 0; k < t->tree->groups; k++) sum += t->tree->size[t->g->count + k];
-  t->least = least_part * sqrt(sum / (double)t->g->count);
+  if (!isnan(accuracy->angle)) return t;
+  over_groups(&t, size_groups, &t);
+  for (size_t k = 0; k < tree->groups; k++) sum += tree->size[g->count + k];
+  t.least = g->count ? least_part * sqrt(sum / (double)g->count) : 0;
+  return t;
 }
 
 /* The factor of a group: its body with the least acceleration determines it. */
-static double factor_of(const task *t, const hk_group *group) {
+static double factor_of(const hk_tree_pulls *t, const hk_group *group) {
   double least = INFINITY;
   if (!isnan(t->accuracy->angle)) return t->accuracy->angle * t->accuracy->angle;
   for (size_t k = group->first; k < group->first + group->count; k++) least = fmin(least, t->tree->size[k]);
@@ -132,6 +131,12 @@ static double factor_of(const task *t, const hk_group *group) {
 
 /* ---- forces ---- */
 
+static void pull_group(job *j, const hk_tree_pulls *t, size_t index) {
+  open_job(j, t, index);
+  j->group.factor = factor_of(t, &j->group);
+  hk_tree_walk(t->tree, &j->group, HK_WALK_NEEDS, &j->list, pull_of_list, j);
+}
+
 static bool is_finite(const job *j) {
   double all = 0;
   for (size_t l = 0; l < j->group.count; l++)
@@ -139,33 +144,35 @@ static bool is_finite(const job *j) {
   return all == 0;
 }
 
-/* Estimates of roots may leave the range of floats, see direct_sum.c. */
-static void pull_group(job *j, const task *t, size_t index) {
-  hk_gravity_bodies plain = *t->g;
-  open_job(j, t, index);
-  j->group.factor = factor_of(t, &j->group);
-  hk_tree_walk(t->tree, &j->group, HK_WALK_NEEDS, &j->list, pull_of_list, j);
-  if (is_finite(j)) return;
-  open_job(j, t, index);
-  plain.path = &hk_gravity_narrow;
-  j->g = &plain;
-  j->group.factor = factor_of(t, &j->group);
-  hk_tree_walk(t->tree, &j->group, HK_WALK_NEEDS, &j->list, pull_of_list, j);
-  j->g = t->g;
+bool hk_tree_pull(const hk_tree_pulls *t, size_t index, double (*a)[3]) {
+  job j;
+  bool apart = true;
+  pull_group(&j, t, index);
+  if (!is_finite(&j)) { /* estimates of roots may leave the range of floats, see direct_sum.c */
+    hk_gravity_bodies plain = *t->g;
+    hk_tree_pulls again = *t;
+    plain.path = &hk_gravity_narrow;
+    again.g = &plain;
+    pull_group(&j, &again, index);
+  }
+  for (size_t l = 0; l < j.group.count; l++) {
+    for (size_t c = 0; c < 3; c++) a[l][c] = j.pull[l / BLOCK].a[c][l % BLOCK];
+    apart = apart && j.pull[l / BLOCK].zeros[l % BLOCK] <= 1;
+  }
+  return apart;
 }
 
 static void force_groups(void *context, size_t begin, size_t end, size_t chunk) {
   task *t = context;
-  const hk_gravity_bodies *g = t->g;
-  job j;
+  const hk_gravity_bodies *g = t->pulls.g;
   bool apart = true;
   for (size_t index = begin; index < end; index++) {
-    pull_group(&j, t, index);
-    for (size_t l = 0; l < j.group.count; l++) {
-      size_t k = j.group.first + l;
-      double f = t->G * g->at.m[k] * (g->scale * g->scale);
-      for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += f * j.pull[l / BLOCK].a[c][l % BLOCK];
-      apart = apart && j.pull[l / BLOCK].zeros[l % BLOCK] <= 1;
+    size_t first = t->pulls.tree->group[index], count = t->pulls.tree->group[index + 1] - first;
+    double a[HK_GROUP][3];
+    apart = hk_tree_pull(&t->pulls, index, a) && apart;
+    for (size_t l = 0; l < count; l++) {
+      double f = t->G * g->at.m[first + l] * (g->scale * g->scale);
+      for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[first + l] + c] += f * a[l][c];
     }
   }
   g->part[chunk] = apart ? 0 : 1;
@@ -173,11 +180,10 @@ static void force_groups(void *context, size_t begin, size_t end, size_t chunk) 
 
 bool hk_tree_forces(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy, double G,
                     double *F) {
-  task t = {.tree = tree, .g = g, .accuracy = accuracy, .G = G, .out = F};
+  task t = {hk_tree_pulls_of(tree, g, accuracy), G, F};
   bool apart = true;
   memset(g->part, 0, g->parts * sizeof *g->part);
-  estimate_sizes(&t);
-  over_groups(&t, force_groups);
+  over_groups(&t.pulls, force_groups, &t);
   for (size_t k = 0; k < tree->groups; k++) apart = apart && !(g->part[k] > 0);
   return apart || g->eps2 > 0;
 }
@@ -218,20 +224,19 @@ static void energy_groups(void *context, size_t begin, size_t end, size_t chunk)
   (void)chunk;
   for (size_t index = begin; index < end; index++) {
     double sum = 0;
-    open_job(&j, t, index);
-    j.group.factor = factor_of(t, &j.group);
-    hk_tree_walk(t->tree, &j.group, HK_WALK_NEEDS, &j.list, potential_of_list, &j);
+    open_job(&j, &t->pulls, index);
+    j.group.factor = factor_of(&t->pulls, &j.group);
+    hk_tree_walk(t->pulls.tree, &j.group, HK_WALK_NEEDS, &j.list, potential_of_list, &j);
     scalar_of_group(&j, 1);
-    for (size_t l = 0; l < j.group.count; l++) sum += t->g->at.m[j.group.first + l] * j.sum[l];
-    t->g->part[index] = sum;
+    for (size_t l = 0; l < j.group.count; l++) sum += j.g->at.m[j.group.first + l] * j.sum[l];
+    j.g->part[index] = sum;
   }
 }
 
 double hk_tree_energy(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy, double G) {
-  task t = {.tree = tree, .g = g, .accuracy = accuracy, .G = G};
+  task t = {hk_tree_pulls_of(tree, g, accuracy), G, NULL};
   double sum = 0;
-  estimate_sizes(&t);
-  over_groups(&t, energy_groups);
+  over_groups(&t.pulls, energy_groups, &t);
   for (size_t k = 0; k < tree->groups; k++) sum += g->part[k];
   return -G * g->scale * sum / 2;
 }
@@ -253,19 +258,19 @@ static void stiffness_of_list(void *context, const hk_walk_list *l) {
 
 static void stiffness_groups(void *context, size_t begin, size_t end, size_t chunk) {
   const task *t = context;
-  const double scale = t->g->scale;
+  const double scale = t->pulls.g->scale;
   job j;
   (void)chunk;
   for (size_t index = begin; index < end; index++) {
-    open_job(&j, t, index);
+    open_job(&j, &t->pulls, index);
     j.group.factor = stiff * stiff;
-    hk_tree_walk(t->tree, &j.group, HK_WALK_RADII, &j.list, stiffness_of_list, &j);
+    hk_tree_walk(t->pulls.tree, &j.group, HK_WALK_RADII, &j.list, stiffness_of_list, &j);
     scalar_of_group(&j, 3);
     for (size_t l = 0; l < j.group.count; l++) t->out[j.group.first + l] = t->G * scale * scale * scale * j.sum[l];
   }
 }
 
 void hk_tree_stiffness(hk_gravity_tree *tree, hk_gravity_bodies *g, double G, double *pull) {
-  task t = {.tree = tree, .g = g, .G = G, .out = pull};
-  over_groups(&t, stiffness_groups);
+  task t = {{tree, g, NULL, 0}, G, pull};
+  over_groups(&t.pulls, stiffness_groups, &t);
 }

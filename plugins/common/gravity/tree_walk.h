@@ -3,7 +3,7 @@
 #ifndef HK_TREE_WALK_H
 #define HK_TREE_WALK_H
 
-#include "plugins/common/gravity/tree_sum.h"
+#include "plugins/common/gravity/gravity_tree.h"
 
 enum { HK_GROUP_BLOCKS = HK_GROUP / HK_GRAVITY_BLOCK, HK_WALK_ROOM = 1024 };
 

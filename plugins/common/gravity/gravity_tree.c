@@ -1,5 +1,5 @@
 /* The moments of all cells, from the last to the first: the parts of a cell come after it. */
-#include "plugins/common/gravity/tree_sum.h"
+#include "plugins/common/gravity/gravity_tree.h"
 
 #include <string.h>
 
