@@ -44,7 +44,7 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
   hk_status status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
-  c->estimate_cost = d->count.evaluations - before.evaluations;
+  c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
   if (status == HK_OK) status = reserve(c, d);
