@@ -10,14 +10,15 @@ enum { HEADER = 64 };
 struct hk_block {
   hk_block *next, *previous;
   size_t bytes;
+  void *start; /* as it was allocated: by calloc, so that pages that are never written take no memory */
 };
 
 void *hk_memory_get(hk_block **list, size_t bytes) {
   if (bytes > SIZE_MAX - 2 * HEADER) return NULL;
-  size_t total = (HEADER + bytes + 63) / 64 * 64;
-  hk_block *block = aligned_alloc(64, total);
-  if (!block) return NULL;
-  memset(block, 0, total);
+  char *start = calloc(1, bytes + 2 * HEADER);
+  if (!start) return NULL;
+  hk_block *block = (hk_block *)(void *)(start + (HEADER - (uintptr_t)start % HEADER) % HEADER);
+  block->start = start;
   block->bytes = bytes;
   block->next = *list;
   if (*list) (*list)->previous = block;
@@ -37,14 +38,14 @@ void hk_memory_put(hk_block **list, void *memory) {
     block->previous->next = block->next;
   else
     *list = block->next;
-  free(block);
+  free(block->start);
 }
 
 void hk_memory_clear(hk_block **list) {
   while (*list) {
     hk_block *block = *list;
     *list = block->next;
-    free(block);
+    free(block->start);
   }
 }
 

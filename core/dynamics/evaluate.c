@@ -52,10 +52,7 @@ static void divide_chunk(void *context, size_t begin, size_t end, size_t chunk) 
 static hk_status divide(hk_dynamics *d, double *a) {
   size_t n = d->state->model.n, chunks = (n + GRAIN - 1) / GRAIN;
   pass p = {d->state->inverse_mass, a, d->chunk_bad};
-  if (n <= GRAIN)
-    divide_chunk(&p, 0, n, 0);
-  else
-    hk_threads_for(d->shared->threads, n, GRAIN, divide_chunk, &p);
+  hk_threads_for(d->shared->threads, n, GRAIN, divide_chunk, &p);
   for (size_t k = 0; k < chunks; k++)
     if (d->chunk_bad[k]) return HK_NOT_FINITE;
   return HK_OK;

@@ -30,8 +30,6 @@ const hk_param *hk_spec_param(const hk_plugin_spec *spec, const char *name, hk_e
   return NULL;
 }
 
-static bool has_limits(const hk_param *p) { return p->min != 0 || p->max != 0; }
-
 /* `position` 0: the value is not one of a list. */
 static hk_status check_number(const char *label, const hk_param *p, double value, size_t position, hk_error *error) {
   char place[32] = "";
@@ -39,7 +37,7 @@ static hk_status check_number(const char *label, const hk_param *p, double value
   const char *space = *p->unit ? " " : "";
   if (!isfinite(value))
     return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g is not a finite number", label, p->name, place, value);
-  if (!has_limits(p) && !(p->flags & HK_ABOVE_MIN)) return HK_OK;
+  if (p->min == 0 && p->max == 0 && !(p->flags & HK_ABOVE_MIN)) return HK_OK;
   if (value < p->min)
     return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g%s%s is below the minimum %g", label, p->name, place, value,
                         space, p->unit, p->min);
@@ -144,7 +142,9 @@ static hk_status set_vector(const setting *s) {
 
 /* A copy of the numbers in the instance's memory. */
 static hk_status copy_numbers(const setting *s, const double *list, size_t count, double **copy) {
-  hk_status status = hk_param_check_list(s->spec->label, s->p, list, count, s->error);
+  hk_status status = s->value->kind == HK_VALUE_NUMBER
+                         ? check_number(s->spec->label, s->p, *list, 0, s->error)
+                         : hk_param_check_list(s->spec->label, s->p, list, count, s->error);
   if (status != HK_OK) return status;
   *copy = hk_memory_get(&s->spec->blocks, count * sizeof **copy);
   if (!*copy) return no_memory(s);
@@ -163,10 +163,6 @@ static hk_status set_numbers(const setting *s) {
 static hk_status set_per_tuple(const setting *s) {
   bool number = s->value->kind == HK_VALUE_NUMBER;
   if (!number && s->value->kind != HK_VALUE_LIST) return wrong_type(s, "a number or a list with one number per tuple");
-  if (number) {
-    hk_status status = check_number(s->spec->label, s->p, s->value->number, 0, s->error);
-    if (status != HK_OK) return status;
-  }
   double *copy;
   size_t count = number ? 1 : s->value->count;
   hk_status status = copy_numbers(s, number ? &s->value->number : s->value->list, count, &copy);

@@ -48,7 +48,7 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
   hk_status status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
-  c->estimate_cost = d->count.evaluations - before.evaluations;
+  c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
   if (status == HK_OK) status = reserve(c, d);
@@ -58,10 +58,28 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   return HK_OK;
 }
 
-static void choose(hk_step_choice *c, hk_warnings *warnings) {
-  double frame = 1 / c->fps;
+/* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
+ */
+static double resolving(const hk_dynamics *d) {
+  double fastest = INFINITY;
+  for (int kind = 0; kind < HK_KINDS; kind++)
+    for (size_t k = 0; k < d->plugins->kind[kind].count; k++) {
+      const hk_plugin_spec *spec = d->plugins->kind[kind].item[k]->spec;
+      for (size_t j = 0; j < spec->timed_count; j++)
+        if (spec->timed[j].function.fastest > 0) fastest = fmin(fastest, spec->timed[j].function.fastest);
+    }
+  for (size_t k = 0; k < d->pins->count; k++) {
+    const hk_pin_spec *spec = d->pins->item[k].spec;
+    if (spec->kind == HK_PIN_PATH && spec->path.fastest > 0) fastest = fmin(fastest, spec->path.fastest);
+  }
+  return fastest / 4;
+}
+
+static void choose(hk_step_choice *c, const hk_dynamics *d) {
+  hk_warnings *warnings = d->shared->warnings;
+  double frame = 1 / c->fps, most = resolving(d);
   c->chosen = true;
-  c->dt = c->dt_estimated = c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame);
+  c->dt = c->dt_estimated = fmin(most, c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame));
   if (c->growth_expected)
     hk_warn(warnings,
             "%s has no stable step on this scene; dt = %.3g s is chosen for accuracy, and motion may grow at a rate of "
@@ -85,7 +103,6 @@ static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) 
 }
 
 hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
-  hk_warnings *warnings = d->shared->warnings;
   if (c->method->flags & HK_ADAPTIVE) {
     c->dt = isnan(given) ? INFINITY : given;
     c->chosen = isnan(given);
@@ -93,7 +110,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
   }
   if (c->method->flags & HK_IMPLICIT) {
     if (isnan(given))
-      choose(c, warnings);
+      choose(c, d);
     else
       c->dt = given;
     return HK_OK;
@@ -107,9 +124,9 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
   }
   if (status != HK_OK) return status;
   if (isnan(given))
-    choose(c, warnings);
+    choose(c, d);
   else
-    check_given(c, given, warnings);
+    check_given(c, given, d->shared->warnings);
   return HK_OK;
 }
 

@@ -1,5 +1,6 @@
 /* Functions of the script that the engine calls: timed parameters, paths of pins, channel rates, measures, on_frame,
- * exact. A call runs under the script's limits and allocates nothing outside a protected call. */
+ * exact; and gusts, functions of time that need no script. A call runs under the script's limits and allocates nothing
+ * outside a protected call. */
 #include "core/lua/internal.h"
 
 #include <string.h>
@@ -93,10 +94,73 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   return status;
 }
 
+/* ---- gusts: a function of C, whose upvalue is the gust ---- */
+
+enum { GUST_COST = 100 }; /* instructions: it is several cosines for each column */
+
+static int gust_at(lua_State *L) {
+  const hk_gust *g = lua_touserdata(L, lua_upvalueindex(1));
+  double t = luaL_checknumber(L, 1), out[HK_COLUMNS];
+  hk_limits_count(L, GUST_COST * g->columns);
+  hk_gust_at(g, t, out);
+  for (size_t c = 0; c < g->columns; c++) lua_pushnumber(L, out[c]);
+  return (int)g->columns;
+}
+
+/* A number or a vector at `key`; a number stands for `all` three, or for the first. Returns whether it is a vector. */
+static bool gust_numbers(lua_State *L, const char *key, bool all, double out[HK_COLUMNS]) {
+  bool vector = hk_lua_field(L, 1, key) == LUA_TTABLE;
+  lua_pop(L, 1);
+  if (vector) return hk_lua_field_vector(L, 1, "gust", key, out);
+  out[0] = hk_lua_field_number(L, 1, "gust", key, 0);
+  for (int c = 1; c < HK_COLUMNS; c++) out[c] = all ? out[0] : 0;
+  return false;
+}
+
+int hk_lua_gust(lua_State *L) {
+  static const char *const keys[] = {"mean", "amplitude", "shortest", "longest", "seed", NULL};
+  double mean[HK_COLUMNS], amplitude[HK_COLUMNS];
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  hk_lua_check_keys(L, 1, "gust", keys);
+  bool vector = gust_numbers(L, "mean", false, mean), turns = gust_numbers(L, "amplitude", true, amplitude);
+  double shortest = hk_lua_field_number(L, 1, "gust", "shortest", NAN);
+  double longest = hk_lua_field_number(L, 1, "gust", "longest", 20 * shortest);
+  if (turns && !vector && mean[0] != 0)
+    return hk_lua_fail(L, HK_BAD_PARAM, "gust: mean: a number, where the amplitude is a vector: mean = { x, y, z }");
+  if (!(shortest > 0))
+    return hk_lua_fail(L, HK_BAD_PARAM, "gust: shortest: the shortest period, in s, has to be given, and above 0");
+  if (!(longest >= shortest))
+    return hk_lua_fail(L, HK_BAD_PARAM, "gust: longest: %g s is below the shortest period, %g s", longest, shortest);
+  for (int c = 0; c < HK_COLUMNS; c++)
+    if (amplitude[c] < 0)
+      return hk_lua_fail(L, HK_BAD_PARAM, "gust: amplitude: %g is below the minimum 0", amplitude[c]);
+  uint64_t seed = hk_lua_field_whole(L, 1, "gust", "seed", 1, 9007199254740992.0); /* 2^53 */
+  hk_gust *g = lua_newuserdatauv(L, sizeof *g, 0);
+  hk_gust_make(g, vector || turns ? HK_COLUMNS : 1, mean, amplitude, shortest, longest, seed);
+  lua_pushcclosure(L, gust_at, 1);
+  return 1;
+}
+
+/* s; 0: not known. */
+static double fastest_of(lua_State *L, int index) {
+  if (lua_tocfunction(L, index) != gust_at) return 0;
+  lua_getupvalue(L, index, 1);
+  double fastest = ((const hk_gust *)lua_touserdata(L, -1))->fastest;
+  lua_pop(L, 1);
+  return fastest;
+}
+
+/* ---- */
+
 hk_function hk_lua_function(lua_State *L, int index) {
   luaL_checktype(L, index, LUA_TFUNCTION);
+  double fastest = fastest_of(L, index);
   lua_pushvalue(L, index);
-  return (hk_function){.call = call_function, .context = hk_lua_script(L), .reference = luaL_ref(L, LUA_REGISTRYINDEX)};
+  return (hk_function){.call = call_function,
+                       .context = hk_lua_script(L),
+                       .reference = luaL_ref(L, LUA_REGISTRYINDEX),
+                       .fastest = fastest};
 }
 
 /* ---- adapters; their first upvalue is the script's function ---- */

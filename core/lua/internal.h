@@ -107,6 +107,7 @@ void hk_lua_open_state(lua_State *L);
 hk_function hk_lua_function(lua_State *L, int index);
 hk_function hk_lua_frame_function(lua_State *L, int index); /* it is called with the state of the scene at index 1 */
 hk_function hk_lua_rate_function(lua_State *L, int index);  /* it is called with t, id, y... */
+int hk_lua_gust(lua_State *L); /* hooke.gust{}: a function of t, of which is known how fast it changes */
 
 /* values.c */
 double hk_lua_number(lua_State *L, int index, const char *what);    /* finite */

@@ -355,9 +355,11 @@ void hk_lua_open_scene(lua_State *L) {
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);
-  lua_createtable(L, 0, 2);
+  lua_createtable(L, 0, 3);
   lua_pushcfunction(L, scene);
   lua_setfield(L, -2, "scene");
+  lua_pushcfunction(L, hk_lua_gust);
+  lua_setfield(L, -2, "gust");
   lua_pushfstring(L, "%d.%d", HK_ABI_MAJOR, HK_ABI_MINOR);
   lua_setfield(L, -2, "version");
   lua_setglobal(L, "hooke");

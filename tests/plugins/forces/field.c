@@ -32,8 +32,8 @@ static void refused(const char *result, const char *text) {
 static void a_wrong_result_is_named_with_line_time_and_particle(void **state) {
   (void)state;
   refused("return nil", "bad.lua:5: this function returned nil where a number is needed at t = 0.5 s, particle 2");
-  refused("return", "bad.lua:4: field: the function gave 0 numbers at t = 0.5 s for particle 2, expected 3");
-  refused("return 1, 2", "bad.lua:4: field: the function gave 2 numbers at t = 0.5 s for particle 2, expected 3");
+  refused("return", "bad.lua:4: field: a function gave 0 numbers at t = 0.5 s for particle 2, expected 3");
+  refused("return 1, 2", "bad.lua:4: field: a function gave 2 numbers at t = 0.5 s for particle 2, expected 3");
   refused("return 1, 2, 3, 4", "bad.lua:5: this function returned more numbers than are expected at t = 0.5 s, part");
   refused("return 1, 0/0, 3", "bad.lua:5: this function returned nan at t = 0.5 s, particle 2");
   refused("return 1, 2, -1/0", "bad.lua:5: this function returned -inf at t = 0.5 s, particle 2");
