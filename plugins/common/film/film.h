@@ -41,6 +41,6 @@ hk_status hk_film_open(hk_film *, const hk_host *host);
 /* `birth`: as in hk_ink_take. `changed`: the topology may differ from the last call's. */
 hk_status hk_film_add(hk_film *, const hk_view *view, const double *birth, bool changed);
 hk_status hk_film_finish(hk_film *, hk_verdict verdict); /* draws the frames that wait */
-void hk_film_free(hk_film *);                            /* a zeroed one is allowed */
+void hk_film_free(hk_film *);                            /* a zeroed or freed one is allowed */
 
 #endif
