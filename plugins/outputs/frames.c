@@ -65,8 +65,8 @@ static const hk_param params[] = {
      HK_CHOICE, {0}, 0, 0, offsetof(frames, springs), 0, "auto|on|off"},
     {"particles", "", "draw particles; auto: those outside all triangles, and pins",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, particles), 0, "auto|on|off"},
-    {"style", "", "particles as lit spheres, as soft discs (smoke, mist), or as lights that add up (fire, sparks, stars)",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, style), 0, "sphere|soft|glow"},
+    {"style", "", "lit spheres, soft discs (smoke, mist) or lights that add up (fire, stars); auto: spheres, soft streaks",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, style), 0, "auto|sphere|soft|glow"},
     {"size", "", "auto, same, mass (radii as cube roots), or a channel, the radius in m; auto: the channel radius if any",
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
@@ -113,13 +113,18 @@ static const hk_field fields[] = {
 };
 /* clang-format on */
 
+static hk_style style_of(const frames *f) {
+  if (f->style) return (hk_style)(f->style - 1);
+  return f->streak > 0 ? HK_STYLE_SOFT : HK_STYLE_SPHERE;
+}
+
 static void plan_colours(frames *f) {
   hk_film *film = &f->film;
   hk_paint paint = film->look.paint;
-  film->map = f->map                           ? (hk_colormap)(f->map - 1)
-              : paint == HK_PAINT_STRAIN       ? HK_MAP_DIVERGING
-              : f->style == (int)HK_STYLE_GLOW ? HK_MAP_INFERNO
-                                               : HK_MAP_VIRIDIS;
+  film->map = f->map                         ? (hk_colormap)(f->map - 1)
+              : paint == HK_PAINT_STRAIN     ? HK_MAP_DIVERGING
+              : style_of(f) == HK_STYLE_GLOW ? HK_MAP_INFERNO
+                                             : HK_MAP_VIRIDIS;
   film->reverse = f->reverse;
   film->framing.centred = film->map == HK_MAP_DIVERGING && !f->log;
   film->framing.counted = paint != HK_PAINT_NONE && paint != HK_PAINT_GROUP && paint != HK_PAINT_RGB;
@@ -139,11 +144,11 @@ static void plan_camera(frames *f) {
 static void plan_light(frames *f) {
   static const double colours[2][3] = {{0.66, 0.705, 0.755}, {0.030, 0.036, 0.052}}; /* by day, by night */
   hk_view_setup *setup = &f->film.setup;
-  bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && f->style == (int)HK_STYLE_GLOW);
+  bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && style_of(f) == HK_STYLE_GLOW);
   const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
-  setup->sprites.style = (hk_style)f->style;
-  setup->sprites.opacity = isnan(f->opacity) && f->style != (int)HK_STYLE_GLOW ? 1 : f->opacity;
+  setup->sprites.style = style_of(f);
+  setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
   setup->sprites.least = f->least, setup->sprites.fog = f->fog;
   setup->streak = f->streak;
 }
@@ -172,9 +177,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (f->range.count && f->log && f->range.value[0] <= 0)
     return host->fail(host, HK_BAD_PARAM, "range: %g has no logarithm; give two positive numbers, or log = false",
                       f->range.value[0]);
-  if (f->streak > 0 && f->style == (int)HK_STYLE_SPHERE)
+  if (f->streak > 0 && style_of(f) == HK_STYLE_SPHERE)
     return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
-  if (f->opacity > 1 && f->style != (int)HK_STYLE_GLOW)
+  if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
   hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->film.solid, &f->film.solids);
   return status == HK_OK ? choose_look(f, view->model) : status;
@@ -235,6 +240,7 @@ static hk_status make_video(frames *f) {
 static hk_status close(void *self, hk_verdict verdict) {
   frames *f = self;
   hk_status status = hk_film_finish(&f->film, verdict);
+  hk_film_free(&f->film); /* some hundred megabytes that a run may outlive */
   if (status == HK_OK && f->video && f->film.pictures > 0) status = make_video(f);
   return status;
 }

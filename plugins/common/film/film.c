@@ -144,6 +144,9 @@ hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {
 void hk_film_free(hk_film *f) {
   if (f->gl && hk_gl_context_use(f->gl)) hk_painter_close(&f->painter);
   hk_gl_context_destroy(f->gl);
+  f->gl = NULL;
   hk_frame_spool_close(&f->spool);
   hk_snapshot3d_free(&f->snapshot);
+  if (f->host) f->host->release(f->host, f->colour), f->host->release(f->host, f->picture);
+  f->colour = NULL, f->picture = NULL, f->colours = 0;
 }

@@ -44,6 +44,6 @@ hk_status hk_film_add(hk_film *, const hk_view *view, const double *birth, bool 
 hk_status hk_film_finish(hk_film *, hk_verdict verdict); /* draws the frames that wait */
 /* Whether the user asks, once more, to stop: while the pictures of a run that has ended are drawn or made a video. */
 bool hk_film_stopped(void *film);
-void hk_film_free(hk_film *); /* a zeroed one is allowed */
+void hk_film_free(hk_film *); /* a zeroed or freed one is allowed */
 
 #endif

@@ -8,7 +8,7 @@ static void frames_draw_particles_where_they_are(void **state) {
     world_open(&w, 1);
     set_still_camera(&w);
     set_number(&w, "radius", 0.1);
-    *(int *)fake_field(&w.f, "style") = style;
+    *(int *)fake_field(&w.f, "style") = style + 1;
     w.x[0] = 0.305, w.x[2] = 0.205; /* 30.5 pixels right of the middle, 20.5 above */
     picture p = draw_once(&w);
     extent e = find_red(&w, 0);
@@ -222,6 +222,7 @@ static void frames_refuse_what_makes_no_picture(void **state) {
   expect_refusal(&w, "range: 0 has no logarithm; give two positive numbers, or log = false");
   world_open(&w, 1);
   set_number(&w, "streak", 0.1);
+  *(int *)fake_field(&w.f, "style") = 1;
   expect_refusal(&w, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
   world_open(&w, 1);
   set_number(&w, "opacity", 2);
