@@ -11,6 +11,7 @@ local argparse = require("argparse")
 local methods = require("common.bench.methods")
 local benchmark = require("common.bench.benchmark")
 local command_line = require("common.run.command_line")
+local files = require("common.run.file")
 local process = require("process")
 local journal = require("common.bench.journal")
 local case_process = require("common.run.case_process")
@@ -58,7 +59,7 @@ end
 local function store_choice(path, choice)
   if not path then return end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
-  local fine, why = journal.write(path, journal.json.encode(choice) .. "\n")
+  local fine, why = files.write(path, journal.json.encode(choice) .. "\n")
   if not fine then complain("the choice is not kept: %s", why) end
 end
 

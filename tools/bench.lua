@@ -41,6 +41,11 @@ local function complain(format, ...)
   return command_line.complain("bench", format:format(...))
 end
 
+local function refuse_file(why)
+  complain("%s", why)
+  return 4
+end
+
 local function params_of(list)
   local params = {}
   for _, word in ipairs(list) do
@@ -166,12 +171,12 @@ local function draw(b, out)
 end
 
 local function write_all(b, o, out)
-  assert(report.csv(b.methods, b.goal, out .. "/bench.csv"))
-  assert(report.json(b.methods, b.goal, more_of(b, o), out .. "/bench.json"))
-  local fine, why = draw(b, out)
+  local fine, why = report.csv(b.methods, b.goal, out .. "/bench.csv")
+  if fine then fine, why = report.json(b.methods, b.goal, more_of(b, o), out .. "/bench.json") end
+  if not fine then return refuse_file(why) end
+  fine, why = draw(b, out)
   print(("wrote %s/bench.csv, bench.json%s"):format(out, fine and ", bench.png, bench.svg" or ""))
-  if not fine then complain("%s", why) end
-  return fine and 0 or 4
+  return fine and 0 or refuse_file(why)
 end
 
 -- ---- the whole command ----
@@ -194,8 +199,9 @@ local function main()
   if not b then return complain("%s", why) end
   local name = o.scene:match("([^/]+)%.lua$") or o.scene
   local out = o.out or "out/bench/" .. name
-  if not make_folder(out) then return complain("the folder %s cannot be made", out) end
-  b.record = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
+  if not make_folder(out) then return refuse_file(("the folder %s cannot be made"):format(out)) end
+  b.record, why = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
+  if not b.record then return refuse_file(why) end
   local bar, phase = progress.new { what = "bench " .. name, quiet = o.quiet }, nil
   if b.record.count > 0 then bar:say(("taking up %d runs of an interrupted bench"):format(b.record.count)) end
   b.each = function(case, result)
@@ -209,7 +215,8 @@ local function main()
   if not fine then return complain("%s", why) end
   print_all(b)
   local code = write_all(b, o, out)
-  b.record:remove()
+  if b.record.failed then complain("an interrupted bench could not have been taken up: %s", b.record.failed) end
+  if code == 0 then b.record:remove() end
   return code
 end
 

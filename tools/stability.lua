@@ -4,6 +4,7 @@
 -- The methods of measurement are described in stability_region.lua, largest_step.lua and hard.lua of common/stability.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
+local files = require("common.run.file")
 local json = require("cjson").new()
 local lfs = require("lfs")
 local process = require("process")
@@ -103,13 +104,6 @@ local function csv_of(columns, rows)
   return table.concat(lines, "\n") .. "\n"
 end
 
-local function write(path, text)
-  local file, why = io.open(path, "w")
-  if not file then return nil, why end
-  local fine = file:write(text)
-  return file:close() and fine, path .. " cannot be written"
-end
-
 -- ---- the corpus ----
 
 local function print_hard(o, hard, cases, names, cells)
@@ -179,7 +173,7 @@ local function run_hard(o)
   local rows = {}
   for k, cell in ipairs(cells) do rows[k] = hard.row(cell) end
   if o.csv then
-    local fine, reason = write(o.csv, csv_of(hard.columns, rows))
+    local fine, reason = files.write(o.csv, csv_of(hard.columns, rows))
     if not fine then fail(reason) return 4 end
   end
   return hard.counts(cells).failed > 0 and 1 or 0
@@ -207,7 +201,7 @@ end
 -- Writes the rows as CSV and, on request, JSON; returns nil on success, otherwise the exit code.
 local function write_rows(o, name, columns, rows)
   local fine, refused = ready_folder(o.out)
-  if fine then fine, refused = write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
+  if fine then fine, refused = files.write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
   if o.json then print(json.encode(rows)) end
   if not fine then return report_write_error(refused) end
 end
