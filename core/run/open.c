@@ -381,7 +381,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->asked.ignore_exact = options->ignore_exact;
   run->judgement.compared = compares(run);
   run->asked.opened_at = hk_clock();
-  run->progress = (hk_progress){.mode = options->progress, .end = run->asked.end, .at = run->asked.opened_at};
+  run->progress = (hk_progress){options->progress, INFINITY, run->asked.end, 0, run->asked.opened_at, false};
   scene->frozen = true;
   hk_status status = build(run);
   if (status != HK_OK) {
@@ -390,6 +390,8 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
     hk_run_destroy(run);
     return status;
   }
+  run->progress.begin = run->state.t;
+  run->progress.steps = run->record.steps;
   *made = run;
   return HK_OK;
 }
