@@ -1,11 +1,11 @@
 -- hourglass.lua: sand runs through the neck of an hourglass at a steady rate, whatever stands above it, and bands of
 -- colour show how it flows: the middle first. The rate is near Beverloo's law (1961) for spheres, 0.58 rho sqrt(g)
 -- (D - 1.4 d)^2.5 with the neck's diameter D, the grains' d and the density rho of the packing.
-local n = param("n", 2500, "grains", { min = 10, max = 1e6 })
+local n = param("n", 1200, "grains", { min = 10, max = 1e6 })
 local neck = param("neck", 0.08, "radius of the neck, m", { min = 0.02, max = 0.2 })
-local R, k, slope, up = 0.01, 5e3, 0.75, 0.5 -- m; N/m; of the glass: m of radius per m, height of the neck
+local R, k, slope, up = 0.01, 5e3, 0.75, 0.35 -- m; N/m; of the glass: m of radius per m, height of the neck
 
-local scene = hooke.scene { duration = 4, fps = 30 }
+local scene = hooke.scene { duration = 2.5, fps = 30 }
 scene:channel("radius", { initial = R })
 scene:channel("tint", { initial = { 1, 1, 1 } })
 scene:channel("spin", { size = 3 })
@@ -45,5 +45,5 @@ local function below(s) -- kg
 end
 scene:measure("fallen", below)
 scene:measure("rate", function(s) return s.t > 0 and below(s) / s.t or 0 end) -- kg/s, the mean so far
-scene:output("frames", { color = "tint", radius = R, camera = { 0.4, -2.4, 0.75 }, target = { 0, 0, 0.5 } })
+scene:output("frames", { color = "tint", radius = R, camera = { 0.3, -1.9, 0.55 }, target = { 0, 0, 0.36 } })
 return scene

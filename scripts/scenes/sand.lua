@@ -1,12 +1,12 @@
 -- sand.lua: sand runs out of a funnel onto the floor and comes to rest as a heap, with its layers turned inside out. The
 -- slope is the angle of repose, which grows with the friction: try friction=0.1. Grains do not turn, as those of real
 -- sand hardly do.
-local n = param("n", 2000, "grains", { min = 10, max = 1e6 })
+local n = param("n", 1000, "grains", { min = 10, max = 1e6 })
 local friction = param("friction", 0.5, "coefficient of friction", { min = 0 })
 local R, k = 0.01, 5e3 -- m; N/m: overlaps of 3 % of the radius at rest
-local neck, slope, up = 0.095, 0.8, 0.42 -- of the funnel: radius and height above the floor, m; m of radius per m
+local neck, slope, up = 0.095, 0.8, 0.25 -- of the funnel: radius and height above the floor, m; m of radius per m
 
-local scene = hooke.scene { duration = 4, fps = 30 }
+local scene = hooke.scene { duration = 2, fps = 30 }
 scene:channel("radius", { initial = R })
 scene:channel("tint", { initial = { 1, 1, 1 } })
 scene:service("neighbours", { skin = 0.25 })
@@ -44,5 +44,5 @@ scene:measure("slope", function(s) -- degrees: a cone's mean height and distance
   end
   return p > 0 and math.deg(math.atan(2 * z, p)) or 0
 end)
-scene:output("frames", { color = "tint", radius = R, camera = { 0.9, -1.5, 0.8 }, target = { 0, 0, 0.28 } })
+scene:output("frames", { color = "tint", radius = R, camera = { 0.6, -1.1, 0.55 }, target = { 0, 0, 0.19 } })
 return scene
