@@ -1,6 +1,5 @@
--- sand.lua: sand runs out of a funnel onto the floor and comes to rest as a heap, with its layers turned inside out. The
--- slope is the angle of repose, which grows with the friction: try friction=0.1. Grains do not turn, as those of real
--- sand hardly do.
+-- sand.lua: sand runs out of a funnel onto the floor and comes to rest as a heap. The slope is the angle of repose, which
+-- grows with the friction: try friction=0.1. Grains do not turn, as those of real sand hardly do.
 local n = param("n", 1000, "grains", { min = 10, max = 1e6 })
 local friction = param("friction", 0.5, "coefficient of friction", { min = 0 })
 local R, k = 0.01, 5e3 -- m; N/m: overlaps of 3 % of the radius at rest
@@ -22,7 +21,7 @@ while filled < n do
         local r = R * (0.85 + 0.3 * math.random())
         local function shaken(at) return gap * at + 0.2 * R * (math.random() - 0.5) end
         scene:particle { position = { shaken(a), shaken(b), up + h }, radius = r, mass = 1e4 / 3 * math.pi * r ^ 3,
-          tint = bands[1 + layer // 3 % 2] } -- of 2,500 kg/m^3
+          tint = bands[1 + layer // 2 % 2] } -- of 2,500 kg/m^3
         filled = filled + 1
       end
     end

@@ -12,7 +12,7 @@ enum {
   PIECES = 2 * LANES, /* a lane that passes the end of the table is two */
   CANDIDATES = 2048,
   FEW = 256, /* pairs that there is always room for */
-  CROWD = 4 /* points of a cell from which on sorting its candidates once is cheaper than sorting every row */
+  CROWD = 4  /* points of a cell from which on sorting its candidates once is cheaper than sorting every row */
 };
 
 /* ---- memory ---- */
