@@ -1,9 +1,9 @@
 -- hourglass.lua: sand runs through the neck of an hourglass at a steady rate, whatever stands above it, and bands of
--- colour show how it flows: the middle first. The rate is near Beverloo's law (1961) for spheres, 0.58 rho sqrt(g)
--- (D - 1.4 d)^2.5 with the neck's diameter D, the grains' d and the density rho of the packing.
+-- colour show how it flows: the middle first. The rate is near that of Beverloo and others (1961) for spheres of the
+-- diameter d and a neck of D, 0.58 rho sqrt(g) (D - 1.4 d)^2.5 kg/s, rho = 1,500 kg/m^3: 1,600 grains a second.
 local n = param("n", 1200, "grains", { min = 10, max = 1e6 })
 local neck = param("neck", 0.08, "radius of the neck, m", { min = 0.02, max = 0.2 })
-local R, k, slope, up = 0.01, 5e3, 0.75, 0.35 -- m; N/m; of the glass: m of radius per m, height of the neck
+local R, k, slope, up = 0.01, 5e3, 0.5, 0.35 -- m; N/m; of the glass: m of radius per m, height of the neck
 
 local scene = hooke.scene { duration = 2.5, fps = 30 }
 scene:channel("radius", { initial = R })
@@ -36,14 +36,16 @@ scene:force("gravity", { g = { 0, 0, -9.81 } })
 scene:force("soft_spheres", law)
 scene:force("soft_walls", glass)
 
-local function below(s) -- kg
-  local sum = 0
+local at = {} -- s, when each quarter had fallen
+local function quarters(s)
+  local fallen = 0
   for _, id in ipairs(ids) do
-    if s:position(id)[3] < up then sum = sum + s:mass(id) end
+    if s:position(id)[3] < up then fallen = fallen + 1 end
   end
-  return sum
+  for q = #at + 1, 4 * fallen // n do at[q] = s.t end
+  return fallen
 end
-scene:measure("fallen", below)
-scene:measure("rate", function(s) return s.t > 0 and below(s) / s.t or 0 end) -- kg/s, the mean so far
-scene:output("frames", { color = "tint", radius = R, camera = { 0.3, -1.9, 0.55 }, target = { 0, 0, 0.36 } })
+scene:measure("fallen", quarters)
+scene:measure("rate", function() return at[3] and at[3] > at[1] and n / 2 / (at[3] - at[1]) or 0 end) -- grains a second
+scene:output("frames", { color = "tint", radius = R, camera = { 0.3, -1.6, 0.5 }, target = { 0, 0, 0.33 } })
 return scene
