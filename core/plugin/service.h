@@ -32,8 +32,8 @@ typedef struct hk_neighbour_rows {
 
 typedef struct hk_neighbours {
   void *self;
-  /* Called in `create`, `topology` or `update`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to 1e150. The
-   * largest request counts, to the end of the run. HK_BAD_PARAM. */
+  /* Called in `create`, `topology` or `update`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to
+   * 1e150. The largest request counts, to the end of the run. HK_BAD_PARAM. */
   hk_status (*reach)(void *self, double radius);
   /* The rows for the positions x (n x 3), valid until the next call of any client. They hold pairs up to `reach` apart
    * and, as x has moved since the search, somewhat more: the caller checks the distance. May be called from `add`,

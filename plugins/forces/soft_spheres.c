@@ -301,7 +301,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
     size_t i = acting(view, k);
     double m = view->model->mass[i];
     crowd around = crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
-    hk_contact_bound one = hk_contact_stiffness(&s->law, part, m * heaviest / (m + heaviest), s->spheres.spin_channel);
+    hk_contact_bound one = hk_contact_stiffness(&s->law, part, m * heaviest / (m + heaviest));
     double sum = one.across * around.number + fmax(0, one.along - one.across) * around.along;
     double now = fmax(one.along, one.across) * (double)touching(&t, i);
     sum = known ? 2 * fmax(sum, now) : INFINITY;
@@ -338,6 +338,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->law.tangential = s->tangential * s->law.stiffness;
   s->history.t = view->t;
   hk_status status = hk_spheres_open(&s->spheres, view);
+  s->law.yielding = s->spheres.spin_channel ? 3.5 : 1;
   return status == HK_OK ? topology(self, view) : status;
 }
 

@@ -238,7 +238,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   const soft_walls *s = self;
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = acting(view, k);
-    hk_contact_bound one = hk_contact_stiffness(&s->law, part, view->model->mass[i], s->spheres.spin_channel);
+    hk_contact_bound one = hk_contact_stiffness(&s->law, part, view->model->mass[i]);
     for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += s->walls * fmax(one.along, one.across);
   }
 }
@@ -305,6 +305,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->law.tangential = s->tangential * s->law.stiffness;
   s->history.t = view->t;
   hk_status status = hk_spheres_open(&s->spheres, view);
+  s->law.yielding = s->spheres.spin_channel ? 3.5 : 1;
   if (status == HK_OK) status = check_walls(s);
   if (status == HK_OK) status = set_planes(s);
   return status == HK_OK ? topology(self, view) : status;

@@ -144,7 +144,7 @@ static void contacts(size_t side, int threads) {
   test_advance(&b.e, 2 * dt);
   hk_instance *force = test_instance(&b.e, b.grains);
   double *F = memory(3 * b.n, sizeof *F);
-  hk_contact_law law = {K, 2. / 7 * K, friction, hk_contact_damping(0.8)};
+  hk_contact_law law = {K, 2. / 7 * K, friction, hk_contact_damping(0.8), 1};
   hk_view view = view_of(&b, force);
   list_pairs(&p, &b, view.x);
   for (int r = 0; r < REPEATS; r++) {

@@ -25,8 +25,8 @@ double hk_contact_damping(double restitution) {
   return high;
 }
 
-hk_contact_bound hk_contact_stiffness(const hk_contact_law *law, hk_stiffness_part part, double mass, bool turns) {
-  double k = law->stiffness, across = law->tangential, turning = turns ? 3.5 : 1;
-  if (part != HK_DAMPING_WHOLE) return (hk_contact_bound){k, turning * across};
-  return (hk_contact_bound){2 * law->damping * sqrt(k * mass), turning * 2 * law->damping * sqrt(across * mass)};
+hk_contact_bound hk_contact_stiffness(const hk_contact_law *law, hk_stiffness_part part, double mass) {
+  double k = law->stiffness, across = law->tangential, q = law->yielding;
+  if (part != HK_DAMPING_WHOLE) return (hk_contact_bound){k, q * across};
+  return (hk_contact_bound){2 * law->damping * sqrt(k * mass), q * 2 * law->damping * sqrt(across * mass / q)};
 }

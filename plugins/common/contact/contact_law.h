@@ -1,7 +1,8 @@
 /* The force of a soft contact: along the normal a linear spring and dashpot that never pull, across it a spring and
  * dashpot that slip at Coulomb's limit (Cundall and Strack 1979; the slip as in Luding 2008, Granular Matter 10, 4.2).
- *     N = max(0, k d + 2 z sqrt(k m) dd/dt),     T = -k_t s - 2 z sqrt(k_t m) u_t,   |T| <= mu N,
+ *     N = max(0, k d + 2 z sqrt(k m) dd/dt),     T = -k_t s - 2 z sqrt(k_t m/q) u_t,   |T| <= mu N,
  * with the overlap d, the effective mass m, the slip s since the contact began and the velocity u_t across the normal.
+ * Where spheres turn, they yield to a force across the normal as if their mass were less by q = 1 + m R^2/I = 7/2.
  * Where T is at the limit, s becomes what gives that force. */
 #ifndef HK_CONTACT_LAW_H
 #define HK_CONTACT_LAW_H
@@ -12,6 +13,7 @@ typedef struct hk_contact_law {
   double stiffness, tangential; /* N/m: k, k_t */
   double friction;              /* mu */
   double damping;               /* z, part of the critical damping */
+  double yielding;              /* q: 1, or 7/2 where the bodies turn */
 } hk_contact_law;
 
 typedef struct hk_contact {
@@ -39,17 +41,17 @@ static inline void hk_cross(const double a[3], const double b[3], double out[3])
 }
 
 /* The stiffness of a contact along the normal and across it: of -dF/dx, N/m, or of -dF/dv, N s/m; mass: an effective
- * mass that no contact of the sphere exceeds. Turning makes what is across 7/2 as stiff, 1 + m R^2/I. */
+ * mass that no contact of the sphere exceeds. Spheres that turn are as fast across it as if it were q times that. */
 typedef struct hk_contact_bound {
   double along, across;
 } hk_contact_bound;
 
-hk_contact_bound hk_contact_stiffness(const hk_contact_law *, hk_stiffness_part part, double mass, bool turns);
+hk_contact_bound hk_contact_stiffness(const hk_contact_law *, hk_stiffness_part part, double mass);
 
 static inline void hk_contact_force(const hk_contact_law *law, hk_contact *c) {
   double apart = hk_dot(c->u, c->normal), spring = law->stiffness * c->overlap;
   double N = spring - 2 * law->damping * sqrt(law->stiffness * c->mass) * apart;
-  double viscous = 2 * law->damping * sqrt(law->tangential * c->mass), T[3], u[3];
+  double viscous = 2 * law->damping * sqrt(law->tangential * c->mass / law->yielding), T[3], u[3];
   if (!(N > 0)) N = 0;
   for (int a = 0; a < 3; a++) u[a] = c->u[a] - apart * c->normal[a];
   for (int a = 0; a < 3; a++) T[a] = -law->tangential * c->slip[a] - viscous * u[a];

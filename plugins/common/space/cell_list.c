@@ -12,7 +12,7 @@ enum {
   PIECES = 2 * LANES, /* a lane that passes the end of the table is two */
   CANDIDATES = 2048,
   FEW = 256, /* pairs that there is always room for */
-  CROWD = 4 /* points of a cell from which on sorting its candidates once is cheaper than sorting every row */
+  CROWD = 4  /* points of a cell from which on sorting its candidates once is cheaper than sorting every row */
 };
 
 /* ---- memory ---- */
@@ -254,8 +254,9 @@ static void sort_row(const build *b, const surroundings *around, size_t k) {
       row[count] = order[j];
       count += (size_t)(distance2(b, j, k) < b->reach2) & (size_t)(j != k);
     }
-  sort_short(row, count);
-  memcpy(b->list->other + b->list->row_start[order[k]], row, count * sizeof *row);
+  uint32_t *to = b->list->other + b->list->row_start[order[k]];
+  memcpy(to, row, count * sizeof *row);
+  sort_short(to, count);
 }
 
 /* For more points than CANDIDATES: collected part by part, then sorted. */

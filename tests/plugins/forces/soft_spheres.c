@@ -46,20 +46,20 @@ static void run_steps(test_engine *e, double dt) {
 /* ---- collisions ---- */
 
 /* Spheres of m and 2m meet with 1 m/s: the effective mass is 2m/3. The force begins with a jump, which a step sees up
- * to h too late: relative errors of z w h, here 2e-4 at most; the end of the contact is between two steps. */
+ * to h too late: relative errors of z w h, here 1e-3 z; the end of the contact is between two looks. */
 static void a_collision_has_its_restitution_and_duration(void **state) {
   (void)state;
   const double wanted[] = {1, 0.9, 0.5, 0.1, 0.02};
   for (size_t k = 0; k < sizeof wanted / sizeof *wanted; k++) {
     test_engine e;
-    double w = sqrt(K / (2. / 3)), dt = 2e-4 / w, touch_end = 0;
+    double w = sqrt(K / (2. / 3)), dt = 1e-3 / w, touch_end = 0;
     test_engine_open(&e);
     launch(&e, test_particle(&e, 0, 0, 0, 1), 1, 0, 0);
     test_particle(&e, 2 * R * (1 + 1e-12), 0, 0, 2);
     hk_plugin_spec *spec = grains(&e, "soft_spheres", wanted[k], 0.5);
     run_steps(&e, dt);
     hk_instance *force = test_instance(&e, spec);
-    for (int step = 1; step <= 26000; step += 50) { /* pi/2e-4 steps without damping, more with it */
+    for (int step = 1; step <= 6000; step += 20) { /* pi/1e-3 steps without damping, more with it */
       double F[6];
       test_advance(&e, step * dt);
       hk_view view = force_view(&e, force);
@@ -74,9 +74,9 @@ static void a_collision_has_its_restitution_and_duration(void **state) {
       *(exp(-2 * z * s) > wanted[k] ? &low : &high) = z;
     }
     double duration = 2 * (z < 1 ? acos(z) / sqrt(1 - z * z) : acosh(z) / sqrt(z * z - 1)) / w;
-    if (!(fabs(e_measured - wanted[k]) < 1e-3 * (1 + z)))
+    if (!(fabs(e_measured - wanted[k]) < 5e-3 * (1 + z)))
       fail_msg("restitution %g instead of %g", e_measured, wanted[k]);
-    if (duration < 26000 * dt && !(fabs(touch_end - duration) < 51 * dt))
+    if (duration < 6000 * dt && !(fabs(touch_end - duration) < 21 * dt))
       fail_msg("restitution %g: contact of %g s instead of %g s", wanted[k], touch_end, duration);
     test_engine_close(&e);
   }
@@ -177,6 +177,27 @@ static void a_ball_rolls(void **state) {
   double v = test_velocity(&e, 1)[0], spin = hk_run_view(e.run)->y[1];
   if (!(fabs(v - wanted) < 5e-3 * wanted && fabs(spin * R - v) < 1e-2 * v))
     fail_msg("%g m/s instead of %g, %g rad/s", v, wanted, spin);
+  test_engine_close(&e);
+}
+
+/* What the dashpot across the contact makes of a spin, 2 z sqrt(k_t m/q) l^2/I, is the rate of the channel by which the
+ * step is chosen; the radius, on which all forces depend, is a channel as well, and no rate. Differences of 1e-6. */
+static void the_spin_has_its_rate(void **state) {
+  (void)state;
+  test_engine e;
+  double kt = 2. / 7 * K, lever = R - G / K / 2, radius = R, z = 0.2552756376486517;
+  test_engine_open(&e);
+  assert_int_equal(hk_scene_add_channel(e.scene, "size", 1, &radius, NAN, NULL, &e.error), HK_OK);
+  test_particle(&e, 0, 0, R - G / K, 1);
+  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "soft_walls");
+  test_number(&e, spec, "stiffness", K);
+  test_number(&e, spec, "restitution", 0.5);
+  test_text(&e, spec, "radii", "size");
+  add_spin(&e, spec);
+  e.options.dt = 1e-4;
+  test_run(&e);
+  double wanted = 2 * z * sqrt(kt / 3.5) * lever * lever / (0.4 * R * R), rate = e.run->step.spectrum.channel_rate;
+  if (!(fabs(rate / wanted - 1) < 1e-3)) fail_msg("%.9g instead of %.9g", rate, wanted);
   test_engine_close(&e);
 }
 
@@ -309,6 +330,25 @@ static void momentum_and_angular_momentum_are_kept(void **state) {
   test_engine_close(&e);
 }
 
+/* The scene `sand` with 120 grains. Without friction a heap runs apart; with 0.6 it keeps the slope of a cone within
+ * the few degrees that so few grains show. tests/study/repose.c has the whole curve. */
+static void a_heap_is_as_steep_as_friction_allows(void **state) {
+  (void)state;
+  static test_result r;
+  const double friction[] = {0.02, 0.6};
+  double slope[2];
+  for (int k = 0; k < 2; k++) {
+    char arguments[512];
+    snprintf(arguments, sizeof arguments,
+             "run %s/scripts/scenes/sand.lua n=120 friction=%g --until 0.7 --threads 1 --json --quiet --no-output",
+             HK_ROOT, friction[k]);
+    test_hooke(&r, NULL, arguments);
+    assert_int_equal(r.code, 0);
+    slope[k] = test_json(r.out, "slope");
+  }
+  if (!(slope[0] < 3 && slope[1] > 15 && slope[1] < 35)) fail_msg("slopes of %g and %g degrees", slope[0], slope[1]);
+}
+
 /* ---- refusals ---- */
 
 static void what_is_wrong_is_named(void **state) {
@@ -338,10 +378,12 @@ int main(void) {
       cmocka_unit_test(what_dashpots_and_friction_take_is_accounted_for),
       cmocka_unit_test(a_sphere_sticks_below_mu_and_slides_above),
       cmocka_unit_test(a_ball_rolls),
+      cmocka_unit_test(the_spin_has_its_rate),
       cmocka_unit_test(the_slip_outlives_searches_births_and_deaths),
       cmocka_unit_test(a_resumed_heap_goes_on_bit_by_bit),
       cmocka_unit_test(threads_give_the_same_bits),
       cmocka_unit_test(momentum_and_angular_momentum_are_kept),
+      cmocka_unit_test(a_heap_is_as_steep_as_friction_allows),
       cmocka_unit_test(what_is_wrong_is_named),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

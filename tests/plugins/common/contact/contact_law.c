@@ -32,7 +32,7 @@ static hk_contact sliding(double slip, double u) {
 /* N = 10 N, T at most 4 N: by hand. */
 static void friction_is_a_spring_up_to_its_limit(void **state) {
   (void)state;
-  hk_contact_law law = {.stiffness = 1000, .tangential = 500, .friction = 0.4, .damping = 0};
+  hk_contact_law law = {.stiffness = 1000, .tangential = 500, .friction = 0.4, .damping = 0, .yielding = 1};
   hk_contact below = sliding(0.006, 0), above = sliding(0.02, 3);
   hk_contact_force(&law, &below);
   assert_true(fabs(below.force[2] - 10) < 1e-12 && fabs(below.force[0] + 3) < 1e-12 && below.slip[0] == 0.006);
@@ -45,7 +45,7 @@ static void friction_is_a_spring_up_to_its_limit(void **state) {
 
 static void a_contact_never_pulls(void **state) {
   (void)state;
-  hk_contact_law law = {.stiffness = 1000, .tangential = 500, .friction = 0.4, .damping = 0.5};
+  hk_contact_law law = {.stiffness = 1000, .tangential = 500, .friction = 0.4, .damping = 0.5, .yielding = 1};
   for (double apart = -2; apart <= 2; apart += 0.125) {
     hk_contact c = sliding(0.01, 1);
     c.u[2] = apart;
