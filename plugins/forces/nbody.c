@@ -2,6 +2,7 @@
  *     F_i = sum_j G m_i m_j d/s^3,      energy = -sum over pairs G m_i m_j/s.
  * Two bodies at one place have no force on each other with softening; without, it is infinite, which is an error. */
 #include "plugins/common/gravity/direct_sum.h"
+#include "plugins/common/gravity/flybys.h"
 #include "plugins/common/gravity/pair_blocks.h"
 #include "plugins/common/gravity/tree_errors.h"
 
@@ -191,6 +192,23 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   }
 }
 
+/* ---- flybys ---- */
+
+static bool acts(const void *self, uint32_t i, uint32_t j) {
+  const nbody *p = self;
+  if (!p->chosen) return true;
+  return p->among ? p->is_source[i] || p->is_source[j] : p->is_source[i] != p->is_source[j];
+}
+
+static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+  const nbody *p = self;
+  hk_octree tree;
+  hk_flybys f = {p->G, p->softening, to, x_from, into, acts, self};
+  if (hk_flybys_possible(&f) && p->octrees->tree(p->octrees->self, to, to->x, to->active, to->acting, &tree) == HK_OK)
+    hk_flybys_find(&f, &tree);
+  return true;
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
                                         HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE,
@@ -199,6 +217,7 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .pattern = pattern,
                                .jacobian = jacobian,
                                .stiffness_bound = stiffness_bound,
+                               .passages = passages,
                                .errors = errors,
                                .sharpen = sharpen};
 

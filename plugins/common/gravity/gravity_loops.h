@@ -3,7 +3,10 @@
  * root(s2) = 1/sqrt(s2). All functions with vectors are inlined into functions for the same instructions. */
 #include "plugins/common/gravity/gravity_path.h"
 
-enum { TOGETHER = 2 }; /* vectors at a time: each hides the latency of the other */
+enum {
+  TOGETHER = 2, /* vectors at a time: each hides the latency of the other */
+  SPAN = 64     /* sources that are summed apart: roundings of the sum of n grow with SPAN and n/SPAN, not with n */
+};
 
 #define LOAD(p) (*(const vector *)(p))
 #define STORE(p, value) (*(vector *)(p) = (value))
@@ -40,28 +43,27 @@ INLINE void pull_one(lane_sums *t, const hk_bodies *s, size_t j, vector soft, co
   t->a = (place){FMA(f, d.x, t->a.x), FMA(f, d.y, t->a.y), FMA(f, d.z, t->a.z)};
 }
 
-INLINE lane_sums load_sums(const hk_targets *t, const hk_pull *sum, size_t l) {
-  return (lane_sums){
-      place_of(t, l), {LOAD(sum->a[0] + l), LOAD(sum->a[1] + l), LOAD(sum->a[2] + l)}, *(const mask *)(sum->zeros + l)};
-}
+INLINE lane_sums no_sums(const hk_targets *t, size_t l) { return (lane_sums){.at = place_of(t, l)}; }
 
-INLINE void store_sums(hk_pull *sum, const lane_sums *t, size_t l) {
-  STORE(sum->a[0] + l, t->a.x);
-  STORE(sum->a[1] + l, t->a.y);
-  STORE(sum->a[2] + l, t->a.z);
-  *(mask *)(sum->zeros + l) = t->zeros;
+INLINE void add_sums(hk_pull *sum, const lane_sums *t, size_t l) {
+  STORE(sum->a[0] + l, LOAD(sum->a[0] + l) + t->a.x);
+  STORE(sum->a[1] + l, LOAD(sum->a[1] + l) + t->a.y);
+  STORE(sum->a[2] + l, LOAD(sum->a[2] + l) + t->a.z);
+  *(mask *)(sum->zeros + l) += t->zeros;
 }
 
 INLINE void pull_at(const hk_bodies *s, size_t begin, size_t end, const hk_targets *t, double eps2, hk_pull *sum,
                     size_t at, const bool bare) {
-  lane_sums one = load_sums(t, sum, at), two = load_sums(t, sum, at + LANES);
   const vector soft = SPREAD(eps2);
-  for (size_t j = begin; j < end; j++) {
-    pull_one(&one, s, j, soft, bare);
-    pull_one(&two, s, j, soft, bare);
+  for (size_t j = begin; j < end;) {
+    lane_sums one = no_sums(t, at), two = no_sums(t, at + LANES);
+    for (size_t until = end - j < SPAN ? end : j + SPAN; j < until; j++) {
+      pull_one(&one, s, j, soft, bare);
+      pull_one(&two, s, j, soft, bare);
+    }
+    add_sums(sum, &one, at);
+    add_sums(sum, &two, at + LANES);
   }
-  store_sums(sum, &one, at);
-  store_sums(sum, &two, at + LANES);
 }
 
 TARGET static void pull(const hk_bodies *s, size_t begin, size_t end, const hk_targets *t, double eps2, hk_pull *sum) {
@@ -76,16 +78,18 @@ INLINE void scalar_at(const hk_bodies *s, size_t begin, size_t end, const hk_tar
                       size_t at, const int power) {
   const place p = place_of(t, at);
   const vector soft = SPREAD(eps2);
-  vector total = LOAD(sum + at);
-  for (size_t j = begin; j < end; j++) {
-    place d = from_to(&p, s->x[j], s->y[j], s->z[j]);
-    vector s2 = square(&d, soft), w = root_apart(s2);
-    if (power == 3)
-      total = FMA(SPREAD(s->m[j]) * w, w * w, total);
-    else
-      total = FMA(SPREAD(s->m[j]), w, total);
+  for (size_t j = begin; j < end;) {
+    vector total = {0};
+    for (size_t until = end - j < SPAN ? end : j + SPAN; j < until; j++) {
+      place d = from_to(&p, s->x[j], s->y[j], s->z[j]);
+      vector s2 = square(&d, soft), w = root_apart(s2);
+      if (power == 3)
+        total = FMA(SPREAD(s->m[j]) * w, w * w, total);
+      else
+        total = FMA(SPREAD(s->m[j]), w, total);
+    }
+    STORE(sum + at, LOAD(sum + at) + total);
   }
-  STORE(sum + at, total);
 }
 
 TARGET static void scalar(const hk_bodies *s, size_t begin, size_t end, const hk_targets *t, double eps2, int power,
@@ -122,13 +126,15 @@ TARGET static void pull_of_cells(const double (*cell)[HK_CELL_NUMBERS], const ui
                                  const hk_targets *t, double eps2, hk_pull *sum) {
   const vector soft = SPREAD(eps2);
   for (size_t at = 0; at < HK_GRAVITY_BLOCK; at += TOGETHER * LANES) {
-    lane_sums one = load_sums(t, sum, at), two = load_sums(t, sum, at + LANES);
-    for (size_t k = 0; k < count; k++) {
-      pull_cell(&one, cell[which[k]], soft);
-      pull_cell(&two, cell[which[k]], soft);
+    for (size_t k = 0; k < count;) {
+      lane_sums one = no_sums(t, at), two = no_sums(t, at + LANES);
+      for (size_t until = count - k < SPAN ? count : k + SPAN; k < until; k++) {
+        pull_cell(&one, cell[which[k]], soft);
+        pull_cell(&two, cell[which[k]], soft);
+      }
+      add_sums(sum, &one, at);
+      add_sums(sum, &two, at + LANES);
     }
-    store_sums(sum, &one, at);
-    store_sums(sum, &two, at + LANES);
   }
 }
 
