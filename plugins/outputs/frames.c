@@ -182,7 +182,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
   hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->film.solid, &f->film.solids);
-  return status == HK_OK ? choose_look(f, view->model) : status;
+  if (status == HK_OK) status = choose_look(f, view->model);
+  if (status == HK_OK && f->unit && f->film.look.paint != HK_PAINT_CHANNEL)
+    return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");
+  return status;
 }
 
 /* Who appears between two frames is taken to be born in the middle. */

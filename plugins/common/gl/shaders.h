@@ -117,12 +117,12 @@ static const char hk_floor_fragment[] =
     "  result = vec4(colour * (1.0 + line * max(on.x, on.y)), fade);\n"
     "}\n";
 
-static const char hk_shade_fragment[] =
-    "in vec2 at, place;\n"
-    "uniform sampler2D shadow;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "  result = vec4(0.09, 0.11, 0.17, 0.40 * texture(shadow, 0.5 + 0.5 * place).r);\n"
-    "}\n";
+static const char hk_shade_fragment[] = "in vec2 at, place;\n"
+                                        "uniform sampler2D shadow;\n"
+                                        "uniform vec3 colour;\n"
+                                        "out vec4 result;\n"
+                                        "void main() {\n"
+                                        "  result = vec4(colour, 0.40 * texture(shadow, 0.5 + 0.5 * place).r);\n"
+                                        "}\n";
 
 #endif

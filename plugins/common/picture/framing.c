@@ -51,13 +51,14 @@ static double median_reach(const hk_frame_spool *spool, float *scratch) {
 }
 
 /* Chooses radii: beads on springs are a little thicker than the springs; the radius of beads without springs depends on
- * their number and the size. Discs that fade towards their edge are larger than spheres that look as large. */
+ * their number and the size. Discs that fade towards their edge are larger than spheres that look as large; what leaves
+ * a streak is thin. */
 static void choose_radii(const hk_framing *framing, size_t n, size_t lines, hk_view_setup *setup) {
   static const double larger[] = {[HK_STYLE_SPHERE] = 1, [HK_STYLE_SOFT] = 1.8, [HK_STYLE_GLOW] = 2.6};
   double loose = fmin(fmax(0.34 / sqrt((double)n + 1), 0.004), 0.03);
   setup->tube = setup->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.006);
   setup->bead = lines ? 1.9 * setup->tube : loose * setup->size;
-  setup->bead *= larger[setup->sprites.style];
+  setup->bead *= larger[setup->sprites.style] * (setup->streak > 0 ? 0.5 : 1);
   if (!isnan(framing->radius)) setup->bead = framing->radius;
   setup->pin = 0.0065 * setup->size;
   if (lines) setup->pin = 1.25 * setup->bead;

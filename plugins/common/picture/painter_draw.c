@@ -135,10 +135,14 @@ static void draw_floor(hk_painter *p, const scene *s) {
 }
 
 static void draw_shadow(hk_painter *p, const scene *s) {
+  static const float colours[2][3] = {{0.09f, 0.11f, 0.17f}, {0, 0, 0}}; /* by day, by night */
   float patch[3];
   hk_shadow_cast(p, s->setup, s->key, patch);
   glBindTexture(GL_TEXTURE_2D, p->shadow);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_SHADOW_SIZE, HK_SHADOW_SIZE, GL_RED, GL_UNSIGNED_BYTE, p->shade);
+  const float *colour = colours[hk_is_dark(s->setup->background)];
+  glUseProgram(p->program[HK_SHADE]);
+  glUniform3fv(uniform(p, HK_SHADE, "colour"), 1, colour);
   glDepthMask(GL_FALSE);
   draw_square(p, s, HK_SHADE, (float[]){patch[0], patch[1], (float)s->setup->height, patch[2]});
   glDepthMask(GL_TRUE);
