@@ -362,8 +362,8 @@ static void help(const places *p) {
 
 int main(int argc, char **argv) {
   if (hk_keep_asked(argc, argv)) return hk_keep_write(argv);
-  hk_standard_files_open();
   hk_error error = {0};
+  if (hk_standard_files_open(&error) != HK_OK) return complain(&error);
   places p = {0};
   hk_registry registry;
   keep_standard_streams();
@@ -385,6 +385,6 @@ int main(int argc, char **argv) {
   else
     code = tool_command(argc - 1, argv + 1, &registry, &p);
   hk_registry_close(&registry);
-  if (hk_standard_output_end(&error) != HK_OK && (code == 0 || code == 5)) return complain(&error);
-  return code;
+  if (hk_standard_output_end(&error) != HK_OK && (code == 0 || code == 5)) code = complain(&error);
+  return hk_faults_leave(code);
 }

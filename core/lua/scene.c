@@ -3,6 +3,7 @@
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -115,6 +116,14 @@ static double positive(lua_State *L, const char *key, double otherwise) {
   return positive_of(L, 1, "scene", key, otherwise);
 }
 
+/* Frame k is at k/fps: numbers of frames are whole, and the parts of a frame have digits of their own. */
+static void check_frames(lua_State *L, const hk_scene *scene) {
+  const double most = 1 / DBL_EPSILON, shortest = DBL_MIN / DBL_EPSILON;
+  if (scene->fps * scene->duration > most || 1 / scene->fps < shortest)
+    hk_lua_fail(L, HK_BAD_PARAM, "scene: fps: %g frames a second are too many to be told apart in %g s", scene->fps,
+                scene->duration);
+}
+
 static bool accuracy_at_end(lua_State *L) {
   hk_lua_field(L, 1, "accuracy_at");
   const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
@@ -156,6 +165,7 @@ static int scene(lua_State *L) {
   if (made->duration < 0)
     return hk_lua_fail(L, HK_BAD_PARAM, "scene: duration: %g s is below the minimum 0", made->duration);
   made->fps = positive(L, "fps", made->fps);
+  check_frames(L, made);
   made->dt = positive(L, "dt", NAN);
   made->tol = positive(L, "tol", made->tol);
   made->accuracy = positive(L, "accuracy", NAN);

@@ -237,6 +237,8 @@ local found = {
     files = one "s:particle {}\ns:force('gravity', { label = '' })\nreturn s" },
   { "a row beyond 32 bits", words = "run scene.lua", code = 1, says = "at(8589934593) is outside 1 to 2",
     files = one "s:strand { n = 2 }:at(2^33 + 1)" },
+  { "frames that cannot be counted, which were blamed on the integrator", words = "run scene.lua", code = 1,
+    says = "1e+308 frames a second are too many", files = one "hooke.scene { duration = 0.1, fps = 1e308 }" },
   { "more columns than there may be", words = "run scene.lua", code = 1,
     says = "2000000 is not a whole number from 1 to a million",
     files = one "s:grid { nx = 2e6, ny = 1 }" },

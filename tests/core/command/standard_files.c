@@ -89,11 +89,43 @@ static void a_run_survives_readers_that_go(void **state) {
   assert_true(test_exists("v.csv"));
 }
 
+static void too_few_open_files_are_said(void **state) {
+  (void)state;
+  test_write("ball.lua", ball);
+  test_hooke(&r, "ulimit -n 15;", "run ball.lua --quiet");
+  assert_int_equal(r.code, 4);
+  assert_non_null(strstr(r.err, "15 files may be open at once (ulimit -n), and hooke needs 16"));
+  test_hooke(&r, "ulimit -n 16;", "run ball.lua --quiet --state w.csv --out q");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "ulimit -n 16;", "sweep ball.lua --quiet -j 1");
+  assert_int_equal(r.code, 0);
+}
+
+/* Whatever the limit, hooke ends by itself, and not in silence. The loader of programs has a code of its own, 127. */
+static void little_memory_is_said(void **state) {
+  (void)state;
+  static const char *const commands[] = {"run ball.lua --quiet", "run ball.lua --quiet --integrator backward_euler",
+                                         "plugins"};
+  char before[64];
+  if (strstr(HK_BUILD, "sanitize")) skip(); /* whose shadow memory needs terabytes of addresses */
+  test_write("ball.lua", ball);
+  static const int limits[] = {12000, 30000, 80000}; /* KiB; at the last, OpenBLAS's threads wait for memory for ever */
+  for (size_t l = 0; l < sizeof limits / sizeof *limits; l++)
+    for (size_t k = 0; k < sizeof commands / sizeof *commands; k++) {
+      snprintf(before, sizeof before, "ulimit -v %d; timeout -s KILL 60", limits[l]);
+      test_hooke(&r, before, commands[k]);
+      bool known = r.code <= 5 || r.code == 127;
+      if (!known || (r.code != 0 && !*r.err)) fail_msg("%s %s: exit %d, %s", before, commands[k], r.code, r.err);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(output_that_cannot_be_written_is_said),
       cmocka_unit_test(files_are_whole_where_standard_files_are_closed),
       cmocka_unit_test(a_run_survives_readers_that_go),
+      cmocka_unit_test(too_few_open_files_are_said),
+      cmocka_unit_test(little_memory_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

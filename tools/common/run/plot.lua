@@ -133,7 +133,7 @@ local function render(folder, name, figure)
   os.remove(said)
   if fine then return nil end
   if code == 127 then return "gnuplot is not installed (Debian: apt-get install gnuplot-nox)" end
-  return ("gnuplot failed: %s"):format(text)
+  return ("gnuplot failed: %s"):format(text ~= "" and text or ("without a word, exit code %d"):format(code))
 end
 
 function plot.draw(path, figure)
