@@ -82,6 +82,9 @@ double hk_trajectory_time(const hk_trajectory *,
                           double part); /* s, after this part of the moments, of which there are some */
 /* m, how far the particles get from their start, RMS, at most. */
 double hk_trajectory_motion(const hk_trajectory *);
+/* x and v (m, m/s) of a particle at t, with v linear between the middles of two moments, about as x is. False: it was
+ * not there at the moments around t. */
+bool hk_trajectory_place(const hk_trajectory *, uint32_t id, double t, double x[3], double v[3]);
 /* How far a channel gets from its start, RMS, at most. */
 double hk_trajectory_channel_change(const hk_trajectory *, const hk_scene *, size_t channel);
 
@@ -127,8 +130,9 @@ typedef struct hk_sampling {
   bool more;                  /* there are more of them */
 } hk_sampling;
 
-/* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. */
-hk_sampling hk_under_sampled(hk_loop *, size_t most_calls);
+/* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. Functions of the state
+ * are sampled along the trajectory, or where particles are at the end (NULL). */
+hk_sampling hk_under_sampled(hk_loop *, const hk_trajectory *, size_t most_calls);
 /* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
 void hk_warn_of_long_steps(hk_loop *);
 /* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A begin

@@ -193,6 +193,52 @@ double hk_trajectory_channel_change(const hk_trajectory *a, const hk_scene *scen
   return change(a, offset, scene->channel[channel].size);
 }
 
+/* ---- one particle ---- */
+
+static int by_id(const void *a, const void *b) {
+  double i = *(const double *)a, j = *(const double *)b;
+  return (i > j) - (i < j);
+}
+
+/* NULL: the particle was not there. */
+static const double *position(const hk_trajectory *a, size_t k, double id) {
+  const struct hk_moment *m = &a->moment[k];
+  const double *ids = a->value + m->begin, *found = bsearch(&id, ids, m->n, sizeof *ids, by_id);
+  return found ? ids + m->n + 3 * (found - ids) : NULL;
+}
+
+/* The mean velocity from moment k to the next. */
+static bool slope(const hk_trajectory *a, size_t k, double id, double v[3]) {
+  const double *x = position(a, k, id), *y = position(a, k + 1, id);
+  for (int c = 0; c < 3 && x && y; c++) v[c] = (y[c] - x[c]) / (a->moment[k + 1].t - a->moment[k].t);
+  return x && y;
+}
+
+bool hk_trajectory_place(const hk_trajectory *a, uint32_t id, double t, double x[3], double v[3]) {
+  size_t k = 0, last = a->moments ? a->moments - 1 : 0;
+  double here[3], beside[3];
+  if (last == 0) return false;
+  for (size_t low = 0, high = last; low < high; k = low) { /* the last of them up to t that has another one behind */
+    size_t middle = (low + high + 1) / 2;
+    if (middle < last && a->moment[middle].t <= t)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  if (!slope(a, k, id, here)) return false;
+  double part = (t - a->moment[k].t) / (a->moment[k + 1].t - a->moment[k].t);
+  bool late = part > 0.5 && k + 1 < last, early = part < 0.5 && k > 0;
+  double weight = (late || early) && slope(a, late ? k + 1 : k - 1, id, beside) ? fabs(part - 0.5) : 0;
+  const double *from = position(a, k, id);
+  for (int c = 0; c < 3; c++) {
+    x[c] = from[c] + here[c] * (t - a->moment[k].t);
+    v[c] = weight > 0 ? here[c] + weight * (beside[c] - here[c]) : here[c];
+  }
+  return true;
+}
+
+/* ---- */
+
 double hk_trajectory_time(const hk_trajectory *a, double part) {
   size_t k = (size_t)ceil(part * (double)a->moments);
   return a->moment[k < a->moments ? k : a->moments - 1].t;

@@ -4,7 +4,7 @@
  * vary (functions/samples.c), and what they do within the distance of two evaluations is looked at (functions/rapid.c).
  * What is shorter than the distance of two samples may hide: it is assumed that there is nothing, and said; where the
  * script declares the shortest time in which a function changes, `fastest`, the samples are so dense that nothing can
- * hide. A function of the state is one of time for a particle that stays where it is: three of them are looked at. */
+ * hide. A function of the state is one of time for a particle on its way: three of them are looked at. */
 #include "core/judge/judge.h"
 
 #include <stdlib.h>
@@ -23,7 +23,8 @@ typedef struct subject {
 
 typedef struct search {
   const hk_loop *loop;
-  double until; /* s */
+  const hk_trajectory *trajectory; /* or NULL */
+  double until;                    /* s */
   const subject *now;
   size_t most_calls, functions; /* that share the calls; half of them are kept for where a function varies */
   hk_sampling *result;
@@ -33,34 +34,40 @@ typedef struct search {
 
 typedef void visit(search *, const subject *);
 
-/* A function of the state as one of time: for a particle with the x and v of the end. */
-typedef struct standing {
+/* A function of the state as one of time: for a particle on its way, or at the place of the end where that is not
+ * known. */
+typedef struct on_the_way {
   hk_function function; /* first member */
   const hk_function *of_state;
-  double in[8]; /* t, x [, v], id */
-  size_t arguments;
-} standing;
+  const hk_trajectory *trajectory;
+  uint32_t id;
+  double x[3], v[3];
+  size_t arguments; /* t, x [, v], id */
+} on_the_way;
 
-static hk_status call_standing(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
-                               size_t max_out, size_t *n_out, hk_error *error) {
-  standing s = *(const standing *)(const void *)f;
+static hk_status call_on_the_way(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                                 size_t max_out, size_t *n_out, hk_error *error) {
+  on_the_way w = *(const on_the_way *)(const void *)f;
   (void)n_in;
-  s.in[0] = in[0];
-  return s.of_state->call(s.of_state, caller, s.in, s.arguments, out, max_out, n_out, error);
+  if (w.trajectory) hk_trajectory_place(w.trajectory, w.id, in[0], w.x, w.v);
+  double all[] = {in[0], w.x[0], w.x[1], w.x[2], w.v[0], w.v[1], w.v[2], 0};
+  all[w.arguments - 1] = w.id;
+  return w.of_state->call(w.of_state, caller, all, w.arguments, out, max_out, n_out, error);
 }
 
 static void visit_state_function(search *s, const hk_instance *force, const hk_param *p, subject one, visit *each) {
-  standing at = {.function.call = call_standing, .arguments = hk_function_arguments(p)};
+  on_the_way at = {.function.call = call_on_the_way, .arguments = hk_function_arguments(p)};
   const hk_state *state = s->loop->state;
   size_t n = state->model.n, acting = force->is_active ? force->acting : n;
   at.of_state = *(const hk_function *const *)(const void *)((const char *)force->self + p->offset);
+  at.trajectory = s->trajectory;
   one.function = &at.function;
   one.name = p->name;
   for (size_t k = 0; at.of_state && k < 3 && k < acting; k++) {
     size_t position = k * (acting - 1) / 2, i = force->active ? force->active[position] : position;
-    memcpy(at.in + 1, state->X + 3 * i, 3 * sizeof *at.in);
-    memcpy(at.in + 4, state->X + 3 * (n + i), 3 * sizeof *at.in);
-    at.in[at.arguments - 1] = state->id[i];
+    memcpy(at.x, state->X + 3 * i, sizeof at.x);
+    memcpy(at.v, state->X + 3 * (n + i), sizeof at.v);
+    at.id = state->id[i];
     each(s, &one);
   }
 }
@@ -156,9 +163,10 @@ static void look_at(search *s, const subject *one) {
 
 /* ---- the whole ---- */
 
-hk_sampling hk_under_sampled(hk_loop *loop, size_t most_calls) {
+hk_sampling hk_under_sampled(hk_loop *loop, const hk_trajectory *trajectory, size_t most_calls) {
   hk_sampling result = {.shortest = INFINITY, .declared = INFINITY};
-  search s = {.loop = loop, .until = loop->state->t, .most_calls = most_calls, .result = &result};
+  search s = {
+      .loop = loop, .trajectory = trajectory, .until = loop->state->t, .most_calls = most_calls, .result = &result};
   visit_all(&s, count);
   visit_all(&s, look_at);
   return result;

@@ -8,7 +8,7 @@
  * In units of `length`, over which the force changes, the differences are over 2e-5 (first ones: roundings of eps/d and
  * errors of d^2/24 are about equal) and 2.4e-4 (second ones of U, for Jacobians: 4 eps/d^2 and d^2/12). They assume 1 m
  * where no length is stated; where one is, no step moves a particle by more than half of it. What the functions do
- * between the steps of a run is looked at as for other functions of time, at places where particles are. */
+ * between the steps of a run is sampled as for other functions of time, on the ways of three particles. */
 #include "core/plugin.h"
 
 typedef struct field {
