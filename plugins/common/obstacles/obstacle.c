@@ -108,6 +108,11 @@ typedef struct event {
 /* After an impact the particle is on its own: a drift away from the surface would be a hop without end. */
 static void forget_drift(march *m) { hk_subtract(m->drift, m->drift, m->drift); }
 
+/* m/s, below which the velocity w is rest, or one that is along the surface. */
+static double slowest(const march *m, const double w[3]) {
+  return rest * hk_length(m->a) * m->step->h + 16 * DBL_EPSILON * hk_length(w);
+}
+
 /* ---- impact ---- */
 
 /* The restitution that counts: none where the bounces end within the step. */
@@ -148,21 +153,33 @@ static double reaction(const hk_parabola *path, const hk_obstacle *o, double rad
   return fmax(N, 0);
 }
 
-/* Adds friction of mu N to `change`, and finds when it brings the particle to rest. False: it stays where it is. */
+/* 1/s: over the time in which a constant force of size `limit` (per mass) brings w to rest against the pull a: the
+ * positive root q of |w q + a| = limit. */
+static double stopping(const double w[3], const double a[3], double limit) {
+  double wa = hk_dot(w, a), ww = hk_dot(w, w), square = wa * wa + ww * (limit * limit - hk_dot(a, a));
+  return limit * limit > hk_dot(a, a) ? (sqrt(square) - wa) / ww : 0;
+}
+
+/* Adds friction of mu N = `limit` to `change`: that which brings the particle to rest, where it does so before the end
+ * of the path, else against the velocity of the middle. False: it stays where it is. */
 static bool slides(march *m, const event *e, double limit, const double n[3], double change[3]) {
-  const hk_parabola *path = &e->path;
-  double along = hk_dot(e->w, n), pull = hk_dot(path->a, n), w[3], a[3], d[3];
+  double along = hk_dot(e->w, n), pull = hk_dot(e->path.a, n), tau = e->path.span, w[3], a[3], d[3];
   for (int c = 0; c < 3; c++) {
     w[c] = e->w[c] - along * n[c];
-    a[c] = path->a[c] - pull * n[c];
+    a[c] = e->path.a[c] - pull * n[c];
   }
   double speed = hk_length(w), drive = hk_length(a);
-  bool moves = speed > rest * hk_length(m->a) * m->step->h;
+  bool moves = speed > slowest(m, m->u);
   if (!moves && drive <= limit) return false;
-  for (int c = 0; c < 3; c++) d[c] = moves ? w[c] / speed : a[c] / drive;
-  double slowing = limit - hk_dot(a, d);
-  if (moves && slowing * path->span > speed) m->until = fmin(m->until, m->s + speed / slowing / m->step->h);
-  hk_add_scaled(change, -limit, d);
+  if (limit == 0) return true;
+  double rate = moves ? stopping(w, a, limit) : 0;
+  if (rate * tau > 1) {
+    m->until = fmin(m->until, m->s + 1 / (rate * m->step->h));
+    for (int c = 0; c < 3; c++) change[c] -= rate * w[c] + a[c];
+    return true;
+  }
+  for (int c = 0; c < 3; c++) d[c] = moves ? w[c] + tau / 2 * (a[c] - limit * w[c] / speed) : a[c];
+  hk_add_scaled(change, -limit / hk_length(d), d);
   return true;
 }
 
@@ -218,8 +235,7 @@ static event next_event(const march *m) {
 static void resolve(march *m, const event *e) {
   double n[3];
   hk_shape_distance(&e->o->shape, e->path.p, n);
-  double least = rest * hk_length(m->a) * m->step->h;
-  if (hk_dot(e->w, n) < -least)
+  if (hk_dot(e->w, n) < -slowest(m, m->u))
     strike(m, e, n);
   else
     lie(m, e, n);
