@@ -3,7 +3,10 @@
  * obstacle, which moves as `position` and `rotation` say; see plugins/common/obstacles/obstacle.h for the method. All
  * obstacles of a scene are handled together, when the last of them is called. Their work is reported, so that a ball
  * that loses half its energy in a bounce is in balance. A step with more impacts than can be counted, such as between
- * plates that close, is taken back; where shorter steps do not help, the run ends. */
+ * plates that close, is taken back; where shorter steps do not help, the run ends.
+ *
+ * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
+ * belongs into the step, as the force `penalty` has it. */
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
