@@ -147,6 +147,7 @@ static double reaction(const hk_parabola *path, const hk_obstacle *o, double rad
   for (int k = 0; k < REACTIONS; k++) {
     double more = -2 * (hk_shape_distance(&o->shape, p, n_end) - radius) / (tau * tau);
     if (k == 0 && more <= 0) return 0;
+    if (fabs(more) <= 1e-14 * N) break;
     N += more;
     hk_add_scaled(p, tau * tau / 2 * more, n);
   }
