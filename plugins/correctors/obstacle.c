@@ -3,11 +3,16 @@
  * obstacle, which moves as `position` and `rotation` say; see plugins/common/obstacles/obstacle.h for the method. All
  * obstacles of a scene are handled together, when the last of them is called. Their work is reported, so that a ball
  * that loses half its energy in a bounce is in balance. A step with more impacts than can be counted, such as between
- * plates that close, is taken back; where shorter steps do not help, the run ends. */
+ * plates that close, is taken back; where shorter steps do not help, the run ends.
+ *
+ * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
+ * belongs into the step, as the force `penalty` has it. */
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 enum { GRAIN = 1024, MOST_DIVISIONS = 8 /* of 12 that the host allows */ };
+
+static const double worth_saying = 1e-6; /* m, as the verdict has it of constraints */
 
 /* Parts of the step: a landing is at its end from here on; so far beyond the landing, as the path is known, the
  * repeated step ends. What is left of that after the landing has the acceleration from before it, and so has that part
@@ -26,10 +31,10 @@ typedef struct obstacle {
   hk_obstacle_params params;
   double restitution;
   int64_t divide;
-  int64_t divisions; /* of the step that ends at `divided` */
-  double divided;    /* s */
-  hk_array history;  /* hk_pose[HK_POSES] */
-  int64_t warned;    /* of a particle that came to be inside during the run */
+  int64_t divisions;     /* of the step that ends at `divided` */
+  double divided, whole; /* s; its length */
+  hk_array history;      /* hk_pose[HK_POSES] */
+  int64_t warned;        /* of a particle that came to be inside during the run */
   hk_obstacle obstacle;
   hk_surface surface;
   const hk_obstacles *all;
@@ -54,6 +59,7 @@ static const hk_field fields[] = {
     {"warned", HK_FIELD_INTEGER, 1, offsetof(obstacle, warned), 0},
     {"divisions", HK_FIELD_INTEGER, 1, offsetof(obstacle, divisions), 0},
     {"divided", HK_FIELD_NUMBER, 1, offsetof(obstacle, divided), 0},
+    {"whole", HK_FIELD_NUMBER, 1, offsetof(obstacle, whole), 0},
     {0},
 };
 /* clang-format on */
@@ -135,7 +141,7 @@ static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 
 static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *all, double h) {
   bool start = s->warned == 0 && view->t - h <= 0;
-  if (!(all->depth > 0) || s->warned || start) return;
+  if (!(all->depth > worth_saying) || s->warned || start) return;
   s->warned = 1;
   s->host->warn(s->host,
                 "particle %u was inside an obstacle by %.3g m before t = %g s (born there, or moved by a pin or a "
@@ -144,12 +150,14 @@ static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *
 }
 
 /* Whether the step is to end where the first particle lands. */
-static bool divides(obstacle *s, const hk_view *view, const chunk_result *all) {
+static bool divides(obstacle *s, const hk_view *view, double h, const chunk_result *all) {
   if (all->landings == 0 || all->landings > (size_t)s->divide) return false;
   if (view->t > s->divided) {
     s->divided = view->t;
     s->divisions = 0;
+    s->whole = h;
   }
+  if (h < (1 - at_end) * s->whole) return false;
   return s->divisions++ < MOST_DIVISIONS;
 }
 
@@ -173,7 +181,7 @@ static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
         view->model->id[all.slider], view->t);
   warn_of_depth(s, view, &all, c->h);
   c->reject = all.endless < SIZE_MAX;
-  if (!c->reject && divides(s, view, &all)) {
+  if (!c->reject && divides(s, view, c->h, &all)) {
     c->reject = true;
     c->part = all.landing + beyond;
   }

@@ -5,7 +5,7 @@
 #include <float.h>
 #include <string.h>
 
-enum { MOST_EVENTS = 2000, REACTIONS = 4 };
+enum { MOST_EVENTS = 2000, REACTIONS = 4, SWEEPS = 100 };
 
 /* The shortest flight between two bounces, as a part of the step; below it, at e = 1, a particle counts as lying. It
  * rises by a (1e-3 h)^2/8 in it. */
@@ -25,6 +25,7 @@ typedef struct march {
   double until;              /* part of the step at which a sliding particle stops */
   uint64_t resting, stuck;   /* on whom it lies; whom it moves with */
   uint64_t leaving;          /* whose surface bends away from under it */
+  int reactions;             /* since the last start */
 } march;
 
 static double remaining(const march *m) { return m->step->h * (1 - m->s); }
@@ -38,6 +39,7 @@ static void start_anew(march *m) {
   }
   m->until = 1;
   m->resting = m->stuck = m->leaving = 0;
+  m->reactions = 0;
 }
 
 double hk_obstacle_gap(const hk_obstacle *o, const hk_body_frame *f, const double x[3], size_t i, double n[3]) {
@@ -103,6 +105,14 @@ typedef struct event {
   hk_body_frame frame;
 } event;
 
+/* After an impact the particle is on its own: a drift away from the surface would be a hop without end. */
+static void forget_drift(march *m) { hk_subtract(m->drift, m->drift, m->drift); }
+
+/* m/s, below which the velocity w is rest, or one that is along the surface. */
+static double slowest(const march *m, const double w[3]) {
+  return rest * hk_length(m->a) * m->step->h + 16 * DBL_EPSILON * hk_length(w);
+}
+
 /* ---- impact ---- */
 
 /* The restitution that counts: none where the bounces end within the step. */
@@ -122,6 +132,7 @@ static void strike(march *m, const event *at, const double n[3]) {
   if (-along > hk_length(m->a) * m->step->h) m->step->landing = fmin(m->step->landing, m->s);
   m->step->work += m->step->mass * (hk_dot(m->u, du) + hk_dot(du, du) / 2);
   hk_add_scaled(m->u, 1, du);
+  forget_drift(m);
   start_anew(m);
 }
 
@@ -136,26 +147,40 @@ static double reaction(const hk_parabola *path, const hk_obstacle *o, double rad
   for (int k = 0; k < REACTIONS; k++) {
     double more = -2 * (hk_shape_distance(&o->shape, p, n_end) - radius) / (tau * tau);
     if (k == 0 && more <= 0) return 0;
+    if (fabs(more) <= 1e-14 * N) break;
     N += more;
     hk_add_scaled(p, tau * tau / 2 * more, n);
   }
   return fmax(N, 0);
 }
 
-/* Adds friction of mu N to `change`, and finds when it brings the particle to rest. False: it stays where it is. */
-static bool slides(march *m, const hk_parabola *path, double limit, const double n[3], double change[3]) {
-  double along = hk_dot(path->w, n), pull = hk_dot(path->a, n), w[3], a[3], d[3];
+/* 1/s: over the time in which a constant force of size `limit` (per mass) brings w to rest against the pull a: the
+ * positive root q of |w q + a| = limit. */
+static double stopping(const double w[3], const double a[3], double limit) {
+  double wa = hk_dot(w, a), ww = hk_dot(w, w), square = wa * wa + ww * (limit * limit - hk_dot(a, a));
+  return limit * limit > hk_dot(a, a) ? (sqrt(square) - wa) / ww : 0;
+}
+
+/* Adds friction of mu N = `limit` to `change`: that which brings the particle to rest, where it does so before the end
+ * of the path, else against the velocity of the middle. False: it stays where it is. */
+static bool slides(march *m, const event *e, double limit, const double n[3], double change[3]) {
+  double along = hk_dot(e->w, n), pull = hk_dot(e->path.a, n), tau = e->path.span, w[3], a[3], d[3];
   for (int c = 0; c < 3; c++) {
-    w[c] = path->w[c] - along * n[c];
-    a[c] = path->a[c] - pull * n[c];
+    w[c] = e->w[c] - along * n[c];
+    a[c] = e->path.a[c] - pull * n[c];
   }
   double speed = hk_length(w), drive = hk_length(a);
-  bool moves = speed > rest * hk_length(m->a) * m->step->h;
+  bool moves = speed > slowest(m, m->u);
   if (!moves && drive <= limit) return false;
-  for (int c = 0; c < 3; c++) d[c] = moves ? w[c] / speed : a[c] / drive;
-  double slowing = limit - hk_dot(a, d);
-  if (moves && slowing * path->span > speed) m->until = fmin(m->until, m->s + speed / slowing / m->step->h);
-  hk_add_scaled(change, -limit, d);
+  if (limit == 0) return true;
+  double rate = moves ? stopping(w, a, limit) : 0;
+  if (rate * tau > 1) {
+    m->until = fmin(m->until, m->s + 1 / (rate * m->step->h));
+    for (int c = 0; c < 3; c++) change[c] -= rate * w[c] + a[c];
+    return true;
+  }
+  for (int c = 0; c < 3; c++) d[c] = moves ? w[c] + tau / 2 * (a[c] - limit * w[c] / speed) : a[c];
+  hk_add_scaled(change, -limit / hk_length(d), d);
   return true;
 }
 
@@ -167,11 +192,15 @@ static void lie(march *m, const event *e, const double n[3]) {
   double N = reaction(path, o, hk_obstacle_radius(o, m->step->i), n, n_end);
   *(N > 0 ? &m->resting : &m->leaving) |= e->bit;
   if (N == 0) return;
-  bool moves = slides(m, path, o->friction * N, n, along);
+  m->reactions++;
+  forget_drift(m);
+  bool moves = slides(m, e, o->friction * N, n, along);
   if (!moves) m->stuck |= e->bit;
+  double radius = hk_obstacle_radius(o, m->step->i), n_now[3];
+  double inside = radius - hk_shape_distance(&o->shape, path->p, n_now);
   hk_parabola_at(path, moves ? tau : 0, p, w);
   for (int c = 0; c < 3; c++) {
-    p[c] += moves ? tau * tau / 2 * (along[c] + N * n[c]) : 0;
+    p[c] += moves ? tau * tau / 2 * (along[c] + N * n[c]) : fmax(0, inside) * n[c];
     w[c] = moves ? e->w_end[c] + tau * (along[c] + N * (n[c] + n_end[c]) / 2) : 0;
   }
   hk_body_place(&o->motion.end, p, m->x_end);
@@ -196,7 +225,7 @@ static event next_event(const march *m) {
     if (m->leaving & e.bit)
       e.t = INFINITY;
     else if (m->resting & e.bit)
-      e.t = m->until == 1 && pushed_in(m, e.o, 4 * least) ? 0 : INFINITY;
+      e.t = m->until == 1 && m->reactions < SWEEPS && pushed_in(m, e.o, 4 * least) ? 0 : INFINITY;
     else
       e.t = hk_parabola_contact(&e.path, &e.o->shape, hk_obstacle_radius(e.o, m->step->i), least);
     if (e.t < first.t) first = e;
@@ -207,8 +236,7 @@ static event next_event(const march *m) {
 static void resolve(march *m, const event *e) {
   double n[3];
   hk_shape_distance(&e->o->shape, e->path.p, n);
-  double least = rest * hk_length(m->a) * m->step->h;
-  if (hk_dot(e->w, n) < -least)
+  if (hk_dot(e->w, n) < -slowest(m, m->u))
     strike(m, e, n);
   else
     lie(m, e, n);
@@ -278,21 +306,21 @@ static void settle(march *m, double v[3]) {
 }
 
 /* The velocity at the start of the path. Methods of order 1 do not agree with themselves: their velocity differs by a
- * h/2 from that of the parabola through their positions, on which impacts are; the law is then applied to the latter.
- * The difference, O(h^2) with other methods, is carried on. Whether the method is of order 1. */
+ * h/2 from that of the parabola through their positions, on which impacts are; the law is then applied to the latter,
+ * and where the particle touches something, their own velocity makes the parabola. The difference, O(h^2) with other
+ * methods, is carried on. Whether the method is of order 1. */
 static bool start_velocity(march *m, bool touches, double offset[3]) {
   const hk_obstacle_step *step = m->step;
   double h = step->h;
   for (int c = 0; c < 3; c++) {
-    double way = (step->x[c] - step->x_from[c]) / h - h / 2 * m->a[c];
     m->u[c] = step->v_from[c];
-    m->drift[c] = touches ? 0 : m->u[c] - way;
+    m->drift[c] = m->u[c] - (step->x[c] - step->x_from[c]) / h + h / 2 * m->a[c];
     offset[c] = 0;
   }
   if (!(hk_length(m->drift) > 0.1 * h * hk_length(m->a))) return false;
-  hk_copy(offset, m->drift);
+  if (!touches) hk_copy(offset, m->drift);
   hk_subtract(m->u, m->u, offset);
-  hk_subtract(m->drift, offset, offset);
+  hk_subtract(m->drift, m->drift, m->drift);
   return true;
 }
 
@@ -307,7 +335,7 @@ void hk_obstacles_meet(const hk_obstacle_set *set, hk_obstacle_step *step) {
   if (!go(&m)) step->endless = true;
   if (first_order)
     step->landing = 1; /* steps of many lengths would cost it more than landing at the end of one gains */
-  if (!step->changed || step->endless) return;
+  if (step->endless || !(step->changed || (first_order && touches))) return;
   for (int c = 0; c < 3; c++) v[c] = m.u[c] + offset[c];
   settle(&m, v);
   step->changed = memcmp(step->x, m.x, sizeof m.x) != 0 || memcmp(step->v, v, sizeof v) != 0;

@@ -5,10 +5,12 @@
  * and on which impacts are found exactly: what is left is rounding, some 1e-16 of the extent a step, each of which a
  * bounce may amplify (a time that is off by dt puts the next landing off by 2 e dt). 1e-12 of 1 m covers it with room.
  * Methods of order 1 are off by g h/2 in velocity. */
+#include "tests/support/command.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -202,6 +204,35 @@ static void a_sliding_block_stops_where_it_should(void **state) {
     hk_summary s = balanced(&b, 1e-12);
     assert_true(fabs(s.energy_work + 9) < exact); /* 2 kg at 3 m/s */
     test_engine_close(&b.e);
+  }
+}
+
+/* Across a slope at 2 m/s: friction turns with the motion. Against steps of 1/960 s: order 2. */
+static void across(const char *method, double h, double x[3]) {
+  bench b;
+  open_bench(&b, method, h);
+  put(&b, (double[]){0, 0, 0}, (double[]){0, 2, 0});
+  fall(&b);
+  test_vector(&b.e, add(&b, "plane", 0, 0.7), "normal", 1, 0, 2);
+  test_run(&b.e);
+  test_advance(&b.e, 0.4);
+  memcpy(x, test_position(&b.e, 1), 3 * sizeof *x);
+  balanced(&b, 0.01);
+  test_advance(&b.e, 3); /* tan = 1/2 below mu: it stops, and stays */
+  assert_true(distance(test_velocity(&b.e, 1), (double[]){0, 0, 0}) == 0);
+  test_engine_close(&b.e);
+}
+
+static void friction_turns_with_the_motion(void **state) {
+  (void)state;
+  double fine[3], a[3], c[3];
+  across("leapfrog", 1.0 / 15360, fine);
+  for (size_t k = 0; k < METHODS; k++) {
+    across(methods[k].name, 1.0 / 60, a);
+    across(methods[k].name, 1.0 / 240, c);
+    double off = distance(a, fine), less = distance(c, fine);
+    print_message("across,      %-18s off by %.1e, %.1e m\n", methods[k].name, off, less);
+    assert_true(off < 5e-4 && (methods[k].order == 5 || log2(off / less) / 2 > 1.7));
   }
 }
 
@@ -589,6 +620,30 @@ static void a_ball_between_closed_plates_ends_the_run(void **state) {
   }
 }
 
+/* Particles lie as high as their own radius, from a channel that grows or from a number. */
+static void particles_have_their_radius(void **state) {
+  (void)state;
+  static test_result r;
+  static const char *const scenes[] = {"radius = 0.2", "radius_channel = 'size'",
+                                       "radius_channel = 'size', shape = 'box', "
+                                       "size = {9, 9, 2}, position = {0, 0, -1}"};
+  for (int k = 0; k < 3; k++) {
+    char scene[1024];
+    snprintf(scene, sizeof scene,
+             "local scene = hooke.scene { duration = 1, fps = 50, dt = 0.01 }\n"
+             "scene:channel('size', { initial = 0, rate = function(t) return 0.05 end })\n"
+             "scene:particle { position = {0, 0, 1}, size = 0.05, mass = 1 }\n"
+             "local p = scene:particle { position = {1, 0, 1}, size = 0.15, mass = 1 }\n"
+             "scene:force('gravity')\nscene:corrector('obstacle', { %s })\n"
+             "scene:measure('m', function(s) return s:position(p)[3] + 10 * s:position(1)[3] end)\nreturn scene\n",
+             scenes[k]);
+    test_write("radius.lua", scene);
+    test_hooke(&r, NULL, "run radius.lua --json --quiet --no-output");
+    if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+    assert_true(fabs(test_json(r.out, "m") - (k ? 0.2 + 10 * 0.1 : 0.2 + 10 * 0.2)) < 1e-12);
+  }
+}
+
 /* ---- what a scene may get wrong ---- */
 
 static void particles_inside_at_the_start_are_counted(void **state) {
@@ -671,6 +726,7 @@ int main(void) {
       cmocka_unit_test(bounces_with_drag_converge),
       cmocka_unit_test(a_block_on_a_slope_slides_below_half_and_holds_above),
       cmocka_unit_test(a_sliding_block_stops_where_it_should),
+      cmocka_unit_test(friction_turns_with_the_motion),
       cmocka_unit_test(an_impact_obeys_its_law),
       cmocka_unit_test(a_resting_ball_does_not_jitter),
       cmocka_unit_test(a_lift_carries_what_lies_on_it),
@@ -684,6 +740,7 @@ int main(void) {
       cmocka_unit_test(a_corner_stops_what_slides_into_it),
       cmocka_unit_test(a_wedge_holds),
       cmocka_unit_test(a_ball_between_closed_plates_ends_the_run),
+      cmocka_unit_test(particles_have_their_radius),
       cmocka_unit_test(particles_inside_at_the_start_are_counted),
       cmocka_unit_test(what_is_no_shape_is_refused),
       cmocka_unit_test(a_sliding_pin_is_refused_where_it_meets_something),
