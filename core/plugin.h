@@ -135,7 +135,7 @@ typedef enum hk_field_type {
   HK_FIELD_NUMBER,       /* double */
   HK_FIELD_INTEGER,      /* int64_t */
   HK_FIELD_PER_PARTICLE, /* double *: n x width, zeroed at birth */
-  HK_FIELD_STATE, /* double *: width vectors of the shape of X (system->size doubles each); zeroed when n changes */
+  HK_FIELD_STATE, /* double *: width vectors of the shape of X (system->size doubles each); void when n changes */
   HK_FIELD_ARRAY  /* hk_array of items of `width` bytes; items should name particles by id, which never changes */
 } hk_field_type;
 

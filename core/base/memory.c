@@ -76,15 +76,23 @@ static size_t run_length(const uint32_t *map, size_t i, size_t n) {
   return beyond;
 }
 
-size_t hk_array_move(void *to, const void *from, size_t size, const uint32_t *map, size_t n) {
-  size_t kept = 0;
+/* Items that move up are the first ones. They are closed up where they are, and moved as one when the others have left
+ * their places. */
+size_t hk_array_move(void *to, void *from, size_t size, const uint32_t *map, size_t n) {
+  size_t kept_up = 0, kept = 0;
   for (size_t i = 0, length; i < n; i += length) {
+    char *source = (char *)from + size * i;
     length = 1;
     if (map[i] == UINT32_MAX) continue;
     length = run_length(map, i, n);
-    memmove((char *)to + size * map[i], (const char *)from + size * i, size * length);
     kept = map[i] + length;
+    if ((char *)to + size * map[i] > source) {
+      memmove((char *)from + size * map[i], source, size * length);
+      kept_up = kept;
+    } else
+      memmove((char *)to + size * map[i], source, size * length);
   }
+  if (kept_up) memmove(to, from, size * kept_up);
   return kept;
 }
 

@@ -26,16 +26,18 @@ hk_status hk_fields_allocate(hk_instance *instance, size_t n, size_t size, hk_er
   return HK_OK;
 }
 
-/* In place where the memory is enough. What is newborn is zero, and the whole of a state vector. */
+/* In place where the memory is enough. What is newborn is zero; a state vector is left as it is. */
 static hk_status remap_field(hk_instance *instance, const hk_field *f, const uint32_t *map, size_t n_old, size_t n,
                              size_t size, hk_error *error) {
   double **vector = field_at(instance, f), *old = *vector, *fresh = old;
-  size_t length = length_of(f, n, size), kept = 0;
+  size_t length = length_of(f, n, size);
   bool grows = length * sizeof *fresh > hk_memory_size(old);
   if (grows) fresh = instance->host.allocate(&instance->host, (length + length / 8) * sizeof *fresh);
   if (!fresh) return no_memory(instance, f, error);
-  if (f->type == HK_FIELD_PER_PARTICLE) kept = f->width * hk_array_move(fresh, old, f->width * sizeof *old, map, n_old);
-  if (!grows && !(f->flags & HK_SCRATCH && kept == 0)) memset(fresh + kept, 0, (length - kept) * sizeof *fresh);
+  if (f->type == HK_FIELD_PER_PARTICLE) {
+    size_t kept = f->width * hk_array_move(fresh, old, f->width * sizeof *old, map, n_old);
+    memset(fresh + kept, 0, (length - kept) * sizeof *fresh);
+  }
   if (grows) instance->host.release(&instance->host, old);
   *vector = fresh;
   return HK_OK;

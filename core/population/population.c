@@ -113,36 +113,23 @@ static void name_newborns(hk_population_change *c) {
   c->births = living;
 }
 
-static void place_births(const hk_population_change *c, hk_particle_set *set, size_t first) {
-  const hk_state *s = c->state;
-  size_t n = set->n, offset;
-  for (size_t b = 0, i = first; b < c->births; b++, i++) {
+static void place_births(const hk_population_change *c) {
+  hk_state *s = c->state;
+  size_t n = s->model.n, i = n - c->births;
+  for (size_t b = 0; b < c->births; b++, i++) {
     const hk_newborn *newborn = &c->birth[b];
-    memcpy(set->X + 3 * i, newborn->birth.position, 3 * sizeof(double));
-    memcpy(set->X + 3 * (n + i), newborn->birth.velocity, 3 * sizeof(double));
-    for (size_t k = 0, size; k < s->model.channels; k++) {
-      offset = s->channel[k].offset, size = s->channel[k].size;
-      memcpy(set->X + (6 + offset) * n + size * i, c->channel + newborn->order * s->width + offset,
+    memcpy(s->X + 3 * i, newborn->birth.position, 3 * sizeof(double));
+    memcpy(s->X + 3 * (n + i), newborn->birth.velocity, 3 * sizeof(double));
+    for (size_t k = 0; k < s->model.channels; k++) {
+      size_t offset = s->channel[k].offset, size = s->channel[k].size;
+      memcpy(s->X + (6 + offset) * n + size * i, c->channel + newborn->order * s->width + offset,
              size * sizeof(double));
     }
-    set->mass[i] = newborn->birth.mass;
-    set->id[i] = newborn->given;
-    set->group[i] = newborn->birth.group;
+    s->mass[i] = newborn->birth.mass;
+    s->inverse_mass[i] = 1 / newborn->birth.mass;
+    s->id[i] = newborn->given;
+    s->group[i] = newborn->birth.group;
   }
-}
-
-static void move_survivors(const hk_state *s, hk_particle_set *set, const uint32_t *map) {
-  size_t old = s->model.n, n = set->n;
-  hk_array_move(set->X, s->X, 3 * sizeof(double), map, old);
-  hk_array_move(set->X + 3 * n, s->X + 3 * old, 3 * sizeof(double), map, old);
-  for (size_t k = 0; k < s->model.channels; k++) {
-    size_t offset = 6 + s->channel[k].offset;
-    hk_array_move(set->X + offset * n, s->X + offset * old, s->channel[k].size * sizeof(double), map, old);
-  }
-  set->X[(6 + s->width) * n] = s->X[(6 + s->width) * old]; /* the work */
-  hk_array_move(set->mass, s->mass, sizeof *s->mass, map, old);
-  hk_array_move(set->id, s->id, sizeof *s->id, map, old);
-  hk_array_move(set->group, s->group, sizeof *s->group, map, old);
 }
 
 hk_population_change hk_population_begin(hk_state *state, const hk_scene *scene) {
@@ -151,18 +138,14 @@ hk_population_change hk_population_begin(hk_state *state, const hk_scene *scene)
 
 hk_status hk_population_apply(hk_population_change *c, uint32_t **map, hk_error *error) {
   hk_state *s = c->state;
-  hk_particle_set set = s->spare; /* the memory of the particles before the last change */
-  s->spare = (hk_particle_set){0};
-  name_newborns(c);
-  size_t first = s->model.n - c->deaths, n = first + c->births;
+  size_t most = s->model.n - c->deaths + c->births;
   *map = make_map(c);
-  if (*map && hk_particle_set_allocate(&set, n, s->width)) {
-    move_survivors(s, &set, *map);
-    place_births(c, &set, first);
-    return hk_state_adopt(s, *map, &set, error);
-  }
-  hk_particle_set_free(&set);
-  return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu particles", n);
+  if (!*map || !hk_state_reserve(s, most))
+    return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu particles", most);
+  name_newborns(c);
+  hk_state_move(s, *map, s->model.n - c->deaths + c->births);
+  place_births(c);
+  return HK_OK;
 }
 
 void hk_population_end(hk_population_change *c) {

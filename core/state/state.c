@@ -13,10 +13,14 @@ static bool movable(const hk_state *s, size_t i) {
 }
 
 void hk_state_refresh(hk_state *s) {
+  for (size_t i = 0; i < s->model.n; i++) s->inverse_mass[i] = movable(s, i) && s->mass[i] > 0 ? 1 / s->mass[i] : 0;
+  hk_state_point(s);
+}
+
+void hk_state_point(hk_state *s) {
   hk_model *m = &s->model;
   size_t n = m->n;
   s->size = (6 + s->width) * n + 1;
-  for (size_t i = 0; i < n; i++) s->inverse_mass[i] = movable(s, i) && s->mass[i] > 0 ? 1 / s->mass[i] : 0;
   m->mass = s->mass;
   m->inverse_mass = s->inverse_mass;
   m->id = s->id;
@@ -85,8 +89,7 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->mass,     s->inverse_mass, s->id,      s->group,      s->pin,      s->X,          s->edge,
-                    s->triangle, s->channel,      s->spare.X, s->spare.mass, s->spare.id, s->spare.group};
+  void *arrays[] = {s->mass, s->inverse_mass, s->id, s->group, s->pin, s->X, s->edge, s->triangle, s->channel};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }
 

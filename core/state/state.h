@@ -7,14 +7,6 @@
 #include "core/functions/functions.h"
 #include "core/scene/scene.h"
 
-typedef struct hk_particle_set {
-  size_t n, room; /* the arrays are for up to `room` particles */
-  double *X;      /* (6 + width) n + 1 */
-  double *mass;
-  uint32_t *id; /* increasing */
-  uint32_t *group;
-} hk_particle_set;
-
 /* Ids increase with the index: deaths preserve the order of the other particles and births are appended, so an id is
  * found by bisection. */
 typedef struct hk_state {
@@ -26,8 +18,7 @@ typedef struct hk_state {
   uint32_t *id, *group;
   uint8_t *pin;
   uint32_t next_id;
-  size_t room;           /* the arrays of particles are for up to so many */
-  hk_particle_set spare; /* arrays for the next change; those of a scene without births and deaths are NULL */
+  size_t room; /* the arrays of particles are for up to so many */
   hk_channel *channel;
   uint32_t (*edge)[2], (*triangle)[3];
   hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
@@ -38,6 +29,7 @@ typedef struct hk_state {
 hk_status hk_state_open(hk_state *, const hk_scene *, hk_error *error);
 void hk_state_close(hk_state *);
 void hk_state_refresh(hk_state *); /* updates model, size and view after t, n or an array changed */
+void hk_state_point(hk_state *);   /* the same, where the inverse masses are right */
 bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no particle has this id at present */
 double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
 /* J, of the particles that are not fixed or scripted */
@@ -48,11 +40,22 @@ hk_status hk_state_check_masses(const hk_state *, hk_error *error);
 /* ---- particle_set.c: a set of particles that replaces those of the state, after births and deaths or from a file
  * ---- */
 
+typedef struct hk_particle_set {
+  size_t n;
+  double *X; /* (6 + width) n + 1 */
+  double *mass;
+  uint32_t *id; /* increasing */
+  uint32_t *group;
+} hk_particle_set;
+
 /* false: no memory; the set must be freed all the same */
 bool hk_particle_set_allocate(hk_particle_set *, size_t n, size_t width);
 void hk_particle_set_free(hk_particle_set *);
-/* Replaces the particles: old index i becomes map[i] (UINT32_MAX: removed). Takes ownership of the set's arrays, also
- * when it fails. The caller must remap the indices in pins, plugins and matrices. */
+bool hk_state_reserve(hk_state *, size_t n); /* makes room for n particles; false: no memory, nothing has changed */
+/* Moves old index i to map[i] (UINT32_MAX: removed), in the same order, in a state of n particles for which there is
+ * room. The caller sets the rest of them, and remaps the indices in pins, plugins and matrices. */
+void hk_state_move(hk_state *, const uint32_t *map, size_t n);
+/* Replaces the particles by those of the set, old index i by map[i], and frees the set's arrays, also when it fails. */
 hk_status hk_state_adopt(hk_state *, const uint32_t *map, hk_particle_set *, hk_error *error);
 
 /* ---- pins.c ---- */

@@ -56,6 +56,14 @@ static double target_of(const relax *r, size_t c) {
   return r->target.count == 0 ? 0 : r->target.value[r->target.count > 1 ? c : 0];
 }
 
+/* |u/scale|^(power - 1); whole powers without pow(), which would be most of the time of a step. */
+static double slowing(const relax *r, double u) {
+  double part = fabs(u) / r->scale, product = 1;
+  if (r->power != floor(r->power)) return pow(part, r->power - 1);
+  for (double k = 1; k < r->power; k++) product *= part;
+  return product;
+}
+
 static void rate_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const task *t = context;
   const relax *r = t->self;
@@ -65,8 +73,7 @@ static void rate_chunk(void *context, size_t begin, size_t end, size_t chunk) {
     size_t at = first + size * (t->view->active ? t->view->active[k] : k);
     for (size_t c = 0; c < size; c++) {
       double u = t->view->y[at + c] - target_of(r, c);
-      double change = r->power == 1 ? u : u * pow(fabs(u) / r->scale, r->power - 1);
-      t->dy[at + c] += r->growth - r->rate * change;
+      t->dy[at + c] += r->growth - r->rate * u * slowing(r, u);
     }
   }
 }

@@ -37,7 +37,9 @@ typedef struct emitter {
   ptrdiff_t radius_at, channel_at;
   size_t width;
   double *initial; /* width, of the channels of a newborn */
-  double *dying;   /* the times of deaths in a step, increasing, where the emitter may be full */
+  double *soonest; /* for each BLOCK of the list a time before which none of it dies */
+  size_t blocks;
+  double *dying; /* the times of deaths in a step, increasing, where the emitter may be full */
   size_t dying_room;
   /* evolving */
   int64_t seed, borne, bursts, oldest, kept, living, left_out;
@@ -45,6 +47,8 @@ typedef struct emitter {
 } emitter;
 
 enum { UNIFORM, LOGNORMAL };
+
+enum { BLOCK = 256 }; /* particles that are looked at together for deaths */
 
 #define QUANTITY(name, unit, help, initial, least, flags)                                                              \
   {#name, unit, help, HK_NUMBER, {initial}, least, INFINITY, offsetof(emitter, name.value), flags, NULL}, {            \
@@ -171,6 +175,7 @@ static void destroy(void *self, const hk_host *host) {
   emitter *e = self;
   hk_outlet_close(&e->outlet, host);
   host->release(host, e->initial);
+  host->release(host, e->soonest);
   host->release(host, e->dying);
 }
 
@@ -187,11 +192,6 @@ static bool find(const hk_model *model, uint32_t id, uint32_t *index) {
   }
   *index = (uint32_t)low;
   return low < model->n && model->id[low] == id;
-}
-
-/* s, by how much a particle may outlive a younger one. */
-static double disorder(const emitter *e) {
-  return e->distribution == LOGNORMAL && e->lifetime.spread > 0 ? INFINITY : 2 * e->lifetime.spread * e->lifetime.value;
 }
 
 /* A call of `emit`. Where the emitter may be full, births and deaths are looked at in the order of their times. */
@@ -214,18 +214,47 @@ static void note_death(emitter *e, call *c, double at) {
   c->deaths++;
 }
 
+/* The soonest deaths, from the list as it is, which may have been moved or come from a checkpoint. */
+static hk_status index_deaths(emitter *e, const hk_host *host) {
+  size_t blocks = e->list.count / BLOCK + 1;
+  if (blocks > e->blocks) {
+    host->release(host, e->soonest);
+    e->soonest = host->allocate(host, blocks * sizeof *e->soonest);
+    e->blocks = e->soonest ? blocks : 0;
+    if (!e->soonest) return host->fail(host, HK_NO_MEMORY, "no memory for %zu lifetimes", e->list.count);
+  }
+  for (size_t b = 0; b < e->blocks; b++) e->soonest[b] = INFINITY;
+  for (size_t k = (size_t)e->oldest; k < (size_t)(e->oldest + e->kept); k++)
+    e->soonest[k / BLOCK] = fmin(e->soonest[k / BLOCK], ((particle *)e->list.item)[k].dies);
+  return HK_OK;
+}
+
+/* The block's part of the list. */
+static hk_status take_dead_of(emitter *e, call *c, size_t block) {
+  size_t end = (size_t)(e->oldest + e->kept), k = block * BLOCK > (size_t)e->oldest ? block * BLOCK : (size_t)e->oldest;
+  double t = c->view->t, next = INFINITY;
+  hk_status status = HK_OK;
+  for (; k < end && k < (block + 1) * BLOCK && status == HK_OK; k++) {
+    particle *p = (particle *)e->list.item + k;
+    uint32_t index;
+    if (p->id == 0) continue;
+    if (p->dies > t) {
+      next = fmin(next, p->dies);
+      continue;
+    }
+    if (find(c->view->model, p->id, &index)) status = c->population->remove(c->population, index);
+    note_death(e, c, p->dies);
+    p->id = 0;
+  }
+  e->soonest[block] = next;
+  return status;
+}
+
 /* Takes away what has died by the view's time. */
 static hk_status take_dead(emitter *e, call *c) {
-  double t = c->view->t, ahead = isnan(e->lifetime.value) ? 0 : disorder(e);
   hk_status status = HK_OK;
-  particle *p = particles(e);
-  uint32_t index;
-  for (int64_t k = 0; k < e->kept && !(p[k].dies - ahead > t) && status == HK_OK; k++) {
-    if (p[k].id == 0 || p[k].dies > t) continue;
-    if (find(c->view->model, p[k].id, &index)) status = c->population->remove(c->population, index);
-    note_death(e, c, p[k].dies);
-    p[k].id = 0;
-  }
+  for (size_t b = (size_t)e->oldest / BLOCK; b * BLOCK < (size_t)(e->oldest + e->kept) && status == HK_OK; b++)
+    if (e->soonest[b] <= c->view->t) status = take_dead_of(e, c, b);
   while (e->kept > 0 && particles(e)->id == 0) e->oldest++, e->kept--;
   return status;
 }
@@ -276,11 +305,13 @@ static double due(const emitter *e, double t) {
 /* Makes room for all births of the step, to which pointers are given away. */
 static hk_status reserve(emitter *e, const hk_host *host, double births) {
   double kept = (double)e->kept, wanted = kept + fmin(births, (double)e->capacity + kept);
-  if ((double)e->oldest + wanted <= (double)e->list.count) return HK_OK;
+  if (e->soonest && (double)e->oldest + wanted <= (double)e->list.count) return HK_OK;
   if (e->kept > 0) memmove(e->list.item, particles(e), (size_t)e->kept * sizeof(particle));
   e->oldest = 0;
-  if (1.5 * wanted <= (double)e->list.count) return HK_OK; /* with less it would soon have to be moved down again */
-  return host->resize(host, &e->list, (size_t)(2 * wanted) + 1);
+  hk_status status = HK_OK;
+  if (1.5 * wanted > (double)e->list.count) /* with less it would soon have to be moved down again */
+    status = host->resize(host, &e->list, (size_t)(2 * wanted) + 1);
+  return status == HK_OK ? index_deaths(e, host) : status;
 }
 
 static hk_status open_dying(emitter *e, const hk_host *host, double births) {
@@ -302,7 +333,9 @@ static hk_status bear(emitter *e, call *c, double at, uint64_t number) {
     return c->population->add_aged(c->population, &birth, age, 0, NULL);
   }
   particle *p = particles(e) + e->kept++;
+  double *soonest = &e->soonest[(p - (particle *)e->list.item) / BLOCK];
   *p = (particle){at + lifetime, UINT32_MAX}; /* until the births take effect */
+  *soonest = fmin(*soonest, p->dies);
   return c->population->add_aged(c->population, &birth, age, INFINITY, &p->id);
 }
 
