@@ -1,16 +1,16 @@
 /* The Lennard-Jones pair V = 4 epsilon ((sigma/r)^12 - (sigma/r)^6) up to the cut-off, with a shifted force: a constant
- * force and an energy are taken off so that both are 0 there (Allen and Tildesley 1987, equation 5.10a),
- *     U(r) = V(r) - V(c) - (r - c) V'(c),     F = -U'(r) r/|r|.
- * Pairs come from the service neighbours/1; each particle sums over its own row, in rising order, so threads leave no
- * trace and opposite forces have the same bits. The blocks of K are the Hessian U'' n n^T + U'/r (1 - n n^T) of each
- * pair, with n = r/|r|.
+ * force and an energy are taken off so that both are 0 there (plugins/common/pairs/lj_pair.h). Pairs come from the
+ * service neighbours/1; each particle sums over its own row, in rising order, so threads leave no trace and opposite
+ * forces have the same bits. The blocks of K are the Hessian U'' n n^T + U'/r (1 - n n^T) of each pair, with n = r/|r|.
  *
- * Nearer than sigma/10000, where U is 4e48 epsilon, it is continued as a parabola, so that everything is finite. No
- * motion leads there; a run that has such a pair after a step ends with an error.
+ * Nearer than sigma/10000 the force is a convention that keeps everything finite. No motion leads there; a run that has
+ * such a pair after a step ends with an error.
  *
  * A particle that goes far in a step would pass the core of another without a trace. The core rises as r^-13, by its
  * own size within r/13; steps are therefore asked for in which nobody goes further than sigma/8, so that no pair comes
  * nearer by more than 4 such lengths at r = 0.8 sigma, and there are no passages to tell of (core/plugin/force.h). */
+#include "plugins/common/pairs/lj_pair.h"
+
 #include "core/plugin.h"
 
 #include <string.h>
@@ -18,18 +18,15 @@
 enum { GRAIN = 256 };
 
 static const double travel = 0.125; /* of sigma, in a step */
-static const double least = 1e-4;   /* of sigma */
 static const size_t usual = 16;     /* pairs of a particle that there is room for from the start */
 
 typedef struct lennard_jones {
-  double epsilon, sigma, cutoff;
+  hk_lj_pair law;
   const char *first, *second;
-  double force_cut, energy_cut; /* N, J, of V at the cut-off */
-  double least2;                /* m^2, where the parabola begins */
-  uint8_t *side;                /* n: IS_FIRST and IS_SECOND; NULL: all particles are both */
-  double *sums;                 /* J, of a chunk */
-  bool *too_near;               /* of a chunk, at the last evaluation: there is a pair on the parabola */
-  uint32_t (*pair)[2];          /* those whose blocks were named, i < j */
+  uint8_t *side;       /* n: IS_FIRST and IS_SECOND; NULL: all particles are both */
+  double *sums;        /* J, of a chunk */
+  bool *too_near;      /* of a chunk, at the last evaluation: there is a pair on the parabola */
+  uint32_t (*pair)[2]; /* those whose blocks were named, i < j */
   size_t pairs, room;
   uint64_t number;  /* of the rows that they are from; 0: none */
   hk_status failed; /* of the last pattern */
@@ -42,11 +39,11 @@ enum { IS_FIRST = 1, IS_SECOND = 2 };
 /* clang-format off */
 static const hk_param params[] = {
     {"epsilon", "J", "depth of the well",
-     HK_NUMBER, {1}, 0, INFINITY, offsetof(lennard_jones, epsilon), 0, NULL},
+     HK_NUMBER, {1}, 0, INFINITY, offsetof(lennard_jones, law.epsilon), 0, NULL},
     {"sigma", "m", "distance at which V is 0",
-     HK_NUMBER, {1}, 0, INFINITY, offsetof(lennard_jones, sigma), HK_ABOVE_MIN, NULL},
+     HK_NUMBER, {1}, 0, INFINITY, offsetof(lennard_jones, law.sigma), HK_ABOVE_MIN, NULL},
     {"cutoff", "m", "distance at which the force ends; left out: 2.5 sigma",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(lennard_jones, cutoff), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
+     HK_NUMBER, {0}, 0, INFINITY, offsetof(lennard_jones, law.cutoff), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
     {"first", "", "group of the one particle of a pair; left out: any",
      HK_STRING, {0}, 0, 0, offsetof(lennard_jones, first), 0, NULL},
     {"second", "", "group of the other particle; left out: any",
@@ -54,37 +51,6 @@ static const hk_param params[] = {
     {0},
 };
 /* clang-format on */
-
-/* ---- the pair ---- */
-
-/* A pair's energy with what its slope and curvature are, J, N/m, N/m. */
-typedef struct pair_law {
-  double energy, push, curvature; /* V, -V'/r, V'' */
-} pair_law;
-
-static pair_law bare(const lennard_jones *p, double r2) {
-  double u = 1 / r2, s2 = p->sigma * p->sigma * u, s6 = s2 * s2 * s2, s12 = s6 * s6, e = p->epsilon;
-  return (pair_law){4 * e * (s12 - s6), 24 * e * (2 * s12 - s6) * u, 24 * e * (26 * s12 - 7 * s6) * u};
-}
-
-/* U, -U'/r, U''. On the parabola U' is proportional to r. */
-static pair_law shifted(const lennard_jones *p, double r2) {
-  double end2 = fmax(r2, p->least2), r = sqrt(end2);
-  pair_law u = bare(p, end2);
-  u.energy += (r - p->cutoff) * p->force_cut - p->energy_cut;
-  u.push -= p->force_cut / r;
-  if (r2 < end2) u.energy += u.push * (end2 - r2) / 2, u.curvature = -u.push;
-  return u;
-}
-
-/* xx, xy, xz, yy, yz, zz; with `definite` its part above 0. */
-static void hessian(const lennard_jones *p, const double d[3], double r2, bool definite, double H[6]) {
-  pair_law u = shifted(p, r2);
-  double along = u.curvature, across = -u.push;
-  if (definite) along = fmax(along, 0), across = fmax(across, 0);
-  for (int a = 0, e = 0; a < 3; a++)
-    for (int b = a; b < 3; b++, e++) H[e] = (r2 > 0 ? (along - across) * d[a] * d[b] / r2 : 0) + (a == b ? across : 0);
-}
 
 static double difference(const double *x, size_t i, size_t j, double d[3]) {
   for (size_t c = 0; c < 3; c++) d[c] = x[3 * j + c] - x[3 * i + c];
@@ -108,7 +74,7 @@ typedef struct task {
 } task;
 
 static hk_status begin(task *t, const lennard_jones *p, const hk_view *view) {
-  *t = (task){.self = p, .view = view, .cut2 = p->cutoff * p->cutoff};
+  *t = (task){.self = p, .view = view, .cut2 = p->law.cutoff * p->law.cutoff};
   return p->service->rows(p->service->self, view, view->x, &t->rows);
 }
 
@@ -125,12 +91,12 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
       double r2 = difference(t->view->x, i, j, d);
       if (!(r2 < t->cut2) || !attract(t->self, t->view, i, j)) continue;
       nearest2 = fmin(nearest2, r2);
-      double f = shifted(t->self, r2).push;
+      double f = hk_lj_pair_at(&t->self->law, r2).push;
       for (int c = 0; c < 3; c++) sum[c] -= f * d[c];
     }
     for (size_t c = 0; c < 3; c++) t->F[3 * i + c] += sum[c];
   }
-  t->self->too_near[chunk] = nearest2 < t->self->least2;
+  t->self->too_near[chunk] = nearest2 < t->self->law.least2;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
@@ -149,7 +115,7 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       size_t j = t->rows.other[e];
       double r2 = difference(t->view->x, i, j, d);
-      if (j > i && r2 < t->cut2 && attract(t->self, t->view, i, j)) sum += shifted(t->self, r2).energy;
+      if (j > i && r2 < t->cut2 && attract(t->self, t->view, i, j)) sum += hk_lj_pair_at(&t->self->law, r2).energy;
     }
   }
   t->self->sums[chunk] = sum;
@@ -224,8 +190,8 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   if (p->failed != HK_OK) return p->failed;
   for (size_t k = 0; k < p->pairs; k++, slot += 4) {
     double d[3], H[6], r2 = difference(view->x, p->pair[k][0], p->pair[k][1], d);
-    if (!(r2 < p->cutoff * p->cutoff)) continue;
-    hessian(p, d, r2, into->want & HK_WANT_DEFINITE, H);
+    if (!(r2 < p->law.cutoff * p->law.cutoff)) continue;
+    hk_lj_pair_hessian(&p->law, d, r2, into->want & HK_WANT_DEFINITE, H);
     for (int e = 0; e < 4; e++) add_block(into->K + 9 * slot[e], H, e == 0 || e == 3 ? 1 : -1);
   }
   return HK_OK;
@@ -243,7 +209,7 @@ static void bound_chunk(void *context, size_t first, size_t end, size_t chunk) {
       size_t j = t->rows.other[e];
       double d[3], H[6], r2 = difference(t->view->x, i, j, d);
       if (!(r2 < t->cut2) || !attract(t->self, t->view, i, j)) continue;
-      hessian(t->self, d, r2, true, H);
+      hk_lj_pair_hessian(&t->self->law, d, r2, true, H);
       for (int c = 0; c < 6; c++) t->block[i][c] += 2 * H[c];
     }
   }
@@ -266,7 +232,7 @@ static double longest_step(void *self, const hk_view *view) {
     const double *v = view->v + 3 * acting(view, k);
     most2 = fmax(most2, v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
-  return travel * p->sigma / sqrt(most2);
+  return travel * p->law.sigma / sqrt(most2);
 }
 
 /* Names the first pair on the parabola. */
@@ -274,7 +240,7 @@ static hk_status refuse(const task *t) {
   for (size_t i = 0; i < t->rows.n; i++)
     for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
       double d[3], r2 = difference(t->view->x, i, t->rows.other[e], d);
-      if (r2 < t->self->least2 && attract(t->self, t->view, i, t->rows.other[e]))
+      if (r2 < t->self->law.least2 && attract(t->self, t->view, i, t->rows.other[e]))
         return t->self->host->fail(t->self->host, HK_FAILED,
                                    "particles %u and %u are %g m apart at t = %g s, less than sigma/10000, where "
                                    "there is no Lennard-Jones force: start them apart, or take shorter steps",
@@ -338,16 +304,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_FAILED,
                       "it needs the service 'neighbours/1', and no plugin of that name is installed in services/; see: "
                       "hooke plugins");
-  if (isnan(p->cutoff)) p->cutoff = 2.5 * p->sigma;
-  p->least2 = pow(least * p->sigma, 2);
-  pair_law end = bare(p, p->cutoff * p->cutoff);
-  p->energy_cut = end.energy;
-  p->force_cut = end.push * p->cutoff;
-  if (!(p->cutoff >= p->sigma / 2))
+  if (isnan(p->law.cutoff)) p->law.cutoff = 2.5 * p->law.sigma;
+  if (!(p->law.cutoff >= p->law.sigma / 2))
     return host->fail(host, HK_BAD_PARAM,
                       "cutoff: %g m is less than half of sigma: nothing would be left of the force; 2.5 sigma is usual",
-                      p->cutoff);
-  hk_status status = p->service->reach(p->service->self, p->cutoff);
+                      p->law.cutoff);
+  hk_lj_pair_prepare(&p->law);
+  hk_status status = p->service->reach(p->service->self, p->law.cutoff);
   return status == HK_OK ? topology(self, view) : status;
 }
 

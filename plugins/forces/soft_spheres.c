@@ -11,10 +11,11 @@
  * }) Forces act at the middle of the overlap, so angular momentum is kept as well. The energy is that of the normal
  * springs and of the spin; dashpots, friction and the tangential springs work (HK_POWER).
  *
- * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived at `crowd_of`, or
+ * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived in crowd.c, or
  * from those that it has now, if they are more. */
 #include "plugins/common/contact/contact_history.h"
 #include "plugins/common/contact/contact_law.h"
+#include "plugins/common/contact/crowd.h"
 #include "plugins/common/contact/spheres.h"
 
 enum { GRAIN = 256 };
@@ -104,7 +105,7 @@ static void roll(const task *t, size_t i, size_t j, double lever_i, double lever
   for (int a = 0; a < 3; a++) c->u[a] -= u[a], c->slip[a] -= passed * du[a];
 }
 
-/* Spheres in one place have no direction: they push each other nowhere. */
+/* Spheres in one place have no direction: they push each other nowhere, and `accepted` ends the run. */
 static void contact_of(const task *t, size_t i, size_t j, double d, const double r[3], double distance,
                        const hk_touch *touch, hk_contact *c) {
   const soft_spheres *s = t->self;
@@ -211,12 +212,14 @@ static void count_chunk(void *context, size_t first, size_t end, size_t chunk) {
   }
 }
 
-static void remember_one(const task *t, size_t i) {
+/* False: another sphere is in the same place. */
+static bool remember_one(const task *t, size_t i) {
   const hk_contact_history *h = &t->self->history;
   const uint32_t *id = t->view->model->id;
   hk_touch *into = (hk_touch *)h->next.item + h->next_row[i];
   double r[3], distance = 0;
   size_t at = h->row[i];
+  bool apart = true;
   for (size_t e = t->rows.row_start[i]; e < t->rows.row_start[i + 1]; e++) {
     size_t j = t->rows.other[e];
     double d = overlap(t, i, j, r, &distance);
@@ -227,13 +230,28 @@ static void remember_one(const task *t, size_t i) {
     *into = (hk_touch){id[i], id[j], {0}};
     for (int a = 0; a < 3; a++) into->anchor[a] = r[a] - c.slip[a];
     into++;
+    apart &= distance > 0;
   }
+  return apart;
 }
 
+/* sums: the last sphere of a chunk that shares its place, from 1. */
 static void remember_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
-  (void)chunk;
-  for (size_t k = first; k < end; k++) remember_one(t, acting(t->view, k));
+  t->self->sums[chunk] = 0;
+  for (size_t k = first; k < end; k++)
+    if (!remember_one(t, acting(t->view, k))) t->self->sums[chunk] = (double)(acting(t->view, k) + 1);
+}
+
+static hk_status check_places(const soft_spheres *s, const hk_view *view) {
+  double i = 0;
+  for (size_t k = 0; k * GRAIN < view->acting; k++) i = fmax(i, s->sums[k]);
+  if (i == 0) return HK_OK;
+  return s->host->fail(
+      s->host, HK_FAILED,
+      "particle %u has the same centre as another one at t = %g s: their contact has no direction; start "
+      "them apart",
+      view->model->id[(size_t)i - 1], view->t);
 }
 
 /* Radii of a channel may change, and be others after a checkpoint was read. */
@@ -257,25 +275,10 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   view->host->parallel_for(view->host, view->acting, GRAIN, remember_chunk, &t);
   hk_history_commit(&s->history, view->n, view->t);
   hk_spheres_keep_spin(&s->spheres, view, s->spin_then);
-  return HK_OK;
+  return check_places(s, view);
 }
 
 /* ---- the step ---- */
-
-/* What contacts on all sides of a sphere add up to: their number N and the largest eigenvalue S of the sum of n n^T. */
-typedef struct crowd {
-  double number, along;
-} crowd;
-
-/* Spheres of radius r that touch one of radius R shade caps of half-angle A, sin A = r/(R + r), which do not overlap.
- * Each has the part w = (1 - cos A)/2 of the sphere: N <= 1/w. Over a cap, the mean of P2(cos theta) is f P2 at its
- * middle, f = cos A (1 + cos A)/2; so the sum of cos^2 theta over the middles of caps that cover the part p is largest
- * where they lie around the poles, (p + (1 - p - (1 - p)^3)/f)/(3 w), and of all p at 1 - p = sqrt((1 - f)/3). */
-static crowd crowd_of(double R, double r) {
-  double sine = r / (R + r), cosine = sqrt(1 - sine * sine), w = (1 - cosine) / 2, f = cosine * (1 + cosine) / 2;
-  double bare = sqrt((1 - f) / 3);
-  return (crowd){1 / w, (1 - bare + (bare - bare * bare * bare) / f) / (3 * w)};
-}
 
 static size_t touching(const task *t, size_t i) {
   double r[3], distance;
@@ -300,7 +303,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = acting(view, k);
     double m = view->model->mass[i];
-    crowd around = crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
+    hk_crowd around = hk_crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
     hk_contact_bound one = hk_contact_stiffness(&s->law, part, m * heaviest / (m + heaviest));
     double sum = one.across * around.number + fmax(0, one.along - one.across) * around.along;
     double now = fmax(one.along, one.across) * (double)touching(&t, i);

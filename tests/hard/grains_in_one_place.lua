@@ -1,5 +1,5 @@
 --[[
-what: two grains with the same centre: their contact has no direction, and any rounding chooses one
+what: two grains with the same centre, whose contact has no direction: they fly on as one, or as any rounding says
 right: closed form, uniform motion: what has no direction pushes nowhere
 must: none
 also: leapfrog dt=1e-2

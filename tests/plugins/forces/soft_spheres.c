@@ -351,6 +351,19 @@ static void a_heap_is_as_steep_as_friction_allows(void **state) {
 
 /* ---- refusals ---- */
 
+static void spheres_in_one_place_end_the_run(void **state) {
+  (void)state;
+  test_engine e;
+  test_engine_open(&e);
+  for (int k = 0; k < 2; k++) test_particle(&e, 1, 2, 3, 1);
+  grains(&e, "soft_spheres", 0.5, 0.5);
+  e.options.dt = 1e-4;
+  test_run(&e);
+  assert_int_equal(hk_run_advance(e.run, 0.1, &e.error), HK_FAILED);
+  assert_non_null(strstr(e.error.text, "particle 2 has the same centre as another one"));
+  test_engine_close(&e);
+}
+
 static void what_is_wrong_is_named(void **state) {
   (void)state;
   for (int k = 0; k < 4; k++) {
@@ -384,6 +397,7 @@ int main(void) {
       cmocka_unit_test(threads_give_the_same_bits),
       cmocka_unit_test(momentum_and_angular_momentum_are_kept),
       cmocka_unit_test(a_heap_is_as_steep_as_friction_allows),
+      cmocka_unit_test(spheres_in_one_place_end_the_run),
       cmocka_unit_test(what_is_wrong_is_named),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
