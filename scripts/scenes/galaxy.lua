@@ -35,10 +35,14 @@ for i = 1, N // 2 * 2 do
   positions[i], velocities[i] =
     star({ side * distance / 2, 0, 0 }, { -side * along / 2, side * across / 2, 0 })
 end
-scene:particles { positions = positions, velocities = velocities, mass = 2 * M / #positions }
+local half = #positions // 2
+for side = 0, 1 do
+  scene:particles { positions = table.move(positions, side * half + 1, (side + 1) * half, 1, {}), group = "cluster " .. side,
+    velocities = table.move(velocities, side * half + 1, (side + 1) * half, 1, {}), mass = M / half }
+end
 scene:force("nbody", { G = G, softening = softening, alpha = alpha })
 
 scene:measure("virial", function(s) return -2 * s:kinetic() / s:potential() end) -- 1 in equilibrium
-scene:output("frames", { width = 1280, height = 720, color = "speed", range = { 0, 0.6 }, radius = 0.12,
-  camera = { 0, -20, 95 }, target = { 0, 0, 0 }, ground = false, background = { 0.01, 0.01, 0.03 }, legend = false })
+scene:output("frames", { width = 1280, height = 720, color = "group", radius = 0.1,
+  camera = { 0, -20, 95 }, target = { 0, 0, 0 }, ground = false, background = { 0, 0, 0.02 }, legend = false })
 return scene
