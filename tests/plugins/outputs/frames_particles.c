@@ -180,6 +180,38 @@ static void frames_have_a_legend_that_hides_particles(void **state) {
   free(p[0].rgb), free(p[1].rgb);
 }
 
+/* A picture of one particle and one of 144 at the same place: the strength of the lights is chosen by their sum. */
+static void frames_expose_lights_alike_however_many(void **state) {
+  (void)state;
+  int red[2];
+  for (int many = 0; many < 2; many++) {
+    world w;
+    world_open(&w, many ? MOST : 1);
+    set_still_camera(&w);
+    set_number(&w, "radius", 0.2);
+    *(int *)fake_field(&w.f, "style") = 3; /* glow */
+    picture p = draw_once(&w);
+    red[many] = at(&p, 80, 45)[0];
+    free(p.rgb);
+    fake_close(&w.f);
+  }
+  assert_in_range(red[0], 200, 254);
+  assert_in_range(red[1], red[0] - 4, red[0] + 4); /* rounding of a byte or two, with the background of another */
+}
+
+static void frames_warn_of_a_scale_without_numbers(void **state) {
+  (void)state;
+  world w;
+  world_open(&w, 1);
+  set_still_camera(&w);
+  set_text(&w, "color", "speed");
+  set_switch(&w, "log", true);
+  picture p = draw_once(&w); /* at rest: speed 0 */
+  assert_string_equal(w.f.warning, "color: there is no positive number for a scale of colours");
+  free(p.rgb);
+  fake_close(&w.f);
+}
+
 static void expect_refusal(world *w, const char *message) {
   assert_int_equal(begin(w), HK_BAD_PARAM);
   assert_string_equal(w->f.error, message);
@@ -228,6 +260,9 @@ static void frames_refuse_what_makes_no_picture(void **state) {
   set_number(&w, "opacity", 2);
   expect_refusal(&w, "opacity: 2 is above 1; only style = \"glow\" can be stronger");
   world_open(&w, 1);
+  set_text(&w, "unit", "K");
+  expect_refusal(&w, "unit: only the numbers of a channel have none of their own");
+  world_open(&w, 1);
   *(hk_numbers *)fake_field(&w.f, "boxes") = (hk_numbers){6, flat};
   expect_refusal(&w, "boxes: expected x, y, z and three extents above 0 for each");
   world_open(&w, 1);
@@ -245,6 +280,8 @@ int main(void) {
       cmocka_unit_test(frames_do_not_shrink_for_few_outliers),
       cmocka_unit_test(frames_draw_solids_and_particles_before_and_behind),
       cmocka_unit_test(frames_have_a_legend_that_hides_particles),
+      cmocka_unit_test(frames_expose_lights_alike_however_many),
+      cmocka_unit_test(frames_warn_of_a_scale_without_numbers),
       cmocka_unit_test(frames_refuse_names_and_name_the_nearest),
       cmocka_unit_test(frames_refuse_what_makes_no_picture),
   };

@@ -128,15 +128,19 @@ static inline bool there_is(const world *w, const char *name) {
   return stat(path, &info) == 0 && info.st_size > 0;
 }
 
-static inline picture look(const world *w, size_t k) {
-  char path[512];
+static inline picture read_picture(const char *path) {
   png_image image = {.version = PNG_IMAGE_VERSION};
-  snprintf(path, sizeof path, "%s/frames/%06zu.png", w->f.folder, k);
   if (!png_image_begin_read_from_file(&image, path)) fail_msg("%s: %s", path, image.message);
   image.format = PNG_FORMAT_RGB;
   picture p = {(int)image.width, (int)image.height, malloc(PNG_IMAGE_SIZE(image))};
   assert_true(png_image_finish_read(&image, NULL, p.rgb, 0, NULL));
   return p;
+}
+
+static inline picture look(const world *w, size_t k) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/frames/%06zu.png", w->f.folder, k);
+  return read_picture(path);
 }
 
 static inline bool is_red(const picture *p, int x, int y) {

@@ -90,9 +90,10 @@ local function follow(pid, fd, seconds, on_found)
   return state
 end
 
--- Runs body(teller, fd) in a child that is ended when it says nothing for `seconds`: teller.at(text) says where it is, teller.tell(table) what it
--- found, which comes to on_found(table) here at once. Returns nil or, where the child did not come to its end, what
--- ended it in a sentence; the place where it was then; what it printed on standard output, and on standard error.
+-- Runs body(teller, fd) in a child that is ended when it says nothing for `seconds`: teller.at(text) says where it is,
+-- teller.tell(table) what it found, which comes to on_found(table) here at once. Returns nil or, where the child did not
+-- come to its end, what ended it in a sentence; the place where it was then; what it printed on standard output, and on
+-- standard error.
 function isolate.run(seconds, body, on_found)
   local out, err = process.capture(), process.capture()
   local pid, fd = process.fork()
