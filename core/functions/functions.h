@@ -11,7 +11,7 @@ enum { HK_COLUMNS = 3, HK_RESULTS = 2 * HK_COLUMNS }; /* of the numbers that a f
 
 size_t hk_function_arguments(const hk_param *); /* number of arguments of a HK_FUNCTION, by its text */
 
-/* ---- gust.c: smooth irregular functions of time, as of wind ---- */
+/* ---- gust.c: smooth irregular functions of time ---- */
 
 enum { HK_GUST_WAVES = 32 };
 

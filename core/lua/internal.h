@@ -107,7 +107,7 @@ void hk_lua_open_state(lua_State *L);
 hk_function hk_lua_function(lua_State *L, int index);
 hk_function hk_lua_frame_function(lua_State *L, int index); /* it is called with the state of the scene at index 1 */
 hk_function hk_lua_rate_function(lua_State *L, int index);  /* it is called with t, id, y... */
-int hk_lua_gust(lua_State *L); /* hooke.gust{}: a function of t, of which is known how fast it changes */
+hk_gust *hk_lua_push_gust(lua_State *L); /* a function of t that is still to be made; its fastest change is known */
 
 /* values.c */
 double hk_lua_number(lua_State *L, int index, const char *what);    /* finite */
@@ -127,6 +127,7 @@ uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what
 /* Adds particles; returns the first id. Errors begin with `what`. */
 uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t count, const double *x, const double *v,
                     const double *mass, double common, uint32_t group);
+int hk_lua_gust(lua_State *L);           /* hooke.gust{} */
 void hk_lua_open_builders(lua_State *L); /* adds to the method table on top of the stack */
 void hk_lua_open_mesh(lua_State *L);     /* mesh.c: likewise */
 

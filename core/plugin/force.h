@@ -129,10 +129,12 @@ typedef struct hk_force {
   unsigned flags;
   /* F[3*i..] += force on particle i, N, for active particles only (a tuple acts when all its members are active). */
   hk_status (*add)(void *self, const hk_view *view, double *F);
-  double (*energy)(void *self, const hk_view *view);                     /* J; NULL: no energy */
-  hk_status (*rates)(void *self, const hk_view *view, double *dy);       /* dy += rates of the channels; may be NULL */
-  void (*elements)(void *self, const hk_view *view, hk_elements *out);   /* all elements that act; NULL: none */
-  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern); /* NULL where jacobian is NULL */
+  double (*energy)(void *self, const hk_view *view);                   /* J; NULL: no energy */
+  hk_status (*rates)(void *self, const hk_view *view, double *dy);     /* dy += rates of the channels; may be NULL */
+  void (*elements)(void *self, const hk_view *view, hk_elements *out); /* all elements that act; NULL: none */
+  /* NULL where jacobian is NULL. With explicit methods the host may ask for the blocks of a force without elements and
+   * `update` for some of its particles alone, by their view, and for `jacobian` after that. */
+  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into); /* NULL: no blocks */
   /* Adds to block[i] (xx, xy, xz, yy, yz, zz) so that u.K u <= sum_i u_i.block[i] u_i for all u, where K is that of the
    * present positions and, with HK_STIFFENS, of all states that may follow. NULL: the host measures the stiffness. */

@@ -114,8 +114,9 @@ static double power_of(const central *p, double s2) {
   return pow(s2, (p->power - 1) / 2);
 }
 
-/* 1 - s^2/e^2, at least 0: W is its square. */
-static double inside(const central *p, double s2) { return fmax(0, 1 - s2 / p->end2); }
+/* 1 - s^2/e^2, at least 0: W is its square. Without a range it is 1 also where s^2 overflows: what diverges must not
+ * become free. */
+static double inside(const central *p, double s2) { return p->end2 < INFINITY ? fmax(0, 1 - s2 / p->end2) : 1; }
 
 /* s^(power - 1) W. */
 static double scale(const central *p, double s2) {

@@ -145,6 +145,24 @@ static void a_force_with_a_range_by_hand(void **state) {
   first_is(&e, central, 0, 0, -4 * 0.64 * 0.64 / 9);
 }
 
+/* Where the square of the distance overflows a pull without a range is no number to go on with. */
+static void a_pull_from_beyond_the_range_of_doubles_is_not_zero(void **state) {
+  (void)state;
+  for (int ends = 0; ends < 2; ends++) {
+    test_engine e;
+    double F[9], x[9] = {1e200, 0, 0};
+    hk_plugin_spec *spec = open_scene(&e, 3, 2, 0);
+    if (ends) test_number(&e, spec, "range", 5);
+    test_run(&e);
+    hk_instance *central = test_instance(&e, spec);
+    hk_view view = force_view(&e, central);
+    view.x = x;
+    force_evaluate(central, &view, F);
+    assert_true(ends ? F[0] == 0 : !isfinite(F[0]));
+    test_engine_close(&e);
+  }
+}
+
 /* A push that ends 1 mm around a point, even one that grows with the distance, lies between two steps. */
 static void a_range_that_steps_pass_by_is_noticed(void **state) {
   (void)state;
@@ -228,6 +246,7 @@ int main(void) {
       cmocka_unit_test(force_energy_and_jacobian_belong_together),
       cmocka_unit_test(a_force_with_a_range_ends_smoothly),
       cmocka_unit_test(a_force_with_a_range_by_hand),
+      cmocka_unit_test(a_pull_from_beyond_the_range_of_doubles_is_not_zero),
       cmocka_unit_test(a_range_that_steps_pass_by_is_noticed),
       cmocka_unit_test(nothing_at_the_centre_is_nan),
       cmocka_unit_test(threads_give_the_same_bits),
