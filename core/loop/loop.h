@@ -3,7 +3,7 @@
 #ifndef HK_LOOP_H
 #define HK_LOOP_H
 
-#include "core/dynamics/dynamics.h"
+#include "core/population/population.h"
 #include "core/stability/stability.h"
 
 #include <signal.h>
@@ -108,7 +108,8 @@ typedef struct hk_loop {
   hk_schedule schedule;
   hk_loop_hooks hooks;
   double fps;
-  double last_h;    /* s; 0: no step yet */
+  double last_h; /* s; 0: no step yet */
+  hk_population_change population;
   bool emitted;     /* the sources were called for the coming step */
   double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
