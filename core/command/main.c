@@ -187,12 +187,6 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   return code;
 }
 
-/* Where standard streams are closed, files must not take their numbers; what is written there still fails. */
-static void keep_standard_streams(void) {
-  for (int k = STDIN_FILENO; k <= STDERR_FILENO; k++)
-    if (fcntl(k, F_GETFD) < 0) open("/dev/null", O_RDONLY); /* takes the lowest number */
-}
-
 static void catch_signals(void) {
   struct sigaction action = {.sa_handler = interrupt};
   sigemptyset(&action.sa_mask);
@@ -366,7 +360,6 @@ int main(int argc, char **argv) {
   if (hk_standard_files_open(&error) != HK_OK) return complain(&error);
   places p = {0};
   hk_registry registry;
-  keep_standard_streams();
   if (find_places(&p, &error) != HK_OK ||
       hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);

@@ -3,7 +3,7 @@
 #ifndef HK_LOOP_H
 #define HK_LOOP_H
 
-#include "core/dynamics/dynamics.h"
+#include "core/population/population.h"
 #include "core/stability/stability.h"
 
 #include <signal.h>
@@ -120,6 +120,7 @@ typedef struct hk_loop {
   hk_loop_hooks hooks;
   double fps;
   hk_piece piece;
+  hk_population_change population;
   double last_h;      /* s; 0: no step yet */
   bool between_steps; /* it was interrupted there, with nothing half done */
   bool emitted;       /* the sources were called for the coming step */

@@ -168,6 +168,11 @@ hk_status hk_step_review_births(hk_step_choice *c, hk_dynamics *d, size_t births
     }
   c->turnover += births + deaths;
   bool another = TURNOVER * c->turnover >= model->n;
+  if (another && !lighter && c->watch.allowed.covered) { /* what the forces state tells whether it is stiffer */
+    c->watch.next = 0;
+    c->turnover = 0;
+    return HK_OK;
+  }
   bool paid = REVIEW_BIRTHS * c->births_cost <= d->count.evaluations + FREE_BIRTHS * REVIEW_BIRTHS * c->estimate_cost;
   if (!lighter && !(another && paid)) return HK_OK;
   hk_status status = hk_step_reestimate(c, d, true);

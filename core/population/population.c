@@ -80,18 +80,15 @@ static hk_status add_aged(hk_population *population, const hk_birth *birth, doub
 static hk_status take(hk_population *population, uint32_t index) {
   hk_population_change *c = (hk_population_change *)(void *)population;
   if (index >= c->state->model.n) return refuse(c, HK_FAILED, "there is no particle of that index to remove", index);
-  if (!c->dies) c->dies = calloc(c->state->model.n, sizeof *c->dies);
-  if (!c->dies) return refuse(c, HK_NO_MEMORY, "no memory for deaths", index);
   c->deaths += !c->dies[index];
   c->dies[index] = true;
   return HK_OK;
 }
 
-static uint32_t *make_map(const hk_population_change *c) {
-  size_t n = c->state->model.n;
-  uint32_t *map = malloc((n + 1) * sizeof *map), next = 0;
-  for (size_t i = 0; map && i < n; i++) map[i] = c->dies && c->dies[i] ? UINT32_MAX : next++;
-  return map;
+static void make_map(hk_population_change *c) {
+  uint32_t next = 0;
+  for (size_t i = 0; i < c->state->model.n; i++) c->map[i] = c->dies[i] ? UINT32_MAX : next++;
+  if (c->deaths) memset(c->dies, 0, c->state->model.n * sizeof *c->dies);
 }
 
 static int by_birth(const void *a, const void *b) {
@@ -132,24 +129,36 @@ static void place_births(const hk_population_change *c) {
   }
 }
 
-hk_population_change hk_population_begin(hk_state *state, const hk_scene *scene) {
+hk_population_change hk_population_open(hk_state *state, const hk_scene *scene) {
   return (hk_population_change){.population = {add_birth, take, add_aged}, .state = state, .scene = scene};
 }
 
-hk_status hk_population_apply(hk_population_change *c, uint32_t **map, hk_error *error) {
+hk_status hk_population_begin(hk_population_change *c, hk_error *error) {
+  size_t n = c->state->model.n, room = n + n / 8 + 1;
+  c->births = c->ageless = c->deaths = 0;
+  if (n < c->room) return HK_OK;
+  free(c->dies);
+  free(c->map);
+  c->dies = calloc(room, sizeof *c->dies);
+  c->map = malloc(room * sizeof *c->map);
+  c->room = c->dies && c->map ? room : 0;
+  return c->room ? HK_OK : hk_error_set(error, HK_NO_MEMORY, "no memory for births and deaths among %zu particles", n);
+}
+
+hk_status hk_population_apply(hk_population_change *c, hk_error *error) {
   hk_state *s = c->state;
   size_t most = s->model.n - c->deaths + c->births;
-  *map = make_map(c);
-  if (!*map || !hk_state_reserve(s, most))
-    return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu particles", most);
+  if (!hk_state_reserve(s, most)) return hk_error_set(error, HK_NO_MEMORY, "no memory for %zu particles", most);
+  make_map(c);
   name_newborns(c);
-  hk_state_move(s, *map, s->model.n - c->deaths + c->births);
+  hk_state_move(s, c->map, s->model.n - c->deaths + c->births);
   place_births(c);
   return HK_OK;
 }
 
-void hk_population_end(hk_population_change *c) {
+void hk_population_close(hk_population_change *c) {
   free(c->birth);
   free(c->channel);
   free(c->dies);
+  free(c->map);
 }

@@ -22,14 +22,17 @@ typedef struct hk_population_change {
   double *channel; /* births x width, by `order` */
   size_t channel_capacity;
   size_t deaths;
-  bool *dies; /* n, whether the particle dies; NULL: none does */
+  bool *dies;    /* n, whether the particle dies; all false but between requests and their application */
+  uint32_t *map; /* n, from old indices to new ones, after the application */
+  size_t room;   /* of `dies` and `map` */
 } hk_population_change;
 
-hk_population_change hk_population_begin(hk_state *, const hk_scene *);
-/* Applies all births and deaths, after which `birth` has the living newborn in the order of their ids. The caller frees
- * *map, from old indices to new ones. */
-hk_status hk_population_apply(hk_population_change *, uint32_t **map, hk_error *error);
-void hk_population_end(hk_population_change *);
+hk_population_change hk_population_open(hk_state *, const hk_scene *);
+void hk_population_close(hk_population_change *);
+/* Begins a change, without requests. */
+hk_status hk_population_begin(hk_population_change *, hk_error *error);
+/* Applies all births and deaths, after which `birth` has the living newborns in the order of their ids. */
+hk_status hk_population_apply(hk_population_change *, hk_error *error);
 
 /* ---- newborns.c ---- */
 

@@ -227,6 +227,7 @@ static void connect_parts(hk_run *run) {
   loop->error = &run->error;
   loop->fps = run->scene->fps;
   loop->schedule = schedule_of(run);
+  loop->population = hk_population_open(&run->state, run->scene);
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .framed = hk_run_framed};
   loop->hooks.now_and_then = show_progress;
   bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
