@@ -4,15 +4,9 @@ package.path = assert(os.getenv("HK_ROOT")) .. "/tests/support/?.lua;" .. packag
 local run = require("fuzz.run")
 local bytes = require("fuzz.bytes")
 
--- FNV-1a of bytes (version 4); on eight lanes of words, and of what is left on bytes (version 5).
+-- FNV-1a on eight lanes of words, and of what is left on bytes.
 local basis, prime = 1469598103934665603, 1099511628211
 local checksum = {}
-
-checksum["4"] = function(text)
-  local sum = basis
-  for k = 1, #text do sum = (sum ~ text:byte(k)) * prime end
-  return sum
-end
 
 checksum["5"] = function(text)
   local lane, sum, whole = {}, basis, #text - #text % 64
