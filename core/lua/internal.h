@@ -21,6 +21,7 @@ struct hk_script {
   size_t refused_size;
   bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
   bool spent, memory_spent; /* the script exceeded a limit (that of memory) */
+  bool refused_by_system;   /* the last allocation, not by the limit */
   hk_error limit;           /* the error of the limit exceeded; HK_OK: none */
   hk_error raised;          /* the engine's last error raised in the script */
   size_t slots;
