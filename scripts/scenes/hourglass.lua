@@ -1,11 +1,12 @@
 -- hourglass.lua: sand runs through the neck of an hourglass at a steady rate, whatever stands above it, and bands of
 -- colour show how it flows: the middle first. The rate is near that of Beverloo and others (1961) for spheres of the
--- diameter d and a neck of D, 0.58 rho sqrt(g) (D - 1.4 d)^2.5 kg/s, rho = 1,500 kg/m^3: 1,600 grains a second.
+-- diameter d and a neck of D, 0.58 rho sqrt(g) (D - 1.4 d)^2.5 kg/s, rho = 1,500 kg/m^3: 1,600 grains a second; in a
+-- steep glass it is higher.
 local n = param("n", 1200, "grains", { min = 10, max = 1e6 })
 local neck = param("neck", 0.08, "radius of the neck, m", { min = 0.02, max = 0.2 })
 local R, k, slope, up = 0.01, 5e3, 0.5, 0.35 -- m; N/m; of the glass: m of radius per m, height of the neck
 
-local scene = hooke.scene { duration = 2.5, fps = 30 }
+local scene = hooke.scene { duration = 1.5, fps = 30 }
 scene:channel("radius", { initial = R })
 scene:channel("tint", { initial = { 1, 1, 1 } })
 scene:channel("spin", { size = 3 })

@@ -18,6 +18,7 @@ static double slope(int n, double friction) {
 }
 
 int main(void) {
+  setvbuf(stdout, NULL, _IOLBF, 0);
   static const double friction[] = {0, 0.05, 0.1, 0.2, 0.3, 0.5, 0.8};
   double last = -1;
   int falls = 0;

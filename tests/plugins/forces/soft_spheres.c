@@ -364,26 +364,6 @@ static void spheres_in_one_place_end_the_run(void **state) {
   test_engine_close(&e);
 }
 
-static void what_is_wrong_is_named(void **state) {
-  (void)state;
-  for (int k = 0; k < 4; k++) {
-    const char *const says[] = {"give either radius = NUMBER or radii", "radii: the scene has no channel 'size'",
-                                "planes: 3 numbers", "funnel: a neck of 0 m"};
-    test_engine e;
-    test_engine_open(&e);
-    test_particle(&e, 0, 0, 1, 1);
-    hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "soft_walls");
-    test_number(&e, spec, "stiffness", K);
-    if (k == 1) test_text(&e, spec, "radii", "size");
-    if (k > 1) test_number(&e, spec, "radius", R);
-    if (k == 2) test_list(&e, spec, "planes", (const double[]){0, 0, 1}, 3);
-    if (k == 3) test_list(&e, spec, "funnel", (const double[]){0, 0, 1, 0, 1}, 5);
-    assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
-    if (!strstr(e.error.text, says[k])) fail_msg("%s", e.error.text);
-    test_engine_close(&e);
-  }
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_collision_has_its_restitution_and_duration),
@@ -398,7 +378,6 @@ int main(void) {
       cmocka_unit_test(momentum_and_angular_momentum_are_kept),
       cmocka_unit_test(a_heap_is_as_steep_as_friction_allows),
       cmocka_unit_test(spheres_in_one_place_end_the_run),
-      cmocka_unit_test(what_is_wrong_is_named),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
