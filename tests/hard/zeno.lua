@@ -16,10 +16,10 @@ scene:force("gravity", { g = { 0, 0, -g } })
 scene:corrector("obstacle", { restitution = e, friction = mu })
 
 scene:exact(function(t)
-  local v, along, x, z = math.sqrt(2 * g * H), u, 0, nil
+  local v, along = math.sqrt(2 * g * H), u
   local fall, over = v / g, v / g * (1 + e) / (1 - e)
   if t < fall then return u * t, 0, H - g * t * t / 2 end
-  x = u * fall
+  local x = u * fall
   for _ = 1, 60 do -- bounces, down to 2^-60 of the first
     along = math.max(0, along - mu * (1 + e) * v)
     v, fall = e * v, fall + 2 * e * v / g

@@ -80,17 +80,14 @@ static hk_parabola path_past(const march *m, const hk_obstacle *o, const hk_body
 
 /* ---- going on ---- */
 
-/* By the time t; what holds the particle does work on the way. */
+/* By the time t. */
 static void advance(march *m, double t) {
-  double tau = remaining(m), a[3], from[3];
+  double tau = remaining(m);
   if (t <= 0) return;
-  hk_copy(from, m->x);
   for (int c = 0; c < 3; c++) {
-    a[c] = (m->u_end[c] - m->u[c]) / tau;
-    double u = (m->x_end[c] - m->x[c]) / tau - tau / 2 * a[c];
-    m->x[c] += t * (u + t / 2 * a[c]);
-    m->u[c] += t * a[c];
-    if (m->resting) m->step->work += m->step->mass * (a[c] - m->a[c]) * (m->x[c] - from[c]);
+    double a = (m->u_end[c] - m->u[c]) / tau, u = (m->x_end[c] - m->x[c]) / tau - tau / 2 * a;
+    m->x[c] += t * (u + t / 2 * a);
+    m->u[c] += t * a;
   }
   m->s = fmin(1, m->s + t / m->step->h);
 }
@@ -130,7 +127,6 @@ static void strike(march *m, const event *at, const double n[3]) {
   for (int c = 0; c < 3; c++) change[c] = impulse * n[c] - (speed > 0 ? drag * across[c] / speed : 0);
   hk_body_direction(&at->frame, change, du);
   if (-along > hk_length(m->a) * m->step->h) m->step->landing = fmin(m->step->landing, m->s);
-  m->step->work += m->step->mass * (hk_dot(m->u, du) + hk_dot(du, du) / 2);
   hk_add_scaled(m->u, 1, du);
   forget_drift(m);
   start_anew(m);
@@ -280,7 +276,6 @@ static bool put_outside(march *m) {
     touches |= gap <= least;
     if (!(gap < -least)) continue;
     hk_add_scaled(m->x, -gap, n);
-    m->step->work += m->step->mass * gap * hk_dot(m->a, n);
     m->step->depth = fmax(m->step->depth, -gap);
     m->step->changed = true;
   }
@@ -324,20 +319,34 @@ static bool start_velocity(march *m, bool touches, double offset[3]) {
   return true;
 }
 
+/* By definition: the change of the kinetic energy at the end of the step, less what the accelerations do over the way
+ * between the ends. That is the energy lost in impacts and to friction, and what moving obstacles give. */
+static double work_of(const march *m, const double x_free[3], const double u_free[3], const double x[3],
+                      const double u[3]) {
+  double way[3];
+  hk_subtract(way, x, x_free);
+  return m->step->mass * ((hk_dot(u, u) - hk_dot(u_free, u_free)) / 2 - hk_dot(m->a, way));
+}
+
 void hk_obstacles_meet(const hk_obstacle_set *set, hk_obstacle_step *step) {
   march m = {.set = set, .step = step};
-  double offset[3], v[3];
+  double offset[3], v[3], x_free[3], u_free[3], pushed[3];
   step->landing = 1;
   hk_copy(m.x, step->x_from);
   for (int c = 0; c < 3; c++) m.a[c] = (step->v[c] - step->v_from[c]) / step->h;
   bool touches = put_outside(&m), first_order = start_velocity(&m, touches, offset);
   start_anew(&m);
+  hk_subtract(pushed, m.x, step->x_from);
+  hk_subtract(x_free, m.x_end, pushed);
+  hk_copy(u_free, m.u_end);
   if (!go(&m)) step->endless = true;
   if (first_order)
     step->landing = 1; /* steps of many lengths would cost it more than landing at the end of one gains */
   if (step->endless || !(step->changed || (first_order && touches))) return;
   for (int c = 0; c < 3; c++) v[c] = m.u[c] + offset[c];
   settle(&m, v);
+  hk_subtract(m.u, v, offset);
+  step->work = work_of(&m, x_free, u_free, m.x, m.u);
   step->changed = memcmp(step->x, m.x, sizeof m.x) != 0 || memcmp(step->v, v, sizeof v) != 0;
   hk_copy(step->x, m.x);
   hk_copy(step->v, v);

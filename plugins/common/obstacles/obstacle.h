@@ -10,8 +10,8 @@
  * it there to the end of the step, slows down by mu N while it slides, and stays where it is once that is more than
  * what moves it.
  *
- * Work is the change of kinetic energy in impacts, and force times way in contact. Moreau 1988, "Unilateral contact and
- * dry friction in finite freedom dynamics"; Brogliato, Nonsmooth Mechanics, 2016, chapters 2 and 4. */
+ * Work is the change of the energy at the end of the step, under the step's acceleration. Moreau 1988, "Unilateral
+ * contact and dry friction in finite freedom dynamics"; Brogliato, Nonsmooth Mechanics, 2016, chapters 2 and 4. */
 #ifndef HK_OBSTACLE_H
 #define HK_OBSTACLE_H
 

@@ -42,7 +42,21 @@ static double to_capsule(const double half[3], const double p[3], double n[3]) {
   return r - half[0];
 }
 
+/* From inside, a corner is where several faces meet: each has its own normal, and none leads along the diagonal. */
+static double to_nearest_face(const hk_shape *s, const double p[3], double n[3]) {
+  double rho = hypot(p[0], p[1]), radial = rho - s->half[0], best = -INFINITY;
+  bool box = s->kind == HK_SHAPE_BOX;
+  int face = 2;
+  for (int c = box ? 0 : 2; c < 3; c++)
+    if (fabs(p[c]) - s->half[c] > best) best = fabs(p[c]) - s->half[c], face = c;
+  bool wall = !box && radial > best;
+  for (int c = 0; c < 3; c++)
+    n[c] = wall ? (c == 2 ? 0 : rho > 0 ? p[c] / rho : c == 0) : c == face ? copysign(1, p[c]) : 0;
+  return wall ? radial : best;
+}
+
 static double outward(const hk_shape *s, const double p[3], double n[3]) {
+  if (s->hollow && (s->kind == HK_SHAPE_BOX || s->kind == HK_SHAPE_CYLINDER)) return to_nearest_face(s, p, n);
   switch (s->kind) {
   case HK_SHAPE_SPHERE:
     return to_sphere(p, s->half[0], n);

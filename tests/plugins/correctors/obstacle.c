@@ -288,7 +288,7 @@ static void a_resting_ball_does_not_jitter(void **state) {
     }
     print_message("rest,        %-18s speed up to %.1e m/s, %.1e m away in 10 s\n", methods[k].name, fastest, farthest);
     assert_true(fastest == 0 && farthest < 600 * 4e-15);
-    balanced(&b, methods[k].order > 1 ? 1e-12 : 0.1);
+    balanced(&b, methods[k].order > 1 ? 1e-11 : 0.1); /* 900 roundings of heights near 7 m, times the weight */
     test_engine_close(&b.e);
   }
 }
