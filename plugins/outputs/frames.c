@@ -188,11 +188,24 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status;
 }
 
-/* Who appears between two frames is taken to be born in the middle. */
-static void note_births(frames *f, const hk_view *view, double born) {
+/* Who appears between two frames is taken to be born in the middle. Returns how many are new. */
+static size_t note_births(frames *f, const hk_view *view, double born) {
+  size_t count = 0;
   for (size_t i = 0; i < view->n; i++)
-    if (f->seen[i] == 0) f->seen[i] = 1, f->birth[i] = born;
+    if (f->seen[i] == 0) f->seen[i] = 1, f->birth[i] = born, count++;
   f->last = view->t;
+  return count;
+}
+
+/* Where a run goes on, births before that are known only as far as the checkpoint has this output's fields. */
+static void note_first(frames *f, const hk_view *view) {
+  size_t count = note_births(f, view, 0);
+  if (count && view->t > 0 && f->film.look.paint == HK_PAINT_AGE)
+    f->host->warn(
+        f->host,
+        "age: %zu particles were born before t = %g s, nobody noted when: they are shown as old as the run; a "
+        "channel with the name age and rate = function() return 1 end keeps it",
+        count, view->t);
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
@@ -200,7 +213,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   hk_status status = choose_look(f, view->model);
   if (status != HK_OK) return status;
   make_plan(f);
-  note_births(f, view, 0);
+  note_first(f, view);
   f->fps = frame->fps / (double)f->every;
   f->changed = true;
   return hk_film_open(&f->film, view->host);
