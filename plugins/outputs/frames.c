@@ -67,7 +67,7 @@ static const hk_param params[] = {
      HK_CHOICE, {0}, 0, 0, offsetof(frames, particles), 0, "auto|on|off"},
     {"style", "", "lit spheres, soft discs (smoke, mist) or lights that add up (fire, stars); auto: spheres, soft streaks",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, style), 0, "auto|sphere|soft|glow"},
-    {"size", "", "auto, same, mass (radii as cube roots), or a channel, the radius in m; auto: the channel radius if any",
+    {"size", "", "auto, same, mass (radii as cube roots) or a channel of radii; auto: the channel radius, if no radius is given",
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
@@ -165,7 +165,14 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   hk_look *look = &f->film.look;
   look->springs = f->springs, look->particles = f->particles;
   look->streak = f->streak, look->y_up = f->up == Y_UP;
-  return hk_look_choose(look, f->host, m, &f->names, &f->film.label);
+  hk_look_names names = f->names;
+  bool one_size = !isnan(f->radius);
+  if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
+  hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
+  if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
+    return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
+                         names.size);
+  return status;
 }
 
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
