@@ -58,16 +58,16 @@ static const hk_param params[] = {
      HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
     {"up", "", "the axis that points up",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, up), 0, "z|y"},
-    {"outliers", "", "share of the particles that a chosen camera may leave out on each side, where they would make the "
-     "others small",
+    {"outliers", "", "share of the particles that a chosen camera may leave out on each side, where they would make "
+     "the others small",
      HK_NUMBER, {0.005}, 0, 0.2, offsetof(frames, outliers), 0, NULL},
     {"springs", "", "draw springs; auto: those with an end outside all triangles",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, springs), 0, "auto|on|off"},
     {"particles", "", "draw particles; auto: those outside all triangles, and pins",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, particles), 0, "auto|on|off"},
-    {"style", "", "lit spheres, soft discs (smoke, mist) or lights that add up (fire, stars); auto: spheres, soft streaks",
+    {"style", "", "lit spheres, soft discs (smoke) or lights that add up (fire, stars); auto: spheres, soft streaks",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, style), 0, "auto|sphere|soft|glow"},
-    {"size", "", "auto, same, mass (radii as cube roots), or a channel, the radius in m; auto: the channel radius if any",
+    {"size", "", "auto, same, mass (radii as cube roots) or a channel of radii; auto: the channel radius if no radius",
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
@@ -165,7 +165,14 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   hk_look *look = &f->film.look;
   look->springs = f->springs, look->particles = f->particles;
   look->streak = f->streak, look->y_up = f->up == Y_UP;
-  return hk_look_choose(look, f->host, m, &f->names, &f->film.label);
+  hk_look_names names = f->names;
+  bool one_size = !isnan(f->radius);
+  if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
+  hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
+  if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
+    return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
+                         names.size);
+  return status;
 }
 
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
@@ -188,11 +195,24 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status;
 }
 
-/* Who appears between two frames is taken to be born in the middle. */
-static void note_births(frames *f, const hk_view *view, double born) {
+/* Who appears between two frames is taken to be born in the middle. Returns how many are new. */
+static size_t note_births(frames *f, const hk_view *view, double born) {
+  size_t count = 0;
   for (size_t i = 0; i < view->n; i++)
-    if (f->seen[i] == 0) f->seen[i] = 1, f->birth[i] = born;
+    if (f->seen[i] == 0) f->seen[i] = 1, f->birth[i] = born, count++;
   f->last = view->t;
+  return count;
+}
+
+/* Where a run goes on, births before that are known only as far as the checkpoint has this output's fields. */
+static void note_first(frames *f, const hk_view *view) {
+  size_t count = note_births(f, view, 0);
+  if (count && view->t > 0 && f->film.look.paint == HK_PAINT_AGE)
+    f->host->warn(
+        f->host,
+        "age: %zu particles were born before t = %g s, nobody noted when: they are shown as old as the run; a "
+        "channel with the name age and rate = function() return 1 end keeps it",
+        count, view->t);
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
@@ -200,7 +220,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   hk_status status = choose_look(f, view->model);
   if (status != HK_OK) return status;
   make_plan(f);
-  note_births(f, view, 0);
+  note_first(f, view);
   f->fps = frame->fps / (double)f->every;
   f->changed = true;
   return hk_film_open(&f->film, view->host);

@@ -260,6 +260,11 @@ static void frames_refuse_what_makes_no_picture(void **state) {
   set_number(&w, "opacity", 2);
   expect_refusal(&w, "opacity: 2 is above 1; only style = \"glow\" can be stronger");
   world_open(&w, 1);
+  w.channel.size = 1;
+  set_text(&w, "size", "paint");
+  set_number(&w, "radius", 0.1);
+  expect_refusal(&w, "radius: the channel 'paint' has the radii; leave one of the two out");
+  world_open(&w, 1);
   set_text(&w, "unit", "K");
   expect_refusal(&w, "unit: only the numbers of a channel have none of their own");
   world_open(&w, 1);
