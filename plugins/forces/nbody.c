@@ -114,7 +114,7 @@ static hk_status gather(nbody *p, const hk_view *view) {
 
 static hk_status fail_coincident(const nbody *p, const hk_view *view) {
   uint32_t pair[2] = {0};
-  hk_direct_coincident(&p->bodies, pair);
+  hk_gravity_coincident(&p->bodies, pair);
   const double *x = view->x + 3 * (size_t)pair[0];
   const uint32_t *id = view->model->id;
   return p->host->fail(

@@ -108,15 +108,15 @@ static bool is_finite(const hk_pull *sum, size_t count) {
   return all == 0;
 }
 
-/* With softening 0 a body meets itself at its place, and nobody else. (Where something is not finite, it does not.) */
-static bool is_apart(const hk_gravity_bodies *g, const block *b, const hk_pull *sum) {
-  bool apart = true;
+/* With softening 0 a body meets itself at its place, and nobody else. (Where something is not finite, it does not.)
+ * Returns 1 + the first body that does; 0: none. */
+static size_t meeting(const hk_gravity_bodies *g, const block *b, const hk_pull *sum) {
   for (size_t l = 0; l < b->count && !(g->eps2 > 0); l++)
-    apart = apart && sum->zeros[l] <= (b->first + l >= b->begin && b->first + l < b->end);
-  return apart;
+    if (sum->zeros[l] > (b->first + l >= b->begin && b->first + l < b->end)) return 1 + b->first + l;
+  return 0;
 }
 
-static bool add_pull(const task *t, const block *b) {
+static size_t add_pull(const task *t, const block *b) {
   hk_gravity_bodies *g = t->g;
   hk_targets at;
   hk_pull sum = {0};
@@ -131,35 +131,42 @@ static bool add_pull(const task *t, const block *b) {
     double f = t->G * g->at.m[k] * (g->scale * g->scale);
     for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += f * sum.a[c][l];
   }
-  return is_apart(g, b, &sum);
+  return meeting(g, b, &sum);
 }
 
 static void force_blocks(void *context, size_t begin, size_t end, size_t chunk) {
   task *t = context;
-  bool apart = true;
+  size_t met = 0;
   for (size_t k = begin; k < end; k++) {
     block b = block_at(t->g, k);
-    apart = add_pull(t, &b) && apart;
+    size_t here = add_pull(t, &b);
+    if (met == 0) met = here;
   }
-  t->g->part[chunk] = apart ? 0 : 1;
+  t->g->part[chunk] = (double)met;
 }
 
 bool hk_direct_forces(hk_gravity_bodies *g, double G, double *F) {
   task t = {g, G, F};
   memset(g->part, 0, g->parts * sizeof *g->part);
-  size_t blocks = over_blocks(&t, force_blocks);
-  for (size_t k = 0; k < blocks; k++)
-    if (g->part[k] > 0) return false;
-  return true;
+  return hk_gravity_apart(g, over_blocks(&t, force_blocks));
 }
 
-bool hk_direct_coincident(const hk_gravity_bodies *g, uint32_t pair[2]) {
-  for (size_t j = 0; j < g->sources; j++)
-    for (size_t k = g->mutual ? j + 1 : g->sources; k < g->count; k++) {
-      pair[0] = g->order[j], pair[1] = g->order[k];
-      if (!(hk_gravity_distance(g, j, k) > 0)) return true;
-    }
-  return false;
+bool hk_gravity_apart(hk_gravity_bodies *g, size_t parts) {
+  g->met = 0;
+  for (size_t k = 0; k < parts && g->met == 0; k++) g->met = (size_t)g->part[k];
+  return g->met == 0;
+}
+
+void hk_gravity_coincident(const hk_gravity_bodies *g, uint32_t pair[2]) {
+  size_t k = g->met - 1;
+  double least = INFINITY;
+  pair[0] = pair[1] = g->order[k];
+  for (size_t j = 0; j < g->count; j++) {
+    double s = hk_gravity_distance(g, j, k);
+    if (j == k || !(s < least)) continue;
+    least = s;
+    pair[1] = g->order[j];
+  }
 }
 
 /* ---- the energy: every pair once, by its later body ---- */

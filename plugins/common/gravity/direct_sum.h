@@ -19,6 +19,7 @@ typedef struct hk_gravity_bodies {
   hk_bodies at;    /* count and a block: scaled places, and masses in kg */
   double scale;    /* 1/m */
   double eps2;     /* scaled square of the softening */
+  size_t met;      /* 1 + a body that is at the place of another one, by the last sum; 0: none */
   size_t parts;
   double *part; /* parts: of a sum, one per block or group of targets */
 } hk_gravity_bodies;
@@ -31,8 +32,10 @@ void hk_gravity_gather(hk_gravity_bodies *, const double *x, const double *mass,
 
 /* F += G m_i sum_j m_j d/s^3. False: with softening 0 two bodies are at one place; F is then not complete. */
 bool hk_direct_forces(hk_gravity_bodies *, double G, double *F);
-/* The two bodies; false: there are none. */
-bool hk_direct_coincident(const hk_gravity_bodies *, uint32_t pair[2]);
+/* The first such pair, which `met` has one of. */
+void hk_gravity_coincident(const hk_gravity_bodies *, uint32_t pair[2]);
+/* Sets `met` from the first `parts` of `part`; whether there are none. */
+bool hk_gravity_apart(hk_gravity_bodies *, size_t parts);
 double hk_direct_energy(hk_gravity_bodies *, double G); /* J, -G sum m_i m_j/s over pairs */
 /* pull[k] = G sum_j m_j/s^3 of body k, 1/s^2. */
 void hk_direct_stiffness(hk_gravity_bodies *, double G, double *pull);

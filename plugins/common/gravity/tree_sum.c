@@ -144,9 +144,9 @@ static bool is_finite(const job *j) {
   return all == 0;
 }
 
-bool hk_tree_pull(const hk_tree_pulls *t, size_t index, double (*a)[3]) {
+size_t hk_tree_pull(const hk_tree_pulls *t, size_t index, double (*a)[3]) {
   job j;
-  bool apart = true;
+  size_t met = 0;
   pull_group(&j, t, index);
   if (!is_finite(&j)) { /* estimates of roots may leave the range of floats, see direct_sum.c */
     hk_gravity_bodies plain = *t->g;
@@ -157,35 +157,34 @@ bool hk_tree_pull(const hk_tree_pulls *t, size_t index, double (*a)[3]) {
   }
   for (size_t l = 0; l < j.group.count; l++) {
     for (size_t c = 0; c < 3; c++) a[l][c] = j.pull[l / BLOCK].a[c][l % BLOCK];
-    apart = apart && j.pull[l / BLOCK].zeros[l % BLOCK] <= 1;
+    if (met == 0 && j.pull[l / BLOCK].zeros[l % BLOCK] > 1) met = 1 + j.group.first + l;
   }
-  return apart;
+  return met;
 }
 
 static void force_groups(void *context, size_t begin, size_t end, size_t chunk) {
   task *t = context;
   const hk_gravity_bodies *g = t->pulls.g;
-  bool apart = true;
+  size_t met = 0;
   for (size_t index = begin; index < end; index++) {
     size_t first = t->pulls.tree->group[index], count = t->pulls.tree->group[index + 1] - first;
     double a[HK_GROUP][3];
-    apart = hk_tree_pull(&t->pulls, index, a) && apart;
+    size_t here = hk_tree_pull(&t->pulls, index, a);
+    if (met == 0) met = here;
     for (size_t l = 0; l < count; l++) {
       double f = t->G * g->at.m[first + l] * (g->scale * g->scale);
       for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[first + l] + c] += f * a[l][c];
     }
   }
-  g->part[chunk] = apart ? 0 : 1;
+  g->part[chunk] = (double)met;
 }
 
 bool hk_tree_forces(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy, double G,
                     double *F) {
   task t = {hk_tree_pulls_of(tree, g, accuracy), G, F};
-  bool apart = true;
   memset(g->part, 0, g->parts * sizeof *g->part);
   over_groups(&t.pulls, force_groups, &t);
-  for (size_t k = 0; k < tree->groups; k++) apart = apart && !(g->part[k] > 0);
-  return apart || g->eps2 > 0;
+  return hk_gravity_apart(g, tree->groups);
 }
 
 /* ---- sums of one number: the group's own bodies apart from the others, since none acts on itself ---- */

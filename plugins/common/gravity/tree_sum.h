@@ -21,8 +21,9 @@ typedef struct hk_tree_pulls {
 } hk_tree_pulls;
 
 hk_tree_pulls hk_tree_pulls_of(hk_gravity_tree *, hk_gravity_bodies *, const hk_tree_accuracy *);
-/* a: sum of m d/s^3 for each body of a group, scaled. False: with softening 0 two bodies are at one place. */
-bool hk_tree_pull(const hk_tree_pulls *, size_t group, double (*a)[3]);
+/* a: sum of m d/s^3 for each body of a group, scaled. Returns 1 + a body that with softening 0 is at the
+ * place of another one, or 0. */
+size_t hk_tree_pull(const hk_tree_pulls *, size_t group, double (*a)[3]);
 
 /* As hk_direct_forces and the others, for all pairs. */
 bool hk_tree_forces(hk_gravity_tree *, hk_gravity_bodies *, const hk_tree_accuracy *, double G, double *F);
