@@ -19,7 +19,7 @@ typedef struct item {
 
 static void try_one(uint64_t random[4], size_t n, double dying, ptrdiff_t shift) {
   item memory[ROOM], wanted[ROOM], *from = memory + MOST, *to = from + shift;
-  uint32_t map[MOST], next = 0;
+  uint32_t map[MOST] = {0}, next = 0;
   for (uint32_t k = 0; k < ROOM; k++) memory[k] = wanted[k] = (item){k, k + 1, ~k};
   for (size_t i = 0; i < n; i++) map[i] = hk_random_uniform(random) < dying ? UINT32_MAX : next++;
   for (size_t i = 0; i < n; i++)
