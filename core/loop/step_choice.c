@@ -168,7 +168,8 @@ hk_status hk_step_review_births(hk_step_choice *c, hk_dynamics *d, size_t births
     }
   c->turnover += births + deaths;
   bool another = TURNOVER * c->turnover >= model->n;
-  if (another && !lighter && c->watch.allowed.covered) { /* what the forces state tells whether it is stiffer */
+  bool stated = c->watch.allowed.covered && !(c->spectrum.w_switching > 0); /* contact is there at some times only */
+  if (another && !lighter && stated) {
     c->watch.next = 0;
     c->turnover = 0;
     return HK_OK;

@@ -23,7 +23,7 @@ static void births_append_new_ids_and_keep_the_old(void **state) {
   test_engine e;
   test_engine_open(&e);
   chain(&e, 3);
-  hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
   test_number(&e, emitter, "every", 0.25);
   e.options.dt = 1.0 / 64;
   e.scene->fps = 4;
@@ -41,7 +41,7 @@ static void deaths_close_ranks_and_take_their_springs(void **state) {
   test_engine e;
   test_engine_open(&e);
   hk_plugin_spec *springs = chain(&e, 5);
-  hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
   test_number(&e, emitter, "every", 100);
   test_number(&e, emitter, "lifetime", 0.4);
   e.options.dt = 1.0 / 64;
@@ -69,7 +69,7 @@ static void strangers_do_not_disturb(void **state) {
     test_engine_open(&e);
     chain(&e, 4);
     e.scene->position[0] = -0.5;
-    if (births) test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:emitter"), "every", 10);
+    if (births) test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:spout"), "every", 10);
     e.options.integrator = "symplectic_euler"; /* keeps no history that a birth would restart */
     e.options.dt = 1.0 / 480;
     test_run(&e);
@@ -85,10 +85,10 @@ static void newborn_without_mass_is_refused(void **state) {
   test_engine e;
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1);
-  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:emitter"), "mass", -1);
+  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:spout"), "mass", -1);
   test_run(&e);
   assert_int_equal(hk_run_advance(e.run, 1, &e.error), HK_FAILED);
-  assert_non_null(strstr(e.error.text, "emitter: a newborn's mass must be positive"));
+  assert_non_null(strstr(e.error.text, "spout: a newborn's mass must be positive"));
   test_engine_close(&e);
 }
 
@@ -97,7 +97,7 @@ static void a_scene_may_begin_empty_with_a_source(void **state) {
   test_engine e;
   test_engine_open(&e);
   test_plugin(&e, HK_FORCE, "gravity");
-  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:emitter"), "every", 0.1);
+  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:spout"), "every", 0.1);
   test_run(&e);
   test_advance(&e, 1);
   assert_int_equal(hk_run_view(e.run)->n, 10);

@@ -47,7 +47,7 @@ static void moved_by_a_corrector(test_engine *e) {
 static void fed_by_a_source(test_engine *e) {
   two_particles(e);
   spring(e, 100);
-  test_number(e, test_plugin(e, HK_SOURCE, "fixture:emitter"), "every", 0.6);
+  test_number(e, test_plugin(e, HK_SOURCE, "fixture:spout"), "every", 0.6);
 }
 
 static void adaptive(test_engine *e) {

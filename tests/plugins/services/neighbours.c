@@ -272,7 +272,7 @@ static void the_summary_knows_the_time_of_the_search(void **state) {
 /* Fountains above the fluid, far enough from each other and in time that nobody is born onto another. */
 static void add_fountains(fluid *f, double lifetime) {
   for (int k = 0; k < 3; k++) {
-    hk_plugin_spec *emitter = test_plugin(&f->e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *emitter = test_plugin(&f->e, HK_SOURCE, "fixture:spout");
     test_number(&f->e, emitter, "every", 1.3);
     test_vector(&f->e, emitter, "position", 3 * k, 2, 9);
     if (k == 0) test_number(&f->e, emitter, "lifetime", lifetime);
@@ -508,7 +508,7 @@ static void a_newborn_shortens_the_very_first_step(void **state) {
     hk_summary s;
     open_fluid(&f, 2, 30, 0);
     test_number(&f.e, f.pairs, "courant", 0.005);
-    hk_plugin_spec *emitter = test_plugin(&f.e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *emitter = test_plugin(&f.e, HK_SOURCE, "fixture:spout");
     test_number(&f.e, emitter, "every", 10);
     test_vector(&f.e, emitter, "position", 10, 10, 10);
     f.e.options.integrator = methods[k];
