@@ -1,5 +1,5 @@
-/* What births and deaths cost at a million particles: 250,000 are born and as many die per second, about a thousand in a
- * step of 1/240 s. Beside the times of the emitter alone and of the emitter with what the host does for births and
+/* What births and deaths cost at a million particles: 250,000 are born and as many die per second, about a thousand in
+ * a step of 1/240 s. Beside the times of the emitter alone and of the emitter with what the host does for births and
  * deaths, the step of the same particles without a source. Least of several parts of the runs, which take turns. */
 #include "core/base/base.h"
 #include "tests/support/engine.h"
@@ -28,7 +28,8 @@ static void add_forces(bench *b, int which) {
   if (which > 1) test_number(&b->e, test_plugin(&b->e, HK_FORCE, "central"), "strength", 1);
 }
 
-/* Where `source`, bursts of the ages that a stream would have fill the scene at once: particles die from the start on. */
+/* Where `source`, bursts of the ages that a stream would have fill the scene at once: particles die from the start on.
+ */
 static void open_bench(bench *b, bool source, int forces, int threads) {
   *b = (bench){.best = INFINITY, .best_emitter = INFINITY};
   test_engine_open(&b->e);
