@@ -227,7 +227,7 @@ static void the_slip_outlives_searches_births_and_deaths(void **state) {
     test_engine e;
     perch(&e, way == 1 ? 0 : 0.1); /* 1: pairs are searched for at every evaluation */
     if (way == 2) {                /* births and deaths at every tenth step */
-      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
       test_number(&e, emitter, "every", 2e-3);
       test_number(&e, emitter, "lifetime", 0.07);
       test_vector(&e, emitter, "position", 0, 50, 0);

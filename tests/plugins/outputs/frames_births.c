@@ -9,7 +9,7 @@ static const char scene[] =
     "local scene = hooke.scene { duration = 1, fps = 20, integrator = 'leapfrog', dt = 0.005 }\n"
     "scene:channel('clock', { rate = function() return 1 end })\n"
     "scene:particle { position = { 0.3, 0, 0 }, mass = 1 }\n"
-    "scene:source('" HK_BUILD "/tests/fixtures/emitter.so', { every = 0.04, lifetime = 0.3 })\n"
+    "scene:source('" HK_BUILD "/tests/fixtures/spout.so', { every = 0.04, lifetime = 0.3 })\n"
     "scene:output('frames', { width = 160, height = 90, video = false, legend = false, color = color, map = 'grey',\n"
     "  range = { 0, 1 }, radius = 0.06, camera = { 0, -3, 0.5 }, target = { 0, 0, 0.5 }, ground = false })\n"
     "if part == 'whole' then return scene end\n"
