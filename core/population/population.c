@@ -100,7 +100,7 @@ static int by_birth(const void *a, const void *b) {
 /* Ids by the time of birth; those that died meanwhile are dropped. */
 static void name_newborns(hk_population_change *c) {
   size_t living = 0;
-  qsort(c->birth, c->births, sizeof *c->birth, by_birth);
+  if (c->births) qsort(c->birth, c->births, sizeof *c->birth, by_birth);
   for (size_t b = 0; b < c->births; b++) {
     hk_newborn *newborn = &c->birth[b];
     newborn->given = c->state->next_id++;

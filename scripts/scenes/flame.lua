@@ -29,6 +29,7 @@ scene:measure("mean K", function(s)
   for _, id in ipairs(s:ids()) do sum = sum + s:channel("temperature", id) end
   return s.n > 0 and sum / s.n or air
 end)
-scene:output("frames", { width = 1280, height = 720, color = "temperature", range = { 500, hot }, radius = 0.02,
-  camera = { 0, -3.4, 0.7 }, target = { 0, 0, 0.6 }, background = { 0.02, 0.02, 0.03 }, ground = false })
+scene:output("frames", { width = 1280, height = 720, color = "temperature", unit = "K", range = { 500, hot },
+  map = "fire", style = "glow", size = "radius", camera = { 0, -3.4, 0.7 }, target = { 0, 0, 0.6 }, ground = false,
+  background = { 0.02, 0.02, 0.03 } })
 return scene

@@ -1,5 +1,5 @@
--- smoke.lua: puffs of warm smoke rise from a chimney, spread as they age and are carried away by the wind, in which they
--- come to rest. Each puff cools towards the air around it, and its lift goes with its heat. Colours: temperature.
+-- smoke.lua: puffs of warm smoke rise from a chimney, spread as they age, and are carried away and rolled up by gusty
+-- wind. Each puff cools towards the air around it, and its lift goes with its heat. Colours: temperature.
 local rate = param("rate", 3500, "puffs per second", { min = 1, max = 1e6 })
 local wind = param("wind", 1.3, "speed of the wind, m/s", { min = 0 })
 
@@ -16,17 +16,18 @@ scene:force("relax", { channel = "temperature", rate = 0.7, target = { air } })
 scene:force("relax", { channel = "radius", growth = 0.03, label = "spreads" })
 scene:force("buoyancy", { ambient = air })
 
--- The drag of air that moves with w is that of air at rest and a uniform push, -rate m (v - w); gusts come from the side.
-scene:force("drag", { rate = drag })
-scene:force("gravity", { label = "wind", g = function(t)
-  return drag * wind * (1 + 0.4 * math.sin(1.7 * t)), drag * wind * 0.5 * math.sin(2.9 * t), 0
-end })
+-- The air moves in gusts, and whirls about a line that drifts with them.
+scene:force("wind", { on = "particles", rate = drag,
+  velocity = hooke.gust { mean = { wind, 0, 0 }, amplitude = { 0.4, 0.4, 0.1 }, shortest = 1.2, seed = 5 } })
+scene:force("vortex", { strength = 3, core = 0.5, axis = { 0, 1, 0 }, rate = drag, relative = false,
+  center = function(t) return wind * (t - 1), 0, 2.4 end })
 
 scene:measure("height", function(s)
   local sum = 0
   for _, id in ipairs(s:ids()) do sum = sum + s:position(id)[3] end
   return s.n > 0 and sum / s.n or 0
 end)
-scene:output("frames", { width = 1280, height = 720, color = "temperature", range = { air, hot }, radius = 0.03,
-  camera = { 1.2, -9.5, 2 }, target = { 2.1, 0, 2.1 }, ground_height = 0 })
+scene:output("frames", { width = 1280, height = 720, color = "temperature", unit = "K", range = { 250, hot },
+  map = "grey", style = "soft", size = "radius", opacity = 0.12, camera = { 1.2, -9.5, 2 }, target = { 2.1, 0, 2.1 },
+  ground_height = 0 })
 return scene

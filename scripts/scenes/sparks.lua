@@ -32,6 +32,6 @@ scene:measure("lowest", function(state)
   for id = 1, n do low = math.min(low, state:position(id)[3]) end
   return low
 end)
-scene:output("frames", { width = 1280, height = 720, color = "speed", range = { 0, 8 }, particles = "on", radius = 0.008,
-  ground_height = 0, camera = { 0.4, -7.5, 2.2 }, target = { 0.9, 0, 0.95 } })
+scene:output("frames", { width = 1280, height = 720, color = "speed", range = { 0, 8 }, map = "fire", style = "glow",
+  streak = 0.02, radius = 0.008, ground_height = 0, camera = { 0.4, -6, 2 }, target = { 0.9, 0, 0.9 } })
 return scene
