@@ -1,6 +1,7 @@
 # make            builds hooke and its plugins       make run      simulates a cloth, with pictures in out/cloth
 # make test       builds and runs every test         make bench    the programs of tests/bench (minutes)
 # make study      the programs of tests/study (hours)
+# make fuzz       random input, SECONDS=60 of each kind of tests/fuzz, SEED=1 or another; best with SANITIZE=1
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
 # make install    PREFIX=/usr/local DESTDIR=
 #
@@ -108,7 +109,7 @@ endif
 
 .DELETE_ON_ERROR:
 .SECONDARY:
-.PHONY: all check build test-programs run test bench study clean format lint install
+.PHONY: all check build test-programs run test fuzz bench study clean format lint install
 
 all: build
 build: $B/hooke $(plugins) $(defaults) $(modules)
@@ -131,6 +132,14 @@ test:
 	$(again) test-programs
 	@HK_ROOT="$(CURDIR)" HK_BUILD="$(CURDIR)/$B" tests/run $B $(if $(ONLY),--only "$(ONLY)") $(tests)
 test-programs: build $(fixtures) $(tests)
+
+SECONDS := 60
+SEED    := $(shell date +%s)
+fuzz:
+	@CC="$(CC)" tools/install-deps test
+	$(again) build $(fixtures)
+	@lua=$$(command -v lua5.4 || command -v lua54 || command -v lua); failed=0; for kind in tests/fuzz/*.lua; do \
+	  HK_ROOT="$(CURDIR)" HK_BUILD="$(CURDIR)/$B" $$lua $$kind --seconds $(SECONDS) --seed $(SEED) || failed=1; done; exit $$failed
 
 bench:
 	@CC="$(CC)" tools/install-deps run

@@ -98,7 +98,8 @@ typedef enum hk_type {
   HK_EDGES,      /* hk_tuples of arity 2 */
   HK_TRIANGLES,  /* hk_tuples of arity 3 */
   HK_TETRAHEDRA, /* hk_tuples of arity 4: tetrahedra, hinges */
-  HK_PER_TUPLE   /* hk_per_tuple: a number, or one per tuple of the list that `text` names; NULL: the table's first */
+  HK_PER_TUPLE,  /* hk_per_tuple: a number, or one per tuple of the list that `text` names; NULL: the table's first */
+  HK_FUNCTION    /* const hk_function *: for host->call; NULL when not given */
 } hk_type;
 
 enum {                  /* hk_param.flags */
@@ -118,7 +119,8 @@ typedef struct hk_param {
   double min, max;
   size_t offset; /* offsetof(instance, field) */
   unsigned flags;
-  const char *text; /* HK_STRING: default or NULL; HK_CHOICE: the choices; HK_PER_TUPLE: the name of the list */
+  const char *text; /* HK_STRING: default or NULL; HK_CHOICE: the choices; HK_PER_TUPLE: the name of the list;
+                       HK_FUNCTION: "function(t, x, id) -> f", t first and a particle's id last */
 } hk_param;
 
 /* ---- Evolving state of a plugin -------------------------------------------------------------------------------- */
@@ -133,7 +135,7 @@ typedef enum hk_field_type {
   HK_FIELD_NUMBER,       /* double */
   HK_FIELD_INTEGER,      /* int64_t */
   HK_FIELD_PER_PARTICLE, /* double *: n x width, zeroed at birth */
-  HK_FIELD_STATE, /* double *: width vectors of the shape of X (system->size doubles each); zeroed when n changes */
+  HK_FIELD_STATE, /* double *: width vectors of the shape of X (system->size doubles each); void when n changes */
   HK_FIELD_ARRAY  /* hk_array of items of `width` bytes; items should name particles by id, which never changes */
 } hk_field_type;
 
@@ -155,7 +157,8 @@ typedef struct hk_field {
 /* ---- The view of the state --------------------------------------------------------------------------------------- */
 
 typedef struct hk_host hk_host;
-typedef struct hk_model hk_model; /* core/plugin/model.h: masses, ids, groups, pins, channels, edges, elements */
+typedef struct hk_function hk_function; /* of the scene's script */
+typedef struct hk_model hk_model;       /* core/plugin/model.h: masses, ids, groups, pins, channels, edges, elements */
 
 typedef struct hk_view {
   double t;        /* s */
@@ -197,6 +200,8 @@ struct hk_host {
   /* Changes the length of a field HK_FIELD_ARRAY of this instance: items are kept, new ones zeroed. HK_NO_MEMORY: the
    * field does not change. Must not be called during evaluations. */
   hk_status (*resize)(const hk_host *, hk_array *field, size_t count);
+  /* Calls a function of the script, which has to give n_out finite numbers; never from a body of parallel_for. */
+  hk_status (*call)(const hk_host *, const hk_function *, const double *in, size_t n_in, double *out, size_t n_out);
 };
 
 /* ---- The plugin ------------------------------------------------------------------------------------------------ */

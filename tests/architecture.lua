@@ -11,8 +11,8 @@ local source_graph = require("source_graph")
 -- ---- what is allowed ----
 
 -- An arrow goes from a room to itself or to one further up in this list.
-local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "dynamics", "loop",
-  "judge", "storage", "report", "run", "lua", "tools", "command" }
+local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "dynamics",
+  "population", "loop", "judge", "storage", "report", "run", "lua", "tools", "command" }
 local most_files = 20
 local small_core_below = 3500 -- lines
 local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/", "^core/dynamics/" }
@@ -27,13 +27,16 @@ local further_headers = {}
 -- Plugins that are called by an ordinary word: what the word means in core/.
 local ordinary_words = {
   code = {
-    table = "a table of Lua or of parameters", frames = "the frames of a run",
+    table = "a table of Lua or of parameters", frames = "the frames of a run", field = "a row of a table of fields",
     neighbours = "the interface of that service, which is part of the ABI",
-    checkpoint = "the file of a run that goes on",
+    checkpoint = "the file of a run that goes on", relax = "to give a processor a rest",
+    midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
   },
   comment = {
+    octree = "the tree of cells",
     neighbours = "particles, or entries of a list, beside each other",
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
+    field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },

@@ -10,6 +10,8 @@
 local argparse = require("argparse")
 local methods = require("common.bench.methods")
 local benchmark = require("common.bench.benchmark")
+local command_line = require("common.run.command_line")
+local files = require("common.run.file")
 local process = require("process")
 local journal = require("common.bench.journal")
 local case_process = require("common.run.case_process")
@@ -23,9 +25,10 @@ local function parser()
   local p = argparse("hooke auto", "Chooses an integrator and its step by measuring.")
   p:argument("scene", "the scene's script")
   p:argument("params", "name=value: parameters of the scene"):args("*")
-  p:option("--accuracy", "of the positions, RMS, m"):convert(tonumber)
-  p:option("--until", "end of the run, s"):target("until_"):convert(tonumber)
-  p:option("--budget", "s that measuring may take, about"):default("6"):convert(tonumber)
+  p:option("--accuracy", "of the positions, RMS, m"):convert(command_line.number("--accuracy"))
+  p:option("--until", "end of the run, s"):target("until_"):convert(command_line.number("--until"))
+  p:option("--budget", "s that measuring may take, about"):default("6")
+    :convert(command_line.number("--budget"))
   p:flag("--again", "measure even if a choice is on file")
   p:flag("--quiet", "say nothing")
   p:flag("--trust", "the scene is trusted")
@@ -33,8 +36,7 @@ local function parser()
 end
 
 local function complain(format, ...)
-  io.stderr:write("hooke: auto: ", format:format(...), "\n")
-  return 1
+  return command_line.complain("auto", format:format(...))
 end
 
 -- ---- the stored choice ----
@@ -57,8 +59,8 @@ end
 local function store_choice(path, choice)
   if not path then return end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
-  local fine, why = journal.write(path, journal.json.encode(choice) .. "\n")
-  if not fine then io.stderr:write("hooke: auto: the choice is not kept: ", why, "\n") end
+  local fine, why = files.write(path, journal.json.encode(choice) .. "\n")
+  if not fine then complain("the choice is not kept: %s", why) end
 end
 
 -- ---- the length of the benchmark ----
@@ -193,7 +195,8 @@ local function measure(o)
 end
 
 local function main()
-  local o = parser():parse(arg)
+  local o = command_line.parse("auto", parser())
+  if not o then return 1 end
   local params = {}
   for _, word in ipairs(o.params) do
     local name, value = word:match("^([%w_]+)=(.*)$")

@@ -9,24 +9,28 @@
 -- wall time of the time loop, the median of repeats, of which the first warms the machine up.
 local argparse = require("argparse")
 local benchmark = require("common.bench.benchmark")
+local command_line = require("common.run.command_line")
 local process = require("process")
 local progress = require("common.run.progress")
 local journal = require("common.bench.journal")
 local report = require("common.bench.report")
+
+local number = command_line.number
 
 local function parser()
   local p = argparse("hooke bench", "What accuracy costs in a scene, with every integrator that fits it.")
   p:argument("scene", "the scene's script")
   p:argument("params", "name=value: parameters of the scene"):args("*")
   p:option("--integrators", "only these: a,b,c; a name may have settings, xpbd:substeps=20")
-  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(tonumber)
-  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(tonumber)
+  p:option("--target", "the error to compare costs at"):default("1e-3"):convert(number("--target"))
+  p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(number("--finest"))
   p:option("--metric", "x (m) or v (m/s): root mean square over the particles, then over the frames; energy; or a "
     .. "measure of the scene"):default("x")
-  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(tonumber)
-  p:option("--budget", "s for all of it, about"):default("120"):convert(tonumber)
-  p:option("--threads", "of each run"):default("1"):convert(math.tointeger)
-  p:option("--jobs", "processes at once for the reference (timed runs are alone)"):convert(math.tointeger)
+  p:option("--until", "end of the runs, s (the scene's duration)"):target("until_"):convert(number("--until"))
+  p:option("--budget", "s for all of it, about"):default("120"):convert(number("--budget"))
+  p:option("--threads", "of each run"):default("1"):convert(command_line.whole("--threads"))
+  p:option("--jobs", "processes at once for the reference (timed runs are alone)")
+    :convert(command_line.whole("--jobs"))
   p:option("--out", "where the results go (out/bench/SCENE)")
   p:flag("--trust", "the scene may use plugins beside it")
   p:flag("--quiet", "no progress")
@@ -34,8 +38,12 @@ local function parser()
 end
 
 local function complain(format, ...)
-  io.stderr:write("hooke: bench: ", format:format(...), "\n")
-  return 1
+  return command_line.complain("bench", format:format(...))
+end
+
+local function refuse_file(why)
+  complain("%s", why)
+  return 4
 end
 
 local function params_of(list)
@@ -163,12 +171,12 @@ local function draw(b, out)
 end
 
 local function write_all(b, o, out)
-  assert(report.csv(b.methods, b.goal, out .. "/bench.csv"))
-  assert(report.json(b.methods, b.goal, more_of(b, o), out .. "/bench.json"))
-  local fine, why = draw(b, out)
+  local fine, why = report.csv(b.methods, b.goal, out .. "/bench.csv")
+  if fine then fine, why = report.json(b.methods, b.goal, more_of(b, o), out .. "/bench.json") end
+  if not fine then return refuse_file(why) end
+  fine, why = draw(b, out)
   print(("wrote %s/bench.csv, bench.json%s"):format(out, fine and ", bench.png, bench.svg" or ""))
-  if not fine then io.stderr:write("hooke: bench: ", why, "\n") end
-  return fine and 0 or 4
+  return fine and 0 or refuse_file(why)
 end
 
 -- ---- the whole command ----
@@ -179,7 +187,8 @@ local function fingerprint(o)
 end
 
 local function main()
-  local o = parser():parse(arg)
+  local o = command_line.parse("bench", parser())
+  if not o then return 1 end
   local why
   o.params, why = params_of(o.params)
   if not o.params then return complain("%s", why) end
@@ -190,8 +199,9 @@ local function main()
   if not b then return complain("%s", why) end
   local name = o.scene:match("([^/]+)%.lua$") or o.scene
   local out = o.out or "out/bench/" .. name
-  if not make_folder(out) then return complain("the folder %s cannot be made", out) end
-  b.record = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
+  if not make_folder(out) then return refuse_file(("the folder %s cannot be made"):format(out)) end
+  b.record, why = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
+  if not b.record then return refuse_file(why) end
   local bar, phase = progress.new { what = "bench " .. name, quiet = o.quiet }, nil
   if b.record.count > 0 then bar:say(("taking up %d runs of an interrupted bench"):format(b.record.count)) end
   b.each = function(case, result)
@@ -205,7 +215,8 @@ local function main()
   if not fine then return complain("%s", why) end
   print_all(b)
   local code = write_all(b, o, out)
-  b.record:remove()
+  if b.record.failed then complain("an interrupted bench could not have been taken up: %s", b.record.failed) end
+  if code == 0 then b.record:remove() end
   return code
 end
 

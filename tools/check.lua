@@ -1,16 +1,15 @@
 -- hooke check PLUGIN.so [name=value ...] [--scene FILE] [--seconds N] [--only TEXT]: is this plugin right? Each property
--- is tried in a process of its own, of N seconds at most (default 20): a crash, a hang, an exit and output are findings
--- like a wrong figure. One line for each property, with the figure and its bound; below one that is WRONG where it was
--- seen, and what to do. The exit code is 1 when one is. name=value sets parameters of the plugin; with --scene the plugin
--- is checked as that script has it, beside the scenes made here; --only tries the properties with TEXT in their name.
+-- is tried in a process of its own, N seconds at most for each of its scenes (default 20): a crash, a hang, an exit and
+-- output are findings like a wrong figure. One line for each property, with the figure and its bound; below one that is
+-- WRONG where it was seen, and what to do. The exit code is 1 when one is. name=value sets parameters of the plugin; with
+-- --scene the plugin is checked as that script has it, beside the scenes made here; --only tries the properties with TEXT
+-- in their name.
 -- What there is to try of a kind is in common/check/KIND.lua.
+local command_line = require("common.run.command_line")
 local process = require("process")
 local reports = require("common.check.report")
 
-local function fail(message)
-  io.stderr:write("hooke: check: " .. message .. "\n")
-  return 1
-end
+local function fail(message) return command_line.complain("check", message) end
 
 local options = { ["--scene"] = "scene", ["--seconds"] = "seconds", ["--only"] = "only" }
 

@@ -1,13 +1,11 @@
 -- hooke explain SCENE.lua [name=value ...]: prints the plugins that will be loaded, sizes, stiffness, and the stable
 -- step per integrator. With --cost: the cost and the effect of each force, constraint, corrector and source
 -- (common/cost/cost.lua).
+local command_line = require("common.run.command_line")
 local json = require("cjson").new()
 json.encode_invalid_numbers("null")
 
-local function fail(message)
-  io.stderr:write("hooke: " .. message .. "\n")
-  return 1
-end
+local function fail(message) return command_line.complain("explain", message) end
 
 -- ---- the command line ----
 

@@ -1,11 +1,10 @@
 -- hooke new KIND NAME: writes NAME.c, the shortest complete plugin of that kind (force, constraint, corrector, source,
 -- integrator, solver, output, service), and NAME.lua, its test, into this folder. The templates are in templates/.
+local command_line = require("common.run.command_line")
+local results = require("common.run.file")
 local kind, name = arg[1], arg[2]
 
-local function fail(text)
-  io.stderr:write("hooke: new: " .. text .. "\n")
-  return 1
-end
+local function fail(text) return command_line.complain("new", text) end
 
 local function read(path)
   local file = io.open(path, "r")
@@ -34,10 +33,11 @@ for _, f in ipairs(files) do
   if read(f[1]) then return fail(f[1] .. " exists already; it is left as it is") end
 end
 for _, f in ipairs(files) do
-  local file, message = io.open(f[1], "w")
-  if not file then return fail(message) end
-  local written, why = file:write((f[2]:gsub("NAME", name)))
-  if not written or not file:close() then return fail(("cannot write %s: %s"):format(f[1], why or "disk full?")) end
+  local fine, why = results.write(f[1], (f[2]:gsub("NAME", name)))
+  if not fine then
+    fail(why)
+    return 4
+  end
 end
 
 print((([[wrote NAME.c and NAME.lua. Build it, try it, test it:

@@ -1,4 +1,5 @@
 -- hooke plugins [NAME]: prints the catalogue, or of one plugin its parameters, units, defaults, formula and source.
+local command_line = require("common.run.command_line")
 local list, failed = hooke.catalogue()
 
 local function default(p)
@@ -14,13 +15,14 @@ local function default(p)
       k = k + 1
     end
   end
+  if p.type == "function" then return "-" end
   local lists = { particles = true, edges = true, triangles = true, tetrahedra = true, numbers = true }
   if lists[p.type] then return "{}" end
   return ("%g"):format(p.initial[1])
 end
 
 local function range(p)
-  if not p.min then return p.type == "choice" and p.text or "" end
+  if not p.min then return (p.type == "choice" or p.type == "function") and p.text or "" end
   return p.max <= p.min and (">= %g"):format(p.min) or p.max == math.huge and (">= %g"):format(p.min)
     or ("%g to %g"):format(p.min, p.max)
 end
@@ -71,6 +73,5 @@ for _, plugin in ipairs(list) do
 end
 if found then return 0 end
 local near = hooke.nearest(name, names)
-io.stderr:write(("hooke: there is no plugin '%s'%s\n"):format(name,
+return command_line.complain("plugins", ("there is no plugin '%s'%s"):format(name,
   near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins"))
-return 1

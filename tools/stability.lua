@@ -3,6 +3,8 @@
 -- hooke stability --hard [DIR]    the corpus of hard cases with every integrator
 -- The methods of measurement are described in stability_region.lua, largest_step.lua and hard.lua of common/stability.
 local argparse = require("argparse")
+local command_line = require("common.run.command_line")
+local files = require("common.run.file")
 local json = require("cjson").new()
 local lfs = require("lfs")
 local process = require("process")
@@ -10,8 +12,7 @@ local process = require("process")
 json.encode_invalid_numbers(true)
 
 local function fail(message)
-  io.stderr:write("hooke: stability: " .. message .. "\n")
-  return 1
+  return command_line.complain("stability", message)
 end
 
 -- ---- the command line ----
@@ -26,7 +27,7 @@ local function parser_of()
   local p = argparse("hooke stability", "Largest stable steps, measured; and the corpus of hard cases (--hard).")
   p:argument("scene", "a scene, then name=value; with --hard the folder of cases (tests/hard)"):args("*")
   p:option("--integrators", "only these: a,b,c"):convert(split)
-  p:option("-j --jobs", "processes at a time"):convert(tonumber)
+  p:option("-j --jobs", "processes at a time"):convert(command_line.whole("-j"))
   p:option("--out", "folder for table and pictures (out/stability)")
   p:option("--over", "a ladder: NAME=VALUE,VALUE,...; may be repeated"):count("*")
   p:option("--csv", "also write the rows to this file")
@@ -37,13 +38,13 @@ local function parser_of()
   p:flag("--reasons", "with --hard: say of every run how it ended")
   p:option("--case", "with --hard: only this case; may be repeated"):count("*")
   p:option("--part", "with --hard: K/N, every N-th run, beginning with the K-th")
-  p:option("--timeout", "with --hard: seconds that a run may take"):convert(tonumber)
+  p:option("--timeout", "with --hard: seconds that a run may take"):convert(command_line.number("--timeout"))
   return p
 end
 
 local function parse()
   local fine, o = parser_of():pparse(arg)
-  if not fine then return nil, o end
+  if not fine then return nil, o .. "; see: hooke stability --help" end
   o.given = {}
   for _, word in ipairs(o.scene) do
     local name, value = word:match("^([%a_][%w_]*)=(.*)$")
@@ -52,7 +53,6 @@ local function parse()
     else o.path = word end
   end
   if next(o.given) and (o.hard or not o.path) then return nil, "name=value is for a scene" end
-  if o.jobs and not (o.jobs >= 1 and math.tointeger(o.jobs)) then return nil, "-j: not a whole number above 0" end
   o.jobs = o.jobs or process.processors()
   o.out = o.out or "out/stability"
   return o
@@ -102,13 +102,6 @@ local function csv_of(columns, rows)
     lines[#lines + 1] = table.concat(cells, ",")
   end
   return table.concat(lines, "\n") .. "\n"
-end
-
-local function write(path, text)
-  local file, why = io.open(path, "w")
-  if not file then return nil, why end
-  local fine = file:write(text)
-  return file:close() and fine, path .. " cannot be written"
 end
 
 -- ---- the corpus ----
@@ -180,8 +173,8 @@ local function run_hard(o)
   local rows = {}
   for k, cell in ipairs(cells) do rows[k] = hard.row(cell) end
   if o.csv then
-    local fine, reason = write(o.csv, csv_of(hard.columns, rows))
-    if not fine then io.stderr:write("hooke: stability: " .. reason .. "\n") return 4 end
+    local fine, reason = files.write(o.csv, csv_of(hard.columns, rows))
+    if not fine then fail(reason) return 4 end
   end
   return hard.counts(cells).failed > 0 and 1 or 0
 end
@@ -201,20 +194,20 @@ local function ready_folder(path)
 end
 
 local function report_write_error(message)
-  io.stderr:write("hooke: stability: " .. message .. "\n")
+  fail(message)
   return 4
 end
 
 -- Writes the rows as CSV and, on request, JSON; returns nil on success, otherwise the exit code.
 local function write_rows(o, name, columns, rows)
   local fine, refused = ready_folder(o.out)
-  if fine then fine, refused = write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
+  if fine then fine, refused = files.write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
   if o.json then print(json.encode(rows)) end
   if not fine then return report_write_error(refused) end
 end
 
 local function say_pictures(o, name, drawn, refused)
-  if not drawn then io.stderr:write("hooke: stability: " .. refused .. "\n")
+  if not drawn then fail(refused)
   elseif not o.json then print(("\nwrote %s/%s.csv, .png and .svg"):format(o.out, name)) end
 end
 
@@ -230,7 +223,7 @@ local function run_linear(o)
   if code then return code end
   say_pictures(o, "linear", stability_region.draw(o.out .. "/linear", plugins))
   local wrong = stability_region.overstated(rows)
-  for _, line in ipairs(wrong) do io.stderr:write("hooke: stability: " .. line .. "\n") end
+  for _, line in ipairs(wrong) do fail(line) end
   return #wrong > 0 and 1 or 0
 end
 
@@ -264,7 +257,7 @@ local function run_scene(o)
   if code then return code end
   say_pictures(o, "limits", largest_step.draw(o.out .. "/limits", tasks))
   local wrong = largest_step.wrong(tasks)
-  for _, line in ipairs(wrong) do io.stderr:write("hooke: stability: " .. line .. "\n") end
+  for _, line in ipairs(wrong) do fail(line) end
   return #wrong > 0 and 1 or 0
 end
 

@@ -2,6 +2,7 @@
 -- integrators and steps; every case runs in a process of its own, and its result is stored in a database at once.
 local child = require("common.sweep.child")
 local command = require("common.sweep.command")
+local command_line = require("common.run.command_line")
 local database = require("common.sweep.database")
 local figures = require("common.sweep.plot")
 local plan = require("common.sweep.plan")
@@ -197,12 +198,12 @@ local function report(the, results, given)
     local path, why = figures.draw(the, results, figure, the.base)
     if path and not the.quiet then print(("%s.png, .svg"):format(path)) end
     if not path then
-      io.stderr:write(("hooke: sweep: %s\n"):format(why))
+      command_line.complain("sweep", why)
       code = 4
     end
   end
   local counts, notes = rows.count(the)
-  for _, note in ipairs(notes) do io.stderr:write(("hooke: sweep: %s\n"):format(note)) end
+  for _, note in ipairs(notes) do command_line.complain("sweep", note) end
   if not the.quiet then print(("%s: %s; %s"):format(the.definition.name, counts, results.path)) end
   return code
 end
@@ -249,14 +250,12 @@ end
 
 local function main()
   local asked = command.parse(arg)
-  if asked.given["--help"] or not asked.path then
-    command.help()
-    return asked.given["--help"] and 0 or 1
-  end
+  if asked.given["--help"] then return command.help() end
+  if not asked.path then plan.refuse("no sweep given: hooke sweep SWEEP.lua | SCENE.lua name=values; see: hooke sweep --help") end
   return execute(asked) or 0
 end
 
 local fine, code = pcall(main)
 if fine then return code end
-io.stderr:write("hooke: " .. tostring(code) .. "\n")
+io.stderr:write("hooke: " .. hooke.plain(tostring(code)) .. "\n")
 return type(code) == "table" and code.code or 1

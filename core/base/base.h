@@ -31,11 +31,15 @@ typedef struct hk_block hk_block;
 
 void *hk_memory_get(hk_block **list, size_t bytes); /* NULL: no memory */
 void hk_memory_put(hk_block **list, void *memory);  /* NULL is allowed */
+size_t hk_memory_size(const void *memory);          /* bytes that were asked for; 0 for NULL */
 void hk_memory_clear(hk_block **list);
 
 /* Grows an array to hold at least `wanted` items of `size` bytes, doubling. Returns 0, or -1 without changing the
  * array. */
 int hk_array_reserve(void **array, size_t *capacity, size_t wanted, size_t size);
+/* Moves n items of `size` bytes to their places by a map that keeps their order (UINT32_MAX: dropped). The memory of
+ * `to` and `from` may overlap; `from` is void afterwards. Returns the number of places up to the last one taken. */
+size_t hk_array_move(void *to, void *from, size_t size, const uint32_t *map, size_t n);
 char *hk_string_copy(const char *text); /* NULL when text is NULL or without memory */
 
 /* ---- threads.c: a pool for parallel_for. How a range is cut into chunks depends on its length and grain alone, and

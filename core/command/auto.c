@@ -59,7 +59,8 @@ hk_status hk_auto_choose(hk_options *o, const hk_scene *scene, const char *tools
   for (int k = 0; k < w.count; k++) free(w.word[k]);
   free(w.word);
   if (status == HK_OK && (code != 0 || !*choice->integrator))
-    status = hk_error_set(error, HK_FAILED, "no integrator was chosen for %s: name one (--integrator NAME)", o->scene);
+    status = hk_error_set(error, code == 1 ? HK_BAD_PARAM : HK_FAILED,
+                          "no integrator was chosen for %s: name one (--integrator NAME)", o->scene);
   if (status != HK_OK) return status;
   o->run.integrator = choice->integrator;
   if (isnan(o->run.dt)) o->run.dt = choice->dt;

@@ -11,5 +11,8 @@ const hk_instance *volatile *hk_faults_watch(const hk_registry *);
  * second interruption at once. */
 void hk_faults_interrupt(void);
 void hk_faults_returned(void); /* the steps have come to an end: nothing is to be waited for */
+/* The last thing, when all files are closed: libraries that wait at exit() for their threads, and these for memory, are
+ * waited for some seconds. Returns the code. */
+int hk_faults_leave(int code);
 
 #endif

@@ -7,6 +7,7 @@
 #include "core/command/keep.h"
 #include "core/command/options.h"
 #include "core/command/resume.h"
+#include "core/command/standard_files.h"
 #include "core/command/watchdog.h"
 #include "core/host/host.h"
 #include "core/report/report.h"
@@ -16,7 +17,6 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdio.h>
@@ -181,16 +181,9 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   }
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
-  if (fflush(stdout) != 0) code = complain(&(hk_error){HK_IO, "cannot write to standard output"});
   if (status != HK_OK) complain(&error);
   hk_run_destroy(run);
   return code;
-}
-
-/* Where standard streams are closed, files must not take their numbers; what is written there still fails. */
-static void keep_standard_streams(void) {
-  for (int k = STDIN_FILENO; k <= STDERR_FILENO; k++)
-    if (fcntl(k, F_GETFD) < 0) open("/dev/null", O_RDONLY); /* takes the lowest number */
 }
 
 static void catch_signals(void) {
@@ -335,9 +328,9 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const plac
   if (strchr(argv[0], '/') || access(path, R_OK) != 0) {
     list_commands(&list, p->tools);
     const char *near = hk_nearest_name(argv[0], command_name, &list);
-    fprintf(stderr, "hooke: unknown command '%s'%s%s%s; see: hooke --help\n", argv[0], near ? "; did you mean '" : "",
-            near ? near : "", near ? "'?" : "");
-    return 1;
+    hk_error_set(&error, HK_BAD_PARAM, "unknown command '%s'%s%s%s; see: hooke --help", argv[0],
+                 near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+    return complain(&error);
   }
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
   run.acting = hk_faults_watch(registry);
@@ -363,9 +356,9 @@ static void help(const places *p) {
 int main(int argc, char **argv) {
   if (hk_keep_asked(argc, argv)) return hk_keep_write(argv);
   hk_error error = {0};
+  if (hk_standard_files_open(&error) != HK_OK) return complain(&error);
   places p = {0};
   hk_registry registry;
-  keep_standard_streams();
   if (find_places(&p, &error) != HK_OK ||
       hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);
@@ -373,14 +366,17 @@ int main(int argc, char **argv) {
   if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
     help(&p);
     code = argc < 2;
-  } else if (strcmp(argv[1], "--version") == 0)
-    code = printf("hooke " HK_VERSION "\n") < 0;
-  else if (strcmp(argv[1], "--cflags") == 0)
-    code = printf("-I%s\n", p.include) < 0;
-  else if (strcmp(argv[1], "run") == 0)
+  } else if (strcmp(argv[1], "--version") == 0) {
+    printf("hooke " HK_VERSION "\n");
+    code = 0;
+  } else if (strcmp(argv[1], "--cflags") == 0) {
+    printf("-I%s\n", p.include);
+    code = 0;
+  } else if (strcmp(argv[1], "run") == 0)
     code = run_command(argc - 2, argv + 2, &registry, &p);
   else
     code = tool_command(argc - 1, argv + 1, &registry, &p);
   hk_registry_close(&registry);
-  return code;
+  if (hk_standard_output_end(&error) != HK_OK && (code == 0 || code == 5)) code = complain(&error);
+  return hk_faults_leave(code);
 }

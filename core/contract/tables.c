@@ -16,12 +16,19 @@ typedef struct place { /* of a row's field in the instance */
 static bool place_of_param(const hk_param *p, place *at) {
   static const struct {
     size_t size, alignment;
-  } field[] = {[HK_NUMBER] = {PLACE(double)},        [HK_INTEGER] = {PLACE(int64_t)},
-               [HK_BOOLEAN] = {PLACE(bool)},         [HK_STRING] = {PLACE(const char *)},
-               [HK_CHOICE] = {PLACE(int)},           [HK_VECTOR] = {PLACE(double[3])},
-               [HK_NUMBERS] = {PLACE(hk_numbers)},   [HK_PARTICLES] = {PLACE(hk_tuples)},
-               [HK_EDGES] = {PLACE(hk_tuples)},      [HK_TRIANGLES] = {PLACE(hk_tuples)},
-               [HK_TETRAHEDRA] = {PLACE(hk_tuples)}, [HK_PER_TUPLE] = {PLACE(hk_per_tuple)}};
+  } field[] = {[HK_NUMBER] = {PLACE(double)},
+               [HK_INTEGER] = {PLACE(int64_t)},
+               [HK_BOOLEAN] = {PLACE(bool)},
+               [HK_STRING] = {PLACE(const char *)},
+               [HK_CHOICE] = {PLACE(int)},
+               [HK_VECTOR] = {PLACE(double[3])},
+               [HK_NUMBERS] = {PLACE(hk_numbers)},
+               [HK_PARTICLES] = {PLACE(hk_tuples)},
+               [HK_EDGES] = {PLACE(hk_tuples)},
+               [HK_TRIANGLES] = {PLACE(hk_tuples)},
+               [HK_TETRAHEDRA] = {PLACE(hk_tuples)},
+               [HK_PER_TUPLE] = {PLACE(hk_per_tuple)},
+               [HK_FUNCTION] = {PLACE(const hk_function *)}};
   if ((unsigned)p->type >= sizeof field / sizeof *field) return false;
   *at = (place){p->name, p->offset, field[p->type].size, field[p->type].alignment};
   return true;
@@ -86,6 +93,8 @@ static bool text_of_param(const hk_plugin *plugin, const hk_param *p, hk_reason_
   if (p->type == HK_CHOICE && !(p->initial[0] >= 0 && p->initial[0] < (double)choices_of(p->text)))
     return hk_wrong(reason, "the default of the parameter '%s', %g, is none of its choices, %s", p->name, p->initial[0],
                     p->text);
+  if (p->type == HK_FUNCTION && (!p->text || strncmp(p->text, "function(t, ", 12) != 0 || !strstr(p->text, "id) -> ")))
+    return hk_wrong(reason, "the text of the parameter '%s' has to be like \"function(t, x, id) -> f\"", p->name);
   if (p->type == HK_PER_TUPLE && !names_a_list(plugin, p))
     return hk_wrong(reason, "the parameter '%s' has a number per tuple of '%s', which is no list of its parameters",
                     p->name, p->text ? p->text : "");

@@ -81,9 +81,14 @@ hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *
 
 hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v, const double *y, double *a,
                                     double *dy);
+/* dy += the rate that the scene states for channel k of the particles from `first` on */
+hk_status hk_evaluate_rate(hk_dynamics *, size_t k, double t, const double *y, double *dy, size_t first);
 hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number of particles */
 
-/* ---- probe.c: energies and forces of one state, apart from the evaluation of f ---- */
+/* ---- probe.c: energies, forces and blocks of one state, apart from the evaluation of f ---- */
+
+bool hk_probe_alone(hk_system *, const double *x, const double *v, size_t begin, size_t end, double *F, double (*K)[9],
+                    double (*D)[9]); /* see hk_system */
 
 double hk_probe_potential(hk_dynamics *, double t, const double *X); /* J, sum of the forces with an energy */
 bool hk_probe_has_energy(const hk_dynamics *);                       /* the work done on the scene is known */

@@ -52,24 +52,21 @@ static void divide_chunk(void *context, size_t begin, size_t end, size_t chunk) 
 static hk_status divide(hk_dynamics *d, double *a) {
   size_t n = d->state->model.n, chunks = (n + GRAIN - 1) / GRAIN;
   pass p = {d->state->inverse_mass, a, d->chunk_bad};
-  if (n <= GRAIN)
-    divide_chunk(&p, 0, n, 0);
-  else
-    hk_threads_for(d->shared->threads, n, GRAIN, divide_chunk, &p);
+  hk_threads_for(d->shared->threads, n, GRAIN, divide_chunk, &p);
   for (size_t k = 0; k < chunks; k++)
     if (d->chunk_bad[k]) return HK_NOT_FINITE;
   return HK_OK;
 }
 
-static hk_status add_rate(hk_dynamics *d, size_t k, double t, const double *y, double *dy) {
+hk_status hk_evaluate_rate(hk_dynamics *d, size_t k, double t, const double *y, double *dy, size_t first) {
   const hk_channel_spec *spec = &d->scene->channel[k];
   size_t n = d->state->model.n, size = spec->size, begin = d->state->channel[k].offset * n;
   if (!isnan(spec->decay)) {
-    for (size_t e = begin; e < begin + size * n; e++) dy[e] += spec->decay * y[e];
+    for (size_t e = begin + size * first; e < begin + size * n; e++) dy[e] += spec->decay * y[e];
     return HK_OK;
   }
   double in[18] = {t}, out[16];
-  for (size_t i = 0; spec->rate.call && i < n; i++) {
+  for (size_t i = first; spec->rate.call && i < n; i++) {
     size_t got = 0;
     in[1] = d->state->id[i];
     memcpy(in + 2, y + begin + size * i, size * sizeof *in);
@@ -146,7 +143,7 @@ hk_status hk_evaluate_accelerations(hk_system *s, double t, double *x, double *v
   memset(dy, 0, (tail + 1) * sizeof *dy);
   status = sum_forces(d, t, x, v, y, a, dy, &power);
   for (size_t k = 0; s->takes_channels && k < d->scene->channels && status == HK_OK; k++)
-    status = add_rate(d, k, t, y, dy);
+    status = hk_evaluate_rate(d, k, t, y, dy, 0);
   if (status != HK_OK) return status;
   if (d->pins->has_paths) power += hk_pins_power(d->pins, a, v);
   dy[tail] = power;

@@ -41,6 +41,73 @@ bool hk_probe_force(hk_dynamics *d, size_t k, const double *X, size_t n, double 
   return fine;
 }
 
+/* ---- particles that stand alone ---- */
+
+enum { MOST_ALONE = 256, MOST_BLOCKS = 4 * MOST_ALONE };
+
+typedef struct own_blocks {
+  hk_pattern pattern; /* first member: what the force gets */
+  size_t begin, end, count, slot[MOST_BLOCKS];
+  bool coupled;
+} own_blocks;
+
+static void note_block(hk_pattern *pattern, uint32_t row, uint32_t column) {
+  own_blocks *b = (own_blocks *)(void *)pattern;
+  b->coupled |= row != column || row < b->begin || row >= b->end || b->count == MOST_BLOCKS;
+  if (!b->coupled) b->slot[b->count++] = row - b->begin;
+}
+
+/* The force's view of some particles, of those that it acts on. */
+static hk_view view_of_some(const hk_dynamics *d, size_t k, size_t begin, size_t end, uint32_t active[MOST_ALONE]) {
+  hk_view view = d->force_view[k];
+  const bool *is_active = view.is_active;
+  view.acting = 0;
+  for (size_t i = begin; i < end; i++)
+    if (!is_active || is_active[i]) active[view.acting++] = (uint32_t)i;
+  view.active = active;
+  view.t = d->system.t;
+  view.power = NULL;
+  return view;
+}
+
+static bool add_alone(const hk_instance *force, const hk_view *view, own_blocks *blocks, double *F, double (*K)[9],
+                      double (*D)[9]) {
+  const hk_force *functions = force->plugin->force;
+  if (functions->elements || functions->update) return false;
+  if (!functions->jacobian && functions->flags & (HK_DEPENDS_ON_X | HK_DEPENDS_ON_V)) return false;
+  if (view->acting == 0) return true;
+  blocks->count = 0;
+  if (functions->pattern) functions->pattern(force->self, view, &blocks->pattern);
+  if (blocks->coupled || (F && functions->add(force->self, view, F) != HK_OK)) return false;
+  hk_blocks into = {.slot = blocks->slot, .K = K[0], .D = D[0]};
+  return !functions->jacobian || functions->jacobian(force->self, view, &into) == HK_OK;
+}
+
+bool hk_probe_alone(hk_system *s, const double *x, const double *v, size_t begin, size_t end, double *F, double (*K)[9],
+                    double (*D)[9]) {
+  hk_dynamics *d = (hk_dynamics *)(void *)s;
+  own_blocks blocks = {.pattern.block = note_block, .begin = begin, .end = end};
+  hk_error kept = *d->error;
+  bool fine = !d->constraints && end - begin <= MOST_ALONE;
+  memset(K, 0, (end - begin) * sizeof *K);
+  memset(D, 0, (end - begin) * sizeof *D);
+  if (F) memset(F + 3 * begin, 0, 3 * (end - begin) * sizeof *F);
+  for (size_t k = 0; k < s->forces && fine; k++) {
+    const hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+    uint32_t active[MOST_ALONE];
+    hk_view view = view_of_some(d, k, begin, end, active);
+    view.x = x, view.v = v;
+    if (!d->force_acts[k]) continue;
+    const hk_instance *outer = hk_enter(force);
+    fine = add_alone(force, &view, &blocks, F, K, D);
+    hk_leave(force, outer);
+  }
+  *d->error = kept;
+  return fine;
+}
+
+/* ---- strains ---- */
+
 static double edge_length(const double *x, const uint32_t *pair) {
   const double *a = x + 3 * (size_t)pair[0], *b = x + 3 * (size_t)pair[1];
   double dx = b[0] - a[0], dy = b[1] - a[1], dz = b[2] - a[2];

@@ -158,21 +158,27 @@ hk_status hk_sweep_product(hk_system *s, double t, const double *X, const double
   return status;
 }
 
+/* Whether all that depends on x states its stiffness. */
+static bool is_stated(const hk_dynamics *d) {
+  for (size_t k = 0; k < d->system.forces; k++) {
+    const hk_force *functions = force_at(d, k)->plugin->force;
+    if (d->force_acts[k] && !functions->stiffness_bound && functions->flags & HK_DEPENDS_ON_X) return false;
+  }
+  return d->plugins->kind[HK_CONSTRAINT].count == 0;
+}
+
 bool hk_sweep_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, double (*block)[6]) {
   hk_dynamics *d = dynamics_of(s);
-  bool all = true;
+  if (!stiffening && !is_stated(d)) return false;
   memset(block, 0, s->n * sizeof *block);
   for (size_t k = 0; k < s->forces; k++) {
     const hk_instance *force = force_at(d, k);
     const hk_force *functions = force->plugin->force;
-    if (!d->force_acts[k] || (stiffening && !(functions->flags & HK_STIFFENS))) continue;
+    if (!d->force_acts[k] || !functions->stiffness_bound || (stiffening && !(functions->flags & HK_STIFFENS))) continue;
     hk_view view = hk_force_view_at(d, k, d->state->t, d->state->X, d->state->model.n);
     const hk_instance *outer = hk_enter(force);
-    if (functions->stiffness_bound)
-      functions->stiffness_bound(force->self, &view, part, block);
-    else
-      all &= !(functions->flags & HK_DEPENDS_ON_X);
+    functions->stiffness_bound(force->self, &view, part, block);
     hk_leave(force, outer);
   }
-  return all && (stiffening || d->plugins->kind[HK_CONSTRAINT].count == 0);
+  return true;
 }

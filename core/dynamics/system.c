@@ -48,6 +48,7 @@ static void set_functions(hk_system *s) {
   s->potential = hk_sweep_potential;
   s->product = hk_sweep_product;
   s->stiffness_bound = hk_sweep_stiffness;
+  s->alone = hk_probe_alone;
 }
 
 static size_t count_element_lists(const hk_instances *forces) {

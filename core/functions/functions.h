@@ -7,6 +7,28 @@
 
 enum { HK_COLUMNS = 3, HK_RESULTS = 2 * HK_COLUMNS }; /* of the numbers that a function returns, at most */
 
+/* ---- arguments.c ---- */
+
+size_t hk_function_arguments(const hk_param *); /* number of arguments of a HK_FUNCTION, by its text */
+
+/* ---- gust.c: smooth irregular functions of time ---- */
+
+enum { HK_GUST_WAVES = 32 };
+
+typedef struct hk_gust {
+  size_t columns; /* 1 or 3 */
+  double mean[HK_COLUMNS];
+  double fastest; /* s, half of the shortest period: nothing happens within less */
+  struct hk_gust_wave {
+    double frequency, size, phase; /* 1/s; as the mean; turns */
+  } wave[HK_COLUMNS][HK_GUST_WAVES];
+} hk_gust;
+
+/* `amplitude` is the RMS of the deviation from the mean; periods are between shortest and longest, s. */
+void hk_gust_make(hk_gust *, size_t columns, const double mean[HK_COLUMNS], const double amplitude[HK_COLUMNS],
+                  double shortest, double longest, uint64_t seed);
+void hk_gust_at(const hk_gust *, double t, double out[HK_COLUMNS]);
+
 /* ---- derivative.c: derivatives by differences (Ridders 1982) ---- */
 
 typedef struct hk_derivative {

@@ -26,19 +26,29 @@ hk_status hk_fields_allocate(hk_instance *instance, size_t n, size_t size, hk_er
   return HK_OK;
 }
 
+/* In place where the memory is enough. What is newborn is zero; a state vector is left as it is. */
+static hk_status remap_field(hk_instance *instance, const hk_field *f, const uint32_t *map, size_t n_old, size_t n,
+                             size_t size, hk_error *error) {
+  double **vector = field_at(instance, f), *old = *vector, *fresh = old;
+  size_t length = length_of(f, n, size);
+  bool grows = length * sizeof *fresh > hk_memory_size(old);
+  if (grows) fresh = instance->host.allocate(&instance->host, (length + length / 8) * sizeof *fresh);
+  if (!fresh) return no_memory(instance, f, error);
+  if (f->type == HK_FIELD_PER_PARTICLE) {
+    size_t kept = f->width * hk_array_move(fresh, old, f->width * sizeof *old, map, n_old);
+    memset(fresh + kept, 0, (length - kept) * sizeof *fresh);
+  }
+  if (grows) instance->host.release(&instance->host, old);
+  *vector = fresh;
+  return HK_OK;
+}
+
 hk_status hk_fields_remap(hk_instance *instance, const uint32_t *map, size_t n_old, size_t n, size_t size,
                           hk_error *error) {
-  for (const hk_field *f = instance->plugin->fields; f && f->name; f++) {
-    if (!is_vector(f)) continue;
-    double **vector = field_at(instance, f), *old = *vector;
-    double *fresh = instance->host.allocate(&instance->host, length_of(f, n, size) * sizeof *fresh);
-    if (!fresh) return no_memory(instance, f, error);
-    for (size_t i = 0; f->type == HK_FIELD_PER_PARTICLE && i < n_old; i++)
-      if (map[i] != UINT32_MAX) memcpy(fresh + f->width * map[i], old + f->width * i, f->width * sizeof *fresh);
-    *vector = fresh;
-    instance->host.release(&instance->host, old);
-  }
-  return HK_OK;
+  hk_status status = HK_OK;
+  for (const hk_field *f = instance->plugin->fields; f && f->name && status == HK_OK; f++)
+    if (is_vector(f)) status = remap_field(instance, f, map, n_old, n, size, error);
+  return status;
 }
 
 static bool visit_array(hk_instance *instance, const hk_field *f, bool (*visit)(void *, void *, size_t),

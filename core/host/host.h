@@ -43,12 +43,13 @@ const char *hk_kind_folder(hk_kind kind); /* "forces" */
 
 /* A function of the scene's script. `caller` is the run whose state the function may read, NULL: none. `n_out` is set
  * to the number of results, at most `max_out`. */
-typedef struct hk_function hk_function;
 struct hk_function {
   hk_status (*call)(const hk_function *, const void *caller, const double *in, size_t n_in, double *out, size_t max_out,
                     size_t *n_out, hk_error *error);
   void *context;
   int reference;
+  size_t id;      /* position of the argument that is the id of a particle; 0: none */
+  double fastest; /* s, shortest time in which it changes, where that is known; 0: it is not */
 };
 
 /* A value of the script for a parameter, before it is checked and stored. */
@@ -86,7 +87,7 @@ typedef struct hk_plugin_spec {
   double fastest;  /* s, shortest time in which a function of time changes, as the script declares; 0: not declared */
   size_t only_count;
   uint32_t *only; /* id - 1, increasing; NULL: all */
-  char *group;    /* the group that the force acts on, or NULL */
+  char *group;    /* the group that the force acts on, or into which the source bears; NULL: none is named */
   void *values;   /* instance_size bytes, of which the parameters are filled; lists hold id - 1 */
   bool *given;    /* one per parameter: set by the user */
   size_t timed_count;

@@ -11,13 +11,13 @@
 
 static const char *param_name(const void *context, size_t k) {
   const hk_plugin *plugin = context;
-  static const char *const common[] = {"label", "only", "group", "from", "to"};
+  static const char *const common[] = {"label", "group", "only", "from", "to"};
   size_t own = 0;
   while (plugin->params && plugin->params[own].name) own++;
   if (k < own) return plugin->params[k].name;
   k -= own;
-  if (plugin->kind != HK_FORCE) return k == 0 ? common[0] : NULL;
-  return k < sizeof common / sizeof *common ? common[k] : NULL;
+  size_t known = plugin->kind == HK_FORCE ? 5 : plugin->kind == HK_SOURCE ? 2 : 1;
+  return k < known ? common[k] : NULL;
 }
 
 const hk_param *hk_spec_param(const hk_plugin_spec *spec, const char *name, hk_error *error) {
@@ -30,8 +30,6 @@ const hk_param *hk_spec_param(const hk_plugin_spec *spec, const char *name, hk_e
   return NULL;
 }
 
-static bool has_limits(const hk_param *p) { return p->min != 0 || p->max != 0; }
-
 /* `position` 0: the value is not one of a list. */
 static hk_status check_number(const char *label, const hk_param *p, double value, size_t position, hk_error *error) {
   char place[32] = "";
@@ -39,7 +37,7 @@ static hk_status check_number(const char *label, const hk_param *p, double value
   const char *space = *p->unit ? " " : "";
   if (!isfinite(value))
     return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g is not a finite number", label, p->name, place, value);
-  if (!has_limits(p) && !(p->flags & HK_ABOVE_MIN)) return HK_OK;
+  if (p->min == 0 && p->max == 0 && !(p->flags & HK_ABOVE_MIN)) return HK_OK;
   if (value < p->min)
     return hk_error_set(error, HK_BAD_PARAM, "%s: %s%s: %g%s%s is below the minimum %g", label, p->name, place, value,
                         space, p->unit, p->min);
@@ -60,101 +58,115 @@ hk_status hk_param_check_list(const char *label, const hk_param *p, const double
   return HK_OK;
 }
 
-static hk_status wrong_type(const hk_plugin_spec *spec, const hk_param *p, const hk_value *value, const char *wanted,
-                            hk_error *error) {
+/* What is written where: a value of the script for the parameter p of the spec. */
+typedef struct setting {
+  hk_plugin_spec *spec;
+  const hk_param *p;
+  const hk_value *value;
+  size_t n; /* of particles */
+  hk_error *error;
+} setting;
+
+static hk_status wrong_type(const setting *s, const char *wanted) {
   static const char *const got[] = {"a number",          "a boolean",        "a string",
                                     "a list of numbers", "a list of tuples", "a function"};
-  return hk_error_set(error, HK_BAD_PARAM, "%s: %s: expected %s, got %s", spec->label, p->name, wanted,
-                      got[value->kind]);
+  return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s: expected %s, got %s", s->spec->label, s->p->name, wanted,
+                      got[s->value->kind]);
 }
 
-static hk_status no_memory(const hk_plugin_spec *spec, const hk_param *p, hk_error *error) {
-  return hk_error_set(error, HK_NO_MEMORY, "%s: %s: no memory for the list", spec->label, p->name);
+static hk_status no_memory(const setting *s) {
+  return hk_error_set(s->error, HK_NO_MEMORY, "%s: %s: no memory for it", s->spec->label, s->p->name);
 }
 
-static hk_status set_number(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (value->kind != HK_VALUE_NUMBER) return wrong_type(spec, p, value, "a number", error);
-  hk_status status = check_number(spec->label, p, value->number, 0, error);
-  if (status == HK_OK) *(double *)(void *)((char *)spec->values + p->offset) = value->number;
+static void *field_of(const setting *s) { return (char *)s->spec->values + s->p->offset; }
+
+static hk_status set_number(const setting *s) {
+  if (s->value->kind != HK_VALUE_NUMBER) return wrong_type(s, "a number");
+  hk_status status = check_number(s->spec->label, s->p, s->value->number, 0, s->error);
+  if (status == HK_OK) *(double *)field_of(s) = s->value->number;
   return status;
 }
 
-static hk_status set_integer(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (value->kind != HK_VALUE_NUMBER) return wrong_type(spec, p, value, "an integer", error);
-  hk_status status = check_number(spec->label, p, value->number, 0, error);
+static hk_status set_integer(const setting *s) {
+  double number = s->value->number;
+  if (s->value->kind != HK_VALUE_NUMBER) return wrong_type(s, "an integer");
+  hk_status status = check_number(s->spec->label, s->p, number, 0, s->error);
   if (status != HK_OK) return status;
-  if (floor(value->number) != value->number || fabs(value->number) > 9007199254740992.0)
-    return hk_error_set(error, HK_BAD_PARAM, "%s: %s: %g is not an integer", spec->label, p->name, value->number);
-  *(int64_t *)(void *)((char *)spec->values + p->offset) = (int64_t)value->number;
+  if (floor(number) != number || fabs(number) > 9007199254740992.0)
+    return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s: %g is not an integer", s->spec->label, s->p->name, number);
+  *(int64_t *)field_of(s) = (int64_t)number;
   return HK_OK;
 }
 
-static hk_status set_string(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (value->kind != HK_VALUE_STRING) return wrong_type(spec, p, value, "a string", error);
-  size_t bytes = strlen(value->text) + 1;
-  char *copy = hk_memory_get(&spec->blocks, bytes);
-  if (!copy) return no_memory(spec, p, error);
-  memcpy(copy, value->text, bytes);
-  *(const char **)(void *)((char *)spec->values + p->offset) = copy;
+static hk_status set_boolean(const setting *s) {
+  if (s->value->kind != HK_VALUE_BOOLEAN) return wrong_type(s, "true or false");
+  *(bool *)field_of(s) = s->value->boolean;
   return HK_OK;
 }
 
-static hk_status set_choice(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (value->kind != HK_VALUE_STRING) return wrong_type(spec, p, value, "a string", error);
-  size_t length = strlen(value->text);
-  const char *choice = p->text;
+static hk_status set_string(const setting *s) {
+  if (s->value->kind != HK_VALUE_STRING) return wrong_type(s, "a string");
+  size_t bytes = strlen(s->value->text) + 1;
+  char *copy = hk_memory_get(&s->spec->blocks, bytes);
+  if (!copy) return no_memory(s);
+  memcpy(copy, s->value->text, bytes);
+  *(const char **)field_of(s) = copy;
+  return HK_OK;
+}
+
+static hk_status set_choice(const setting *s) {
+  if (s->value->kind != HK_VALUE_STRING) return wrong_type(s, "a string");
+  const char *choice = s->p->text, *text = s->value->text;
+  size_t length = strlen(text);
   for (int k = 0; *choice; k++) {
     size_t end = strcspn(choice, "|");
-    if (end == length && memcmp(choice, value->text, length) == 0) {
-      *(int *)(void *)((char *)spec->values + p->offset) = k;
+    if (end == length && memcmp(choice, text, length) == 0) {
+      *(int *)field_of(s) = k;
       return HK_OK;
     }
     choice += end + (choice[end] == '|');
   }
-  return hk_error_set(error, HK_BAD_PARAM, "%s: %s: '%s' is not one of %s", spec->label, p->name, value->text, p->text);
+  return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s: '%s' is not one of %s", s->spec->label, s->p->name, text,
+                      s->p->text);
 }
 
-static hk_status set_vector(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (value->kind != HK_VALUE_LIST) return wrong_type(spec, p, value, "a list of three numbers", error);
-  if (value->count != 3)
-    return hk_error_set(error, HK_BAD_PARAM, "%s: %s: expected three numbers, got %zu", spec->label, p->name,
-                        value->count);
-  hk_status status = hk_param_check_list(spec->label, p, value->list, 3, error);
-  if (status == HK_OK) memcpy((char *)spec->values + p->offset, value->list, 3 * sizeof(double));
+static hk_status set_vector(const setting *s) {
+  if (s->value->kind != HK_VALUE_LIST) return wrong_type(s, "a list of three numbers");
+  if (s->value->count != 3)
+    return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s: expected three numbers, got %zu", s->spec->label, s->p->name,
+                        s->value->count);
+  hk_status status = hk_param_check_list(s->spec->label, s->p, s->value->list, 3, s->error);
+  if (status == HK_OK) memcpy(field_of(s), s->value->list, 3 * sizeof(double));
   return status;
 }
 
-/* A copy of the value's numbers in the instance's memory. */
-static hk_status copy_numbers(hk_plugin_spec *spec, const hk_param *p, const double *list, size_t count, double **copy,
-                              hk_error *error) {
-  hk_status status = hk_param_check_list(spec->label, p, list, count, error);
+/* A copy of the numbers in the instance's memory. */
+static hk_status copy_numbers(const setting *s, const double *list, size_t count, double **copy) {
+  hk_status status = s->value->kind == HK_VALUE_NUMBER
+                         ? check_number(s->spec->label, s->p, *list, 0, s->error)
+                         : hk_param_check_list(s->spec->label, s->p, list, count, s->error);
   if (status != HK_OK) return status;
-  *copy = hk_memory_get(&spec->blocks, count * sizeof **copy);
-  if (!*copy) return no_memory(spec, p, error);
+  *copy = hk_memory_get(&s->spec->blocks, count * sizeof **copy);
+  if (!*copy) return no_memory(s);
   if (count) memcpy(*copy, list, count * sizeof **copy);
   return HK_OK;
 }
 
-static hk_status set_numbers(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (value->kind != HK_VALUE_LIST) return wrong_type(spec, p, value, "a list of numbers", error);
+static hk_status set_numbers(const setting *s) {
+  if (s->value->kind != HK_VALUE_LIST) return wrong_type(s, "a list of numbers");
   double *copy;
-  hk_status status = copy_numbers(spec, p, value->list, value->count, &copy, error);
-  if (status == HK_OK) *(hk_numbers *)(void *)((char *)spec->values + p->offset) = (hk_numbers){value->count, copy};
+  hk_status status = copy_numbers(s, s->value->list, s->value->count, &copy);
+  if (status == HK_OK) *(hk_numbers *)field_of(s) = (hk_numbers){s->value->count, copy};
   return status;
 }
 
-static hk_status set_per_tuple(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  bool number = value->kind == HK_VALUE_NUMBER;
-  if (!number && value->kind != HK_VALUE_LIST)
-    return wrong_type(spec, p, value, "a number or a list with one number per tuple", error);
-  if (number) {
-    hk_status status = check_number(spec->label, p, value->number, 0, error);
-    if (status != HK_OK) return status;
-  }
+static hk_status set_per_tuple(const setting *s) {
+  bool number = s->value->kind == HK_VALUE_NUMBER;
+  if (!number && s->value->kind != HK_VALUE_LIST) return wrong_type(s, "a number or a list with one number per tuple");
   double *copy;
-  size_t count = number ? 1 : value->count;
-  hk_status status = copy_numbers(spec, p, number ? &value->number : value->list, count, &copy, error);
-  if (status == HK_OK) *(hk_per_tuple *)(void *)((char *)spec->values + p->offset) = (hk_per_tuple){count, copy};
+  size_t count = number ? 1 : s->value->count;
+  hk_status status = copy_numbers(s, number ? &s->value->number : s->value->list, count, &copy);
+  if (status == HK_OK) *(hk_per_tuple *)field_of(s) = (hk_per_tuple){count, copy};
   return status;
 }
 
@@ -166,102 +178,88 @@ static void print_tuple(char *text, size_t size, const uint32_t *tuple, unsigned
   if (used < size) snprintf(text + used, size - used, "}");
 }
 
-static hk_status no_particle(const hk_plugin_spec *spec, const hk_param *p, const uint32_t *tuple, unsigned arity,
-                             unsigned member, size_t position, size_t n, hk_error *error) {
+static hk_status no_particle(const setting *s, const uint32_t *tuple, unsigned arity, unsigned member,
+                             size_t position) {
   char text[64];
   print_tuple(text, sizeof text, tuple, arity);
-  return hk_error_set(error, HK_BAD_PARAM, "%s: %s[%zu] = %s: there is no particle %u (ids are 1 to %zu)", spec->label,
-                      p->name, position, text, tuple[member], n);
+  return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu] = %s: there is no particle %u (ids are 1 to %zu)",
+                      s->spec->label, s->p->name, position, text, tuple[member], s->n);
 }
 
-static hk_status check_tuple(const hk_plugin_spec *spec, const hk_param *p, const uint32_t *tuple, unsigned arity,
-                             size_t position, size_t n, hk_error *error) {
+static hk_status check_tuple(const setting *s, const uint32_t *tuple, unsigned arity, size_t position) {
   for (unsigned c = 0; c < arity; c++) {
-    if (tuple[c] < 1 || tuple[c] > n) return no_particle(spec, p, tuple, arity, c, position, n, error);
+    if (tuple[c] < 1 || tuple[c] > s->n) return no_particle(s, tuple, arity, c, position);
     for (unsigned b = 0; b < c; b++)
       if (tuple[b] == tuple[c])
-        return hk_error_set(error, HK_BAD_PARAM, "%s: %s[%zu] joins particle %u to itself", spec->label, p->name,
-                            position, tuple[c]);
+        return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu] joins particle %u to itself", s->spec->label,
+                            s->p->name, position, tuple[c]);
   }
   return HK_OK;
 }
 
-static hk_status set_particles(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, size_t n,
-                               hk_error *error) {
-  if (value->kind != HK_VALUE_LIST) return wrong_type(spec, p, value, "a list of particle ids", error);
+static hk_status set_particles(const setting *s) {
+  const hk_value *value = s->value;
+  if (value->kind != HK_VALUE_LIST) return wrong_type(s, "a list of particle ids");
   for (size_t i = 0; i < value->count; i++) {
     double id = value->list[i];
-    if (!(id >= 1 && id <= (double)n && floor(id) == id))
-      return hk_error_set(error, HK_BAD_PARAM, "%s: %s[%zu]: there is no particle %.15g (ids are 1 to %zu)",
-                          spec->label, p->name, i + 1, id, n);
+    if (!(id >= 1 && id <= (double)s->n && floor(id) == id))
+      return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu]: there is no particle %.15g (ids are 1 to %zu)",
+                          s->spec->label, s->p->name, i + 1, id, s->n);
   }
-  uint32_t *copy = hk_memory_get(&spec->blocks, value->count * sizeof *copy);
-  if (!copy) return no_memory(spec, p, error);
+  uint32_t *copy = hk_memory_get(&s->spec->blocks, value->count * sizeof *copy);
+  if (!copy) return no_memory(s);
   for (size_t i = 0; i < value->count; i++) copy[i] = (uint32_t)value->list[i] - 1;
-  *(hk_tuples *)(void *)((char *)spec->values + p->offset) = (hk_tuples){value->count, 1, copy};
+  *(hk_tuples *)field_of(s) = (hk_tuples){value->count, 1, copy};
   return HK_OK;
 }
 
-static hk_status set_tuples(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, size_t n, hk_error *error) {
+static hk_status set_tuples(const setting *s) {
   static const char *const wanted[] = {"a list of edges, {{1, 2}, {2, 3}}", "a list of triangles, {{1, 2, 3}}",
                                        "a list of tetrahedra or hinges, {{1, 2, 3, 4}}"};
-  unsigned arity = hk_param_arity(p);
+  const hk_value *value = s->value;
+  unsigned arity = hk_param_arity(s->p);
   bool empty = value->kind == HK_VALUE_LIST && value->count == 0;
-  if (!empty && (value->kind != HK_VALUE_TUPLES || value->arity != arity))
-    return wrong_type(spec, p, value, wanted[arity - 2], error);
+  if (!empty && (value->kind != HK_VALUE_TUPLES || value->arity != arity)) return wrong_type(s, wanted[arity - 2]);
   for (size_t e = 0; e < value->count; e++) {
-    hk_status status = check_tuple(spec, p, value->tuples + arity * e, arity, e + 1, n, error);
+    hk_status status = check_tuple(s, value->tuples + arity * e, arity, e + 1);
     if (status != HK_OK) return status;
   }
-  uint32_t *copy = hk_memory_get(&spec->blocks, value->count * arity * sizeof *copy);
-  if (!copy) return no_memory(spec, p, error);
+  uint32_t *copy = hk_memory_get(&s->spec->blocks, value->count * arity * sizeof *copy);
+  if (!copy) return no_memory(s);
   for (size_t e = 0; e < value->count * arity; e++) copy[e] = value->tuples[e] - 1;
-  *(hk_tuples *)(void *)((char *)spec->values + p->offset) = (hk_tuples){value->count, arity, copy};
+  *(hk_tuples *)field_of(s) = (hk_tuples){value->count, arity, copy};
   return HK_OK;
 }
 
-static hk_status set_timed(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, hk_error *error) {
-  if (!(p->flags & HK_TIMED)) return wrong_type(spec, p, value, "a constant", error);
+static hk_status set_function(const setting *s) {
+  if (s->value->kind != HK_VALUE_FUNCTION) return wrong_type(s, s->p->text);
+  hk_function *copy = hk_memory_get(&s->spec->blocks, sizeof *copy);
+  if (!copy) return no_memory(s);
+  *copy = s->value->function;
+  *(const hk_function **)field_of(s) = copy;
+  return HK_OK;
+}
+
+static hk_status set_timed(const setting *s) {
+  hk_plugin_spec *spec = s->spec;
+  if (!(s->p->flags & HK_TIMED)) return wrong_type(s, "a constant");
   hk_timed *grown = realloc(spec->timed, (spec->timed_count + 1) * sizeof *grown);
-  if (!grown) return no_memory(spec, p, error);
+  if (!grown) return no_memory(s);
   spec->timed = grown;
-  spec->timed[spec->timed_count++] = (hk_timed){p, value->function};
+  spec->timed[spec->timed_count++] = (hk_timed){s->p, s->value->function};
   return HK_OK;
-}
-
-static hk_status set_field(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, size_t n, hk_error *error) {
-  if (value->kind == HK_VALUE_FUNCTION) return set_timed(spec, p, value, error);
-  switch (p->type) {
-  case HK_NUMBER:
-    return set_number(spec, p, value, error);
-  case HK_INTEGER:
-    return set_integer(spec, p, value, error);
-  case HK_BOOLEAN:
-    if (value->kind != HK_VALUE_BOOLEAN) return wrong_type(spec, p, value, "true or false", error);
-    *(bool *)(void *)((char *)spec->values + p->offset) = value->boolean;
-    return HK_OK;
-  case HK_STRING:
-    return set_string(spec, p, value, error);
-  case HK_CHOICE:
-    return set_choice(spec, p, value, error);
-  case HK_VECTOR:
-    return set_vector(spec, p, value, error);
-  case HK_NUMBERS:
-    return set_numbers(spec, p, value, error);
-  case HK_PARTICLES:
-    return set_particles(spec, p, value, n, error);
-  case HK_EDGES:
-  case HK_TRIANGLES:
-  case HK_TETRAHEDRA:
-    return set_tuples(spec, p, value, n, error);
-  case HK_PER_TUPLE:
-    return set_per_tuple(spec, p, value, error);
-  }
-  return hk_error_set(error, HK_FAILED, "%s: %s: parameter of unknown type %d", spec->label, p->name, (int)p->type);
 }
 
 hk_status hk_spec_set(hk_plugin_spec *spec, const hk_param *p, const hk_value *value, size_t n, hk_error *error) {
-  hk_status status = set_field(spec, p, value, n, error);
+  static hk_status (*const set[])(const setting *) = {
+      [HK_NUMBER] = set_number,    [HK_INTEGER] = set_integer,     [HK_BOOLEAN] = set_boolean,
+      [HK_STRING] = set_string,    [HK_CHOICE] = set_choice,       [HK_VECTOR] = set_vector,
+      [HK_NUMBERS] = set_numbers,  [HK_PARTICLES] = set_particles, [HK_EDGES] = set_tuples,
+      [HK_TRIANGLES] = set_tuples, [HK_TETRAHEDRA] = set_tuples,   [HK_PER_TUPLE] = set_per_tuple,
+      [HK_FUNCTION] = set_function};
+  const setting s = {spec, p, value, n, error};
+  bool timed = value->kind == HK_VALUE_FUNCTION && p->type != HK_FUNCTION;
+  hk_status status = timed ? set_timed(&s) : set[p->type](&s);
   if (status == HK_OK) spec->given[p - spec->plugin->params] = true;
   return status;
 }

@@ -35,9 +35,9 @@ static hk_status host_fail(const hk_host *host, hk_status status, const char *fo
 
 hk_status hk_failure_explained(const hk_instance *instance, const char *function, hk_status status) {
   bool known = (unsigned)status <= HK_INTERRUPTED;
+  const char *why = known ? "failed without saying why" : "returned a number that is no status";
   return hk_error_set(instance->shared->error, known ? status : HK_FAILED, "%s%s%s: the plugin's %s %s",
-                      instance->where, *instance->where ? ": " : "", instance->label, function,
-                      known ? "failed without saying why" : "returned a number that is no status");
+                      instance->where, *instance->where ? ": " : "", instance->label, function, why);
 }
 
 static void host_warn(const hk_host *host, const char *format, ...) {
@@ -100,6 +100,15 @@ static hk_status host_resize(const hk_host *host, hk_array *array, size_t count)
   return HK_OK;
 }
 
+static hk_status host_call(const hk_host *host, const hk_function *f, const double *in, size_t n_in, double *out,
+                           size_t n_out) {
+  size_t got = 0;
+  hk_status status = f->call(f, NULL, in, n_in, out, n_out, &got, instance_of(host)->shared->error);
+  if (status != HK_OK || got == n_out) return status;
+  return host->fail(host, HK_BAD_PARAM, "a function gave %zu numbers at t = %.9g s for particle %.0f, expected %zu",
+                    got, in[0], in[n_in - 1], n_out);
+}
+
 const hk_host hk_host_table = {.abi = HK_ABI,
                                .fail = host_fail,
                                .warn = host_warn,
@@ -109,4 +118,5 @@ const hk_host hk_host_table = {.abi = HK_ABI,
                                .random = host_random,
                                .path = host_path,
                                .query = host_query,
-                               .resize = host_resize};
+                               .resize = host_resize,
+                               .call = host_call};

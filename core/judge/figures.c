@@ -36,6 +36,21 @@ static hk_status measure(hk_loop *loop, hk_judgement *j, const void *caller) {
   return HK_OK;
 }
 
+/* m, of what correctors keep. At the start nothing has been corrected yet. */
+static double correctors_violation(const hk_loop *loop) {
+  const hk_instances *correctors = &loop->plugins->kind[HK_CORRECTOR];
+  double most = 0;
+  for (size_t k = 0; k < correctors->count; k++) {
+    hk_instance *c = correctors->item[k];
+    if (!c->plugin->corrector->violation) continue;
+    hk_view view = hk_instance_view(c, &loop->state->view);
+    const hk_instance *outer = hk_enter(c);
+    most = fmax(most, c->plugin->corrector->violation(c->self, &view));
+    hk_leave(c, outer);
+  }
+  return most;
+}
+
 hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   hk_record *r = loop->record;
   hk_frame *frame = &j->last_frame;
@@ -57,8 +72,10 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   double violation, strain = hk_probe_strain(loop->dynamics, NULL, &found);
   hk_status asked = hk_constraints_violation(loop->dynamics, &violation);
   if (asked != HK_OK) return asked;
+  if (!first) violation = fmax(violation, correctors_violation(loop));
   if (violation > r->violation_max) r->violation_max = violation;
   if (fabs(strain) > fabs(r->strain_max)) r->strain_max = strain;
+  hk_force_errors_note(loop);
   if (j->compared) {
     hk_status noted = hk_trajectory_note(&j->trajectory, loop->state, r->frames, false, loop->error);
     if (noted != HK_OK) return noted;

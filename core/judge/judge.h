@@ -82,6 +82,9 @@ double hk_trajectory_time(const hk_trajectory *,
                           double part); /* s, after this part of the moments, of which there are some */
 /* m, how far the particles get from their start, RMS, at most. */
 double hk_trajectory_motion(const hk_trajectory *);
+/* x and v (m, m/s) of a particle at t, with v linear between the middles of two moments, about as x is. False: it was
+ * not there at the moments around t. */
+bool hk_trajectory_place(const hk_trajectory *, uint32_t id, double t, double x[3], double v[3]);
 /* How far a channel gets from its start, RMS, at most. */
 double hk_trajectory_channel_change(const hk_trajectory *, const hk_scene *, size_t channel);
 
@@ -127,8 +130,9 @@ typedef struct hk_sampling {
   bool more;                  /* there are more of them */
 } hk_sampling;
 
-/* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. */
-hk_sampling hk_under_sampled(hk_loop *, size_t most_calls);
+/* most_calls: of all functions for which the script declares no shortest time; some 0.3 us each. Functions of the state
+ * are sampled along the trajectory, or where particles are at the end (NULL). */
+hk_sampling hk_under_sampled(hk_loop *, const hk_trajectory *, size_t most_calls);
 /* Warns where the steps of a fixed-step method are longer than the shortest time that the script declares. */
 void hk_warn_of_long_steps(hk_loop *);
 /* The begins and ends of such variation in the order of time, without repetition, at most `room`; their number. A begin
@@ -147,6 +151,10 @@ double hk_passed_by_error(const hk_loop *); /* m, RMS over the particles, at the
 /* The reason when that is above the accuracy asked for, m, or, where that is NAN, above a tenth of the motion; false:
  * there is none. */
 bool hk_passed_by_reason(const hk_loop *, double accuracy, char *text, size_t size);
+
+/* ---- force_errors.c ---- */
+
+void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approximations for their errors */
 
 /* ---- summary.c: the figures of a run ---- */
 
@@ -170,16 +178,18 @@ typedef struct hk_summary {
   double kinetic_max;
   double kinetic_mean;         /* J, over the frames */
   double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
-  double constraint_violation; /* m */
+  double constraint_violation; /* m, of constraints and of what correctors keep */
   double max_strain;           /* NAN: no elements */
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
-  double path_speed_error;     /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
-  double accuracy;             /* m, accuracy asked for; NAN: none */
-  size_t accuracies;           /* how many were asked for: of the positions, and of channels */
-  double verify_difference;    /* m, RMS difference to half the step from a perturbed start; NAN: not verified */
-  double error_estimate;       /* m, of the positions: RMS over the particles, the largest of all frames; NAN: none */
-  double channel_error;        /* estimated error of the worst channel relative to its accuracy; NAN: none asked */
-  double check_wall_s;         /* s, time of the runs that this one was compared with; NAN: none */
+  double force_rms, force_p99, force_largest; /* relative errors of approximate forces; NAN: there are none */
+  double force_work;                          /* J, of these errors at most; 0: there are none */
+  double path_speed_error;  /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
+  double accuracy;          /* m, accuracy asked for; NAN: none */
+  size_t accuracies;        /* how many were asked for: of the positions, and of channels */
+  double verify_difference; /* m, RMS difference to half the step from a perturbed start; NAN: not verified */
+  double error_estimate;    /* m, of the positions: RMS over the particles, the largest of all frames; NAN: none */
+  double channel_error;     /* estimated error of the worst channel relative to its accuracy; NAN: none asked */
+  double check_wall_s;      /* s, time of the runs that this one was compared with; NAN: none */
   size_t plugins;
   const hk_plugin_time *plugin; /* valid until the next summary of the run */
   size_t measures;

@@ -21,11 +21,14 @@ const char *hk_verdict_name(hk_verdict verdict) {
 }
 
 static double seconds_of(const hk_instance *instance) {
+  if (instance->plugin->kind == HK_SERVICE)
+    return instance->plugin->service->seconds ? instance->plugin->service->seconds(instance->self) : NAN;
   bool sampled = instance->sampled && instance->calls > instance->sampled;
   return instance->seconds * (sampled ? (double)instance->calls / (double)instance->sampled : 1);
 }
 
-/* The integrator's time is the time of the steps less that of the forces; the time of services is in their clients'. */
+/* The integrator's time is the time of the steps less that of the forces; that of services is also in their clients'.
+ */
 static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
   static const hk_kind order[] = {HK_FORCE,  HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE,
                                   HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER,    HK_SERVICE};
@@ -129,6 +132,11 @@ static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_aske
   s->constraint_violation = loop->record->violation_max;
   s->max_strain = !found ? NAN : fabs(strain) > fabs(most) || !isfinite(strain) ? strain : most;
   s->accuracy = asked->accuracy > 0 ? asked->accuracy : NAN;
+  s->force_work = loop->record->force_work;
+  bool approximate = loop->record->force_rms > 0;
+  s->force_rms = approximate ? loop->record->force_rms : NAN;
+  s->force_p99 = approximate ? loop->record->force_p99 : NAN;
+  s->force_largest = approximate ? loop->record->force_largest : NAN;
   s->path_speed_error = loop->record->path_speed_error > 0 ? loop->record->path_speed_error : NAN;
   s->exact_error = NAN;
   if (j->verdict != HK_DIVERGED) hk_figures_exact(loop, &s->exact_error, &later);

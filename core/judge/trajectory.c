@@ -156,15 +156,32 @@ hk_distance hk_trajectory_distance(const hk_trajectory *a, const hk_trajectory *
   return d;
 }
 
-/* The largest RMS change of a part of the moments since the first of them; `offset` and `width` per particle. */
-static double change(const hk_trajectory *a, size_t offset, size_t width) {
-  double most = 0;
-  for (size_t k = 1; k < a->moments; k++) {
-    const struct hk_moment *p = &a->moment[0], *q = &a->moment[k];
-    size_t n = p->n;
-    if (n != q->n) continue;
-    most = fmax(most, rms(a->value + p->begin + offset * n, a->value + q->begin + offset * n, width * n, n));
+static uint32_t last_id(const hk_trajectory *a) {
+  double last = 0;
+  for (size_t k = 0; k < a->moments; k++) {
+    const struct hk_moment *m = &a->moment[k];
+    if (m->n) last = fmax(last, a->value[m->begin + m->n - 1]);
   }
+  return (uint32_t)last;
+}
+
+/* The largest RMS change of a part of the moments, each particle's since the first moment that has it; `offset` and
+ * `width` per particle. NAN: no memory. */
+static double change(const hk_trajectory *a, size_t offset, size_t width) {
+  const double **first = calloc((size_t)last_id(a) + 1, sizeof *first);
+  double most = first ? 0 : NAN;
+  for (size_t k = 0; first && k < a->moments; k++) {
+    const struct hk_moment *m = &a->moment[k];
+    const double *id = a->value + m->begin, *part = id + offset * m->n;
+    double sum = 0;
+    for (size_t i = 0; i < m->n; i++, part += width) {
+      const double **from = &first[(size_t)id[i]];
+      if (!*from) *from = part;
+      for (size_t c = 0; c < width; c++) sum += (part[c] - (*from)[c]) * (part[c] - (*from)[c]);
+    }
+    if (m->n) most = fmax(most, isnan(sum) ? INFINITY : sqrt(sum / (double)m->n));
+  }
+  free(first);
   return most;
 }
 
@@ -175,6 +192,52 @@ double hk_trajectory_channel_change(const hk_trajectory *a, const hk_scene *scen
   for (size_t k = 0; k < channel; k++) offset += scene->channel[k].size;
   return change(a, offset, scene->channel[channel].size);
 }
+
+/* ---- one particle ---- */
+
+static int by_id(const void *a, const void *b) {
+  double i = *(const double *)a, j = *(const double *)b;
+  return (i > j) - (i < j);
+}
+
+/* NULL: the particle was not there. */
+static const double *position(const hk_trajectory *a, size_t k, double id) {
+  const struct hk_moment *m = &a->moment[k];
+  const double *ids = a->value + m->begin, *found = bsearch(&id, ids, m->n, sizeof *ids, by_id);
+  return found ? ids + m->n + 3 * (found - ids) : NULL;
+}
+
+/* The mean velocity from moment k to the next. */
+static bool slope(const hk_trajectory *a, size_t k, double id, double v[3]) {
+  const double *x = position(a, k, id), *y = position(a, k + 1, id);
+  for (int c = 0; c < 3 && x && y; c++) v[c] = (y[c] - x[c]) / (a->moment[k + 1].t - a->moment[k].t);
+  return x && y;
+}
+
+bool hk_trajectory_place(const hk_trajectory *a, uint32_t id, double t, double x[3], double v[3]) {
+  size_t k = 0, last = a->moments ? a->moments - 1 : 0;
+  double here[3], beside[3];
+  if (last == 0) return false;
+  for (size_t low = 0, high = last; low < high; k = low) { /* the last of them up to t that has another one behind */
+    size_t middle = (low + high + 1) / 2;
+    if (middle < last && a->moment[middle].t <= t)
+      low = middle;
+    else
+      high = middle - 1;
+  }
+  if (!slope(a, k, id, here)) return false;
+  double part = (t - a->moment[k].t) / (a->moment[k + 1].t - a->moment[k].t);
+  bool late = part > 0.5 && k + 1 < last, early = part < 0.5 && k > 0;
+  double weight = (late || early) && slope(a, late ? k + 1 : k - 1, id, beside) ? fabs(part - 0.5) : 0;
+  const double *from = position(a, k, id);
+  for (int c = 0; c < 3; c++) {
+    x[c] = from[c] + here[c] * (t - a->moment[k].t);
+    v[c] = weight > 0 ? here[c] + weight * (beside[c] - here[c]) : here[c];
+  }
+  return true;
+}
+
+/* ---- */
 
 double hk_trajectory_time(const hk_trajectory *a, double part) {
   size_t k = (size_t)ceil(part * (double)a->moments);

@@ -4,10 +4,11 @@
  * vary (functions/samples.c), and what they do within the distance of two evaluations is looked at (functions/rapid.c).
  * What is shorter than the distance of two samples may hide: it is assumed that there is nothing, and said; where the
  * script declares the shortest time in which a function changes, `fastest`, the samples are so dense that nothing can
- * hide. */
+ * hide. A function of the state is one of time for a particle on its way: three of them are looked at. */
 #include "core/judge/judge.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const size_t most_declared = 2000000, /* calls of all functions whose shortest time is declared */
     per_fastest = 4;                         /* parts in that time: samples are at most half of it apart */
@@ -22,7 +23,8 @@ typedef struct subject {
 
 typedef struct search {
   const hk_loop *loop;
-  double until; /* s */
+  const hk_trajectory *trajectory; /* or NULL */
+  double until;                    /* s */
   const subject *now;
   size_t most_calls, functions; /* that share the calls; half of them are kept for where a function varies */
   hk_sampling *result;
@@ -32,18 +34,60 @@ typedef struct search {
 
 typedef void visit(search *, const subject *);
 
+/* A function of the state as one of time: for a particle on its way, or at the place of the end where that is not
+ * known. */
+typedef struct on_the_way {
+  hk_function function; /* first member */
+  const hk_function *of_state;
+  const hk_trajectory *trajectory;
+  uint32_t id;
+  double x[3], v[3];
+  size_t arguments; /* t, x [, v], id */
+} on_the_way;
+
+static hk_status call_on_the_way(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                                 size_t max_out, size_t *n_out, hk_error *error) {
+  on_the_way w = *(const on_the_way *)(const void *)f;
+  (void)n_in;
+  if (w.trajectory) hk_trajectory_place(w.trajectory, w.id, in[0], w.x, w.v);
+  double all[] = {in[0], w.x[0], w.x[1], w.x[2], w.v[0], w.v[1], w.v[2], 0};
+  all[w.arguments - 1] = w.id;
+  return w.of_state->call(w.of_state, caller, all, w.arguments, out, max_out, n_out, error);
+}
+
+static void visit_state_function(search *s, const hk_instance *force, const hk_param *p, subject one, visit *each) {
+  on_the_way at = {.function.call = call_on_the_way, .arguments = hk_function_arguments(p)};
+  const hk_state *state = s->loop->state;
+  size_t n = state->model.n, acting = force->is_active ? force->acting : n;
+  at.of_state = *(const hk_function *const *)(const void *)((const char *)force->self + p->offset);
+  at.trajectory = s->trajectory;
+  one.function = &at.function;
+  one.name = p->name;
+  for (size_t k = 0; at.of_state && k < 3 && k < acting; k++) {
+    size_t position = k * (acting - 1) / 2, i = force->active ? force->active[position] : position;
+    memcpy(at.x, state->X + 3 * i, sizeof at.x);
+    memcpy(at.v, state->X + 3 * (n + i), sizeof at.v);
+    at.id = state->id[i];
+    each(s, &one);
+  }
+}
+
 static void visit_plugins(search *s, hk_kind kind, visit *each) {
   const hk_instances *list = &s->loop->plugins->kind[kind];
   for (size_t k = 0; k < list->count; k++) {
     const hk_plugin_spec *spec = list->item[k]->spec;
-    for (size_t j = 0; j < spec->timed_count; j++) {
-      subject one = {&spec->timed[j].function, spec->where, spec->label, spec->timed[j].param->name, .stepwise = false};
-      one.begin = fmax(0, spec->from);
-      one.end = fmin(s->until, spec->to);
-      one.fastest = spec->fastest;
-      one.stepwise = kind == HK_CORRECTOR;
-      if (one.end > one.begin) each(s, &one);
+    subject one = {.where = spec->where, .label = spec->label, .stepwise = kind == HK_CORRECTOR};
+    one.begin = fmax(0, spec->from);
+    one.end = fmin(s->until, spec->to);
+    for (size_t j = 0; j < spec->timed_count && one.end > one.begin; j++) {
+      one.function = &spec->timed[j].function;
+      one.name = spec->timed[j].param->name;
+      one.fastest = one.function->fastest > 0 ? one.function->fastest : spec->fastest;
+      each(s, &one);
     }
+    one.fastest = spec->fastest;
+    for (const hk_param *p = spec->plugin->params; kind == HK_FORCE && p && p->name && one.end > one.begin; p++)
+      if (p->type == HK_FUNCTION) visit_state_function(s, list->item[k], p, one, each);
   }
 }
 
@@ -54,7 +98,7 @@ static void visit_all(search *s, visit *each) {
   for (size_t k = 0; k < s->loop->pins->count; k++) {
     const hk_pin_spec *spec = s->loop->pins->item[k].spec;
     subject one = {&spec->path, spec->where, "pin", "path", .end = fmin(s->until, spec->release)};
-    one.fastest = spec->fastest;
+    one.fastest = spec->path.fastest > 0 ? spec->path.fastest : spec->fastest;
     if (spec->kind == HK_PIN_PATH && one.end > 0) each(s, &one);
   }
 }
@@ -119,9 +163,10 @@ static void look_at(search *s, const subject *one) {
 
 /* ---- the whole ---- */
 
-hk_sampling hk_under_sampled(hk_loop *loop, size_t most_calls) {
+hk_sampling hk_under_sampled(hk_loop *loop, const hk_trajectory *trajectory, size_t most_calls) {
   hk_sampling result = {.shortest = INFINITY, .declared = INFINITY};
-  search s = {.loop = loop, .until = loop->state->t, .most_calls = most_calls, .result = &result};
+  search s = {
+      .loop = loop, .trajectory = trajectory, .until = loop->state->t, .most_calls = most_calls, .result = &result};
   visit_all(&s, count);
   visit_all(&s, look_at);
   return result;

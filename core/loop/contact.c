@@ -22,6 +22,7 @@ bool hk_contact_checks(const hk_loop *loop) {
 static void take_back(hk_loop *loop) {
   memcpy(loop->state->X, loop->X_before, loop->state->size * sizeof *loop->X_before);
   loop->rejected_by = "contact";
+  loop->part = 0.5;
 }
 
 bool hk_contact_takes_back(hk_loop *loop, hk_status *status) {

@@ -39,13 +39,11 @@ typedef struct account {
 } account;
 
 static void note(account *a, hk_state *s, const hk_corrector *functions, const hk_correction *c) {
+  bool reports = functions->flags & HK_REPORTS_WORK;
   a->moved = true;
-  if (!(functions->flags & HK_REPORTS_WORK))
-    a->silent = true;
-  else {
-    a->work += c->work;
-    s->X[s->size - 1] += c->work;
-  }
+  a->silent |= !reports;
+  a->work += reports ? c->work : 0;
+  s->X[s->size - 1] += reports ? c->work : 0;
 }
 
 static void commit(hk_record *record, const account *a) {
@@ -54,9 +52,12 @@ static void commit(hk_record *record, const account *a) {
   record->correction_work += a->work;
 }
 
-static void take_back(hk_loop *loop, const hk_instance *corrector) {
+static hk_status take_back(hk_loop *loop, const hk_instance *corrector, double part, bool *rejected) {
   memcpy(loop->state->X, loop->X_before, loop->state->size * sizeof *loop->X_before);
   loop->rejected_by = corrector->label;
+  loop->part = part > 0 && part < 1 ? part : 0.5;
+  *rejected = true;
+  return HK_OK;
 }
 
 hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
@@ -67,14 +68,10 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   for (size_t k = 0; k < correctors->count; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
     hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n};
-    if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before;
+    if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
     hk_status status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;
-    if (c.reject && functions->flags & HK_MAY_REJECT) {
-      take_back(loop, correctors->item[k]);
-      *rejected = true;
-      return HK_OK;
-    }
+    if (c.reject && functions->flags & HK_MAY_REJECT) return take_back(loop, correctors->item[k], c.part, rejected);
     if (!c.changed) continue;
     note(&done, s, functions, &c);
     status = impose(loop);

@@ -3,7 +3,7 @@
 #ifndef HK_LOOP_H
 #define HK_LOOP_H
 
-#include "core/dynamics/dynamics.h"
+#include "core/population/population.h"
 #include "core/stability/stability.h"
 
 #include <signal.h>
@@ -32,6 +32,8 @@ typedef struct hk_record {
   double energy_first, momentum_first[3], momentum_scale;
   double violation_max; /* m */
   double strain_max;
+  double force_rms, force_p99, force_largest; /* the largest errors of approximate forces so far, relative; 0: none */
+  double force_work, force_power, force_at;   /* J, of such errors at most; W at the last frame, and its time, s */
 } hk_record;
 
 /* ---- step_choice.c ---- */
@@ -56,6 +58,9 @@ typedef struct hk_step_choice {
   size_t estimate_cost;  /* evaluations */
   size_t estimates_cost; /* of all of them that no time or event called for, evaluations */
   size_t estimated_at;   /* number of evaluations at the last estimate */
+  double lightest;       /* kg, the least mass of a newborn; 0: there was none */
+  size_t births_cost;    /* of all estimates after births and deaths, evaluations */
+  size_t turnover;       /* births and deaths since the last of them */
 } hk_step_choice;
 
 hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and the stable limit, for any method */
@@ -63,6 +68,9 @@ hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and
 hk_status hk_step_choose(hk_step_choice *, hk_dynamics *, double given);
 /* Estimates the limit again after enough evaluations; with `event`, always. */
 hk_status hk_step_reestimate(hk_step_choice *, hk_dynamics *, bool event);
+/* After births and deaths: estimates the limit again where a newborn is lighter than all before or many particles are
+ * others. */
+hk_status hk_step_review_births(hk_step_choice *, hk_dynamics *, size_t births, size_t deaths);
 /* Before a step: lowers the limit, and a chosen dt, before the scene has become too stiff for them. */
 hk_status hk_step_watch(hk_step_choice *, hk_dynamics *);
 
@@ -112,12 +120,14 @@ typedef struct hk_loop {
   hk_loop_hooks hooks;
   double fps;
   hk_piece piece;
+  hk_population_change population;
   double last_h;      /* s; 0: no step yet */
   bool between_steps; /* it was interrupted there, with nothing half done */
   bool emitted;       /* the sources were called for the coming step */
   double *X_before;   /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
+  double part;             /* of its length, in which the step is repeated next */
   hk_instance *integrator;
   double first_step_at, seconds, output_seconds; /* s, wall: of the first step; spent in steps; in frames */
 } hk_loop;
@@ -154,6 +164,6 @@ hk_status hk_contact_check(hk_loop *, double t_before, bool *rejected);
 bool hk_correctors_look_back(const hk_loop *); /* whether a corrector needs the state before the step */
 /* *rejected: a corrector rejected the step; the state before the step is then restored. */
 hk_status hk_correctors_apply(hk_loop *, double h, bool *rejected);
-hk_status hk_sources_emit(hk_loop *, double h);
+hk_status hk_sources_emit(hk_loop *, double h, unsigned when); /* 0: before a step; HK_AFTER_STEPS: after it */
 
 #endif

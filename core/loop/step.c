@@ -4,7 +4,7 @@
  *
  * The report of an integrator is checked: the step taken must lie between 0 and the stop, and the integrator may change
  * neither the time nor the address and size of the state vector. A step whose solver does not converge, or that contact
- * or a corrector rejects, is repeated as two half steps, down to 1/4096 of its length. */
+ * or a corrector rejects, is repeated as two half steps (or as a corrector divides it), up to twelve times over. */
 #include "core/loop/loop.h"
 
 #include <float.h>
@@ -27,7 +27,7 @@ hk_status hk_step_begin(hk_loop *loop, double h) {
   hk_status status = interrupted(loop);
   loop->between_steps = status != HK_OK;
   if (status != HK_OK) return status;
-  if (loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h);
+  if (loop->plugins->kind[HK_SOURCE].count && !loop->emitted) status = hk_sources_emit(loop, h, 0);
   loop->emitted = true;
   if (status == HK_OK && loop->dynamics->constraints) status = hk_constraints_update(loop->dynamics);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
@@ -145,7 +145,7 @@ static hk_status stuck(const hk_loop *loop, double h) {
   return hk_error_set(loop->error, HK_NOT_CONVERGED, "%s takes every step back, down to %g s", loop->rejected_by, h);
 }
 
-static hk_status halve(hk_loop *loop, double t_end, double h, int halvings);
+static hk_status divide(hk_loop *loop, double t_end, double h, double part, int halvings);
 
 static hk_status one_step(hk_loop *loop, double t_end, double h, int halvings) {
   hk_step out;
@@ -155,18 +155,19 @@ static hk_status one_step(hk_loop *loop, double t_end, double h, int halvings) {
   if (status == HK_OK && !rejected) status = finish(loop, t_end, h, out.error, &rejected);
   if (status == HK_NOT_CONVERGED && halvings > 0 && loop->state->t != t_end) {
     hk_error_clear(loop->error);
-    return halve(loop, t_end, h, halvings - 1);
+    return divide(loop, t_end, h, 0.5, halvings - 1);
   }
   if (!rejected) return status;
   hk_step_reset(loop, HK_STATE_CHANGED);
-  if (halvings > 0) return halve(loop, t_end, h, halvings - 1);
+  if (halvings > 0 && loop->state->t + loop->part * h > loop->state->t)
+    return divide(loop, t_end, h, loop->part, halvings - 1);
   return stuck(loop, h);
 }
 
-static hk_status halve(hk_loop *loop, double t_end, double h, int halvings) {
+static hk_status divide(hk_loop *loop, double t_end, double h, double part, int halvings) {
   hk_step_reset(loop, HK_STEP_CHANGED);
-  hk_status status = one_step(loop, loop->state->t + h / 2, h / 2, halvings);
-  if (status == HK_OK) status = one_step(loop, t_end, h / 2, halvings);
+  hk_status status = one_step(loop, loop->state->t + part * h, part * h, halvings);
+  if (status == HK_OK) status = one_step(loop, t_end, h - part * h, halvings);
   hk_step_reset(loop, HK_STEP_CHANGED);
   return status;
 }
@@ -174,7 +175,7 @@ static hk_status halve(hk_loop *loop, double t_end, double h, int halvings) {
 hk_status hk_step_fixed(hk_loop *loop, double t_end, double h) { return one_step(loop, t_end, h, HALVINGS); }
 
 hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
-  for (int tries = 0;; tries++, h /= 2) {
+  for (int tries = 0;; tries++, h *= loop->part) {
     hk_step out;
     bool rejected = false;
     double t = loop->state->t;
@@ -193,6 +194,6 @@ hk_status hk_step_adaptive(hk_loop *loop, double stop, double h) {
     status = finish(loop, reaches_stop ? stop : t + out.h, out.h, out.error, &rejected);
     if (!rejected) return status;
     hk_step_reset(loop, HK_STATE_CHANGED);
-    if (tries == HALVINGS) return stuck(loop, h);
+    if (tries == HALVINGS || t + loop->part * h == t) return stuck(loop, h);
   }
 }

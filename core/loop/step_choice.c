@@ -10,6 +10,10 @@
  * their stiffness and are watched, and of those that the watch asks for. */
 enum { REVIEW_EVERY = 40, REVIEW_WATCHED = 100, REVIEW_RISEN = 100, REVIEW_FREE = 100 };
 
+/* Of estimates after births and deaths: evaluations of the run per evaluation of one, the number that is free, and the
+ * inverse of the part of the particles that has to be new. */
+enum { REVIEW_BIRTHS = 20, FREE_BIRTHS = 10, TURNOVER = 10 };
+
 /* Equal within a tenth of a percent: the old limit is then kept, since computing it can cost more than a frame of a
  * small scene. */
 static bool close_to(double a, double b) { return fabs(a - b) <= 1e-3 * fmax(fabs(a), fabs(b)); }
@@ -44,7 +48,7 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
   hk_status status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
-  c->estimate_cost = d->count.evaluations - before.evaluations;
+  c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
   if (status == HK_OK) status = reserve(c, d);
@@ -54,10 +58,28 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   return HK_OK;
 }
 
-static void choose(hk_step_choice *c, hk_warnings *warnings) {
-  double frame = 1 / c->fps;
+/* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
+ */
+static double resolving(const hk_dynamics *d) {
+  double fastest = INFINITY;
+  for (int kind = 0; kind < HK_KINDS; kind++)
+    for (size_t k = 0; k < d->plugins->kind[kind].count; k++) {
+      const hk_plugin_spec *spec = d->plugins->kind[kind].item[k]->spec;
+      for (size_t j = 0; j < spec->timed_count; j++)
+        if (spec->timed[j].function.fastest > 0) fastest = fmin(fastest, spec->timed[j].function.fastest);
+    }
+  for (size_t k = 0; k < d->pins->count; k++) {
+    const hk_pin_spec *spec = d->pins->item[k].spec;
+    if (spec->kind == HK_PIN_PATH && spec->path.fastest > 0) fastest = fmin(fastest, spec->path.fastest);
+  }
+  return fastest / 4;
+}
+
+static void choose(hk_step_choice *c, const hk_dynamics *d) {
+  hk_warnings *warnings = d->shared->warnings;
+  double frame = 1 / c->fps, most = resolving(d);
   c->chosen = true;
-  c->dt = c->dt_estimated = c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame);
+  c->dt = c->dt_estimated = fmin(most, c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame));
   if (c->growth_expected)
     hk_warn(warnings,
             "%s has no stable step on this scene; dt = %.3g s is chosen for accuracy, and motion may grow at a rate of "
@@ -81,7 +103,6 @@ static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) 
 }
 
 hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
-  hk_warnings *warnings = d->shared->warnings;
   if (c->method->flags & HK_ADAPTIVE) {
     c->dt = isnan(given) ? INFINITY : given;
     c->chosen = isnan(given);
@@ -89,7 +110,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
   }
   if (c->method->flags & HK_IMPLICIT) {
     if (isnan(given))
-      choose(c, warnings);
+      choose(c, d);
     else
       c->dt = given;
     return HK_OK;
@@ -103,9 +124,9 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
   }
   if (status != HK_OK) return status;
   if (isnan(given))
-    choose(c, warnings);
+    choose(c, d);
   else
-    check_given(c, given, warnings);
+    check_given(c, given, d->shared->warnings);
   return HK_OK;
 }
 
@@ -132,6 +153,33 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
   keep_least(c, old, expected, c->dt_estimated);
   c->dt_estimated = c->dt;
   return HK_OK;
+}
+
+/* Newborns may be stiffer than all others where they are lighter; a stream of births has few masses, or fewer and fewer
+ * that are the lightest so far. Otherwise the scene is another one when a tenth of its particles are others, and is
+ * then estimated as far as the evaluations so far can pay for it, at first without. */
+hk_status hk_step_review_births(hk_step_choice *c, hk_dynamics *d, size_t births, size_t deaths) {
+  const hk_model *model = &d->state->model;
+  bool lighter = false;
+  for (size_t i = model->n - births; i < model->n; i++)
+    if (!(c->lightest > 0) || model->mass[i] < c->lightest) {
+      c->lightest = model->mass[i];
+      lighter = true;
+    }
+  c->turnover += births + deaths;
+  bool another = TURNOVER * c->turnover >= model->n;
+  bool stated = c->watch.allowed.covered && !(c->spectrum.w_switching > 0); /* contact is there at some times only */
+  if (another && !lighter && stated) {
+    c->watch.next = 0;
+    c->turnover = 0;
+    return HK_OK;
+  }
+  bool paid = REVIEW_BIRTHS * c->births_cost <= d->count.evaluations + FREE_BIRTHS * REVIEW_BIRTHS * c->estimate_cost;
+  if (!lighter && !(another && paid)) return HK_OK;
+  hk_status status = hk_step_reestimate(c, d, true);
+  c->births_cost += c->estimate_cost;
+  c->turnover = 0;
+  return status;
 }
 
 /* A new estimate is sharper than the raised bounds, where the evaluations so far allow for it. */

@@ -135,6 +135,7 @@ static hk_status fixed_segment(hk_loop *loop, double stop) {
     if (status == HK_OK) status = hk_step_watch(loop->step, loop->dynamics);
     if (status == HK_OK && too_long(loop, p)) break;
     if (status == HK_OK) status = piece_step(loop, p);
+    if (status == HK_OK) status = hk_sources_emit(loop, p->h, HK_AFTER_STEPS);
     if (status != HK_OK) return status;
   }
   p->n = 0;
@@ -160,7 +161,9 @@ static hk_status adaptive_segment(hk_loop *loop, double stop) {
     hk_status status = hk_step_begin(loop, h);
     longest = hk_sweep_longest_step(loop->dynamics); /* of the newborn, too */
     if (status == HK_OK) status = check_length(loop, INFINITY, loop->state->t);
+    double begin = loop->state->t;
     if (status == HK_OK) status = hk_step_adaptive(loop, stop, fmin(h, longest));
+    if (status == HK_OK) status = hk_sources_emit(loop, loop->state->t - begin, HK_AFTER_STEPS);
     if (status != HK_OK) return status;
   }
   return HK_OK;
@@ -196,6 +199,7 @@ hk_status hk_loop_frame(hk_loop *loop) {
 }
 
 void hk_loop_close(hk_loop *loop) {
+  hk_population_close(&loop->population);
   free(loop->X_before);
   if (loop->step) free(loop->step->scratch);
 }

@@ -1,6 +1,9 @@
 /* Functions of the script that the engine calls: timed parameters, paths of pins, channel rates, measures, on_frame,
- * exact. A call runs under the script's limits and allocates nothing outside a protected call. */
+ * exact; and gusts, functions of time that need no script. A call runs under the script's limits and allocates nothing
+ * outside a protected call. */
 #include "core/lua/internal.h"
+
+#include <string.h>
 
 enum { DEEPEST = 4, ROOM = DEEPEST + 8 }; /* a list of triples is 2 deep */
 enum { EMPTY = 1000 };                    /* tables of a result that need not hold a number */
@@ -38,15 +41,18 @@ static const char *flatten(lua_State *L, int index, int depth, double *out, size
 
 /* A result that is not finite is an error that names the function, its line and the time, since it would otherwise
  * appear later as a diverged force. */
-static hk_status check_finite(const hk_function *f, lua_State *L, double t, const double *out, size_t count,
-                              hk_error *error) {
-  char what[80];
+static const char *not_finite(const double *out, size_t count) {
   for (size_t k = 0; k < count; k++)
-    if (!isfinite(out[k])) {
-      snprintf(what, sizeof what, "%s at t = %.9g s", isnan(out[k]) ? "nan" : out[k] > 0 ? "inf" : "-inf", t);
-      return wrong_result(f, L, error, what);
-    }
-  return HK_OK;
+    if (!isfinite(out[k])) return isnan(out[k]) ? "nan" : out[k] > 0 ? "inf" : "-inf";
+  return NULL;
+}
+
+/* The time, and the particle of a function of the state, at the end of the message; `raised`: of the script's own. */
+static void add_place(const hk_function *f, const double *in, bool raised, hk_error *error) {
+  size_t length = strlen(error->text), room = sizeof error->text - length;
+  char particle[32] = "";
+  if (f->id) snprintf(particle, sizeof particle, ", particle %.0f", in[f->id]);
+  snprintf(error->text + length, room, raised ? " (at t = %.9g s%s)" : " at t = %.9g s%s", in[0], particle);
 }
 
 /* What the script's function does is no doing of the plugin that asked for its value. */
@@ -68,7 +74,11 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   *n_out = 0;
   if (!lua_checkstack(L, (int)n_in + ROOM)) return hk_error_set(error, HK_SCRIPT, "the script's calls are too deep");
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
-  for (size_t k = 0; k < n_in; k++) lua_pushnumber(L, in[k]);
+  for (size_t k = 0; k < n_in; k++)
+    if (k && k == f->id)
+      lua_pushinteger(L, (lua_Integer)in[k]);
+    else
+      lua_pushnumber(L, in[k]);
   s->calling = caller;
   const hk_instance *acting = leave_plugin(s);
   hk_status status = hk_lua_call(L, (int)n_in, max_out ? LUA_MULTRET : 0, error);
@@ -77,16 +87,52 @@ static hk_status call_function(const hk_function *f, const void *caller, const d
   if (status == HK_OK && !lua_checkstack(L, ROOM)) wrong = "too many values";
   for (int k = top + 1, last = lua_gettop(L); status == HK_OK && !wrong && k <= last; k++)
     wrong = flatten(L, k, 0, out, max_out, n_out, &looks);
+  if (status == HK_OK && !wrong && n_in) wrong = not_finite(out, *n_out);
   if (wrong) status = wrong_result(f, L, error, wrong);
-  if (status == HK_OK && n_in) status = check_finite(f, L, in[0], out, *n_out, error);
+  if (n_in && (wrong || (f->id && status == HK_SCRIPT))) add_place(f, in, !wrong, error);
   lua_settop(L, top);
   return status;
 }
 
+/* ---- gusts: a function of C, whose upvalue is the gust ---- */
+
+enum { GUST_COST = 100 }; /* instructions: it is several cosines for each column */
+
+static int gust_at(lua_State *L) {
+  const hk_gust *g = lua_touserdata(L, lua_upvalueindex(1));
+  double t = luaL_checknumber(L, 1), out[HK_COLUMNS];
+  hk_limits_count(L, GUST_COST * g->columns);
+  hk_gust_at(g, t, out);
+  for (size_t c = 0; c < g->columns; c++) lua_pushnumber(L, out[c]);
+  return (int)g->columns;
+}
+
+hk_gust *hk_lua_push_gust(lua_State *L) {
+  hk_gust *g = lua_newuserdatauv(L, sizeof *g, 0);
+  *g = (hk_gust){.columns = 0};
+  lua_pushcclosure(L, gust_at, 1);
+  return g;
+}
+
+/* s; 0: not known. */
+static double fastest_of(lua_State *L, int index) {
+  if (lua_tocfunction(L, index) != gust_at) return 0;
+  lua_getupvalue(L, index, 1);
+  double fastest = ((const hk_gust *)lua_touserdata(L, -1))->fastest;
+  lua_pop(L, 1);
+  return fastest;
+}
+
+/* ---- */
+
 hk_function hk_lua_function(lua_State *L, int index) {
   luaL_checktype(L, index, LUA_TFUNCTION);
+  double fastest = fastest_of(L, index);
   lua_pushvalue(L, index);
-  return (hk_function){call_function, hk_lua_script(L), luaL_ref(L, LUA_REGISTRYINDEX)};
+  return (hk_function){.call = call_function,
+                       .context = hk_lua_script(L),
+                       .reference = luaL_ref(L, LUA_REGISTRYINDEX),
+                       .fastest = fastest};
 }
 
 /* ---- adapters; their first upvalue is the script's function ---- */
@@ -109,20 +155,8 @@ hk_function hk_lua_frame_function(lua_State *L, int index) {
   return function;
 }
 
-/* t, id, y... -> function(t, id, y...), the id a whole number */
-static int with_id(lua_State *L) {
-  lua_pushinteger(L, (lua_Integer)lua_tonumber(L, 2));
-  lua_replace(L, 2);
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_insert(L, 1);
-  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
-  return lua_gettop(L);
-}
-
 hk_function hk_lua_rate_function(lua_State *L, int index) {
-  lua_pushvalue(L, index);
-  lua_pushcclosure(L, with_id, 1);
-  hk_function function = hk_lua_function(L, lua_gettop(L));
-  lua_pop(L, 1);
+  hk_function function = hk_lua_function(L, index);
+  function.id = 1;
   return function;
 }

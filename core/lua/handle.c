@@ -76,9 +76,9 @@ static int at(lua_State *L) {
   lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1);
   if (i < 1 || i > h->nx || j < 1 || j > h->ny) {
     if (h->grid)
-      return hk_lua_fail(L, HK_BAD_PARAM, "at(%d, %d) is outside the grid of %d x %d", (int)i, (int)j, (int)h->nx,
-                         (int)h->ny);
-    return hk_lua_fail(L, HK_BAD_PARAM, "at(%d) is outside 1 to %d", (int)i, (int)h->nx);
+      return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld, %lld) is outside the grid of %d x %d", (long long)i, (long long)j,
+                         (int)h->nx, (int)h->ny);
+    return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld) is outside 1 to %d", (long long)i, (int)h->nx);
   }
   lua_pushinteger(L, h->first + (j - 1) * h->nx + (i - 1));
   return 1;

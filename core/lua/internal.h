@@ -21,6 +21,7 @@ struct hk_script {
   size_t refused_size;
   bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
   bool spent, memory_spent; /* the script exceeded a limit (that of memory) */
+  bool refused_by_system;   /* the last allocation, not by the limit */
   hk_error limit;           /* the error of the limit exceeded; HK_OK: none */
   hk_error raised;          /* the engine's last error raised in the script */
   size_t slots;
@@ -107,6 +108,7 @@ void hk_lua_open_state(lua_State *L);
 hk_function hk_lua_function(lua_State *L, int index);
 hk_function hk_lua_frame_function(lua_State *L, int index); /* it is called with the state of the scene at index 1 */
 hk_function hk_lua_rate_function(lua_State *L, int index);  /* it is called with t, id, y... */
+hk_gust *hk_lua_push_gust(lua_State *L); /* a function of t that is still to be made; its fastest change is known */
 
 /* values.c */
 double hk_lua_number(lua_State *L, int index, const char *what);    /* finite */
@@ -115,7 +117,7 @@ void hk_lua_check_plain(lua_State *L, int index, const char *what); /* no fields
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */
-void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table);
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table);
 
 /* param.c: param(), and the check that every name=value was declared. */
 int hk_lua_param(lua_State *L);
@@ -126,6 +128,7 @@ uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what
 /* Adds particles; returns the first id. Errors begin with `what`. */
 uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t count, const double *x, const double *v,
                     const double *mass, double common, uint32_t group);
+int hk_lua_gust(lua_State *L);           /* hooke.gust{} */
 void hk_lua_open_builders(lua_State *L); /* adds to the method table on top of the stack */
 void hk_lua_open_mesh(lua_State *L);     /* mesh.c: likewise */
 

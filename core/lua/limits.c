@@ -47,6 +47,7 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
   if (size > before && refused(s, memory, size, size - before)) return NULL;
   void *grown = realloc(memory, size);
   if (grown) s->memory += size - before;
+  s->refused_by_system = !grown;
   return grown;
 }
 
@@ -54,7 +55,9 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
 static void set_limit_error(hk_script *s, const char *place, int line) {
   s->limit = (hk_error){0};
   bool counted = s->instructions > s->instruction_limit;
-  if (s->memory_spent)
+  if (s->memory_spent && s->refused_by_system)
+    hk_error_set(&s->limit, HK_NO_MEMORY, "%s: no memory: the system gives no more to this process", s->name);
+  else if (s->memory_spent)
     hk_error_set(&s->limit, HK_SCRIPT, "%s: not enough memory: the script went beyond its limit of %zu MiB", s->name,
                  (s->memory_limit >> 20) * (s->engine_memory / ENGINE_SHARE > s->memory_limit ? ENGINE_SHARE : 1));
   else if (!counted)
@@ -175,7 +178,7 @@ int hk_limits_call(lua_State *L, int arguments, int results) {
     if (code == LUA_ERRMEM && s->instructions <= s->instruction_limit) s->memory_spent = true;
     if (s->limit.status == HK_OK) set_limit_error(s, s->name, 1);
     lua_settop(L, base); /* a function that got away with an exceeded limit has failed, too */
-    lua_pushstring(L, s->limit.text);
+    lua_pushboolean(L, 0); /* in place of the error: a text would need memory, and s->limit has it */
     code = LUA_ERRRUN;
   }
   s->instructions = outer;

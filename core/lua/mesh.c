@@ -1,6 +1,6 @@
-/* scene:mesh{ file = "name.obj" }: vertices become particles, faces become triangles, and their sides become edges. Of
- * the Wavefront OBJ format the records v and f are read; f may have texture and normal indices, which are skipped, and
- * negative ones. */
+/* scene:mesh{ file = "name.obj" }: vertices become particles, faces become triangles, and their sides become edges.
+ * scene:surface{ file = "name.obj" }: the numbers alone, for plugins that take them. Of the Wavefront OBJ format the
+ * records v and f are read; f may have texture and normal indices, which are skipped, and negative ones. */
 #include "core/lua/internal.h"
 #include "core/storage/storage.h"
 
@@ -205,7 +205,45 @@ static int mesh_builder(lua_State *L) {
   return 1;
 }
 
+static void push_corners(lua_State *L, const mesh *m) {
+  lua_createtable(L, (int)(3 * m->triangles), 0);
+  for (size_t k = 0; k < 3 * m->triangles; k++) {
+    lua_pushinteger(L, (lua_Integer)m->triangle[k / 3][k % 3] + 1);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
+/* { vertices = { x1, y1, z1, x2, ... }, faces = { three vertices a triangle, from 1 }, file = } */
+static int surface_builder(lua_State *L) {
+  static const char *const keys[] = {"file", "scale", "origin", NULL};
+  hk_lua_scene(L, 1);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  lua_settop(L, 2);
+  hk_lua_check_keys(L, 2, "surface", keys);
+  if (hk_lua_field(L, 2, "file") != LUA_TSTRING)
+    return hk_lua_fail(L, HK_BAD_PARAM, "surface: file is required, an OBJ file");
+  mesh *m = new_mesh(L);
+  load(L, m, lua_tostring(L, 3));
+  double scale = hk_lua_field_number(L, 2, "surface", "scale", 1), origin[3] = {0};
+  hk_lua_field_vector(L, 2, "surface", "origin", origin);
+  lua_createtable(L, 0, 3);
+  lua_pushvalue(L, 3);
+  lua_setfield(L, -2, "file");
+  lua_createtable(L, (int)(3 * m->vertices), 0);
+  for (size_t k = 0; k < 3 * m->vertices; k++) {
+    lua_pushnumber(L, origin[k % 3] + scale * m->vertex[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  lua_setfield(L, -2, "vertices");
+  push_corners(L, m);
+  lua_setfield(L, -2, "faces");
+  clear(m);
+  return 1;
+}
+
 void hk_lua_open_mesh(lua_State *L) {
+  lua_pushcfunction(L, surface_builder);
+  lua_setfield(L, -2, "surface");
   lua_pushcfunction(L, mesh_builder);
   lua_setfield(L, -2, "mesh");
 }

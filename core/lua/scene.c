@@ -3,6 +3,7 @@
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -60,7 +61,7 @@ static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const ch
   const char *label = NULL;
   if (params && lua_istable(L, params) && hk_lua_field(L, params, "label") != LUA_TNIL) {
     label = lua_tostring(L, -1);
-    if (!label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text", name);
+    if (!label || !*label) hk_lua_fail(L, HK_BAD_PARAM, "%s: label: expected a text that is not empty", name);
   }
   hk_limits_take(L, 1024 + (label ? strlen(label) : 0));
   check(L, hk_scene_add_plugin(scene, kind, name, label, hk_lua_where(L), &spec, &error), &error);
@@ -115,6 +116,14 @@ static double positive(lua_State *L, const char *key, double otherwise) {
   return positive_of(L, 1, "scene", key, otherwise);
 }
 
+/* Frame k is at k/fps: numbers of frames are whole, and the parts of a frame have digits of their own. */
+static void check_frames(lua_State *L, const hk_scene *scene) {
+  const double most = 1 / DBL_EPSILON, shortest = DBL_MIN / DBL_EPSILON;
+  if (scene->fps * scene->duration > most || 1 / scene->fps < shortest)
+    hk_lua_fail(L, HK_BAD_PARAM, "scene: fps: %g frames a second are too many to be told apart in %g s", scene->fps,
+                scene->duration);
+}
+
 static bool accuracy_at_end(lua_State *L) {
   hk_lua_field(L, 1, "accuracy_at");
   const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
@@ -156,6 +165,7 @@ static int scene(lua_State *L) {
   if (made->duration < 0)
     return hk_lua_fail(L, HK_BAD_PARAM, "scene: duration: %g s is below the minimum 0", made->duration);
   made->fps = positive(L, "fps", made->fps);
+  check_frames(L, made);
   made->dt = positive(L, "dt", NAN);
   made->tol = positive(L, "tol", made->tol);
   made->accuracy = positive(L, "accuracy", NAN);
@@ -330,7 +340,7 @@ static int unknown_method(lua_State *L) {
                                  {"constraint", NULL}, {"corrector", NULL}, {"source", NULL},   {"integrator", NULL},
                                  {"solver", NULL},     {"output", NULL},    {"particle", NULL}, {"particles", NULL},
                                  {"grid", NULL},       {"strand", NULL},    {"mesh", NULL},     {"service", NULL},
-                                 {NULL, NULL}};
+                                 {"surface", NULL},    {NULL, NULL}};
   const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, all);
   if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);
@@ -355,9 +365,11 @@ void hk_lua_open_scene(lua_State *L) {
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);
-  lua_createtable(L, 0, 2);
+  lua_createtable(L, 0, 3);
   lua_pushcfunction(L, scene);
   lua_setfield(L, -2, "scene");
+  lua_pushcfunction(L, hk_lua_gust);
+  lua_setfield(L, -2, "gust");
   lua_pushfstring(L, "%d.%d", HK_ABI_MAJOR, HK_ABI_MINOR);
   lua_setfield(L, -2, "version");
   lua_setglobal(L, "hooke");

@@ -153,7 +153,9 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
   case LUA_TSTRING:
     return (hk_value){.kind = HK_VALUE_STRING, .text = lua_tostring(L, index)};
   case LUA_TFUNCTION:
-    return (hk_value){.kind = HK_VALUE_FUNCTION, .function = hk_lua_function(L, index)};
+    value = (hk_value){.kind = HK_VALUE_FUNCTION, .function = hk_lua_function(L, index)};
+    if (p->type == HK_FUNCTION) value.function.id = hk_function_arguments(p) - 1;
+    return value;
   default:
     break;
   }
@@ -175,7 +177,8 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
                                          "a list of edges, {{1, 2}, {2, 3}}",
                                          "a list of triangles, {{1, 2, 3}}",
                                          "a list of tetrahedra or hinges, {{1, 2, 3, 4}}",
-                                         "a number or a list with one number per tuple"};
+                                         "a number or a list with one number per tuple",
+                                         "a function"};
     hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected %s, got %s", label, p->name, wanted[p->type],
                 lua_istable(L, index) ? "another kind of list" : luaL_typename(L, index));
   }
@@ -219,13 +222,26 @@ double hk_lua_fastest(lua_State *L, const char *what) {
   return seconds;
 }
 
+static void add_group(lua_State *L, hk_scene *scene, const char *name) {
+  hk_error error = {0};
+  uint32_t group;
+  hk_limits_take(L, strlen(name) + 64);
+  if (hk_scene_add_group(scene, name, &group, &error) != HK_OK) hk_lua_raise(L, &error);
+}
+
 /* True: `key` is an option that the host handles; its value is on top of the stack. */
-static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, const char *key) {
+static bool common_option(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, const char *key) {
   char name[160];
   snprintf(name, sizeof name, "%s: %s", spec->label, key);
   if (strcmp(key, "label") == 0) return true;
   if (strcmp(key, "fastest") == 0) {
     spec->fastest = hk_lua_fastest(L, name);
+    return true;
+  }
+  if (strcmp(key, "group") == 0 && (spec->plugin->kind == HK_FORCE || spec->plugin->kind == HK_SOURCE)) {
+    if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected the name of a group", name);
+    spec->group = hk_string_copy(lua_tostring(L, -1));
+    if (spec->plugin->kind == HK_SOURCE) add_group(L, scene, spec->group); /* its particles will be the first */
     return true;
   }
   if (spec->plugin->kind != HK_FORCE) return false;
@@ -235,15 +251,18 @@ static bool common_option(lua_State *L, const hk_scene *scene, hk_plugin_spec *s
     spec->from = hk_lua_number(L, -1, name);
   else if (strcmp(key, "to") == 0)
     spec->to = hk_lua_number(L, -1, name);
-  else if (strcmp(key, "group") == 0) {
-    if (lua_type(L, -1) != LUA_TSTRING) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected the name of a group", name);
-    spec->group = hk_string_copy(lua_tostring(L, -1));
-  } else
+  else
     return false;
   return true;
 }
 
-void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec, int table) {
+static bool has_state_function(const hk_plugin_spec *spec) {
+  for (const hk_param *p = spec->plugin->params; p && p->name; p++)
+    if (p->type == HK_FUNCTION && spec->given[p - spec->plugin->params]) return true;
+  return false;
+}
+
+void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table) {
   hk_error error = {0};
   if (table == 0 || lua_isnoneornil(L, table))
     table = 0;
@@ -270,7 +289,7 @@ void hk_lua_set_params(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec
   }
   if (spec->from >= spec->to)
     hk_lua_fail(L, HK_BAD_PARAM, "%s: from: %g s is not before to: %g s", spec->label, spec->from, spec->to);
-  if (spec->fastest > 0 && spec->timed_count == 0)
+  if (spec->fastest > 0 && spec->timed_count == 0 && !has_state_function(spec))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: fastest: no parameter is a function of time", spec->label);
   if (hk_spec_check(spec, &error) != HK_OK) hk_lua_raise(L, &error);
 }

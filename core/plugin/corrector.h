@@ -5,7 +5,7 @@
 #include "core/plugin/model.h"
 
 enum {                      /* hk_corrector.flags */
-       HK_WANTS_BEFORE = 1, /* the host fills x_before */
+       HK_WANTS_BEFORE = 1, /* the host fills x_before and v_before */
        HK_REPORTS_WORK = 2, /* the corrector fills `work`, so the energy balance stays known */
        HK_MAY_REJECT = 4    /* the host reads `reject` */
 };
@@ -19,13 +19,17 @@ typedef struct hk_correction {
   double work;            /* J, change of the scene's energy by the correction */
   bool reject; /* the host is to repeat the step with half its length; it restores the state, not the fields of
                   correctors */
+  const double *v_before; /* n x 3, velocities before the step; NULL without HK_WANTS_BEFORE */
+  double part; /* with reject: the step is repeated as two, of this part of its length, in (0, 1), and of the rest, to
+                  end one where something happens; 0: as two halves */
 } hk_correction;
 
 typedef struct hk_corrector {
   size_t size;
   unsigned flags;
   hk_status (*correct)(void *self, const hk_view *view, hk_correction *c);
-  double (*violation)(void *self, const hk_view *view); /* m, 0 when satisfied; may be NULL */
+  double (*violation)(void *self, const hk_view *view); /* m, 0 when satisfied; asked at frames, for the
+ verdict; may be NULL */
 } hk_corrector;
 
 #endif

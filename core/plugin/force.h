@@ -112,15 +112,29 @@ static inline double hk_nearest_square(const double r[3], const double dr[3]) {
   return fmax(0, r[0] * r[0] + r[1] * r[1] + r[2] * r[2] - along * along / length2);
 }
 
+/* ---- Forces that are approximations --------------------------------------------------------------------------------
+ *
+ * A force that is not computed to rounding (by a tree or a mesh) says how large its errors are: the energy balance and
+ * half the step do not show them. */
+
+/* From a sample of the particles, whose forces are computed exactly. */
+typedef struct hk_force_errors {
+  size_t particles;         /* in the sample */
+  double rms, p99, largest; /* relative to the exact force: root mean square, 99th percentile, largest */
+  double power;             /* W, of all particles: sum of the size of the errors' power, |dF.v| */
+} hk_force_errors;
+
 typedef struct hk_force {
   size_t size;
   unsigned flags;
   /* F[3*i..] += force on particle i, N, for active particles only (a tuple acts when all its members are active). */
   hk_status (*add)(void *self, const hk_view *view, double *F);
-  double (*energy)(void *self, const hk_view *view);                     /* J; NULL: no energy */
-  hk_status (*rates)(void *self, const hk_view *view, double *dy);       /* dy += rates of the channels; may be NULL */
-  void (*elements)(void *self, const hk_view *view, hk_elements *out);   /* all elements that act; NULL: none */
-  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern); /* NULL where jacobian is NULL */
+  double (*energy)(void *self, const hk_view *view);                   /* J; NULL: no energy */
+  hk_status (*rates)(void *self, const hk_view *view, double *dy);     /* dy += rates of the channels; may be NULL */
+  void (*elements)(void *self, const hk_view *view, hk_elements *out); /* all elements that act; NULL: none */
+  /* NULL where jacobian is NULL. With explicit methods the host may ask for the blocks of a force without elements and
+   * `update` for some of its particles alone, by their view, and for `jacobian` after that. */
+  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);
   hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into); /* NULL: no blocks */
   /* Adds to block[i] (xx, xy, xz, yy, yz, zz) so that u.K u <= sum_i u_i.block[i] u_i for all u, where K is that of the
    * present positions and, with HK_STIFFENS, of all states that may follow. NULL: the host measures the stiffness. */
@@ -146,6 +160,12 @@ typedef struct hk_force {
    * of a step) to `to`, the state after it. Called after every step; it should drop a particle with a few operations
    * where it can. False: this run has no passages, and the force is not asked again. NULL: as false. */
   bool (*passages)(const void *self, const hk_view *to, const double *x_from, hk_passages *passages);
+  /* For an approximation: the errors that `add` makes at `view`. Called at frames; it should cost less than an `add`.
+   * False: here it is exact to rounding. NULL: as false. */
+  bool (*errors)(void *self, const hk_view *view, hk_force_errors *out);
+  /* Makes the errors `part` times (0 to 1) of what they were, at most: called before the first step of a run that
+   * another one is compared with. Required where `errors` is not NULL. */
+  void (*sharpen)(void *self, double part);
 } hk_force;
 
 #endif

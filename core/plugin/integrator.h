@@ -125,13 +125,19 @@ struct hk_system {
    * of the last `jacobian` are then invalid. */
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
-   * HK_STIFFENS only. False: an acting force that depends on x states no bound. */
+   * HK_STIFFENS only. False: an acting force that depends on x states no bound, and the blocks are not
+   * touched. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
   /* As `solve`, with J x = J u (u: n x 3): for methods whose right-hand side is not a residual of forces. */
   hk_status (*solve_along)(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
   /* Brings x and v (n x 3) onto the constraints of time t, as the host does after every step; for methods that keep a
    * history of their own. One-sided ones are left to the host. */
   hk_status (*project)(hk_system *, double t, double *x, double *v);
+  /* Where every particle stands alone: F (n x 3, or NULL) and the blocks K and D of the particles begin to end - 1 at x
+   * and v (n x 3), with the time's parameters as `impose` left them; K[0] is that of `begin`. False: a force couples
+   * particles, has no blocks, or fails, or there are constraints. */
+  bool (*alone)(hk_system *, const double *x, const double *v, size_t begin, size_t end, double *F, double (*K)[9],
+                double (*D)[9]);
 };
 
 #endif

@@ -10,6 +10,9 @@ typedef struct hk_service {
   size_t size;
   const char *interface;            /* "neighbours/1": the name and version that `query` asks for */
   const void *(*table)(void *self); /* the result of `query`, valid as long as the run; called after `create` */
+  /* s, wall time that the table's functions have taken in this run, for the summary, where it is also part of the time
+   * of the plugins that called them; NULL: not known. */
+  double (*seconds)(void *self);
 } hk_service;
 
 /* ---- "neighbours/1" -------------------------------------------------------------------------------------------- */
@@ -29,13 +32,13 @@ typedef struct hk_neighbour_rows {
 
 typedef struct hk_neighbours {
   void *self;
-  /* Called in `create` or `topology`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to 1e150. The
-   * largest request counts, to the end of the run. HK_BAD_PARAM. */
+  /* Called in `create`, `topology` or `update`: requests rows with all pairs closer than `radius`, m, 0 or 1e-150 to
+   * 1e150. The largest request counts, to the end of the run. HK_BAD_PARAM. */
   hk_status (*reach)(void *self, double radius);
   /* The rows for the positions x (n x 3), valid until the next call of any client. They hold pairs up to `reach` apart
    * and, as x has moved since the search, somewhat more: the caller checks the distance. May be called from `add`,
-   * `energy`, `update` and sources, not inside a parallel_for, which it uses. It allocates when there are more pairs
-   * than ever before, by half at least. HK_NO_MEMORY; HK_NOT_FINITE, which names the particle. */
+   * `energy`, `update`, `accepted` and sources, not inside a parallel_for, which it uses. It allocates when there are
+   * more pairs than ever before, by half at least. HK_NO_MEMORY; HK_NOT_FINITE, which names the particle. */
   hk_status (*rows)(void *self, const hk_view *view, const double *x, hk_neighbour_rows *rows);
 } hk_neighbours;
 
@@ -61,5 +64,31 @@ typedef struct hk_checkpoints {
   hk_status (*newest)(void *self, bool *newer);
   hk_status (*write)(void *self, const char *path); /* after `newest` said so: writes that point */
 } hk_checkpoints;
+
+/* ---- "octree/1" ------------------------------------------------------------------------------------------------- */
+
+/* A cell of an octree. Cells stand in the order of a walk from the root that enters a cell before those inside it, so
+ * that a walk is a loop: from cell k to k + 1, which is its first part, or, past all that is inside it, to `next`. */
+typedef struct hk_octree_cell {
+  uint32_t begin, count;  /* its points are order[begin] to order[begin + count - 1] */
+  uint32_t next;          /* k + 1: it has no parts */
+  double low[3], high[3]; /* m, the box of its points */
+} hk_octree_cell;
+
+typedef struct hk_octree {
+  size_t points, cells;
+  const uint32_t *order;      /* points: particles, those near each other mostly near in the list */
+  const hk_octree_cell *cell; /* cells; the first is the root, which has all points */
+} hk_octree;
+
+typedef struct hk_octrees {
+  void *self;
+  /* The octree of the particles in `list` (`count` of them; NULL: all) at the places x (n x 3), valid until the next
+   * call of any client. A cell that has no parts has at most 8 points, or more that are too near to each other to be
+   * told apart by 2^-21 of the extent. It is built anew unless x and the list are those of the last call, so it depends
+   * on nothing else. Not inside a parallel_for, which it uses. HK_NOT_FINITE, which names the particle. */
+  hk_status (*tree)(void *self, const hk_view *view, const double *x, const uint32_t *list, size_t count,
+                    hk_octree *tree);
+} hk_octrees;
 
 #endif

@@ -11,9 +11,10 @@ void hk_report_json(FILE *, const hk_summary *);                  /* one object 
 
 /* progress.c: on standard error, one line that is rewritten on a terminal, or a line every few seconds in a pipe. */
 typedef struct hk_progress {
-  int mode;   /* 0 or less: quiet, 1: lines, 2: one line on a terminal */
-  double end; /* s */
-  double at;  /* s, wall time of the last line */
+  int mode;          /* 0 or less: quiet, 1: lines, 2: one line on a terminal */
+  double begin, end; /* s */
+  size_t steps;      /* before: of the part that a resumed run goes on from */
+  double at;         /* s, wall time of the last line */
   bool shown;
 } hk_progress;
 

@@ -51,7 +51,8 @@ static void print_times(FILE *out, const hk_summary *s) {
     if (s->plugin[k].seconds > 0) {
       fprintf(out, "    %-11s ", s->plugin[k].kind);
       print_text(out, "%-18s ", s->plugin[k].label);
-      fprintf(out, "%9.4f s\n", s->plugin[k].seconds);
+      bool shared = strcmp(s->plugin[k].kind, hk_kind_name(HK_SERVICE)) == 0;
+      fprintf(out, "%9.4f s%s\n", s->plugin[k].seconds, shared ? ", in the time of those who ask it" : "");
     }
 }
 

@@ -63,7 +63,8 @@ hk_status hk_comparison_open(hk_comparison *c, hk_error *error) {
   hk_status status = hk_trajectory_note(&run->judgement.trajectory, &run->state, run->record.frames, true, error);
   if (status == HK_OK) status = set_accuracies(c, error);
   if (status != HK_OK || !run->judgement.compared) return status;
-  c->sampling = hk_under_sampled(&run->loop, c->summary->accuracies > 0 ? calls_asked : calls_unasked);
+  c->sampling = hk_under_sampled(&run->loop, &run->judgement.trajectory,
+                                 c->summary->accuracies > 0 ? calls_asked : calls_unasked);
   c->cuts = hk_sampling_cuts(&c->sampling, c->cut, HK_MOST_CUTS);
   return HK_OK;
 }

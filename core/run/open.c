@@ -227,6 +227,7 @@ static void connect_parts(hk_run *run) {
   loop->error = &run->error;
   loop->fps = run->scene->fps;
   loop->schedule = schedule_of(run);
+  loop->population = hk_population_open(&run->state, run->scene);
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .framed = hk_run_framed};
   loop->hooks.now_and_then = show_progress;
   bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
@@ -381,7 +382,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->asked.ignore_exact = options->ignore_exact;
   run->judgement.compared = compares(run);
   run->asked.opened_at = hk_clock();
-  run->progress = (hk_progress){.mode = options->progress, .end = run->asked.end, .at = run->asked.opened_at};
+  run->progress = (hk_progress){options->progress, INFINITY, run->asked.end, 0, run->asked.opened_at, false};
   scene->frozen = true;
   hk_status status = build(run);
   if (status != HK_OK) {
@@ -390,6 +391,8 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
     hk_run_destroy(run);
     return status;
   }
+  run->progress.begin = run->state.t;
+  run->progress.steps = run->record.steps;
   *made = run;
   return HK_OK;
 }

@@ -89,9 +89,18 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
 /* Steps that an explicit method could take are not too short for another one. */
 static bool is_explicit(const hk_run *whole) { return !(whole->step.method->flags & (HK_IMPLICIT | HK_ADAPTIVE)); }
 
+/* Such a source bears at other times where the steps are others. */
+static bool emits_before_steps(const hk_run *whole) {
+  const hk_instances *sources = &whole->plugins.kind[HK_SOURCE];
+  for (size_t k = 0; k < sources->count; k++)
+    if (!(sources->item[k]->plugin->source->flags & HK_AFTER_STEPS)) return true;
+  return false;
+}
+
 bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole,
                        const hk_reference *want, hk_rerun *found) {
-  if (whole->plugins.kind[HK_CORRECTOR].count || whole->plugins.kind[HK_SOURCE].count) return false;
+  if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
+  if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
     if (attempt(reopen, first, whole, want, &strictnesses[k], false, found)) return true;
     if (!is_explicit(whole) && attempt(reopen, first, whole, want, &strictnesses[k], true, found)) return true;

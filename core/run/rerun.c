@@ -16,6 +16,16 @@ hk_run_options hk_rerun_options(const hk_run_options *first, uint64_t seed) {
 
 double hk_energy_defect(const hk_summary *s) { return s->energy_drift * s->kinetic_max; }
 
+/* Errors of forces shrink with the steps, or both runs would have them in common. */
+static void sharpen(hk_run *again, size_t refine) {
+  const hk_instances *forces = &again->plugins.kind[HK_FORCE];
+  for (size_t k = 0; k < forces->count && refine > 0; k++) {
+    const hk_instance *force = forces->item[k], *outer = hk_enter(force);
+    if (force->plugin->force->sharpen) force->plugin->force->sharpen(force->self, 1 / (2 * (double)refine));
+    hk_leave(force, outer);
+  }
+}
+
 static hk_status advance(hk_run *again, double t, hk_error *error) {
   bool implicit = again->step.method->flags & HK_IMPLICIT;
   if (implicit && !(again->step.spectrum.w_max > 0))
@@ -35,6 +45,7 @@ hk_status hk_rerun_take(const hk_reopen *reopen, const hk_run_options *options, 
   o.resume = NULL; /* runs are compared as a whole */
   *found = (hk_rerun){.energy_defect = NAN, .step = NAN};
   hk_status status = reopen->open(reopen->context, &o, &again, error);
+  if (status == HK_OK) sharpen(again, options->refine);
   if (status == HK_OK) status = advance(again, until, error);
   if (status == HK_OK) {
     hk_run_summary(again, &summary);

@@ -2,7 +2,8 @@
  * channel is scaled by its own largest value, all its numbers are perturbed at once by at most the difference step, and
  * the largest response is the rate. Where the rate of a number depends on that number alone, the first response is
  * exact; where neighbours are coupled (diffusion), the iteration approaches the largest eigenvalue from a start vector
- * of mixed signs. The result is an estimate. */
+ * of mixed signs. Channels that do not change, such as a radius, are left as they are: what others make of them is no
+ * rate. The result is an estimate. */
 #include "core/stability/channel_rate.h"
 #include "core/stability/lanczos.h"
 
@@ -46,6 +47,19 @@ static hk_status compute_response(hk_system *system, const hk_channel_scratch *s
   return HK_OK;
 }
 
+/* Sets the direction to 0 for channels without any response; whether there are such. */
+static bool leave_constant(const hk_system *system, const hk_channel_scratch *s) {
+  bool left = false;
+  for (size_t k = 0; k < system->model->channels; k++) {
+    size_t begin = system->model->channel[k].offset * system->n, count = system->model->channel[k].size * system->n;
+    bool constant = true;
+    for (size_t e = begin; e < begin + count; e++) constant &= s->dy[0][e] == 0;
+    if (constant && count) memset(s->direction + begin, 0, count * sizeof *s->direction);
+    left |= constant;
+  }
+  return left;
+}
+
 hk_status hk_channel_rate(hk_system *system, const hk_channel_scratch *s, double *rate, size_t *evaluations) {
   size_t numbers = system->size - 6 * system->n;
   double before = 0;
@@ -57,6 +71,7 @@ hk_status hk_channel_rate(hk_system *system, const hk_channel_scratch *s, double
     hk_status status = compute_response(system, s, &largest);
     if (status != HK_OK) return status;
     *evaluations += 2;
+    if (i == 0 && largest > 0 && leave_constant(system, s)) continue; /* the others' own response is the next one */
     *rate = fmax(*rate, largest);
     if (!(largest > 0) || fabs(largest - before) <= 1e-3 * largest) break; /* the rate has converged */
     for (size_t e = 0; e < numbers; e++) s->direction[e] = s->dy[0][e] / largest;

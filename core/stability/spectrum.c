@@ -24,6 +24,7 @@
 #include "core/stability/common_motion.h"
 #include "core/stability/stiffness.h"
 #include "core/stability/lanczos.h"
+#include "core/stability/lone_particles.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -365,6 +366,7 @@ void hk_spectrum_destroy(hk_spectrum_work *s) {
 }
 
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error) {
+  if (hk_lone_spectrum(system, spectrum)) return HK_OK;
   hk_spectrum_work *s = hk_spectrum_create(system);
   if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory to estimate the stable step");
   hk_status status = hk_spectrum_measure(s, system, spectrum);

@@ -21,7 +21,7 @@ typedef struct hk_spectrum {
   double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
   bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
   bool covered;        /* the elements account for all that depends on x */
-  size_t evaluations;  /* spent on it */
+  size_t evaluations;  /* spent on it, or what takes as long */
 } hk_spectrum;
 
 static inline double hk_spectrum_floor(const hk_spectrum *s, double w) {

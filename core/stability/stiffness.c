@@ -62,7 +62,7 @@ static double least_ratio(const hk_model *model) {
 
 bool hk_stiffness_part_of(hk_system *s, hk_stiffness_part part, double (*scratch)[6], double *largest) {
   bool covered = s->stiffness_bound(s, part, false, scratch);
-  *largest = largest_block(s->model, scratch);
+  *largest = covered ? largest_block(s->model, scratch) : 0;
   return covered;
 }
 

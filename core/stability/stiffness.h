@@ -15,8 +15,8 @@ typedef struct hk_stiffness {
   double length; /* m, the shortest distance within an element or edge; INFINITY: there is none longer than 0 */
 } hk_stiffness;
 
-/* Sets *largest to the bound of one part at system->X; false: a force that depends on x states none. scratch: 6n
- * doubles. */
+/* Sets *largest to the bound of one part at system->X; false: a force that depends on x states none; it is 0
+ * then. scratch: 6n doubles. */
 bool hk_stiffness_part_of(hk_system *, hk_stiffness_part, double (*scratch)[6], double *largest);
 
 /* At system->X; scratch: 6n doubles. */

@@ -1,8 +1,12 @@
-/* Replacement of the particles of the state by a set of particles: the state takes ownership of the arrays, surviving
- * particles keep their pins, and edges and triangles with dead particles are removed. */
+/* Other particles in the state. After births and deaths those that live on are moved within its arrays, which have room
+ * for some more; a set of particles from a file replaces the arrays. Surviving particles keep their pins, and edges and
+ * triangles with dead particles are removed. */
 #include "core/state/state.h"
 
+#include "core/base/base.h"
+
 #include <stdlib.h>
+#include <string.h>
 
 void hk_particle_set_free(hk_particle_set *set) {
   free(set->X);
@@ -33,32 +37,75 @@ static size_t remap_tuples(uint32_t *tuple, size_t count, size_t arity, const ui
   return kept;
 }
 
+static void remap_edges(hk_state *s, const uint32_t *map) {
+  s->model.edges.count = remap_tuples(&s->edge[0][0], s->model.edges.count, 2, map);
+  s->model.triangles.count = remap_tuples(&s->triangle[0][0], s->model.triangles.count, 3, map);
+}
+
+/* Pins as they were; particles beyond them are free. */
+static void move_pins(hk_state *s, const uint32_t *map, size_t n) {
+  size_t kept = hk_array_move(s->pin, s->pin, sizeof *s->pin, map, s->model.n);
+  memset(s->pin + kept, HK_FREE, n - kept);
+}
+
+static bool grow(void *array, size_t bytes) {
+  void *old, *grown;
+  memcpy(&old, array, sizeof old);
+  grown = realloc(old, bytes);
+  if (grown) memcpy(array, &grown, sizeof grown);
+  return grown;
+}
+
+bool hk_state_reserve(hk_state *s, size_t n) {
+  size_t room = n + n / 8;
+  if (n <= s->room) return true;
+  bool fine = grow(&s->X, ((6 + s->width) * room + 1) * sizeof *s->X) && grow(&s->mass, (room + 1) * sizeof *s->mass) &&
+              grow(&s->inverse_mass, (room + 1) * sizeof *s->inverse_mass) &&
+              grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
+              grow(&s->pin, (room + 1) * sizeof *s->pin);
+  if (fine) s->room = room;
+  hk_state_point(s); /* some arrays may have moved even so */
+  return fine;
+}
+
+/* Moves the block of X that begins at `offset` numbers per particle. */
+static void move_block(hk_state *s, size_t offset, size_t width, const uint32_t *map, size_t n) {
+  hk_array_move(s->X + offset * n, s->X + offset * s->model.n, width * sizeof *s->X, map, s->model.n);
+}
+
+void hk_state_move(hk_state *s, const uint32_t *map, size_t n) {
+  size_t old = s->model.n, blocks = 2 + s->model.channels;
+  double work = s->X[s->size - 1];
+  for (size_t b = 0; b < blocks; b++) {
+    size_t k = n > old ? blocks - 1 - b : b; /* a block moves to where another one has left */
+    if (k < 2)
+      move_block(s, 3 * k, 3, map, n);
+    else
+      move_block(s, 6 + s->channel[k - 2].offset, s->channel[k - 2].size, map, n);
+  }
+  hk_array_move(s->mass, s->mass, sizeof *s->mass, map, old);
+  hk_array_move(s->inverse_mass, s->inverse_mass, sizeof *s->inverse_mass, map, old);
+  hk_array_move(s->id, s->id, sizeof *s->id, map, old);
+  hk_array_move(s->group, s->group, sizeof *s->group, map, old);
+  move_pins(s, map, n);
+  remap_edges(s, map);
+  s->model.n = n;
+  hk_state_point(s);
+  s->X[s->size - 1] = work;
+}
+
 hk_status hk_state_adopt(hk_state *s, const uint32_t *map, hk_particle_set *set, hk_error *error) {
-  double *inverse_mass = malloc((set->n + 1) * sizeof *inverse_mass);
-  uint8_t *pin = calloc(set->n + 1, sizeof *pin);
-  if (!inverse_mass || !pin) {
-    free(inverse_mass);
-    free(pin);
+  if (!hk_state_reserve(s, set->n)) {
     hk_error_set(error, HK_NO_MEMORY, "no memory for %zu particles", set->n);
     hk_particle_set_free(set);
     return HK_NO_MEMORY;
   }
-  for (size_t i = 0; i < s->model.n; i++)
-    if (map[i] != UINT32_MAX) pin[map[i]] = s->pin[i];
-  hk_particle_set old = {0, s->X, s->mass, s->id, s->group};
-  free(s->inverse_mass);
-  free(s->pin);
-  s->inverse_mass = inverse_mass;
-  s->pin = pin;
-  s->X = set->X;
-  s->mass = set->mass;
-  s->id = set->id;
-  s->group = set->group;
-  s->model.n = set->n;
-  hk_particle_set_free(&old);
-  *set = (hk_particle_set){0};
-  s->model.edges.count = remap_tuples(&s->edge[0][0], s->model.edges.count, 2, map);
-  s->model.triangles.count = remap_tuples(&s->triangle[0][0], s->model.triangles.count, 3, map);
+  hk_state_move(s, map, set->n);
+  memcpy(s->X, set->X, s->size * sizeof *s->X);
+  memcpy(s->mass, set->mass, set->n * sizeof *s->mass);
+  memcpy(s->id, set->id, set->n * sizeof *s->id);
+  memcpy(s->group, set->group, set->n * sizeof *s->group);
+  hk_particle_set_free(set);
   hk_state_refresh(s);
   return HK_OK;
 }

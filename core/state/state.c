@@ -13,10 +13,14 @@ static bool movable(const hk_state *s, size_t i) {
 }
 
 void hk_state_refresh(hk_state *s) {
+  for (size_t i = 0; i < s->model.n; i++) s->inverse_mass[i] = movable(s, i) && s->mass[i] > 0 ? 1 / s->mass[i] : 0;
+  hk_state_point(s);
+}
+
+void hk_state_point(hk_state *s) {
   hk_model *m = &s->model;
   size_t n = m->n;
   s->size = (6 + s->width) * n + 1;
-  for (size_t i = 0; i < n; i++) s->inverse_mass[i] = movable(s, i) && s->mass[i] > 0 ? 1 / s->mass[i] : 0;
   m->mass = s->mass;
   m->inverse_mass = s->inverse_mass;
   m->id = s->id;
@@ -78,6 +82,7 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
   if (status == HK_OK) status = allocate(s, scene, error);
   if (status != HK_OK) return status;
   s->next_id = (uint32_t)scene->n + 1;
+  s->room = scene->n;
   if (scene->n) copy_particles(s, scene);
   hk_state_refresh(s);
   return HK_OK;

@@ -1,5 +1,6 @@
-/* The state of a scene: the vector X = (x, v, channels, work), the data of the particles (masses, ids, groups, pins),
- * and the changes by births and deaths. */
+/* The state of a scene: the vector X = (x, v, channels, work) and the data of the particles (masses, ids, groups,
+ * pins).
+ */
 #ifndef HK_STATE_H
 #define HK_STATE_H
 
@@ -17,6 +18,7 @@ typedef struct hk_state {
   uint32_t *id, *group;
   uint8_t *pin;
   uint32_t next_id;
+  size_t room; /* the arrays of particles are for up to so many */
   hk_channel *channel;
   uint32_t (*edge)[2], (*triangle)[3];
   hk_view view; /* the view of X at t, from which the views of plugins are made with their host and selection */
@@ -27,6 +29,7 @@ typedef struct hk_state {
 hk_status hk_state_open(hk_state *, const hk_scene *, hk_error *error);
 void hk_state_close(hk_state *);
 void hk_state_refresh(hk_state *); /* updates model, size and view after t, n or an array changed */
+void hk_state_point(hk_state *);   /* the same, where the inverse masses are right */
 bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no particle has this id at present */
 double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
 /* J, of the particles that are not fixed or scripted */
@@ -48,29 +51,12 @@ typedef struct hk_particle_set {
 /* false: no memory; the set must be freed all the same */
 bool hk_particle_set_allocate(hk_particle_set *, size_t n, size_t width);
 void hk_particle_set_free(hk_particle_set *);
-/* Replaces the particles: old index i becomes map[i] (UINT32_MAX: removed). Takes ownership of the set's arrays, also
- * when it fails. The caller must remap the indices in pins, plugins and matrices. */
+bool hk_state_reserve(hk_state *, size_t n); /* makes room for n particles; false: no memory, nothing has changed */
+/* Moves old index i to map[i] (UINT32_MAX: removed), in the same order, in a state of n particles for which there is
+ * room. The caller sets the rest of them, and remaps the indices in pins, plugins and matrices. */
+void hk_state_move(hk_state *, const uint32_t *map, size_t n);
+/* Replaces the particles by those of the set, old index i by map[i], and frees the set's arrays, also when it fails. */
 hk_status hk_state_adopt(hk_state *, const uint32_t *map, hk_particle_set *, hk_error *error);
-
-/* ---- population.c: births and deaths that a source asks for ---- */
-
-typedef struct hk_population_change {
-  hk_population population; /* first member: the table that the source gets */
-  hk_state *state;
-  const hk_scene *scene;
-  const hk_instance *source;
-  size_t births, capacity;
-  hk_birth *birth;
-  double *channel; /* births x width */
-  size_t channel_capacity;
-  size_t deaths;
-  bool *dies; /* n, whether the particle dies; NULL: none does */
-} hk_population_change;
-
-hk_population_change hk_population_begin(hk_state *, const hk_scene *, const hk_instance *source);
-/* Applies all births and deaths; the caller frees *map, from old indices to new ones. */
-hk_status hk_population_apply(hk_population_change *, uint32_t **map, hk_error *error);
-void hk_population_end(hk_population_change *);
 
 /* ---- pins.c ---- */
 

@@ -22,8 +22,8 @@ typedef struct progress {
   hk_spectrum spectrum;
   hk_watch watch;
   hk_counts count;
-  double dt, dt_suggested, dt_estimated, dt_limit, limit_now, growth_rate;
-  uint64_t estimate_cost, estimates_cost, estimated_at, chosen, growth_expected;
+  double dt, dt_suggested, dt_estimated, dt_limit, limit_now, growth_rate, lightest;
+  uint64_t estimate_cost, estimates_cost, estimated_at, births_cost, turnover, chosen, growth_expected;
 } progress;
 
 static bool move_instance(hk_walk *w, hk_instance *instance, const hk_state *s) {
@@ -79,6 +79,9 @@ static progress progress_of(const hk_loop *loop) {
                     .estimate_cost = c->estimate_cost,
                     .estimates_cost = c->estimates_cost,
                     .estimated_at = c->estimated_at,
+                    .lightest = c->lightest,
+                    .births_cost = c->births_cost,
+                    .turnover = c->turnover,
                     .chosen = c->chosen,
                     .growth_expected = c->growth_expected};
 }
@@ -195,6 +198,9 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->estimate_cost = (size_t)p->estimate_cost;
   c->estimates_cost = (size_t)p->estimates_cost;
   c->estimated_at = (size_t)p->estimated_at;
+  c->lightest = p->lightest;
+  c->births_cost = (size_t)p->births_cost;
+  c->turnover = (size_t)p->turnover;
   c->chosen = p->chosen;
   c->growth_expected = p->growth_expected;
 }
@@ -216,10 +222,33 @@ static bool read_history(hk_walk *w, hk_loop *loop, hk_judgement *j, const heade
   return true;
 }
 
+/* Of bytes that are to be read as truth values, any but 0 and 1 are undefined. */
+static bool are_truths(const void *data, const size_t *at, size_t count) {
+  const unsigned char *byte = data;
+  bool fine = true;
+  for (size_t k = 0; k < count; k++) fine = fine && byte[at[k]] <= 1;
+  return fine;
+}
+
+static bool read_figures(hk_record *r, hk_walk *w, size_t forces) {
+  static const size_t truths[] = {offsetof(hk_record, moved), offsetof(hk_record, corrected),
+                                  offsetof(hk_record, sourced), offsetof(hk_record, growth_expected)};
+  if (!hk_walk_get(w, r, sizeof *r) || !are_truths(r, truths, sizeof truths / sizeof *truths)) return false;
+  bool none_passed = r->passed[0] == 0 && r->passed[1] == 0 && r->passed[2] == 0;
+  return r->passed_force < forces || (forces == 0 && none_passed);
+}
+
+static bool read_progress(progress *p, hk_walk *w) {
+  static const size_t truths[] = {offsetof(progress, spectrum.rigorous),     offsetof(progress, spectrum.covered),
+                                  offsetof(progress, watch.allowed.covered), offsetof(progress, watch.last.covered),
+                                  offsetof(progress, watch.seen.covered),    offsetof(progress, watch.ahead.covered)};
+  return hk_walk_get(w, p, sizeof *p) && p->dt > 0 && are_truths(p, truths, sizeof truths / sizeof *truths);
+}
+
 static bool read_record(hk_loop *loop, hk_judgement *j, hk_walk *w, const header *h, progress *p) {
-  if (h->record_bytes != sizeof *loop->record || !hk_walk_get(w, loop->record, sizeof *loop->record) ||
-      !hk_walk_get(w, p, sizeof *p) || !(p->dt > 0) || !read_frame(w, j, h->measures) ||
-      h->samples > w->left / sizeof(double))
+  size_t forces = loop->plugins->kind[HK_FORCE].count;
+  if (h->record_bytes != sizeof *loop->record || !read_figures(loop->record, w, forces) || !read_progress(p, w) ||
+      !read_frame(w, j, h->measures) || h->samples > w->left / sizeof(double))
     return false;
   double *samples = malloc((size_t)(h->samples + 1) * sizeof *samples);
   bool fine =
@@ -242,9 +271,11 @@ static bool plausible_piece(const hk_piece *p) {
   return p->n == 0 || (p->i > 0 && p->i <= p->n && p->h > 0 && isfinite(p->begin) && isfinite(p->stop) && p->dt > 0);
 }
 
-/* Whether the numbers read as indices, lengths and steps are valid. */
+/* Whether the numbers read as indices, lengths and steps are valid. The next frame is still to come: the loop would
+ * wait for one that has passed for ever. */
 static bool plausible(const hk_loop *loop, const header *h, const hk_particle_set *set) {
-  bool fine = isfinite(h->t) && h->last_h >= 0 && plausible_piece(&h->piece);
+  bool fine =
+      h->t >= 0 && h->t < (double)loop->record->frames / loop->fps && h->last_h >= 0 && plausible_piece(&h->piece);
   for (size_t i = 0; i < set->n && fine; i++)
     fine = set->group[i] < loop->state->model.groups && set->id[i] > 0 && set->id[i] < h->next_id &&
            (i == 0 || set->id[i] > set->id[i - 1]) && set->mass[i] >= 0 && isfinite(set->mass[i]);
@@ -318,7 +349,9 @@ static hk_status read(hk_loop *loop, hk_judgement *j, hk_walk *w, const char *pa
   if (!hk_walk_get(w, &h, sizeof h)) return damaged_file(loop->error, path);
   if (h.width != loop->state->width || h.channels != loop->state->model.channels)
     return other_scene(loop, path, "its channels differ");
-  if (!read_record(loop, j, w, &h, &p) || !read_particles(w, &h, &set) || !plausible(loop, &h, &set)) {
+  if (!read_record(loop, j, w, &h, &p)) return damaged_file(loop->error, path);
+  if (j->last_frame.fps != loop->fps) return other_scene(loop, path, "its frames per second differ");
+  if (!read_particles(w, &h, &set) || !plausible(loop, &h, &set)) {
     hk_particle_set_free(&set);
     return damaged_file(loop->error, path);
   }

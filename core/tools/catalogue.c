@@ -8,7 +8,8 @@ static void push_param(lua_State *L, const hk_param *p) {
       [HK_NUMBER] = "number",       [HK_INTEGER] = "integer",       [HK_BOOLEAN] = "boolean",
       [HK_STRING] = "string",       [HK_CHOICE] = "choice",         [HK_VECTOR] = "vector",
       [HK_NUMBERS] = "numbers",     [HK_PARTICLES] = "particles",   [HK_EDGES] = "edges",
-      [HK_TRIANGLES] = "triangles", [HK_TETRAHEDRA] = "tetrahedra", [HK_PER_TUPLE] = "per tuple"};
+      [HK_TRIANGLES] = "triangles", [HK_TETRAHEDRA] = "tetrahedra", [HK_PER_TUPLE] = "per tuple",
+      [HK_FUNCTION] = "function"};
   lua_newtable(L);
   hk_tool_set_text(L, "name", p->name);
   hk_tool_set_text(L, "unit", p->unit);

@@ -1,10 +1,12 @@
 /* hooke.definition(path, name): the table that a script returns through hooke.NAME{}. The script only describes
  * something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their sandbox and
  * limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans and tables. */
+#include "core/text/text.h"
 #include "core/tools/tools.h"
 
 #include <lauxlib.h>
 #include <math.h>
+#include <string.h>
 
 enum { DEEPEST = 16 };
 static const char marked;              /* its address is the key of the table in the registry */
@@ -24,6 +26,23 @@ static int mark(lua_State *L) {
   return 1;
 }
 
+/* Texts are printed and stored: one with a zero or with orders to a terminal is none. */
+static void copy_text(const definition *d, lua_State *L) {
+  size_t length;
+  const char *text = lua_tolstring(L, -1, &length);
+  bool plain = strlen(text) == length;
+  for (const char *c = text; plain && *c;) {
+    uint32_t code;
+    size_t bytes = hk_utf8_next(c, &code);
+    plain = bytes > 0 && !hk_commands_terminal(code);
+    c += bytes;
+  }
+  if (!plain)
+    hk_lua_fail(L, HK_SCRIPT, "%s: the text '%s' of hooke.%s{} has control characters, or is no UTF-8", d->path, text,
+                d->name);
+  lua_pushlstring(d->to, text, length);
+}
+
 static void copy(definition *d, lua_State *L, int depth) {
   lua_State *to = d->to;
   if (++d->values > most_values || depth > DEEPEST)
@@ -38,12 +57,9 @@ static void copy(definition *d, lua_State *L, int depth) {
     else
       lua_pushnumber(to, lua_tonumber(L, -1));
     return;
-  case LUA_TSTRING: {
-    size_t length;
-    const char *text = lua_tolstring(L, -1, &length);
-    lua_pushlstring(to, text, length);
+  case LUA_TSTRING:
+    copy_text(d, L);
     return;
-  }
   case LUA_TTABLE:
     break;
   default:

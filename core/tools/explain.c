@@ -135,6 +135,17 @@ static const char *simplest_method(const hk_registry *registry) {
   return found ? found->name : NULL;
 }
 
+/* The spectrum is not known where forces are not finite: evaluating them leaves no sentence, the first step does. */
+static hk_status estimate(hk_run *run, hk_error *error) {
+  hk_status status = hk_step_estimate(&run->step, &run->dynamics);
+  if (status == HK_OK) return status;
+  return hk_error_set(error, status, "%s",
+                      *run->error.text
+                          ? run->error.text
+                          : "the stable step cannot be estimated: at the start, or close to it, forces are "
+                            "not finite; hooke run names the first one");
+}
+
 int hk_tool_explain(lua_State *L) {
   hk_script_options options = *hk_script_asked(hk_lua_script(L));
   hk_run_options run_options = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .progress = -1};
@@ -158,7 +169,7 @@ int hk_tool_explain(lua_State *L) {
   if (status == HK_OK && hk_script_scene(script)->integrator_auto)
     run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
-  if (status == HK_OK) status = hk_step_estimate(&run->step, &run->dynamics);
+  if (status == HK_OK) status = estimate(run, &error);
   if (status == HK_OK)
     describe(L, run);
   else

@@ -22,6 +22,12 @@ static int nearest(lua_State *L) {
   return 1;
 }
 
+/* hooke.plain(text): as text.h says, for people, at most 4 kB of it. */
+static int plain(lua_State *L) {
+  hk_lua_push_plain(L, luaL_checkstring(L, 1));
+  return 1;
+}
+
 /* hooke.chosen(integrator, dt, tol): the choice that tools/auto.lua made; dt and tol may be nil. */
 static int chosen(lua_State *L) {
   hk_choice *choice = lua_touserdata(L, lua_upvalueindex(1));
@@ -86,6 +92,7 @@ static void open_functions(lua_State *L, tool *t) {
                                        {"load", hk_tool_load},
                                        {"definition", hk_tool_definition},
                                        {"nearest", nearest},
+                                       {"plain", plain},
                                        {"confine", confine},
                                        {"read", read_inside},
                                        {"checksum", checksum},

@@ -1,16 +1,23 @@
-/* A pull towards (or push away from) a point or a line, with any power of the distance, softened.
+/* A pull towards (or push away from) a point or a line: an attractor or repulser with any power of the distance,
+ * softened, and with a range if wanted.
  *
  * With r the vector from the centre (or from the nearest point of the line), s = sqrt(r^2 + softening^2):
- *     F = -strength w s^(power - 1) r,     w = m (per = "mass") or 1 (per = "particle")
+ *     F = -strength w s^(power - 1) W r,     w = m (per = "mass") or 1 (per = "particle")
  *     energy = strength w s^(power + 1) / (power + 1), or strength w ln s for power = -1
- * power 1 is a harmonic pull, -2 Kepler's with strength GM (softening as Plummer's). Where s is below 1e-100 m the
- * force is zero: this is the limit for powers above 0 and a convention for the others, since Kepler's force would
- * exceed the range of doubles. */
+ * power 1 is a harmonic pull, -2 Kepler's with strength GM (softening as Plummer's). Without a range W = 1; with one,
+ * W = (1 - s^2/e^2)^2 inside and 0 outside, e = sqrt(range^2 + softening^2), so that F ends with its slope; the energy
+ * is then the integral of s^power W from s to e, and 0 outside. Where s is below 1e-100 m the force is zero: this is
+ * the limit for powers above 0 and a convention for the others, since Kepler's force would exceed the range of doubles.
+ */
+#include "plugins/common/space/near_moves.h"
+
 #include "core/plugin.h"
 
 typedef struct central {
-  double center[3], axis[3], strength, power, softening;
+  double center[3], axis[3], strength, power, softening, range;
   int per;
+
+  double end2; /* m^2, e^2; INFINITY: no range */
 } central;
 
 static const hk_param params[] = {
@@ -55,6 +62,16 @@ static const hk_param params[] = {
      offsetof(central, softening),
      0,
      NULL},
+    {"range",
+     "m",
+     "distance at which the force has ended, smoothly; left out: it does not end",
+     HK_NUMBER,
+     {0},
+     0,
+     0,
+     offsetof(central, range),
+     HK_OPTIONAL | HK_ABOVE_MIN,
+     NULL},
     {"per",
      "",
      "whether strength is per mass or per particle",
@@ -72,17 +89,16 @@ static const double tiny = 1e-200; /* m^2 */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)host, (void)view;
-  double *a = ((central *)self)->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  central *p = self;
+  double *a = p->axis, length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+  p->end2 = isnan(p->range) ? INFINITY : p->range * p->range + p->softening * p->softening;
   for (int c = 0; c < 3 && length > 0; c++) a[c] /= length;
   return HK_OK;
 }
 
 /* The vector r and s^2 of one particle. */
 static double offset(const central *p, const double *x, double r[3]) {
-  double along = 0;
-  for (int c = 0; c < 3; c++) r[c] = x[c] - p->center[c];
-  for (int c = 0; c < 3; c++) along += p->axis[c] * r[c];
-  for (int c = 0; c < 3; c++) r[c] -= along * p->axis[c];
+  hk_from_line(p->center, p->axis, x, r);
   return r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + p->softening * p->softening;
 }
 
@@ -91,11 +107,21 @@ static double weight(const central *p, const hk_view *view, size_t i) {
 }
 
 /* s^(power - 1) from s^2; the common powers without pow. */
-static double scale(const central *p, double s2) {
+static double power_of(const central *p, double s2) {
   if (p->power == 1) return 1;
   if (s2 < tiny) return 0;
   if (p->power == -2) return 1 / (s2 * sqrt(s2));
   return pow(s2, (p->power - 1) / 2);
+}
+
+/* 1 - s^2/e^2, at least 0: W is its square. Without a range it is 1 also where s^2 overflows: what diverges must not
+ * become free. */
+static double inside(const central *p, double s2) { return p->end2 < INFINITY ? fmax(0, 1 - s2 / p->end2) : 1; }
+
+/* s^(power - 1) W. */
+static double scale(const central *p, double s2) {
+  double in = inside(p, s2);
+  return in > 0 ? power_of(p, s2) * in * in : 0;
 }
 
 typedef struct task {
@@ -120,14 +146,25 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return HK_OK;
 }
 
+/* The integral of s^q. */
+static double integral(double s2, double q) { return q == -1 ? log(s2) / 2 : pow(s2, (q + 1) / 2) / (q + 1); }
+
+/* The integral of s^power W. */
+static double level(const central *p, double s2) {
+  double sum = integral(s2, p->power);
+  if (p->end2 < INFINITY)
+    sum += integral(s2, p->power + 4) / (p->end2 * p->end2) - 2 * integral(s2, p->power + 2) / p->end2;
+  return sum;
+}
+
 static double energy(void *self, const hk_view *view) {
   const central *p = self;
-  double sum = 0;
+  double sum = 0, end = p->end2 < INFINITY ? level(p, p->end2) : 0;
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = view->active ? view->active[k] : k;
     double r[3], s2 = offset(p, view->x + 3 * i, r);
     if (s2 < tiny && p->power <= -1) continue; /* no force acts there, so there is no energy either */
-    sum += weight(p, view, i) * (p->power == -1 ? log(s2) / 2 : pow(s2, (p->power + 1) / 2) / (p->power + 1));
+    if (s2 < p->end2) sum += weight(p, view, i) * (level(p, s2) - end);
   }
   return sum;
 }
@@ -140,7 +177,8 @@ static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   }
 }
 
-/* -dF/dx of one particle, w (s^(p-1) (I - a a^T) + (p-1) s^(p-3) r r^T), at row a and column b. */
+/* -dF/dx of one particle, w (g (I - a a^T) + dg/ds r r^T/s), g = s^(p-1) W, at row a and column b: dg/ds = s^(p-2)
+ * ((p-1) W - 4 (1 - W^(1/2)) W^(1/2)). */
 typedef struct slope {
   const central *self;
   double along, second, unit[3];
@@ -148,8 +186,9 @@ typedef struct slope {
 
 static slope slope_of(const central *p, const hk_view *view, size_t i) {
   double r[3], s2 = offset(p, view->x + 3 * i, r), root = s2 < tiny ? 1 : sqrt(s2);
-  double along = weight(p, view, i) * scale(p, s2);
-  return (slope){p, along, s2 < tiny ? 0 : (p->power - 1) * along, {r[0] / root, r[1] / root, r[2] / root}};
+  double all = weight(p, view, i) * power_of(p, s2), in = inside(p, s2), along = in > 0 ? all * in * in : 0;
+  double second = in > 0 && s2 >= tiny ? (p->power - 1) * along - 4 * all * in * (1 - in) : 0;
+  return (slope){p, along, second, {r[0] / root, r[1] / root, r[2] / root}};
 }
 
 static double entry(const slope *s, int a, int b) {
@@ -190,58 +229,34 @@ static void law_at(const void *self, const double r[3], double F[3]) {
   for (int c = 0; c < 3; c++) F[c] = -f * r[c];
 }
 
-/* Only a force that falls with the distance is stronger on the way than at its ends; its range is s/(1 - power), with
- * the fall of r/s. */
-static void add_passage(const central *p, const hk_view *to, const double *x_from, size_t i, hk_passages *into) {
-  hk_passage way = {.i = (uint32_t)i, .other = (uint32_t)i};
-  double end[3];
-  offset(p, x_from + 3 * i, way.r);
-  offset(p, to->x + 3 * i, end);
-  for (int c = 0; c < 3; c++) way.dr[c] = end[c] - way.r[c];
-  double nearest = hk_nearest_square(way.r, way.dr);
-  if (!(nearest < INFINITY)) return;
-  law l = {p, weight(p, to, i)};
-  way.range = sqrt(nearest + p->softening * p->softening) / (1 - p->power);
-  into->add(into, &way, law_at, &l);
-}
-
-enum { SIEVES = 64 }; /* parts that are looked through by several threads */
-
-typedef struct sieve {
+typedef struct collection {
   const central *self;
   const hk_view *to;
-  const double *x_from;
-  double ways2; /* a particle this many of its moves away (squared) has no passage */
-  bool near[SIEVES];
-} sieve;
+  hk_passages *into;
+} collection;
 
-/* Whether a particle of the part may have a passage. */
-static void sift(void *context, size_t begin, size_t end, size_t part) {
-  sieve *s = context;
-  const double *axis = s->self->axis, *center = s->self->center;
-  bool near = false, line = axis[0] != 0 || axis[1] != 0 || axis[2] != 0;
-  for (size_t k = begin; k < end; k++) {
-    size_t i = s->to->active ? s->to->active[k] : k;
-    const double *x = s->to->x + 3 * i, *from = s->x_from + 3 * i;
-    double dx = x[0] - from[0], dy = x[1] - from[1], dz = x[2] - from[2];
-    double rx = x[0] - center[0], ry = x[1] - center[1], rz = x[2] - center[2];
-    double along = line ? axis[0] * rx + axis[1] * ry + axis[2] * rz : 0;
-    near |= s->ways2 * (dx * dx + dy * dy + dz * dz) > rx * rx + ry * ry + rz * rz - along * along;
-  }
-  s->near[part] = near;
+/* Its range is s/(1 - power), with the fall of r/s, and of the end a quarter: half of W's fall. */
+static void add_passage(void *context, uint32_t i, const double r[3], const double dr[3]) {
+  const collection *c = context;
+  const central *p = c->self;
+  double s2 = hk_nearest_square(r, dr) + p->softening * p->softening;
+  hk_passage way = {.i = i, .other = i, .r = {r[0], r[1], r[2]}, .dr = {dr[0], dr[1], dr[2]}};
+  law l = {p, weight(p, c->to, i)};
+  if (!(s2 < p->end2)) return;
+  way.range = fmin(p->power < 0 ? sqrt(s2) / (1 - p->power) : INFINITY, sqrt(p->end2) / 4);
+  c->into->add(c->into, &way, law_at, &l);
 }
 
-/* At a distance R after a move of length l it was never nearer than R - l, so that R >= l (1 + (1 - power)/4) leaves 4
- * ranges. */
+/* Only a force that falls with the distance, or ends, is stronger on the way than at its ends. At a distance R after a
+ * move of length l the particle was never nearer than R - l, so that R >= l (1 + (1 - power)/4) leaves 4 ranges; R >= 2
+ * l leaves the end behind, or l is within 4 quarters of it. */
 static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
   const central *p = self;
-  if (p->power >= 0) return false;
-  sieve s = {.self = p, .to = to, .x_from = x_from, .ways2 = pow(1 + (1 - p->power) / 4, 2)};
-  size_t grain = to->acting / SIEVES < 1024 ? 1024 : to->acting / SIEVES + 1;
-  to->host->parallel_for(to->host, to->acting, grain, sift, &s);
-  for (size_t part = 0; part * grain < to->acting; part++)
-    for (size_t k = part * grain; s.near[part] && k < to->acting && k < (part + 1) * grain; k++)
-      add_passage(p, to, x_from, to->active ? to->active[k] : k, into);
+  double ways = fmax(p->power < 0 ? 1 + (1 - p->power) / 4 : 0, p->end2 < INFINITY ? 2 : 0);
+  if (ways == 0) return false;
+  collection c = {p, to, into};
+  hk_near_moves moves = {p->center, p->axis, ways, to, x_from};
+  hk_near_moves_visit(&moves, add_passage, &c);
   return true;
 }
 
@@ -258,7 +273,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_FORCE,
     .name = "central",
-    .summary = "pull to a point or a line, F = -strength w s^(power-1) r, s^2 = r^2 + softening^2",
+    .summary = "attractor or repulser: pull to a point or a line, F = -strength w s^(power-1) r, s^2 = r^2 + "
+               "softening^2, with a range",
     .reference = "softening: Plummer 1911; power -2: Kepler",
     .instance_size = sizeof(central),
     .params = params,

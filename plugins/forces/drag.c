@@ -1,9 +1,14 @@
-/* Drag in proportion to the velocity: F = -d v per particle, or F = -rate m v per mass. No energy; power -d v^2. */
-#include "core/plugin.h"
+/* Drag in proportion to the velocity: F = -d v per particle, F = -rate m v per mass, or, on a small sphere in a viscous
+ * fluid, Stokes' law F = -6 pi viscosity r v, with r of the particle's channel 'radius' or one for all (Stokes 1851;
+ * Reynolds numbers below 1). No energy; power -d v^2. */
+#include "plugins/common/channels/find_channel.h"
 
 typedef struct drag {
-  double d, rate;
+  double d, rate, viscosity, radius;
+  const hk_channel *channel; /* of radii; NULL: none is read */
 } drag;
+
+static const double six_pi = 18.84955592153876;
 
 static const hk_param params[] = {
     {"d",
@@ -17,18 +22,43 @@ static const hk_param params[] = {
      HK_OPTIONAL,
      NULL},
     {"rate", "1/s", "drag rate, F = -rate m v", HK_NUMBER, {0}, 0, INFINITY, offsetof(drag, rate), HK_OPTIONAL, NULL},
+    {"viscosity",
+     "Pa s",
+     "of the fluid, F = -6 pi viscosity radius v; of air 1.8e-5, of water 1e-3",
+     HK_NUMBER,
+     {0},
+     0,
+     INFINITY,
+     offsetof(drag, viscosity),
+     HK_OPTIONAL,
+     NULL},
+    {"radius",
+     "m",
+     "of all particles; left out: their channel 'radius'",
+     HK_NUMBER,
+     {0},
+     0,
+     INFINITY,
+     offsetof(drag, radius),
+     HK_OPTIONAL,
+     NULL},
     {0},
 };
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  (void)view;
-  const drag *p = self;
-  if (isnan(p->d) == isnan(p->rate))
-    return host->fail(host, HK_BAD_PARAM, "give either d (N s/m, per particle) or rate (1/s, per mass)");
+  drag *p = self;
+  if (isnan(p->d) + isnan(p->rate) + isnan(p->viscosity) != 2)
+    return host->fail(host, HK_BAD_PARAM,
+                      "give either d (N s/m, per particle), rate (1/s, per mass) or viscosity (Pa s, by radius)");
+  if (isnan(p->viscosity))
+    return isnan(p->radius) ? HK_OK : host->fail(host, HK_BAD_PARAM, "radius: it is for viscosity, which is not given");
+  if (isnan(p->radius)) return hk_find_channel(host, view->model, "radius", "viscosity", 1, &p->channel);
+  p->d = six_pi * p->viscosity * p->radius;
   return HK_OK;
 }
 
 static double coefficient(const drag *p, const hk_view *view, size_t i) {
+  if (p->channel) return six_pi * p->viscosity * view->y[p->channel->offset * view->n + i];
   return isnan(p->d) ? p->rate * view->model->mass[i] : p->d;
 }
 
@@ -51,12 +81,16 @@ static double add_one(const drag *p, const hk_view *view, size_t i, double *rest
  * each other. */
 static inline __attribute__((always_inline)) double add_fours(const drag *p, const hk_view *view, size_t begin,
                                                               size_t end, double *restrict F) {
-  const double *restrict m = view->model->mass, each = isnan(p->d) ? 0 : p->d, by_mass = isnan(p->d) ? p->rate : 0;
+  const double *restrict by = p->channel ? view->y + p->channel->offset * view->n : view->model->mass,
+                         each = isnan(p->d) ? 0 : p->d,
+                         times = p->channel    ? six_pi * p->viscosity
+                                 : isnan(p->d) ? p->rate
+                                               : 0;
   double power[3 * LANES] = {0}, sum = 0;
   for (size_t i = begin; i < end; i += LANES) {
     const double *restrict v = view->v + 3 * i;
     double d[3 * LANES];
-    for (size_t l = 0; l < 3 * LANES; l++) d[l] = each + by_mass * m[i + l / 3];
+    for (size_t l = 0; l < 3 * LANES; l++) d[l] = each + times * by[i + l / 3];
     double *restrict into = F + 3 * i;
     for (size_t l = 0; l < 3 * LANES; l++) {
       double f = d[l] * v[l];
@@ -120,7 +154,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 }
 
 static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_V | HK_SYMMETRIC_JACOBIAN | HK_POWER,
+                               .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
                                .add = add,
                                .pattern = pattern,
                                .jacobian = jacobian};
@@ -129,8 +163,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_FORCE,
     .name = "drag",
-    .summary = "linear drag, F = -d v or F = -rate m v",
-    .reference = "",
+    .summary = "linear drag, F = -d v, F = -rate m v or, by radius, F = -6 pi viscosity r v",
+    .reference = "Stokes, On the effect of the internal friction of fluids on the motion of pendulums, 1851",
     .instance_size = sizeof(drag),
     .params = params,
     .create = create,

@@ -1,4 +1,5 @@
-/* Wind on the scene's triangles. With w the air's velocity, v_T the mean velocity of the corners, u = w - v_T the
+/* Wind on the scene's triangles, or on its particles (on = "particles": linear drag, F = d (w - v), in
+ * common/flow/air_drag.h). With w the air's velocity, v_T the mean velocity of the corners, u = w - v_T the
  * relative wind, n the unit normal, A the area and alpha the angle of attack (sin alpha = |u.n|/|u|), a triangle feels
  *     drag 1/2 rho A |u|^2 (drag sin^2 alpha + friction cos^2 alpha) along u,
  *     lift 1/2 rho A |u|^2 lift sin 2 alpha, perpendicular to u in the plane of u and n, and
@@ -13,6 +14,8 @@
  * b = drag - friction - 2 lift. Invariants: F does not depend on the orientation of a triangle; F is continuously
  * differentiable in u everywhere, and in N except at N = 0, where F is 0 and the Jacobian, which has no limit, is set
  * to 0. */
+#include "plugins/common/flow/air_drag.h"
+
 #include "core/plugin.h"
 
 #include <string.h>
@@ -26,8 +29,12 @@ enum {
 
 static const double TINY = 1e-150; /* m^2, m/s */
 
+enum { TRIANGLES, PARTICLES };
+
 typedef struct wind {
   double velocity[3], density, drag, lift, friction, linear;
+  int on;
+  hk_air_drag point; /* of a particle */
 
   const hk_host *host;
   size_t count;            /* acting triangles */
@@ -49,6 +56,9 @@ static const hk_param params[] = {
      HK_NUMBER, {0}, 0, INFINITY, offsetof(wind, friction), 0, NULL},
     {"linear", "N s/m^3", "drag in proportion to the normal wind, per area",
      HK_NUMBER, {0}, 0, INFINITY, offsetof(wind, linear), 0, NULL},
+    {"on", "", "what it blows on; particles take d or rate, triangles the other numbers", HK_CHOICE, {TRIANGLES}, 0, 0,
+     offsetof(wind, on), 0, "triangles|particles"},
+    HK_AIR_DRAG_PARAMS(wind, point),
     {0},
 };
 /* clang-format on */
@@ -81,6 +91,7 @@ static hk_status topology(void *self, const hk_view *view) {
   wind *w = self;
   const hk_host *host = w->host;
   size_t count = 0;
+  if (w->on == PARTICLES) return HK_OK;
   release(w);
   for (size_t k = 0; k < view->model->triangles.count; k++) count += acts(view, hk_tuple(&view->model->triangles, k));
   w->triangle = host->allocate(host, (count + 1) * sizeof *w->triangle);
@@ -97,12 +108,18 @@ static hk_status topology(void *self, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   wind *w = self;
   w->host = host;
+  if (w->on == PARTICLES) return hk_air_check(&w->point, host);
+  if (!isnan(w->point.d) || !isnan(w->point.rate))
+    return host->fail(host, HK_BAD_PARAM, "%s is for particles: add on = \"particles\"",
+                      isnan(w->point.d) ? "rate" : "d");
   hk_status status = topology(self, view);
   if (status == HK_OK && w->count == 0)
-    return host->fail(host, HK_BAD_PARAM,
-                      view->model->triangles.count
-                          ? "no triangle has all its corners among `only` or `group`: nothing to blow on"
-                          : "the scene has no triangles to blow on: scene:grid and scene:mesh make some");
+    return host->fail(
+        host, HK_BAD_PARAM,
+        view->model->triangles.count
+            ? "no triangle has all its corners among `only` or `group`: nothing to blow on"
+            : "the scene has no triangles to blow on: scene:grid and scene:mesh make some; on = \"particles\" "
+              "blows on particles");
   return status;
 }
 
@@ -238,9 +255,25 @@ static void collect_chunk(void *context, size_t begin, size_t end, size_t chunk)
     }
 }
 
+/* ---- On particles --------------------------------------------------------------------------------------------------
+ */
+
+static void uniform(const void *self, double t, const double *x, size_t count, double *u) {
+  const wind *w = self;
+  (void)t, (void)x;
+  for (size_t e = 0; e < 3 * count; e++) u[e] = w->velocity[e % 3];
+}
+
+static hk_air air_of(const wind *w) { return (hk_air){&w->point, w, uniform, NULL}; }
+
+/* ---- The force -----------------------------------------------------------------------------------------------------
+ */
+
 static hk_status add(void *self, const hk_view *view, double *F) {
   wind *w = self;
+  hk_air air = air_of(w);
   task t;
+  if (w->on == PARTICLES) return hk_air_add(&air, view, F);
   size_t grain = w->count / CHUNKS + 1; /* at most CHUNKS chunks */
   if (grain < GRAIN) grain = GRAIN;
   t.self = w, t.view = view, t.F = F;
@@ -252,7 +285,7 @@ static hk_status add(void *self, const hk_view *view, double *F) {
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const wind *w = self;
-  (void)view;
+  if (w->on == PARTICLES) hk_air_pattern(view, p);
   for (size_t t = 0; t < w->count; t++)
     for (int b = 0; b < 9; b++) p->block(p, w->triangle[t][b / 3], w->triangle[t][b % 3]);
 }
@@ -286,7 +319,9 @@ static void row_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const hk_air air = air_of(self);
   task t;
+  if (((const wind *)self)->on == PARTICLES) return hk_air_jacobian(&air, view, into);
   t.self = self, t.view = view, t.into = into;
   view->host->parallel_for(view->host, view->n, ROWS, row_chunk, &t);
   return HK_OK;
@@ -303,7 +338,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_FORCE,
     .name = "wind",
     .summary =
-        "drag and lift of moving air on triangles, 1/2 rho A |u|^2 (drag sin^2 a + friction cos^2 a, lift sin 2a)",
+        "drag and lift of moving air on triangles, 1/2 rho A |u|^2 (drag sin^2 a + friction cos^2 a, lift sin 2a), or "
+        "drag on particles, F = d (w - v)",
     .reference = "Andersen, Pesavento and Wang, J. Fluid Mech. 541 (2005), translational forces; linear: Provot 1995",
     .instance_size = sizeof(wind),
     .params = params,

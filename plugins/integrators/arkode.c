@@ -161,8 +161,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) { 
 static hk_status topology(void *self, const hk_view *view) { return set_up(self, view->host, view); }
 
 static void reset(void *self, hk_reason why) {
-  (void)why;
-  ((arkode *)self)->running = false;
+  arkode *m = self;
+  m->running = false;
+  if (why == HK_CHECKPOINT) m->most = 0;
 }
 
 static hk_status start(arkode *m, hk_system *s, double span, double h) {

@@ -1,47 +1,34 @@
-/* PNG pictures of the scene, and a video of them when ffmpeg is installed. A picture is drawn immediately when nothing
- * in it depends on later frames. When the camera, the range of colours or the floor is chosen for the whole motion,
- * frames are stored in an unlinked file and drawn at the end, for any verdict. */
+/* PNG pictures of the scene, and a video of them when ffmpeg is installed: what the script says, checked and handed to
+ * plugins/common/film, and the times of births, which the scene does not keep. */
 #include "core/plugin.h"
-#include "plugins/common/gl/gl_context.h"
-#include "plugins/common/picture/legend.h"
-#include "plugins/common/picture/painter.h"
-#include "plugins/common/picture/framing.h"
-#include "plugins/common/film/png_file.h"
+#include "plugins/common/film/film.h"
+#include "plugins/common/film/solid_list.h"
 #include "plugins/common/film/video.h"
 
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { AUTO, ON, OFF };
-
 typedef struct frames {
   int64_t width, height, every;
-  const char *color, *folder, *video_file;
-  double camera[3], target[3], fov, radius, ground_height, background[3];
+  hk_look_names names;
+  const char *unit, *folder, *video_file;
+  double camera[3], target[3], fov, outliers, radius, least, opacity, fog, streak, ground_height, background[3];
   hk_numbers range;
-  int springs, particles;
-  bool ground, legend, video;
+  hk_solid_numbers solids;
+  int map, up, springs, particles, style, light;
+  bool reverse, log, ground, legend, video;
 
   const hk_host *host;
-  const hk_interruption *interruption;
-  hk_look look;
-  hk_framing framing;
-  hk_view_setup setup;
-  bool waiting; /* frames are drawn at the end */
-  bool changed; /* the topology may have changed since the last snapshot */
-  hk_snapshot3d snapshot;
-  hk_frame_spool spool;
-  hk_gl_context *gl;
-  hk_painter painter;
-  uint8_t (*colour)[4]; /* one per particle */
-  size_t colours;
-  unsigned char *picture; /* width x height x 4 */
-  uint8_t table[HK_MAP_SIZE][4];
-  char label[64]; /* label of the legend */
-  size_t pictures;
+  hk_film film;
+  bool changed;         /* the topology may have changed since the last picture */
+  double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
+  double last;          /* s, time of the frame before */
   double fps;
 } frames;
+
+enum { Z_UP, Y_UP };
+enum { AUTO_LIGHT, DAY, NIGHT };
 
 /* clang-format off */
 static const hk_param params[] = {
@@ -51,28 +38,63 @@ static const hk_param params[] = {
      HK_INTEGER, {720}, 16, 8192, offsetof(frames, height), 0, NULL},
     {"every", "frames", "draw every so many frames",
      HK_INTEGER, {1}, 1, 1e9, offsetof(frames, every), 0, NULL},
-    {"color", "", "auto, none, strain, speed, group, or the name of a channel (of three numbers: red, green, blue)",
-     HK_STRING, {0}, 0, 0, offsetof(frames, color), 0, "auto"},
+    {"color", "", "auto, none, strain, speed, age, mass, group, or a channel (of three numbers: red, green, blue)",
+     HK_STRING, {0}, 0, 0, offsetof(frames, names.color), 0, "auto"},
+    {"map", "", "colours of numbers; auto: diverging for strain, inferno for glow, else viridis",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, map), 0, "auto|" HK_MAP_NAMES},
+    {"reverse", "", "the colours from end to end: what is small gets the last",
+     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, reverse), 0, NULL},
     {"range", "", "smallest and largest number of the colours; left out: chosen from the whole motion",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, range), HK_OPTIONAL, NULL},
+    {"log", "", "colours by the logarithm of the numbers",
+     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, log), 0, NULL},
+    {"unit", "", "unit of a channel, for the legend",
+     HK_STRING, {0}, 0, 0, offsetof(frames, unit), 0, NULL},
     {"camera", "m", "where the camera stands; left out: where it sees the whole motion",
      HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL, NULL},
     {"target", "m", "what the camera looks at; left out: the middle",
      HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL, NULL},
     {"fov", "degrees", "angle from the bottom to the top of the picture",
      HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
+    {"up", "", "the axis that points up",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, up), 0, "z|y"},
+    {"outliers", "", "share of the particles that a chosen camera may leave out on each side, where they would make "
+     "the others small",
+     HK_NUMBER, {0.005}, 0, 0.2, offsetof(frames, outliers), 0, NULL},
     {"springs", "", "draw springs; auto: those with an end outside all triangles",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, springs), 0, "auto|on|off"},
     {"particles", "", "draw particles; auto: those outside all triangles, and pins",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, particles), 0, "auto|on|off"},
-    {"radius", "m", "radius of drawn particles; left out: chosen",
+    {"style", "", "lit spheres, soft discs (smoke) or lights that add up (fire, stars); auto: spheres, soft streaks",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, style), 0, "auto|sphere|soft|glow"},
+    {"size", "", "auto, same, mass (radii as cube roots) or a channel of radii; auto: the channel radius if no radius",
+     HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
+    {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
+    {"least", "pixels", "smallest radius of a particle on the picture",
+     HK_NUMBER, {1}, 0.25, 100, offsetof(frames, least), 0, NULL},
+    {"opacity", "", "of particles, of lights their strength; left out: 1, for glow by how bright they are together",
+     HK_NUMBER, {0}, 0, 1e6, offsetof(frames, opacity), HK_OPTIONAL, NULL},
+    {"fade", "", "a channel that makes particles fainter, from 1 down to 0, which is not seen",
+     HK_STRING, {0}, 0, 0, offsetof(frames, names.fade), 0, NULL},
+    {"streak", "s", "soft and glowing particles leave a streak of this much of their way",
+     HK_NUMBER, {0}, 0, 1e9, offsetof(frames, streak), 0, NULL},
+    {"fog", "", "share of the background in the colour of the farthest particles",
+     HK_NUMBER, {0}, 0, 1, offsetof(frames, fog), 0, NULL},
+    {"spheres", "m", "solids to draw: x, y, z and radius of each, one after the other",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.spheres), HK_OPTIONAL, NULL},
+    {"boxes", "m", "solids to draw: middle and extents of each, x, y, z, a, b, c",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
+    {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
     {"ground", "", "draw the floor with its grid and the shadow",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0, NULL},
     {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
      HK_NUMBER, {0}, 0, 0, offsetof(frames, ground_height), HK_OPTIONAL, NULL},
-    {"background", "", "red, green and blue of the background, 0 to 1",
-     HK_VECTOR, {0.66, 0.705, 0.755}, 0, 1, offsetof(frames, background), 0, NULL},
+    {"light", "", "day, or night: a dark background; auto: night for glow",
+     HK_CHOICE, {0}, 0, 0, offsetof(frames, light), 0, "auto|day|night"},
+    {"background", "", "red, green and blue of the background, 0 to 1; left out: by the light",
+     HK_VECTOR, {0}, 0, 1, offsetof(frames, background), HK_OPTIONAL, NULL},
     {"legend", "", "draw the bar of colours",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
     {"video", "", "make a video of the pictures, with ffmpeg",
@@ -83,126 +105,133 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, video_file), 0, "video.mp4"},
     {0},
 };
+
+static const hk_field fields[] = {
+    {"seen", HK_FIELD_PER_PARTICLE, 1, offsetof(frames, seen), 0},
+    {"birth", HK_FIELD_PER_PARTICLE, 1, offsetof(frames, birth), 0},
+    {0},
+};
 /* clang-format on */
 
+static hk_style style_of(const frames *f) {
+  if (f->style) return (hk_style)(f->style - 1);
+  return f->streak > 0 ? HK_STYLE_SOFT : HK_STYLE_SPHERE;
+}
+
+static void plan_colours(frames *f) {
+  hk_film *film = &f->film;
+  hk_paint paint = film->look.paint;
+  film->map = f->map                         ? (hk_colormap)(f->map - 1)
+              : paint == HK_PAINT_STRAIN     ? HK_MAP_DIVERGING
+              : style_of(f) == HK_STYLE_GLOW ? HK_MAP_INFERNO
+                                             : HK_MAP_VIRIDIS;
+  film->reverse = f->reverse;
+  film->framing.centred = film->map == HK_MAP_DIVERGING && !f->log;
+  film->framing.counted = paint != HK_PAINT_NONE && paint != HK_PAINT_GROUP && paint != HK_PAINT_RGB;
+  film->framing.scale =
+      (hk_scale){f->range.count ? f->range.value[0] : NAN, f->range.count ? f->range.value[1] : NAN, f->log};
+}
+
+static void plan_camera(frames *f) {
+  hk_framing *framing = &f->film.framing;
+  framing->fov = f->fov * acos(-1) / 180, framing->aspect = (double)f->width / (double)f->height;
+  hk_look_turn(f->up == Y_UP, f->camera, framing->eye);
+  hk_look_turn(f->up == Y_UP, f->target, framing->target);
+  framing->floor = f->ground, framing->height = f->ground_height;
+  framing->radius = f->radius, framing->outliers = f->outliers;
+}
+
+static void plan_light(frames *f) {
+  static const double colours[2][3] = {{0.66, 0.705, 0.755}, {0.030, 0.036, 0.052}}; /* by day, by night */
+  hk_view_setup *setup = &f->film.setup;
+  bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && style_of(f) == HK_STYLE_GLOW);
+  const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
+  for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
+  setup->sprites.style = style_of(f);
+  setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
+  setup->sprites.least = f->least, setup->sprites.fog = f->fog;
+  setup->streak = f->streak;
+}
+
 static void make_plan(frames *f) {
-  f->framing = (hk_framing){.fov = f->fov * acos(-1) / 180, .aspect = (double)f->width / (double)f->height};
-  memcpy(f->framing.eye, f->camera, sizeof f->camera);
-  memcpy(f->framing.target, f->target, sizeof f->target);
-  f->framing.floor = f->ground, f->framing.height = f->ground_height, f->framing.radius = f->radius;
-  f->framing.centred = f->look.paint == HK_PAINT_STRAIN;
-  f->framing.counted = f->framing.centred || f->look.paint == HK_PAINT_SPEED || f->look.paint == HK_PAINT_CHANNEL;
-  f->framing.low = f->range.count ? f->range.value[0] : NAN;
-  f->framing.high = f->range.count ? f->range.value[1] : NAN;
-  for (int c = 0; c < 3; c++) f->setup.background[c] = (float)f->background[c];
-  hk_colormap_fill(f->framing.centred ? HK_MAP_DIVERGING : HK_MAP_SEQUENTIAL, f->table);
-  f->waiting =
-      isnan(f->camera[0]) || (f->ground && isnan(f->ground_height)) || (f->framing.counted && isnan(f->framing.low));
+  f->film.width = (int)f->width, f->film.height = (int)f->height;
+  f->film.folder = f->folder, f->film.legend = f->legend, f->film.unit = f->unit;
+  plan_colours(f);
+  plan_camera(f);
+  plan_light(f);
+}
+
+static hk_status choose_look(frames *f, const hk_model *m) {
+  hk_look *look = &f->film.look;
+  look->springs = f->springs, look->particles = f->particles;
+  look->streak = f->streak, look->y_up = f->up == Y_UP;
+  hk_look_names names = f->names;
+  bool one_size = !isnan(f->radius);
+  if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
+  hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
+  if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
+    return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
+                         names.size);
+  return status;
 }
 
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
-  const char *label;
   f->host = host;
-  f->interruption = host->query(host, "interruption/1");
-  f->look.springs = f->springs, f->look.particles = f->particles;
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
-  return hk_look_choose(&f->look, host, view->model, f->color, &label);
+  if (f->range.count && f->log && f->range.value[0] <= 0)
+    return host->fail(host, HK_BAD_PARAM, "range: %g has no logarithm; give two positive numbers, or log = false",
+                      f->range.value[0]);
+  if (f->streak > 0 && style_of(f) == HK_STYLE_SPHERE)
+    return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
+  if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
+    return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
+  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->film.solid, &f->film.solids);
+  if (status == HK_OK) status = choose_look(f, view->model);
+  if (status == HK_OK && f->unit && f->film.look.paint != HK_PAINT_CHANNEL)
+    return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");
+  return status;
+}
+
+/* Who appears between two frames is taken to be born in the middle. Returns how many are new. */
+static size_t note_births(frames *f, const hk_view *view, double born) {
+  size_t count = 0;
+  for (size_t i = 0; i < view->n; i++)
+    if (f->seen[i] == 0) f->seen[i] = 1, f->birth[i] = born, count++;
+  f->last = view->t;
+  return count;
+}
+
+/* Where a run goes on, births before that are known only as far as the checkpoint has this output's fields. */
+static void note_first(frames *f, const hk_view *view) {
+  size_t count = note_births(f, view, 0);
+  if (count && view->t > 0 && f->film.look.paint == HK_PAINT_AGE)
+    f->host->warn(
+        f->host,
+        "age: %zu particles were born before t = %g s, nobody noted when: they are shown as old as the run; a "
+        "channel with the name age and rate = function() return 1 end keeps it",
+        count, view->t);
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   frames *f = self;
-  const hk_host *host = view->host;
-  const char *why, *label;
-  char name[PATH_MAX];
-  hk_status status = hk_look_choose(&f->look, host, view->model, f->color, &label);
+  hk_status status = choose_look(f, view->model);
   if (status != HK_OK) return status;
-  snprintf(f->label, sizeof f->label, "%s", label);
   make_plan(f);
-  f->gl = hk_gl_context_create(&why);
-  if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
-  status = hk_painter_open(&f->painter, host, (int)f->width, (int)f->height);
-  if (status != HK_OK) return status;
-  f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
-  if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
+  note_first(f, view);
   f->fps = frame->fps / (double)f->every;
   f->changed = true;
-  snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->folder);
-  return f->waiting ? hk_frame_spool_open(&f->spool, host, name) : HK_OK;
-}
-
-static hk_status colour_particles(frames *f) {
-  static const uint8_t plain[4] = {84, 132, 190, 255};
-  const hk_snapshot3d *s = &f->snapshot;
-  if (s->n >= f->colours) {
-    f->host->release(f->host, f->colour);
-    f->colours = s->n + s->n / 2 + 1;
-    f->colour = f->host->allocate(f->host, f->colours * sizeof *f->colour);
-    if (!f->colour) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for the colours of %zu particles", s->n);
-  }
-  for (size_t i = 0; i < s->n; i++) {
-    uint32_t group;
-    memcpy(&group, &s->ink[i], sizeof group);
-    if (f->framing.counted)
-      hk_colormap_look(f->table, f->framing.low, f->framing.high, (double)s->ink[i].number, f->colour[i]);
-    else if (f->look.paint == HK_PAINT_GROUP)
-      hk_colormap_group(group, f->colour[i]);
-    else
-      memcpy(f->colour[i], f->look.paint == HK_PAINT_RGB ? s->ink[i].colour : plain, 4);
-  }
-  return HK_OK;
-}
-
-static hk_status draw(frames *f) {
-  char name[PATH_MAX], path[PATH_MAX], why[256];
-  double percent = f->framing.centred ? 100 : 1;
-  hk_status status = colour_particles(f);
-  if (status == HK_OK) status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
-  if (status != HK_OK) return status;
-  if (f->legend && f->framing.counted)
-    hk_legend_draw(&f->painter, &(hk_legend){f->label, percent * f->framing.low, percent * f->framing.high, f->table});
-  hk_painter_read(&f->painter, f->picture);
-  snprintf(name, sizeof name, "%s/%06zu.png", f->folder, f->pictures);
-  status = f->host->path(f->host, name, path, sizeof path);
-  if (status != HK_OK) return status;
-  if (hk_png_write(path, (int)f->width, (int)f->height, f->picture, why, sizeof why) != 0)
-    return f->host->fail(f->host, HK_IO, "cannot write %s: %s", path, why);
-  f->pictures++;
-  return HK_OK;
+  return hk_film_open(&f->film, view->host);
 }
 
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
+  note_births(f, view, (f->last + view->t) / 2);
   if (now->index % (size_t)f->every != 0) return HK_OK;
-  hk_status status = hk_snapshot3d_take(&f->snapshot, view, &f->look, f->changed);
-  if (status != HK_OK) return status;
-  f->changed = false;
-  if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
-  hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
-  if (!hk_gl_context_use(f->gl)) return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
-  return draw(f);
-}
-
-/* Whether the user asks, once more, to stop: while the pictures of a run that has ended are drawn or made a video. */
-static bool stopped(void *self) {
-  const frames *f = self;
-  return f->interruption && f->interruption->again(f->interruption->self);
-}
-
-/* Draws the stored frames. A frame that reaches five times (diverged) or a thousand times as far as the median frame is
- * drawn as well, but ignored in the choice of the camera. */
-static hk_status draw_waiting(frames *f, hk_verdict verdict) {
-  if (!f->spool.count) return HK_OK;
-  hk_status status =
-      hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
-  for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
-    if (stopped(f))
-      return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
-    status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
-    if (status == HK_OK) status = draw(f);
-  }
+  hk_status status = hk_film_add(&f->film, view, f->birth, f->changed);
+  if (status == HK_OK) f->changed = false;
   return status;
 }
 
@@ -222,29 +251,27 @@ static hk_status make_video(frames *f) {
   }
   status = f->host->path(f->host, f->video_file, file, sizeof file);
   if (status != HK_OK) return status;
-  hk_video_stop stop = {stopped, f};
-  hk_video_result result = hk_video_make(first, f->pictures, f->fps, file, &stop, why, sizeof why);
+  hk_video_stop stop = {hk_film_stopped, &f->film};
+  hk_video_result result = hk_video_make(first, f->film.pictures, f->fps, file, &stop, why, sizeof why);
   if (result == HK_VIDEO_STOPPED)
     return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: no video; the pictures are in %s", first);
   if (result != HK_VIDEO_MADE) f->host->warn(f->host, "no video: ffmpeg: %s; the pictures are in %s", why, first);
   return HK_OK;
 }
 
+/* For any verdict. */
 static hk_status close(void *self, hk_verdict verdict) {
   frames *f = self;
-  if (!hk_gl_context_use(f->gl)) return f->host->fail(f->host, HK_FAILED, "OpenGL cannot make its context current");
-  hk_status status = f->waiting ? draw_waiting(f, verdict) : HK_OK;
-  if (status == HK_OK && f->video && f->pictures > 0) status = make_video(f);
+  hk_status status = hk_film_finish(&f->film, verdict);
+  hk_film_free(&f->film); /* some hundred megabytes that a run may outlive */
+  if (status == HK_OK && f->video && f->film.pictures > 0) status = make_video(f);
   return status;
 }
 
 static void destroy(void *self, const hk_host *host) {
   frames *f = self;
   (void)host;
-  if (f->gl && hk_gl_context_use(f->gl)) hk_painter_close(&f->painter);
-  hk_gl_context_destroy(f->gl);
-  hk_frame_spool_close(&f->spool);
-  hk_snapshot3d_free(&f->snapshot);
+  hk_film_free(&f->film);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -264,6 +291,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .reference = "",
     .instance_size = sizeof(frames),
     .params = params,
+    .fields = fields,
     .create = create,
     .destroy = destroy,
     .topology = topology,

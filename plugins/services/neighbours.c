@@ -8,6 +8,7 @@
 #include "plugins/common/space/cell_list.h"
 
 #include <string.h>
+#include <time.h>
 
 enum { GRAIN = 4096 };
 
@@ -25,7 +26,8 @@ typedef struct neighbours {
   bool listed;        /* the rows for found_at are in `list`: not so when a checkpoint was read */
   hk_cell_list list;
   size_t chunks;
-  bool *moved; /* chunks: a particle of it has moved too far */
+  bool *moved;    /* chunks: a particle of it has moved too far, or is not finite */
+  double seconds; /* wall time of `rows` so far */
   hk_neighbours table;
   const hk_host *host;
 } neighbours;
@@ -68,7 +70,8 @@ static hk_status ask_reach(void *self, double radius) {
 /* ---- have the rows become bad? ---- */
 
 typedef struct comparison {
-  const double *x, *before;
+  const double *x;
+  double *before;
   double most2; /* m^2 */
   bool *moved;
 } comparison;
@@ -94,12 +97,24 @@ static bool has_moved(const neighbours *s, const double *x, size_t n) {
 
 /* ---- finding them ---- */
 
-static hk_status check_finite(const neighbours *s, const hk_view *view, const double *x) {
-  for (size_t i = 0; i < view->n; i++)
-    if (!isfinite(x[3 * i]) || !isfinite(x[3 * i + 1]) || !isfinite(x[3 * i + 2]))
-      return s->host->fail(s->host, HK_NOT_FINITE, "particle %u is at (%g, %g, %g) m at t = %g s: it has no neighbours",
-                           view->model->id[i], x[3 * i], x[3 * i + 1], x[3 * i + 2], view->t);
-  return HK_OK;
+static hk_status name_lost(const neighbours *s, const hk_view *view, const double *x) {
+  size_t i = 0;
+  while (isfinite(x[3 * i]) && isfinite(x[3 * i + 1]) && isfinite(x[3 * i + 2])) i++;
+  return s->host->fail(s->host, HK_NOT_FINITE, "particle %u is at (%g, %g, %g) m at t = %g s: it has no neighbours",
+                       view->model->id[i], x[3 * i], x[3 * i + 1], x[3 * i + 2], view->t);
+}
+
+static void check_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const comparison *c = context;
+  double zero = 0;
+  for (size_t k = 3 * begin; k < 3 * end; k++) zero += c->x[k] * 0; /* NaN where x is not finite */
+  c->moved[chunk] = zero != 0;
+}
+
+static void copy_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const comparison *c = context;
+  (void)chunk;
+  memcpy(c->before + 3 * begin, c->x + 3 * begin, 3 * (end - begin) * sizeof *c->x);
 }
 
 static hk_status list_rows(neighbours *s, size_t n) {
@@ -110,17 +125,19 @@ static hk_status list_rows(neighbours *s, size_t n) {
 }
 
 static hk_status find_again(neighbours *s, const hk_view *view, const double *x, double reach) {
-  hk_status status = check_finite(s, view, x);
-  if (status != HK_OK) return status;
-  if (view->n) memcpy(s->found_at, x, 3 * view->n * sizeof *x);
+  comparison c = {x, s->found_at, 0, s->moved};
+  bool lost = false;
+  s->host->parallel_for(s->host, view->n, GRAIN, check_chunk, &c);
+  for (size_t k = 0; k < s->chunks; k++) lost |= s->moved[k];
+  if (lost) return name_lost(s, view, x);
+  s->host->parallel_for(s->host, view->n, GRAIN, copy_chunk, &c);
   s->found_reach = reach;
   s->found = 1;
   s->number++;
   return list_rows(s, view->n);
 }
 
-static hk_status rows(void *self, const hk_view *view, const double *x, hk_neighbour_rows *out) {
-  neighbours *s = self;
+static hk_status look(neighbours *s, const hk_view *view, const double *x, hk_neighbour_rows *out) {
   double reach = s->radius * (1 + s->skin) * (1 + margin);
   bool good = s->found && s->found_reach == reach && !has_moved(s, x, view->n);
   hk_status status = !good ? find_again(s, view, x, reach) : s->listed ? HK_OK : list_rows(s, view->n);
@@ -128,6 +145,22 @@ static hk_status rows(void *self, const hk_view *view, const double *x, hk_neigh
   *out = (hk_neighbour_rows){view->n, s->list.row_start, s->list.other, reach, (uint64_t)s->number};
   return HK_OK;
 }
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static hk_status rows(void *self, const hk_view *view, const double *x, hk_neighbour_rows *out) {
+  neighbours *s = self;
+  double begin = now();
+  hk_status status = look(s, view, x, out);
+  s->seconds += now() - begin;
+  return status;
+}
+
+static double seconds(void *self) { return ((neighbours *)self)->seconds; }
 
 /* ---- the plugin ---- */
 
@@ -151,7 +184,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static const void *table(void *self) { return &((neighbours *)self)->table; }
 
-static const hk_service service = {.size = sizeof(hk_service), .interface = "neighbours/1", .table = table};
+static const hk_service service = {
+    .size = sizeof(hk_service), .interface = "neighbours/1", .table = table, .seconds = seconds};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

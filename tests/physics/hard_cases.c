@@ -527,7 +527,7 @@ static void swinging(test_engine *e) {
 
 static void bearing(test_engine *e) {
   swinging(e);
-  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:spout");
   test_number(e, emitter, "every", 1.5e-3);
   test_vector(e, emitter, "position", 5, 5, 5);
 }

@@ -153,7 +153,7 @@ fake_system *fake_system_create(const fake_problem *problem) {
   size_t n = problem->n;
   f->problem = *problem;
   f->host = (hk_host){HK_ABI,      host_fail, host_warn,  host_allocate, host_release, host_parallel_for,
-                      host_random, host_path, host_query, host_resize};
+                      host_random, host_path, host_query, host_resize,   NULL};
   f->mass = room(n, sizeof *f->mass);
   f->id = room(n, sizeof *f->id);
   f->group = room(n, sizeof *f->group);

@@ -47,7 +47,7 @@ static void every_fixture_that_is_right_passes(void **state) {
   (void)state;
   static const char *const fixtures[][2] = {
       {"bar", ""},     {"ground", ""},          {"telescope", ""}, {"stretching_bar", "rate=0"},
-      {"floor", ""},   {"sower", ""},           {"rejecter", ""},  {"emitter", "every=0.25"},
+      {"floor", ""},   {"sower", ""},           {"rejecter", ""},  {"spout", "every=0.25"},
       {"witness", ""}, {"counting_solver", ""},
   };
   char path[512];

@@ -157,15 +157,15 @@ static void every_kind_is_switched_off(void **state) {
                           "scene:force('gravity', { g = {0, 0, -9.81} })\n"
                           "scene:constraint('bar', { edges = {{a, b}} })\n"
                           "scene:corrector('floor', { height = 0.5 })\n"
-                          "scene:source('emitter', { every = 0.2, position = {3, 0, 2} })\n"
+                          "scene:source('spout', { every = 0.2, position = {3, 0, 2} })\n"
                           "scene:measure('low', function(s) return s:position(a)[3] end)\nreturn scene\n");
   snprintf(before, sizeof before,
-           "for p in constraint:bar corrector:floor source:emitter; do mkdir -p k/${p%%%%:*}s && "
+           "for p in constraint:bar corrector:floor source:spout; do mkdir -p k/${p%%%%:*}s && "
            "cp %s/tests/fixtures/${p##*:}.so k/${p%%%%:*}s/; done; HOOKE_PLUGIN_PATH=k ",
            HK_BUILD);
   explain(before, "kinds.lua --json");
   says("bar", "\"kind\":\"constraint\"");
-  says("emitter", "ends with other particles");
+  says("spout", "ends with other particles");
   /* on the floor at 0.5 m; without it 1 - g/8 m, which leapfrog has exactly */
   assert_true(fabs(figure("floor", "low", "change") - (0.5 - 9.81 / 8)) < 1e-12);
   explain(before, "kinds.lua --until 0.15 --json"); /* before the first birth and the floor */

@@ -109,18 +109,19 @@ static int jacobian(lua_State *L) {
 
 /* ---- correctors ---- */
 
-/* correct(actor, h, x_before) -> {x, v, changed, work, reject}, whether it was fine, what it said */
+/* correct(actor, h, x_before, v_before) -> {x, v, changed, work, reject}, whether it was fine, what it said */
 static int correct(lua_State *L) {
   hk_actor *a = hk_actor_at(L, 1);
   const hk_corrector *functions = plugin_of(a)->corrector;
-  double *before = hk_table_memory(L, 3 * a->n);
+  double *before = hk_table_memory(L, 6 * a->n);
   hk_table_read(L, 3, before, 3 * a->n);
+  hk_table_read(L, 4, before + 3 * a->n, 3 * a->n);
   hk_correction c = {.h = luaL_checknumber(L, 2)};
   c.x = hk_actor_out(L, a, 0, "the positions x", 3 * a->n);
   c.v = hk_actor_out(L, a, 1, "the velocities v", 3 * a->n);
   memcpy(c.x, a->x.at, a->x.bytes);
   memcpy(c.v, a->v.at, a->v.bytes);
-  if (functions->flags & HK_WANTS_BEFORE) c.x_before = before;
+  if (functions->flags & HK_WANTS_BEFORE) c.x_before = before, c.v_before = before + 3 * a->n;
   hk_view own = a->view, *view = &own; /* as in a run, the view shows what is corrected */
   own.x = c.x;
   own.v = c.v;
@@ -178,6 +179,17 @@ static hk_status add(hk_population *population, const hk_birth *b, uint32_t *id)
   return HK_OK;
 }
 
+static hk_status add_aged(hk_population *population, const hk_birth *b, double age, double lifetime, uint32_t *id) {
+  recorded *r = (recorded *)(void *)population;
+  hk_status status = add(population, b, id);
+  if (status != HK_OK) return status;
+  lua_rawgeti(r->L, -2, r->births);
+  hk_table_set(r->L, "age", age);
+  hk_table_set(r->L, "lifetime", lifetime);
+  lua_pop(r->L, 1);
+  return status;
+}
+
 static hk_status take(hk_population *population, uint32_t index) {
   recorded *r = (recorded *)(void *)population;
   lua_pushinteger(r->L, (lua_Integer)index + 1);
@@ -194,7 +206,7 @@ static int emit(lua_State *L) {
   lua_newtable(L);
   lua_newtable(L);
   luaL_checkstack(L, 10, NULL);
-  recorded r = {.population = {add, take}, .L = L, .n = a->n, .most = most, .next_id = 1000};
+  recorded r = {.population = {add, take, add_aged}, .L = L, .n = a->n, .most = most, .next_id = 1000};
   hk_guard_enter("emit");
   hk_status status = plugin_of(a)->source->emit(a->instance->self, &a->view, h, &r.population);
   push_status(L, a, status);

@@ -82,11 +82,20 @@ static int captured(lua_State *L) {
 
 static void limit(int resource, rlim_t most) { setrlimit(resource, &(struct rlimit){most, most}); }
 
+/* allow(seconds): the calling process may take so much more processor time from now on. */
+static int allow(lua_State *L) {
+  struct rusage used;
+  getrusage(RUSAGE_SELF, &used);
+  rlim_t most = (rlim_t)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + (rlim_t)luaL_checknumber(L, 1) + 2;
+  setrlimit(RLIMIT_CPU, &(struct rlimit){most, RLIM_INFINITY});
+  return 0;
+}
+
 /* confine(seconds, bytes, out, err, fd): the calling process has so much processor time and address space left, leaves
  * no core file, writes files of 16 MB at most, and prints into the files `out` and `err`. A fatal signal or an exit()
  * writes a line to fd (common/guard.h). */
 static int confine(lua_State *L) {
-  limit(RLIMIT_CPU, (rlim_t)luaL_checknumber(L, 1) + 1);
+  allow(L);
 #ifndef __SANITIZE_ADDRESS__ /* whose shadow memory needs terabytes of addresses */
   limit(RLIMIT_AS, (rlim_t)luaL_checknumber(L, 2));
 #endif
@@ -177,11 +186,11 @@ static int exit_now(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_process(lua_State *L);
 
 int luaopen_process(lua_State *L) {
-  static const luaL_Reg functions[] = {{"clock", get_clock},   {"terminal", is_terminal}, {"processors", processors},
-                                       {"fork", start},        {"write", write_all},      {"read", read_some},
-                                       {"close", close_fd},    {"ready", ready},          {"wait", wait_for},
-                                       {"kill", kill_process}, {"exit", exit_now},        {"capture", capture},
-                                       {"captured", captured}, {"confine", confine},      {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"clock", get_clock},   {"terminal", is_terminal}, {"processors", processors}, {"fork", start},
+      {"write", write_all},   {"read", read_some},       {"close", close_fd},        {"ready", ready},
+      {"wait", wait_for},     {"kill", kill_process},    {"exit", exit_now},         {"capture", capture},
+      {"captured", captured}, {"confine", confine},      {"allow", allow},           {NULL, NULL}};
   signal(SIGPIPE, SIG_IGN); /* write returns an error in a child whose parent has ended */
   luaL_newlib(L, functions);
   return 1;

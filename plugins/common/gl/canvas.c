@@ -17,7 +17,7 @@ static bool make_target(unsigned *target, unsigned colour, unsigned depth) {
   glGenFramebuffers(1, target);
   glBindFramebuffer(GL_FRAMEBUFFER, *target);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour);
-  if (depth) glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth);
   return glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
 }
 
@@ -25,17 +25,17 @@ bool hk_canvas_open(hk_canvas *c, int width, int height) {
   *c = (hk_canvas){.width = width, .height = height};
   while (glGetError() != GL_NO_ERROR) {
   }
-  for (int k = 0; k < 4; k++)
-    c->buffer[k] = make_buffer(SAMPLES, k % 2 ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
-  c->buffer[4] = make_buffer(0, GL_RGBA8, width, height);
+  for (int k = 0; k < 6; k++)
+    c->buffer[k] = make_buffer(k < 4 ? SAMPLES : 0, k % 2 ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
   if (glGetError() != GL_NO_ERROR) return false;
-  return make_target(&c->target[DRAWN], c->buffer[0], c->buffer[1]) &&
-         make_target(&c->target[KEPT], c->buffer[2], c->buffer[3]) && make_target(&c->target[FLAT], c->buffer[4], 0);
+  bool ok = true;
+  for (int k = 0; k < 3; k++) ok = make_target(&c->target[k], c->buffer[2 * k], c->buffer[2 * k + 1]) && ok;
+  return ok;
 }
 
 void hk_canvas_close(hk_canvas *c) {
   glDeleteFramebuffers(3, c->target);
-  glDeleteRenderbuffers(5, c->buffer);
+  glDeleteRenderbuffers(6, c->buffer);
 }
 
 void hk_canvas_use(const hk_canvas *c) {
@@ -43,10 +43,14 @@ void hk_canvas_use(const hk_canvas *c) {
   glViewport(0, 0, c->width, c->height);
 }
 
-static void copy(const hk_canvas *c, int from, int to, GLbitfield what) {
+static void copy_part(const hk_canvas *c, int from, int to, GLbitfield what, int x, int y, int width, int height) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[from]);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, c->target[to]);
-  glBlitFramebuffer(0, 0, c->width, c->height, 0, 0, c->width, c->height, what, GL_NEAREST);
+  glBlitFramebuffer(x, y, x + width, y + height, x, y, x + width, y + height, what, GL_NEAREST);
+}
+
+static void copy(const hk_canvas *c, int from, int to, GLbitfield what) {
+  copy_part(c, from, to, what, 0, 0, c->width, c->height);
 }
 
 void hk_canvas_keep(const hk_canvas *c) {
@@ -64,4 +68,11 @@ void hk_canvas_read(const hk_canvas *c, unsigned char *rgba) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[FLAT]);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, c->width, c->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+}
+
+void hk_canvas_read_depth(const hk_canvas *c, int x, int y, int width, int height, float *depth) {
+  copy_part(c, DRAWN, FLAT, GL_DEPTH_BUFFER_BIT, x, y, width, height);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[FLAT]);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(x, y, width, height, GL_DEPTH_COMPONENT, GL_FLOAT, depth);
 }

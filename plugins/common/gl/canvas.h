@@ -7,7 +7,7 @@
 typedef struct hk_canvas {
   int width, height;
   unsigned target[3]; /* frame buffers: drawn on, kept (both many samples a pixel), resolved (one sample a pixel) */
-  unsigned buffer[5]; /* their render buffers: colour and depth, colour and depth, colour */
+  unsigned buffer[6]; /* their render buffers: colour and depth of each */
 } hk_canvas;
 
 /* False when the driver has no memory for this size; the canvas can then only be closed. */
@@ -18,5 +18,7 @@ void hk_canvas_keep(const hk_canvas *);    /* stores the present picture, colour
 void hk_canvas_restore(const hk_canvas *); /* ... and restores it */
 /* width x height x 4 bytes (red, green, blue, 255), the bottom row first. */
 void hk_canvas_read(const hk_canvas *, unsigned char *rgba);
+/* Depths, 0 at the near and 1 at the far plane, of the rectangle whose lower left pixel is (x, y): width x height. */
+void hk_canvas_read_depth(const hk_canvas *, int x, int y, int width, int height, float *depth);
 
 #endif

@@ -1,6 +1,6 @@
 /* The GLSL of the pictures. Directions: `key` points to the main light, `sky` up, `toward` to the eye (at infinite
  * distance), `between` halfway between the eye and the light. These and the normals are in world axes for meshes and in
- * the camera's axes for tubes and beads. */
+ * the camera's axes for tubes, and for particles (plugins/common/sprites/splat.c). */
 #ifndef HK_SHADERS_H
 #define HK_SHADERS_H
 
@@ -77,37 +77,6 @@ static const char hk_tube_fragment[] = "in vec3 side, base;\n"
                                        "  result = vec4(lit(base, side * s + toward * sqrt(1.0 - s * s)), 1.0);\n"
                                        "}\n";
 
-/* Particles as discs that face the eye and are lit like spheres. */
-static const char hk_bead_vertex[] =
-    "layout(location = 0) in vec2 corner;\n"
-    "layout(location = 1) in vec4 sphere;\n" /* centre, radius */
-    "layout(location = 2) in vec4 colour;\n"
-    "uniform mat4 view, projection;\n"
-    "uniform float least;\n"
-    "uniform vec2 pixel;\n"
-    "out vec2 place;\n"
-    "out vec3 base;\n"
-    "void main() {\n"
-    "  vec4 centre = view * vec4(sphere.xyz, 1.0);\n"
-    "  vec4 p = projection * centre;\n"
-    "  vec4 raised = projection * (centre + vec4(0.0, 0.0, sphere.w, 0.0));\n"
-    "  place = vec2(2.0 * corner.x - 1.0, corner.y) * 1.15;\n"
-    "  p.xy += place * max(sphere.w * projection[1][1] / max(p.w, 1e-6) / pixel.y, least) * pixel * p.w;\n"
-    "  p.z = raised.z / max(raised.w, 1e-6) * p.w;\n"
-    "  gl_Position = p, base = colour.rgb;\n"
-    "}\n";
-
-static const char hk_bead_fragment[] = "in vec2 place;\n"
-                                       "in vec3 base;\n"
-                                       "out vec4 result;\n"
-                                       "void main() {\n"
-                                       "  float r = length(place);\n"
-                                       "  float cover = clamp((1.0 - r) / fwidth(r) + 0.5, 0.0, 1.0);\n"
-                                       "  if (cover <= 0.0) discard;\n"
-                                       "  vec3 n = normalize(vec3(place, sqrt(max(1.0 - r * r, 0.0))));\n"
-                                       "  result = vec4(lit(base, n), cover);\n"
-                                       "}\n";
-
 /* The whole picture from one triangle. */
 static const char hk_screen_vertex[] = "out vec2 uv;\n"
                                        "void main() {\n"
@@ -138,21 +107,22 @@ static const char hk_floor_fragment[] =
     "in vec2 at, place;\n"
     "uniform vec3 grid;\n" /* spacing; where a line passes, x and y */
     "uniform vec3 colour;\n"
+    "uniform float line;\n" /* how much lighter the lines are */
     "out vec4 result;\n"
     "void main() {\n"
     "  vec2 cell = (at - grid.yz) / grid.x, width = fwidth(cell);\n"
     "  vec2 near = abs(fract(cell - 0.5) - 0.5) / max(width, 1e-6);\n"
-    "  vec2 line = clamp(1.1 - near, 0.0, 1.0) * clamp(0.7 - 2.0 * width, 0.0, 1.0);\n"
+    "  vec2 on = clamp(1.1 - near, 0.0, 1.0) * clamp(0.7 - 2.0 * width, 0.0, 1.0);\n"
     "  float fade = 1.0 - smoothstep(0.25, 1.0, length(place));\n"
-    "  result = vec4(colour * (1.0 - 0.26 * max(line.x, line.y)), fade);\n"
+    "  result = vec4(colour * (1.0 + line * max(on.x, on.y)), fade);\n"
     "}\n";
 
-static const char hk_shade_fragment[] =
-    "in vec2 at, place;\n"
-    "uniform sampler2D shadow;\n"
-    "out vec4 result;\n"
-    "void main() {\n"
-    "  result = vec4(0.09, 0.11, 0.17, 0.40 * texture(shadow, 0.5 + 0.5 * place).r);\n"
-    "}\n";
+static const char hk_shade_fragment[] = "in vec2 at, place;\n"
+                                        "uniform sampler2D shadow;\n"
+                                        "uniform vec3 colour;\n"
+                                        "out vec4 result;\n"
+                                        "void main() {\n"
+                                        "  result = vec4(colour, 0.40 * texture(shadow, 0.5 + 0.5 * place).r);\n"
+                                        "}\n";
 
 #endif

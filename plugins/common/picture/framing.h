@@ -2,24 +2,26 @@
 #ifndef HK_FRAMING_H
 #define HK_FRAMING_H
 
-#include "plugins/common/film/frame_spool.h"
+#include "plugins/common/colour/scale.h"
+#include "plugins/common/snapshot/frame_spool.h"
 #include "plugins/common/picture/view_setup.h"
 
 typedef struct hk_framing {
-  double eye[3], target[3]; /* in the scene's coordinates; NAN: chosen */
+  double eye[3], target[3]; /* in the scene's coordinates, z up; NAN: chosen */
   double fov, aspect;
   bool floor;
-  double height;    /* in the scene's coordinates; NAN: chosen */
-  double radius;    /* of particles, m; NAN: chosen */
-  double low, high; /* range of the numbers; NAN: chosen */
-  bool centred;     /* the range is symmetric about zero */
-  bool counted;     /* the snapshots' ink is numbers that need a range */
+  double height;   /* in the scene's coordinates; NAN: chosen */
+  double radius;   /* of particles, m; NAN: chosen */
+  double outliers; /* share of the particles that the picture may leave out on each side */
+  hk_scale scale;  /* of the numbers; low NAN: chosen */
+  bool centred;    /* the range is symmetric about zero */
+  bool counted;    /* the snapshots' ink is numbers that need a scale */
 } hk_framing;
 
-/* Chooses the settings for all snapshots of the spool, at least one; fills the framing's range. `snapshot` is scratch
+/* Chooses the settings for all snapshots of the spool, at least one; fills the framing's scale. `snapshot` is scratch
  * memory for reading. `wild` > 1: frames that reach more than this many times farther than the median frame are ignored
  * (the run has diverged). */
-hk_status hk_framing_motion(hk_framing *, const hk_frame_spool *spool, hk_snapshot3d *snapshot, double wild,
+hk_status hk_framing_motion(hk_framing *, hk_frame_spool *spool, hk_snapshot3d *snapshot, double wild,
                             hk_view_setup *setup);
 /* For pictures that are drawn immediately with a given camera: the first call, on a zeroed setup, chooses the settings
  * by the first snapshot; later calls follow its box. */

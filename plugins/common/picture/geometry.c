@@ -1,5 +1,7 @@
 #include "plugins/common/picture/geometry.h"
 
+#include "plugins/common/picture/solid_mesh.h"
+
 #include <string.h>
 
 static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
@@ -8,13 +10,18 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
 }
 
 static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
-  if (s->n >= p->room) {
-    p->room = p->bead_room = s->n + s->n / 2 + 1;
-    p->vertex = renew(p->host, p->vertex, p->room, sizeof *p->vertex);
-    p->bead = renew(p->host, p->bead, p->room, sizeof *p->bead);
+  size_t vertices = (s->triangles ? s->n : 0) + s->solids * HK_SOLID_VERTICES;
+  size_t triangles = s->triangles + s->solids * HK_SOLID_TRIANGLES;
+  if (s->n >= p->bead_room) {
+    p->bead_room = s->n + s->n / 2 + 1;
+    p->bead = renew(p->host, p->bead, p->bead_room, sizeof *p->bead);
   }
-  if (s->triangles >= p->triangle_room) {
-    p->triangle_room = s->triangles + s->triangles / 2 + 1;
+  if (vertices >= p->room) {
+    p->room = vertices + vertices / 2 + 1;
+    p->vertex = renew(p->host, p->vertex, p->room, sizeof *p->vertex);
+  }
+  if (triangles >= p->triangle_room) {
+    p->triangle_room = triangles + triangles / 2 + 1;
     p->triangle = renew(p->host, p->triangle, p->triangle_room, sizeof *p->triangle);
   }
   if (s->lines >= p->tube_room) {
@@ -22,20 +29,31 @@ static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
     p->tube = renew(p->host, p->tube, p->tube_room, sizeof *p->tube);
   }
   if (p->vertex && p->bead && p->triangle && p->tube) return HK_OK;
-  p->room = p->triangle_room = p->tube_room = 0;
+  p->room = p->triangle_room = p->tube_room = p->bead_room = 0;
   return p->host->fail(p->host, HK_NO_MEMORY, "no memory to draw %zu particles", s->n);
 }
 
-static bool has_place(const float x[3], float limit) {
-  return fabsf(x[0]) < limit && fabsf(x[1]) < limit && fabsf(x[2]) < limit;
+typedef struct region {
+  float middle[3], limit;
+} region;
+
+static region region_of(const hk_view_setup *setup) {
+  region r = {.limit = (float)(50 * setup->size)};
+  for (int c = 0; c < 3; c++) r.middle[c] = (float)setup->middle[c];
+  return r;
+}
+
+static bool has_place(const float x[3], const region *r) {
+  return fabsf(x[0] - r->middle[0]) < r->limit && fabsf(x[1] - r->middle[1]) < r->limit &&
+         fabsf(x[2] - r->middle[2]) < r->limit;
 }
 
 /* Adds the triangles, and at each corner the sum of their normals weighted by area. */
-static void add_triangles(hk_painter *p, const hk_snapshot3d *s, float limit) {
+static void add_triangles(hk_painter *p, const hk_snapshot3d *s, const region *here) {
   for (size_t k = 0; k < s->triangles; k++) {
     const uint32_t *t = s->triangle[k];
     const float *a = s->x[t[0]], *b = s->x[t[1]], *c = s->x[t[2]];
-    if (!has_place(a, limit) || !has_place(b, limit) || !has_place(c, limit)) continue;
+    if (!has_place(a, here) || !has_place(b, here) || !has_place(c, here)) continue;
     float u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
     float normal[3] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
     for (int i = 0; i < 3; i++)
@@ -51,27 +69,56 @@ static void normalize(float v[3]) {
     for (int c = 0; c < 3; c++) v[c] /= most;
 }
 
-static void add_bead(hk_painter *p, const float x[3], double radius, const uint8_t colour[4]) {
+static void add_bead(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i,
+                     const uint8_t colour[4]) {
+  const float *size = s->extra[HK_EXTRA_SIZE], *v = s->extra[HK_EXTRA_VELOCITY];
   hk_bead *bead = p->bead + p->beads++;
-  memcpy(bead->centre, x, sizeof bead->centre);
+  memcpy(bead->centre, s->x[i], sizeof bead->centre);
   memcpy(bead->colour, colour, sizeof bead->colour);
-  bead->radius = (float)radius;
+  bead->radius = (float)(size ? setup->bead_unit * (double)size[i] : setup->bead);
+  for (size_t c = 0; c < 3; c++) bead->tail[c] = v ? (float)(setup->streak * (double)v[3 * i + c]) : 0;
+}
+
+static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], const region *here) {
+  p->vertices = s->n;
+  for (size_t i = 0; i < s->n; i++) {
+    hk_vertex *v = p->vertex + i;
+    memcpy(v->x, s->x[i], sizeof v->x);
+    memset(v->normal, 0, sizeof v->normal);
+    memcpy(v->colour, colour[i], sizeof v->colour);
+  }
+  add_triangles(p, s, here);
+  for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
+}
+
+static void add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
+  for (size_t k = 0; k < s->solids; k++)
+    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+}
+
+static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
+  static const uint8_t colour[4] = {52, 58, 70, 255};
+  hk_bead *bead = p->bead + p->beads++;
+  *bead = (hk_bead){.radius = (float)setup->pin};
+  memcpy(bead->centre, s->x[i], sizeof bead->centre);
+  memcpy(bead->colour, colour, sizeof colour);
 }
 
 static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
-                      float limit) {
-  static const uint8_t pin[4] = {52, 58, 70, 255};
+                      const region *here) {
   for (size_t i = 0; i < s->n; i++) {
-    if (!s->mark[i] || !has_place(s->x[i], limit)) continue;
-    bool held = s->mark[i] & HK_MARK_PIN;
-    add_bead(p, s->x[i], held ? setup->pin : setup->bead, held ? pin : colour[i]);
+    if (!s->mark[i] || !has_place(s->x[i], here)) continue;
+    if (s->mark[i] & HK_MARK_PIN)
+      add_pin(p, setup, s, i);
+    else if (colour[i][3])
+      add_bead(p, setup, s, i, colour[i]);
   }
 }
 
-static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], float limit) {
+static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], const region *here) {
   for (size_t k = 0; k < s->lines; k++) {
     uint32_t i = s->line[k][0], j = s->line[k][1];
-    if (!has_place(s->x[i], limit) || !has_place(s->x[j], limit)) continue;
+    if (!has_place(s->x[i], here) || !has_place(s->x[j], here)) continue;
     hk_tube *tube = p->tube + p->tubes++;
     memcpy(tube->a, s->x[i], sizeof tube->a);
     memcpy(tube->b, s->x[j], sizeof tube->b);
@@ -81,20 +128,15 @@ static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4
 }
 
 hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4]) {
-  float limit = (float)(50 * setup->size);
+  region here = region_of(setup);
   hk_status status = make_room(p, s);
   if (status != HK_OK) return status;
-  p->vertices = s->n;
-  p->triangles = p->tubes = p->beads = 0;
-  for (size_t i = 0; i < s->n; i++) {
-    hk_vertex *v = p->vertex + i;
-    memcpy(v->x, s->x[i], sizeof v->x);
-    memset(v->normal, 0, sizeof v->normal);
-    memcpy(v->colour, colour[i], sizeof v->colour);
-  }
-  add_triangles(p, s, limit);
-  for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
-  add_tubes(p, s, colour, limit);
-  add_beads(p, setup, s, colour, limit);
+  p->vertices = p->triangles = p->tubes = p->beads = 0;
+  if (s->triangles) add_mesh(p, s, colour, &here);
+  add_solids(p, setup, s, false);
+  p->opaque = p->triangles;
+  add_solids(p, setup, s, true);
+  add_tubes(p, s, colour, &here);
+  add_beads(p, setup, s, colour, &here);
   return HK_OK;
 }

@@ -1,7 +1,6 @@
 #include "plugins/common/picture/legend.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { STROKES = 1024, SEGMENTS = 96 };
@@ -43,20 +42,49 @@ static const char *const letter[] = {"06 36 45 42  44 14 03 12 32 43",
                                      "06 42  02 46",
                                      "06 22  46 00",
                                      "06 46 02 42"};
-static const char signs[] = "-+.%/_";
-static const char *const sign[] = {"05 45", "05 45  23 27", "22 22", "02 48  08 18 17 07 08  32 42 43 33 32",
-                                   "02 48", "01 41"};
+static const char *const capital[] = {"02 28 42  14 34",
+                                      "02 08 38 47 46 35 44 43 32 02  05 35",
+                                      "47 38 18 07 03 12 32 43",
+                                      "02 08 28 46 44 22 02",
+                                      "48 08 02 42  05 35",
+                                      "48 08 02  05 35",
+                                      "47 38 18 07 03 12 32 43 45 25",
+                                      "08 02  48 42  05 45",
+                                      "18 38  28 22  12 32",
+                                      "48 43 32 12 03",
+                                      "08 02  48 04  15 42",
+                                      "08 02 42",
+                                      "02 08 25 48 42",
+                                      "02 08 42 48",
+                                      "12 32 43 47 38 18 07 03 12",
+                                      "02 08 38 47 46 35 05",
+                                      "12 32 43 47 38 18 07 03 12  24 42",
+                                      "02 08 38 47 46 35 05  25 42",
+                                      "47 38 18 07 06 15 35 44 43 32 12 03",
+                                      "08 48  28 22",
+                                      "08 03 12 32 43 48",
+                                      "08 22 48",
+                                      "08 12 25 32 48",
+                                      "02 48  08 42",
+                                      "08 25 48  25 22",
+                                      "08 48 02 42"};
+static const char signs[] = "-+.%/_^*()";
+static const char *const sign[] = {"05 45",       "05 45  23 27", "22 22",    "02 48  08 18 17 07 08  32 42 43 33 32",
+                                   "02 48",       "01 41",        "06 28 46", "13 37  05 45  17 33",
+                                   "38 27 23 32", "18 27 23 12"};
 
 static const char *glyph(int c) {
   const char *at = strchr(signs, c);
   if (isdigit(c)) return digit[c - '0'];
-  if (isalpha(c)) return letter[tolower(c) - 'a'];
+  if (c >= 'a' && c <= 'z') return letter[c - 'a'];
+  if (c >= 'A' && c <= 'Z') return capital[c - 'A'];
   return at && *at ? sign[at - signs] : "";
 }
 
 typedef struct strokes {
   hk_tube tube[STROKES];
   size_t count;
+  const uint8_t *ink;
 } strokes;
 
 static void add_stroke(strokes *s, double ax, double ay, double bx, double by, const uint8_t colour[4]) {
@@ -71,7 +99,6 @@ static double text_width(const char *text, double unit) { return unit * (6 * (do
 
 /* `align` 0: x is the left end, 0.5: the middle, 1: the right end. `unit`: spacing of the glyphs' grid, pixels. */
 static void add_text(strokes *s, const char *text, double x, double y, double unit, double align) {
-  static const uint8_t ink[4] = {62, 68, 80, 255};
   x -= align * text_width(text, unit);
   for (; *text; text++, x += 6 * unit) {
     const char *g = glyph((unsigned char)*text);
@@ -81,7 +108,7 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
         continue;
       }
       add_stroke(s, x + (g[0] - '0') * unit, y + (g[1] - '2') * unit, x + (g[3] - '0') * unit, y + (g[4] - '2') * unit,
-                 ink);
+                 s->ink);
     }
   }
 }
@@ -89,6 +116,12 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
 static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const double at[2], double length,
                      double thickness) {
   s->count = 0;
+  if (legend->light) { /* a rim, or the dark end would not be seen */
+    add_stroke(s, at[0] + thickness / 4, at[1] + thickness / 2, at[0] + length - thickness / 4, at[1] + thickness / 2,
+               s->ink);
+    hk_painter_strokes(p, s->tube, s->count, thickness / 2 + 1);
+    s->count = 0;
+  }
   for (int k = 0; k < SEGMENTS; k++) {
     double left = at[0] + length * k / SEGMENTS, right = at[0] + length * (k + 1) / SEGMENTS;
     double y = at[1] + thickness / 2;
@@ -99,25 +132,20 @@ static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const d
   hk_painter_strokes(p, s->tube, s->count, thickness / 2);
 }
 
-static void number_text(char *text, size_t size, double value, double most) {
-  if (fabs(value) < 1e-9 * most) value = 0;
-  snprintf(text, size, "%.3g", value);
-}
-
 void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
+  static const uint8_t ink[2][4] = {{62, 68, 80, 255}, {206, 213, 222, 255}};
   int width = p->canvas.width, height = p->canvas.height;
   if (height < 200 || width < 200) return;
-  strokes s = {.count = 0};
-  char text[32];
-  double unit = fmax(height / 420.0, 1), margin = 0.04 * height, length = fmin(0.3 * height, 0.3 * width);
+  strokes s = {.ink = ink[legend->light]};
+  hk_tick tick[HK_TICKS];
+  double unit = fmax(height / 420.0, 1), margin = 0.04 * height, advance = 6 * unit;
+  double length = fmax(fmin(0.3 * height, 0.3 * width), advance * hk_scale_least(&legend->scale));
   double thickness = fmax(0.013 * height, 5), at[2] = {margin, margin + 11 * unit};
-  double most = fmax(fabs(legend->low), fabs(legend->high));
+  size_t ticks = hk_scale_ticks(&legend->scale, length / advance, tick);
   draw_bar(p, &s, legend, at, length, thickness);
   s.count = 0;
   add_text(&s, legend->label, at[0], at[1] + thickness + 5 * unit, unit, 0);
-  for (int k = 0; k < 3; k++) {
-    number_text(text, sizeof text, legend->low + (legend->high - legend->low) * k / 2, most);
-    add_text(&s, text, at[0] + length * k / 2, at[1] - 11 * unit, unit, k / 2.0);
-  }
+  for (size_t k = 0; k < ticks; k++)
+    add_text(&s, tick[k].text, at[0] + length * tick[k].place, at[1] - 11 * unit, unit, tick[k].align);
   hk_painter_strokes(p, s.tube, s.count, 0.42 * unit + 0.15);
 }

@@ -2,13 +2,15 @@
 #ifndef HK_LEGEND_H
 #define HK_LEGEND_H
 
-#include "plugins/common/picture/colormap.h"
+#include "plugins/common/colour/colormap.h"
+#include "plugins/common/colour/scale.h"
 #include "plugins/common/picture/painter.h"
 
 typedef struct hk_legend {
   const char *label;
-  double low, high; /* values at the bar's ends */
+  hk_scale scale;
   uint8_t (*table)[4];
+  bool light; /* text for a dark background */
 } hk_legend;
 
 /* Draws over the painter's picture, at its lower left. Does nothing when the picture is too small. */

@@ -7,13 +7,13 @@
 
 static hk_status make_programs(hk_painter *p) {
   static const char *const source[HK_PROGRAMS][2] = {
-      [HK_MESH] = {hk_mesh_vertex, hk_mesh_fragment},    [HK_TUBE] = {hk_tube_vertex, hk_tube_fragment},
-      [HK_BEAD] = {hk_bead_vertex, hk_bead_fragment},    [HK_FLOOR] = {hk_floor_vertex, hk_floor_fragment},
-      [HK_SHADE] = {hk_floor_vertex, hk_shade_fragment}, [HK_BACKDROP] = {hk_screen_vertex, hk_backdrop_fragment},
+      [HK_MESH] = {hk_mesh_vertex, hk_mesh_fragment},           [HK_TUBE] = {hk_tube_vertex, hk_tube_fragment},
+      [HK_FLOOR] = {hk_floor_vertex, hk_floor_fragment},        [HK_SHADE] = {hk_floor_vertex, hk_shade_fragment},
+      [HK_BACKDROP] = {hk_screen_vertex, hk_backdrop_fragment},
   };
   char log[512] = "";
   for (int k = 0; k < HK_PROGRAMS; k++) {
-    p->program[k] = hk_gl_program(source[k][0], k <= HK_BEAD ? hk_light_glsl : "", source[k][1], log, sizeof log);
+    p->program[k] = hk_gl_program(source[k][0], k <= HK_TUBE ? hk_light_glsl : "", source[k][1], log, sizeof log);
     if (!p->program[k]) return p->host->fail(p->host, HK_FAILED, "OpenGL refuses a program: %s", log);
   }
   return HK_OK;
@@ -46,9 +46,6 @@ static void make_arrays(hk_painter *p) {
   attribute(2, 3, GL_FLOAT, sizeof(hk_tube), offsetof(hk_tube, b), 1);
   attribute(3, 4, GL_UNSIGNED_BYTE, sizeof(hk_tube), offsetof(hk_tube, colour_a), 1);
   attribute(4, 4, GL_UNSIGNED_BYTE, sizeof(hk_tube), offsetof(hk_tube, colour_b), 1);
-  begin_instances(&p->bead_array, &p->bead_buffer, p->corner_buffer);
-  attribute(1, 4, GL_FLOAT, sizeof(hk_bead), offsetof(hk_bead, centre), 1);
-  attribute(2, 4, GL_UNSIGNED_BYTE, sizeof(hk_bead), offsetof(hk_bead, colour), 1);
   glGenVertexArrays(1, &p->mesh_array);
   glGenBuffers(1, &p->mesh_buffer);
   glGenBuffers(1, &p->index_buffer);
@@ -72,6 +69,7 @@ static void make_shadow(hk_painter *p) {
 
 hk_status hk_painter_open(hk_painter *p, const hk_host *host, int width, int height) {
   *p = (hk_painter){.host = host};
+  hk_sprites_open(&p->sprites, host);
   if (!hk_canvas_open(&p->canvas, width, height))
     return host->fail(host, HK_NO_MEMORY, "no memory for a picture of %d x %d pixels", width, height);
   make_arrays(p);
@@ -84,13 +82,12 @@ hk_status hk_painter_open(hk_painter *p, const hk_host *host, int width, int hei
 void hk_painter_close(hk_painter *p) {
   if (!p->host) return;
   for (int k = 0; k < HK_PROGRAMS; k++) glDeleteProgram(p->program[k]);
-  glDeleteVertexArrays(4, (GLuint[]){p->mesh_array, p->tube_array, p->bead_array, p->nothing});
-  glDeleteBuffers(5, (GLuint[]){p->mesh_buffer, p->index_buffer, p->tube_buffer, p->bead_buffer, p->corner_buffer});
+  glDeleteVertexArrays(3, (GLuint[]){p->mesh_array, p->tube_array, p->nothing});
+  glDeleteBuffers(4, (GLuint[]){p->mesh_buffer, p->index_buffer, p->tube_buffer, p->corner_buffer});
   glDeleteTextures(1, &p->shadow);
   hk_canvas_close(&p->canvas);
+  hk_sprites_close(&p->sprites);
   void *all[] = {p->vertex, p->tube, p->bead, p->triangle, p->shade};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) p->host->release(p->host, all[k]);
   *p = (hk_painter){0};
 }
-
-void hk_painter_read(const hk_painter *p, unsigned char *rgba) { hk_canvas_read(&p->canvas, rgba); }

@@ -1,36 +1,32 @@
-/* Draws snapshots with OpenGL 3.3: cloth lit from both sides, springs as thin tubes, particles as beads, and a floor
- * with a grid and the shadow of these objects. Needs a current context; one painter per context. */
+/* Draws snapshots: with OpenGL 3.3 cloth lit from both sides, springs as thin tubes, and a floor with a grid and the
+ * shadow of these objects; then the particles (plugins/common/sprites). Needs a current context; one painter per
+ * context. */
 #ifndef HK_PAINTER_H
 #define HK_PAINTER_H
 
 #include "plugins/common/gl/canvas.h"
-#include "plugins/common/picture/snapshot3d.h"
+#include "plugins/common/snapshot/snapshot3d.h"
 #include "plugins/common/picture/view_setup.h"
+#include "plugins/common/sprites/sprites.h"
 
 typedef struct hk_tube { /* one spring, or one stroke of text */
   float a[3], b[3];
   uint8_t colour_a[4], colour_b[4];
 } hk_tube;
 
-typedef struct hk_bead {
-  float centre[3], radius;
-  uint8_t colour[4];
-} hk_bead;
-
 typedef struct hk_vertex {
   float x[3], normal[3];
   uint8_t colour[4];
 } hk_vertex;
 
-enum { HK_MESH, HK_TUBE, HK_BEAD, HK_FLOOR, HK_SHADE, HK_BACKDROP, HK_PROGRAMS };
+enum { HK_MESH, HK_TUBE, HK_FLOOR, HK_SHADE, HK_BACKDROP, HK_PROGRAMS };
 enum { HK_SHADOW_SIZE = 384 }; /* texels along a side */
 
 typedef struct hk_painter {
   const hk_host *host;
   hk_canvas canvas;
   unsigned program[HK_PROGRAMS];
-  unsigned mesh_array, mesh_buffer, index_buffer, tube_array, tube_buffer, bead_array, bead_buffer, corner_buffer,
-      nothing;
+  unsigned mesh_array, mesh_buffer, index_buffer, tube_array, tube_buffer, corner_buffer, nothing;
   unsigned shadow;      /* a texture */
   unsigned char *shade; /* its texels, HK_SHADOW_SIZE squared, and as many for the blur */
   bool kept;            /* backdrop and floor are stored in the canvas */
@@ -38,20 +34,24 @@ typedef struct hk_painter {
   hk_vertex *vertex;
   hk_tube *tube;
   hk_bead *bead;
-  uint32_t (*triangle)[3]; /* the triangles whose corners have finite positions */
+  uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
   size_t vertices, triangles, tubes, beads;
+  size_t opaque; /* the first triangles, which cast shadows: planes, which have no end, cast none */
+  hk_sprites sprites;
 } hk_painter;
 
 hk_status hk_painter_open(hk_painter *, const hk_host *host, int width, int height);
 void hk_painter_close(hk_painter *); /* a zeroed painter is allowed */
 
-/* Draws everything; `colour` has one per particle. Camera, floor and background must be the
- * same for all pictures of a painter; the box may differ. */
+/* Draws everything but the particles; `colour` has one per particle. Camera, floor and background must be the same for
+ * all pictures of a painter; the box may differ. */
 hk_status hk_painter_draw(hk_painter *, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
                           uint8_t (*colour)[4]);
+/* Sets the opacity of lights so that most of their pixels in this picture are neither dark nor white. HK_NO_MEMORY. */
+hk_status hk_painter_expose(hk_painter *, hk_view_setup *setup, const hk_snapshot3d *snapshot, uint8_t (*colour)[4]);
 /* Draws strokes over the picture: coordinates in pixels from the lower left corner, half width in pixels. */
 void hk_painter_strokes(hk_painter *, const hk_tube *stroke, size_t count, double half_width);
-/* As hk_canvas_read. */
-void hk_painter_read(const hk_painter *, unsigned char *rgba);
+/* As hk_canvas_read, with the particles of the last picture, which strokes hide. HK_NO_MEMORY. */
+hk_status hk_painter_read(hk_painter *, const hk_view_setup *setup, unsigned char *rgba);
 
 #endif

@@ -1,7 +1,9 @@
-/* The passes of a picture: backdrop, floor with the shadow, cloth, springs, particles. */
+/* The passes of a picture: backdrop, floor with the shadow, cloth, springs; over what is read of it, particles. */
 #include "plugins/common/picture/geometry.h"
 #include "plugins/common/gl/gl.h"
 #include "plugins/common/picture/shadow.h"
+
+#include <string.h>
 
 typedef struct scene {
   const hk_view_setup *setup;
@@ -51,6 +53,13 @@ static void place_light(scene *s) {
     }
 }
 
+static scene make_scene(const hk_view_setup *setup) {
+  scene s = {.setup = setup};
+  hk_camera_lens(&setup->camera, &s.lens);
+  place_light(&s);
+  return s;
+}
+
 static void upload(const hk_painter *p) {
   glBindVertexArray(p->mesh_array); /* the element buffer is part of it */
   glBindBuffer(GL_ARRAY_BUFFER, p->mesh_buffer);
@@ -61,8 +70,6 @@ static void upload(const hk_painter *p) {
   }
   glBindBuffer(GL_ARRAY_BUFFER, p->tube_buffer);
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->tubes * sizeof *p->tube), p->tube, GL_STREAM_DRAW);
-  glBindBuffer(GL_ARRAY_BUFFER, p->bead_buffer);
-  glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->beads * sizeof *p->bead), p->bead, GL_STREAM_DRAW);
 }
 
 static void draw_mesh(const hk_painter *p, const scene *s) {
@@ -73,15 +80,15 @@ static void draw_mesh(const hk_painter *p, const scene *s) {
   glDrawElements(GL_TRIANGLES, (GLsizei)(3 * p->triangles), GL_UNSIGNED_INT, NULL);
 }
 
-static void draw_instances(const hk_painter *p, const scene *s, int program, size_t count, double least) {
-  if (!count) return;
-  set_matrices(p, program, s->lens.view, s->lens.projection);
-  set_light(p, program, s->light[1], 0);
-  glUniform1f(uniform(p, program, "least"), (float)least);
-  glUniform2f(uniform(p, program, "pixel"), 2.f / (float)p->canvas.width, 2.f / (float)p->canvas.height);
-  if (program == HK_TUBE) glUniform1f(uniform(p, program, "radius"), (float)s->setup->tube);
-  glBindVertexArray(program == HK_TUBE ? p->tube_array : p->bead_array);
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
+static void draw_tubes(const hk_painter *p, const scene *s) {
+  if (!p->tubes) return;
+  set_matrices(p, HK_TUBE, s->lens.view, s->lens.projection);
+  set_light(p, HK_TUBE, s->light[1], 0);
+  glUniform1f(uniform(p, HK_TUBE, "least"), 0.75f);
+  glUniform2f(uniform(p, HK_TUBE, "pixel"), 2.f / (float)p->canvas.width, 2.f / (float)p->canvas.height);
+  glUniform1f(uniform(p, HK_TUBE, "radius"), (float)s->setup->tube);
+  glBindVertexArray(p->tube_array);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)p->tubes);
 }
 
 static void draw_backdrop(const hk_painter *p, const hk_view_setup *setup) {
@@ -120,6 +127,7 @@ static void draw_floor(hk_painter *p, const scene *s) {
   glUniform3f(uniform(p, HK_FLOOR, "grid"), (float)spacing, (float)-fmod(setup->offset[0], spacing),
               (float)-fmod(setup->offset[1], spacing));
   glUniform3f(uniform(p, HK_FLOOR, "colour"), fminf(1.03f * b[0], 1), fminf(1.03f * b[1], 1), fminf(1.02f * b[2], 1));
+  glUniform1f(uniform(p, HK_FLOOR, "line"), hk_is_dark(b) ? 1.6f : -0.26f);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1, 16);
   draw_square(p, s, HK_FLOOR, square);
@@ -127,10 +135,14 @@ static void draw_floor(hk_painter *p, const scene *s) {
 }
 
 static void draw_shadow(hk_painter *p, const scene *s) {
+  static const float colours[2][3] = {{0.09f, 0.11f, 0.17f}, {0, 0, 0}}; /* by day, by night */
   float patch[3];
   hk_shadow_cast(p, s->setup, s->key, patch);
   glBindTexture(GL_TEXTURE_2D, p->shadow);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_SHADOW_SIZE, HK_SHADOW_SIZE, GL_RED, GL_UNSIGNED_BYTE, p->shade);
+  const float *colour = colours[hk_is_dark(s->setup->background)];
+  glUseProgram(p->program[HK_SHADE]);
+  glUniform3fv(uniform(p, HK_SHADE, "colour"), 1, colour);
   glDepthMask(GL_FALSE);
   draw_square(p, s, HK_SHADE, (float[]){patch[0], patch[1], (float)s->setup->height, patch[2]});
   glDepthMask(GL_TRUE);
@@ -155,20 +167,15 @@ static void draw_surroundings(hk_painter *p, const scene *s) {
 
 hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
                           uint8_t (*colour)[4]) {
-  scene s = {.setup = setup};
   hk_status status = hk_geometry_fill(p, setup, snapshot, colour);
   if (status != HK_OK) return status;
-  hk_camera_lens(&setup->camera, &s.lens);
-  place_light(&s);
+  scene s = make_scene(setup);
   upload(p);
   draw_surroundings(p, &s);
   glEnable(GL_DEPTH_TEST);
   if (setup->floor) draw_shadow(p, &s);
   draw_mesh(p, &s);
-  draw_instances(p, &s, HK_TUBE, p->tubes, 0.75);
-  glEnable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  draw_instances(p, &s, HK_BEAD, p->beads, setup->bead_pixels);
-  glDisable(GL_SAMPLE_ALPHA_TO_COVERAGE);
+  draw_tubes(p, &s);
   return HK_OK;
 }
 
@@ -176,8 +183,8 @@ void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, doub
   float w = 2.f / (float)p->canvas.width, h = 2.f / (float)p->canvas.height;
   float view[16] = {[0] = 1, [5] = 1, [10] = 1, [15] = 1};
   static const float unlit[4][3] = {{0}};
-  float projection[16] = {[0] = w, [5] = h, [12] = -1, [13] = -1, [15] = 1};
-  glDisable(GL_DEPTH_TEST);
+  float projection[16] = {[0] = w, [5] = h, [12] = -1, [13] = -1, [14] = -1, [15] = 1}; /* nearer than all else */
+  glDepthFunc(GL_ALWAYS);
   glBindBuffer(GL_ARRAY_BUFFER, p->tube_buffer);
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *stroke), stroke, GL_STREAM_DRAW);
   set_matrices(p, HK_TUBE, view, projection);
@@ -187,4 +194,48 @@ void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, doub
   glUniform2f(uniform(p, HK_TUBE, "pixel"), w, h);
   glBindVertexArray(p->tube_array);
   glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
+  glDepthFunc(GL_LESS);
+}
+
+/* From depths between the planes to distances along the line of sight. Strokes, at depth 0, are nearer than anything,
+ * and where nothing was drawn, at depth 1, there is no end. */
+static void find_distances(const hk_camera *camera, size_t count, float *depth) {
+  float sum = (float)(camera->far + camera->near), difference = (float)(camera->far - camera->near);
+  float product = (float)(2 * camera->far * camera->near);
+  for (size_t k = 0; k < count; k++)
+    depth[k] = depth[k] <= 0 ? -INFINITY : depth[k] >= 1 ? INFINITY : product / (sum - (2 * depth[k] - 1) * difference);
+}
+
+static hk_sprite_look look_of(const scene *s) {
+  hk_sprite_look look = s->setup->sprites;
+  memcpy(look.light, s->light[1], sizeof look.light);
+  return look;
+}
+
+/* Four fifths of the pixels that shine come to at most 2/(1 + 2) of the strongest light. */
+hk_status hk_painter_expose(hk_painter *p, hk_view_setup *setup, const hk_snapshot3d *snapshot, uint8_t (*colour)[4]) {
+  setup->sprites.opacity = 1;
+  hk_status status = hk_geometry_fill(p, setup, snapshot, colour);
+  if (status != HK_OK) return status;
+  scene s = make_scene(setup);
+  hk_sprite_look look = look_of(&s);
+  status = hk_sprites_place(&p->sprites, &s.lens, &look, p->canvas.width, p->canvas.height, p->bead, p->beads);
+  if (status != HK_OK) return status;
+  double level = hk_sprites_level(&p->sprites, &look, 0.8);
+  if (level > 0) setup->sprites.opacity = 2 / level;
+  return HK_OK;
+}
+
+hk_status hk_painter_read(hk_painter *p, const hk_view_setup *setup, unsigned char *rgba) {
+  scene s = make_scene(setup);
+  hk_sprites *sprites = &p->sprites;
+  hk_sprite_look look = look_of(&s);
+  hk_canvas_read(&p->canvas, rgba);
+  hk_status status = hk_sprites_place(sprites, &s.lens, &look, p->canvas.width, p->canvas.height, p->bead, p->beads);
+  const hk_light_image *image = &sprites->image;
+  if (status != HK_OK || image->width * image->height == 0) return status;
+  hk_canvas_read_depth(&p->canvas, image->left, image->bottom, image->width, image->height, sprites->distance);
+  find_distances(&setup->camera, (size_t)image->width * (size_t)image->height, sprites->distance);
+  hk_sprites_draw(sprites, &look, rgba, p->canvas.width);
+  return HK_OK;
 }

@@ -62,14 +62,17 @@ static void fill_tube(const caster *c, const hk_tube *tube, double radius) {
   fill_triangle(c, (const float[3][2]){{p[0][0], p[0][1]}, {p[2][0], p[2][1]}, {p[3][0], p[3][1]}});
 }
 
-static void fill_bead(const caster *c, const hk_bead *bead) {
+/* What is not opaque darkens by its opacity, one after the other. */
+static void fill_bead(const caster *c, const hk_bead *bead, double opacity) {
+  int dark = (int)fmin(opacity * bead->colour[3] + 0.5, 255);
   float p[2], r = fmaxf(bead->radius * c->scale, 0.75f);
   project(c, bead->centre, p);
   if (!(p[0] + r >= 0 && p[0] - r < SIZE && p[1] + r >= 0 && p[1] - r < SIZE)) return;
   for (int y = clamp(p[1] - r); y <= clamp(p[1] + r); y++)
     for (int x = clamp(p[0] - r); x <= clamp(p[0] + r); x++) {
       float dx = (float)x + 0.5f - p[0], dy = (float)y + 0.5f - p[1];
-      if (dx * dx + dy * dy <= r * r) c->shade[y * SIZE + x] = 255;
+      unsigned char *at = c->shade + y * SIZE + x;
+      if (dx * dx + dy * dy <= r * r) *at = (unsigned char)(*at + dark < 255 ? *at + dark : 255);
     }
 }
 
@@ -105,12 +108,13 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[
   caster c = {.shade = p->shade, .height = (float)setup->height, .scale = SIZE / (2 * patch[2])};
   for (int k = 0; k < 2; k++) c.lean[k] = (float)(key[k] / key[2]), c.corner[k] = patch[k] - patch[2];
   memset(p->shade, 0, SIZE * SIZE);
-  for (size_t k = 0; k < p->triangles; k++) {
+  for (size_t k = 0; k < p->opaque; k++) {
     float corner[3][2];
     for (int i = 0; i < 3; i++) project(&c, p->vertex[p->triangle[k][i]].x, corner[i]);
     fill_triangle(&c, (const float(*)[2])corner);
   }
   for (size_t k = 0; k < p->tubes; k++) fill_tube(&c, p->tube + k, setup->tube);
-  for (size_t k = 0; k < p->beads; k++) fill_bead(&c, p->bead + k);
+  for (size_t k = 0; k < p->beads && setup->sprites.style != HK_STYLE_GLOW; k++)
+    fill_bead(&c, p->bead + k, setup->sprites.opacity);
   for (int k = 0; k < 2 * PASSES; k++) blur(p->shade + (k % 2 ? SIZE * SIZE : 0), p->shade + (k % 2 ? 0 : SIZE * SIZE));
 }

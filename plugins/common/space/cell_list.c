@@ -1,24 +1,26 @@
-/* Cell lists (Hockney and Eastwood 1981, section 8.4) on sorted points. Cells are slightly wider than the reach, so
- * that all neighbours of a point lie in the 27 cells around it. Points are numbered by cell along each axis and sorted
- * by (z, y, x) with a radix sort; the cells of one z and y are then one contiguous part of the list, called a lane, and
- * the 27 cells are nine parts, whose ends only move forward while the list is traversed. Rows are counted, placed by a
- * prefix sum in the order of points, filled and sorted, so the result depends neither on threads nor on the order of
- * points in space. */
+/* Cell lists (Hockney and Eastwood 1981, section 8.4) on points in the order of their cells (cell_grid.h), where the 27
+ * cells around a point are nine contiguous parts. Rows are counted, placed by a prefix sum in the order of points,
+ * filled and sorted. Every pair is decided by its distance and every point is met once, so the result depends neither
+ * on threads nor on the order of points in space. */
 #include "plugins/common/space/cell_list.h"
 
 #include <string.h>
 
-enum { GRAIN = 512, LANES = 9, DIGIT = 11, VALUES = 1 << DIGIT, CANDIDATES = 2048 };
-
-/* Cell numbers are below 2^31, so the rounding of a coordinate in units of cells is below 2^-21 and less than the
- * widening: two points closer than the reach are never two cells apart. */
-static const double widening = 1 + 0x1p-16, narrowest = 0x1p-31, least_width = 1e-290;
+enum {
+  GRAIN = 512,
+  LANES = 9,
+  PIECES = 2 * LANES, /* a lane that passes the end of the table is two */
+  CANDIDATES = 2048,
+  FEW = 256, /* pairs that there is always room for */
+  CROWD = 4  /* points of a cell from which on sorting its candidates once is cheaper than sorting every row */
+};
 
 /* ---- memory ---- */
 
 void hk_cell_list_free(hk_cell_list *l, const hk_host *host) {
-  void *memory[] = {l->row_start, l->other, l->number, l->order, l->spare, l->lane, l->column, l->at};
+  void *memory[] = {l->row_start, l->other, l->cell_begin, l->at};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
+  hk_cell_order_free(&l->order, host);
   *l = (hk_cell_list){0};
 }
 
@@ -34,13 +36,9 @@ hk_status hk_cell_list_reserve(hk_cell_list *l, const hk_host *host, size_t n) {
   hk_cell_list_free(l, host);
   l->room = room;
   l->row_start = host->allocate(host, (room + 1) * sizeof *l->row_start);
-  l->number = host->allocate(host, 3 * room * sizeof *l->number);
-  l->order = host->allocate(host, room * sizeof *l->order);
-  l->spare = host->allocate(host, room * sizeof *l->spare);
-  l->lane = host->allocate(host, room * sizeof *l->lane);
-  l->column = host->allocate(host, room * sizeof *l->column);
+  l->cell_begin = host->allocate(host, (HK_CELLS_PER_POINT * room + 5) * sizeof *l->cell_begin);
   l->at = host->allocate(host, 3 * room * sizeof *l->at);
-  bool fine = l->row_start && l->number && l->order && l->spare && l->lane && l->column && l->at;
+  bool fine = hk_cell_order_reserve(&l->order, host, room) && l->row_start && l->cell_begin && l->at;
   return fine ? HK_OK : no_memory(l, host, n, "particles");
 }
 
@@ -48,130 +46,96 @@ static hk_status reserve_pairs(hk_cell_list *l, const hk_host *host, size_t pair
   if (pairs <= l->pairs) return HK_OK;
   size_t room = l->pairs + l->pairs / 2;
   if (room < pairs) room = pairs;
+  if (room < FEW) room = FEW;
   host->release(host, l->other);
   l->other = room < SIZE_MAX / sizeof *l->other ? host->allocate(host, room * sizeof *l->other) : NULL;
   l->pairs = room;
   return l->other ? HK_OK : no_memory(l, host, pairs, "pairs of particles (a smaller radius has fewer)");
 }
 
-/* ---- cells ---- */
-
 typedef struct build {
   hk_cell_list *list;
   const double *x;
   size_t n;
-  double low[3], width, reach2; /* m, m, m^2 */
+  hk_cell_grid grid;
+  double reach2; /* m^2 */
 } build;
 
-/* Computes with half of every length, so that the distance of the largest doubles does not overflow. */
-static void choose_cells(build *b, double reach) {
-  double extent = 0;
-  for (size_t c = 0; c < 3; c++) {
-    double low = b->x[c], high = low;
-    for (size_t i = 1; i < b->n; i++) {
-      double at = b->x[3 * i + c];
-      low = at < low ? at : low;
-      high = at > high ? at : high;
-    }
-    b->low[c] = low / 2;
-    extent = fmax(extent, high / 2 - low / 2);
-  }
-  b->width = fmax(fmax(reach / 2 * widening, extent * narrowest), least_width);
-  b->reach2 = reach * reach;
-}
-
-/* Numbers cells from 1, so that the number below the first cell exists and belongs to no point. */
-static void number_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const build *b = context;
-  (void)chunk;
-  for (size_t i = begin; i < end; i++) {
-    b->list->order[i] = (uint32_t)i;
-    for (size_t c = 0; c < 3; c++)
-      b->list->number[c * b->n + i] = 1 + (uint32_t)((b->x[3 * i + c] / 2 - b->low[c]) / b->width);
-  }
-}
-
-/* One pass of the radix sort, by DIGIT bits; it is stable. */
-static void sort_by_digit(hk_cell_list *l, size_t n, const uint32_t *number, unsigned shift) {
-  size_t place[VALUES] = {0}, sum = 0;
-  for (size_t i = 0; i < n; i++) place[number[i] >> shift & (VALUES - 1)]++;
-  for (size_t v = 0; v < VALUES; v++) {
-    size_t count = place[v];
-    place[v] = sum;
-    sum += count;
-  }
-  for (size_t k = 0; k < n; k++) l->spare[place[number[l->order[k]] >> shift & (VALUES - 1)]++] = l->order[k];
-  uint32_t *sorted = l->spare;
-  l->spare = l->order;
-  l->order = sorted;
-}
-
-static void sort_by_cell(hk_cell_list *l, size_t n) {
-  for (size_t c = 0; c < 3; c++) {
-    const uint32_t *number = l->number + c * n;
-    uint32_t largest = 0;
-    for (size_t i = 0; i < n; i++) largest = number[i] > largest ? number[i] : largest;
-    for (unsigned shift = 0; shift < 32 && largest >> shift; shift += DIGIT) sort_by_digit(l, n, number, shift);
-  }
-}
-
+/* Coordinates in the order of the list, and where cells begin: those up to a point's own that no point before it set.
+ */
 static void gather_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const build *b = context;
   hk_cell_list *l = b->list;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    size_t i = l->order[k];
-    l->column[k] = l->number[i];
-    l->lane[k] = (uint64_t)l->number[2 * b->n + i] << 32 | l->number[b->n + i];
-    for (size_t c = 0; c < 3; c++) l->at[c * b->n + k] = b->x[3 * i + c];
+    for (size_t c = 0; c < 3; c++) l->at[c * b->n + k] = b->x[3 * (size_t)l->order.point[k] + c];
+    for (size_t cell = k ? (size_t)l->order.key[k - 1] + 1 : 0; cell <= l->order.key[k]; cell++)
+      l->cell_begin[cell] = (uint32_t)k;
   }
+  for (size_t cell = (size_t)l->order.key[end - 1] + 1; end == b->n && cell <= b->grid.cells; cell++)
+    l->cell_begin[cell] = (uint32_t)b->n;
 }
 
 /* ---- rows ---- */
 
-/* The nine parts of the list that hold the neighbours of one cell. */
+/* The parts of the list that hold the neighbours of one cell. */
 typedef struct surroundings {
-  size_t begin[LANES], end[LANES];
+  int count;
+  size_t begin[PIECES], end[PIECES], points;
 } surroundings;
 
-static uint64_t lane_beside(uint64_t lane, int p) {
-  uint64_t up = (uint64_t)1 << 32;
-  return lane - up - 1 + (uint64_t)(p / 3) * up + (uint64_t)(p % 3);
+static void swap_numbers(size_t *a, size_t *b) {
+  size_t kept = *a;
+  *a = *b;
+  *b = kept;
 }
 
-static bool before(const hk_cell_list *l, size_t k, uint64_t lane, uint32_t column) {
-  return l->lane[k] < lane || (l->lane[k] == lane && l->column[k] < column);
+static void add_piece(const build *b, surroundings *around, size_t cell, size_t cells) {
+  size_t begin = b->list->cell_begin[cell], end = b->list->cell_begin[cell + cells];
+  if (begin == end) return;
+  around->begin[around->count] = begin;
+  around->end[around->count++] = end;
+  around->points += end - begin;
 }
 
-static size_t first_of(const build *b, uint64_t lane, uint32_t column) {
-  size_t low = 0, high = b->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (before(b->list, middle, lane, column))
-      low = middle + 1;
-    else
-      high = middle;
+/* Lanes that begin at a hash may overlap: their pieces by rising begin, those that overlap as one. */
+static void merge_pieces(surroundings *around) {
+  int last = -1;
+  for (int p = 1; p < around->count; p++)
+    for (int q = p; q > 0 && around->begin[q] < around->begin[q - 1]; q--) {
+      swap_numbers(&around->begin[q], &around->begin[q - 1]);
+      swap_numbers(&around->end[q], &around->end[q - 1]);
+    }
+  for (int p = 0; p < around->count; p++) {
+    size_t begin = around->begin[p], end = around->end[p];
+    bool apart = last < 0 || begin >= around->end[last];
+    if (apart) around->begin[++last] = begin;
+    if (apart || end > around->end[last]) around->end[last] = end;
   }
-  return low;
+  around->count = last + 1;
 }
 
-/* Finds the parts, starting from those of the previous cell in the list; for the `first` cell by bisection. */
-static void look_around(const build *b, size_t k, bool first, surroundings *around) {
-  const hk_cell_list *l = b->list;
-  uint32_t column = l->column[k];
-  for (int p = 0; p < LANES; p++) {
-    uint64_t lane = lane_beside(l->lane[k], p);
-    size_t begin = first ? first_of(b, lane, column - 1) : around->begin[p], end;
-    while (begin < b->n && before(l, begin, lane, column - 1)) begin++;
-    end = !first && around->end[p] > begin ? around->end[p] : begin;
-    while (end < b->n && before(l, end, lane, column + 2)) end++;
-    around->begin[p] = begin;
-    around->end[p] = end;
+/* Around the cell of point k of the list. */
+static void look_around(const build *b, size_t k, surroundings *around) {
+  const double *at = b->list->at + k;
+  uint64_t x = hk_cell_along(&b->grid, at[0], 0), y = hk_cell_along(&b->grid, at[b->n], 1),
+           z = hk_cell_along(&b->grid, at[2 * b->n], 2);
+  around->count = 0, around->points = 0;
+  for (uint64_t p = 0; p < LANES; p++) {
+    size_t first = hk_cell_number(&b->grid, hk_cell_lane(&b->grid, y + p % 3 - 1, z + p / 3 - 1), x - 1);
+    size_t whole = b->grid.cells - first < 3 ? b->grid.cells - first : 3;
+    add_piece(b, around, first, whole);
+    if (whole < 3) add_piece(b, around, 0, 3 - whole);
   }
+  if (b->grid.shift) merge_pieces(around);
 }
 
-static bool same_cell(const hk_cell_list *l, size_t a, size_t b) {
-  return l->lane[a] == l->lane[b] && l->column[a] == l->column[b];
+static bool same_cell(const build *b, size_t j, size_t k) {
+  const double *x = b->list->at, *y = x + b->n, *z = y + b->n;
+  return b->list->order.key[j] == b->list->order.key[k] &&
+         (!b->grid.shift || (hk_cell_along(&b->grid, x[j], 0) == hk_cell_along(&b->grid, x[k], 0) &&
+                             hk_cell_along(&b->grid, y[j], 1) == hk_cell_along(&b->grid, y[k], 1) &&
+                             hk_cell_along(&b->grid, z[j], 2) == hk_cell_along(&b->grid, z[k], 2)));
 }
 
 /* Squared distance, m^2, of two points given by their positions in the sorted list. */
@@ -209,9 +173,9 @@ static void count_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
     size_t count = 0;
-    if (k == begin || !same_cell(b->list, k, k - 1)) look_around(b, k, k == begin, &around);
-    for (int p = 0; p < LANES; p++) count += count_piece(b, k, around.begin[p], around.end[p]);
-    b->list->row_start[b->list->order[k] + 1] = count - 1; /* without the point itself */
+    if (k == begin || !same_cell(b, k, k - 1)) look_around(b, k, &around);
+    for (int p = 0; p < around.count; p++) count += count_piece(b, k, around.begin[p], around.end[p]);
+    b->list->row_start[b->list->order.point[k] + 1] = count - 1; /* without the point itself */
   }
 }
 
@@ -247,24 +211,21 @@ static void sort_long(uint32_t *list, size_t count, size_t n) {
 
 /* The points of the 27 cells by rising index, collected once for all points of the central cell. */
 typedef struct candidates {
-  size_t count; /* 0: there are more than fit */
+  size_t count; /* 0: they are few points' or more than fit */
   uint32_t point[CANDIDATES];
   double x[CANDIDATES], y[CANDIDATES], z[CANDIDATES];
 } candidates;
 
 static void gather_candidates(const build *b, const surroundings *around, candidates *c) {
-  size_t count = 0;
-  for (int p = 0; p < LANES; p++) count += around->end[p] - around->begin[p];
   c->count = 0;
-  if (count > CANDIDATES) return;
-  for (int p = 0; p < LANES; c->count += around->end[p] - around->begin[p], p++)
-    memcpy(c->point + c->count, b->list->order + around->begin[p],
+  for (int p = 0; p < around->count; c->count += around->end[p] - around->begin[p], p++)
+    memcpy(c->point + c->count, b->list->order.point + around->begin[p],
            (around->end[p] - around->begin[p]) * sizeof *c->point);
-  if (count > 128) /* above this length the radix sort is faster */
-    sort_long(c->point, count, b->n);
+  if (c->count > 128) /* above this length the radix sort is faster */
+    sort_long(c->point, c->count, b->n);
   else
-    sort_short(c->point, count);
-  for (size_t k = 0; k < count; k++) {
+    sort_short(c->point, c->count);
+  for (size_t k = 0; k < c->count; k++) {
     const double *x = b->x + 3 * (size_t)c->point[k];
     c->x[k] = x[0], c->y[k] = x[1], c->z[k] = x[2];
   }
@@ -283,13 +244,33 @@ static void choose_row(const build *b, const candidates *c, size_t i) {
   memcpy(b->list->other + b->list->row_start[i], row, count * sizeof *row);
 }
 
+/* The row of a point that shares its candidates with few: chosen in the same way, then sorted. */
+static void sort_row(const build *b, const surroundings *around, size_t k) {
+  uint32_t row[CANDIDATES + 1];
+  const uint32_t *order = b->list->order.point;
+  size_t count = 0;
+  for (int p = 0; p < around->count; p++)
+    for (size_t j = around->begin[p]; j < around->end[p]; j++) {
+      row[count] = order[j];
+      count += (size_t)(distance2(b, j, k) < b->reach2) & (size_t)(j != k);
+    }
+  uint32_t *to = b->list->other + b->list->row_start[order[k]];
+  memcpy(to, row, count * sizeof *row);
+  sort_short(to, count);
+}
+
 /* For more points than CANDIDATES: collected part by part, then sorted. */
 static void collect_row(const build *b, const surroundings *around, size_t k) {
-  uint32_t *row = b->list->other + b->list->row_start[b->list->order[k]], *into = row;
-  for (int p = 0; p < LANES; p++)
+  uint32_t *row = b->list->other + b->list->row_start[b->list->order.point[k]], *into = row;
+  for (int p = 0; p < around->count; p++)
     for (size_t j = around->begin[p]; j < around->end[p]; j++)
-      if (j != k && distance2(b, j, k) < b->reach2) *into++ = b->list->order[j];
+      if (j != k && distance2(b, j, k) < b->reach2) *into++ = b->list->order.point[j];
   sort_short(row, (size_t)(into - row));
+}
+
+static bool crowded(const build *b, size_t k) {
+  const uint32_t *begin = b->list->cell_begin + b->list->order.key[k];
+  return begin[1] - begin[0] >= CROWD;
 }
 
 static void fill_chunk(void *context, size_t begin, size_t end, size_t chunk) {
@@ -298,35 +279,36 @@ static void fill_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   candidates near;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    if (k == begin || !same_cell(b->list, k, k - 1)) {
-      look_around(b, k, k == begin, &around);
-      gather_candidates(b, &around, &near);
+    if (k == begin || !same_cell(b, k, k - 1)) {
+      look_around(b, k, &around);
+      near.count = 0;
+      if (crowded(b, k) && around.points <= CANDIDATES) gather_candidates(b, &around, &near);
     }
     if (near.count)
-      choose_row(b, &near, b->list->order[k]);
+      choose_row(b, &near, b->list->order.point[k]);
+    else if (around.points <= CANDIDATES)
+      sort_row(b, &around, k);
     else
       collect_row(b, &around, k);
   }
 }
 
-static void find_rows(build *b, const hk_host *host) {
-  hk_cell_list *l = b->list;
-  host->parallel_for(host, b->n, GRAIN, number_chunk, b);
-  sort_by_cell(l, b->n);
+static void find_rows(build *b, const hk_host *host, double reach) {
+  size_t *row_start = b->list->row_start;
+  b->grid = hk_cell_order_make(&b->list->order, host, b->x, b->n, reach);
   host->parallel_for(host, b->n, GRAIN, gather_chunk, b);
   host->parallel_for(host, b->n, GRAIN, count_chunk, b);
-  for (size_t i = 0; i < b->n; i++) l->row_start[i + 1] += l->row_start[i];
+  for (size_t i = 0; i < b->n; i++) row_start[i + 1] += row_start[i];
 }
 
 hk_status hk_cell_list_build(hk_cell_list *l, const hk_host *host, const double *x, size_t n, double reach) {
-  build b = {.list = l, .x = x, .n = n};
+  build b = {.list = l, .x = x, .n = n, .reach2 = reach * reach};
   l->n = 0;
   hk_status status = hk_cell_list_reserve(l, host, n);
   if (status != HK_OK) return status;
   memset(l->row_start, 0, (n + 1) * sizeof *l->row_start);
   if (n > 1 && reach > 0) {
-    choose_cells(&b, reach);
-    find_rows(&b, host);
+    find_rows(&b, host, reach);
     status = reserve_pairs(l, host, l->row_start[n]);
     if (status != HK_OK) return status;
     if (l->row_start[n]) host->parallel_for(host, n, GRAIN, fill_chunk, &b);

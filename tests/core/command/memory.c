@@ -53,7 +53,43 @@ static void no_allocation_that_fails_crashes_a_run(void **state) {
   try_all("--integrator backward_euler");
 }
 
+/* Of the process that tells others what to do: allocation k alone, and from k on all, for k in steps of a fifth. */
+static void try_tool(const char *arguments) {
+  static test_result r;
+  char before[512];
+  int failed = 0;
+  for (int alone = 0; alone < 2; alone++)
+    for (long k = 3; k < 400000; k += k / 5 + 1) {
+      snprintf(before, sizeof before,
+               "rm -rf out; %s FAILING_MEMORY_AT=%ld OPENBLAS_NUM_THREADS=1 "
+               "LD_PRELOAD=" HK_BUILD "/tests/fixtures/failing_memory.so",
+               alone ? "" : "FAILING_MEMORY_ON=1", k);
+      test_hooke(&r, before, arguments);
+      bool ended = r.code == 0 || r.code == 1;
+      if (!ended || (r.code == 1 && !*r.err)) fail_msg("%s: allocation %ld: code %d: %s", arguments, k, r.code, r.err);
+      if (r.code == 0 && !alone && k > 1000) break; /* there are no more */
+      failed += r.code == 1;
+    }
+  print_message("%s: it failed %d times\n", arguments, failed);
+  assert_true(failed > 20);
+}
+
+static void no_allocation_that_fails_crashes_a_tool(void **state) {
+  (void)state;
+  if (strstr(HK_BUILD, "sanitize")) skip(); /* it has an allocator of its own */
+  test_write("tool.lua", "local k = param('k', 100, 'stiffness')\n"
+                         "local scene = hooke.scene { duration = 0.05, fps = 60, dt = 1/240 }\n"
+                         "local rope = scene:strand { n = 4, from = {0, 0, 0}, to = {1, 0, 0}, mass = 0.1 }\n"
+                         "scene:pin { 1 }\n"
+                         "scene:force('gravity', {})\n"
+                         "scene:force('springs', { edges = rope:edges(), k = k })\n"
+                         "return scene\n");
+  try_tool("sweep tool.lua k=100,200 --quiet -j 1");
+  try_tool("bench tool.lua --target 1e-2 --finest 1e-3 --integrators leapfrog,rk4 --quiet");
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(no_allocation_that_fails_crashes_a_run)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(no_allocation_that_fails_crashes_a_run),
+                                     cmocka_unit_test(no_allocation_that_fails_crashes_a_tool)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

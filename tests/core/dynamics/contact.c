@@ -273,7 +273,7 @@ static void contact_follows_births_and_deaths(void **state) {
   static const char *const names[] = {"backward_euler", "leapfrog"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
     test_engine e;
-    hk_plugin_spec *spheres = test_heap(&e), *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *spheres = test_heap(&e), *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
     test_boolean(&e, spheres, "floor", true);
     test_boolean(&e, spheres, "cautious", true);
     test_number(&e, test_plugin(&e, HK_FORCE, "fixture:lagged_friction"), "speed", 0.5);

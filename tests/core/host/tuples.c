@@ -93,7 +93,7 @@ static void deaths_take_their_tuples_and_their_numbers_of_the_right_list(void **
   hk_plugin_spec *force = elements_sheet(&e, 3, 0.02);
   test_list(&e, force, "k", k, 8);
   test_list(&e, force, "edge_k", edge_k, 12);
-  hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
   test_number(&e, emitter, "every", 0.05);
   test_number(&e, emitter, "lifetime", 0.095);
   test_run(&e);

@@ -55,7 +55,7 @@ static hk_sampling sampled(const setting *how, wave *w, double *cuts, size_t *cu
   e.options.dt = how->dt;
   test_run(&e);
   test_advance(&e, how->end);
-  hk_sampling s = hk_under_sampled(&e.run->loop, 200000);
+  hk_sampling s = hk_under_sampled(&e.run->loop, NULL, 200000);
   if (cuts) *cut_count = hk_sampling_cuts(&s, cuts, *cut_count);
   s.where = s.where ? "" : NULL; /* it dies with the scene */
   test_engine_close(&e);

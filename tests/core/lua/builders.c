@@ -65,6 +65,25 @@ static void a_mesh_is_read_with_its_sides_once(void **state) {
   test_refused("local scene = hooke.scene {}\nscene:mesh { file = 'none.obj' }\n", "", 4, "none.obj: No such file");
 }
 
+/* A tetrahedron as an obstacle: its numbers, and, with a face missing, the file and the edges. */
+static void a_surface_gives_its_numbers(void **state) {
+  (void)state;
+  test_write("rock.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+  test_write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  const char *body =
+      "local m = scene:surface { file = 'rock.obj', scale = 2, origin = { 1, 1, 1 } }\n"
+      "scene:particle { position = { 1.3, 1.3, 5 }, velocity = { 0, 0, -10 }, mass = 1 }\n"
+      "scene:corrector('obstacle', { shape = 'mesh', vertices = m.vertices, faces = m.faces, file = m.file })";
+  assert_true(measured(body, "#m.vertices") == 12 && measured(body, "#m.faces") == 12);
+  assert_true(measured(body, "m.vertices[12]") == 3 && measured(body, "m.faces[2]") == 3);
+  assert_true(measured(body, "m.file == 'rock.obj' and s.n") == 1); /* no vertex became a particle */
+  test_refused(
+      "local scene = hooke.scene {}\nscene:particle {}\nlocal m = scene:surface { file = 'open.obj' }\n"
+      "scene:corrector('obstacle', { shape = 'mesh', vertices = m.vertices, faces = m.faces, file = m.file })\n"
+      "return scene\n",
+      "", 1, "open.obj is not closed, so it has no inside: 3 edges, between vertices 1-3 (1 face)");
+}
+
 static void places_outside_are_refused(void **state) {
   (void)state;
   test_refused("local scene = hooke.scene {}\nlocal g = scene:grid { nx = 2, ny = 2 }\nprint(g:at(3, 1))\n", "", 1,
@@ -100,6 +119,7 @@ int main(void) {
       cmocka_unit_test(a_grid_has_the_springs_it_should),
       cmocka_unit_test(edges_mix_with_hand_written_ones),
       cmocka_unit_test(a_mesh_is_read_with_its_sides_once),
+      cmocka_unit_test(a_surface_gives_its_numbers),
       cmocka_unit_test(places_outside_are_refused),
       cmocka_unit_test(groups_and_lists_choose_whom_a_force_acts_on),
       cmocka_unit_test(a_script_may_drive),

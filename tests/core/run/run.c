@@ -138,7 +138,7 @@ static void hooks_run_in_their_order(void **state) {
   test_engine e;
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1);
-  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:emitter"), "every", 10);
+  test_number(&e, test_plugin(&e, HK_SOURCE, "fixture:spout"), "every", 10);
   test_plugin(&e, HK_FORCE, "gravity");
   test_plugin(&e, HK_CORRECTOR, "fixture:floor");
   e.scene->fps = 1;
@@ -184,7 +184,7 @@ static void busy_scene(test_engine *e) {
   assert_int_equal(hk_scene_add_channel(e->scene, "heat", 1, NULL, NAN, NULL, &e->error), HK_OK);
   for (uint32_t i = 1; i < 6; i++) spring(e, i, i + 1);
   test_plugin(e, HK_FORCE, "fixture:kicker");
-  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:spout");
   test_number(e, emitter, "every", 0.3);
   test_number(e, emitter, "lifetime", 0.7);
   e->options.dt = 1.0 / 600;

@@ -23,7 +23,7 @@ static void describe(test_engine *e, bool births) {
   test_edges(e, test_plugin(e, HK_FORCE, "springs"), (const uint32_t(*)[2])edges, N - 1);
   test_number(e, e->scene->plugin[HK_FORCE].item[0], "k", 200);
   test_plugin(e, HK_FORCE, "gravity");
-  if (births) test_number(e, test_plugin(e, HK_SOURCE, "fixture:emitter"), "lifetime", 0.1);
+  if (births) test_number(e, test_plugin(e, HK_SOURCE, "fixture:spout"), "lifetime", 0.1);
   e->scene->duration = 0.5;
 }
 

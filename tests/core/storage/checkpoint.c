@@ -47,7 +47,7 @@ static void moved_by_a_corrector(test_engine *e) {
 static void fed_by_a_source(test_engine *e) {
   two_particles(e);
   spring(e, 100);
-  test_number(e, test_plugin(e, HK_SOURCE, "fixture:emitter"), "every", 0.6);
+  test_number(e, test_plugin(e, HK_SOURCE, "fixture:spout"), "every", 0.6);
 }
 
 static void adaptive(test_engine *e) {
@@ -185,13 +185,15 @@ static bytes saved(scene_maker *make, const char *path) {
   return b;
 }
 
-/* Opens a run from it; the status, with the error's text. */
+/* Opens a run from it, and makes a few steps; the status, with the error's text. */
 static hk_status open_from(scene_maker *make, const char *path, char *text, size_t size) {
   test_engine e;
   make(&e);
   e.scene->start_file = strdup(path);
+  e.options.step_limit = 20;
   hk_status status = hk_run_open(e.scene, &e.options, &e.run, &e.error);
   snprintf(text, size, "%s", e.error.text);
+  if (status == HK_OK) hk_run_advance(e.run, hk_run_end(e.run), NULL);
   test_engine_close(&e);
   return status;
 }
@@ -246,11 +248,14 @@ static void sum_again(bytes *b) {
   memcpy(b->byte + end, &sum, 8);
 }
 
-/* Numbers of particles, samples, warnings and so on that no file of this length can hold, under a checksum that is
- * right: refused or, where the field may be anything, taken; never a crash, nor gigabytes of memory. */
+/* Numbers of particles, samples, warnings and so on that no file of this length can hold, and truth values that are
+ * none, under a checksum that is right: refused or, where the field may be anything, taken; never a crash, undefined
+ * behaviour, a run without end, nor gigabytes of memory. */
 static void numbers_in_it_are_not_believed(void **state) {
   (void)state;
-  static const uint64_t values[] = {0, 1, 3, 1u << 20, UINT32_MAX, 1ull << 40, 1ull << 61, UINT64_MAX, 0x7ff8ull << 48};
+  static const uint64_t values[] = {
+      0, 1, 3, 1u << 20, UINT32_MAX, 1ull << 40, 1ull << 61, UINT64_MAX, 0x7ff8ull << 48, 0x0202020202020202,
+  };
   char path[512], text[1024];
   snprintf(path, sizeof path, "%s/damaged.bin", test_folder());
   bytes whole = saved(moved_by_a_corrector, path);
@@ -269,6 +274,11 @@ static void numbers_in_it_are_not_believed(void **state) {
   assert_true(refused > 20 && refused < 9 * words); /* the sum is right */
 }
 
+static void at_other_frames(test_engine *e) {
+  moved_by_a_corrector(e);
+  e->scene->fps = 20;
+}
+
 static void another_version_and_another_scene_are_refused(void **state) {
   (void)state;
   char path[512], text[1024];
@@ -276,6 +286,8 @@ static void another_version_and_another_scene_are_refused(void **state) {
   bytes b = saved(moved_by_a_corrector, path);
   assert_int_equal(open_from(adaptive, path, text, sizeof text), HK_BAD_PARAM);
   assert_non_null(strstr(text, "does not fit this scene: its plugins"));
+  assert_int_equal(open_from(at_other_frames, path, text, sizeof text), HK_BAD_PARAM);
+  assert_non_null(strstr(text, "does not fit this scene: its frames per second differ"));
   assert_int_equal(open_from(fed_by_a_source, path, text, sizeof text), HK_BAD_PARAM);
   b.byte[strlen("hooke checkpoint ")] = '1';
   write_bytes(path, &b, b.count);

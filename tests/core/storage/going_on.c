@@ -87,10 +87,60 @@ static void corrected(test_engine *e) {
 
 static void fed(test_engine *e) {
   net(e);
-  hk_plugin_spec *source = test_plugin(e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *source = test_plugin(e, HK_SOURCE, "fixture:spout");
   test_number(e, source, "every", 0.06);
   test_number(e, source, "lifetime", 0.14);
   test_vector(e, source, "position", 3, 3, 3);
+}
+
+/* Drops that cool, rise and burst on a tilted plate. */
+static void sprayed(test_engine *e) {
+  const double air = 293;
+  assert_int_equal(hk_scene_add_channel(e->scene, "temperature", 1, &air, 0, NULL, &e->error), HK_OK);
+  net(e);
+  hk_plugin_spec *source = test_plugin(e, HK_SOURCE, "emitter");
+  test_number(e, source, "rate", 130);
+  test_number(e, source, "lifetime", 0.21);
+  test_number(e, source, "mass", 0.01);
+  test_number(e, source, "cone", 30);
+  test_text(e, source, "channel", "temperature");
+  test_number(e, source, "amount", 350);
+  test_vector(e, source, "position", 0.2, 2, 1);
+  test_vector(e, source, "direction", 0, 0, -1);
+  hk_plugin_spec *cools = test_plugin(e, HK_FORCE, "relax");
+  test_text(e, cools, "channel", "temperature");
+  test_number(e, cools, "rate", 2);
+  test_list(e, cools, "target", &air, 1);
+  test_plugin(e, HK_FORCE, "buoyancy");
+  hk_plugin_spec *plate = test_plugin(e, HK_CORRECTOR, "obstacle");
+  test_text(e, plate, "shape", "box");
+  test_vector(e, plate, "size", 0.6, 0.6, 0.1);
+  test_vector(e, plate, "position", 0.2, 2, 0.8);
+  test_vector(e, plate, "rotation", 0, 0.4, 0);
+  test_number(e, plate, "restitution", 0.6);
+  test_number(e, plate, "friction", 0.2);
+}
+
+/* Grains that lean on each other: how far each pair has slipped is part of the state. */
+static void poured(test_engine *e) {
+  for (int k = 0; k < 12; k++) test_particle(e, 0.03 * (k % 2), 0.02 * (k % 3), 0.1 + 0.19 * k, 0.1);
+  hk_plugin_spec *grains = test_plugin(e, HK_FORCE, "soft_spheres"), *walls = test_plugin(e, HK_FORCE, "soft_walls");
+  hk_plugin_spec *both[] = {grains, walls};
+  for (int k = 0; k < 2; k++) {
+    test_number(e, both[k], "radius", 0.1);
+    test_number(e, both[k], "stiffness", 200);
+    test_number(e, both[k], "friction", 0.4);
+    test_number(e, both[k], "restitution", 0.5);
+  }
+  test_plugin(e, HK_FORCE, "gravity");
+}
+
+static void attracted(test_engine *e) {
+  for (int k = 0; k < 64; k++) test_particle(e, k % 4 + 0.01 * k, k / 4 % 4, k / 16 - 0.02 * k, 1);
+  hk_plugin_spec *bodies = test_plugin(e, HK_FORCE, "nbody");
+  test_text(e, bodies, "method", "tree");
+  test_number(e, bodies, "softening", 0.1);
+  test_number(e, bodies, "G", 1);
 }
 
 static void touching(test_engine *e) {
@@ -130,6 +180,9 @@ static const scene_case scenes[] = {{"pinned and timed", pinned_and_timed},
                                     {"channels", with_channels},
                                     {"corrected", corrected},
                                     {"fed", fed},
+                                    {"sprayed", sprayed},
+                                    {"poured", poured},
+                                    {"attracted", attracted},
                                     {"touching", touching},
                                     {"crowded", crowded},
                                     {"barred", barred},

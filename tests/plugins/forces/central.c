@@ -105,6 +105,86 @@ static void force_energy_and_jacobian_belong_together(void **state) {
     }
 }
 
+/* Within the range F and its energy belong together, up to the end and across it; behind it there is nothing. The
+ * particles are 2 to 5 m away, softened by 0.4 m or not. */
+static void a_force_with_a_range_ends_smoothly(void **state) {
+  (void)state;
+  const double powers[] = {1, -2, -1, 0, 3, -3, -5, 0.5}, ranges[] = {1e3, 2.5, 2, 1.3};
+  for (size_t k = 0; k < sizeof powers / sizeof *powers; k++)
+    for (size_t r = 0; r < 2 * sizeof ranges / sizeof *ranges; r++) {
+      test_engine e;
+      hk_plugin_spec *spec = open_scene(&e, 3, powers[k], r % 2 ? 0.4 : 0);
+      test_number(&e, spec, "range", ranges[r / 2]);
+      test_run(&e);
+      hk_instance *central = test_instance(&e, spec);
+      hk_view view = force_view(&e, central);
+      double F[9], gradient = force_gradient_error(central, &view), stiffness = force_stiffness_error(central, &view);
+      /* The energy is a difference of integrals, of up to 1e3^(power + 1): its roundings divided by steps of 1e-5. */
+      double rounding = 1e-11 * fmax(1, pow(ranges[r / 2], powers[k] + 1));
+      /* Where the only particle inside is near the end, as with 1.3 m, F is small beside its derivatives. */
+      double small = ranges[r / 2] == 1.3 ? 10 * FORCE_DIFFERENCES : FORCE_DIFFERENCES;
+      if (!(gradient < small + rounding && stiffness < small))
+        fail_msg("power %g, range %g: gradient %g, Jacobian %g", powers[k], ranges[r / 2], gradient, stiffness);
+      force_evaluate(central, &view, F);
+      for (int i = 0; i < 3; i++) {
+        const double *x = view.x + 3 * i;
+        bool near = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) < ranges[r / 2];
+        assert_true(near == (F[3 * i] != 0));
+      }
+      test_engine_close(&e);
+    }
+}
+
+/* W = (1 - 9/25)^2 at 3 m of a range of 5: F = 4 W/9 N. */
+static void a_force_with_a_range_by_hand(void **state) {
+  (void)state;
+  test_engine e;
+  hk_plugin_spec *central = open_scene(&e, 2, -2, 0);
+  test_number(&e, central, "range", 5);
+  memcpy(e.scene->position, (double[]){0, 0, 3}, 3 * sizeof(double));
+  first_is(&e, central, 0, 0, -4 * 0.64 * 0.64 / 9);
+}
+
+/* Where the square of the distance overflows a pull without a range is no number to go on with. */
+static void a_pull_from_beyond_the_range_of_doubles_is_not_zero(void **state) {
+  (void)state;
+  for (int ends = 0; ends < 2; ends++) {
+    test_engine e;
+    double F[9], x[9] = {1e200, 0, 0};
+    hk_plugin_spec *spec = open_scene(&e, 3, 2, 0);
+    if (ends) test_number(&e, spec, "range", 5);
+    test_run(&e);
+    hk_instance *central = test_instance(&e, spec);
+    hk_view view = force_view(&e, central);
+    view.x = x;
+    force_evaluate(central, &view, F);
+    assert_true(ends ? F[0] == 0 : !isfinite(F[0]));
+    test_engine_close(&e);
+  }
+}
+
+/* A push that ends 1 mm around a point, even one that grows with the distance, lies between two steps. */
+static void a_range_that_steps_pass_by_is_noticed(void **state) {
+  (void)state;
+  const double powers[] = {-2, 1};
+  for (int k = 0; k < 4; k++) {
+    test_engine e;
+    hk_plugin_spec *spec = open_scene(&e, -1e4, powers[k % 2], 1e-4);
+    test_number(&e, spec, "range", k < 2 ? 1e-3 : 2);
+    for (size_t i = 0; i < 3; i++) {
+      memcpy(e.scene->position + 3 * i, (double[]){-0.33, 1e-4 * (double)i, 0}, 3 * sizeof(double));
+      memcpy(e.scene->velocity + 3 * i, (double[]){1, 0, 0}, 3 * sizeof(double));
+    }
+    e.options.dt = k < 2 ? 1. / 60 : 1e-4;
+    e.options.compare = HK_COMPARE_ALWAYS; /* passages are looked at where a run is judged */
+    e.scene->duration = 0.5;
+    test_run(&e);
+    test_advance(&e, k < 2 ? 0.5 : 0.01);
+    assert_true((k < 2) == (e.run->record.passed_most > 0));
+    test_engine_close(&e);
+  }
+}
+
 static void nothing_at_the_centre_is_nan(void **state) {
   (void)state;
   const double powers[] = {1, -2, -1, 0, 3, -0.5}, near[] = {0, 4e-324, 1e-155, 1e-110, 1e-90};
@@ -164,6 +244,10 @@ int main(void) {
       cmocka_unit_test(push_from_a_line_by_hand),
       cmocka_unit_test(energy_by_hand),
       cmocka_unit_test(force_energy_and_jacobian_belong_together),
+      cmocka_unit_test(a_force_with_a_range_ends_smoothly),
+      cmocka_unit_test(a_force_with_a_range_by_hand),
+      cmocka_unit_test(a_pull_from_beyond_the_range_of_doubles_is_not_zero),
+      cmocka_unit_test(a_range_that_steps_pass_by_is_noticed),
       cmocka_unit_test(nothing_at_the_centre_is_nan),
       cmocka_unit_test(threads_give_the_same_bits),
   };

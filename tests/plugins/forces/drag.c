@@ -51,6 +51,43 @@ static void drag_wants_exactly_one_coefficient(void **state) {
   }
 }
 
+/* 6 pi viscosity r v with the radii 0.1 and 0.3 of a channel, or one for all; four more particles are for the kernel
+ * that takes fours. */
+static void drag_by_radius_by_hand(void **state) {
+  (void)state;
+  for (int channel = 0; channel < 2; channel++) {
+    test_engine e;
+    double F[18];
+    hk_plugin_spec *spec = open_scene(&e);
+    for (int k = 0; k < 4; k++) test_particle(&e, k, 1, 0, 1);
+    for (int k = 0; k < 18; k++) e.scene->velocity[k] = k - 7;
+    assert_int_equal(hk_scene_add_channel(e.scene, "heat", 2, NULL, NAN, NULL, &e.error), HK_OK);
+    assert_int_equal(hk_scene_add_channel(e.scene, "radius", 1, (double[]){0.1}, NAN, NULL, &e.error), HK_OK);
+    assert_int_equal(hk_scene_set_channel(e.scene, "radius", 2, (double[]){0.3}, 1, &e.error), HK_OK);
+    test_number(&e, spec, "viscosity", 0.02);
+    if (!channel) test_number(&e, spec, "radius", 0.2);
+    test_run(&e);
+    hk_instance *drag = test_instance(&e, spec);
+    hk_view view = force_view(&e, drag);
+    force_evaluate(drag, &view, F);
+    for (int k = 0; k < 18; k++) {
+      double r = !channel ? 0.2 : k / 3 == 1 ? 0.3 : 0.1;
+      assert_true(fabs(F[k] + 6 * 3.14159265358979 * 0.02 * r * (k - 7)) < 1e-14);
+    }
+    assert_true(force_damping_error(drag, &view) < 1e-12);
+    test_engine_close(&e);
+  }
+}
+
+static void drag_refuses_radii_that_are_not_there(void **state) {
+  (void)state;
+  test_engine e;
+  test_number(&e, open_scene(&e), "viscosity", 1);
+  assert_int_equal(hk_run_open(e.scene, &e.options, &e.run, &e.error), HK_BAD_PARAM);
+  assert_non_null(strstr(e.error.text, "viscosity: the scene has no channel 'radius'; declare it"));
+  test_engine_close(&e);
+}
+
 /* Enough particles for several chunks, on every other one of which it acts. A sum of n terms of one sign is right to
  * n/2 roundings at worst; the two sums here differ in order alone. */
 static void drag_has_the_power_of_its_force_on_any_threads(void **state) {
@@ -95,6 +132,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(drag_per_particle_and_per_mass_by_hand),
       cmocka_unit_test(drag_wants_exactly_one_coefficient),
+      cmocka_unit_test(drag_by_radius_by_hand),
+      cmocka_unit_test(drag_refuses_radii_that_are_not_there),
       cmocka_unit_test(drag_has_the_power_of_its_force_on_any_threads),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -527,7 +527,7 @@ static void springs_follow_births_and_deaths(void **state) {
     test_number(&e, force, "k", 500);
     test_number(&e, force, "rest", 1);
     if (!alone) {
-      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
       test_number(&e, emitter, "every", 0.1);
       test_number(&e, emitter, "lifetime", 0.3);
     }

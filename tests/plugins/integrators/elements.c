@@ -290,7 +290,7 @@ static void momentum_stays_without_outer_forces(void **state) {
 /* Every 0.02 s the oldest particle dies, with its triangles and struts, and a free one is born. */
 static void shrinking_sheet(test_engine *e) {
   crumpled_sheet(e);
-  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:emitter");
+  hk_plugin_spec *emitter = test_plugin(e, HK_SOURCE, "fixture:spout");
   test_number(e, emitter, "every", 0.02);
   test_number(e, emitter, "lifetime", 0.0199);
 }

@@ -318,7 +318,7 @@ static void births_and_deaths_are_taken_in(void **state) {
     test_engine e;
     test_engine_open(&e);
     test_particle(&e, 5, 0, 0, 1);
-    hk_plugin_spec *source = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *source = test_plugin(&e, HK_SOURCE, "fixture:spout");
     test_number(&e, source, "every", 0.05);
     test_number(&e, source, "lifetime", 0.2);
     test_number(&e, test_plugin(&e, HK_FORCE, "drag"), "rate", 0);

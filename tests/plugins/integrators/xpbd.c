@@ -564,7 +564,7 @@ static void springs_follow_births_and_deaths(void **state) {
     test_number(&e, force, "k", 500);
     test_number(&e, force, "rest", 1);
     if (!alone) {
-      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:emitter");
+      hk_plugin_spec *emitter = test_plugin(&e, HK_SOURCE, "fixture:spout");
       test_number(&e, emitter, "every", 0.1);
       test_number(&e, emitter, "lifetime", 0.3);
     }
@@ -766,7 +766,7 @@ static void births_void_the_history(void **state) {
     test_edges(&e, force, pair, 2);
     test_number(&e, force, "k", 500);
     test_number(&e, force, "rest", 1);
-    hk_plugin_spec *emitter = alone ? NULL : test_plugin(&e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *emitter = alone ? NULL : test_plugin(&e, HK_SOURCE, "fixture:spout");
     if (emitter) test_number(&e, emitter, "every", 0.1);
     if (emitter) test_number(&e, emitter, "lifetime", 0.3);
     test_number(&e, use(&e, 10, 1, "auto"), "bdf", 2);

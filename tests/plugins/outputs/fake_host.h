@@ -1,5 +1,6 @@
-/* A host just large enough for one output plugin: it fills the parameter defaults, hands out memory and paths inside a
- * temporary folder, and keeps the messages. */
+/* A host just large enough for one output plugin: it fills the parameter defaults, has fields for FAKE_MOST particles
+ * (zeroed once: it knows nothing of births), hands out memory and paths inside a temporary folder, and keeps the
+ * messages. */
 #ifndef HK_TEST_FAKE_HOST_H
 #define HK_TEST_FAKE_HOST_H
 
@@ -14,6 +15,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+enum { FAKE_MOST = 4096 };
 
 typedef struct fake {
   hk_host host; /* first member */
@@ -137,6 +140,8 @@ static inline void fake_open(fake *f, const char *name) {
   }
   f->self = calloc(1, f->plugin->instance_size);
   for (const hk_param *p = f->plugin->params; p->name; p++) fake_default(f->self, p);
+  for (const hk_field *p = f->plugin->fields; p && p->name; p++)
+    *(void **)(void *)((char *)f->self + p->offset) = calloc(FAKE_MOST * p->width, sizeof(double));
   snprintf(f->folder, sizeof f->folder, "/tmp/hooke-test-XXXXXX");
   if (!mkdtemp(f->folder)) abort();
 }
@@ -150,6 +155,7 @@ static inline void fake_remove_files(const char *folder) {
 /* Destroys the instance. The library stays loaded, as the engine leaves it. */
 static inline void fake_close(fake *f) {
   if (f->plugin->destroy) f->plugin->destroy(f->self, &f->host);
+  for (const hk_field *p = f->plugin->fields; p && p->name; p++) free(*(void **)(void *)((char *)f->self + p->offset));
   while (f->blocks) free(f->memory[--f->blocks]);
   free(f->self);
   if (strncmp(f->folder, "/tmp/hooke-test-", 16) == 0) fake_remove_files(f->folder);

@@ -251,12 +251,28 @@ static void what_nobody_publishes_is_an_error(void **state) {
   close_fluid(&f);
 }
 
+/* The list's time is known, and part of the run's. */
+static void the_summary_knows_the_time_of_the_search(void **state) {
+  (void)state;
+  fluid f;
+  hk_summary summary;
+  open_liquid(&f);
+  test_run(&f.e);
+  test_advance(&f.e, 0.2);
+  hk_run_summary(f.e.run, &summary);
+  double search = 0;
+  for (size_t k = 0; k < summary.plugins; k++)
+    if (strcmp(summary.plugin[k].kind, "service") == 0) search = summary.plugin[k].seconds;
+  assert_true(search > 0 && search < summary.step_wall_s + summary.wall_s);
+  close_fluid(&f);
+}
+
 /* ---- births and deaths ---- */
 
 /* Fountains above the fluid, far enough from each other and in time that nobody is born onto another. */
 static void add_fountains(fluid *f, double lifetime) {
   for (int k = 0; k < 3; k++) {
-    hk_plugin_spec *emitter = test_plugin(&f->e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *emitter = test_plugin(&f->e, HK_SOURCE, "fixture:spout");
     test_number(&f->e, emitter, "every", 1.3);
     test_vector(&f->e, emitter, "position", 3 * k, 2, 9);
     if (k == 0) test_number(&f->e, emitter, "lifetime", lifetime);
@@ -492,7 +508,7 @@ static void a_newborn_shortens_the_very_first_step(void **state) {
     hk_summary s;
     open_fluid(&f, 2, 30, 0);
     test_number(&f.e, f.pairs, "courant", 0.005);
-    hk_plugin_spec *emitter = test_plugin(&f.e, HK_SOURCE, "fixture:emitter");
+    hk_plugin_spec *emitter = test_plugin(&f.e, HK_SOURCE, "fixture:spout");
     test_number(&f.e, emitter, "every", 10);
     test_vector(&f.e, emitter, "position", 10, 10, 10);
     f.e.options.integrator = methods[k];
@@ -670,6 +686,7 @@ int main(void) {
       cmocka_unit_test(clients_with_different_radii_share_one_list),
       cmocka_unit_test(a_force_reads_what_another_publishes),
       cmocka_unit_test(what_nobody_publishes_is_an_error),
+      cmocka_unit_test(the_summary_knows_the_time_of_the_search),
       cmocka_unit_test(births_and_deaths_keep_rows_and_published_fields_right),
       cmocka_unit_test(density_is_that_of_a_ball),
       cmocka_unit_test(few_particles_and_none),

@@ -1,6 +1,7 @@
 -- A journal of a tool's results, written line by line (JSON): after an interruption the same command continues from it.
 -- A journal belongs to a fingerprint of everything that the results depend on; with another fingerprint a new one is
 -- begun. Long strings (packed states) are stored in files of their own beside it.
+local files = require("common.run.file")
 local json = require("cjson").new()
 json.encode_invalid_numbers(true)
 json.decode_invalid_numbers(true)
@@ -23,15 +24,6 @@ function journal.read(path)
   local text = file:read("a")
   file:close()
   return text
-end
-
--- Writes a file atomically: `path` contains either the old text or the new one.
-function journal.write(path, text)
-  local file, why = io.open(path .. ".new", "wb")
-  if not file then return nil, why end
-  local fine = file:write(text)
-  if not (file:close() and fine) then return nil, path .. ".new cannot be written" end
-  return os.rename(path .. ".new", path)
 end
 
 -- A text of a table that is equal for equal contents.
@@ -90,14 +82,16 @@ local function resume(self, text, fingerprint)
   end
 end
 
+-- Returns nil and the reason where it cannot be written; what it held is still there then.
 function journal.open(path, fingerprint)
   local self = setmetatable({ path = path, known = {}, count = 0 }, store)
   resume(self, journal.read(path) or "", fingerprint)
-  self.file = assert(io.open(path, "wb"))
-  self.file:write(json.encode { fingerprint = fingerprint }, "\n")
-  for key, result in pairs(self.known) do self.file:write(json.encode { key = key, result = result }, "\n") end
-  self.file:flush()
-  return self
+  local lines = { json.encode { fingerprint = fingerprint } }
+  for key, result in pairs(self.known) do lines[#lines + 1] = json.encode { key = key, result = result } end
+  local fine, why = files.write(path, table.concat(lines, "\n") .. "\n")
+  if not fine then return nil, why end
+  self.file, why = io.open(path, "ab")
+  return self.file and self, why
 end
 
 -- The stored result with its states, or nil.
@@ -112,18 +106,24 @@ function store:get(key)
   return result
 end
 
+-- What cannot be written is not taken up after an interruption; self.failed says why.
 function store:put(key, result)
   local kept = {}
   for name, value in pairs(result) do kept[name] = value end
   if result.states then
     local parts = {}
     for k, state in ipairs(result.states) do parts[k] = string.pack("<s8", state) end
-    assert(journal.write(states_path(self, key), table.concat(parts)))
+    local fine, why = files.write(states_path(self, key), table.concat(parts))
+    if not fine then
+      self.failed = why
+      return
+    end
     kept.states, kept.kept = nil, true
   end
-  self.file:write(json.encode { key = key, result = kept }, "\n")
-  self.file:flush()
   self.known[key] = kept
+  local fine, why = self.file:write(json.encode { key = key, result = kept }, "\n")
+  if fine then fine, why = self.file:flush() end
+  if not fine then self.failed = ("cannot write %s: %s"):format(self.path, why) end
 end
 
 -- Removes the journal, when all is done.

@@ -2,6 +2,7 @@
 -- target, the recommendation; as text, CSV, JSON and a diagram.
 local methods = require("common.bench.methods")
 local plot = require("common.run.plot")
+local files = require("common.run.file")
 local journal = require("common.bench.journal")
 
 local report = {}
@@ -226,7 +227,7 @@ function report.csv(list, goal, path)
     for k, name in ipairs(names) do cells[k] = cell(flat, name) end
     lines[#lines + 1] = table.concat(cells, ",")
   end
-  return journal.write(path, table.concat(lines, "\n") .. "\n")
+  return files.write(path, table.concat(lines, "\n") .. "\n")
 end
 
 function report.json(list, goal, more, path)
@@ -238,7 +239,7 @@ function report.json(list, goal, more, path)
       order_observed = method.observed, order_missed = report.weak_order(method, method.observed) or false,
       refused = method.refused, ended = method.ended }
   end
-  return journal.write(path, journal.json.encode(whole) .. "\n")
+  return files.write(path, journal.json.encode(whole) .. "\n")
 end
 
 -- ---- the diagram ----

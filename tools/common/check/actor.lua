@@ -32,37 +32,55 @@ local function value_for(p)
   return p.text:match("^[^|]+")
 end
 
+local function starts(plugin, values)
+  return (pcall(function() return actor.scene(plugin, values):run { to = 0 } end))
+end
+
+-- What a plugin needs, with or without the lists that it may do without: first those that it starts with.
+local function bases(plugin)
+  local whole, bare, optional = {}, {}, false
+  for _, p in ipairs(plugin.params) do
+    local value = plugin.given[p.name]
+    if value == nil and (p.required or lists[p.type]) then value = value_for(p) end
+    whole[p.name] = value
+    local left_out = plugin.given[p.name] == nil and p.optional and lists[p.type] ~= nil
+    if left_out then optional = true else bare[p.name] = value end
+  end
+  if not optional then return { whole } end
+  return starts(plugin, whole) and { whole, bare } or { bare, whole }
+end
+
 -- The settings in which a plugin is tried: what it needs and every list that may be given; in addition, one at a time,
--- every other choice, and values for all numbers that are 0 by default.
+-- every other choice, and values for all numbers that are 0 by default; where lists may be left out, all of it without
+-- them, too.
 function actor.settings(plugin)
-  local base, list, not_zero = {}, {}, {}
+  local list, not_zero = {}, {}
   for _, p in ipairs(plugin.params) do
     local zero = p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0
     local given = plugin.given[p.name] ~= nil
     if (p.type == "number" or p.type == "vector") and zero and not p.optional and not given then not_zero[p.name] = value_for(p) end
-    if given then base[p.name] = plugin.given[p.name]
-    elseif p.required or lists[p.type] then base[p.name] = value_for(p) end
   end
-  list[1] = { name = "as it is", values = base }
-  local function more(p, value)
-    local values = { [p.name] = value }
-    for name, other in pairs(base) do if values[name] == nil then values[name] = other end end
-    list[#list + 1] = { name = ("%s = %s"):format(p.name, tostring(value)), values = values }
-  end
-  for _, p in ipairs(plugin.params) do
-    local free = plugin.given[p.name] == nil
-    if free and p.type == "boolean" then more(p, p.initial[1] == 0) end
-    if free and p.type == "choice" then
-      local k = 0
-      for word in p.text:gmatch("[^|]+") do
-        if k ~= p.initial[1] then more(p, word) end
-        k = k + 1
+  for k, base in ipairs(bases(plugin)) do
+    local suffix = k == 1 and "" or ", other lists"
+    local function more(name, changes)
+      local values = {}
+      for key, value in pairs(base) do values[key] = value end
+      for key, value in pairs(changes) do values[key] = value end
+      list[#list + 1] = { name = name .. suffix, values = values }
+    end
+    more("as it is", {})
+    for _, p in ipairs(plugin.params) do
+      local free = plugin.given[p.name] == nil
+      if free and p.type == "boolean" then more(("%s = %s"):format(p.name, p.initial[1] == 0), { [p.name] = p.initial[1] == 0 }) end
+      if free and p.type == "choice" then
+        local place = 0
+        for word in p.text:gmatch("[^|]+") do
+          if place ~= p.initial[1] then more(("%s = %s"):format(p.name, word), { [p.name] = word }) end
+          place = place + 1
+        end
       end
     end
-  end
-  if next(not_zero) then
-    for name, value in pairs(base) do not_zero[name] = value end
-    list[#list + 1] = { name = "with no number 0", values = not_zero }
+    if next(not_zero) then more("with no number 0", not_zero) end
   end
   return list
 end

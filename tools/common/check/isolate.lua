@@ -27,7 +27,10 @@ local function plain(message) return (tostring(message):gsub("^[%w_/%.%-]+%.lua:
 local function child(fd, out, err, seconds, body)
   process.confine(seconds, BYTES, out, err, fd)
   local teller = {
-    at = function(place) process.write(fd, "@" .. place:gsub("\n", " ") .. "\n") end,
+    at = function(place)
+      process.allow(seconds)
+      process.write(fd, "@" .. place:gsub("\n", " ") .. "\n")
+    end,
     tell = function(found) process.write(fd, "=" .. dump(found) .. "\n") end,
   }
   local fine, message = xpcall(body, function(m)
@@ -73,7 +76,9 @@ local function follow(pid, fd, seconds, on_found)
   while true do
     local text = process.ready({ fd }, 0.1)[fd] and process.read(fd)
     if text == "" then break end
-    if text then read_lines(state, text, on_found)
+    if text then
+      read_lines(state, text, on_found)
+      deadline = process.clock() + seconds
     elseif process.clock() > deadline then
       process.kill(pid)
       state.late = true
@@ -85,9 +90,10 @@ local function follow(pid, fd, seconds, on_found)
   return state
 end
 
--- Runs body(teller, fd) in a child of at most `seconds`: teller.at(text) says where it is, teller.tell(table) what it
--- found, which comes to on_found(table) here at once. Returns nil or, where the child did not come to its end, what
--- ended it in a sentence; the place where it was then; what it printed on standard output, and on standard error.
+-- Runs body(teller, fd) in a child that is ended when it says nothing for `seconds`: teller.at(text) says where it is,
+-- teller.tell(table) what it found, which comes to on_found(table) here at once. Returns nil or, where the child did not
+-- come to its end, what ended it in a sentence; the place where it was then; what it printed on standard output, and on
+-- standard error.
 function isolate.run(seconds, body, on_found)
   local out, err = process.capture(), process.capture()
   local pid, fd = process.fork()
@@ -95,7 +101,7 @@ function isolate.run(seconds, body, on_found)
   local state = follow(pid, fd, seconds, on_found)
   local printed, complaint = shown(process.captured(out)), shown(process.captured(err))
   local ended
-  if state.late then ended = ("it does not end: the process was ended after %g s"):format(seconds)
+  if state.late then ended = ("it does not end: the process was ended after %g s there"):format(seconds)
   elseif state.last_words then ended = state.last_words
   elseif not state.done then
     ended = state.how == "signal" and ("the process was ended by signal %d (%s)"):format(state.code,

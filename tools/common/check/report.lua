@@ -8,7 +8,7 @@ report.__index = report
 
 local MOST_ENDS = 3 -- properties that end the process, after which the others are not tried
 
--- seconds: of each property at most; only: a part of the names of those that are tried, nil: all are.
+-- seconds: of each scene of a property at most; only: a part of the names of those that are tried, nil: all are.
 function report.new(seconds, only)
   return setmetatable({ lines = 0, failed = 0, ends = 0, tried = 0, seconds = seconds, only = only }, report)
 end

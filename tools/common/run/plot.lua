@@ -12,6 +12,8 @@
 --     matrix = { rows = { { x, y, z }, ... }, label = }       -- a heat map instead of curves
 --   })
 -- returns true; or nil and the reason why there is no picture (data and script are written in any case).
+local files = require("common.run.file")
+
 local plot = {}
 
 local colours = { "#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7F7F7F" }
@@ -105,13 +107,6 @@ local function script_of(name, figure)
   return table.concat(lines, "\n") .. "\n"
 end
 
-local function write(path, text)
-  local file, why = io.open(path, "w")
-  if not file then return nil, why end
-  local fine = file:write(text)
-  return file:close() and fine, path .. " cannot be written"
-end
-
 local terminals = {
   { ending = "png", text = "set terminal pngcairo size %d,%d font 'Sans,12' background rgb 'white'" },
   { ending = "svg", text = "set terminal svg size %d,%d font 'Sans,12' background rgb 'white'" },
@@ -138,15 +133,15 @@ local function render(folder, name, figure)
   os.remove(said)
   if fine then return nil end
   if code == 127 then return "gnuplot is not installed (Debian: apt-get install gnuplot-nox)" end
-  return ("gnuplot failed: %s"):format(text)
+  return ("gnuplot failed: %s"):format(text ~= "" and text or ("without a word, exit code %d"):format(code))
 end
 
 function plot.draw(path, figure)
   local folder, name = path:match("^(.*)/([^/]+)$")
   folder, name = folder or ".", name or path
-  local fine, why = write(path .. ".dat", data_of(figure))
-  if fine then fine, why = write(path .. ".gp", script_of(name, figure)) end
-  if not fine then return nil, "the diagram cannot be written: " .. why end
+  local fine, why = files.write(path .. ".dat", data_of(figure))
+  if fine then fine, why = files.write(path .. ".gp", script_of(name, figure)) end
+  if not fine then return nil, "the diagram: " .. why end
   local failed = render(folder, name, figure)
   if failed then return nil, ("no picture %s.png: %s; its script is %s.gp"):format(path, failed, path) end
   return true

@@ -1,5 +1,6 @@
 -- A sweep as a Slurm job array: each task runs a share of the cases into a database of its own (a write-ahead log does
 -- not work on network file systems, and a single writer per file needs none), which the next `hooke sweep` merges.
+local files = require("common.run.file")
 local database = require("common.sweep.database")
 local lfs = require("lfs")
 local plan = require("common.sweep.plan")
@@ -33,8 +34,8 @@ end
 local function quote(text) return "'" .. tostring(text):gsub("'", "'\\''") .. "'" end
 
 local function write(path, text)
-  local file, why = io.open(path, "w")
-  if not file or not file:write(text) or not file:close() then database.fail("sweep: cannot write %s", why or path) end
+  local fine, why = files.write(path, text)
+  if not fine then database.fail("sweep: %s", why) end
 end
 
 local function output_of(command)

@@ -1,4 +1,5 @@
 -- Results of a sweep as rows: a printed table, and CSV (RFC 4180, numbers with 17 digits).
+local files = require("common.run.file")
 local store = require("common.sweep.store")
 
 local rows = {}
@@ -84,10 +85,7 @@ function rows.write_csv(the, path)
     if case.result then lines[#lines + 1] = table.concat(line, ",") end
   end
   store.make_folder(path)
-  local file, why = io.open(path, "w")
-  if not file then return nil, why end
-  local fine = file:write(table.concat(lines, "\n"), "\n")
-  return file:close() and fine, ("cannot write %s"):format(path)
+  return files.write(path, table.concat(lines, "\n") .. "\n")
 end
 
 -- ---- printed table ----

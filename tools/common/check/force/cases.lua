@@ -98,8 +98,27 @@ local function list_of(plugin, p)
   end
 end
 
+-- Smooth functions of all that they are given but the id, which births and deaths change; what has one result is taken
+-- to be an energy, which does not depend on the time.
+local function function_for(p, factor)
+  local _, arguments = p.text:match("%((.*), id%)"):gsub("[%w_]+", "")
+  local _, results = p.text:match("%->(.*)"):gsub("[%w_]+", "")
+  return function(...)
+    local given, out = { ... }, {}
+    if results == 1 then
+      return factor * (math.sin(given[2]) * math.cos(0.7 * given[3]) + given[4] ^ 2 * given[2])
+    end
+    for r = 1, results do
+      out[r] = 0
+      for k = 1, arguments do out[r] = out[r] + factor * math.sin(0.3 * r * given[k] + 0.1 * k) / k end
+    end
+    return table.unpack(out)
+  end
+end
+
 local function value_for(plugin, p, shape, setting)
   local factor = setting.factor or 1
+  if p.type == "function" then return function_for(p, factor) end
   if p.type == "number" or p.type == "integer" then return number_for(p, factor) end
   if p.type == "vector" then return { 0.3 * factor, -0.7, 0.5 } end
   if p.type == "numbers" then return { number_for(p, factor), number_for(p, 0.7 * factor), number_for(p, 1.2 * factor) } end
@@ -121,19 +140,20 @@ local MADE = {} -- a value that is made for the scene
 -- Settings of the parameters: first the required ones and numbers that are zero by default; then in addition, one at a
 -- time, each optional parameter and every other choice; and one number per tuple.
 local function settings_of(plugin)
-  local base, more, per_tuple = {}, {}, false
+  local base, more, per_tuple, first = {}, {}, false, nil
   for _, p in ipairs(plugin.params) do
+    if p.type == "function" and not first then first = p.name end -- the others are instead of it
     local scalar = p.type == "number" or p.type == "per tuple" or p.type == "vector"
     per_tuple = per_tuple or p.type == "per tuple"
     if plugin.given[p.name] ~= nil then base[p.name] = plugin.given[p.name]
-    elseif p.required or (scalar and is_zero(p) and not p.optional) then base[p.name] = MADE
+    elseif p.required or p.name == first or (scalar and is_zero(p) and not p.optional) then base[p.name] = MADE
     elseif p.type == "boolean" then
       more[#more + 1] = { p.name, true }
       more[#more + 1] = { p.name, false }
     elseif p.type == "choice" then
       for word in p.text:gmatch("[^|]+") do more[#more + 1] = { p.name, word } end
     else
-      more[#more + 1] = { p.name, MADE }
+      more[#more + 1] = { p.name, MADE, instead = p.type == "function" and first or nil }
       if p.type == "number" and (p.min or -1) < 0 then more[#more + 1] = { p.name, math.max(p.min or -2, -2) } end
     end
   end
@@ -141,6 +161,7 @@ local function settings_of(plugin)
   for _, extra in ipairs(more) do
     local values = {}
     for name, value in pairs(base) do values[name] = value end
+    if extra.instead then values[extra.instead] = nil end
     values[extra[1]] = extra[2]
     list[#list + 1] = { name = extra[2] == MADE and extra[1] or ("%s = %s"):format(extra[1], extra[2]), values = values }
   end
@@ -175,6 +196,7 @@ function cases.open(plugin, case, options)
   else
     scene = hooke.scene { duration = 1, integrator = "leapfrog", dt = 0.01 }
     scene:channel("heat", { initial = 0.4 })
+    scene:channel("radius", { initial = 0.3 }) -- the channel by which forces know a size
     particles_of(scene, case.shape)
     local params = { label = "checked", only = options.only }
     for name, value in pairs(case.setting.values) do

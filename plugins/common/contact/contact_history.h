@@ -1,0 +1,48 @@
+/* What contacts remember from step to step: for each particle the bodies that it touched at the end of the last
+ * accepted step, and the slip since each contact began. A slip is kept as an anchor: the position r of the particle
+ * against the other body less the slip. At a later position the slip is the part of r - anchor across the normal,
+ * without any integration, whatever the method's stages are.
+ *
+ * Items name bodies by id and are saved in checkpoints; rows are found again from them. A plugin has these fields:
+ *     {"touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(self, history.touches), 0},
+ *     {"next_touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(self, history.next), HK_SCRATCH},
+ *     {"count", HK_FIELD_INTEGER, 1, offsetof(self, history.count), 0},
+ *     {"time", HK_FIELD_NUMBER, 1, offsetof(self, history.t), 0}, */
+#ifndef HK_CONTACT_HISTORY_H
+#define HK_CONTACT_HISTORY_H
+
+#include "core/plugin.h"
+
+typedef struct hk_touch {
+  uint32_t self, other; /* ids, or the number of a wall; rising by self, then by other */
+  double anchor[3];     /* m */
+} hk_touch;
+
+typedef struct hk_contact_history {
+  hk_array touches, next; /* hk_touch; `next` is where the following ones are written */
+  int64_t count;          /* of touches that are used */
+  double t;               /* s, when they were written */
+  size_t *row, *next_row; /* n + 1: the first touch of each particle */
+  const void *indexed;    /* the touches that the rows are those of; NULL: none */
+  int64_t indexed_count;
+} hk_contact_history;
+
+/* To be called in `create` and `topology`: forgets touches of particles that are no more. `others_die`: the other
+ * bodies are particles as well. */
+hk_status hk_history_adapt(hk_contact_history *, const hk_view *view, bool others_die);
+/* To be called before the rows are read: a checkpoint may have been. */
+void hk_history_index(hk_contact_history *, const hk_view *view);
+
+/* The touch of `other`, for rising ones: *at, from row[i] on, moves forward. NULL: there was none. */
+static inline const hk_touch *hk_history_find(const hk_contact_history *h, size_t i, size_t *at, uint32_t other) {
+  const hk_touch *touch = h->touches.item;
+  while (*at < h->row[i + 1] && touch[*at].other < other) ++*at;
+  return *at < h->row[i + 1] && touch[*at].other == other ? &touch[*at] : NULL;
+}
+
+/* Writing: the caller sets next_row[i + 1] to the number of touches of particle i; hk_history_reserve makes rows of
+ * them and memory; the caller fills the rows of `next`; hk_history_commit makes these the touches at time t. */
+hk_status hk_history_reserve(hk_contact_history *, const hk_view *view);
+void hk_history_commit(hk_contact_history *, size_t n, double t);
+
+#endif

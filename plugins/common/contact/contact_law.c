@@ -1,0 +1,32 @@
+/* The damping that gives a coefficient of restitution: e falls from 1 to 0 as z rises, so it is found by bisection. */
+#include "plugins/common/contact/contact_law.h"
+
+static const double nearly_one = 1e-6; /* where 1 - z^2 is less, the limit of the quotient is exact to rounding */
+
+/* 2 acos(z)/sqrt(1 - z^2), continued above 1. */
+double hk_contact_duration(double z) {
+  if (fabs(1 - z) < nearly_one) return 2 * (1 - (z - 1) / 3);
+  return z < 1 ? 2 * acos(z) / sqrt(1 - z * z) : 2 * acosh(z) / sqrt(z * z - 1);
+}
+
+static double restitution_of(double z) { return exp(-z * hk_contact_duration(z)); }
+
+double hk_contact_damping(double restitution) {
+  double low = 0, high = 1;
+  if (restitution >= 1) return 0;
+  while (restitution_of(high) > restitution) high *= 2;
+  for (int k = 0; k < 100; k++) { /* more than a double has bits */
+    double middle = (low + high) / 2;
+    if (restitution_of(middle) > restitution)
+      low = middle;
+    else
+      high = middle;
+  }
+  return high;
+}
+
+hk_contact_bound hk_contact_stiffness(const hk_contact_law *law, hk_stiffness_part part, double mass) {
+  double k = law->stiffness, across = law->tangential, q = law->yielding;
+  if (part != HK_DAMPING_WHOLE) return (hk_contact_bound){k, q * across};
+  return (hk_contact_bound){2 * law->damping * sqrt(k * mass), q * 2 * law->damping * sqrt(across * mass / q)};
+}

@@ -1,0 +1,43 @@
+/* Particles as spheres: radii and angular velocities, from parameters and channels. */
+#ifndef HK_SPHERES_H
+#define HK_SPHERES_H
+
+#include "core/plugin.h"
+
+typedef struct hk_spheres {
+  double radius;            /* m; NAN: from the channel */
+  const char *radii, *spin; /* names of channels, or NULL */
+  const hk_channel *radius_channel, *spin_channel;
+} hk_spheres;
+
+/* Finds the channels. HK_BAD_PARAM: one is not there or of another size, or no radius is given. */
+hk_status hk_spheres_open(hk_spheres *, const hk_view *view);
+typedef struct hk_radii {
+  double smallest, largest; /* m; INFINITY and 0 where there are no particles */
+} hk_radii;
+
+hk_radii hk_spheres_measure(const hk_spheres *, const hk_view *view);
+hk_status hk_spheres_check(const hk_spheres *, const hk_view *view); /* HK_BAD_PARAM: a radius is not positive */
+
+static inline double hk_sphere_radius(const hk_spheres *s, const hk_view *view, size_t i) {
+  return s->radius_channel ? view->y[s->radius_channel->offset * view->n + i] : s->radius;
+}
+
+/* dy += torque / inertia for the spins of the particles that the view's force acts on; torque: n x 3, N m. */
+void hk_spheres_turn(const hk_spheres *, const hk_view *view, const double *torque, double *dy);
+void hk_spheres_keep_spin(const hk_spheres *, const hk_view *view, double *spin); /* copies the spins, n x 3 */
+/* s, in which the fastest goes a quarter of the smallest radius, so that no contact is passed by unseen. */
+double hk_spheres_longest_step(const hk_spheres *, const hk_view *view);
+
+/* rad/s; NULL: spheres do not turn. */
+static inline const double *hk_sphere_spin(const hk_spheres *s, const hk_view *view, size_t i) {
+  return s->spin_channel ? view->y + s->spin_channel->offset * view->n + 3 * i : NULL;
+}
+
+/* kg m^2, of a solid sphere */
+static inline double hk_sphere_inertia(const hk_spheres *s, const hk_view *view, size_t i) {
+  double R = hk_sphere_radius(s, view, i);
+  return 0.4 * view->model->mass[i] * R * R;
+}
+
+#endif

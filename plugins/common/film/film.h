@@ -1,0 +1,49 @@
+/* Pictures of a motion, one per frame. They are drawn immediately when nothing in them depends on later frames. When
+ * the camera, the range of colours or the floor is chosen for the whole motion, frames are stored in an unlinked file
+ * and drawn at the end. */
+#ifndef HK_FILM_H
+#define HK_FILM_H
+
+#include "plugins/common/colour/colormap.h"
+#include "plugins/common/gl/gl_context.h"
+#include "plugins/common/picture/framing.h"
+#include "plugins/common/picture/painter.h"
+
+typedef struct hk_film {
+  /* To be set before hk_film_open. */
+  int width, height;  /* pixels */
+  const char *folder; /* of the pictures, inside the run's */
+  bool legend;
+  hk_colormap map;
+  bool reverse;
+  const char *label, *unit; /* of the legend; unit NULL: as the label has it */
+  size_t solids;
+  hk_solid *solid; /* valid as long as the film; in coordinates with z up */
+  hk_look look;
+  hk_framing framing;
+  hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */
+
+  const hk_host *host;
+  const hk_interruption *interruption;
+  bool waiting; /* frames are drawn at the end */
+  hk_snapshot3d snapshot;
+  hk_frame_spool spool;
+  hk_gl_context *gl;
+  hk_painter painter;
+  uint8_t (*colour)[4]; /* one per particle */
+  size_t colours;
+  unsigned char *picture; /* width x height x 4 */
+  uint8_t table[HK_MAP_SIZE][4];
+  char text[96]; /* label and unit */
+  size_t pictures;
+} hk_film;
+
+hk_status hk_film_open(hk_film *, const hk_host *host);
+/* `birth`: as in hk_ink_take. `changed`: the topology may differ from the last call's. */
+hk_status hk_film_add(hk_film *, const hk_view *view, const double *birth, bool changed);
+hk_status hk_film_finish(hk_film *, hk_verdict verdict); /* draws the frames that wait */
+/* Whether the user asks, once more, to stop: while the pictures of a run that has ended are drawn or made a video. */
+bool hk_film_stopped(void *film);
+void hk_film_free(hk_film *); /* a zeroed or freed one is allowed */
+
+#endif

@@ -1,0 +1,237 @@
+/* The sum over all pairs, in blocks of targets. */
+#include "plugins/common/gravity/direct_sum.h"
+
+#include <string.h>
+
+enum { BLOCK = HK_GRAVITY_BLOCK, CHUNK_PAIRS = 1 << 16 /* some 20 us: far above the cost of handing it to a thread */ };
+
+hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n) {
+  if (g->room && n <= g->room) return HK_OK;
+  hk_gravity_release(g);
+  size_t room = n + n / 2 + BLOCK, each = room + BLOCK;
+  g->host = host;
+  if (!g->path) g->path = hk_gravity_best();
+  g->order = host->allocate(host, room * sizeof *g->order);
+  g->at.x = host->allocate(host, 4 * each * sizeof(double));
+  g->parts = room + 1;
+  g->part = host->allocate(host, g->parts * sizeof *g->part);
+  if (!g->order || !g->at.x || !g->part) {
+    hk_gravity_release(g);
+    return HK_NO_MEMORY;
+  }
+  g->at = (hk_bodies){g->at.x, g->at.x + each, g->at.x + 2 * each, g->at.x + 3 * each};
+  g->room = room;
+  return HK_OK;
+}
+
+void hk_gravity_release(hk_gravity_bodies *g) {
+  if (!g->host) return;
+  g->host->release(g->host, g->order);
+  g->host->release(g->host, g->at.x);
+  g->host->release(g->host, g->part);
+  g->order = NULL;
+  g->at = (hk_bodies){0};
+  g->part = NULL;
+  g->room = g->count = 0;
+}
+
+/* 1/m, a power of two near the inverse of the extent; the softening counts where it is larger. */
+static double scale_of(const hk_gravity_bodies *g, const double *x, double softening) {
+  double most = softening;
+  const double *first = g->count ? x + 3 * (size_t)g->order[0] : NULL;
+  for (size_t k = 1; k < g->count; k++)
+    for (size_t c = 0; c < 3; c++) most = fmax(most, fabs(x[3 * (size_t)g->order[k] + c] - first[c]));
+  int exponent;
+  if (!(most > 0) || !isfinite(most)) return 1;
+  frexp(most, &exponent);
+  return ldexp(1, exponent < -1000 ? 1000 : -exponent);
+}
+
+void hk_gravity_gather(hk_gravity_bodies *g, const double *x, const double *mass, double softening) {
+  g->scale = scale_of(g, x, softening);
+  g->eps2 = softening * g->scale * (softening * g->scale);
+  for (size_t k = 0; k < g->count; k++) {
+    const double *at = x + 3 * (size_t)g->order[k];
+    g->at.x[k] = at[0] * g->scale;
+    g->at.y[k] = at[1] * g->scale;
+    g->at.z[k] = at[2] * g->scale;
+    g->at.m[k] = mass[g->order[k]];
+  }
+}
+
+void hk_gravity_targets(const hk_gravity_bodies *g, size_t first, size_t count, hk_targets *t) {
+  for (size_t l = 0; l < BLOCK; l++) {
+    size_t k = l < count ? first + l : first;
+    t->x[0][l] = g->at.x[k];
+    t->x[1][l] = g->at.y[k];
+    t->x[2][l] = g->at.z[k];
+  }
+}
+
+/* ---- loops over blocks of targets ---- */
+
+/* Targets [first, first + count), all of which attract or none, and their sources [begin, end). */
+typedef struct block {
+  size_t first, count, begin, end;
+} block;
+
+static size_t blocks_of(size_t bodies) { return (bodies + BLOCK - 1) / BLOCK; }
+
+static block block_at(const hk_gravity_bodies *g, size_t index) {
+  size_t attracting = blocks_of(g->sources);
+  bool attracts = index < attracting;
+  size_t first = attracts ? index * BLOCK : g->sources + (index - attracting) * BLOCK;
+  size_t left = (attracts ? g->sources : g->count) - first;
+  return (block){first, left < BLOCK ? left : BLOCK, attracts && !g->mutual ? g->sources : 0,
+                 attracts ? g->count : g->sources};
+}
+
+typedef struct task {
+  hk_gravity_bodies *g;
+  double G, *out;
+} task;
+
+static size_t over_blocks(task *t, void (*body)(void *, size_t, size_t, size_t)) {
+  const hk_gravity_bodies *g = t->g;
+  size_t blocks = blocks_of(g->sources) + blocks_of(g->count - g->sources);
+  size_t grain = g->count ? CHUNK_PAIRS / BLOCK / g->count + 1 : 1;
+  g->host->parallel_for(g->host, blocks, grain, body, t);
+  return blocks;
+}
+
+/* ---- forces ---- */
+
+/* Where an estimate leaves the range of floats, roots do not. */
+static bool is_finite(const hk_pull *sum, size_t count) {
+  double all = 0;
+  for (size_t l = 0; l < count; l++) all += 0 * (sum->a[0][l] + sum->a[1][l] + sum->a[2][l]);
+  return all == 0;
+}
+
+/* With softening 0 a body meets itself at its place, and nobody else. (Where something is not finite, it does not.)
+ * Returns 1 + the first body that does; 0: none. */
+static size_t meeting(const hk_gravity_bodies *g, const block *b, const hk_pull *sum) {
+  for (size_t l = 0; l < b->count && !(g->eps2 > 0); l++)
+    if (sum->zeros[l] > (b->first + l >= b->begin && b->first + l < b->end)) return 1 + b->first + l;
+  return 0;
+}
+
+static size_t add_pull(const task *t, const block *b) {
+  hk_gravity_bodies *g = t->g;
+  hk_targets at;
+  hk_pull sum = {0};
+  hk_gravity_targets(g, b->first, b->count, &at);
+  g->path->pull(&g->at, b->begin, b->end, &at, g->eps2, &sum);
+  if (!is_finite(&sum, b->count)) {
+    sum = (hk_pull){0};
+    hk_gravity_narrow.pull(&g->at, b->begin, b->end, &at, g->eps2, &sum);
+  }
+  for (size_t l = 0; l < b->count; l++) {
+    size_t k = b->first + l;
+    double f = t->G * g->at.m[k] * (g->scale * g->scale);
+    for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += f * sum.a[c][l];
+  }
+  return meeting(g, b, &sum);
+}
+
+static void force_blocks(void *context, size_t begin, size_t end, size_t chunk) {
+  task *t = context;
+  size_t met = 0;
+  for (size_t k = begin; k < end; k++) {
+    block b = block_at(t->g, k);
+    size_t here = add_pull(t, &b);
+    if (met == 0) met = here;
+  }
+  t->g->part[chunk] = (double)met;
+}
+
+bool hk_direct_forces(hk_gravity_bodies *g, double G, double *F) {
+  task t = {g, G, F};
+  memset(g->part, 0, g->parts * sizeof *g->part);
+  return hk_gravity_apart(g, over_blocks(&t, force_blocks));
+}
+
+bool hk_gravity_apart(hk_gravity_bodies *g, size_t parts) {
+  g->met = 0;
+  for (size_t k = 0; k < parts && g->met == 0; k++) g->met = (size_t)g->part[k];
+  return g->met == 0;
+}
+
+void hk_gravity_coincident(const hk_gravity_bodies *g, uint32_t pair[2]) {
+  size_t k = g->met - 1;
+  double least = INFINITY;
+  pair[0] = pair[1] = g->order[k];
+  for (size_t j = 0; j < g->count; j++) {
+    double s = hk_gravity_distance(g, j, k);
+    if (j == k || !(s < least)) continue;
+    least = s;
+    pair[1] = g->order[j];
+  }
+}
+
+/* ---- the energy: every pair once, by its later body ---- */
+
+static double block_energy(const hk_gravity_bodies *g, const block *b) {
+  double potential[BLOCK] = {0}, sum = 0;
+  bool attracts = b->first < g->sources;
+  hk_targets at;
+  hk_gravity_targets(g, b->first, b->count, &at);
+  g->path->scalar(&g->at, 0, !attracts ? g->sources : g->mutual ? b->first : 0, &at, g->eps2, 1, potential);
+  for (size_t l = 0; l < b->count; l++) {
+    sum += g->at.m[b->first + l] * potential[l];
+    for (size_t j = b->first; j < b->first + l && attracts && g->mutual; j++)
+      sum += g->at.m[j] * g->at.m[b->first + l] / hk_gravity_distance(g, j, b->first + l);
+  }
+  return sum;
+}
+
+static void energy_blocks(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    block b = block_at(t->g, k);
+    t->g->part[k] = block_energy(t->g, &b);
+  }
+}
+
+double hk_direct_energy(hk_gravity_bodies *g, double G) {
+  task t = {g, G, NULL};
+  double sum = 0;
+  size_t blocks = over_blocks(&t, energy_blocks);
+  for (size_t k = 0; k < blocks; k++) sum += g->part[k];
+  return -G * g->scale * sum;
+}
+
+/* ---- the bound of the stiffness ---- */
+
+/* With softening a body is not apart from itself: it is left out by its index. */
+static void stiffness_of(const hk_gravity_bodies *g, const block *b, double *sum) {
+  bool inside = b->first >= b->begin && b->first < b->end;
+  size_t until = inside ? b->first : b->end, from = inside ? b->first + b->count : b->end;
+  hk_targets at;
+  hk_gravity_targets(g, b->first, b->count, &at);
+  g->path->scalar(&g->at, b->begin, until, &at, g->eps2, 3, sum);
+  g->path->scalar(&g->at, from, b->end, &at, g->eps2, 3, sum);
+  for (size_t l = 0; l < b->count; l++)
+    for (size_t j = until; j < from; j++) {
+      double s = hk_gravity_distance(g, j, b->first + l);
+      if (j != b->first + l) sum[l] += g->at.m[j] / (s * s * s);
+    }
+}
+
+static void stiffness_blocks(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  const hk_gravity_bodies *g = t->g;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    block b = block_at(g, k);
+    double sum[BLOCK] = {0};
+    stiffness_of(g, &b, sum);
+    for (size_t l = 0; l < b.count; l++) t->out[b.first + l] = t->G * g->scale * g->scale * g->scale * sum[l];
+  }
+}
+
+void hk_direct_stiffness(hk_gravity_bodies *g, double G, double *pull) {
+  task t = {g, G, pull};
+  over_blocks(&t, stiffness_blocks);
+}

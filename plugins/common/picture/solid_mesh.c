@@ -1,0 +1,145 @@
+/* Every solid is a grid of (rows + 1) x (columns + 1) points in its own axes, in which it is a sphere, cylinder or cube
+ * of half extent 1; points of a grid that have a normal of their own are entered twice. */
+#include "plugins/common/picture/solid_mesh.h"
+
+#include <string.h>
+
+enum { ROWS = 32, COLUMNS = 64 };
+
+typedef struct maker {
+  hk_painter *painter;
+  const hk_solid *solid;
+  const double *origin;
+  double inverse[3][3]; /* rows: what normals are made of */
+  uint8_t colour[4];
+} maker;
+
+static void cross(const double a[3], const double b[3], double out[3]) {
+  for (int c = 0; c < 3; c++) out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
+}
+
+static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+/* Normals of stretched bodies are turned by the cofactors of the axes. */
+static maker make_maker(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+  static const uint8_t colours[2][2][4] = {{{150, 146, 140, 255}, {72, 74, 80, 255}},  /* bodies by day, by night */
+                                           {{168, 174, 182, 255}, {44, 47, 54, 255}}}; /* planes */
+  maker m = {p, solid, origin, {{0}}, {0}};
+  memcpy(m.colour, colours[solid->kind == HK_SOLID_PLANE][hk_is_dark(setup->background)], sizeof m.colour);
+  for (int k = 0; k < 3; k++) cross(solid->axis[(k + 1) % 3], solid->axis[(k + 2) % 3], m.inverse[k]);
+  return m;
+}
+
+/* Adds the point p of the solid's own axes. */
+static void add_vertex(const maker *m, const double p[3], const double normal[3]) {
+  hk_vertex *v = m->painter->vertex + m->painter->vertices++;
+  double n[3] = {0};
+  for (int c = 0; c < 3; c++) {
+    double x = m->solid->centre[c] - m->origin[c];
+    for (int k = 0; k < 3; k++) x += p[k] * m->solid->axis[k][c], n[c] += normal[k] * m->inverse[k][c];
+    v->x[c] = (float)x;
+  }
+  for (int c = 0; c < 3; c++) v->normal[c] = (float)(n[c] / fmax(length(n), 1e-300));
+  memcpy(v->colour, m->colour, sizeof v->colour);
+}
+
+/* Joins the last (rows + 1) x (columns + 1) vertices. */
+static void join(hk_painter *p, uint32_t rows, uint32_t columns) {
+  uint32_t first = (uint32_t)p->vertices - (rows + 1) * (columns + 1);
+  for (uint32_t i = 0; i < rows; i++)
+    for (uint32_t j = 0; j < columns; j++) {
+      uint32_t a = first + i * (columns + 1) + j, b = a + columns + 1;
+      memcpy(p->triangle[p->triangles++], (uint32_t[]){a, a + 1, b + 1}, 3 * sizeof(uint32_t));
+      memcpy(p->triangle[p->triangles++], (uint32_t[]){a, b + 1, b}, 3 * sizeof(uint32_t));
+    }
+}
+
+static void add_sphere(const maker *m) {
+  const double pi = acos(-1);
+  for (int i = 0; i <= ROWS; i++)
+    for (int j = 0; j <= COLUMNS; j++) {
+      double latitude = pi * ((double)i / ROWS - 0.5), longitude = 2 * pi * j / COLUMNS;
+      double p[3] = {cos(latitude) * cos(longitude), cos(latitude) * sin(longitude), sin(latitude)};
+      add_vertex(m, p, p);
+    }
+  join(m->painter, ROWS, COLUMNS);
+}
+
+static void add_cylinder(const maker *m) {
+  for (int part = -1; part <= 1; part++) { /* bottom, side, top */
+    for (int i = 0; i <= 1; i++)
+      for (int j = 0; j <= COLUMNS; j++) {
+        double angle = 2 * acos(-1) * j / COLUMNS, r = part == 0 ? 1 : part < 0 ? i : 1 - i;
+        double p[3] = {r * cos(angle), r * sin(angle), part == 0 ? 2 * i - 1 : part};
+        add_vertex(m, p, part == 0 ? (double[]){cos(angle), sin(angle), 0} : (double[]){0, 0, part});
+      }
+    join(m->painter, 1, COLUMNS);
+  }
+}
+
+/* One side of the cube: at `sign` along axis c. */
+static void add_side(const maker *m, int c, double sign) {
+  double normal[3] = {0};
+  normal[c] = sign;
+  for (int i = 0; i <= 1; i++)
+    for (int j = 0; j <= 1; j++) {
+      double p[3];
+      p[c] = sign, p[(c + 1) % 3] = 2 * j - 1, p[(c + 2) % 3] = sign * (2 * i - 1);
+      add_vertex(m, p, normal);
+    }
+  join(m->painter, 1, 1);
+}
+
+static void add_box(const maker *m) {
+  for (int c = 0; c < 3; c++)
+    for (int sign = -1; sign <= 1; sign += 2) add_side(m, c, sign);
+}
+
+/* A square around the point nearest to the middle of the motion. */
+static void add_plane(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+  hk_solid square = {HK_SOLID_PLANE, {0}, {{0}}};
+  double *u = square.axis[0], *v = square.axis[1], *n = square.axis[2], across = 0, size = length(solid->axis[2]);
+  for (int c = 0; c < 3; c++) n[c] = solid->axis[2][c] / fmax(size, 1e-300);
+  bool level = fabs(n[2]) > 1 - 1e-9;
+  if (level && setup->floor && fabs(solid->centre[2] - origin[2] - setup->height) < 1e-3 * setup->size) return;
+  cross(level ? (double[]){0, 1, 0} : (double[]){0, 0, 1}, n, u);
+  for (int c = 0; c < 3; c++) across += n[c] * ((setup->low[c] + setup->high[c]) / 2 + origin[c] - solid->centre[c]);
+  double scale = 1.5 * setup->size / length(u);
+  for (int c = 0; c < 3; c++) {
+    square.centre[c] = (setup->low[c] + setup->high[c]) / 2 + origin[c] - across * n[c];
+    u[c] *= scale;
+  }
+  cross(n, u, v);
+  maker m = make_maker(p, setup, &square, origin);
+  for (int i = 0; i <= 1; i++)
+    for (int j = 0; j <= 1; j++) add_vertex(&m, (double[]){2 * j - 1, 2 * i - 1, 0}, (double[]){0, 0, 1});
+  join(p, 1, 1);
+}
+
+void hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+  maker m = make_maker(p, setup, solid, origin);
+  switch (solid->kind) {
+  case HK_SOLID_PLANE:
+    add_plane(p, setup, solid, origin);
+    break;
+  case HK_SOLID_SPHERE:
+    add_sphere(&m);
+    break;
+  case HK_SOLID_BOX:
+    add_box(&m);
+    break;
+  case HK_SOLID_CYLINDER:
+    add_cylinder(&m);
+  }
+}
+
+void hk_solid_box(const hk_solid *solid, double low[3], double high[3]) {
+  for (int c = 0; c < 3 && solid->kind != HK_SOLID_PLANE; c++) {
+    double a = fabs(solid->axis[0][c]), b = fabs(solid->axis[1][c]), d = fabs(solid->axis[2][c]);
+    double half = solid->kind == HK_SOLID_BOX        ? a + b + d
+                  : solid->kind == HK_SOLID_CYLINDER ? hypot(a, b) + d
+                                                     : hypot(hypot(a, b), d);
+    low[c] = fmin(low[c], solid->centre[c] - half);
+    high[c] = fmax(high[c], solid->centre[c] + half);
+  }
+}

@@ -1,0 +1,102 @@
+#include "plugins/common/snapshot/ink.h"
+
+#include <string.h>
+
+static void take_strain(hk_snapshot3d *s, const hk_view *view) {
+  const hk_model *m = view->model;
+  for (size_t i = 0; i < view->n; i++) s->ink[i].number = s->weight[i] = 0;
+  for (size_t l = 0; l < m->element_lists; l++) {
+    const hk_elements *e = &m->element_list[l].elements;
+    if (!hk_elements_are_edges(e) || e->rest.count == 0) continue;
+    for (size_t k = 0; k < e->node.count; k++) {
+      size_t i = hk_tuple(&e->node, k)[0], j = hk_tuple(&e->node, k)[1];
+      const double *a = view->x + 3 * i, *b = view->x + 3 * j;
+      double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+      double rest = hk_tuple_value(&e->rest, k), stiffness = hk_tuple_value(&e->stiffness, k);
+      if (!(rest > 0) || !(stiffness > 0)) continue;
+      double strain = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / rest - 1;
+      if (!isfinite(strain)) continue;
+      s->ink[i].number += (float)(stiffness * strain), s->weight[i] += (float)stiffness;
+      s->ink[j].number += (float)(stiffness * strain), s->weight[j] += (float)stiffness;
+    }
+  }
+  for (size_t i = 0; i < view->n; i++)
+    if (s->weight[i] > 0) s->ink[i].number /= s->weight[i];
+}
+
+static double length(const double *value, size_t size) {
+  double sum = 0;
+  if (size == 1) return value[0];
+  for (size_t c = 0; c < size; c++) sum += value[c] * value[c];
+  return sqrt(sum);
+}
+
+static void take_colour(hk_ink *ink, const double rgb[3]) {
+  for (int c = 0; c < 3; c++) ink->colour[c] = (uint8_t)(255 * fmin(fmax(rgb[c], 0), 1) + 0.5);
+  ink->colour[3] = 255;
+}
+
+static const double *channel_of(const hk_view *view, size_t k) {
+  return view->y + view->model->channel[k].offset * view->n;
+}
+
+static void take_group(hk_snapshot3d *s, const hk_view *view) {
+  for (size_t i = 0; i < view->n; i++) memcpy(s->ink + i, &view->model->group[i], sizeof *s->ink);
+}
+
+static void take_channel(hk_snapshot3d *s, const hk_view *view) {
+  const double *y = channel_of(view, s->look->channel);
+  size_t size = view->model->channel[s->look->channel].size;
+  for (size_t i = 0; i < view->n; i++) {
+    if (s->look->paint == HK_PAINT_RGB)
+      take_colour(s->ink + i, y + size * i);
+    else
+      s->ink[i].number = (float)length(y + size * i, size);
+  }
+}
+
+static void take_number(hk_snapshot3d *s, const hk_view *view, const double *birth) {
+  for (size_t i = 0; i < view->n; i++) {
+    double number = s->look->paint == HK_PAINT_SPEED  ? length(view->v + 3 * i, 3)
+                    : s->look->paint == HK_PAINT_AGE  ? view->t - (birth ? birth[i] : 0)
+                    : s->look->paint == HK_PAINT_MASS ? view->model->mass[i]
+                                                      : 0;
+    s->ink[i].number = (float)number;
+  }
+}
+
+static void take_sizes(hk_snapshot3d *s, const hk_view *view) {
+  float *size = s->extra[HK_EXTRA_SIZE];
+  const double *radius = s->look->sizes == HK_SIZE_CHANNEL ? channel_of(view, s->look->size_channel) : NULL;
+  for (size_t i = 0; i < view->n; i++) {
+    double r = radius ? radius[i] : cbrt(view->model->mass[i]);
+    size[i] = isfinite(r) && r > 0 ? (float)r : 0;
+  }
+}
+
+static void take_fade(hk_snapshot3d *s, const hk_view *view) {
+  const double *y = channel_of(view, s->look->fade_channel);
+  for (size_t i = 0; i < view->n; i++) s->extra[HK_EXTRA_FADE][i] = (float)fmin(fmax(y[i], 0), 1);
+}
+
+static void take_velocities(hk_snapshot3d *s, const hk_view *view) {
+  for (size_t i = 0; i < view->n; i++) {
+    double v[3];
+    hk_look_turn(s->look->y_up, view->v + 3 * i, v);
+    for (size_t c = 0; c < 3; c++) s->extra[HK_EXTRA_VELOCITY][3 * i + c] = isfinite(v[c]) ? (float)v[c] : 0;
+  }
+}
+
+void hk_ink_take(hk_snapshot3d *s, const hk_view *view, const double *birth) {
+  if (s->look->paint == HK_PAINT_STRAIN)
+    take_strain(s, view);
+  else if (s->look->paint == HK_PAINT_GROUP)
+    take_group(s, view);
+  else if (s->look->paint == HK_PAINT_CHANNEL || s->look->paint == HK_PAINT_RGB)
+    take_channel(s, view);
+  else
+    take_number(s, view, birth);
+  if (s->look->sizes != HK_SIZE_SAME) take_sizes(s, view);
+  if (s->look->fades) take_fade(s, view);
+  if (s->look->streak > 0) take_velocities(s, view);
+}

@@ -1,0 +1,51 @@
+/* What a scene says of how its particles look, by names: what their colour, size and opacity show. */
+#ifndef HK_LOOK_H
+#define HK_LOOK_H
+
+#include "core/plugin.h"
+
+typedef enum hk_paint {
+  HK_PAINT_NONE,    /* one colour for all */
+  HK_PAINT_STRAIN,  /* mean strain of the springs at a particle, weighted by their stiffness */
+  HK_PAINT_SPEED,   /* |v|, m/s */
+  HK_PAINT_GROUP,   /* a colour per group */
+  HK_PAINT_AGE,     /* s since the birth */
+  HK_PAINT_MASS,    /* kg */
+  HK_PAINT_CHANNEL, /* a channel's number, or the length of its vector */
+  HK_PAINT_RGB      /* a channel of three numbers in 0..1: red, green, blue */
+} hk_paint;
+
+typedef enum hk_sizes {
+  HK_SIZE_SAME,
+  HK_SIZE_MASS,   /* radii as the cube roots of the masses */
+  HK_SIZE_CHANNEL /* a channel's number is the radius, m */
+} hk_sizes;
+
+typedef struct hk_look_names { /* as the script writes them */
+  const char *color;           /* auto, none, strain, speed, group, age, mass, or a channel, which goes before those */
+  const char *size;            /* auto: the channel radius if there is one; same, mass, or a channel */
+  const char *fade;            /* a channel, or NULL */
+} hk_look_names;
+
+typedef struct hk_look {
+  hk_paint paint;
+  hk_sizes sizes;
+  bool fades;
+  size_t channel, size_channel, fade_channel; /* positions in model->channel */
+  int springs, particles;                     /* 0 auto: those not shown by other objects; 1 all; 2 none */
+  double streak;                              /* s: particles leave a streak of this much of their way */
+  bool y_up;
+} hk_look;
+
+/* Sets what the names say. HK_BAD_PARAM: unknown name; the message has the nearest. `label`: name and unit of the
+ * colours' numbers (the host owns a channel's name). */
+hk_status hk_look_choose(hk_look *, const hk_host *host, const hk_model *model, const hk_look_names *,
+                         const char **label);
+
+/* From the scene's axes to those of pictures, in which z is up. */
+static inline void hk_look_turn(bool y_up, const double in[3], double out[3]) {
+  double y = in[1], z = in[2];
+  out[0] = in[0], out[1] = y_up ? -z : y, out[2] = y_up ? y : z;
+}
+
+#endif

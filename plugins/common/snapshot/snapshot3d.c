@@ -1,0 +1,159 @@
+#include "plugins/common/snapshot/snapshot3d.h"
+
+#include <string.h>
+
+static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
+  host->release(host, old);
+  return host->allocate(host, count * bytes);
+}
+
+void hk_snapshot3d_open(hk_snapshot3d *s, const hk_host *host, const hk_look *look) {
+  *s = (hk_snapshot3d){.host = host, .look = look};
+}
+
+size_t hk_snapshot3d_extra_width(const hk_snapshot3d *s, int extra) {
+  bool wanted[HK_EXTRAS] = {s->look->sizes != HK_SIZE_SAME, s->look->fades, s->look->streak > 0};
+  return wanted[extra] ? extra == HK_EXTRA_VELOCITY ? 3 : 1 : 0;
+}
+
+/* Memory for the room's particles; false: there is none. */
+static bool renew_extras(hk_snapshot3d *s) {
+  bool ok = true;
+  for (int k = 0; k < HK_EXTRAS; k++) {
+    size_t width = hk_snapshot3d_extra_width(s, k);
+    if (width) s->extra[k] = renew(s->host, s->extra[k], s->room, width * sizeof(float));
+    ok = ok && (!width || s->extra[k]);
+  }
+  return ok;
+}
+
+hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, size_t lines) {
+  bool extras = true;
+  if (n >= s->room) {
+    s->room = n + n / 2 + 1, s->stale = true;
+    s->x = renew(s->host, s->x, s->room, sizeof *s->x);
+    s->ink = renew(s->host, s->ink, s->room, sizeof *s->ink);
+    s->mark = renew(s->host, s->mark, s->room, sizeof *s->mark);
+    s->weight = renew(s->host, s->weight, s->room, sizeof *s->weight);
+    extras = renew_extras(s);
+  }
+  if (triangles >= s->triangle_room) {
+    s->triangle_room = triangles + triangles / 2 + 1, s->stale = true;
+    s->triangle = renew(s->host, s->triangle, s->triangle_room, sizeof *s->triangle);
+  }
+  if (lines >= s->line_room) {
+    s->line_room = lines + lines / 2 + 1, s->stale = true;
+    s->line = renew(s->host, s->line, s->line_room, sizeof *s->line);
+  }
+  if (extras && s->x && s->ink && s->mark && s->weight && s->triangle && s->line) return HK_OK;
+  s->room = s->triangle_room = s->line_room = 0;
+  return s->host->fail(s->host, HK_NO_MEMORY, "no memory for a picture of %zu particles", n);
+}
+
+void hk_snapshot3d_free(hk_snapshot3d *s) {
+  if (!s->host) return;
+  void *all[] = {s->x, s->ink, s->mark, s->weight, s->triangle, s->line, s->extra[0], s->extra[1], s->extra[2]};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) s->host->release(s->host, all[k]);
+  *s = (hk_snapshot3d){0};
+}
+
+/* A hash of the data that the copy of the topology depends on; pins are released and springs removed without births or
+ * deaths. */
+static uint64_t fingerprint(const hk_model *m) {
+  uint64_t h = 14695981039346656037u;
+  size_t counts[] = {m->n, m->edges.count, m->triangles.count, m->element_lists};
+  for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) h = (h ^ counts[k]) * 1099511628211u;
+  for (size_t k = 0; k < m->element_lists; k++) h = (h ^ m->element_list[k].elements.node.count) * 1099511628211u;
+  for (size_t i = 0; i < m->n; i++) h = (h ^ m->pin[i]) * 1099511628211u;
+  return h;
+}
+
+/* The lists of elements on pairs, or else the scene's edges: the k-th; NULL: there are no more. */
+static const hk_tuples *pairs_of(const hk_model *m, size_t k) {
+  size_t pairs = 0;
+  for (size_t l = 0; l < m->element_lists; l++)
+    if (m->element_list[l].elements.node.arity == 2 && pairs++ == k) return &m->element_list[l].elements.node;
+  return pairs == 0 && k == 0 ? &m->edges : NULL;
+}
+
+/* The number of edges: those of elements on pairs or, without any, the scene's. */
+static size_t all_lines(const hk_model *m) {
+  size_t count = 0;
+  const hk_tuples *pairs;
+  for (size_t k = 0; (pairs = pairs_of(m, k)); k++) count += pairs->count;
+  return count;
+}
+
+/* Appends the pairs to draw: all, or those with an end that belongs to no triangle. */
+static void add_lines(hk_snapshot3d *s, const hk_tuples *edges, bool all) {
+  for (size_t e = 0; e < edges->count; e++) {
+    const uint32_t *pair = hk_tuple(edges, e);
+    if (!all && s->weight[pair[0]] > 0 && s->weight[pair[1]] > 0) continue;
+    memcpy(s->line[s->lines++], pair, sizeof s->line[0]);
+  }
+}
+
+/* Copies the topology. During the call `weight` marks the particles that belong to a triangle. */
+static void take_topology(hk_snapshot3d *s, const hk_model *m) {
+  const hk_look *look = s->look;
+  s->triangles = m->triangles.count;
+  s->lines = 0;
+  if (s->triangles) memcpy(s->triangle, m->triangles.index, s->triangles * sizeof *s->triangle);
+  memset(s->weight, 0, m->n * sizeof *s->weight);
+  for (size_t k = 0; k < 3 * s->triangles; k++) s->weight[m->triangles.index[k]] = 1;
+  const hk_tuples *pairs;
+  for (size_t k = 0; look->springs != 2 && (pairs = pairs_of(m, k)); k++) add_lines(s, pairs, look->springs == 1);
+  for (size_t i = 0; i < m->n; i++) {
+    bool bead = look->particles == 1 || (look->particles == 0 && s->weight[i] == 0);
+    bool pin = look->particles != 2 && (m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH);
+    s->mark[i] = (uint8_t)((bead ? HK_MARK_BEAD : 0) | (pin ? HK_MARK_PIN : 0));
+  }
+}
+
+/* Sets the origin to the middle of the finite positions. */
+static void find_origin(hk_snapshot3d *s, const hk_view *view) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (size_t i = 0; i < view->n; i++) {
+    double x[3];
+    hk_look_turn(s->look->y_up, view->x + 3 * i, x);
+    for (int c = 0; c < 3; c++)
+      if (isfinite(x[c])) low[c] = fmin(low[c], x[c]), high[c] = fmax(high[c], x[c]);
+  }
+  for (int c = 0; c < 3; c++) s->origin[c] = low[c] <= high[c] ? low[c] / 2 + high[c] / 2 : 0;
+}
+
+static void take_positions(hk_snapshot3d *s, const hk_view *view) {
+  s->reach = 0;
+  for (int c = 0; c < 3; c++) s->low[c] = INFINITY, s->high[c] = -INFINITY;
+  for (size_t i = 0; i < view->n; i++) {
+    double turned[3];
+    float *x = s->x[i];
+    hk_look_turn(s->look->y_up, view->x + 3 * i, turned);
+    for (int c = 0; c < 3; c++) x[c] = (float)(turned[c] - s->origin[c]);
+    float reach = sqrtf(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+    if (!isfinite(reach)) {
+      x[0] = x[1] = x[2] = NAN;
+      continue;
+    }
+    s->reach = fmaxf(s->reach, reach);
+    for (int c = 0; c < 3; c++) s->low[c] = fminf(s->low[c], x[c]), s->high[c] = fmaxf(s->high[c], x[c]);
+  }
+}
+
+hk_status hk_snapshot3d_take(hk_snapshot3d *s, const hk_view *view, bool changed) {
+  const hk_model *m = view->model;
+  bool first = !s->room;
+  hk_status status = hk_snapshot3d_reserve(s, view->n, m->triangles.count, s->look->springs == 2 ? 0 : all_lines(m));
+  if (status != HK_OK) return status;
+  if (first) find_origin(s, view);
+  uint64_t print = fingerprint(m);
+  if (changed || s->stale || print != s->fingerprint) {
+    take_topology(s, m);
+    s->fingerprint = print;
+    s->stale = false;
+    s->topology++;
+  }
+  s->n = view->n;
+  take_positions(s, view);
+  return HK_OK;
+}

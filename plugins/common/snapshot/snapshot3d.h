@@ -1,0 +1,55 @@
+/* The content of one picture, copied from the scene: positions, a number or colour per particle, and the edges and
+ * triangles. */
+#ifndef HK_SNAPSHOT3D_H
+#define HK_SNAPSHOT3D_H
+
+#include "plugins/common/snapshot/look.h"
+#include "plugins/common/snapshot/solid.h"
+
+typedef union hk_ink { /* hk_snapshot3d.ink: by hk_look.paint */
+  float number;
+  uint8_t colour[4];
+} hk_ink;
+
+enum { HK_MARK_BEAD = 1, HK_MARK_PIN = 2 }; /* hk_snapshot3d.mark */
+
+enum { HK_EXTRA_SIZE, HK_EXTRA_FADE, HK_EXTRA_VELOCITY, HK_EXTRAS };
+
+/* z is up. Positions are relative to `origin`, m, and single precision; a particle without a finite position has NAN.
+ */
+typedef struct hk_snapshot3d {
+  const hk_host *host;
+  const hk_look *look;
+  double origin[3];
+  size_t n;
+  float (*x)[3]; /* n */
+  hk_ink *ink;   /* n */
+  uint8_t *mark; /* n */
+  float *weight; /* n, scratch */
+  /* What the look asks for, otherwise NULL: by hk_look.sizes the cube root of the mass or the radius, n; opacity, n;
+   * velocity, n x 3. */
+  float *extra[HK_EXTRAS];
+  size_t solids;
+  const hk_solid *solid; /* in the scene's coordinates, z up; the caller's */
+  size_t triangles, lines;
+  uint32_t (*triangle)[3];
+  uint32_t (*line)[2];
+  uint64_t topology; /* number of the topology: when it changes, mark, triangle or line may change; 0: not copied yet */
+  uint64_t fingerprint;
+  bool stale; /* mark, triangle or line must be copied again */
+  size_t room, triangle_room, line_room;
+  float low[3], high[3]; /* box of the finite positions; low > high when there are none */
+  float reach;           /* largest distance from the origin, m */
+} hk_snapshot3d;
+
+/* An empty one; `look` must stay valid. */
+void hk_snapshot3d_open(hk_snapshot3d *, const hk_host *host, const hk_look *look);
+void hk_snapshot3d_free(hk_snapshot3d *);                           /* a zeroed one is allowed */
+size_t hk_snapshot3d_extra_width(const hk_snapshot3d *, int extra); /* numbers per particle; 0: there are none */
+/* Reserves memory for these numbers; arrays that must grow lose their content. */
+hk_status hk_snapshot3d_reserve(hk_snapshot3d *, size_t n, size_t triangles, size_t lines);
+/* Copies the scene but for ink and extra (plugins/common/snapshot/ink.h). `changed`: the topology may differ from the
+ * last call's. Sets the origin at the first call. */
+hk_status hk_snapshot3d_take(hk_snapshot3d *, const hk_view *view, bool changed);
+
+#endif

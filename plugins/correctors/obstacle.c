@@ -1,0 +1,230 @@
+/* A rigid obstacle that particles bounce from, slide along and come to rest on. Impacts are found inside the step, on
+ * the particle's path, and obey w' = w - (1 + e) (w.n) n - min(mu (1 + e) |w.n|, |w_t|) w_t/|w_t| in the frame of the
+ * obstacle, which moves as `position` and `rotation` say; see plugins/common/obstacles/obstacle.h for the method. All
+ * obstacles of a scene are handled together, when the last of them is called. Their work is reported, so that a ball
+ * that loses half its energy in a bounce is in balance. A step with more impacts than can be counted, such as between
+ * plates that close, is taken back; where shorter steps do not help, the run ends.
+ *
+ * Forces besides are the method's: where an implicit step is much longer than the period of stiff springs, contact
+ * belongs into the step, as the force `penalty` has it. */
+#include "plugins/common/obstacles/obstacle_params.h"
+#include "plugins/common/obstacles/obstacles_service.h"
+
+enum { GRAIN = 1024, MOST_DIVISIONS = 8 /* of 12 that the host allows */ };
+
+static const double worth_saying = 1e-6; /* m, as the verdict has it of constraints */
+
+/* Parts of the step: a landing is at its end from here on; so far beyond the landing, as the path is known, the
+ * repeated step ends. What is left of that after the landing has the acceleration from before it, and so has that part
+ * of its error. */
+static const double at_end = 1 - 1e-4, beyond = 1e-5;
+
+typedef struct chunk_result {
+  double work, depth;              /* J, m */
+  size_t deepest, slider, endless; /* indices; SIZE_MAX: none. Of the deepest; of one on a sliding pin */
+  double landing;                  /* the first, as a part of the step; 1: none */
+  size_t landings;
+  bool changed;
+} chunk_result;
+
+typedef struct obstacle {
+  hk_obstacle_params params;
+  double restitution;
+  int64_t divide;
+  int64_t divisions;     /* of the step that ends at `divided` */
+  double divided, whole; /* s; its length */
+  hk_array history;      /* hk_pose[HK_POSES] */
+  int64_t warned;        /* of a particle that came to be inside during the run */
+  hk_obstacle obstacle;
+  hk_surface surface;
+  const hk_obstacles *all;
+  chunk_result *result;
+  size_t results;
+  const hk_host *host;
+} obstacle;
+
+/* clang-format off */
+static const hk_param params[] = {
+    HK_OBSTACLE_PARAM_ROWS(obstacle),
+    {"restitution", "", "e, the part of the normal speed that an impact leaves",
+     HK_NUMBER, {0}, 0, 1, offsetof(obstacle, restitution), 0, NULL},
+    {"divide", "", "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
+     "anew after it; with more, they are taken from the path before, of order 1 where they change with the velocity",
+     HK_INTEGER, {4}, 0, 1e9, offsetof(obstacle, divide), 0, NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"history", HK_FIELD_ARRAY, sizeof(hk_pose), offsetof(obstacle, history), 0},
+    {"warned", HK_FIELD_INTEGER, 1, offsetof(obstacle, warned), 0},
+    {"divisions", HK_FIELD_INTEGER, 1, offsetof(obstacle, divisions), 0},
+    {"divided", HK_FIELD_NUMBER, 1, offsetof(obstacle, divided), 0},
+    {"whole", HK_FIELD_NUMBER, 1, offsetof(obstacle, whole), 0},
+    {0},
+};
+/* clang-format on */
+
+static void warn_of_start(const obstacle *s, const hk_view *view) {
+  hk_inside found = hk_obstacle_inside(&s->obstacle, view);
+  if (found.count)
+    s->host->warn(s->host,
+                  "%zu particles start inside the obstacle, by up to %.3g m (particle %u): the first step puts them on "
+                  "its surface, which no force does; start them outside",
+                  found.count, found.depth, view->model->id[found.deepest]);
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  obstacle *s = self;
+  s->host->release(s->host, s->result);
+  s->results = (view->n + GRAIN - 1) / GRAIN;
+  s->result = s->host->allocate(s->host, (s->results + 1) * sizeof *s->result);
+  return s->result ? HK_OK : s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  obstacle *s = self;
+  s->host = host;
+  s->obstacle.restitution = s->restitution;
+  hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
+  if (status == HK_OK) status = host->resize(host, &s->history, HK_POSES);
+  if (status != HK_OK) return status;
+  hk_pose now = hk_obstacle_pose(&s->params, view->t);
+  hk_motion_begin(s->history.item, &now);
+  hk_motion_of(&s->obstacle.motion, s->history.item);
+  warn_of_start(s, view);
+  s->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  if (!s->all) return HK_FAILED;
+  status = s->all->enter(s->all->self, &s->obstacle);
+  return status == HK_OK ? topology(self, view) : status;
+}
+
+static const chunk_result nothing = {.deepest = SIZE_MAX, .slider = SIZE_MAX, .endless = SIZE_MAX, .landing = 1};
+
+typedef struct task {
+  const obstacle *self;
+  const hk_view *view;
+  hk_correction *c;
+} task;
+
+static void meet(const task *t, size_t i, chunk_result *r) {
+  hk_correction *c = t->c;
+  const hk_model *model = t->view->model;
+  hk_obstacle_step step = {.i = i, .h = c->h, .mass = model->mass[i]};
+  step.x_from = c->x_before + 3 * i;
+  step.v_from = c->v_before + 3 * i;
+  step.x = c->x + 3 * i;
+  step.v = c->v + 3 * i;
+  if (!hk_obstacles_near(t->self->all->set, &step)) return;
+  hk_obstacles_meet(t->self->all->set, &step);
+  if (step.endless) r->endless = i;
+  if (step.landing < at_end) {
+    r->landings++;
+    r->landing = fmin(r->landing, step.landing);
+  }
+  if (!step.changed) return;
+  r->changed = true;
+  r->work += step.work;
+  if (model->pin[i] != HK_FREE) r->slider = i;
+  if (step.depth > r->depth) r->depth = step.depth, r->deepest = i;
+}
+
+static void meet_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  chunk_result *r = &t->self->result[chunk];
+  *r = nothing;
+  bool near[GRAIN];
+  hk_obstacles_sift(t->self->all->set, &(hk_obstacle_moves){t->c->h, t->c->x_before, t->c->v_before, t->c->x, t->c->v},
+                    begin, end, near);
+  for (size_t i = begin; i < end; i++)
+    if (near[i - begin] && t->view->model->inverse_mass[i] > 0) meet(t, i, r);
+}
+
+static void warn_of_depth(obstacle *s, const hk_view *view, const chunk_result *all, double h) {
+  bool start = s->warned == 0 && view->t - h <= 0;
+  if (!(all->depth > worth_saying) || s->warned || start) return;
+  s->warned = 1;
+  s->host->warn(s->host,
+                "particle %u was inside an obstacle by %.3g m before t = %g s (born there, or moved by a pin or a "
+                "constraint): it was put on the surface",
+                view->model->id[all->deepest], all->depth, view->t);
+}
+
+/* Whether the step is to end where the first particle lands. */
+static bool divides(obstacle *s, const hk_view *view, double h, const chunk_result *all) {
+  if (all->landings == 0 || all->landings > (size_t)s->divide) return false;
+  if (view->t > s->divided) {
+    s->divided = view->t;
+    s->divisions = 0;
+    s->whole = h;
+  }
+  if (h < (1 - at_end) * s->whole) return false;
+  return s->divisions++ < MOST_DIVISIONS;
+}
+
+static hk_status collect(obstacle *s, const hk_view *view, hk_correction *c) {
+  chunk_result all = nothing;
+  for (size_t k = 0; k < s->results; k++) {
+    const chunk_result *r = &s->result[k];
+    all.work += r->work;
+    all.changed |= r->changed;
+    all.landings += r->landings;
+    all.landing = fmin(all.landing, r->landing);
+    if (r->slider < all.slider) all.slider = r->slider;
+    if (r->endless < all.endless) all.endless = r->endless;
+    if (r->depth > all.depth) all.depth = r->depth, all.deepest = r->deepest;
+  }
+  if (all.slider < SIZE_MAX)
+    return s->host->fail(
+        s->host, HK_FAILED,
+        "particle %u slides on a pin and meets an obstacle at t = %g s: the law of impact is for particles "
+        "that are free; keep it away from the obstacle",
+        view->model->id[all.slider], view->t);
+  warn_of_depth(s, view, &all, c->h);
+  c->reject = all.endless < SIZE_MAX;
+  if (!c->reject && divides(s, view, c->h, &all)) {
+    c->reject = true;
+    c->part = all.landing + beyond;
+  }
+  c->changed = all.changed;
+  c->work = all.work;
+  return HK_OK;
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  obstacle *s = self;
+  const hk_obstacle_set *set = s->all->set;
+  hk_pose now = hk_obstacle_pose(&s->params, view->t);
+  hk_motion_advance(s->history.item, view->t - c->h, &now);
+  hk_motion_of(&s->obstacle.motion, s->history.item);
+  hk_obstacle_look(&s->obstacle, &s->params, view);
+  if (set->member[set->count - 1] != &s->obstacle) return HK_OK;
+  task t = {s, view, c};
+  s->host->parallel_for(s->host, view->n, GRAIN, meet_chunk, &t);
+  return collect(s, view, c);
+}
+
+static double violation(void *self, const hk_view *view) {
+  return hk_obstacle_inside(&((obstacle *)self)->obstacle, view).depth;
+}
+
+static const hk_corrector corrector = {.size = sizeof(hk_corrector),
+                                       .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
+                                       .correct = correct,
+                                       .violation = violation};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_CORRECTOR,
+    .name = "obstacle",
+    .summary =
+        "a rigid obstacle: impacts inside the step, w' = w - (1 + e) (w.n) n with Coulomb's friction, and contact",
+    .reference =
+        "Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics; Brogliato 2016, Nonsmooth "
+        "Mechanics, chapters 2 and 4",
+    .instance_size = sizeof(obstacle),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .corrector = &corrector,
+};

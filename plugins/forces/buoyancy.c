@@ -1,0 +1,94 @@
+/* Buoyancy of hot gas by Boussinesq's approximation: the density is taken to be constant but in the weight, where
+ * it falls by the part beta per kelvin, so that a particle of the temperature T is lifted by F = -m g beta (T - T0),
+ * g being gravity's acceleration. An ideal gas has beta = 1/T0. Its own weight and that of the air it displaces are
+ * equal at T0 and are no part of the force. (Boussinesq, Theorie analytique de la chaleur II, 1903; Foster and Metaxas,
+ * Modeling the motion of a hot, turbulent gas, SIGGRAPH 1997.) The force has no energy, since temperatures
+ * change; its power is F.v. */
+#include "plugins/common/channels/find_channel.h"
+
+typedef struct buoyancy {
+  double g[3], beta, ambient; /* beta NAN: 1/ambient */
+  const char *channel;
+  const hk_channel *temperature;
+} buoyancy;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"g", "m/s^2", "acceleration of gravity; hot particles rise against it", HK_VECTOR, {0, 0, -9.81}, 0, 0,
+     offsetof(buoyancy, g), HK_TIMED, NULL},
+    {"ambient", "K", "temperature T0 of the air around", HK_NUMBER, {293.15}, 0, INFINITY, offsetof(buoyancy, ambient),
+     HK_ABOVE_MIN, NULL},
+    {"beta", "1/K", "thermal expansion; left out: 1/ambient, an ideal gas", HK_NUMBER, {0}, 0, INFINITY,
+     offsetof(buoyancy, beta), HK_OPTIONAL, NULL},
+    {"channel", "", "the channel of temperatures, of size 1", HK_STRING, {0}, 0, 0, offsetof(buoyancy, channel), 0,
+     "temperature"},
+    {0},
+};
+/* clang-format on */
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  buoyancy *b = self;
+  if (isnan(b->beta)) b->beta = 1 / b->ambient;
+  return hk_find_channel(host, view->model, b->channel, "channel", 1, &b->temperature);
+}
+
+enum { GRAIN = 4096, CHUNKS = 64 };
+
+typedef struct task {
+  const buoyancy *self;
+  const hk_view *view;
+  double *F;
+  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
+} task;
+
+static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  task *t = context;
+  const buoyancy *b = t->self;
+  const hk_view *view = t->view;
+  const double *T = view->y + b->temperature->offset * view->n;
+  double power = 0;
+  for (size_t k = begin; k < end; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    double lift = -view->model->mass[i] * b->beta * (T[i] - b->ambient);
+    for (size_t c = 0; c < 3; c++) {
+      double f = lift * b->g[c];
+      t->F[3 * i + c] += f;
+      power += f * view->v[3 * i + c];
+    }
+  }
+  t->power[chunk] = power;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  task t = {.self = self, .view = view, .F = F};
+  size_t grain = view->acting / CHUNKS + 1; /* at most CHUNKS chunks */
+  if (grain < GRAIN) grain = GRAIN;
+  view->host->parallel_for(view->host, view->acting, grain, add_chunk, &t);
+  for (size_t c = 0; view->power && c * grain < view->acting; c++) *view->power += t.power[c];
+  return HK_OK;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) { (void)self, (void)view, (void)p; }
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  (void)self, (void)view, (void)into; /* it depends on neither x nor v: no blocks */
+  return HK_OK;
+}
+
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
+                               .add = add,
+                               .pattern = pattern,
+                               .jacobian = jacobian};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "buoyancy",
+    .summary = "hot particles rise, F = -m g beta (T - T0), by their channel 'temperature'",
+    .reference = "Boussinesq 1903; Foster and Metaxas, SIGGRAPH 1997",
+    .instance_size = sizeof(buoyancy),
+    .params = params,
+    .create = create,
+    .force = &force,
+};

@@ -1,0 +1,392 @@
+/* Bears particles at a rate and in bursts, and takes them away when their lifetimes are over.
+ *
+ * Birth k of the rate is at the time from + k/rate exactly, so that the number of births by a time does not depend on
+ * the steps. All that is random about a birth is drawn from the seed and its own number (draw.h). The emitter is called
+ * after each step, for the births and deaths in it, in the order of their times; the host moves the newborn from their
+ * births to the present (core/population/newborns.c), so that a jet has no stripes. Frames have the same particles,
+ * with the same ids, for any length of the steps and any number of threads.
+ *
+ * Means and spreads, both relative to the value: uniform in value (1 +- spread), or lognormal with the mean `value` and
+ * the standard deviation spread value, exp(s z - s^2/2) with s^2 = ln(1 + spread^2), the usual distribution of drop
+ * sizes (Lefebvre and McDonell, Atomization and Sprays, ch. 3). Reeves, Particle systems, ACM TOG 2 (1983), 91-108. */
+#include "plugins/common/channels/find_channel.h"
+#include "plugins/common/emission/outlet.h"
+
+#include <string.h>
+
+/* A particle of this emitter, until its death is taken note of: then id is 0. In the order of births. */
+typedef struct particle {
+  double dies; /* s; INFINITY: never */
+  uint32_t id;
+} particle;
+
+typedef struct quantity {
+  double value, spread; /* value NAN: not given */
+} quantity;
+
+typedef struct emitter {
+  double rate, from, to; /* 1/s, s, s; to NAN: no end */
+  int64_t burst, capacity;
+  hk_numbers burst_at;
+  hk_outlet outlet;
+  int distribution; /* UNIFORM or LOGNORMAL */
+  quantity speed, mass, radius, lifetime, amount;
+  double density; /* kg/m^3; NAN: `mass` is meant */
+  const char *channel;
+  /* of the scene's channels: the numbers before `radius` and `channel`; -1: not given */
+  ptrdiff_t radius_at, channel_at;
+  size_t width;
+  double *initial; /* width, of the channels of a newborn */
+  double *soonest; /* for each BLOCK of the list a time before which none of it dies */
+  size_t blocks;
+  double *dying; /* the times of deaths in a step, increasing, where the emitter may be full */
+  size_t dying_room;
+  /* evolving */
+  int64_t seed, borne, bursts, oldest, kept, living, left_out;
+  hk_array list; /* particles oldest to oldest + kept - 1 */
+} emitter;
+
+enum { UNIFORM, LOGNORMAL };
+
+enum { BLOCK = 256 }; /* particles that are looked at together for deaths */
+
+#define QUANTITY(name, unit, help, initial, least, flags)                                                              \
+  {#name, unit, help, HK_NUMBER, {initial}, least, INFINITY, offsetof(emitter, name.value), flags, NULL}, {            \
+#name "_spread", "", "spread of " #name ", relative", HK_NUMBER,                                                   \
+        {0 }, 0, 1, offsetof(emitter, name.spread), 0, NULL                                                            \
+  }
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"rate", "1/s", "births per second", HK_NUMBER, {100}, 0, 1e9, offsetof(emitter, rate), 0, NULL},
+    {"from", "s", "time of the first birth", HK_NUMBER, {0}, 0, INFINITY, offsetof(emitter, from), 0, NULL},
+    {"to", "s", "time from which on the rate bears no more; left out: never", HK_NUMBER, {0}, 0, INFINITY,
+     offsetof(emitter, to), HK_OPTIONAL, NULL},
+    {"burst", "", "births at once at each time of burst_at", HK_INTEGER, {0}, 0, 1e8, offsetof(emitter, burst), 0, NULL},
+    {"burst_at", "s", "times of the bursts, increasing", HK_NUMBERS, {0}, 0, INFINITY, offsetof(emitter, burst_at),
+     HK_OPTIONAL, NULL},
+    {"shape", "", "where: at a point, on a line, disc (across the direction) or sphere, in a ball, on triangles", HK_CHOICE,
+     {HK_OUTLET_POINT}, 0, 0, offsetof(emitter, outlet.shape), 0, "point|line|disc|sphere|ball|triangles"},
+    {"position", "m", "the point, one end of the line, or the centre", HK_VECTOR, {0}, 0, 0,
+     offsetof(emitter, outlet.position), 0, NULL},
+    {"end", "m", "other end of the line", HK_VECTOR, {1, 0, 0}, 0, 0, offsetof(emitter, outlet.end), 0, NULL},
+    {"extent", "m", "radius of disc, sphere and ball", HK_NUMBER, {0.1}, 0, INFINITY, offsetof(emitter, outlet.radius),
+     0, NULL},
+    {"triangles", "", "triangles of the scene to bear from, uniformly by area", HK_TRIANGLES, {0}, 0, 0,
+     offsetof(emitter, outlet.triangles), HK_OPTIONAL, NULL},
+    {"direction", "", "in which particles leave; on spheres and triangles they leave along the normal", HK_VECTOR,
+     {0, 0, 1}, 0, 0, offsetof(emitter, outlet.direction), 0, NULL},
+    {"cone", "degrees", "largest angle about that direction, uniform by solid angle", HK_NUMBER, {0}, 0, 180,
+     offsetof(emitter, outlet.cone), 0, NULL},
+    {"distribution", "", "of spreads: uniform within value (1 +- spread), or lognormal, spread being the deviation",
+     HK_CHOICE, {UNIFORM}, 0, 0, offsetof(emitter, distribution), 0, "uniform|lognormal"},
+    QUANTITY(speed, "m/s", "of a newborn, relative to its triangle", 1, 0, 0),
+    QUANTITY(mass, "kg", "of a newborn", 1e-3, 0, HK_ABOVE_MIN),
+    QUANTITY(radius, "m", "of a newborn, in the channel 'radius'; left out: none", 0, 0, HK_OPTIONAL | HK_ABOVE_MIN),
+    {"density", "kg/m^3", "of a newborn, 4/3 pi radius^3 density being its mass; left out: mass is", HK_NUMBER, {0}, 0,
+     INFINITY, offsetof(emitter, density), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
+    QUANTITY(lifetime, "s", "of a particle; left out: for ever", 0, 0, HK_OPTIONAL | HK_ABOVE_MIN),
+    {"channel", "", "a channel of size 1 that newborns have an amount of, such as 'temperature'", HK_STRING, {0}, 0, 0,
+     offsetof(emitter, channel), 0, NULL},
+    QUANTITY(amount, "", "of a newborn in that channel", 1, -INFINITY, 0),
+    {"capacity", "", "particles of this emitter alive at a time, at most", HK_INTEGER, {1000000}, 1, 1e9,
+     offsetof(emitter, capacity), 0, NULL},
+    {0},
+};
+/* clang-format on */
+
+static const hk_field fields[] = {
+    {"seed", HK_FIELD_INTEGER, 1, offsetof(emitter, seed), 0},
+    {"borne", HK_FIELD_INTEGER, 1, offsetof(emitter, borne), 0},
+    {"bursts", HK_FIELD_INTEGER, 1, offsetof(emitter, bursts), 0},
+    {"oldest", HK_FIELD_INTEGER, 1, offsetof(emitter, oldest), 0},
+    {"kept", HK_FIELD_INTEGER, 1, offsetof(emitter, kept), 0},
+    {"living", HK_FIELD_INTEGER, 1, offsetof(emitter, living), 0},
+    {"left_out", HK_FIELD_INTEGER, 1, offsetof(emitter, left_out), 0},
+    {"list", HK_FIELD_ARRAY, sizeof(particle), offsetof(emitter, list), 0},
+    {0},
+};
+
+static particle *particles(const emitter *e) { return (particle *)e->list.item + e->oldest; }
+
+/* ---- the start ---- */
+
+static hk_status check_times(const emitter *e, const hk_host *host) {
+  for (size_t k = 1; k < e->burst_at.count; k++)
+    if (e->burst_at.value[k] < e->burst_at.value[k - 1])
+      return host->fail(host, HK_BAD_PARAM, "burst_at[%zu]: %g s is before the one before it, %g s", k + 1,
+                        e->burst_at.value[k], e->burst_at.value[k - 1]);
+  if (e->burst > 0 && e->burst_at.count == 0)
+    return host->fail(host, HK_BAD_PARAM, "burst: when? burst_at = { 0.5, 1 } says it, in s");
+  if (e->to <= e->from) return host->fail(host, HK_BAD_PARAM, "to: %g s is not after from: %g s", e->to, e->from);
+  return HK_OK;
+}
+
+/* How many will be alive at a time, as far as that is known before the run. */
+static hk_status check_capacity(const emitter *e, const hk_host *host) {
+  double longest = isnan(e->to) ? INFINITY : e->to - e->from,
+         life = isnan(e->lifetime.value) ? INFINITY : e->lifetime.value;
+  double alive = e->rate > 0 ? e->rate * fmin(longest, life) : 0;
+  if (isinf(alive) || alive <= (double)e->capacity) return HK_OK;
+  return host->fail(host, HK_BAD_PARAM, "capacity: %lld particles are too few for %g/s that live %g s, which are %.0f",
+                    (long long)e->capacity, e->rate, fmin(longest, life), alive);
+}
+
+static hk_status check_radius(const emitter *e, const hk_host *host) {
+  if (!isnan(e->density) && isnan(e->radius.value))
+    return host->fail(host, HK_BAD_PARAM, "density: the mass follows from a radius, and none is given");
+  return HK_OK;
+}
+
+static hk_status find_channels(emitter *e, const hk_host *host, const hk_model *model) {
+  hk_status status = HK_OK;
+  const hk_channel *found = NULL;
+  e->radius_at = e->channel_at = -1;
+  for (size_t k = 0; k < model->channels; k++) e->width += model->channel[k].size;
+  if (!isnan(e->radius.value)) status = hk_find_channel(host, model, "radius", "radius", 1, &found);
+  if (found) e->radius_at = (ptrdiff_t)found->offset;
+  found = NULL;
+  if (status == HK_OK && e->channel) status = hk_find_channel(host, model, e->channel, "channel", 1, &found);
+  if (found) e->channel_at = (ptrdiff_t)found->offset;
+  return status;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  emitter *e = self;
+  e->seed = (int64_t)(host->random(host) * 0x1p53);
+  hk_status status = check_times(e, host);
+  if (status == HK_OK) status = check_capacity(e, host);
+  if (status == HK_OK) status = check_radius(e, host);
+  if (status == HK_OK) status = find_channels(e, host, view->model);
+  if (status == HK_OK) status = hk_outlet_open(&e->outlet, host, view);
+  if (status != HK_OK) return status;
+  e->initial = host->allocate(host, (e->width + 1) * sizeof *e->initial);
+  if (!e->initial) return host->fail(host, HK_NO_MEMORY, "no memory for %zu channels", e->width);
+  for (size_t k = 0; k < e->width; k++) e->initial[k] = NAN;
+  return HK_OK;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  hk_outlet_topology(&((emitter *)self)->outlet, view);
+  return HK_OK;
+}
+
+static void destroy(void *self, const hk_host *host) {
+  emitter *e = self;
+  hk_outlet_close(&e->outlet, host);
+  host->release(host, e->initial);
+  host->release(host, e->soonest);
+  host->release(host, e->dying);
+}
+
+/* ---- deaths ---- */
+
+static bool find(const hk_model *model, uint32_t id, uint32_t *index) {
+  size_t low = 0, high = model->n;
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (model->id[middle] < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  *index = (uint32_t)low;
+  return low < model->n && model->id[low] == id;
+}
+
+/* A call of `emit`. Where the emitter may be full, births and deaths are looked at in the order of their times. */
+typedef struct call {
+  const hk_view *view;
+  hk_population *population;
+  bool crowded;
+  size_t deaths, gone; /* in e->dying: all, and those before the present birth; with `crowded` only */
+} call;
+
+/* A particle dies at the time `at` in the step. */
+static void note_death(emitter *e, call *c, double at) {
+  size_t k = c->deaths;
+  if (!c->crowded) {
+    e->living--;
+    return;
+  }
+  for (; k > c->gone && e->dying[k - 1] > at; k--) e->dying[k] = e->dying[k - 1];
+  e->dying[k] = at;
+  c->deaths++;
+}
+
+/* The soonest deaths, from the list as it is, which may have been moved or come from a checkpoint. */
+static hk_status index_deaths(emitter *e, const hk_host *host) {
+  size_t blocks = e->list.count / BLOCK + 1;
+  if (blocks > e->blocks) {
+    host->release(host, e->soonest);
+    e->soonest = host->allocate(host, blocks * sizeof *e->soonest);
+    e->blocks = e->soonest ? blocks : 0;
+    if (!e->soonest) return host->fail(host, HK_NO_MEMORY, "no memory for %zu lifetimes", e->list.count);
+  }
+  for (size_t b = 0; b < e->blocks; b++) e->soonest[b] = INFINITY;
+  for (size_t k = (size_t)e->oldest; k < (size_t)(e->oldest + e->kept); k++)
+    e->soonest[k / BLOCK] = fmin(e->soonest[k / BLOCK], ((particle *)e->list.item)[k].dies);
+  return HK_OK;
+}
+
+/* The block's part of the list. */
+static hk_status take_dead_of(emitter *e, call *c, size_t block) {
+  size_t end = (size_t)(e->oldest + e->kept), k = block * BLOCK > (size_t)e->oldest ? block * BLOCK : (size_t)e->oldest;
+  double t = c->view->t, next = INFINITY;
+  hk_status status = HK_OK;
+  for (; k < end && k < (block + 1) * BLOCK && status == HK_OK; k++) {
+    particle *p = (particle *)e->list.item + k;
+    uint32_t index;
+    if (p->id == 0) continue;
+    if (p->dies > t) {
+      next = fmin(next, p->dies);
+      continue;
+    }
+    if (find(c->view->model, p->id, &index)) status = c->population->remove(c->population, index);
+    note_death(e, c, p->dies);
+    p->id = 0;
+  }
+  e->soonest[block] = next;
+  return status;
+}
+
+/* Takes away what has died by the view's time. */
+static hk_status take_dead(emitter *e, call *c) {
+  hk_status status = HK_OK;
+  for (size_t b = (size_t)e->oldest / BLOCK; b * BLOCK < (size_t)(e->oldest + e->kept) && status == HK_OK; b++)
+    if (e->soonest[b] <= c->view->t) status = take_dead_of(e, c, b);
+  while (e->kept > 0 && particles(e)->id == 0) e->oldest++, e->kept--;
+  return status;
+}
+
+/* ---- births ---- */
+
+static double draw(const emitter *e, const quantity *q, hk_draw *d) {
+  double u = hk_draw_uniform(d), z = hk_draw_uniform(d); /* two in any case: the next quantity does not depend on it */
+  if (e->distribution == UNIFORM) return q->value * (1 + q->spread * (2 * u - 1));
+  double s = sqrt(log1p(q->spread * q->spread));
+  return q->value * exp(s * sqrt(-2 * log(u)) * cos(6.283185307179586 * z) - s * s / 2);
+}
+
+static hk_birth draw_birth(const emitter *e, const hk_view *view, double age, uint64_t number, double *lifetime) {
+  hk_birth birth = {.channel = e->width ? e->initial : NULL};
+  hk_draw d = hk_draw_begin((uint64_t)e->seed, number);
+  double direction[3];
+  hk_outlet_draw(&e->outlet, view, age, &d, birth.position, birth.velocity, direction);
+  double speed = draw(e, &e->speed, &d), mass = draw(e, &e->mass, &d), radius = draw(e, &e->radius, &d);
+  *lifetime = isnan(e->lifetime.value) ? INFINITY : draw(e, &e->lifetime, &d);
+  double amount = draw(e, &e->amount, &d);
+  for (int c = 0; c < 3; c++) birth.velocity[c] += speed * direction[c];
+  birth.mass = isnan(e->density) ? mass : 4.1887902047863905 * radius * radius * radius * e->density; /* 4/3 pi */
+  if (e->radius_at >= 0) e->initial[e->radius_at] = radius;
+  if (e->channel_at >= 0) e->initial[e->channel_at] = amount;
+  return birth;
+}
+
+/* The time of the next birth of the rate, and of the next burst; INFINITY: there is none. */
+static double next_of_rate(const emitter *e) {
+  double t = e->rate > 0 ? e->from + (double)e->borne / e->rate : INFINITY;
+  return t >= e->to ? INFINITY : t;
+}
+
+static double next_burst(const emitter *e) {
+  size_t k = e->burst > 0 ? (size_t)(e->bursts / e->burst) : e->burst_at.count;
+  return k < e->burst_at.count ? e->burst_at.value[k] : INFINITY;
+}
+
+/* Births due by t, or some more. */
+static double due(const emitter *e, double t) {
+  double end = t < e->to ? t : isnan(e->to) ? t : e->to, count = 0;
+  if (end >= e->from) count = fmax(0, (end - e->from) * e->rate - (double)e->borne + 2);
+  for (size_t k = 0; k < e->burst_at.count; k++) count += e->burst_at.value[k] <= t ? (double)e->burst : 0;
+  return count - (double)e->bursts;
+}
+
+/* Makes room for all births of the step, to which pointers are given away. */
+static hk_status reserve(emitter *e, const hk_host *host, double births) {
+  double kept = (double)e->kept, wanted = kept + fmin(births, (double)e->capacity + kept);
+  if (e->soonest && (double)e->oldest + wanted <= (double)e->list.count) return HK_OK;
+  if (e->kept > 0) memmove(e->list.item, particles(e), (size_t)e->kept * sizeof(particle));
+  e->oldest = 0;
+  hk_status status = HK_OK;
+  if (1.5 * wanted > (double)e->list.count) /* with less it would soon have to be moved down again */
+    status = host->resize(host, &e->list, (size_t)(2 * wanted) + 1);
+  return status == HK_OK ? index_deaths(e, host) : status;
+}
+
+static hk_status open_dying(emitter *e, const hk_host *host, double births) {
+  size_t wanted = (size_t)((double)e->kept + births) + 1;
+  if (wanted <= e->dying_room) return HK_OK;
+  host->release(host, e->dying);
+  e->dying = host->allocate(host, 2 * wanted * sizeof *e->dying);
+  e->dying_room = e->dying ? 2 * wanted : 0;
+  return e->dying ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for the deaths of %zu particles", wanted);
+}
+
+static hk_status bear(emitter *e, call *c, double at, uint64_t number) {
+  double lifetime, age = c->view->t - at;
+  hk_birth birth = draw_birth(e, c->view, age, number, &lifetime);
+  bool dead = at + lifetime <= c->view->t;
+  e->living++;
+  if (dead) {
+    note_death(e, c, at + lifetime);
+    return c->population->add_aged(c->population, &birth, age, 0, NULL);
+  }
+  particle *p = particles(e) + e->kept++;
+  double *soonest = &e->soonest[(p - (particle *)e->list.item) / BLOCK];
+  *p = (particle){at + lifetime, UINT32_MAX}; /* until the births take effect */
+  *soonest = fmin(*soonest, p->dies);
+  return c->population->add_aged(c->population, &birth, age, INFINITY, &p->id);
+}
+
+static void leave_out(emitter *e, const hk_host *host, double at) {
+  if (e->left_out++ == 0)
+    host->warn(host, "its capacity of %lld particles is reached at t = %g s: while it is full it bears none",
+               (long long)e->capacity, at);
+}
+
+static hk_status bear_all(emitter *e, call *c) {
+  hk_status status = HK_OK;
+  while (status == HK_OK) {
+    double of_rate = next_of_rate(e), of_burst = next_burst(e), at = fmin(of_rate, of_burst);
+    if (!(at <= c->view->t)) break;
+    uint64_t number = of_rate <= of_burst ? 2 * (uint64_t)e->borne++ : 2 * (uint64_t)e->bursts++ + 1;
+    for (; c->gone < c->deaths && e->dying[c->gone] <= at; c->gone++) e->living--;
+    if (e->living < e->capacity)
+      status = bear(e, c, at, number);
+    else
+      leave_out(e, c->view->host, at);
+  }
+  e->living -= (int64_t)(c->deaths - c->gone);
+  return status;
+}
+
+static hk_status emit(void *self, const hk_view *view, double h, hk_population *population) {
+  emitter *e = self;
+  double births = due(e, view->t);
+  call c = {.view = view, .population = population, .crowded = (double)e->living + births > (double)e->capacity};
+  (void)h;
+  hk_status status = reserve(e, view->host, births);
+  if (status == HK_OK && c.crowded) status = open_dying(e, view->host, births);
+  if (status == HK_OK) status = take_dead(e, &c);
+  return status == HK_OK ? bear_all(e, &c) : status;
+}
+
+static const hk_source source = {.size = sizeof(hk_source), .emit = emit, .flags = HK_AFTER_STEPS};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_SOURCE,
+    .name = "emitter",
+    .summary =
+        "bears particles at a rate and in bursts, from points, lines, discs, spheres or triangles; they live for a "
+        "time",
+    .reference = "Reeves, Particle systems, ACM TOG 2, 1983; Steele, Lea and Flood, OOPSLA 2014 (random numbers)",
+    .instance_size = sizeof(emitter),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .source = &source,
+};

@@ -1,0 +1,27 @@
+-- Files of results: written completely or not at all, so that a full disk costs nothing that was there before.
+local lfs = require("lfs")
+
+local file = {}
+
+local function put(path, text)
+  local handle, why = io.open(path, "wb")
+  if not handle then return nil, why end
+  local fine, cause = handle:write(text)
+  local closed, reason = handle:close()
+  return fine and closed, cause or reason
+end
+
+-- Returns true, or nil and "cannot write PATH: the cause". A device is written directly.
+function file.write(path, text)
+  local mode = lfs.attributes(path, "mode")
+  local direct = mode ~= nil and mode ~= "file"
+  local part = direct and path or path .. ".part"
+  local fine, why = put(part, text)
+  if fine and not direct then fine, why = os.rename(part, path) end
+  if fine then return true end
+  if not direct then os.remove(part) end
+  why = why or "the disk is full?"
+  return nil, ("cannot write %s: %s"):format(path, why:sub(1, #part + 2) == part .. ": " and why:sub(#part + 3) or why)
+end
+
+return file
