@@ -92,6 +92,7 @@ static bool changes_as_blocks_say(lone *l, size_t begin, size_t end) {
     for (size_t q = 0; q < 3; q++)
       expected -= 2 * l->length * l->K[c / 3][3 * (c % 3) + q] * l->u[0][c - c % 3 + q] +
                   2 * l->speed * l->D[c / 3][3 * (c % 3) + q] * l->u[1][c - c % 3 + q];
+    if (!isfinite(change)) return false; /* fmax would pass over it */
     off = fmax(off, fabs(change - expected));
     all = fmax(all, fabs(expected));
     size = fmax(size, fabs(l->F[0][3 * begin + c]));
@@ -99,9 +100,17 @@ static bool changes_as_blocks_say(lone *l, size_t begin, size_t end) {
   return off <= believed * all + rounding * move * size;
 }
 
+static bool are_finite(double (*block)[9], size_t count) {
+  double zero = 0;
+  for (size_t k = 0; k < count; k++)
+    for (int q = 0; q < 9; q++) zero += 0 * block[k][q];
+  return zero == 0;
+}
+
 static bool take_part(lone *l, size_t begin, size_t end) {
   hk_system *s = l->system;
   if (!s->alone(s, s->X, s->X + 3 * s->n, begin, end, NULL, l->K, l->D)) return false;
+  if (!are_finite(l->K, end - begin) || !are_finite(l->D, end - begin)) return false;
   if (l->slope == 0 && begin / PART % CHECKED == 0 && !changes_as_blocks_say(l, begin, end)) return false;
   for (size_t i = begin; i < end; i++)
     if (s->model->inverse_mass[i] > 0) take(l, l->K[i - begin], l->D[i - begin], s->model->inverse_mass[i]);

@@ -24,7 +24,7 @@ local scenes = {
   leapfrog = [[s:force("springs", { edges = { { 1, 2 }, { 2, 3 } }, k = 10 })]],
   bdf2 = [[s:pin { 1 } s:force("springs", { edges = { { 1, 2 }, { 2, 3 } }, k = 1e4, damping = 1 })]],
   stoermer = [[s:channel("heat", { initial = 1, rate = -2 }) s:measure("z", function(state) return state.t end)]],
-  rk4 = [[s:source("emitter", {}) s:corrector("floor", {})]],
+  rk4 = [[s:source("spout", {}) s:corrector("floor", {})]],
   cvode = [[s:force("drag", { rate = 1 }) s:constraint("bar", { edges = { { 1, 2 } } })]],
 }
 

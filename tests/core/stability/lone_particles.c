@@ -83,13 +83,14 @@ static void refused(test_engine *e) {
   test_engine_close(e);
 }
 
-/* Springs; a pin that slides; blocks of the wrong sign; all are for the iteration. */
+/* Springs; a pin that slides; blocks of the wrong sign; forces beyond all numbers; all are for the iteration. */
 static void what_is_not_alone_or_not_right_is_left_to_the_iteration(void **state) {
   (void)state;
-  for (int k = 0; k < 3; k++) {
+  for (int k = 0; k < 4; k++) {
     test_engine e;
     open_cloud(&e, 20);
-    number(&e, "central", "strength", 3);
+    if (k == 3) test_particle(&e, 9, 0, 0, 1);
+    test_number(&e, number(&e, "central", "strength", k == 3 ? 1e300 : 3), "power", k == 3 ? 20 : 1);
     if (k == 0) {
       hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
       test_edges(&e, springs, (const uint32_t[][2]){{1, 2}}, 1);

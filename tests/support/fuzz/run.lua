@@ -37,7 +37,7 @@ end
 
 -- Fixtures that keep their contract, as plugins, so that constraints, correctors and sources are among those known.
 local function install_fixtures(place)
-  local kinds = { constraints = "bar cord ground telescope", correctors = "floor rejecter", sources = "emitter sower",
+  local kinds = { constraints = "bar cord ground telescope", correctors = "floor rejecter", sources = "spout sower",
     forces = "area_springs volume_springs barrier_spheres crowd_drag lagged_friction lennard_jones", solvers = "counting_solver" }
   for kind, names in pairs(kinds) do
     shell(("mkdir -p %s/plugins/%s"):format(place, kind))
