@@ -119,7 +119,7 @@ static hk_status check_ids(hk_loop *loop, rows *r, const char *path) {
   if (!row_of || !r->order) status = hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
   for (size_t i = 0; i < n && status == HK_OK; i++) row_of[i] = SIZE_MAX;
   for (size_t k = 0; k < r->count && status == HK_OK; k++)
-    if (r->id[k] > n || row_of[r->id[k] - 1] != SIZE_MAX)
+    if (r->id[k] - 1 >= n || row_of[r->id[k] - 1] != SIZE_MAX)
       status = hk_error_set(loop->error, HK_BAD_PARAM, "%s: particle %" PRIu32 " is twice in it, or not in the scene",
                             path, r->id[k]);
     else
