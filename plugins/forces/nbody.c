@@ -5,6 +5,7 @@
 #include "plugins/common/gravity/flybys.h"
 #include "plugins/common/gravity/pair_blocks.h"
 #include "plugins/common/gravity/tree_errors.h"
+#include "plugins/common/gravity_single/single_sum.h"
 
 #include <string.h>
 
@@ -15,15 +16,17 @@ typedef struct nbody {
   bool chosen;     /* there are sources, whose last one may have died */
   bool *is_source; /* n */
   double *pull;    /* n, of stiffness_bound */
-  int method;
+  int method, precision;
   hk_tree_accuracy accuracy;
   hk_gravity_bodies bodies;
   hk_gravity_tree tree;
+  hk_single_sum single;
   const hk_octrees *octrees;
   const hk_host *host;
 } nbody;
 
 enum { AUTO, DIRECT, TREE };
+enum { DOUBLE, SINGLE };
 
 /* Where nothing is said: the number of bodies from which on the tree is faster (tests/bench/nbody.c). */
 enum { TREE_FROM = 8192 };
@@ -35,6 +38,7 @@ static const hk_param params[] = {
     {"sources", "", "only pairs with one of these or two act; left out: all pairs", HK_PARTICLES, {0}, 0, 0, offsetof(nbody, sources), HK_OPTIONAL, NULL},
     {"among", "", "whether the sources attract each other as well", HK_BOOLEAN, {1}, 0, 0, offsetof(nbody, among), 0, NULL},
     {"method", "", "sum over all pairs, or an octree; auto: by the number of bodies", HK_CHOICE, {0}, 0, 0, offsetof(nbody, method), 0, "auto|direct|tree"},
+    {"precision", "", "of the forces of method direct; single: errors of some 1e-7, in half the time", HK_CHOICE, {0}, 0, 0, offsetof(nbody, precision), 0, "double|single"},
     {"alpha", "", "of the tree: error that a cell may have, as a part of the body's acceleration", HK_NUMBER, {0.005}, 0, 1, offsetof(nbody, accuracy.alpha), 0, NULL},
     {"opening_angle", "rad", "of the tree, instead of alpha: the angle below which a cell is taken whole", HK_NUMBER, {0}, 0, 1, offsetof(nbody, accuracy.angle), HK_OPTIONAL, NULL},
     {0},
@@ -54,7 +58,8 @@ static hk_status topology(void *self, const hk_view *view) {
   p->is_source = p->host->allocate(p->host, view->n * sizeof *p->is_source);
   p->pull = p->host->allocate(p->host, view->n * sizeof *p->pull);
   if (!p->is_source || !p->pull || hk_gravity_reserve(&p->bodies, p->host, view->n) != HK_OK ||
-      (uses_tree(p, view) && hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK))
+      (uses_tree(p, view) && hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK) ||
+      (p->precision == SINGLE && hk_single_reserve(&p->single, p->host, view->n) != HK_OK))
     return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu bodies", view->n);
   for (size_t k = 0; k < p->sources.count; k++) p->is_source[p->sources.index[k]] = true;
   return HK_OK;
@@ -67,6 +72,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (p->chosen && p->method == TREE)
     return host->fail(host, HK_BAD_PARAM,
                       "method: a tree sums over all pairs, and `sources` chooses some: use \"direct\"");
+  if (p->precision == SINGLE && p->method != DIRECT)
+    return host->fail(host, HK_BAD_PARAM,
+                      "precision: \"single\" is one of the sum over all pairs: set method = \"direct\" as well");
   p->octrees = host->query(host, "octree/1");
   if (!p->octrees)
     return host->fail(host, HK_FAILED,
@@ -78,6 +86,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static void destroy(void *self, const hk_host *host) {
   hk_gravity_release(&((nbody *)self)->bodies);
   hk_tree_release(&((nbody *)self)->tree, host);
+  hk_single_release(&((nbody *)self)->single);
 }
 
 static uint32_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : (uint32_t)k; }
@@ -128,8 +137,9 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   nbody *p = self;
   hk_status status = gather(p, view);
   if (status != HK_OK) return status;
-  bool apart = uses_tree(p, view) ? hk_tree_forces(&p->tree, &p->bodies, &p->accuracy, p->G, F)
-                                  : hk_direct_forces(&p->bodies, p->G, F);
+  bool apart = uses_tree(p, view)       ? hk_tree_forces(&p->tree, &p->bodies, &p->accuracy, p->G, F)
+               : p->precision == SINGLE ? hk_single_forces(&p->single, &p->bodies, p->G, F)
+                                        : hk_direct_forces(&p->bodies, p->G, F);
   return apart ? HK_OK : fail_coincident(p, view);
 }
 
@@ -140,18 +150,23 @@ static double energy(void *self, const hk_view *view) {
                             : hk_direct_energy(&p->bodies, p->G);
 }
 
-/* ---- errors of the tree ---- */
+/* ---- errors of the tree and of single precision ---- */
 
 static bool errors(void *self, const hk_view *view, hk_force_errors *out) {
   nbody *p = self;
-  if (!uses_tree(p, view) || view->acting == 0 || gather(p, view) != HK_OK) return false;
-  hk_tree_errors(&p->tree, &p->bodies, &p->accuracy, p->G, view->v, out);
+  bool tree = uses_tree(p, view);
+  if (!(tree || p->precision == SINGLE) || view->acting == 0 || gather(p, view) != HK_OK) return false;
+  if (tree)
+    hk_tree_errors(&p->tree, &p->bodies, &p->accuracy, p->G, view->v, out);
+  else
+    hk_single_errors(&p->single, &p->bodies, p->G, view->v, out);
   return true;
 }
 
 /* Errors of Plummer spheres of 1e4 bodies go as alpha to the power of 0.58 (below 0.002) to 0.75, and as the third
- * power of the angle. */
+ * power of the angle. Single precision has no accuracy to choose: it becomes double. */
 static void sharpen(void *self, double part) {
+  if (part < 1) ((nbody *)self)->precision = DOUBLE;
   hk_tree_accuracy *a = &((nbody *)self)->accuracy;
   a->alpha *= pow(part, 1 / 0.58);
   a->angle *= sqrt(part);

@@ -8,8 +8,7 @@ enum { BLOCK = HK_GRAVITY_BLOCK, EACH = HK_SAMPLE / HK_SAMPLE_GROUPS };
 typedef struct task {
   hk_tree_pulls pulls;
   size_t stride;
-  uint32_t body[HK_SAMPLE]; /* one before each number: position in the order; UINT32_MAX: none */
-  double tree[HK_SAMPLE][3], exact[HK_SAMPLE][3];
+  hk_pull_sample sample;
 } task;
 
 static void sum_exactly(const hk_gravity_bodies *g, const uint32_t *body, size_t count, double (*into)[3]) {
@@ -36,10 +35,10 @@ static void sample_groups(void *context, size_t begin, size_t end, size_t chunk)
     hk_tree_pull(&t->pulls, index, a);
     for (size_t e = 0; e < each; e++) {
       size_t l = (2 * e + 1) * count / (2 * each);
-      t->body[EACH * s + e] = (uint32_t)(first + l);
-      for (size_t c = 0; c < 3; c++) t->tree[EACH * s + e][c] = a[l][c];
+      t->sample.body[EACH * s + e] = (uint32_t)(first + l);
+      for (size_t c = 0; c < 3; c++) t->sample.found[EACH * s + e][c] = a[l][c];
     }
-    sum_exactly(t->pulls.g, t->body + EACH * s, each, t->exact + EACH * s);
+    sum_exactly(t->pulls.g, t->sample.body + EACH * s, each, t->sample.exact + EACH * s);
   }
 }
 
@@ -48,31 +47,31 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-static double length(const double d[3]) { return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]); }
+static double length(const double d[3]) { return hypot(hypot(d[0], d[1]), d[2]); } /* of any range */
 
 /* The relative errors of the sample; adds their power, with G and the scale left out. */
-static size_t compare(const task *t, const double *v, double *off, double *power) {
-  const hk_gravity_bodies *g = t->pulls.g;
+static size_t compare(const hk_pull_sample *t, const hk_gravity_bodies *g, const double *v, double *off,
+                      double *power) {
   size_t count = 0;
   for (size_t s = 0; s < HK_SAMPLE; s++) {
     if (t->body[s] == UINT32_MAX) continue;
     const double *speed = v + 3 * (size_t)g->order[t->body[s]];
     double d[3], work = 0, size = length(t->exact[s]);
-    for (size_t c = 0; c < 3; c++) d[c] = t->tree[s][c] - t->exact[s][c], work += d[c] * speed[c];
+    for (size_t c = 0; c < 3; c++) d[c] = t->found[s][c] - t->exact[s][c], work += d[c] * speed[c];
     *power += g->at.m[t->body[s]] * fabs(work);
     off[count++] = size > 0 ? length(d) / size : 0;
   }
   return count;
 }
 
-void hk_tree_errors(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy, double G,
-                    const double *v, hk_force_errors *out) {
-  task t = {.pulls = hk_tree_pulls_of(tree, g, accuracy)};
+void hk_pull_sample_clear(hk_pull_sample *t) {
+  for (size_t s = 0; s < HK_SAMPLE; s++) t->body[s] = UINT32_MAX;
+}
+
+void hk_pull_sample_errors(const hk_pull_sample *t, const hk_gravity_bodies *g, double G, const double *v,
+                           hk_force_errors *out) {
   double off[HK_SAMPLE], power = 0, sum = 0;
-  for (size_t s = 0; s < HK_SAMPLE; s++) t.body[s] = UINT32_MAX;
-  t.stride = tree->groups / HK_SAMPLE_GROUPS + 1;
-  g->host->parallel_for(g->host, (tree->groups + t.stride - 1) / t.stride, 1, sample_groups, &t);
-  size_t count = compare(&t, v, off, &power);
+  size_t count = compare(t, g, v, off, &power);
   *out = (hk_force_errors){.particles = count};
   if (count == 0) return;
   qsort(off, count, sizeof *off, by_size);
@@ -81,4 +80,12 @@ void hk_tree_errors(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_a
   out->p99 = off[(count - 1) * 99 / 100];
   out->largest = off[count - 1];
   out->power = G * g->scale * g->scale * power * (double)g->count / (double)count;
+}
+
+void hk_tree_errors(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy, double G,
+                    const double *v, hk_force_errors *out) {
+  task t = {.pulls = hk_tree_pulls_of(tree, g, accuracy), .stride = tree->groups / HK_SAMPLE_GROUPS + 1};
+  hk_pull_sample_clear(&t.sample);
+  g->host->parallel_for(g->host, (tree->groups + t.stride - 1) / t.stride, 1, sample_groups, &t);
+  hk_pull_sample_errors(&t.sample, g, G, v, out);
 }
