@@ -7,7 +7,7 @@
 
 typedef struct hk_confinement {
   const char *scene;     /* its script: the folder may be read */
-  const char *read[4];   /* further files and folders to read; NULL members are skipped */
+  const char *read[5];   /* further files and folders to read; NULL members are skipped */
   const char *search;    /* folders of plugins, separated by ':', or NULL */
   const char *libraries; /* LD_LIBRARY_PATH, likewise */
   const char *programs;  /* PATH: where ffmpeg is looked for, which outputs call */

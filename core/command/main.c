@@ -238,6 +238,7 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   c.named = o->run.out != NULL;
   c.cache = cache_folder(cache, sizeof cache);
   c.state = o->state;
+  c.read[4] = o->run.resume; /* the user names it */
   return hk_confine(&c);
 }
 

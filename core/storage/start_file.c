@@ -16,12 +16,13 @@ static FILE *open_start(const hk_scene *scene, const hk_folder *output, const ch
   return hk_file_read(path, within);
 }
 
-hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path, const char *origin,
-                             bool *resumed) {
+hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path,
+                             const char *origin, bool *resumed) {
   char line[4096] = "";
   errno = 0;
   *resumed = false;
-  FILE *file = open_start(loop->scene, output, path);
+  /* With an origin the user has named the file, not the script. */
+  FILE *file = origin ? hk_file_read(path, NULL) : open_start(loop->scene, output, path);
   if (!file) return hk_error_set(loop->error, HK_IO, "cannot read %s: %s", path, hk_file_reason(errno));
   hk_status status;
   if (!fgets(line, sizeof line, file))

@@ -162,12 +162,25 @@ static void a_folder_takes_one_run_at_a_time(void **state) {
   assert_int_equal(r.code, 0);
 }
 
+/* No right is needed for a file that the user names. */
+static void a_checkpoint_may_lie_anywhere(void **state) {
+  (void)state;
+  static test_result r;
+  write_scene();
+  test_hooke(&r, "rm -rf deep; mkdir deep; cp *.lua deep;", "run deep/rope.lua --quiet --out away");
+  if (r.code != 0 && r.code != 5) fail_msg("code %d: %s", r.code, r.err);
+  int code = r.code;
+  test_hooke(&r, NULL, "run --resume away/before.checkpoint --quiet --out further");
+  if (r.code != code) fail_msg("code %d: %s", r.code, r.err);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(it_goes_on_with_scene_parameters_and_options),
       cmocka_unit_test(the_files_of_the_first_part_stay),
       cmocka_unit_test(what_has_changed_is_named),
       cmocka_unit_test(a_plugin_that_has_changed_is_named),
+      cmocka_unit_test(a_checkpoint_may_lie_anywhere),
       cmocka_unit_test(what_is_no_checkpoint_is_refused),
       cmocka_unit_test(a_folder_takes_one_run_at_a_time),
   };
