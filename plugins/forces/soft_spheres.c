@@ -13,10 +13,8 @@
  *
  * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived in crowd.c, or
  * from those that it has now, if they are more. */
-#include "plugins/common/contact/contact_history.h"
-#include "plugins/common/contact/contact_law.h"
 #include "plugins/common/contact/crowd.h"
-#include "plugins/common/contact/spheres.h"
+#include "plugins/common/contact/grain_tables.h"
 
 enum { GRAIN = 256 };
 
@@ -34,30 +32,12 @@ typedef struct soft_spheres {
 
 /* clang-format off */
 static const hk_param params[] = {
-    {"radius", "m", "of every sphere; left out: radii",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(soft_spheres, spheres.radius), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
-    {"radii", "", "name of the channel that has the radii, m",
-     HK_STRING, {0}, 0, 0, offsetof(soft_spheres, spheres.radii), 0, NULL},
-    {"spin", "", "name of the channel of angular velocities, rad/s; left out: spheres do not turn",
-     HK_STRING, {0}, 0, 0, offsetof(soft_spheres, spheres.spin), 0, NULL},
-    {"stiffness", "N/m", "k of the normal spring",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(soft_spheres, law.stiffness), HK_REQUIRED | HK_ABOVE_MIN, NULL},
-    {"restitution", "", "speed after a head-on collision, as a part of that before",
-     HK_NUMBER, {0.8}, 0, 1, offsetof(soft_spheres, restitution), HK_ABOVE_MIN, NULL},
-    {"friction", "", "coefficient of friction",
-     HK_NUMBER, {0.5}, 0, INFINITY, offsetof(soft_spheres, law.friction), 0, NULL},
-    {"tangential", "", "stiffness of the tangential spring, as a part of the normal one",
-     HK_NUMBER, {2. / 7}, 0, 1, offsetof(soft_spheres, tangential), 0, NULL},
+    HK_GRAIN_PARAMS(soft_spheres),
     {0},
 };
 
 static const hk_field fields[] = {
-    {"touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(soft_spheres, history.touches), 0},
-    {"next_touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(soft_spheres, history.next), HK_SCRATCH},
-    {"count", HK_FIELD_INTEGER, 1, offsetof(soft_spheres, history.count), 0},
-    {"time", HK_FIELD_NUMBER, 1, offsetof(soft_spheres, history.t), 0},
-    {"torque", HK_FIELD_PER_PARTICLE, 3, offsetof(soft_spheres, torque), HK_SCRATCH},
-    {"spin_then", HK_FIELD_PER_PARTICLE, 3, offsetof(soft_spheres, spin_then), 0},
+    HK_GRAIN_FIELDS(soft_spheres),
     {0},
 };
 /* clang-format on */

@@ -5,9 +5,7 @@
  * A plane leaves free what lies on the side of its normal. The funnel is two cones about an upright axis that open up-
  * and downwards from a neck: free is what is nearer to the axis than neck + slope |z - z_neck|, and the neck is an
  * edge. With a slope of 0 it is a pipe. Parameters mean what they mean in soft_spheres. */
-#include "plugins/common/contact/contact_history.h"
-#include "plugins/common/contact/contact_law.h"
-#include "plugins/common/contact/spheres.h"
+#include "plugins/common/contact/grain_tables.h"
 
 enum { GRAIN = 256, PLANE = 4, FUNNEL = 5 /* numbers of one */ };
 
@@ -31,30 +29,12 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(soft_walls, planes), HK_OPTIONAL, NULL},
     {"funnel", "m", "x, y and z of the middle of the neck, its radius, slope (m/m); left out: none",
      HK_NUMBERS, {0}, 0, 0, offsetof(soft_walls, funnel), HK_OPTIONAL, NULL},
-    {"radius", "m", "of every sphere; left out: radii",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(soft_walls, spheres.radius), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
-    {"radii", "", "name of the channel that has the radii, m",
-     HK_STRING, {0}, 0, 0, offsetof(soft_walls, spheres.radii), 0, NULL},
-    {"spin", "", "name of the channel of angular velocities, rad/s; left out: spheres do not turn",
-     HK_STRING, {0}, 0, 0, offsetof(soft_walls, spheres.spin), 0, NULL},
-    {"stiffness", "N/m", "k of the normal spring",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(soft_walls, law.stiffness), HK_REQUIRED | HK_ABOVE_MIN, NULL},
-    {"restitution", "", "speed after a head-on collision, as a part of that before",
-     HK_NUMBER, {0.8}, 0, 1, offsetof(soft_walls, restitution), HK_ABOVE_MIN, NULL},
-    {"friction", "", "coefficient of friction",
-     HK_NUMBER, {0.5}, 0, INFINITY, offsetof(soft_walls, law.friction), 0, NULL},
-    {"tangential", "", "stiffness of the tangential spring, as a part of the normal one",
-     HK_NUMBER, {2. / 7}, 0, 1, offsetof(soft_walls, tangential), 0, NULL},
+    HK_GRAIN_PARAMS(soft_walls),
     {0},
 };
 
 static const hk_field fields[] = {
-    {"touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(soft_walls, history.touches), 0},
-    {"next_touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(soft_walls, history.next), HK_SCRATCH},
-    {"count", HK_FIELD_INTEGER, 1, offsetof(soft_walls, history.count), 0},
-    {"time", HK_FIELD_NUMBER, 1, offsetof(soft_walls, history.t), 0},
-    {"torque", HK_FIELD_PER_PARTICLE, 3, offsetof(soft_walls, torque), HK_SCRATCH},
-    {"spin_then", HK_FIELD_PER_PARTICLE, 3, offsetof(soft_walls, spin_then), 0},
+    HK_GRAIN_FIELDS(soft_walls),
     {0},
 };
 /* clang-format on */

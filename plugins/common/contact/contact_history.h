@@ -3,11 +3,8 @@
  * against the other body less the slip. At a later position the slip is the part of r - anchor across the normal,
  * without any integration, whatever the method's stages are.
  *
- * Items name bodies by id and are saved in checkpoints; rows are found again from them. A plugin has these fields:
- *     {"touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(self, history.touches), 0},
- *     {"next_touches", HK_FIELD_ARRAY, sizeof(hk_touch), offsetof(self, history.next), HK_SCRATCH},
- *     {"count", HK_FIELD_INTEGER, 1, offsetof(self, history.count), 0},
- *     {"time", HK_FIELD_NUMBER, 1, offsetof(self, history.t), 0}, */
+ * Items name bodies by id and are saved in checkpoints; rows are found again from them. A plugin has the fields of
+ * grain_tables.h. */
 #ifndef HK_CONTACT_HISTORY_H
 #define HK_CONTACT_HISTORY_H
 

@@ -16,6 +16,8 @@
 --   same, twice  two runs say the same; a run alone and one after scene:run{} give the same answer
 --   patch        goes on from a checkpoint in which this is wrong
 --   within       nothing is written beside the folder
+local files = require("files")
+
 local build = os.getenv("HK_BUILD") or "build"
 local seconds, patience, grace = 10, 60, 10 -- s: of a processor; of a busy machine; after an interrupt
 local own_codes = { [0] = true, true, true, true, true, true, [130] = true }
@@ -28,20 +30,7 @@ local function shell(command)
   return text, how == "signal" and 128 + code or code
 end
 
-local function quoted(text) return "'" .. text:gsub("'", "'\\''") .. "'" end
-
-local function write(path, text)
-  local file = assert(io.open(path, "wb"))
-  file:write(text)
-  file:close()
-end
-
-local function read(path)
-  local file = io.open(path, "rb")
-  local text = file and file:read("a")
-  if file then file:close() end
-  return text
-end
+local quoted, write, read = files.quoted, files.write, files.read
 
 local place = shell("mktemp -d /tmp/hooke-attempts-XXXXXX"):gsub("%s", "")
 local outside = place .. "/outside"

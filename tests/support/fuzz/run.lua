@@ -4,6 +4,8 @@
 --   lua5.4 tests/fuzz/scenes.lua                       the short form, of `make test`
 --   lua5.4 tests/fuzz/scenes.lua --seconds 600 --seed 7
 --   lua5.4 tests/fuzz/scenes.lua --seed 7 --case 31    one of them; --keep leaves its folder
+local files = require("files")
+
 local run = {}
 
 local root, build = assert(os.getenv("HK_ROOT")), assert(os.getenv("HK_BUILD"))
@@ -20,20 +22,8 @@ local function shell(command)
   return text
 end
 
-local function quoted(text) return "'" .. text:gsub("'", "'\\''") .. "'" end
-
-local function write(path, text)
-  local file = assert(io.open(path, "wb"))
-  file:write(text)
-  file:close()
-end
-
-local function read(path)
-  local file = io.open(path, "rb")
-  local text = file and file:read("a")
-  if file then file:close() end
-  return text or ""
-end
+local quoted, write = files.quoted, files.write
+local function read(path) return files.read(path) or "" end
 
 -- Fixtures that keep their contract, as plugins, so that constraints, correctors and sources are among those known.
 local function install_fixtures(place)
