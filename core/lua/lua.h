@@ -43,6 +43,7 @@ typedef struct hk_script_options {
   hk_confiner confiner;       /* for tools; confine NULL: there is none */
   int threads;
   uint64_t seed;
+  hk_stand_in stand_in; /* of all scenes of the script */
   size_t given_count;
   hk_param_given *given;
 } hk_script_options;
@@ -72,6 +73,13 @@ hk_status hk_script_host(const char *path, const hk_script_options *options, lua
 
 /* Runs the file at the script's path in the sandbox, with the present `hooke`; pushes what it returns. */
 void hk_lua_run_file(lua_State *L);
+
+/* What the runs that the script drove cost so far, together. */
+typedef struct hk_work {
+  size_t runs, steps, evaluations;
+  hk_verdict worst;
+} hk_work;
+hk_work hk_script_work(const hk_script *);
 
 hk_script *hk_lua_script(lua_State *L); /* the script that the Lua state belongs to */
 const hk_script_options *hk_script_asked(const hk_script *);
