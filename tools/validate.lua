@@ -79,6 +79,44 @@ local function refused(list)
   return count
 end
 
+-- ---- a plugin in the place of a force ----
+
+local function has_all(plugin, params)
+  local known = {}
+  for _, param in ipairs(plugin.params) do known[param.name] = true end
+  for _, name in ipairs(params) do
+    if not known[name] then return false end
+  end
+  return true
+end
+
+-- The problems, each with its stand_in, in which the plugin can be a force; or nil and the exit code.
+local function with_plugin(list, o)
+  local plugin, why = hooke.describe(o.plugin)
+  if not plugin then return nil, complain("%s", why) end
+  if plugin.kind ~= "force" then return nil, complain("%s is a %s; a force can stand in", o.plugin, plugin.kind) end
+  local fitting, forces, seen = {}, {}, {}
+  for _, problem in ipairs(list) do
+    for force, params in pairs(problem.description.forces or {}) do
+      local text = ("%s (%s)"):format(force, table.concat(params, ", "))
+      if not seen[text] then
+        seen[text], forces[#forces + 1] = true, text
+      end
+      if (not o.as or o.as == force) and has_all(plugin, params) then
+        local copy = {}
+        for key, value in pairs(problem) do copy[key] = value end
+        copy.stand_in = { force = force, path = plugin.path }
+        copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
+        fitting[#fitting + 1] = copy
+      end
+    end
+  end
+  if #fitting > 0 then return fitting end
+  table.sort(forces)
+  return nil, complain("%s can stand in nowhere here%s: it needs all parameters of a force that may be replaced: %s",
+    plugin.name, o.as and " as " .. o.as or "", table.concat(forces, "; "))
+end
+
 -- ---- running ----
 
 local function solve(list, o, jobs)
@@ -123,6 +161,10 @@ local function main()
   local jobs = o.jobs or process.processors()
   describe(list, jobs)
   if refused(list) > 0 then return 1 end
+  if o.plugin then
+    list, code = with_plugin(list, o)
+    if not list then return code end
+  end
   if o.list then return lines.list(list) end
   solve(list, o, jobs)
   judge(list, o.quick)

@@ -89,11 +89,30 @@ static void errors_of_a_problem_are_one_sentence_with_the_line(void **state) {
   says(r.out, "nil.lua:6:");
 }
 
+/* The fixture's force is 0.999 of what it says; the engine's own is the same problem's force under another file. */
+static void a_plugin_with_a_wrong_factor_is_found(void **state) {
+  (void)state;
+  char all[1024];
+  snprintf(all, sizeof all, "oscillators damped --quick --no-page --plugin '%s/plugins/forces/central.so'",
+           getenv("HK_BUILD"));
+  validate(all, 0);
+  says(r.out, "damped, central for central");
+  snprintf(all, sizeof all, "oscillators damped --no-page --plugin '%s/tests/fixtures/weak_central.so'",
+           getenv("HK_BUILD"));
+  validate(all, 5);
+  says(r.out, "WRONG damped, weak_central for central");
+  snprintf(all, sizeof all, "oscillators --no-page --as drag --plugin '%s/tests/fixtures/weak_central.so'",
+           getenv("HK_BUILD"));
+  validate(all, 1);
+  says(r.err, "weak_central can stand in nowhere here as drag");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(orders_and_limits_of_series_are_found),
       cmocka_unit_test(what_is_wrong_is_said),
       cmocka_unit_test(errors_of_a_problem_are_one_sentence_with_the_line),
+      cmocka_unit_test(a_plugin_with_a_wrong_factor_is_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
