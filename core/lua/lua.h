@@ -29,6 +29,13 @@ hk_status hk_script_host(const char *path, const hk_script_options *options, lua
 /* Runs the file at the script's path in the sandbox, with the present `hooke`; pushes what it returns. */
 void hk_lua_run_file(lua_State *L);
 
+/* What the runs that the script drove cost so far, together. */
+typedef struct hk_work {
+  size_t runs, steps, evaluations;
+  hk_verdict worst;
+} hk_work;
+hk_work hk_script_work(const hk_script *);
+
 const hk_script_options *hk_script_asked(const hk_script *);
 hk_run_options *hk_script_run_options(hk_script *); /* options of the runs that the script drives; may be changed */
 const char *hk_script_path(const hk_script *);      /* as given */

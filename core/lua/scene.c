@@ -149,6 +149,7 @@ static hk_scene *new_scene(lua_State *L) {
     hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
   }
   slot->scene->trusted = s->options.trust;
+  slot->scene->stand_in = s->options.stand_in;
   holder->slot = s->slot[s->slots++] = slot; /* the script owns it */
   return slot->scene;
 }

@@ -46,6 +46,7 @@ typedef struct hk_script_options {
   hk_confiner confiner;       /* for tools; confine NULL: there is none */
   int threads;
   uint64_t seed;
+  hk_stand_in stand_in; /* of all scenes of the script */
   size_t given_count;
   hk_param_given *given;
 } hk_script_options;
