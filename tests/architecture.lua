@@ -197,7 +197,7 @@ local function check_the_checks()
   assert(#further_includes { arrow("core/loop/a.c", "core/scene/scene.h"), arrow("core/scene/b.c", "core/scene/c.h") } == 0)
   assert(#further_includes { arrow("core/loop/a.c", "core/scene/c.h") } == 1)
 
-  assert(is_small_core("core/dynamics/evaluate.c") and not is_small_core("core/dynamics/constraint_matrix.h"))
+  assert(is_small_core("core/dynamics/evaluate.c") and not is_small_core("core/dynamics/constraints.h"))
 
   local text = '/* leapfrog */ int x = 1; // a\nf("rk4 /* pcg */"); int hk_pcg_size; /* "umfpack" */ int leapfrogs, a/b;\n'
   local code, comment = source_graph.split(text)

@@ -13,7 +13,7 @@
  * Invariant: no factorization is kept from one evaluation to the next, so a resumed run repeats bit by bit. Witkin,
  * Physically based modeling: constrained dynamics (SIGGRAPH course notes); Hairer and Wanner, Solving ODEs II, VII.1
  * and VII.2 (index reduction, projection); Moreau 1988 (unilateral contact, inelastic impact). */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -126,13 +126,6 @@ static hk_status find_path_accelerations(hk_dynamics *d, double t) {
   return status;
 }
 
-/* The power of constraint forces whose equations depend on time, -lambda g_t. */
-static double power_of(const hk_constraints *c) {
-  double power = 0;
-  for (size_t k = 0; k < c->equations; k++) power -= c->solution[k] * c->speed[k];
-  return power;
-}
-
 static void note_acting(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   size_t acting = 0;
@@ -169,7 +162,7 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   if (status != HK_OK) return status;
   hk_constraint_matrix_move(c, a);
   note_acting(d);
-  if (c->has_speed) *power += power_of(c);
+  *power += hk_constraint_power(d, v);
   return HK_OK;
 }
 
