@@ -1,7 +1,7 @@
 /* scene:mesh{ file = "name.obj" }: vertices become particles, faces become triangles, and their sides become edges.
  * scene:surface{ file = "name.obj" }: the numbers alone, for plugins that take them. Of the Wavefront OBJ format the
  * records v and f are read; f may have texture and normal indices, which are skipped, and negative ones. */
-#include "core/lua/internal.h"
+#include "core/builders/builders.h"
 #include "core/storage/storage.h"
 
 #include <ctype.h>
@@ -168,7 +168,7 @@ static void load(lua_State *L, mesh *m, const char *name) {
   if (wrong) hk_lua_fail(L, HK_IO, "mesh: %s:%d: %s", name, (int)m->line, wrong);
 }
 
-static int mesh_builder(lua_State *L) {
+int hk_build_mesh(lua_State *L) {
   static const char *const keys[] = {"file", "mass", "scale", "origin", "group", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_error error = {0};
@@ -214,7 +214,7 @@ static void push_corners(lua_State *L, const mesh *m) {
 }
 
 /* { vertices = { x1, y1, z1, x2, ... }, faces = { three vertices a triangle, from 1 }, file = } */
-static int surface_builder(lua_State *L) {
+int hk_build_surface(lua_State *L) {
   static const char *const keys[] = {"file", "scale", "origin", NULL};
   hk_lua_scene(L, 1);
   luaL_checktype(L, 2, LUA_TTABLE);
@@ -239,11 +239,4 @@ static int surface_builder(lua_State *L) {
   lua_setfield(L, -2, "faces");
   clear(m);
   return 1;
-}
-
-void hk_lua_open_mesh(lua_State *L) {
-  lua_pushcfunction(L, surface_builder);
-  lua_setfield(L, -2, "surface");
-  lua_pushcfunction(L, mesh_builder);
-  lua_setfield(L, -2, "mesh");
 }

@@ -1,6 +1,6 @@
 /* The handles that builders return: a range of ids and, for a grid, its shape. Lists of edges are made on request;
  * those of a mesh are kept with its handle. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 #include <stdlib.h>
 

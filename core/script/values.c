@@ -1,6 +1,6 @@
 /* Conversion of Lua values to parameters: the plugin's table gives the type, hk_spec_set checks the value. The options
  * that every force has (only, group, from, to), and `fastest`, are set here; `label` was read before. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 #include "core/base/base.h"
 
 #include <stdlib.h>

@@ -1,0 +1,10 @@
+/* The list of builders. */
+#include "core/builders/builders.h"
+
+const luaL_Reg hk_builders[] = {{"particle", hk_build_particle},
+                                {"particles", hk_build_particles},
+                                {"grid", hk_build_grid},
+                                {"strand", hk_build_strand},
+                                {"mesh", hk_build_mesh},
+                                {"surface", hk_build_surface},
+                                {NULL, NULL}};
