@@ -11,15 +11,15 @@ local source_graph = require("source_graph")
 -- ---- what is allowed ----
 
 -- An arrow goes from a room to itself or to one further up in this list.
-local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "dynamics",
+local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "matrix", "dynamics",
   "population", "loop", "judge", "storage", "report", "run", "lua", "tools", "command" }
 local most_files = 20
 local small_core_below = 3500 -- lines
 local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/", "^core/dynamics/" }
 -- Not of it are matrices and multipliers, contact, how long a step may be, and what is asked of forces beside F: energies,
 -- elements, bounds.
-local not_small_core = { "/constraint", "/active_set", "/independent_rows", "/saddle", "/jacobian", "/implicit_matrix",
-  "/linear_system", "/block_matrix", "/probe", "/elements", "/sweep", "/contact", "/step_choice" }
+local not_small_core = { "/constraint", "/active_set", "/saddle", "/jacobian", "/implicit_matrix",
+  "/linear_system", "/probe", "/elements", "/sweep", "/contact", "/step_choice" }
 
 -- Headers beside a room's one header that other rooms may include: the commands' own, for their tests.
 local further_headers = {}
@@ -38,6 +38,7 @@ local ordinary_words = {
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
     field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
+    bars = "rigid rods, the usual example of constraints",
     drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },
 }

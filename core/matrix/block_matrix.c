@@ -1,8 +1,7 @@
 /* Block compressed rows from (row, column) pairs: two stable counting sorts, by column and then by row, bring equal
  * pairs together in the order of the matrix; each run of them is one block. Time and memory are linear in the number of
  * pairs, rows and columns for any pattern, even when one row holds all blocks. */
-#include "core/dynamics/block_matrix.h"
-#include "core/base/base.h"
+#include "core/matrix/matrix.h"
 
 #include <stdlib.h>
 

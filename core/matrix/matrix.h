@@ -1,9 +1,11 @@
-/* The pattern of a sparse block matrix, built from blocks named by forces or constraints. A zeroed structure is an
- * empty pattern. */
-#ifndef HK_BLOCK_MATRIX_H
-#define HK_BLOCK_MATRIX_H
+/* Sparse matrices as patterns: where the blocks are that forces or constraints name, and which rows follow from
+ * others. */
+#ifndef HK_MATRIX_H
+#define HK_MATRIX_H
 
 #include "core/base/base.h"
+
+/* ---- block_matrix.c: the pattern of a matrix from named blocks; a zeroed structure is an empty pattern ---- */
 
 typedef struct hk_block_matrix {
   hk_pattern naming; /* first member: passed to the plugin that names blocks */

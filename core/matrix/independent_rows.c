@@ -3,7 +3,7 @@
  * out (Davis, Direct Methods for Sparse Linear Systems, 4.7). Without these rows, accelerations are a smooth function
  * of the state also off the constraints, where the stages of a method evaluate them; with the singular system of all
  * equations they are not. */
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 
 #include <stdlib.h>
 

@@ -1,5 +1,5 @@
 /* Patterns from named blocks, against the plain way: a table of all pairs. */
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
