@@ -198,17 +198,6 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   return status == HK_OK ? HK_OK : no_memory(d);
 }
 
-hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
-                           const double *v) {
-  hk_view view = d->state->view;
-  view.t = t;
-  view.x = x;
-  view.v = v;
-  view.host = &instance->host;
-  view.power = NULL;
-  return view;
-}
-
 /* W J for one block. */
 static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const double J[3], double WJ[3]) {
   double w = d->state->inverse_mass[particle];
@@ -216,26 +205,6 @@ static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const d
   if (d->state->pin[particle] == HK_PIN_LINE || d->state->pin[particle] == HK_PIN_PLANE)
     hk_pin_project(d->pins->item[pin].spec, WJ);
   for (int a = 0; a < 3; a++) WJ[a] *= w;
-}
-
-hk_status hk_constraint_failed(hk_dynamics *d, const hk_instance *instance, double t, hk_status status) {
-  if (status != HK_OK && !*d->error->text)
-    hk_error_set(d->error, status, "constraint '%s' failed at t = %g s without saying why", instance->label, t);
-  return status;
-}
-
-hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
-  const hk_constraints *c = d->constraints;
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
-    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
-    hk_view view = hk_constraint_view(d, instance, t, x, v);
-    const hk_instance *outer = hk_enter(instance);
-    status = instance->plugin->constraint->jacobian(instance->self, &view, J + c->block_first[k]);
-    hk_leave(instance, outer);
-    status = hk_constraint_failed(d, instance, t, status);
-  }
-  return status;
 }
 
 void hk_constraint_matrix_rest(hk_constraints *c) {
@@ -403,11 +372,4 @@ hk_status hk_constraint_matrix_review(hk_dynamics *d) {
   if (found == HK_OK && smallest > dependent) return HK_OK;
   hk_matrix A = assemble(c);
   return hk_independent_rows(&A, c->implied, d->error);
-}
-
-const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {
-  size_t k = 0;
-  while (d->constraints->equation_first[k + 1] <= equation) k++;
-  *number = equation - d->constraints->equation_first[k] + 1;
-  return d->plugins->kind[HK_CONSTRAINT].item[k];
 }

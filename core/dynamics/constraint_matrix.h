@@ -47,14 +47,33 @@ static inline double hk_constraint_dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Largest g that counts as contact, relative to the largest coordinate: generous, see constraint.c. */
+static const double hk_constraint_touching = 1e-10;
+
+/* ---- constraint_values.c ---- */
+
+hk_view hk_constraint_view(const hk_dynamics *, const hk_instance *, double t, const double *x, const double *v);
+/* Returns `status`, the result of a call of a constraint; on failure it makes sure that the error has a message. */
+hk_status hk_constraint_failed(hk_dynamics *, const hk_instance *, double t, hk_status status);
+hk_status hk_constraint_value(hk_dynamics *, double t, const double *x, const double *v);     /* g */
+hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const double *v);     /* speed */
+hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
+hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
+double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
+/* rate = J v + g_t, sum = the sum of the magnitudes of its terms. */
+void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
+/* The instance of an equation, and the equation's number within it, from 1. */
+const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
+
+/* ---- constraint.c ---- */
+
+/* Finds which one-sided equations touch at x and v. */
+hk_status hk_constraint_look(hk_dynamics *, double t, const double *x, const double *v);
+
 /* ---- constraint_matrix.c ---- */
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
 void hk_constraint_matrix_free(hk_constraints *);
-hk_view hk_constraint_view(const hk_dynamics *, const hk_instance *, double t, const double *x, const double *v);
-/* Returns `status`, the result of a call of a constraint; on failure it makes sure that the error has a message. */
-hk_status hk_constraint_failed(hk_dynamics *, const hk_instance *, double t, hk_status status);
-hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
 hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
 void hk_constraint_matrix_rest(hk_constraints *); /* updates scale after a change of `rests` */
@@ -66,9 +85,6 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *);
 void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
 /* Finds equations that follow from others at the linearised state: `implied`. */
 hk_status hk_constraint_matrix_review(hk_dynamics *);
-/* The instance of an equation, and the equation's number within it, from 1. */
-const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
-
 /* ---- active_set.c ---- */
 
 /* Computes in `solution` the multipliers with J W J^T lambda + q = 0 for equalities and with lambda >= 0, J W J^T
