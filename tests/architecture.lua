@@ -31,6 +31,7 @@ local ordinary_words = {
     neighbours = "the interface of that service, which is part of the ABI",
     checkpoint = "the file of a run that goes on", relax = "to give a processor a rest",
     midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
+    surface = "what a grid or a file of triangles spans",
   },
   comment = {
     octree = "the tree of cells",
@@ -38,7 +39,7 @@ local ordinary_words = {
     table = "a table of Lua or of parameters", frames = "the frames of a run", central = "central differences",
     field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
-    bars = "rigid rods, the usual example of constraints",
+    bars = "rigid rods, the usual example of constraints", surface = "what a grid or a file of triangles spans",
     drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },
 }

@@ -262,13 +262,13 @@ static hk_status cannot_solve(hk_dynamics *d) {
                       *instance->where ? ": " : "", instance->label, number);
 }
 
-/* With one-sided equations the shifted matrix is used at once, since those in contact often depend on each other, such
- * as four feet on a floor. */
+/* Where equations are known to depend on each other, and with one-sided ones, which often do in contact (four feet on a
+ * floor), the shifted matrix is used at once. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   hk_error before = *d->error;
   hk_status status = HK_NOT_CONVERGED;
-  for (int attempt = c->one_sided_count > 0; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
+  for (int attempt = c->one_sided_count > 0 || c->dependent; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
     hk_matrix A = assemble(c);
     c->soft = attempt == 1;
     if (c->soft) soften(c, soft_shift);

@@ -33,6 +33,7 @@ struct hk_constraints {
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
   bool *rests;     /* equations that do not act in the present problem */
   bool soft;       /* the present factors are those of A + soft_shift I */
+  bool dependent;  /* the present problem has equations that follow from others */
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
                       jumped */

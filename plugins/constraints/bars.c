@@ -1,6 +1,6 @@
 /* Rigid bars of any graph, |x_j - x_i| = L: chains, trusses, closed loops, bars that others imply. The equation and its
- * derivatives are in plugins/common/lengths; the host solves for the multipliers of all bars at once, which are the
- * forces in them (J^T lambda, positive in tension where lambda is negative). */
+ * derivatives are in plugins/common/lengths, as L - |x_j - x_i| = 0; the host solves for the multipliers of all bars at
+ * once, which are the forces in them, positive in tension. */
 #include "plugins/common/lengths/lengths.h"
 
 typedef struct bars {
@@ -39,17 +39,17 @@ static size_t count(void *self) { return ((const bars *)self)->of.edges.count; }
 static void pattern(void *self, hk_pattern *p) { hk_lengths_pattern(&((const bars *)self)->of, p); }
 
 static hk_status value(void *self, const hk_view *view, double *g) {
-  hk_lengths_value(&((const bars *)self)->of, 1, view, g);
+  hk_lengths_value(&((const bars *)self)->of, -1, view, g);
   return HK_OK;
 }
 
 static hk_status jacobian(void *self, const hk_view *view, double (*J)[3]) {
-  hk_lengths_jacobian(&((const bars *)self)->of, 1, view, J);
+  hk_lengths_jacobian(&((const bars *)self)->of, -1, view, J);
   return HK_OK;
 }
 
 static hk_status curvature(void *self, const hk_view *view, double *c) {
-  hk_lengths_curvature(&((const bars *)self)->of, 1, view, c);
+  hk_lengths_curvature(&((const bars *)self)->of, -1, view, c);
   return HK_OK;
 }
 
