@@ -66,6 +66,7 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   /* The constraints have a solver instance of their own: the scene's solver keeps the factors of an implicit method
    * between evaluations. */
   hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
+  if (status == HK_OK) status = hk_solver_narrow(d, &d->constraints->linear.narrow, &d->constraints->narrow);
   return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
 
@@ -109,6 +110,8 @@ void hk_constraints_close(hk_dynamics *d) {
   if (!d->constraints) return;
   hk_constraint_matrix_free(d->constraints);
   hk_instance_destroy(d->constraints->linear.solver);
+  hk_instance_destroy(d->constraints->linear.narrow);
+  hk_spec_destroy(d->constraints->narrow);
   free(d->constraints);
   d->constraints = NULL;
 }

@@ -169,6 +169,9 @@ hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);
 /* One that takes indefinite matrices, for the saddle points of implicit steps with constraints; the caller destroys it
  * and then the spec, which is NULL where the scene's solver is of that kind. */
 hk_status hk_solver_indefinite(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
+/* One for narrow factors (HK_NARROW), where the scene names no solver and one is installed; else NULL. The caller
+ * destroys it and then the spec. */
+hk_status hk_solver_narrow(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
 /* A second instance with the same parameters, for the multipliers; the caller destroys it. */
 hk_status hk_solver_twin(hk_dynamics *, hk_instance **solver);
 

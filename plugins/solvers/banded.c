@@ -231,7 +231,7 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
 }
 
 static const hk_solver solver = {
-    .size = sizeof(hk_solver), .flags = 0, .analyze = analyze, .factorize = factorize, .solve = solve};
+    .size = sizeof(hk_solver), .flags = HK_NARROW, .analyze = analyze, .factorize = factorize, .solve = solve};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
