@@ -1,4 +1,5 @@
-/* What several builders do: adding particles and edges to a scene, and reading a group's name or a number of particles.
+/* What several builders do: adding particles and edges to a scene, and reading a group's name, a mass or a number of
+ * particles.
  */
 #include "core/builders/builders.h"
 
@@ -36,6 +37,23 @@ uint32_t hk_lua_count(lua_State *L, int table, const char *what, const char *key
   if (value < least || value > 1e6 || floor(value) != value)
     hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: %.7g is not a whole number from %g to a million", what, key, value, least);
   return (uint32_t)value;
+}
+
+double hk_lua_mass(lua_State *L, int table, const char *what, double *density) {
+  double mass = hk_lua_field_number(L, table, what, "mass", NAN);
+  *density = hk_lua_field_number(L, table, what, "density", NAN);
+  if (!isnan(mass) && !isnan(*density)) hk_lua_fail(L, HK_BAD_PARAM, "%s: give mass or density, not both", what);
+  if (*density <= 0) hk_lua_fail(L, HK_BAD_PARAM, "%s: density: %g kg/m^2 has to be above 0", what, *density);
+  return isnan(mass) ? 1 : mass;
+}
+
+bool hk_lua_field_flag(lua_State *L, int table, const char *what, const char *key) {
+  int type = hk_lua_field(L, table, key);
+  bool value = lua_toboolean(L, -1);
+  if (type != LUA_TNIL && type != LUA_TBOOLEAN)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected true or false", what, key);
+  lua_pop(L, 1);
+  return value;
 }
 
 void hk_lua_add_edges(lua_State *L, hk_scene *scene) {

@@ -1,103 +1,12 @@
-/* scene:mesh{ file = "name.obj" }: vertices become particles, faces become triangles, and their sides become edges.
- * scene:surface{ file = "name.obj" }: the numbers alone, for plugins that take them. Of the Wavefront OBJ format the
- * records v and f are read; f may have texture and normal indices, which are skipped, and negative ones. */
-#include "core/builders/builders.h"
-#include "core/storage/storage.h"
+/* scene:mesh{ file = "name.obj" }, or scene:mesh{ vertices =, faces = } by hand: vertices become particles, faces
+ * become triangles, and their sides become edges. With `density`, kg/m^2, a vertex has a third of the mass of every
+ * triangle around it, so that refinement does not move mass to the border; with `mass` all have the same.
+ * scene:surface{ file = "name.obj" }: the numbers alone, for plugins that take them. */
+#include "core/builders/obj_file.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-typedef struct mesh {
-  size_t vertices, vertex_capacity, triangles, triangle_capacity;
-  double *vertex;          /* vertices x 3 */
-  uint32_t (*triangle)[3]; /* from 0 */
-  size_t line;
-} mesh;
-
-static void clear(mesh *m) {
-  free(m->vertex);
-  free(m->triangle);
-  *m = (mesh){0};
-}
-
-/* The mesh is a userdata, so that an error during reading frees it. */
-static int mesh_gc(lua_State *L) {
-  clear(lua_touserdata(L, 1));
-  return 0;
-}
-
-static mesh *new_mesh(lua_State *L) {
-  mesh *m = lua_newuserdatauv(L, sizeof *m, 0);
-  *m = (mesh){0};
-  lua_createtable(L, 0, 1);
-  lua_pushcfunction(L, mesh_gc);
-  lua_setfield(L, -2, "__gc");
-  lua_setmetatable(L, -2);
-  return m;
-}
-
-static bool grow(void *array, size_t *capacity, size_t count, size_t size) {
-  void *memory;
-  memcpy(&memory, array, sizeof memory);
-  if (count < *capacity) return true;
-  void *bigger = realloc(memory, (2 * count + 256) * size);
-  if (!bigger) return false;
-  memcpy(array, &bigger, sizeof bigger);
-  *capacity = 2 * count + 256;
-  return true;
-}
-
-static const char *read_vertex(mesh *m, const char *text) {
-  char *end;
-  if (!grow(&m->vertex, &m->vertex_capacity, m->vertices, 3 * sizeof *m->vertex)) return "no memory";
-  for (int c = 0; c < 3; c++) {
-    m->vertex[3 * m->vertices + c] = strtod(text, &end);
-    if (end == text) return "a vertex needs three numbers";
-    text = end;
-  }
-  m->vertices++;
-  return NULL;
-}
-
-static const char *read_face(mesh *m, const char *text) {
-  uint32_t corner[3] = {0};
-  for (int count = 0;; count++) {
-    char *end;
-    long index = strtol(text, &end, 10);
-    if (end == text) return count < 3 ? "a face needs three corners" : NULL;
-    if (index < 0) index += (long)m->vertices + 1;
-    if (index < 1 || (size_t)index > m->vertices) return "a face names a vertex that does not exist (yet)";
-    text = end + strcspn(end, " \t\r\n");
-    if (count > 0 && (uint32_t)index - 1 == corner[count > 1]) return "a face names a vertex twice";
-    if (count >= 2) {
-      if ((uint32_t)index - 1 == corner[0]) return "a face names a vertex twice";
-      if (!grow(&m->triangle, &m->triangle_capacity, m->triangles, sizeof *m->triangle)) return "no memory";
-      corner[2] = (uint32_t)index - 1;
-      memcpy(m->triangle[m->triangles++], corner, sizeof corner);
-      corner[1] = corner[2];
-    } else
-      corner[count] = (uint32_t)index - 1;
-  }
-}
-
-static const char *read_file(mesh *m, FILE *file) {
-  char line[1024];
-  const char *wrong = NULL;
-  for (m->line = 1; !wrong && fgets(line, sizeof line, file); m->line++) {
-    if (!strchr(line, '\n') && !feof(file)) return "the line is too long";
-    if (line[0] == 'v' && isspace((unsigned char)line[1]))
-      wrong = read_vertex(m, line + 2);
-    else if (line[0] == 'f' && isspace((unsigned char)line[1]))
-      wrong = read_face(m, line + 2);
-  }
-  m->line--;
-  if (ferror(file)) return strerror(errno);
-  return wrong ? wrong : m->vertices ? NULL : "it has no vertices";
-}
 
 /* A side of a triangle, with the lower id first, and the opposite corner. */
 typedef struct side {
@@ -112,7 +21,7 @@ static int by_ends(const void *left, const void *right) {
 }
 
 /* The sides of all triangles, sorted, as a block on the stack. */
-static side *push_sides(lua_State *L, const mesh *m, uint32_t first) {
+static side *push_sides(lua_State *L, const hk_mesh *m, uint32_t first) {
   side *list = lua_newuserdatauv(L, (3 * m->triangles + 1) * sizeof *list, 0);
   for (size_t k = 0; k < 3 * m->triangles; k++) {
     const uint32_t *corner = m->triangle[k / 3];
@@ -137,7 +46,7 @@ static hk_lua_edges *push_pairs(lua_State *L, const side *list, size_t sides, bo
   return edges;
 }
 
-static void push_triangles(lua_State *L, const mesh *m) {
+static void push_triangles(lua_State *L, const hk_mesh *m) {
   lua_createtable(L, (int)m->triangles, 0);
   for (size_t t = 0; t < m->triangles; t++) {
     lua_createtable(L, 3, 0);
@@ -149,43 +58,105 @@ static void push_triangles(lua_State *L, const mesh *m) {
   }
 }
 
-/* Bytes that the numbers of a file take, at most, per byte of its text: "v 0 0 0" is 24, in arrays that double. */
-enum { NUMBERS = 6 };
+/* ---- meshes by hand ---- */
 
-static void load(lua_State *L, mesh *m, const char *name) {
-  const char *folder = hk_lua_script(L)->folder, *folders[3];
-  const char *path = *name == '/' ? name : lua_pushfstring(L, "%s/%s", folder, name);
-  FILE *file = hk_file_read(path, hk_lua_readable(hk_lua_script(L), folders));
-  if (!file) hk_lua_fail(L, HK_IO, "mesh: cannot read %s: %s", path, hk_file_reason(errno));
-  struct stat info = {0};
-  if (fstat(fileno(file), &info) != 0 || (double)info.st_size * NUMBERS > (double)hk_lua_script(L)->memory_limit) {
-    fclose(file);
-    hk_lua_fail(L, HK_IO, "mesh: %s: the file is larger than the script's memory", name);
+static void take_vertices(lua_State *L, hk_mesh *m) {
+  char what[64];
+  int list = lua_gettop(L);
+  for (lua_Integer k = 1; lua_rawgeti(L, list, k) != LUA_TNIL; k++, lua_pop(L, 1)) {
+    double x[3];
+    snprintf(what, sizeof what, "mesh: vertices[%lld]", (long long)k);
+    hk_lua_vector(L, -1, what, x);
+    const char *wrong = hk_mesh_add_vertex(m, x);
+    if (wrong) hk_lua_fail(L, HK_BAD_PARAM, "%s: %s", what, wrong);
   }
-  const char *wrong = read_file(m, file);
-  fclose(file);
-  hk_lua_note_file(L, "the mesh", path, name);
-  if (wrong) hk_lua_fail(L, HK_IO, "mesh: %s:%d: %s", name, (int)m->line, wrong);
+}
+
+/* The corners of the face on top of the stack. */
+static size_t take_corners(lua_State *L, const hk_mesh *m, const char *what, uint32_t *corner) {
+  size_t count = 0;
+  if (!lua_istable(L, -1)) hk_lua_fail(L, HK_BAD_PARAM, "%s: expected a list of vertices, {1, 2, 3}", what);
+  for (; lua_rawgeti(L, -1, (lua_Integer)count + 1) != LUA_TNIL && count <= HK_FACE_CORNERS; count++, lua_pop(L, 1)) {
+    double index = lua_type(L, -1) == LUA_TNUMBER ? lua_tonumber(L, -1) : NAN;
+    if (!(index >= 1 && index <= (double)m->vertices && floor(index) == index))
+      hk_lua_fail(L, HK_BAD_PARAM, "%s: corner %d is none of the vertices 1 to %d", what, (int)count + 1,
+                  (int)m->vertices);
+    corner[count] = (uint32_t)index - 1;
+  }
+  lua_pop(L, 1);
+  return count;
+}
+
+static void take_faces(lua_State *L, hk_mesh *m) {
+  char what[64];
+  uint32_t corner[HK_FACE_CORNERS + 1];
+  int list = lua_gettop(L);
+  for (lua_Integer k = 1; lua_rawgeti(L, list, k) != LUA_TNIL; k++, lua_pop(L, 1)) {
+    snprintf(what, sizeof what, "mesh: faces[%lld]", (long long)k);
+    const char *wrong = hk_mesh_add_face(m, corner, take_corners(L, m, what, corner));
+    if (wrong) hk_lua_fail(L, HK_BAD_PARAM, "%s: %s", what, wrong);
+  }
+}
+
+static void read_mesh(lua_State *L, hk_mesh *m) {
+  if (hk_lua_field(L, 2, "file") == LUA_TSTRING)
+    hk_mesh_load(L, m, "mesh", lua_tostring(L, -1));
+  else if (hk_lua_field(L, 2, "vertices") == LUA_TTABLE) {
+    take_vertices(L, m);
+    if (hk_lua_field(L, 2, "faces") == LUA_TTABLE) take_faces(L, m);
+    if (m->vertices == 0) hk_lua_fail(L, HK_BAD_PARAM, "mesh: vertices: there are none");
+  } else
+    hk_lua_fail(L, HK_BAD_PARAM, "mesh: file is required, an OBJ file, or vertices and faces");
+}
+
+/* ---- into the scene ---- */
+
+static double area_of(const hk_mesh *m, const uint32_t corner[3]) {
+  const double *a = m->vertex + 3 * (size_t)corner[0], *b = m->vertex + 3 * (size_t)corner[1],
+               *c = m->vertex + 3 * (size_t)corner[2];
+  double square = 0;
+  for (int k = 0, p = 1, q = 2; k < 3; k++, p = (p + 1) % 3, q = (q + 1) % 3) {
+    double n = (b[p] - a[p]) * (c[q] - a[q]) - (b[q] - a[q]) * (c[p] - a[p]);
+    square += n * n;
+  }
+  return sqrt(square) / 2;
+}
+
+/* The masses of the vertices, as a block on the stack. */
+static const double *push_masses(lua_State *L, const hk_mesh *m, double density) {
+  double *mass = lua_newuserdatauv(L, m->vertices * sizeof *mass, 0);
+  for (size_t i = 0; i < m->vertices; i++) mass[i] = 0;
+  for (size_t t = 0; t < m->triangles; t++)
+    for (int k = 0; k < 3; k++) mass[m->triangle[t][k]] += density * area_of(m, m->triangle[t]) / 3;
+  for (size_t i = 0; i < m->vertices; i++)
+    if (!(mass[i] > 0))
+      hk_lua_fail(L, HK_BAD_PARAM, "mesh: density: vertex %d has no area around it, and so no mass", (int)i + 1);
+  return mass;
+}
+
+static hk_lua_handle add_vertices(lua_State *L, hk_scene *scene, hk_mesh *m) {
+  double scale = hk_lua_field_number(L, 2, "mesh", "scale", 1), origin[3] = {0};
+  double density, mass = hk_lua_mass(L, 2, "mesh", &density);
+  hk_lua_field_vector(L, 2, "mesh", "origin", origin);
+  for (size_t k = 0; k < 3 * m->vertices; k++) m->vertex[k] = origin[k % 3] + scale * m->vertex[k];
+  const double *each = density > 0 ? push_masses(L, m, density) : NULL;
+  hk_lua_handle h = {.count = (uint32_t)m->vertices, .nx = (uint32_t)m->vertices, .ny = 1};
+  h.first = hk_lua_add(L, scene, "mesh", m->vertices, m->vertex, NULL, each, mass / (double)m->vertices,
+                       hk_lua_group(L, scene, 2, "mesh"));
+  return h;
 }
 
 int hk_build_mesh(lua_State *L) {
-  static const char *const keys[] = {"file", "mass", "scale", "origin", "group", NULL};
+  static const char *const keys[] = {"file", "vertices", "faces", "mass", "density", "scale", "origin", "group", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_error error = {0};
   luaL_checktype(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "mesh", keys);
-  if (hk_lua_field(L, 2, "file") != LUA_TSTRING)
-    return hk_lua_fail(L, HK_BAD_PARAM, "mesh: file is required, an OBJ file");
-  mesh *m = new_mesh(L);
-  load(L, m, lua_tostring(L, 3));
-  double scale = hk_lua_field_number(L, 2, "mesh", "scale", 1), mass = hk_lua_field_number(L, 2, "mesh", "mass", 1),
-         origin[3] = {0};
-  hk_lua_field_vector(L, 2, "mesh", "origin", origin);
-  for (size_t k = 0; k < 3 * m->vertices; k++) m->vertex[k] = origin[k % 3] + scale * m->vertex[k];
-  hk_lua_handle h = {0, (uint32_t)m->vertices, (uint32_t)m->vertices, 1, false, false};
-  h.first = hk_lua_add(L, scene, "mesh", m->vertices, m->vertex, NULL, NULL, mass / (double)m->vertices,
-                       hk_lua_group(L, scene, 2, "mesh"));
+  hk_mesh *m = hk_mesh_new(L);
+  read_mesh(L, m);
+  lua_settop(L, 3);
+  hk_lua_handle h = add_vertices(L, scene, m);
   hk_lua_push_handle(L, h);
   int handle = lua_gettop(L);
   const side *list = push_sides(L, m, h.first);
@@ -201,11 +172,11 @@ int hk_build_mesh(lua_State *L) {
   if (status != HK_OK) return hk_lua_raise(L, &error);
   push_triangles(L, m);
   lua_setiuservalue(L, -2, 2);
-  clear(m);
+  hk_mesh_clear(m);
   return 1;
 }
 
-static void push_corners(lua_State *L, const mesh *m) {
+static void push_corners(lua_State *L, const hk_mesh *m) {
   lua_createtable(L, (int)(3 * m->triangles), 0);
   for (size_t k = 0; k < 3 * m->triangles; k++) {
     lua_pushinteger(L, (lua_Integer)m->triangle[k / 3][k % 3] + 1);
@@ -222,8 +193,8 @@ int hk_build_surface(lua_State *L) {
   hk_lua_check_keys(L, 2, "surface", keys);
   if (hk_lua_field(L, 2, "file") != LUA_TSTRING)
     return hk_lua_fail(L, HK_BAD_PARAM, "surface: file is required, an OBJ file");
-  mesh *m = new_mesh(L);
-  load(L, m, lua_tostring(L, 3));
+  hk_mesh *m = hk_mesh_new(L);
+  hk_mesh_load(L, m, "surface", lua_tostring(L, 3));
   double scale = hk_lua_field_number(L, 2, "surface", "scale", 1), origin[3] = {0};
   hk_lua_field_vector(L, 2, "surface", "origin", origin);
   lua_createtable(L, 0, 3);
@@ -237,6 +208,6 @@ int hk_build_surface(lua_State *L) {
   lua_setfield(L, -2, "vertices");
   push_corners(L, m);
   lua_setfield(L, -2, "faces");
-  clear(m);
+  hk_mesh_clear(m);
   return 1;
 }

@@ -73,6 +73,6 @@ int hk_build_particles(lua_State *L) {
   }
   double mass = hk_lua_field_number(L, 2, "particles", "mass", 1);
   uint32_t first = hk_lua_add(L, scene, "particles", count, x, v, m, mass, hk_lua_group(L, scene, 2, "particles"));
-  hk_lua_push_handle(L, (hk_lua_handle){first, (uint32_t)count, (uint32_t)count, 1, false, false});
+  hk_lua_push_handle(L, (hk_lua_handle){.first = first, .count = (uint32_t)count, .nx = (uint32_t)count, .ny = 1});
   return 1;
 }

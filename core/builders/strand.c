@@ -20,7 +20,7 @@ int hk_build_strand(lua_State *L) {
   double mass = hk_lua_field_number(L, 2, "strand", "mass", 1), *x = lua_newuserdatauv(L, 3 * n * sizeof *x, 0);
   for (uint32_t k = 0; k < n; k++)
     for (int c = 0; c < 3; c++) x[3 * k + c] = from[c] + (to[c] - from[c]) * k / (n - 1);
-  hk_lua_handle h = {0, n, n, 1, false, true};
+  hk_lua_handle h = {.count = n, .nx = n, .ny = 1, .chain = true};
   h.first = hk_lua_add(L, scene, "strand", n, x, NULL, NULL, mass / n, hk_lua_group(L, scene, 2, "strand"));
   hk_lua_push_structural(L, &h);
   hk_lua_add_edges(L, scene);

@@ -142,7 +142,11 @@ void hk_lua_open_edges(lua_State *L);
 typedef struct hk_lua_handle {
   uint32_t first, count, nx, ny; /* ny is 1 where the handle is no grid */
   bool grid, chain;              /* both false: edges, if any, are kept with the handle */
+  bool alternating;              /* the diagonals of a grid's triangles, from cell to cell */
 } hk_lua_handle;
+
+/* The ids of triangle k of a grid, two for each cell, rows of cells in order. */
+void hk_lua_grid_triangle(const hk_lua_handle *, size_t k, uint32_t corner[3]);
 
 hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape);
 hk_lua_handle *hk_lua_to_handle(lua_State *L, int index); /* NULL: the value is no handle */
