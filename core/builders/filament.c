@@ -127,6 +127,7 @@ hk_lua_curl hk_lua_read_curl(lua_State *L, int table, const char *what) {
       hk_lua_fail(L, HK_BAD_PARAM, "%s: give radius and pitch, or curvature and torsion", name);
     curl.size = hk_lua_above_zero(L, at, name, curl.winds ? "radius" : "curvature", NAN);
     curl.twist = hk_lua_field_number(L, at, name, curl.winds ? "pitch" : "torsion", 0);
+    curl.phased = hk_lua_given(L, at, "phase");
     curl.phase = hk_lua_field_number(L, at, name, "phase", 0);
   }
   lua_settop(L, at - 1);
@@ -146,4 +147,14 @@ void hk_lua_lay(const hk_helix *helix, uint32_t n, bool wall, double l, double (
   if (!wall) return;
   hk_helix_tangent(helix, tangent);
   for (int c = 0; c < 3; c++) x[0][c] = helix->from[c] - l * tangent[c];
+}
+
+void hk_lua_pin_roots(lua_State *L, hk_scene *scene, const hk_lua_handle *h, const char *what) {
+  hk_error error = {0};
+  hk_pin_spec pin = {.kind = HK_PIN_FIXED, .count = (size_t)h->ny * h->roots, .release = INFINITY};
+  pin.id = lua_newuserdatauv(L, (pin.count + 1) * sizeof *pin.id, 0);
+  for (uint32_t k = 0; k < pin.count; k++) pin.id[k] = hk_lua_root(h, k);
+  hk_limits_take(L, sizeof pin + pin.count * sizeof *pin.id);
+  pin.where = (char *)(uintptr_t)hk_lua_where(L); /* hk_scene_add_pin copies it */
+  if (hk_scene_add_pin(scene, &pin, &error) != HK_OK) hk_lua_raise_for(L, what, &error);
 }

@@ -24,10 +24,11 @@ hk_lua_material hk_lua_read_material(lua_State *L, int table, const char *what);
 void hk_lua_share_mass(const hk_lua_material *, uint32_t n, bool wall, double length, double *mass);
 /* What handle.EA, .EI, .GJ, .stiffness, .length and .segment are, for chains with segments of l, m. */
 void hk_lua_set_numbers(lua_State *L, int handle, const hk_lua_material *, double length, double l);
+void hk_lua_pin_roots(lua_State *L, hk_scene *scene, const hk_lua_handle *, const char *what); /* fixed */
 
 /* The key curl: { radius, pitch } or { curvature, torsion }, and phase. */
 typedef struct hk_lua_curl {
-  bool there, winds;         /* winds: radius and pitch */
+  bool there, winds, phased; /* winds: radius and pitch; phased: a phase is given */
   double size, twist, phase; /* radius and pitch, m, or curvature and torsion, 1/m; rad */
 } hk_lua_curl;
 

@@ -131,14 +131,6 @@ static void refuse_two_shapes(lua_State *L) {
       hk_lua_fail(L, HK_BAD_PARAM, "strand: a curve has a %s of its own: leave it out", *key);
 }
 
-static void pin_root(lua_State *L, hk_scene *scene, uint32_t first) {
-  hk_error error = {0};
-  uint32_t ids[2] = {first, first + 1};
-  hk_pin_spec pin = {.kind = HK_PIN_FIXED, .count = 2, .id = ids, .release = INFINITY};
-  pin.where = (char *)(uintptr_t)hk_lua_where(L); /* hk_scene_add_pin copies it */
-  if (hk_scene_add_pin(scene, &pin, &error) != HK_OK) hk_lua_raise_for(L, "strand", &error);
-}
-
 int hk_build_strand(lua_State *L) {
   static const char *const keys[] = {"n",      "from", "to", "length",  "direction", "curve", "curl",  "mass",
                                      "radius", "E",    "nu", "density", "clamped",   "pin",   "group", NULL};
@@ -161,7 +153,7 @@ int hk_build_strand(lua_State *L) {
   h.first = hk_lua_add(L, scene, "strand", s.n, &s.x[0][0], NULL, s.mass, 0, hk_lua_group(L, scene, 2, "strand"));
   hk_lua_push_structural(L, &h);
   hk_lua_add_edges(L, scene);
-  if (s.wall && hk_lua_flag(L, 2, "strand", "pin", true)) pin_root(L, scene, h.first);
+  if (s.wall && hk_lua_flag(L, 2, "strand", "pin", true)) hk_lua_pin_roots(L, scene, &h, "strand");
   hk_lua_push_handle(L, h);
   hk_lua_set_numbers(L, -1, &s.material, s.length, s.l);
   return 1;

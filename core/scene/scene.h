@@ -148,6 +148,25 @@ double hk_polygon_length(const double (*point)[3], size_t points);
  * to the next. */
 void hk_polygon_divide(const double (*point)[3], size_t points, size_t count, double *place);
 
+/* ---- scatter.c: even places on a surface, from a seed ---- */
+
+/* Triangles, or with triangles = 0 a sphere, of which `cap` (rad, up to pi) about the axis counts. */
+typedef struct hk_skin {
+  size_t vertices, triangles;
+  const double (*vertex)[3];     /* m */
+  const uint32_t (*triangle)[3]; /* vertices, from 0 */
+  double centre[3], axis[3], radius, cap;
+} hk_skin;
+
+/* x and normal: count each; normals are unit vectors, of triangles those between their vertices'. `random`: a state of
+ * hk_random_uniform. HK_BAD_PARAM: no area. */
+hk_status hk_scatter(const hk_skin *, size_t count, uint64_t random[4], double (*x)[3], double (*normal)[3],
+                     hk_error *error);
+/* A unit vector within `angle` of the axis, all of them alike. */
+void hk_random_in_cone(uint64_t random[4], const double axis[3], double angle, double into[3]);
+/* Two unit vectors across the unit vector `axis` and each other. */
+void hk_frame_across(const double axis[3], double side[3], double other[3]);
+
 /* ---- origin.c: what a scene is made from, a text of lines "what<TAB>value" in malloc's memory; NULL: empty ---- */
 
 bool hk_origin_add(char **text, const char *what, const char *value); /* false: no memory */

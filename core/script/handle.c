@@ -3,6 +3,7 @@
 #include "core/script/script.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const char handle_type[] = "hooke.handle";
 
@@ -118,22 +119,38 @@ static int flexion(lua_State *L) {
   return push_offsets(L, h, offset, h->grid ? 2 : 1);
 }
 
+/* Pushes the numbers of the k-th of several chains: of a list, its element. */
+static void push_numbers_of(lua_State *L, lua_Integer k, lua_Integer edges) {
+  lua_newtable(L);
+  if (lua_getiuservalue(L, 1, HK_LUA_NUMBERS) == LUA_TTABLE)
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+      const char *key = lua_tostring(L, -2);
+      lua_pushvalue(L, -1);
+      if (lua_istable(L, -1) && strcmp(key, "EI") != 0)
+        lua_rawgeti(L, -1, strcmp(key, "stiffness") == 0 ? (k - 1) * edges + 1 : k);
+      lua_setfield(L, 3, key);
+      lua_settop(L, 6);
+    }
+  lua_settop(L, 3);
+}
+
 /* The k-th of several chains. */
 static int strand(lua_State *L) {
   const hk_lua_handle *h = self(L);
   lua_Integer k = luaL_checkinteger(L, 2);
+  lua_settop(L, 2);
   if (!h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "only strands and hair have strands");
   if (k < 1 || k > h->ny)
     return hk_lua_fail(L, HK_BAD_PARAM, "strand(%lld) is outside 1 to %d", (long long)k, (int)h->ny);
-  hk_lua_handle one = {.first = h->first + (uint32_t)(k - 1) * h->nx,
-                       .count = h->nx,
-                       .nx = h->nx,
-                       .ny = 1,
-                       .chain = true,
-                       .roots = h->roots};
-  hk_lua_push_handle(L, one);
-  lua_getiuservalue(L, 1, HK_LUA_NUMBERS);
-  lua_setiuservalue(L, -2, HK_LUA_NUMBERS);
+  push_numbers_of(L, k, h->nx - 1);
+  hk_lua_push_handle(L, (hk_lua_handle){.first = h->first + (uint32_t)(k - 1) * h->nx,
+                                        .count = h->nx,
+                                        .nx = h->nx,
+                                        .ny = 1,
+                                        .chain = true,
+                                        .roots = h->roots});
+  lua_insert(L, 3);
+  lua_setiuservalue(L, 3, HK_LUA_NUMBERS);
   return 1;
 }
 
@@ -142,7 +159,7 @@ static int roots(lua_State *L) {
   if (!h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "only strands and hair have roots");
   lua_createtable(L, (int)(h->ny * h->roots), 0);
   for (uint32_t k = 0; k < h->ny * h->roots; k++) {
-    lua_pushinteger(L, h->first + k / h->roots * h->nx + k % h->roots);
+    lua_pushinteger(L, hk_lua_root(h, k));
     lua_rawseti(L, -2, k + 1);
   }
   return 1;

@@ -148,6 +148,11 @@ typedef struct hk_lua_handle {
 
 enum { HK_LUA_NUMBERS = 4 }; /* the user value of a handle with a table of what it answers beside its methods */
 
+/* The id of the k-th particle that holds a chain, from 0. */
+static inline uint32_t hk_lua_root(const hk_lua_handle *h, uint32_t k) {
+  return h->first + k / h->roots * h->nx + k % h->roots;
+}
+
 /* The ids of triangle k of a grid, two for each cell, rows of cells in order. */
 void hk_lua_grid_triangle(const hk_lua_handle *, size_t k, uint32_t corner[3]);
 
