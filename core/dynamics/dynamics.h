@@ -60,7 +60,9 @@ void hk_dynamics_refresh(hk_dynamics *);
 hk_status hk_dynamics_remap(hk_dynamics *, const uint32_t *map, size_t n_old);
 void hk_dynamics_close(hk_dynamics *);
 void hk_dynamics_take_all(hk_dynamics *); /* evaluations include all forces again */
-/* Imposes the pins and timed parameters of a time (evaluate.c). */
+
+/* ---- impose.c: imposes the pins and timed parameters of a time ---- */
+
 hk_status hk_dynamics_impose(hk_dynamics *, double t, double *x, double *v);
 
 /* ---- elements.c: the elements and published fields of forces, collected in the model ---- */
