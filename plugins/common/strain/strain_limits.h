@@ -16,7 +16,18 @@ typedef enum hk_strain_order {
   HK_STRAIN_SORTED    /* what is farthest beyond its limit first */
 } hk_strain_order;
 
-/* Edges of the list that are screened together. */
+/* A set of ranks: a bit for each, and one for each word of bits that is not 0, so that few are found quickly. */
+typedef struct hk_strain_marks {
+  size_t words, overviews;
+  uint64_t *word, *overview;
+} hk_strain_marks;
+
+static inline void hk_strain_mark(hk_strain_marks *m, uint32_t rank) {
+  m->word[rank >> 6] |= 1ull << (rank & 63);
+  m->overview[rank >> 12] |= 1ull << (rank >> 6 & 63);
+}
+
+/* Edges that are screened together. */
 typedef struct hk_strain_block {
   size_t begin, count;
   bool run;                   /* the edges are (i+t, j+t) */
@@ -36,8 +47,11 @@ typedef struct hk_strain_limits {
   size_t blocks;
   bool runs; /* there are any */
   hk_strain_block *block;
-  bool *beyond;  /* blocks: an edge of it may be beyond */
-  double *apart; /* 3n: all x, all y, all z */
+  bool *beyond;             /* blocks: an edge of it may be beyond */
+  double *apart;            /* 3n: all x, all y, all z */
+  uint32_t *edge_of;        /* count: the edge at each place of the blocks */
+  uint32_t (*looked_at)[2]; /* count, by place: its ends */
+  double (*square)[2];      /* count, by place: of its limits with the slack, m^2 */
   /* strain_order.c: the order of a sweep, and the ranks of each particle's edges, incident[start[i]] and so on */
   uint32_t *edge_at, *rank_of; /* count */
   size_t *start;               /* n + 1 */
@@ -50,9 +64,9 @@ typedef struct hk_strain_limits {
   double *scratch;             /* 3n */
   bool ordered;
   /* strain_sweep.c */
-  uint64_t *now, *next; /* a bit for each rank: to be visited in this sweep, in the next */
-  double *excess;       /* count, for HK_STRAIN_SORTED */
-  uint32_t *list;       /* count, likewise */
+  hk_strain_marks now, next; /* of ranks: to be visited in this sweep, in the next */
+  double *excess;            /* count, for HK_STRAIN_SORTED */
+  uint32_t *list;            /* count, likewise */
 } hk_strain_limits;
 
 static const uint32_t HK_NO_STRAIN_SLIDE = UINT32_MAX;

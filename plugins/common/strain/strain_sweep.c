@@ -3,17 +3,25 @@
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
 
-#include <string.h>
+static bool none(const hk_strain_marks *m) {
+  for (size_t k = 0; k < m->overviews; k++)
+    if (m->overview[k]) return false;
+  return true;
+}
 
-static size_t words(const hk_strain_limits *s) { return (s->count + 63) / 64; }
-
-static void set(uint64_t *bits, uint32_t rank) { bits[rank >> 6] |= 1ull << (rank & 63); }
-
-/* The lowest set bit of a word that is not 0, which is cleared. */
-static uint32_t take_lowest(uint64_t *word) {
-  uint32_t bit = (uint32_t)__builtin_ctzll(*word);
-  *word &= *word - 1;
-  return bit;
+/* Takes the lowest of the marks from *from on, words before which are empty. False: there is none. */
+static bool take_lowest(hk_strain_marks *m, size_t *from, uint32_t *rank) {
+  for (; *from < m->overviews; ++*from) {
+    uint64_t *overview = &m->overview[*from];
+    if (!*overview) continue;
+    size_t at = 64 * *from + (size_t)__builtin_ctzll(*overview);
+    uint64_t *word = &m->word[at];
+    *rank = (uint32_t)(64 * at) + (uint32_t)__builtin_ctzll(*word);
+    *word &= *word - 1;
+    if (!*word) *overview &= *overview - 1;
+    return true;
+  }
+  return false;
 }
 
 /* A move of the edge of this rank has changed the lengths of its ends' other edges. It is looked at again itself: an
@@ -22,7 +30,7 @@ static void touch(hk_strain_limits *s, uint32_t rank, bool all_next) {
   const uint32_t *pair = s->pair[s->edge_at[rank]];
   for (int end = 0; end < 2; end++)
     for (size_t k = s->start[pair[end]]; k < s->start[pair[end] + 1]; k++)
-      set(s->incident[k] <= rank || all_next ? s->next : s->now, s->incident[k]);
+      hk_strain_mark(s->incident[k] <= rank || all_next ? &s->next : &s->now, s->incident[k]);
 }
 
 static bool visit(hk_strain_limits *s, uint32_t rank, const hk_strain_state *state, bool all_next) {
@@ -32,12 +40,9 @@ static bool visit(hk_strain_limits *s, uint32_t rank, const hk_strain_state *sta
 }
 
 static size_t sweep_in_order(hk_strain_limits *s, const hk_strain_state *state) {
-  size_t moves = 0;
-  for (size_t w = 0; w < words(s); w++)
-    while (s->now[w]) {
-      uint32_t bit = take_lowest(&s->now[w]); /* before the visit, which may set others of this word */
-      moves += visit(s, (uint32_t)(64 * w) + bit, state, false);
-    }
+  size_t moves = 0, from = 0;
+  uint32_t rank;
+  while (take_lowest(&s->now, &from, &rank)) moves += visit(s, rank, state, false);
   return moves;
 }
 
@@ -54,13 +59,13 @@ static bool farther_beyond(const hk_strain_limits *s, uint32_t e, uint32_t f) {
 }
 
 static size_t sweep_sorted(hk_strain_limits *s, const hk_strain_state *state) {
-  size_t count = 0, moves = 0;
-  for (size_t w = 0; w < words(s); w++)
-    while (s->now[w]) {
-      uint32_t edge = s->edge_at[64 * w + take_lowest(&s->now[w])];
-      s->excess[edge] = excess_of(s, edge, state->x);
-      if (s->excess[edge] > 0) s->list[count++] = edge;
-    }
+  size_t count = 0, moves = 0, from = 0;
+  uint32_t rank;
+  while (take_lowest(&s->now, &from, &rank)) {
+    uint32_t edge = s->edge_at[rank];
+    s->excess[edge] = excess_of(s, edge, state->x);
+    if (s->excess[edge] > 0) s->list[count++] = edge;
+  }
   hk_strain_sort(s, s->list, count, farther_beyond);
   for (size_t k = 0; k < count; k++) moves += visit(s, s->rank_of[s->list[k]], state, true);
   return moves;
@@ -68,31 +73,24 @@ static size_t sweep_sorted(hk_strain_limits *s, const hk_strain_state *state) {
 
 /* ---- sweeps ---- */
 
-static bool any(const hk_strain_limits *s, const uint64_t *bits) {
-  for (size_t w = 0; w < words(s); w++)
-    if (bits[w]) return true;
-  return false;
-}
-
 /* What would be visited next. */
 static void look_at_the_rest(hk_strain_limits *s, const double *x, hk_strain_result *r) {
-  for (size_t w = 0; w < words(s); w++)
-    while (s->now[w]) {
-      size_t edge = s->edge_at[64 * w + take_lowest(&s->now[w])];
-      double excess = excess_of(s, edge, x);
-      if (excess > 0) r->left++;
-      if (excess > r->excess) r->excess = excess, r->worst = edge;
-    }
+  size_t from = 0;
+  uint32_t rank;
+  while (take_lowest(&s->now, &from, &rank)) {
+    double excess = excess_of(s, s->edge_at[rank], x);
+    if (excess > 0) r->left++;
+    if (excess > r->excess) r->excess = excess, r->worst = s->edge_at[rank];
+  }
 }
 
 hk_strain_result hk_strain_sweep(hk_strain_limits *s, const hk_strain_state *state, size_t most) {
   hk_strain_result r = {0};
-  while (r.sweeps < most && any(s, s->now)) {
+  for (; r.sweeps < most && !none(&s->now); r.sweeps++) {
     r.moves += s->order == HK_STRAIN_SORTED ? sweep_sorted(s, state) : sweep_in_order(s, state);
-    uint64_t *emptied = s->now;
+    hk_strain_marks emptied = s->now;
     s->now = s->next;
     s->next = emptied;
-    r.sweeps++;
   }
   look_at_the_rest(s, state->x, &r);
   return r;
@@ -109,20 +107,28 @@ double hk_strain_violation(const hk_strain_limits *s, const double *x) {
 
 /* ---- memory ---- */
 
+static bool make_marks(hk_strain_marks *m, size_t count, const hk_host *host) {
+  m->words = count / 64 + 1;
+  m->overviews = m->words / 64 + 1;
+  m->word = host->allocate(host, m->words * sizeof *m->word);
+  m->overview = host->allocate(host, m->overviews * sizeof *m->overview);
+  return m->word && m->overview;
+}
+
 hk_status hk_strain_build(hk_strain_limits *s, const hk_host *host) {
-  hk_status status = hk_strain_cut(s, host);
-  if (status == HK_OK) status = hk_strain_reserve(s, host);
-  s->now = host->allocate(host, (words(s) + 1) * sizeof *s->now);
-  s->next = host->allocate(host, (words(s) + 1) * sizeof *s->next);
   s->excess = host->allocate(host, (s->count + 1) * sizeof *s->excess);
   s->list = host->allocate(host, (s->count + 1) * sizeof *s->list);
-  return status == HK_OK && s->now && s->next && s->excess && s->list ? HK_OK : HK_NO_MEMORY;
+  if (!s->excess || !s->list || !make_marks(&s->now, s->count, host) || !make_marks(&s->next, s->count, host))
+    return HK_NO_MEMORY;
+  hk_status status = hk_strain_reserve(s, host);
+  return status == HK_OK ? hk_strain_cut(s, host) : status;
 }
 
 void hk_strain_free(hk_strain_limits *s, const hk_host *host) {
-  void *const memory[] = {s->block,    s->beyond, s->apart, s->edge_at, s->rank_of, s->start,
-                          s->incident, s->level,  s->queue, s->pin,     s->slide,   s->projector,
-                          s->scratch,  s->now,    s->next,  s->excess,  s->list};
+  void *const memory[] = {s->block,    s->beyond,    s->apart,        s->edge_of,      s->looked_at, s->square,
+                          s->edge_at,  s->rank_of,   s->start,        s->incident,     s->level,     s->queue,
+                          s->pin,      s->slide,     s->projector,    s->scratch,      s->excess,    s->list,
+                          s->now.word, s->next.word, s->now.overview, s->next.overview};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
   *s = (hk_strain_limits){0};
 }
