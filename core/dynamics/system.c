@@ -49,6 +49,8 @@ static void set_functions(hk_system *s) {
   s->product = hk_sweep_product;
   s->stiffness_bound = hk_sweep_stiffness;
   s->alone = hk_probe_alone;
+  s->hold_positions = hk_constraints_hold_positions;
+  s->hold_velocities = hk_constraints_hold_velocities;
 }
 
 static size_t count_element_lists(const hk_instances *forces) {
@@ -125,7 +127,7 @@ hk_status hk_dynamics_open(hk_dynamics *d, const hk_scene *scene, hk_state *stat
 }
 
 void hk_dynamics_take_all(hk_dynamics *d) {
-  d->system.takes_channels = true;
+  d->system.takes_channels = d->system.takes_constraints = true;
   for (size_t k = 0; k < d->system.forces; k++) d->takes[k] = true;
 }
 
@@ -160,7 +162,7 @@ void hk_dynamics_close(hk_dynamics *d) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
   hk_evaluations_close(&d->evaluations);
-  void *arrays[] = {d->force_view, d->force_acts,  d->takes,     d->takes_kept,  d->force_info, d->element_list,
-                    d->offered,    d->publication, d->chunk_bad, d->unaccounted, d->predicted};
+  void *arrays[] = {d->force_view, d->force_acts,  d->takes, d->takes_kept, d->force_info,  d->element_list,
+                    d->offered,    d->publication, d->join,  d->chunk_bad,  d->unaccounted, d->predicted};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }

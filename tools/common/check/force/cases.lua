@@ -2,6 +2,7 @@
 -- parameters; cases.each opens each case that the plugin accepts, and hands out its subject.
 local inspect = require("inspect")
 local members = require("members")
+local functions = require("common.check.functions")
 
 local cases = {}
 
@@ -98,27 +99,9 @@ local function list_of(plugin, p)
   end
 end
 
--- Smooth functions of all that they are given but the id, which births and deaths change; what has one result is taken
--- to be an energy, which does not depend on the time.
-local function function_for(p, factor)
-  local _, arguments = p.text:match("%((.*), id%)"):gsub("[%w_]+", "")
-  local _, results = p.text:match("%->(.*)"):gsub("[%w_]+", "")
-  return function(...)
-    local given, out = { ... }, {}
-    if results == 1 then
-      return factor * (math.sin(given[2]) * math.cos(0.7 * given[3]) + given[4] ^ 2 * given[2])
-    end
-    for r = 1, results do
-      out[r] = 0
-      for k = 1, arguments do out[r] = out[r] + factor * math.sin(0.3 * r * given[k] + 0.1 * k) / k end
-    end
-    return table.unpack(out)
-  end
-end
-
 local function value_for(plugin, p, shape, setting)
   local factor = setting.factor or 1
-  if p.type == "function" then return function_for(p, factor) end
+  if p.type == "function" then return functions.made(p, factor) end
   if p.type == "number" or p.type == "integer" then return number_for(p, factor) end
   if p.type == "vector" then return { 0.3 * factor, -0.7, 0.5 } end
   if p.type == "numbers" then return { number_for(p, factor), number_for(p, 0.7 * factor), number_for(p, 1.2 * factor) } end
