@@ -13,7 +13,7 @@
  * Invariant: no factorization is kept from one evaluation to the next, so a resumed run repeats bit by bit. Witkin,
  * Physically based modeling: constrained dynamics (SIGGRAPH course notes); Hairer and Wanner, Solving ODEs II, VII.1
  * and VII.2 (index reduction, projection); Moreau 1988 (unilateral contact, inelastic impact). */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -66,6 +66,7 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   /* The constraints have a solver instance of their own: the scene's solver keeps the factors of an implicit method
    * between evaluations. */
   hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
+  if (status == HK_OK) status = hk_solver_narrow(d, &d->constraints->linear.narrow, &d->constraints->narrow);
   return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
 
@@ -109,6 +110,8 @@ void hk_constraints_close(hk_dynamics *d) {
   if (!d->constraints) return;
   hk_constraint_matrix_free(d->constraints);
   hk_instance_destroy(d->constraints->linear.solver);
+  hk_instance_destroy(d->constraints->linear.narrow);
+  hk_spec_destroy(d->constraints->narrow);
   free(d->constraints);
   d->constraints = NULL;
 }
@@ -124,13 +127,6 @@ static hk_status find_path_accelerations(hk_dynamics *d, double t) {
       status = hk_path_acceleration(&pin->path, t, c->path[k], d->error);
   }
   return status;
-}
-
-/* The power of constraint forces whose equations depend on time, -lambda g_t. */
-static double power_of(const hk_constraints *c) {
-  double power = 0;
-  for (size_t k = 0; k < c->equations; k++) power -= c->solution[k] * c->speed[k];
-  return power;
 }
 
 static void note_acting(hk_dynamics *d) {
@@ -169,7 +165,7 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   if (status != HK_OK) return status;
   hk_constraint_matrix_move(c, a);
   note_acting(d);
-  if (c->has_speed) *power += power_of(c);
+  *power += hk_constraint_power(d, v);
   return HK_OK;
 }
 

@@ -8,7 +8,7 @@
  *
  * Invariant: looking changes nothing. Multipliers and the set of acting equations, from which implicit steps and
  * contacts go on, are put back, and so are counts. */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -8,7 +8,7 @@
  * that follow from others are then left out, and hold because the others do. Where A is still singular, which depends
  * on the state (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined
  * iteratively, which converges to the multipliers of minimal norm (the proximal point iteration). */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -32,9 +32,12 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
                     c->g,        c->c,     c->rhs,        c->solution,  c->path,    c->path_used, c->speed,
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
-                    c->allowed,  c->held,  c->rests,      c->lambda};
+                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  *c = (hk_constraints){.linear = {.solver = c->linear.solver}, .revision = c->revision + 1, .jumped = c->jumped};
+  *c = (hk_constraints){.linear = {.solver = c->linear.solver, .narrow = c->linear.narrow},
+                        .narrow = c->narrow,
+                        .revision = c->revision + 1,
+                        .jumped = c->jumped};
 }
 
 static hk_status no_memory(hk_dynamics *d) {
@@ -98,6 +101,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->residual = calloc(m, sizeof *c->residual);
   c->correction = calloc(m, sizeof *c->correction);
   c->moved = calloc(3 * d->state->model.n + 1, sizeof *c->moved);
+  c->kept_x = calloc(3 * d->state->model.n + 1, sizeof *c->kept_x);
   bool **sets[] = {&c->one_sided, &c->implied, &c->touches, &c->pushes, &c->allowed, &c->held, &c->rests};
   bool fine = true;
   for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
@@ -111,7 +115,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->path = calloc(d->pins->count + 1, sizeof *c->path);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
   fine &= c->J && c->WJ && c->pin && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
-  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved;
+  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x;
   return fine && c->path && c->path_used ? HK_OK : no_memory(d);
 }
 
@@ -195,6 +199,7 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   free(order);
   free(start);
   d->system.equations = d->constraints->equations;
+  d->system.holonomic = d->constraints->equations > 0 && d->constraints->one_sided_count == 0;
   return status == HK_OK ? HK_OK : no_memory(d);
 }
 
@@ -214,6 +219,7 @@ void hk_constraint_matrix_rest(hk_constraints *c) {
 hk_status hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   double *whole = c->rhs;
+  c->kept = false;
   hk_status status = hk_constraint_jacobian(d, t, x, v, c->J);
   if (status != HK_OK) return status;
   memset(c->full, 0, c->equations * sizeof *c->full);

@@ -2,7 +2,7 @@
  * step by a mass-weighted Newton iteration on the positions, and then for the velocities. g < 0 of a one-sided equation
  * is brought to 0, and an approaching velocity at a touching one is set to 0 (an inelastic impact); a contact that
  * pushed to the end of the step is projected as an equality. Hairer and Wanner, Solving ODEs II, VII.2; Moreau 1988. */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <string.h>
 

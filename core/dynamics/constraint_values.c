@@ -1,6 +1,6 @@
 /* What the constraints of a scene say of a state: g, its derivatives and the rate of change of g, for all equations in
  * one list. */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
                            const double *v) {
@@ -83,6 +83,18 @@ void hk_constraint_rate(hk_constraints *c, const double *v, double *rate, double
     rate[k] += hk_constraint_dot(c->J[b], here);
     sum[k] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
   }
+}
+
+double hk_constraint_power(const hk_dynamics *d, const double *v) {
+  const hk_constraints *c = d->constraints;
+  double sum = 0;
+  for (size_t k = 0; c->has_speed && k < c->equations; k++) sum -= c->solution[k] * c->speed[k];
+  for (size_t b = 0; d->pins->has_paths && b < c->blocks; b++) {
+    uint32_t i = c->list.pair[b][1];
+    if (d->state->pin[i] == HK_PIN_PATH)
+      sum -= c->solution[c->list.pair[b][0]] * hk_constraint_dot(c->J[b], v + 3 * (size_t)i);
+  }
+  return sum;
 }
 
 const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {

@@ -4,7 +4,7 @@
 
 #include "core/state/state.h"
 
-typedef struct hk_constraints hk_constraints;         /* constraint_matrix.h */
+typedef struct hk_constraints hk_constraints;         /* constraints.h */
 typedef struct hk_implicit_matrix hk_implicit_matrix; /* implicit_matrix.h */
 typedef struct hk_saddle_point hk_saddle_point;       /* saddle_point.c */
 
@@ -124,6 +124,11 @@ hk_status hk_constraints_update(hk_dynamics *);
 hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
 /* The same for a method in the middle of its step; nothing is done where there are one-sided equations. */
 hk_status hk_constraints_project_equalities(hk_dynamics *, double t, double *x, double *v);
+/* hold_positions and hold_velocities of hk_system */
+hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
+                                        double *work);
+hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
+void hk_constraints_forget(hk_dynamics *); /* what is kept from one step to the next */
 /* Whether contact began or ended, equations changed or velocities jumped since this was last asked: the histories of
  * methods are void. */
 bool hk_constraints_jumped(hk_dynamics *);
@@ -165,6 +170,9 @@ hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);
 /* One that takes indefinite matrices, for the saddle points of implicit steps with constraints; the caller destroys it
  * and then the spec, which is NULL where the scene's solver is of that kind. */
 hk_status hk_solver_indefinite(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
+/* One for narrow factors (HK_NARROW), where the scene names no solver and one is installed; else NULL. The caller
+ * destroys it and then the spec. */
+hk_status hk_solver_narrow(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
 /* A second instance with the same parameters, for the multipliers; the caller destroys it. */
 hk_status hk_solver_twin(hk_dynamics *, hk_instance **solver);
 

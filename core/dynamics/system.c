@@ -49,6 +49,8 @@ static void set_functions(hk_system *s) {
   s->product = hk_sweep_product;
   s->stiffness_bound = hk_sweep_stiffness;
   s->alone = hk_probe_alone;
+  s->hold_positions = hk_constraints_hold_positions;
+  s->hold_velocities = hk_constraints_hold_velocities;
 }
 
 static size_t count_element_lists(const hk_instances *forces) {
@@ -125,7 +127,7 @@ hk_status hk_dynamics_open(hk_dynamics *d, const hk_scene *scene, hk_state *stat
 }
 
 void hk_dynamics_take_all(hk_dynamics *d) {
-  d->system.takes_channels = true;
+  d->system.takes_channels = d->system.takes_constraints = true;
   for (size_t k = 0; k < d->system.forces; k++) d->takes[k] = true;
 }
 

@@ -39,6 +39,11 @@ typedef struct hk_specs {
   hk_plugin_spec **item;
 } hk_specs;
 
+/* A plugin that the user put in the place of a force, to try it in scenes that name that force. */
+typedef struct hk_stand_in {
+  const char *force, *path; /* its name in scripts; the plugin's file. NULL: there is none. Both outlive the scene */
+} hk_stand_in;
+
 typedef struct hk_scene {
   char *name;           /* the script's file name without folder and ".lua" */
   char *script;         /* its path as given */
@@ -71,6 +76,7 @@ typedef struct hk_scene {
   hk_function on_frame; /* t ->; call == NULL: none */
   hk_function exact;    /* t -> x1, y1, z1, x2, ... of the first particles (as many as it returns) */
   bool trusted;         /* plugins may be files anywhere, and files be read from anywhere */
+  hk_stand_in stand_in; /* what the user put in the place of a force that the script names */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
   char *origin;         /* origin.c: its script, modules, meshes and parameters; NULL: not known */
   bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */

@@ -2,7 +2,7 @@
  * prefixed by the script's file and line; a plain Lua error is HK_SCRIPT. Every call into the script, from the first
  * line to a measure in the last frame, goes through hk_lua_call, which turns a raised error into one hk_error. A script
  * that catches errors cannot hide that it exceeded a limit. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 #include <stdlib.h>
 #include <string.h>

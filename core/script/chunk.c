@@ -1,6 +1,6 @@
 /* Reading a script's file and compiling it: text only, no bytecode; a first line for the shell (#!) is skipped. When
  * the file does not exist, the error suggests the nearest name in its folder. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 #include "core/storage/storage.h"
 
 #include <dirent.h>

@@ -1,7 +1,7 @@
 /* Functions of the script that the engine calls: timed parameters, paths of pins, channel rates, measures, on_frame,
  * exact; and gusts, functions of time that need no script. A call runs under the script's limits and allocates nothing
  * outside a protected call. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 #include <string.h>
 
@@ -11,7 +11,7 @@ enum { EMPTY = 1000 };                    /* tables of a result that need not ho
 static hk_status wrong_result(const hk_function *f, lua_State *L, hk_error *error, const char *what) {
   lua_Debug ar;
   lua_rawgeti(L, LUA_REGISTRYINDEX, f->reference);
-  if (lua_iscfunction(L, -1)) lua_getupvalue(L, -1, 1); /* an adapter of this file around the script's function */
+  if (lua_iscfunction(L, -1)) lua_getupvalue(L, -1, 1); /* an adapter around the script's function */
   if (!lua_isfunction(L, -1) || !lua_getinfo(L, ">S", &ar) || ar.linedefined < 1)
     return hk_error_set(error, HK_SCRIPT, "%s: a function returned %s", hk_lua_script(L)->name, what);
   return hk_error_set(error, HK_SCRIPT, "%s:%d: this function returned %s", ar.short_src, ar.linedefined, what);
@@ -133,26 +133,6 @@ hk_function hk_lua_function(lua_State *L, int index) {
                        .context = hk_lua_script(L),
                        .reference = luaL_ref(L, LUA_REGISTRYINDEX),
                        .fastest = fastest};
-}
-
-/* ---- adapters; their first upvalue is the script's function ---- */
-
-/* t -> function(state); the state is the second upvalue */
-static int with_state(lua_State *L) {
-  lua_settop(L, 0);
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_pushvalue(L, lua_upvalueindex(2));
-  lua_call(L, 1, LUA_MULTRET);
-  return lua_gettop(L);
-}
-
-hk_function hk_lua_frame_function(lua_State *L, int index) {
-  lua_pushvalue(L, index);
-  hk_lua_push_state(L, 1);
-  lua_pushcclosure(L, with_state, 2);
-  hk_function function = hk_lua_function(L, lua_gettop(L));
-  lua_pop(L, 1);
-  return function;
 }
 
 hk_function hk_lua_rate_function(lua_State *L, int index) {

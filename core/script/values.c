@@ -1,6 +1,6 @@
 /* Conversion of Lua values to parameters: the plugin's table gives the type, hk_spec_set checks the value. The options
  * that every force has (only, group, from, to), and `fastest`, are set here; `label` was read before. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 #include "core/base/base.h"
 
 #include <stdlib.h>
@@ -176,7 +176,7 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
                                          "a list of particle ids",
                                          "a list of edges, {{1, 2}, {2, 3}}",
                                          "a list of triangles, {{1, 2, 3}}",
-                                         "a list of tetrahedra or hinges, {{1, 2, 3, 4}}",
+                                         "a list of quadruples, {{1, 2, 3, 4}}",
                                          "a number or a list with one number per tuple",
                                          "a function"};
     hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected %s, got %s", label, p->name, wanted[p->type],

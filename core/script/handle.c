@@ -1,6 +1,6 @@
 /* The handles that builders return: a range of ids and, for a grid, its shape. Lists of edges are made on request;
  * those of a mesh are kept with its handle. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 #include <stdlib.h>
 
@@ -115,23 +115,32 @@ static int flexion(lua_State *L) {
   return push_offsets(L, h, offset, 2);
 }
 
+/* With the corners a, b below and c, d above, the cell is cut from a to d, or, every other one of an alternating grid,
+ * from b to c. */
+void hk_lua_grid_triangle(const hk_lua_handle *h, size_t k, uint32_t corner[3]) {
+  size_t cell = k / 2, row = cell / (h->nx - 1), column = cell % (h->nx - 1);
+  uint32_t a = h->first + (uint32_t)(row * h->nx + column), b = a + 1, c = a + h->nx, d = c + 1;
+  bool other = h->alternating && (row + column) % 2 == 1, upper = k % 2 == 1;
+  corner[0] = other && upper ? b : a;
+  corner[1] = upper ? d : b;
+  corner[2] = upper || other ? c : d;
+}
+
 static int triangles(lua_State *L) {
   const hk_lua_handle *h = self(L);
   if (lua_getiuservalue(L, 1, 2) == LUA_TTABLE) return 1;
-  lua_newtable(L);
-  lua_Integer count = 0;
-  for (uint32_t j = 0; h->grid && j + 1 < h->ny; j++)
-    for (uint32_t i = 0; i + 1 < h->nx; i++)
-      for (int half = 0; half < 2; half++) {
-        uint32_t a = h->first + j * h->nx + i, c = a + h->nx;
-        uint32_t corner[3] = {a, half ? c + 1 : a + 1, half ? c : c + 1};
-        lua_createtable(L, 3, 0);
-        for (int k = 0; k < 3; k++) {
-          lua_pushinteger(L, corner[k]);
-          lua_rawseti(L, -2, k + 1);
-        }
-        lua_rawseti(L, -2, ++count);
-      }
+  size_t count = h->grid ? 2 * (size_t)(h->nx - 1) * (h->ny - 1) : 0;
+  lua_createtable(L, (int)count, 0);
+  for (size_t t = 0; t < count; t++) {
+    uint32_t corner[3];
+    hk_lua_grid_triangle(h, t, corner);
+    lua_createtable(L, 3, 0);
+    for (int k = 0; k < 3; k++) {
+      lua_pushinteger(L, corner[k]);
+      lua_rawseti(L, -2, k + 1);
+    }
+    lua_rawseti(L, -2, (lua_Integer)t + 1);
+  }
   return 1;
 }
 

@@ -1,7 +1,7 @@
 /* The equations of all constraints of a scene and their matrix A = S J W J^T S, the set of those that act, and the
  * saddle point system of an implicit step; constraint.c applies them to the particles. */
-#ifndef HK_CONSTRAINT_MATRIX_H
-#define HK_CONSTRAINT_MATRIX_H
+#ifndef HK_CONSTRAINTS_H
+#define HK_CONSTRAINTS_H
 
 #include "core/matrix/matrix.h"
 #include "core/dynamics/linear_system.h"
@@ -37,10 +37,13 @@ struct hk_constraints {
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
                       jumped */
+  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_step.c) */
+  double kept_t, *kept_x;
   uint64_t revision; /* of the pattern */
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
+  hk_plugin_spec *narrow; /* spec of linear.narrow */
 };
 
 static inline double hk_constraint_dot(const double a[3], const double b[3]) {
@@ -62,6 +65,9 @@ hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const
 double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
 /* rate = J v + g_t, sum = the sum of the magnitudes of its terms. */
 void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
+/* The power of the constraint forces along what moves with time, their equations and scripted particles, W: minus
+ * solution (g_t + J v of those particles). Of an impulse it is the work, J. */
+double hk_constraint_power(const hk_dynamics *, const double *v);
 /* The instance of an equation, and the equation's number within it, from 1. */
 const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
 

@@ -1,7 +1,7 @@
 /* Edges in Lua: a userdata block of pairs of ids, so that a million edges cost eight megabytes and no tables. #edges is
  * the number of edges, edges[k] gives {i, j}, and a .. b concatenates; functions that take edges accept tables of pairs
  * and of blocks as well. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* The userdata of a scene: the scene and the script that owns it, which is the script of the Lua state or, in a tool,
  * the script that the tool loaded. The first user value of the userdata keeps a loaded script alive. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 const char hk_lua_scene_type[] = "hooke.scene";
 

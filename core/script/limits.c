@@ -1,7 +1,7 @@
 /* The limits of a script on memory and instructions, kept by Lua's allocator and a hook that counts. An allocation is
  * charged as instructions as well. Once a script has exceeded a limit, every further instruction raises the same error.
  * Each call into the script has a budget of instructions of its own. */
-#include "core/lua/internal.h"
+#include "core/script/script.h"
 
 #include <stdlib.h>
 #include <time.h>
@@ -177,7 +177,7 @@ int hk_limits_call(lua_State *L, int arguments, int results) {
   if (s->spent) {
     if (code == LUA_ERRMEM && s->instructions <= s->instruction_limit) s->memory_spent = true;
     if (s->limit.status == HK_OK) set_limit_error(s, s->name, 1);
-    lua_settop(L, base); /* a function that got away with an exceeded limit has failed, too */
+    lua_settop(L, base);   /* a function that got away with an exceeded limit has failed, too */
     lua_pushboolean(L, 0); /* in place of the error: a text would need memory, and s->limit has it */
     code = LUA_ERRRUN;
   }
