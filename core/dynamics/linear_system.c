@@ -7,7 +7,7 @@
  * the memory of an old one. A matrix that is not declared symmetric is compared with its transpose before a solver that
  * relies on symmetry gets it; one pass, small beside the factorization. */
 #include "core/dynamics/linear_system.h"
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -29,6 +29,7 @@ static bool needs_unsymmetric_solver(const hk_dynamics *d) {
 static bool suits(const hk_plugin *plugin, const void *context) {
   const hk_dynamics *d = context;
   unsigned flags = plugin->solver->flags;
+  if (flags & HK_NARROW) return false;
   if (d->plugins->kind[HK_CONSTRAINT].count)
     return needs_unsymmetric_solver(d) ? flags & HK_SOLVES_UNSYMMETRIC : !(flags & HK_ITERATIVE);
   if (needs_unsymmetric_solver(d)) return flags & HK_SOLVES_UNSYMMETRIC;
@@ -73,6 +74,23 @@ static hk_status make(hk_dynamics *d, const hk_plugin_spec *spec, hk_instance **
 }
 
 hk_status hk_solver_twin(hk_dynamics *d, hk_instance **solver) { return make(d, d->solver->spec, solver); }
+
+static bool is_narrow(const hk_plugin *plugin, const void *context) {
+  (void)context;
+  return plugin->solver->flags & HK_NARROW;
+}
+
+hk_status hk_solver_narrow(hk_dynamics *d, hk_instance **solver, hk_plugin_spec **spec) {
+  const hk_plugin *plugin;
+  hk_error before = *d->error;
+  if (!d->solver_spec) return HK_OK;
+  if (hk_registry_prefer(d->scene->registry, HK_SOLVER, is_narrow, NULL, &plugin, d->error) != HK_OK) {
+    *d->error = before; /* none is installed */
+    return HK_OK;
+  }
+  *spec = hk_spec_create(plugin, plugin->name, "", d->error);
+  return *spec ? make(d, *spec, solver) : HK_NO_MEMORY;
+}
 
 hk_status hk_solver_indefinite(hk_dynamics *d, hk_instance **solver, hk_plugin_spec **spec) {
   const hk_plugin *plugin;
@@ -140,27 +158,36 @@ static hk_status set_time(hk_dynamics *d, hk_instance *solver) {
   return solver->spec->timed_count ? hk_instance_set_time(solver, d->state->t, d->error) : HK_OK;
 }
 
-static hk_status analyze(hk_instance *solver, const hk_matrix *A) {
+static hk_status analyze_by(hk_linear_system *linear, hk_instance *solver, const hk_matrix *A) {
   const hk_solver *functions = solver->plugin->solver;
   const hk_instance *outer = hk_enter(solver);
+  linear->chosen = solver;
   return hk_leave_with(solver, outer, "analyze", functions->analyze ? functions->analyze(solver->self, A) : HK_OK);
 }
 
+static hk_status analyze(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
+  hk_error before = *d->error;
+  hk_status status = linear->narrow ? analyze_by(linear, linear->narrow, A) : HK_FAILED;
+  if (status != HK_FAILED) return status;
+  *d->error = before; /* removes the refusal */
+  return analyze_by(linear, linear->solver, A);
+}
+
 hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
-  hk_instance *solver = linear->solver;
   uint64_t pattern = A->pattern ? A->pattern : hk_pattern_number(A->rows, A->block, A->row_start, A->column);
-  hk_status status = check_symmetry(d, solver, A);
-  if (status == HK_OK) status = set_time(d, solver);
+  hk_status status = check_symmetry(d, linear->solver, A);
+  if (status == HK_OK) status = set_time(d, linear->solver);
   if (status != HK_OK) return status;
   double begin = hk_clock();
   if (!linear->analyzed || pattern != linear->pattern) {
     linear->analyzed = false;
-    status = analyze(solver, A);
+    status = analyze(d, linear, A);
     if (status != HK_OK) return status;
     linear->pattern = pattern;
     linear->rows = A->rows * A->block;
     linear->analyzed = true;
   }
+  hk_instance *solver = linear->chosen;
   const hk_instance *outer = hk_enter(solver);
   status = hk_leave_with(solver, outer, "factorize", solver->plugin->solver->factorize(solver->self, A));
   solver->seconds += hk_clock() - begin;
@@ -174,11 +201,11 @@ hk_status hk_linear_system_solve(hk_dynamics *d, hk_linear_system *linear, const
                                  hk_solve_info *info) {
   hk_solve_info own = {0, NAN, info ? info->tolerance : 0};
   double begin = hk_clock();
-  hk_status status = set_time(d, linear->solver);
-  const hk_instance *outer = hk_enter(linear->solver);
-  if (status == HK_OK) status = linear->solver->plugin->solver->solve(linear->solver->self, b, x, &own);
-  status = hk_leave_with(linear->solver, outer, "solve", status);
-  linear->solver->seconds += hk_clock() - begin;
+  hk_status status = set_time(d, linear->chosen);
+  const hk_instance *outer = hk_enter(linear->chosen);
+  if (status == HK_OK) status = linear->chosen->plugin->solver->solve(linear->chosen->self, b, x, &own);
+  status = hk_leave_with(linear->chosen, outer, "solve", status);
+  linear->chosen->seconds += hk_clock() - begin;
   d->count.linear_iterations += (size_t)own.iterations;
   if (info) *info = own;
   return status;
@@ -186,14 +213,14 @@ hk_status hk_linear_system_solve(hk_dynamics *d, hk_linear_system *linear, const
 
 /* Solves column by column, for solvers without solve_columns. */
 static hk_status each_column(hk_linear_system *linear, const double *b, double *x, size_t columns) {
-  const hk_solver *functions = linear->solver->plugin->solver;
+  const hk_solver *functions = linear->chosen->plugin->solver;
   size_t rows = linear->rows;
   double *one = malloc((2 * rows + 1) * sizeof *one);
   hk_status status = one ? HK_OK : HK_NO_MEMORY;
   for (size_t c = 0; c < columns && status == HK_OK; c++) {
     hk_solve_info info = {0};
     for (size_t r = 0; r < rows; r++) one[r] = b[columns * r + c];
-    status = functions->solve(linear->solver->self, one, one + rows, &info);
+    status = functions->solve(linear->chosen->self, one, one + rows, &info);
     for (size_t r = 0; r < rows && status == HK_OK; r++) x[columns * r + c] = one[rows + r];
   }
   free(one);
@@ -202,15 +229,15 @@ static hk_status each_column(hk_linear_system *linear, const double *b, double *
 
 hk_status hk_linear_system_solve_columns(hk_dynamics *d, hk_linear_system *linear, const double *b, double *x,
                                          size_t columns) {
-  const hk_solver *functions = linear->solver->plugin->solver;
+  const hk_solver *functions = linear->chosen->plugin->solver;
   double begin = hk_clock();
-  const hk_instance *outer = hk_enter(linear->solver);
-  hk_status status = set_time(d, linear->solver);
+  const hk_instance *outer = hk_enter(linear->chosen);
+  hk_status status = set_time(d, linear->chosen);
   if (status == HK_OK)
-    status = functions->solve_columns ? functions->solve_columns(linear->solver->self, b, x, columns)
+    status = functions->solve_columns ? functions->solve_columns(linear->chosen->self, b, x, columns)
                                       : each_column(linear, b, x, columns);
-  status = hk_leave_with(linear->solver, outer, "solve_columns", status);
-  linear->solver->seconds += hk_clock() - begin;
+  status = hk_leave_with(linear->chosen, outer, "solve_columns", status);
+  linear->chosen->seconds += hk_clock() - begin;
   if (status == HK_NO_MEMORY && !*d->error->text)
     hk_error_set(d->error, status, "no memory for a right-hand side of %zu rows", linear->rows);
   return status;

@@ -6,7 +6,9 @@
 
 typedef struct hk_linear_system {
   hk_instance *solver;
-  uint64_t pattern; /* number or hash of the analysed pattern */
+  hk_instance *narrow; /* NULL, or one that is asked before `solver` whether it takes a pattern (HK_NARROW) */
+  hk_instance *chosen; /* the one of both that has analysed the pattern */
+  uint64_t pattern;    /* number or hash of the analysed pattern */
   bool analyzed;
   size_t rows; /* length of a right-hand side */
 } hk_linear_system;

@@ -24,7 +24,9 @@ typedef struct hk_solve_info {
 enum { /* hk_solver.flags */
        HK_SOLVES_UNSYMMETRIC = 1,
        HK_SOLVES_INDEFINITE = 2,
-       HK_ITERATIVE = 4 /* needs little memory: the host's choice for very many unknowns */
+       HK_ITERATIVE = 4, /* needs little memory: the host's choice for very many unknowns */
+       HK_NARROW = 8     /* fast on matrices with narrow factors, such as those of chains and trees; `analyze` refuses
+                            others with HK_FAILED, and the host takes another solver */
 };
 
 typedef struct hk_solver {
