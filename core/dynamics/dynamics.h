@@ -31,6 +31,7 @@ typedef struct hk_dynamics {
   hk_element_list *element_list;
   hk_elements *offered; /* room for the lists of one force */
   hk_publication *publication;
+  const hk_tuples **join;                 /* the parameters HK_EDGES of constraints */
   uint64_t *chunk_bad;                    /* one word per chunk of particles: F is not finite there */
   double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
   bool updates, limits, listens, demands; /* a force has `update`, `step_limit`, `accepted`, `longest_step` */

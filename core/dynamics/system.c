@@ -158,7 +158,7 @@ void hk_dynamics_close(hk_dynamics *d) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
   hk_evaluations_close(&d->evaluations);
-  void *arrays[] = {d->force_view, d->force_acts,  d->takes,     d->takes_kept,  d->force_info, d->element_list,
-                    d->offered,    d->publication, d->chunk_bad, d->unaccounted, d->predicted};
+  void *arrays[] = {d->force_view, d->force_acts,  d->takes, d->takes_kept, d->force_info,  d->element_list,
+                    d->offered,    d->publication, d->join,  d->chunk_bad,  d->unaccounted, d->predicted};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }

@@ -165,6 +165,24 @@ static int member(lua_State *L) {
   return 1;
 }
 
+/* t -> function(state): upvalues are the function and the state */
+static int with_state(lua_State *L) {
+  lua_settop(L, 0);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_pushvalue(L, lua_upvalueindex(2));
+  lua_call(L, 1, LUA_MULTRET);
+  return lua_gettop(L);
+}
+
+hk_function hk_lua_frame_function(lua_State *L, int index) {
+  lua_pushvalue(L, index);
+  hk_lua_push_state(L, 1);
+  lua_pushcclosure(L, with_state, 2);
+  hk_function function = hk_lua_function(L, lua_gettop(L));
+  lua_pop(L, 1);
+  return function;
+}
+
 void hk_lua_open_state(lua_State *L) {
   luaL_newmetatable(L, state_type);
   lua_pushcfunction(L, member);
