@@ -77,6 +77,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return status;
 }
 
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  if (part == HK_DAMPING_WHOLE) return;
+  if (hk_rods_evaluate(self, view, NULL) == HK_OK)
+    hk_rod_blocks_bound(self, view, block);
+  else
+    for (size_t k = 0; k < view->acting; k++) block[view->active ? view->active[k] : k][0] = INFINITY;
+}
+
 static hk_status accepted(void *self, const hk_view *view, double h) {
   (void)h;
   return hk_rods_accept(self, view);
@@ -90,6 +98,7 @@ static const hk_force force = {
     .energy = energy,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
     .accepted = accepted,
 };
 

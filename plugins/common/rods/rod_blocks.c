@@ -158,3 +158,34 @@ void hk_rod_blocks_add(const hk_rods *r, const hk_host *host, const hk_blocks *i
     host->parallel_for(host, r->batches, GRAIN, add_chunk, &t);
   if (r->jacobian == HK_ROD_EXACT && !(into->want & HK_WANT_DEFINITE)) hk_rod_relaxed_subtract(r, into);
 }
+
+/* At most the largest factor by which a 3 x 3 matrix lengthens a vector. */
+static double norm_of(const double H[36], int i, int k) {
+  double rows = 0, columns = 0;
+  for (int r = 0; r < 3; r++) {
+    double row = 0, column = 0;
+    for (int c = 0; c < 3; c++) row += fabs(of_nodes(H, i, k, 3 * r + c)), column += fabs(of_nodes(H, i, k, 3 * c + r));
+    rows = fmax(rows, row), columns = fmax(columns, column);
+  }
+  return sqrt(rows * columns);
+}
+
+/* u.K u <= sum_ik |u_i| |u_k| |K_ik| <= sum_i u_i^2 sum_k |K_ik|, over particles that move. On a straight uniform rod
+ * that is reached, up to what the norm is too large in directions across the axes. */
+void hk_rod_blocks_bound(const hk_rods *r, const hk_view *view, double (*block)[6]) {
+  for (size_t q = 0; q < r->batches; q++)
+    for (size_t lane = 0; lane < LANES; lane++)
+      for (size_t k = 0; k < hk_rod_joints(&r->batch[q], lane); k++) {
+        hk_rod_joint j;
+        double H[36];
+        uint32_t node[3];
+        nodes_of(r, &r->batch[q], lane, k, node);
+        hk_rod_joint_at(r, &r->batch[q], lane, k, &j);
+        hessian(&j, false, H);
+        for (int c = 0; c < 9; c++) {
+          if (view->model->inverse_mass[node[c / 3]] == 0 || view->model->inverse_mass[node[c % 3]] == 0) continue;
+          double most = norm_of(H, c / 3, c % 3);
+          for (int d = 0; d < 6; d += d < 3 ? 3 : 2) block[node[c / 3]][d] += most;
+        }
+      }
+}
