@@ -37,7 +37,7 @@ struct hk_constraints {
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
                       jumped */
-  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_step.c) */
+  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
   uint64_t revision; /* of the pattern */
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
@@ -71,6 +71,9 @@ double hk_constraint_power(const hk_dynamics *, const double *v);
 /* The instance of an equation, and the equation's number within it, from 1. */
 const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
 
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
 /* ---- constraint.c ---- */
 
 /* Finds which one-sided equations touch at x and v. */
@@ -91,6 +94,13 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *);
 void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
 /* Finds equations that follow from others at the linearised state: `implied`. */
 hk_status hk_constraint_matrix_review(hk_dynamics *);
+/* ---- constraint_projection.c: project, hold_positions and hold_velocities of hk_system ---- */
+
+hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
+hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
+                                        double *work);
+hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
+
 /* ---- active_set.c ---- */
 
 /* Computes in `solution` the multipliers with J W J^T lambda + q = 0 for equalities and with lambda >= 0, J W J^T

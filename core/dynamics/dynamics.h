@@ -122,12 +122,6 @@ hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, co
 hk_status hk_constraints_update(hk_dynamics *);
 /* Brings x onto g(x) = 0 and v onto J v + g_t = 0 (mass-weighted Newton); part of every step. */
 hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
-/* The same for a method in the middle of its step; nothing is done where there are one-sided equations. */
-hk_status hk_constraints_project_equalities(hk_dynamics *, double t, double *x, double *v);
-/* hold_positions and hold_velocities of hk_system */
-hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
-                                        double *work);
-hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
 void hk_constraints_forget(hk_dynamics *); /* what is kept from one step to the next */
 /* Whether contact began or ended, equations changed or velocities jumped since this was last asked: the histories of
  * methods are void. */
