@@ -145,10 +145,7 @@ end
 
 local function judge(list, quick)
   for _, problem in ipairs(list) do
-    problem.found = {}
-    for k in ipairs(not problem.failed and problem.description.quantities or {}) do
-      problem.found[k] = study.judge(problem.description, problem.levels, problem.cells, k, quick)
-    end
+    problem.found = problem.failed and {} or study.results(problem.description, problem.levels, problem.cells, quick)
   end
 end
 

@@ -18,15 +18,17 @@
 #include "core/dynamics/constraints.h"
 
 #include <float.h>
+#include <stdio.h>
 #include <string.h>
 
-enum { ITERATIONS = 25, ROUNDS = 40 };
+enum { ITERATIONS = 25, ROUNDS = 40, MOST_NAMED = 3, NAME = 96, REST = 800 };
 
 /* Tolerance of positions: relative to the largest coordinate, which determines their rounding. Of velocities: relative
  * to the sum of |J||v|. After a round that leaves more than `slow` of the residual a new factorization is made.
  * `implied_tolerance`: largest violation of an equation that follows from others before it is solved for: 1e5 times
  * position_tolerance, for equations at a small angle to each other. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1, implied_tolerance = 1e-7;
+static const double to_be_named = 0.01;         /* part of the largest violation */
 static const double rounding = 4 * DBL_EPSILON; /* of a length, relative to the largest coordinate */
 
 /* The violation of an equation. */
@@ -46,13 +48,51 @@ static size_t worst_of(const hk_constraints *c, bool movable) {
   return worst;
 }
 
-static hk_status gave_up(hk_dynamics *d, size_t equation, const char *what, double left, const char *unit) {
+/* Appends what else is left of g, beside `equation`: at the point that Newton's iteration ends at, constraints that
+ * contradict each other share what is missing. */
+static void name_others(const hk_dynamics *d, size_t equation, char *text, size_t size) {
+  const hk_constraints *c = d->constraints;
+  size_t at = 0, named = 0;
+  *text = 0;
+  for (size_t k = 0; k < c->equations && named < MOST_NAMED && at < size; k++) {
+    char name[NAME];
+    size_t number;
+    if (k == equation || !(broken(c, k) > to_be_named * broken(c, equation))) continue;
+    hk_constraint_name(d, k, name, sizeof name);
+    at += (size_t)snprintf(text + at, size - at, "%s%s %s: %.3g m", named++ ? ", " : " Beside it ",
+                           hk_constraint_of(d, k, &number)->label, name, c->g[k]);
+  }
+}
+
+static hk_status refuse(hk_dynamics *d, size_t equation, double left, const char *what, const char *rest) {
+  char name[NAME];
   size_t number;
   const hk_instance *instance = hk_constraint_of(d, equation, &number);
-  return hk_error_set(d->error, isfinite(left) ? HK_NOT_CONVERGED : HK_NOT_FINITE,
-                      "%s%s%s: the %s of equation %zu cannot be brought onto the constraint: %.3g %s are left; do "
-                      "constraints contradict each other?",
-                      instance->where, *instance->where ? ": " : "", instance->label, what, number, left, unit);
+  hk_constraint_name(d, equation, name, sizeof name);
+  return hk_error_set(d->error, isfinite(left) ? HK_NOT_CONVERGED : HK_NOT_FINITE, "%s%s%s: %s%s%s", instance->where,
+                      *instance->where ? ": " : "", instance->label, what, name, rest);
+}
+
+static hk_status gave_up(hk_dynamics *d, size_t equation, bool position, double left) {
+  char rest[REST], others[REST / 2] = "";
+  if (position && isfinite(left)) name_others(d, equation, others, sizeof others);
+  snprintf(rest, sizeof rest,
+           " cannot be brought onto the constraint: %.3g %s are left; do constraints contradict each other?%s", left,
+           position ? "m" : "m/s", others);
+  return refuse(d, equation, left, position ? "the position of " : "the velocity of ", rest);
+}
+
+/* Equations whose particles nothing can move, such as a bar between two pins, have to hold by themselves. */
+static hk_status check_immovable(hk_dynamics *d, double size) {
+  const hk_constraints *c = d->constraints;
+  for (size_t k = 0; k < c->equations; k++) {
+    if (c->full[k] > 0 || !(broken(c, k) > implied_tolerance * size)) continue;
+    char rest[REST];
+    snprintf(rest, sizeof rest,
+             " does not hold, by %.3g m, and pins keep its particles from moving: it contradicts them", c->g[k]);
+    return refuse(d, k, c->g[k], "", rest);
+  }
+  return HK_OK;
 }
 
 static hk_status renew(hk_dynamics *d, double t, const double *x, const double *v, bool *factorized) {
@@ -91,7 +131,7 @@ static hk_status project_positions(hk_dynamics *d, double t, double *x, const do
     worst = worst_of(c, true);
     double left = worst == SIZE_MAX ? 0 : broken(c, worst);
     if (left <= tolerance) {
-      if (consequences_hold(c, size)) return HK_OK;
+      if (consequences_hold(c, size)) return check_immovable(d, size);
       last = 0;
     }
     if (!isfinite(left)) break;
@@ -101,7 +141,7 @@ static hk_status project_positions(hk_dynamics *d, double t, double *x, const do
     if (status == HK_OK) hk_constraint_matrix_move(c, x);
     if (status == HK_OK) hold_what_is_lifted(c);
   }
-  return status == HK_OK ? gave_up(d, worst, "position", c->g[worst], "m") : status;
+  return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
 }
 
 /* c->c = J v + g_t; returns the largest part that must be removed, relative to the sum of |J||v|, and its equation. */
@@ -144,7 +184,7 @@ static hk_status project_velocities(hk_dynamics *d, double t, const double *x, d
     hk_constraint_matrix_move(c, v);
     c->jumped |= strikes(c);
   }
-  return status == HK_OK ? gave_up(d, worst, "velocity", left, "m/s") : status;
+  return status == HK_OK ? gave_up(d, worst, false, left) : status;
 }
 
 /* Equations that pushed to the end of the step are equalities in its projection. */
@@ -259,14 +299,6 @@ static hk_status begin_anew(hk_dynamics *d, double t0, double *from, double t, d
   return status == HK_OK ? hk_constraint_value(d, t, x, v) : status;
 }
 
-static hk_status too_long(hk_dynamics *d, size_t equation, double left) {
-  size_t number;
-  const hk_instance *instance = hk_constraint_of(d, equation, &number);
-  return hk_error_set(d->error, isfinite(left) ? HK_NOT_CONVERGED : HK_NOT_FINITE,
-                      "%s%s%s: equation %zu cannot be met at the end of the step: %.3g m are left; shorten the step",
-                      instance->where, *instance->where ? ": " : "", instance->label, number, left);
-}
-
 /* Moves x by W J^T solution and v by that over h. */
 static void apply(hk_dynamics *d, double h, double *x, double *v) {
   hk_constraints *c = d->constraints;
@@ -306,7 +338,7 @@ hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, do
     bool met = left <= rounding * size || (left <= position_tolerance * size && left > 0.25 * last);
     if (met && consequences_hold(c, size)) {
       *work += done;
-      return HK_OK;
+      return check_immovable(d, size);
     }
     if (met) status = begin_anew(d, s->t, from, t, x, v);
     last = met ? INFINITY : left;
@@ -314,7 +346,7 @@ hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, do
     if (status == HK_OK) apply(d, h, x, v);
     if (status == HK_OK) done += hk_constraint_power(d, from + 3 * s->n) / h;
   }
-  return status == HK_OK ? too_long(d, worst, left) : status;
+  return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
 }
 
 hk_status hk_constraints_hold_velocities(hk_system *s, double t, double *x, double h, double *v, double *work) {

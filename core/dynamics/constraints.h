@@ -71,6 +71,9 @@ double hk_constraint_power(const hk_dynamics *, const double *v);
 /* The instance of an equation, and the equation's number within it, from 1. */
 const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
 
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
 /* ---- constraint.c ---- */
 
 /* Finds which one-sided equations touch at x and v. */

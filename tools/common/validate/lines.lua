@@ -26,6 +26,7 @@ end
 function lines.order_text(c)
   if not c then return nil end
   if c.exact then return "exact" end
+  if c.at_least then return ("above %.1f"):format(c.at_least) end
   return c.order and ("%.2f"):format(c.order) or "none"
 end
 
