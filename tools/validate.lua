@@ -23,6 +23,7 @@ local function parser()
   p:argument("topic", "a topic, a file of your own, or nothing: all"):args("?")
   p:argument("name", "one problem of the topic"):args("?")
   p:flag("--quick", "the short form: coarse levels, as make test runs them")
+  p:flag("--levels", "prints the value at every level, too")
   p:flag("--list", "the problems, and nothing is run")
   p:option("-j --jobs", "levels at a time"):convert(command_line.whole("-j"))
   p:option("--plugin", "a force of your own (X.so) in the place of one of the engine's")
@@ -65,6 +66,7 @@ local function describe(list, jobs)
   for k, problem in ipairs(list) do questions[k] = { problem = problem, question = "describe", timeout = 60 } end
   problems.ask(questions, jobs, function(q, result)
     q.problem.description, q.problem.failed = result.answer, result.failed
+    q.problem.title = result.answer and result.answer.title
   end)
 end
 
@@ -107,6 +109,7 @@ local function with_plugin(list, o)
         for key, value in pairs(problem) do copy[key] = value end
         copy.stand_in = { force = force, path = plugin.path }
         copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
+        copy.title = ("%s: %s for %s"):format(problem.title, plugin.name, force)
         fitting[#fitting + 1] = copy
       end
     end
@@ -165,7 +168,7 @@ local function main()
   if o.list then return lines.list(list) end
   solve(list, o, jobs)
   judge(list, o.quick)
-  local wrong = lines.print(list)
+  local wrong = lines.print(list, o.levels)
   if not o.no_page then
     local fine, why = page.write(list, o)
     if not fine then

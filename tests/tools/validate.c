@@ -89,21 +89,29 @@ static void errors_of_a_problem_are_one_sentence_with_the_line(void **state) {
   says(r.out, "nil.lua:6:");
 }
 
+/* A problem is a stranger's script: it reaches no files, no plugin but the installation's, and no other run's time. */
+static void a_problem_runs_in_the_sandbox(void **state) {
+  (void)state;
+  write_series("file.lua", "space = { 4, 8, 16 }", "3", "io.open('/etc/passwd') and 3");
+  validate("file.lua --no-page", 5);
+  says(r.out, "file.lua:6: io.open is not available to scenes");
+  write_series("native.lua", "space = { 4, 8, 16 }", "3",
+               "hooke.scene {}:force('" HK_BUILD "/tests/fixtures/weak_central.so', { strength = 1 })");
+  validate("native.lua --no-page", 5);
+  says(r.out, "is native code outside the installation");
+  write_series("late.lua", "space = { 4, 8, 16 }", "3", "(function() while true do end end)()");
+  validate("late.lua --no-page --timeout 0.2", 5);
+  says(r.out, "ended after 0.2 s");
+}
+
 /* The fixture's force is 0.999 of what it says; the engine's own is the same problem's force under another file. */
 static void a_plugin_with_a_wrong_factor_is_found(void **state) {
   (void)state;
-  char all[1024];
-  snprintf(all, sizeof all, "oscillators damped --quick --no-page --plugin '%s/plugins/forces/central.so'",
-           getenv("HK_BUILD"));
-  validate(all, 0);
+  validate("oscillators damped --quick --no-page --plugin '" HK_BUILD "/plugins/forces/central.so'", 0);
   says(r.out, "damped, central for central");
-  snprintf(all, sizeof all, "oscillators damped --no-page --plugin '%s/tests/fixtures/weak_central.so'",
-           getenv("HK_BUILD"));
-  validate(all, 5);
+  validate("oscillators damped --no-page --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 5);
   says(r.out, "WRONG damped, weak_central for central");
-  snprintf(all, sizeof all, "oscillators --no-page --as drag --plugin '%s/tests/fixtures/weak_central.so'",
-           getenv("HK_BUILD"));
-  validate(all, 1);
+  validate("oscillators --no-page --as drag --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 1);
   says(r.err, "weak_central can stand in nowhere here as drag");
 }
 
@@ -112,6 +120,7 @@ int main(void) {
       cmocka_unit_test(orders_and_limits_of_series_are_found),
       cmocka_unit_test(what_is_wrong_is_said),
       cmocka_unit_test(errors_of_a_problem_are_one_sentence_with_the_line),
+      cmocka_unit_test(a_problem_runs_in_the_sandbox),
       cmocka_unit_test(a_plugin_with_a_wrong_factor_is_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -61,7 +61,7 @@ local function markdown(topics, o)
   for _, topic in ipairs(topics) do
     text[#text + 1] = ("\n## %s\n\n%s"):format(topic.name, head)
     for _, problem in ipairs(topic.problems) do
-      text[#text + 1] = ("| **%s** (%s; %s evaluations, %.2g s) | | | | | | %s |"):format(cell(problem.description.title),
+      text[#text + 1] = ("| **%s** (%s; %s evaluations, %.2g s) | | | | | | %s |"):format(cell(problem.title),
         cell(page.sources(problem)), lines.count(problem.cost.evaluations), problem.cost.seconds,
         problem.failed and "**failed** " .. cell(problem.failed) or "")
       for _, found in ipairs(problem.found) do text[#text + 1] = row(found) end

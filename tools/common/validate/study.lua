@@ -82,7 +82,7 @@ local function join(list, axis, h)
   local common = convergence.together(h, vectors, noise)
   for _, found in ipairs(list) do
     local c = { h = h, v = found[axis].v, spread = found[axis].spread }
-    for _, key in ipairs { "order", "at_least", "exact", "doubt", "in_noise" } do c[key] = common[key] end
+    for _, key in ipairs { "order", "at_least", "exact", "noise", "doubt", "in_noise" } do c[key] = common[key] end
     c.value = convergence.limit(h, c.v, common)
     found[axis] = c
   end
