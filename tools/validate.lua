@@ -92,10 +92,32 @@ local function has_all(plugin, params)
   return true
 end
 
+-- The sentence on a force or parameter that a problem names and nobody has; nil: all are there.
+local function misnamed(list)
+  local known, names = {}, {}
+  for _, plugin in ipairs(hooke.catalogue()) do
+    if plugin.kind == "force" then known[plugin.name], names[#names + 1] = plugin, plugin.name end
+  end
+  for _, problem in ipairs(list) do
+    for force, params in pairs(problem.description.forces or {}) do
+      if not known[force] then
+        local near = hooke.nearest(force, names)
+        return ("%s: forces: there is no force '%s'%s"):format(problem.path, force,
+          near and ("; did you mean '%s'?"):format(near) or "")
+      end
+      if not has_all(known[force], params) then
+        return ("%s: forces: %s has not all of the parameters %s"):format(problem.path, force, table.concat(params, ", "))
+      end
+    end
+  end
+end
+
 -- The problems, each with its stand_in, in which the plugin can be a force; or nil and the exit code.
 local function with_plugin(list, o)
   local plugin, why = hooke.describe(o.plugin)
   if not plugin then return nil, complain("%s", why) end
+  why = misnamed(list)
+  if why then return nil, complain("%s", why) end
   if plugin.kind ~= "force" then return nil, complain("%s: its kind is %s; a force can stand in", o.plugin, plugin.kind) end
   local fitting, forces, seen = {}, {}, {}
   for _, problem in ipairs(list) do

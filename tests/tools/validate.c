@@ -111,6 +111,9 @@ static void a_plugin_with_a_wrong_factor_is_found(void **state) {
   says(r.out, "damped, central for central");
   validate("oscillators damped --no-page --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 5);
   says(r.out, "WRONG damped, weak_central for central");
+  /* Every problem names forces and parameters that are there; springs stand in for springs in many. */
+  validate("--list --plugin '" HK_BUILD "/plugins/forces/springs.so'", 0);
+  says(r.out, "membrane, springs for springs");
   validate("oscillators --no-page --as drag --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 1);
   says(r.err, "weak_central can stand in nowhere here as drag");
 }
