@@ -104,6 +104,23 @@ static void a_problem_runs_in_the_sandbox(void **state) {
   says(r.out, "ended after 0.2 s");
 }
 
+/* The page: every digit in the table of numbers; without gnuplot no figures, and the exit code says so. */
+static void the_page_has_tables_and_figures(void **state) {
+  (void)state;
+  bool gnuplot = system("command -v gnuplot >/dev/null") == 0;
+  char path[1024], text[4096] = "";
+  write_series("page.lua", "space = { 4, 8, 16 }, order = { space = 2 }", "1 / 3", "1 / 3 + 5 / at.n^2");
+  validate("page.lua --out here", gnuplot ? 0 : 4);
+  snprintf(path, sizeof path, "%s/here/validate.csv", test_folder());
+  FILE *file = fopen(path, "r");
+  assert_non_null(file);
+  text[fread(text, 1, sizeof text - 1, file)] = 0;
+  fclose(file);
+  assert_non_null(strstr(text, "\"yours\",\"page\",\"limit\",\"\",0.33333333333333331,0.333333333333333"));
+  assert_true(test_exists("here/validate.md"));
+  assert_true(test_exists("here/validate.pdf") == gnuplot && test_exists("here/yours.png") == gnuplot);
+}
+
 /* The fixture's force is 0.999 of what it says; the engine's own is the same problem's force under another file. */
 static void a_plugin_with_a_wrong_factor_is_found(void **state) {
   (void)state;
@@ -123,6 +140,7 @@ int main(void) {
       cmocka_unit_test(orders_and_limits_of_series_are_found),
       cmocka_unit_test(what_is_wrong_is_said),
       cmocka_unit_test(errors_of_a_problem_are_one_sentence_with_the_line),
+      cmocka_unit_test(the_page_has_tables_and_figures),
       cmocka_unit_test(a_problem_runs_in_the_sandbox),
       cmocka_unit_test(a_plugin_with_a_wrong_factor_is_found),
   };

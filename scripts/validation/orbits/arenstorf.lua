@@ -10,9 +10,9 @@ return validation.problem {
   title = "Arenstorf's orbit of earth and moon",
   together = true,
   quantities = {
-    { name = "x in the turning frame after a period", reference = 0.994,
+    { name = "x after a period", reference = 0.994,
       source = "Arenstorf 1963; Hairer, Norsett and Wanner I, II.0" },
-    { name = "y in the turning frame after a period", reference = 0, scale = 1,
+    { name = "y after a period", reference = 0, scale = 1,
       source = "Arenstorf 1963; Hairer, Norsett and Wanner I, II.0" },
   },
   time = { 1e-10, 1e-11, 1e-12, 1e-13 },

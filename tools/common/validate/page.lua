@@ -71,9 +71,9 @@ local function markdown(topics, o)
   return table.concat(text, "\n") .. "\n"
 end
 
--- ---- CSV ----
+-- ---- CSV: `error` and `uncertainty` (see study.lua) are relative ----
 
-local columns = { "topic", "problem", "quantity", "unit", "reference", "value", "error", "tolerance", "order_space",
+local columns = { "topic", "problem", "quantity", "unit", "reference", "value", "error", "uncertainty", "tolerance", "order_space",
   "order_time", "evaluations", "seconds", "verdict", "source" }
 
 local function field(value)
@@ -86,7 +86,7 @@ local function csv(list)
   for _, problem in ipairs(list) do
     for _, found in ipairs(problem.found) do
       local q = found.quantity
-      local fields = { problem.topic, problem.name, q.name, q.unit or "", q.reference, found.value, found.error,
+      local fields = { problem.topic, problem.name, q.name, q.unit or "", q.reference, found.value, found.error, found.uncertainty or "",
         found.tolerance, lines.order_text(found.space) or "", lines.order_text(found.time) or "",
         problem.cost.evaluations, problem.cost.seconds, #found.faults == 0 and "ok" or "wrong", q.source }
       for k, value in ipairs(fields) do fields[k] = field(value) end
