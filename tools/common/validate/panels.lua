@@ -23,7 +23,7 @@ end
 -- A panel: title, label, ticks, curves (name, points), guide (order, and a point that it passes); nil: nothing to draw.
 local function panel_of(problem, axis)
   local d = problem.description
-  local panel = { curves = {}, title = d.title, ticks = {},
+  local panel = { curves = {}, title = problem.title, ticks = {},
     label = axis == "space" and (d.space_label or "n") or d.time_label or "step, s" }
   local worst
   for _, found in ipairs(problem.found) do
