@@ -1,7 +1,9 @@
 /* Linear systems through solver plugins: the choice of the solver, and its use.
  *
  * Where the scene names no solver, it is chosen by the flags of the installed solvers, the kind of the forces and the
- * number of unknowns. Times are not measured, so runs are reproducible. It is opened before the first step.
+ * number of unknowns. Times are not measured, so runs are reproducible. It is opened before the first step. Where a
+ * solver for matrices of a kind is preferred to it, that one is opened, and the other when a pattern comes that does
+ * not fit; every new pattern decides between the two, as patterns change with births and contact.
  *
  * A pattern is recognised by its number or, without one, by its hash, not by its address, since a new pattern may be in
  * the memory of an old one. A matrix that is not declared symmetric is compared with its transpose before a solver that
@@ -26,13 +28,20 @@ static bool needs_unsymmetric_solver(const hk_dynamics *d) {
   return false;
 }
 
+static bool is_special(const hk_plugin *plugin) { return plugin->solver->fits != NULL; }
+
 static bool suits(const hk_plugin *plugin, const void *context) {
   const hk_dynamics *d = context;
   unsigned flags = plugin->solver->flags;
+  if (is_special(plugin)) return false;
   if (d->plugins->kind[HK_CONSTRAINT].count)
     return needs_unsymmetric_solver(d) ? flags & HK_SOLVES_UNSYMMETRIC : !(flags & HK_ITERATIVE);
   if (needs_unsymmetric_solver(d)) return flags & HK_SOLVES_UNSYMMETRIC;
   return 3 * d->state->model.n > LARGE ? flags & HK_ITERATIVE : !(flags & HK_ITERATIVE);
+}
+
+static bool goes_first(const hk_plugin *plugin, const void *context) {
+  return is_special(plugin) || suits(plugin, context);
 }
 
 static hk_status start(hk_dynamics *d, hk_instance *solver) {
@@ -41,24 +50,46 @@ static hk_status start(hk_dynamics *d, hk_instance *solver) {
   return status == HK_OK ? hk_instance_start(solver, &view, d->state->size, d->error) : status;
 }
 
-hk_status hk_solver_open(hk_dynamics *d, const hk_plugin_spec *named) {
+static hk_status choose(hk_dynamics *d, bool (*criterion)(const hk_plugin *, const void *), hk_plugin_spec **spec) {
   const hk_plugin *plugin;
-  hk_status status = HK_OK;
-  if (d->solver) return HK_OK;
-  if (!named) {
-    status = hk_registry_prefer(d->scene->registry, HK_SOLVER, suits, d, &plugin, d->error);
-    if (status != HK_OK) return status;
-    named = d->solver_spec = hk_spec_create(plugin, plugin->name, "", d->error);
-    if (!named) return HK_NO_MEMORY;
-  }
-  status = hk_plugins_add(d->plugins, named, d->shared, &d->solver, d->error);
-  return status == HK_OK ? start(d, d->solver) : status;
+  hk_status status = hk_registry_prefer(d->scene->registry, HK_SOLVER, criterion, d, &plugin, d->error);
+  if (status != HK_OK) return status;
+  *spec = hk_spec_create(plugin, plugin->name, "", d->error);
+  return *spec ? HK_OK : HK_NO_MEMORY;
+}
+
+static hk_status choose_first(hk_dynamics *d) {
+  hk_status status = choose(d, goes_first, &d->solver_spec);
+  if (status != HK_OK || !is_special(d->solver_spec->plugin)) return status;
+  d->special_spec = d->solver_spec;
+  d->solver_spec = NULL;
+  return HK_OK;
+}
+
+static hk_status choose_any(hk_dynamics *d) {
+  if (d->solver || d->solver_spec) return HK_OK;
+  return choose(d, suits, &d->solver_spec);
+}
+
+static hk_status add(hk_dynamics *d, const hk_plugin_spec *spec, hk_instance **solver) {
+  hk_status status = hk_plugins_add(d->plugins, spec, d->shared, solver, d->error);
+  return status == HK_OK ? start(d, *solver) : status;
+}
+
+hk_status hk_solver_open(hk_dynamics *d, const hk_plugin_spec *named) {
+  if (d->solver || d->special) return HK_OK;
+  if (named) return add(d, named, &d->solver);
+  hk_status status = choose_first(d);
+  if (status != HK_OK) return status;
+  if (d->special_spec && !needs_unsymmetric_solver(d)) return add(d, d->special_spec, &d->special);
+  status = choose_any(d);
+  return status == HK_OK ? add(d, d->solver_spec, &d->solver) : status;
 }
 
 static bool takes_saddle_points(const hk_plugin *plugin, const void *context) {
   const unsigned needed = HK_SOLVES_INDEFINITE | HK_SOLVES_UNSYMMETRIC;
   (void)context;
-  return (plugin->solver->flags & (needed | HK_ITERATIVE)) == needed;
+  return (plugin->solver->flags & (needed | HK_ITERATIVE)) == needed && !is_special(plugin);
 }
 
 static hk_status make(hk_dynamics *d, const hk_plugin_spec *spec, hk_instance **solver) {
@@ -72,19 +103,47 @@ static hk_status make(hk_dynamics *d, const hk_plugin_spec *spec, hk_instance **
   return status;
 }
 
-hk_status hk_solver_twin(hk_dynamics *d, hk_instance **solver) { return make(d, d->solver->spec, solver); }
-
 hk_status hk_solver_indefinite(hk_dynamics *d, hk_instance **solver, hk_plugin_spec **spec) {
   const hk_plugin *plugin;
   *spec = NULL;
-  if (takes_saddle_points(d->solver->plugin, NULL)) return make(d, d->solver->spec, solver);
+  if (d->solver && takes_saddle_points(d->solver->plugin, NULL)) return make(d, d->solver->spec, solver);
   hk_status status = hk_registry_prefer(d->scene->registry, HK_SOLVER, takes_saddle_points, NULL, &plugin, d->error);
   if (status != HK_OK) return status;
   *spec = hk_spec_create(plugin, plugin->name, "", d->error);
   return *spec ? make(d, *spec, solver) : HK_NO_MEMORY;
 }
 
+/* J W J^T is symmetric whatever the forces are. */
+hk_status hk_solver_twins(hk_dynamics *d, hk_linear_system *linear) {
+  linear->apart = true;
+  if (d->special_spec) return make(d, d->special_spec, &linear->special);
+  hk_status status = make(d, d->solver->spec, &linear->any);
+  linear->solver = linear->any;
+  return status;
+}
+
+static hk_status open_any(hk_dynamics *d, hk_linear_system *linear) {
+  if (linear->any) return HK_OK;
+  hk_status status = choose_any(d);
+  if (status == HK_OK && linear->apart) return make(d, d->solver ? d->solver->spec : d->solver_spec, &linear->any);
+  if (status == HK_OK && !d->solver) status = add(d, d->solver_spec, &d->solver);
+  linear->any = d->solver;
+  return status;
+}
+
 /* ---- use ---- */
+
+hk_status hk_linear_system_choose(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
+  bool fits = false;
+  if (linear->special) {
+    const hk_instance *outer = hk_enter(linear->special);
+    fits = linear->special->plugin->solver->fits(linear->special->self, A);
+    hk_leave(linear->special, outer);
+  }
+  hk_status status = fits ? HK_OK : open_any(d, linear);
+  if (status == HK_OK) linear->solver = fits ? linear->special : linear->any;
+  return status;
+}
 
 static size_t find(const hk_matrix *A, size_t row, uint32_t column) {
   size_t low = A->row_start[row], end = A->row_start[row + 1], high = end;
@@ -147,13 +206,15 @@ static hk_status analyze(hk_instance *solver, const hk_matrix *A) {
 }
 
 hk_status hk_linear_system_factorize(hk_dynamics *d, hk_linear_system *linear, const hk_matrix *A) {
-  hk_instance *solver = linear->solver;
   uint64_t pattern = A->pattern ? A->pattern : hk_pattern_number(A->rows, A->block, A->row_start, A->column);
-  hk_status status = check_symmetry(d, solver, A);
+  bool known = linear->analyzed && pattern == linear->pattern;
+  hk_status status = known ? HK_OK : hk_linear_system_choose(d, linear, A);
+  hk_instance *solver = linear->solver;
+  if (status == HK_OK) status = check_symmetry(d, solver, A);
   if (status == HK_OK) status = set_time(d, solver);
   if (status != HK_OK) return status;
   double begin = hk_clock();
-  if (!linear->analyzed || pattern != linear->pattern) {
+  if (!known) {
     linear->analyzed = false;
     status = analyze(solver, A);
     if (status != HK_OK) return status;
