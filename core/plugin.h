@@ -97,7 +97,7 @@ typedef enum hk_type {
   HK_PARTICLES,  /* hk_tuples of arity 1 */
   HK_EDGES,      /* hk_tuples of arity 2 */
   HK_TRIANGLES,  /* hk_tuples of arity 3 */
-  HK_TETRAHEDRA, /* hk_tuples of arity 4: tetrahedra, hinges */
+  HK_TETRAHEDRA, /* hk_tuples of arity 4: tetrahedra, edges with two triangles */
   HK_PER_TUPLE,  /* hk_per_tuple: a number, or one per tuple of the list that `text` names; NULL: the table's first */
   HK_FUNCTION    /* const hk_function *: for host->call; NULL when not given */
 } hk_type;

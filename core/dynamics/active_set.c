@@ -4,7 +4,7 @@
  * by principal pivoting: solve for the equations that act, deactivate all with negative multipliers and activate all
  * that are violated; after some rounds change only the first of them, which terminates for any positive definite matrix
  * (Murty 1974; Judice and Pires 1994). */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <string.h>
 

@@ -8,7 +8,7 @@
  * that follow from others are then left out, and hold because the others do. Where A is still singular, which depends
  * on the state (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined
  * iteratively, which converges to the multipliers of minimal norm (the proximal point iteration). */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -32,7 +32,7 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
                     c->g,        c->c,     c->rhs,        c->solution,  c->path,    c->path_used, c->speed,
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
-                    c->allowed,  c->held,  c->rests,      c->lambda};
+                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
   hk_linear_system linear = c->linear;
   linear.analyzed = false;
@@ -100,6 +100,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->residual = calloc(m, sizeof *c->residual);
   c->correction = calloc(m, sizeof *c->correction);
   c->moved = calloc(3 * d->state->model.n + 1, sizeof *c->moved);
+  c->kept_x = calloc(3 * d->state->model.n + 1, sizeof *c->kept_x);
   bool **sets[] = {&c->one_sided, &c->implied, &c->touches, &c->pushes, &c->allowed, &c->held, &c->rests};
   bool fine = true;
   for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
@@ -113,7 +114,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->path = calloc(d->pins->count + 1, sizeof *c->path);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
   fine &= c->J && c->WJ && c->pin && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
-  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved;
+  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x;
   return fine && c->path && c->path_used ? HK_OK : no_memory(d);
 }
 
@@ -197,18 +198,8 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   free(order);
   free(start);
   d->system.equations = d->constraints->equations;
+  d->system.holonomic = d->constraints->equations > 0 && d->constraints->one_sided_count == 0;
   return status == HK_OK ? HK_OK : no_memory(d);
-}
-
-hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
-                           const double *v) {
-  hk_view view = d->state->view;
-  view.t = t;
-  view.x = x;
-  view.v = v;
-  view.host = &instance->host;
-  view.power = NULL;
-  return view;
 }
 
 /* W J for one block. */
@@ -220,26 +211,6 @@ static void weigh(const hk_dynamics *d, uint32_t pin, uint32_t particle, const d
   for (int a = 0; a < 3; a++) WJ[a] *= w;
 }
 
-hk_status hk_constraint_failed(hk_dynamics *d, const hk_instance *instance, double t, hk_status status) {
-  if (status != HK_OK && !*d->error->text)
-    hk_error_set(d->error, status, "constraint '%s' failed at t = %g s without saying why", instance->label, t);
-  return status;
-}
-
-hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
-  const hk_constraints *c = d->constraints;
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
-    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
-    hk_view view = hk_constraint_view(d, instance, t, x, v);
-    const hk_instance *outer = hk_enter(instance);
-    status = instance->plugin->constraint->jacobian(instance->self, &view, J + c->block_first[k]);
-    hk_leave(instance, outer);
-    status = hk_constraint_failed(d, instance, t, status);
-  }
-  return status;
-}
-
 void hk_constraint_matrix_rest(hk_constraints *c) {
   for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->rests[k] ? 0 : c->full[k];
 }
@@ -247,6 +218,7 @@ void hk_constraint_matrix_rest(hk_constraints *c) {
 hk_status hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   double *whole = c->rhs;
+  c->kept = false;
   hk_status status = hk_constraint_jacobian(d, t, x, v, c->J);
   if (status != HK_OK) return status;
   memset(c->full, 0, c->equations * sizeof *c->full);
@@ -276,7 +248,7 @@ static hk_matrix assemble(hk_constraints *c) {
 }
 
 static void soften(hk_constraints *c, double by) {
-  for (size_t k = 0; k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
+  for (size_t k = 0; by > 0 && k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
 }
 
 static hk_status cannot_solve(hk_dynamics *d) {
@@ -289,18 +261,22 @@ static hk_status cannot_solve(hk_dynamics *d) {
                       *instance->where ? ": " : "", instance->label, number);
 }
 
-/* With one-sided equations the shifted matrix is used at once, since those in contact often depend on each other, such
- * as four feet on a floor. */
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *d, double by) {
+  hk_matrix A = assemble(d->constraints);
+  soften(d->constraints, by);
+  d->constraints->soft = by;
+  return hk_linear_system_factorize(d, &d->constraints->linear, &A);
+}
+
+/* Where equations are known to depend on each other, and with one-sided ones, which often do in contact (four feet on a
+ * floor), the shifted matrix is used at once. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   hk_error before = *d->error;
   hk_status status = HK_NOT_CONVERGED;
-  for (int attempt = c->one_sided_count > 0; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
-    hk_matrix A = assemble(c);
-    c->soft = attempt == 1;
-    if (c->soft) soften(c, soft_shift);
+  for (int attempt = c->one_sided_count > 0 || c->dependent; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
     *d->error = before; /* removes the solver's message, which names a matrix row */
-    status = hk_linear_system_factorize(d, &c->linear, &A);
+    status = hk_constraint_matrix_factorize_shifted(d, attempt == 1 ? soft_shift : 0);
   }
   return status == HK_NOT_CONVERGED ? cannot_solve(d) : status;
 }
@@ -315,7 +291,7 @@ static double largest(const double *of, size_t count) {
 /* residual = rhs - A solution, with A without its shift */
 static void find_residual(hk_constraints *c) {
   for (size_t r = 0; r < c->equations; r++) {
-    double sum = c->rhs[r] + soft_shift * c->solution[r];
+    double sum = c->rhs[r] + c->soft * c->solution[r];
     for (size_t e = c->matrix.row_start[r]; e < c->matrix.row_start[r + 1]; e++)
       sum -= c->value[e] * c->solution[c->matrix.column[e]];
     c->residual[r] = sum;
@@ -348,7 +324,7 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
   hk_status status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
-  if (status == HK_OK && c->soft) status = refine(d);
+  if (status == HK_OK && c->soft > 0) status = refine(d);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
 }
@@ -405,11 +381,4 @@ hk_status hk_constraint_matrix_review(hk_dynamics *d) {
   if (found == HK_OK && smallest > dependent) return HK_OK;
   hk_matrix A = assemble(c);
   return hk_independent_rows(&A, c->implied, d->error);
-}
-
-const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {
-  size_t k = 0;
-  while (d->constraints->equation_first[k + 1] <= equation) k++;
-  *number = equation - d->constraints->equation_first[k] + 1;
-  return d->plugins->kind[HK_CONSTRAINT].item[k];
 }

@@ -4,7 +4,7 @@
 
 #include "core/state/state.h"
 
-typedef struct hk_constraints hk_constraints;         /* constraint_matrix.h */
+typedef struct hk_constraints hk_constraints;         /* constraints.h */
 typedef struct hk_implicit_matrix hk_implicit_matrix; /* implicit_matrix.h */
 typedef struct hk_saddle_point hk_saddle_point;       /* saddle_point.c */
 
@@ -31,6 +31,7 @@ typedef struct hk_dynamics {
   hk_element_list *element_list;
   hk_elements *offered; /* room for the lists of one force */
   hk_publication *publication;
+  const hk_tuples **join;                 /* the parameters HK_EDGES of constraints */
   uint64_t *chunk_bad;                    /* one word per chunk of particles: F is not finite there */
   double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
   bool updates, limits, listens, demands; /* a force has `update`, `step_limit`, `accepted`, `longest_step` */
@@ -122,13 +123,22 @@ hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, co
 hk_status hk_constraints_update(hk_dynamics *);
 /* Brings x onto g(x) = 0 and v onto J v + g_t = 0 (mass-weighted Newton); part of every step. */
 hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
-/* The same for a method in the middle of its step; nothing is done where there are one-sided equations. */
-hk_status hk_constraints_project_equalities(hk_dynamics *, double t, double *x, double *v);
+void hk_constraints_forget(hk_dynamics *); /* what is kept from one step to the next */
 /* Whether contact began or ended, equations changed or velocities jumped since this was last asked: the histories of
  * methods are void. */
 bool hk_constraints_jumped(hk_dynamics *);
 hk_status hk_constraints_violation(hk_dynamics *, double *violation); /* m, of the state */
 hk_status hk_constraints_topology(hk_dynamics *);
+
+/* ---- constraint_forces.c ---- */
+
+/* The multipliers of all equations at the state, N for equations in metres: J^T lambda acts on the particles. An
+ * evaluation, of which nothing stays. */
+hk_status hk_constraint_multipliers(hk_dynamics *, double *lambda);
+/* The equations of constraint k: from `begin` on, without `end`. */
+void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end);
+/* N, the force of constraint k on a particle with these multipliers, by J of the last evaluation. */
+void hk_constraint_force_on(const hk_dynamics *, size_t k, const double *lambda, size_t particle, double F[3]);
 
 /* ---- jacobian.c, implicit_matrix.c, saddle_point.c ---- */
 

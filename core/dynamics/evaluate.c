@@ -151,7 +151,7 @@ hk_status hk_evaluate_accelerations(hk_system *s, double t, double *x, double *v
   status = divide(d, a);
   if (status != HK_OK) return hk_error_set(d->error, status, "the forces are not finite");
   if (d->pins->has_slides) hk_pins_filter(d->pins, a);
-  return d->constraints ? hk_constraints_accelerate(d, t, x, v, a, dy + tail) : HK_OK;
+  return d->constraints && s->takes_constraints ? hk_constraints_accelerate(d, t, x, v, a, dy + tail) : HK_OK;
 }
 
 hk_status hk_evaluate_resize(hk_dynamics *d) {

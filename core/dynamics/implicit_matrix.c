@@ -5,7 +5,7 @@
  * entries, so their part of the solution is exactly 0 (Baraff and Witkin 1998, section 5, as a matrix instead of a
  * filter in the iteration). Each row is computed by one thread, so the values do not depend on the number of
  * threads. */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 #include "core/dynamics/implicit_matrix.h"
 
 #include <stdlib.h>

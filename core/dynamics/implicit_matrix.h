@@ -3,7 +3,7 @@
 #ifndef HK_IMPLICIT_MATRIX_H
 #define HK_IMPLICIT_MATRIX_H
 
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 #include "core/dynamics/linear_system.h"
 
 struct hk_implicit_matrix {

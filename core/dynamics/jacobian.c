@@ -7,7 +7,7 @@
  * begins to act later needs no new analysis. Invariant: slot[first[k] + e] is the slot of the e-th block of force k. In
  * a scene with constraints K includes the stiffness of their forces, at the multipliers of the last evaluation
  * (saddle_point.c). */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 #include "core/dynamics/implicit_matrix.h"
 
 #include <stdlib.h>

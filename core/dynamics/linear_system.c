@@ -9,7 +9,7 @@
  * the memory of an old one. A matrix that is not declared symmetric is compared with its transpose before a solver that
  * relies on symmetry gets it; one pass, small beside the factorization. */
 #include "core/dynamics/linear_system.h"
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 
 #include <stdlib.h>
 #include <string.h>

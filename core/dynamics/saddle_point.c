@@ -16,7 +16,7 @@
  * Invariant: the factors are those of the last factorization, but B is that of the last evaluation: refinement
  * converges to the solution for the present B, which Newton's iteration with older factors needs as well. Benzi, Golub
  * and Liesen 2005, Numerical solution of saddle point problems, sections 3 and 5. */
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>

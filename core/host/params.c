@@ -215,7 +215,7 @@ static hk_status set_particles(const setting *s) {
 
 static hk_status set_tuples(const setting *s) {
   static const char *const wanted[] = {"a list of edges, {{1, 2}, {2, 3}}", "a list of triangles, {{1, 2, 3}}",
-                                       "a list of tetrahedra or hinges, {{1, 2, 3, 4}}"};
+                                       "a list of quadruples, {{1, 2, 3, 4}}"};
   const hk_value *value = s->value;
   unsigned arity = hk_param_arity(s->p);
   bool empty = value->kind == HK_VALUE_LIST && value->count == 0;

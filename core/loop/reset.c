@@ -3,6 +3,7 @@
 
 void hk_step_reset(hk_loop *loop, hk_reason why) {
   const hk_integrator *method = loop->step->method;
+  hk_constraints_forget(loop->dynamics);
   if (!method->reset) return;
   const hk_instance *outer = hk_enter(loop->integrator);
   method->reset(loop->integrator->self, why);

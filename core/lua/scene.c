@@ -2,6 +2,7 @@
  * prefixed by the script's line. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
+#include "core/builders/builders.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -148,6 +149,7 @@ static hk_scene *new_scene(lua_State *L) {
     hk_lua_fail(L, HK_NO_MEMORY, "no memory for a scene");
   }
   slot->scene->trusted = s->options.trust;
+  slot->scene->stand_in = s->options.stand_in;
   holder->slot = s->slot[s->slots++] = slot; /* the script owns it */
   return slot->scene;
 }
@@ -324,24 +326,21 @@ static int start(lua_State *L) {
   return 0;
 }
 
-/* An unknown method is an error that suggests the nearest name. */
-static const char *method_at(const void *context, size_t k) {
-  const luaL_Reg *list = context;
-  return list[k].name;
-}
-
 static const luaL_Reg methods[] = {
     {"pin", pin},     {"channel", channel}, {"measure", measure},      {"on_frame", on_frame},
     {"exact", exact}, {"start", start},     {"run", hk_lua_scene_run}, {NULL, NULL}};
 
+/* All methods: those above, one for each kind of plugin, the builders. */
+static const char *method_at(const void *context, size_t k) {
+  const size_t own = sizeof methods / sizeof *methods - 1;
+  (void)context;
+  if (k < own) return methods[k].name;
+  return k < own + HK_KINDS ? hk_kind_name((hk_kind)(k - own)) : hk_builders[k - own - HK_KINDS].name;
+}
+
+/* An unknown method is an error that suggests the nearest name. */
 static int unknown_method(lua_State *L) {
-  static const luaL_Reg all[] = {{"pin", NULL},        {"channel", NULL},   {"measure", NULL},  {"on_frame", NULL},
-                                 {"exact", NULL},      {"start", NULL},     {"run", NULL},      {"force", NULL},
-                                 {"constraint", NULL}, {"corrector", NULL}, {"source", NULL},   {"integrator", NULL},
-                                 {"solver", NULL},     {"output", NULL},    {"particle", NULL}, {"particles", NULL},
-                                 {"grid", NULL},       {"strand", NULL},    {"mesh", NULL},     {"service", NULL},
-                                 {"surface", NULL},    {NULL, NULL}};
-  const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, all);
+  const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, NULL);
   if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);
 }
@@ -355,8 +354,7 @@ void hk_lua_open_scene(lua_State *L) {
     lua_pushcclosure(L, add_kind, 1);
     lua_setfield(L, -2, hk_kind_name((hk_kind)kind));
   }
-  hk_lua_open_builders(L);
-  hk_lua_open_mesh(L);
+  luaL_setfuncs(L, hk_builders, 0);
   lua_createtable(L, 0, 1);
   lua_pushcfunction(L, unknown_method);
   lua_setfield(L, -2, "__index");

@@ -106,6 +106,20 @@ static int force(lua_State *L) {
   return 1;
 }
 
+/* The multipliers of a constraint, one number per equation. The buffer belongs to Lua, which frees it after an error.
+ */
+static int constraint_forces(lua_State *L) {
+  hk_run *run = run_of(L);
+  const char *label = luaL_checkstring(L, 2);
+  hk_error error = {0};
+  size_t count = 0;
+  if (hk_run_equations(run, label, &count, &error) != HK_OK) return hk_lua_raise(L, &error);
+  double *list = lua_newuserdatauv(L, (count + 1) * sizeof *list, 0);
+  if (hk_run_constraint_forces(run, label, list, &error) != HK_OK) return hk_lua_raise(L, &error);
+  push_numbers(L, list, count);
+  return 1;
+}
+
 static int strain(lua_State *L) {
   hk_error error = {0};
   double largest;
@@ -123,6 +137,7 @@ static const luaL_Reg methods[] = {{"position", position},
                                    {"kinetic", kinetic_energy},
                                    {"potential", potential_energy},
                                    {"force", force},
+                                   {"constraint_forces", constraint_forces},
                                    {"strain", strain},
                                    {NULL, NULL}};
 
@@ -148,6 +163,24 @@ static int member(lua_State *L) {
                 : hk_lua_fail(L, HK_BAD_PARAM, "state has no '%s'", name);
   }
   return 1;
+}
+
+/* t -> function(state): upvalues are the function and the state */
+static int with_state(lua_State *L) {
+  lua_settop(L, 0);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_pushvalue(L, lua_upvalueindex(2));
+  lua_call(L, 1, LUA_MULTRET);
+  return lua_gettop(L);
+}
+
+hk_function hk_lua_frame_function(lua_State *L, int index) {
+  lua_pushvalue(L, index);
+  hk_lua_push_state(L, 1);
+  lua_pushcclosure(L, with_state, 2);
+  hk_function function = hk_lua_function(L, lua_gettop(L));
+  lua_pop(L, 1);
+  return function;
 }
 
 void hk_lua_open_state(lua_State *L) {

@@ -160,6 +160,19 @@ size_t hk_script_params(const hk_script *s, const hk_param_declared **params) {
   return s->params;
 }
 
+hk_work hk_script_work(const hk_script *s) {
+  hk_work work = {.worst = s->worst};
+  for (size_t k = 0; k < s->slots; k++) {
+    if (!s->slot[k]->run) continue;
+    hk_summary of;
+    hk_run_summary(s->slot[k]->run, &of);
+    work.runs++;
+    work.steps += of.steps;
+    work.evaluations += of.force_evaluations;
+  }
+  return work;
+}
+
 const hk_script_options *hk_script_asked(const hk_script *s) { return &s->options; }
 hk_run_options *hk_script_run_options(hk_script *s) { return &s->run_options; }
 const char *hk_script_path(const hk_script *s) { return s->path; }

@@ -16,8 +16,10 @@ enum { /* hk_integrator.flags */
        HK_NEEDS_SOLVER = 32,  /* calls factorize and solve; HK_NEEDS_JACOBIAN implies it */
        HK_SPLITS_FORCES = 64, /* evaluates parts of the sum of forces by `takes`: not possible with one-sided
                                 constraints, whose acting equations depend on the whole sum */
-       HK_LIMITS_MOVES = 128 /* reaches its new state by moves within hk_system.step_limit; the host checks the steps of
-                               other methods, on the straight line, and halves those that are not safe */
+       HK_LIMITS_MOVES = 128, /* reaches its new state by moves within hk_system.step_limit; the host checks the steps
+                               of other methods, on the straight line, and halves those that are not safe */
+       HK_KEEPS_CONSTRAINTS = 256 /* in a holonomic scene its steps end on g = 0 and J v + g_t = 0, by hold_positions
+                                     and hold_velocities; the host does not project them */
 };
 
 typedef enum hk_reason { /* the reason why the host calls `reset` */
@@ -138,6 +140,15 @@ struct hk_system {
    * particles, has no blocks, or fails, or there are constraints. */
   bool (*alone)(hk_system *, const double *x, const double *v, size_t begin, size_t end, double *F, double (*K)[9],
                 double (*D)[9]);
+  /* For methods that keep constraints in their own steps (HK_KEEPS_CONSTRAINTS). */
+  bool holonomic;         /* there are constraints, all of them equalities */
+  bool takes_constraints; /* whether accelerations include constraint forces; true when a step begins */
+  /* Brings x onto g(x, t) = 0 by x += W J^T l, with J at (`from`, s->t), the start of the step of length h, and
+   * v += W J^T l / h. HK_NOT_CONVERGED: the step is too long; x and v have changed. `from` is n x 3 with its velocities
+   * behind it, as in X. The work of what moves with time is added to *work, J. */
+  hk_status (*hold_positions)(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
+  /* Brings v onto J v + g_t = 0 by v += W J^T l, with J at (x, t); l is an impulse of half a step. */
+  hk_status (*hold_velocities)(hk_system *, double t, double *x, double h, double *v, double *work);
 };
 
 #endif

@@ -90,36 +90,97 @@ void hk_run_energy(hk_run *run, double *kinetic, double *potential, double *work
   *work = s->X[s->size - 1];
 }
 
-static const char *force_label(const void *context, size_t k) {
-  const hk_instances *forces = context;
-  return k < forces->count ? forces->item[k]->label : NULL;
+/* ---- forces of one plugin: of a force, or of a constraint ---- */
+
+static const char *label_at(const void *context, size_t k) {
+  const hk_instances *list = context;
+  return k < list->count ? list->item[k]->label : NULL;
 }
 
-static hk_status no_force(const hk_run *run, const char *label, hk_error *error) {
-  const char *near = hk_nearest_name(label, force_label, &run->plugins.kind[HK_FORCE]);
-  if (near) return hk_error_set(error, HK_BAD_PARAM, "there is no force '%s'; did you mean '%s'?", label, near);
-  return hk_error_set(error, HK_BAD_PARAM, "there is no force '%s'", label);
+/* The number of instances: no one has the label. */
+static size_t labelled(const hk_instances *list, const char *label) {
+  size_t k = 0;
+  while (k < list->count && strcmp(list->item[k]->label, label) != 0) k++;
+  return k;
 }
 
-hk_status hk_run_force(hk_run *run, const char *label, uint32_t id, double force[3], hk_error *error) {
-  const hk_instances *forces = &run->plugins.kind[HK_FORCE];
-  uint32_t index;
-  size_t k = 0, n = run->state.model.n;
-  while (k < forces->count && strcmp(forces->item[k]->label, label) != 0) k++;
-  if (k == forces->count) return no_force(run, label, error);
-  if (!hk_run_index(run, id, &index)) return hk_error_set(error, HK_BAD_PARAM, "there is no particle %u", id);
+static hk_status no_label(const hk_run *run, hk_kind kind, const char *label, hk_error *error) {
+  const char *what = kind == HK_FORCE ? "force" : "constraint";
+  const char *near = hk_nearest_name(label, label_at, &run->plugins.kind[kind]);
+  if (near) return hk_error_set(error, HK_BAD_PARAM, "there is no %s '%s'; did you mean '%s'?", what, label, near);
+  return hk_error_set(error, HK_BAD_PARAM, "there is no %s '%s'", what, label);
+}
+
+static hk_status no_memory(hk_error *error) { return hk_error_set(error, HK_NO_MEMORY, "no memory for the forces"); }
+
+static hk_status multipliers(hk_run *run, double *lambda, hk_error *error) {
+  hk_error before = run->error;
+  hk_status status = hk_constraint_multipliers(&run->dynamics, lambda);
+  if (status != HK_OK) *error = run->error;
+  run->error = before;
+  return status;
+}
+
+static hk_status force_of_constraint(hk_run *run, size_t k, uint32_t index, double force[3], hk_error *error) {
+  size_t begin, all;
+  hk_constraint_range(&run->dynamics, run->plugins.kind[HK_CONSTRAINT].count - 1, &begin, &all);
+  double *lambda = malloc((all + 1) * sizeof *lambda);
+  if (!lambda) return no_memory(error);
+  hk_status status = multipliers(run, lambda, error);
+  if (status == HK_OK) hk_constraint_force_on(&run->dynamics, k, lambda, index, force);
+  free(lambda);
+  return status;
+}
+
+static hk_status force_of_force(hk_run *run, size_t k, uint32_t index, double force[3], hk_error *error) {
+  size_t n = run->state.model.n;
   double *F = calloc(3 * n, sizeof *F);
-  if (!F) return hk_error_set(error, HK_NO_MEMORY, "no memory for the forces");
+  if (!F) return no_memory(error);
   bool evaluated = !run->dynamics.force_acts[k] || hk_probe_force(&run->dynamics, k, run->state.X, n, F);
   memcpy(force, F + 3 * index, 3 * sizeof *force);
   free(F);
-  return evaluated ? HK_OK : hk_error_set(error, HK_FAILED, "the force '%s' failed", label);
+  return evaluated
+             ? HK_OK
+             : hk_error_set(error, HK_FAILED, "the force '%s' failed", run->plugins.kind[HK_FORCE].item[k]->label);
+}
+
+hk_status hk_run_force(hk_run *run, const char *label, uint32_t id, double force[3], hk_error *error) {
+  const hk_instances *forces = &run->plugins.kind[HK_FORCE], *constraints = &run->plugins.kind[HK_CONSTRAINT];
+  size_t k = labelled(forces, label), constraint = labelled(constraints, label);
+  uint32_t index;
+  if (k == forces->count && constraint == constraints->count) return no_label(run, HK_FORCE, label, error);
+  if (!hk_run_index(run, id, &index)) return hk_error_set(error, HK_BAD_PARAM, "there is no particle %u", id);
+  return k < forces->count ? force_of_force(run, k, index, force, error)
+                           : force_of_constraint(run, constraint, index, force, error);
+}
+
+hk_status hk_run_equations(hk_run *run, const char *label, size_t *count, hk_error *error) {
+  const hk_instances *constraints = &run->plugins.kind[HK_CONSTRAINT];
+  size_t k = labelled(constraints, label), begin, end;
+  if (k == constraints->count) return no_label(run, HK_CONSTRAINT, label, error);
+  hk_constraint_range(&run->dynamics, k, &begin, &end);
+  *count = end - begin;
+  return HK_OK;
+}
+
+hk_status hk_run_constraint_forces(hk_run *run, const char *label, double *force, hk_error *error) {
+  const hk_instances *constraints = &run->plugins.kind[HK_CONSTRAINT];
+  size_t k = labelled(constraints, label), begin, end, all;
+  if (k == constraints->count) return no_label(run, HK_CONSTRAINT, label, error);
+  hk_constraint_range(&run->dynamics, constraints->count - 1, &begin, &all);
+  hk_constraint_range(&run->dynamics, k, &begin, &end);
+  double *lambda = malloc((all + 1) * sizeof *lambda);
+  if (!lambda) return no_memory(error);
+  hk_status status = multipliers(run, lambda, error);
+  if (status == HK_OK) memcpy(force, lambda + begin, (end - begin) * sizeof *force);
+  free(lambda);
+  return status;
 }
 
 hk_status hk_run_strain(hk_run *run, const char *label, double *largest, hk_error *error) {
   bool found;
   *largest = hk_probe_strain(&run->dynamics, label, &found);
   if (found) return HK_OK;
-  if (label) return no_force(run, label, error);
+  if (label) return no_label(run, HK_FORCE, label, error);
   return hk_error_set(error, HK_BAD_PARAM, "no force of the scene has elements that could be strained");
 }

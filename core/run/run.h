@@ -109,6 +109,10 @@ bool hk_run_index(const hk_run *, uint32_t id, uint32_t *index);
 double hk_run_measure(const hk_run *, const char *name); /* last value; NAN: no measure has this name */
 void hk_run_energy(hk_run *, double *kinetic, double *potential, double *work);
 hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
+/* The number of equations of a constraint; HK_BAD_PARAM: no constraint has this label. */
+hk_status hk_run_equations(hk_run *, const char *label, size_t *count, hk_error *error);
+/* Their multipliers at the state, N: the force of an equation, in the direction in which g grows. */
+hk_status hk_run_constraint_forces(hk_run *, const char *label, double *force, hk_error *error);
 /* The largest strain by magnitude, C over the rest value of an element; label NULL: of all forces with elements. */
 hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *error);
 

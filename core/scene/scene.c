@@ -297,12 +297,12 @@ static bool label_taken(hk_scene *scene, const char *label) {
   return false;
 }
 
-static hk_status choose_label(hk_scene *scene, const hk_plugin *plugin, const char *label, char *chosen, size_t size,
+static hk_status choose_label(hk_scene *scene, const char *name, const char *label, char *chosen, size_t size,
                               hk_error *error) {
-  snprintf(chosen, size, "%s", label ? label : plugin->name);
+  snprintf(chosen, size, "%s", label ? label : name);
   if (label && label_taken(scene, label))
-    return hk_error_set(error, HK_BAD_PARAM, "%s: the label '%s' is taken", plugin->name, label);
-  for (int k = 2; !label && label_taken(scene, chosen); k++) snprintf(chosen, size, "%s#%d", plugin->name, k);
+    return hk_error_set(error, HK_BAD_PARAM, "%s: the label '%s' is taken", name, label);
+  for (int k = 2; !label && label_taken(scene, chosen); k++) snprintf(chosen, size, "%s#%d", name, k);
   return HK_OK;
 }
 
@@ -320,8 +320,13 @@ hk_status hk_scene_add_plugin(hk_scene *scene, hk_kind kind, const char *name, c
   const hk_plugin *plugin;
   char chosen[128], path[4096];
   const char *from = beside_script(scene, name, path, sizeof path);
-  hk_status status = hk_registry_find(scene->registry, kind, from, scene->trusted, &plugin, error);
-  if (status == HK_OK) status = choose_label(scene, plugin, label, chosen, sizeof chosen, error);
+  const hk_stand_in *other = &scene->stand_in;
+  bool replaced = kind == HK_FORCE && other->force && strcmp(other->force, name) == 0;
+  if (replaced) from = other->path;
+  hk_status status = hk_registry_find(scene->registry, kind, from, scene->trusted || replaced, &plugin, error);
+  /* A stand-in has the label of the force, by which the script asks for it. */
+  if (status == HK_OK)
+    status = choose_label(scene, replaced ? name : plugin->name, label, chosen, sizeof chosen, error);
   if (status != HK_OK) return status;
   hk_plugin_spec *fresh = hk_spec_create(plugin, chosen, where, error);
   if (!fresh) return HK_NO_MEMORY;

@@ -91,6 +91,7 @@ static void open_functions(lua_State *L, tool *t) {
                                        {"explain", hk_tool_explain},
                                        {"load", hk_tool_load},
                                        {"definition", hk_tool_definition},
+                                       {"ask", hk_tool_ask},
                                        {"nearest", nearest},
                                        {"plain", plain},
                                        {"confine", confine},

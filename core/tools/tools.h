@@ -23,11 +23,16 @@ int hk_tool_catalogue(lua_State *L);    /* catalogue.c: the plugins and the fail
 int hk_tool_describe(lua_State *L);     /* catalogue.c: one plugin, by its file */
 int hk_tool_explain(lua_State *L);      /* explain.c */
 int hk_tool_definition(lua_State *L);   /* definition.c: hooke.definition(path, name) */
+int hk_tool_ask(lua_State *L);          /* ask.c: hooke.ask(path, name, argument, {option = value}) */
 int hk_tool_load(lua_State *L);         /* load.c: hooke.load(path, {name = value}, {option = value}) */
 void hk_tool_open_verify(lua_State *L); /* verify.c: adds run:verify() */
 
 /* load.c: converts the table {name = value} at `table`, or nil, to a block on the Lua stack. */
 hk_param_given *hk_tool_push_given(lua_State *L, int table, size_t *count);
+
+/* copy.c: copies the text, number, boolean or table on top of the stack of `from` to that of `to`. A function in it, a
+ * circle or control characters are an error of `from` that begins with `what`. */
+void hk_tool_copy(lua_State *to, lua_State *from, const char *what);
 
 /* fields.c: sets fields of the table on top of the stack. */
 void hk_tool_set_text(lua_State *L, const char *key, const char *value); /* NULL: "" */

@@ -1,7 +1,7 @@
 /* The product with a symmetric block matrix beside streaming its numbers once, at 512 x 512; and both preconditioners
  * on the matrix of a stiff cloth of 128 x 128, M + h^2 K with k = 1e5 N/m and h = 1/60 s, curtain's masses and pins.
  * Times are medians of repeats taken in turn, so that both sides see the same machine. */
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 #include "core/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/upper_matrix.h"

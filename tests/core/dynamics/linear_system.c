@@ -1,7 +1,7 @@
 /* Which solver a run takes by itself: one for matrices of a kind where it fits the pattern, another where it does not,
  * and again the first when the pattern changes back. */
 #include "core/dynamics/linear_system.h"
-#include "core/dynamics/constraint_matrix.h"
+#include "core/dynamics/constraints.h"
 #include "core/dynamics/implicit_matrix.h"
 #include "tests/support/solver_matrix.h"
 

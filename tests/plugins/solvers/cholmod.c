@@ -1,6 +1,6 @@
 /* CHOLMOD's factorization on random symmetric block matrices: the residual is rounding, what is not positive definite
  * is refused, factors are renewed on one pattern. */
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

@@ -1,7 +1,7 @@
 /* Conjugate gradients: products against plain loops, solutions against elimination, pins that stay bitwise exact, the
  * same bits for any number of threads, and refusals of what is not positive definite, singular or too ill-conditioned.
  */
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 #include "core/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/incomplete_cholesky.h"

@@ -1,6 +1,6 @@
 /* UMFPACK's factorization on random block matrices, symmetric or not: the residual is rounding, what is singular is
  * refused with the unknown that nothing determines, factors are renewed on one pattern. */
-#include "core/dynamics/block_matrix.h"
+#include "core/matrix/matrix.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

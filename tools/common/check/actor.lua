@@ -3,6 +3,7 @@
 local inspect = require("inspect")
 local actors = require("actors")
 local watching = require("watching")
+local functions = require("common.check.functions")
 
 local actor = {}
 
@@ -51,11 +52,12 @@ local function bases(plugin)
 end
 
 -- The settings in which a plugin is tried: what it needs and every list that may be given; in addition, one at a time,
--- every other choice, and values for all numbers that are 0 by default; where lists may be left out, all of it without
--- them, too.
+-- every other choice, the first of its functions (others may have to fit it, as a gradient does), and values for all
+-- numbers that are 0 by default; where lists may be left out, all of it without them, too.
 function actor.settings(plugin)
-  local list, not_zero = {}, {}
+  local list, not_zero, first_function = {}, {}, nil
   for _, p in ipairs(plugin.params) do
+    if p.type == "function" then first_function = first_function or p end
     local zero = p.initial[1] == 0 and p.initial[2] == 0 and p.initial[3] == 0
     local given = plugin.given[p.name] ~= nil
     if (p.type == "number" or p.type == "vector") and zero and not p.optional and not given then not_zero[p.name] = value_for(p) end
@@ -79,6 +81,9 @@ function actor.settings(plugin)
           place = place + 1
         end
       end
+    end
+    if first_function and plugin.given[first_function.name] == nil then
+      more(first_function.name, { [first_function.name] = functions.made(first_function, 1, plugin.has and plugin.has.speed) })
     end
     if next(not_zero) then more("with no number 0", not_zero) end
   end

@@ -2,6 +2,7 @@
 -- parameters; cases.each opens each case that the plugin accepts, and hands out its subject.
 local inspect = require("inspect")
 local members = require("members")
+local functions = require("common.check.functions")
 
 local cases = {}
 
@@ -17,6 +18,19 @@ local function chain(count)
     if i > 2 then shape.triangles[i - 2] = { i - 2, i - 1, i } end
     if i > 3 then shape.tetrahedra[i - 3] = { i - 3, i - 2, i - 1, i } end
   end
+  return shape
+end
+
+-- A wavy closed loop, each edge from the end of the one before.
+local function ring(count)
+  local shape = chain(count)
+  shape.name = ("ring of %d"):format(count)
+  for i = 1, count do
+    local angle = 2 * math.pi * i / count
+    local radius = count / (2 * math.pi) * (1 + 0.1 * math.sin(3 * angle))
+    shape.positions[i] = { radius * math.cos(angle), radius * math.sin(angle), 0.2 * math.sin(2.1 * i) }
+  end
+  shape.edges[count] = { count, 1 }
   return shape
 end
 
@@ -62,8 +76,10 @@ local function sheet(nx, ny)
   return shape
 end
 
--- The first two are those in which every setting is tried; the pairs have no need of the other properties.
-cases.shapes = { sheet(4, 3), cloud(8, 2.2), chain(6), cloud(6, 0.2) }
+-- The first two that a plugin takes are those in which every setting is tried; the pairs have no need of the other
+-- properties.
+cases.shapes = { sheet(4, 3), cloud(8, 2.2), chain(8), ring(7), cloud(6, 0.2) }
+local FIRST = 4 -- the shapes among which these two are
 for _, distance in ipairs { 0.001, 0.03, 0.3, 0.9, 1, 1.1, 1.5, 2.5, 10, 100 } do
   cases.shapes[#cases.shapes + 1] = pair(distance)
 end
@@ -98,27 +114,9 @@ local function list_of(plugin, p)
   end
 end
 
--- Smooth functions of all that they are given but the id, which births and deaths change; what has one result is taken
--- to be an energy, which does not depend on the time.
-local function function_for(p, factor)
-  local _, arguments = p.text:match("%((.*), id%)"):gsub("[%w_]+", "")
-  local _, results = p.text:match("%->(.*)"):gsub("[%w_]+", "")
-  return function(...)
-    local given, out = { ... }, {}
-    if results == 1 then
-      return factor * (math.sin(given[2]) * math.cos(0.7 * given[3]) + given[4] ^ 2 * given[2])
-    end
-    for r = 1, results do
-      out[r] = 0
-      for k = 1, arguments do out[r] = out[r] + factor * math.sin(0.3 * r * given[k] + 0.1 * k) / k end
-    end
-    return table.unpack(out)
-  end
-end
-
 local function value_for(plugin, p, shape, setting)
   local factor = setting.factor or 1
-  if p.type == "function" then return function_for(p, factor) end
+  if p.type == "function" then return functions.made(p, factor) end
   if p.type == "number" or p.type == "integer" then return number_for(p, factor) end
   if p.type == "vector" then return { 0.3 * factor, -0.7, 0.5 } end
   if p.type == "numbers" then return { number_for(p, factor), number_for(p, 0.7 * factor), number_for(p, 1.2 * factor) } end
@@ -235,14 +233,16 @@ local function accepted_settings(plugin)
   return list
 end
 
--- All cases: every shape with the first setting, and the first two with every one. plugin.accepted, a set of names,
--- leaves out the others.
+-- All cases: every shape with the first setting, and the first two that are taken with every one. plugin.accepted, a
+-- set of names, leaves out the others.
 function cases.list(plugin)
-  local list, settings = {}, accepted_settings(plugin)
+  local list, settings, taken = {}, accepted_settings(plugin), 0
   if plugin.scene then list[1] = { name = plugin.scene, file = plugin.scene, length = 1, few = true } end
   for k, shape in ipairs(cases.shapes) do
+    if plugin.accepted and settings[1] and plugin.accepted[name_of(shape, settings[1])] then taken = taken + 1 end
+    local all = k <= FIRST and taken <= 2
     for q, setting in ipairs(settings) do
-      if (k <= 2 or q == 1) and (not plugin.accepted or plugin.accepted[name_of(shape, setting)]) then
+      if (all or q == 1) and (not plugin.accepted or plugin.accepted[name_of(shape, setting)]) then
         list[#list + 1] = { name = name_of(shape, setting), shape = shape, setting = setting, length = shape.length,
           base = q == 1, few = #shape.positions > 2 }
       end

@@ -1,0 +1,23 @@
+/* Meshes of triangles on their way from a file or a script into a scene. */
+#ifndef HK_TRIANGLE_MESH_H
+#define HK_TRIANGLE_MESH_H
+
+#include "core/builders/builders.h"
+
+typedef struct hk_mesh {
+  size_t vertices, vertex_capacity, triangles, triangle_capacity;
+  double *vertex;          /* vertices x 3, m */
+  uint32_t (*triangle)[3]; /* from 0 */
+} hk_mesh;
+
+enum { HK_FACE_CORNERS = 256 }; /* most corners of a face */
+
+/* An empty mesh as a userdata on the stack: an error that is raised while it is filled frees it. */
+hk_mesh *hk_mesh_new(lua_State *L);
+void hk_mesh_clear(hk_mesh *);
+/* Both return NULL or what is wrong, and change nothing then. A face of more than three corners is cut into triangles;
+ * it may be concave, but has to be flat, roughly, and must not cross itself. */
+const char *hk_mesh_add_vertex(hk_mesh *, const double x[3]);
+const char *hk_mesh_add_face(hk_mesh *, const uint32_t *corner, size_t count);
+
+#endif

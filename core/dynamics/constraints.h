@@ -1,0 +1,122 @@
+/* The equations of all constraints of a scene and their matrix A = S J W J^T S, the set of those that act, and the
+ * saddle point system of an implicit step; constraint.c applies them to the particles. */
+#ifndef HK_CONSTRAINTS_H
+#define HK_CONSTRAINTS_H
+
+#include "core/matrix/matrix.h"
+#include "core/dynamics/linear_system.h"
+
+struct hk_constraints {
+  size_t equations, blocks, terms;
+  size_t *equation_first;         /* first equation of each instance, and the number of equations */
+  size_t *block_first;            /* the same for blocks */
+  hk_block_matrix list;           /* pair[b]: equation and particle of block b; its matrix is not built */
+  double (*J)[3], (*WJ)[3];       /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
+  uint32_t *pin;                  /* blocks: position in d->pins->item; UINT32_MAX: never pinned */
+  hk_block_matrix matrix;         /* pattern of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];            /* terms: the blocks whose product is added to matrix.slot[equations + term] */
+  double *value;                  /* values of A */
+  double *full;                   /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;                  /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  double *g, *c, *rhs, *solution; /* equations */
+  double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
+  double *residual, *correction;  /* equations: residual and correction of a refinement; also scratch */
+  double *moved;                  /* n x 3: W J^T solution */
+  double *lambda;                 /* equations: multipliers of the last evaluation */
+  /* The set of equations that act (active_set.c). */
+  size_t one_sided_count;
+  bool *one_sided; /* equations */
+  bool *implied;   /* equations that follow from others at the states of this scene: their multiplier is 0 */
+  bool *touches;   /* one-sided equations that were met with equality at the start of the step */
+  bool *pushes;    /* one-sided equations whose multiplier was positive in the last evaluation of this step */
+  bool *allowed;   /* one-sided equations that may act in the present problem */
+  bool *held;      /* one-sided equations that are treated as equalities in the present problem */
+  bool *rests;     /* equations that do not act in the present problem */
+  double soft;     /* the present factors are those of A + soft I */
+  bool dependent;  /* the present problem has equations that follow from others */
+  bool has_speed;  /* some constraint has `speed` */
+  bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
+                      jumped */
+  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
+  double kept_t, *kept_x;
+  uint64_t revision; /* of the pattern */
+  double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
+  bool *path_used;   /* pins: a constraint acts on a particle of it */
+  hk_linear_system linear;
+};
+
+static inline double hk_constraint_dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Largest g that counts as contact, relative to the largest coordinate: generous, see constraint.c. */
+static const double hk_constraint_touching = 1e-10;
+
+/* ---- constraint_values.c ---- */
+
+hk_view hk_constraint_view(const hk_dynamics *, const hk_instance *, double t, const double *x, const double *v);
+/* Returns `status`, the result of a call of a constraint; on failure it makes sure that the error has a message. */
+hk_status hk_constraint_failed(hk_dynamics *, const hk_instance *, double t, hk_status status);
+hk_status hk_constraint_value(hk_dynamics *, double t, const double *x, const double *v);     /* g */
+hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const double *v);     /* speed */
+hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
+hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
+double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
+/* rate = J v + g_t, sum = the sum of the magnitudes of its terms. */
+void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
+/* The power of the constraint forces along what moves with time, their equations and scripted particles, W: minus
+ * solution (g_t + J v of those particles). Of an impulse it is the work, J. */
+double hk_constraint_power(const hk_dynamics *, const double *v);
+/* The instance of an equation, and the equation's number within it, from 1. */
+const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
+
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
+/* ---- constraint.c ---- */
+
+/* Finds which one-sided equations touch at x and v. */
+hk_status hk_constraint_look(hk_dynamics *, double t, const double *x, const double *v);
+
+/* ---- constraint_matrix.c ---- */
+
+hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
+void hk_constraint_matrix_free(hk_constraints *);
+/* Computes J, WJ, full, and scale for the equations that do not rest. */
+hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
+void hk_constraint_matrix_rest(hk_constraints *); /* updates scale after a change of `rests` */
+/* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
+hk_status hk_constraint_matrix_factorize(hk_dynamics *);
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
+/* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
+ * that depend on each other: the multipliers of minimal norm. */
+hk_status hk_constraint_matrix_solve(hk_dynamics *);
+void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
+/* Finds equations that follow from others at the linearised state: `implied`. */
+hk_status hk_constraint_matrix_review(hk_dynamics *);
+/* ---- constraint_projection.c: project, hold_positions and hold_velocities of hk_system ---- */
+
+hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
+hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
+                                        double *work);
+hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
+
+/* ---- active_set.c ---- */
+
+/* Computes in `solution` the multipliers with J W J^T lambda + q = 0 for equalities and with lambda >= 0, J W J^T
+ * lambda + q >= 0, at least one of the two being 0, for one-sided equations that are `allowed` and not `held`.
+ * `factorized`: the present factors are those of the equalities. q is c->g, c->c or any other vector of `equations`
+ * numbers. */
+hk_status hk_active_set_solve(hk_dynamics *, const double *q, bool factorized);
+/* ---- saddle_point.c ---- */
+
+hk_status hk_saddle_point_factorize(hk_dynamics *, const hk_matrix *A);
+/* Solves A x + J^T lambda = b, J x = J u; where u is NULL, u = M^-1 b. */
+hk_status hk_saddle_point_solve(hk_dynamics *, const double *b, const double *u, double *x, hk_solve_info *info);
+unsigned hk_saddle_point_flags(const hk_dynamics *);
+/* Names the blocks of -d(J^T lambda)/dx, and adds their values for the multipliers of the last evaluation to K. */
+hk_status hk_saddle_point_name(hk_dynamics *, hk_pattern *);
+hk_status hk_saddle_point_stiffness(hk_dynamics *, double t, const double *x, const double *v, const size_t *slot,
+                                    double *K);
+
+#endif

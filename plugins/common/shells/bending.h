@@ -1,0 +1,41 @@
+/* What the forces that bend surfaces share: their parameters, the hinges with their numbers per hinge, and what of that
+ * is left when particles die. Where it stands that a rigidity is B, N m, see bending.c. */
+#ifndef HK_BENDING_H
+#define HK_BENDING_H
+
+#include "plugins/common/elements/element_force.h"
+#include "plugins/common/shells/hinge.h"
+
+typedef struct hk_bending_params {
+  hk_tuples triangles, hinges; /* at most one of them is given */
+  hk_per_tuple rigidity, damping, rest;
+} hk_bending_params;
+
+/* clang-format off */
+/* The rows of a parameter table for the member `given` of `type`. */
+#define HK_BENDING_PARAMS(type, given)                                                                                 \
+  {"triangles", "", "of which neighbours are joined; left out: those of the scene's grids and meshes",                  \
+   HK_TRIANGLES, {0}, 0, 0, offsetof(type, given.triangles), HK_OPTIONAL, NULL},                                       \
+  {"hinges", "", "in their place, by hand: quadruples {a, b, c, d} of the edge a b and the corners c, d opposite to it", \
+   HK_TETRAHEDRA, {0}, 0, 0, offsetof(type, given.hinges), HK_OPTIONAL, NULL},                                         \
+  {"rigidity", "N m", "bending rigidity B of the surface, E h^3/(12 (1 - nu^2)) of a plate of thickness h",             \
+   HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(type, given.rigidity), HK_REQUIRED, "hinges"}
+/* clang-format on */
+
+/* To be zeroed before the first use. The memory belongs to the instance and is released with it. */
+typedef struct hk_bending {
+  size_t count;                /* hinges at the start of the run */
+  uint32_t (*id)[4];           /* of their members */
+  double *stiffness, *damping; /* J and J s per square of the angle */
+  hk_hinge_shape *shape;       /* at rest: of the start */
+  uint32_t *number;            /* the element k is the hinge number[k] */
+  hk_element_force element;    /* of the hinges all of whose members live */
+} hk_bending;
+
+/* Finds the hinges and computes their numbers from the shape at the view's positions. The caller has set
+ * element.acting.values, .evaluate, .self and element.hessian. HK_BAD_PARAM names a hinge that cannot bend. */
+hk_status hk_bending_create(hk_bending *, const hk_view *view, const hk_bending_params *given);
+/* To be called in `topology`: drops the hinges of the dead and finds the indices of the others. */
+hk_status hk_bending_topology(hk_bending *, const hk_view *view);
+
+#endif

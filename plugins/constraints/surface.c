@@ -1,0 +1,348 @@
+/* Particles on a surface or a curve: the equations g(t, x) = 0, one for a surface and two, which hold together, for a
+ * curve. A shape is made of two kinds of them, with d = x - position, n along `axis` and P = I - n n^T:
+ *     plane   n.d                    gradient n           v.H v = 0
+ *     radial  |d| - R or |P d| - R   gradient e = d/|d|   v.H v = (u.u - (e.u)^2)/|d|, u = v or P v
+ * (sphere: radial; cylinder: radial about the axis; circle: that and the plane; line: two planes through it). Or the
+ * script states g, and for a curve h as well, in any unit, with or without their gradients.
+ *
+ * What the script does not state are central differences of order 4 with the error d^4/30 or d^4/90 of a derivative two
+ * or more orders higher, and the rounding eps/d or 5 eps/d^2: first ones over 1e-3 and second ones over 6e-3 of
+ * `length`, both right to some 1e-12 and 1e-10 where the function changes over that length. Second derivatives are
+ * needed along (1, v) only, d^2 g/dt^2 = (d/dt + v.d/dx)^2 g; what is wrong in them changes the force in the direction
+ * of the gradient alone, which the projection after a step takes back.
+ *
+ * Functions are divided by the length of their gradient at the particle's start, so that equations are in metres there
+ * and a multiplier is the force in N towards growing g. A surface has no direction where the gradient vanishes (the
+ * middle of a sphere, the tip of a cone): that is an error. Particles that start off the surface are moved onto it, as
+ * by all constraints, and hooke says so. To keep particles on one side of a shape is the corrector `obstacle`'s task.
+ */
+#include "plugins/common/space/vector3.h"
+#include "core/plugin.h"
+
+enum { SPHERE, PLANE, CYLINDER, CIRCLE, LINE };
+enum { MOST = 2 }; /* equations of a particle */
+
+typedef struct surface {
+  hk_tuples particles;
+  int shape;
+  double position[3], axis[3], radius;
+  const hk_function *g[MOST], *gradient[MOST];
+  double length;
+  unsigned equations; /* of a particle */
+  double *scale;      /* n x MOST, 1/|gradient| at the start */
+  double n[3][3];     /* the axis, and two directions across it */
+  const hk_host *host;
+} surface;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"particles", "", "those that stay on it", HK_PARTICLES, {0}, 0, 0, offsetof(surface, particles), HK_REQUIRED, NULL},
+    {"shape", "", "of the surface or curve, unless g states it", HK_CHOICE, {SPHERE}, 0, 0, offsetof(surface, shape), 0,
+     "sphere|plane|cylinder|circle|line"},
+    {"position", "m", "middle of the shape; of a plane and a line: a point of it", HK_VECTOR, {0}, 0, 0,
+     offsetof(surface, position), 0, NULL},
+    {"axis", "", "normal of a plane and a circle, axis of a cylinder, direction of a line", HK_VECTOR, {0, 0, 1}, 0, 0,
+     offsetof(surface, axis), 0, NULL},
+    {"radius", "m", "of a sphere, a cylinder, a circle", HK_NUMBER, {1}, 0, INFINITY, offsetof(surface, radius),
+     HK_ABOVE_MIN, NULL},
+    {"g", "", "instead of a shape: what is 0 on the surface, in any unit", HK_FUNCTION, {0}, 0, 0,
+     offsetof(surface, g[0]), 0, "function(t, x, y, z, id) -> g"},
+    {"g_gradient", "", "dg/dx, dg/dy, dg/dz; left out: differences, which take 12 calls of g", HK_FUNCTION, {0}, 0, 0,
+     offsetof(surface, gradient[0]), 0, "function(t, x, y, z, id) -> gx, gy, gz"},
+    {"h", "", "what is 0 as well: a curve is where two surfaces meet", HK_FUNCTION, {0}, 0, 0, offsetof(surface, g[1]), 0,
+     "function(t, x, y, z, id) -> h"},
+    {"h_gradient", "", "dh/dx, dh/dy, dh/dz", HK_FUNCTION, {0}, 0, 0, offsetof(surface, gradient[1]), 0,
+     "function(t, x, y, z, id) -> hx, hy, hz"},
+    {"length", "m", "over which g and h change, for their differences", HK_NUMBER, {1}, 0, INFINITY,
+     offsetof(surface, length), HK_ABOVE_MIN, NULL},
+    {0},
+};
+/* clang-format on */
+
+static const hk_field fields[] = {
+    {"scale", HK_FIELD_PER_PARTICLE, MOST, offsetof(surface, scale), 0},
+    {0},
+};
+
+static const double first = 1e-3, second = 6e-3, /* of the length: steps of differences */
+    instant = 1e-4,                              /* s, of differences in time */
+    vanishes = 1e-9;                             /* a gradient, relative to that at the start: far above rounding */
+
+/* ---- one equation at one place ---- */
+
+typedef struct place {
+  const surface *self;
+  const hk_host *host;
+  unsigned equation;
+  double t, x[3], id;
+} place;
+
+static place place_of(const surface *s, const hk_view *view, size_t k, unsigned equation) {
+  uint32_t i = s->particles.index[k];
+  const double *x = view->x + 3 * (size_t)i;
+  return (place){s, s->host, equation, view->t, {x[0], x[1], x[2]}, view->model->id[i]};
+}
+
+static hk_status call(const place *p, const hk_function *f, double *out, size_t count) {
+  const double in[] = {p->t, p->x[0], p->x[1], p->x[2], p->id};
+  return p->host->call(p->host, f, in, 5, out, count);
+}
+
+/* The weights of central differences of order 4 at -2, -1, 1 and 2 steps: of the first derivative, and of the second
+ * one, where the middle has -30. Both are divided by 12. */
+static const double at[4] = {-2, -1, 1, 2}, slope[4] = {1, -8, 8, -1}, bend[4] = {-1, 16, 16, -1};
+
+/* The place moved by s in time and by s v. */
+static place moved(const place *p, double in_time, double s, const double v[3]) {
+  place there = *p;
+  there.t += in_time;
+  hk_add_scaled(there.x, s, v);
+  return there;
+}
+
+/* dg/ds at x + s v, t + s `in_time`, by steps of h. */
+static hk_status slope_along(const place *p, double in_time, const double v[3], double h, double *result) {
+  double sum = 0, g = 0;
+  hk_status status = HK_OK;
+  for (int k = 0; k < 4 && status == HK_OK; k++) {
+    place there = moved(p, at[k] * h * in_time, at[k] * h, v);
+    status = call(&there, p->self->g[p->equation], &g, 1);
+    sum += slope[k] * g;
+  }
+  *result = sum / (12 * h);
+  return status;
+}
+
+/* d^2 g/ds^2 at x + s v, t + s, by steps of h. */
+static hk_status bend_along(const place *p, const double v[3], double h, double *result) {
+  double sum, g = 0;
+  hk_status status = call(p, p->self->g[p->equation], &g, 1);
+  sum = -30 * g;
+  for (int k = 0; k < 4 && status == HK_OK; k++) {
+    place there = moved(p, at[k] * h, at[k] * h, v);
+    status = call(&there, p->self->g[p->equation], &g, 1);
+    sum += bend[k] * g;
+  }
+  *result = sum / (12 * h * h);
+  return status;
+}
+
+static hk_status gradient_of_function(const place *p, double n[3]) {
+  static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const hk_function *stated = p->self->gradient[p->equation];
+  hk_status status = stated ? call(p, stated, n, 3) : HK_OK;
+  for (int c = 0; c < 3 && !stated && status == HK_OK; c++)
+    status = slope_along(p, 0, axes[c], first * p->self->length, &n[c]);
+  return status;
+}
+
+/* ---- shapes ---- */
+
+/* The normal of the plane that the equation is; NULL: it is radial. */
+static const double *plane_of(const place *p) {
+  const surface *s = p->self;
+  if (s->shape == PLANE) return s->n[0];
+  if (s->shape == CIRCLE) return p->equation ? s->n[0] : NULL;
+  return s->shape == LINE ? s->n[1 + p->equation] : NULL;
+}
+
+/* u without its part along the axis, unless the shape is a sphere. */
+static void across(const surface *s, double u[3]) {
+  if (s->shape != SPHERE) hk_add_scaled(u, -hk_dot(u, s->n[0]), s->n[0]);
+}
+
+/* |d|, and the direction of d. */
+static double radial(const place *p, double e[3]) {
+  hk_subtract(e, p->x, p->self->position);
+  across(p->self, e);
+  double r = hk_length(e);
+  for (int c = 0; c < 3; c++) e[c] = r > 0 ? e[c] / r : 0;
+  return r;
+}
+
+static double value_of_shape(const place *p) {
+  const double *plane = plane_of(p);
+  double d[3];
+  if (!plane) return radial(p, d) - p->self->radius;
+  hk_subtract(d, p->x, p->self->position);
+  return hk_dot(plane, d);
+}
+
+static void gradient_of_shape(const place *p, double n[3]) {
+  const double *plane = plane_of(p);
+  if (plane)
+    hk_copy(n, plane);
+  else
+    radial(p, n);
+}
+
+static double bend_of_shape(const place *p, const double v[3]) {
+  double e[3], u[3];
+  if (plane_of(p)) return 0;
+  double r = radial(p, e);
+  hk_copy(u, v);
+  across(p->self, u);
+  double along = hk_dot(e, u);
+  return r > 0 ? (hk_dot(u, u) - along * along) / r : 0;
+}
+
+/* ---- either of them ---- */
+
+static hk_status value_at(const place *p, double *g) {
+  if (p->self->g[0]) return call(p, p->self->g[p->equation], g, 1);
+  *g = value_of_shape(p);
+  return HK_OK;
+}
+
+static hk_status gradient_at(const place *p, double n[3]) {
+  if (p->self->g[0]) return gradient_of_function(p, n);
+  gradient_of_shape(p, n);
+  return HK_OK;
+}
+
+/* d^2 g/dt^2 without accelerations. A step in time is one in space as well: the shorter of the two counts. */
+static hk_status bend_at(const place *p, const double v[3], double *c) {
+  double speed = hk_length(v), h = sqrt(instant); /* rounding 5 eps/h^2: of the order of 1e-11/s^2 */
+  if (p->self->g[0]) return bend_along(p, v, speed > 0 ? fmin(h, second * p->self->length / speed) : h, c);
+  *c = bend_of_shape(p, v);
+  return HK_OK;
+}
+
+static hk_status no_direction(const place *p, hk_status status) {
+  const char *what = p->self->g[0] ? (p->equation ? "the gradient of h vanishes" : "the gradient of g vanishes")
+                     : p->self->shape == SPHERE ? "this is the middle of the sphere"
+                                                : "this is on the axis";
+  return p->host->fail(p->host, status, "particle %.0f at (%.9g, %.9g, %.9g) m, t = %.9g s: %s, so it has no direction",
+                       p->id, p->x[0], p->x[1], p->x[2], p->t, what);
+}
+
+/* ---- the start ---- */
+
+static hk_status directions(surface *s) {
+  double length = hk_length(s->axis);
+  int least = 0;
+  if (!(length > 0)) return s->host->fail(s->host, HK_BAD_PARAM, "axis: it has no length, so no direction");
+  for (int c = 0; c < 3; c++) {
+    s->n[0][c] = s->axis[c] / length;
+    if (fabs(s->axis[c]) < fabs(s->axis[least])) least = c;
+  }
+  s->n[1][least] = 1;
+  hk_cross(s->n[1], s->n[0], s->n[1]);
+  length = hk_length(s->n[1]);
+  for (int c = 0; c < 3; c++) s->n[1][c] /= length;
+  hk_cross(s->n[2], s->n[0], s->n[1]);
+  return HK_OK;
+}
+
+static hk_status measure_scale(surface *s, const hk_view *view, size_t k, unsigned e) {
+  place p = place_of(s, view, k, e);
+  double n[3];
+  hk_status status = gradient_at(&p, n);
+  double length = status == HK_OK ? hk_length(n) : 1;
+  if (!(length > 0)) return no_direction(&p, HK_BAD_PARAM);
+  s->scale[MOST * s->particles.index[k] + e] = 1 / length;
+  return status;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  surface *s = self;
+  s->host = host;
+  if (s->g[1] && !s->g[0]) return host->fail(host, HK_BAD_PARAM, "h is for a curve, which g and h state together");
+  for (int e = 0; e < MOST; e++)
+    if (s->gradient[e] && !s->g[e])
+      return host->fail(host, HK_BAD_PARAM, "%c_gradient needs %c, whose gradient it is", "gh"[e], "gh"[e]);
+  s->equations = s->g[0] ? 1 + (s->g[1] != NULL) : 1 + (s->shape == CIRCLE || s->shape == LINE);
+  hk_status status = directions(s);
+  for (size_t k = 0; k < s->particles.count; k++)
+    for (unsigned e = 0; e < s->equations && status == HK_OK; e++) status = measure_scale(s, view, k, e);
+  return status;
+}
+
+/* ---- the equations: those of a particle stand together ---- */
+
+static size_t count(void *self) {
+  const surface *s = self;
+  return s->particles.count * s->equations;
+}
+
+static void pattern(void *self, hk_pattern *into) {
+  const surface *s = self;
+  for (size_t k = 0; k < count(self); k++) into->block(into, (uint32_t)k, s->particles.index[k / s->equations]);
+}
+
+static place place_of_row(const surface *s, const hk_view *view, size_t row, double *scale) {
+  unsigned e = (unsigned)(row % s->equations);
+  *scale = s->scale[MOST * s->particles.index[row / s->equations] + e];
+  return place_of(s, view, row / s->equations, e);
+}
+
+static hk_status value(void *self, const hk_view *view, double *g) {
+  hk_status status = HK_OK;
+  for (size_t row = 0; row < count(self) && status == HK_OK; row++) {
+    double scale;
+    place p = place_of_row(self, view, row, &scale);
+    status = value_at(&p, &g[row]);
+    g[row] *= scale;
+  }
+  return status;
+}
+
+static hk_status jacobian(void *self, const hk_view *view, double (*J)[3]) {
+  hk_status status = HK_OK;
+  for (size_t row = 0; row < count(self) && status == HK_OK; row++) {
+    double scale;
+    place p = place_of_row(self, view, row, &scale);
+    status = gradient_at(&p, J[row]);
+    for (int c = 0; c < 3; c++) J[row][c] *= scale;
+    if (status == HK_OK && !(hk_length(J[row]) > vanishes)) status = no_direction(&p, HK_FAILED);
+  }
+  return status;
+}
+
+static hk_status curvature(void *self, const hk_view *view, double *c) {
+  const surface *s = self;
+  hk_status status = HK_OK;
+  for (size_t row = 0; row < count(self) && status == HK_OK; row++) {
+    double scale;
+    place p = place_of_row(s, view, row, &scale);
+    status = bend_at(&p, view->v + 3 * (size_t)s->particles.index[row / s->equations], &c[row]);
+    c[row] *= scale;
+  }
+  return status;
+}
+
+static hk_status speed(void *self, const hk_view *view, double *gt) {
+  static const double still[3];
+  const surface *s = self;
+  hk_status status = HK_OK;
+  for (size_t row = 0; row < count(self) && status == HK_OK; row++) {
+    double scale;
+    place p = place_of_row(s, view, row, &scale);
+    gt[row] = 0;
+    if (s->g[0]) status = slope_along(&p, 1, still, instant, &gt[row]);
+    gt[row] *= scale;
+  }
+  return status;
+}
+
+static const hk_constraint constraint = {.size = sizeof(hk_constraint),
+                                         .count = count,
+                                         .pattern = pattern,
+                                         .value = value,
+                                         .jacobian = jacobian,
+                                         .curvature = curvature,
+                                         .speed = speed};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_CONSTRAINT,
+    .name = "surface",
+    .summary = "particles on a surface g(t, x) = 0, or on a curve, g = h = 0: a shape, or functions in Lua",
+    .reference = "Hairer and Wanner, Solving Ordinary Differential Equations II, VII.1; Witkin, Physically Based "
+                 "Modeling: Constrained Dynamics (SIGGRAPH course notes)",
+    .instance_size = sizeof(surface),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .constraint = &constraint,
+};

@@ -1,0 +1,146 @@
+/* Surfaces that resist bending: every two triangles that share an edge are a hinge, which has the energy
+ * 1/2 k (theta - theta_0)^2, theta the angle between their normals (plugins/common/shells/hinge.c, with its exact
+ * gradient and Hessian) and theta_0 that at rest, and the damping -c dtheta/dt dtheta/dx. k and c come from numbers of
+ * the material by area; plugins/common/shells/bending.c says how, and which plate that is.
+ *
+ * Invariant: `turned` has the angle of every hinge of the start at the last accepted step, counted on through pi and
+ * whole turns. The angle of a state is that of its positions up to multiples of 2 pi, and of those the one nearest to
+ * `turned`: so a hinge that folds beyond pi is pushed back the way it came. A hinge has no force while one of its
+ * triangles has no area (is thinner than 1e-12 of its edge). */
+#include "plugins/common/shells/bending.h"
+
+#include <string.h>
+
+typedef struct hinges {
+  hk_bending_params given;
+  hk_bending bending;
+  double *rest; /* of all hinges of the start, rad */
+  hk_array turned;
+} hinges;
+
+/* clang-format off */
+static const hk_param params[] = {
+    HK_BENDING_PARAMS(hinges, given),
+    {"damping", "N m s", "the same for the rate of bending: B times the time in which the material creeps",
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hinges, given.damping), 0, "hinges"},
+    {"rest", "rad", "angle at rest, 0: flat; left out: the initial angle",
+     HK_PER_TUPLE, {0}, 0, 0, offsetof(hinges, given.rest), HK_OPTIONAL, "hinges"},
+    {0},
+};
+/* clang-format on */
+
+static const hk_field fields[] = {
+    {"turned", HK_FIELD_ARRAY, sizeof(double), offsetof(hinges, turned), 0},
+    {0},
+};
+
+/* The angle plus the multiple of 2 pi that is nearest to `near`. */
+static double unwrap(double angle, double near) {
+  const double turn = 6.283185307179586;
+  return fabs(near - angle) <= turn / 2 ? angle : angle + turn * nearbyint((near - angle) / turn);
+}
+
+static void evaluate(const void *self, const double *x, size_t begin, size_t end, double *C, double (*dC)[3]) {
+  const hinges *h = self;
+  const double *turned = h->turned.item;
+  for (size_t k = begin; k < end; k++, C++, dC += 4) {
+    size_t q = h->bending.number[k];
+    if (hk_hinge_angle(x, hk_tuple(&h->bending.element.acting.node, k), C, dC)) *C = unwrap(*C, turned[q]) - h->rest[q];
+  }
+}
+
+static void hessian(const void *self, const double *x, size_t k, unsigned e, double *H) {
+  const hinges *h = self;
+  (void)e;
+  hk_hinge_hessian(x, hk_tuple(&h->bending.element.acting.node, k), H);
+}
+
+/* Angles at rest and at the start. At the start every hinge of the list is an element, in its order. */
+static hk_status begin(hinges *h, const hk_view *view) {
+  const hk_host *host = view->host;
+  size_t count = h->bending.count;
+  h->rest = host->allocate(host, (count + 1) * sizeof *h->rest);
+  if (!h->rest) return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", count);
+  hk_status status = host->resize(host, &h->turned, count);
+  for (size_t k = 0; k < count && status == HK_OK; k++) {
+    double angle, *turned = h->turned.item;
+    hk_hinge_angle(view->x, hk_tuple(&h->bending.element.acting.node, k), &angle, NULL);
+    h->rest[k] = h->given.rest.count ? hk_tuple_value(&h->given.rest, k) : angle;
+    turned[k] = unwrap(angle, h->rest[k]);
+  }
+  return status;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  hinges *h = self;
+  (void)host;
+  h->bending.element = (hk_element_force){.acting = {.values = 1, .evaluate = evaluate, .self = h}, .hessian = hessian};
+  hk_status status = hk_bending_create(&h->bending, view, &h->given);
+  return status == HK_OK ? begin(h, view) : status;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  return hk_bending_topology(&((hinges *)self)->bending, view);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  hk_element_force_add(&((hinges *)self)->bending.element, view, F);
+  return HK_OK;
+}
+
+static double energy(void *self, const hk_view *view) {
+  return hk_element_force_energy(&((hinges *)self)->bending.element, view);
+}
+
+static void elements(void *self, const hk_view *view, hk_elements *out) {
+  (void)view;
+  *out = ((hinges *)self)->bending.element.acting;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  (void)view;
+  hk_element_force_pattern(&((hinges *)self)->bending.element, p);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  size_t next = 0;
+  hk_element_force_jacobian(&((hinges *)self)->bending.element, view, into, &next);
+  return HK_OK;
+}
+
+static hk_status accepted(void *self, const hk_view *view, double step) {
+  hinges *h = self;
+  double *turned = h->turned.item, angle;
+  (void)step;
+  for (size_t k = 0; k < h->bending.element.acting.node.count; k++)
+    if (hk_hinge_angle(view->x, hk_tuple(&h->bending.element.acting.node, k), &angle, NULL))
+      turned[h->bending.number[k]] = unwrap(angle, turned[h->bending.number[k]]);
+  return HK_OK;
+}
+
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
+             HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
+    .add = add,
+    .energy = energy,
+    .elements = elements,
+    .pattern = pattern,
+    .jacobian = jacobian,
+    .accepted = accepted,
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "hinges",
+    .summary = "surfaces resist bending at their edges, E = 1/2 k (theta - theta_0)^2, k from a rigidity",
+    .reference = "Grinspun, Hirani, Desbrun and Schroeder 2003, Discrete shells; Tamstorf and Grinspun 2013, Discrete "
+                 "bending forces and their Jacobians",
+    .instance_size = sizeof(hinges),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};
