@@ -34,10 +34,9 @@ void hk_constraint_matrix_free(hk_constraints *c) {
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
                     c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  *c = (hk_constraints){.linear = {.solver = c->linear.solver, .narrow = c->linear.narrow},
-                        .narrow = c->narrow,
-                        .revision = c->revision + 1,
-                        .jumped = c->jumped};
+  hk_linear_system linear = c->linear;
+  linear.analyzed = false;
+  *c = (hk_constraints){.linear = linear, .revision = c->revision + 1, .jumped = c->jumped};
 }
 
 static hk_status no_memory(hk_dynamics *d) {

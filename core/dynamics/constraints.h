@@ -43,7 +43,6 @@ struct hk_constraints {
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
-  hk_plugin_spec *narrow; /* spec of linear.narrow */
 };
 
 static inline double hk_constraint_dot(const double a[3], const double b[3]) {
