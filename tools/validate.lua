@@ -94,7 +94,7 @@ end
 local function with_plugin(list, o)
   local plugin, why = hooke.describe(o.plugin)
   if not plugin then return nil, complain("%s", why) end
-  if plugin.kind ~= "force" then return nil, complain("%s is a %s; a force can stand in", o.plugin, plugin.kind) end
+  if plugin.kind ~= "force" then return nil, complain("%s: its kind is %s; a force can stand in", o.plugin, plugin.kind) end
   local fitting, forces, seen = {}, {}, {}
   for _, problem in ipairs(list) do
     for force, params in pairs(problem.description.forces or {}) do
@@ -145,10 +145,7 @@ end
 
 local function judge(list, quick)
   for _, problem in ipairs(list) do
-    problem.found = {}
-    for k in ipairs(not problem.failed and problem.description.quantities or {}) do
-      problem.found[k] = study.judge(problem.description, problem.levels, problem.cells, k, quick)
-    end
+    problem.found = problem.failed and {} or study.results(problem.description, problem.levels, problem.cells, quick)
   end
 end
 

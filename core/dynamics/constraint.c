@@ -1,7 +1,7 @@
 /* Constraints g(x, t) = 0 or g(x, t) >= 0 by multipliers, all constraints of a scene at once. Differentiating twice
  * gives J a + c = 0, so that with a = W (F + J^T lambda) the multipliers solve (J W J^T) lambda = -(J W F + c): the
  * index is reduced from 3 to 1. The remaining drift away from g = 0 and J v + g_t = 0 is removed after every step
- * (constraint_projection.c); methods that keep both in their own steps do not need any of this (constraint_step.c). W
+ * (constraint_projection.c); methods that keep both in their own steps need none of this (the same file). W
  * holds the inverse masses and includes the pins (constraint_matrix.c). Scripted particles enter by their position,
  * velocity and acceleration, the last from differences of the path, so that a method keeps its order on moving pins.
  *

@@ -2,6 +2,10 @@
  * one list. */
 #include "core/dynamics/constraints.h"
 
+#include <stdio.h>
+
+enum { MOST_NAMES = 4 };
+
 hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
                            const double *v) {
   hk_view view = d->state->view;
@@ -102,4 +106,19 @@ const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_
   while (d->constraints->equation_first[k + 1] <= equation) k++;
   *number = equation - d->constraints->equation_first[k] + 1;
   return d->plugins->kind[HK_CONSTRAINT].item[k];
+}
+
+void hk_constraint_name(const hk_dynamics *d, size_t equation, char *text, size_t size) {
+  const hk_constraints *c = d->constraints;
+  size_t number, named = 0, of = 0;
+  hk_constraint_of(d, equation, &number);
+  for (size_t b = 0; b < c->blocks; b++) of += c->list.pair[b][0] == equation;
+  size_t at = (size_t)snprintf(text, size, "equation %zu (particle%s", number, of == 1 ? "" : "s");
+  for (size_t b = 0; b < c->blocks && named < MOST_NAMES && at < size; b++) {
+    if (c->list.pair[b][0] != equation) continue;
+    const char *before = named == 0 ? " " : named + 1 == of ? " and " : ", ";
+    at += (size_t)snprintf(text + at, size - at, "%s%u", before, (unsigned)d->state->id[c->list.pair[b][1]]);
+    named++;
+  }
+  if (at < size) snprintf(text + at, size - at, "%s)", of > MOST_NAMES ? ", ..." : "");
 }

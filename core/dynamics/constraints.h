@@ -32,12 +32,12 @@ struct hk_constraints {
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
   bool *rests;     /* equations that do not act in the present problem */
-  bool soft;       /* the present factors are those of A + soft_shift I */
+  double soft;     /* the present factors are those of A + soft I */
   bool dependent;  /* the present problem has equations that follow from others */
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
                       jumped */
-  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_step.c) */
+  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
   uint64_t revision; /* of the pattern */
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
@@ -71,6 +71,9 @@ double hk_constraint_power(const hk_dynamics *, const double *v);
 /* The instance of an equation, and the equation's number within it, from 1. */
 const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
 
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
 /* ---- constraint.c ---- */
 
 /* Finds which one-sided equations touch at x and v. */
@@ -85,12 +88,20 @@ hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *
 void hk_constraint_matrix_rest(hk_constraints *); /* updates scale after a change of `rests` */
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *);
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);
 void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
 /* Finds equations that follow from others at the linearised state: `implied`. */
 hk_status hk_constraint_matrix_review(hk_dynamics *);
+/* ---- constraint_projection.c: project, hold_positions and hold_velocities of hk_system ---- */
+
+hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
+hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
+                                        double *work);
+hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
+
 /* ---- active_set.c ---- */
 
 /* Computes in `solution` the multipliers with J W J^T lambda + q = 0 for equalities and with lambda >= 0, J W J^T

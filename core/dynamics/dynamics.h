@@ -31,6 +31,7 @@ typedef struct hk_dynamics {
   hk_element_list *element_list;
   hk_elements *offered; /* room for the lists of one force */
   hk_publication *publication;
+  const hk_tuples **join;                 /* the parameters HK_EDGES of constraints */
   uint64_t *chunk_bad;                    /* one word per chunk of particles: F is not finite there */
   double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
   bool updates, limits, listens, demands; /* a force has `update`, `step_limit`, `accepted`, `longest_step` */
@@ -121,12 +122,6 @@ hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, co
 hk_status hk_constraints_update(hk_dynamics *);
 /* Brings x onto g(x) = 0 and v onto J v + g_t = 0 (mass-weighted Newton); part of every step. */
 hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
-/* The same for a method in the middle of its step; nothing is done where there are one-sided equations. */
-hk_status hk_constraints_project_equalities(hk_dynamics *, double t, double *x, double *v);
-/* hold_positions and hold_velocities of hk_system */
-hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
-                                        double *work);
-hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
 void hk_constraints_forget(hk_dynamics *); /* what is kept from one step to the next */
 /* Whether contact began or ended, equations changed or velocities jumped since this was last asked: the histories of
  * methods are void. */

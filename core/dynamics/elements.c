@@ -1,5 +1,5 @@
-/* The elements (on edges, triangles, ...) and the published fields of forces, collected in the model for other
- * plugins. */
+/* The elements (on edges, triangles, ...) and the published fields of forces, and the pairs that constraints join,
+ * collected in the model for other plugins. */
 #include "core/dynamics/dynamics.h"
 
 #include <stdlib.h>
@@ -75,9 +75,34 @@ static hk_status check_list(hk_dynamics *d, const char *label, const hk_elements
   return hk_error_set(d->error, HK_FAILED, "force '%s': its elements have %s: the plugin is at fault", label, fault);
 }
 
+/* The pairs in parameters of constraints; `into` NULL: only counts. */
+static size_t list_joins(const hk_instances *constraints, const hk_tuples **into) {
+  size_t count = 0;
+  for (size_t k = 0; k < constraints->count; k++) {
+    const hk_instance *instance = constraints->item[k];
+    for (const hk_param *p = instance->plugin->params; p && p->name; p++) {
+      if (p->type != HK_EDGES) continue;
+      if (into) into[count] = (const hk_tuples *)(const void *)((const char *)instance->self + p->offset);
+      count++;
+    }
+  }
+  return count;
+}
+
+static hk_status refresh_joins(hk_dynamics *d) {
+  const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
+  size_t room = list_joins(constraints, NULL);
+  const hk_tuples **list = realloc(d->join, (room + 1) * sizeof *list);
+  if (!list) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu lists of pairs", room);
+  d->join = list;
+  d->state->model.join_lists = list_joins(constraints, list);
+  d->state->model.join = list;
+  return HK_OK;
+}
+
 hk_status hk_elements_refresh(hk_dynamics *d) {
   const hk_instances *forces = &d->plugins->kind[HK_FORCE];
-  hk_status status = HK_OK;
+  hk_status status = refresh_joins(d);
   size_t lists = 0;
   for (size_t k = 0; k < forces->count; k++) {
     const hk_instance *force = forces->item[k];

@@ -32,6 +32,8 @@ static hk_status call(hk_loop *loop, hk_instance *corrector, hk_correction *c) {
   return status;
 }
 
+static void filter(const hk_correction *c, double *vector) { hk_pins_filter(c->pins, vector); }
+
 /* What the correctors did in a step, which counts only once none of them takes it back. */
 typedef struct account {
   bool moved, silent; /* something was changed; and what energy that took was not said */
@@ -68,6 +70,7 @@ hk_status hk_correctors_apply(hk_loop *loop, double h, bool *rejected) {
   for (size_t k = 0; k < correctors->count; k++) {
     const hk_corrector *functions = correctors->item[k]->plugin->corrector;
     hk_correction c = {.h = h, .x = s->X, .v = s->X + 3 * s->model.n};
+    if (loop->pins->has_slides) c.filter = filter, c.pins = loop->pins;
     if (functions->flags & HK_WANTS_BEFORE) c.x_before = loop->X_before, c.v_before = loop->X_before + 3 * s->model.n;
     hk_status status = call(loop, correctors->item[k], &c);
     if (status != HK_OK) return status;

@@ -22,6 +22,9 @@ typedef struct hk_correction {
   const double *v_before; /* n x 3, velocities before the step; NULL without HK_WANTS_BEFORE */
   double part; /* with reject: the step is repeated as two, of this part of its length, in (0, 1), and of the rest, to
                   end one where something happens; 0: as two halves */
+  /* n x 3: zeroes the directions that pins forbid; NULL: no pin slides */
+  void (*filter)(const struct hk_correction *, double *vector);
+  const void *pins; /* the host's, for `filter` */
 } hk_correction;
 
 typedef struct hk_corrector {

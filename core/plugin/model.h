@@ -44,6 +44,8 @@ struct hk_model {
   const struct hk_element_list *element_list;
   size_t publications;
   const hk_publication *published;
+  size_t join_lists; /* number of lists of pairs that constraints join, for pictures */
+  const hk_tuples *const *join;
 };
 
 #endif

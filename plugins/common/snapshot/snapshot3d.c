@@ -61,22 +61,26 @@ void hk_snapshot3d_free(hk_snapshot3d *s) {
  * deaths. */
 static uint64_t fingerprint(const hk_model *m) {
   uint64_t h = 14695981039346656037u;
-  size_t counts[] = {m->n, m->edges.count, m->triangles.count, m->element_lists};
+  size_t counts[] = {m->n, m->edges.count, m->triangles.count, m->element_lists, m->join_lists};
   for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) h = (h ^ counts[k]) * 1099511628211u;
   for (size_t k = 0; k < m->element_lists; k++) h = (h ^ m->element_list[k].elements.node.count) * 1099511628211u;
+  for (size_t k = 0; k < m->join_lists; k++) h = (h ^ m->join[k]->count) * 1099511628211u;
   for (size_t i = 0; i < m->n; i++) h = (h ^ m->pin[i]) * 1099511628211u;
   return h;
 }
 
-/* The lists of elements on pairs, or else the scene's edges: the k-th; NULL: there are no more. */
+/* The lists of elements on pairs and those of constraints, or else the scene's edges: the k-th; NULL: there are no
+ * more. */
 static const hk_tuples *pairs_of(const hk_model *m, size_t k) {
   size_t pairs = 0;
   for (size_t l = 0; l < m->element_lists; l++)
     if (m->element_list[l].elements.node.arity == 2 && pairs++ == k) return &m->element_list[l].elements.node;
+  for (size_t l = 0; l < m->join_lists; l++)
+    if (pairs++ == k) return m->join[l];
   return pairs == 0 && k == 0 ? &m->edges : NULL;
 }
 
-/* The number of edges: those of elements on pairs or, without any, the scene's. */
+/* The number of edges: those of elements on pairs and of constraints or, without any, the scene's. */
 static size_t all_lines(const hk_model *m) {
   size_t count = 0;
   const hk_tuples *pairs;

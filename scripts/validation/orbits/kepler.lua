@@ -11,6 +11,7 @@ return validation.problem {
     { name = "y at t = 10 s", unit = "m", reference = -0.28366840649978086,
       source = "Kepler's equation E - e sin E = t, solved to rounding" },
   },
+  together = true,
   time = { 1 / 800, 1 / 1600, 1 / 3200 },
   order = { time = 4 },
   tolerance = 2e-9,
