@@ -94,7 +94,7 @@ end
 local function with_plugin(list, o)
   local plugin, why = hooke.describe(o.plugin)
   if not plugin then return nil, complain("%s", why) end
-  if plugin.kind ~= "force" then return nil, complain("%s is a %s; a force can stand in", o.plugin, plugin.kind) end
+  if plugin.kind ~= "force" then return nil, complain("%s: its kind is %s; a force can stand in", o.plugin, plugin.kind) end
   local fitting, forces, seen = {}, {}, {}
   for _, problem in ipairs(list) do
     for force, params in pairs(problem.description.forces or {}) do

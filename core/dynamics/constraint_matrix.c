@@ -249,7 +249,7 @@ static hk_matrix assemble(hk_constraints *c) {
 }
 
 static void soften(hk_constraints *c, double by) {
-  for (size_t k = 0; k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
+  for (size_t k = 0; by > 0 && k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
 }
 
 static hk_status cannot_solve(hk_dynamics *d) {
@@ -262,6 +262,13 @@ static hk_status cannot_solve(hk_dynamics *d) {
                       *instance->where ? ": " : "", instance->label, number);
 }
 
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *d, double by) {
+  hk_matrix A = assemble(d->constraints);
+  soften(d->constraints, by);
+  d->constraints->soft = by;
+  return hk_linear_system_factorize(d, &d->constraints->linear, &A);
+}
+
 /* Where equations are known to depend on each other, and with one-sided ones, which often do in contact (four feet on a
  * floor), the shifted matrix is used at once. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
@@ -269,11 +276,8 @@ hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
   hk_error before = *d->error;
   hk_status status = HK_NOT_CONVERGED;
   for (int attempt = c->one_sided_count > 0 || c->dependent; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
-    hk_matrix A = assemble(c);
-    c->soft = attempt == 1;
-    if (c->soft) soften(c, soft_shift);
     *d->error = before; /* removes the solver's message, which names a matrix row */
-    status = hk_linear_system_factorize(d, &c->linear, &A);
+    status = hk_constraint_matrix_factorize_shifted(d, attempt == 1 ? soft_shift : 0);
   }
   return status == HK_NOT_CONVERGED ? cannot_solve(d) : status;
 }
@@ -288,7 +292,7 @@ static double largest(const double *of, size_t count) {
 /* residual = rhs - A solution, with A without its shift */
 static void find_residual(hk_constraints *c) {
   for (size_t r = 0; r < c->equations; r++) {
-    double sum = c->rhs[r] + soft_shift * c->solution[r];
+    double sum = c->rhs[r] + c->soft * c->solution[r];
     for (size_t e = c->matrix.row_start[r]; e < c->matrix.row_start[r + 1]; e++)
       sum -= c->value[e] * c->solution[c->matrix.column[e]];
     c->residual[r] = sum;
@@ -321,7 +325,7 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
   hk_status status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
-  if (status == HK_OK && c->soft) status = refine(d);
+  if (status == HK_OK && c->soft > 0) status = refine(d);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
 }

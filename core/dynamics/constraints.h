@@ -32,7 +32,7 @@ struct hk_constraints {
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
   bool *rests;     /* equations that do not act in the present problem */
-  bool soft;       /* the present factors are those of A + soft_shift I */
+  double soft;     /* the present factors are those of A + soft I */
   bool dependent;  /* the present problem has equations that follow from others */
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
@@ -88,6 +88,7 @@ hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *
 void hk_constraint_matrix_rest(hk_constraints *); /* updates scale after a change of `rests` */
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *);
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);

@@ -126,8 +126,7 @@ static void push_numbers_of(lua_State *L, lua_Integer k, lua_Integer edges) {
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
       const char *key = lua_tostring(L, -2);
       lua_pushvalue(L, -1);
-      if (lua_istable(L, -1) && strcmp(key, "EI") != 0)
-        lua_rawgeti(L, -1, strcmp(key, "stiffness") == 0 ? (k - 1) * edges + 1 : k);
+      if (lua_istable(L, -1)) lua_rawgeti(L, -1, strcmp(key, "stiffness") == 0 ? (k - 1) * edges + 1 : k);
       lua_setfield(L, 3, key);
       lua_settop(L, 6);
     }

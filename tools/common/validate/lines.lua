@@ -30,10 +30,17 @@ function lines.order_text(c)
   return c.order and ("%.2f"):format(c.order) or "none"
 end
 
--- As many digits of the value as agree, and two more.
-function lines.value_text(found)
-  local digits = math.max(4, math.min(16, math.floor(found.digits) + 2))
-  return ("%%.%dg"):format(digits):format(found.value)
+-- With the expected order in brackets.
+function lines.order_cell(found, axis)
+  local text, expected = lines.order_text(found[axis]), found.quantity.order[axis]
+  if not text then return "" end
+  return expected and not found[axis].exact and ("%s (%g)"):format(text, expected) or text
+end
+
+-- As many digits of the value as agree, and two more; at most `most`.
+function lines.value_text(found, most)
+  local digits = math.max(4, math.min(most or 16, math.floor(found.digits) + 2))
+  return ("%%.%dg"):format(digits):format(found.value + 0.0 == 0 and 0 or found.value)
 end
 
 local function line_of(problem, found)
