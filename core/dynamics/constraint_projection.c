@@ -303,12 +303,11 @@ static hk_status begin_anew(hk_dynamics *d, double t0, double *from, double t, d
 static void apply(hk_dynamics *d, double h, double *x, double *v) {
   hk_constraints *c = d->constraints;
   for (size_t b = 0; b < c->blocks; b++) {
-    double s = c->solution[c->list.pair[b][0]];
+    double s = c->solution[c->list.pair[b][0]], over_h = s / h;
     size_t at = 3 * (size_t)c->list.pair[b][1];
     for (size_t a = 0; a < 3; a++) {
-      double by = s * c->WJ[b][a];
-      x[at + a] += by;
-      v[at + a] += by / h;
+      x[at + a] += s * c->WJ[b][a];
+      v[at + a] += over_h * c->WJ[b][a];
     }
   }
 }
@@ -354,7 +353,7 @@ hk_status hk_constraints_hold_velocities(hk_system *s, double t, double *x, doub
   hk_constraints *c = d->constraints;
   hk_status status = begin(d, t, x, v);
   if (status != HK_OK) return status;
-  hk_constraint_rate(c, v, c->c, c->residual);
+  hk_constraint_rate(c, v, c->c, NULL);
   status = solve_for(d, c->c);
   if (status != HK_OK) return status;
   hk_constraint_matrix_move(c, v);
