@@ -126,6 +126,7 @@ hk_status hk_constraints_open(hk_dynamics *d) {
    * between evaluations. */
   hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
   if (status == HK_OK) status = hk_solver_narrow(d, &d->constraints->linear.narrow, &d->constraints->narrow);
+  if (status == HK_OK) status = hk_solver_indefinite(d, &d->constraints->mixed.solver, &d->constraints->unsymmetric);
   return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
 
@@ -171,6 +172,8 @@ void hk_constraints_close(hk_dynamics *d) {
   hk_instance_destroy(d->constraints->linear.solver);
   hk_instance_destroy(d->constraints->linear.narrow);
   hk_spec_destroy(d->constraints->narrow);
+  hk_instance_destroy(d->constraints->mixed.solver);
+  hk_spec_destroy(d->constraints->unsymmetric);
   free(d->constraints);
   d->constraints = NULL;
 }
