@@ -124,9 +124,8 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   if (!d->constraints) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
   /* The constraints have a solver instance of their own: the scene's solver keeps the factors of an implicit method
    * between evaluations. */
-  hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
-  if (status == HK_OK) status = hk_solver_narrow(d, &d->constraints->linear.narrow, &d->constraints->narrow);
-  if (status == HK_OK) status = hk_solver_indefinite(d, &d->constraints->mixed.solver, &d->constraints->unsymmetric);
+  hk_linear_system *linear = &d->constraints->linear;
+  hk_status status = hk_solver_twins(d, linear);
   return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
 
@@ -169,10 +168,9 @@ void hk_constraints_close(hk_dynamics *d) {
   hk_saddle_point_close(d);
   if (!d->constraints) return;
   hk_constraint_matrix_free(d->constraints);
-  hk_instance_destroy(d->constraints->linear.solver);
-  hk_instance_destroy(d->constraints->linear.narrow);
-  hk_spec_destroy(d->constraints->narrow);
-  hk_instance_destroy(d->constraints->mixed.solver);
+  hk_instance_destroy(d->constraints->linear.any);
+  hk_instance_destroy(d->constraints->linear.special);
+  hk_instance_destroy(d->constraints->mixed.any);
   hk_spec_destroy(d->constraints->unsymmetric);
   free(d->constraints);
   d->constraints = NULL;

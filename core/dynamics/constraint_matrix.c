@@ -30,9 +30,10 @@ void hk_constraint_matrix_free(hk_constraints *c) {
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
                     c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  *c = (hk_constraints){.linear = {.solver = c->linear.solver, .narrow = c->linear.narrow},
-                        .mixed = {.solver = c->mixed.solver},
-                        .narrow = c->narrow,
+  hk_linear_system linear = c->linear, mixed = c->mixed;
+  linear.analyzed = mixed.analyzed = false;
+  *c = (hk_constraints){.linear = linear,
+                        .mixed = mixed,
                         .unsymmetric = c->unsymmetric,
                         .revision = c->revision + 1,
                         .jumped = c->jumped};
@@ -375,10 +376,18 @@ static hk_matrix assemble_mixed(hk_constraints *c) {
   return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, false, c->matrix.number};
 }
 
+static hk_status open_mixed(hk_dynamics *d, hk_constraints *c) {
+  if (c->mixed.any) return HK_OK;
+  hk_status status = hk_solver_indefinite(d, &c->mixed.any, &c->unsymmetric);
+  c->mixed.solver = c->mixed.any;
+  return status;
+}
+
 hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
   c->kept = false;
-  hk_status status = hk_constraint_jacobian(d, t, x, v, c->J_end);
+  hk_status status = open_mixed(d, c);
+  if (status == HK_OK) status = hk_constraint_jacobian(d, t, x, v, c->J_end);
   if (status != HK_OK) return status;
   hk_matrix A = assemble_mixed(c);
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->scale[k] * c->g[k];

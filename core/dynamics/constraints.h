@@ -45,9 +45,9 @@ struct hk_constraints {
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
-  hk_linear_system mixed;               /* of J W J^T with the two J of different states, which is not symmetric */
-  double (*J_end)[3];                   /* blocks: the first of the two */
-  hk_plugin_spec *narrow, *unsymmetric; /* specs of linear.narrow and mixed.solver; NULL: the scene's */
+  hk_linear_system mixed;      /* of J W J^T with J of two states, which is not symmetric; opened when it is needed */
+  double (*J_end)[3];          /* blocks: the first of the two */
+  hk_plugin_spec *unsymmetric; /* spec of its solver; NULL: the scene's */
 };
 
 static inline double hk_constraint_dot(const double a[3], const double b[3]) {

@@ -15,7 +15,7 @@
  *
  * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
  * ends the run with the particle's number. */
-#include "plugins/common/rods/rods.h"
+#include "plugins/common/rods/rod_blocks.h"
 
 /* clang-format off */
 static const hk_param params[] = {
@@ -38,6 +38,9 @@ static const hk_param params[] = {
      HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
     {"turn", "rad", "angle by which the last clamp of a rod is turned about it, or a ring's ends against each other",
      HK_NUMBER, {0}, 0, 0, offsetof(hk_rods, turn), HK_TIMED, NULL},
+    {"jacobian", "", "blocks for implicit methods: of joints only, without what the twist that follows softens, or exact, "
+     "which joins all particles of a rod with sides or twist",
+     HK_CHOICE, {0}, 0, 0, offsetof(hk_rods, jacobian), 0, "banded|exact"},
     {0},
 };
 
@@ -63,6 +66,25 @@ static double energy(void *self, const hk_view *view) {
   return hk_rods_evaluate(self, view, &E) == HK_OK ? E : NAN;
 }
 
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  (void)view;
+  hk_rod_blocks_pattern(self, p);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  hk_status status = hk_rods_evaluate(self, view, NULL);
+  if (status == HK_OK) hk_rod_blocks_add(self, view->host, into);
+  return status;
+}
+
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  if (part == HK_DAMPING_WHOLE) return;
+  if (hk_rods_evaluate(self, view, NULL) == HK_OK)
+    hk_rod_blocks_bound(self, view, block);
+  else
+    for (size_t k = 0; k < view->acting; k++) block[view->active ? view->active[k] : k][0] = INFINITY;
+}
+
 static hk_status accepted(void *self, const hk_view *view, double h) {
   (void)h;
   return hk_rods_accept(self, view);
@@ -70,9 +92,13 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM,
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+             HK_OFFERS_DEFINITE | HK_STIFFER_BLOCKS,
     .add = add,
     .energy = energy,
+    .pattern = pattern,
+    .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
     .accepted = accepted,
 };
 

@@ -20,6 +20,7 @@ typedef struct hk_rod_batch {
   size_t first;                 /* row of its edges and joints; its nodes, one more, begin at row first + number */
   size_t number;                /* of the batch */
   size_t edges;                 /* of the longest rod */
+  size_t joint;                 /* number of joints in the batches before */
   uint32_t count[HK_ROD_LANES]; /* edges of each rod; 0: an empty lane. Of rings all are equal to `edges` or 0 */
   bool ring;
   bool framed;                   /* the directions of its cross sections matter */

@@ -4,7 +4,7 @@
  * row, compliances add: 1/stiffness = L0/(2 B0) + L1/(2 B1). An edge between two pinned particles is a clamp: it lies
  * in the wall, does not deform, and counts for none of the length, so the joint at the wall is twice as stiff. That
  * makes the error of a clamped rod one of second order in the length of its edges. */
-#include "plugins/common/rods/rods.h"
+#include "plugins/common/rods/rod_joint.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -92,15 +92,15 @@ static bool same_batch(const rod *p, const rod *q) {
 }
 
 static void make_batches(hk_rods *r, const rod *list, size_t rods) {
-  size_t row = 0;
+  size_t row = 0, joints = 0;
   r->batches = 0;
   for (size_t k = 0; k < rods;) {
     hk_rod_batch *b = &r->batch[r->batches];
-    *b = (hk_rod_batch){
-        .first = row, .number = r->batches++, .edges = list[k].edges, .ring = list[k].ring, .framed = list[k].framed};
+    *b = (hk_rod_batch){.first = row, .number = r->batches++, .edges = list[k].edges, .joint = joints};
+    b->ring = list[k].ring, b->framed = list[k].framed;
     size_t begin = k;
     for (; k < rods && k < begin + LANES && same_batch(&list[begin], &list[k]); k++)
-      b->count[k - begin] = list[k].edges;
+      b->count[k - begin] = list[k].edges, joints += list[k].edges - !list[k].ring;
     row += b->edges;
   }
   r->rows.edges = row;
@@ -195,7 +195,8 @@ hk_status hk_rod_rows_build(hk_rods *r, const hk_view *view) {
   }
   host->release(host, list);
   host->release(host, marks);
-  return status == HK_OK ? HK_OK : host->fail(host, status, "no memory for rods of %zu edges", r->count);
+  if (status != HK_OK) return host->fail(host, status, "no memory for rods of %zu edges", r->count);
+  return r->jacobian == HK_ROD_EXACT ? hk_rod_relaxed_reserve(r) : HK_OK;
 }
 
 /* ---- numbers ---- */

@@ -8,6 +8,7 @@
 #define HK_ROD_NONE UINT32_MAX
 
 enum { HK_ROD_REST_INITIAL, HK_ROD_REST_STRAIGHT }; /* hk_rods.rest */
+enum { HK_ROD_BANDED, HK_ROD_EXACT };               /* hk_rods.jacobian */
 
 /* The cross section of an edge at the end of the last accepted step, from which the present one is found: how the edge
  * lay, the director transported along the rod, and the angle of the section from it. Saved in checkpoints. */
@@ -24,7 +25,7 @@ typedef struct hk_rods {
   hk_tuples edges;
   hk_per_tuple EI, EI2, GJ, length, curvature, torsion;
   double axis[3];
-  int rest;
+  int rest, jacobian;
   double turn; /* rad */
   /* ---- fields ---- */
   hk_array frames; /* hk_rod_frame, one for each edge of the list */
@@ -41,6 +42,7 @@ typedef struct hk_rods {
   size_t batches;
   hk_rod_batch *batch;
   double *sums;  /* per batch */
+  double *dense; /* of the longest rod with frames, for exact blocks */
   uint8_t *pin;  /* n: the pins for which the rows were filled */
   size_t pinned; /* n */
   bool shared;   /* some particle is on two rods, or twice on one */
