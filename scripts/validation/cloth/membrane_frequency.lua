@@ -21,7 +21,7 @@ return validation.problem {
   solve = function(at)
     local n, turn = at.n, at.quick and 400 or 1000
     local h = exact / turn
-    local steps = math.floor(2.1 * turn)
+    local steps = math.floor(2.5 * turn)
     local scene = hooke.scene { duration = steps * h, fps = validation.fps(h), dt = h, integrator = "stoermer" }
     local springs, masses = cloth.squares(n, density, { stiffness = Y, nu = nu })
     local speed = 1e-3 * 2 * math.pi / exact

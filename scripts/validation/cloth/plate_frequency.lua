@@ -22,7 +22,7 @@ return validation.problem {
     local n = at.n
     local turn = 400 -- the rule's own error is (2 pi/turn)^2/12, 2e-5
     local h = exact / turn
-    local steps = math.floor(2.1 * turn)
+    local steps = math.floor(2.5 * turn)
     local scene = hooke.scene { duration = steps * h, fps = validation.fps(h), dt = h, integrator = "implicit_midpoint" }
     local _, masses = cloth.squares(n, density)
     local speed = 1e-4 * 2 * math.pi / exact
