@@ -2,6 +2,11 @@
  * one list. */
 #include "core/dynamics/constraints.h"
 
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_NAMES = 4 };
+
 hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
                            const double *v) {
   hk_view view = d->state->view;
@@ -66,22 +71,23 @@ hk_status hk_constraint_speed(hk_dynamics *d, double t, const double *x, const d
 }
 
 double hk_constraint_extent(const hk_constraints *c, const double *x) {
-  double largest = 0;
-  for (size_t b = 0; b < c->blocks; b++)
-    for (int a = 0; a < 3; a++) largest = fmax(largest, fabs(x[3 * (size_t)c->list.pair[b][1] + a]));
-  return largest;
+  double largest[3] = {0, 0, 0};
+  for (size_t b = 0; b < c->blocks; b++) {
+    const double *at = x + 3 * (size_t)c->list.pair[b][1];
+    for (int a = 0; a < 3; a++) largest[a] = fabs(at[a]) > largest[a] ? fabs(at[a]) : largest[a];
+  }
+  return fmax(fmax(largest[0], largest[1]), largest[2]);
 }
 
 void hk_constraint_rate(hk_constraints *c, const double *v, double *rate, double *sum) {
-  for (size_t k = 0; k < c->equations; k++) {
-    rate[k] = c->speed[k];
-    sum[k] = fabs(c->speed[k]);
-  }
+  memcpy(rate, c->speed, c->equations * sizeof *rate);
+  for (size_t b = 0; b < c->blocks; b++)
+    rate[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], v + 3 * (size_t)c->list.pair[b][1]);
+  if (!sum) return;
+  for (size_t k = 0; k < c->equations; k++) sum[k] = fabs(c->speed[k]);
   for (size_t b = 0; b < c->blocks; b++) {
     const double *here = v + 3 * (size_t)c->list.pair[b][1];
-    uint32_t k = c->list.pair[b][0];
-    rate[k] += hk_constraint_dot(c->J[b], here);
-    sum[k] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
+    sum[c->list.pair[b][0]] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
   }
 }
 
@@ -102,4 +108,19 @@ const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_
   while (d->constraints->equation_first[k + 1] <= equation) k++;
   *number = equation - d->constraints->equation_first[k] + 1;
   return d->plugins->kind[HK_CONSTRAINT].item[k];
+}
+
+void hk_constraint_name(const hk_dynamics *d, size_t equation, char *text, size_t size) {
+  const hk_constraints *c = d->constraints;
+  size_t number, named = 0, of = 0;
+  hk_constraint_of(d, equation, &number);
+  for (size_t b = 0; b < c->blocks; b++) of += c->list.pair[b][0] == equation;
+  size_t at = (size_t)snprintf(text, size, "equation %zu (particle%s", number, of == 1 ? "" : "s");
+  for (size_t b = 0; b < c->blocks && named < MOST_NAMES && at < size; b++) {
+    if (c->list.pair[b][0] != equation) continue;
+    const char *before = named == 0 ? " " : named + 1 == of ? " and " : ", ";
+    at += (size_t)snprintf(text + at, size - at, "%s%u", before, (unsigned)d->state->id[c->list.pair[b][1]]);
+    named++;
+  }
+  if (at < size) snprintf(text + at, size - at, "%s)", of > MOST_NAMES ? ", ..." : "");
 }

@@ -8,16 +8,18 @@
 
 struct hk_constraints {
   size_t equations, blocks, terms;
-  size_t *equation_first;         /* first equation of each instance, and the number of equations */
-  size_t *block_first;            /* the same for blocks */
-  hk_block_matrix list;           /* pair[b]: equation and particle of block b; its matrix is not built */
-  double (*J)[3], (*WJ)[3];       /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
-  uint32_t *pin;                  /* blocks: position in d->pins->item; UINT32_MAX: never pinned */
-  hk_block_matrix matrix;         /* pattern of A: 1 x 1 blocks; the diagonal is named first */
-  uint32_t (*term)[2];            /* terms: the blocks whose product is added to matrix.slot[equations + term] */
-  double *value;                  /* values of A */
-  double *full;                   /* equations: diagonal of S if all equations acted; 0 where no particle can move */
-  double *scale;                  /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  size_t *equation_first;   /* first equation of each instance, and the number of equations */
+  size_t *block_first;      /* the same for blocks */
+  hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
+  double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
+  uint32_t *pin;            /* blocks: position in d->pins->item; UINT32_MAX: never pinned */
+  hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
+                               2 term] and at the next slot, its mirror */
+  double *value;            /* values of A */
+  double *own;              /* equations: diagonal of J W J^T */
+  double *full;             /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;            /* equations: diagonal of S; 0 where an equation rests or no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
   double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
   double *residual, *correction;  /* equations: residual and correction of a refinement; also scratch */
@@ -32,18 +34,17 @@ struct hk_constraints {
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
   bool *rests;     /* equations that do not act in the present problem */
-  bool soft;       /* the present factors are those of A + soft_shift I */
+  double soft;     /* the present factors are those of A + soft I */
   bool dependent;  /* the present problem has equations that follow from others */
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
                       jumped */
-  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_step.c) */
+  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
   uint64_t revision; /* of the pattern */
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
-  hk_plugin_spec *narrow; /* spec of linear.narrow */
 };
 
 static inline double hk_constraint_dot(const double a[3], const double b[3]) {
@@ -63,13 +64,16 @@ hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const do
 hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
 hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
 double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
-/* rate = J v + g_t, sum = the sum of the magnitudes of its terms. */
+/* rate = J v + g_t, sum = the sum of the magnitudes of its terms; sum NULL: it is not wanted. */
 void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
 /* The power of the constraint forces along what moves with time, their equations and scripted particles, W: minus
  * solution (g_t + J v of those particles). Of an impulse it is the work, J. */
 double hk_constraint_power(const hk_dynamics *, const double *v);
 /* The instance of an equation, and the equation's number within it, from 1. */
 const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
+
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
 
 /* ---- constraint.c ---- */
 
@@ -82,15 +86,21 @@ hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every
 void hk_constraint_matrix_free(hk_constraints *);
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
 hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
-void hk_constraint_matrix_rest(hk_constraints *); /* updates scale after a change of `rests` */
+void hk_constraint_matrix_rest(hk_constraints *);          /* updates scale after a change of `rests` */
+hk_matrix hk_constraint_matrix_assemble(hk_constraints *); /* A, whose values are c->value */
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *);
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);
 void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
-/* Finds equations that follow from others at the linearised state: `implied`. */
-hk_status hk_constraint_matrix_review(hk_dynamics *);
+
+hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
+hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,
+                                        double *work);
+hk_status hk_constraints_hold_velocities(hk_system *, double t, double *x, double h, double *v, double *work);
+
 /* ---- active_set.c ---- */
 
 /* Computes in `solution` the multipliers with J W J^T lambda + q = 0 for equalities and with lambda >= 0, J W J^T

@@ -1,6 +1,6 @@
 /* Assembly of the hk_system that integrators see: its functions, its list of forces, and the updates after births and
  * deaths. */
-#include "core/dynamics/dynamics.h"
+#include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -25,10 +25,6 @@ static void impose(hk_system *s, double t, double *x, double *v) { hk_dynamics_i
 
 static void filter(hk_system *s, double *vector) { hk_pins_filter(dynamics_of(s)->pins, vector); }
 
-static hk_status project(hk_system *s, double t, double *x, double *v) {
-  return hk_constraints_project_equalities(dynamics_of(s), t, x, v);
-}
-
 static void set_functions(hk_system *s) {
   s->accelerations = hk_evaluate_accelerations;
   s->rates = rates;
@@ -42,7 +38,7 @@ static void set_functions(hk_system *s) {
   s->solver_flags = hk_implicit_solver_flags;
   s->solve_columns = hk_implicit_solve_columns;
   s->solve_along = hk_implicit_solve_along;
-  s->project = project;
+  s->project = hk_constraints_project_equalities;
   s->update = hk_sweep_update;
   s->step_limit = hk_sweep_limit;
   s->potential = hk_sweep_potential;

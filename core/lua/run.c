@@ -2,6 +2,8 @@
  * summary() read it. The run is closed with the script. */
 #include "core/lua/internal.h"
 
+#include <float.h>
+
 const char hk_lua_run_type[] = "hooke.run";
 enum { CALL_COST = 100 }; /* instructions charged for scene:run, so that an endless loop of calls ends */
 
@@ -134,6 +136,13 @@ static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double 
   return status;
 }
 
+/* A time that is a frame's but for rounding, such as k times the length of a frame, is the frame's, which is k/fps: the
+ * step that ends there would else be followed by one of 1e-16 s. */
+static double snapped(const hk_scene *scene, double to) {
+  double frame = round(to * scene->fps) / scene->fps;
+  return fabs(to - frame) <= 4 * DBL_EPSILON * to && frame <= scene->duration ? frame : to;
+}
+
 /* About what a run needs: some vectors like the state's, and what plugins and threads have of their own. */
 static size_t run_bytes(const hk_scene *scene) {
   enum { VECTORS = 16, PLUGIN = 4096, BASE = 1 << 18 };
@@ -157,6 +166,7 @@ int hk_lua_scene_run(lua_State *L) {
   }
   if (to < INFINITY && to > slot->scene->duration)
     return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, slot->scene->duration);
+  to = snapped(slot->scene, to);
   if (s->finished || s->driving)
     return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");
   if (!slot->run) hk_limits_take(L, run_bytes(slot->scene));

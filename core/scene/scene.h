@@ -112,6 +112,61 @@ void hk_scene_drop(hk_scene *, hk_plugin_spec *);
 const hk_plugin_spec *hk_scene_one(const hk_scene *,
                                    hk_kind kind); /* the integrator or the solver; NULL: the scene names none */
 
+/* ---- section.c: what a strand's section and material are worth; the formulas are there ---- */
+
+typedef struct hk_section {
+  double half_axis[2]; /* m; a circle: its radius twice */
+  double E, nu;        /* Pa; Poisson's ratio; NAN: not given, as is what follows from it */
+  double density;      /* kg/m^3 */
+} hk_section;
+
+typedef struct hk_section_numbers {
+  double line_mass; /* kg/m */
+  double EA;        /* N */
+  double EI[2], GJ; /* N m^2; EI of bending towards each half axis */
+} hk_section_numbers;
+
+hk_status hk_section_check(const hk_section *, hk_error *error);
+hk_section_numbers hk_section_of(const hk_section *);
+
+/* ---- curve.c: curves by arc length ---- */
+
+/* Starts at `from`, its centre on the side `side`. radius 0: a straight line along the axis; pitch 0: a circle. */
+typedef struct hk_helix {
+  double from[3], axis[3], side[3]; /* m; unit vectors across each other */
+  double radius, pitch;             /* m; advance per turn, negative: left-handed */
+} hk_helix;
+
+/* One that winds about the unit vector `axis`, and one that starts along the unit vector `tangent` with a constant
+ * curvature and torsion (1/m, not both 0). phase: rad, turns it about that vector. */
+hk_helix hk_helix_about(const double from[3], const double axis[3], double phase, double radius, double pitch);
+hk_helix hk_helix_along(const double from[3], const double tangent[3], double phase, double curvature, double torsion);
+void hk_helix_at(const hk_helix *, double s, double x[3]);  /* the point at the arc length s, m */
+void hk_helix_tangent(const hk_helix *, double tangent[3]); /* at the start */
+double hk_polygon_length(const double (*point)[3], size_t points);
+/* The places of `count` points, 2 or more, at equal distances along a polygon: k + part, part of the way from point k
+ * to the next. */
+void hk_polygon_divide(const double (*point)[3], size_t points, size_t count, double *place);
+
+/* ---- scatter.c: even places on a surface, from a seed ---- */
+
+/* Triangles, or with triangles = 0 a sphere, of which `cap` (rad, up to pi) about the axis counts. */
+typedef struct hk_skin {
+  size_t vertices, triangles;
+  const double (*vertex)[3];     /* m */
+  const uint32_t (*triangle)[3]; /* vertices, from 0 */
+  double centre[3], axis[3], radius, cap;
+} hk_skin;
+
+/* x and normal: count each; normals are unit vectors, of triangles those between their vertices'. `random`: a state of
+ * hk_random_uniform. HK_BAD_PARAM: no area. */
+hk_status hk_scatter(const hk_skin *, size_t count, uint64_t random[4], double (*x)[3], double (*normal)[3],
+                     hk_error *error);
+/* A unit vector within `angle` of the axis, all of them alike. */
+void hk_random_in_cone(uint64_t random[4], const double axis[3], double angle, double into[3]);
+/* Two unit vectors across the unit vector `axis` and each other. */
+void hk_frame_across(const double axis[3], double side[3], double other[3]);
+
 /* ---- origin.c: what a scene is made from, a text of lines "what<TAB>value" in malloc's memory; NULL: empty ---- */
 
 bool hk_origin_add(char **text, const char *what, const char *value); /* false: no memory */

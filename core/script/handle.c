@@ -3,13 +3,15 @@
 #include "core/script/script.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static const char handle_type[] = "hooke.handle";
 
 hk_lua_handle *hk_lua_to_handle(lua_State *L, int index) { return luaL_testudata(L, index, handle_type); }
 
 hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape) {
-  hk_lua_handle *h = lua_newuserdatauv(L, sizeof *h, 3); /* a mesh keeps its edges, triangles and flexion edges */
+  hk_lua_handle *h =
+      lua_newuserdatauv(L, sizeof *h, HK_LUA_NUMBERS); /* 1 to 3: a mesh's edges, triangles and flexion edges */
   *h = shape;
   luaL_setmetatable(L, handle_type);
   return h;
@@ -65,7 +67,9 @@ static int push_offsets(lua_State *L, const hk_lua_handle *h, int (*offset)[2], 
 
 static int structural_offsets[2][2] = {{1, 0}, {0, 1}};
 
-int hk_lua_push_structural(lua_State *L, const hk_lua_handle *h) { return push_offsets(L, h, structural_offsets, 2); }
+int hk_lua_push_structural(lua_State *L, const hk_lua_handle *h) {
+  return push_offsets(L, h, structural_offsets, h->grid ? 2 : 1);
+}
 
 /* ---- methods ---- */
 
@@ -75,9 +79,9 @@ static int at(lua_State *L) {
   const hk_lua_handle *h = self(L);
   lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1);
   if (i < 1 || i > h->nx || j < 1 || j > h->ny) {
-    if (h->grid)
-      return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld, %lld) is outside the grid of %d x %d", (long long)i, (long long)j,
-                         (int)h->nx, (int)h->ny);
+    if (h->grid || h->ny > 1)
+      return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld, %lld) is outside the %s of %d x %d", (long long)i, (long long)j,
+                         h->grid ? "grid" : "strands", (int)h->nx, (int)h->ny);
     return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld) is outside 1 to %d", (long long)i, (int)h->nx);
   }
   lua_pushinteger(L, h->first + (j - 1) * h->nx + (i - 1));
@@ -112,7 +116,52 @@ static int flexion(lua_State *L) {
   const hk_lua_handle *h = self(L);
   if (lua_getiuservalue(L, 1, 3) == LUA_TUSERDATA) return 1; /* a mesh's */
   if (!h->grid && !h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "particles have no flexion edges");
-  return push_offsets(L, h, offset, 2);
+  return push_offsets(L, h, offset, h->grid ? 2 : 1);
+}
+
+/* Pushes the numbers of the k-th of several chains: of a list, its element. */
+static void push_numbers_of(lua_State *L, lua_Integer k, lua_Integer edges) {
+  lua_newtable(L);
+  if (lua_getiuservalue(L, 1, HK_LUA_NUMBERS) == LUA_TTABLE)
+    for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+      const char *key = lua_tostring(L, -2);
+      lua_pushvalue(L, -1);
+      if (lua_istable(L, -1)) lua_rawgeti(L, -1, strcmp(key, "stiffness") == 0 ? (k - 1) * edges + 1 : k);
+      lua_setfield(L, 3, key);
+      lua_settop(L, 6);
+    }
+  lua_settop(L, 3);
+}
+
+/* The k-th of several chains. */
+static int strand(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  lua_Integer k = luaL_checkinteger(L, 2);
+  lua_settop(L, 2);
+  if (!h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "only strands and hair have strands");
+  if (k < 1 || k > h->ny)
+    return hk_lua_fail(L, HK_BAD_PARAM, "strand(%lld) is outside 1 to %d", (long long)k, (int)h->ny);
+  push_numbers_of(L, k, h->nx - 1);
+  hk_lua_push_handle(L, (hk_lua_handle){.first = h->first + (uint32_t)(k - 1) * h->nx,
+                                        .count = h->nx,
+                                        .nx = h->nx,
+                                        .ny = 1,
+                                        .chain = true,
+                                        .roots = h->roots});
+  lua_insert(L, 3);
+  lua_setiuservalue(L, 3, HK_LUA_NUMBERS);
+  return 1;
+}
+
+static int roots(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  if (!h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "only strands and hair have roots");
+  lua_createtable(L, (int)(h->ny * h->roots), 0);
+  for (uint32_t k = 0; k < h->ny * h->roots; k++) {
+    lua_pushinteger(L, hk_lua_root(h, k));
+    lua_rawseti(L, -2, k + 1);
+  }
+  return 1;
 }
 
 /* With the corners a, b below and c, d above, the cell is cut from a to d, or, every other one of an alternating grid,
@@ -144,13 +193,35 @@ static int triangles(lua_State *L) {
   return 1;
 }
 
+static int missing(lua_State *L) {
+  const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : luaL_typename(L, 2);
+  return hk_lua_fail(
+      L, HK_BAD_PARAM,
+      "a handle has no '%s' here; strands and hair have length and segment, with radius and E also EA, EI, "
+      "stiffness, with nu GJ, and an ellipse has EI2",
+      key);
+}
+
+/* Methods, the upvalue, come first; then the numbers that the builder left. */
+static int member(lua_State *L) {
+  self(L);
+  lua_settop(L, 2);
+  lua_pushvalue(L, 2);
+  if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL) return 1;
+  if (lua_getiuservalue(L, 1, HK_LUA_NUMBERS) != LUA_TTABLE) return missing(L);
+  lua_pushvalue(L, 2);
+  return lua_rawget(L, -2) != LUA_TNIL ? 1 : missing(L);
+}
+
 void hk_lua_open_handles(lua_State *L) {
   static const luaL_Reg methods[] = {
       {"at", at},       {"ids", ids},         {"edges", structural},    {"structural", structural},
-      {"shear", shear}, {"flexion", flexion}, {"triangles", triangles}, {NULL, NULL}};
+      {"shear", shear}, {"flexion", flexion}, {"triangles", triangles}, {"strand", strand},
+      {"roots", roots}, {NULL, NULL}};
   luaL_newmetatable(L, handle_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
+  lua_pushcclosure(L, member, 1);
   lua_setfield(L, -2, "__index");
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");

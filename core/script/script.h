@@ -140,10 +140,18 @@ void hk_lua_open_edges(lua_State *L);
 
 /* handle.c */
 typedef struct hk_lua_handle {
-  uint32_t first, count, nx, ny; /* ny is 1 where the handle is no grid */
-  bool grid, chain;              /* both false: edges, if any, are kept with the handle */
+  uint32_t first, count, nx, ny; /* ny is 1 where the handle is neither a grid nor several chains */
+  bool grid, chain;              /* chain: ny of them, nx particles each; both false: edges are kept with it, if any */
   bool alternating;              /* the diagonals of a grid's triangles, from cell to cell */
+  uint32_t roots;                /* the first particles of each chain that hold it */
 } hk_lua_handle;
+
+enum { HK_LUA_NUMBERS = 4 }; /* the user value of a handle with a table of what it answers beside its methods */
+
+/* The id of the k-th particle that holds a chain, from 0. */
+static inline uint32_t hk_lua_root(const hk_lua_handle *h, uint32_t k) {
+  return h->first + k / h->roots * h->nx + k % h->roots;
+}
 
 /* The ids of triangle k of a grid, two for each cell, rows of cells in order. */
 void hk_lua_grid_triangle(const hk_lua_handle *, size_t k, uint32_t corner[3]);

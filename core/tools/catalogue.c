@@ -42,6 +42,7 @@ static void set_force(lua_State *L, const hk_force *f) {
   hk_tool_set_flag(L, "power", f->flags & HK_POWER);
   hk_tool_set_flag(L, "offers_symmetric", f->flags & HK_OFFERS_SYMMETRIC);
   hk_tool_set_flag(L, "offers_definite", f->flags & HK_OFFERS_DEFINITE);
+  hk_tool_set_flag(L, "stiffer_blocks", f->flags & HK_STIFFER_BLOCKS);
   hk_tool_set_flag(L, "energy", f->energy != NULL);
   hk_tool_set_flag(L, "jacobian", f->jacobian != NULL);
 }

@@ -1,7 +1,7 @@
 /* Surfaces that resist bending: every two triangles that share an edge are a hinge, which has the energy
  * 1/2 k (theta - theta_0)^2, theta the angle between their normals (plugins/common/shells/hinge.c, with its exact
- * gradient and Hessian) and theta_0 that at rest, and the damping -c dtheta/dt dtheta/dx. k = B |e|^2/(A1 + A2) and
- * likewise c come from numbers of the material; bending.c says which plate that is.
+ * gradient and Hessian) and theta_0 that at rest, and the damping -c dtheta/dt dtheta/dx. k and c come from numbers of
+ * the material by area; plugins/common/shells/bending.c says how, and which plate that is.
  *
  * Invariant: `turned` has the angle of every hinge of the start at the last accepted step, counted on through pi and
  * whole turns. The angle of a state is that of its positions up to multiples of 2 pi, and of those the one nearest to
@@ -134,7 +134,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_FORCE,
     .name = "hinges",
-    .summary = "surfaces resist bending at their edges, E = 1/2 B |e|^2/(A1 + A2) (theta - theta_0)^2",
+    .summary = "surfaces resist bending at their edges, E = 1/2 k (theta - theta_0)^2, k from a rigidity",
     .reference = "Grinspun, Hirani, Desbrun and Schroeder 2003, Discrete shells; Tamstorf and Grinspun 2013, Discrete "
                  "bending forces and their Jacobians",
     .instance_size = sizeof(hinges),

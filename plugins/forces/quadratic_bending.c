@@ -106,7 +106,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_FORCE,
     .name = "quadratic_bending",
-    .summary = "flat surfaces resist bending, a quadratic energy E = 1/2 B |e|^2/(A1 + A2) |jump of slope|^2",
+    .summary = "flat surfaces resist bending, E = 1/2 k |jump of slope|^2, k from a rigidity",
     .reference =
         "Bergou, Wardetzky, Harmon, Zorin and Grinspun 2006, A quadratic bending model for inextensible surfaces",
     .instance_size = sizeof(quadratic_bending),

@@ -4,7 +4,7 @@ local validation = {}
 
 local problem_fields = { title = "string", setup = "string", quantities = "table", space = "table", time = "table",
   order = "table", tolerance = "number", why = "string", noise = "number", quick = "table", forces = "table",
-  solve = "function", timeout = "number", space_label = "string", time_label = "string" }
+  together = "boolean", solve = "function", timeout = "number", space_label = "string", time_label = "string" }
 local quantity_fields = { name = "string", unit = "string", reference = "number or function", source = "string",
   tolerance = "number", why = "string", scale = "number", order = "table", noise = "number" }
 local quick_fields = { space = "table", time = "table", tolerance = "number" }
@@ -77,6 +77,11 @@ local function check(p)
     check_levels("quick: time", p.quick.time, false)
   end
   for k, q in ipairs(p.quantities) do check_quantity(p, q, k) end
+  for force, params in pairs(p.forces or {}) do
+    if type(force) ~= "string" or type(params) ~= "table" then
+      refuse("forces: expected { springs = { \"edges\", \"k\" } }: a force, and the parameters that the scenes give it")
+    end
+  end
 end
 
 local function value_of(reference)
@@ -147,19 +152,21 @@ function validation.each(scene, h, steps, look)
   return run
 end
 
--- The time in [t0, t1] at which the cubic through values y0, y1 and slopes s0, s1 vanishes; y0 and y1 differ in sign.
+-- At t, the cubic with the values y0, y1 and the slopes s0, s1 at t0 and t1.
+function validation.cubic(t, t0, y0, s0, t1, y1, s1)
+  local u = (t - t0) / (t1 - t0)
+  local w = 1 - u
+  return w * w * (1 + 2 * u) * y0 + u * u * (3 - 2 * u) * y1 + u * w * (t1 - t0) * (w * s0 - u * s1)
+end
+
+-- The time in [t0, t1] at which that cubic vanishes; y0 and y1 differ in sign.
 function validation.zero_between(t0, y0, s0, t1, y1, s1)
-  local d = t1 - t0
-  local function at(u)
-    local w = 1 - u
-    return w * w * (1 + 2 * u) * y0 + u * u * (3 - 2 * u) * y1 + u * w * d * (w * s0 - u * s1)
-  end
-  local low, high = 0, 1
+  local low, high = t0, t1
   for _ = 1, 60 do
     local middle = (low + high) / 2
-    if (at(middle) > 0) == (y0 > 0) then low = middle else high = middle end
+    if (validation.cubic(middle, t0, y0, s0, t1, y1, s1) > 0) == (y0 > 0) then low = middle else high = middle end
   end
-  return t0 + d * (low + high) / 2
+  return (low + high) / 2
 end
 
 -- A watcher of the zeros of a quantity: watch(t, y, slope) at every step, then watch.times. Between two steps it

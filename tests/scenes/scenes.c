@@ -106,6 +106,64 @@ static void projectile_flies_its_parabola(void **state) {
   near(value("exact_error"), 0, 1e-9); /* (h rate)^4 of 20 m */
 }
 
+/* ---- scenes with bars ---- */
+
+/* From the horizontal, a pendulum of length L has v^2 = 2 g L sin and the tension 3 m g sin = 3 m g (-z)/L; dopri5 at
+ * its tolerance, 1e-6. A chain keeps its energy to that of every step, some thousand. */
+static void a_chain_of_bars_keeps_its_energy_and_carries_its_weight(void **state) {
+  (void)state;
+  run("pendulum_chain", "n=1 --until 0.75");
+  near(value("tension") / (3 * 0.3 * 9.81 * -value("height") / 1.5), 1, 1e-4);
+  run("pendulum_chain", "--until 2");
+  assert_true(fabs(value("drift")) < 1e-4 && value("constraint_violation") < 1e-11);
+}
+
+/* Both rods rigid: the energy is that of the start, 9.81 J, to the method's error. */
+static void a_rigid_double_pendulum_keeps_its_energy(void **state) {
+  (void)state;
+  run("double_pendulum", "rigid=1 --until 4 --dt 0.001");
+  near(test_json(strstr(r.out, "\"measures\""), "energy"), 9.81, 1e-3);
+  assert_true(value("constraint_violation") < 1e-11);
+}
+
+/* The closed forms that the scene names. With n = 40 segments their error is some (L/n)^2/8 over the radius of the
+ * bottom, 0.47 m: 2.4e-4 m; what is left of the swinging is exp(-1.5 t) of the first 0.04 m: 1e-5 m at 6 s. */
+static void a_chain_and_a_string_rest_as_catenaries(void **state) {
+  (void)state;
+  run("catenary", "");
+  near(value("sag of the chain"), 0.292343797601, 2.6e-4);
+  near(value("sag of the string"), 0.341111699279, 2.6e-4);
+  near(value("pull of the chain"), 0.469541523127, 2.6e-4);
+  near(value("pull of the string"), 0.395527042753, 2.6e-4);
+  run("catenary", "EA=100");
+  near(value("sag of the string"), 0.297929871215, 2.6e-4);
+}
+
+/* The sum of the segments' loads: W L (1 + 1/n)/(2 EA) for n = 20, EA = 20 and 2000 N. */
+static void strings_hang_longer_by_their_weight_and_bars_do_not(void **state) {
+  (void)state;
+  run("string_stretch", "down=1 drag=3 duration=8");
+  near(value("length of soft") - 1, 0.02625, 1e-4);
+  near(value("length of stiff") - 1, 0.0002625, 5e-6);
+  near(value("length of bars") - 1, 0, 1e-11);
+}
+
+/* By sections: with R the left support's force and all joints of 1 kg, the moments about the apex above the middle of a
+ * bar of the lower chord, and about a lower joint for the upper chord, give their forces; the first slanting bar
+ * carries what R leaves over the end's own weight. Rounding of some 100 N. */
+static void a_truss_carries_what_the_method_of_joints_says(void **state) {
+  (void)state;
+  run("truss", "--until 0.4");
+  double g = 9.81, P = value("pull"), h = sqrt(3) / 2, R = (P + 13 * g) / 2;
+  near(value("lower 3"), (R * 2.5 - g * (2.5 + 2 + 1.5 + 1 + 0.5)) / h, 1e-9);
+  near(value("upper 3"), -(R * 3 - g * (3 + 2.5 + 2 + 1.5 + 1 + 0.5)) / h, 1e-9);
+  near(value("rising 1"), -(R - g) / h, 1e-9);
+  near(value("rising 3"), -(R - 5 * g) / h, 1e-9);
+  /* the largest of all frames: within (h w)^2/8 of it, w = 14/s, h = 1/60 s */
+  double most = 1 + sqrt(1 + 2 * 0.1 * 4000 / (20 * g));
+  near(value("largest pull, weights"), most, 0.007 * most);
+}
+
 /* Kepler, e = 0.6: order 2 at h = 1/600; a step of half the length has a quarter of the error. */
 static void orbit_keeps_its_energy_and_converges(void **state) {
   (void)state;
@@ -231,6 +289,11 @@ int main(void) {
       cmocka_unit_test(sine_is_a_sine),
       cmocka_unit_test(projectile_flies_its_parabola),
       cmocka_unit_test(orbit_keeps_its_energy_and_converges),
+      cmocka_unit_test(a_chain_of_bars_keeps_its_energy_and_carries_its_weight),
+      cmocka_unit_test(a_rigid_double_pendulum_keeps_its_energy),
+      cmocka_unit_test(a_chain_and_a_string_rest_as_catenaries),
+      cmocka_unit_test(strings_hang_longer_by_their_weight_and_bars_do_not),
+      cmocka_unit_test(a_truss_carries_what_the_method_of_joints_says),
       cmocka_unit_test(cloth_hangs_where_it_should),
       cmocka_unit_test(curtain_agrees_between_methods),
       cmocka_unit_test(dust_is_where_other_methods_have_it),

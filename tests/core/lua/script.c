@@ -209,6 +209,17 @@ static void driving_goes_on_and_ends_with_a_verdict(void **state) {
   expect(BALL "scene:run {}\nscene:force('drag')", HK_BAD_PARAM, "t.lua:5: the scene runs and can no longer be edited");
 }
 
+/* 0.01 k and k/100 differ in the last digit for k = 7 and others; no step of 1e-17 s makes up for it. */
+static void driving_to_frames_takes_no_step_beside_them(void **state) {
+  (void)state;
+  good("local scene = hooke.scene { duration = 1, fps = 100, dt = 0.01, integrator = 'leapfrog' }\n"
+       "scene:particle { mass = 1 }\n"
+       "for k = 0, 100 do\n"
+       "  local run = scene:run { to = 0.01 * k }\n"
+       "  assert(run:state().t == k / 100 and run:summary().steps == k)\n"
+       "end");
+}
+
 static void a_rate_gets_time_id_and_values(void **state) {
   (void)state;
   good(BALL "scene:particle { mass = 1 }\n"
@@ -275,6 +286,7 @@ int main(void) {
       cmocka_unit_test(params_take_the_type_of_their_default),
       cmocka_unit_test(modules_are_found_once_and_circles_seen),
       cmocka_unit_test(driving_goes_on_and_ends_with_a_verdict),
+      cmocka_unit_test(driving_to_frames_takes_no_step_beside_them),
       cmocka_unit_test(a_rate_gets_time_id_and_values),
       cmocka_unit_test(a_mesh_knows_its_sides_and_what_faces_across_them),
       cmocka_unit_test(tools_load_and_drive_scenes),

@@ -25,7 +25,7 @@ function plot.quote(text)
   return "'" .. text:gsub("%c", " "):gsub("'", "''") .. "'"
 end
 
-local function style_line(k)
+function plot.style_line(k)
   local colour, point, dash = (k - 1) % #colours + 1, (k - 1) % #points + 1, (k - 1 + (k - 1) // #colours) % #dashes + 1
   return ("set style line %d lc rgb '%s' pt %d ps 1.1 lw 1.8 dt %s"):format(k, colours[colour], points[point],
     dashes[dash])
@@ -35,7 +35,7 @@ local function number(x)
   return x and x == x and math.abs(x) < math.huge and ("%.9g"):format(x) or "NaN"
 end
 
-local function block(name, rows)
+function plot.block(name, rows)
   local lines = { "$" .. name .. " << EOD" }
   for _, row in ipairs(rows) do
     local cells = {}
@@ -67,9 +67,9 @@ end
 
 local function data_of(figure)
   local parts = {}
-  for k, curve in ipairs(figure.curves or {}) do parts[#parts + 1] = block("CURVE" .. k, curve.points) end
-  for _, more in ipairs(figure.data or {}) do parts[#parts + 1] = block(more.name, more.rows) end
-  if figure.matrix then parts[#parts + 1] = block("MATRIX", figure.matrix.rows) end
+  for k, curve in ipairs(figure.curves or {}) do parts[#parts + 1] = plot.block("CURVE" .. k, curve.points) end
+  for _, more in ipairs(figure.data or {}) do parts[#parts + 1] = plot.block(more.name, more.rows) end
+  if figure.matrix then parts[#parts + 1] = plot.block("MATRIX", figure.matrix.rows) end
   return table.concat(parts, "\n") .. "\n"
 end
 
@@ -81,9 +81,9 @@ local function settings(figure, lines)
   lines[#lines + 1] = "set grid xtics ytics lc rgb '#DDDDDD' lt 1 lw 0.6"
   axis("x", figure.x, lines)
   axis("y", figure.y, lines)
-  for k = 1, #(figure.curves or {}) + 1 do lines[#lines + 1] = style_line(k) end
+  for k = 1, #(figure.curves or {}) + 1 do lines[#lines + 1] = plot.style_line(k) end
   for _, curve in ipairs(figure.curves or {}) do
-    if curve.style then lines[#lines + 1] = style_line(curve.style) end
+    if curve.style then lines[#lines + 1] = plot.style_line(curve.style) end
   end
 end
 
@@ -114,18 +114,11 @@ local terminals = {
 
 local function shell(text) return "'" .. text:gsub("'", "'\\''") .. "'" end
 
--- Runs gnuplot; returns its error message, or nil on success.
-local function render(folder, name, figure)
-  local script = {}
-  for _, terminal in ipairs(terminals) do
-    script[#script + 1] = terminal.text:format(figure.width or 1200,
-      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- height for the legend
-    script[#script + 1] = ("set output '%s.%s'"):format(name, terminal.ending)
-    script[#script + 1] = ("load '%s.gp'"):format(name)
-  end
+-- Runs gnuplot in a folder; returns its error message, or nil on success.
+function plot.gnuplot(folder, script)
   local said = os.tmpname()
   local pipe = io.popen(("cd %s && exec gnuplot - >%s 2>&1"):format(shell(folder), shell(said)), "w")
-  pipe:write(table.concat(script, "\n"), "\nset output\n")
+  pipe:write(script, "\nset output\n")
   local fine, _, code = pipe:close()
   local file = io.open(said)
   local text = file and file:read("a"):gsub("%s+", " ") or ""
@@ -134,6 +127,17 @@ local function render(folder, name, figure)
   if fine then return nil end
   if code == 127 then return "gnuplot is not installed (Debian: apt-get install gnuplot-nox)" end
   return ("gnuplot failed: %s"):format(text ~= "" and text or ("without a word, exit code %d"):format(code))
+end
+
+local function render(folder, name, figure)
+  local script = {}
+  for _, terminal in ipairs(terminals) do
+    script[#script + 1] = terminal.text:format(figure.width or 1200,
+      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- height for the legend
+    script[#script + 1] = ("set output '%s.%s'"):format(name, terminal.ending)
+    script[#script + 1] = ("load '%s.gp'"):format(name)
+  end
+  return plot.gnuplot(folder, table.concat(script, "\n"))
 end
 
 function plot.draw(path, figure)

@@ -26,8 +26,10 @@ end
 -- tolerance, the width of a bisection). Returns
 --   value   to which the sequence converges, as far as it tells
 --   order   measured from the finest three levels whose differences are above the noise; nil: not measured
+--   at_least  in its place, where the second step already is in the noise
 --   exact   true: the levels do not differ by more than the noise
 --   doubt   a text: why there is no order where there should be one
+--   in_noise  true: the finest levels differ by the noise only, and are not extrapolated
 --   spread  |difference of the finest two|
 function convergence.of(h, v, noise)
   local n = #v
@@ -35,11 +37,11 @@ function convergence.of(h, v, noise)
   local fine = n
   while fine > 1 and math.abs(v[fine] - v[fine - 1]) <= noise do fine = fine - 1 end
   if fine == 1 then
-    found.exact = true
+    found.exact, found.noise = true, noise
     return found
   end
-  if fine < 3 then
-    found.doubt = ("only the step from level %d to %d differs by more than the noise, %.1e"):format(fine - 1, fine, noise)
+  if fine < 3 then -- converged to the noise after one step
+    found.at_least = solve_order(h, math.abs(v[1] - v[2]) / noise)
     return found
   end
   local a, b = v[fine - 2] - v[fine - 1], v[fine - 1] - v[fine]
@@ -54,9 +56,28 @@ function convergence.of(h, v, noise)
       largest_order)
     return found
   end
-  found.order = p
-  if fine == n then found.value = v[n] - b * sizes[3] ^ p / (sizes[2] ^ p - sizes[3] ^ p) end
+  found.order, found.in_noise = p, fine < n
+  found.value = convergence.limit(h, v, found)
   return found
+end
+
+-- The order of several sequences that are the components of one vector, from the lengths of its differences: a component
+-- alone may pass a place where its error changes sign. list: the v of each. As convergence.of, without a value.
+function convergence.together(h, list, noise)
+  local length = { [#h] = 0 } -- the way from each level to the last, whose differences are those lengths
+  for k = #h - 1, 1, -1 do
+    local square = 0
+    for _, v in ipairs(list) do square = square + (v[k + 1] - v[k]) ^ 2 end
+    length[k] = length[k + 1] + math.sqrt(square)
+  end
+  return convergence.of(h, length, noise)
+end
+
+-- The value to which v converges with the order of `common`.
+function convergence.limit(h, v, common)
+  local n, p = #h, common.order
+  if not p or common.in_noise then return v[n] end
+  return v[n] + (v[n] - v[n - 1]) * h[n] ^ p / (h[n - 1] ^ p - h[n] ^ p)
 end
 
 -- The number of decimal digits to which two numbers agree, relative to `scale`; 16, all that doubles have, at most.

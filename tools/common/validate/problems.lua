@@ -49,6 +49,9 @@ end
 -- The message with the file and the line: that of the field that it names in quotes or begins with, or that of problem{}.
 local function located(message, path)
   local name = path:match("[^/]*$")
+  if message:find("has to return a table with the function", 1, true) then
+    return name .. ": a problem ends with return validation.problem { ... }, see scripts/validation/README.md"
+  end
   if message:find(name .. ":", 1, true) then return message end
   local file, line = io.open(path), 0
   local best, word = nil, message:match("'([^']+)'") or message:match("^[%w_]+")

@@ -56,22 +56,24 @@ local function judge_order(found, axis, q, faults)
   end
 end
 
--- What the cells, with their values, say of quantity number k. Fields: value, digits, error (relative to the scale),
--- space and time (see convergence.of, with h and v), faults (texts; none: the quantity is right).
-function study.judge(description, levels, cells, k, quick)
-  local q = description.quantities[k]
-  local found = { quantity = q, faults = {} }
+-- What the levels themselves say of the error of the finest one, relative: the grid convergence index of Roache (1998), 1.25
+-- times what extrapolation added, of both axes. The extrapolated value is the better one. nil: an axis shows no order.
+local function uncertainty(found)
+  local sum = 0
   for _, axis in ipairs { "space", "time" } do
-    if levels[axis] then
-      local h, v = sizes(axis, levels), along(cells, axis, levels, k)
-      local c = convergence.of(h, v, q.noise * q.scale)
-      c.h, c.v = h, v
-      found[axis] = c
-    end
+    local c = found[axis]
+    if c and c.doubt then return nil end
+    if c then sum = sum + math.abs(c.value - c.v[#c.v]) end
   end
+  return 1.25 * sum / found.quantity.scale
+end
+
+local function judge(found, description, quick)
+  local q = found.quantity
   found.value = found.space and found.space.value or found.time.value
   if found.space and found.time then found.value = found.value + found.time.value - found.time.v[#found.time.v] end
   found.error = math.abs(found.value - q.reference) / q.scale
+  found.uncertainty = uncertainty(found)
   found.digits = convergence.digits(found.value, q.reference, q.scale)
   found.tolerance = quick and description.quick and description.quick.tolerance or q.tolerance
   if found.error > found.tolerance then
@@ -81,7 +83,43 @@ function study.judge(description, levels, cells, k, quick)
     judge_order(found, "space", q, found.faults)
     judge_order(found, "time", q, found.faults)
   end
-  return found
+end
+
+-- Gives all quantities the order of the vector that they are.
+local function join(list, axis, h)
+  local vectors, noise = {}, 0
+  for k, found in ipairs(list) do
+    vectors[k] = found[axis].v
+    noise = math.max(noise, found.quantity.noise * found.quantity.scale)
+  end
+  local common = convergence.together(h, vectors, noise)
+  for _, found in ipairs(list) do
+    local c = { h = h, v = found[axis].v, spread = found[axis].spread }
+    for _, key in ipairs { "order", "at_least", "exact", "noise", "doubt", "in_noise" } do c[key] = common[key] end
+    c.value = convergence.limit(h, c.v, common)
+    found[axis] = c
+  end
+end
+
+-- What the cells, with their values, say of each quantity: a list of
+--   quantity, value, error (relative to the scale), digits, tolerance
+--   uncertainty   what the levels alone say of the finest one's error, relative; nil: nothing
+--   space, time   see convergence.of, with h and v
+--   faults        texts; none: the quantity is right
+function study.results(description, levels, cells, quick)
+  local list = {}
+  for k, q in ipairs(description.quantities) do list[k] = { quantity = q, faults = {} } end
+  for _, axis in ipairs { "space", "time" } do
+    local h = levels[axis] and sizes(axis, levels)
+    for k, found in ipairs(h and list or {}) do
+      local v = along(cells, axis, levels, k)
+      found[axis] = convergence.of(h, v, found.quantity.noise * found.quantity.scale)
+      found[axis].h, found[axis].v = h, v
+    end
+    if h and description.together then join(list, axis, h) end
+  end
+  for _, found in ipairs(list) do judge(found, description, quick) end
+  return list
 end
 
 return study

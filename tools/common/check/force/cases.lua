@@ -21,6 +21,19 @@ local function chain(count)
   return shape
 end
 
+-- A wavy closed loop, each edge from the end of the one before.
+local function ring(count)
+  local shape = chain(count)
+  shape.name = ("ring of %d"):format(count)
+  for i = 1, count do
+    local angle = 2 * math.pi * i / count
+    local radius = count / (2 * math.pi) * (1 + 0.1 * math.sin(3 * angle))
+    shape.positions[i] = { radius * math.cos(angle), radius * math.sin(angle), 0.2 * math.sin(2.1 * i) }
+  end
+  shape.edges[count] = { count, 1 }
+  return shape
+end
+
 -- Points of a sequence that fills the cube evenly (the additive recurrence of the plastic number), all joined with those
 -- that follow next.
 local function cloud(count, size)
@@ -63,8 +76,10 @@ local function sheet(nx, ny)
   return shape
 end
 
--- The first two are those in which every setting is tried; the pairs have no need of the other properties.
-cases.shapes = { sheet(4, 3), cloud(8, 2.2), chain(6), cloud(6, 0.2) }
+-- The first two that a plugin takes are those in which every setting is tried; the pairs have no need of the other
+-- properties.
+cases.shapes = { sheet(4, 3), cloud(8, 2.2), chain(8), ring(7), cloud(6, 0.2) }
+local FIRST = 4 -- the shapes among which these two are
 for _, distance in ipairs { 0.001, 0.03, 0.3, 0.9, 1, 1.1, 1.5, 2.5, 10, 100 } do
   cases.shapes[#cases.shapes + 1] = pair(distance)
 end
@@ -218,14 +233,16 @@ local function accepted_settings(plugin)
   return list
 end
 
--- All cases: every shape with the first setting, and the first two with every one. plugin.accepted, a set of names,
--- leaves out the others.
+-- All cases: every shape with the first setting, and the first two that are taken with every one. plugin.accepted, a
+-- set of names, leaves out the others.
 function cases.list(plugin)
-  local list, settings = {}, accepted_settings(plugin)
+  local list, settings, taken = {}, accepted_settings(plugin), 0
   if plugin.scene then list[1] = { name = plugin.scene, file = plugin.scene, length = 1, few = true } end
   for k, shape in ipairs(cases.shapes) do
+    if plugin.accepted and settings[1] and plugin.accepted[name_of(shape, settings[1])] then taken = taken + 1 end
+    local all = k <= FIRST and taken <= 2
     for q, setting in ipairs(settings) do
-      if (k <= 2 or q == 1) and (not plugin.accepted or plugin.accepted[name_of(shape, setting)]) then
+      if (all or q == 1) and (not plugin.accepted or plugin.accepted[name_of(shape, setting)]) then
         list[#list + 1] = { name = name_of(shape, setting), shape = shape, setting = setting, length = shape.length,
           base = q == 1, few = #shape.positions > 2 }
       end

@@ -120,12 +120,38 @@ local function names_fitting_blocks(lines, subject)
   return true
 end
 
-local function jacobian_error(subject, z, A, length)
+-- Whether A + 1e-9 scale I has a Cholesky factor: no eigenvalue of the symmetric part is below -1e-9 scale.
+local function definite(A, size, scale)
+  local shift, factor = 1e-9 * scale, {}
+  for r = 1, size do
+    for k = 1, r do
+      local sum = (A[(r - 1) * size + k] + A[(k - 1) * size + r]) / 2 + (r == k and shift or 0)
+      for q = 1, k - 1 do sum = sum - factor[(r - 1) * size + q] * factor[(k - 1) * size + q] end
+      if r == k and (sum < 0 or sum ~= sum) then return false end
+      local pivot = factor[(k - 1) * size + k]
+      factor[(r - 1) * size + k] = r == k and math.sqrt(sum) or pivot > 0 and sum / pivot or 0
+    end
+  end
+  return true
+end
+derivatives.definite = definite
+
+local function jacobian_error(subject, A, length, z)
   local size = #inspect.state(subject).x
   local F = worst.largest(inspect.force(subject, 0))
   return best(length, function(h)
-    local slopes = inspect.slopes(subject, z, h)
+    local slopes = inspect.slopes(subject, z or "x", h)
     return worst.matrix_difference(A, slopes, size, 16 * EPSILON * F / h)
+  end)
+end
+
+-- 1 where K is softer than -dF/dx in some direction, by more than a millionth of its size; for HK_STIFFER_BLOCKS.
+local function softness(subject, K, length)
+  local size, most = #inspect.state(subject).x, worst.largest(K)
+  return best(length, function(h)
+    local slopes, more = inspect.slopes(subject, "x", h), {}
+    for k = 1, size * size do more[k] = K[k] - slopes[k] end
+    return definite(more, size, 1e3 * most) and 0 or 1, "softer in some direction"
   end)
 end
 
@@ -141,9 +167,10 @@ local function jacobians_are_the_derivatives(plugin, lines)
       fine = false
       return lines:wrong("its `jacobian` fails at a random state", "return HK_OK, or host->fail with the cause")
     end
-    local figure, text = jacobian_error(subject, "x", K, case.length)
+    local of_K = plugin.stiffer_blocks and softness or jacobian_error
+    local figure, text = of_K(subject, K, case.length)
     K_found:take(figure, at(case, text))
-    figure, text = jacobian_error(subject, "v", D, 1)
+    figure, text = jacobian_error(subject, D, 1, "v")
     D_found:take(figure, at(case, text))
     local K_on, D_on = inspect.blocks(subject, 0, 1)
     local size = math.max(1, worst.largest(K), worst.largest(D))
@@ -159,7 +186,8 @@ local function jacobians_are_the_derivatives(plugin, lines)
     if worst.difference(K_now, K) > ROUNDING or worst.difference(D_now, D) > ROUNDING then stale = stale or case.name end
   end)
   if not fine then return end
-  lines:most("K = -dF/dx (central differences)", K_found.figure, DIFFERENCES,
+  lines:most(plugin.stiffer_blocks and "K is nowhere softer than -dF/dx, as claimed" or "K = -dF/dx (central differences)",
+    K_found.figure, DIFFERENCES,
     "K is minus the derivative of F; look at the signs and at the terms across the direction", K_found.where)
   lines:most("D = -dF/dv (central differences)", D_found.figure, DIFFERENCES,
     "D is minus the derivative of F with respect to the velocities", D_found.where)
@@ -176,22 +204,6 @@ local function asymmetry(A, size)
   end
   return most > 0 and off / most or 0
 end
-
--- Whether A + 1e-9 scale I has a Cholesky factor: no eigenvalue of the symmetric part is below -1e-9 scale.
-local function definite(A, size, scale)
-  local shift, factor = 1e-9 * scale, {}
-  for r = 1, size do
-    for k = 1, r do
-      local sum = (A[(r - 1) * size + k] + A[(k - 1) * size + r]) / 2 + (r == k and shift or 0)
-      for q = 1, k - 1 do sum = sum - factor[(r - 1) * size + q] * factor[(k - 1) * size + q] end
-      if r == k and (sum < 0 or sum ~= sum) then return false end
-      local pivot = factor[(k - 1) * size + k]
-      factor[(r - 1) * size + k] = r == k and math.sqrt(sum) or pivot > 0 and sum / pivot or 0
-    end
-  end
-  return true
-end
-derivatives.definite = definite
 
 local function symmetric_as_claimed(plugin, lines)
   local claimed, wanted, left_out = worst.new(), worst.new(), worst.new()

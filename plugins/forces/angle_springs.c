@@ -1,0 +1,228 @@
+/* Angle springs: bending of chains of particles. Where a chain turns from the edge e_1 = x_j - x_i to e_2 = x_k - x_j
+ * by the angle theta, the energy is 1/2 k (theta - theta_0)^2 and the damping -c d(theta)/dt grad theta. In space theta
+ * = atan2(|e_1 x e_2|, e_1.e_2), 0 to pi; with `normal` it is measured in the plane across that, with a sign. joint.c
+ * has the derivatives, and says what happens where an angle has no direction (folded: no force).
+ *
+ * A stiffness in N m of a joint is that of one mesh only. Given as EI (N m^2) it is that of the rod: k = EI/l with l
+ * half the length of both edges, so that a finer chain bends as a coarse one does, up to its discretisation error of
+ * order l^2. Where EI differs between the edges, the halves yield one after the other: 1/k = l_1/(2 EI_1) + l_2/(2
+ * EI_2). An edge between two pinned particles is a wall, which does not yield: at a clamp k = 2 EI/l_2, and the rod
+ * begins at the second pinned particle. `curvature` (1/m) likewise is the angle at rest per length. */
+#include "plugins/common/elements/element_force.h"
+#include "plugins/common/joints/joint.h"
+#include "plugins/common/joints/joint_kernel.h"
+#include "plugins/common/joints/joint_list.h"
+#include "plugins/common/springs/edge_stiffness.h"
+
+typedef struct angle_springs {
+  hk_tuples edges, joints;
+  hk_per_tuple k, EI, rest, damping;
+  double curvature, retardation, normal[3];
+  const double *plane; /* the unit normal; NULL: angles in space */
+  hk_element_force list;
+  hk_joint_layout layout;
+} angle_springs;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"joints", "", "triples of particles i, j, k, which bend at j", HK_TRIANGLES, {0}, 0, 0, offsetof(angle_springs, joints), 0, NULL},
+    {"edges", "", "pairs of particles; where one shares an end with the one before there is a joint", HK_EDGES, {0}, 0, 0,
+     offsetof(angle_springs, edges), 0, NULL},
+    {"EI", "N m^2", "bending stiffness of the rod: k = EI/l, l half the length of both edges; of each edge, or of all",
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(angle_springs, EI), 0, "edges"},
+    {"k", "N m/rad", "stiffness of a joint, in addition to EI/l", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(angle_springs, k), 0,
+     "joints"},
+    {"damping", "N m s/rad", "damping of a joint", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(angle_springs, damping), 0, "joints"},
+    {"retardation", "s", "damping as a time, c = retardation k (Kelvin and Voigt), in addition to `damping`", HK_NUMBER, {0},
+     0, INFINITY, offsetof(angle_springs, retardation), 0, NULL},
+    {"rest", "rad", "angle at rest; left out: the initial angle", HK_PER_TUPLE, {0}, -3.14159265358979323846,
+     3.14159265358979323846, offsetof(angle_springs, rest), HK_OPTIONAL, "joints"},
+    {"curvature", "1/m", "curvature at rest, instead of `rest`", HK_NUMBER, {0}, -INFINITY, INFINITY,
+     offsetof(angle_springs, curvature), HK_OPTIONAL, NULL},
+    {"normal", "", "of the plane in which angles are measured, with a sign; left out: in space", HK_VECTOR, {0}, 0, 0,
+     offsetof(angle_springs, normal), HK_OPTIONAL, NULL},
+    {0},
+};
+/* clang-format on */
+
+static void measure(const angle_springs *s, const double *x, size_t k, hk_joint *joint) {
+  const hk_elements *a = &s->list.acting;
+  hk_joint_measure(x, hk_tuple(&a->node, k), s->plane, hk_tuple_value(&a->rest, k) == 0, joint);
+}
+
+static void gradient(const hk_joint *joint, double dC[3][3]) {
+  for (int c = 0; c < 3; c++) {
+    double g1 = joint->l[0] > 0 ? joint->across[0][c] / joint->l[0] : 0;
+    double g2 = joint->l[1] > 0 ? joint->across[1][c] / joint->l[1] : 0;
+    dC[0][c] = -g1;
+    dC[1][c] = g1 - g2;
+    dC[2][c] = g2;
+  }
+}
+
+static void evaluate(const void *self, const double *x, size_t begin, size_t end, double *C, double (*dC)[3]) {
+  const angle_springs *s = self;
+  for (size_t k = begin; k < end; k++, dC += 3) {
+    hk_joint joint;
+    measure(s, x, k, &joint);
+    C[k - begin] = hk_joint_off(joint.angle, hk_tuple_value(&s->list.acting.rest, k));
+    gradient(&joint, dC);
+  }
+}
+
+/* ---- the force ---- */
+
+static hk_status topology(void *self, const hk_view *view) {
+  angle_springs *s = self;
+  hk_status status = hk_element_force_take(&s->list, view, &s->joints, &s->k, &s->damping, &s->rest);
+  return status == HK_OK ? hk_joint_layout_build(&s->layout, view->host, view->n, &s->list.acting) : status;
+}
+
+static hk_status check(const angle_springs *s, const hk_host *host) {
+  if (!s->edges.count && !s->joints.count)
+    return host->fail(host, HK_BAD_PARAM, "edges or joints are required: where should there be joints?");
+  if (!isnan(s->curvature) && s->rest.count) return host->fail(host, HK_BAD_PARAM, "give rest or curvature, not both");
+  if (s->plane) return HK_OK;
+  for (size_t k = 0; k < s->rest.count; k++)
+    if (s->rest.value[k] < 0)
+      return host->fail(host, HK_BAD_PARAM, "rest: %g rad: an angle in space has no sign; give the normal of a plane",
+                        s->rest.value[k]);
+  if (s->curvature < 0)
+    return host->fail(host, HK_BAD_PARAM, "curvature: %g/m: an angle in space has no sign; give the normal of a plane",
+                      s->curvature);
+  return HK_OK;
+}
+
+static hk_status set_plane(angle_springs *s, const hk_host *host) {
+  double length = sqrt(s->normal[0] * s->normal[0] + s->normal[1] * s->normal[1] + s->normal[2] * s->normal[2]);
+  if (isnan(length)) return HK_OK;
+  if (!(length > 0 && length < INFINITY)) return host->fail(host, HK_BAD_PARAM, "normal: must not be zero");
+  for (int c = 0; c < 3; c++) s->normal[c] /= length;
+  s->plane = s->normal;
+  return HK_OK;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  angle_springs *s = self;
+  s->list = (hk_element_force){.acting = {.values = 1, .evaluate = evaluate, .self = s}};
+  hk_status status = set_plane(s, host);
+  if (status == HK_OK) status = check(s, host);
+  const hk_joint_numbers numbers = {&s->k, &s->EI, &s->damping, &s->rest, s->curvature, s->retardation};
+  if (status == HK_OK) status = hk_joint_list_make(view, &s->edges, &s->joints, &numbers);
+  return status == HK_OK ? topology(self, view) : status;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const angle_springs *s = self;
+  hk_joint_forces(&s->layout, view, s->plane, F);
+  return HK_OK;
+}
+
+static double energy(void *self, const hk_view *view) {
+  const angle_springs *s = self;
+  return hk_element_force_energy(&s->list, view);
+}
+
+static void elements(void *self, const hk_view *view, hk_elements *out) {
+  const angle_springs *s = self;
+  (void)view;
+  *out = s->list.acting;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  const angle_springs *s = self;
+  (void)view;
+  hk_element_force_pattern(&s->list, p);
+}
+
+/* What a joint does now: its geometry, k, c, the moment z = k (theta - theta_0) + c d(theta)/dt and the edges' rates.
+ */
+typedef struct state {
+  hk_joint joint;
+  double k, c, z, moment, du[2][3]; /* moment: without damping */
+} state;
+
+static void look(const angle_springs *s, const hk_view *view, size_t e, state *now) {
+  const hk_elements *a = &s->list.acting;
+  const uint32_t *node = hk_tuple(&a->node, e);
+  measure(s, view->x, e, &now->joint);
+  now->k = a->stiffness.value[e];
+  now->c = a->damping.value[e];
+  now->z = now->moment = now->k * hk_joint_off(now->joint.angle, a->rest.value[e]);
+  for (int m = 0; m < 2; m++)
+    for (int c = 0; c < 3; c++) {
+      now->du[m][c] = view->v[3 * (size_t)node[m + 1] + c] - view->v[3 * (size_t)node[m] + c];
+      if (now->joint.l[m] > 0) now->z += now->c * now->joint.across[m][c] / now->joint.l[m] * now->du[m][c];
+    }
+}
+
+static void add_blocks(const size_t *slot, hk_joint_blocks A, double *into) {
+  static const double part[3][2] = {{-1, 0}, {1, -1}, {0, 1}}; /* of a particle in the edges */
+  for (int b = 0; b < 9; b++)
+    for (int m = 0; m < 4; m++) {
+      double factor = part[b / 3][m / 2] * part[b % 3][m % 2];
+      for (size_t q = 0; q < 9 && factor != 0; q++) into[9 * slot[b] + q] += factor * A[m / 2][m % 2][q];
+    }
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const angle_springs *s = self;
+  bool definite = into->want & HK_WANT_DEFINITE, turns = !definite && !(into->want & HK_WANT_SYMMETRIC);
+  for (size_t e = 0; e < s->list.acting.node.count; e++) {
+    hk_joint_blocks A;
+    state now;
+    look(s, view, e, &now);
+    if (definite)
+      hk_joint_definite(&now.joint, now.k, now.moment, A);
+    else
+      hk_joint_stiffness(&now.joint, now.k, now.z, A);
+    if (turns && now.c > 0) hk_joint_turning(&now.joint, now.c, (const double(*)[3])now.du, A);
+    add_blocks(into->slot + 9 * e, A, into->K);
+    if (now.c == 0) continue;
+    hk_joint_gauss(&now.joint, now.c, A);
+    add_blocks(into->slot + 9 * e, A, into->D);
+  }
+  return HK_OK;
+}
+
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const angle_springs *s = self;
+  for (size_t e = 0; e < s->list.acting.node.count; e++) {
+    const uint32_t *node = hk_tuple(&s->list.acting.node, e);
+    double along[2], across[2];
+    state now;
+    look(s, view, e, &now);
+    if (part == HK_DAMPING_WHOLE)
+      hk_joint_bound(&now.joint, now.c, 0, true, along, across);
+    else
+      hk_joint_bound(&now.joint, now.k, now.z, part == HK_STIFFNESS_WHOLE, along, across);
+    for (int m = 0; m < 2; m++) hk_edge_stiffness_add(view, node + m, now.joint.t[m], along[m], across[m], block);
+  }
+}
+
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    /* The moment of momentum is kept by angles in space, not by those in a plane when a chain leaves it. */
+    .flags =
+        HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_POWER | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
+    .add = add,
+    .energy = energy,
+    .elements = elements,
+    .pattern = pattern,
+    .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "angle_springs",
+    .summary = "bending of chains, E = 1/2 k (theta - theta_0)^2 at every joint, k given or EI/l",
+    .reference = "Rosenblum, Carlson and Tripp 1991, Simulating the structure and dynamics of human hair; Hairer and "
+                 "Wanner 1996, Solving Ordinary Differential Equations II, IV.1 (beam)",
+    .instance_size = sizeof(angle_springs),
+    .params = params,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};

@@ -1,0 +1,119 @@
+/* Rods that bend and twist: discrete elastic rods (Bergou, Wardetzky, Robinson, Audoly and Grinspun 2008; Bergou,
+ * Audoly, Vouga, Wardetzky and Grinspun 2010), for hair, strings with stiffness, cables, springs wound of wire. Edges
+ * in a list, each beginning where the one before ends, form a rod; one that ends where it began is a ring. Stretching
+ * is left to other forces (springs) or constraints.
+ *
+ * At a joint, edges with the directions t0 and t1 have the curvature binormal kb = 2 t0 x t1/(1 + t0.t1), of size
+ * 2 tan(turn/2), and l = (L0 + L1)/2 of the rod belongs to it. With k the components of kb on the axes of the cross
+ * section there and m the twist between its edges,
+ *     E = 1/2 sum (EI |k_1 - k0_1|^2 + EI2 |k_2 - k0_2|^2 + GJ (m - m0)^2)/l.
+ * EI resists bending towards the first axis, about the second. EI and GJ are the material's, so that refinement changes
+ * the energy at second order in l alone. Twist waves are much faster than bending and have no inertia here: the angles
+ * of the sections are always those of least energy (quasi-static twist). An edge between two pinned particles is a
+ * clamp, which holds its section as well; `turn` turns the last clamp of a rod, or the ends of a ring against each
+ * other, by any number of turns.
+ *
+ * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
+ * ends the run with the particle's number. */
+#include "plugins/common/rods/rod_blocks.h"
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"edges", "", "the edges of rods, each from the end of the one before; a rod that ends where it began is a ring",
+     HK_EDGES, {0}, 0, 0, offsetof(hk_rods, edges), HK_REQUIRED, NULL},
+    {"EI", "N m^2", "stiffness of bending; with EI2, of bending towards the first axis",
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, EI), HK_REQUIRED, NULL},
+    {"EI2", "N m^2", "stiffness of bending towards the second axis; left out: EI",
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, EI2), HK_OPTIONAL, NULL},
+    {"GJ", "N m^2", "stiffness in twist", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, GJ), 0, NULL},
+    {"axis", "", "direction of the first axis on the first edge of each rod; left out: any",
+     HK_VECTOR, {0}, 0, 0, offsetof(hk_rods, axis), HK_OPTIONAL, NULL},
+    {"rest", "", "shape without energy, where curvature and torsion do not say it",
+     HK_CHOICE, {0}, 0, 0, offsetof(hk_rods, rest), 0, "initial|straight"},
+    {"curvature", "1/m", "of the shape without energy, towards the first axis",
+     HK_PER_TUPLE, {0}, 0, 0, offsetof(hk_rods, curvature), HK_OPTIONAL, NULL},
+    {"torsion", "rad/m", "of the shape without energy",
+     HK_PER_TUPLE, {0}, 0, 0, offsetof(hk_rods, torsion), HK_OPTIONAL, NULL},
+    {"length", "m", "of an edge without strain; left out: the initial length",
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
+    {"turn", "rad", "angle by which the last clamp of a rod is turned about it, or a ring's ends against each other",
+     HK_NUMBER, {0}, 0, 0, offsetof(hk_rods, turn), HK_TIMED, NULL},
+    {"jacobian", "", "blocks for implicit methods: of joints only, without what the twist that follows softens, or exact, "
+     "which joins all particles of a rod with sides or twist",
+     HK_CHOICE, {0}, 0, 0, offsetof(hk_rods, jacobian), 0, "banded|exact"},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"frames", HK_FIELD_ARRAY, sizeof(hk_rod_frame), offsetof(hk_rods, frames), 0},
+    {"turned", HK_FIELD_NUMBER, 1, offsetof(hk_rods, turned), 0},
+    {0},
+};
+/* clang-format on */
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) { return hk_rods_open(self, host, view); }
+
+static hk_status topology(void *self, const hk_view *view) { return hk_rods_follow(self, view); }
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  hk_status status = hk_rods_evaluate(self, view, NULL);
+  if (status == HK_OK) hk_rods_scatter(self, view->host, F);
+  return status;
+}
+
+static double energy(void *self, const hk_view *view) {
+  double E = NAN;
+  return hk_rods_evaluate(self, view, &E) == HK_OK ? E : NAN;
+}
+
+static void pattern(void *self, const hk_view *view, hk_pattern *p) {
+  (void)view;
+  hk_rod_blocks_pattern(self, p);
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  hk_status status = hk_rods_evaluate(self, view, NULL);
+  if (status == HK_OK) hk_rod_blocks_add(self, view->host, into);
+  return status;
+}
+
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  if (part == HK_DAMPING_WHOLE) return;
+  if (hk_rods_evaluate(self, view, NULL) == HK_OK)
+    hk_rod_blocks_bound(self, view, block);
+  else
+    for (size_t k = 0; k < view->acting; k++) block[view->active ? view->active[k] : k][0] = INFINITY;
+}
+
+static hk_status accepted(void *self, const hk_view *view, double h) {
+  (void)h;
+  return hk_rods_accept(self, view);
+}
+
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+             HK_OFFERS_DEFINITE | HK_STIFFER_BLOCKS,
+    .add = add,
+    .energy = energy,
+    .pattern = pattern,
+    .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
+    .accepted = accepted,
+};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "rods",
+    .summary = "rods that bend and twist, straight or curled at rest: E = 1/2 sum (EI |k - k0|^2 + GJ (m - m0)^2)/l",
+    .reference =
+        "Bergou, Wardetzky, Robinson, Audoly and Grinspun 2008, ACM Trans. Graph. 27 (3); Bergou and others 2010, "
+        "ACM Trans. Graph. 29 (4)",
+    .instance_size = sizeof(hk_rods),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};
