@@ -14,6 +14,7 @@
 static const double pi = 3.14159265358979323846;
 /* Instructions of a script that take as long, about: 10,000 strands of 32 particles are 0.1 s. */
 enum { ROOT_COST = 1000, PARTICLE_COST = 30 };
+enum { MOST = 20000000 }; /* particles; a script's memory is full before */
 
 /* ---- the surface ---- */
 
@@ -172,6 +173,9 @@ static void read(lua_State *L, const hk_scene *scene, hair *h) {
   h->wall = hk_lua_flag(L, 2, "hair", "clamped", true);
   h->n = hk_lua_count(L, 2, "hair", "n", h->wall ? 3 : 2);
   h->strands = hk_lua_count(L, 2, "hair", "strands", 1);
+  if ((double)h->n * h->strands > MOST)
+    hk_lua_fail(L, HK_BAD_PARAM, "hair: %d strands of %d particles are too many: at most %d particles", (int)h->strands,
+                (int)h->n, MOST);
   h->length = hk_lua_above_zero(L, 2, "hair", "length", 1);
   h->spread = below(L, "spread", pi);
   h->vary_length = below(L, "vary_length", 0.99);
