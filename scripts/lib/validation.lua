@@ -172,8 +172,14 @@ end
 -- A watcher of the zeros of a quantity: watch(t, y, slope) at every step, then watch.times. Between two steps it
 -- interpolates by the cubic of both values and slopes (error O(h^4), below that of methods of order 2).
 -- direction: 1 counts rising zeros only, -1 falling ones.
+-- Asking for one that has not been is an error that says so.
+local missing = { __index = function(times, k)
+  error(("a quantity passed zero %d times, and the time of number %s is asked for: the run is too short, or it does not swing")
+    :format(#times, k), 2)
+end }
+
 function validation.crossings(direction)
-  local w = { times = {} }
+  local w = { times = setmetatable({}, missing) }
   local t0, y0, s0
   return setmetatable(w, { __call = function(_, t, y, slope)
     local crosses = y0 and y0 ~= 0 and (y0 > 0) ~= (y > 0)
