@@ -170,6 +170,8 @@ void hk_constraints_close(hk_dynamics *d) {
   hk_constraint_matrix_free(d->constraints);
   hk_instance_destroy(d->constraints->linear.any);
   hk_instance_destroy(d->constraints->linear.special);
+  hk_instance_destroy(d->constraints->mixed.any);
+  hk_spec_destroy(d->constraints->unsymmetric);
   free(d->constraints);
   d->constraints = NULL;
 }

@@ -28,11 +28,15 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
                     c->g,        c->c,     c->rhs,        c->solution,  c->path,    c->path_used, c->speed,
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
-                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x,  c->own};
+                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  hk_linear_system linear = c->linear;
-  linear.analyzed = false;
-  *c = (hk_constraints){.linear = linear, .revision = c->revision + 1, .jumped = c->jumped};
+  hk_linear_system linear = c->linear, mixed = c->mixed;
+  linear.analyzed = mixed.analyzed = false;
+  *c = (hk_constraints){.linear = linear,
+                        .mixed = mixed,
+                        .unsymmetric = c->unsymmetric,
+                        .revision = c->revision + 1,
+                        .jumped = c->jumped};
 }
 
 static hk_status no_memory(hk_dynamics *d) {
@@ -88,6 +92,7 @@ static hk_status allocate(hk_dynamics *d) {
   size_t m = c->equations + 1, b = c->blocks + 1;
   c->J = calloc(b, sizeof *c->J);
   c->WJ = calloc(b, sizeof *c->WJ);
+  c->J_end = calloc(b, sizeof *c->J_end);
   c->pin = malloc(b * sizeof *c->pin);
   c->full = calloc(m, sizeof *c->full);
   c->own = calloc(m, sizeof *c->own);
@@ -111,7 +116,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->path = calloc(d->pins->count + 1, sizeof *c->path);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
   fine &= c->J && c->WJ && c->pin && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
-  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own;
+  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
   return fine && c->path && c->path_used ? HK_OK : no_memory(d);
 }
 
@@ -350,6 +355,44 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
   hk_status status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
   if (status == HK_OK && c->soft > 0) status = refine(d);
+  for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
+  return status;
+}
+
+static hk_matrix assemble_mixed(hk_constraints *c) {
+  const size_t *diagonal = c->matrix.slot, *slot = diagonal + c->equations;
+  memset(c->value, 0, c->matrix.row_start[c->equations] * sizeof *c->value);
+  for (size_t k = 0; k < c->equations; k++) c->value[diagonal[k]] = c->scale[k] == 0;
+  for (size_t b = 0; b < c->blocks; b++) {
+    uint32_t k = c->list.pair[b][0];
+    c->value[diagonal[k]] += c->scale[k] * c->scale[k] * hk_constraint_dot(c->J_end[b], c->WJ[b]);
+  }
+  for (size_t e = 0; e < c->terms; e++, slot += 2) {
+    uint32_t p = c->term[e][0], q = c->term[e][1];
+    double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
+    c->value[slot[0]] += scale * hk_constraint_dot(c->J_end[p], c->WJ[q]);
+    c->value[slot[1]] += scale * hk_constraint_dot(c->J_end[q], c->WJ[p]);
+  }
+  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, false, c->matrix.number};
+}
+
+static hk_status open_mixed(hk_dynamics *d, hk_constraints *c) {
+  if (c->mixed.any) return HK_OK;
+  hk_status status = hk_solver_indefinite(d, &c->mixed.any, &c->unsymmetric);
+  c->mixed.solver = c->mixed.any;
+  return status;
+}
+
+hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x, const double *v) {
+  hk_constraints *c = d->constraints;
+  c->kept = false;
+  hk_status status = open_mixed(d, c);
+  if (status == HK_OK) status = hk_constraint_jacobian(d, t, x, v, c->J_end);
+  if (status != HK_OK) return status;
+  hk_matrix A = assemble_mixed(c);
+  for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->scale[k] * c->g[k];
+  status = hk_linear_system_factorize(d, &c->mixed, &A);
+  if (status == HK_OK) status = hk_linear_system_solve(d, &c->mixed, c->rhs, c->solution, NULL);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
 }

@@ -45,6 +45,9 @@ struct hk_constraints {
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
+  hk_linear_system mixed;      /* of J W J^T with J of two states, which is not symmetric; opened when it is needed */
+  double (*J_end)[3];          /* blocks: the first of the two */
+  hk_plugin_spec *unsymmetric; /* spec of its solver; NULL: the scene's */
 };
 
 static inline double hk_constraint_dot(const double a[3], const double b[3]) {
@@ -91,6 +94,9 @@ hk_matrix hk_constraint_matrix_assemble(hk_constraints *); /* A, whose values ar
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *);
 hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
+/* solution = -(J' W J^T)^-1 g, J' at x and J of the last linearisation: a round of Newton's iteration. A and its
+ * factors are no longer those of the linearisation. */
+hk_status hk_constraint_matrix_newton(hk_dynamics *, double t, const double *x, const double *v);
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);
