@@ -104,6 +104,7 @@ local function described(p)
     end
     copy.scale = q.scale or math.abs(copy.reference)
     copy.tolerance, copy.why = q.tolerance or p.tolerance, q.why or p.why
+    if q.unit == "" then copy.unit = nil end
     copy.order = q.order or p.order or {}
     copy.noise = q.noise or p.noise or 1e-13
     d.quantities[k] = copy
