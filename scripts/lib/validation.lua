@@ -76,7 +76,12 @@ local function check(p)
     check_levels("quick: space", p.quick.space, true)
     check_levels("quick: time", p.quick.time, false)
   end
-  for k, q in ipairs(p.quantities) do check_quantity(p, q, k) end
+  local seen = {}
+  for k, q in ipairs(p.quantities) do
+    check_quantity(p, q, k)
+    if seen[q.name] then refuse("quantity '%s' is there twice", q.name) end
+    seen[q.name] = true
+  end
   for force, params in pairs(p.forces or {}) do
     if type(force) ~= "string" or type(params) ~= "table" then
       refuse("forces: expected { springs = { \"edges\", \"k\" } }: a force, and the parameters that the scenes give it")
