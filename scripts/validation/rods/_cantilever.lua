@@ -4,7 +4,7 @@ local validation = require("validation")
 
 local cantilever = {}
 
-cantilever.forces = { "angle_springs" }
+cantilever.forces = { "angle_springs", "rods" }
 -- What hooke validate --plugin may replace, and the parameters given.
 cantilever.replaceable = { angle_springs = { "edges", "EI", "rest" }, rods = { "edges", "EI", "rest" } }
 
@@ -15,7 +15,7 @@ local bend = {
   end,
   rods = function(scene, s, curvature)
     scene:force("rods", { edges = s:edges(), EI = 1, rest = "straight", curvature = curvature,
-      axis = curvature and { 0, 1, 0 } })
+      GJ = curvature and 1, axis = curvature and { 0, 1, 0 } })
   end,
 }
 
@@ -62,10 +62,12 @@ function cantilever.weight(w)
   return function(scene) scene:force("gravity", { g = { 0, -w, 0 } }) end
 end
 
--- For every force the quantities of `list`, { name, reference }; solve_one(n, force) returns their values.
+-- For every force (or those of p.with) the quantities of `list`, { name, reference }; solve_one(n, force) returns their
+-- values.
 function cantilever.problem(p, list, source, solve_one)
-  p.quantities = {}
-  for _, force in ipairs(cantilever.forces) do
+  local forces = p.with or cantilever.forces
+  p.quantities, p.with = {}, nil
+  for _, force in ipairs(forces) do
     for _, q in ipairs(list) do
       p.quantities[#p.quantities + 1] = { name = ("%s, %s"):format(q[1], force), reference = q[2], source = source,
         unit = q.unit, tolerance = q.tolerance, why = q.why }
@@ -75,7 +77,7 @@ function cantilever.problem(p, list, source, solve_one)
   p.space_label = p.space_label or "1/n, segments"
   p.solve = function(at)
     local all = {}
-    for _, force in ipairs(cantilever.forces) do
+    for _, force in ipairs(forces) do
       for _, value in ipairs { solve_one(at.n, force, at) } do all[#all + 1] = value end
     end
     return all
@@ -83,10 +85,11 @@ function cantilever.problem(p, list, source, solve_one)
   return validation.problem(p)
 end
 
--- The elastica under a load at the tip, P L^2/EI, or its own weight, w L^3/EI.
-function cantilever.elastica(title, load, angle, down, back, tolerance)
+-- The elastica under a load at the tip, P L^2/EI, or its own weight, w L^3/EI; `with`: forces, all by default.
+function cantilever.elastica(title, load, angle, down, back, tolerance, with)
   return cantilever.problem({
     title = title,
+    with = with,
     space = { 16, 32, 64 },
     order = { space = 2 },
     tolerance = tolerance,

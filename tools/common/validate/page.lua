@@ -34,7 +34,7 @@ local function cell(text) return (tostring(text):gsub("|", "\\|"):gsub("[%*_<]",
 
 local function row(found)
   local q = found.quantity
-  return ("| %s%s | %.12g | %s | %.1f | %s | %s | %s |"):format(cell(q.name), q.unit and ", " .. q.unit or "", q.reference,
+  return ("| %s%s | %.12g | %s | %.1f | %s | %s | %s |"):format(cell(q.name), q.unit and ", " .. cell(q.unit) or "", q.reference,
     lines.value_text(found, 12), found.digits, lines.order_cell(found, "space"), lines.order_cell(found, "time"),
     #found.faults == 0 and "" or "**" .. cell(table.concat(found.faults, "; ")) .. "**")
 end
