@@ -15,6 +15,9 @@
  * is symmetric is checked on the way; a rotation that is none of single particles is counted as a frequency
  * (count_rotation).
  *
+ * Constraint forces depend on v as well, but a method that keeps constraints in its own steps does not evaluate them:
+ * where system->takes_constraints is false, D is without them.
+ *
  * K is taken at v = 0: terms proportional to damping times velocity are unsymmetric, and small while no particle moves
  * by the distance to its neighbour in a step. alpha is the smallest damping rate of the particles when all have the
  * same velocity: elements between them then exert no damping force, and pins only add damping. This is exact for drag
@@ -46,6 +49,7 @@ struct hk_spectrum_work {
   hk_lanczos stiffness, damping;
   double stiffening_damping; /* 1/s, see stiffness.h */
   bool damps_alone;
+  bool constrained; /* D has the constraint forces in it; K always has */
   double length, spacing; /* m, see measure_scene; 0: not yet */
   hk_spectrum bounds;
 };
@@ -106,6 +110,7 @@ static hk_status apply(void *context, const double *in, double *out) {
   hk_spectrum_work *s = o->work;
   const double *w = o->system->model->inverse_mass;
   double most = largest_move(o->system->model, in), factor = most > 0 ? o->step / most : 0;
+  o->system->takes_constraints = !o->velocity || s->constrained;
   for (int side = 0; side < 2; side++) {
     displace(o, in, side == 0 ? factor : -factor);
     s->bounds.evaluations++;
@@ -195,6 +200,14 @@ static double difference_step(const hk_spectrum_work *s) {
 
 /* Bounds w_max. The bounds that the forces state are used when `use_stated`; when Lanczos iteration finds a larger
  * eigenvalue, they are wrong and the estimate is repeated without them. */
+/* Whether velocities are in the forces of constraints alone: those pull the more the faster what they hold turns, and
+ * are stiff across the pull. */
+static bool constraints_pull(const hk_system *system) {
+  bool other = false;
+  for (size_t k = 0; k < system->forces; k++) other |= system->force[k].flags & HK_DEPENDS_ON_V;
+  return system->equations > 0 && !other;
+}
+
 static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool use_stated, int steps, bool warm) {
   if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
   hk_spectrum *b = &s->bounds;
@@ -205,7 +218,10 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool us
   s->damps_alone = stated.damps_alone;
   b->w_switching = sqrt(stated.stiffening * inflate);
   operation o = {s, system, false, difference_step(s)};
-  memset(s->v, 0, 3 * s->n * sizeof *s->v);
+  if (constraints_pull(system))
+    memcpy(s->v, system->X + 3 * s->n, 3 * s->n * sizeof *s->v);
+  else
+    memset(s->v, 0, 3 * s->n * sizeof *s->v);
   hk_status status = bound(&o, &s->stiffness, covered ? stated.whole : INFINITY, steps, warm);
   if (status != HK_OK) return status;
   double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
@@ -328,12 +344,14 @@ static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bo
   s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .b_max = warm ? s->bounds.b_max : 0, .rigorous = true};
   s->length = s->stiffening_damping = 0;
   s->damps_alone = false;
+  s->constrained = system->takes_constraints;
   hk_status status = bound_stiffness(s, system, true, steps, warm);
   if (status == HK_OK) status = bound_damping(s, system, steps, warm);
   if (status == HK_OK && system->model->channels > 0) {
     hk_channel_scratch scratch = {s->x, s->v, s->a[0], s->y, {s->dy[0], s->dy[1]}, s->direction};
     status = hk_channel_rate(system, &scratch, &s->bounds.channel_rate, &s->bounds.evaluations);
   }
+  system->takes_constraints = s->constrained;
   if (status == HK_OK) *spectrum = s->bounds;
   if (status != HK_OK) s->n = SIZE_MAX; /* the next update is a full estimate */
   return status;
