@@ -23,6 +23,7 @@ local function parser()
   p:argument("topic", "a topic, a file of your own, or nothing: all"):args("?")
   p:argument("name", "one problem of the topic"):args("?")
   p:flag("--quick", "the short form: coarse levels, as make test runs them")
+  p:flag("--levels", "prints the value at every level, too")
   p:flag("--list", "the problems, and nothing is run")
   p:option("-j --jobs", "levels at a time"):convert(command_line.whole("-j"))
   p:option("--plugin", "a force of your own (X.so) in the place of one of the engine's")
@@ -65,6 +66,7 @@ local function describe(list, jobs)
   for k, problem in ipairs(list) do questions[k] = { problem = problem, question = "describe", timeout = 60 } end
   problems.ask(questions, jobs, function(q, result)
     q.problem.description, q.problem.failed = result.answer, result.failed
+    q.problem.title = result.answer and result.answer.title
   end)
 end
 
@@ -90,10 +92,32 @@ local function has_all(plugin, params)
   return true
 end
 
+-- The sentence on a force or parameter that a problem names and nobody has; nil: all are there.
+local function misnamed(list)
+  local known, names = {}, {}
+  for _, plugin in ipairs(hooke.catalogue()) do
+    if plugin.kind == "force" then known[plugin.name], names[#names + 1] = plugin, plugin.name end
+  end
+  for _, problem in ipairs(list) do
+    for force, params in pairs(problem.description.forces or {}) do
+      if not known[force] then
+        local near = hooke.nearest(force, names)
+        return ("%s: forces: there is no force '%s'%s"):format(problem.path, force,
+          near and ("; did you mean '%s'?"):format(near) or "")
+      end
+      if not has_all(known[force], params) then
+        return ("%s: forces: %s has not all of the parameters %s"):format(problem.path, force, table.concat(params, ", "))
+      end
+    end
+  end
+end
+
 -- The problems, each with its stand_in, in which the plugin can be a force; or nil and the exit code.
 local function with_plugin(list, o)
   local plugin, why = hooke.describe(o.plugin)
   if not plugin then return nil, complain("%s", why) end
+  why = misnamed(list)
+  if why then return nil, complain("%s", why) end
   if plugin.kind ~= "force" then return nil, complain("%s: its kind is %s; a force can stand in", o.plugin, plugin.kind) end
   local fitting, forces, seen = {}, {}, {}
   for _, problem in ipairs(list) do
@@ -107,6 +131,7 @@ local function with_plugin(list, o)
         for key, value in pairs(problem) do copy[key] = value end
         copy.stand_in = { force = force, path = plugin.path }
         copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
+        copy.title = ("%s: %s for %s"):format(problem.title, plugin.name, force)
         fitting[#fitting + 1] = copy
       end
     end
@@ -165,7 +190,7 @@ local function main()
   if o.list then return lines.list(list) end
   solve(list, o, jobs)
   judge(list, o.quick)
-  local wrong = lines.print(list)
+  local wrong = lines.print(list, o.levels)
   if not o.no_page then
     local fine, why = page.write(list, o)
     if not fine then

@@ -107,6 +107,8 @@ static void forget_masses(hk_dynamics *d) {
     uint32_t i = c->list.pair[b][1];
     for (int a = 0; a < 3 && d->state->inverse_mass[i] > 0; a++) c->WJ[b][a] *= d->state->mass[i];
   }
+  memset(c->own, 0, c->equations * sizeof *c->own);
+  for (size_t b = 0; b < c->blocks; b++) c->own[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], c->WJ[b]);
   for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->full[k] > 0 ? 1 : 0;
 }
 

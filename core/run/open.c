@@ -298,6 +298,7 @@ static hk_status start(hk_run *run) {
   status = hk_elements_refresh(&run->dynamics);
   if (status == HK_OK) status = hk_run_impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_sweep_settle(&run->dynamics);
+  if (status == HK_OK) status = hk_solver_settle(&run->dynamics);
   double limit = run->step.dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) {
     run->loop.piece.n = 0;
@@ -378,6 +379,7 @@ void hk_run_destroy(hk_run *run) {
   hk_dynamics_close(&run->dynamics);
   hk_plugins_clear(&run->plugins);
   hk_spec_destroy(run->dynamics.solver_spec);
+  hk_spec_destroy(run->dynamics.special_spec);
   for (size_t k = 0; k < run->services; k++) hk_spec_destroy(run->service_spec[k]);
   free(run->service_spec);
   hk_overrides_close(&run->overrides);

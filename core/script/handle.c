@@ -193,15 +193,24 @@ static int triangles(lua_State *L) {
   return 1;
 }
 
+static int missing(lua_State *L) {
+  const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : luaL_typename(L, 2);
+  return hk_lua_fail(
+      L, HK_BAD_PARAM,
+      "a handle has no '%s' here; strands and hair have length and segment, with radius and E also EA, EI, "
+      "stiffness, with nu GJ, and an ellipse has EI2",
+      key);
+}
+
 /* Methods, the upvalue, come first; then the numbers that the builder left. */
 static int member(lua_State *L) {
   self(L);
   lua_settop(L, 2);
   lua_pushvalue(L, 2);
-  if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL || lua_getiuservalue(L, 1, HK_LUA_NUMBERS) != LUA_TTABLE) return 1;
+  if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL) return 1;
+  if (lua_getiuservalue(L, 1, HK_LUA_NUMBERS) != LUA_TTABLE) return missing(L);
   lua_pushvalue(L, 2);
-  lua_rawget(L, -2);
-  return 1;
+  return lua_rawget(L, -2) != LUA_TNIL ? 1 : missing(L);
 }
 
 void hk_lua_open_handles(lua_State *L) {

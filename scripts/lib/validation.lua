@@ -77,6 +77,11 @@ local function check(p)
     check_levels("quick: time", p.quick.time, false)
   end
   for k, q in ipairs(p.quantities) do check_quantity(p, q, k) end
+  for force, params in pairs(p.forces or {}) do
+    if type(force) ~= "string" or type(params) ~= "table" then
+      refuse("forces: expected { springs = { \"edges\", \"k\" } }: a force, and the parameters that the scenes give it")
+    end
+  end
 end
 
 local function value_of(reference)

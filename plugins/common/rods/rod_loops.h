@@ -20,7 +20,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = HK_ROD_LANES, MOST_ITERATIONS = 100 };
+enum { LANES = HK_ROD_LANES, MOST_ITERATIONS = 1000 };
 
 typedef struct place {
   vector x, y, z;
@@ -216,17 +216,19 @@ INLINE joint joint_at(const hk_rod_rows *r, size_t row, size_t next) {
 
 /* The equations for the changes of the angles: diagonals in `pivot`, what couples an edge to the next in `lower`, minus
  * the gradient in `right`. Where `stiff` is set, negative curvatures of the bending energy are left out. Returns the
- * largest size of a term of the gradient. */
-INLINE vector assemble(const hk_rod_rows *r, const hk_rod_batch *b, mask stiff) {
-  vector most = SPREAD(0), diagonal = SPREAD(0), gradient = SPREAD(0), first_diagonal, first_gradient;
+ * largest size of a term of the gradient; *limit: the longest step, 1 rad where bending depends on the angles. */
+INLINE vector assemble(const hk_rod_rows *r, const hk_rod_batch *b, mask stiff, vector *limit) {
+  vector most = SPREAD(0), flat = SPREAD(0), curved = SPREAD(0), diagonal = SPREAD(0), gradient = SPREAD(0),
+         first_diagonal, first_gradient;
   for (size_t k = 0; k < b->edges; k++) {
     size_t row = b->first + k, next = b->first + after(b, k);
     vector own = SPREAD(0), own_gradient = SPREAD(0), off = SPREAD(0), to_next = SPREAD(0), gradient_next = SPREAD(0);
     if (k < joints_of(b)) {
       joint j = joint_at(r, row, next);
       vector twist = LOAD(r->twist, row), g = SPREAD(0.5) * (j.w[0] * j.k[1] - j.w[1] * j.k[0]);
-      vector h = LOAD(r->bend[0], row) * j.k[1] * j.k[1] + LOAD(r->bend[1], row) * j.k[0] * j.k[0] -
-                 (j.w[0] * j.k[0] + j.w[1] * j.k[1]);
+      vector whole = LOAD(r->bend[0], row) * j.k[1] * j.k[1] + LOAD(r->bend[1], row) * j.k[0] * j.k[0];
+      vector h = whole - (j.w[0] * j.k[0] + j.w[1] * j.k[1]);
+      flat = larger(flat, whole), curved = larger(curved, size_of(h));
       h = SPREAD(0.25) * pick(stiff, larger(h, SPREAD(0)), h);
       most = larger(most, larger(size_of(j.w[0] * j.k[1]) + size_of(j.w[1] * j.k[0]),
                                  twist * (size_of(LOAD(r->angle, row)) + size_of(LOAD(r->angle, next)) + 1)));
@@ -242,6 +244,7 @@ INLINE vector assemble(const hk_rod_rows *r, const hk_rod_batch *b, mask stiff) 
     diagonal = to_next;
     gradient = gradient_next;
   }
+  *limit = pick((mask)(curved > SPREAD(1e-12) * flat), SPREAD(1), SPREAD(1e300));
   if (b->ring) {
     mask held = (mask)(LOAD(r->held, b->first) != 0);
     first_diagonal = LOAD(r->pivot, b->first), first_gradient = LOAD(r->right, b->first);
@@ -295,25 +298,26 @@ INLINE mask eliminate(const hk_rod_rows *r, const hk_rod_batch *b) {
   return bad;
 }
 
-/* Newton's method, with steps of at most 1 rad. Convergence is quadratic, so a step of 1e-9 rad is the last. Where the
+/* Newton's method. Convergence is quadratic, so a step of 1e-9 rad is the last. Where the
  * matrix is not positive definite the step is repeated with what is left of it without negative curvatures. */
 TARGET static bool solve(const hk_rod_rows *r, const hk_rod_batch *b) {
   const vector zero = SPREAD(0), one = SPREAD(1);
   vector active = one, stiff = zero; /* 1 or 0 in each lane */
   for (int iteration = 0; iteration < MOST_ITERATIONS; iteration++) {
-    vector most = assemble(r, b, (mask)(stiff > zero)), residual = zero, change = zero;
+    vector limit, most = assemble(r, b, (mask)(stiff > zero), &limit), residual = zero, change = zero;
     for (size_t k = 0; k < b->edges; k++) residual = larger(residual, size_of(LOAD(r->right, b->first + k)));
     active = pick((mask)(residual > SPREAD(1e-15) * most), active, zero);
     vector repeat = pick(eliminate(r, b), active * (1 - stiff), zero);
     stiff += repeat;
     if (sum(repeat) > 0) continue;
     for (size_t k = 0; k < b->edges; k++) change = larger(change, size_of(LOAD(r->right, b->first + k)));
-    vector scale = active / larger(change, one);
+    vector scale = active * limit / larger(change, limit);
     for (size_t k = 0; k < b->edges; k++) {
       size_t row = b->first + k;
       STORE(r->angle, row, LOAD(r->angle, row) + scale * LOAD(r->right, row));
     }
-    active = pick((mask)(change > pick((mask)(stiff > zero), SPREAD(1e-14), SPREAD(1e-9))), active, zero);
+    vector last = pick((mask)(stiff > zero), SPREAD(1e-14), SPREAD(1e-9));
+    active = pick((mask)(change > last), active, zero);
     if (sum(active) == 0) return true;
     stiff = zero;
   }

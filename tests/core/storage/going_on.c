@@ -171,6 +171,34 @@ static void on_the_ground(test_engine *e) {
   test_number(e, ground, "height", -0.02);
 }
 
+/* A curled rod, a ribbon twisted between clamps one of which moves, and a twisted ring: frames and angles are kept. */
+static void twisted(test_engine *e) {
+  enum { LONG = 9 };
+  uint32_t edge[3 * LONG][2], edges = 0, path[2];
+  for (uint32_t k = 0; k < 3 * LONG; k++) {
+    uint32_t rod = k / LONG, j = k % LONG, first = rod * LONG + 1;
+    double angle = 2 * 3.14159265358979323846 * j / LONG;
+    test_particle(e, rod < 2 ? 0.1 * j : 0.2 * cos(angle),
+                  0.5 * rod + (rod < 2 ? 0.02 * sin(1.9 * j) : 0.2 * sin(angle)), 0.02 * cos(1.3 * j),
+                  0.01 + 0.001 * j);
+    if (j + 1 < LONG || rod == 2) edge[edges][0] = k + 1, edge[edges++][1] = j + 1 < LONG ? k + 2 : first;
+  }
+  for (uint32_t k = 0; k < 2; k++)
+    test_pin(e, HK_PIN_FIXED, k + 1, NULL), test_pin(e, HK_PIN_FIXED, LONG + k + 1, NULL);
+  path[0] = 2 * LONG - 1, path[1] = 2 * LONG;
+  hk_pin_spec moved = {.kind = HK_PIN_PATH, .count = 2, .id = path, .release = 0.37, .path = {.call = sway}};
+  assert_int_equal(hk_scene_add_pin(e->scene, &moved, &e->error), HK_OK);
+  hk_plugin_spec *rods = test_plugin(e, HK_FORCE, "rods"), *springs = test_plugin(e, HK_FORCE, "springs");
+  test_edges(e, rods, (const uint32_t(*)[2])edge, edges);
+  test_number(e, rods, "EI", 1e-3);
+  test_number(e, rods, "EI2", 3e-3);
+  test_number(e, rods, "GJ", 1e-3);
+  test_number(e, rods, "turn", 5);
+  test_edges(e, springs, (const uint32_t(*)[2])edge, edges);
+  test_number(e, springs, "k", 300);
+  test_plugin(e, HK_FORCE, "gravity");
+}
+
 typedef struct scene_case {
   const char *name;
   void (*make)(test_engine *);
@@ -186,7 +214,8 @@ static const scene_case scenes[] = {{"pinned and timed", pinned_and_timed},
                                     {"touching", touching},
                                     {"crowded", crowded},
                                     {"barred", barred},
-                                    {"on the ground", on_the_ground}};
+                                    {"on the ground", on_the_ground},
+                                    {"twisted", twisted}};
 
 enum { SCENES = sizeof scenes / sizeof *scenes };
 

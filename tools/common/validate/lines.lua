@@ -23,9 +23,11 @@ function lines.count(n)
   return (text:reverse():gsub("(%d%d%d)", "%1,"):reverse():gsub("^,", ""))
 end
 
+local rounding = 1e-9 -- noise up to this is that of numbers, not of a method
+
 function lines.order_text(c)
   if not c then return nil end
-  if c.exact then return "exact" end
+  if c.exact then return c.noise > rounding and "in noise" or "exact" end
   if c.at_least then return ("above %.1f"):format(c.at_least) end
   return c.order and ("%.2f"):format(c.order) or "none"
 end
@@ -55,8 +57,19 @@ local function line_of(problem, found)
     problem.cost.seconds)
 end
 
+-- The values of all levels, for authors of problems.
+local function print_levels(found)
+  for _, axis in ipairs { "space", "time" } do
+    local c = found[axis]
+    for k, h in ipairs(c and c.h or {}) do
+      print(("        %s  %-22.17g off by %.2g"):format(axis == "space" and ("n = %-10g"):format(1 / h) or
+        ("h = %-10.4g"):format(h), c.v[k], math.abs(c.v[k] - found.quantity.reference) / found.quantity.scale))
+    end
+  end
+end
+
 -- Prints all; returns the number of quantities and problems that are wrong.
-function lines.print(list)
+function lines.print(list, levels)
   local wrong, quantities, topic = 0, 0, nil
   for _, problem in ipairs(list) do
     if problem.topic ~= topic then
@@ -70,6 +83,7 @@ function lines.print(list)
     for _, found in ipairs(problem.found) do
       quantities = quantities + 1
       print("  " .. line_of(problem, found))
+      if levels then print_levels(found) end
       if #found.faults > 0 then
         wrong = wrong + 1
         print("        " .. table.concat(found.faults, "; "))
@@ -83,7 +97,7 @@ end
 
 function lines.list(list)
   for _, problem in ipairs(list) do
-    print(hooke.plain(("%-14s %-24s %s"):format(problem.topic, problem.name, problem.description.title)))
+    print(hooke.plain(("%-14s %-24s %s"):format(problem.topic, problem.name, problem.title)))
   end
   return 0
 end

@@ -34,7 +34,7 @@ local function cell(text) return (tostring(text):gsub("|", "\\|"):gsub("[%*_<]",
 
 local function row(found)
   local q = found.quantity
-  return ("| %s%s | %.12g | %s | %.1f | %s | %s | %s |"):format(cell(q.name), q.unit and ", " .. q.unit or "", q.reference,
+  return ("| %s%s | %.12g | %s | %.1f | %s | %s | %s |"):format(cell(q.name), q.unit and ", " .. cell(q.unit) or "", q.reference,
     lines.value_text(found, 12), found.digits, lines.order_cell(found, "space"), lines.order_cell(found, "time"),
     #found.faults == 0 and "" or "**" .. cell(table.concat(found.faults, "; ")) .. "**")
 end
@@ -61,7 +61,7 @@ local function markdown(topics, o)
   for _, topic in ipairs(topics) do
     text[#text + 1] = ("\n## %s\n\n%s"):format(topic.name, head)
     for _, problem in ipairs(topic.problems) do
-      text[#text + 1] = ("| **%s** (%s; %s evaluations, %.2g s) | | | | | | %s |"):format(cell(problem.description.title),
+      text[#text + 1] = ("| **%s** (%s; %s evaluations, %.2g s) | | | | | | %s |"):format(cell(problem.title),
         cell(page.sources(problem)), lines.count(problem.cost.evaluations), problem.cost.seconds,
         problem.failed and "**failed** " .. cell(problem.failed) or "")
       for _, found in ipairs(problem.found) do text[#text + 1] = row(found) end
@@ -71,9 +71,9 @@ local function markdown(topics, o)
   return table.concat(text, "\n") .. "\n"
 end
 
--- ---- CSV ----
+-- ---- CSV: `error` and `uncertainty` (see study.lua) are relative ----
 
-local columns = { "topic", "problem", "quantity", "unit", "reference", "value", "error", "tolerance", "order_space",
+local columns = { "topic", "problem", "quantity", "unit", "reference", "value", "error", "uncertainty", "tolerance", "order_space",
   "order_time", "evaluations", "seconds", "verdict", "source" }
 
 local function field(value)
@@ -86,7 +86,7 @@ local function csv(list)
   for _, problem in ipairs(list) do
     for _, found in ipairs(problem.found) do
       local q = found.quantity
-      local fields = { problem.topic, problem.name, q.name, q.unit or "", q.reference, found.value, found.error,
+      local fields = { problem.topic, problem.name, q.name, q.unit or "", q.reference, found.value, found.error, found.uncertainty or "",
         found.tolerance, lines.order_text(found.space) or "", lines.order_text(found.time) or "",
         problem.cost.evaluations, problem.cost.seconds, #found.faults == 0 and "ok" or "wrong", q.source }
       for k, value in ipairs(fields) do fields[k] = field(value) end

@@ -8,7 +8,8 @@ local panels = {}
 
 local columns = 3
 local most_named = 4 -- quantities in a panel's legend
-local most_letters = 32 -- of a quantity there; of the title, a third more
+local most_letters = 32 -- of a quantity there
+local title_letters = 40 -- in each of at most two lines
 
 local function error_points(found, axis)
   local c, points = found[axis], {}
@@ -23,7 +24,7 @@ end
 -- A panel: title, label, ticks, curves (name, points), guide (order, and a point that it passes); nil: nothing to draw.
 local function panel_of(problem, axis)
   local d = problem.description
-  local panel = { curves = {}, title = d.title, ticks = {},
+  local panel = { curves = {}, title = problem.title, ticks = {},
     label = axis == "space" and (d.space_label or "n") or d.time_label or "step, s" }
   local worst
   for _, found in ipairs(problem.found) do
@@ -84,12 +85,25 @@ local function ticks_text(ticks)
   return table.concat(parts, ", ")
 end
 
+-- gnuplot's expression for a title, in two lines where it is long. (No double quotes around what a problem wrote: in them
+-- backticks would run commands.)
+local function title_text(title)
+  local first = title
+  for at in title:gmatch("()%s") do
+    if utf8.len(title, 1, at - 1) <= title_letters then first = title:sub(1, at - 1) end
+  end
+  if utf8.len(title) <= title_letters or first == title then
+    return plot.quote(panels.shortened(title, title_letters + 4))
+  end
+  return plot.quote(first) .. '."\\n".' .. plot.quote(panels.shortened(title:sub(#first + 2), title_letters))
+end
+
 local function panel_script(panel, p)
   local text, items = {}, {}
   local function add(format, ...) text[#text + 1] = format:format(...) end
   local low, high = math.huge, 0
   for _, tick in ipairs(panel.ticks) do low, high = math.min(low, tick[1]), math.max(high, tick[1]) end
-  add("set title %s noenhanced", plot.quote(panels.shortened(panel.title, most_letters * 4 // 3)))
+  add("set title %s noenhanced", title_text(panel.title))
   add("set xlabel %s noenhanced offset 0,0.3", plot.quote(panel.label))
   add("set xtics (%s)", ticks_text(panel.ticks))
   add("set xrange [%.9g:%.9g]", low / 1.25, high * 1.25)

@@ -61,7 +61,7 @@ local function quantity_line(found)
 end
 
 local function block_of(problem, sources)
-  local block = { plain_line(problem.description.title, bold_font, 0, 1.3) }
+  local block = { plain_line(problem.title, bold_font, 0, 1.3) }
   for _, text in ipairs(wrapped(sources(problem), most_source)) do
     block[#block + 1] = plain_line(text, small_font, 0.012, 0.9)
   end

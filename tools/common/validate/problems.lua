@@ -43,7 +43,8 @@ end
 -- The problem of a user's file.
 function problems.at(path)
   local folder, name = path:match("^(.*)/([^/]+)%.lua$")
-  return { topic = folder and folder:match("([^/]+)$") or "yours", name = name or path:gsub("%.lua$", ""), path = path }
+  local topic = (folder or ""):match("([^/]*)$"):gsub("[^%w_%-]", "_") -- files of the page are called like it
+  return { topic = topic:find("%w") and topic or "yours", name = name or path:gsub("%.lua$", ""), path = path }
 end
 
 -- The message with the file and the line: that of the field that it names in quotes or begins with, or that of problem{}.
