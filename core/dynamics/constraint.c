@@ -112,7 +112,9 @@ hk_status hk_constraints_review(hk_dynamics *d) {
   double t = d->system.t, *x = d->state->X, *v = x + 3 * d->state->model.n;
   if (!c || c->equations == 0) return HK_OK;
   hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
-  if (status == HK_OK) status = find_implied(d);
+  if (status != HK_OK) return status;
+  hk_constraint_matrix_forget_masses(d); /* a heavy weight on a light chain is no dependence */
+  status = find_implied(d);
   if (status != HK_OK) return status;
   memcpy(c->rests, c->implied, c->equations * sizeof *c->rests);
   return hk_constraint_look(d, t, x, v);

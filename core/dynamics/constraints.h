@@ -91,6 +91,8 @@ hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every
 void hk_constraint_matrix_free(hk_constraints *);
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
 hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
+/* After that, W is as if all masses were 1, until the next linearisation. */
+void hk_constraint_matrix_forget_masses(hk_dynamics *);
 void hk_constraint_matrix_rest(hk_constraints *);          /* updates scale after a change of `rests` */
 hk_matrix hk_constraint_matrix_assemble(hk_constraints *); /* A, whose values are c->value */
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
