@@ -83,6 +83,8 @@ void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t
 /* Finds which one-sided equations touch at x and v. */
 hk_status hk_constraint_look(hk_dynamics *, double t, const double *x, const double *v);
 
+hk_status hk_constraints_tangent(hk_system *, double *vector); /* see hk_system */
+
 /* ---- constraint_matrix.c ---- */
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
