@@ -157,32 +157,55 @@ static void look(const angle_springs *s, const hk_view *view, size_t e, state *n
     }
 }
 
+/* Adds the matrix between the edges to the blocks between i, j and k, of which e_1 = j - i and e_2 = k - j. */
 static void add_blocks(const size_t *slot, hk_joint_blocks A, double *into) {
-  static const double part[3][2] = {{-1, 0}, {1, -1}, {0, 1}}; /* of a particle in the edges */
-  for (int b = 0; b < 9; b++)
-    for (int m = 0; m < 4; m++) {
-      double factor = part[b / 3][m / 2] * part[b % 3][m % 2];
-      for (size_t q = 0; q < 9 && factor != 0; q++) into[9 * slot[b] + q] += factor * A[m / 2][m % 2][q];
-    }
+  double *block[9];
+  for (int b = 0; b < 9; b++) block[b] = into + 9 * slot[b];
+  for (int q = 0; q < 9; q++) {
+    double first = A[0][0][q], up = A[0][1][q], down = A[1][0][q], second = A[1][1][q];
+    block[0][q] += first, block[1][q] += up - first, block[2][q] -= up;
+    block[3][q] += down - first, block[4][q] += first - up - down + second, block[5][q] += up - second;
+    block[6][q] -= down, block[7][q] += down - second, block[8][q] += second;
+  }
 }
 
+/* Symmetric and definite blocks hold the damping's direction: how it turns is not symmetric, and where a joint is
+ * nearly straight, without bound. */
+static void joint_blocks(const angle_springs *s, const hk_view *view, const hk_blocks *into, size_t e) {
+  hk_joint_blocks A;
+  state now;
+  look(s, view, e, &now);
+  if (into->want & HK_WANT_DEFINITE)
+    hk_joint_definite(&now.joint, now.k, now.moment, A);
+  else
+    hk_joint_stiffness(&now.joint, now.k, into->want & HK_WANT_SYMMETRIC ? now.moment : now.z, A);
+  if (!into->want && now.c > 0) hk_joint_turning(&now.joint, now.c, (const double(*)[3])now.du, A);
+  add_blocks(into->slot + 9 * e, A, into->K);
+  if (now.c == 0) return;
+  hk_joint_gauss(&now.joint, now.c, A);
+  add_blocks(into->slot + 9 * e, A, into->D);
+}
+
+typedef struct task {
+  const angle_springs *s;
+  const hk_view *view;
+  const hk_blocks *into;
+} task;
+
+static void chunks_of_blocks(void *context, size_t begin, size_t end, size_t unused) {
+  const task *t = context;
+  const hk_joint_layout *a = &t->s->layout;
+  (void)unused;
+  for (size_t k = a->first[begin]; k < a->first[end]; k++) joint_blocks(t->s, t->view, t->into, a->source[k]);
+}
+
+/* As the forces: chunks that share no particle, and so no block, side by side, then the rest. */
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const angle_springs *s = self;
-  bool definite = into->want & HK_WANT_DEFINITE, turns = !definite && !(into->want & HK_WANT_SYMMETRIC);
-  for (size_t e = 0; e < s->list.acting.node.count; e++) {
-    hk_joint_blocks A;
-    state now;
-    look(s, view, e, &now);
-    if (definite)
-      hk_joint_definite(&now.joint, now.k, now.moment, A);
-    else
-      hk_joint_stiffness(&now.joint, now.k, now.z, A);
-    if (turns && now.c > 0) hk_joint_turning(&now.joint, now.c, (const double(*)[3])now.du, A);
-    add_blocks(into->slot + 9 * e, A, into->K);
-    if (now.c == 0) continue;
-    hk_joint_gauss(&now.joint, now.c, A);
-    add_blocks(into->slot + 9 * e, A, into->D);
-  }
+  task t = {s, view, into};
+  view->host->parallel_for(view->host, s->layout.chunks, 1, chunks_of_blocks, &t);
+  for (size_t k = s->layout.first[s->layout.chunks]; k < s->layout.count; k++)
+    joint_blocks(s, view, into, s->layout.source[k]);
   return HK_OK;
 }
 
@@ -196,7 +219,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
     if (part == HK_DAMPING_WHOLE)
       hk_joint_bound(&now.joint, now.c, 0, true, along, across);
     else
-      hk_joint_bound(&now.joint, now.k, now.z, part == HK_STIFFNESS_WHOLE, along, across);
+      hk_joint_bound(&now.joint, now.k, now.moment, part == HK_STIFFNESS_WHOLE, along, across);
     for (int m = 0; m < 2; m++) hk_edge_stiffness_add(view, node + m, now.joint.t[m], along[m], across[m], block);
   }
 }

@@ -12,6 +12,7 @@ typedef struct hk_joint {
   double t[2][3];      /* unit vectors along the edges */
   double across[2][3]; /* d angle/d e_m = across[m]/l[m] */
   double b[3];         /* the axis about which the chain turns; unit */
+  double half;         /* tan(angle/2), in space; 0: straight */
   bool plane;
 } hk_joint;
 

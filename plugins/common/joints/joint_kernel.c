@@ -218,6 +218,7 @@ static bool alone(const hk_elements *from, const touched *t, size_t e) {
 }
 
 static void copy(hk_joint_layout *s, const hk_elements *from, size_t e) {
+  s->source[s->count] = (uint32_t)e;
   memcpy(s->node[s->count], hk_tuple(&from->node, e), sizeof *s->node);
   s->k[s->count] = hk_tuple_value(&from->stiffness, e);
   s->c[s->count] = hk_tuple_value(&from->damping, e);
@@ -238,16 +239,17 @@ static void sort(hk_joint_layout *s, const hk_elements *from, const touched *t) 
 }
 
 static bool reserve(hk_joint_layout *s, const hk_host *host, size_t count) {
-  void *old[] = {s->first, s->node, s->k, s->c, s->rest, s->power};
+  void *old[] = {s->first, s->source, s->node, s->k, s->c, s->rest, s->power};
   for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
   *s = (hk_joint_layout){.chunks = (count + CHUNK - 1) / CHUNK};
   s->first = host->allocate(host, (s->chunks + 2) * sizeof *s->first);
+  s->source = host->allocate(host, (count + 1) * sizeof *s->source);
   s->node = host->allocate(host, (count + 1) * sizeof *s->node);
   s->k = host->allocate(host, (count + 1) * sizeof *s->k);
   s->c = host->allocate(host, (count + 1) * sizeof *s->c);
   s->rest = host->allocate(host, (count + 1) * sizeof *s->rest);
   s->power = host->allocate(host, (s->chunks + 1) * sizeof *s->power);
-  return s->first && s->node && s->k && s->c && s->rest && s->power;
+  return s->first && s->source && s->node && s->k && s->c && s->rest && s->power;
 }
 
 hk_status hk_joint_layout_build(hk_joint_layout *s, const hk_host *host, size_t n, const hk_elements *from) {
