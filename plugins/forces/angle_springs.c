@@ -127,6 +127,7 @@ static void elements(void *self, const hk_view *view, hk_elements *out) {
   const angle_springs *s = self;
   (void)view;
   *out = s->list.acting;
+  out->rest = (hk_per_tuple){0, NULL}; /* an angle over the one at rest is no strain */
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {

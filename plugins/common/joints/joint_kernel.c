@@ -53,8 +53,7 @@ static inline __attribute__((always_inline)) double angle_of(double y, double x)
   return y < 0 ? -a : a;
 }
 
-#define DOT(a, b, r) (a[0][r] * b[0][r] + a[1][r] * b[1][r] + a[2][r] * b[2][r])
-
+/* One loop of all, so that every number stays in its register. */
 static inline __attribute__((always_inline)) void compute(block *q, const double *plane, bool damped) {
   const double pi = 3.14159265358979323846;
   for (int r = 0; r < BLOCK; r++) {
