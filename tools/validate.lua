@@ -23,10 +23,11 @@ local function parser()
   p:argument("topic", "a topic, a file of your own, or nothing: all"):args("?")
   p:argument("name", "one problem of the topic"):args("?")
   p:flag("--quick", "the short form: coarse levels, as make test runs them")
+  p:flag("--levels", "prints the value at every level, too")
   p:flag("--list", "the problems, and nothing is run")
   p:option("-j --jobs", "levels at a time"):convert(command_line.whole("-j"))
   p:option("--plugin", "a force of your own (X.so) in the place of one of the engine's")
-  p:option("--as", "of which force; left out: of all whose parameters the plugin has"):target("as")
+  p:option("--as", "of which force; left out: of its namesake, or of the only one whose parameters it has"):target("as")
   p:option("--timeout", ("s, of one level (%d)"):format(default_timeout)):convert(command_line.number("--timeout"))
   p:option("--out", "where the page and the figures go"):default("out/validate")
   p:flag("--no-page", "prints only"):target("no_page")
@@ -65,6 +66,7 @@ local function describe(list, jobs)
   for k, problem in ipairs(list) do questions[k] = { problem = problem, question = "describe", timeout = 60 } end
   problems.ask(questions, jobs, function(q, result)
     q.problem.description, q.problem.failed = result.answer, result.failed
+    q.problem.title = result.answer and result.answer.title
   end)
 end
 
@@ -90,31 +92,73 @@ local function has_all(plugin, params)
   return true
 end
 
+-- The sentence on a force or parameter that a problem names and nobody has; nil: all are there.
+local function misnamed(list)
+  local known, names = {}, {}
+  for _, plugin in ipairs(hooke.catalogue()) do
+    if plugin.kind == "force" then known[plugin.name], names[#names + 1] = plugin, plugin.name end
+  end
+  for _, problem in ipairs(list) do
+    for force, params in pairs(problem.description.forces or {}) do
+      if not known[force] then
+        local near = hooke.nearest(force, names)
+        return ("%s: forces: there is no force '%s'%s"):format(problem.path, force,
+          near and ("; did you mean '%s'?"):format(near) or "")
+      end
+      if not has_all(known[force], params) then
+        return ("%s: forces: %s has not all of the parameters %s"):format(problem.path, force, table.concat(params, ", "))
+      end
+    end
+  end
+end
+
+-- The force that the plugin stands in for: the one that is asked for, its namesake, or the only one whose parameters it
+-- has; nil and a sentence where that is not clear.
+local function replaced(plugin, list, as)
+  local fits, names, all = {}, {}, {}
+  for _, problem in ipairs(list) do
+    for force, params in pairs(problem.description.forces or {}) do
+      all[("%s (%s)"):format(force, table.concat(params, ", "))] = true
+      if not fits[force] and has_all(plugin, params) then fits[force], names[#names + 1] = true, force end
+    end
+  end
+  if as or fits[plugin.name] then names = { fits[as or plugin.name] and (as or plugin.name) } end
+  table.sort(names)
+  if #names == 1 then return names[1] end
+  if #names > 1 then
+    return nil, ("%s has the parameters of %s: --as says in the place of which it is tried"):format(plugin.name,
+      table.concat(names, " and of "))
+  end
+  local forces = {}
+  for text in pairs(all) do forces[#forces + 1] = text end
+  table.sort(forces)
+  return nil, ("%s can stand in nowhere here%s: it needs all parameters of a force that may be replaced: %s"):format(
+    plugin.name, as and " as " .. as or "", table.concat(forces, "; "))
+end
+
 -- The problems, each with its stand_in, in which the plugin can be a force; or nil and the exit code.
 local function with_plugin(list, o)
   local plugin, why = hooke.describe(o.plugin)
   if not plugin then return nil, complain("%s", why) end
-  if plugin.kind ~= "force" then return nil, complain("%s is a %s; a force can stand in", o.plugin, plugin.kind) end
-  local fitting, forces, seen = {}, {}, {}
+  why = misnamed(list)
+  if why then return nil, complain("%s", why) end
+  if plugin.kind ~= "force" then return nil, complain("%s: its kind is %s; a force can stand in", o.plugin, plugin.kind) end
+  local force
+  force, why = replaced(plugin, list, o.as)
+  if not force then return nil, complain("%s", why) end
+  local fitting = {}
   for _, problem in ipairs(list) do
-    for force, params in pairs(problem.description.forces or {}) do
-      local text = ("%s (%s)"):format(force, table.concat(params, ", "))
-      if not seen[text] then
-        seen[text], forces[#forces + 1] = true, text
-      end
-      if (not o.as or o.as == force) and has_all(plugin, params) then
-        local copy = {}
-        for key, value in pairs(problem) do copy[key] = value end
-        copy.stand_in = { force = force, path = plugin.path }
-        copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
-        fitting[#fitting + 1] = copy
-      end
+    local params = (problem.description.forces or {})[force]
+    if params and has_all(plugin, params) then
+      local copy = {}
+      for key, value in pairs(problem) do copy[key] = value end
+      copy.stand_in = { force = force, path = plugin.path }
+      copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
+      copy.title = ("%s: %s for %s"):format(problem.title, plugin.name, force)
+      fitting[#fitting + 1] = copy
     end
   end
-  if #fitting > 0 then return fitting end
-  table.sort(forces)
-  return nil, complain("%s can stand in nowhere here%s: it needs all parameters of a force that may be replaced: %s",
-    plugin.name, o.as and " as " .. o.as or "", table.concat(forces, "; "))
+  return fitting
 end
 
 -- ---- running ----
@@ -165,7 +209,7 @@ local function main()
   if o.list then return lines.list(list) end
   solve(list, o, jobs)
   judge(list, o.quick)
-  local wrong = lines.print(list)
+  local wrong = lines.print(list, o.levels)
   if not o.no_page then
     local fine, why = page.write(list, o)
     if not fine then

@@ -94,16 +94,8 @@ void hk_lua_set_numbers(lua_State *L, int handle, const hk_lua_material *m, doub
     set(L, "EA", s->EA);
     set(L, "GJ", s->GJ);
     set(L, "stiffness", s->EA / l);
-    if (s->EI[0] == s->EI[1])
-      set(L, "EI", s->EI[0]);
-    else {
-      lua_createtable(L, 2, 0);
-      for (int k = 0; k < 2; k++) {
-        lua_pushnumber(L, s->EI[k]);
-        lua_rawseti(L, -2, k + 1);
-      }
-      lua_setfield(L, -2, "EI");
-    }
+    set(L, "EI", s->EI[0]);
+    set(L, "EI2", s->EI[1]);
   }
   lua_setiuservalue(L, handle, HK_LUA_NUMBERS);
 }

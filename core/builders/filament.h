@@ -22,7 +22,7 @@ hk_lua_material hk_lua_read_material(lua_State *L, int table, const char *what);
 /* The masses of n particles of a chain `length` long. With a section the ends carry half of what the others do; a first
  * segment in a wall has none. */
 void hk_lua_share_mass(const hk_lua_material *, uint32_t n, bool wall, double length, double *mass);
-/* What handle.EA, .EI, .GJ, .stiffness, .length and .segment are, for chains with segments of l, m. */
+/* What handle.EA, .EI, .EI2, .GJ, .stiffness, .length and .segment are, for chains with segments of l, m. */
 void hk_lua_set_numbers(lua_State *L, int handle, const hk_lua_material *, double length, double l);
 void hk_lua_pin_roots(lua_State *L, hk_scene *scene, const hk_lua_handle *, const char *what); /* fixed */
 

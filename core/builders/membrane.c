@@ -11,9 +11,12 @@
  * nu a^2/b^2 <= 1; the shear stiffness is C66 = C12, that of an isotropic sheet for nu = 1/3 alone. Edges on the border
  * have half of k: they have a cell on one side only. Without that the error under refinement is of order 1.
  *
- * Meshes have edges along the sides of their triangles, k = Y sum area/|e|^2 over the triangles at the side: exact for
- * equilateral triangles, where nu = 1/3, which is the only one that they take; others get Y and nu roughly (Van Gelder,
- * J. Graphics Tools 3 (1998)). */
+ * Meshes have edges along the sides of their triangles. Every triangle at a side adds to it
+ *     k = 3/8 Y (1 + cot b cot c)/(cot b + cot c),
+ * b, c its angles at the two ends: exact for equilateral triangles, as Y area/|e|^2 of Van Gelder (J. Graphics Tools 3
+ * (1998)) is, and also for squares of alternating diagonals, which that makes 0.75 to 1.2 times as stiff as Y. Both
+ * have nu = 1/3, which is the only one that meshes take; others get Y and nu the more nearly, the more even they are. A
+ * side of triangles so oblique that k would be below 0 (two angles differ by more than 90 degrees) has none. */
 #include "core/builders/builders.h"
 
 #include <stdlib.h>
@@ -94,28 +97,40 @@ static hk_lua_edges *grid_edges(lua_State *L, const hk_scene *scene, const hk_lu
 
 /* ---- meshes ---- */
 
-/* Adds Y area/|e|^2 to the three sides of a triangle. The edges of a mesh are sorted, with the lower id first; false: a
- * side is none of them. */
+/* The position of a pair in the edges of a mesh, which are sorted, with the lower id first; edges->count: none. */
+static size_t find_edge(const hk_lua_edges *edges, uint32_t a, uint32_t b) {
+  uint32_t low = a < b ? a : b, high = a < b ? b : a;
+  size_t from = 0, to = edges->count;
+  while (from < to) {
+    size_t middle = (from + to) / 2;
+    const uint32_t *pair = edges->pair[middle];
+    if (pair[0] < low || (pair[0] == low && pair[1] < high))
+      from = middle + 1;
+    else
+      to = middle;
+  }
+  bool found = from < edges->count && edges->pair[from][0] == low && edges->pair[from][1] == high;
+  return found ? from : edges->count;
+}
+
+/* k/Y of the side from b to c of the triangle a b c: with F twice its area and p, q the products of e with the sides
+ * from b and from c to a, both seen from their end, cot b = p/F, cot c = q/F and p + q = e^2. */
+static double side_stiffness(const hk_scene *scene, uint32_t b, uint32_t c, uint32_t a) {
+  double e[3], u[3];
+  side(scene, b, c, e);
+  side(scene, b, a, u);
+  double ee = dot(e, e), before = dot(u, e), twice = sqrt(fmax(0, dot(u, u) * ee - before * before));
+  return twice > 0 ? 3.0 / 8 * (twice * twice + before * (ee - before)) / (twice * ee) : 0;
+}
+
+/* Adds to the three sides of a triangle; false: one is none of the edges. */
 static bool add_triangle(const hk_scene *scene, const uint32_t corner[3], double Y, const hk_lua_edges *edges,
                          double *k) {
-  double u[3], v[3];
-  side(scene, corner[0], corner[1], u);
-  side(scene, corner[0], corner[2], v);
-  double area = sqrt(fmax(0, dot(u, u) * dot(v, v) - dot(u, v) * dot(u, v))) / 2;
   for (int c = 0; c < 3; c++) {
-    uint32_t a = corner[c], b = corner[(c + 1) % 3], low = a < b ? a : b, high = a < b ? b : a;
-    size_t from = 0, to = edges->count;
-    while (from < to) {
-      size_t middle = (from + to) / 2;
-      const uint32_t *pair = edges->pair[middle];
-      if (pair[0] < low || (pair[0] == low && pair[1] < high))
-        from = middle + 1;
-      else
-        to = middle;
-    }
-    if (from == edges->count || edges->pair[from][0] != low || edges->pair[from][1] != high) return false;
-    side(scene, a, b, u);
-    if (dot(u, u) > 0) k[from] += Y * area / dot(u, u);
+    uint32_t a = corner[c], b = corner[(c + 1) % 3];
+    size_t e = find_edge(edges, a, b);
+    if (e == edges->count) return false;
+    k[e] += Y * side_stiffness(scene, a, b, corner[(c + 2) % 3]);
   }
   return true;
 }
@@ -143,6 +158,7 @@ static const hk_lua_edges *mesh_edges(lua_State *L, const hk_scene *scene, const
     if (!whole || !add_triangle(scene, corner, m->Y, edges, *k)) /* the script has changed the list */
       hk_lua_fail(L, HK_BAD_PARAM, "membrane: triangle %d is none of the mesh", (int)t);
   }
+  for (size_t e = 0; e < edges->count; e++) (*k)[e] = fmax(0, (*k)[e]);
   lua_pushvalue(L, triangles - 1);
   return edges;
 }

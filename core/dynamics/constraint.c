@@ -18,7 +18,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SAMPLE = 64 };
+enum { SAMPLE = 64, INVERSE_ITERATIONS = 3 };
+
+/* A has a unit diagonal. A chain of N bars has the eigenvalue (pi/N)^2, far above `dependent`; rounding errors are
+ * below `dependent`. */
+static const double shift = 1e-11, dependent = 1e-13;
 
 /* Largest rate that counts as not opening, relative to the sum of |J||v| plus the largest coordinate per second, since
  * the speed of a resting contact is only rounding. It may be generous, because an equation in contact acts only while
@@ -48,12 +52,69 @@ hk_status hk_constraint_look(hk_dynamics *d, double t, const double *x, const do
   return status;
 }
 
+/* The Rayleigh quotient u A u of the unit vector u in c->rhs. */
+static double quotient(const hk_constraints *c, const hk_matrix *A) {
+  double sum = 0;
+  for (size_t r = 0; r < A->rows; r++)
+    for (size_t e = A->row_start[r]; e < A->row_start[r + 1]; e++)
+      sum += c->rhs[r] * A->value[e] * c->rhs[A->column[e]];
+  return sum;
+}
+
+static void normalise(double *to, const double *from, size_t count) {
+  double sum = 0;
+  for (size_t k = 0; k < count; k++) sum += from[k] * from[k];
+  for (size_t k = 0; k < count; k++) to[k] = from[k] / sqrt(sum);
+}
+
+/* Computes the eigenvector of the smallest eigenvalue in c->rhs, and its Rayleigh quotient. */
+static hk_status weakest(hk_dynamics *d, double *smallest) {
+  hk_constraints *c = d->constraints;
+  uint64_t bits = 88172645463325252u; /* xorshift: a pseudo-random start vector avoids orthogonality by symmetry */
+  for (size_t k = 0; k < c->equations; k++) {
+    bits ^= bits << 13;
+    bits ^= bits >> 7;
+    bits ^= bits << 17;
+    c->solution[k] = (double)(bits >> 11) * 0x1p-53 + 0.1;
+  }
+  normalise(c->rhs, c->solution, c->equations);
+  hk_status status = hk_constraint_matrix_factorize_shifted(d, shift);
+  for (int i = 0; i < INVERSE_ITERATIONS && status == HK_OK; i++) {
+    status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
+    normalise(c->rhs, c->solution, c->equations);
+  }
+  hk_matrix A = hk_constraint_matrix_assemble(c);
+  *smallest = quotient(c, &A);
+  return status;
+}
+
+/* Dependent equations cause a small eigenvalue of A, which is detected by inverse iteration on A + shift I. Equations
+ * that follow from others are then left out, and hold because the others do. One-sided ones are excluded here, because
+ * the set of those that act changes. */
+static hk_status find_implied(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  hk_error before = *d->error;
+  double smallest = 0;
+  memset(c->implied, 0, c->equations * sizeof *c->implied);
+  if (c->equations - c->one_sided_count < 2) return HK_OK;
+  memcpy(c->rests, c->one_sided, c->equations * sizeof *c->rests);
+  hk_constraint_matrix_rest(c);
+  hk_status found = weakest(d, &smallest);
+  if (found != HK_OK && found != HK_NOT_CONVERGED) return found;
+  *d->error = before;
+  if (found == HK_OK && smallest > dependent) return HK_OK;
+  hk_matrix A = hk_constraint_matrix_assemble(c);
+  return hk_independent_rows(&A, c->implied, d->error);
+}
+
 hk_status hk_constraints_review(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   double t = d->system.t, *x = d->state->X, *v = x + 3 * d->state->model.n;
   if (!c || c->equations == 0) return HK_OK;
   hk_status status = hk_constraint_matrix_linearise(d, t, x, v);
-  if (status == HK_OK) status = hk_constraint_matrix_review(d);
+  if (status != HK_OK) return status;
+  hk_constraint_matrix_forget_masses(d); /* a heavy weight on a light chain is no dependence */
+  status = find_implied(d);
   if (status != HK_OK) return status;
   memcpy(c->rests, c->implied, c->equations * sizeof *c->rests);
   return hk_constraint_look(d, t, x, v);
@@ -65,8 +126,8 @@ hk_status hk_constraints_open(hk_dynamics *d) {
   if (!d->constraints) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints");
   /* The constraints have a solver instance of their own: the scene's solver keeps the factors of an implicit method
    * between evaluations. */
-  hk_status status = hk_solver_twin(d, &d->constraints->linear.solver);
-  if (status == HK_OK) status = hk_solver_narrow(d, &d->constraints->linear.narrow, &d->constraints->narrow);
+  hk_linear_system *linear = &d->constraints->linear;
+  hk_status status = hk_solver_twins(d, linear);
   return status == HK_OK ? hk_constraint_matrix_build(d) : status;
 }
 
@@ -109,11 +170,34 @@ void hk_constraints_close(hk_dynamics *d) {
   hk_saddle_point_close(d);
   if (!d->constraints) return;
   hk_constraint_matrix_free(d->constraints);
-  hk_instance_destroy(d->constraints->linear.solver);
-  hk_instance_destroy(d->constraints->linear.narrow);
-  hk_spec_destroy(d->constraints->narrow);
+  hk_instance_destroy(d->constraints->linear.any);
+  hk_instance_destroy(d->constraints->linear.special);
+  hk_instance_destroy(d->constraints->mixed.any);
+  hk_spec_destroy(d->constraints->unsymmetric);
   free(d->constraints);
   d->constraints = NULL;
+}
+
+/* ---- the tangent space ---- */
+
+static void find_forbidden(hk_constraints *c, const double *vector) {
+  memset(c->rhs, 0, c->equations * sizeof *c->rhs);
+  for (size_t b = 0; b < c->blocks; b++)
+    c->rhs[c->list.pair[b][0]] -= hk_constraint_dot(c->J[b], vector + 3 * (size_t)c->list.pair[b][1]);
+}
+
+hk_status hk_constraints_tangent(hk_system *s, double *vector) {
+  hk_dynamics *d = (hk_dynamics *)(void *)s;
+  hk_constraints *c = d->constraints;
+  if (!c || c->equations == 0) return HK_OK;
+  for (size_t k = 0; k < c->equations; k++) c->rests[k] = c->one_sided[k] ? !c->touches[k] : c->implied[k];
+  hk_status status = hk_constraint_matrix_linearise(d, s->t, s->X, s->X + 3 * s->n);
+  if (status == HK_OK) status = hk_constraint_matrix_factorize(d);
+  if (status != HK_OK) return status;
+  find_forbidden(c, vector);
+  status = hk_constraint_matrix_solve(d);
+  if (status == HK_OK) hk_constraint_matrix_move(c, vector);
+  return status;
 }
 
 /* ---- accelerations ---- */

@@ -3,8 +3,8 @@
  * derivatives at 0 under the forces of that time, and J^T lambda on the particles.
  *
  * Equations that follow from others take their part here: all are solved for together, with the multipliers of least
- * norm (of lambda over S, constraint_matrix.c), so that two bars side by side carry half of the load each. In
- * evaluations they rest, and the motion is the same.
+ * norm, so that two bars side by side carry half of the load each. In evaluations they rest, and the motion is the
+ * same.
  *
  * Invariant: looking changes nothing. Multipliers and the set of acting equations, from which implicit steps and
  * contacts go on, are put back, and so are counts. */
@@ -12,6 +12,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+/* Of a matrix with numbers of the size of 1: rounding in the directions in which it is singular grows by its inverse,
+ * and a round of refinement leaves the shift over the smallest eigenvalue. */
+static const double share_shift = 1e-6;
 
 /* The number of the equation that comes first among those of constraint k, and behind the last. */
 void hk_constraint_range(const hk_dynamics *d, size_t k, size_t *begin, size_t *end) {
@@ -37,7 +41,7 @@ static hk_status free_acceleration(hk_dynamics *d, double *a, double *F) {
 typedef struct kept {
   double *lambda, *scale;
   bool *sets[5], *copy[5];
-  bool soft;
+  double soft;
   size_t equations;
   hk_counts count;
 } kept;
@@ -96,6 +100,31 @@ static hk_status find_multipliers(hk_dynamics *d, double *a, double *F) {
   return status == HK_OK ? hk_constraints_accelerate(d, t, x, v, a, &power) : status;
 }
 
+/* rhs = J W J^T solution */
+static void multiply(hk_constraints *c, size_t n) {
+  memset(c->moved, 0, 3 * n * sizeof *c->moved);
+  hk_constraint_matrix_move(c, c->moved);
+  memset(c->rhs, 0, c->equations * sizeof *c->rhs);
+  for (size_t b = 0; b < c->blocks; b++)
+    c->rhs[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], c->moved + 3 * (size_t)c->list.pair[b][1]);
+}
+
+/* Shares the forces out: among all multipliers with the same forces on what can move those of least norm, whatever the
+ * masses are. With A = J J^T the vector l of least norm with A l = A lambda has J^T l = J^T lambda. One-sided equations
+ * keep theirs: shared out, one might pull that can only push. */
+static hk_status share_out(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  double t = d->state->t, *x = d->state->X, *v = x + 3 * d->state->model.n;
+  if (c->one_sided_count) return HK_OK;
+  hk_constraint_matrix_forget_masses(d);
+  for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->full[k] > 0 ? 1 : 0;
+  multiply(c, d->state->model.n);
+  hk_status status = hk_constraint_matrix_factorize_shifted(d, share_shift);
+  if (status == HK_OK) status = hk_constraint_matrix_solve(d);
+  if (status == HK_OK) memcpy(c->lambda, c->solution, c->equations * sizeof *c->lambda);
+  return status == HK_OK ? hk_constraint_matrix_linearise(d, t, x, v) : status;
+}
+
 hk_status hk_constraint_multipliers(hk_dynamics *d, double *lambda) {
   hk_constraints *c = d->constraints;
   size_t n = d->state->model.n;
@@ -105,6 +134,7 @@ hk_status hk_constraint_multipliers(hk_dynamics *d, double *lambda) {
   if (keep(d, &before) && a) {
     solve_for_all(c);
     status = find_multipliers(d, a, a + 3 * n);
+    if (status == HK_OK && c->dependent) status = share_out(d);
     memcpy(lambda, c->lambda, c->equations * sizeof *lambda);
     put_back(d, &before);
   } else

@@ -4,25 +4,21 @@
  * The products of blocks that share a particle are listed once per topology, so assembling A is one pass over them.
  * Particles that are held permanently couple no equations: many bars may hang on one pin. An equation whose particles
  * are all immovable (a bar between two pins) has the row of the identity and multiplier 0, and so has one that rests.
- * Dependent equations cause a small eigenvalue of A, which is detected by inverse iteration on A + shift I; equations
- * that follow from others are then left out, and hold because the others do. Where A is still singular, which depends
- * on the state (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined
- * iteratively, which converges to the multipliers of minimal norm (the proximal point iteration). */
+ * Equations that follow from others are left out (constraint.c). Where A is still singular, which depends on the state
+ * (a bar that is stretched between two pins), A + soft_shift I is factorized and the solution refined iteratively,
+ * which converges to the multipliers of minimal norm (the proximal point iteration). */
 #include "core/dynamics/constraints.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* A has a unit diagonal. A chain of N bars has the eigenvalue (pi/N)^2, far above `dependent`; rounding errors are
- * below `dependent`. */
-static const double shift = 1e-11, dependent = 1e-13;
 /* A round of refinement reduces the error by the factor soft_shift / eigenvalue; rounding in the dependent directions
  * grows by 1 / soft_shift. */
 static const double soft_shift = 1e-9, refined = 1e-14;
 /* An equation has no movable direction when the free part of its J is shorter than 1e-10 of the whole. */
 static const double no_direction = 1e-20;
 
-enum { INVERSE_ITERATIONS = 3, REFINEMENTS = 8 };
+enum { REFINEMENTS = 8 };
 
 void hk_constraint_matrix_free(hk_constraints *c) {
   free(c->equation_first);
@@ -32,10 +28,13 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
                     c->g,        c->c,     c->rhs,        c->solution,  c->path,    c->path_used, c->speed,
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
-                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x};
+                    c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
-  *c = (hk_constraints){.linear = {.solver = c->linear.solver, .narrow = c->linear.narrow},
-                        .narrow = c->narrow,
+  hk_linear_system linear = c->linear, mixed = c->mixed;
+  linear.analyzed = mixed.analyzed = false;
+  *c = (hk_constraints){.linear = linear,
+                        .mixed = mixed,
+                        .unsymmetric = c->unsymmetric,
                         .revision = c->revision + 1,
                         .jumped = c->jumped};
 }
@@ -93,8 +92,10 @@ static hk_status allocate(hk_dynamics *d) {
   size_t m = c->equations + 1, b = c->blocks + 1;
   c->J = calloc(b, sizeof *c->J);
   c->WJ = calloc(b, sizeof *c->WJ);
+  c->J_end = calloc(b, sizeof *c->J_end);
   c->pin = malloc(b * sizeof *c->pin);
   c->full = calloc(m, sizeof *c->full);
+  c->own = calloc(m, sizeof *c->own);
   c->scale = calloc(m, sizeof *c->scale);
   c->speed = calloc(m, sizeof *c->speed);
   c->lambda = calloc(m, sizeof *c->lambda);
@@ -115,7 +116,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->path = calloc(d->pins->count + 1, sizeof *c->path);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
   fine &= c->J && c->WJ && c->pin && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
-  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x;
+  fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
   return fine && c->path && c->path_used ? HK_OK : no_memory(d);
 }
 
@@ -159,20 +160,26 @@ static void by_particle(const hk_dynamics *d, size_t *start, uint32_t *order) {
     if (!held_for_ever(d, c->pin[b])) order[start[c->list.pair[b][1] + 1]++] = (uint32_t)b;
 }
 
+static void name_pair(hk_constraints *c, size_t row, size_t column) {
+  c->matrix.naming.block(&c->matrix.naming, (uint32_t)row, (uint32_t)column);
+}
+
+/* Both places of a product in A, as it and its mirror are the same number. */
 static hk_status name_terms(hk_dynamics *d, const size_t *start, const uint32_t *order) {
   hk_constraints *c = d->constraints;
-  for (size_t i = 0; i < d->state->model.n; i++) c->terms += (start[i + 1] - start[i]) * (start[i + 1] - start[i]);
+  size_t n = d->state->model.n, count = 0;
+  for (size_t i = 0; i < n; i++) c->terms += (start[i + 1] - start[i]) * (start[i + 1] - start[i] - 1) / 2;
   c->term = malloc((c->terms + 1) * sizeof *c->term);
   if (!c->term) return no_memory(d);
   hk_block_matrix_begin(&c->matrix, c->equations, c->equations);
-  for (size_t k = 0; k < c->equations; k++) c->matrix.naming.block(&c->matrix.naming, (uint32_t)k, (uint32_t)k);
-  size_t count = 0;
-  for (size_t i = 0; i < d->state->model.n; i++)
+  for (size_t k = 0; k < c->equations; k++) name_pair(c, k, k);
+  for (size_t i = 0; i < n; i++)
     for (size_t p = start[i]; p < start[i + 1]; p++)
-      for (size_t q = start[i]; q < start[i + 1]; q++, count++) {
+      for (size_t q = p + 1; q < start[i + 1]; q++, count++) {
         c->term[count][0] = order[p];
         c->term[count][1] = order[q];
-        c->matrix.naming.block(&c->matrix.naming, c->list.pair[order[p]][0], c->list.pair[order[q]][0]);
+        name_pair(c, c->list.pair[order[p]][0], c->list.pair[order[q]][0]);
+        name_pair(c, c->list.pair[order[q]][0], c->list.pair[order[p]][0]);
       }
   if (hk_block_matrix_build(&c->matrix) != HK_OK) return no_memory(d);
   c->value = calloc(c->matrix.row_start[c->equations] + 1, sizeof *c->value);
@@ -216,40 +223,79 @@ void hk_constraint_matrix_rest(hk_constraints *c) {
   for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->rests[k] ? 0 : c->full[k];
 }
 
+/* own = the diagonal of J W J^T with `J` on the left */
+static void find_own(hk_constraints *c, double (*J)[3]) {
+  memset(c->own, 0, c->equations * sizeof *c->own);
+  for (size_t b = 0; b < c->blocks; b++) c->own[c->list.pair[b][0]] += hk_constraint_dot(J[b], c->WJ[b]);
+}
+
+/* The same as if no pin held anything. */
+static void find_whole(const hk_dynamics *d, double *whole) {
+  const hk_constraints *c = d->constraints;
+  memset(whole, 0, c->equations * sizeof *whole);
+  for (size_t b = 0; b < c->blocks; b++)
+    whole[c->list.pair[b][0]] += d->state->inverse_mass[c->list.pair[b][1]] * hk_constraint_dot(c->J[b], c->J[b]);
+}
+
+/* WJ and own where no particle slides, and with that no pin holds a part of a direction. */
+static void weigh_all(const hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  memset(c->own, 0, c->equations * sizeof *c->own);
+  for (size_t b = 0; b < c->blocks; b++) {
+    double w = d->state->inverse_mass[c->list.pair[b][1]];
+    for (int a = 0; a < 3; a++) c->WJ[b][a] = w * c->J[b][a];
+    c->own[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], c->WJ[b]);
+  }
+}
+
 hk_status hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
-  double *whole = c->rhs;
+  double *whole = d->pins->has_slides ? c->rhs : c->own;
   c->kept = false;
   hk_status status = hk_constraint_jacobian(d, t, x, v, c->J);
   if (status != HK_OK) return status;
-  memset(c->full, 0, c->equations * sizeof *c->full);
-  memset(whole, 0, c->equations * sizeof *whole);
-  for (size_t b = 0; b < c->blocks; b++) {
-    uint32_t k = c->list.pair[b][0], i = c->list.pair[b][1];
-    weigh(d, c->pin[b], i, c->J[b], c->WJ[b]);
-    c->full[k] += hk_constraint_dot(c->J[b], c->WJ[b]);
-    whole[k] += d->state->inverse_mass[i] * hk_constraint_dot(c->J[b], c->J[b]);
-  }
-  for (size_t k = 0; k < c->equations; k++)
-    c->full[k] = c->full[k] > no_direction * whole[k] ? 1 / sqrt(c->full[k]) : 0;
+  if (d->pins->has_slides) {
+    for (size_t b = 0; b < c->blocks; b++) weigh(d, c->pin[b], c->list.pair[b][1], c->J[b], c->WJ[b]);
+    find_own(c, c->J);
+    find_whole(d, whole);
+  } else
+    weigh_all(d);
+  for (size_t k = 0; k < c->equations; k++) c->full[k] = c->own[k] > no_direction * whole[k] ? 1 / sqrt(c->own[k]) : 0;
   hk_constraint_matrix_rest(c);
   return HK_OK;
 }
 
-static hk_matrix assemble(hk_constraints *c) {
-  memset(c->value, 0, c->matrix.row_start[c->equations] * sizeof *c->value);
-  for (size_t k = 0; k < c->equations; k++)
-    if (c->scale[k] == 0) c->value[c->matrix.slot[k]] = 1;
-  for (size_t e = 0; e < c->terms; e++) {
-    uint32_t p = c->term[e][0], q = c->term[e][1];
-    double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
-    c->value[c->matrix.slot[c->equations + e]] += scale * hk_constraint_dot(c->J[p], c->WJ[q]);
+void hk_constraint_matrix_forget_masses(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  for (size_t b = 0; b < c->blocks; b++) {
+    uint32_t i = c->list.pair[b][1];
+    for (int a = 0; a < 3 && d->state->inverse_mass[i] > 0; a++) c->WJ[b][a] *= d->state->mass[i];
   }
-  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, true, c->matrix.number};
+  find_own(c, c->J);
+  for (size_t k = 0; k < c->equations; k++) c->full[k] = c->full[k] > 0 ? 1 / sqrt(c->own[k]) : 0;
+  hk_constraint_matrix_rest(c);
 }
 
+/* S J W J^T S with `J` on the left */
+static hk_matrix assemble(hk_constraints *c, double (*J)[3], bool symmetric) {
+  const size_t *diagonal = c->matrix.slot, *slot = diagonal + c->equations;
+  memset(c->value, 0, c->matrix.row_start[c->equations] * sizeof *c->value);
+  for (size_t k = 0; k < c->equations; k++)
+    c->value[diagonal[k]] = c->scale[k] == 0 ? 1 : c->scale[k] * c->scale[k] * c->own[k];
+  for (size_t e = 0; e < c->terms; e++, slot += 2) {
+    uint32_t p = c->term[e][0], q = c->term[e][1];
+    double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
+    double product = scale * hk_constraint_dot(J[p], c->WJ[q]);
+    c->value[slot[0]] += product;
+    c->value[slot[1]] += symmetric ? product : scale * hk_constraint_dot(J[q], c->WJ[p]);
+  }
+  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, symmetric, c->matrix.number};
+}
+
+hk_matrix hk_constraint_matrix_assemble(hk_constraints *c) { return assemble(c, c->J, true); }
+
 static void soften(hk_constraints *c, double by) {
-  for (size_t k = 0; k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
+  for (size_t k = 0; by > 0 && k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
 }
 
 static hk_status cannot_solve(hk_dynamics *d) {
@@ -262,6 +308,13 @@ static hk_status cannot_solve(hk_dynamics *d) {
                       *instance->where ? ": " : "", instance->label, number);
 }
 
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *d, double by) {
+  hk_matrix A = hk_constraint_matrix_assemble(d->constraints);
+  soften(d->constraints, by);
+  d->constraints->soft = by;
+  return hk_linear_system_factorize(d, &d->constraints->linear, &A);
+}
+
 /* Where equations are known to depend on each other, and with one-sided ones, which often do in contact (four feet on a
  * floor), the shifted matrix is used at once. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
@@ -269,11 +322,8 @@ hk_status hk_constraint_matrix_factorize(hk_dynamics *d) {
   hk_error before = *d->error;
   hk_status status = HK_NOT_CONVERGED;
   for (int attempt = c->one_sided_count > 0 || c->dependent; attempt < 2 && status == HK_NOT_CONVERGED; attempt++) {
-    hk_matrix A = assemble(c);
-    c->soft = attempt == 1;
-    if (c->soft) soften(c, soft_shift);
     *d->error = before; /* removes the solver's message, which names a matrix row */
-    status = hk_linear_system_factorize(d, &c->linear, &A);
+    status = hk_constraint_matrix_factorize_shifted(d, attempt == 1 ? soft_shift : 0);
   }
   return status == HK_NOT_CONVERGED ? cannot_solve(d) : status;
 }
@@ -288,7 +338,7 @@ static double largest(const double *of, size_t count) {
 /* residual = rhs - A solution, with A without its shift */
 static void find_residual(hk_constraints *c) {
   for (size_t r = 0; r < c->equations; r++) {
-    double sum = c->rhs[r] + soft_shift * c->solution[r];
+    double sum = c->rhs[r] + c->soft * c->solution[r];
     for (size_t e = c->matrix.row_start[r]; e < c->matrix.row_start[r + 1]; e++)
       sum -= c->value[e] * c->solution[c->matrix.column[e]];
     c->residual[r] = sum;
@@ -321,61 +371,29 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] *= c->scale[k];
   hk_status status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
-  if (status == HK_OK && c->soft) status = refine(d);
+  if (status == HK_OK && c->soft > 0) status = refine(d);
   for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
   return status;
 }
 
-/* The Rayleigh quotient u A u of the unit vector u in c->rhs. */
-static double quotient(const hk_constraints *c, const hk_matrix *A) {
-  double sum = 0;
-  for (size_t r = 0; r < A->rows; r++)
-    for (size_t e = A->row_start[r]; e < A->row_start[r + 1]; e++)
-      sum += c->rhs[r] * A->value[e] * c->rhs[A->column[e]];
-  return sum;
-}
-
-static void normalise(double *to, const double *from, size_t count) {
-  double sum = 0;
-  for (size_t k = 0; k < count; k++) sum += from[k] * from[k];
-  for (size_t k = 0; k < count; k++) to[k] = from[k] / sqrt(sum);
-}
-
-/* Computes the eigenvector of the smallest eigenvalue in c->rhs, and its Rayleigh quotient. */
-static hk_status weakest(hk_dynamics *d, double *smallest) {
-  hk_constraints *c = d->constraints;
-  hk_matrix A = assemble(c);
-  uint64_t bits = 88172645463325252u; /* xorshift: a pseudo-random start vector avoids orthogonality by symmetry */
-  for (size_t k = 0; k < c->equations; k++) {
-    bits ^= bits << 13;
-    bits ^= bits >> 7;
-    bits ^= bits << 17;
-    c->solution[k] = (double)(bits >> 11) * 0x1p-53 + 0.1;
-  }
-  normalise(c->rhs, c->solution, c->equations);
-  soften(c, shift);
-  hk_status status = hk_linear_system_factorize(d, &c->linear, &A);
-  for (int i = 0; i < INVERSE_ITERATIONS && status == HK_OK; i++) {
-    status = hk_linear_system_solve(d, &c->linear, c->rhs, c->solution, NULL);
-    normalise(c->rhs, c->solution, c->equations);
-  }
-  *smallest = quotient(c, &A) - shift;
+static hk_status open_mixed(hk_dynamics *d, hk_constraints *c) {
+  if (c->mixed.any) return HK_OK;
+  hk_status status = hk_solver_indefinite(d, &c->mixed.any, &c->unsymmetric);
+  c->mixed.solver = c->mixed.any;
   return status;
 }
 
-/* One-sided equations are excluded here, because the set of those that act changes. */
-hk_status hk_constraint_matrix_review(hk_dynamics *d) {
+hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x, const double *v) {
   hk_constraints *c = d->constraints;
-  hk_error before = *d->error;
-  double smallest = 0;
-  memset(c->implied, 0, c->equations * sizeof *c->implied);
-  if (c->equations - c->one_sided_count < 2) return HK_OK;
-  memcpy(c->rests, c->one_sided, c->equations * sizeof *c->rests);
-  hk_constraint_matrix_rest(c);
-  hk_status found = weakest(d, &smallest);
-  if (found != HK_OK && found != HK_NOT_CONVERGED) return found;
-  *d->error = before;
-  if (found == HK_OK && smallest > dependent) return HK_OK;
-  hk_matrix A = assemble(c);
-  return hk_independent_rows(&A, c->implied, d->error);
+  c->kept = false;
+  hk_status status = open_mixed(d, c);
+  if (status == HK_OK) status = hk_constraint_jacobian(d, t, x, v, c->J_end);
+  if (status != HK_OK) return status;
+  find_own(c, c->J_end);
+  hk_matrix A = assemble(c, c->J_end, false);
+  for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->scale[k] * c->g[k];
+  status = hk_linear_system_factorize(d, &c->mixed, &A);
+  if (status == HK_OK) status = hk_linear_system_solve(d, &c->mixed, c->rhs, c->solution, NULL);
+  for (size_t k = 0; k < c->equations; k++) c->solution[k] *= c->scale[k];
+  return status;
 }

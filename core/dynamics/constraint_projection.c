@@ -5,7 +5,8 @@
  *
  * Methods that keep g = 0 and J v + g_t = 0 in their own steps ask for SHAKE's correction of positions,
  *     x += W J^T L,  J at the start of the step, with g(x, t) = 0 at its end,
- * by Newton's iteration with the matrix J W J^T of the start, whose error falls by a factor of the order of h a round,
+ * by Newton's iteration with the matrix J W J^T of the start, whose error falls by a factor of the order of h a round
+ * (where it does not, as in a light chain that a heavy weight straightens, with J of the last round on the left),
  * and for RATTLE's correction of velocities,
  *     v += W J^T M,  J at x, with J v + g_t = 0,
  * one linear solution. With half a kick before and after they make a symplectic and reversible map, because impulses
@@ -21,14 +22,17 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ITERATIONS = 25, ROUNDS = 40, MOST_NAMED = 3, NAME = 96, REST = 800 };
+enum { ITERATIONS = 25, ROUNDS = 40, PATIENCE = 3, MOST_NAMED = 3, NAME = 96, REST = 800 };
 
 /* Tolerance of positions: relative to the largest coordinate, which determines their rounding. Of velocities: relative
  * to the sum of |J||v|. After a round that leaves more than `slow` of the residual a new factorization is made.
  * `implied_tolerance`: largest violation of an equation that follows from others before it is solved for: 1e5 times
  * position_tolerance, for equations at a small angle to each other. */
 static const double position_tolerance = 1e-12, velocity_tolerance = 1e-13, slow = 0.1, implied_tolerance = 1e-7;
-static const double to_be_named = 0.01;         /* part of the largest violation */
+static const double to_be_named = 0.01; /* part of the largest violation */
+/* A round of the iteration with the matrix of the start that leaves more than this part of g is slow; after PATIENCE of
+ * them every round has its own matrix. */
+static const double tardy = 0.5;
 static const double rounding = 4 * DBL_EPSILON; /* of a length, relative to the largest coordinate */
 
 /* The violation of an equation. */
@@ -86,7 +90,7 @@ static hk_status gave_up(hk_dynamics *d, size_t equation, bool position, double 
 static hk_status check_immovable(hk_dynamics *d, double size) {
   const hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) {
-    if (c->full[k] > 0 || !(broken(c, k) > implied_tolerance * size)) continue;
+    if (c->full[k] > 0 || c->one_sided[k] || !(broken(c, k) > implied_tolerance * size)) continue;
     char rest[REST];
     snprintf(rest, sizeof rest,
              " does not hold, by %.3g m, and pins keep its particles from moving: it contradicts them", c->g[k]);
@@ -303,12 +307,11 @@ static hk_status begin_anew(hk_dynamics *d, double t0, double *from, double t, d
 static void apply(hk_dynamics *d, double h, double *x, double *v) {
   hk_constraints *c = d->constraints;
   for (size_t b = 0; b < c->blocks; b++) {
-    double s = c->solution[c->list.pair[b][0]];
+    double s = c->solution[c->list.pair[b][0]], over_h = s / h;
     size_t at = 3 * (size_t)c->list.pair[b][1];
     for (size_t a = 0; a < 3; a++) {
-      double by = s * c->WJ[b][a];
-      x[at + a] += by;
-      v[at + a] += by / h;
+      x[at + a] += s * c->WJ[b][a];
+      v[at + a] += over_h * c->WJ[b][a];
     }
   }
 }
@@ -329,6 +332,7 @@ hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, do
   hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0, size = hk_constraint_extent(c, x), done = 0;
   size_t worst = 0;
+  int slowly = 0;
   hk_status status = begin(d, s->t, from, from + 3 * s->n);
   if (status == HK_OK) status = hk_dynamics_impose(d, t, x, v);
   for (int round = 0; round < ROUNDS && status == HK_OK; round++) {
@@ -341,8 +345,9 @@ hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, do
       return check_immovable(d, size);
     }
     if (met) status = begin_anew(d, s->t, from, t, x, v);
+    slowly = met ? 0 : slowly + (left > tardy * last);
     last = met ? INFINITY : left;
-    if (status == HK_OK) status = solve_for(d, c->g);
+    if (status == HK_OK) status = slowly < PATIENCE ? solve_for(d, c->g) : hk_constraint_matrix_newton(d, t, x, v);
     if (status == HK_OK) apply(d, h, x, v);
     if (status == HK_OK) done += hk_constraint_power(d, from + 3 * s->n) / h;
   }
@@ -354,7 +359,7 @@ hk_status hk_constraints_hold_velocities(hk_system *s, double t, double *x, doub
   hk_constraints *c = d->constraints;
   hk_status status = begin(d, t, x, v);
   if (status != HK_OK) return status;
-  hk_constraint_rate(c, v, c->c, c->residual);
+  hk_constraint_rate(c, v, c->c, NULL);
   status = solve_for(d, c->c);
   if (status != HK_OK) return status;
   hk_constraint_matrix_move(c, v);

@@ -3,6 +3,7 @@
 #include "core/dynamics/constraints.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { MOST_NAMES = 4 };
 
@@ -70,22 +71,23 @@ hk_status hk_constraint_speed(hk_dynamics *d, double t, const double *x, const d
 }
 
 double hk_constraint_extent(const hk_constraints *c, const double *x) {
-  double largest = 0;
-  for (size_t b = 0; b < c->blocks; b++)
-    for (int a = 0; a < 3; a++) largest = fmax(largest, fabs(x[3 * (size_t)c->list.pair[b][1] + a]));
-  return largest;
+  double largest[3] = {0, 0, 0};
+  for (size_t b = 0; b < c->blocks; b++) {
+    const double *at = x + 3 * (size_t)c->list.pair[b][1];
+    for (int a = 0; a < 3; a++) largest[a] = fabs(at[a]) > largest[a] ? fabs(at[a]) : largest[a];
+  }
+  return fmax(fmax(largest[0], largest[1]), largest[2]);
 }
 
 void hk_constraint_rate(hk_constraints *c, const double *v, double *rate, double *sum) {
-  for (size_t k = 0; k < c->equations; k++) {
-    rate[k] = c->speed[k];
-    sum[k] = fabs(c->speed[k]);
-  }
+  memcpy(rate, c->speed, c->equations * sizeof *rate);
+  for (size_t b = 0; b < c->blocks; b++)
+    rate[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], v + 3 * (size_t)c->list.pair[b][1]);
+  if (!sum) return;
+  for (size_t k = 0; k < c->equations; k++) sum[k] = fabs(c->speed[k]);
   for (size_t b = 0; b < c->blocks; b++) {
     const double *here = v + 3 * (size_t)c->list.pair[b][1];
-    uint32_t k = c->list.pair[b][0];
-    rate[k] += hk_constraint_dot(c->J[b], here);
-    sum[k] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
+    sum[c->list.pair[b][0]] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
   }
 }
 

@@ -8,16 +8,18 @@
 
 struct hk_constraints {
   size_t equations, blocks, terms;
-  size_t *equation_first;         /* first equation of each instance, and the number of equations */
-  size_t *block_first;            /* the same for blocks */
-  hk_block_matrix list;           /* pair[b]: equation and particle of block b; its matrix is not built */
-  double (*J)[3], (*WJ)[3];       /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
-  uint32_t *pin;                  /* blocks: position in d->pins->item; UINT32_MAX: never pinned */
-  hk_block_matrix matrix;         /* pattern of A: 1 x 1 blocks; the diagonal is named first */
-  uint32_t (*term)[2];            /* terms: the blocks whose product is added to matrix.slot[equations + term] */
-  double *value;                  /* values of A */
-  double *full;                   /* equations: diagonal of S if all equations acted; 0 where no particle can move */
-  double *scale;                  /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  size_t *equation_first;   /* first equation of each instance, and the number of equations */
+  size_t *block_first;      /* the same for blocks */
+  hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
+  double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
+  uint32_t *pin;            /* blocks: position in d->pins->item; UINT32_MAX: never pinned */
+  hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
+                               2 term] and at the next slot, its mirror */
+  double *value;            /* values of A */
+  double *own;              /* equations: diagonal of J W J^T */
+  double *full;             /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;            /* equations: diagonal of S; 0 where an equation rests or no particle can move */
   double *g, *c, *rhs, *solution; /* equations */
   double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
   double *residual, *correction;  /* equations: residual and correction of a refinement; also scratch */
@@ -32,7 +34,7 @@ struct hk_constraints {
   bool *allowed;   /* one-sided equations that may act in the present problem */
   bool *held;      /* one-sided equations that are treated as equalities in the present problem */
   bool *rests;     /* equations that do not act in the present problem */
-  bool soft;       /* the present factors are those of A + soft_shift I */
+  double soft;     /* the present factors are those of A + soft I */
   bool dependent;  /* the present problem has equations that follow from others */
   bool has_speed;  /* some constraint has `speed` */
   bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
@@ -43,7 +45,9 @@ struct hk_constraints {
   double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
-  hk_plugin_spec *narrow; /* spec of linear.narrow */
+  hk_linear_system mixed;      /* of J W J^T with J of two states, which is not symmetric; opened when it is needed */
+  double (*J_end)[3];          /* blocks: the first of the two */
+  hk_plugin_spec *unsymmetric; /* spec of its solver; NULL: the scene's */
 };
 
 static inline double hk_constraint_dot(const double a[3], const double b[3]) {
@@ -63,7 +67,7 @@ hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const do
 hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
 hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
 double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
-/* rate = J v + g_t, sum = the sum of the magnitudes of its terms. */
+/* rate = J v + g_t, sum = the sum of the magnitudes of its terms; sum NULL: it is not wanted. */
 void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
 /* The power of the constraint forces along what moves with time, their equations and scripted particles, W: minus
  * solution (g_t + J v of those particles). Of an impulse it is the work, J. */
@@ -79,22 +83,28 @@ void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t
 /* Finds which one-sided equations touch at x and v. */
 hk_status hk_constraint_look(hk_dynamics *, double t, const double *x, const double *v);
 
+hk_status hk_constraints_tangent(hk_system *, double *vector); /* see hk_system */
+
 /* ---- constraint_matrix.c ---- */
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
 void hk_constraint_matrix_free(hk_constraints *);
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
 hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
-void hk_constraint_matrix_rest(hk_constraints *); /* updates scale after a change of `rests` */
+/* After that, W is as if all masses were 1, until the next linearisation. */
+void hk_constraint_matrix_forget_masses(hk_dynamics *);
+void hk_constraint_matrix_rest(hk_constraints *);          /* updates scale after a change of `rests` */
+hk_matrix hk_constraint_matrix_assemble(hk_constraints *); /* A, whose values are c->value */
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
 hk_status hk_constraint_matrix_factorize(hk_dynamics *);
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
+/* solution = -(J' W J^T)^-1 g, J' at x and J of the last linearisation: a round of Newton's iteration. A and its
+ * factors are no longer those of the linearisation. */
+hk_status hk_constraint_matrix_newton(hk_dynamics *, double t, const double *x, const double *v);
 /* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
  * that depend on each other: the multipliers of minimal norm. */
 hk_status hk_constraint_matrix_solve(hk_dynamics *);
 void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
-/* Finds equations that follow from others at the linearised state: `implied`. */
-hk_status hk_constraint_matrix_review(hk_dynamics *);
-/* ---- constraint_projection.c: project, hold_positions and hold_velocities of hk_system ---- */
 
 hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
 hk_status hk_constraints_hold_positions(hk_system *, double t, double *from, double h, double *x, double *v,

@@ -45,8 +45,9 @@ typedef struct hk_dynamics {
   hk_constraints *constraints; /* NULL: the scene has none */
   hk_implicit_matrix *matrix;  /* NULL: no Jacobian was asked for */
   hk_saddle_point *saddle;     /* NULL: no constraints, or the method solves no linear systems */
-  hk_instance *solver;         /* NULL: the run solves no linear systems */
-  hk_plugin_spec *solver_spec; /* spec of a solver that the run has chosen */
+  hk_instance *solver;         /* NULL: the run solves no linear systems, or those of `special` alone */
+  hk_instance *special;        /* the solver for matrices of a kind, which is preferred where it fits; or NULL */
+  hk_plugin_spec *solver_spec, *special_spec; /* specs of solvers that the run has chosen */
 } hk_dynamics;
 
 /* ---- system.c ---- */
@@ -129,14 +130,12 @@ bool hk_constraints_jumped(hk_dynamics *);
 hk_status hk_constraints_violation(hk_dynamics *, double *violation); /* m, of the state */
 hk_status hk_constraints_topology(hk_dynamics *);
 
-/* ---- constraint_forces.c ---- */
+/* ---- constraint_forces.c: multipliers of the state, N for equations in metres; J^T lambda acts on the particles ----
+ */
 
-/* The multipliers of all equations at the state, N for equations in metres: J^T lambda acts on the particles. An
- * evaluation, of which nothing stays. */
-hk_status hk_constraint_multipliers(hk_dynamics *, double *lambda);
-/* The equations of constraint k: from `begin` on, without `end`. */
-void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end);
-/* N, the force of constraint k on a particle with these multipliers, by J of the last evaluation. */
+hk_status hk_constraint_multipliers(hk_dynamics *, double *lambda); /* of all; an evaluation, of which nothing stays */
+void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end); /* equations of constraint k */
+/* N, the force of constraint k on a particle, by J of the last evaluation. */
 void hk_constraint_force_on(const hk_dynamics *, size_t k, const double *lambda, size_t particle, double F[3]);
 
 /* ---- jacobian.c, implicit_matrix.c, saddle_point.c ---- */
@@ -159,15 +158,14 @@ hk_status hk_implicit_solve_columns(hk_system *, const double *b, double *x, siz
 /* ---- linear_system.c: the scene's solver, or one chosen by the forces, the size and the flags of the installed
  * solvers ---- */
 
+/* Lets the pattern of the Jacobian decide on the solver, before the first step. */
+hk_status hk_solver_settle(hk_dynamics *);
 /* Creates and starts the solver before the first step. `named` NULL: the solver is chosen. */
 hk_status hk_solver_open(hk_dynamics *, const hk_plugin_spec *named);
 /* One that takes indefinite matrices, for the saddle points of implicit steps with constraints; the caller destroys it
  * and then the spec, which is NULL where the scene's solver is of that kind. */
 hk_status hk_solver_indefinite(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
-/* One for narrow factors (HK_NARROW), where the scene names no solver and one is installed; else NULL. The caller
- * destroys it and then the spec. */
-hk_status hk_solver_narrow(hk_dynamics *, hk_instance **solver, hk_plugin_spec **spec);
-/* A second instance with the same parameters, for the multipliers; the caller destroys it. */
-hk_status hk_solver_twin(hk_dynamics *, hk_instance **solver);
+/* The solver of the last systems; NULL: there were none. */
+const hk_instance *hk_solver_in_use(const hk_dynamics *);
 
 #endif

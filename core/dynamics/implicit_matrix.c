@@ -129,38 +129,33 @@ hk_status hk_implicit_combine(hk_system *system, double m, double d, double k, h
 
 /* ---- factorization and solution ---- */
 
-static hk_status linear_of(hk_dynamics *d, hk_linear_system **linear) {
+hk_status hk_implicit_linear_system(hk_dynamics *d, hk_linear_system **linear) {
   hk_implicit_matrix *s = hk_implicit_matrix_of(d);
   if (!s) return HK_NO_MEMORY;
-  if (!d->solver)
+  if (!d->solver && !d->special)
     return hk_error_set(d->error, HK_FAILED, "%s solves linear systems but does not declare it (HK_NEEDS_SOLVER)",
                         hk_plugins_one(d->plugins, HK_INTEGRATOR)->plugin->name);
-  s->linear.solver = d->solver;
+  s->linear.any = d->solver;
+  s->linear.special = d->special;
+  if (!s->linear.solver) s->linear.solver = d->solver;
   *linear = &s->linear;
   return HK_OK;
 }
 
-/* Whether or not an equation acts at present, so that a step has one solver. */
-static bool constrained(hk_system *system) {
-  const hk_dynamics *d = dynamics_of(system);
-  return d->saddle && d->constraints->equations > 0;
+const hk_instance *hk_solver_in_use(const hk_dynamics *d) {
+  const hk_instance *saddle = hk_saddle_point_solver(d);
+  if (saddle) return saddle;
+  if (d->matrix && d->matrix->linear.solver) return d->matrix->linear.solver;
+  return d->constraints ? d->constraints->linear.solver : d->solver;
 }
 
-hk_status hk_implicit_solver_flags(hk_system *system, unsigned *flags) {
-  hk_linear_system *linear = NULL;
-  hk_status status = linear_of(dynamics_of(system), &linear);
-  if (status == HK_OK && constrained(system)) {
-    *flags = hk_saddle_point_flags(dynamics_of(system));
-    return HK_OK;
-  }
-  if (status == HK_OK) *flags = linear->solver->plugin->solver->flags;
-  return status;
-}
+bool hk_implicit_constrained(const hk_dynamics *d) { return d->saddle && d->constraints->equations > 0; }
 
 hk_status hk_implicit_factorize(hk_system *system, const hk_matrix *A) {
   hk_linear_system *linear = NULL;
-  hk_status status = linear_of(dynamics_of(system), &linear);
-  if (status == HK_OK && constrained(system)) return hk_saddle_point_factorize(dynamics_of(system), A);
+  hk_status status = hk_implicit_linear_system(dynamics_of(system), &linear);
+  if (status == HK_OK && hk_implicit_constrained(dynamics_of(system)))
+    return hk_saddle_point_factorize(dynamics_of(system), A);
   return status == HK_OK ? hk_linear_system_factorize(dynamics_of(system), linear, A) : status;
 }
 
@@ -177,14 +172,14 @@ hk_status hk_implicit_solve(hk_system *system, const double *b, double *x, hk_so
 
 hk_status hk_implicit_solve_along(hk_system *system, const double *b, const double *u, double *x, hk_solve_info *info) {
   hk_linear_system *linear = NULL;
-  if (constrained(system)) return hk_saddle_point_solve(dynamics_of(system), b, u, x, info);
+  if (hk_implicit_constrained(dynamics_of(system))) return hk_saddle_point_solve(dynamics_of(system), b, u, x, info);
   hk_status status = ready(dynamics_of(system), &linear);
   return status == HK_OK ? hk_linear_system_solve(dynamics_of(system), linear, b, x, info) : status;
 }
 
 hk_status hk_implicit_solve_columns(hk_system *system, const double *b, double *x, size_t columns) {
   hk_linear_system *linear = NULL;
-  if (constrained(system))
+  if (hk_implicit_constrained(dynamics_of(system)))
     return hk_error_set(dynamics_of(system)->error, HK_FAILED,
                         "several right-hand sides at once are not solved in a scene with constraints");
   hk_status status = ready(dynamics_of(system), &linear);

@@ -22,4 +22,9 @@ struct hk_implicit_matrix {
 hk_implicit_matrix *
 hk_implicit_matrix_of(hk_dynamics *); /* made at the first request; NULL: no memory, the error is set */
 
+/* The system of a method without constraints; fails where the run has no solver. */
+hk_status hk_implicit_linear_system(hk_dynamics *, hk_linear_system **);
+/* Whether there are constraints, acting at present or not: a step has one solver. */
+bool hk_implicit_constrained(const hk_dynamics *);
+
 #endif

@@ -116,6 +116,35 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
   return hk_saddle_point_stiffness(d, t, X, X + 3 * n, s->matrix.slot + s->first_constraint, s->K);
 }
 
+/* The pattern decides on the solver, and methods ask what it can do before the first assembly. */
+static hk_status choose_early(hk_dynamics *d, hk_linear_system *linear) {
+  hk_implicit_matrix *s = d->matrix;
+  hk_status status = s->K && s->D ? HK_OK : build(d, s);
+  if (status != HK_OK) return status;
+  hk_matrix A = {s->matrix.rows, 3, s->matrix.row_start, s->matrix.column, NULL, true, s->matrix.number};
+  return hk_linear_system_choose(d, linear, &A);
+}
+
+hk_status hk_solver_settle(hk_dynamics *d) {
+  const hk_instance *method = hk_plugins_one(d->plugins, HK_INTEGRATOR);
+  unsigned flags;
+  if (!d->special || !(method->plugin->integrator->flags & HK_NEEDS_JACOBIAN)) return HK_OK;
+  return hk_implicit_solver_flags(&d->system, &flags);
+}
+
+hk_status hk_implicit_solver_flags(hk_system *system, unsigned *flags) {
+  hk_dynamics *d = dynamics_of(system);
+  hk_linear_system *linear = NULL;
+  hk_status status = hk_implicit_linear_system(d, &linear);
+  if (status == HK_OK && hk_implicit_constrained(d)) {
+    *flags = hk_saddle_point_flags(d);
+    return HK_OK;
+  }
+  if (status == HK_OK && !linear->analyzed && linear->special) status = choose_early(d, linear);
+  if (status == HK_OK) *flags = linear->solver->plugin->solver->flags;
+  return status;
+}
+
 hk_status hk_jacobian_assemble(hk_system *system, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {
   hk_dynamics *d = dynamics_of(system);
   hk_implicit_matrix *s = hk_implicit_matrix_of(d);

@@ -24,7 +24,7 @@ bool hk_probe_has_energy(const hk_dynamics *d) {
   const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
   for (size_t k = 0; k < constraints->count; k++)
     if (constraints->item[k]->spec->timed_count > 0) return false;
-  return !(d->pins->has_paths && d->constraints);
+  return true;
 }
 
 bool hk_probe_force(hk_dynamics *d, size_t k, const double *X, size_t n, double *F) {

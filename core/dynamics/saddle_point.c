@@ -48,7 +48,10 @@ struct hk_saddle_point {
 hk_status hk_saddle_point_open(hk_dynamics *d) {
   d->saddle = calloc(1, sizeof *d->saddle);
   if (!d->saddle) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the constraints of implicit steps");
-  return hk_solver_indefinite(d, &d->saddle->linear.solver, &d->saddle->spec);
+  hk_linear_system *linear = &d->saddle->linear;
+  hk_status status = hk_solver_indefinite(d, &linear->any, &d->saddle->spec);
+  linear->solver = linear->any;
+  return status;
 }
 
 static void drop(hk_saddle_point *s) {

@@ -161,7 +161,7 @@ void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approx
 typedef struct hk_summary {
   const char *scene, *integrator;
   const char *solver;         /* solver of linear systems; NULL: the run solved none */
-  const char *solver_choice;  /* "chosen for the forces and the size"; "": named by the script or the user */
+  const char *solver_choice;  /* "chosen for the forces and the size", ...; "": named by the script or the user */
   char solver_libraries[160]; /* text of hk_solver.describe; "" without one, or when no system was solved */
   hk_verdict verdict;
   const char *verdict_name;

@@ -80,13 +80,14 @@ static void energies(hk_loop *loop, hk_summary *s) {
 }
 
 static void solvers(const hk_dynamics *d, hk_summary *s) {
-  if (!d->solver || (d->count.factorizations == 0 && !d->constraints && !d->matrix)) return;
-  const hk_instance *saddle = hk_saddle_point_solver(d), *solver = saddle ? saddle : d->solver;
+  if (!hk_solver_in_use(d) || (d->count.factorizations == 0 && !d->constraints && !d->matrix)) return;
+  const hk_instance *saddle = hk_saddle_point_solver(d), *solver = hk_solver_in_use(d);
   const hk_plugin *plugin = solver->plugin;
   s->solver = plugin->name;
-  s->solver_choice = saddle           ? "chosen for the saddle points of constraints"
-                     : d->solver_spec ? "chosen for the forces and the size"
-                                      : "";
+  s->solver_choice = saddle                                    ? "chosen for the saddle points of constraints"
+                     : d->special_spec && plugin->solver->fits ? "chosen for the pattern of the matrix"
+                     : d->solver_spec                          ? "chosen for the forces and the size"
+                                                               : "";
   const hk_instance *outer = hk_enter(solver);
   if (plugin->solver->describe) plugin->solver->describe(solver->self, s->solver_libraries, sizeof s->solver_libraries);
   hk_leave(solver, outer);

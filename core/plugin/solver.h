@@ -17,16 +17,14 @@ typedef struct hk_matrix {
 
 typedef struct hk_solve_info {
   int iterations;   /* 0 for direct solvers */
-  double residual;  /* |b - A x| / |b| */
+  double residual;  /* |b - A x| / |b|; direct solvers may leave it as it is */
   double tolerance; /* input for iterative solvers: the residual to reach; 0: the solver's own */
 } hk_solve_info;
 
 enum { /* hk_solver.flags */
        HK_SOLVES_UNSYMMETRIC = 1,
        HK_SOLVES_INDEFINITE = 2,
-       HK_ITERATIVE = 4, /* needs little memory: the host's choice for very many unknowns */
-       HK_NARROW = 8     /* fast on matrices with narrow factors, such as those of chains and trees; `analyze` refuses
-                            others with HK_FAILED, and the host takes another solver */
+       HK_ITERATIVE = 4 /* needs little memory: the host's choice for very many unknowns */
 };
 
 typedef struct hk_solver {
@@ -40,6 +38,9 @@ typedef struct hk_solver {
   hk_status (*solve_columns)(void *self, const double *b, double *x, size_t columns);
   /* The libraries in use, "OpenBLAS 0.3.21", at any time after create. NULL: the solver uses none. */
   void (*describe)(const void *self, char *text, size_t size);
+  /* For a solver of matrices of one kind: whether A, by its pattern, is one of them, so that this solver is the host's
+   * choice for it; the last analysis and factors stay as they are. NULL: the host may choose it for any pattern. */
+  bool (*fits)(void *self, const hk_matrix *A);
 } hk_solver;
 
 #endif

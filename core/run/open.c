@@ -275,30 +275,6 @@ static hk_status first_frame(hk_run *run) {
   return status == HK_OK ? hk_loop_frame(&run->loop) : status;
 }
 
-/* Moves particles that are not fixed or scripted at random; sliding ones return to their line or plane when pins are
- * imposed. */
-static void perturb(hk_state *s, double distance, uint64_t seed) {
-  uint64_t random[4];
-  hk_random_seed(random, seed);
-  for (size_t i = 0; i < s->model.n; i++)
-    for (int c = 0; c < 3; c++) {
-      double off = distance * (2 * hk_random_uniform(random) - 1);
-      if (s->inverse_mass[i] > 0) s->X[3 * i + (size_t)c] += off;
-    }
-}
-
-static hk_status impose_start(hk_run *run) {
-  hk_state *s = &run->state;
-  double *x = s->X, *v = s->X + 3 * s->model.n;
-  if (run->options.perturb > 0) perturb(s, run->options.perturb * hk_state_extent(s), run->options.perturb_seed);
-  hk_status status = hk_dynamics_impose(&run->dynamics, s->t, x, v);
-  if (status == HK_OK && run->dynamics.constraints && !run->resumed)
-    status = hk_constraints_project(&run->dynamics, s->t, x, v);
-  if (status == HK_OK) status = hk_constraints_review(&run->dynamics);
-  hk_constraints_jumped(&run->dynamics); /* nobody has a history yet, or it is the checkpoint's */
-  return status;
-}
-
 /* A checkpoint has its step with it, unless another one is asked for now. */
 static bool goes_on_with_its_step(const hk_run *run, double given) {
   const hk_step_choice *step = &run->step;
@@ -320,8 +296,9 @@ static hk_status start(hk_run *run) {
   hk_state_refresh(&run->state);
   hk_dynamics_refresh(&run->dynamics);
   status = hk_elements_refresh(&run->dynamics);
-  if (status == HK_OK) status = impose_start(run);
+  if (status == HK_OK) status = hk_run_impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_sweep_settle(&run->dynamics);
+  if (status == HK_OK) status = hk_solver_settle(&run->dynamics);
   double limit = run->step.dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) {
     run->loop.piece.n = 0;
@@ -402,6 +379,7 @@ void hk_run_destroy(hk_run *run) {
   hk_dynamics_close(&run->dynamics);
   hk_plugins_clear(&run->plugins);
   hk_spec_destroy(run->dynamics.solver_spec);
+  hk_spec_destroy(run->dynamics.special_spec);
   for (size_t k = 0; k < run->services; k++) hk_spec_destroy(run->service_spec[k]);
   free(run->service_spec);
   hk_overrides_close(&run->overrides);

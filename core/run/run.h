@@ -89,6 +89,10 @@ typedef struct hk_run {
 hk_status hk_run_open(hk_scene *, const hk_run_options *, hk_run **run, hk_error *error);
 void hk_run_destroy(hk_run *);
 
+/* ---- start.c: pins and constraints of the start ---- */
+
+hk_status hk_run_impose_start(hk_run *);
+
 /* ---- run.c ---- */
 
 /* Takes steps up to time t; measures and outputs get the frames before t. May be called again with a later t.

@@ -37,9 +37,11 @@ static hk_status find_origin(hk_run *run) {
   return fine ? HK_OK : hk_error_set(&run->error, HK_NO_MEMORY, "no memory for a checkpoint");
 }
 
-static hk_status take(hk_run *run) {
-  hk_saving *s = &run->saving;
-  return hk_checkpoint_take(&s->point, &run->loop, &run->judgement, s->origin, run->options.words, &run->error);
+/* The factors of constraints follow from (x, t): they are made anew here as by a run that goes on from the point, so
+ * that both count the same. */
+static hk_status take(hk_run *run, hk_checkpoint *point) {
+  hk_constraints_forget(&run->dynamics);
+  return hk_checkpoint_take(point, &run->loop, &run->judgement, run->saving.origin, run->options.words, &run->error);
 }
 
 static hk_status write_to(hk_run *run, const char *path) {
@@ -67,7 +69,7 @@ hk_status hk_run_framed(void *context) {
   if (!s->asked) return HK_OK;
   s->asked = false;
   if (hides(run)) renew(run);
-  hk_status status = take(run);
+  hk_status status = take(run, &s->point);
   s->on_file = false;
   return status == HK_OK && *s->path ? write_to(run, s->path) : status;
 }
@@ -80,7 +82,7 @@ static hk_status newest(void *self, bool *newer) {
   hk_saving *s = &run->saving;
   hk_status status = HK_OK;
   if (anywhere(run)) {
-    status = take(run);
+    status = take(run, &s->point);
     s->on_file = false;
   }
   *newer = status == HK_OK && s->point.count > 0 && !s->on_file;
@@ -92,8 +94,7 @@ hk_status hk_run_save(hk_run *run, const char *path, hk_error *error) {
   hk_checkpoint c = {0};
   hk_saving *s = &run->saving;
   hk_status status = s->origin ? HK_OK : find_origin(run);
-  if (status == HK_OK)
-    status = hk_checkpoint_take(&c, &run->loop, &run->judgement, s->origin, run->options.words, &run->error);
+  if (status == HK_OK) status = take(run, &c);
   if (status == HK_OK) status = hk_checkpoint_write(&c, path, &run->error);
   hk_checkpoint_free(&c);
   return status == HK_OK ? status : hk_error_set(error, status, "%s", run->error.text);

@@ -126,8 +126,7 @@ static void push_numbers_of(lua_State *L, lua_Integer k, lua_Integer edges) {
     for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
       const char *key = lua_tostring(L, -2);
       lua_pushvalue(L, -1);
-      if (lua_istable(L, -1) && strcmp(key, "EI") != 0)
-        lua_rawgeti(L, -1, strcmp(key, "stiffness") == 0 ? (k - 1) * edges + 1 : k);
+      if (lua_istable(L, -1)) lua_rawgeti(L, -1, strcmp(key, "stiffness") == 0 ? (k - 1) * edges + 1 : k);
       lua_setfield(L, 3, key);
       lua_settop(L, 6);
     }
@@ -194,15 +193,24 @@ static int triangles(lua_State *L) {
   return 1;
 }
 
+static int missing(lua_State *L) {
+  const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : luaL_typename(L, 2);
+  return hk_lua_fail(
+      L, HK_BAD_PARAM,
+      "a handle has no '%s' here; strands and hair have length and segment, with radius and E also EA, EI, "
+      "EI2, stiffness, with nu GJ",
+      key);
+}
+
 /* Methods, the upvalue, come first; then the numbers that the builder left. */
 static int member(lua_State *L) {
   self(L);
   lua_settop(L, 2);
   lua_pushvalue(L, 2);
-  if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL || lua_getiuservalue(L, 1, HK_LUA_NUMBERS) != LUA_TTABLE) return 1;
+  if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL) return 1;
+  if (lua_getiuservalue(L, 1, HK_LUA_NUMBERS) != LUA_TTABLE) return missing(L);
   lua_pushvalue(L, 2);
-  lua_rawget(L, -2);
-  return 1;
+  return lua_rawget(L, -2) != LUA_TNIL ? 1 : missing(L);
 }
 
 void hk_lua_open_handles(lua_State *L) {

@@ -82,7 +82,7 @@ static double total_mass(const hk_run *run) {
 
 /* Pushes the solver of linear systems and the warnings of the plugins' start. */
 static void push_solver(lua_State *L, const hk_run *run) {
-  const hk_instance *solver = run->dynamics.solver;
+  const hk_instance *solver = hk_solver_in_use(&run->dynamics);
   char libraries[160] = "";
   if (solver) hk_tool_set_text(L, "solver", solver->plugin->name);
   if (solver && solver->plugin->solver->describe) {

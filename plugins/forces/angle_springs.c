@@ -10,6 +10,7 @@
  * begins at the second pinned particle. `curvature` (1/m) likewise is the angle at rest per length. */
 #include "plugins/common/elements/element_force.h"
 #include "plugins/common/joints/joint.h"
+#include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint_list.h"
 #include "plugins/common/springs/edge_stiffness.h"
 
@@ -19,6 +20,7 @@ typedef struct angle_springs {
   double curvature, retardation, normal[3];
   const double *plane; /* the unit normal; NULL: angles in space */
   hk_element_force list;
+  hk_joint_layout layout;
 } angle_springs;
 
 /* clang-format off */
@@ -72,7 +74,8 @@ static void evaluate(const void *self, const double *x, size_t begin, size_t end
 
 static hk_status topology(void *self, const hk_view *view) {
   angle_springs *s = self;
-  return hk_element_force_take(&s->list, view, &s->joints, &s->k, &s->damping, &s->rest);
+  hk_status status = hk_element_force_take(&s->list, view, &s->joints, &s->k, &s->damping, &s->rest);
+  return status == HK_OK ? hk_joint_layout_build(&s->layout, view->host, view->n, &s->list.acting) : status;
 }
 
 static hk_status check(const angle_springs *s, const hk_host *host) {
@@ -111,7 +114,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   const angle_springs *s = self;
-  hk_element_force_add(&s->list, view, F);
+  hk_joint_forces(&s->layout, view, s->plane, F);
   return HK_OK;
 }
 

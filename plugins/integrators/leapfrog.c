@@ -100,7 +100,7 @@ static void kick(double *restrict v, const double *restrict middle, const double
 static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
   size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
   double *X = s->X, *next = m->next, *a = m->slope + (m->current ? length : 0),
-         *a_next = m->slope + (m->current ? 0 : length), work = 0;
+         *a_next = m->slope + (m->current ? 0 : length), work = 0, given = 0;
   s->takes_constraints = false;
   hk_status status = m->primed ? HK_OK : s->accelerations(s, s->t, X, X + v, X + y, a, a + v);
   m->primed = 0; /* a becomes the velocity in the middle of the step */
@@ -112,8 +112,9 @@ static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
   extrapolate(next + v, a, X + v, v);
   status = s->accelerations(s, t_next, next, next + v, next + y, a_next, a_next + v);
   kick(next + v, a, a_next, v, h / 2);
-  if (status == HK_OK) status = s->hold_velocities(s, t_next, next, h, next + v, &work);
+  if (status == HK_OK) status = s->hold_velocities(s, t_next, next, h, next + v, &given);
   if (status != HK_OK) return status;
+  a_next[length - 1] += 2 / h * given; /* the power of constraint forces, as a_next has the forces */
   for (size_t e = 0; e < v; e++) a_next[e] = 2 / h * (next[v + e] - a[e]);
   memcpy(X, next, y * sizeof *X);
   for (size_t e = y; e < s->size; e++) X[e] += h / 2 * (a[e - v] + a_next[e - v]);

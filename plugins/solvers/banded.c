@@ -16,6 +16,8 @@
 
 /* A band of b blocks beside the diagonal takes b (b + 1) / 2. */
 static const size_t most_updates = 2000;
+/* Up to this band it is the faster one (tests/bench/banded.c). */
+static const size_t fitting_updates = 40;
 /* A chunk of threads' work has some 1e5 operations, 50 us. */
 static const size_t chunk_updates = 4000;
 
@@ -26,8 +28,8 @@ typedef struct banded {
   hk_elimination *elimination; /* components.classes */
   hk_bundle *bundle;
   size_t bundles, grain;
-  size_t *fault; /* bundles: row + 1 at which A is not positive definite, or a solution is not finite; 0: none */
-  bool ready;    /* L is that of the last factorized values */
+  bool *fault; /* bundles: whether A is not positive definite, or a solution is not finite */
+  bool ready;  /* L is that of the last factorized values */
   const double *from;
   double *to;
 } banded;
@@ -156,6 +158,22 @@ static bool bundle_up(banded *s, const hk_matrix *A) {
   return fine;
 }
 
+/* Finds the elimination of every class, until one takes too much, and forgets it again. */
+static bool fits(void *self, const hk_matrix *A) {
+  const banded *s = self;
+  if (A->rows == 0 || A->row_start[A->rows] >= UINT32_MAX) return false;
+  hk_components c = hk_components_find(s->host, A);
+  bool fine = c.status == HK_OK;
+  for (size_t k = 0; fine && k < c.classes; k++) {
+    size_t n = c.start[c.first[k] + 1] - c.start[c.first[k]];
+    hk_elimination e = hk_elimination_find(s->host, A, &c, c.first[k], fitting_updates * n);
+    fine = e.status == HK_OK;
+    hk_elimination_free(&e, s->host);
+  }
+  hk_components_free(&c, s->host);
+  return fine;
+}
+
 static hk_status analyze(void *self, const hk_matrix *A) {
   banded *s = self;
   drop(s);
@@ -179,19 +197,21 @@ static hk_status analyze(void *self, const hk_matrix *A) {
 static void factorize_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   banded *s = context;
   (void)chunk;
-  for (size_t k = begin; k < end; k++) {
-    bool fine = hk_bundle_factorize(&s->bundle[k], s->block, s->from);
-    s->fault[k] = fine ? 0 : hk_bundle_fault(&s->bundle[k], s->block) + 1;
-  }
+  for (size_t k = begin; k < end; k++) s->fault[k] = !hk_bundle_factorize(&s->bundle[k], s->block, s->from);
 }
 
-static size_t first_fault(const banded *s) {
+static const hk_bundle *first_fault(const banded *s) {
   for (size_t k = 0; k < s->bundles; k++)
-    if (s->fault[k]) return s->fault[k];
-  return 0;
+    if (s->fault[k]) return &s->bundle[k];
+  return NULL;
 }
 
-static hk_status not_definite(banded *s, size_t row) {
+static hk_status refuse(banded *s, const hk_bundle *at) {
+  bool finite;
+  size_t row = hk_bundle_fault(at, s->block, &finite);
+  if (!finite)
+    return s->host->fail(s->host, HK_NOT_FINITE, "the matrix is not finite, seen at %s %zu",
+                         s->block == 3 ? "particle" : "row", row / s->block + 1);
   if (s->block != 3)
     return s->host->fail(s->host, HK_NOT_CONVERGED, "the matrix is not positive definite, seen at row %zu", row + 1);
   return s->host->fail(s->host, HK_NOT_CONVERGED,
@@ -207,8 +227,8 @@ static hk_status factorize(void *self, const hk_matrix *A) {
     return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
   s->from = A->value;
   s->host->parallel_for(s->host, s->bundles, s->grain, factorize_chunk, s);
-  size_t fault = first_fault(s);
-  if (fault) return not_definite(s, fault - 1);
+  const hk_bundle *fault = first_fault(s);
+  if (fault) return refuse(s, fault);
   s->ready = true;
   return HK_OK;
 }
@@ -231,7 +251,7 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
 }
 
 static const hk_solver solver = {
-    .size = sizeof(hk_solver), .flags = HK_NARROW, .analyze = analyze, .factorize = factorize, .solve = solve};
+    .size = sizeof(hk_solver), .flags = 0, .analyze = analyze, .factorize = factorize, .solve = solve, .fits = fits};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -29,8 +29,9 @@ function numerics.ellipe(k)
   return math.pi / 2 / a * (1 - sum)
 end
 
--- Tanh-sinh quadrature (Takahasi and Mori 1974) of a function that is smooth inside; singularities at the ends, where it
--- is not evaluated, do no harm if they can be integrated. f(x, from the nearer end) gets the distance to that end, too.
+-- Tanh-sinh quadrature (Takahasi and Mori 1974) of a function that is smooth inside; singularities at the ends do no harm
+-- if they can be integrated. f(x, d) also gets the distance d to the nearer end, which x alone, near an end that is not
+-- 0, has lost: 1/sqrt(1 - x) is then 1/sqrt(d) there, or eight digits of the integral are lost.
 function numerics.integrate(f, a, b)
   local half = (b - a) / 2
   local function level(h, first, step)
@@ -43,7 +44,8 @@ function numerics.integrate(f, a, b)
         local x = s < 0 and a + near or b - near
         local c = (math.exp(s) + math.exp(-s)) / 2
         local weight = math.pi / 2 * (math.exp(t) + math.exp(-t)) / 2 / (c * c)
-        if near ~= 0 and weight > 1e-300 and x ~= a and x ~= b then sum = sum + weight * f(x, near) end
+        local value = near > 0 and weight > 1e-300 and weight * f(x, near) or 0
+        if value - value == 0 then sum = sum + value end -- infinite where x has been rounded to the end
       end
     end
     return sum

@@ -205,6 +205,20 @@ static void dust_is_where_other_methods_have_it(void **state) {
   near(value("middle"), 0.174898240024, 5e-4);
 }
 
+/* Six links that do not stretch, as lib/links.lua computes them. At level 4 springs of 1e3 4^4 N/m are stretched by
+ * some 1e-5 of their length, and by 1e-7 at 1e5 4^4 N/m; steps of 1/1920 s leave some 1e-5 m. */
+static void four_remedies_lead_to_one_chain(void **state) {
+  (void)state;
+  run("stiffness", "level=4 n=6 --until 1 remedy=bars");
+  near(value("exact_error"), 0, 1e-5);
+  run("stiffness", "level=4 n=6 --until 1 remedy=correction");
+  near(value("exact_error"), 0, 5e-5);
+  run("stiffness", "level=4 n=6 --until 1 remedy=implicit");
+  near(value("exact_error"), 0, 5e-5);
+  run("stiffness", "level=4 n=6 --until 1 'remedy=shorter steps'");
+  near(value("exact_error"), 0, 1e-4);
+}
+
 /* Left as the springs have it, right within the limit and the tolerance of 5e-6 of 1.1. */
 static void a_limited_sheet_stretches_by_a_tenth(void **state) {
   (void)state;
@@ -284,6 +298,7 @@ int main(void) {
       cmocka_unit_test(curtain_agrees_between_methods),
       cmocka_unit_test(dust_is_where_other_methods_have_it),
       cmocka_unit_test(string_reports_its_stretch),
+      cmocka_unit_test(four_remedies_lead_to_one_chain),
       cmocka_unit_test(a_limited_sheet_stretches_by_a_tenth),
       cmocka_unit_test(a_ball_bounces_as_its_closed_form_says),
       cmocka_unit_test(sparks_stay_above_the_floor),

@@ -423,6 +423,30 @@ static void pictures_show_the_measures(void **state) {
   }
 }
 
+/* One measure against another, in the order of the parameter that the lines run along. */
+static void pictures_show_a_measure_against_another(void **state) {
+  (void)state;
+  double x, y;
+  write_scene();
+  test_write("along.lua",
+             "return hooke.sweep { scene = 's.lua', params = { k = { 4, 1, 2 }, m = { 1, 2 } }, plots = { {\n"
+             "measure = 'steps', over = 'y', along = 'k', name = 'both' } } }\n");
+  draw("along.lua --trust --quiet --db a.db", "a-both");
+  const char *at = strstr(r.out, "$CURVE1 << EOD\n");
+  assert_true(at && strstr(r.out, "$CURVE2 << EOD\n") && !strstr(r.out, "$CURVE3"));
+  at = strchr(at, '\n');
+  for (int i = 0; i < 3; i++) {
+    const double k[] = {4, 1, 2};
+    int used = 0;
+    assert_int_equal(sscanf(at, "%lf %lf%n", &x, &y, &used), 2);
+    assert_true(y == 2 && fabs(x / rk4_decay(k[i]) - 1) < 1e-8);
+    at += used;
+  }
+  test_write("along.lua", "return hooke.sweep { scene = 's.lua', params = { k = { 4, 1 } }, plots = { {\n"
+                          "measure = 'steps', over = 'y', along = 'q' } } }\n");
+  refused("along.lua --trust", "'q' is not a parameter of the sweep");
+}
+
 /* ---- the sweeps that come along ---- */
 
 static void every_shipped_sweep_lists_its_cases(void **state) {
@@ -490,6 +514,7 @@ int main(void) {
       cmocka_unit_test(parts_of_a_sweep_merge_into_one),
       cmocka_unit_test(the_csv_holds_every_digit),
       cmocka_unit_test(pictures_show_the_measures),
+      cmocka_unit_test(pictures_show_a_measure_against_another),
       cmocka_unit_test(every_shipped_sweep_lists_its_cases),
       cmocka_unit_test(the_classic_comparison_shows_what_is_known_of_euler),
   };

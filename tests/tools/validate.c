@@ -89,21 +89,51 @@ static void errors_of_a_problem_are_one_sentence_with_the_line(void **state) {
   says(r.out, "nil.lua:6:");
 }
 
+/* A problem is a stranger's script: it reaches no files, no plugin but the installation's, and no other run's time. */
+static void a_problem_runs_in_the_sandbox(void **state) {
+  (void)state;
+  write_series("file.lua", "space = { 4, 8, 16 }", "3", "io.open('/etc/passwd') and 3");
+  validate("file.lua --no-page", 5);
+  says(r.out, "file.lua:6: io.open is not available to scenes");
+  write_series("native.lua", "space = { 4, 8, 16 }", "3",
+               "hooke.scene {}:force('" HK_BUILD "/tests/fixtures/weak_central.so', { strength = 1 })");
+  validate("native.lua --no-page", 5);
+  says(r.out, "is native code outside the installation");
+  write_series("late.lua", "space = { 4, 8, 16 }", "3", "(function() while true do end end)()");
+  validate("late.lua --no-page --timeout 0.2", 5);
+  says(r.out, "ended after 0.2 s");
+}
+
+/* The page: every digit in the table of numbers; without gnuplot no figures, and the exit code says so. */
+static void the_page_has_tables_and_figures(void **state) {
+  (void)state;
+  bool gnuplot = system("command -v gnuplot >/dev/null") == 0;
+  char path[1024], text[4096] = "";
+  write_series("page.lua", "space = { 4, 8, 16 }, order = { space = 2 }", "1 / 3", "1 / 3 + 5 / at.n^2");
+  validate("page.lua --out here", gnuplot ? 0 : 4);
+  snprintf(path, sizeof path, "%s/here/validate.csv", test_folder());
+  FILE *file = fopen(path, "r");
+  assert_non_null(file);
+  text[fread(text, 1, sizeof text - 1, file)] = 0;
+  fclose(file);
+  assert_non_null(strstr(text, "\"yours\",\"page\",\"limit\",\"\",0.33333333333333331,0.333333333333333"));
+  assert_true(test_exists("here/validate.md"));
+  assert_true(test_exists("here/validate.pdf") == gnuplot && test_exists("here/yours.png") == gnuplot);
+}
+
 /* The fixture's force is 0.999 of what it says; the engine's own is the same problem's force under another file. */
 static void a_plugin_with_a_wrong_factor_is_found(void **state) {
   (void)state;
-  char all[1024];
-  snprintf(all, sizeof all, "oscillators damped --quick --no-page --plugin '%s/plugins/forces/central.so'",
-           getenv("HK_BUILD"));
-  validate(all, 0);
+  validate("oscillators damped --quick --no-page --plugin '" HK_BUILD "/plugins/forces/central.so'", 0);
   says(r.out, "damped, central for central");
-  snprintf(all, sizeof all, "oscillators damped --no-page --plugin '%s/tests/fixtures/weak_central.so'",
-           getenv("HK_BUILD"));
-  validate(all, 5);
+  validate("oscillators damped --no-page --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 5);
   says(r.out, "WRONG damped, weak_central for central");
-  snprintf(all, sizeof all, "oscillators --no-page --as drag --plugin '%s/tests/fixtures/weak_central.so'",
-           getenv("HK_BUILD"));
-  validate(all, 1);
+  /* Every problem names forces and parameters that are there; springs stand in for springs in many. */
+  validate("--list --plugin '" HK_BUILD "/plugins/forces/springs.so'", 0);
+  says(r.out, "membrane, springs for springs");
+  validate("--no-page --plugin '" HK_BUILD "/plugins/forces/ropes.so'", 1);
+  says(r.err, "ropes has the parameters of cubic_springs and of springs: --as says in the place of which it is tried");
+  validate("oscillators --no-page --as drag --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 1);
   says(r.err, "weak_central can stand in nowhere here as drag");
 }
 
@@ -112,6 +142,8 @@ int main(void) {
       cmocka_unit_test(orders_and_limits_of_series_are_found),
       cmocka_unit_test(what_is_wrong_is_said),
       cmocka_unit_test(errors_of_a_problem_are_one_sentence_with_the_line),
+      cmocka_unit_test(the_page_has_tables_and_figures),
+      cmocka_unit_test(a_problem_runs_in_the_sandbox),
       cmocka_unit_test(a_plugin_with_a_wrong_factor_is_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

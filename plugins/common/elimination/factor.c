@@ -61,13 +61,17 @@ bool hk_bundle_solve(const hk_bundle *s, size_t b, const double *rhs, double *x)
   return HAS_WIDE() ? solve_wide(s, b, rhs, x) : solve_narrow(s, b, rhs, x);
 }
 
-/* Reciprocals after a pivot that is not positive mean nothing, so the first one is looked for. */
-size_t hk_bundle_fault(const hk_bundle *s, size_t b) {
+/* Reciprocals after a pivot that is not positive mean nothing, so the first one is looked for. That of an infinite
+ * pivot is 0. */
+size_t hk_bundle_fault(const hk_bundle *s, size_t b, bool *finite) {
+  *finite = true;
   for (size_t j = 0; j < s->elimination->n; j++)
     for (size_t c = 0; c < b; c++)
       for (size_t l = 0; l < s->lanes; l++) {
         double r = s->value[(b * b * s->elimination->start[j] + c * b + c) * s->lanes + l];
-        if (!(r > 0 && r < INFINITY)) return b * s->row[j * s->lanes + l] + c;
+        if (r > 0 && r < INFINITY) continue;
+        *finite = r < 0 || r > 0;
+        return b * s->row[j * s->lanes + l] + c;
       }
   return 0;
 }

@@ -30,7 +30,7 @@ return validation.problem {
       reference = g * (math.sin(steep) - mu * math.cos(steep)), source = "closed form, g (sin a - mu cos a)" },
   },
   space = { 1e4, 2e4, 4e4 },
-  space_label = "1/k, m/N",
+  space_label = "k, N/m",
   order = { space = 1 },
   tolerance = 1e-5,
   noise = 1e-6,

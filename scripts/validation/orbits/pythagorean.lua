@@ -14,7 +14,7 @@ for k, value in ipairs(there) do
 end
 
 return validation.problem {
-  title = "The Pythagorean problem: three bodies from rest",
+  title = "The Pythagorean problem of three bodies",
   quantities = quantities,
   together = true,
   time = { 1e-9, 1e-10, 1e-11, 1e-12 },

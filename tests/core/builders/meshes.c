@@ -134,7 +134,7 @@ static void a_grid_has_the_elasticity_asked_for(void **state) {
                "", 1, "are not at a right angle");
 }
 
-/* Two equilateral triangles of side 1: k = Y sqrt(3)/2 inside, half of it on the border. */
+/* Two equilateral triangles of side 1: k = Y sqrt(3)/2 inside, half of it on the border. Squares: 3/4 Y, and half. */
 static void a_mesh_has_the_stiffness_asked_for(void **state) {
   (void)state;
   const char *mesh =
@@ -147,6 +147,10 @@ static void a_mesh_has_the_stiffness_asked_for(void **state) {
     snprintf(expression, sizeof expression, "m.k[%d]", e + 1);
     assert_true(fabs(measured(mesh, expression) - k[e]) < 1e-14);
   }
+  const char *square =
+      "local g = scene:mesh { vertices = { {0,0,0}, {3,0,0}, {0,3,0}, {3,3,0} }, faces = { {1,2,4,3} } }\n"
+      "local m = scene:membrane(g, { stiffness = 4 })";
+  assert_true(fabs(measured(square, "m.k[1]") - 1.5) < 1e-14 && fabs(measured(square, "m.k[3]") - 3) < 1e-14);
   test_refused("local scene = hooke.scene {}\nlocal g = scene:mesh { vertices = { {0,0,0}, {1,0,0}, {0,1,0} }, faces = "
                "{ {1,2,3} } }\n"
                "scene:membrane(g, { stiffness = 1, nu = 0.2 })\n",

@@ -145,6 +145,7 @@ static void factors_solve_and_are_counted(void **state) {
   test_engine e;
   tetrahedron(&e, 0);                      /* without damping K is symmetric, though springs do not promise it */
   e.options.integrator = "backward_euler"; /* a method that solves systems */
+  e.options.solver = "cholmod";
   test_run(&e);
   double b[3 * N], x[3 * N];
   hk_solve_info info;
@@ -162,6 +163,7 @@ static void unsymmetric_matrix_is_refused_for_a_symmetric_solver(void **state) {
   test_engine e;
   tetrahedron(&e, 0.7);
   e.options.integrator = "backward_euler"; /* a method that solves systems */
+  e.options.solver = "cholmod";
   test_run(&e);
   assert_int_equal(factorize(&e), HK_FAILED);
   assert_non_null(strstr(e.run->error.text, "solver 'cholmod' takes symmetric matrices only"));

@@ -154,6 +154,31 @@ static void a_turning_wire_flings_its_bead(void **state) {
   assert_true(fabs(test_json(r.out, "work")) > 1);
 }
 
+/* ---- the start ---- */
+
+/* 0.3 m off the sphere and 1 m/s away from it; and a start that is off by the rounding of its numbers. */
+static void a_start_off_the_surface_is_moved_onto_it_and_said(void **state) {
+  (void)state;
+  char arguments[512];
+  test_write("scene.lua", "local off = param('off', 1, 'a bad start')\n"
+                          "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.01 }\n"
+                          "local q = scene:particle { position = { 0.6, 0.8, 0 }, velocity = { 0, 0, 2 } }\n"
+                          "local p = scene:particle { position = { off == 1 and 1.3 or 1 + 1e-9, 0, 0 },\n"
+                          "  velocity = { off == 1 and 1 or 0, 1, 0 } }\n"
+                          "scene:constraint('surface', { particles = { p, q } })\n"
+                          "scene:measure('x', function(s) return s:position(p)[1] end)\n"
+                          "return scene\n");
+  for (int off = 0; off < 2; off++) {
+    snprintf(arguments, sizeof arguments, "run %s/scene.lua --no-output --until 0 off=%d", test_folder(), off);
+    test_hooke(&r, NULL, arguments);
+    assert_int_equal(r.code, 0);
+    assert_true((strstr(r.err, "particle 2 is moved onto them by 0.3 m, others by less") != NULL) == (off == 1));
+    assert_true((strstr(r.err, "the velocity of particle 2 is changed by 1 m/s, of others by less") != NULL) ==
+                (off == 1));
+    if (off == 0 && strstr(r.err, "constraints")) fail_msg("%s", r.err);
+  }
+}
+
 /* ---- with other methods and constraints ---- */
 
 /* A spherical pendulum keeps its energy and angular momentum about the vertical, for explicit and implicit methods. */
@@ -230,6 +255,7 @@ int main(void) {
       cmocka_unit_test(free_particles_run_along_geodesics),
       cmocka_unit_test(functions_do_what_the_shapes_do),
       cmocka_unit_test(a_turning_wire_flings_its_bead),
+      cmocka_unit_test(a_start_off_the_surface_is_moved_onto_it_and_said),
       cmocka_unit_test(a_spherical_pendulum_keeps_energy_and_angular_momentum),
       cmocka_unit_test(what_has_no_direction_is_named_with_particle_time_and_place),
       cmocka_unit_test(functions_that_do_not_fit_are_refused),

@@ -218,6 +218,27 @@ static void joints_are_where_consecutive_edges_meet(void **state) {
   test_engine_close(&b.e);
 }
 
+/* Particle 3 of 6 dies: of the joints at 2, 3, 4 and 5 the last is left, with its stiffness and its angle at rest. None
+ * appears at the edges that follow one another now. */
+static void joints_die_with_their_particles(void **state) {
+  (void)state;
+  bent b;
+  const uint32_t map[6] = {0, 1, UINT32_MAX, 2, 3, 4};
+  hk_elements out = made(&b, (const uint32_t[][2]){{1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 6}}, 5, 6, 8, 0);
+  double x[3 * 6];
+  assert_true(out.node.count == 4 && close_to(out.stiffness.value[3], 1)); /* edges of 7 and 9 m */
+  memcpy(x, b.view.x, sizeof x);
+  memmove(x + 6, x + 9, 9 * sizeof *x);
+  x[13] = 1; /* it bends now */
+  b.view.x = x;
+  b.view.n = b.view.acting = 5;
+  assert_int_equal(hk_instance_remap(b.force, map, 6, &b.view, 6 * 5 + 1, &b.e.error), HK_OK);
+  b.force->plugin->force->elements(b.force->self, &b.view, &out);
+  assert_true(out.node.count == 1 && close_to(out.stiffness.value[0], 1) && out.rest.value[0] == 0);
+  assert_memory_equal(out.node.index, ((uint32_t[]){2, 3, 4}), 3 * sizeof(uint32_t));
+  test_engine_close(&b.e);
+}
+
 static void angles_in_space_keep_both_momenta(void **state) {
   (void)state;
   bent b;
@@ -266,6 +287,7 @@ int main(void) {
       cmocka_unit_test(in_a_plane_angles_have_a_sign),
       cmocka_unit_test(EI_is_shared_by_the_lengths_and_walls_do_not_yield),
       cmocka_unit_test(joints_are_where_consecutive_edges_meet),
+      cmocka_unit_test(joints_die_with_their_particles),
       cmocka_unit_test(angles_in_space_keep_both_momenta),
       cmocka_unit_test(nonsense_is_refused),
   };

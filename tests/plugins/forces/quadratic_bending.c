@@ -50,7 +50,7 @@ static void a_fold_has_two_sines(void **state) {
     test_engine e;
     hk_view view;
     hk_instance *bending = open_sheet(&e, SHEET_ALTERNATING, (double[3]){0}, "quadratic_bending", &view);
-    double x[3 * 49], expected = 2 * (2 * sin(angle / 2)) * (2 * sin(angle / 2)) / 2 * 6; /* B |C|^2/2, six hinges */
+    double x[3 * 49], expected = 6 * (4.0 / 3 * 2) * (2 * sin(angle / 2)) * (2 * sin(angle / 2)) / 2; /* six hinges */
     memcpy(x, view.x, sizeof x);
     for (int i = 0; i < 49; i++) {
       double past = x[3 * i] - 0.5;

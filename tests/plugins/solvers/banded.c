@@ -193,7 +193,7 @@ static void singular_and_infinite_matrices_are_refused(void **state) {
     make(&s, no_pairs, 9, 1);
     test_matrix_fill(&s, 0.5);
     *test_matrix_block(&s, 7, 7) = bad[k];
-    assert_int_equal(test_solver_factorize(&s), HK_NOT_CONVERGED);
+    assert_int_equal(test_solver_factorize(&s), k == 0 ? HK_NOT_CONVERGED : HK_NOT_FINITE);
   }
   test_solver_close(&s);
 }

@@ -1,6 +1,6 @@
--- Diagrams of a sweep: a measure against one parameter (a line for each combination of the others), as colour over two,
--- or the paths of a particle in panels. Repeats, and samples with equal coordinates, are drawn as their median. Cases
--- that diverged or failed are omitted, and the title gives their number.
+-- Diagrams of a sweep: a measure against one parameter, or against another measure along one (a line for each combination
+-- of the others), as colour over two parameters, or the paths of a particle in panels. Repeats, and samples with equal
+-- coordinates, are drawn as their median. Cases that diverged or failed are omitted, and the title gives their number.
 local maps = require("common.sweep.maps")
 local paths = require("common.sweep.paths")
 local plan = require("common.sweep.plan")
@@ -12,7 +12,7 @@ local figures = {}
 
 -- ---- figures to draw ----
 
-local known = { "measure", "over", "name", "title", "xlabel", "ylabel", "logx", "logy", "min", "max", "path", "axes",
+local known = { "measure", "over", "along", "name", "title", "xlabel", "ylabel", "logx", "logy", "min", "max", "path", "axes",
   "panels", "curves", "range", "width", "height" }
 
 local function check(figure, k)
@@ -26,6 +26,7 @@ local function check(figure, k)
   if figure.measure and #over ~= 1 and #over ~= 2 then
     plan.refuse("plots[%d]: over: expected a parameter (lines) or two (a heat map)", k)
   end
+  if figure.along and #over ~= 1 then plan.refuse("plots[%d]: along: goes with one measure in `over`", k) end
 end
 
 -- Replaces control characters in texts, since a line break would end a command of gnuplot's script.
@@ -52,7 +53,10 @@ function figures.list(plots, asked, the)
   for _, text in ipairs(asked or {}) do list[#list + 1] = parse(text) end
   for _, figure in ipairs(list) do
     if figure.path then paths.check(the, figure)
-    elseif #points.over(figure) == 2 then maps.check(the, figure) end
+    elseif #points.over(figure) == 2 then maps.check(the, figure)
+    elseif figure.along and not points.axis(the, figure.along) then
+      plan.refuse("plots: along: '%s' is not a parameter of the sweep", figure.along)
+    end
   end
   return list
 end
@@ -64,6 +68,20 @@ function figures.measures(figure)
 end
 
 -- ---- points ----
+
+-- The medians of x and y at each value of the axis `along`, in its order.
+local function points_along(cases, x, y, along)
+  local list = {}
+  for _, group in ipairs(points.grouped(cases, { along })) do
+    local at, values = {}, {}
+    for _, case in ipairs(group) do
+      local a, b = rows.value(case, x), rows.value(case, y)
+      if points.good(case) and type(a) == "number" and type(b) == "number" then at[#at + 1], values[#values + 1] = a, b end
+    end
+    if #at > 0 then list[#list + 1] = { points.median(at), points.median(values) } end
+  end
+  return list
+end
 
 -- { { x, y }, ... }: the median where several cases have the same x.
 local function points_of(cases, x, y)
@@ -168,11 +186,13 @@ end
 
 local function draw_lines(the, figure, path)
   local x = points.over(figure)[1]
-  local names, curves = points.others(the, { x }), {}
+  local names, curves = points.others(the, { x, figure.along }), {}
   for _, group in ipairs(points.grouped(the.cases, names)) do
-    local list = points_of(group, x, figure.measure)
+    local list = figure.along and points_along(group, x, figure.measure, figure.along) or
+      points_of(group, x, figure.measure)
     if #list > 0 then
-      curves[#curves + 1] = { title = group.label, points = list, lines = not points.sampled(the, x) }
+      local lines = figure.along ~= nil or not points.sampled(the, x)
+      curves[#curves + 1] = { title = group.label, points = list, lines = lines }
     end
   end
   local y_axis, count = vertical(figure, curves)

@@ -37,7 +37,7 @@ function convergence.of(h, v, noise)
   local fine = n
   while fine > 1 and math.abs(v[fine] - v[fine - 1]) <= noise do fine = fine - 1 end
   if fine == 1 then
-    found.exact = true
+    found.exact, found.noise = true, noise
     return found
   end
   if fine < 3 then -- converged to the noise after one step

@@ -23,17 +23,26 @@ function lines.count(n)
   return (text:reverse():gsub("(%d%d%d)", "%1,"):reverse():gsub("^,", ""))
 end
 
+local rounding = 1e-9 -- noise up to this is that of numbers, not of a method
+
 function lines.order_text(c)
   if not c then return nil end
-  if c.exact then return "exact" end
+  if c.exact then return c.noise > rounding and "in noise" or "exact" end
   if c.at_least then return ("above %.1f"):format(c.at_least) end
   return c.order and ("%.2f"):format(c.order) or "none"
 end
 
--- As many digits of the value as agree, and two more.
-function lines.value_text(found)
-  local digits = math.max(4, math.min(16, math.floor(found.digits) + 2))
-  return ("%%.%dg"):format(digits):format(found.value)
+-- With the expected order in brackets.
+function lines.order_cell(found, axis)
+  local text, expected = lines.order_text(found[axis]), found.quantity.order[axis]
+  if not text then return "" end
+  return expected and not found[axis].exact and ("%s (%g)"):format(text, expected) or text
+end
+
+-- As many digits of the value as agree, and two more; at most `most`.
+function lines.value_text(found, most)
+  local digits = math.max(4, math.min(most or 16, math.floor(found.digits) + 2))
+  return ("%%.%dg"):format(digits):format(found.value + 0.0 == 0 and 0 or found.value)
 end
 
 local function line_of(problem, found)
@@ -48,8 +57,19 @@ local function line_of(problem, found)
     problem.cost.seconds)
 end
 
+-- The values of all levels, for authors of problems.
+local function print_levels(found)
+  for _, axis in ipairs { "space", "time" } do
+    local c = found[axis]
+    for k, h in ipairs(c and c.h or {}) do
+      print(("        %s  %-22.17g off by %.2g"):format(axis == "space" and ("n = %-10g"):format(1 / h) or
+        ("h = %-10.4g"):format(h), c.v[k], math.abs(c.v[k] - found.quantity.reference) / found.quantity.scale))
+    end
+  end
+end
+
 -- Prints all; returns the number of quantities and problems that are wrong.
-function lines.print(list)
+function lines.print(list, levels)
   local wrong, quantities, topic = 0, 0, nil
   for _, problem in ipairs(list) do
     if problem.topic ~= topic then
@@ -63,6 +83,7 @@ function lines.print(list)
     for _, found in ipairs(problem.found) do
       quantities = quantities + 1
       print("  " .. line_of(problem, found))
+      if levels then print_levels(found) end
       if #found.faults > 0 then
         wrong = wrong + 1
         print("        " .. table.concat(found.faults, "; "))
@@ -76,7 +97,7 @@ end
 
 function lines.list(list)
   for _, problem in ipairs(list) do
-    print(hooke.plain(("%-14s %-24s %s"):format(problem.topic, problem.name, problem.description.title)))
+    print(hooke.plain(("%-14s %-24s %s"):format(problem.topic, problem.name, problem.title)))
   end
   return 0
 end

@@ -32,16 +32,10 @@ end
 
 local function cell(text) return (tostring(text):gsub("|", "\\|"):gsub("[%*_<]", "\\%0"):gsub("%s+", " ")) end
 
-local function order_cell(found, axis)
-  local text, expected = lines.order_text(found[axis]), found.quantity.order[axis]
-  if not text then return "" end
-  return expected and ("%s (%g)"):format(text, expected) or text
-end
-
 local function row(found)
   local q = found.quantity
-  return ("| %s%s | %.12g | %s | %.1f | %s | %s | %s |"):format(cell(q.name), q.unit and ", " .. q.unit or "", q.reference,
-    lines.value_text(found), found.digits, order_cell(found, "space"), order_cell(found, "time"),
+  return ("| %s%s | %.12g | %s | %.1f | %s | %s | %s |"):format(cell(q.name), q.unit and ", " .. cell(q.unit) or "", q.reference,
+    lines.value_text(found, 12), found.digits, lines.order_cell(found, "space"), lines.order_cell(found, "time"),
     #found.faults == 0 and "" or "**" .. cell(table.concat(found.faults, "; ")) .. "**")
 end
 
@@ -56,16 +50,18 @@ function page.sources(problem)
   return table.concat(list, "; ")
 end
 
+local function introduction(o)
+  return ("Each value is extrapolated from %s resolutions or steps with the order that they show among themselves "
+    .. "(Richardson), without the reference; the expected order is in brackets. Digits: to how many decimal digits it agrees "
+    .. "with the reference. Exact: all levels agree to rounding."):format(o.quick and "three coarse" or "three or more")
+end
+
 local function markdown(topics, o)
-  local text = { "# Validation of hooke", "",
-    ("Each value is extrapolated from %s resolutions or steps with the order that they show among themselves (Richardson), "):format(
-      o.quick and "three coarse" or "three or more")
-    .. "without the reference; expected orders are in brackets. `digits`: to how many decimal digits it agrees with the "
-    .. "reference." }
+  local text = { "# Validation of hooke", "", introduction(o) }
   for _, topic in ipairs(topics) do
     text[#text + 1] = ("\n## %s\n\n%s"):format(topic.name, head)
     for _, problem in ipairs(topic.problems) do
-      text[#text + 1] = ("| **%s** (%s; %s evaluations, %.2g s) | | | | | | %s |"):format(cell(problem.description.title),
+      text[#text + 1] = ("| **%s** (%s; %s evaluations, %.2g s) | | | | | | %s |"):format(cell(problem.title),
         cell(page.sources(problem)), lines.count(problem.cost.evaluations), problem.cost.seconds,
         problem.failed and "**failed** " .. cell(problem.failed) or "")
       for _, found in ipairs(problem.found) do text[#text + 1] = row(found) end
@@ -75,9 +71,9 @@ local function markdown(topics, o)
   return table.concat(text, "\n") .. "\n"
 end
 
--- ---- CSV ----
+-- ---- CSV: `error` and `uncertainty` (see study.lua) are relative ----
 
-local columns = { "topic", "problem", "quantity", "unit", "reference", "value", "error", "tolerance", "order_space",
+local columns = { "topic", "problem", "quantity", "unit", "reference", "value", "error", "uncertainty", "tolerance", "order_space",
   "order_time", "evaluations", "seconds", "verdict", "source" }
 
 local function field(value)
@@ -90,7 +86,7 @@ local function csv(list)
   for _, problem in ipairs(list) do
     for _, found in ipairs(problem.found) do
       local q = found.quantity
-      local fields = { problem.topic, problem.name, q.name, q.unit or "", q.reference, found.value, found.error,
+      local fields = { problem.topic, problem.name, q.name, q.unit or "", q.reference, found.value, found.error, found.uncertainty or "",
         found.tolerance, lines.order_text(found.space) or "", lines.order_text(found.time) or "",
         problem.cost.evaluations, problem.cost.seconds, #found.faults == 0 and "ok" or "wrong", q.source }
       for k, value in ipairs(fields) do fields[k] = field(value) end
@@ -130,7 +126,7 @@ function page.write(list, o)
   for _, topic in ipairs(topics) do
     if fine then fine, why = draw(topic, o.out) end
   end
-  if fine then fine, why = pdf.write(topics, o, page.sources) end
+  if fine then fine, why = pdf.write(topics, o, page.sources, introduction(o)) end
   return fine, why
 end
 

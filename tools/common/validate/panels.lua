@@ -8,6 +8,8 @@ local panels = {}
 
 local columns = 3
 local most_named = 4 -- quantities in a panel's legend
+local most_letters = 32 -- of a quantity there
+local title_letters = 40 -- in each of at most two lines
 
 local function error_points(found, axis)
   local c, points = found[axis], {}
@@ -22,12 +24,12 @@ end
 -- A panel: title, label, ticks, curves (name, points), guide (order, and a point that it passes); nil: nothing to draw.
 local function panel_of(problem, axis)
   local d = problem.description
-  local panel = { curves = {}, title = d.title, ticks = {},
+  local panel = { curves = {}, title = problem.title, ticks = {},
     label = axis == "space" and (d.space_label or "n") or d.time_label or "step, s" }
   local worst
   for _, found in ipairs(problem.found) do
     local points = error_points(found, axis)
-    if #points > 1 then
+    if #points > 1 and not found[axis].exact then
       table.insert(panel.curves, { name = found.quantity.name, points = points,
         order = lines.order_text(found[axis]) })
       local first, expected = points[1], found.quantity.order[axis]
@@ -38,7 +40,7 @@ local function panel_of(problem, axis)
     end
   end
   for k, x in ipairs(problem.levels[axis]) do
-    panel.ticks[k] = axis == "space" and { 1 / x, ("%g"):format(x) } or { x, ("%.2g"):format(x) }
+    panel.ticks[k] = axis == "space" and { 1 / x, ("%g"):format(x) } or { x, ("%.3g"):format(x) }
   end
   return #panel.curves > 0 and panel or nil
 end
@@ -65,9 +67,14 @@ function panels.data(all)
   return table.concat(parts, "\n") .. "\n"
 end
 
+function panels.shortened(text, most)
+  if utf8.len(text) <= most then return text end
+  return text:sub(1, utf8.offset(text, most - 2) - 1) .. "..."
+end
+
 local function curve_title(panel, c)
   if c > most_named then return "notitle" end
-  local text = ("%s: %s"):format(panel.curves[c].name, panel.curves[c].order)
+  local text = ("%s: %s"):format(panels.shortened(panel.curves[c].name, most_letters), panel.curves[c].order)
   if c == most_named and #panel.curves > most_named then text = ("and %d more"):format(#panel.curves - c + 1) end
   return "title " .. plot.quote(text) .. " noenhanced"
 end
@@ -78,13 +85,26 @@ local function ticks_text(ticks)
   return table.concat(parts, ", ")
 end
 
+-- gnuplot's expression for a title, in two lines where it is long. (No double quotes around what a problem wrote: in them
+-- backticks would run commands.)
+local function title_text(title)
+  local first = title
+  for at in title:gmatch("()%s") do
+    if utf8.len(title, 1, at - 1) <= title_letters then first = title:sub(1, at - 1) end
+  end
+  if utf8.len(title) <= title_letters or first == title then
+    return plot.quote(panels.shortened(title, title_letters + 4))
+  end
+  return plot.quote(first) .. '."\\n".' .. plot.quote(panels.shortened(title:sub(#first + 2), title_letters))
+end
+
 local function panel_script(panel, p)
   local text, items = {}, {}
   local function add(format, ...) text[#text + 1] = format:format(...) end
   local low, high = math.huge, 0
   for _, tick in ipairs(panel.ticks) do low, high = math.min(low, tick[1]), math.max(high, tick[1]) end
-  add("set title %s noenhanced", plot.quote(panel.title))
-  add("set xlabel %s noenhanced", plot.quote(panel.label))
+  add("set title %s noenhanced", title_text(panel.title))
+  add("set xlabel %s noenhanced offset 0,0.3", plot.quote(panel.label))
   add("set xtics (%s)", ticks_text(panel.ticks))
   add("set xrange [%.9g:%.9g]", low / 1.25, high * 1.25)
   local g = panel.guide
@@ -102,7 +122,7 @@ end
 function panels.script(all, first, last, rows, title)
   local text = { "set logscale xy", "set format y '10^{%L}'", "set tics nomirror scale 0.6", "set border 3 lw 0.8",
     "set grid ytics lc rgb '#DDDDDD' lt 1 lw 0.5", "set samples 2", "set ylabel 'relative error' offset 1,0",
-    "set key below left Left reverse samplen 2 spacing 0.9 maxcols 1",
+    "set key below left Left reverse samplen 2 spacing 1 maxcols 1",
     ("set multiplot layout %d,%d title %s noenhanced"):format(rows, columns, plot.quote(title)) }
   for p = first, last do text[#text + 1] = panel_script(all[p], p) end
   text[#text + 1] = "unset multiplot"

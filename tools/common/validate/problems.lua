@@ -43,12 +43,16 @@ end
 -- The problem of a user's file.
 function problems.at(path)
   local folder, name = path:match("^(.*)/([^/]+)%.lua$")
-  return { topic = folder and folder:match("([^/]+)$") or "yours", name = name or path:gsub("%.lua$", ""), path = path }
+  local topic = (folder or ""):match("([^/]*)$"):gsub("[^%w_%-]", "_") -- files of the page are called like it
+  return { topic = topic:find("%w") and topic or "yours", name = name or path:gsub("%.lua$", ""), path = path }
 end
 
 -- The message with the file and the line: that of the field that it names in quotes or begins with, or that of problem{}.
 local function located(message, path)
   local name = path:match("[^/]*$")
+  if message:find("has to return a table with the function", 1, true) then
+    return name .. ": a problem ends with return validation.problem { ... }, see scripts/validation/README.md"
+  end
   if message:find(name .. ":", 1, true) then return message end
   local file, line = io.open(path), 0
   local best, word = nil, message:match("'([^']+)'") or message:match("^[%w_]+")

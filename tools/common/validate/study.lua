@@ -56,11 +56,24 @@ local function judge_order(found, axis, q, faults)
   end
 end
 
+-- What the levels themselves say of the error of the finest one, relative: the grid convergence index of Roache (1998), 1.25
+-- times what extrapolation added, of both axes. The extrapolated value is the better one. nil: an axis shows no order.
+local function uncertainty(found)
+  local sum = 0
+  for _, axis in ipairs { "space", "time" } do
+    local c = found[axis]
+    if c and c.doubt then return nil end
+    if c then sum = sum + math.abs(c.value - c.v[#c.v]) end
+  end
+  return 1.25 * sum / found.quantity.scale
+end
+
 local function judge(found, description, quick)
   local q = found.quantity
   found.value = found.space and found.space.value or found.time.value
   if found.space and found.time then found.value = found.value + found.time.value - found.time.v[#found.time.v] end
   found.error = math.abs(found.value - q.reference) / q.scale
+  found.uncertainty = uncertainty(found)
   found.digits = convergence.digits(found.value, q.reference, q.scale)
   found.tolerance = quick and description.quick and description.quick.tolerance or q.tolerance
   if found.error > found.tolerance then
@@ -82,7 +95,7 @@ local function join(list, axis, h)
   local common = convergence.together(h, vectors, noise)
   for _, found in ipairs(list) do
     local c = { h = h, v = found[axis].v, spread = found[axis].spread }
-    for _, key in ipairs { "order", "at_least", "exact", "doubt", "in_noise" } do c[key] = common[key] end
+    for _, key in ipairs { "order", "at_least", "exact", "noise", "doubt", "in_noise" } do c[key] = common[key] end
     c.value = convergence.limit(h, c.v, common)
     found[axis] = c
   end
@@ -90,6 +103,7 @@ end
 
 -- What the cells, with their values, say of each quantity: a list of
 --   quantity, value, error (relative to the scale), digits, tolerance
+--   uncertainty   what the levels alone say of the finest one's error, relative; nil: nothing
 --   space, time   see convergence.of, with h and v
 --   faults        texts; none: the quantity is right
 function study.results(description, levels, cells, quick)

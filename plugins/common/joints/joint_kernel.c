@@ -1,0 +1,262 @@
+/* Forces of joints, the formulas of joint.c without unit vectors: with s = |e_1 x e_2|, b = e_1 x e_2, z the moment,
+ *     z grad_1 angle = (z/s) e_1 x b/|e_1|^2,    z grad_2 angle = (z/s) b x e_2/|e_2|^2,
+ * (in a plane 1 and its normal for s and b), which go to i as they are and to k reversed; j gets what is left. Blocks
+ * of joints are gathered, computed in loops that compilers turn into vectors, and scattered in order. The wide path and
+ * the narrow one do the same operations, so their results are bitwise equal.
+ *
+ * Where b = 0 there is no force: the energy of a joint straight at rest has no slope there. Its damping is that of the
+ * direction that joint.c picks, so such joints go through there; they are few once a chain moves. */
+#include "plugins/common/joints/joint_kernel.h"
+#include "plugins/common/joints/joint.h"
+
+#include <float.h>
+#include <string.h>
+
+enum { BLOCK = 64, CHUNK = 1024 };
+
+typedef struct block {
+  double e[2][3][BLOCK], u[2][3][BLOCK]; /* edges, m, and their rates, m/s */
+  double k[BLOCK], c[BLOCK], rest[BLOCK];
+  double f[2][3][BLOCK]; /* z grad_m angle, N */
+  double power[BLOCK];   /* W, taken by damping */
+  double sine[BLOCK];    /* s; 0: no direction */
+} block;
+
+/* atan(t)/t for t^2 = q up to tan(pi/8)^2: interpolated at the roots of Chebyshev's polynomial, to 1.3e-18. */
+static inline __attribute__((always_inline)) double atan_part(double q) {
+  static const double c[] = {1.0,
+                             -0.33333333333333121163,
+                             0.19999999999940891462,
+                             -0.14285714279250244942,
+                             0.11111110744919658237,
+                             -0.090908968090640270761,
+                             0.076920453309022249521,
+                             -0.066629518136291900881,
+                             0.058468782973308725201,
+                             -0.050351024566015518428,
+                             0.037965257453865936236,
+                             -0.017805397205419445228};
+  double sum = c[11];
+  for (int k = 10; k >= 0; k--) sum = sum * q + c[k];
+  return sum;
+}
+
+/* atan2(y, x), to 2 roundings; 0 at the origin. atan(t) = pi/4 + atan((t - 1)/(t + 1)) keeps t within tan(pi/8). */
+static inline __attribute__((always_inline)) double angle_of(double y, double x) {
+  const double pi = 3.14159265358979323846, eighth = 0.41421356237309503;
+  double ay = y < 0 ? -y : y, ax = x < 0 ? -x : x, low = ay < ax ? ay : ax, high = ay < ax ? ax : ay;
+  bool steep = low > eighth * high;
+  double above = steep ? low - high : low, below = steep ? low + high : high, t = above / (below > 0 ? below : 1);
+  double a = t * atan_part(t * t) + (steep ? pi / 4 : 0);
+  a = ay > ax ? pi / 2 - a : a;
+  a = x < 0 ? pi - a : a;
+  return y < 0 ? -a : a;
+}
+
+#define DOT(a, b, r) (a[0][r] * b[0][r] + a[1][r] * b[1][r] + a[2][r] * b[2][r])
+
+static inline __attribute__((always_inline)) void compute(block *q, const double *plane, bool damped) {
+  const double pi = 3.14159265358979323846;
+  for (int r = 0; r < BLOCK; r++) {
+    double x1 = q->e[0][0][r], y1 = q->e[0][1][r], z1 = q->e[0][2][r];
+    double x2 = q->e[1][0][r], y2 = q->e[1][1][r], z2 = q->e[1][2][r];
+    double bx, by, bz, s, sine, cosine, off;
+    if (plane) {
+      bx = plane[0], by = plane[1], bz = plane[2];
+      double d1 = x1 * bx + y1 * by + z1 * bz, d2 = x2 * bx + y2 * by + z2 * bz;
+      x1 -= d1 * bx, y1 -= d1 * by, z1 -= d1 * bz;
+      x2 -= d2 * bx, y2 -= d2 * by, z2 -= d2 * bz;
+      sine = bx * (y1 * z2 - z1 * y2) + by * (z1 * x2 - x1 * z2) + bz * (x1 * y2 - y1 * x2);
+      s = 1;
+    } else {
+      bx = y1 * z2 - z1 * y2, by = z1 * x2 - x1 * z2, bz = x1 * y2 - y1 * x2;
+      sine = sqrt(bx * bx + by * by + bz * bz);
+      s = sine > 0 ? sine : 1;
+    }
+    cosine = x1 * x2 + y1 * y2 + z1 * z2;
+    double l1 = x1 * x1 + y1 * y1 + z1 * z1, l2 = x2 * x2 + y2 * y2 + z2 * z2;
+    bool fine = l1 >= DBL_MIN && l2 >= DBL_MIN;
+    double r1 = fine ? 1 / (s * l1) : 0, r2 = fine ? 1 / (s * l2) : 0;
+    off = angle_of(sine, cosine) - q->rest[r];
+    if (plane) off = off > pi ? off - 2 * pi : off < -pi ? off + 2 * pi : off;
+    double gx1 = r1 * (y1 * bz - z1 * by), gy1 = r1 * (z1 * bx - x1 * bz), gz1 = r1 * (x1 * by - y1 * bx);
+    double gx2 = r2 * (by * z2 - bz * y2), gy2 = r2 * (bz * x2 - bx * z2), gz2 = r2 * (bx * y2 - by * x2);
+    double z = q->k[r] * off;
+    if (damped) {
+      double rate = gx1 * q->u[0][0][r] + gy1 * q->u[0][1][r] + gz1 * q->u[0][2][r] + gx2 * q->u[1][0][r] +
+                    gy2 * q->u[1][1][r] + gz2 * q->u[1][2][r];
+      z += q->c[r] * rate;
+      q->power[r] = q->c[r] * rate * rate;
+    }
+    q->sine[r] = plane ? 1 : sine;
+    q->f[0][0][r] = z * gx1, q->f[0][1][r] = z * gy1, q->f[0][2][r] = z * gz1;
+    q->f[1][0][r] = z * gx2, q->f[1][1][r] = z * gy2, q->f[1][2][r] = z * gz2;
+  }
+}
+
+static inline __attribute__((always_inline)) void compute_kind(block *q, const double *plane, bool damped) {
+  if (plane && damped)
+    compute(q, plane, true);
+  else if (plane)
+    compute(q, plane, false);
+  else if (damped)
+    compute(q, NULL, true);
+  else
+    compute(q, NULL, false);
+}
+
+static void compute_narrow(block *q, const double *plane, bool damped) { compute_kind(q, plane, damped); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void compute_wide(block *q, const double *plane, bool damped) {
+  compute_kind(q, plane, damped);
+}
+#define COMPUTE (__builtin_cpu_supports("avx2") ? compute_wide : compute_narrow)
+#else
+#define COMPUTE compute_narrow
+#endif
+
+typedef struct task {
+  const hk_joint_layout *layout;
+  const hk_view *view;
+  const double *plane;
+  double *F;
+  void (*compute)(block *, const double *plane, bool damped);
+} task;
+
+/* The differences of joints begin to begin + count of one array; lanes beyond get those of the first. */
+static void gather(const task *t, const double *from, size_t begin, size_t count, double into[2][3][BLOCK]) {
+  for (size_t r = 0; r < BLOCK; r++) {
+    const uint32_t *node = t->layout->node[begin + (r < count ? r : 0)];
+    const double *i = from + 3 * (size_t)node[0], *j = from + 3 * (size_t)node[1], *k = from + 3 * (size_t)node[2];
+    for (int c = 0; c < 3; c++) into[0][c][r] = j[c] - i[c], into[1][c][r] = k[c] - j[c];
+  }
+}
+
+/* The damping of a joint that is straight: joint.c picks its plane. */
+static void straight(const task *t, size_t e, block *q, size_t r) {
+  hk_joint joint;
+  hk_joint_measure(t->view->x, t->layout->node[e], NULL, t->layout->rest[e] == 0, &joint);
+  double rate = 0;
+  for (int m = 0; m < 2; m++)
+    for (int c = 0; c < 3; c++) rate += joint.l[m] > 0 ? joint.across[m][c] / joint.l[m] * q->u[m][c][r] : 0;
+  q->power[r] = q->c[r] * rate * rate;
+  for (int m = 0; m < 2; m++)
+    for (int c = 0; c < 3; c++) q->f[m][c][r] = joint.l[m] > 0 ? q->c[r] * rate * joint.across[m][c] / joint.l[m] : 0;
+}
+
+static void take(const double *from, size_t begin, size_t count, double into[BLOCK]) {
+  for (size_t r = 0; r < BLOCK; r++) into[r] = from[begin + (r < count ? r : 0)];
+}
+
+static double one_block(const task *t, size_t begin, size_t count) {
+  const hk_joint_layout *s = t->layout;
+  block q;
+  double power = 0;
+  gather(t, t->view->x, begin, count, q.e);
+  take(s->k, begin, count, q.k);
+  take(s->rest, begin, count, q.rest);
+  if (s->damped) gather(t, t->view->v, begin, count, q.u);
+  if (s->damped) take(s->c, begin, count, q.c);
+  t->compute(&q, t->plane, s->damped);
+  for (size_t r = 0; r < count; r++) {
+    if (s->damped && q.sine[r] == 0) straight(t, begin + r, &q, r);
+    if (s->damped) power += q.power[r];
+    double *Fi = t->F + 3 * (size_t)s->node[begin + r][0], *Fj = t->F + 3 * (size_t)s->node[begin + r][1],
+           *Fk = t->F + 3 * (size_t)s->node[begin + r][2];
+    for (int c = 0; c < 3; c++) {
+      Fi[c] += q.f[0][c][r];
+      Fj[c] += q.f[1][c][r] - q.f[0][c][r];
+      Fk[c] -= q.f[1][c][r];
+    }
+  }
+  return power;
+}
+
+static double one_chunk(const task *t, size_t chunk) {
+  double power = 0;
+  size_t end = t->layout->first[chunk + 1];
+  for (size_t e = t->layout->first[chunk]; e < end; e += BLOCK)
+    power += one_block(t, e, end - e < BLOCK ? end - e : BLOCK);
+  return power;
+}
+
+static void chunks(void *context, size_t begin, size_t end, size_t unused) {
+  const task *t = context;
+  (void)unused;
+  for (size_t chunk = begin; chunk < end; chunk++) t->layout->power[chunk] = one_chunk(t, chunk);
+}
+
+void hk_joint_forces(const hk_joint_layout *s, const hk_view *view, const double plane[3], double *F) {
+  task t = {s, view, plane, F, COMPUTE};
+  if (s->count == 0) return;
+  view->host->parallel_for(view->host, s->chunks, 1, chunks, &t);
+  double power = one_chunk(&t, s->chunks);
+  for (size_t k = 0; k < s->chunks; k++) power += s->power[k];
+  if (view->power) *view->power -= power;
+}
+
+/* ---- layout ---- */
+
+/* Per particle: the first chunk that touches it, and whether another one does. */
+typedef struct touched {
+  uint32_t chunk;
+  bool shared;
+} touched;
+
+static void touch(const hk_elements *from, touched *t) {
+  for (size_t e = 0; e < from->node.count; e++)
+    for (int m = 0; m < 3; m++) {
+      touched *p = t + hk_tuple(&from->node, e)[m];
+      if (p->chunk == UINT32_MAX) p->chunk = (uint32_t)(e / CHUNK);
+      p->shared = p->shared || p->chunk != e / CHUNK;
+    }
+}
+
+static bool alone(const hk_elements *from, const touched *t, size_t e) {
+  const uint32_t *node = hk_tuple(&from->node, e);
+  return !t[node[0]].shared && !t[node[1]].shared && !t[node[2]].shared;
+}
+
+static void copy(hk_joint_layout *s, const hk_elements *from, size_t e) {
+  memcpy(s->node[s->count], hk_tuple(&from->node, e), sizeof *s->node);
+  s->k[s->count] = hk_tuple_value(&from->stiffness, e);
+  s->c[s->count] = hk_tuple_value(&from->damping, e);
+  s->rest[s->count] = hk_tuple_value(&from->rest, e);
+  s->damped = s->damped || s->c[s->count] > 0;
+  s->count++;
+}
+
+static void sort(hk_joint_layout *s, const hk_elements *from, const touched *t) {
+  for (size_t e = 0; e < from->node.count; e++) {
+    if (e % CHUNK == 0) s->first[e / CHUNK] = s->count;
+    if (alone(from, t, e)) copy(s, from, e);
+  }
+  s->first[s->chunks] = s->count;
+  for (size_t e = 0; e < from->node.count; e++)
+    if (!alone(from, t, e)) copy(s, from, e);
+  s->first[s->chunks + 1] = s->count;
+}
+
+static bool reserve(hk_joint_layout *s, const hk_host *host, size_t count) {
+  void *old[] = {s->first, s->node, s->k, s->c, s->rest, s->power};
+  for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
+  *s = (hk_joint_layout){.chunks = (count + CHUNK - 1) / CHUNK};
+  s->first = host->allocate(host, (s->chunks + 2) * sizeof *s->first);
+  s->node = host->allocate(host, (count + 1) * sizeof *s->node);
+  s->k = host->allocate(host, (count + 1) * sizeof *s->k);
+  s->c = host->allocate(host, (count + 1) * sizeof *s->c);
+  s->rest = host->allocate(host, (count + 1) * sizeof *s->rest);
+  s->power = host->allocate(host, (s->chunks + 1) * sizeof *s->power);
+  return s->first && s->node && s->k && s->c && s->rest && s->power;
+}
+
+hk_status hk_joint_layout_build(hk_joint_layout *s, const hk_host *host, size_t n, const hk_elements *from) {
+  touched *t = host->allocate(host, (n + 1) * sizeof *t);
+  bool fine = reserve(s, host, from->node.count) && t;
+  for (size_t i = 0; fine && i < n; i++) t[i].chunk = UINT32_MAX;
+  if (fine) touch(from, t);
+  if (fine) sort(s, from, t);
+  host->release(host, t);
+  return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu joints", from->node.count);
+}
