@@ -100,18 +100,6 @@ static hk_status find_multipliers(hk_dynamics *d, double *a, double *F) {
   return status == HK_OK ? hk_constraints_accelerate(d, t, x, v, a, &power) : status;
 }
 
-/* As with the present W, but with the mass 1 for all particles that can move. */
-static void forget_masses(hk_dynamics *d) {
-  hk_constraints *c = d->constraints;
-  for (size_t b = 0; b < c->blocks; b++) {
-    uint32_t i = c->list.pair[b][1];
-    for (int a = 0; a < 3 && d->state->inverse_mass[i] > 0; a++) c->WJ[b][a] *= d->state->mass[i];
-  }
-  memset(c->own, 0, c->equations * sizeof *c->own);
-  for (size_t b = 0; b < c->blocks; b++) c->own[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], c->WJ[b]);
-  for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->full[k] > 0 ? 1 : 0;
-}
-
 /* rhs = J W J^T solution */
 static void multiply(hk_constraints *c, size_t n) {
   memset(c->moved, 0, 3 * n * sizeof *c->moved);
@@ -128,7 +116,8 @@ static hk_status share_out(hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   double t = d->state->t, *x = d->state->X, *v = x + 3 * d->state->model.n;
   if (c->one_sided_count) return HK_OK;
-  forget_masses(d);
+  hk_constraint_matrix_forget_masses(d);
+  for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->full[k] > 0 ? 1 : 0;
   multiply(c, d->state->model.n);
   hk_status status = hk_constraint_matrix_factorize_shifted(d, share_shift);
   if (status == HK_OK) status = hk_constraint_matrix_solve(d);

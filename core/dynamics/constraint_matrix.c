@@ -223,20 +223,22 @@ void hk_constraint_matrix_rest(hk_constraints *c) {
   for (size_t k = 0; k < c->equations; k++) c->scale[k] = c->rests[k] ? 0 : c->full[k];
 }
 
-/* own = the diagonal of J W J^T, and `whole` the same as if no pin held anything. */
-static void find_own(const hk_dynamics *d, double *whole) {
-  hk_constraints *c = d->constraints;
+/* own = the diagonal of J W J^T with `J` on the left */
+static void find_own(hk_constraints *c, double (*J)[3]) {
   memset(c->own, 0, c->equations * sizeof *c->own);
-  memset(whole, 0, c->equations * sizeof *whole);
-  for (size_t b = 0; b < c->blocks; b++) {
-    uint32_t k = c->list.pair[b][0];
-    c->own[k] += hk_constraint_dot(c->J[b], c->WJ[b]);
-    whole[k] += d->state->inverse_mass[c->list.pair[b][1]] * hk_constraint_dot(c->J[b], c->J[b]);
-  }
+  for (size_t b = 0; b < c->blocks; b++) c->own[c->list.pair[b][0]] += hk_constraint_dot(J[b], c->WJ[b]);
 }
 
-/* The same where no particle slides, and with that no pin holds a part of a direction. */
-static void find_weighted(const hk_dynamics *d) {
+/* The same as if no pin held anything. */
+static void find_whole(const hk_dynamics *d, double *whole) {
+  const hk_constraints *c = d->constraints;
+  memset(whole, 0, c->equations * sizeof *whole);
+  for (size_t b = 0; b < c->blocks; b++)
+    whole[c->list.pair[b][0]] += d->state->inverse_mass[c->list.pair[b][1]] * hk_constraint_dot(c->J[b], c->J[b]);
+}
+
+/* WJ and own where no particle slides, and with that no pin holds a part of a direction. */
+static void weigh_all(const hk_dynamics *d) {
   hk_constraints *c = d->constraints;
   memset(c->own, 0, c->equations * sizeof *c->own);
   for (size_t b = 0; b < c->blocks; b++) {
@@ -254,15 +256,28 @@ hk_status hk_constraint_matrix_linearise(hk_dynamics *d, double t, const double 
   if (status != HK_OK) return status;
   if (d->pins->has_slides) {
     for (size_t b = 0; b < c->blocks; b++) weigh(d, c->pin[b], c->list.pair[b][1], c->J[b], c->WJ[b]);
-    find_own(d, whole);
+    find_own(c, c->J);
+    find_whole(d, whole);
   } else
-    find_weighted(d);
+    weigh_all(d);
   for (size_t k = 0; k < c->equations; k++) c->full[k] = c->own[k] > no_direction * whole[k] ? 1 / sqrt(c->own[k]) : 0;
   hk_constraint_matrix_rest(c);
   return HK_OK;
 }
 
-hk_matrix hk_constraint_matrix_assemble(hk_constraints *c) {
+void hk_constraint_matrix_forget_masses(hk_dynamics *d) {
+  hk_constraints *c = d->constraints;
+  for (size_t b = 0; b < c->blocks; b++) {
+    uint32_t i = c->list.pair[b][1];
+    for (int a = 0; a < 3 && d->state->inverse_mass[i] > 0; a++) c->WJ[b][a] *= d->state->mass[i];
+  }
+  find_own(c, c->J);
+  for (size_t k = 0; k < c->equations; k++) c->full[k] = c->full[k] > 0 ? 1 / sqrt(c->own[k]) : 0;
+  hk_constraint_matrix_rest(c);
+}
+
+/* S J W J^T S with `J` on the left */
+static hk_matrix assemble(hk_constraints *c, double (*J)[3], bool symmetric) {
   const size_t *diagonal = c->matrix.slot, *slot = diagonal + c->equations;
   memset(c->value, 0, c->matrix.row_start[c->equations] * sizeof *c->value);
   for (size_t k = 0; k < c->equations; k++)
@@ -270,12 +285,14 @@ hk_matrix hk_constraint_matrix_assemble(hk_constraints *c) {
   for (size_t e = 0; e < c->terms; e++, slot += 2) {
     uint32_t p = c->term[e][0], q = c->term[e][1];
     double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
-    double product = scale * hk_constraint_dot(c->J[p], c->WJ[q]);
+    double product = scale * hk_constraint_dot(J[p], c->WJ[q]);
     c->value[slot[0]] += product;
-    c->value[slot[1]] += product;
+    c->value[slot[1]] += symmetric ? product : scale * hk_constraint_dot(J[q], c->WJ[p]);
   }
-  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, true, c->matrix.number};
+  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, symmetric, c->matrix.number};
 }
+
+hk_matrix hk_constraint_matrix_assemble(hk_constraints *c) { return assemble(c, c->J, true); }
 
 static void soften(hk_constraints *c, double by) {
   for (size_t k = 0; by > 0 && k < c->equations; k++) c->value[c->matrix.slot[k]] += by;
@@ -359,23 +376,6 @@ hk_status hk_constraint_matrix_solve(hk_dynamics *d) {
   return status;
 }
 
-static hk_matrix assemble_mixed(hk_constraints *c) {
-  const size_t *diagonal = c->matrix.slot, *slot = diagonal + c->equations;
-  memset(c->value, 0, c->matrix.row_start[c->equations] * sizeof *c->value);
-  for (size_t k = 0; k < c->equations; k++) c->value[diagonal[k]] = c->scale[k] == 0;
-  for (size_t b = 0; b < c->blocks; b++) {
-    uint32_t k = c->list.pair[b][0];
-    c->value[diagonal[k]] += c->scale[k] * c->scale[k] * hk_constraint_dot(c->J_end[b], c->WJ[b]);
-  }
-  for (size_t e = 0; e < c->terms; e++, slot += 2) {
-    uint32_t p = c->term[e][0], q = c->term[e][1];
-    double scale = c->scale[c->list.pair[p][0]] * c->scale[c->list.pair[q][0]];
-    c->value[slot[0]] += scale * hk_constraint_dot(c->J_end[p], c->WJ[q]);
-    c->value[slot[1]] += scale * hk_constraint_dot(c->J_end[q], c->WJ[p]);
-  }
-  return (hk_matrix){c->equations, 1, c->matrix.row_start, c->matrix.column, c->value, false, c->matrix.number};
-}
-
 static hk_status open_mixed(hk_dynamics *d, hk_constraints *c) {
   if (c->mixed.any) return HK_OK;
   hk_status status = hk_solver_indefinite(d, &c->mixed.any, &c->unsymmetric);
@@ -389,7 +389,8 @@ hk_status hk_constraint_matrix_newton(hk_dynamics *d, double t, const double *x,
   hk_status status = open_mixed(d, c);
   if (status == HK_OK) status = hk_constraint_jacobian(d, t, x, v, c->J_end);
   if (status != HK_OK) return status;
-  hk_matrix A = assemble_mixed(c);
+  find_own(c, c->J_end);
+  hk_matrix A = assemble(c, c->J_end, false);
   for (size_t k = 0; k < c->equations; k++) c->rhs[k] = -c->scale[k] * c->g[k];
   status = hk_linear_system_factorize(d, &c->mixed, &A);
   if (status == HK_OK) status = hk_linear_system_solve(d, &c->mixed, c->rhs, c->solution, NULL);

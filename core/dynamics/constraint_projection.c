@@ -90,7 +90,7 @@ static hk_status gave_up(hk_dynamics *d, size_t equation, bool position, double 
 static hk_status check_immovable(hk_dynamics *d, double size) {
   const hk_constraints *c = d->constraints;
   for (size_t k = 0; k < c->equations; k++) {
-    if (c->full[k] > 0 || !(broken(c, k) > implied_tolerance * size)) continue;
+    if (c->full[k] > 0 || c->one_sided[k] || !(broken(c, k) > implied_tolerance * size)) continue;
     char rest[REST];
     snprintf(rest, sizeof rest,
              " does not hold, by %.3g m, and pins keep its particles from moving: it contradicts them", c->g[k]);

@@ -83,12 +83,16 @@ void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t
 /* Finds which one-sided equations touch at x and v. */
 hk_status hk_constraint_look(hk_dynamics *, double t, const double *x, const double *v);
 
+hk_status hk_constraints_tangent(hk_system *, double *vector); /* see hk_system */
+
 /* ---- constraint_matrix.c ---- */
 
 hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
 void hk_constraint_matrix_free(hk_constraints *);
 /* Computes J, WJ, full, and scale for the equations that do not rest. */
 hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
+/* After that, W is as if all masses were 1, until the next linearisation. */
+void hk_constraint_matrix_forget_masses(hk_dynamics *);
 void hk_constraint_matrix_rest(hk_constraints *);          /* updates scale after a change of `rests` */
 hk_matrix hk_constraint_matrix_assemble(hk_constraints *); /* A, whose values are c->value */
 /* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */

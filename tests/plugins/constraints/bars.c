@@ -279,7 +279,7 @@ static double shaken_drift(const char *method, size_t steps) {
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 0.6, -0.3, 0, 0.5);
   test_particle(&e, 1, -0.1, 0, 0.8);
-  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &pivot, .release = INFINITY, .path = {shake, NULL, 0}};
+  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &pivot, .release = INFINITY, .path = {.call = shake}};
   assert_int_equal(hk_scene_add_pin(e.scene, &pin, &e.error), HK_OK);
   bars(&e, (const uint32_t[][2]){{1, 2}, {2, 3}}, 2);
   time_grid(&e, 1, steps);
