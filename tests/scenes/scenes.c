@@ -296,13 +296,13 @@ static void a_sheet_does_not_depend_on_its_mesh(void **state) {
   assert_true(value("sag") > 1.1 * squares);
 }
 
-/* The middle ribbon of 40 cells falls by 40.4 degrees; 41.5 is the limit, which the clamp keeps away from by one part
- * in N (scripts/validation/cloth/heavy_ribbon.lua). */
+/* The middle ribbon falls by 36.8 degrees as 10 cells and by 39.3 as 20: the clamp holds back one part in N (to be seen
+ * in scripts/validation/cloth/heavy_ribbon.lua), and the rest of that is of order 2. */
 static void a_ribbon_falls_by_peirces_angle(void **state) {
   (void)state;
-  run("peirce", "N=20");
+  run("peirce", "N=10");
   double coarse = value("angle at w L^3/EI = 8.004");
-  run("peirce", "");
+  run("peirce", "N=20");
   near(2 * value("angle at w L^3/EI = 8.004") - coarse, 41.5, 0.3);
 }
 

@@ -267,6 +267,40 @@ static void a_triangle_without_area_has_no_force(void **state) {
   test_engine_close(&e);
 }
 
+/* ---- Methods that work element by element ------------------------------------------------------------------------ */
+
+/* A crumpled sheet without springs falls for a while from rest. */
+static void fall(const char *method, double tolerance, double *x) {
+  test_engine e;
+  sheet s;
+  test_number(&e, open_crumpled(&e, &s), "damping", 0);
+  memset(e.scene->velocity, 0, 3 * s.particles * sizeof(double));
+  test_pin(&e, HK_PIN_FIXED, 1, NULL), test_pin(&e, HK_PIN_FIXED, 2, NULL), test_pin(&e, HK_PIN_FIXED, 6, NULL);
+  test_plugin(&e, HK_FORCE, "gravity");
+  hk_plugin_spec *integrator = test_plugin(&e, HK_INTEGRATOR, method);
+  if (tolerance > 0) {
+    test_number(&e, integrator, "iterations", 2000);
+    test_number(&e, integrator, "tolerance", tolerance);
+  }
+  e.scene->duration = 0.1;
+  test_run(&e);
+  test_advance(&e, 0.1);
+  for (uint32_t i = 0; i < s.particles; i++) memcpy(x + 3 * i, test_position(&e, i + 1), 3 * sizeof *x);
+  sheet_free(&s);
+  test_engine_close(&e);
+}
+
+/* local_global, iterated to the end, is backward Euler: it has force, gradient and weight of every hinge from the
+ * elements. Both end their iterations at 1e-10 of what a step moves, and a hundred steps make ten times that or so. */
+static void elements_are_the_force(void **state) {
+  (void)state;
+  double x[48], y[48], off = 0;
+  fall("backward_euler", 0, x);
+  fall("local_global", 1e-10, y);
+  for (int k = 0; k < 48; k++) off = fmax(off, fabs(x[k] - y[k]));
+  assert_true(off < 1e-8); /* of 5 cm and more */
+}
+
 /* ---- Deaths, memory ------------------------------------------------------------------------------------------------
  */
 
@@ -329,6 +363,7 @@ int main(void) {
       cmocka_unit_test(irregular_meshes_come_near),
       cmocka_unit_test(what_cannot_bend_is_named),
       cmocka_unit_test(a_triangle_without_area_has_no_force),
+      cmocka_unit_test(elements_are_the_force),
       cmocka_unit_test(hinges_follow_deaths),
       cmocka_unit_test(no_memory_is_an_error),
   };
