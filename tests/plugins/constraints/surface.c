@@ -154,6 +154,28 @@ static void a_turning_wire_flings_its_bead(void **state) {
   assert_true(fabs(test_json(r.out, "work")) > 1);
 }
 
+/* A plane that is at 0 at every step of 1/60 s and every half of one, and hums between them: the run cannot see it. The
+ * function is called for the particles of the surface alone. */
+static void what_a_surface_does_between_the_steps_is_noticed(void **state) {
+  (void)state;
+  char arguments[512];
+  test_write("scene.lua", "local rate = param('rate', 1800, '1/s')\n"
+                          "local scene = hooke.scene { duration = 0.5, fps = 60, dt = 1 / 60 }\n"
+                          "local p = scene:particle { mass = 1, velocity = { 1, 0, 0 } }\n"
+                          "scene:particle { mass = 1, position = { 1, 1, 1 } }\n"
+                          "scene:constraint('surface', { particles = { p }, g = function(t, x, y, z, id)\n"
+                          "  assert(id == p)\n"
+                          "  return z - 0.01 * math.sin(2 * math.pi * rate * t) ^ 2\n"
+                          "end })\n"
+                          "return scene\n");
+  for (int slow = 0; slow < 2; slow++) {
+    snprintf(arguments, sizeof arguments, "run %s/scene.lua --no-output %s", test_folder(), slow ? "rate=2" : "");
+    test_hooke(&r, NULL, arguments);
+    assert_int_equal(r.code, slow ? 0 : 5);
+    assert_true((strstr(r.out, "scene.lua:5: surface: g does something within") != NULL) == !slow);
+  }
+}
+
 /* ---- the start ---- */
 
 /* 0.3 m off the sphere and 1 m/s away from it; and a start that is off by the rounding of its numbers. */
@@ -255,6 +277,7 @@ int main(void) {
       cmocka_unit_test(free_particles_run_along_geodesics),
       cmocka_unit_test(functions_do_what_the_shapes_do),
       cmocka_unit_test(a_turning_wire_flings_its_bead),
+      cmocka_unit_test(what_a_surface_does_between_the_steps_is_noticed),
       cmocka_unit_test(a_start_off_the_surface_is_moved_onto_it_and_said),
       cmocka_unit_test(a_spherical_pendulum_keeps_energy_and_angular_momentum),
       cmocka_unit_test(what_has_no_direction_is_named_with_particle_time_and_place),
