@@ -10,6 +10,7 @@
  * begins at the second pinned particle. `curvature` (1/m) likewise is the angle at rest per length. */
 #include "plugins/common/elements/element_force.h"
 #include "plugins/common/joints/joint.h"
+#include "plugins/common/joints/joint_jacobian.h"
 #include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint_list.h"
 #include "plugins/common/springs/edge_stiffness.h"
@@ -127,7 +128,7 @@ static void elements(void *self, const hk_view *view, hk_elements *out) {
   const angle_springs *s = self;
   (void)view;
   *out = s->list.acting;
-  out->rest = (hk_per_tuple){0, NULL}; /* an angle over the one at rest is no strain */
+  out->rest = (hk_per_tuple){0}; /* no strain: joints that are straight at rest have no angle to refer to */
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
@@ -136,86 +137,19 @@ static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   hk_element_force_pattern(&s->list, p);
 }
 
-/* What a joint does now: its geometry, k, c, the moment z = k (theta - theta_0) + c d(theta)/dt and the edges' rates.
- */
-typedef struct state {
-  hk_joint joint;
-  double k, c, z, moment, du[2][3]; /* moment: without damping */
-} state;
-
-static void look(const angle_springs *s, const hk_view *view, size_t e, state *now) {
-  const hk_elements *a = &s->list.acting;
-  const uint32_t *node = hk_tuple(&a->node, e);
-  measure(s, view->x, e, &now->joint);
-  now->k = a->stiffness.value[e];
-  now->c = a->damping.value[e];
-  now->z = now->moment = now->k * hk_joint_off(now->joint.angle, a->rest.value[e]);
-  for (int m = 0; m < 2; m++)
-    for (int c = 0; c < 3; c++) {
-      now->du[m][c] = view->v[3 * (size_t)node[m + 1] + c] - view->v[3 * (size_t)node[m] + c];
-      if (now->joint.l[m] > 0) now->z += now->c * now->joint.across[m][c] / now->joint.l[m] * now->du[m][c];
-    }
-}
-
-/* Adds the matrix between the edges to the blocks between i, j and k, of which e_1 = j - i and e_2 = k - j. */
-static void add_blocks(const size_t *slot, hk_joint_blocks A, double *into) {
-  double *block[9];
-  for (int b = 0; b < 9; b++) block[b] = into + 9 * slot[b];
-  for (int q = 0; q < 9; q++) {
-    double first = A[0][0][q], up = A[0][1][q], down = A[1][0][q], second = A[1][1][q];
-    block[0][q] += first, block[1][q] += up - first, block[2][q] -= up;
-    block[3][q] += down - first, block[4][q] += first - up - down + second, block[5][q] += up - second;
-    block[6][q] -= down, block[7][q] += down - second, block[8][q] += second;
-  }
-}
-
-/* Symmetric and definite blocks hold the damping's direction: how it turns is not symmetric, and where a joint is
- * nearly straight, without bound. */
-static void joint_blocks(const angle_springs *s, const hk_view *view, const hk_blocks *into, size_t e) {
-  hk_joint_blocks A;
-  state now;
-  look(s, view, e, &now);
-  if (into->want & HK_WANT_DEFINITE)
-    hk_joint_definite(&now.joint, now.k, now.moment, A);
-  else
-    hk_joint_stiffness(&now.joint, now.k, into->want & HK_WANT_SYMMETRIC ? now.moment : now.z, A);
-  if (!into->want && now.c > 0) hk_joint_turning(&now.joint, now.c, (const double(*)[3])now.du, A);
-  add_blocks(into->slot + 9 * e, A, into->K);
-  if (now.c == 0) return;
-  hk_joint_gauss(&now.joint, now.c, A);
-  add_blocks(into->slot + 9 * e, A, into->D);
-}
-
-typedef struct task {
-  const angle_springs *s;
-  const hk_view *view;
-  const hk_blocks *into;
-} task;
-
-static void chunks_of_blocks(void *context, size_t begin, size_t end, size_t unused) {
-  const task *t = context;
-  const hk_joint_layout *a = &t->s->layout;
-  (void)unused;
-  for (size_t k = a->first[begin]; k < a->first[end]; k++) joint_blocks(t->s, t->view, t->into, a->source[k]);
-}
-
-/* As the forces: chunks that share no particle, and so no block, side by side, then the rest. */
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const angle_springs *s = self;
-  task t = {s, view, into};
-  view->host->parallel_for(view->host, s->layout.chunks, 1, chunks_of_blocks, &t);
-  for (size_t k = s->layout.first[s->layout.chunks]; k < s->layout.count; k++)
-    joint_blocks(s, view, into, s->layout.source[k]);
+  hk_joint_jacobian(&s->layout, view, s->plane, into);
   return HK_OK;
 }
 
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const angle_springs *s = self;
-  for (size_t e = 0; e < s->list.acting.node.count; e++) {
-    const uint32_t *node = hk_tuple(&s->list.acting.node, e);
+  for (size_t e = 0; e < s->layout.count; e++) {
+    const uint32_t *node = s->layout.node[e];
     double along[2], across[2];
-    state now;
-    look(s, view, e, &now);
+    hk_joint_state now;
+    hk_joint_look(&s->layout, view, s->plane, e, &now);
     if (part == HK_DAMPING_WHOLE)
       hk_joint_bound(&now.joint, now.c, 0, true, along, across);
     else

@@ -50,7 +50,8 @@ static bool turn(const double plane[3], bool straight, hk_joint *joint) {
   }
   double size = hk_length(sine);
   joint->angle = atan2(size, cosine);
-  joint->half = cosine > 0 ? size / (1 + cosine) : size > 0 ? (1 - cosine) / size : INFINITY;
+  joint->sine = size;
+  joint->cosine = cosine;
   if (size > 0)
     for (int c = 0; c < 3; c++) joint->b[c] = sine[c] / size;
   else if (straight && cosine > 0)
@@ -81,36 +82,29 @@ typedef struct local {
 
 static bool has_direction(const hk_joint *joint) { return hk_dot(joint->b, joint->b) > 0 && joint->l[0] > 0; }
 
-/* scale (t v^T + a w^T + b u^T) */
-static void outer(double scale, const double t[3], const double v[3], const double a[3], const double w[3],
-                  const double b[3], const double u[3], double block[9]) {
-  for (int r = 0; r < 3; r++)
-    for (int c = 0; c < 3; c++) block[3 * r + c] = scale * (t[r] * v[c] + a[r] * w[c] + b[r] * u[c]);
-}
-
 static void assemble(const hk_joint *joint, const local *q, hk_joint_blocks blocks) {
-  if (!has_direction(joint)) {
-    memset(blocks, 0, sizeof(hk_joint_blocks));
-    return;
-  }
+  memset(blocks, 0, sizeof(hk_joint_blocks));
+  if (!has_direction(joint)) return;
   for (int m = 0; m < 2; m++)
-    for (int n = 0; n < 2; n++) {
-      const double *t = joint->t[n], *a = joint->across[n], *b = joint->b;
-      double v[3], w[3], u[3];
+    for (int n = m; n < 2; n++) {
+      const double *t = joint->t[m], *a = joint->across[m], *s = joint->t[n], *e = joint->across[n], *b = joint->b;
+      double scale = 1 / (joint->l[m] * joint->l[n]), of_t[3], of_a[3], of_b[3];
       for (int c = 0; c < 3; c++) {
-        v[c] = q->tt[m][n] * t[c] + q->ta[m][n] * a[c];
-        w[c] = q->ta[n][m] * t[c] + q->aa[m][n] * a[c];
-        u[c] = q->bb[m][n] * b[c];
+        of_t[c] = scale * (q->tt[m][n] * s[c] + q->ta[m][n] * e[c]);
+        of_a[c] = scale * (q->ta[n][m] * s[c] + q->aa[m][n] * e[c]);
+        of_b[c] = scale * q->bb[m][n] * b[c];
       }
-      outer(1 / (joint->l[m] * joint->l[n]), joint->t[m], v, joint->across[m], w, b, u, blocks[m][n]);
+      for (int p = 0; p < 9; p++)
+        blocks[m][n][p] = t[p / 3] * of_t[p % 3] + a[p / 3] * of_a[p % 3] + b[p / 3] * of_b[p % 3];
     }
+  for (int p = 0; p < 9; p++) blocks[1][0][p] = blocks[0][1][p % 3 * 3 + p / 3];
 }
 
 /* The part of z H that leaves the plane, as the eigenvalues of (1, 1) and (1, -1): z (cot -+ 1/sin). */
 static void leaving(const hk_joint *joint, double k, double z, double *same, double *opposite) {
-  bool free = !joint->plane && joint->half < INFINITY;
-  *same = free ? -z * joint->half : 0;
-  *opposite = !free ? 0 : joint->half > 0 ? z / joint->half : 2 * k;
+  double s = joint->sine, c = joint->cosine, half = c > 0 ? s / (1 + c) : s > 0 ? (1 - c) / s : 0; /* tan(angle/2) */
+  *same = joint->plane ? 0 : -z * half;
+  *opposite = joint->plane ? 0 : s > 0 ? z / half : 2 * k;
 }
 
 static void set_leaving(local *q, double same, double opposite) {
@@ -140,24 +134,19 @@ void hk_joint_definite(const hk_joint *joint, double k, double z, hk_joint_block
   assemble(joint, &q, blocks);
 }
 
-void hk_joint_gauss(const hk_joint *joint, double c, hk_joint_blocks blocks) {
-  assemble(joint, &(local){.aa = {{c, c}, {c, c}}}, blocks);
-}
-
 void hk_joint_turning(const hk_joint *joint, double c, const double du[2][3], hk_joint_blocks blocks) {
   local q = {.ta = {{-1, 0}, {0, -1}}};
   double same = 0, opposite = 0, Hu[2][3] = {{0}};
   hk_joint_blocks H;
   if (!has_direction(joint)) return;
-  if (joint->half > 0) leaving(joint, 0, 1, &same, &opposite);
+  if (joint->sine > 0) leaving(joint, 0, 1, &same, &opposite);
   set_leaving(&q, same, opposite);
   assemble(joint, &q, H);
   for (int b = 0; b < 4; b++)
     for (int e = 0; e < 9; e++) Hu[b / 2][e / 3] += H[b / 2][b % 2][e] * du[b % 2][e % 3];
-  for (int b = 0; b < 4; b++) {
-    double scale = c / joint->l[b / 2];
-    for (int e = 0; e < 9; e++) blocks[b / 2][b % 2][e] += scale * joint->across[b / 2][e / 3] * Hu[b % 2][e % 3];
-  }
+  for (int b = 0; b < 4; b++)
+    for (int e = 0; e < 9; e++)
+      blocks[b / 2][b % 2][e] += c * joint->across[b / 2][e / 3] / joint->l[b / 2] * Hu[b % 2][e % 3];
 }
 
 /* (p_1 + p_2)^2 <= 2 (p_1^2 + p_2^2), 2 t_m a_m <= t_m^2 + a_m^2, and the larger eigenvalue of what leaves the plane.
