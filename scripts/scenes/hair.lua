@@ -1,11 +1,11 @@
 -- hair.lua: two tufts on spheres, straight hair and curls, hang down and blow in a gust. Hair bends and twists as a
--- strand of radius 0.04 mm and E = 4 GPa does; it stretches 5000 times as easily as that, which is still below 1 %, and
+-- strand of radius 0.04 mm and E = 4 GPa does; it stretches 3000 times as easily as that, which is still below 1 %, and
 -- lets an implicit method take one step a frame. The strands hang together by nothing, so the matrix of a step falls
 -- into one narrow band a strand, which `banded` factorizes in a time that grows with their number alone. Nothing keeps
 -- hair out of the spheres. strands=400 makes better pictures.
-local S = param("strands", 100, "of each tuft", { min = 1, max = 100000 })
+local S = param("strands", 30, "of each tuft", { min = 1, max = 100000 })
 local n = param("segments", 32, "of a strand", { min = 2, max = 1000 })
-local soft = param("soft", 5000, "by how much EA is divided", { min = 1 })
+local soft = param("soft", 3000, "by how much EA is divided", { min = 1 })
 local speed = param("speed", 1.5, "of the gust, m/s", { min = 0 })
 
 local scene = hooke.scene { duration = 3, fps = 60, dt = 1 / 60 }
