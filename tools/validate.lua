@@ -27,7 +27,7 @@ local function parser()
   p:flag("--list", "the problems, and nothing is run")
   p:option("-j --jobs", "levels at a time"):convert(command_line.whole("-j"))
   p:option("--plugin", "a force of your own (X.so) in the place of one of the engine's")
-  p:option("--as", "of which force; left out: of all whose parameters the plugin has"):target("as")
+  p:option("--as", "of which force; left out: of its namesake, or of the only one whose parameters it has"):target("as")
   p:option("--timeout", ("s, of one level (%d)"):format(default_timeout)):convert(command_line.number("--timeout"))
   p:option("--out", "where the page and the figures go"):default("out/validate")
   p:flag("--no-page", "prints only"):target("no_page")
@@ -112,6 +112,30 @@ local function misnamed(list)
   end
 end
 
+-- The force that the plugin stands in for: the one that is asked for, its namesake, or the only one whose parameters it
+-- has; nil and a sentence where that is not clear.
+local function replaced(plugin, list, as)
+  local fits, names, all = {}, {}, {}
+  for _, problem in ipairs(list) do
+    for force, params in pairs(problem.description.forces or {}) do
+      all[("%s (%s)"):format(force, table.concat(params, ", "))] = true
+      if not fits[force] and has_all(plugin, params) then fits[force], names[#names + 1] = true, force end
+    end
+  end
+  if as or fits[plugin.name] then names = { fits[as or plugin.name] and (as or plugin.name) } end
+  table.sort(names)
+  if #names == 1 then return names[1] end
+  if #names > 1 then
+    return nil, ("%s has the parameters of %s: --as says in the place of which it is tried"):format(plugin.name,
+      table.concat(names, " and of "))
+  end
+  local forces = {}
+  for text in pairs(all) do forces[#forces + 1] = text end
+  table.sort(forces)
+  return nil, ("%s can stand in nowhere here%s: it needs all parameters of a force that may be replaced: %s"):format(
+    plugin.name, as and " as " .. as or "", table.concat(forces, "; "))
+end
+
 -- The problems, each with its stand_in, in which the plugin can be a force; or nil and the exit code.
 local function with_plugin(list, o)
   local plugin, why = hooke.describe(o.plugin)
@@ -119,27 +143,22 @@ local function with_plugin(list, o)
   why = misnamed(list)
   if why then return nil, complain("%s", why) end
   if plugin.kind ~= "force" then return nil, complain("%s: its kind is %s; a force can stand in", o.plugin, plugin.kind) end
-  local fitting, forces, seen = {}, {}, {}
+  local force
+  force, why = replaced(plugin, list, o.as)
+  if not force then return nil, complain("%s", why) end
+  local fitting = {}
   for _, problem in ipairs(list) do
-    for force, params in pairs(problem.description.forces or {}) do
-      local text = ("%s (%s)"):format(force, table.concat(params, ", "))
-      if not seen[text] then
-        seen[text], forces[#forces + 1] = true, text
-      end
-      if (not o.as or o.as == force) and has_all(plugin, params) then
-        local copy = {}
-        for key, value in pairs(problem) do copy[key] = value end
-        copy.stand_in = { force = force, path = plugin.path }
-        copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
-        copy.title = ("%s: %s for %s"):format(problem.title, plugin.name, force)
-        fitting[#fitting + 1] = copy
-      end
+    local params = (problem.description.forces or {})[force]
+    if params and has_all(plugin, params) then
+      local copy = {}
+      for key, value in pairs(problem) do copy[key] = value end
+      copy.stand_in = { force = force, path = plugin.path }
+      copy.name = ("%s, %s for %s"):format(problem.name, plugin.name, force)
+      copy.title = ("%s: %s for %s"):format(problem.title, plugin.name, force)
+      fitting[#fitting + 1] = copy
     end
   end
-  if #fitting > 0 then return fitting end
-  table.sort(forces)
-  return nil, complain("%s can stand in nowhere here%s: it needs all parameters of a force that may be replaced: %s",
-    plugin.name, o.as and " as " .. o.as or "", table.concat(forces, "; "))
+  return fitting
 end
 
 -- ---- running ----

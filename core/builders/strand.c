@@ -4,8 +4,8 @@
  *
  *     n particles, n - 1 segments of the length l = length/(n - 1); clamped: l = length/(n - 2), see below
  *     mass of a particle = density A (half the segments on both sides): the ends carry half cells
- *     handle.EA (N), .EI and .EI2 (N m^2, against bending towards either half axis), .GJ (N m^2), .stiffness = EA/l
- * (N/m)
+ *     handle.EA (N), .EI and .EI2 (N m^2, against bending towards either half axis), .GJ (N m^2),
+ *     .stiffness = EA/l (N/m, of each edge)
  *
  * Where `mass` alone is given all particles share it equally. The errors of a chain with half cells are of order l^2,
  * those of one without of order l.

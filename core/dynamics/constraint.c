@@ -178,6 +178,28 @@ void hk_constraints_close(hk_dynamics *d) {
   d->constraints = NULL;
 }
 
+/* ---- the tangent space ---- */
+
+static void find_forbidden(hk_constraints *c, const double *vector) {
+  memset(c->rhs, 0, c->equations * sizeof *c->rhs);
+  for (size_t b = 0; b < c->blocks; b++)
+    c->rhs[c->list.pair[b][0]] -= hk_constraint_dot(c->J[b], vector + 3 * (size_t)c->list.pair[b][1]);
+}
+
+hk_status hk_constraints_tangent(hk_system *s, double *vector) {
+  hk_dynamics *d = (hk_dynamics *)(void *)s;
+  hk_constraints *c = d->constraints;
+  if (!c || c->equations == 0) return HK_OK;
+  for (size_t k = 0; k < c->equations; k++) c->rests[k] = c->one_sided[k] ? !c->touches[k] : c->implied[k];
+  hk_status status = hk_constraint_matrix_linearise(d, s->t, s->X, s->X + 3 * s->n);
+  if (status == HK_OK) status = hk_constraint_matrix_factorize(d);
+  if (status != HK_OK) return status;
+  find_forbidden(c, vector);
+  status = hk_constraint_matrix_solve(d);
+  if (status == HK_OK) hk_constraint_matrix_move(c, vector);
+  return status;
+}
+
 /* ---- accelerations ---- */
 
 static hk_status find_path_accelerations(hk_dynamics *d, double t) {

@@ -88,6 +88,7 @@ bool hk_constraint_sampled(const hk_dynamics *);
 /* Distributes the time since `begin`, of the sampled ones, among the constraints by their share of the equations;
  * `whole`: with that the evaluation or step is complete. */
 void hk_constraint_account(hk_dynamics *, double begin, bool whole);
+hk_status hk_constraints_tangent(hk_system *, double *vector); /* see hk_system */
 
 /* ---- constraint_matrix.c ---- */
 

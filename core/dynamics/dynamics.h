@@ -130,14 +130,12 @@ bool hk_constraints_jumped(hk_dynamics *);
 hk_status hk_constraints_violation(hk_dynamics *, double *violation); /* m, of the state */
 hk_status hk_constraints_topology(hk_dynamics *);
 
-/* ---- constraint_forces.c ---- */
+/* ---- constraint_forces.c: multipliers of the state, N for equations in metres; J^T lambda acts on the particles ----
+ */
 
-/* The multipliers of all equations at the state, N for equations in metres: J^T lambda acts on the particles. An
- * evaluation, of which nothing stays. */
-hk_status hk_constraint_multipliers(hk_dynamics *, double *lambda);
-/* The equations of constraint k: from `begin` on, without `end`. */
-void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end);
-/* N, the force of constraint k on a particle with these multipliers, by J of the last evaluation. */
+hk_status hk_constraint_multipliers(hk_dynamics *, double *lambda); /* of all; an evaluation, of which nothing stays */
+void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end); /* equations of constraint k */
+/* N, the force of constraint k on a particle, by J of the last evaluation. */
 void hk_constraint_force_on(const hk_dynamics *, size_t k, const double *lambda, size_t particle, double F[3]);
 
 /* ---- jacobian.c, implicit_matrix.c, saddle_point.c ---- */

@@ -38,6 +38,7 @@ static void set_functions(hk_system *s) {
   s->solver_flags = hk_implicit_solver_flags;
   s->solve_columns = hk_implicit_solve_columns;
   s->solve_along = hk_implicit_solve_along;
+  s->tangent = hk_constraints_tangent;
   s->project = hk_constraints_project_equalities;
   s->update = hk_sweep_update;
   s->step_limit = hk_sweep_limit;

@@ -47,9 +47,7 @@ static hk_status reserve(hk_step_choice *c, hk_dynamics *d) {
 hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
-  d->system.takes_constraints = !(d->system.holonomic && c->method->flags & HK_KEEPS_CONSTRAINTS);
   hk_status status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
-  d->system.takes_constraints = true;
   c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;

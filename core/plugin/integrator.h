@@ -149,6 +149,9 @@ struct hk_system {
   hk_status (*hold_positions)(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
   /* Brings v onto J v + g_t = 0 by v += W J^T l, with J at (x, t); l is an impulse of half a step. */
   hk_status (*hold_velocities)(hk_system *, double t, double *x, double h, double *v, double *work);
+  /* Removes from velocities (n x 3) the part that constraints forbid at X, v -= W J^T (J W J^T)^-1 J v. NULL: there are
+   * none that could. */
+  hk_status (*tangent)(hk_system *, double *vector);
 };
 
 #endif

@@ -198,7 +198,7 @@ static int missing(lua_State *L) {
   return hk_lua_fail(
       L, HK_BAD_PARAM,
       "a handle has no '%s' here; strands and hair have length and segment, with radius and E also EA, EI, "
-      "stiffness, with nu GJ, and an ellipse has EI2",
+      "EI2, stiffness, with nu GJ",
       key);
 }
 

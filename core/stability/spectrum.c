@@ -15,13 +15,13 @@
  * is symmetric is checked on the way; a rotation that is none of single particles is counted as a frequency
  * (count_rotation).
  *
- * Constraint forces depend on v as well, but a method that keeps constraints in its own steps does not evaluate them:
- * where system->takes_constraints is false, D is without them.
- *
- * K is taken at v = 0: terms proportional to damping times velocity are unsymmetric, and small while no particle moves
- * by the distance to its neighbour in a step. alpha is the smallest damping rate of the particles when all have the
- * same velocity: elements between them then exert no damping force, and pins only add damping. This is exact for drag
- * and an estimate for other forces. */
+ * Constraints leave the motion along them alone: vectors are projected onto the velocities that they allow, and so is
+ * what the operators give. Their forces grow with v^2, as in a sling, and stiffen what they hold: K is then that at the
+ * present velocities, which adds (v/R)^2 on a path of the radius R. Without constraints K is taken at v = 0: terms
+ * proportional to damping times velocity are unsymmetric, and small while no particle moves by the distance to its
+ * neighbour in a step. alpha is the smallest damping rate of the particles when all have the same velocity: elements
+ * between them then exert no damping force, and pins only add damping. This is exact for drag and an estimate for other
+ * forces. */
 #include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
 #include "core/stability/common_motion.h"
@@ -49,7 +49,6 @@ struct hk_spectrum_work {
   hk_lanczos stiffness, damping;
   double stiffening_damping; /* 1/s, see stiffness.h */
   bool damps_alone;
-  bool constrained; /* D has the constraint forces in it; K always has */
   double length, spacing; /* m, see measure_scene; 0: not yet */
   hk_spectrum bounds;
 };
@@ -105,12 +104,22 @@ static double largest_move(const hk_model *model, const double *direction) {
   return most;
 }
 
+/* Leaves of a vector that is scaled by the roots of the masses what pins and constraints allow. */
+static hk_status allow(hk_system *system, double *vector) {
+  const double *w = system->model->inverse_mass;
+  system->filter(system, vector);
+  if (!system->tangent) return HK_OK;
+  for (size_t c = 0; c < 3 * system->n; c++) vector[c] *= sqrt(w[c / 3]);
+  hk_status status = system->tangent(system, vector);
+  for (size_t c = 0; c < 3 * system->n; c++) vector[c] = w[c / 3] > 0 ? vector[c] / sqrt(w[c / 3]) : 0;
+  return status;
+}
+
 static hk_status apply(void *context, const double *in, double *out) {
   operation *o = context;
   hk_spectrum_work *s = o->work;
   const double *w = o->system->model->inverse_mass;
   double most = largest_move(o->system->model, in), factor = most > 0 ? o->step / most : 0;
-  o->system->takes_constraints = !o->velocity || s->constrained;
   for (int side = 0; side < 2; side++) {
     displace(o, in, side == 0 ? factor : -factor);
     s->bounds.evaluations++;
@@ -122,8 +131,15 @@ static hk_status apply(void *context, const double *in, double *out) {
     double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
     for (size_t c = 3 * i; c < 3 * i + 3; c++) out[c] = f * (s->a[0][c] - s->a[1][c]);
   }
-  o->system->filter(o->system, out);
-  return HK_OK;
+  return allow(o->system, out);
+}
+
+/* The velocities at which K is taken. */
+static void take_velocities(hk_spectrum_work *s, const hk_system *system) {
+  if (system->equations > 0)
+    memcpy(s->v, system->X + 3 * s->n, 3 * s->n * sizeof *s->v);
+  else
+    memset(s->v, 0, 3 * s->n * sizeof *s->v);
 }
 
 /* As `apply` without the turning of velocities, out -= t x in. */
@@ -159,26 +175,28 @@ static void measure_scene(hk_spectrum_work *s, const hk_system *system, double s
 }
 
 /* The start vector: random, or the last approximate eigenvector mixed with a random direction, which has a component
- * along every eigenvector. Returns the share of the random part. */
-static double start(hk_lanczos *l, hk_system *system, bool warm) {
+ * along every eigenvector. *share: that of the random part. */
+static hk_status start(hk_lanczos *l, hk_system *system, bool warm, double *share) {
   double length = 0, direct = sqrt(1 - warm_share * warm_share);
   hk_lanczos_random(l->current, l->size);
   for (size_t i = 0; i < system->n; i++)
     if (!(system->model->inverse_mass[i] > 0)) memset(l->current + 3 * i, 0, 3 * sizeof *l->current);
-  system->filter(system, l->current);
+  hk_status status = allow(system, l->current);
   for (size_t c = 0; c < l->size; c++) length += l->current[c] * l->current[c];
-  if (!warm || !l->warm || !(length > 0)) return 1;
+  *share = 1;
+  if (!warm || !l->warm || !(length > 0)) return status;
   length = sqrt(length);
   for (size_t c = 0; c < l->size; c++) l->current[c] = warm_share / length * l->current[c] + direct * l->ritz[c];
-  return warm_share;
+  *share = warm_share;
+  return status;
 }
 
 /* Bounds the largest eigenvalue of one operator. When `steps` are too few for a rigorous bound, the last bound is
  * scaled up: with the eigenvalue reached, by the margin of the last rigorous bound, and with the bound `known`. */
 static hk_status bound(operation *o, hk_lanczos *l, double known, int steps, bool warm) {
-  double last = l->bound, grown = INFINITY;
-  double share = start(l, o->system, warm);
-  hk_status status = hk_lanczos_run(l, o->velocity ? apply_unturned : apply, o, known, share, steps);
+  double last = l->bound, grown = INFINITY, share;
+  hk_status status = start(l, o->system, warm, &share);
+  if (status == HK_OK) status = hk_lanczos_run(l, o->velocity ? apply_unturned : apply, o, known, share, steps);
   if (status != HK_OK) return status;
   if (warm && l->margin > 0) grown = fmax(last, l->margin * l->theta);
   if (isfinite(known) && l->before > 0) grown = fmax(grown, last * known / l->before);
@@ -200,14 +218,6 @@ static double difference_step(const hk_spectrum_work *s) {
 
 /* Bounds w_max. The bounds that the forces state are used when `use_stated`; when Lanczos iteration finds a larger
  * eigenvalue, they are wrong and the estimate is repeated without them. */
-/* Whether velocities are in the forces of constraints alone: those pull the more the faster what they hold turns, and
- * are stiff across the pull. */
-static bool constraints_pull(const hk_system *system) {
-  bool other = false;
-  for (size_t k = 0; k < system->forces; k++) other |= system->force[k].flags & HK_DEPENDS_ON_V;
-  return system->equations > 0 && !other;
-}
-
 static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool use_stated, int steps, bool warm) {
   if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
   hk_spectrum *b = &s->bounds;
@@ -218,10 +228,7 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool us
   s->damps_alone = stated.damps_alone;
   b->w_switching = sqrt(stated.stiffening * inflate);
   operation o = {s, system, false, difference_step(s)};
-  if (constraints_pull(system))
-    memcpy(s->v, system->X + 3 * s->n, 3 * s->n * sizeof *s->v);
-  else
-    memset(s->v, 0, 3 * s->n * sizeof *s->v);
+  take_velocities(s, system);
   hk_status status = bound(&o, &s->stiffness, covered ? stated.whole : INFINITY, steps, warm);
   if (status != HK_OK) return status;
   double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
@@ -293,7 +300,7 @@ static hk_status apply_pencil(void *context, const double *in, double *out) {
   hk_spectrum_work *s = p->damping.work;
   const double *X = p->damping.system->X;
   size_t vector = 3 * s->n;
-  memset(s->v, 0, vector * sizeof *s->v);
+  take_velocities(s, p->damping.system);
   hk_status status = apply(&p->stiffness, in, s->scratch);
   if (status != HK_OK) return status;
   memcpy(s->x, X, vector * sizeof *s->x);
@@ -309,8 +316,9 @@ static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const oper
   hk_lanczos l = s->damping;
   l.bound = INFINITY;
   l.slack = pencil_slack * b->g_max;
-  start(&l, system, false);
-  hk_status status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY, 1, HK_LANCZOS_STEPS);
+  double share;
+  hk_status status = start(&l, system, false, &share);
+  if (status == HK_OK) status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY, share, HK_LANCZOS_STEPS);
   if (status != HK_OK) return status;
   b->damping_slope = p.slope;
   b->damping_offset = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are accurate to about 1e-9 */
@@ -344,14 +352,12 @@ static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bo
   s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .b_max = warm ? s->bounds.b_max : 0, .rigorous = true};
   s->length = s->stiffening_damping = 0;
   s->damps_alone = false;
-  s->constrained = system->takes_constraints;
   hk_status status = bound_stiffness(s, system, true, steps, warm);
   if (status == HK_OK) status = bound_damping(s, system, steps, warm);
   if (status == HK_OK && system->model->channels > 0) {
     hk_channel_scratch scratch = {s->x, s->v, s->a[0], s->y, {s->dy[0], s->dy[1]}, s->direction};
     status = hk_channel_rate(system, &scratch, &s->bounds.channel_rate, &s->bounds.evaluations);
   }
-  system->takes_constraints = s->constrained;
   if (status == HK_OK) *spectrum = s->bounds;
   if (status != HK_OK) s->n = SIZE_MAX; /* the next update is a full estimate */
   return status;

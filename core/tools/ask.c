@@ -8,7 +8,8 @@
 #include <lauxlib.h>
 
 typedef struct question {
-  lua_State *asker; /* argument 3 is the question's; the answer is pushed */
+  lua_State *asker;    /* on which the answer is pushed */
+  lua_State *argument; /* a plain copy of the question's argument is on top */
   const char *path, *name;
   hk_work work;
 } question;
@@ -19,9 +20,7 @@ static int run(lua_State *L) {
   hk_lua_run_file(L);
   if (!lua_istable(L, -1) || hk_lua_field(L, lua_gettop(L), q->name) != LUA_TFUNCTION)
     hk_lua_fail(L, HK_SCRIPT, "%s: it has to return a table with the function %s", q->path, q->name);
-  lua_pushvalue(q->asker, 3);
-  hk_tool_copy(L, q->asker, "the question");
-  lua_pop(q->asker, 1);
+  hk_tool_copy(L, q->argument, "the question");
   lua_call(L, 1, 1);
   hk_tool_copy(q->asker, L, what);
   q->work = hk_script_work(hk_lua_script(L));
@@ -71,6 +70,10 @@ int hk_tool_ask(lua_State *L) {
   run_options.interrupted = hk_script_run_options(tool)->interrupted;
   run_options.acting = hk_script_run_options(tool)->acting;
   options.run = &run_options;
+  q.argument = lua_newthread(L); /* what is wrong with the argument is the tool's error, before the script begins */
+  lua_pushvalue(L, 3);
+  hk_tool_copy(q.argument, L, "ask: the argument");
+  lua_pop(L, 1);
   int top = lua_gettop(L);
   if (hk_script_host(q.path, &options, run, &q, &error) == HK_OK) {
     push_work(L, &q.work);

@@ -4,9 +4,9 @@
  * the material by area; plugins/common/shells/bending.c says how, and which plate that is.
  *
  * Invariant: `turned` has the angle of every hinge of the start at the last accepted step, counted on through pi and
- * whole turns. The angle of a state is that of its positions up to multiples of 2 pi, and of those the one nearest to
- * `turned`: so a hinge that folds beyond pi is pushed back the way it came. A hinge has no force while one of its
- * triangles has no area (is thinner than 1e-12 of its edge). */
+ * whole turns, to a quarter of a turn. The angle of a state is that of its positions up to multiples of 2 pi, and of
+ * those the one nearest to `turned`: so a hinge that folds beyond pi is pushed back the way it came. A hinge has no
+ * force while one of its triangles has no area (is thinner than 1e-12 of its edge). */
 #include "plugins/common/shells/bending.h"
 
 #include <string.h>
@@ -84,7 +84,7 @@ static hk_status topology(void *self, const hk_view *view) {
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_element_force_add(&((hinges *)self)->bending.element, view, F);
+  hk_bending_add(&((hinges *)self)->bending, view, F);
   return HK_OK;
 }
 
@@ -108,14 +108,33 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static hk_status accepted(void *self, const hk_view *view, double step) {
-  hinges *h = self;
+/* An open hinge is left at its whole turn: then its angle is needed in folds alone. */
+static void follow(void *context, size_t begin, size_t end, size_t chunk) {
+  const void *const *of = context;
+  const hinges *h = of[0];
+  const double *x = of[1];
   double *turned = h->turned.item, angle;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    const uint32_t *member = hk_tuple(&h->bending.element.acting.node, k);
+    double *near = &turned[h->bending.number[k]];
+    if (hk_hinge_is_open(x, member))
+      *near = unwrap(0, *near);
+    else if (hk_hinge_angle(x, member, &angle, NULL))
+      *near = unwrap(angle, *near);
+  }
+}
+
+static hk_status accepted(void *self, const hk_view *view, double step) {
+  const hinges *h = self;
+  const void *of[2] = {h, view->x};
   (void)step;
-  for (size_t k = 0; k < h->bending.element.acting.node.count; k++)
-    if (hk_hinge_angle(view->x, hk_tuple(&h->bending.element.acting.node, k), &angle, NULL))
-      turned[h->bending.number[k]] = unwrap(angle, turned[h->bending.number[k]]);
+  view->host->parallel_for(view->host, h->bending.element.acting.node.count, HK_BENDING_GRAIN, follow, of);
   return HK_OK;
+}
+
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  hk_bending_stiffness_bound(&((hinges *)self)->bending, view, part, block);
 }
 
 static const hk_force force = {
@@ -127,6 +146,7 @@ static const hk_force force = {
     .elements = elements,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
     .accepted = accepted,
 };
 

@@ -11,7 +11,6 @@
 typedef struct quadratic_bending {
   hk_bending_params given;
   hk_bending bending;
-  double (*weight)[4]; /* of the members of all hinges of the start, 1/m */
 } quadratic_bending;
 
 /* clang-format off */
@@ -25,7 +24,7 @@ static void evaluate(const void *self, const double *x, size_t begin, size_t end
   const quadratic_bending *b = self;
   for (size_t k = begin; k < end; k++) {
     const uint32_t *member = hk_tuple(&b->bending.element.acting.node, k);
-    const double *weight = b->weight[b->bending.number[k]], *x0 = x + 3 * (size_t)member[0];
+    const double *weight = b->bending.weight[b->bending.number[k]], *x0 = x + 3 * (size_t)member[0];
     for (int r = 0; r < 3; r++, C++, dC += 4) {
       *C = 0;
       for (int m = 0; m < 4; m++) {
@@ -42,11 +41,12 @@ static void hessian(const void *self, const double *x, size_t k, unsigned e, dou
 }
 
 static hk_status weigh(quadratic_bending *b, const hk_host *host) {
-  b->weight = host->allocate(host, (b->bending.count + 1) * sizeof *b->weight);
-  if (!b->weight) return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->bending.count);
+  b->bending.weight = host->allocate(host, (b->bending.count + 1) * sizeof *b->bending.weight);
+  if (!b->bending.weight) return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->bending.count);
   for (size_t k = 0; k < b->bending.count; k++) {
     const hk_hinge_shape *s = &b->bending.shape[k];
-    double *w = b->weight[k], p = s->length / (2 * s->area[0]), q = s->length / (2 * s->area[1]); /* 1/heights */
+    double *w = b->bending.weight[k], p = s->length / (2 * s->area[0]),
+           q = s->length / (2 * s->area[1]); /* 1/heights */
     w[1] = -s->foot[0] * p - s->foot[1] * q;
     w[2] = p;
     w[3] = q;
@@ -67,7 +67,7 @@ static hk_status topology(void *self, const hk_view *view) {
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_element_force_add(&((quadratic_bending *)self)->bending.element, view, F);
+  hk_bending_add(&((quadratic_bending *)self)->bending, view, F);
   return HK_OK;
 }
 
@@ -91,6 +91,10 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  hk_bending_stiffness_bound(&((quadratic_bending *)self)->bending, view, part, block);
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
@@ -100,6 +104,7 @@ static const hk_force force = {
     .elements = elements,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

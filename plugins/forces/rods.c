@@ -16,6 +16,8 @@
  * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
  * ends the run with the particle's number. */
 #include "plugins/common/rods/rod_blocks.h"
+#include "plugins/common/rods/rod_shape.h"
+#include "plugins/common/rods/rods.h"
 
 /* clang-format off */
 static const hk_param params[] = {

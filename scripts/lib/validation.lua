@@ -76,7 +76,12 @@ local function check(p)
     check_levels("quick: space", p.quick.space, true)
     check_levels("quick: time", p.quick.time, false)
   end
-  for k, q in ipairs(p.quantities) do check_quantity(p, q, k) end
+  local seen = {}
+  for k, q in ipairs(p.quantities) do
+    check_quantity(p, q, k)
+    if seen[q.name] then refuse("quantity '%s' is there twice", q.name) end
+    seen[q.name] = true
+  end
   for force, params in pairs(p.forces or {}) do
     if type(force) ~= "string" or type(params) ~= "table" then
       refuse("forces: expected { springs = { \"edges\", \"k\" } }: a force, and the parameters that the scenes give it")
@@ -104,6 +109,7 @@ local function described(p)
     end
     copy.scale = q.scale or math.abs(copy.reference)
     copy.tolerance, copy.why = q.tolerance or p.tolerance, q.why or p.why
+    if q.unit == "" then copy.unit = nil end
     copy.order = q.order or p.order or {}
     copy.noise = q.noise or p.noise or 1e-13
     d.quantities[k] = copy
@@ -172,8 +178,14 @@ end
 -- A watcher of the zeros of a quantity: watch(t, y, slope) at every step, then watch.times. Between two steps it
 -- interpolates by the cubic of both values and slopes (error O(h^4), below that of methods of order 2).
 -- direction: 1 counts rising zeros only, -1 falling ones.
+-- Asking for one that has not been is an error that says so.
+local missing = { __index = function(times, k)
+  error(("a quantity passed zero %d times, and the time of number %s is asked for: the run is too short, or it does not swing")
+    :format(#times, k), 2)
+end }
+
 function validation.crossings(direction)
-  local w = { times = {} }
+  local w = { times = setmetatable({}, missing) }
   local t0, y0, s0
   return setmetatable(w, { __call = function(_, t, y, slope)
     local crosses = y0 and y0 ~= 0 and (y0 > 0) ~= (y > 0)

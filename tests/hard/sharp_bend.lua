@@ -1,7 +1,7 @@
 --[[
 what: a bead on a wire that turns back within 3 mm, a step and a half of the slowest methods
 right: closed form: without a force it keeps its speed along z = a cosh(x/a), whose length from the bottom is a sinh(x/a)
-must: leapfrog, blanes_moan, rk4, dopri5
+must: leapfrog, rk4, dopri5, implicit_midpoint
 ]]
 -- The bound: in a step of 2 ms the bead turns by up to 0.67 rad. Methods of order 2 lose (0.67)^2/10 of the 3 mm there,
 -- 1.5e-4 m; what they lose of their speed counts on the 0.3 m after it, some times that.

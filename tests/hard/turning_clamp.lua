@@ -1,7 +1,7 @@
 --[[
 what: the clamped root of a chain of bars turns 50 times a second, and the chain with it, stretched out by its own inertia
 right: closed form: straight along the radius is how it turns steadily, and stably
-must: leapfrog, blanes_moan, rk4, dopri5, implicit_midpoint
+must: blanes_moan, rk4, dopri5, implicit_midpoint
 ]]
 -- The bound: the clamp turns by 0.3 rad in a step of 1 ms. A method that is off by a part e of the acceleration swings about
 -- the radius with an amplitude of some e L; 1 % of 0.4 m is what order 2 leaves.

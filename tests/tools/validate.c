@@ -131,6 +131,8 @@ static void a_plugin_with_a_wrong_factor_is_found(void **state) {
   /* Every problem names forces and parameters that are there; springs stand in for springs in many. */
   validate("--list --plugin '" HK_BUILD "/plugins/forces/springs.so'", 0);
   says(r.out, "membrane, springs for springs");
+  validate("--no-page --plugin '" HK_BUILD "/plugins/forces/ropes.so'", 1);
+  says(r.err, "ropes has the parameters of cubic_springs and of springs: --as says in the place of which it is tried");
   validate("oscillators --no-page --as drag --plugin '" HK_BUILD "/tests/fixtures/weak_central.so'", 1);
   says(r.err, "weak_central can stand in nowhere here as drag");
 }

@@ -2,7 +2,7 @@
 #ifndef HK_ROD_BLOCKS_H
 #define HK_ROD_BLOCKS_H
 
-#include "plugins/common/rods/rods.h"
+#include "plugins/common/rods/rod_set.h"
 
 void hk_rod_blocks_pattern(const hk_rods *, hk_pattern *);
 /* At the state of the last hk_rods_evaluate. `definite`: without the terms that may be negative. */

@@ -2,7 +2,7 @@
 #ifndef HK_ROD_JOINT_H
 #define HK_ROD_JOINT_H
 
-#include "plugins/common/rods/rods.h"
+#include "plugins/common/rods/rod_set.h"
 
 /* d: directors halfway, of the edge before; e: the same of the edge after. k: components of kb on them. */
 typedef struct hk_rod_joint {
@@ -19,10 +19,5 @@ static inline size_t hk_rod_joints(const hk_rod_batch *b, size_t lane) {
 void hk_rod_joint_at(const hk_rods *, const hk_rod_batch *, size_t lane, size_t k, hk_rod_joint *);
 /* The derivatives of the two components of curvature and of the twist, (e0, e1). */
 void hk_rod_joint_gradients(const hk_rod_joint *, double g[2][6], double m[6]);
-
-/* ---- rod_relaxed.c: the part of the Hessian by which the angles soften it ---- */
-hk_status hk_rod_relaxed_reserve(hk_rods *);
-void hk_rod_relaxed_pattern(const hk_rods *, hk_pattern *); /* after the pattern of the joints */
-void hk_rod_relaxed_subtract(const hk_rods *, const hk_blocks *into);
 
 #endif

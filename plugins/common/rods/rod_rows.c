@@ -4,7 +4,7 @@
  * row, compliances add: 1/stiffness = L0/(2 B0) + L1/(2 B1). An edge between two pinned particles is a clamp: it lies
  * in the wall, does not deform, and counts for none of the length, so the joint at the wall is twice as stiff. That
  * makes the error of a clamped rod one of second order in the length of its edges. */
-#include "plugins/common/rods/rod_joint.h"
+#include "plugins/common/rods/rod_rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -195,8 +195,7 @@ hk_status hk_rod_rows_build(hk_rods *r, const hk_view *view) {
   }
   host->release(host, list);
   host->release(host, marks);
-  if (status != HK_OK) return host->fail(host, status, "no memory for rods of %zu edges", r->count);
-  return r->jacobian == HK_ROD_EXACT ? hk_rod_relaxed_reserve(r) : HK_OK;
+  return status == HK_OK ? HK_OK : host->fail(host, status, "no memory for rods of %zu edges", r->count);
 }
 
 /* ---- numbers ---- */

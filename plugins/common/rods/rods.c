@@ -6,6 +6,7 @@
  * state and of what `accepted` keeps, which changes once per step; a twist of several turns is known by how it came
  * about. */
 #include "plugins/common/rods/rods.h"
+#include "plugins/common/rods/rod_rows.h"
 #include "plugins/common/space/vector3.h"
 
 #include <string.h>

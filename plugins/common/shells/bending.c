@@ -41,7 +41,11 @@ static hk_status reserve(hk_bending *b, const hk_host *host) {
   a->node = (hk_tuples){0, 4, host->allocate(host, n * sizeof *b->id)};
   a->stiffness.value = host->allocate(host, n * sizeof(double));
   a->damping.value = host->allocate(host, n * sizeof(double));
-  if (b->stiffness && b->damping && b->shape && b->number && a->node.index && a->stiffness.value && a->damping.value)
+  b->load = host->allocate(host, n * sizeof *b->load);
+  b->corner = host->allocate(host, 4 * n * sizeof *b->corner);
+  b->power = host->allocate(host, (n / HK_BENDING_GRAIN + 2) * sizeof *b->power);
+  if (b->stiffness && b->damping && b->shape && b->number && a->node.index && a->stiffness.value && a->damping.value &&
+      b->load && b->corner && b->power)
     return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->count);
 }
@@ -115,6 +119,19 @@ static size_t particle_of(const hk_view *view, uint32_t id) {
   return low < view->n && view->model->id[low] == id ? low : view->n;
 }
 
+/* Sorts the members of the elements by particle. */
+static hk_status sort_corners(hk_bending *b, const hk_view *view) {
+  const hk_host *host = view->host;
+  const hk_tuples *node = &b->element.acting.node;
+  host->release(host, b->first);
+  b->first = host->allocate(host, (view->n + 2) * sizeof *b->first);
+  if (!b->first) return host->fail(host, HK_NO_MEMORY, "no memory for the hinges of %zu particles", view->n);
+  for (size_t c = 0; c < 4 * node->count; c++) b->first[node->index[c] + 2]++;
+  for (size_t i = 2; i < view->n + 2; i++) b->first[i] += b->first[i - 1];
+  for (size_t c = 0; c < 4 * node->count; c++) b->corner[b->first[node->index[c] + 1]++] = (uint32_t)c;
+  return HK_OK;
+}
+
 hk_status hk_bending_topology(hk_bending *b, const hk_view *view) {
   hk_elements *a = &b->element.acting;
   uint32_t *index = (uint32_t *)(uintptr_t)a->node.index;
@@ -132,5 +149,5 @@ hk_status hk_bending_topology(hk_bending *b, const hk_view *view) {
     a->damping.value[kept++] = b->damping[k];
   }
   a->node.count = a->stiffness.count = a->damping.count = kept;
-  return HK_OK;
+  return sort_corners(b, view);
 }

@@ -6,6 +6,8 @@
 #include "plugins/common/elements/element_force.h"
 #include "plugins/common/shells/hinge.h"
 
+enum { HK_BENDING_GRAIN = 1024 }; /* elements of a chunk, some 50 us */
+
 typedef struct hk_bending_params {
   hk_tuples triangles, hinges; /* at most one of them is given */
   hk_per_tuple rigidity, damping, rest;
@@ -30,12 +32,23 @@ typedef struct hk_bending {
   hk_hinge_shape *shape;       /* at rest: of the start */
   uint32_t *number;            /* the element k is the hinge number[k] */
   hk_element_force element;    /* of the hinges all of whose members live */
+  double (*load)[4][3];        /* N, of the elements' members in one evaluation */
+  size_t *first;               /* n + 2: the loads on particle i are corner[first[i]] ... corner[first[i + 1] - 1] */
+  uint32_t *corner;            /* 4 per element: 4 k + m, rising for each particle */
+  double *power;               /* W, of the chunks of elements */
+  double (*weight)[4];         /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
+                                  none of that kind */
 } hk_bending;
 
 /* Finds the hinges and computes their numbers from the shape at the view's positions. The caller has set
- * element.acting.values, .evaluate, .self and element.hessian. HK_BAD_PARAM names a hinge that cannot bend. */
+ * element.acting.values, .evaluate, .self, element.hessian, and
+ * sets weight afterwards. HK_BAD_PARAM names a hinge that cannot bend. */
 hk_status hk_bending_create(hk_bending *, const hk_view *view, const hk_bending_params *given);
 /* To be called in `topology`: drops the hinges of the dead and finds the indices of the others. */
 hk_status hk_bending_topology(hk_bending *, const hk_view *view);
+
+/* For the force's functions of these names. Elements are evaluated by several threads and summed in their order. */
+void hk_bending_add(const hk_bending *, const hk_view *view, double *F);
+void hk_bending_stiffness_bound(const hk_bending *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

@@ -63,6 +63,11 @@ bool hk_hinge_angle(const double *x, const uint32_t member[4], double *angle, do
   return true;
 }
 
+bool hk_hinge_is_open(const double *x, const uint32_t member[4]) {
+  corners h = corners_of(x, member);
+  return hk_dot(h.m, h.n) > 0;
+}
+
 /* ---- Hessian ----------------------------------------------------------------------------------------------------- */
 
 /* (u x)_rc: the matrix of the cross product with u. */

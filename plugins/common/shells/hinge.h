@@ -19,6 +19,9 @@ hk_hinge_shape hk_hinge_shape_of(const double *x, const uint32_t member[4]);
  * false, with angle and gradient 0. `gradient` may be NULL. */
 bool hk_hinge_angle(const double *x, const uint32_t member[4], double *angle, double (*gradient)[3]);
 
+/* Whether the angle is less than a right one either way, at a small part of its price. */
+bool hk_hinge_is_open(const double *x, const uint32_t member[4]);
+
 /* H = d^2 angle/dx^2, 12 x 12, row-major; 0 where a triangle has no area. */
 void hk_hinge_hessian(const double *x, const uint32_t member[4], double *H);
 

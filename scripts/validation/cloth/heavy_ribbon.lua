@@ -4,7 +4,7 @@
 local validation = require("validation")
 local numerics = require("numerics")
 
-local density, g, B, L = 0.15, 9.81, 1e-4, 0.08
+local density, B, L = 0.15, 1e-4, 0.08
 local EI = 8 / 9 * B
 local source = "the heavy elastica, d2 theta/ds2 = -w L^3/EI (1 - s) cos(theta), by shooting"
 

@@ -8,7 +8,8 @@ local density, Y, g = 0.15, 20, 9.81
 
 local function sag(n, squares)
   local scene = hooke.scene { duration = 20, fps = 4, dt = 0.01, integrator = "backward_euler" }
-  local shape, cloth = sheet.alternating(n), nil
+  local shape = sheet.alternating(n)
+  local cloth
   if squares then
     cloth = scene:grid { nx = n + 1, ny = n + 1, density = density }
   else

@@ -1,7 +1,9 @@
 /* Joints and rest shapes of rods, made once at the start, and how they follow births and deaths: joints belong to pairs
  * of edges that have particles' ids, so that what remains of a rod, or of a ring that was opened, keeps its rest shape
  * and its frames. */
-#include "plugins/common/rods/rods.h"
+#include "plugins/common/rods/rod_shape.h"
+#include "plugins/common/rods/rod_relaxed.h"
+#include "plugins/common/rods/rod_rows.h"
 #include "plugins/common/space/vector3.h"
 
 #include <string.h>
@@ -178,6 +180,11 @@ static hk_status check_twist(const hk_rods *r) {
       "straight at rest write rest = \"straight\"");
 }
 
+static hk_status make_rows(hk_rods *r, const hk_view *view) {
+  hk_status status = hk_rod_rows_build(r, view);
+  return status == HK_OK && r->jacobian == HK_ROD_EXACT ? hk_rod_relaxed_reserve(r) : status;
+}
+
 hk_status hk_rods_open(hk_rods *r, const hk_host *host, const hk_view *view) {
   r->host = host;
   r->path = hk_rod_best();
@@ -193,7 +200,7 @@ hk_status hk_rods_open(hk_rods *r, const hk_host *host, const hk_view *view) {
     head = e + 1;
   }
   if (status == HK_OK) status = check_twist(r);
-  return status == HK_OK ? hk_rod_rows_build(r, view) : status;
+  return status == HK_OK ? make_rows(r, view) : status;
 }
 
 /* ---- births and deaths ---- */
@@ -227,6 +234,6 @@ hk_status hk_rods_follow(hk_rods *r, const hk_view *view) {
   r->host->release(r->host, now);
   r->count = left;
   hk_status status = r->host->resize(r->host, &r->frames, left);
-  return status == HK_OK ? hk_rod_rows_build(r, view)
+  return status == HK_OK ? make_rows(r, view)
                          : r->host->fail(r->host, status, "no memory for frames of %zu edges", left);
 }

@@ -1,0 +1,130 @@
+/* The forces of hinges, and a bound of their stiffness.
+ *
+ * For one number C with the gradient g, of which member m has g_m, and any weights r_m > 0, (sum g_m.u_m)^2 <=
+ * (sum |g_m| r_m) sum (g_m.u_m)^2/(|g_m| r_m) by Cauchy and Schwarz. With r_m^2 = 1/mass this divides k g g^T among the
+ * particles so that the bound of the frequencies is smallest; regular meshes reach it, with neighbours that move to and
+ * fro. The other part of K, k C H, is bounded block by block, |u.H_mq w| <= |H_mq| (s u^2 + w^2/s)/2 with s = r_q/r_m.
+ */
+#include "plugins/common/shells/bending.h"
+
+#include "plugins/common/space/vector3.h"
+
+enum { BLOCK = 16, VALUES = 3, GATHER = 2048 }; /* BLOCK: elements evaluated at a time; GATHER: particles of a chunk */
+
+/* ---- forces ------------------------------------------------------------------------------------------------------ */
+
+typedef struct task {
+  const hk_bending *b;
+  const hk_view *view;
+  double *F;
+} task;
+
+/* The load on the members of element k, of which C and dC are given; returns its power. */
+static double load(const task *t, size_t k, const double *C, const double (*dC)[3]) {
+  const hk_elements *a = &t->b->element.acting;
+  const uint32_t *member = hk_tuple(&a->node, k);
+  double(*into)[3] = t->b->load[k], stiffness = a->stiffness.value[k], damping = a->damping.value[k], power = 0;
+  for (int m = 0; m < 4; m++)
+    for (int c = 0; c < 3; c++) into[m][c] = 0;
+  for (unsigned e = 0; e < a->values; e++, dC += 4) {
+    double rate = 0;
+    for (int m = 0; m < 4 && damping != 0; m++) rate += hk_dot(dC[m], t->view->v + 3 * (size_t)member[m]);
+    for (int m = 0; m < 4; m++) hk_add_scaled(into[m], -(stiffness * C[e] + damping * rate), dC[m]);
+    power -= damping * rate * rate;
+  }
+  return power;
+}
+
+/* The same where C = sum weight x, which has no damping. */
+static void load_linear(const task *t, size_t k) {
+  const hk_elements *a = &t->b->element.acting;
+  const uint32_t *member = hk_tuple(&a->node, k);
+  const double *w = t->b->weight[t->b->number[k]], *x = t->view->x, *base = x + 3 * (size_t)member[0];
+  double(*into)[3] = t->b->load[k];
+  for (int c = 0; c < 3; c++) {
+    double C = 0;
+    for (int m = 1; m < 4; m++) C += w[m] * (x[3 * (size_t)member[m] + (size_t)c] - base[c]);
+    for (int m = 0; m < 4; m++) into[m][c] = -a->stiffness.value[k] * C * w[m];
+  }
+}
+
+static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  const hk_elements *a = &t->b->element.acting;
+  double C[BLOCK * VALUES], dC[BLOCK * VALUES * 4][3], power = 0;
+  for (size_t k = begin; k < end && t->b->weight; k++) load_linear(t, k);
+  for (size_t k = begin, n; k < end && !t->b->weight; k += n) {
+    n = end - k < BLOCK ? end - k : BLOCK;
+    a->evaluate(a->self, t->view->x, k, k + n, C, dC);
+    for (size_t q = 0; q < n; q++)
+      power += load(t, k + q, C + a->values * q, (const double(*)[3])dC + 4 * a->values * q);
+  }
+  t->b->power[chunk] = power;
+}
+
+static void gather_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  const double(*all)[3] = (const double(*)[3])t->b->load;
+  (void)chunk;
+  for (size_t i = begin; i < end; i++)
+    for (size_t c = t->b->first[i]; c < t->b->first[i + 1]; c++) hk_add_scaled(t->F + 3 * i, 1, all[t->b->corner[c]]);
+}
+
+void hk_bending_add(const hk_bending *b, const hk_view *view, double *F) {
+  const hk_host *host = view->host;
+  size_t count = b->element.acting.node.count;
+  task t = {b, view, F};
+  if (count == 0) return;
+  host->parallel_for(host, count, HK_BENDING_GRAIN, load_chunk, &t);
+  host->parallel_for(host, view->n, GATHER, gather_chunk, &t);
+  for (size_t chunk = 0; chunk * HK_BENDING_GRAIN < count && view->power; chunk++) *view->power += b->power[chunk];
+}
+
+/* ---- bound of the stiffness -------------------------------------------------------------------------------------- */
+
+/* block += factor g g^T */
+static void add_square(double block[6], double factor, const double g[3]) {
+  for (int r = 0, at = 0; r < 3; r++)
+    for (int c = r; c < 3; c++, at++) block[at] += factor * g[r] * g[c];
+}
+
+/* block += norm I */
+static void add_norm(double block[6], double norm) { block[0] += norm, block[3] += norm, block[5] += norm; }
+
+static void bound_square(double factor, const double (*g)[3], const double r[4], const uint32_t *member,
+                         double (*block)[6]) {
+  double size[4], sum = 0;
+  for (int m = 0; m < 4; m++) sum += r[m] * (size[m] = hk_length(g[m]));
+  for (int m = 0; m < 4; m++)
+    if (size[m] * r[m] > 0) add_square(block[member[m]], factor * sum / (size[m] * r[m]), g[m]);
+}
+
+static void bound_hessian(double factor, const double H[144], const double r[4], const uint32_t *member,
+                          double (*block)[6]) {
+  for (int m = 0; m < 4; m++)
+    for (int q = 0; q < 4; q++) {
+      double square = 0;
+      for (int e = 0; e < 9; e++)
+        square += H[12 * (3 * m + e / 3) + 3 * q + e % 3] * H[12 * (3 * m + e / 3) + 3 * q + e % 3];
+      if (r[m] > 0) add_norm(block[member[m]], factor * sqrt(square) * r[q] / r[m]);
+    }
+}
+
+void hk_bending_stiffness_bound(const hk_bending *b, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const hk_elements *a = &b->element.acting;
+  double C[VALUES], dC[VALUES * 4][3], H[144], r[4];
+  for (size_t k = 0; k < a->node.count; k++) {
+    const uint32_t *member = hk_tuple(&a->node, k);
+    double stiffness = a->stiffness.value[k], damping = a->damping.value[k];
+    for (int m = 0; m < 4; m++) r[m] = sqrt(view->model->inverse_mass[member[m]]);
+    a->evaluate(a->self, view->x, k, k + 1, C, dC);
+    for (unsigned e = 0; e < a->values; e++) {
+      const double(*g)[3] = (const double(*)[3])dC + 4 * e;
+      if (part != HK_STIFFNESS_UNDAMPED || b->weight) /* what is linear has no damping */
+        bound_square(part == HK_DAMPING_WHOLE ? damping : stiffness, g, r, member, block);
+      if (part == HK_DAMPING_WHOLE || C[e] == 0 || b->weight) continue;
+      b->element.hessian(a->self, view->x, k, e, H);
+      bound_hessian(stiffness * fabs(C[e]), H, r, member, block);
+    }
+  }
+}
