@@ -92,13 +92,14 @@ static void hold_lane(const hk_rods *r, const hk_view *view, const hk_rod_batch 
 }
 
 /* Frames and angles; false: no angles of least energy were found. */
-static bool find_angles(const hk_rods *r, const hk_view *view, const hk_rod_batch *b) {
+static bool find_angles(const hk_rods *r, const hk_view *view, hk_rod_batch *b) {
   for (size_t lane = 0; lane < LANES; lane++)
     if (b->count[lane]) start_lane(r, b, lane);
   r->path->frames(&r->rows, b);
   for (size_t lane = 0; lane < LANES; lane++)
     if (b->count[lane]) hold_lane(r, view, b, lane);
-  return r->path->solve(&r->rows, b);
+  b->turn = r->turn;
+  return b->found = r->path->solve(&r->rows, b);
 }
 
 /* ---- clamps that move ---- */
@@ -161,7 +162,7 @@ static void evaluate_chunk(void *context, size_t first, size_t end, size_t chunk
   const hk_rods *r = t->rods;
   (void)chunk;
   for (size_t q = first; q < end; q++) {
-    const hk_rod_batch *b = &r->batch[q];
+    hk_rod_batch *b = &r->batch[q];
     r->path->gather(&r->rows, b, t->view->x);
     bool found = !b->framed || find_angles(r, t->view, b);
     r->sums[q] = !found ? NAN : b->framed ? r->path->forces(&r->rows, b) : r->path->plain(&r->rows, b);
@@ -240,19 +241,31 @@ static void keep_lane(hk_rods *r, const hk_view *view, const hk_rod_batch *b, si
   }
 }
 
+/* Whether the last evaluation was here. */
+static bool known(const hk_rods *r, const hk_view *view, const hk_rod_batch *b) {
+  if (!b->found || b->turn != r->turn || r->spins.count) return false;
+  size_t begin = (b->first + b->number) * LANES, end = begin + (b->edges + 1) * LANES;
+  for (size_t at = begin; at < end; at++)
+    for (size_t c = 0; c < 3; c++)
+      if (r->rows.x[c][at] != view->x[3 * (size_t)r->rows.node[at] + c]) return false;
+  return true;
+}
+
 static void keep_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
   hk_rods *r = t->rods;
   (void)chunk;
   for (size_t q = first; q < end; q++) {
-    const hk_rod_batch *b = &r->batch[q];
-    r->path->gather(&r->rows, b, t->view->x);
+    hk_rod_batch *b = &r->batch[q];
+    bool here = b->framed && known(r, t->view, b);
+    if (!here) r->path->gather(&r->rows, b, t->view->x);
     r->sums[q] = r->path->sound(&r->rows, b) ? 0 : 1;
     if (!b->framed || r->sums[q] != 0) continue;
-    if (!find_angles(r, t->view, b))
+    if (!here && !find_angles(r, t->view, b))
       r->sums[q] = NAN;
     else
       for (size_t lane = 0; lane < LANES; lane++) keep_lane(r, t->view, b, lane);
+    b->found = false; /* the next angles are found from these */
   }
 }
 
