@@ -29,7 +29,7 @@ return validation.problem {
     scene:force("gravity", { g = { 0, 0, -g } })
     scene:force("drag", { rate = 5 })
     local s = validation.rest(scene, 1, 1e-12, 60):state()
-    local pull = 0
+    local pull = density * g / (2 * n) -- the weight of the upper row itself
     for i = 1, n + 1 do pull = pull - s:force("springs", top[i])[3] end
     return { -1 - s:position(sheet:at(1, n + 1))[3], pull }
   end,
