@@ -4,11 +4,12 @@
 local database = {}
 database.__index = database
 
--- Errors of files: a text with the exit code of hooke for them.
+-- Errors of files: a text with the exit code of hooke for them; that memory is short is no fault of a file.
 local failure = { __tostring = function(e) return e.text end }
 
 function database.fail(text, ...)
-  error(setmetatable({ text = text:format(...), code = 4 }, failure), 0)
+  local message = text:format(...)
+  error(setmetatable({ text = message, code = message:find("out of memory", 1, true) and 1 or 4 }, failure), 0)
 end
 
 local driver
