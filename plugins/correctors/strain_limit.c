@@ -42,7 +42,7 @@ static const hk_param params[] = {
      "given|outwards|sorted"},
     {"sweeps", "", "at most in a step; fewer where no edge is left beyond its limit", HK_INTEGER, {1000}, 1, 1e9,
      offsetof(strain_limit, sweeps), 0, NULL},
-    {"tolerance", "", "part of its limit by which an edge may be beyond it without a correction", HK_NUMBER, {1e-6}, 0, 1,
+    {"tolerance", "", "part of its limit by which an edge may be beyond it without a correction", HK_NUMBER, {1e-7}, 0, 1,
      offsetof(strain_limit, tolerance), 0, NULL},
     {"velocity", "", "corrected with the positions, by impulses along the edges that leave no speed beyond a limit; or "
      "kept as it is, as in the paper", HK_CHOICE, {0}, 0, 0, offsetof(strain_limit, velocity), 0, "corrected|kept"},
