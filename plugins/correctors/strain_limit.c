@@ -6,8 +6,8 @@
  *
  * In the paper velocities stay as they are: a spring that is pulled on at its limit then gains speed that shows as soon
  * as the pull ends. By default they are those of an inelastic rope instead, by impulses along the springs that keep
- * momentum and, where the sweeps come to an end, angular momentum; as the step goes to zero the run then converges to
- * springs that cannot be drawn out further than their limit. Without an end, as between pins that are too far apart,
+ * momentum and angular momentum; as the step goes to zero the run then converges to springs that cannot be drawn out
+ * further than their limit. Where sweeps come to no end and would gain energy, as between pins that are too far apart,
  * and from the pins outwards, impulses take what leads beyond the limits, and no more. */
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
@@ -42,7 +42,7 @@ static const hk_param params[] = {
      "given|outwards|sorted"},
     {"sweeps", "", "at most in a step; fewer where no edge is left beyond its limit", HK_INTEGER, {1000}, 1, 1e9,
      offsetof(strain_limit, sweeps), 0, NULL},
-    {"tolerance", "", "part of its limit by which an edge may be beyond it without a correction", HK_NUMBER, {1e-6}, 0, 1,
+    {"tolerance", "", "part of its limit by which an edge may be beyond it without a correction", HK_NUMBER, {1e-7}, 0, 1,
      offsetof(strain_limit, tolerance), 0, NULL},
     {"velocity", "", "corrected with the positions, by impulses along the edges that leave no speed beyond a limit; or "
      "kept as it is, as in the paper", HK_CHOICE, {0}, 0, 0, offsetof(strain_limit, velocity), 0, "corrected|kept"},

@@ -58,6 +58,7 @@ typedef struct hk_strain_limits {
   double *excess;     /* count, for HK_STRAIN_SORTED */
   uint32_t *list;     /* count, scratch */
   /* strain_velocity.c: velocities from before the sweeps, of the particles that have been touched */
+  double gain; /* J, of the moves with the velocities */
   size_t remembered;
   uint32_t *touched;   /* n */
   double (*before)[3]; /* n */

@@ -42,29 +42,28 @@ static void shift(const end *e, double *vector, double amount, double inverse_ma
   hk_add_scaled(vector + e->at, amount * inverse_mass, e->along);
 }
 
-/* By an impulse along the edge; false: it does not lead beyond the limit. */
-static bool stop(const end *i, const end *j, const hk_strain_state *state, const double n[3], const double w[2],
-                 bool outwards) {
+/* By an impulse along the edge, which takes an energy, J; 0: it does not lead beyond the limit. */
+static double stop(const end *i, const end *j, const hk_strain_state *state, const double n[3], const double w[2],
+                   bool outwards) {
   double u[3], sum = i->w + j->w;
   hk_subtract(u, state->v + j->at, state->v + i->at);
   double speed = hk_dot(u, n);
-  if (!(outwards ? speed > 0 : speed < 0) || !(sum > 0)) return false;
+  if (!(outwards ? speed > 0 : speed < 0) || !(sum > 0)) return 0;
   shift(i, state->v, speed / sum, w[0]);
   shift(j, state->v, -speed / sum, w[1]);
-  return true;
+  return speed * speed / sum / 2;
 }
 
-/* Makes what is across the edge `ratio` times as fast. Where an end slides, its pin takes up angular momentum. */
-static void spin(const end *i, const end *j, const hk_strain_state *state, const double n[3], double ratio) {
+/* Makes what is across the edge `ratio` times as fast, which gives an energy, J. Where an end slides, its pin takes up
+ * angular momentum. */
+static double spin(const end *i, const end *j, const hk_strain_state *state, const double n[3], double ratio) {
   double u[3], sum = i->w + j->w;
-  if (i->slides || j->slides) return;
+  if (i->slides || j->slides) return 0;
   hk_subtract(u, state->v + j->at, state->v + i->at);
-  double speed = hk_dot(u, n);
-  for (int c = 0; c < 3; c++) {
-    double across = (u[c] - speed * n[c]) * (ratio - 1);
-    state->v[i->at + c] -= i->w / sum * across;
-    state->v[j->at + c] += j->w / sum * across;
-  }
+  hk_add_scaled(u, -hk_dot(u, n), n);
+  hk_add_scaled(state->v + i->at, -i->w / sum * (ratio - 1), u);
+  hk_add_scaled(state->v + j->at, j->w / sum * (ratio - 1), u);
+  return hk_dot(u, u) * (ratio * ratio - 1) / sum / 2;
 }
 
 /* Of the two ends the one that is nearer to a pin stays, where that is the order. */
@@ -93,8 +92,8 @@ bool hk_strain_move(hk_strain_limits *s, size_t edge, const hk_strain_state *sta
   if (!(sum > 0)) return false;
   if (state->v) {
     for (int q = 0; q < 2; q++) remember(s, pair[q], state->v);
-    stop(&i, &j, state, n, w, l > limit);
-    spin(&i, &j, state, n, l / limit);
+    s->gain -= stop(&i, &j, state, n, w, l > limit);
+    s->gain += spin(&i, &j, state, n, l / limit);
   }
   shift(&i, state->x, (l - limit) / sum, w[0]);
   shift(&j, state->x, (limit - l) / sum, w[1]);
@@ -109,5 +108,5 @@ bool hk_strain_stop(const hk_strain_limits *s, size_t edge, const hk_strain_stat
   if (!(l > 0) || !(longest || l <= limit[0] * (1 + s->slack))) return false;
   for (int c = 0; c < 3; c++) n[c] /= l;
   const end i = end_of(s, pair[0], n, w[0]), j = end_of(s, pair[1], n, w[1]);
-  return stop(&i, &j, state, n, w, longest);
+  return stop(&i, &j, state, n, w, longest) > 0;
 }

@@ -1,62 +1,17 @@
 /* Screening: which blocks of edges have one beyond its limits, by squared lengths, without roots. Edges are sorted into
  * runs (i+t, j+t), of which grids consist and whose coordinates are contiguous once x, y and z are apart; a run is
  * compared with the narrowest limits of its edges. The others are looked at one by one. */
+#include "plugins/common/strain/run_screen.h"
 #include "plugins/common/strain/strain_limits.h"
 
 #include <string.h>
 
-#define LOAD(type, p) (*(const type *)(p))
-
 enum { GRAIN = 4096, BLOCKS = 16 };
-
-typedef struct coordinates {
-  const double *x[2], *y[2], *z[2]; /* of the first particle of both ends */
-} coordinates;
-
-/* The loop over a run with vectors of `lanes` doubles: any length^2 outside of [low, high]? */
-#define SCREEN(vector, mask, lanes)                                                                                    \
-  mask any = {0};                                                                                                      \
-  const vector zero = {0}, lowest = zero + low, highest = zero + high;                                                 \
-  size_t k = 0;                                                                                                        \
-  for (; k + (lanes) <= count; k += (lanes)) {                                                                         \
-    vector dx = LOAD(vector, c->x[1] + k) - LOAD(vector, c->x[0] + k);                                                 \
-    vector dy = LOAD(vector, c->y[1] + k) - LOAD(vector, c->y[0] + k);                                                 \
-    vector dz = LOAD(vector, c->z[1] + k) - LOAD(vector, c->z[0] + k), l2 = dx * dx + dy * dy + dz * dz;               \
-    any |= (mask)(l2 > highest) | (mask)(l2 < lowest);                                                                 \
-  }                                                                                                                    \
-  int64_t found = 0;                                                                                                   \
-  for (int lane = 0; lane < (lanes); lane++) found |= any[lane];                                                       \
-  for (; k < count; k++) {                                                                                             \
-    double dx = c->x[1][k] - c->x[0][k], dy = c->y[1][k] - c->y[0][k], dz = c->z[1][k] - c->z[0][k];                   \
-    double l2 = dx * dx + dy * dy + dz * dz;                                                                           \
-    found |= l2 > high || l2 < low;                                                                                    \
-  }                                                                                                                    \
-  return found
-
-typedef double half __attribute__((vector_size(16), aligned(8), may_alias));
-typedef int64_t half_mask __attribute__((vector_size(16), aligned(8), may_alias));
-
-static bool screen_narrow(const coordinates *c, size_t count, double low, double high) { SCREEN(half, half_mask, 2); }
-
-typedef bool screener(const coordinates *, size_t count, double low, double high);
-
-#if defined(__x86_64__)
-typedef double wide __attribute__((vector_size(32), aligned(8), may_alias));
-typedef int64_t wide_mask __attribute__((vector_size(32), aligned(8), may_alias));
-
-__attribute__((target("avx2"))) static bool screen_wide(const coordinates *c, size_t count, double low, double high) {
-  SCREEN(wide, wide_mask, 4);
-}
-
-static screener *fastest(void) { return __builtin_cpu_supports("avx2") ? screen_wide : screen_narrow; }
-#else
-static screener *fastest(void) { return screen_narrow; }
-#endif
 
 typedef struct task {
   hk_strain_limits *limits;
   const double *x;
-  screener *screen;
+  hk_run_screen *screen;
 } task;
 
 static void split(void *context, size_t begin, size_t end, size_t chunk) {
@@ -73,7 +28,7 @@ static void split(void *context, size_t begin, size_t end, size_t chunk) {
 
 static bool run_beyond(const task *t, const hk_strain_block *b) {
   const hk_strain_limits *s = t->limits;
-  coordinates c;
+  hk_run_ends c;
   for (int end = 0; end < 2; end++) {
     c.x[end] = s->apart + s->looked_at[b->begin][end];
     c.y[end] = c.x[end] + s->n;
@@ -103,7 +58,7 @@ static void screen_blocks(void *context, size_t begin, size_t end, size_t chunk)
 }
 
 bool hk_strain_screen(hk_strain_limits *s, const hk_host *host, const double *x) {
-  task t = {s, x, fastest()};
+  task t = {s, x, hk_run_screen_fastest()};
   bool any = false;
   double l;
   if (s->runs) host->parallel_for(host, s->n, GRAIN, split, &t);

@@ -66,8 +66,8 @@ static void look_at_the_rest(hk_strain_limits *s, const double *x, hk_strain_res
   }
 }
 
-/* Velocities follow the moves where these keep momentum and come to an end: what is moved to and fro for ever, between
- * pins that are too far apart, would gain speed for ever. */
+/* Velocities follow the moves where these keep momentum. What is moved to and fro for ever, between pins that are too
+ * far apart, would gain speed for ever: where sweeps come to no end, they do so only if no energy was gained. */
 hk_strain_result hk_strain_sweep(hk_strain_limits *s, const hk_strain_state *state, size_t most) {
   hk_strain_result r = {0};
   hk_strain_state moving = *state;
@@ -79,7 +79,7 @@ hk_strain_result hk_strain_sweep(hk_strain_limits *s, const hk_strain_state *sta
     s->next = emptied;
   }
   look_at_the_rest(s, state->x, &r);
-  if (state->v && (r.left || !moving.v)) hk_strain_stop_moved(s, state);
+  if (state->v && ((r.left && s->gain > 0) || !moving.v)) hk_strain_stop_moved(s, state);
   hk_strain_forget(s);
   return r;
 }

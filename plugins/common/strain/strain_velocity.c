@@ -13,6 +13,7 @@ void hk_strain_forget(hk_strain_limits *s) {
   size_t from = 0;
   uint32_t rank;
   while (hk_marks_take(&s->moved, &from, &rank)) continue;
+  s->gain = 0;
   for (; s->remembered > 0; s->remembered--) s->is_touched[s->touched[s->remembered - 1]] = false;
 }
 

@@ -159,6 +159,7 @@ static void compare_with_plain_sweeps(bench *b) {
   limit(b, 0.1, "given");
   test_text(&b->e, b->spec, "velocity", "kept");
   test_number(&b->e, b->spec, "sweeps", SWEEPS);
+  b->e.scene->threads = 2;
   test_run(&b->e);
   shake(b, 0.08);
   memcpy(start, b->x, sizeof start);
