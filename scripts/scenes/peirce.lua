@@ -23,10 +23,10 @@ local function ribbon(part, place)
   end)
 end
 
-for k, part in ipairs { 0.4, 0.7, 1, 1.3, 1.6 } do ribbon(part, 0.015 * k) end
+for k, part in ipairs { 0.4, 0.7, 1, 1.3, 1.6 } do ribbon(part, 0.022 * k) end
 scene:force("hinges", { rigidity = B, damping = 0.02 * B })
 scene:force("drag", { rate = 20 })
 scene:force("gravity", { g = { 0, 0, -g } })
 
-scene:output("frames", { width = 1280, height = 720, camera = { 0.17, -0.13, 0.02 }, target = { 0.04, 0.045, -0.04 } })
+scene:output("frames", { width = 1280, height = 720, camera = { 0.25, -0.07, 0.02 }, target = { 0.02, 0.066, -0.042 } })
 return scene

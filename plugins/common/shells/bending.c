@@ -1,9 +1,9 @@
 /* The stiffness of a hinge follows from the bending rigidity B of the surface, so that refinement changes nothing. The
  * energy is E = sum over hinges of 1/2 k C^2, with C the angle, or, for small angles, the jump of slope, and
- *     k = B [2/3 |e|^2/(A1 + A2) + 1/3 (cot a1 + cot a2)],
- * e the edge, A1, A2 the areas of the two triangles and a1, a2 their angles opposite to e, all at rest; k > 0 for any
- * triangles. A plate has 1/2 B [(tr h)^2 - 2 (1 - nu) det h] per area, h the matrix of second derivatives of its
- * deflection. Hinges on regular meshes can be that for nu = -1/3, and with these weights are, exactly, on two of them.
+ *     1/k = 1/2 (1/k_1 + 1/k_2),  k_t = B (sum of the squares of the sides)/(6 area) = 2/3 B (cot a + cot b + cot c)
+ * of the two triangles, by their angles at rest. A plate has 1/2 B [(tr h)^2 - 2 (1 - nu) det h] per area, h the matrix
+ * of second derivatives of its deflection. Hinges on regular meshes can be that for nu = -1/3, and with these numbers
+ * are, exactly, on two of them.
  *
  * Equilateral triangles: k = 2/sqrt(3) B (Seung and Nelson, Phys. Rev. A 38 (1988), who have bending rigidity sqrt(3)/2
  * k and Gaussian rigidity -4/3 of that).
@@ -11,8 +11,9 @@
  * Squares of alternating diagonals: all k = 4/3 B. Corners at which four triangles meet are free to move by
  * z = q a^2/4, those of eight by -q a^2/4, a the side. Angles across sides are then a (h_xx - q), a (h_yy - q), those
  * across diagonals sqrt(2) a (q +- h_xy): per area 1/2 B 4/3 [(h_xx - q)^2 + (h_yy - q)^2 + 2 h_xy^2 + 2 q^2], least
- * for q = tr h/4. Without the second part of k these squares would resist by 5/6 B across sides and 4/3 B across
- * diagonals. Cells a tenth longer than wide resist by 14 % more along their length.
+ * for q = tr h/4. With k = B |e|^2/(A1 + A2), e the edge and A1, A2 the areas, which is the same on equilateral
+ * triangles, these squares would resist by 5/6 B across sides and 4/3 B across diagonals. Cells a tenth longer than
+ * wide resist by 14 % more along their length.
  *
  * Others: squares of one diagonal each are no plate, 1/2 B 4/3 [(h_xx + h_xy)^2 + (h_yy + h_xy)^2 + 2 h_xy^2] with
  * diagonals along x = y, so they resist by 2/3 B to 10/3 B. Irregular meshes come near B the more even they are.
@@ -68,20 +69,17 @@ static hk_status find(hk_bending *b, const hk_view *view, const hk_bending_param
   return status;
 }
 
-/* The cotangent of the angle opposite to the edge, in triangle m. */
-static double cotangent(const hk_hinge_shape *s, int m) {
-  double height = 2 * s->area[m] / s->length, before = s->foot[m] * s->length, behind = s->length - before;
-  return (height * height - before * behind) / (2 * s->area[m]);
-}
-
-static double weight_of(const hk_hinge_shape *s) {
-  return 2.0 / 3 * s->length * s->length / (s->area[0] + s->area[1]) + (cotangent(s, 0) + cotangent(s, 1)) / 3;
+/* k/B of triangle t alone. */
+static double stiffness_of(const hk_hinge_shape *s, int t) {
+  double height = 2 * s->area[t] / s->length, before = s->foot[t] * s->length, behind = s->length - before;
+  double sides = s->length * s->length + 2 * height * height + before * before + behind * behind;
+  return sides / (6 * s->area[t]);
 }
 
 /* The numbers of hinge k, whose members are still indices; false: a triangle has no area. */
 static bool measure(hk_bending *b, const hk_view *view, const hk_bending_params *given, size_t k) {
   hk_hinge_shape s = b->shape[k] = hk_hinge_shape_of(view->x, b->id[k]);
-  double least = fmin(s.area[0], s.area[1]), factor = weight_of(&s);
+  double least = fmin(s.area[0], s.area[1]), factor = 2 / (1 / stiffness_of(&s, 0) + 1 / stiffness_of(&s, 1));
   b->stiffness[k] = hk_tuple_value(&given->rigidity, k) * factor;
   b->damping[k] = given->damping.count ? hk_tuple_value(&given->damping, k) * factor : 0;
   return least > FLAT * s.length * s.length / 2;

@@ -31,9 +31,9 @@ static hk_plugin_spec *open_hinge(test_engine *e, double l, double p, double q, 
  * moment/p. */
 static void a_hinge_by_hand(void **state) {
   (void)state;
-  const double l = 2, p = 0.5, q = 1.5, B = 3,
-               cotangents = (p * p - 0.21 * l * l) / (l * p) + (q * q - 0.24 * l * l) / (l * q);
-  const double k = B * (2.0 / 3 * l / ((p + q) / 2) + cotangents / 3);
+  const double l = 2, p = 0.5, q = 1.5, B = 3;
+  const double k_c = (l * l * (1 + 0.09 + 0.49) + 2 * p * p) / (3 * l * p),
+               k_d = (l * l * (1 + 0.36 + 0.16) + 2 * q * q) / (3 * l * q), k = 2 * B / (1 / k_c + 1 / k_d);
   for (double angle = -3; angle < 3.1; angle += 0.5) {
     test_engine e;
     double F[12];
@@ -77,7 +77,7 @@ static void angles_go_on_through_pi(void **state) {
   test_run(&e);
   hk_instance *hinge = test_instance(&e, spec);
   hk_view view = force_view(&e, hinge);
-  double x[12], k = 2.0 / 3 * 2 + ((1 - 0.84) + (1 - 0.96)) / 2 / 3; /* p = q = 1, l = 2 */
+  double x[12], k = 2 / (6 / (4 * 1.58 + 2) + 6 / (4 * 1.52 + 2)); /* as above, p = q = 1, l = 2 */
   memcpy(x, view.x, sizeof x);
   view.x = x;
   for (int n = 1; n <= 120; n++) {
@@ -209,7 +209,7 @@ static void irregular_meshes_come_near(void **state) {
     least = fmin(least, e / (small * small)), most = fmax(most, e / (small * small));
   }
   print_message("cylinders laid on an irregular mesh: %.3f to %.3f of B kappa^2/2\n", least, most);
-  assert_true(least > 1 && most < 1.5);
+  assert_true(least > 1.2 && most < 1.55); /* measured: 1.28 to 1.47 */
 }
 
 /* ---- What cannot be bent ------------------------------------------------------------------------------------------
@@ -262,8 +262,43 @@ static void a_triangle_without_area_has_no_force(void **state) {
     for (int c = 0; c < 144; c++) assert_true(K[c] == 0);
     assert_int_equal(hinge->plugin->force->accepted(hinge->self, &at, 1e-3), HK_OK);
   }
-  assert_true(fabs(hinge->plugin->force->energy(hinge->self, &view) - 0.125 * (4.0 / 3 + 0.1 / 3)) < 1e-14);
+  assert_true(fabs(hinge->plugin->force->energy(hinge->self, &view) -
+                   0.25 / (6 / (4 * 1.58 + 2) + 6 / (4 * 1.52 + 2))) < 1e-14);
   test_engine_close(&e);
+}
+
+/* ---- Methods that work element by element ------------------------------------------------------------------------ */
+
+/* A crumpled sheet without springs falls for a while from rest. */
+static void fall(const char *method, double tolerance, double *x) {
+  test_engine e;
+  sheet s;
+  test_number(&e, open_crumpled(&e, &s), "damping", 0);
+  memset(e.scene->velocity, 0, 3 * s.particles * sizeof(double));
+  test_pin(&e, HK_PIN_FIXED, 1, NULL), test_pin(&e, HK_PIN_FIXED, 2, NULL), test_pin(&e, HK_PIN_FIXED, 6, NULL);
+  test_plugin(&e, HK_FORCE, "gravity");
+  hk_plugin_spec *integrator = test_plugin(&e, HK_INTEGRATOR, method);
+  if (tolerance > 0) {
+    test_number(&e, integrator, "iterations", 2000);
+    test_number(&e, integrator, "tolerance", tolerance);
+  }
+  e.scene->duration = 0.1;
+  test_run(&e);
+  test_advance(&e, 0.1);
+  for (uint32_t i = 0; i < s.particles; i++) memcpy(x + 3 * i, test_position(&e, i + 1), 3 * sizeof *x);
+  sheet_free(&s);
+  test_engine_close(&e);
+}
+
+/* local_global, iterated to the end, is backward Euler: it has force, gradient and weight of every hinge from the
+ * elements. Both end their iterations at 1e-10 of what a step moves, and a hundred steps make ten times that or so. */
+static void elements_are_the_force(void **state) {
+  (void)state;
+  double x[48], y[48], off = 0;
+  fall("backward_euler", 0, x);
+  fall("local_global", 1e-10, y);
+  for (int k = 0; k < 48; k++) off = fmax(off, fabs(x[k] - y[k]));
+  assert_true(off < 1e-8); /* of 5 cm and more */
 }
 
 /* ---- Deaths, memory ------------------------------------------------------------------------------------------------
@@ -328,6 +363,7 @@ int main(void) {
       cmocka_unit_test(irregular_meshes_come_near),
       cmocka_unit_test(what_cannot_bend_is_named),
       cmocka_unit_test(a_triangle_without_area_has_no_force),
+      cmocka_unit_test(elements_are_the_force),
       cmocka_unit_test(hinges_follow_deaths),
       cmocka_unit_test(no_memory_is_an_error),
   };
