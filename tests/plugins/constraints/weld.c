@@ -100,7 +100,7 @@ static void an_offset_is_reached_by_the_masses(void **state) {
   test_write("scene.lua", "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.1 }\n"
                           "local a = scene:particle { position = { 0, 0, 0 }, velocity = { 1, 0, 0 }, mass = 1 }\n"
                           "local b = scene:particle { position = { 1, 2, 0 }, velocity = { 0, 1, 0 }, mass = 3 }\n"
-                          "scene:constraint('weld', { edges = { { a, b } }, offset = { 0, 0, 0.4 } })\n"
+                          "scene:constraint('weld', { edges = { { a, b } }, dx = 0, dy = { 0 }, dz = 0.4 })\n"
                           "for c = 1, 3 do scene:measure('x' .. c, function(s) return s:position(a)[c] end) end\n"
                           "for c = 1, 3 do scene:measure('v' .. c, function(s) return s:velocity(b)[c] end) end\n"
                           "return scene\n");
@@ -139,7 +139,7 @@ static void contradicting_welds_are_an_error(void **state) {
                "local b = scene:particle { position = { 1, 0, 0 } }\n"
                "local c = scene:particle { position = { 0, 1, 0 } }\n"
                "scene:pin { a, b }\n"
-               "scene:constraint('weld', { edges = { { a, c }, { b, c } }, offset = { 0, 0, 0 } })\n"
+               "scene:constraint('weld', { edges = { { a, c }, { b, c } }, dx = 0, dy = 0, dz = 0 })\n"
                "return scene\n",
                "--quiet", 3, "bad.lua:6: weld");
 }
