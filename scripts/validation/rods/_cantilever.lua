@@ -35,10 +35,11 @@ end
 -- Particle k of the n + 1 of the bending part, from 0.
 function cantilever.at(s, n, k) return s:at(#s:ids() - n + k) end
 
--- At rest under its forces: steps of backward Euler much longer than any period are Newton's iteration, with the mass as
--- its caution. load(scene, s, tip) adds the forces. Returns the state and the strand.
+-- At rest under its forces: steps of backward Euler as long as half the first period damp all there is within some twenty;
+-- with much longer ones it hangs on rounding whether Newton's iteration comes through from a straight start. load(scene,
+-- s, tip) adds the forces. Returns the state and the strand.
 function cantilever.equilibrium(n, force, load, options)
-  local h, most = 10, 60
+  local h, most = options and options.dt or 1, 100
   local all = { dt = h, duration = most * h, integrator = { "backward_euler", tolerance = 1e-11 } }
   for key, value in pairs(options or {}) do all[key] = value end
   local scene, s = cantilever.rod(n, force, all)
@@ -127,7 +128,7 @@ function cantilever.buckling(p, name, critical, source, press)
         end
         press(scene, n, tip, x[k])
         scene:force("gravity", { g = { 0, side * n, 0 }, only = { pushed }, label = "side" })
-      end, { clamped = not pinned })
+      end, { clamped = not pinned, dt = 10 }) -- near its critical load a rod is soft and slow, and bends little here
       y[k] = 1 / state:position(pushed)[2]
     end
     return cantilever.zero_of_parabola(x, y)
