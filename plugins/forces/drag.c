@@ -143,13 +143,28 @@ static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   }
 }
 
-static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  for (size_t k = 0; k < view->acting; k++) {
-    double *D = into->D + 9 * into->slot[k], d = coefficient(self, view, view->active ? view->active[k] : k);
+typedef struct damping {
+  const void *self;
+  const hk_view *view;
+  const hk_blocks *into;
+} damping;
+
+static void add_damping(void *context, size_t begin, size_t end, size_t chunk) {
+  const damping *t = context;
+  const uint32_t *active = t->view->active;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    double *D = t->into->D + 9 * t->into->slot[k], d = coefficient(t->self, t->view, active ? active[k] : k);
     D[0] += d;
     D[4] += d;
     D[8] += d;
   }
+}
+
+/* Every particle has a block of its own. */
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  damping t = {self, view, into};
+  view->host->parallel_for(view->host, view->acting, GRAIN, add_damping, &t);
   return HK_OK;
 }
 
