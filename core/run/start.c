@@ -56,7 +56,9 @@ static hk_status keep_constraints(hk_run *run) {
   double *before = malloc((6 * n + 1) * sizeof *before);
   if (!before) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the start");
   memcpy(before, s->X, 6 * n * sizeof *before);
-  hk_status status = hk_constraints_project(&run->dynamics, s->t, s->X, s->X + 3 * n);
+  /* Equations that follow from others are known before, so that lengths rounded to some digits do not contradict. */
+  hk_status status = hk_constraints_review(&run->dynamics);
+  if (status == HK_OK) status = hk_constraints_project(&run->dynamics, s->t, s->X, s->X + 3 * n);
   if (status == HK_OK && n > 0) say_changes(run, before, s->X);
   free(before);
   return status;
