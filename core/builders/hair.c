@@ -14,6 +14,7 @@
 static const double pi = 3.14159265358979323846;
 /* Instructions of a script that take as long, about: 10,000 strands of 32 particles are 0.1 s. */
 enum { ROOT_COST = 1000, PARTICLE_COST = 30 };
+enum { MOST = 20000000 }; /* particles; a script's memory is full before */
 
 /* ---- the surface ---- */
 
@@ -38,7 +39,7 @@ static void read_patch(lua_State *L, int on, hk_skin *skin) {
   hk_lua_field_vector(L, on, "hair: on", "u", u);
   hk_lua_field_vector(L, on, "hair: on", "v", v);
   for (int k = 0; k < 4; k++)
-    for (int c = 0; c < 3; c++) vertex[k][c] = from[c] + (k % 2) * u[c] + (k / 2) * v[c];
+    for (int c = 0; c < 3; c++) vertex[k][c] = from[c] + (k & 1) * u[c] + (k >> 1) * v[c];
   *skin = (hk_skin){.vertices = 4, .triangles = 2, .vertex = (const double(*)[3])vertex, .triangle = halves};
 }
 
@@ -55,13 +56,14 @@ static double *numbers_of(lua_State *L, int on, const char *key, size_t *count) 
 static void read_surface(lua_State *L, int on, hk_skin *skin) {
   size_t coordinates, corners;
   const double *x = numbers_of(L, on, "vertices", &coordinates), *face = numbers_of(L, on, "faces", &corners);
+  const size_t vertices = coordinates / 3;
   uint32_t(*triangle)[3] = lua_newuserdatauv(L, (corners + 1) * sizeof **triangle, 0);
   for (size_t k = 0; k < corners; k++) {
-    if (!(face[k] >= 1 && face[k] <= (double)(coordinates / 3) && floor(face[k]) == face[k]))
+    if (!(face[k] >= 1 && face[k] <= (double)vertices && floor(face[k]) == face[k]))
       hk_lua_fail(L, HK_BAD_PARAM, "hair: on: faces[%d]: there is no vertex %.15g", (int)k + 1, face[k]);
     triangle[k / 3][k % 3] = (uint32_t)face[k] - 1;
   }
-  *skin = (hk_skin){.vertices = coordinates / 3,
+  *skin = (hk_skin){.vertices = vertices,
                     .triangles = corners / 3,
                     .vertex = (const double(*)[3])(const void *)x,
                     .triangle = (const uint32_t(*)[3])triangle};
@@ -172,6 +174,9 @@ static void read(lua_State *L, const hk_scene *scene, hair *h) {
   h->wall = hk_lua_flag(L, 2, "hair", "clamped", true);
   h->n = hk_lua_count(L, 2, "hair", "n", h->wall ? 3 : 2);
   h->strands = hk_lua_count(L, 2, "hair", "strands", 1);
+  if ((double)h->n * h->strands > MOST)
+    hk_lua_fail(L, HK_BAD_PARAM, "hair: %d strands of %d particles are too many: at most %d particles", (int)h->strands,
+                (int)h->n, MOST);
   h->length = hk_lua_above_zero(L, 2, "hair", "length", 1);
   h->spread = below(L, "spread", pi);
   h->vary_length = below(L, "vary_length", 0.99);

@@ -253,23 +253,27 @@ static hk_status accelerate(hk_dynamics *d, double t, const double *x, const dou
   return HK_OK;
 }
 
-/* Distributes the computing time among the constraints by their share of the equations. */
-static void account(hk_dynamics *d, double seconds) {
+bool hk_constraint_sampled(const hk_dynamics *d) {
+  return d->plugins->kind[HK_CONSTRAINT].item[0]->calls % SAMPLE == 0;
+}
+
+void hk_constraint_account(hk_dynamics *d, double begin, bool whole) {
+  const hk_constraints *c = d->constraints;
+  double seconds = hk_constraint_sampled(d) ? hk_clock() - begin : 0;
+  bool sampled = whole && hk_constraint_sampled(d);
   for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) {
-    const hk_constraints *c = d->constraints;
     hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
     instance->seconds += seconds * (double)(c->equation_first[k + 1] - c->equation_first[k]) / (double)c->equations;
-    instance->sampled++;
+    instance->sampled += sampled;
+    instance->calls += whole;
   }
 }
 
 hk_status hk_constraints_accelerate(hk_dynamics *d, double t, const double *x, const double *v, double *a,
                                     double *power) {
   if (d->constraints->equations == 0) return HK_OK;
-  bool sample = d->plugins->kind[HK_CONSTRAINT].item[0]->calls % SAMPLE == 0;
-  double begin = sample ? hk_clock() : 0;
+  double begin = hk_constraint_sampled(d) ? hk_clock() : 0;
   hk_status status = accelerate(d, t, x, v, a, power);
-  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count; k++) d->plugins->kind[HK_CONSTRAINT].item[k]->calls++;
-  if (sample) account(d, hk_clock() - begin);
+  hk_constraint_account(d, begin, true);
   return status;
 }

@@ -6,7 +6,7 @@
  * Methods that keep g = 0 and J v + g_t = 0 in their own steps ask for SHAKE's correction of positions,
  *     x += W J^T L,  J at the start of the step, with g(x, t) = 0 at its end,
  * by Newton's iteration with the matrix J W J^T of the start, whose error falls by a factor of the order of h a round
- * (where it does not, as in a light chain that a heavy weight straightens, with J of the last round on the left),
+ * (where it does not, as where bars turn by half a radian in a step, with J of the last round on the left),
  * and for RATTLE's correction of velocities,
  *     v += W J^T M,  J at x, with J v + g_t = 0,
  * one linear solution. With half a kick before and after they make a symplectic and reversible map, because impulses
@@ -326,9 +326,8 @@ void hk_constraints_forget(hk_dynamics *d) {
   if (d->constraints) d->constraints->kept = false;
 }
 
-hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, double h, double *x, double *v,
-                                        double *work) {
-  hk_dynamics *d = (hk_dynamics *)(void *)s;
+static hk_status hold_positions(hk_dynamics *d, double t, double *from, double h, double *x, double *v, double *work) {
+  const hk_system *s = &d->system;
   hk_constraints *c = d->constraints;
   double last = INFINITY, left = 0, size = hk_constraint_extent(c, x), done = 0;
   size_t worst = 0;
@@ -354,8 +353,16 @@ hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, do
   return status == HK_OK ? gave_up(d, worst, true, c->g[worst]) : status;
 }
 
-hk_status hk_constraints_hold_velocities(hk_system *s, double t, double *x, double h, double *v, double *work) {
+hk_status hk_constraints_hold_positions(hk_system *s, double t, double *from, double h, double *x, double *v,
+                                        double *work) {
   hk_dynamics *d = (hk_dynamics *)(void *)s;
+  double start = hk_constraint_sampled(d) ? hk_clock() : 0;
+  hk_status status = hold_positions(d, t, from, h, x, v, work);
+  hk_constraint_account(d, start, false);
+  return status;
+}
+
+static hk_status hold_velocities(hk_dynamics *d, double t, double *x, double h, double *v, double *work) {
   hk_constraints *c = d->constraints;
   hk_status status = begin(d, t, x, v);
   if (status != HK_OK) return status;
@@ -366,4 +373,12 @@ hk_status hk_constraints_hold_velocities(hk_system *s, double t, double *x, doub
   *work += hk_constraint_power(d, v);
   for (size_t k = 0; k < c->equations; k++) c->lambda[k] = 2 / h * c->solution[k];
   return HK_OK;
+}
+
+hk_status hk_constraints_hold_velocities(hk_system *s, double t, double *x, double h, double *v, double *work) {
+  hk_dynamics *d = (hk_dynamics *)(void *)s;
+  double start = hk_constraint_sampled(d) ? hk_clock() : 0;
+  hk_status status = hold_velocities(d, t, x, h, v, work);
+  hk_constraint_account(d, start, true);
+  return status;
 }

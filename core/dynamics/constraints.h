@@ -84,6 +84,11 @@ void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t
 hk_status hk_constraint_look(hk_dynamics *, double t, const double *x, const double *v);
 
 hk_status hk_constraints_tangent(hk_system *, double *vector); /* see hk_system */
+/* Computing time is measured at some evaluations or steps: whether at this one. */
+bool hk_constraint_sampled(const hk_dynamics *);
+/* Distributes the time since `begin`, of the sampled ones, among the constraints by their share of the equations;
+ * `whole`: with that the evaluation or step is complete. */
+void hk_constraint_account(hk_dynamics *, double begin, bool whole);
 
 /* ---- constraint_matrix.c ---- */
 

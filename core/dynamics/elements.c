@@ -112,6 +112,8 @@ hk_status hk_elements_refresh(hk_dynamics *d) {
     const hk_instance *outer = hk_enter(force);
     force->plugin->force->elements(force->self, &d->force_view[k], d->offered);
     hk_leave(force, outer);
+    d->force_info[k].elements = d->offered[0].values > 0;
+    if (!d->force_info[k].elements) continue;
     for (size_t l = 0; l < own && status == HK_OK; l++) status = check_list(d, force->label, &d->offered[l]);
     for (size_t l = 0; l < own; l++)
       d->element_list[lists++] = (hk_element_list){force->label, d->offered[l], k, d->force_acts[k]};

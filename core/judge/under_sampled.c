@@ -55,16 +55,30 @@ static hk_status call_on_the_way(const hk_function *f, const void *caller, const
   return w.of_state->call(w.of_state, caller, all, w.arguments, out, max_out, n_out, error);
 }
 
-static void visit_state_function(search *s, const hk_instance *force, const hk_param *p, subject one, visit *each) {
+/* The indices of the particles that functions of a plugin are called for, *count of them; NULL: the first ones. */
+static const uint32_t *called_for(const hk_instance *plugin, size_t n, size_t *count) {
+  *count = plugin->is_active ? plugin->acting : n;
+  for (const hk_param *p = plugin->plugin->params; p && p->name; p++) {
+    const hk_tuples *list = (const void *)((const char *)plugin->self + p->offset);
+    if (p->type != HK_PARTICLES) continue;
+    *count = list->count;
+    return list->index;
+  }
+  return plugin->active;
+}
+
+/* Functions of a force along the ways of three particles; those of a constraint, which are 0 there, at their places. */
+static void visit_state_function(search *s, const hk_instance *plugin, const hk_param *p, subject one, visit *each) {
   on_the_way at = {.function.call = call_on_the_way, .arguments = hk_function_arguments(p)};
   const hk_state *state = s->loop->state;
-  size_t n = state->model.n, acting = force->is_active ? force->acting : n;
-  at.of_state = *(const hk_function *const *)(const void *)((const char *)force->self + p->offset);
-  at.trajectory = s->trajectory;
+  size_t n = state->model.n, count;
+  const uint32_t *index = called_for(plugin, n, &count);
+  at.of_state = *(const hk_function *const *)(const void *)((const char *)plugin->self + p->offset);
+  at.trajectory = plugin->plugin->kind == HK_FORCE ? s->trajectory : NULL;
   one.function = &at.function;
   one.name = p->name;
-  for (size_t k = 0; at.of_state && k < 3 && k < acting; k++) {
-    size_t position = k * (acting - 1) / 2, i = force->active ? force->active[position] : position;
+  for (size_t k = 0; at.of_state && k < 3 && k < count; k++) {
+    size_t position = k * (count - 1) / 2, i = index ? index[position] : position;
     memcpy(at.x, state->X + 3 * i, sizeof at.x);
     memcpy(at.v, state->X + 3 * (n + i), sizeof at.v);
     at.id = state->id[i];
@@ -86,7 +100,7 @@ static void visit_plugins(search *s, hk_kind kind, visit *each) {
       each(s, &one);
     }
     one.fastest = spec->fastest;
-    for (const hk_param *p = spec->plugin->params; kind == HK_FORCE && p && p->name && one.end > one.begin; p++)
+    for (const hk_param *p = spec->plugin->params; p && p->name && one.end > one.begin; p++)
       if (p->type == HK_FUNCTION) visit_state_function(s, list->item[k], p, one, each);
   }
 }

@@ -8,7 +8,8 @@ enum {                  /* hk_constraint.flags */
        HK_ONE_SIDED = 1 /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */
 };
 
-/* `count` equations whose value is in metres. */
+/* `count` equations whose value is in metres. The force J^T lambda on the particles is towards growing g; scripts read
+ * lambda, in N, so g = L - |d| of a bar gives its tension. */
 typedef struct hk_constraint {
   size_t size;
   unsigned flags;

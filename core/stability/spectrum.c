@@ -131,6 +131,7 @@ static hk_status apply(void *context, const double *in, double *out) {
     double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
     for (size_t c = 3 * i; c < 3 * i + 3; c++) out[c] = f * (s->a[0][c] - s->a[1][c]);
   }
+  if (o->system->equations > 0) s->bounds.evaluations++; /* `tangent` costs as much as one */
   return allow(o->system, out);
 }
 

@@ -5,17 +5,16 @@
  * (sphere: radial; cylinder: radial about the axis; circle: that and the plane; line: two planes through it). Or the
  * script states g, and for a curve h as well, in any unit, with or without their gradients.
  *
- * What the script does not state are central differences of order 4 with the error d^4/30 or d^4/90 of a derivative two
- * or more orders higher, and the rounding eps/d or 5 eps/d^2: first ones over 1e-3 and second ones over 6e-3 of
- * `length`, both right to some 1e-12 and 1e-10 where the function changes over that length. Second derivatives are
- * needed along (1, v) only, d^2 g/dt^2 = (d/dt + v.d/dx)^2 g; what is wrong in them changes the force in the direction
- * of the gradient alone, which the projection after a step takes back.
+ * What the script does not state are differences (plugins/common/implicit). What is wrong in second ones changes the
+ * force along the gradient alone, which the projection after a step takes back. At the start
+ * they are compared with finer ones, and so is a stated gradient.
  *
  * Functions are divided by the length of their gradient at the particle's start, so that equations are in metres there
  * and a multiplier is the force in N towards growing g. A surface has no direction where the gradient vanishes (the
  * middle of a sphere, the tip of a cone): that is an error. Particles that start off the surface are moved onto it, as
  * by all constraints, and hooke says so. To keep particles on one side of a shape is the corrector `obstacle`'s task.
  */
+#include "plugins/common/implicit/script_equation.h"
 #include "plugins/common/space/vector3.h"
 #include "core/plugin.h"
 
@@ -64,76 +63,27 @@ static const hk_field fields[] = {
     {0},
 };
 
-static const double first = 1e-3, second = 6e-3, /* of the length: steps of differences */
-    instant = 1e-4,                              /* s, of differences in time */
-    vanishes = 1e-9;                             /* a gradient, relative to that at the start: far above rounding */
+static const double vanishes = 1e-9, /* a gradient, relative to that at the start: far above rounding */
+    differs = 1e-3;                  /* relative, from finer differences: a wrong formula or length, no rounding */
 
 /* ---- one equation at one place ---- */
 
 typedef struct place {
   const surface *self;
-  const hk_host *host;
   unsigned equation;
-  double t, x[3], id;
+  hk_event at;
 } place;
 
 static place place_of(const surface *s, const hk_view *view, size_t k, unsigned equation) {
   uint32_t i = s->particles.index[k];
   const double *x = view->x + 3 * (size_t)i;
-  return (place){s, s->host, equation, view->t, {x[0], x[1], x[2]}, view->model->id[i]};
+  return (place){s, equation, {view->t, {x[0], x[1], x[2]}, view->model->id[i]}};
 }
 
-static hk_status call(const place *p, const hk_function *f, double *out, size_t count) {
-  const double in[] = {p->t, p->x[0], p->x[1], p->x[2], p->id};
-  return p->host->call(p->host, f, in, 5, out, count);
-}
-
-/* The weights of central differences of order 4 at -2, -1, 1 and 2 steps: of the first derivative, and of the second
- * one, where the middle has -30. Both are divided by 12. */
-static const double at[4] = {-2, -1, 1, 2}, slope[4] = {1, -8, 8, -1}, bend[4] = {-1, 16, 16, -1};
-
-/* The place moved by s in time and by s v. */
-static place moved(const place *p, double in_time, double s, const double v[3]) {
-  place there = *p;
-  there.t += in_time;
-  hk_add_scaled(there.x, s, v);
-  return there;
-}
-
-/* dg/ds at x + s v, t + s `in_time`, by steps of h. */
-static hk_status slope_along(const place *p, double in_time, const double v[3], double h, double *result) {
-  double sum = 0, g = 0;
-  hk_status status = HK_OK;
-  for (int k = 0; k < 4 && status == HK_OK; k++) {
-    place there = moved(p, at[k] * h * in_time, at[k] * h, v);
-    status = call(&there, p->self->g[p->equation], &g, 1);
-    sum += slope[k] * g;
-  }
-  *result = sum / (12 * h);
-  return status;
-}
-
-/* d^2 g/ds^2 at x + s v, t + s, by steps of h. */
-static hk_status bend_along(const place *p, const double v[3], double h, double *result) {
-  double sum, g = 0;
-  hk_status status = call(p, p->self->g[p->equation], &g, 1);
-  sum = -30 * g;
-  for (int k = 0; k < 4 && status == HK_OK; k++) {
-    place there = moved(p, at[k] * h, at[k] * h, v);
-    status = call(&there, p->self->g[p->equation], &g, 1);
-    sum += bend[k] * g;
-  }
-  *result = sum / (12 * h * h);
-  return status;
-}
-
-static hk_status gradient_of_function(const place *p, double n[3]) {
-  static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  const hk_function *stated = p->self->gradient[p->equation];
-  hk_status status = stated ? call(p, stated, n, 3) : HK_OK;
-  for (int c = 0; c < 3 && !stated && status == HK_OK; c++)
-    status = slope_along(p, 0, axes[c], first * p->self->length, &n[c]);
-  return status;
+/* What the script states of the equation; its g is NULL where it is that of a shape. */
+static hk_script_equation script_of(const place *p) {
+  const surface *s = p->self;
+  return (hk_script_equation){s->host, s->g[p->equation], s->gradient[p->equation], s->length};
 }
 
 /* ---- shapes ---- */
@@ -153,7 +103,7 @@ static void across(const surface *s, double u[3]) {
 
 /* |d|, and the direction of d. */
 static double radial(const place *p, double e[3]) {
-  hk_subtract(e, p->x, p->self->position);
+  hk_subtract(e, p->at.x, p->self->position);
   across(p->self, e);
   double r = hk_length(e);
   for (int c = 0; c < 3; c++) e[c] = r > 0 ? e[c] / r : 0;
@@ -164,7 +114,7 @@ static double value_of_shape(const place *p) {
   const double *plane = plane_of(p);
   double d[3];
   if (!plane) return radial(p, d) - p->self->radius;
-  hk_subtract(d, p->x, p->self->position);
+  hk_subtract(d, p->at.x, p->self->position);
   return hk_dot(plane, d);
 }
 
@@ -189,31 +139,34 @@ static double bend_of_shape(const place *p, const double v[3]) {
 /* ---- either of them ---- */
 
 static hk_status value_at(const place *p, double *g) {
-  if (p->self->g[0]) return call(p, p->self->g[p->equation], g, 1);
+  hk_script_equation e = script_of(p);
+  if (e.g) return hk_script_value(&e, &p->at, g);
   *g = value_of_shape(p);
   return HK_OK;
 }
 
 static hk_status gradient_at(const place *p, double n[3]) {
-  if (p->self->g[0]) return gradient_of_function(p, n);
+  hk_script_equation e = script_of(p);
+  if (e.g) return hk_script_gradient(&e, &p->at, n);
   gradient_of_shape(p, n);
   return HK_OK;
 }
 
-/* d^2 g/dt^2 without accelerations. A step in time is one in space as well: the shorter of the two counts. */
-static hk_status bend_at(const place *p, const double v[3], double *c) {
-  double speed = hk_length(v), h = sqrt(instant); /* rounding 5 eps/h^2: of the order of 1e-11/s^2 */
-  if (p->self->g[0]) return bend_along(p, v, speed > 0 ? fmin(h, second * p->self->length / speed) : h, c);
+static hk_status bend_at(const place *p, const double v[3], double scale, double *c) {
+  hk_script_equation e = script_of(p);
+  if (e.g) return hk_script_curvature(&e, &p->at, v, hk_length(p->at.x) / scale, c);
   *c = bend_of_shape(p, v);
   return HK_OK;
 }
 
 static hk_status no_direction(const place *p, hk_status status) {
-  const char *what = p->self->g[0] ? (p->equation ? "the gradient of h vanishes" : "the gradient of g vanishes")
-                     : p->self->shape == SPHERE ? "this is the middle of the sphere"
-                                                : "this is on the axis";
-  return p->host->fail(p->host, status, "particle %.0f at (%.9g, %.9g, %.9g) m, t = %.9g s: %s, so it has no direction",
-                       p->id, p->x[0], p->x[1], p->x[2], p->t, what);
+  const surface *s = p->self;
+  const double *x = p->at.x;
+  const char *what = s->g[0]              ? (p->equation ? "the gradient of h vanishes" : "the gradient of g vanishes")
+                     : s->shape == SPHERE ? "this is the middle of the sphere"
+                                          : "this is on the axis";
+  return s->host->fail(s->host, status, "particle %.0f at (%.9g, %.9g, %.9g) m, t = %.9g s: %s, so it has no direction",
+                       p->at.id, x[0], x[1], x[2], p->at.t, what);
 }
 
 /* ---- the start ---- */
@@ -234,10 +187,34 @@ static hk_status directions(surface *s) {
   return HK_OK;
 }
 
+/* Compares a gradient with differences over an eighth of the length: those that it is, or what the script states. */
+static hk_status check_gradient(const place *p, const double n[3]) {
+  const surface *s = p->self;
+  hk_script_equation e = script_of(p);
+  double known[3], off[3];
+  e.length /= 8;
+  hk_status status = hk_script_differences(&e, &p->at, known);
+  hk_subtract(off, n, known);
+  if (status != HK_OK || hk_length(off) <= differs * hk_length(known)) return status;
+  char name = "gh"[p->equation];
+  if (!e.gradient)
+    return s->host->fail(
+        s->host, HK_BAD_PARAM,
+        "%c: differences at the start of particle %.0f are (%.6g, %.6g, %.6g), and finer ones (%.6g, %.6g, "
+        "%.6g): it changes within less than length = %g m, give that, or %c_gradient",
+        name, p->at.id, n[0], n[1], n[2], known[0], known[1], known[2], s->length, name);
+  return s->host->fail(
+      s->host, HK_BAD_PARAM,
+      "%c_gradient: at the start of particle %.0f it is (%.6g, %.6g, %.6g), and differences of %c give "
+      "(%.6g, %.6g, %.6g): one of them is wrong, or %c changes within less than length = %g m",
+      name, p->at.id, n[0], n[1], n[2], name, known[0], known[1], known[2], name, s->length);
+}
+
 static hk_status measure_scale(surface *s, const hk_view *view, size_t k, unsigned e) {
   place p = place_of(s, view, k, e);
   double n[3];
   hk_status status = gradient_at(&p, n);
+  if (status == HK_OK && s->g[e]) status = check_gradient(&p, n);
   double length = status == HK_OK ? hk_length(n) : 1;
   if (!(length > 0)) return no_direction(&p, HK_BAD_PARAM);
   s->scale[MOST * s->particles.index[k] + e] = 1 / length;
@@ -305,21 +282,20 @@ static hk_status curvature(void *self, const hk_view *view, double *c) {
   for (size_t row = 0; row < count(self) && status == HK_OK; row++) {
     double scale;
     place p = place_of_row(s, view, row, &scale);
-    status = bend_at(&p, view->v + 3 * (size_t)s->particles.index[row / s->equations], &c[row]);
+    status = bend_at(&p, view->v + 3 * (size_t)s->particles.index[row / s->equations], scale, &c[row]);
     c[row] *= scale;
   }
   return status;
 }
 
 static hk_status speed(void *self, const hk_view *view, double *gt) {
-  static const double still[3];
-  const surface *s = self;
   hk_status status = HK_OK;
   for (size_t row = 0; row < count(self) && status == HK_OK; row++) {
     double scale;
-    place p = place_of_row(s, view, row, &scale);
+    place p = place_of_row(self, view, row, &scale);
+    hk_script_equation e = script_of(&p);
     gt[row] = 0;
-    if (s->g[0]) status = slope_along(&p, 1, still, instant, &gt[row]);
+    if (e.g) status = hk_script_speed(&e, &p.at, &gt[row]);
     gt[row] *= scale;
   }
   return status;

@@ -6,8 +6,9 @@
  *
  * In the paper velocities stay as they are: a spring that is pulled on at its limit then gains speed that shows as soon
  * as the pull ends. By default they are those of an inelastic rope instead, by impulses along the springs that keep
- * momentum and angular momentum; as the step goes to zero the run then converges (order 1) to springs that cannot be
- * drawn out further than their limit. */
+ * momentum and, where the sweeps come to an end, angular momentum; as the step goes to zero the run then converges to
+ * springs that cannot be drawn out further than their limit. Without an end, as between pins that are too far apart,
+ * and from the pins outwards, impulses take what leads beyond the limits, and no more. */
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
 

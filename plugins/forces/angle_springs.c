@@ -10,6 +10,7 @@
  * begins at the second pinned particle. `curvature` (1/m) likewise is the angle at rest per length. */
 #include "plugins/common/elements/element_force.h"
 #include "plugins/common/joints/joint.h"
+#include "plugins/common/joints/joint_jacobian.h"
 #include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint_list.h"
 #include "plugins/common/springs/edge_stiffness.h"
@@ -127,6 +128,7 @@ static void elements(void *self, const hk_view *view, hk_elements *out) {
   const angle_springs *s = self;
   (void)view;
   *out = s->list.acting;
+  out->rest = (hk_per_tuple){0}; /* no strain: joints that are straight at rest have no angle to refer to */
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
@@ -135,67 +137,23 @@ static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   hk_element_force_pattern(&s->list, p);
 }
 
-/* What a joint does now: its geometry, k, c, the moment z = k (theta - theta_0) + c d(theta)/dt and the edges' rates.
- */
-typedef struct state {
-  hk_joint joint;
-  double k, c, z, moment, du[2][3]; /* moment: without damping */
-} state;
-
-static void look(const angle_springs *s, const hk_view *view, size_t e, state *now) {
-  const hk_elements *a = &s->list.acting;
-  const uint32_t *node = hk_tuple(&a->node, e);
-  measure(s, view->x, e, &now->joint);
-  now->k = a->stiffness.value[e];
-  now->c = a->damping.value[e];
-  now->z = now->moment = now->k * hk_joint_off(now->joint.angle, a->rest.value[e]);
-  for (int m = 0; m < 2; m++)
-    for (int c = 0; c < 3; c++) {
-      now->du[m][c] = view->v[3 * (size_t)node[m + 1] + c] - view->v[3 * (size_t)node[m] + c];
-      if (now->joint.l[m] > 0) now->z += now->c * now->joint.across[m][c] / now->joint.l[m] * now->du[m][c];
-    }
-}
-
-static void add_blocks(const size_t *slot, hk_joint_blocks A, double *into) {
-  static const double part[3][2] = {{-1, 0}, {1, -1}, {0, 1}}; /* of a particle in the edges */
-  for (int b = 0; b < 9; b++)
-    for (int m = 0; m < 4; m++) {
-      double factor = part[b / 3][m / 2] * part[b % 3][m % 2];
-      for (size_t q = 0; q < 9 && factor != 0; q++) into[9 * slot[b] + q] += factor * A[m / 2][m % 2][q];
-    }
-}
-
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const angle_springs *s = self;
-  bool definite = into->want & HK_WANT_DEFINITE, turns = !definite && !(into->want & HK_WANT_SYMMETRIC);
-  for (size_t e = 0; e < s->list.acting.node.count; e++) {
-    hk_joint_blocks A;
-    state now;
-    look(s, view, e, &now);
-    if (definite)
-      hk_joint_definite(&now.joint, now.k, now.moment, A);
-    else
-      hk_joint_stiffness(&now.joint, now.k, now.z, A);
-    if (turns && now.c > 0) hk_joint_turning(&now.joint, now.c, (const double(*)[3])now.du, A);
-    add_blocks(into->slot + 9 * e, A, into->K);
-    if (now.c == 0) continue;
-    hk_joint_gauss(&now.joint, now.c, A);
-    add_blocks(into->slot + 9 * e, A, into->D);
-  }
+  hk_joint_jacobian(&s->layout, view, s->plane, into);
   return HK_OK;
 }
 
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const angle_springs *s = self;
-  for (size_t e = 0; e < s->list.acting.node.count; e++) {
-    const uint32_t *node = hk_tuple(&s->list.acting.node, e);
+  for (size_t e = 0; e < s->layout.count; e++) {
+    const uint32_t *node = s->layout.node[e];
     double along[2], across[2];
-    state now;
-    look(s, view, e, &now);
+    hk_joint_state now;
+    hk_joint_look(&s->layout, view, s->plane, e, &now);
     if (part == HK_DAMPING_WHOLE)
       hk_joint_bound(&now.joint, now.c, 0, true, along, across);
     else
-      hk_joint_bound(&now.joint, now.k, now.z, part == HK_STIFFNESS_WHOLE, along, across);
+      hk_joint_bound(&now.joint, now.k, now.moment, part == HK_STIFFNESS_WHOLE, along, across);
     for (int m = 0; m < 2; m++) hk_edge_stiffness_add(view, node + m, now.joint.t[m], along[m], across[m], block);
   }
 }

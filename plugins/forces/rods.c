@@ -13,6 +13,9 @@
  * clamp, which holds its section as well; `turn` turns the last clamp of a rod, or the ends of a ring against each
  * other, by any number of turns.
  *
+ * A free rod that is straight, but not at rest, can curl in any direction: it is infinitely stiff there against turning
+ * that direction. Clamp an end, or start it curved.
+ *
  * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
  * ends the run with the particle's number. */
 #include "plugins/common/rods/rod_blocks.h"
@@ -40,6 +43,12 @@ static const hk_param params[] = {
      HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
     {"turn", "rad", "angle by which the last clamp of a rod is turned about it, or a ring's ends against each other",
      HK_NUMBER, {0}, 0, 0, offsetof(hk_rods, turn), HK_TIMED, NULL},
+    {"spins", "", "particles that are the angles of sections, one for each edge, which slide along x; left out: "
+     "quasi-static twist",
+     HK_PARTICLES, {0}, 0, 0, offsetof(hk_rods, spins), HK_OPTIONAL, NULL},
+    {"radius", "m", "x of a particle of spins over the angle of its section: its mass is the section's moment of inertia "
+     "over the square of this",
+     HK_NUMBER, {1}, 0, INFINITY, offsetof(hk_rods, radius), HK_ABOVE_MIN, NULL},
     {"jacobian", "", "blocks for implicit methods: of joints only, without what the twist that follows softens, or exact, "
      "which joins all particles of a rod with sides or twist",
      HK_CHOICE, {0}, 0, 0, offsetof(hk_rods, jacobian), 0, "banded|exact"},
@@ -66,6 +75,12 @@ static hk_status add(void *self, const hk_view *view, double *F) {
 static double energy(void *self, const hk_view *view) {
   double E = NAN;
   return hk_rods_evaluate(self, view, &E) == HK_OK ? E : NAN;
+}
+
+static void elements(void *self, const hk_view *view, hk_elements *out) {
+  const hk_rods *r = self;
+  (void)view;
+  hk_rod_elements_offer(&r->elements, r->batch, r->batches, out);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
@@ -98,6 +113,7 @@ static const hk_force force = {
              HK_OFFERS_DEFINITE | HK_STIFFER_BLOCKS,
     .add = add,
     .energy = energy,
+    .elements = elements,
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,

@@ -17,7 +17,7 @@
 /* A band of b blocks beside the diagonal takes b (b + 1) / 2. */
 static const size_t most_updates = 2000;
 /* Up to this band it is the faster one (tests/bench/banded.c). */
-static const size_t fitting_updates = 40;
+static const size_t fitting_updates = 150;
 /* A chunk of threads' work has some 1e5 operations, 50 us. */
 static const size_t chunk_updates = 4000;
 

@@ -1,7 +1,7 @@
 -- michell.lua: a straight rod is bent into a ring and its ends, joined, are turned against each other. The ring stays
 -- flat up to 2 pi sqrt(3)/ratio, 10.88 rad where twist and bending are equally stiff (Michell 1889), then buckles out
 -- of its plane and folds into a figure of eight, with nothing to stop it where it meets itself.
-local n = param("n", 60, "edges of the ring", { min = 8 })
+local n = param("n", 100, "edges of the ring", { min = 8 })
 local ratio = param("ratio", 1, "stiffness in twist over that of bending, GJ/EI", { min = 0.1 })
 local most = param("most", 14, "angle to which the ends are turned, rad")
 local rate = param("rate", 1, "speed of turning, rad/s", { min = 1e-3 })
@@ -32,6 +32,6 @@ scene:measure("out of plane", function(s)
   end
   return high - low
 end)
-scene:output("frames", { width = 960, height = 720, radius = 0.045, color = "none", camera = { 1.8, -4.6, 2.2 }, target = { 0, 0, 0 },
+scene:output("frames", { width = 960, height = 720, radius = 0.04, color = "none", camera = { 1.8, -4.6, 2.2 }, target = { 0, 0, 0 },
   ground_height = -1.5 })
 return scene

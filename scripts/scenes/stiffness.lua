@@ -1,8 +1,8 @@
 -- stiffness.lua: a chain of 20 links that hardly stretches falls from 60 degrees and swings, by four remedies: springs so
--- stiff that the steps have to be short, implicit steps of stiff springs, bars in the place of springs, and soft springs
--- that are shortened after each step. Each has a level: from one to the next springs are four times as stiff and steps half
--- as long. The error is against a chain that does not stretch, computed in its angles (lib/links.lua).
--- scripts/sweeps/remedies.lua draws speed against error.
+-- stiff that the steps have to be short, implicit steps of stiff springs, and in the place of springs bars, or corrections
+-- after each step. Each has a level: from one to the next springs are four times as stiff and steps half as long. The
+-- error is against a chain that does not stretch, computed in its angles (lib/links.lua). scripts/sweeps/remedies.lua
+-- draws speed against error.
 local links = require("links")
 local remedy = param("remedy", "bars", "shorter steps, implicit, bars, correction")
 local level = param("level", 3, "the higher, the more accurate and the slower", { min = 0, max = 16 })

@@ -27,7 +27,11 @@ static const shape shapes[] = {
     {"chain, next but one", 1000, 1000, 3, 2}, {"chain, next but one", 100000, 100000, 3, 2},
     {"strands of 33, next", 33000, 33, 3, 1},  {"strands, next but one", 33000, 33, 3, 2},
     {"strands, next but one", 3300, 33, 3, 2}, {"random tree", 1000, 1000, 3, 0},
-    {"random tree", 100000, 100000, 3, 0},
+    {"random tree", 100000, 100000, 3, 0},     {"band of 4", 10000, 10000, 3, 4},
+    {"band of 8", 10000, 10000, 3, 8},         {"band of 16", 10000, 10000, 3, 16},
+    {"band of 32", 10000, 10000, 3, 32},       {"band of 4", 10000, 10000, 1, 4},
+    {"band of 8", 10000, 10000, 1, 8},         {"band of 16", 10000, 10000, 1, 16},
+    {"band of 32", 10000, 10000, 1, 32},
 };
 
 static void make(test_solver *s, const shape *of) {

@@ -48,7 +48,17 @@ static void cantilevers_rest_on_the_elastica(void **state) {
   }
 }
 
+/* 1 rad below the critical angle of 10.88 rad a ring lies flat, 1 rad above it has left its plane. */
+static void a_twisted_ring_leaves_its_plane(void **state) {
+  (void)state;
+  run("michell", "n=24 most=10 --until 22");
+  if (!(test_json(r.out, "out of plane") < 2e-3)) fail_msg("out of plane at 10 rad: %s", r.out);
+  run("michell", "n=24 most=12 --until 22");
+  if (!(test_json(r.out, "out of plane") > 0.05)) fail_msg("flat at 12 rad: %s", r.out);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(cantilevers_rest_on_the_elastica)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(cantilevers_rest_on_the_elastica),
+                                     cmocka_unit_test(a_twisted_ring_leaves_its_plane)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

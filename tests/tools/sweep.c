@@ -445,6 +445,9 @@ static void pictures_show_a_measure_against_another(void **state) {
   test_write("along.lua", "return hooke.sweep { scene = 's.lua', params = { k = { 4, 1 } }, plots = { {\n"
                           "measure = 'steps', over = 'y', along = 'q' } } }\n");
   refused("along.lua --trust", "'q' is not a parameter of the sweep");
+  test_write("along.lua", "return hooke.sweep { scene = 's.lua', params = { k = { 4, 1 } }, plots = { {\n"
+                          "measure = 'steps', over = 'k', repeats = 'least' } } }\n");
+  refused("along.lua --trust", "repeats: \"least\", of what is in `over`, beside `along`");
 }
 
 /* ---- the sweeps that come along ---- */

@@ -116,7 +116,7 @@ static int push_list(lua_State *L, hk_subject *s, const hk_elements *e, size_t g
 }
 
 /* elements(subject [, grain]) -> a list of lists of tuples { members (from 0), C, dC, stiffness, damping }, evaluated
- * in ranges of `grain` tuples. The structs hold garbage before the call. */
+ * in ranges of `grain` tuples; nil: it has none. The structs hold garbage before the call. */
 static int elements(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   size_t lists = s->force->element_lists ? s->force->element_lists : 1, grain = (size_t)luaL_optinteger(L, 2, 1 << 30);
@@ -126,6 +126,7 @@ static int elements(lua_State *L) {
   hk_subject_enter(s, "elements");
   s->force->elements(s->instance->self, &s->view, list);
   hk_subject_leave(s);
+  if (!has(L, list[0].values > 0 || list[0].node.arity == 0)) return 1; /* none with these parameters */
   lua_newtable(L);
   int result = lua_gettop(L);
   for (size_t k = 0; k < lists; k++) {

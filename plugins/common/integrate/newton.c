@@ -327,7 +327,7 @@ static hk_status iterate(work *k) {
     hk_status status = settle(k);
     if (status == HK_OK) status = next_direction(k, &p, &size);
     if (status != HK_OK) return status;
-    if (i == 0 && stage->fixed) limit = fmin(limit, drop * size);
+    if (i == 0 && stage->fixed) limit = fmin(limit, fmax(drop, k->w->tolerance) * size);
     memcpy(k->v_old, stage->X + k->m, k->m * sizeof *k->v_old);
     bool close = size * fmin(1, p.rate) <= limit || hk_rms(k->dv, k->m) <= floor;
     double alpha = 1;

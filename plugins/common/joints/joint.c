@@ -50,6 +50,8 @@ static bool turn(const double plane[3], bool straight, hk_joint *joint) {
   }
   double size = hk_length(sine);
   joint->angle = atan2(size, cosine);
+  joint->sine = size;
+  joint->cosine = cosine;
   if (size > 0)
     for (int c = 0; c < 3; c++) joint->b[c] = sine[c] / size;
   else if (straight && cosine > 0)
@@ -84,22 +86,25 @@ static void assemble(const hk_joint *joint, const local *q, hk_joint_blocks bloc
   memset(blocks, 0, sizeof(hk_joint_blocks));
   if (!has_direction(joint)) return;
   for (int m = 0; m < 2; m++)
-    for (int n = 0; n < 2; n++) {
+    for (int n = m; n < 2; n++) {
       const double *t = joint->t[m], *a = joint->across[m], *s = joint->t[n], *e = joint->across[n], *b = joint->b;
-      double scale = 1 / (joint->l[m] * joint->l[n]);
-      for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++)
-          blocks[m][n][3 * r + c] =
-              scale * (q->tt[m][n] * t[r] * s[c] + q->ta[m][n] * t[r] * e[c] + q->ta[n][m] * a[r] * s[c] +
-                       q->aa[m][n] * a[r] * e[c] + q->bb[m][n] * b[r] * b[c]);
+      double scale = 1 / (joint->l[m] * joint->l[n]), of_t[3], of_a[3], of_b[3];
+      for (int c = 0; c < 3; c++) {
+        of_t[c] = scale * (q->tt[m][n] * s[c] + q->ta[m][n] * e[c]);
+        of_a[c] = scale * (q->ta[n][m] * s[c] + q->aa[m][n] * e[c]);
+        of_b[c] = scale * q->bb[m][n] * b[c];
+      }
+      for (int p = 0; p < 9; p++)
+        blocks[m][n][p] = t[p / 3] * of_t[p % 3] + a[p / 3] * of_a[p % 3] + b[p / 3] * of_b[p % 3];
     }
+  for (int p = 0; p < 9; p++) blocks[1][0][p] = blocks[0][1][p % 3 * 3 + p / 3];
 }
 
 /* The part of z H that leaves the plane, as the eigenvalues of (1, 1) and (1, -1): z (cot -+ 1/sin). */
 static void leaving(const hk_joint *joint, double k, double z, double *same, double *opposite) {
-  double sine = sin(joint->angle), half = tan(joint->angle / 2);
+  double s = joint->sine, c = joint->cosine, half = c > 0 ? s / (1 + c) : s > 0 ? (1 - c) / s : 0; /* tan(angle/2) */
   *same = joint->plane ? 0 : -z * half;
-  *opposite = joint->plane ? 0 : sine > 0 ? z / half : 2 * k;
+  *opposite = joint->plane ? 0 : s > 0 ? z / half : 2 * k;
 }
 
 static void set_leaving(local *q, double same, double opposite) {
@@ -129,16 +134,12 @@ void hk_joint_definite(const hk_joint *joint, double k, double z, hk_joint_block
   assemble(joint, &q, blocks);
 }
 
-void hk_joint_gauss(const hk_joint *joint, double c, hk_joint_blocks blocks) {
-  assemble(joint, &(local){.aa = {{c, c}, {c, c}}}, blocks);
-}
-
 void hk_joint_turning(const hk_joint *joint, double c, const double du[2][3], hk_joint_blocks blocks) {
   local q = {.ta = {{-1, 0}, {0, -1}}};
   double same = 0, opposite = 0, Hu[2][3] = {{0}};
   hk_joint_blocks H;
   if (!has_direction(joint)) return;
-  if (sin(joint->angle) > 0) leaving(joint, 0, 1, &same, &opposite);
+  if (joint->sine > 0) leaving(joint, 0, 1, &same, &opposite);
   set_leaving(&q, same, opposite);
   assemble(joint, &q, H);
   for (int b = 0; b < 4; b++)

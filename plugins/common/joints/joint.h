@@ -8,6 +8,7 @@
 /* Index 0 is e1 and index 1 is e2. Where the angle has no direction, `across` and `b` are 0. */
 typedef struct hk_joint {
   double angle;        /* rad: 0 to pi in space, -pi to pi in a plane */
+  double sine, cosine; /* of the angle, in space; 0 where it has no direction */
   double l[2];         /* m, the edges' lengths, in a plane those of their projections */
   double t[2][3];      /* unit vectors along the edges */
   double across[2][3]; /* d angle/d e_m = across[m]/l[m] */
@@ -35,7 +36,6 @@ static inline double hk_joint_off(double angle, double rest) {
 void hk_joint_stiffness(const hk_joint *, double k, double z, hk_joint_blocks blocks);
 /* The same without its negative eigenvalues, those of the matrix scaled by the edges' lengths. */
 void hk_joint_definite(const hk_joint *, double k, double z, hk_joint_blocks blocks);
-void hk_joint_gauss(const hk_joint *, double c, hk_joint_blocks blocks); /* c g g^T */
 /* The rates of the edges du = u_j - u_i, u_k - u_j: what the damping c turns with its direction, c g (H du)^T. */
 void hk_joint_turning(const hk_joint *, double c, const double du[2][3], hk_joint_blocks blocks);
 /* Bounds of k g g^T + z H, or of z H alone where not `whole`: what each edge adds along it and across, N/m. */

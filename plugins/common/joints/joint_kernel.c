@@ -8,6 +8,7 @@
  * direction that joint.c picks, so such joints go through there; they are few once a chain moves. */
 #include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint.h"
+#include "plugins/common/joints/joint_angle.h"
 
 #include <float.h>
 #include <string.h>
@@ -22,39 +23,7 @@ typedef struct block {
   double sine[BLOCK];    /* s; 0: no direction */
 } block;
 
-/* atan(t)/t for t^2 = q up to tan(pi/8)^2: interpolated at the roots of Chebyshev's polynomial, to 1.3e-18. */
-static inline __attribute__((always_inline)) double atan_part(double q) {
-  static const double c[] = {1.0,
-                             -0.33333333333333121163,
-                             0.19999999999940891462,
-                             -0.14285714279250244942,
-                             0.11111110744919658237,
-                             -0.090908968090640270761,
-                             0.076920453309022249521,
-                             -0.066629518136291900881,
-                             0.058468782973308725201,
-                             -0.050351024566015518428,
-                             0.037965257453865936236,
-                             -0.017805397205419445228};
-  double sum = c[11];
-  for (int k = 10; k >= 0; k--) sum = sum * q + c[k];
-  return sum;
-}
-
-/* atan2(y, x), to 2 roundings; 0 at the origin. atan(t) = pi/4 + atan((t - 1)/(t + 1)) keeps t within tan(pi/8). */
-static inline __attribute__((always_inline)) double angle_of(double y, double x) {
-  const double pi = 3.14159265358979323846, eighth = 0.41421356237309503;
-  double ay = y < 0 ? -y : y, ax = x < 0 ? -x : x, low = ay < ax ? ay : ax, high = ay < ax ? ax : ay;
-  bool steep = low > eighth * high;
-  double above = steep ? low - high : low, below = steep ? low + high : high, t = above / (below > 0 ? below : 1);
-  double a = t * atan_part(t * t) + (steep ? pi / 4 : 0);
-  a = ay > ax ? pi / 2 - a : a;
-  a = x < 0 ? pi - a : a;
-  return y < 0 ? -a : a;
-}
-
-#define DOT(a, b, r) (a[0][r] * b[0][r] + a[1][r] * b[1][r] + a[2][r] * b[2][r])
-
+/* One loop of all, so that every number stays in its register. */
 static inline __attribute__((always_inline)) void compute(block *q, const double *plane, bool damped) {
   const double pi = 3.14159265358979323846;
   for (int r = 0; r < BLOCK; r++) {
@@ -77,7 +46,7 @@ static inline __attribute__((always_inline)) void compute(block *q, const double
     double l1 = x1 * x1 + y1 * y1 + z1 * z1, l2 = x2 * x2 + y2 * y2 + z2 * z2;
     bool fine = l1 >= DBL_MIN && l2 >= DBL_MIN;
     double r1 = fine ? 1 / (s * l1) : 0, r2 = fine ? 1 / (s * l2) : 0;
-    off = angle_of(sine, cosine) - q->rest[r];
+    off = hk_joint_angle(sine, cosine) - q->rest[r];
     if (plane) off = off > pi ? off - 2 * pi : off < -pi ? off + 2 * pi : off;
     double gx1 = r1 * (y1 * bz - z1 * by), gy1 = r1 * (z1 * bx - x1 * bz), gz1 = r1 * (x1 * by - y1 * bx);
     double gx2 = r2 * (by * z2 - bz * y2), gy2 = r2 * (bz * x2 - bx * z2), gz2 = r2 * (bx * y2 - by * x2);
@@ -220,6 +189,7 @@ static bool alone(const hk_elements *from, const touched *t, size_t e) {
 
 static void copy(hk_joint_layout *s, const hk_elements *from, size_t e) {
   memcpy(s->node[s->count], hk_tuple(&from->node, e), sizeof *s->node);
+  s->element[s->count] = (uint32_t)e;
   s->k[s->count] = hk_tuple_value(&from->stiffness, e);
   s->c[s->count] = hk_tuple_value(&from->damping, e);
   s->rest[s->count] = hk_tuple_value(&from->rest, e);
@@ -239,16 +209,17 @@ static void sort(hk_joint_layout *s, const hk_elements *from, const touched *t) 
 }
 
 static bool reserve(hk_joint_layout *s, const hk_host *host, size_t count) {
-  void *old[] = {s->first, s->node, s->k, s->c, s->rest, s->power};
+  void *old[] = {s->first, s->node, s->element, s->k, s->c, s->rest, s->power};
   for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
   *s = (hk_joint_layout){.chunks = (count + CHUNK - 1) / CHUNK};
   s->first = host->allocate(host, (s->chunks + 2) * sizeof *s->first);
   s->node = host->allocate(host, (count + 1) * sizeof *s->node);
+  s->element = host->allocate(host, (count + 1) * sizeof *s->element);
   s->k = host->allocate(host, (count + 1) * sizeof *s->k);
   s->c = host->allocate(host, (count + 1) * sizeof *s->c);
   s->rest = host->allocate(host, (count + 1) * sizeof *s->rest);
   s->power = host->allocate(host, (s->chunks + 1) * sizeof *s->power);
-  return s->first && s->node && s->k && s->c && s->rest && s->power;
+  return s->first && s->node && s->element && s->k && s->c && s->rest && s->power;
 }
 
 hk_status hk_joint_layout_build(hk_joint_layout *s, const hk_host *host, size_t n, const hk_elements *from) {

@@ -10,6 +10,7 @@ typedef struct hk_joint_layout {
   size_t count, chunks;
   size_t *first;       /* chunks + 2: the first joint of each chunk, of the rest, and the end */
   uint32_t (*node)[3]; /* particles */
+  uint32_t *element;   /* numbers in the list of elements */
   double *k, *c, *rest;
   double *power; /* W, of each chunk */
   bool damped;

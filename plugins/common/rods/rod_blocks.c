@@ -11,7 +11,7 @@
  * particles of a rod with each other. */
 #include "plugins/common/rods/rod_blocks.h"
 #include "plugins/common/rods/rod_joint.h"
-#include "plugins/common/rods/rod_relaxed.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/space/vector3.h"
 
 enum { LANES = HK_ROD_LANES, GRAIN = 8 };
@@ -123,7 +123,10 @@ void hk_rod_blocks_pattern(const hk_rods *r, hk_pattern *p) {
         nodes_of(r, &r->batch[q], lane, k, node);
         for (int c = 0; c < 9; c++) p->block(p, node[c / 3], node[c % 3]);
       }
-  if (r->jacobian == HK_ROD_EXACT) hk_rod_relaxed_pattern(r, p);
+  if (r->spins.count)
+    hk_rod_spins_pattern(r, p);
+  else if (r->jacobian == HK_ROD_EXACT)
+    hk_rod_relaxed_pattern(r, p);
 }
 
 typedef struct task {
@@ -151,13 +154,23 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   }
 }
 
+static size_t joints_of(const hk_rods *r) {
+  const hk_rod_batch *end = r->batches ? &r->batch[r->batches - 1] : NULL;
+  size_t joints = end ? end->joint : 0;
+  for (size_t lane = 0; end && lane < LANES; lane++) joints += hk_rod_joints(end, lane);
+  return joints;
+}
+
 void hk_rod_blocks_add(const hk_rods *r, const hk_host *host, const hk_blocks *into) {
   task t = {r, into};
   if (r->shared)
     add_chunk(&t, 0, r->batches, 0);
   else
     host->parallel_for(host, r->batches, GRAIN, add_chunk, &t);
-  if (r->jacobian == HK_ROD_EXACT && !(into->want & HK_WANT_DEFINITE)) hk_rod_relaxed_subtract(r, into);
+  if (r->spins.count)
+    hk_rod_spins_add(r, joints_of(r), into);
+  else if (r->jacobian == HK_ROD_EXACT && !(into->want & HK_WANT_DEFINITE))
+    hk_rod_relaxed_subtract(r, joints_of(r), into);
 }
 
 /* At most the largest factor by which a 3 x 3 matrix lengthens a vector. */

@@ -2,7 +2,7 @@
  * H - C^T A^-1 C, with A that of the angles, tridiagonal and in the corners of a ring, and C of angles and positions.
  * It joins all particles of a rod. The directions of C are those of rod_blocks.c, so angles are transported with edges.
  */
-#include "plugins/common/rods/rod_relaxed.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_joint.h"
 
 #include <string.h>
@@ -101,10 +101,7 @@ void hk_rod_relaxed_pattern(const hk_rods *r, hk_pattern *p) {
     }
 }
 
-void hk_rod_relaxed_subtract(const hk_rods *r, const hk_blocks *into) {
-  const hk_rod_batch *end = r->batches ? &r->batch[r->batches - 1] : NULL;
-  size_t joints = end ? end->joint : 0;
-  for (size_t lane = 0; end && lane < LANES; lane++) joints += hk_rod_joints(end, lane);
+void hk_rod_relaxed_subtract(const hk_rods *r, size_t joints, const hk_blocks *into) {
   const size_t *slot = into->slot + 9 * joints;
   for (size_t q = 0; q < r->batches; q++)
     for (size_t lane = 0; r->batch[q].framed && lane < LANES; lane++)

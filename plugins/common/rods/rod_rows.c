@@ -56,7 +56,7 @@ static rod follow(const hk_rods *r, const hk_view *view, const bool *goes_on, ui
       break;
     }
   }
-  p.framed |= twists && (p.ring || clamps > 1);
+  p.framed |= twists && (p.ring || clamps > 1 || r->spins.count > 0);
   return p;
 }
 
@@ -177,13 +177,18 @@ hk_status hk_rod_rows_build(hk_rods *r, const hk_view *view) {
   hk_rod_batch *batch = host->allocate(host, (r->count + 1) * sizeof *batch);
   double *sums = host->allocate(host, (r->count + 1) * sizeof *sums);
   uint8_t *pin = host->allocate(host, view->n + 1);
+  uint32_t *node = host->allocate(host, 3 * (r->count + 1) * sizeof *node);
+  double *weight = host->allocate(host, (r->count + 1) * sizeof *weight);
   hk_status status = HK_NO_MEMORY;
   host->release(host, r->batch);
   host->release(host, r->sums);
   host->release(host, r->pin);
+  host->release(host, r->elements.node);
+  host->release(host, r->elements.stiffness);
+  r->elements = (hk_rod_elements){0, node, weight};
   r->batch = batch, r->sums = sums, r->pin = pin, r->pinned = view->n;
   r->batches = 0;
-  if (list && marks && batch && sums && pin) {
+  if (list && marks && batch && sums && pin && node && weight) {
     size_t rods = find_rods(r, view, list, marks, marks + r->count, marks + 2 * r->count);
     make_batches(r, list, rods);
     if (reserve(r)) {
@@ -233,7 +238,7 @@ static void fill_rod(hk_rods *r, const hk_view *view, hk_rod_batch *b, size_t la
     uint32_t e = w->edge[at], f = k + 1 < count ? w->edge[at + LANES] : w->edge[b->first * LANES + lane];
     bool clamp[2] = {e != HK_ROD_NONE && clamped(r, view, e), e != HK_ROD_NONE && clamped(r, view, f)};
     w->offset[at] = 0;
-    w->held[at] = e == HK_ROD_NONE || clamp[0];
+    w->held[at] = e == HK_ROD_NONE || clamp[0] || r->spins.count > 0;
     held += clamp[0];
     if (clamp[0] && !b->ring) b->turned[lane] = (uint32_t)k;
     if (k < count && (k + 1 < count || b->ring))
@@ -251,5 +256,7 @@ static void fill_rod(hk_rods *r, const hk_view *view, hk_rod_batch *b, size_t la
 void hk_rod_rows_fill(hk_rods *r, const hk_view *view) {
   for (size_t q = 0; q < r->batches; q++)
     for (size_t lane = 0; lane < LANES; lane++) fill_rod(r, view, &r->batch[q], lane);
+  for (size_t q = 0; q < r->batches; q++) r->batch[q].found = false;
+  hk_rod_elements_fill(&r->elements, &r->rows, r->batch, r->batches);
   memcpy(r->pin, view->model->pin, view->n);
 }

@@ -4,7 +4,7 @@
 #define HK_ROD_SET_H
 
 #include "core/plugin.h"
-#include "plugins/common/rods/rod_path.h"
+#include "plugins/common/rods/rod_elements.h"
 
 #define HK_ROD_NONE UINT32_MAX
 
@@ -16,6 +16,7 @@ enum { HK_ROD_BANDED, HK_ROD_EXACT };               /* hk_rods.jacobian */
 typedef struct hk_rod_frame {
   uint32_t id[2]; /* of the edge's particles */
   double angle, offset;
+  double spin; /* m, of the particle that is the angle; of edges that have one */
   double tangent[3], director[3];
 } hk_rod_frame;
 
@@ -26,6 +27,8 @@ typedef struct hk_rods {
   hk_tuples edges;
   hk_per_tuple EI, EI2, GJ, length, curvature, torsion;
   double axis[3];
+  hk_tuples spins; /* one particle for each edge, whose x is `radius` times the angle; none: quasi-static */
+  double radius;
   int rest, jacobian;
   double turn; /* rad */
   /* ---- fields ---- */
@@ -42,6 +45,7 @@ typedef struct hk_rods {
   hk_rod_rows rows;
   size_t batches;
   hk_rod_batch *batch;
+  hk_rod_elements elements;
   double *sums;  /* per batch */
   double *dense; /* of the longest rod with frames, for exact blocks */
   uint8_t *pin;  /* n: the pins for which the rows were filled */

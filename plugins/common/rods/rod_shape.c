@@ -2,7 +2,7 @@
  * of edges that have particles' ids, so that what remains of a rod, or of a ring that was opened, keeps its rest shape
  * and its frames. */
 #include "plugins/common/rods/rod_shape.h"
-#include "plugins/common/rods/rod_relaxed.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_rows.h"
 #include "plugins/common/space/vector3.h"
 
@@ -162,6 +162,24 @@ static hk_status start_rod(hk_rods *r, size_t head) {
   return status;
 }
 
+static hk_status check_spins(const hk_rods *r, const hk_view *view) {
+  if (r->spins.count == 0) return HK_OK;
+  if (r->spins.count != r->edges.count)
+    return r->host->fail(r->host, HK_BAD_PARAM, "spins: %zu particles for %zu edges: give one for each", r->spins.count,
+                         r->edges.count);
+  for (size_t e = 0; e < r->spins.count; e++) {
+    uint32_t i = r->spins.index[e];
+    if (view->model->pin[i] == HK_FREE || view->model->pin[i] == HK_PIN_PLANE)
+      return r->host->fail(
+          r->host, HK_BAD_PARAM,
+          "spins: particle %u is the angle of edge %zu and has to slide along x: pin it with axes = {1, "
+          "0, 0}, or to a path",
+          view->model->id[i], e + 1);
+    frame_of(r, e)->spin = view->x[3 * (size_t)i];
+  }
+  return HK_OK;
+}
+
 static bool all_positive(const hk_per_tuple *p, size_t count) {
   for (size_t e = 0; e < count; e++)
     if (!(value_of(p, e) > 0)) return false;
@@ -200,6 +218,7 @@ hk_status hk_rods_open(hk_rods *r, const hk_host *host, const hk_view *view) {
     head = e + 1;
   }
   if (status == HK_OK) status = check_twist(r);
+  if (status == HK_OK) status = check_spins(r, view);
   return status == HK_OK ? make_rows(r, view) : status;
 }
 
@@ -218,6 +237,10 @@ static void move_edge(hk_rods *r, size_t from, size_t to) {
 
 /* The list is what is left of the one before, in its order. */
 hk_status hk_rods_follow(hk_rods *r, const hk_view *view) {
+  if (r->spins.count != 0 && r->spins.count != r->edges.count)
+    return r->host->fail(r->host, HK_FAILED,
+                         "spins: an edge has lost its particle, or a particle its edge: they have to "
+                         "die together");
   const uint32_t *id = view->model->id;
   uint32_t *now = r->host->allocate(r->host, (r->count + 1) * sizeof *now);
   if (!now) return r->host->fail(r->host, HK_NO_MEMORY, "no memory for rods of %zu edges", r->count);

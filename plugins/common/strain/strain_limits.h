@@ -8,24 +8,13 @@
 #ifndef HK_STRAIN_LIMITS_H
 #define HK_STRAIN_LIMITS_H
 
-#include "core/plugin.h"
+#include "plugins/common/strain/marks.h"
 
 typedef enum hk_strain_order {
   HK_STRAIN_GIVEN,    /* of the list */
   HK_STRAIN_OUTWARDS, /* from the pins outwards; the end that is nearer to a pin stays */
   HK_STRAIN_SORTED    /* what is farthest beyond its limit first */
 } hk_strain_order;
-
-/* A set of ranks: a bit for each, and one for each word of bits that is not 0, so that few are found quickly. */
-typedef struct hk_strain_marks {
-  size_t words, overviews;
-  uint64_t *word, *overview;
-} hk_strain_marks;
-
-static inline void hk_strain_mark(hk_strain_marks *m, uint32_t rank) {
-  m->word[rank >> 6] |= 1ull << (rank & 63);
-  m->overview[rank >> 12] |= 1ull << (rank >> 6 & 63);
-}
 
 /* Edges that are screened together. */
 typedef struct hk_strain_block {
@@ -64,9 +53,15 @@ typedef struct hk_strain_limits {
   double *scratch;             /* 3n */
   bool ordered;
   /* strain_sweep.c */
-  hk_strain_marks now, next; /* of ranks: to be visited in this sweep, in the next */
-  double *excess;            /* count, for HK_STRAIN_SORTED */
-  uint32_t *list;            /* count, likewise */
+  hk_marks now, next; /* of ranks: to be visited in this sweep, in the next */
+  hk_marks moved;     /* in this step */
+  double *excess;     /* count, for HK_STRAIN_SORTED */
+  uint32_t *list;     /* count, scratch */
+  /* strain_velocity.c: velocities from before the sweeps, of the particles that have been touched */
+  size_t remembered;
+  uint32_t *touched;   /* n */
+  double (*before)[3]; /* n */
+  bool *is_touched;    /* n */
 } hk_strain_limits;
 
 static const uint32_t HK_NO_STRAIN_SLIDE = UINT32_MAX;
@@ -104,8 +99,19 @@ double hk_strain_violation(const hk_strain_limits *, const double *x);
 
 /* The limit, m, that the edge is beyond, and its length; 0: it is within its limits and the slack. */
 double hk_strain_passed(const hk_strain_limits *, size_t edge, const double *x, double *length);
-/* Moves the ends to the limit that the edge is beyond; false: it is not, or cannot be moved. */
-bool hk_strain_move(const hk_strain_limits *, size_t edge, const hk_strain_state *);
+/* Moves the ends to the limit that the edge is beyond, and remembers their velocities; false: it is not, or cannot be
+ * moved. */
+bool hk_strain_move(hk_strain_limits *, size_t edge, const hk_strain_state *);
+/* Takes the speed with which an edge at a limit goes on beyond it by an impulse along it; false: there is none. */
+bool hk_strain_stop(const hk_strain_limits *, size_t edge, const hk_strain_state *);
+
+/* ---- strain_velocity.c ---- */
+
+/* Gives velocities back as they were, and takes from them, in some sweeps, what leads the edges in `moved` beyond their
+ * limits. */
+void hk_strain_stop_moved(hk_strain_limits *, const hk_strain_state *);
+/* At the end of a step: no velocity is remembered, no edge marked as moved. */
+void hk_strain_forget(hk_strain_limits *);
 
 /* ---- shared by these files ---- */
 

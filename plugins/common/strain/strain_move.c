@@ -42,16 +42,24 @@ static void shift(const end *e, double *vector, double amount, double inverse_ma
   hk_add_scaled(vector + e->at, amount * inverse_mass, e->along);
 }
 
-static void correct_velocities(const end *i, const end *j, const hk_strain_state *state, const double n[3],
-                               const double w[2], double ratio, bool outwards) {
+/* By an impulse along the edge; false: it does not lead beyond the limit. */
+static bool stop(const end *i, const end *j, const hk_strain_state *state, const double n[3], const double w[2],
+                 bool outwards) {
   double u[3], sum = i->w + j->w;
   hk_subtract(u, state->v + j->at, state->v + i->at);
   double speed = hk_dot(u, n);
-  if (outwards ? speed > 0 : speed < 0) {
-    shift(i, state->v, speed / sum, w[0]);
-    shift(j, state->v, -speed / sum, w[1]);
-  }
-  if (i->slides || j->slides) return; /* the pin takes up angular momentum */
+  if (!(outwards ? speed > 0 : speed < 0) || !(sum > 0)) return false;
+  shift(i, state->v, speed / sum, w[0]);
+  shift(j, state->v, -speed / sum, w[1]);
+  return true;
+}
+
+/* Makes what is across the edge `ratio` times as fast. Where an end slides, its pin takes up angular momentum. */
+static void spin(const end *i, const end *j, const hk_strain_state *state, const double n[3], double ratio) {
+  double u[3], sum = i->w + j->w;
+  if (i->slides || j->slides) return;
+  hk_subtract(u, state->v + j->at, state->v + i->at);
+  double speed = hk_dot(u, n);
   for (int c = 0; c < 3; c++) {
     double across = (u[c] - speed * n[c]) * (ratio - 1);
     state->v[i->at + c] -= i->w / sum * across;
@@ -65,7 +73,14 @@ static void hold_the_nearer(const hk_strain_limits *s, const uint32_t pair[2], d
   w[s->level[pair[0]] > s->level[pair[1]]] = 0;
 }
 
-bool hk_strain_move(const hk_strain_limits *s, size_t edge, const hk_strain_state *state) {
+static void remember(hk_strain_limits *s, uint32_t particle, const double *v) {
+  if (s->is_touched[particle]) return;
+  s->is_touched[particle] = true;
+  hk_copy(s->before[s->remembered], v + 3 * (size_t)particle);
+  s->touched[s->remembered++] = particle;
+}
+
+bool hk_strain_move(hk_strain_limits *s, size_t edge, const hk_strain_state *state) {
   const uint32_t *pair = s->pair[edge];
   double l, n[3], w[2] = {state->inverse_mass[pair[0]], state->inverse_mass[pair[1]]};
   double limit = hk_strain_passed(s, edge, state->x, &l);
@@ -76,8 +91,23 @@ bool hk_strain_move(const hk_strain_limits *s, size_t edge, const hk_strain_stat
   const end i = end_of(s, pair[0], n, w[0]), j = end_of(s, pair[1], n, w[1]);
   double sum = i.w + j.w;
   if (!(sum > 0)) return false;
-  if (state->v) correct_velocities(&i, &j, state, n, w, l / limit, l > limit);
+  if (state->v) {
+    for (int q = 0; q < 2; q++) remember(s, pair[q], state->v);
+    stop(&i, &j, state, n, w, l > limit);
+    spin(&i, &j, state, n, l / limit);
+  }
   shift(&i, state->x, (l - limit) / sum, w[0]);
   shift(&j, state->x, (limit - l) / sum, w[1]);
   return true;
+}
+
+bool hk_strain_stop(const hk_strain_limits *s, size_t edge, const hk_strain_state *state) {
+  const uint32_t *pair = s->pair[edge];
+  const double *limit = s->limit[edge], w[2] = {state->inverse_mass[pair[0]], state->inverse_mass[pair[1]]};
+  double n[3], l = hk_edge_difference(state->x, pair, n);
+  bool longest = l >= limit[1] * (1 - s->slack);
+  if (!(l > 0) || !(longest || l <= limit[0] * (1 + s->slack))) return false;
+  for (int c = 0; c < 3; c++) n[c] /= l;
+  const end i = end_of(s, pair[0], n, w[0]), j = end_of(s, pair[1], n, w[1]);
+  return stop(&i, &j, state, n, w, longest);
 }

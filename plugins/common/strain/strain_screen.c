@@ -112,7 +112,7 @@ bool hk_strain_screen(hk_strain_limits *s, const hk_host *host, const double *x)
     const hk_strain_block *b = &s->block[k];
     for (size_t m = b->begin; s->beyond[k] && m < b->begin + b->count; m++) {
       if (!(hk_strain_passed(s, s->edge_of[m], x, &l) > 0)) continue;
-      hk_strain_mark(&s->now, s->rank_of[s->edge_of[m]]);
+      hk_mark(&s->now, s->rank_of[s->edge_of[m]]);
       any = true;
     }
   }

@@ -3,46 +3,28 @@
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
 
-static bool none(const hk_strain_marks *m) {
-  for (size_t k = 0; k < m->overviews; k++)
-    if (m->overview[k]) return false;
-  return true;
-}
-
-/* Takes the lowest of the marks from *from on, words before which are empty. False: there is none. */
-static bool take_lowest(hk_strain_marks *m, size_t *from, uint32_t *rank) {
-  for (; *from < m->overviews; ++*from) {
-    uint64_t *overview = &m->overview[*from];
-    if (!*overview) continue;
-    size_t at = 64 * *from + (size_t)__builtin_ctzll(*overview);
-    uint64_t *word = &m->word[at];
-    *rank = (uint32_t)(64 * at) + (uint32_t)__builtin_ctzll(*word);
-    *word &= *word - 1;
-    if (!*word) *overview &= *overview - 1;
-    return true;
-  }
-  return false;
-}
-
 /* A move of the edge of this rank has changed the lengths of its ends' other edges. It is looked at again itself: an
  * end that slides moves across the edge, too, so that the limit is reached to second order of the way. */
 static void touch(hk_strain_limits *s, uint32_t rank, bool all_next) {
   const uint32_t *pair = s->pair[s->edge_at[rank]];
   for (int end = 0; end < 2; end++)
     for (size_t k = s->start[pair[end]]; k < s->start[pair[end] + 1]; k++)
-      hk_strain_mark(s->incident[k] <= rank || all_next ? &s->next : &s->now, s->incident[k]);
+      hk_mark(s->incident[k] <= rank || all_next ? &s->next : &s->now, s->incident[k]);
 }
 
 static bool visit(hk_strain_limits *s, uint32_t rank, const hk_strain_state *state, bool all_next) {
   bool moved = hk_strain_move(s, s->edge_at[rank], state);
-  if (moved) touch(s, rank, all_next);
+  if (moved) {
+    touch(s, rank, all_next);
+    hk_mark(&s->moved, rank);
+  }
   return moved;
 }
 
 static size_t sweep_in_order(hk_strain_limits *s, const hk_strain_state *state) {
   size_t moves = 0, from = 0;
   uint32_t rank;
-  while (take_lowest(&s->now, &from, &rank)) moves += visit(s, rank, state, false);
+  while (hk_marks_take(&s->now, &from, &rank)) moves += visit(s, rank, state, false);
   return moves;
 }
 
@@ -61,7 +43,7 @@ static bool farther_beyond(const hk_strain_limits *s, uint32_t e, uint32_t f) {
 static size_t sweep_sorted(hk_strain_limits *s, const hk_strain_state *state) {
   size_t count = 0, moves = 0, from = 0;
   uint32_t rank;
-  while (take_lowest(&s->now, &from, &rank)) {
+  while (hk_marks_take(&s->now, &from, &rank)) {
     uint32_t edge = s->edge_at[rank];
     s->excess[edge] = excess_of(s, edge, state->x);
     if (s->excess[edge] > 0) s->list[count++] = edge;
@@ -77,22 +59,28 @@ static size_t sweep_sorted(hk_strain_limits *s, const hk_strain_state *state) {
 static void look_at_the_rest(hk_strain_limits *s, const double *x, hk_strain_result *r) {
   size_t from = 0;
   uint32_t rank;
-  while (take_lowest(&s->now, &from, &rank)) {
+  while (hk_marks_take(&s->now, &from, &rank)) {
     double excess = excess_of(s, s->edge_at[rank], x);
     if (excess > 0) r->left++;
     if (excess > r->excess) r->excess = excess, r->worst = s->edge_at[rank];
   }
 }
 
+/* Velocities follow the moves where these keep momentum and come to an end: what is moved to and fro for ever, between
+ * pins that are too far apart, would gain speed for ever. */
 hk_strain_result hk_strain_sweep(hk_strain_limits *s, const hk_strain_state *state, size_t most) {
   hk_strain_result r = {0};
-  for (; r.sweeps < most && !none(&s->now); r.sweeps++) {
-    r.moves += s->order == HK_STRAIN_SORTED ? sweep_sorted(s, state) : sweep_in_order(s, state);
-    hk_strain_marks emptied = s->now;
+  hk_strain_state moving = *state;
+  if (s->order == HK_STRAIN_OUTWARDS) moving.v = NULL;
+  for (; r.sweeps < most && !hk_marks_empty(&s->now); r.sweeps++) {
+    r.moves += s->order == HK_STRAIN_SORTED ? sweep_sorted(s, &moving) : sweep_in_order(s, &moving);
+    hk_marks emptied = s->now;
     s->now = s->next;
     s->next = emptied;
   }
   look_at_the_rest(s, state->x, &r);
+  if (state->v && (r.left || !moving.v)) hk_strain_stop_moved(s, state);
+  hk_strain_forget(s);
   return r;
 }
 
@@ -107,28 +95,26 @@ double hk_strain_violation(const hk_strain_limits *s, const double *x) {
 
 /* ---- memory ---- */
 
-static bool make_marks(hk_strain_marks *m, size_t count, const hk_host *host) {
-  m->words = count / 64 + 1;
-  m->overviews = m->words / 64 + 1;
-  m->word = host->allocate(host, m->words * sizeof *m->word);
-  m->overview = host->allocate(host, m->overviews * sizeof *m->overview);
-  return m->word && m->overview;
-}
-
 hk_status hk_strain_build(hk_strain_limits *s, const hk_host *host) {
   s->excess = host->allocate(host, (s->count + 1) * sizeof *s->excess);
   s->list = host->allocate(host, (s->count + 1) * sizeof *s->list);
-  if (!s->excess || !s->list || !make_marks(&s->now, s->count, host) || !make_marks(&s->next, s->count, host))
+  s->touched = host->allocate(host, (s->n + 1) * sizeof *s->touched);
+  s->before = host->allocate(host, (s->n + 1) * sizeof *s->before);
+  s->is_touched = host->allocate(host, (s->n + 1) * sizeof *s->is_touched);
+  if (!s->excess || !s->list || !s->touched || !s->before || !s->is_touched ||
+      !hk_marks_make(&s->now, s->count, host) || !hk_marks_make(&s->next, s->count, host) ||
+      !hk_marks_make(&s->moved, s->count, host))
     return HK_NO_MEMORY;
   hk_status status = hk_strain_reserve(s, host);
   return status == HK_OK ? hk_strain_cut(s, host) : status;
 }
 
 void hk_strain_free(hk_strain_limits *s, const hk_host *host) {
-  void *const memory[] = {s->block,    s->beyond,    s->apart,        s->edge_of,      s->looked_at, s->square,
-                          s->edge_at,  s->rank_of,   s->start,        s->incident,     s->level,     s->queue,
-                          s->pin,      s->slide,     s->projector,    s->scratch,      s->excess,    s->list,
-                          s->now.word, s->next.word, s->now.overview, s->next.overview};
+  void *const memory[] = {s->block,        s->beyond,        s->apart,         s->edge_of,  s->looked_at, s->square,
+                          s->edge_at,      s->rank_of,       s->start,         s->incident, s->level,     s->queue,
+                          s->pin,          s->slide,         s->projector,     s->scratch,  s->excess,    s->list,
+                          s->touched,      s->before,        s->is_touched,    s->now.word, s->next.word, s->moved.word,
+                          s->now.overview, s->next.overview, s->moved.overview};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
   *s = (hk_strain_limits){0};
 }

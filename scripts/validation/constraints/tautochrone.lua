@@ -17,12 +17,12 @@ end
 
 local starts, quantities = { 0.2, 1, 2.2 }, {}
 for k, p in ipairs(starts) do
-  quantities[k] = { name = ("time to the bottom, from %.3g m"):format(a * (1 - math.cos(p))), unit = "s",
+  quantities[k] = { name = ("time from %.3g m"):format(a * (1 - math.cos(p))), unit = "s",
     reference = math.pi * math.sqrt(a / g), source = "closed form, pi sqrt(a/g) (Huygens, Horologium oscillatorium, 1673)" }
 end
 
 return validation.problem {
-  title = "Tautochrone: a bead on a cycloid",
+  title = "Tautochrone: from three heights to the bottom of a cycloid",
   quantities = quantities,
   time = { 0.02, 0.01, 0.005, 0.0025 },
   order = { time = 2 },

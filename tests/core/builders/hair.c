@@ -144,6 +144,7 @@ static void nonsense_is_refused_with_its_line(void **state) {
       {"on = { vertices = { 0, 0, 0 }, faces = { 1, 2, 3 } }, strands = 3, n = 4",
        "hair: on: faces[2]: there is no vertex 2"},
       {"on = { vertices = { 0, 0 }, faces = { 1, 1, 1 } }, strands = 3, n = 4", "hair: on: vertices: expected a list"},
+      {"on = {}, strands = 1e5, n = 1e5", "hair: 100000 strands of 100000 particles are too many: at most 20000000"},
       {"on = {}, strands = 3, n = 4, vary_length = 1", "hair: vary_length: 1 is not from 0 to 0.99"},
       {"on = {}, strands = 3, n = 4, spread = -1", "hair: spread: -1 is not from 0 to"},
       {"on = {}, strands = 3, n = 4, radius = -1", "hair: radius: -1 m must be above 0"},

@@ -17,7 +17,7 @@ static const double pi = 3.14159265358979323846;
 
 /* The measures m1, m2, ... of a scene with the strand s made of `keys`, from comma-separated expressions. */
 static void measured(const char *keys, const char *list, double *into, int count) {
-  char scene[4096], name[8];
+  char scene[4096], name[16];
   snprintf(
       scene, sizeof scene,
       "local scene = hooke.scene { duration = 0 }\nlocal s = scene:strand { %s }\n"

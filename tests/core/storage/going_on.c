@@ -197,6 +197,18 @@ static void twisted(test_engine *e) {
   test_edges(e, springs, (const uint32_t(*)[2])edge, edges);
   test_number(e, springs, "k", 300);
   test_plugin(e, HK_FORCE, "gravity");
+  double spin[LONG - 1]; /* the first rod is a ribbon as well, whose angles are particles */
+  for (uint32_t k = 0; k + 1 < LONG; k++) {
+    spin[k] = test_particle(e, 0.01 * k, 2, 0, 0.02);
+    test_pin(e, HK_PIN_LINE, (uint32_t)spin[k], (const double[]){1, 0, 0});
+  }
+  hk_plugin_spec *ribbon = test_plugin(e, HK_FORCE, "rods");
+  test_edges(e, ribbon, (const uint32_t(*)[2])edge, LONG - 1);
+  test_number(e, ribbon, "EI", 1e-3);
+  test_number(e, ribbon, "EI2", 2e-3);
+  test_number(e, ribbon, "GJ", 1e-3);
+  test_list(e, ribbon, "spins", spin, LONG - 1);
+  test_number(e, ribbon, "radius", 0.1);
 }
 
 typedef struct scene_case {

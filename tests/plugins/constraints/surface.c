@@ -154,6 +154,58 @@ static void a_turning_wire_flings_its_bead(void **state) {
   assert_true(fabs(test_json(r.out, "work")) > 1);
 }
 
+/* A plate that shakes with 1 mm at 10, 100 and 1000 Hz carries a particle: its force is m (g + z''), also where the
+ * plate turns and nothing moves. The differences in time have to find out how short they are: right to 1e-4/255, and
+ * the rounding of z over the square of a step. */
+static void a_shaking_plate_pushes_with_what_it_shakes(void **state) {
+  (void)state;
+  test_write("scene.lua",
+             "local rate, method = param('rate', 10, 'Hz'), param('method', 1, '')\n"
+             "local w, A, m = 2 * math.pi * rate, 1e-3, 2\n"
+             "local scene = hooke.scene { duration = 1.25 / rate, fps = 40 * rate, dt = 1 / (80 * rate),\n"
+             "  integrator = ({ 'leapfrog', 'rk4' })[method] }\n"
+             "local p = scene:particle { position = { 1, 0, 0 }, velocity = { 0, 0.3, A * w }, mass = m }\n"
+             "scene:force('gravity')\n"
+             "scene:constraint('surface', { particles = { p }, g = function(t, x, y, z) return z - A * math.sin(w * t) "
+             "end })\n"
+             "local worst = 0\n"
+             "scene:measure('off', function(s)\n"
+             "  local known = m * (9.81 - A * w * w * math.sin(w * s.t))\n"
+             "  worst = math.max(worst, math.abs(s:constraint_forces('surface')[1] - known) / (m * A * w * w))\n"
+             "  return worst\n"
+             "end)\n"
+             "return scene\n");
+  for (int method = 1; method <= 2; method++)
+    for (int rate = 10; rate <= 1000; rate *= 10) {
+      char option[64];
+      snprintf(option, sizeof option, "rate=%d method=%d", rate, method);
+      run(option);
+      near("off", 0, 2e-6);
+    }
+}
+
+/* A plane that is at 0 at every step of 1/60 s and every half of one, and hums between them: the run cannot see it. The
+ * function is called for the particles of the surface alone. */
+static void what_a_surface_does_between_the_steps_is_noticed(void **state) {
+  (void)state;
+  char arguments[512];
+  test_write("scene.lua", "local rate = param('rate', 1800, '1/s')\n"
+                          "local scene = hooke.scene { duration = 0.5, fps = 60, dt = 1 / 60 }\n"
+                          "local p = scene:particle { mass = 1, velocity = { 1, 0, 0 } }\n"
+                          "scene:particle { mass = 1, position = { 1, 1, 1 } }\n"
+                          "scene:constraint('surface', { particles = { p }, g = function(t, x, y, z, id)\n"
+                          "  assert(id == p)\n"
+                          "  return z - 0.01 * math.sin(2 * math.pi * rate * t) ^ 2\n"
+                          "end })\n"
+                          "return scene\n");
+  for (int slow = 0; slow < 2; slow++) {
+    snprintf(arguments, sizeof arguments, "run %s/scene.lua --no-output %s", test_folder(), slow ? "rate=2" : "");
+    test_hooke(&r, NULL, arguments);
+    assert_int_equal(r.code, slow ? 0 : 5);
+    assert_true((strstr(r.out, "scene.lua:5: surface: g does something within") != NULL) == !slow);
+  }
+}
+
 /* ---- the start ---- */
 
 /* 0.3 m off the sphere and 1 m/s away from it; and a start that is off by the rounding of its numbers. */
@@ -241,6 +293,14 @@ static void functions_that_do_not_fit_are_refused(void **state) {
   test_refused(HEAD "local function f() return 0, 0, 1 end\n"
                     "scene:constraint('surface', { particles = { p }, g_gradient = f })\nreturn scene\n",
                "--quiet", 1, "bad.lua:4: surface: g_gradient needs g, whose gradient it is");
+  test_refused(
+      HEAD "scene:constraint('surface', { particles = { p }, g = function(t, x, y, z) return x * x - y - 1 end,\n"
+           "  g_gradient = function(t, x, y, z) return 2 * x, 1, 0 end })\nreturn scene\n",
+      "--quiet", 1,
+      "bad.lua:3: surface: g_gradient: at the start of particle 1 it is (2, 1, 0), and differences of g give (2, -1, ");
+  test_refused(HEAD "scene:constraint('surface', { particles = { p },\n"
+                    "  g = function(t, x, y, z) return y + 1e-3 * math.sin(3000 * (x - 1)) end })\nreturn scene\n",
+               "--quiet", 1, "it changes within less than length = 1 m, give that, or g_gradient");
   test_refused(HEAD "scene:constraint('surface', { particles = { p },\n"
                     "g = function(t, x, y, z) return x, 2 end })\nreturn scene\n",
                "--quiet", 1, "bad.lua:4: this function returned more numbers than are expected at t = 0 s, particle 1");
@@ -255,6 +315,8 @@ int main(void) {
       cmocka_unit_test(free_particles_run_along_geodesics),
       cmocka_unit_test(functions_do_what_the_shapes_do),
       cmocka_unit_test(a_turning_wire_flings_its_bead),
+      cmocka_unit_test(a_shaking_plate_pushes_with_what_it_shakes),
+      cmocka_unit_test(what_a_surface_does_between_the_steps_is_noticed),
       cmocka_unit_test(a_start_off_the_surface_is_moved_onto_it_and_said),
       cmocka_unit_test(a_spherical_pendulum_keeps_energy_and_angular_momentum),
       cmocka_unit_test(what_has_no_direction_is_named_with_particle_time_and_place),

@@ -262,7 +262,8 @@ static void sums(const bench *b, double centre[3], double momentum[3], double an
     }
 }
 
-/* Masses from 0.1 to 10 kg, of some 900 kg m in all: relative to that sums of some thousand moves are exact. */
+/* Masses from 0.1 to 10 kg, of some 900 kg m in all: relative to that sums of some thousand moves are exact. Where
+ * sweeps come to an end angular momentum stays, too. */
 static void momenta_stay(void **state) {
   (void)state;
   for (int kept = 0; kept < 2; kept++) {
@@ -272,7 +273,8 @@ static void momenta_stay(void **state) {
     make_grid(&b, 17);
     limit(&b, 0.1, "sorted");
     test_text(&b.e, b.spec, "velocity", kept ? "kept" : "corrected");
-    test_number(&b.e, b.spec, "sweeps", 200);
+    test_number(&b.e, b.spec, "sweeps", 1e6);
+    test_number(&b.e, b.spec, "tolerance", 1e-6);
     test_run(&b.e);
     shake(&b, 0.4);
     sums(&b, before[0], before[1], before[2]);
@@ -378,6 +380,41 @@ static void beads_move_along_their_pins(void **state) {
   }
 }
 
+/* A chain of links of at most 0.11 m between pins that go 1.5 m apart: nothing can bring it to its limits. It says so,
+ * is as long as its pins ask, and gains no energy from the sweeps. */
+static void pins_too_far_apart_are_a_violation_and_no_explosion(void **state) {
+  (void)state;
+  static const char *const orders[] = {"given", "outwards", "sorted"};
+  for (int k = 0; k < 3; k++) {
+    bench b;
+    open_bench(&b);
+    for (size_t i = 0; i <= 10; i++) {
+      particle(&b, 0.1 * (double)i, 0.01 * noise(), 0.01 * noise(), 1);
+      if (i) join(&b, i - 1, i);
+    }
+    b.e.scene->position[30] = 1.5;
+    for (int c = 3; c < 30; c++) b.e.scene->velocity[c] = noise();
+    limit(&b, 0.1, orders[k]);
+    double rest[10];
+    for (int e = 0; e < 10; e++) rest[e] = 0.1;
+    test_list(&b.e, b.spec, "rest", rest, 10);
+    test_number(&b.e, b.spec, "sweeps", 200);
+    test_pin(&b.e, HK_PIN_FIXED, 1, NULL);
+    test_pin(&b.e, HK_PIN_FIXED, 11, NULL);
+    test_run(&b.e);
+    test_advance(&b.e, 0.5);
+    hk_summary s;
+    hk_run_summary(b.e.run, &s);
+    double start = 0;
+    for (int c = 3; c < 30; c++) start += b.e.scene->velocity[c] * b.e.scene->velocity[c] / 2;
+    print_message("pins too far apart, %s: violated by %.3g m, %.3g of %.3g J at most\n", orders[k],
+                  s.constraint_violation, s.kinetic_max, start);
+    assert_true(s.constraint_violation > 0.03 && s.warnings > 0);
+    assert_true(s.kinetic_max <= start * (1 + 1e-12));
+    test_engine_close(&b.e);
+  }
+}
+
 /* ---- motion ---- */
 
 /* Provot's sheet: 17 x 17 particles of 0.1 kg in all on the unit square, all springs of 1 N/m, hung by two corners. */
@@ -416,13 +453,13 @@ static void a_hung_sheet_stretches_most_at_its_corners(void **state) {
   (void)state;
   bench b;
   hang(&b, "symplectic_euler", 1e-3, false);
-  double most = hung_strain(&b, 2), elsewhere = 0;
+  double most = hung_strain(&b, 0.6), elsewhere = 0;
   for (size_t k = 0; k < b.edges; k++)
     if (!touches(&b, k, 17 * 16 + 1) && !touches(&b, k, 17 * 17))
       elsewhere = fmax(elsewhere, length_of(&b, k) / b.rest[k] - 1);
   test_engine_close(&b.e);
   hang(&b, "symplectic_euler", 1e-3, true);
-  double limited = hung_strain(&b, 2);
+  double limited = hung_strain(&b, 0.6);
   test_engine_close(&b.e);
   print_message("hung sheet: strain %.3g at the corners, %.3g elsewhere; limited %.10g\n", most, elsewhere, limited);
   assert_true(most > 1 && elsewhere < 0.8 * most);
@@ -438,8 +475,8 @@ static void every_explicit_method_keeps_the_limit(void **state) {
   for (size_t k = 0; k < sizeof methods / sizeof *methods; k++) {
     bench b;
     hang(&b, methods[k], strcmp(methods[k], "dopri5") ? 1e-3 : NAN, true);
-    for (int step = 1; step <= 6; step++) {
-      double most = hung_strain(&b, 0.1 + 0.02 * step);
+    for (int step = 1; step <= 5; step++) {
+      double most = hung_strain(&b, 0.12 + 0.01 * step);
       if (!(most <= 0.1 + 1.2e-6)) fail_msg("%s: strain %.10g", methods[k], most);
     }
     assert_true(strain(&b) > 0.0999); /* it is at work */
@@ -511,6 +548,7 @@ int main(void) {
       cmocka_unit_test(a_mass_whirls_at_its_limit),
       cmocka_unit_test(pins_stay),
       cmocka_unit_test(beads_move_along_their_pins),
+      cmocka_unit_test(pins_too_far_apart_are_a_violation_and_no_explosion),
       cmocka_unit_test(a_hung_sheet_stretches_most_at_its_corners),
       cmocka_unit_test(every_explicit_method_keeps_the_limit),
       cmocka_unit_test(steps_beyond_the_limit_diverge_and_below_do_not),

@@ -8,7 +8,7 @@ local habits = require("common.check.integrator.habits")
 local scenes = require("common.check.integrator.scenes")
 
 -- hk_integrator.flags
-local NEEDS_JACOBIAN, NEEDS_SOLVER, SPLITS, LIMITS_MOVES = 8, 32, 64, 128
+local NEEDS_JACOBIAN, NEEDS_SOLVER, SPLITS, LIMITS_MOVES, KEEPS_CONSTRAINTS = 8, 32, 64, 128, 256
 
 local function starts(plugin, lines)
   lines:at("the scene 'swing'")
@@ -32,6 +32,7 @@ return function(plugin, report)
   local flags = found[1].flags
   plugin.needs_jacobian, plugin.needs_solver = flags & NEEDS_JACOBIAN ~= 0, flags & NEEDS_SOLVER ~= 0
   plugin.splits, plugin.limits_moves = flags & SPLITS ~= 0, flags & LIMITS_MOVES ~= 0
+  plugin.keeps_constraints = flags & KEEPS_CONSTRAINTS ~= 0
   plugin.constrained = found[1].constrained
   plugin.states_growth, plugin.states_rotation = found[1].amplifies, found[1].rotates
   for _, property in ipairs(habits.list) do

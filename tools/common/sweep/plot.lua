@@ -12,7 +12,7 @@ local figures = {}
 
 -- ---- figures to draw ----
 
-local known = { "measure", "over", "along", "name", "title", "xlabel", "ylabel", "logx", "logy", "min", "max", "path", "axes",
+local known = { "measure", "over", "along", "repeats", "name", "title", "xlabel", "ylabel", "logx", "logy", "min", "max", "path", "axes",
   "panels", "curves", "range", "width", "height" }
 
 local function check(figure, k)
@@ -25,6 +25,9 @@ local function check(figure, k)
   local over = points.over(figure)
   if figure.measure and #over ~= 1 and #over ~= 2 then
     plan.refuse("plots[%d]: over: expected a parameter (lines) or two (a heat map)", k)
+  end
+  if figure.repeats and (not figure.along or figure.repeats ~= "least") then
+    plan.refuse("plots[%d]: repeats: \"least\", of what is in `over`, beside `along`; the median otherwise", k)
   end
   if figure.along and #over ~= 1 then plan.refuse("plots[%d]: along: goes with one measure in `over`", k) end
 end
@@ -69,16 +72,16 @@ end
 
 -- ---- points ----
 
--- The medians of x and y at each value of the axis `along`, in its order.
-local function points_along(cases, x, y, along)
+-- x and y at each value of the axis that the figure's lines go along, in its order.
+local function points_along(cases, x, y, figure)
   local list = {}
-  for _, group in ipairs(points.grouped(cases, { along })) do
+  for _, group in ipairs(points.grouped(cases, { figure.along })) do
     local at, values = {}, {}
     for _, case in ipairs(group) do
       local a, b = rows.value(case, x), rows.value(case, y)
       if points.good(case) and type(a) == "number" and type(b) == "number" then at[#at + 1], values[#values + 1] = a, b end
     end
-    if #at > 0 then list[#list + 1] = { points.median(at), points.median(values) } end
+    if #at > 0 then list[#list + 1] = { points.of_repeats(figure, at), points.median(values) } end
   end
   return list
 end
@@ -188,7 +191,7 @@ local function draw_lines(the, figure, path)
   local x = points.over(figure)[1]
   local names, curves = points.others(the, { x, figure.along }), {}
   for _, group in ipairs(points.grouped(the.cases, names)) do
-    local list = figure.along and points_along(group, x, figure.measure, figure.along) or
+    local list = figure.along and points_along(group, x, figure.measure, figure) or
       points_of(group, x, figure.measure)
     if #list > 0 then
       local lines = figure.along ~= nil or not points.sampled(the, x)

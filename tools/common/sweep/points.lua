@@ -16,6 +16,11 @@ function points.median(list)
   return n % 2 == 1 and list[(n + 1) // 2] or (list[n // 2] + list[n // 2 + 1]) / 2
 end
 
+-- What a figure shows of repeats: their median, or, of times on a busy machine, the least.
+function points.of_repeats(figure, list)
+  return figure.repeats == "least" and math.min(table.unpack(list)) or points.median(list)
+end
+
 -- A value for labels, without characters that would end a line of gnuplot's script.
 function points.text(value)
   if math.type(value) == "integer" and math.abs(value) < 1000000 then return tostring(value) end

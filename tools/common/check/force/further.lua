@@ -78,6 +78,7 @@ local function elements_are_the_force(plugin, lines)
   local gradient, energy, damping, ranges = worst.new(), worst.new(), worst.new(), worst.new()
   cases.each(plugin, lines, few, function(subject, case)
     local x, v = cases.random_state(subject, case, 1)
+    if not members.elements(subject) then return end
     local list, n = each_tuple(subject), #x // 3
     for _, tuple in ipairs(list) do
       for _, member in ipairs(tuple) do

@@ -290,6 +290,31 @@ end
 
 -- ---- flags ----
 
+-- How far the state X of the scene 'linkage' is from its bars, m and m/s.
+local function off_the_bars(X)
+  local worst = 0
+  for k = 1, #scenes.joints - 1 do
+    local length, now, rate = 0, 0, 0
+    for c = 1, 3 do
+      local d, u = X[3 * k + c] - X[3 * k - 3 + c], X[9 + 3 * k + c] - X[9 + 3 * k - 3 + c]
+      length, now, rate = length + (scenes.joints[k + 1][c] - scenes.joints[k][c]) ^ 2, now + d * d, rate + d * u
+    end
+    worst = math.max(worst, math.abs(math.sqrt(now) - math.sqrt(length)), math.abs(rate) / math.sqrt(now))
+  end
+  return worst
+end
+
+local function keeps_constraints(plugin, lines)
+  lines:at("the scene 'linkage'")
+  local run, why = scenes.open(plugin, scenes.linkage)
+  if not run then error(why, 0) end
+  local off = off_the_bars(method.run(run, plugin.adaptive and { h = H, stop = 10 * H } or { h = H, steps = 10 }).X)
+  if off > 1e-12 or off ~= off then
+    lines:wrong(("it claims HK_KEEPS_CONSTRAINTS, and ten steps leave bars of 1 m by %.2g m or m/s"):format(off),
+      "call hk_system.hold_positions and hold_velocities, or drop the flag")
+  end
+end
+
 local function is_what_its_flags_say(plugin, lines)
   local function remedy(flag) return ("the flags of hk_integrator: %s"):format(flag) end
   lines:at("the scene 'swing'")
@@ -315,6 +340,7 @@ local function is_what_its_flags_say(plugin, lines)
   elseif later.evaluations == 0 then
     lines:wrong("it takes steps without an evaluation of f", "see hk_system.accelerations")
   end
+  if plugin.keeps_constraints then keeps_constraints(plugin, lines) end
   if plugin.limits_moves then
     local contact = scenes.open(plugin, scenes.swing)
     local r = contact and method.run(contact, { h = H, steps = 1, stop = H, contact = 1 })

@@ -21,6 +21,16 @@ function scenes.swing(scene)
   scene:force("gravity", {})
 end
 
+scenes.joints = { { 0, 0, 0 }, { 0.6, 0, -0.8 }, { 1.3, 0.4, -0.5 } }
+
+function scenes.linkage(scene) -- two rigid bars below a pin
+  local ids = {}
+  for k, x in ipairs(scenes.joints) do ids[k] = scene:particle { position = x, mass = k } end
+  scene:pin { ids[1] }
+  scene:force("gravity", {})
+  scene:constraint("bars", { edges = { { ids[1], ids[2] }, { ids[2], ids[3] } } })
+end
+
 function scenes.free(scene) -- the swing without its pin: the flow of a Hamiltonian in all coordinates
   local a = scene:particle { position = { 0, 0, 0 }, velocity = { 0, 0.4, 0 }, mass = 1 }
   local b = scene:particle { position = { 1.1, 0.2, 0 }, velocity = { 0.3, -0.5, 0.2 }, mass = 1 }
