@@ -6,7 +6,7 @@
  * Methods that keep g = 0 and J v + g_t = 0 in their own steps ask for SHAKE's correction of positions,
  *     x += W J^T L,  J at the start of the step, with g(x, t) = 0 at its end,
  * by Newton's iteration with the matrix J W J^T of the start, whose error falls by a factor of the order of h a round
- * (where it does not, as in a light chain that a heavy weight straightens, with J of the last round on the left),
+ * (where it does not, as where bars turn by half a radian in a step, with J of the last round on the left),
  * and for RATTLE's correction of velocities,
  *     v += W J^T M,  J at x, with J v + g_t = 0,
  * one linear solution. With half a kick before and after they make a symplectic and reversible map, because impulses

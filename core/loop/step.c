@@ -66,8 +66,7 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
   set_time(loop, t);
   if (loop->pins->has_paths || loop->pins->has_slides) status = hk_dynamics_impose(loop->dynamics, t, x, v);
   bool held = loop->step->method->flags & HK_KEEPS_CONSTRAINTS && loop->dynamics->system.holonomic;
-  if (status == HK_OK && loop->dynamics->constraints && !held)
-    status = hk_constraints_project(loop->dynamics, t, x, v);
+  if (status == HK_OK && loop->dynamics->constraints && !held) status = hk_constraints_project(loop->dynamics, t, x, v);
   if (hk_constraints_jumped(loop->dynamics)) hk_step_reset(loop, HK_STATE_CHANGED);
   if (status == HK_OK && hk_contact_checks(loop)) status = hk_contact_check(loop, before, rejected);
   if (status == HK_OK && !*rejected && loop->hooks.moved) loop->hooks.moved(loop->hooks.context, h);

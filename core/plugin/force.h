@@ -132,8 +132,8 @@ typedef struct hk_force {
   unsigned flags;
   /* F[3*i..] += force on particle i, N, for active particles only (a tuple acts when all its members are active). */
   hk_status (*add)(void *self, const hk_view *view, double *F);
-  double (*energy)(void *self, const hk_view *view);                   /* J; NULL: no energy */
-  hk_status (*rates)(void *self, const hk_view *view, double *dy);     /* dy += rates of the channels; may be NULL */
+  double (*energy)(void *self, const hk_view *view);               /* J; NULL: no energy */
+  hk_status (*rates)(void *self, const hk_view *view, double *dy); /* dy += rates of the channels; may be NULL */
   /* All elements that act; with `values` 0 in the first list the force has none with the parameters of this run. NULL:
    * it never has. */
   void (*elements)(void *self, const hk_view *view, hk_elements *out);

@@ -28,17 +28,23 @@ static size_t most_changed(const double *before, const double *now, size_t n) {
   return most;
 }
 
+static double largest(const double *list, size_t count) {
+  double most = 0;
+  for (size_t k = 0; k < count; k++) most = fmax(most, fabs(list[k]));
+  return most;
+}
+
 /* Says what constraints changed of the start, where that is more than how a script rounds its numbers. */
-static void say_changes(hk_run *run, const double *before, const double *now, double extent) {
+static void say_changes(hk_run *run, const double *before, const double *now) {
   const double rounded = 1e-6;
   size_t n = run->state.model.n, i = most_changed(before, now, n), j = most_changed(before + 3 * n, now + 3 * n, n);
-  double move = apart(before + 3 * i, now + 3 * i), jump = apart(before + 3 * (n + j), now + 3 * (n + j)), fastest = 0;
-  for (size_t k = 3 * n; k < 6 * n; k++) fastest = fmax(fastest, fabs(before[k]));
-  if (move > rounded * extent)
+  double move = apart(before + 3 * i, now + 3 * i), jump = apart(before + 3 * (n + j), now + 3 * (n + j));
+  double size = largest(before, 3 * n), speed = fmax(largest(before + 3 * n, 3 * n), size /* in a second */);
+  if (move > rounded * size)
     hk_warn(&run->warnings,
             "the start is off the constraints: particle %u is moved onto them by %.3g m, others by less",
             run->state.id[i], move);
-  if (jump > rounded * fastest)
+  if (jump > rounded * speed)
     hk_warn(&run->warnings,
             "the start is off the constraints: the velocity of particle %u is changed by %.3g m/s, of others by less",
             run->state.id[j], jump);
@@ -47,11 +53,11 @@ static void say_changes(hk_run *run, const double *before, const double *now, do
 static hk_status keep_constraints(hk_run *run) {
   hk_state *s = &run->state;
   size_t n = s->model.n;
-  double extent = hk_state_extent(s), *before = malloc((6 * n + 1) * sizeof *before);
+  double *before = malloc((6 * n + 1) * sizeof *before);
   if (!before) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the start");
   memcpy(before, s->X, 6 * n * sizeof *before);
   hk_status status = hk_constraints_project(&run->dynamics, s->t, s->X, s->X + 3 * n);
-  if (status == HK_OK && n > 0) say_changes(run, before, s->X, extent);
+  if (status == HK_OK && n > 0) say_changes(run, before, s->X);
   free(before);
   return status;
 }

@@ -1,9 +1,9 @@
-/* Welds: a pair of particles keeps its difference, x_j - x_i = offset, in all three directions. Particles that start at
- * one place stay together (two strands joined at their ends), others keep their distance and direction (a cloth sewn to
- * a rod beside it); where i is a pin with a path, j goes with it. The gradients are -I and I and nothing is quadratic,
- * so the equations hold to rounding once they do.
+/* Welds: a pair of particles keeps its difference, x_j - x_i = (dx, dy, dz), in all three directions. Particles that
+ * start at one place stay together (two strands joined at their ends), others keep their distance and direction (a
+ * cloth sewn to a rod beside it); where i is a pin with a path, j goes with it. The gradients are -I and I and nothing
+ * is quadratic, so the equations hold to rounding once they do.
  *
- * A particle is a point and does not turn, and so neither does an offset: it is fixed in space, not in the rod. What
+ * A particle is a point and does not turn, and so neither does a difference: it is fixed in space, not in the rod. What
  * shall turn with the rest is joined by bars, three to each particle. A direction is clamped by two particles: pin the
  * first of a strand and weld the second to it, and its root keeps the angle of the start; pins with paths turn it.
  * Welds in a closed loop follow from each other, and their forces are then those of least squares. */
@@ -11,15 +11,16 @@
 
 typedef struct weld {
   hk_tuples edges;
-  double offset[3];
-  double *difference; /* 3 for each pair, m */
+  hk_per_tuple d[3]; /* m */
 } weld;
 
 /* clang-format off */
 static const hk_param params[] = {
     {"edges", "", "pairs of particles to weld", HK_EDGES, {0}, 0, 0, offsetof(weld, edges), HK_REQUIRED, NULL},
-    {"offset", "m", "of the second from the first; left out: as they start", HK_VECTOR, {0}, 0, 0, offsetof(weld, offset),
-     HK_OPTIONAL, NULL},
+    {"dx", "m", "x of the second minus x of the first; left out: as they start", HK_PER_TUPLE, {0}, 0, 0,
+     offsetof(weld, d[0]), HK_OPTIONAL, NULL},
+    {"dy", "m", "the same of y", HK_PER_TUPLE, {0}, 0, 0, offsetof(weld, d[1]), HK_OPTIONAL, NULL},
+    {"dz", "m", "the same of z", HK_PER_TUPLE, {0}, 0, 0, offsetof(weld, d[2]), HK_OPTIONAL, NULL},
     {0},
 };
 /* clang-format on */
@@ -30,11 +31,12 @@ static double difference(const double *x, const uint32_t *pair, int c) {
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   weld *w = self;
-  w->difference = host->allocate(host, 3 * (w->edges.count + 1) * sizeof *w->difference);
-  if (!w->difference) return host->fail(host, HK_NO_MEMORY, "no memory for %zu welds", w->edges.count);
-  for (size_t k = 0; k < 3 * w->edges.count; k++) {
-    double start = difference(view->x, hk_tuple(&w->edges, k / 3), (int)(k % 3));
-    w->difference[k] = isnan(w->offset[0]) ? start : w->offset[k % 3];
+  for (int c = 0; c < 3; c++) {
+    if (w->d[c].count) continue;
+    double *start = host->allocate(host, (w->edges.count + 1) * sizeof *start);
+    if (!start) return host->fail(host, HK_NO_MEMORY, "no memory for %zu welds", w->edges.count);
+    for (size_t k = 0; k < w->edges.count; k++) start[k] = difference(view->x, hk_tuple(&w->edges, k), c);
+    w->d[c] = (hk_per_tuple){w->edges.count, start};
   }
   return HK_OK;
 }
@@ -52,7 +54,7 @@ static void pattern(void *self, hk_pattern *into) {
 static hk_status value(void *self, const hk_view *view, double *g) {
   const weld *w = self;
   for (size_t k = 0; k < count(self); k++)
-    g[k] = difference(view->x, hk_tuple(&w->edges, k / 3), (int)(k % 3)) - w->difference[k];
+    g[k] = difference(view->x, hk_tuple(&w->edges, k / 3), (int)(k % 3)) - hk_tuple_value(&w->d[k % 3], k / 3);
   return HK_OK;
 }
 
@@ -80,7 +82,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_CONSTRAINT,
     .name = "weld",
-    .summary = "pairs of particles that keep their difference, x_j - x_i = offset, or coincide",
+    .summary = "pairs of particles that keep their difference, x_j - x_i = (dx, dy, dz), or coincide",
     .reference = "Baraff, Linear-Time Dynamics using Lagrange Multipliers (SIGGRAPH 1996), section 1",
     .instance_size = sizeof(weld),
     .params = params,

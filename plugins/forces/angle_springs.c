@@ -153,7 +153,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
     if (part == HK_DAMPING_WHOLE)
       hk_joint_bound(&now.joint, now.c, 0, true, along, across);
     else
-      hk_joint_bound(&now.joint, now.k, now.z, part == HK_STIFFNESS_WHOLE, along, across);
+      hk_joint_bound(&now.joint, now.k, now.moment, part == HK_STIFFNESS_WHOLE, along, across);
     for (int m = 0; m < 2; m++) hk_edge_stiffness_add(view, node + m, now.joint.t[m], along[m], across[m], block);
   }
 }

@@ -13,6 +13,9 @@
  * clamp, which holds its section as well; `turn` turns the last clamp of a rod, or the ends of a ring against each
  * other, by any number of turns.
  *
+ * A free rod that is straight, but not at rest, can curl in any direction: it is infinitely stiff there against turning
+ * that direction. Clamp an end, or start it curved.
+ *
  * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
  * ends the run with the particle's number. */
 #include "plugins/common/rods/rod_blocks.h"

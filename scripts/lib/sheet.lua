@@ -1,6 +1,7 @@
--- sheet: triangulations of a unit square, { vertices =, faces = } for scene:mesh: squares of one diagonal each (regular), of
--- alternating diagonals, and irregular ones: rows of points, displaced at random, are joined to Delaunay's triangulation
--- by flips of edges (Lawson 1977) and smoothed, so that corners have five to seven triangles of nearly equal sides.
+-- sheet: triangulations of a unit square, { vertices =, faces = } for scene:mesh: squares of one diagonal each
+-- (regular), of alternating diagonals, and irregular ones: rows of points, displaced at random, are joined to
+-- Delaunay's triangulation by flips of edges (Lawson 1977) and smoothed, so that corners have five to seven triangles
+-- of nearly equal sides.
 local sheet = {}
 
 local function squares(n, alternating)

@@ -1,7 +1,7 @@
--- discretization.lua: one sheet, held along its border, falls from flat, swings and comes to rest, as N x N squares, with
--- alternating diagonals, or as an irregular mesh. With numbers of the material (numbers=material) sag and first period of
--- its middle come out the same for any N and mesh; with one spring constant and equal masses (numbers=raw) they do not.
---   hooke sweep scripts/sweeps/discretization.lua
+-- discretization.lua: one sheet, held along its border, falls from flat, swings and comes to rest, as N x N squares,
+-- with alternating diagonals, or as an irregular mesh. With numbers of the material (numbers=material) sag and first
+-- period of its middle come out the same for any N and mesh; with one spring constant and equal masses (numbers=raw)
+-- they do not.   hooke sweep scripts/sweeps/discretization.lua
 local sheet = require("sheet")
 local N = param("N", 32, "cells along one side", { min = 4, max = 256 })
 local mesh = param("mesh", "irregular", "regular, alternating or irregular")

@@ -1,12 +1,14 @@
 -- peirce.lua: ribbons of cloth held at one end bend under their own weight, the longer the more. Peirce measured the
--- bending rigidity so: where the line from the clamp to the tip falls by 41.5 degrees, the length L has w L^3/EI = 8.0042,
--- w the weight and EI the rigidity per width; the middle ribbon has that length. (Peirce, The handle of cloth as a
--- measurable quantity, J. Textile Institute 21, 1930.) EI of a narrow ribbon is (1 - nu^2) B, and nu of hinges is -1/3.
+-- bending rigidity so: where the line from the clamp to the tip falls by 41.5 degrees, the length L has w L^3/EI =
+-- 8.0042, w the weight and EI the rigidity per width; the middle ribbon has that length. (Peirce, The handle of cloth
+-- as a measurable quantity, J. Textile Institute 21, 1930.) EI of a narrow ribbon is (1 - nu^2) B, and nu of hinges is
+-- -1/3.
 local N = param("N", 40, "cells along the middle ribbon, which is two cells wide", { min = 4, max = 200 })
 local B = param("B", 1e-4, "bending rigidity, N m", { min = 1e-9 })
 local density, g, EI = 0.15, 9.81, 8 / 9 * B
 local peirce = (8.00420 * EI / (density * g)) ^ (1 / 3)
-local a = peirce / (N - 0.5) -- the clamp is in the middle of the first cell: the hinge at its end has a cell's length, too
+-- The clamp is in the middle of the first cell: the hinge at its end has a cell's length, too.
+local a = peirce / (N - 0.5)
 
 local scene = hooke.scene { duration = 1.5, fps = 60, dt = 1 / 240, integrator = "bdf2" }
 

@@ -92,7 +92,47 @@ static void compare(const char *what, size_t strand, double damping) {
   test_engine_close(&e);
 }
 
+/* The blocks of a chain, five in a row of its matrix, on one thread. */
+static void blocks(const char *what, double damping, unsigned want) {
+  static uint32_t joint[N][3];
+  double best = INFINITY;
+  size_t count = 0;
+  test_engine e;
+  test_engine_open(&e);
+  e.scene->threads = 1;
+  e.options.dt = 1e-6;
+  for (size_t i = 0; i < N; i++) {
+    test_particle(&e, cos(0.3 * (double)i), sin(0.3 * (double)i), 0.06 * (double)i, 1);
+    if (i > 1) memcpy(joint[count++], (uint32_t[]){(uint32_t)i - 1, (uint32_t)i, (uint32_t)i + 1}, sizeof *joint);
+  }
+  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "angle_springs");
+  test_tuples(&e, spec, "joints", 3, &joint[0][0], count);
+  test_number(&e, spec, "k", 2);
+  test_number(&e, spec, "damping", damping);
+  test_number(&e, spec, "rest", 0);
+  test_run(&e);
+  hk_instance *force = test_instance(&e, spec);
+  hk_view view = *hk_run_view(e.run);
+  view.host = &force->host;
+  size_t *slot = malloc(9 * count * sizeof *slot);
+  double *K = calloc(9 * 5 * N, sizeof *K), *D = calloc(9 * 5 * N, sizeof *D);
+  for (size_t k = 0; k < 9 * count; k++) slot[k] = 5 * (k / 9 + k % 9 / 3) + (k % 3 + 2) - k % 9 / 3;
+  for (int r = 0; r < REPEATS / 4; r++) {
+    double t0 = now();
+    force->plugin->force->jacobian(force->self, &view, &(hk_blocks){slot, K, D, want});
+    best = fmin(best, now() - t0);
+  }
+  printf("%-24s %6.0f ns a joint\n", what, best / (double)count * 1e9);
+  free(slot);
+  free(K);
+  free(D);
+  test_engine_close(&e);
+}
+
 int main(void) {
+  blocks("blocks, exact", 0, 0);
+  blocks("blocks, exact, damped", 0.1, 0);
+  blocks("blocks, definite", 0, HK_WANT_SYMMETRIC | HK_WANT_DEFINITE);
   compare("hair", EACH, 0);
   compare("hair, damped", EACH, 0.1);
   compare("one chain", N, 0);

@@ -11,10 +11,6 @@ static const double first = 1e-3, second = 6e-3, /* of the length */
     agreed = 1e-4,                               /* of second ones: the shorter has 1/256 of the longer one's error */
     rounding = 1e-14;                            /* of a sum of some products */
 
-/* The weights at -2, -1, 1 and 2 steps: of the first derivative, and of the second one, where the middle has -30. Both
- * are divided by 12. */
-static const double at[4] = {-2, -1, 1, 2}, slope[4] = {1, -8, 8, -1}, bend[4] = {-1, 16, 16, -1};
-
 static hk_status call(const hk_script_equation *e, const hk_function *f, const hk_event *p, double *out, size_t count) {
   const double in[] = {p->t, p->x[0], p->x[1], p->x[2], p->id};
   return e->host->call(e->host, f, in, 5, out, count);
@@ -27,31 +23,31 @@ static hk_event moved(const hk_event *p, double in_time, double s, const double 
   return there;
 }
 
-/* dg/ds at x + s v, t + s `in_time`, by steps of h. */
+/* g on both sides, at x + s v and t + s `in_time`, and at -s. */
+static hk_status both_sides(const hk_script_equation *e, const hk_event *p, double in_time, const double v[3], double s,
+                            double g[2]) {
+  hk_event ahead = moved(p, s * in_time, s, v), behind = moved(p, -s * in_time, -s, v);
+  hk_status status = call(e, e->g, &ahead, &g[0], 1);
+  return status == HK_OK ? call(e, e->g, &behind, &g[1], 1) : status;
+}
+
+/* dg/ds by steps of h, (8 (g(h) - g(-h)) - (g(2h) - g(-2h)))/(12 h): exactly 0 where g does not change. */
 static hk_status slope_along(const hk_script_equation *e, const hk_event *p, double in_time, const double v[3],
                              double h, double *result) {
-  double sum = 0, g = 0;
-  hk_status status = HK_OK;
-  for (int k = 0; k < 4 && status == HK_OK; k++) {
-    hk_event there = moved(p, at[k] * h * in_time, at[k] * h, v);
-    status = call(e, e->g, &there, &g, 1);
-    sum += slope[k] * g;
-  }
-  *result = sum / (12 * h);
+  double near[2] = {0}, far[2] = {0};
+  hk_status status = both_sides(e, p, in_time, v, h, near);
+  if (status == HK_OK) status = both_sides(e, p, in_time, v, 2 * h, far);
+  *result = (8 * (near[0] - near[1]) - (far[0] - far[1])) / (12 * h);
   return status;
 }
 
-/* d^2 g/ds^2 at x + s v, t + s, by steps of h; `here` is g. */
+/* d^2 g/ds^2 at x + s v, t + s, (16 (g(h) + g(-h)) - (g(2h) + g(-2h)) - 30 g(0))/(12 h^2); `here` is g(0). */
 static hk_status bend_along(const hk_script_equation *e, const hk_event *p, const double v[3], double here, double h,
                             double *result) {
-  double sum = -30 * here, g = 0;
-  hk_status status = HK_OK;
-  for (int k = 0; k < 4 && status == HK_OK; k++) {
-    hk_event there = moved(p, at[k] * h, at[k] * h, v);
-    status = call(e, e->g, &there, &g, 1);
-    sum += bend[k] * g;
-  }
-  *result = sum / (12 * h * h);
+  double near[2] = {0}, far[2] = {0};
+  hk_status status = both_sides(e, p, 1, v, h, near);
+  if (status == HK_OK) status = both_sides(e, p, 1, v, 2 * h, far);
+  *result = (16 * (near[0] + near[1]) - (far[0] + far[1]) - 30 * here) / (12 * h * h);
   return status;
 }
 

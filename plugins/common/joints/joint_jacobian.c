@@ -3,8 +3,9 @@
  *     T_m (tt T_n + ta A_n)^T + A_m (ta T_n + aa A_n)^T + bb B_m B_n^T,
  * whose five numbers are one set for m = n and another for m != n. Joints in space are gathered, computed in loops that
  * compilers turn into vectors, and scattered in order; those in a plane, those that are straight or folded, and
- * Jacobians that are not symmetric go one by one through joint.c. The wide path and the narrow one do the same
- * operations, so their results are bitwise equal. */
+ * Jacobians that are not symmetric go one by one through joint.c. Symmetric and definite blocks hold the direction of
+ * the damping: how it turns is not symmetric, and where a joint is nearly straight it has no bound. The wide path and
+ * the narrow one do the same operations, so their results are bitwise equal. */
 #include "plugins/common/joints/joint_jacobian.h"
 #include "plugins/common/joints/joint_angle.h"
 
@@ -13,11 +14,11 @@
 enum { BLOCK = 32 };
 
 typedef struct block {
-  double e[2][3][BLOCK], u[2][3][BLOCK];  /* edges, m, and their rates, m/s */
-  double k[BLOCK], c[BLOCK], rest[BLOCK]; /* of the joints */
-  double K[3][9][BLOCK];                  /* between the edges: 1 with 1, 1 with 2, 2 with 2 */
-  double A[2][3][BLOCK];                  /* gradients of the angle with respect to the edges */
-  double sine[BLOCK];                     /* 0: the angle has no direction */
+  double e[2][3][BLOCK];        /* edges, m */
+  double k[BLOCK], rest[BLOCK]; /* of the joints */
+  double K[3][9][BLOCK];        /* between the edges: 1 with 1, 1 with 2, 2 with 2 */
+  double A[2][3][BLOCK];        /* gradients of the angle with respect to the edges */
+  double sine[BLOCK];           /* 0: the angle has no direction */
 } block;
 
 typedef struct task {
@@ -26,7 +27,7 @@ typedef struct task {
   const double *plane;
   const hk_blocks *into;
   bool definite, turns, one_by_one;
-  void (*compute)(block *, bool definite, bool damped);
+  void (*compute)(block *, bool definite);
 } task;
 
 /* ---- one joint ---- */
@@ -77,7 +78,7 @@ static void add_joint(const task *t, size_t e) {
   if (t->definite)
     hk_joint_definite(&now.joint, now.k, now.moment, A);
   else
-    hk_joint_stiffness(&now.joint, now.k, now.z, A);
+    hk_joint_stiffness(&now.joint, now.k, t->turns ? now.z : now.moment, A);
   if (t->turns && now.c > 0) hk_joint_turning(&now.joint, now.c, (const double(*)[3])now.du, A);
   add_stiffness(slot, A, t->into->K);
   for (int m = 0; m < 2; m++)
@@ -110,7 +111,7 @@ static inline __attribute__((always_inline)) numbers definite(double k, double z
 }
 
 /* Long, but as several functions it would not become vectors. */
-static inline __attribute__((always_inline)) void compute(block *q, bool is_definite, bool damped) {
+static inline __attribute__((always_inline)) void compute(block *q, bool is_definite) {
   for (int r = 0; r < BLOCK; r++) {
     double T[2][3], A[2][3], B[2][3], t[2][3], b[3], scale[2];
     bool fine = true;
@@ -135,9 +136,6 @@ static inline __attribute__((always_inline)) void compute(block *q, bool is_defi
       for (int m = 0; m < 2; m++) T[m][c] = scale[m] * t[m][c], B[m][c] = scale[m] * b[c];
     }
     double off = hk_joint_angle(sine, cosine) - q->rest[r], z = q->k[r] * off;
-    if (damped && !is_definite)
-      for (int m = 0; m < 2; m++)
-        for (int c = 0; c < 3; c++) z += q->c[r] * A[m][c] * q->u[m][c][r];
     double near = sine / (cosine > 0 ? 1 + cosine : 1), far = (1 - cosine) / (sine > 0 ? sine : 1);
     double half = cosine > 0 ? near : far; /* tan(angle/2) */
     half = sine > 0 ? half : 1;
@@ -156,27 +154,24 @@ static inline __attribute__((always_inline)) void compute(block *q, bool is_defi
   }
 }
 
-static inline __attribute__((always_inline)) void compute_kind(block *q, bool is_definite, bool damped) {
+static inline __attribute__((always_inline)) void compute_kind(block *q, bool is_definite) {
   if (is_definite)
-    compute(q, true, damped);
-  else if (damped)
-    compute(q, false, true);
+    compute(q, true);
   else
-    compute(q, false, false);
+    compute(q, false);
 }
 
-static void compute_narrow(block *q, bool is_definite, bool damped) { compute_kind(q, is_definite, damped); }
+static void compute_narrow(block *q, bool is_definite) { compute_kind(q, is_definite); }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static void compute_wide(block *q, bool is_definite, bool damped) {
-  compute_kind(q, is_definite, damped);
-}
+__attribute__((target("avx2"))) static void compute_wide(block *q, bool is_definite) { compute_kind(q, is_definite); }
 #define COMPUTE (__builtin_cpu_supports("avx2") ? compute_wide : compute_narrow)
 #else
 #define COMPUTE compute_narrow
 #endif
 
-static void gather(const task *t, const double *from, size_t begin, size_t count, double into[2][3][BLOCK]) {
+static void gather(const task *t, size_t begin, size_t count, double into[2][3][BLOCK]) {
+  const double *from = t->view->x;
   for (size_t r = 0; r < BLOCK; r++) {
     const uint32_t *node = t->layout->node[begin + (r < count ? r : 0)];
     const double *i = from + 3 * (size_t)node[0], *j = from + 3 * (size_t)node[1], *k = from + 3 * (size_t)node[2];
@@ -206,12 +201,10 @@ static void scatter(const task *t, const block *q, size_t r, size_t e) {
 static void one_block(const task *t, size_t begin, size_t count) {
   const hk_joint_layout *s = t->layout;
   block q;
-  gather(t, t->view->x, begin, count, q.e);
+  gather(t, begin, count, q.e);
   take(s->k, begin, count, q.k);
   take(s->rest, begin, count, q.rest);
-  if (s->damped) gather(t, t->view->v, begin, count, q.u);
-  if (s->damped) take(s->c, begin, count, q.c);
-  t->compute(&q, t->definite, s->damped);
+  t->compute(&q, t->definite);
   for (size_t r = 0; r < count; r++) {
     if (q.sine[r] > 0)
       scatter(t, &q, r, begin + r);

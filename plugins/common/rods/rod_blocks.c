@@ -11,8 +11,7 @@
  * particles of a rod with each other. */
 #include "plugins/common/rods/rod_blocks.h"
 #include "plugins/common/rods/rod_joint.h"
-#include "plugins/common/rods/rod_relaxed.h"
-#include "plugins/common/rods/rod_spins.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/space/vector3.h"
 
 enum { LANES = HK_ROD_LANES, GRAIN = 8 };

@@ -1,5 +1,6 @@
 /* Rods that only bend, straight at rest and alike in all directions, as elements: the three components of the curvature
- * binormal at each joint, E = bend/2 |kb|^2. Others have none: the angles of their sections belong to whole rods. */
+ * binormal at each joint, E = bend/2 |kb|^2. Others have none: the angles of their sections belong to whole rods. A
+ * clamp that is released keeps its half length in what methods took from here. */
 #include "plugins/common/rods/rod_elements.h"
 #include "plugins/common/space/vector3.h"
 

@@ -24,6 +24,8 @@ typedef struct hk_rod_batch {
   uint32_t count[HK_ROD_LANES]; /* edges of each rod; 0: an empty lane. Of rings all are equal to `edges` or 0 */
   bool ring;
   bool framed;                   /* the directions of its cross sections matter */
+  bool found;                    /* its angles are those of the places on its rows, and of `turn` */
+  double turn;                   /* rad */
   uint32_t turned[HK_ROD_LANES]; /* number in the rod of the clamped edge that is turned; UINT32_MAX: none */
 } hk_rod_batch;
 

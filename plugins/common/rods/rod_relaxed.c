@@ -2,7 +2,7 @@
  * H - C^T A^-1 C, with A that of the angles, tridiagonal and in the corners of a ring, and C of angles and positions.
  * It joins all particles of a rod. The directions of C are those of rod_blocks.c, so angles are transported with edges.
  */
-#include "plugins/common/rods/rod_relaxed.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_joint.h"
 
 #include <string.h>

@@ -256,6 +256,7 @@ static void fill_rod(hk_rods *r, const hk_view *view, hk_rod_batch *b, size_t la
 void hk_rod_rows_fill(hk_rods *r, const hk_view *view) {
   for (size_t q = 0; q < r->batches; q++)
     for (size_t lane = 0; lane < LANES; lane++) fill_rod(r, view, &r->batch[q], lane);
+  for (size_t q = 0; q < r->batches; q++) r->batch[q].found = false;
   hk_rod_elements_fill(&r->elements, &r->rows, r->batch, r->batches);
   memcpy(r->pin, view->model->pin, view->n);
 }

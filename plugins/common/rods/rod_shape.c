@@ -2,7 +2,7 @@
  * of edges that have particles' ids, so that what remains of a rod, or of a ring that was opened, keeps its rest shape
  * and its frames. */
 #include "plugins/common/rods/rod_shape.h"
-#include "plugins/common/rods/rod_relaxed.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_rows.h"
 #include "plugins/common/space/vector3.h"
 

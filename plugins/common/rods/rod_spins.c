@@ -1,9 +1,9 @@
 /* With the angle of an edge's section s/radius, s the x of its particle, a joint adds d^2E/(ds ds') of its two edges,
  * and d^2E/(ds dx) of them and its three nodes: those of rod_relaxed.c over the radius. */
-#include "plugins/common/rods/rod_spins.h"
+#include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_joint.h"
 
-enum { LANES = HK_ROD_LANES };
+enum { LANES = HK_ROD_LANES, SPIN_BLOCKS = 16 /* of a joint */ };
 
 typedef struct members {
   uint32_t spin[2], node[3];
@@ -52,7 +52,7 @@ void hk_rod_spins_add(const hk_rods *r, size_t joints, const hk_blocks *into) {
   const size_t *slot = into->slot + 9 * joints;
   for (size_t q = 0; q < r->batches; q++)
     for (size_t lane = 0; lane < LANES; lane++)
-      for (size_t k = 0; k < hk_rod_joints(&r->batch[q], lane); k++, slot += HK_ROD_SPIN_BLOCKS) {
+      for (size_t k = 0; k < hk_rod_joints(&r->batch[q], lane); k++, slot += SPIN_BLOCKS) {
         hk_rod_joint j;
         hk_rod_joint_at(r, &r->batch[q], lane, k, &j);
         add_joint(r, &j, into->want & HK_WANT_DEFINITE, slot, into->K);

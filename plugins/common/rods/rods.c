@@ -11,7 +11,9 @@
 
 #include <string.h>
 
-enum { LANES = HK_ROD_LANES, GRAIN = 8 /* batches, about a thousand edges of hair */ };
+enum { LANES = HK_ROD_LANES, GRAIN = 8 /* batches, about a thousand edges of hair */, UNSURE = 2 };
+
+static const double MOST_TURN = 2.356; /* rad in a step, 3/4 of half a turn, above which turns may be miscounted */
 
 static hk_rod_frame *frame_of(const hk_rods *r, size_t e) { return (hk_rod_frame *)r->frames.item + e; }
 
@@ -92,13 +94,14 @@ static void hold_lane(const hk_rods *r, const hk_view *view, const hk_rod_batch 
 }
 
 /* Frames and angles; false: no angles of least energy were found. */
-static bool find_angles(const hk_rods *r, const hk_view *view, const hk_rod_batch *b) {
+static bool find_angles(const hk_rods *r, const hk_view *view, hk_rod_batch *b) {
   for (size_t lane = 0; lane < LANES; lane++)
     if (b->count[lane]) start_lane(r, b, lane);
   r->path->frames(&r->rows, b);
   for (size_t lane = 0; lane < LANES; lane++)
     if (b->count[lane]) hold_lane(r, view, b, lane);
-  return r->path->solve(&r->rows, b);
+  b->turn = r->turn;
+  return b->found = r->path->solve(&r->rows, b);
 }
 
 /* ---- clamps that move ---- */
@@ -161,7 +164,7 @@ static void evaluate_chunk(void *context, size_t first, size_t end, size_t chunk
   const hk_rods *r = t->rods;
   (void)chunk;
   for (size_t q = first; q < end; q++) {
-    const hk_rod_batch *b = &r->batch[q];
+    hk_rod_batch *b = &r->batch[q];
     r->path->gather(&r->rows, b, t->view->x);
     bool found = !b->framed || find_angles(r, t->view, b);
     r->sums[q] = !found ? NAN : b->framed ? r->path->forces(&r->rows, b) : r->path->plain(&r->rows, b);
@@ -227,17 +230,43 @@ void hk_rods_scatter(const hk_rods *r, const hk_host *host, double *F) {
 
 /* ---- accepted steps ---- */
 
-static void keep_lane(hk_rods *r, const hk_view *view, const hk_rod_batch *b, size_t lane) {
+/* rad, by which the rod's shape has turned the directors against a section that is held, or against each other where a
+ * ring closes, since the last accepted step: known up to whole turns, so that pi says nothing. */
+static double turned_by_shape(const hk_rods *r, const hk_view *view, const hk_rod_batch *b, size_t lane, size_t k) {
+  const hk_rod_rows *w = &r->rows;
+  size_t at = (b->first + k) * LANES + lane;
+  const hk_rod_frame *f = frame_of(r, w->edge[at]);
+  double closing = b->ring && k + 1 == b->edges ? w->offset[at] - r->turn - f->offset : 0;
+  double held = k > 0 && w->held[at] != 0 ? w->angle[at] - f->angle - spun(r, view, w->edge[at]) : 0;
+  if (b->turned[lane] == k) held -= r->turn - r->turned;
+  return fmax(fabs(closing), k > 0 ? fabs(held) : 0);
+}
+
+/* Returns false where the number of turns is in doubt. */
+static bool keep_lane(hk_rods *r, const hk_view *view, const hk_rod_batch *b, size_t lane) {
   const hk_rod_rows *w = &r->rows;
   size_t at = b->first * LANES + lane;
+  bool sure = true;
   for (size_t k = 0; k < b->count[lane]; k++, at += LANES) {
     hk_rod_frame *f = frame_of(r, w->edge[at]);
+    sure &= turned_by_shape(r, view, b, lane, k) < MOST_TURN;
     f->angle = w->angle[at];
     if (r->spins.count) f->spin = view->x[3 * (size_t)r->spins.index[w->edge[at]]];
     f->offset = b->ring && k + 1 == b->edges ? w->offset[at] - r->turn : 0;
     row_vector(w->t, at, f->tangent);
     row_vector(w->a, at, f->director);
   }
+  return sure;
+}
+
+/* Whether the last evaluation was here. */
+static bool known(const hk_rods *r, const hk_view *view, const hk_rod_batch *b) {
+  if (!b->found || b->turn != r->turn || r->spins.count) return false;
+  size_t begin = (b->first + b->number) * LANES, end = begin + (b->edges + 1) * LANES;
+  for (size_t at = begin; at < end; at++)
+    for (size_t c = 0; c < 3; c++)
+      if (r->rows.x[c][at] != view->x[3 * (size_t)r->rows.node[at] + c]) return false;
+  return true;
 }
 
 static void keep_chunk(void *context, size_t first, size_t end, size_t chunk) {
@@ -245,14 +274,17 @@ static void keep_chunk(void *context, size_t first, size_t end, size_t chunk) {
   hk_rods *r = t->rods;
   (void)chunk;
   for (size_t q = first; q < end; q++) {
-    const hk_rod_batch *b = &r->batch[q];
-    r->path->gather(&r->rows, b, t->view->x);
+    hk_rod_batch *b = &r->batch[q];
+    bool here = b->framed && known(r, t->view, b);
+    if (!here) r->path->gather(&r->rows, b, t->view->x);
     r->sums[q] = r->path->sound(&r->rows, b) ? 0 : 1;
     if (!b->framed || r->sums[q] != 0) continue;
-    if (!find_angles(r, t->view, b))
+    if (!here && !find_angles(r, t->view, b))
       r->sums[q] = NAN;
     else
-      for (size_t lane = 0; lane < LANES; lane++) keep_lane(r, t->view, b, lane);
+      for (size_t lane = 0; lane < LANES; lane++)
+        if (!keep_lane(r, t->view, b, lane)) r->sums[q] = UNSURE;
+    b->found = false; /* the next angles are found from these */
   }
 }
 
@@ -283,15 +315,25 @@ static hk_status not_sound(const hk_rods *r, const hk_rod_batch *b, const hk_vie
   return HK_OK;
 }
 
+static hk_status not_sure(const hk_rods *r, const hk_rod_batch *b, const hk_view *view) {
+  uint32_t first = frame_of(r, r->rows.edge[b->first * LANES])->id[0];
+  return r->host->fail(
+      r->host, HK_FAILED,
+      "the rod that begins at particle %u, or one of three beside it, has wound about itself by nearly "
+      "half a turn in one step, at t = %g s: its number of turns would be a guess; take shorter steps",
+      first, view->t);
+}
+
 hk_status hk_rods_accept(hk_rods *r, const hk_view *view) {
   task t = {r, view, NULL};
   if (memcmp(r->pin, view->model->pin, view->n) != 0) hk_rod_rows_fill(r, view);
   view->host->parallel_for(view->host, r->batches, GRAIN, keep_chunk, &t);
   r->turned = r->turn;
   for (size_t q = 0; q < r->batches; q++) {
-    hk_status status = isnan(r->sums[q]) ? no_angles(r, view)
-                       : r->sums[q] != 0 ? not_sound(r, &r->batch[q], view)
-                                         : HK_OK;
+    hk_status status = isnan(r->sums[q])      ? no_angles(r, view)
+                       : r->sums[q] == UNSURE ? not_sure(r, &r->batch[q], view)
+                       : r->sums[q] != 0      ? not_sound(r, &r->batch[q], view)
+                                              : HK_OK;
     if (status != HK_OK) return status;
   }
   return HK_OK;

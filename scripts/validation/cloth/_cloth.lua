@@ -33,8 +33,8 @@ function cloth.elasticity(W, e)
   return { C11 = C11, C22 = C22, C12 = C12, C66 = C66, E = C11 - C12 ^ 2 / C22, nu = C12 / C22 }
 end
 
--- The squares of a sheet of side 1 m with cells 1/n: springs { edges =, k = } of numbers of the material, and masses of a
--- density. Ids run along x, then along y, as in a scene whose first particles are those of cloth.add.
+-- The squares of a sheet of side 1 m with cells 1/n: springs { edges =, k = } of numbers of the material, and masses of
+-- a density. Ids run along x, then along y, as in a scene whose first particles are those of cloth.add.
 function cloth.squares(n, density, numbers)
   local scene, masses = hooke.scene {}, {}
   local grid = scene:grid { nx = n + 1, ny = n + 1 }

@@ -1,5 +1,5 @@
--- A plate that is flat at rest, rolled into a tube: 1/2 B kappa^2 per area. Equilateral triangles around the tube, n in a
--- row; hinges across the two open ends are missing, which the difference of a long and a short tube leaves out.
+-- A plate that is flat at rest, rolled into a tube: 1/2 B kappa^2 per area. Equilateral triangles around the tube, n in
+-- a row; hinges across the two open ends are missing, which the difference of a long and a short tube leaves out.
 local validation = require("validation")
 
 local B, R, H = 0.7, 0.5, 1
@@ -29,7 +29,8 @@ end
 return validation.problem {
   title = "Bending energy of a tube",
   quantities = {
-    { name = "energy", unit = "J", reference = math.pi * B * H / R, source = "closed form, 1/2 B/R^2 times the area 2 pi R H" },
+    { name = "energy", unit = "J", reference = math.pi * B * H / R,
+      source = "closed form, 1/2 B/R^2 times the area 2 pi R H" },
   },
   space = { 16, 32, 64 },
   order = { space = 2 },

@@ -1,6 +1,6 @@
--- A narrow ribbon, clamped level at one end, bends under its own weight as the heavy elastica does, with EI = (1 - nu^2) B
--- per width; nu of hinges is -1/3. It is one cell of n wide, so its width shrinks with n: what the clamp, which is wider than a
--- point, holds back is of order 1.
+-- A narrow ribbon, clamped level at one end, bends under its own weight as the heavy elastica does, with EI = (1 -
+-- nu^2) B per width; nu of hinges is -1/3. It is one cell of n wide, so its width shrinks with n: what the clamp, which
+-- is wider than a point, holds back is of order 1.
 local validation = require("validation")
 local numerics = require("numerics")
 
@@ -25,8 +25,8 @@ local function ribbon(n, load)
   local gravity = load * EI / (density * L ^ 3)
   local a = L / (n - 0.5)
   local scene = hooke.scene { duration = 30, fps = 4, dt = 1 / 200, integrator = "backward_euler" }
-  local cloth = scene:grid { nx = n + 1, ny = 2, width = n * a, height = a, density = density, origin = { -a / 2, 0, 0 },
-    alternating = true }
+  local cloth = scene:grid { nx = n + 1, ny = 2, width = n * a, height = a, origin = { -a / 2, 0, 0 },
+    density = density, alternating = true }
   scene:pin { cloth:at(1, 1), cloth:at(2, 1), cloth:at(1, 2), cloth:at(2, 2) }
   scene:force("springs", scene:membrane(cloth, { stiffness = 500, damping = 0.05 }))
   scene:force("hinges", { rigidity = B, damping = 0.02 * B })
@@ -40,8 +40,10 @@ end
 return validation.problem {
   title = "Ribbon under its own weight, Peirce's test",
   quantities = {
-    { name = "drop/L at w L^3/EI = 1", unit = "", reference = function() return select(2, tip(1)) end, source = source },
-    { name = "drop/L at w L^3/EI = 5", unit = "", reference = function() return select(2, tip(5)) end, source = source },
+    { name = "drop/L at w L^3/EI = 1", unit = "", source = source,
+      reference = function() return select(2, tip(1)) end },
+    { name = "drop/L at w L^3/EI = 5", unit = "", source = source,
+      reference = function() return select(2, tip(5)) end },
     { name = "Peirce's angle at 8.0042", unit = "degrees", reference = 41.5,
       source = "Peirce, J. Textile Institute 21 (1930), his w L^3/EI = 8 recomputed" },
   },

@@ -1,6 +1,6 @@
--- A square membrane under the tension T swings across itself, w = pi sqrt(2 T/rho)/L in its first mode. A lattice does so
--- more slowly: w^2 = 4 e (k (1 - cos t) + k_d sin^2 t)/(rho a^2), t = pi/n, e the part by which its springs are shorter
--- at rest; for nu = 1/3 (k_d = k/2) that is less than the membrane's by the part 5 t^2/24.
+-- A square membrane under the tension T swings across itself, w = pi sqrt(2 T/rho)/L in its first mode. A lattice does
+-- so more slowly: w^2 = 4 e (k (1 - cos t) + k_d sin^2 t)/(rho a^2), t = pi/n, e the part by which its springs are
+-- shorter at rest; for nu = 1/3 (k_d = k/2) that is less than the membrane's by the part 5 t^2/24.
 local validation = require("validation")
 local cloth = require("_cloth")
 
@@ -11,7 +11,8 @@ return validation.problem {
   title = "First period of a square membrane, and its dispersion",
   quantities = {
     { name = "period", unit = "s", reference = exact, source = "continuum, L sqrt(2 rho/T)", order = { space = 2 },
-      tolerance = 2e-5, why = "errors of order 2, 1e-3 at n = 32, leave those of order 4, 1e-6; the amplitude's are 1e-6, too" },
+      tolerance = 2e-5,
+      why = "errors of order 2, 1e-3 at n = 32, leave those of order 4, 1e-6; the amplitude's are 1e-6, too" },
     { name = "error times n^2", reference = 5 * math.pi ^ 2 / 48, source = "dispersion of the lattice, closed form",
       tolerance = 0.01, why = "1e-6 of the period is 1e-3 of its error at n = 32" },
   },

@@ -1,6 +1,6 @@
--- A sheet held along its border sags under its weight: by the numbers of its material as far on squares with both diagonals
--- as on a mesh of alternating ones. (With one spring constant for all edges and equal masses the two differ by a tenth at any
--- n: hooke sweep scripts/sweeps/discretization.lua.)
+-- A sheet held along its border sags under its weight: by the numbers of its material as far on squares with both
+-- diagonals as on a mesh of alternating ones. (With one spring constant for all edges and equal masses the two differ
+-- by a tenth at any n: hooke sweep scripts/sweeps/discretization.lua.)
 local validation = require("validation")
 local sheet = require("sheet")
 

@@ -1,5 +1,5 @@
--- A simply supported square plate under a small even load q: the middle sinks by 0.00406235 q L^4/B, for any Poisson's ratio.
--- Hinges on squares of alternating diagonals, whose corners slide across the plate.
+-- A simply supported square plate under a small even load q: the middle sinks by 0.00406235 q L^4/B, for any Poisson's
+-- ratio. Hinges on squares of alternating diagonals, whose corners slide across the plate.
 local validation = require("validation")
 local cloth = require("_cloth")
 

@@ -1,6 +1,6 @@
--- A square plate with simply supported borders swings in its first mode with w = 2 pi^2 sqrt(B/rho)/L^2, for any Poisson's
--- ratio: hinges on squares of alternating diagonals, whose corners slide across the plate. Particles on the border are
--- pinned; half a cell there bends freely.
+-- A square plate with simply supported borders swings in its first mode with w = 2 pi^2 sqrt(B/rho)/L^2, for any
+-- Poisson's ratio: hinges on squares of alternating diagonals, whose corners slide across the plate. Particles on the
+-- border are pinned; half a cell there bends freely.
 local validation = require("validation")
 local cloth = require("_cloth")
 
@@ -10,7 +10,8 @@ local exact = math.sqrt(density / B) / math.pi
 return validation.problem {
   title = "First period of a simply supported plate",
   quantities = {
-    { name = "period", unit = "s", reference = exact, source = "Leissa, Vibration of Plates, 1969, eq. 4.20: 2 pi^2 sqrt(B/rho)/L^2" },
+    { name = "period", unit = "s", reference = exact,
+      source = "w = 2 pi^2 sqrt(B/rho)/L^2 (Leissa, Vibration of Plates, 1969)" },
   },
   space = { 8, 16, 32 },
   order = { space = 2 },

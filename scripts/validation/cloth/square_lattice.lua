@@ -1,5 +1,5 @@
--- A sheet of square cells with springs along sides and both diagonals, half ones on the border, has the elasticity that its
--- material numbers ask for at any number of cells: from the energies of strained sheets.
+-- A sheet of square cells with springs along sides and both diagonals, half ones on the border, has the elasticity that
+-- its material numbers ask for at any number of cells: from the energies of strained sheets.
 local validation = require("validation")
 local cloth = require("_cloth")
 

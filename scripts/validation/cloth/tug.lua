@@ -1,6 +1,6 @@
 -- One end of a sheet is tugged: how many steps until the other end hears of it. An explicit step carries news by one
--- cell, however long it is, so that the stable step, which gets shorter with the cells, is not the only bound; an implicit
--- step solves for all particles at once.
+-- cell, however long it is, so that the stable step, which gets shorter with the cells, is not the only bound; an
+-- implicit step solves for all particles at once.
 local validation = require("validation")
 
 local density, Y = 0.15, 200
@@ -24,7 +24,8 @@ end
 return validation.problem {
   title = "Steps in which a tug crosses a sheet",
   quantities = {
-    { name = "explicit, a cell", unit = "steps", reference = 1, source = "one evaluation of the forces sees neighbours only" },
+    { name = "explicit, a cell", unit = "steps", reference = 1,
+      source = "one evaluation of the forces sees neighbours only" },
     { name = "implicit", unit = "steps", reference = 1, source = "the inverse of the step's matrix is full" },
   },
   space = { 4, 8, 16 },

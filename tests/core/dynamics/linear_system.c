@@ -12,7 +12,7 @@
 
 #include <cmocka.h>
 
-enum { SIDE = 16, N = SIDE * SIDE };
+enum { SIDE = 40, N = SIDE * SIDE };
 
 /* SIDE strands of SIDE particles, side by side, or the same particles as a grid. */
 static void open(test_engine *e, const char *integrator, bool grid) {

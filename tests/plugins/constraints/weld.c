@@ -100,7 +100,7 @@ static void an_offset_is_reached_by_the_masses(void **state) {
   test_write("scene.lua", "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.1 }\n"
                           "local a = scene:particle { position = { 0, 0, 0 }, velocity = { 1, 0, 0 }, mass = 1 }\n"
                           "local b = scene:particle { position = { 1, 2, 0 }, velocity = { 0, 1, 0 }, mass = 3 }\n"
-                          "scene:constraint('weld', { edges = { { a, b } }, offset = { 0, 0, 0.4 } })\n"
+                          "scene:constraint('weld', { edges = { { a, b } }, dx = 0, dy = { 0 }, dz = 0.4 })\n"
                           "for c = 1, 3 do scene:measure('x' .. c, function(s) return s:position(a)[c] end) end\n"
                           "for c = 1, 3 do scene:measure('v' .. c, function(s) return s:velocity(b)[c] end) end\n"
                           "return scene\n");
@@ -131,6 +131,37 @@ static void a_loop_of_welds_holds(void **state) {
   near("on a", -70, 1e-10);
 }
 
+/* The oldest particle of the scene dies again and again, and with it its weld: the others keep their own differences.
+ */
+static void welds_follow_deaths(void **state) {
+  (void)state;
+  char script[2048];
+  snprintf(
+      script, sizeof script,
+      "local scene = hooke.scene { duration = 0.45, fps = 20, dt = 0.05 }\n"
+      "local pairs = {}\n"
+      "for k = 1, 4 do\n"
+      "  local a = scene:particle { position = { k, 0, 0 }, mass = k, velocity = { 0, k, 0 } }\n"
+      "  pairs[k] = { a, (scene:particle { position = { k, 0.1 * k, 0.2 * k }, mass = 1, velocity = { 0, k, 0 } }) }\n"
+      "end\n"
+      "scene:force('gravity')\n"
+      "scene:constraint('weld', { edges = pairs, dx = { 0, 0, 0, 0.5 } })\n"
+      "scene:source('%s/tests/fixtures/spout.so', { every = 0.1, lifetime = 0.1 })\n"
+      "scene:measure('n', function(s) return s.n end)\n"
+      "for c = 1, 3 do\n"
+      "  scene:measure('d' .. c, function(s) return s:position(pairs[4][2])[c] - s:position(pairs[4][1])[c] end)\n"
+      "end\n"
+      "scene:measure('dead', function(s) return pcall(s.position, s, 1) and 0 or 1 end)\n"
+      "return scene\n",
+      HK_BUILD);
+  test_write("scene.lua", script);
+  run("--trust");
+  near("dead", 1, 0);
+  near("d1", 0.5, 1e-13);
+  near("d2", 0.4, 1e-13);
+  near("d3", 0.8, 1e-13);
+}
+
 /* Welds to two pins that are not at the offset contradict each other. */
 static void contradicting_welds_are_an_error(void **state) {
   (void)state;
@@ -139,7 +170,7 @@ static void contradicting_welds_are_an_error(void **state) {
                "local b = scene:particle { position = { 1, 0, 0 } }\n"
                "local c = scene:particle { position = { 0, 1, 0 } }\n"
                "scene:pin { a, b }\n"
-               "scene:constraint('weld', { edges = { { a, c }, { b, c } }, offset = { 0, 0, 0 } })\n"
+               "scene:constraint('weld', { edges = { { a, c }, { b, c } }, dx = 0, dy = 0, dz = 0 })\n"
                "return scene\n",
                "--quiet", 3, "bad.lua:6: weld");
 }
@@ -150,6 +181,7 @@ int main(void) {
       cmocka_unit_test(what_is_welded_to_a_moving_pin_goes_with_it),
       cmocka_unit_test(an_offset_is_reached_by_the_masses),
       cmocka_unit_test(a_loop_of_welds_holds),
+      cmocka_unit_test(welds_follow_deaths),
       cmocka_unit_test(contradicting_welds_are_an_error),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -202,6 +202,35 @@ static void EI_is_shared_by_the_lengths_and_walls_do_not_yield(void **state) {
   test_engine_close(&b.e);
 }
 
+/* Edges of 1, 3 and 5 m with an EI each: the halves yield one after the other. Curvature is an angle per length, and
+ * retardation a damping in proportion to the stiffness. */
+static void every_edge_may_have_its_EI(void **state) {
+  (void)state;
+  bent b;
+  hk_elements out = {.values = 0};
+  double C, dC[3][3];
+  test_engine_open(&b.e);
+  for (int i = 0; i < 4; i++) test_particle(&b.e, i * i, 0, 0, 1);
+  b.spec = test_plugin(&b.e, HK_FORCE, "angle_springs");
+  test_edges(&b.e, b.spec, (const uint32_t[][2]){{1, 2}, {2, 3}, {3, 4}}, 3);
+  test_list(&b.e, b.spec, "EI", (double[]){1, 2, 10}, 3);
+  test_number(&b.e, b.spec, "k", 0.5);
+  test_number(&b.e, b.spec, "damping", 3);
+  test_number(&b.e, b.spec, "retardation", 2);
+  test_number(&b.e, b.spec, "curvature", 0.1);
+  b.e.options.dt = 1e-3;
+  test_run(&b.e);
+  b.force = test_instance(&b.e, b.spec);
+  b.view = force_view(&b.e, b.force);
+  b.force->plugin->force->elements(b.force->self, &b.view, &out);
+  assert_true(close_to(out.stiffness.value[0], 0.5 + 1 / (1. / 2 + 3. / 4)));
+  assert_true(close_to(out.stiffness.value[1], 0.5 + 1 / (3. / 4 + 5. / 20)));
+  assert_true(close_to(out.damping.value[1], 3 + 2 * out.stiffness.value[1]));
+  out.evaluate(out.self, b.view.x, 1, 2, &C, dC);
+  assert_true(close_to(-C, 0.4)); /* 0.1/m on 4 m, and it is straight */
+  test_engine_close(&b.e);
+}
+
 static void joints_are_where_consecutive_edges_meet(void **state) {
   (void)state;
   bent b;
@@ -290,6 +319,7 @@ int main(void) {
       cmocka_unit_test(the_force_is_exact_near_straight_and_folded),
       cmocka_unit_test(in_a_plane_angles_have_a_sign),
       cmocka_unit_test(EI_is_shared_by_the_lengths_and_walls_do_not_yield),
+      cmocka_unit_test(every_edge_may_have_its_EI),
       cmocka_unit_test(joints_are_where_consecutive_edges_meet),
       cmocka_unit_test(joints_die_with_their_particles),
       cmocka_unit_test(angles_in_space_keep_both_momenta),

@@ -143,6 +143,32 @@ static void a_fold_in_a_run_ends_it(void **state) {
   test_engine_close(&e);
 }
 
+/* A helix of one wide turn, in one step from a straight line: the directors come round by 2 pi (1 - cos) against the
+ * clamp, which is pi less or more than what was: an error, and none for a tenth of it. */
+static void a_step_that_may_lose_a_turn_ends_the_run(void **state) {
+  (void)state;
+  for (int large = 0; large < 2; large++) {
+    test_engine e;
+    hk_plugin_spec *spec = open_strands(&e, true);
+    test_text(&e, spec, "rest", "straight");
+    test_run(&e);
+    hk_instance *rods = test_instance(&e, spec);
+    hk_view view = force_view(&e, rods);
+    double *x = malloc(3 * view.n * sizeof *x), cosine = large ? 0.5 : 0.95, size = 0.1 * sqrt(1 - cosine * cosine);
+    memcpy(x, view.x, 3 * view.n * sizeof *x);
+    for (size_t k = 2; k + 2 < EDGES + 1; k++) { /* the first strand; edges turn by a whole turn in nine */
+      double angle = 2 * pi * (double)(k - 1) / 9;
+      x[3 * k] = x[3 * k - 3] + 0.1 * cosine;
+      x[3 * k + 1] = x[3 * k - 2] + size * cos(angle), x[3 * k + 2] = x[3 * k - 1] + size * sin(angle);
+    }
+    view.x = x;
+    assert_int_equal(rods->plugin->force->accepted(rods->self, &view, 1e-3), large ? HK_FAILED : HK_OK);
+    if (large) assert_non_null(strstr(e.run->error.text, "its number of turns would be a guess"));
+    free(x);
+    test_engine_close(&e);
+  }
+}
+
 /* ---- bad input ---- */
 
 static void refuse(const uint32_t (*edge)[2], size_t edges, const char *name, double value, const char *says) {
@@ -234,6 +260,7 @@ int main(void) {
       cmocka_unit_test(threads_have_the_same_bits),
       cmocka_unit_test(a_fold_at_the_start_is_refused),
       cmocka_unit_test(a_fold_in_a_run_ends_it),
+      cmocka_unit_test(a_step_that_may_lose_a_turn_ends_the_run),
       cmocka_unit_test(mistakes_are_named),
       cmocka_unit_test(a_ring_that_opens_keeps_its_joints),
       cmocka_unit_test(no_memory_is_an_error),

@@ -4,11 +4,12 @@
 local database = {}
 database.__index = database
 
--- Errors of files: a text with the exit code of hooke for them.
+-- Errors of files: a text with the exit code of hooke for them. That SQLite has no memory is not the file's fault.
 local failure = { __tostring = function(e) return e.text end }
 
 function database.fail(text, ...)
-  error(setmetatable({ text = text:format(...), code = 4 }, failure), 0)
+  text = text:format(...)
+  error(setmetatable({ text = text, code = text:find("out of memory$") and 1 or 4 }, failure), 0)
 end
 
 local driver
