@@ -263,21 +263,22 @@ static void sums(const bench *b, double centre[3], double momentum[3], double an
     }
 }
 
-/* Masses from 0.1 to 10 kg, of some 900 kg m in all: relative to that sums of some thousand moves are exact. Where
- * sweeps come to an end angular momentum stays, too. */
+/* Masses from 0.1 to 10 kg, of some 900 kg m in all: relative to that sums of some thousand moves are exact. So is
+ * angular momentum, also where the sweeps stop before their end, as long as no energy is gained. */
 static void momenta_stay(void **state) {
   (void)state;
-  for (int kept = 0; kept < 2; kept++) {
+  for (int way = 0; way < 3; way++) {
+    bool kept = way == 1, stopped = way == 2; /* before the sweeps' end */
     bench b;
     double before[3][3], after[3][3];
     open_bench(&b);
     make_grid(&b, 17);
     limit(&b, 0.1, "sorted");
     test_text(&b.e, b.spec, "velocity", kept ? "kept" : "corrected");
-    test_number(&b.e, b.spec, "sweeps", 1e6);
+    test_number(&b.e, b.spec, "sweeps", stopped ? 3 : 1e6);
     test_number(&b.e, b.spec, "tolerance", 1e-6);
     test_run(&b.e);
-    shake(&b, 0.4);
+    shake(&b, stopped ? 0.08 : 0.4); /* more of it than velocities account for gains energy */
     sums(&b, before[0], before[1], before[2]);
     assert_true(correct(&b));
     sums(&b, after[0], after[1], after[2]);
