@@ -107,7 +107,7 @@ end
 local found = {
   { "no sweep is named", words = "sweep --print-cases", code = 1, says = "sweep: no sweep given", files = {} },
   { "a text that commands the terminal", words = "sweep sweep.lua", code = 1,
-    says = "the text 'a\\x1b[2J' of hooke.sweep{} has control",
+    says = "the text 'a\\x1b[2J' has control",
     files = { ["sweep.lua"] = "return hooke.sweep { scene = 'scene.lua', integrators = { 'a\\27[2J' } }" } },
 }
 
