@@ -3,27 +3,23 @@
  * once, which are the forces in them, positive in tension. */
 #include "plugins/common/lengths/lengths.h"
 
-typedef struct bars {
-  hk_lengths of;
-} bars;
-
 /* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(bars, of.edges), HK_REQUIRED, NULL},
+    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(hk_lengths, edges), HK_REQUIRED, NULL},
     {"length", "m", "length; left out: the initial distance", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(bars, of.length), HK_OPTIONAL, NULL},
+     offsetof(hk_lengths, length), HK_OPTIONAL, NULL},
     {0},
 };
 /* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  bars *b = self;
-  hk_status status = hk_lengths_start(&b->of, host, view,
+  hk_lengths *b = self;
+  hk_status status = hk_lengths_start(b, host, view,
                                       "a bar of no length has no direction; hold particles in one place by the "
                                       "constraint 'weld', or give the bar a length");
   if (status != HK_OK) return status;
-  for (size_t e = 0; e < b->of.edges.count; e++) {
-    const uint32_t *pair = hk_tuple(&b->of.edges, e);
+  for (size_t e = 0; e < b->edges.count; e++) {
+    const uint32_t *pair = hk_tuple(&b->edges, e);
     const double *p = view->x + 3 * (size_t)pair[0], *q = view->x + 3 * (size_t)pair[1];
     if (p[0] != q[0] || p[1] != q[1] || p[2] != q[2]) continue;
     return host->fail(host, HK_BAD_PARAM,
@@ -34,31 +30,12 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return HK_OK;
 }
 
-static size_t count(void *self) { return ((const bars *)self)->of.edges.count; }
-
-static void pattern(void *self, hk_pattern *p) { hk_lengths_pattern(&((const bars *)self)->of, p); }
-
-static hk_status value(void *self, const hk_view *view, double *g) {
-  hk_lengths_value(&((const bars *)self)->of, -1, view, g);
-  return HK_OK;
-}
-
-static hk_status jacobian(void *self, const hk_view *view, double (*J)[3]) {
-  hk_lengths_jacobian(&((const bars *)self)->of, -1, view, J);
-  return HK_OK;
-}
-
-static hk_status curvature(void *self, const hk_view *view, double *c) {
-  hk_lengths_curvature(&((const bars *)self)->of, -1, view, c);
-  return HK_OK;
-}
-
 static const hk_constraint constraint = {.size = sizeof(hk_constraint),
-                                         .count = count,
-                                         .pattern = pattern,
-                                         .value = value,
-                                         .jacobian = jacobian,
-                                         .curvature = curvature};
+                                         .count = hk_lengths_count,
+                                         .pattern = hk_lengths_pattern,
+                                         .value = hk_lengths_value,
+                                         .jacobian = hk_lengths_jacobian,
+                                         .curvature = hk_lengths_curvature};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
@@ -66,7 +43,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .name = "bars",
     .summary = "rigid bars, |x_j - x_i| = L",
     .reference = "Witkin, Physically based modeling: constrained dynamics, SIGGRAPH course notes",
-    .instance_size = sizeof(bars),
+    .instance_size = sizeof(hk_lengths),
     .params = params,
     .create = create,
     .constraint = &constraint,

@@ -3,51 +3,28 @@
  * its derivatives are in plugins/common/lengths, what one-sided means in core/dynamics/active_set.c. */
 #include "plugins/common/lengths/lengths.h"
 
-typedef struct cables {
-  hk_lengths of;
-} cables;
-
 /* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(cables, of.edges), HK_REQUIRED, NULL},
+    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(hk_lengths, edges), HK_REQUIRED, NULL},
     {"length", "m", "largest distance; left out: the initial distance", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(cables, of.length), HK_OPTIONAL, NULL},
+     offsetof(hk_lengths, length), HK_OPTIONAL, NULL},
     {0},
 };
 /* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  return hk_lengths_start(&((cables *)self)->of, host, view,
+  return hk_lengths_start(self, host, view,
                           "a cable of no length is a joint; hold particles in one place by the constraint 'weld', or "
                           "give the cable a length");
 }
 
-static size_t count(void *self) { return ((const cables *)self)->of.edges.count; }
-
-static void pattern(void *self, hk_pattern *p) { hk_lengths_pattern(&((const cables *)self)->of, p); }
-
-static hk_status value(void *self, const hk_view *view, double *g) {
-  hk_lengths_value(&((const cables *)self)->of, -1, view, g);
-  return HK_OK;
-}
-
-static hk_status jacobian(void *self, const hk_view *view, double (*J)[3]) {
-  hk_lengths_jacobian(&((const cables *)self)->of, -1, view, J);
-  return HK_OK;
-}
-
-static hk_status curvature(void *self, const hk_view *view, double *c) {
-  hk_lengths_curvature(&((const cables *)self)->of, -1, view, c);
-  return HK_OK;
-}
-
 static const hk_constraint constraint = {.size = sizeof(hk_constraint),
                                          .flags = HK_ONE_SIDED,
-                                         .count = count,
-                                         .pattern = pattern,
-                                         .value = value,
-                                         .jacobian = jacobian,
-                                         .curvature = curvature};
+                                         .count = hk_lengths_count,
+                                         .pattern = hk_lengths_pattern,
+                                         .value = hk_lengths_value,
+                                         .jacobian = hk_lengths_jacobian,
+                                         .curvature = hk_lengths_curvature};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
@@ -55,7 +32,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .name = "cables",
     .summary = "cables that do not stretch and may be slack, |x_j - x_i| <= L",
     .reference = "Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics",
-    .instance_size = sizeof(cables),
+    .instance_size = sizeof(hk_lengths),
     .params = params,
     .create = create,
     .constraint = &constraint,

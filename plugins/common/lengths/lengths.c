@@ -16,34 +16,43 @@ hk_status hk_lengths_start(hk_lengths *l, const hk_host *host, const hk_view *vi
   return status == HK_OK ? check(l, host, view, remedy) : status;
 }
 
-void hk_lengths_pattern(const hk_lengths *l, hk_pattern *p) {
+size_t hk_lengths_count(void *self) { return ((const hk_lengths *)self)->edges.count; }
+
+void hk_lengths_pattern(void *self, hk_pattern *p) {
+  const hk_lengths *l = self;
   for (size_t e = 0; e < l->edges.count; e++)
     for (int end = 0; end < 2; end++) p->block(p, (uint32_t)e, hk_tuple(&l->edges, e)[end]);
 }
 
-void hk_lengths_value(const hk_lengths *l, double s, const hk_view *view, double *g) {
+hk_status hk_lengths_value(void *self, const hk_view *view, double *g) {
+  const hk_lengths *l = self;
   double d[3];
   for (size_t e = 0; e < l->edges.count; e++)
-    g[e] = s * (hk_edge_difference(view->x, hk_tuple(&l->edges, e), d) - hk_tuple_value(&l->length, e));
+    g[e] = hk_tuple_value(&l->length, e) - hk_edge_difference(view->x, hk_tuple(&l->edges, e), d);
+  return HK_OK;
 }
 
-void hk_lengths_jacobian(const hk_lengths *l, double s, const hk_view *view, double (*J)[3]) {
+hk_status hk_lengths_jacobian(void *self, const hk_view *view, double (*J)[3]) {
+  const hk_lengths *l = self;
   double d[3];
   for (size_t e = 0; e < l->edges.count; e++) {
-    double now = hk_edge_difference(view->x, hk_tuple(&l->edges, e), d), by = now > 0 ? s / now : 0;
+    double now = hk_edge_difference(view->x, hk_tuple(&l->edges, e), d), by = now > 0 ? 1 / now : 0;
     for (int c = 0; c < 3; c++) {
-      J[2 * e + 1][c] = by * d[c];
-      J[2 * e][c] = -J[2 * e + 1][c];
+      J[2 * e][c] = by * d[c];
+      J[2 * e + 1][c] = -J[2 * e][c];
     }
   }
+  return HK_OK;
 }
 
-void hk_lengths_curvature(const hk_lengths *l, double s, const hk_view *view, double *c) {
+hk_status hk_lengths_curvature(void *self, const hk_view *view, double *c) {
+  const hk_lengths *l = self;
   double d[3], u[3];
   for (size_t e = 0; e < l->edges.count; e++) {
     const uint32_t *pair = hk_tuple(&l->edges, e);
     double now = hk_edge_difference(view->x, pair, d), speed = hk_edge_difference(view->v, pair, u);
     double by = now > 0 ? 1 / now : 0, along = by * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
-    c[e] = s * by * (speed * speed - along * along);
+    c[e] = -by * (speed * speed - along * along);
   }
+  return HK_OK;
 }
