@@ -12,8 +12,8 @@
 #include <string.h>
 
 typedef struct hinges {
+  hk_bending bending; /* first member */
   hk_bending_params given;
-  hk_bending bending;
   double *rest; /* of all hinges of the start, rad */
   hk_array turned;
 } hinges;
@@ -79,35 +79,6 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? begin(h, view) : status;
 }
 
-static hk_status topology(void *self, const hk_view *view) {
-  return hk_bending_topology(&((hinges *)self)->bending, view);
-}
-
-static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_bending_add(&((hinges *)self)->bending, view, F);
-  return HK_OK;
-}
-
-static double energy(void *self, const hk_view *view) {
-  return hk_element_force_energy(&((hinges *)self)->bending.element, view);
-}
-
-static void elements(void *self, const hk_view *view, hk_elements *out) {
-  (void)view;
-  *out = ((hinges *)self)->bending.element.acting;
-}
-
-static void pattern(void *self, const hk_view *view, hk_pattern *p) {
-  (void)view;
-  hk_element_force_pattern(&((hinges *)self)->bending.element, p);
-}
-
-static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  size_t next = 0;
-  hk_element_force_jacobian(&((hinges *)self)->bending.element, view, into, &next);
-  return HK_OK;
-}
-
 /* An open hinge is left at its whole turn: then its angle is needed in folds alone. */
 static void follow(void *context, size_t begin, size_t end, size_t chunk) {
   const void *const *of = context;
@@ -133,20 +104,16 @@ static hk_status accepted(void *self, const hk_view *view, double step) {
   return HK_OK;
 }
 
-static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
-  hk_bending_stiffness_bound(&((hinges *)self)->bending, view, part, block);
-}
-
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
-    .add = add,
-    .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
+    .add = hk_bending_add,
+    .energy = hk_bending_energy,
+    .elements = hk_bending_elements,
+    .pattern = hk_bending_pattern,
+    .jacobian = hk_bending_jacobian,
+    .stiffness_bound = hk_bending_stiffness_bound,
     .accepted = accepted,
 };
 
@@ -161,6 +128,6 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .params = params,
     .fields = fields,
     .create = create,
-    .topology = topology,
+    .topology = hk_bending_topology,
     .force = &force,
 };

@@ -2,15 +2,15 @@
  * share an edge, the energy 1/2 k |C|^2 is a quadratic function of the positions, so that the Jacobian is constant. C
  * is the jump of slope across the edge of the two triangles laid flat, C = (x_c - (1 - s) x_a - s x_b)/h_c + (x_d - (1
  * - t) x_a - t x_b)/h_d, s, t the feet and h_c, h_d the heights of c and d over the edge at rest: a vector, three
- * numbers C of an element. While lengths keep, |C| = 2 sin(theta/2), theta the angle of the hinge. k = B |e|^2/(A1 +
- * A2), and c likewise, come from numbers of the material; plugins/common/shells/bending.c says which plate that is. E =
- * 1/2 x^T Q x, and Q x = 0 where the surface lies flat, also where it is turned, and only up to rounding: no other rest
- * shape can be had this way. When triangles are stretched by a factor the angles seem larger by it. */
+ * numbers C of an element. While lengths keep, |C| = 2 sin(theta/2), theta the angle of the hinge. k comes from numbers
+ * of the material; plugins/common/shells/bending.c says how, and which plate that is. E = 1/2 x^T Q x, and Q x = 0
+ * where the surface lies flat, also where it is turned, and only up to rounding: no other rest shape can be had this
+ * way. When triangles are stretched by a factor the angles seem larger by it. */
 #include "plugins/common/shells/bending.h"
 
 typedef struct quadratic_bending {
+  hk_bending bending; /* first member */
   hk_bending_params given;
-  hk_bending bending;
 } quadratic_bending;
 
 /* clang-format off */
@@ -62,49 +62,16 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? weigh(b, host) : status;
 }
 
-static hk_status topology(void *self, const hk_view *view) {
-  return hk_bending_topology(&((quadratic_bending *)self)->bending, view);
-}
-
-static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_bending_add(&((quadratic_bending *)self)->bending, view, F);
-  return HK_OK;
-}
-
-static double energy(void *self, const hk_view *view) {
-  return hk_element_force_energy(&((quadratic_bending *)self)->bending.element, view);
-}
-
-static void elements(void *self, const hk_view *view, hk_elements *out) {
-  (void)view;
-  *out = ((quadratic_bending *)self)->bending.element.acting;
-}
-
-static void pattern(void *self, const hk_view *view, hk_pattern *p) {
-  (void)view;
-  hk_element_force_pattern(&((quadratic_bending *)self)->bending.element, p);
-}
-
-static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  size_t next = 0;
-  hk_element_force_jacobian(&((quadratic_bending *)self)->bending.element, view, into, &next);
-  return HK_OK;
-}
-
-static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
-  hk_bending_stiffness_bound(&((quadratic_bending *)self)->bending, view, part, block);
-}
-
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_SYMMETRIC_JACOBIAN,
-    .add = add,
-    .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
+    .add = hk_bending_add,
+    .energy = hk_bending_energy,
+    .elements = hk_bending_elements,
+    .pattern = hk_bending_pattern,
+    .jacobian = hk_bending_jacobian,
+    .stiffness_bound = hk_bending_stiffness_bound,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
@@ -117,6 +84,6 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(quadratic_bending),
     .params = params,
     .create = create,
-    .topology = topology,
+    .topology = hk_bending_topology,
     .force = &force,
 };

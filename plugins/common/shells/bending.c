@@ -130,7 +130,8 @@ static hk_status sort_corners(hk_bending *b, const hk_view *view) {
   return HK_OK;
 }
 
-hk_status hk_bending_topology(hk_bending *b, const hk_view *view) {
+hk_status hk_bending_topology(void *self, const hk_view *view) {
+  hk_bending *b = self;
   hk_elements *a = &b->element.acting;
   uint32_t *index = (uint32_t *)(uintptr_t)a->node.index;
   size_t kept = 0;

@@ -44,11 +44,14 @@ typedef struct hk_bending {
  * element.acting.values, .evaluate, .self, element.hessian, and
  * sets weight afterwards. HK_BAD_PARAM names a hinge that cannot bend. */
 hk_status hk_bending_create(hk_bending *, const hk_view *view, const hk_bending_params *given);
-/* To be called in `topology`: drops the hinges of the dead and finds the indices of the others. */
-hk_status hk_bending_topology(hk_bending *, const hk_view *view);
-
-/* For the force's functions of these names. Elements are evaluated by several threads and summed in their order. */
-void hk_bending_add(const hk_bending *, const hk_view *view, double *F);
-void hk_bending_stiffness_bound(const hk_bending *, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
+/* Functions of the plugin and of hk_force. The instance `self` begins with its hk_bending. Elements are evaluated by
+ * several threads and summed in their order; `topology` drops the hinges of the dead. */
+hk_status hk_bending_topology(void *self, const hk_view *view);
+hk_status hk_bending_add(void *self, const hk_view *view, double *F);
+double hk_bending_energy(void *self, const hk_view *view);
+void hk_bending_elements(void *self, const hk_view *view, hk_elements *out);
+void hk_bending_pattern(void *self, const hk_view *view, hk_pattern *pattern);
+hk_status hk_bending_jacobian(void *self, const hk_view *view, const hk_blocks *into);
+void hk_bending_stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]);
 
 #endif

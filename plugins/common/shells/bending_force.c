@@ -70,14 +70,36 @@ static void gather_chunk(void *context, size_t begin, size_t end, size_t chunk) 
     for (size_t c = t->b->first[i]; c < t->b->first[i + 1]; c++) hk_add_scaled(t->F + 3 * i, 1, all[t->b->corner[c]]);
 }
 
-void hk_bending_add(const hk_bending *b, const hk_view *view, double *F) {
+hk_status hk_bending_add(void *self, const hk_view *view, double *F) {
+  const hk_bending *b = self;
   const hk_host *host = view->host;
   size_t count = b->element.acting.node.count;
   task t = {b, view, F};
-  if (count == 0) return;
+  if (count == 0) return HK_OK;
   host->parallel_for(host, count, HK_BENDING_GRAIN, load_chunk, &t);
   host->parallel_for(host, view->n, GATHER, gather_chunk, &t);
   for (size_t chunk = 0; chunk * HK_BENDING_GRAIN < count && view->power; chunk++) *view->power += b->power[chunk];
+  return HK_OK;
+}
+
+double hk_bending_energy(void *self, const hk_view *view) {
+  return hk_element_force_energy(&((hk_bending *)self)->element, view);
+}
+
+void hk_bending_elements(void *self, const hk_view *view, hk_elements *out) {
+  (void)view;
+  *out = ((hk_bending *)self)->element.acting;
+}
+
+void hk_bending_pattern(void *self, const hk_view *view, hk_pattern *pattern) {
+  (void)view;
+  hk_element_force_pattern(&((hk_bending *)self)->element, pattern);
+}
+
+hk_status hk_bending_jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  size_t next = 0;
+  hk_element_force_jacobian(&((hk_bending *)self)->element, view, into, &next);
+  return HK_OK;
 }
 
 /* ---- bound of the stiffness -------------------------------------------------------------------------------------- */
@@ -110,7 +132,8 @@ static void bound_hessian(double factor, const double H[144], const double r[4],
     }
 }
 
-void hk_bending_stiffness_bound(const hk_bending *b, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+void hk_bending_stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const hk_bending *b = self;
   const hk_elements *a = &b->element.acting;
   double C[VALUES], dC[VALUES * 4][3], H[144], r[4];
   for (size_t k = 0; k < a->node.count; k++) {
