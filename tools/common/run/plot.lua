@@ -25,6 +25,9 @@ function plot.quote(text)
   return "'" .. text:gsub("%c", " "):gsub("'", "''") .. "'"
 end
 
+-- The same for words that are drawn: gnuplot does not read two apostrophes in a row (x''), so they are typographic ones.
+function plot.words(text) return plot.quote((text:gsub("'", "\u{2019}"))) end
+
 function plot.style_line(k)
   local colour, point, dash = (k - 1) % #colours + 1, (k - 1) % #points + 1, (k - 1 + (k - 1) // #colours) % #dashes + 1
   return ("set style line %d lc rgb '%s' pt %d ps 1.1 lw 1.8 dt %s"):format(k, colours[colour], points[point],
