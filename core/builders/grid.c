@@ -32,7 +32,8 @@ static const double *push_places(lua_State *L, const hk_lua_handle *h, const fra
   size_t n = (size_t)h->nx * h->ny;
   double *x = lua_newuserdatauv(L, 3 * n * sizeof *x, 0);
   for (size_t k = 0; k < n; k++) {
-    double s = h->nx > 1 ? (double)(k % h->nx) / (h->nx - 1) : 0, t = h->ny > 1 ? (double)(k / h->nx) / (h->ny - 1) : 0;
+    size_t row = k / h->nx, column = k % h->nx;
+    double s = h->nx > 1 ? (double)column / (h->nx - 1) : 0, t = h->ny > 1 ? (double)row / (h->ny - 1) : 0;
     for (int c = 0; c < 3; c++) x[3 * k + (size_t)c] = f->origin[c] + s * f->u[c] + t * f->v[c];
   }
   return x;

@@ -157,13 +157,14 @@ static void look_at(search *s, const subject *one) {
   hk_sampling *result = s->result;
   hk_samples samples;
   hk_rapid found = {.varies = false};
-  size_t parts = s->most_calls / 2 / s->functions, extra = parts;
+  size_t parts = s->most_calls / 2 / s->functions, extra = parts, most = most_declared / s->functions;
   double wanted = one->fastest > 0 ? ceil((double)per_fastest * (one->end - one->begin) / one->fastest) : 0;
-  bool affordable = wanted <= (double)(most_declared / s->functions);
-  if (wanted > (double)parts) parts = affordable ? (size_t)wanted : most_declared / s->functions;
+  bool affordable = wanted <= (double)most;
+  if (wanted > (double)parts) parts = affordable ? (size_t)wanted : most;
   hk_samples_take(&samples, one->function, one->begin, one->end, parts, parts + 2 + extra);
   s->now = one;
   if (samples.count > 1) hk_rapid_find(&found, &samples, distance, s);
+  s->now = NULL;
   keep(result, one, &found);
   if (one->fastest > 0) {
     result->declared = fmin(result->declared, one->fastest);

@@ -81,7 +81,7 @@ static void remember(hk_strain_limits *s, uint32_t particle, const double *v) {
 
 bool hk_strain_move(hk_strain_limits *s, size_t edge, const hk_strain_state *state) {
   const uint32_t *pair = s->pair[edge];
-  double l, n[3], w[2] = {state->inverse_mass[pair[0]], state->inverse_mass[pair[1]]};
+  double l = 0, n[3], w[2] = {state->inverse_mass[pair[0]], state->inverse_mass[pair[1]]};
   double limit = hk_strain_passed(s, edge, state->x, &l);
   if (!(limit > 0) || !(l > 0)) return false;
   hold_the_nearer(s, pair, w);
