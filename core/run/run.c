@@ -113,23 +113,30 @@ static hk_status no_label(const hk_run *run, hk_kind kind, const char *label, hk
 
 static hk_status no_memory(hk_error *error) { return hk_error_set(error, HK_NO_MEMORY, "no memory for the forces"); }
 
-static hk_status multipliers(hk_run *run, double *lambda, hk_error *error) {
+/* Those of all equations, to be freed; NULL: the error is set. */
+static double *multipliers(hk_run *run, hk_error *error) {
+  size_t begin, all;
+  hk_constraint_range(&run->dynamics, run->plugins.kind[HK_CONSTRAINT].count - 1, &begin, &all);
+  double *lambda = malloc((all + 1) * sizeof *lambda);
+  if (!lambda) {
+    no_memory(error);
+    return NULL;
+  }
   hk_error before = run->error;
   hk_status status = hk_constraint_multipliers(&run->dynamics, lambda);
   if (status != HK_OK) *error = run->error;
   run->error = before;
-  return status;
+  if (status == HK_OK) return lambda;
+  free(lambda);
+  return NULL;
 }
 
 static hk_status force_of_constraint(hk_run *run, size_t k, uint32_t index, double force[3], hk_error *error) {
-  size_t begin, all;
-  hk_constraint_range(&run->dynamics, run->plugins.kind[HK_CONSTRAINT].count - 1, &begin, &all);
-  double *lambda = malloc((all + 1) * sizeof *lambda);
-  if (!lambda) return no_memory(error);
-  hk_status status = multipliers(run, lambda, error);
-  if (status == HK_OK) hk_constraint_force_on(&run->dynamics, k, lambda, index, force);
+  double *lambda = multipliers(run, error);
+  if (!lambda) return error->status;
+  hk_constraint_force_on(&run->dynamics, k, lambda, index, force);
   free(lambda);
-  return status;
+  return HK_OK;
 }
 
 static hk_status force_of_force(hk_run *run, size_t k, uint32_t index, double force[3], hk_error *error) {
@@ -165,16 +172,14 @@ hk_status hk_run_equations(hk_run *run, const char *label, size_t *count, hk_err
 
 hk_status hk_run_constraint_forces(hk_run *run, const char *label, double *force, hk_error *error) {
   const hk_instances *constraints = &run->plugins.kind[HK_CONSTRAINT];
-  size_t k = labelled(constraints, label), begin, end, all;
+  size_t k = labelled(constraints, label), begin, end;
   if (k == constraints->count) return no_label(run, HK_CONSTRAINT, label, error);
-  hk_constraint_range(&run->dynamics, constraints->count - 1, &begin, &all);
+  double *lambda = multipliers(run, error);
+  if (!lambda) return error->status;
   hk_constraint_range(&run->dynamics, k, &begin, &end);
-  double *lambda = malloc((all + 1) * sizeof *lambda);
-  if (!lambda) return no_memory(error);
-  hk_status status = multipliers(run, lambda, error);
-  if (status == HK_OK) memcpy(force, lambda + begin, (end - begin) * sizeof *force);
+  memcpy(force, lambda + begin, (end - begin) * sizeof *force);
   free(lambda);
-  return status;
+  return HK_OK;
 }
 
 hk_status hk_run_strain(hk_run *run, const char *label, double *largest, hk_error *error) {
