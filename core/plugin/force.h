@@ -3,6 +3,7 @@
 #ifndef HK_PLUGIN_FORCE_H
 #define HK_PLUGIN_FORCE_H
 
+#include "core/plugin/contact.h"
 #include "core/plugin/model.h"
 
 enum { HK_ELEMENT_VALUES = 16 }; /* largest number of values C per tuple */
@@ -171,6 +172,8 @@ typedef struct hk_force {
   /* Makes the errors `part` times (0 to 1) of what they were, at most: called before the first step of a run that
    * another one is compared with. Required where `errors` is not NULL. */
   void (*sharpen)(void *self, double part);
+  /* For contact of surfaces: called at frames. False: this run has none. NULL: as false. */
+  bool (*contacts)(void *self, const hk_view *view, hk_contact_report *out);
 } hk_force;
 
 #endif
