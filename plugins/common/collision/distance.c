@@ -9,7 +9,9 @@
  * and |d|^2 is least at d.d_k = 0, where d_k = dd/dq_k. By the envelope theorem the gradient by x_i is 2 w_i d, and
  *     H = 2 (w w^T (x) I - sum_kl (G^-1)_kl u_k u_l^T),
  *     G_kl = d_k.d_l,   u_k = dw/dq_k (x) d + w (x) d_k,
- * one formula for all kinds and sets of active points. */
+ * one formula for all kinds and sets of active points. The parameters are chosen so that G is the unit matrix: then
+ *     H = 2 (w w^T (x) (I - sum_k d_k d_k^T) - sum_k (p_k p_k^T + p_k (w (x) d_k)^T + (w (x) d_k) p_k^T)),
+ *     p_k = dw/dq_k (x) d. */
 #include "plugins/common/collision/distance.h"
 #include "plugins/common/space/vector3.h"
 
@@ -135,28 +137,36 @@ static int directions(const hk_nearest *near, const double *x, double dw[2][4], 
   return count;
 }
 
-/* The inverse of G, or of its only entry. */
-static void invert_gram(double d[2][3], int count, double inverse[2][2]) {
-  double n[3], a = count > 0 ? hk_dot(d[0], d[0]) : 1, b = 0, c = 1, det = a;
+/* Makes the directions orthonormal, d_k.d_l = 1 or 0, by other parameters: with the normal, which is better known than
+ * the difference of two vectors that are nearly parallel. */
+static void make_orthonormal(double dw[2][4], double d[2][3], int count) {
+  double n[3], mixed = 0, height = 1;
   if (count == 2) {
     hk_cross(n, d[0], d[1]);
-    b = hk_dot(d[0], d[1]), c = hk_dot(d[1], d[1]), det = hk_dot(n, n);
+    mixed = hk_dot(d[0], d[1]) / hk_dot(d[0], d[0]);
+    height = hk_length(n) / hk_length(d[0]);
+    for (int i = 0; i < 4; i++) dw[1][i] = (dw[1][i] - mixed * dw[0][i]) / height;
+    hk_cross(d[1], n, d[0]);
   }
-  inverse[0][0] = c / det, inverse[1][1] = a / det;
-  inverse[0][1] = inverse[1][0] = -b / det;
+  double length = count > 0 ? hk_length(d[0]) : 1, second = count > 1 ? hk_length(d[1]) : 1;
+  for (int i = 0; i < 4; i++) dw[0][i] /= length;
+  for (int c = 0; c < 3; c++) d[0][c] /= length, d[1][c] /= second;
 }
 
 void hk_distance_hessian(const hk_nearest *near, const double x[12], double H[144]) {
-  double dw[2][4], d[2][3], inverse[2][2], u[2][12];
+  double dw[2][4], d[2][3] = {{0}}, across[3][3], part[2][12];
   int count = directions(near, x, dw, d);
-  invert_gram(d, count, inverse);
-  for (int k = 0; k < count; k++)
-    for (int i = 0; i < 12; i++) u[k][i] = dw[k][i / 3] * near->d[i % 3] + near->w[i / 3] * d[k][i % 3];
+  make_orthonormal(dw, d, count);
+  for (int r = 0; r < 3; r++)
+    for (int c = 0; c < 3; c++) across[r][c] = (r == c) - d[0][r] * d[0][c] - d[1][r] * d[1][c];
+  for (int k = 0; k < 2; k++)
+    for (int i = 0; i < 12; i++) part[k][i] = dw[k][i / 3] * near->d[i % 3];
   for (int i = 0; i < 12; i++)
     for (int j = 0; j < 12; j++) {
-      double h = i % 3 == j % 3 ? near->w[i / 3] * near->w[j / 3] : 0;
-      for (int k = 0; k < count; k++)
-        for (int l = 0; l < count; l++) h -= inverse[k][l] * u[k][i] * u[l][j];
+      double h = near->w[i / 3] * near->w[j / 3] * across[i % 3][j % 3];
+      for (int k = 0; k < 2; k++)
+        h -= part[k][i] * part[k][j] + part[k][i] * near->w[j / 3] * d[k][j % 3] +
+             near->w[i / 3] * d[k][i % 3] * part[k][j];
       H[12 * i + j] = 2 * h;
     }
 }
