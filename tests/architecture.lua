@@ -43,7 +43,8 @@ local ordinary_words = {
     bars = "rigid rods, the usual example of constraints", surface = "what a grid or a file of triangles spans",
     contact = "what surfaces and particles do that touch", barrier = "an energy that grows without bound",
     volume = "of a body", membrane = "a sheet without resistance to bending",
-    drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
+    surfaces = "what contact keeps apart", drag = "the resistance of the air",
+    checkpoint = "the file of a run that goes on",
   },
 }
 
