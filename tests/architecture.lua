@@ -32,6 +32,7 @@ local ordinary_words = {
     checkpoint = "the file of a run that goes on", relax = "to give a processor a rest",
     midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
     surface = "what a grid or a file of triangles spans",
+    membrane = "scene:membrane{}, the numbers of edges that stand for one",
   },
   comment = {
     octree = "the tree of cells",
@@ -40,7 +41,7 @@ local ordinary_words = {
     field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     bars = "rigid rods, the usual example of constraints", surface = "what a grid or a file of triangles spans",
-    drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
+    membrane = "a sheet that resists stretching", drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },
 }
 
