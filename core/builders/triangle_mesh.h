@@ -20,4 +20,13 @@ void hk_mesh_clear(hk_mesh *);
 const char *hk_mesh_add_vertex(hk_mesh *, const double x[3]);
 const char *hk_mesh_add_face(hk_mesh *, const uint32_t *corner, size_t count);
 
+/* ---- mesh_handle.c ---- */
+
+/* A third of every triangle's mass to each of its corners, as a block on the stack; `what` begins the error of a vertex
+ * without area. density in kg/m^2. */
+const double *hk_mesh_push_masses(lua_State *L, const hk_mesh *, const char *what, double density);
+/* Adds the triangles of a mesh whose vertices are the particles of h, and their sides as edges of the scene if asked.
+ * Pushes the handle; the mesh is cleared. */
+void hk_mesh_enter(lua_State *L, hk_scene *, hk_mesh *, hk_lua_handle h, bool edges);
+
 #endif
