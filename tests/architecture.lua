@@ -42,7 +42,7 @@ local ordinary_words = {
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     bars = "rigid rods, the usual example of constraints", surface = "what a grid or a file of triangles spans",
     contact = "what surfaces and particles do that touch", barrier = "an energy that grows without bound",
-    volume = "of a body", membrane = "a sheet without resistance to bending",
+    volume = "of a body", membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
     drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },
 }
