@@ -201,6 +201,8 @@ void hk_lua_check_plain(lua_State *L, int index, const char *what); /* no fields
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */
+/* Of the function of t at the key; false: absent. */
+bool hk_lua_field_function(lua_State *L, int table, const char *what, const char *key, hk_function *function);
 void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table);
 
 #endif
