@@ -1,0 +1,196 @@
+/* See meetings.h. All loops over pairs are parallel and write to their own places; what follows from them is collected
+ * in the order of the list. */
+#include "plugins/common/impacts/meetings.h"
+
+#include "plugins/common/collision/ccd.h"
+
+#include <string.h>
+
+enum { GRAIN = 256 };
+
+/* Of the thickness, and of the distance at the start: a pair that comes nearer is not safe. Half leaves the next steps
+ * as much; above, rounding is far away and the normal of a pair well known. */
+static const double least_part = 0.1, least_of_start = 0.5;
+
+/* Where a pair moves by more than this part of its distance, its normal at the start says little about the impact, and
+ * the instant of contact is searched. */
+static const double slow = 0.5;
+
+/* Of the thickness: how near to it the instant of contact is found. */
+static const double instant = 0.01;
+
+typedef enum pair_state { APART, MAY_MEET, CLOSES, OVERLAPS, UNSAFE } pair_state;
+
+typedef struct hk_pair_look {
+  double gap_from, gap_to; /* m */
+  double when;
+  pair_state state;
+} hk_pair_look;
+
+typedef struct work {
+  hk_meetings *s;
+  const hk_step_move *move;
+} work;
+
+/* Whether the pair comes too near on its way; *when: until then it does not. */
+static bool is_unsafe(const hk_surface_pair *pair, const hk_pair_path *path, double from, double to, double motion,
+                      double *when) {
+  double least = fmin(least_part * pair->offset, least_of_start * from);
+  if ((from + to - motion) / 2 > least) return false;
+  return hk_ccd(pair->kind, path->from, path->to, least, instant * least, when);
+}
+
+/* Where the gap closes on the way of a pair that moves fast. */
+static bool closes_on_the_way(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
+                              double *when) {
+  return motion > slow * from && from > pair->offset &&
+         hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, when);
+}
+
+static double distance_of(hk_pair_kind kind, const double x[12]) { return sqrt(hk_nearest_of_pair(kind, x).squared); }
+
+static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
+  double from = distance_of(pair->kind, path->from), motion = hk_pair_motion(pair->kind, path);
+  *look = (hk_pair_look){.gap_from = from - pair->offset, .gap_to = INFINITY};
+  if (look->gap_from > motion) return;
+  double to = distance_of(pair->kind, path->to);
+  look->gap_to = to - pair->offset;
+  bool overlaps = look->gap_to < fmin(0, look->gap_from) / 2 - s->slack;
+  if (is_unsafe(pair, path, from, to, motion, &look->when))
+    look->state = UNSAFE;
+  else if (closes_on_the_way(pair, path, from, motion, &look->when))
+    look->state = overlaps ? OVERLAPS : CLOSES;
+  else if (look->gap_to < 0)
+    look->state = overlaps ? OVERLAPS : CLOSES;
+  else
+    look->state = look->gap_to > motion ? APART : MAY_MEET;
+}
+
+static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const work *w = context;
+  hk_nearby *near = w->s->nearby;
+  (void)chunk;
+  for (size_t d = begin; d < end; d++) {
+    const hk_surface_pair *pair = &near->pair[near->index[d]];
+    hk_pair_path path;
+    hk_pair_path_of(&path, pair, w->move->x_from, w->move->x);
+    look_at(w->s, pair, &path, &w->s->look[d]);
+    if (w->s->look[d].gap_from > 0) hk_nearby_put_off(near, near->index[d], w->s->look[d].gap_from);
+  }
+}
+
+void hk_meetings_begin(hk_meetings *s) {
+  if (s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  s->solved = false;
+}
+
+static hk_status make_room(hk_meetings *s) {
+  const hk_host *host = s->nearby->host;
+  size_t room = s->nearby->room;
+  if (s->room < room) {
+    hk_meetings_free(s);
+    s->look = host->allocate(host, room * sizeof *s->look);
+    s->meeting = host->allocate(host, room * sizeof *s->meeting);
+    s->chosen = host->allocate(host, room * sizeof *s->chosen);
+    s->met = host->allocate(host, room * sizeof *s->met);
+    if (!s->look || !s->meeting || !s->chosen || !s->met)
+      return host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs", room);
+    s->room = room;
+  }
+  if (s->searches != s->nearby->searches && s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  s->searches = s->nearby->searches;
+  return HK_OK;
+}
+
+static bool is_unsolved(const hk_meetings *s, size_t d) {
+  const hk_pair_look *look = &s->look[d];
+  bool on_the_way = look->state == CLOSES && look->when > 0 && !s->met[s->nearby->index[d]];
+  return look->state == OVERLAPS || on_the_way || (look->state == CLOSES && !s->solved);
+}
+
+/* Features that touch at the start have no normal: they are not safe, and no impact can help. */
+static void collect(hk_meetings *s) {
+  s->meetings = s->unsafe = s->unsolved = 0;
+  s->closest = INFINITY;
+  for (size_t d = 0; d < s->nearby->dues; d++) {
+    const hk_pair_look *look = &s->look[d];
+    s->closest = fmin(s->closest, look->gap_to);
+    if (look->state == APART) continue;
+    uint32_t k = s->nearby->index[d];
+    if (look->state == UNSAFE && s->unsafe++ == 0) s->first = k;
+    s->unsolved += is_unsolved(s, d);
+    if (look->gap_from > -s->nearby->pair[k].offset) s->meeting[s->meetings++] = (uint32_t)d;
+  }
+}
+
+hk_status hk_meetings_look(hk_meetings *s, const hk_step_move *move) {
+  hk_status status = make_room(s);
+  if (status != HK_OK) return status;
+  work w = {s, move};
+  s->nearby->host->parallel_for(s->nearby->host, s->nearby->dues, GRAIN, look_chunk, &w);
+  collect(s);
+  return HK_OK;
+}
+
+/* ---- their impacts ---- */
+
+static double shape_time(const hk_pair_look *look, bool again) {
+  if (look->state == UNSAFE || look->when > 0) return look->when;
+  return again && look->state == OVERLAPS ? 1 : 0;
+}
+
+static void build_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const work *w = context;
+  const hk_meetings *s = w->s;
+  (void)chunk;
+  for (size_t e = begin; e < end; e++) {
+    const hk_pair_look *look = &s->look[s->chosen[e]];
+    uint32_t k = s->nearby->index[s->chosen[e]];
+    hk_meeting meeting = {look->gap_from, shape_time(look, s->met[k]), s->restitution, s->met[k]};
+    hk_impact_of(&s->impact[e], &s->nearby->pair[k], w->move, &meeting);
+  }
+}
+
+static hk_status make_room_for_impacts(hk_meetings *s) {
+  const hk_host *host = s->nearby->host;
+  size_t room = s->meetings + s->meetings / 2 + 1;
+  if (s->impacts_room > s->meetings) return HK_OK;
+  host->release(host, s->impact);
+  s->impacts_room = 0;
+  s->impact = host->allocate(host, room * sizeof *s->impact);
+  if (!s->impact) return host->fail(host, HK_NO_MEMORY, "no memory for %zu impacts", s->meetings);
+  s->impacts_room = room;
+  return HK_OK;
+}
+
+static bool is_chosen(const hk_pair_look *look, hk_meetings_kind kind) {
+  return kind == HK_MEETINGS_ALL || (kind == HK_MEETINGS_CLOSED ? look->gap_from < 0 : look->state == UNSAFE);
+}
+
+hk_status hk_meetings_impacts(hk_meetings *s, const hk_step_move *move, hk_meetings_kind kind, hk_impacts *out) {
+  hk_status status = make_room_for_impacts(s);
+  if (status != HK_OK) return status;
+  s->choice = 0;
+  for (size_t e = 0; e < s->meetings; e++)
+    if (is_chosen(&s->look[s->meeting[e]], kind)) s->chosen[s->choice++] = s->meeting[e];
+  work w = {s, move};
+  s->nearby->host->parallel_for(s->nearby->host, s->choice, GRAIN, build_chunk, &w);
+  out->count = s->choice;
+  out->impact = s->impact;
+  return HK_OK;
+}
+
+void hk_meetings_remember(hk_meetings *s, const hk_impacts *solved) {
+  for (size_t e = 0; e < solved->count; e++) s->met[s->nearby->index[s->chosen[e]]] |= solved->impact[e].place.push > 0;
+  s->solved = true;
+}
+
+void hk_meetings_free(hk_meetings *s) {
+  const hk_host *host = s->nearby->host;
+  host->release(host, s->look);
+  host->release(host, s->meeting);
+  host->release(host, s->chosen);
+  host->release(host, s->met);
+  s->look = NULL, s->meeting = s->chosen = NULL, s->met = NULL;
+  s->room = 0;
+}
