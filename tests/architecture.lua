@@ -40,7 +40,7 @@ local ordinary_words = {
     field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     bars = "rigid rods, the usual example of constraints", surface = "what a grid or a file of triangles spans",
-    drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
+    surfaces = "what contact keeps apart", drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
   },
 }
 
