@@ -2,8 +2,7 @@
  * the triangles of its surface. Without a mass its particles are pinned, and move together as `path` and `rotation`
  * say; contact keeps others off them. With `mass` or `density` they are free, and forces may make the closed mesh a soft
  * body. Round shapes are inscribed polyhedra, see body_shapes.h. */
-#include "core/builders/body_shapes.h"
-#include "core/builders/obj_file.h"
+#include "core/builders/mesh_handle.h"
 
 #include <string.h>
 

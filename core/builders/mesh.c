@@ -2,7 +2,7 @@
  * become triangles, and their sides become edges. With `density`, kg/m^2, a vertex has a third of the mass of every
  * triangle around it, so that refinement does not move mass to the border; with `mass` all have the same.
  * scene:surface{ file = "name.obj" }: the numbers alone, for plugins that take them. */
-#include "core/builders/obj_file.h"
+#include "core/builders/mesh_handle.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* A mesh on its way into a scene: the masses of its vertices, its triangles, their sides, and the handle that has them.
  */
-#include "core/builders/triangle_mesh.h"
+#include "core/builders/mesh_handle.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -13,7 +13,7 @@
  * a part of it for each cell around an edge. Other meshes have k = E V/L^2 of every tetrahedron of volume V at the
  * edge, which has the right trace (Van Gelder, J. Graphics Tools 3 (1998), in three dimensions) and is isotropic on
  * average only: blocks would be 1.2 times as stiff along their sides. */
-#include "core/builders/obj_file.h"
+#include "core/builders/mesh_handle.h"
 
 #include <stdio.h>
 #include <stdlib.h>

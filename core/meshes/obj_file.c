@@ -2,7 +2,7 @@
  * from 1, or from the last one back if it is negative; texture and normal indices behind slashes are skipped. Memory is
  * bounded by the longest record, and for the numbers by the script's limit; errors name the line in which the record
  * begins. */
-#include "core/builders/obj_file.h"
+#include "core/meshes/meshes.h"
 
 #include <ctype.h>
 #include <errno.h>

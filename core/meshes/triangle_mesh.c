@@ -1,7 +1,7 @@
 /* Vertices and faces of a mesh; faces of more than three corners are cut into triangles by clipping ears: a corner is
  * cut off whose triangle turns the way the face does and has no other corner in it. Of a convex face that is the fan
  * around its first corner. Meisters, Polygons have ears, American Mathematical Monthly 82 (1975). */
-#include "core/builders/triangle_mesh.h"
+#include "core/meshes/meshes.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Tetrahedra of a mesh, and its skin: the faces that one tetrahedron alone has. A face of two is inside; both see it
  * from their own side, so that its corners run the other way in each. */
-#include "core/builders/triangle_mesh.h"
+#include "core/meshes/meshes.h"
 
 #include <stdlib.h>
 #include <string.h>

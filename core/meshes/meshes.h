@@ -1,8 +1,9 @@
 /* Meshes of triangles or tetrahedra on their way from a file or a script into a scene. */
-#ifndef HK_TRIANGLE_MESH_H
-#define HK_TRIANGLE_MESH_H
+#ifndef HK_MESHES_H
+#define HK_MESHES_H
 
-#include "core/builders/builders.h"
+#include "core/script/script.h"
+#include "core/storage/storage.h"
 
 typedef struct hk_mesh {
   size_t vertices, vertex_capacity, triangles, triangle_capacity, tetrahedra, tetrahedron_capacity;
@@ -34,13 +35,26 @@ const char *hk_mesh_add_skin(hk_mesh *, size_t tetrahedra[2]);
 /* Leaves out the vertices that no tetrahedron has. Returns NULL or what is wrong. */
 const char *hk_mesh_drop_loose(hk_mesh *);
 
-/* ---- mesh_handle.c ---- */
+/* ---- body_shapes.c ---- */
 
-/* A third of every triangle's mass to each of its corners, as a block on the stack; `what` begins the error of a vertex
- * without area. density in kg/m^2. */
-const double *hk_mesh_push_masses(lua_State *L, const hk_mesh *, const char *what, double density);
-/* Adds the triangles of a mesh whose vertices are the particles of h, and their sides as edges of the scene if asked.
- * Pushes the handle; the mesh is cleared. */
-void hk_mesh_enter(lua_State *L, hk_scene *, hk_mesh *, hk_lua_handle h, bool edges);
+/* Shapes about the origin, triangles with their outer side against the clock. Round ones have their axis along z and
+ * are inscribed: no point of a facet is further than detail x radius inside of the true surface, and none outside.
+ * NULL, or what is wrong. */
+const char *hk_mesh_add_sphere(hk_mesh *, double radius, double detail);
+const char *hk_mesh_add_capsule(hk_mesh *, double radius, double length,
+                                double detail); /* length between the centers */
+const char *hk_mesh_add_cylinder(hk_mesh *, double radius, double length, double detail);
+const char *hk_mesh_add_box(hk_mesh *, const double size[3]);
+const char *hk_mesh_add_square(hk_mesh *, double size); /* in the plane z = 0, seen from above */
+
+/* ---- obj_file.c, msh_file.c ---- */
+
+/* Reads a file beside the script, record by record, by a function that returns NULL or what is wrong with the record;
+ * errors begin with `what`. */
+void hk_mesh_read(lua_State *L, hk_mesh *, const char *what, const char *name,
+                  const char *(*read)(hk_records *, hk_mesh *));
+/* The same for an OBJ file, and for the tetrahedra of Gmsh's format MSH 2.2. */
+void hk_mesh_load(lua_State *L, hk_mesh *, const char *what, const char *name);
+void hk_mesh_load_msh(lua_State *L, hk_mesh *, const char *what, const char *name);
 
 #endif

@@ -1,5 +1,5 @@
 /* See safe_move.h. */
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/safe_move.h"
 
 #include <float.h>
 

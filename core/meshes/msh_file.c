@@ -2,7 +2,7 @@
  * lines `number type tags tag ... node ...`, type 4 for tetrahedra. Elements of fewer dimensions are skipped, other
  * solids refused; nodes that no tetrahedron has are left out, since Gmsh writes those that drawings need as well.
  * https://gmsh.info/doc/texinfo/gmsh.html, Legacy formats. */
-#include "core/builders/obj_file.h"
+#include "core/meshes/meshes.h"
 
 #include <stdlib.h>
 #include <string.h>

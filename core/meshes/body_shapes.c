@@ -1,7 +1,7 @@
 /* Surfaces of bodies. Round ones are rings about z, joined in bands: the k-th ring from a pole has 6 k vertices, six
  * sectors of k, so that triangles are nearly equilateral at the pole and not much narrower at the equator; straight
  * parts repeat a ring. */
-#include "core/builders/body_shapes.h"
+#include "core/meshes/meshes.h"
 
 enum { SECTORS = 6, MOST_RINGS = 2000, SLENDER = 4 };
 static const double pi = 3.14159265358979323846;

@@ -2,8 +2,8 @@
  * R = M (v - v*) - g F of the others vanishes, to first order, for
  *     (M + g D + g^2 K) dv = -R - g (K z + D y).
  * Invariant: stage->X has no overlap and has the scripted particles where they are at the time t. */
-#include "plugins/common/integrate/carry_pins.h"
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/carry_pins.h"
+#include "plugins/common/moves/safe_move.h"
 #include "plugins/common/linear/block_product.h"
 
 #include <string.h>
