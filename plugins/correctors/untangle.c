@@ -21,7 +21,7 @@ static const hk_param params[] = {
     {"leave", "", "particles that have no part in contact", HK_PARTICLES, {0}, 0, 0, offsetof(untangle, leave), HK_OPTIONAL, NULL},
     {"clearance", "m", "how much further than their thickness surfaces are moved apart; by default a hundredth of the mean edge",
      HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, clearance), HK_OPTIONAL, NULL},
-    {"rounds", "", "moves that are tried after a step, at most", HK_INTEGER, {50}, 1, 1e6, offsetof(untangle, rounds), 0, NULL},
+    {"rounds", "", "moves that are tried after a step, at most", HK_INTEGER, {100}, 1, 1e6, offsetof(untangle, rounds), 0, NULL},
     {0},
 };
 

@@ -3,7 +3,7 @@
 
 /* Between two positions of a curve that both have few intersections there may be some with more, where it passes a
  * vertex: so many rounds may have more before what they did is dropped. */
-enum { PATIENCE = 6 };
+enum { PATIENCE = 30 };
 
 hk_status hk_untangler_look(hk_untangler *u, const hk_model *model, const double *x) {
   hk_surface_intersections found;
