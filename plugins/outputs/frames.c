@@ -13,11 +13,12 @@ typedef struct frames {
   int64_t width, height, every;
   hk_look_names names;
   const char *unit, *folder, *video_file;
-  double camera[3], target[3], fov, outliers, radius, least, opacity, fog, streak, ground_height, background[3];
+  double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
+      background[3];
   hk_numbers range;
   hk_solid_numbers solids;
   int map, up, springs, particles, style, light;
-  bool reverse, log, ground, legend, video;
+  bool reverse, log, ground, shadows, legend, video;
 
   const hk_host *host;
   hk_film film;
@@ -71,6 +72,10 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
+    {"tube", "m", "radius of drawn springs and strands; left out: chosen",
+     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
+    {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
+     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
     {"least", "pixels", "smallest radius of a particle on the picture",
      HK_NUMBER, {1}, 0.25, 100, offsetof(frames, least), 0, NULL},
     {"opacity", "", "of particles, of lights their strength; left out: 1, for glow by how bright they are together",
@@ -87,7 +92,9 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
-    {"ground", "", "draw the floor with its grid and the shadow",
+    {"shadows", "", "things cast shadows, on the floor and on each other",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
+    {"ground", "", "draw the floor with its grid",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0, NULL},
     {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
      HK_NUMBER, {0}, 0, 0, offsetof(frames, ground_height), HK_OPTIONAL, NULL},
@@ -138,7 +145,7 @@ static void plan_camera(frames *f) {
   hk_look_turn(f->up == Y_UP, f->camera, framing->eye);
   hk_look_turn(f->up == Y_UP, f->target, framing->target);
   framing->floor = f->ground, framing->height = f->ground_height;
-  framing->radius = f->radius, framing->outliers = f->outliers;
+  framing->radius = f->radius, framing->tube = f->tube, framing->outliers = f->outliers;
 }
 
 static void plan_light(frames *f) {
@@ -147,6 +154,7 @@ static void plan_light(frames *f) {
   bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && style_of(f) == HK_STYLE_GLOW);
   const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
+  setup->shadows = f->shadows, setup->thickness = f->thickness;
   setup->sprites.style = style_of(f);
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
   setup->sprites.least = f->least, setup->sprites.fog = f->fog;

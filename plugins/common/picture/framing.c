@@ -57,6 +57,7 @@ static void choose_radii(const hk_framing *framing, size_t n, size_t lines, hk_v
   static const double larger[] = {[HK_STYLE_SPHERE] = 1, [HK_STYLE_SOFT] = 1.8, [HK_STYLE_GLOW] = 2.6};
   double loose = fmin(fmax(0.34 / sqrt((double)n + 1), 0.004), 0.03);
   setup->tube = setup->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.006);
+  if (!isnan(framing->tube)) setup->tube = framing->tube;
   setup->bead = lines ? 1.9 * setup->tube : loose * setup->size;
   setup->bead *= larger[setup->sprites.style] * (setup->streak > 0 ? 0.5 : 1);
   if (!isnan(framing->radius)) setup->bead = framing->radius;

@@ -10,6 +10,7 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
 }
 
 static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
+  size_t tubes = s->lines + p->border.count;
   size_t vertices = (s->triangles ? s->n : 0) + s->solids * HK_SOLID_VERTICES;
   size_t triangles = s->triangles + s->solids * HK_SOLID_TRIANGLES;
   if (s->n >= p->bead_room) {
@@ -24,8 +25,8 @@ static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
     p->triangle_room = triangles + triangles / 2 + 1;
     p->triangle = renew(p->host, p->triangle, p->triangle_room, sizeof *p->triangle);
   }
-  if (s->lines >= p->tube_room) {
-    p->tube_room = s->lines + s->lines / 2 + 1;
+  if (tubes >= p->tube_room) {
+    p->tube_room = tubes + tubes / 2 + 1;
     p->tube = renew(p->host, p->tube, p->tube_room, sizeof *p->tube);
   }
   if (p->vertex && p->bead && p->triangle && p->tube) return HK_OK;
@@ -115,28 +116,47 @@ static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapsh
   }
 }
 
-static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], const region *here) {
-  for (size_t k = 0; k < s->lines; k++) {
-    uint32_t i = s->line[k][0], j = s->line[k][1];
-    if (!has_place(s->x[i], here) || !has_place(s->x[j], here)) continue;
-    hk_tube *tube = p->tube + p->tubes++;
-    memcpy(tube->a, s->x[i], sizeof tube->a);
-    memcpy(tube->b, s->x[j], sizeof tube->b);
-    memcpy(tube->colour_a, colour[i], sizeof tube->colour_a);
-    memcpy(tube->colour_b, colour[j], sizeof tube->colour_b);
+static void add_tube(hk_painter *p, const hk_snapshot3d *s, const uint32_t end[2], double radius,
+                     uint8_t (*colour)[4]) {
+  hk_tube *tube = p->tube + p->tubes++;
+  tube->radius = (float)radius;
+  memcpy(tube->a, s->x[end[0]], sizeof tube->a);
+  memcpy(tube->b, s->x[end[1]], sizeof tube->b);
+  memcpy(tube->colour_a, colour[end[0]], sizeof tube->colour_a);
+  memcpy(tube->colour_b, colour[end[1]], sizeof tube->colour_b);
+}
+
+static void add_tubes(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                      const region *here) {
+  for (size_t k = 0; k < s->lines; k++)
+    if (has_place(s->x[s->line[k][0]], here) && has_place(s->x[s->line[k][1]], here))
+      add_tube(p, s, s->line[k], setup->tube, colour);
+}
+
+/* The rim between both sides of surfaces with a thickness is round. */
+static void add_rim(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                    const region *here) {
+  for (size_t k = 0; k < p->border.count; k++) {
+    uint32_t end[2];
+    hk_border_ends(&p->border, k, end);
+    if (has_place(s->x[end[0]], here) && has_place(s->x[end[1]], here))
+      add_tube(p, s, end, setup->thickness / 2, colour);
   }
 }
 
 hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4]) {
   region here = region_of(setup);
-  hk_status status = make_room(p, s);
+  hk_status status = setup->thickness > 0 ? hk_border_follow(&p->border, p->host, s) : HK_OK;
+  if (status == HK_OK) status = make_room(p, s);
   if (status != HK_OK) return status;
   p->vertices = p->triangles = p->tubes = p->beads = 0;
   if (s->triangles) add_mesh(p, s, colour, &here);
+  p->cloth = p->triangles;
   add_solids(p, setup, s, false);
   p->opaque = p->triangles;
   add_solids(p, setup, s, true);
-  add_tubes(p, s, colour, &here);
+  add_tubes(p, setup, s, colour, &here);
+  add_rim(p, setup, s, colour, &here);
   add_beads(p, setup, s, colour, &here);
   return HK_OK;
 }
