@@ -90,7 +90,8 @@ hk_status hk_motion_find(hk_motion *, double t, hk_error *error);
 void hk_motion_place(hk_motion *, const double origin[3], double x[3], double v[3]);
 hk_status hk_motion_bend(hk_motion *, double t, hk_error *error); /* finds the accelerations at t */
 void hk_motion_acceleration(const hk_motion *, const double origin[3], double a[3]);
-double hk_motion_speed_error(const hk_motion *); /* m/s, of any particle so far */
+void hk_rotation(const double r[3], double R[9]); /* exp([r]), by rows */
+double hk_motion_speed_error(const hk_motion *);  /* m/s, of any particle so far */
 
 /* ---- evaluations.c: how far apart the times are at which a run evaluated its functions of time ---- */
 

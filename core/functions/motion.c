@@ -73,14 +73,19 @@ void hk_motion_open(hk_motion *m, const hk_function *offset, const hk_function *
   hk_path_open(&m->rotation, rotation, "rotation", where, end);
 }
 
+void hk_rotation(const double r[3], double R[9]) {
+  coefficients q = coefficients_of(dot(r, r));
+  const double skew[9] = {0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0};
+  for (int i = 0; i < 3; i++)
+    for (int j = 0; j < 3; j++)
+      R[3 * i + j] = (i == j ? 1 - q.g * dot(r, r) : 0) + q.f * skew[3 * i + j] + q.g * r[i] * r[j];
+}
+
 /* r = value, r' = value + 3 */
 static void turn_by(hk_motion *m, const double *r, const double *rate) {
   coefficients q = coefficients_of(dot(r, r));
-  const double skew[9] = {0, -r[2], r[1], r[2], 0, -r[0], -r[1], r[0], 0};
   double twice[3];
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      m->turn[3 * i + j] = (i == j ? 1 - q.g * dot(r, r) : 0) + q.f * skew[3 * i + j] + q.g * r[i] * r[j];
+  hk_rotation(r, m->turn);
   cross(twice, r, rate);
   memcpy(m->spin, rate, sizeof m->spin);
   add_cross(m->spin, q.g, r, rate);

@@ -183,20 +183,13 @@ static int scene(lua_State *L) {
 
 /* ---- pins ---- */
 
-/* False: absent. */
-static bool pin_function(lua_State *L, const char *key, hk_function *function) {
-  if (hk_lua_field(L, 3, key) == LUA_TNIL) return false;
-  if (!lua_isfunction(L, -1)) hk_lua_fail(L, HK_BAD_PARAM, "pin: %s: expected a function of t", key);
-  *function = hk_lua_function(L, lua_gettop(L));
-  return true;
-}
-
 static void pin_options(lua_State *L, hk_pin_spec *spec) {
   static const char *const keys[] = {"path", "rotation", "center", "fastest", "axes", "normal", "release", NULL};
   hk_lua_check_keys(L, 3, "pin", keys);
   bool line = hk_lua_field_vector(L, 3, "pin", "axes", spec->axis);
   bool plane = hk_lua_field_vector(L, 3, "pin", "normal", line ? (double[3]){0} : spec->axis);
-  bool path = pin_function(L, "path", &spec->path), rotation = pin_function(L, "rotation", &spec->rotation);
+  bool path = hk_lua_field_function(L, 3, "pin", "path", &spec->path);
+  bool rotation = hk_lua_field_function(L, 3, "pin", "rotation", &spec->rotation);
   if (line + plane + (path || rotation) > 1)
     hk_lua_fail(L, HK_BAD_PARAM, "pin: give one of path (or rotation), axes and normal");
   if (hk_lua_field_vector(L, 3, "pin", "center", spec->center) && !rotation)

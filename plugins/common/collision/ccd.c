@@ -94,14 +94,34 @@ static void pair_of(hk_pair_kind kind, double r[4][3], double x[12]) {
     }
 }
 
+/* Makes the largest coordinate 1. */
+static void normalize(double n[3]) {
+  double most = fmax(fabs(n[0]), fmax(fabs(n[1]), fabs(n[2])));
+  for (int c = 0; c < 3; c++) n[c] = most > 0 ? n[c] / most : 0;
+}
+
+/* d is at right angles to the edges of the active parts; of a small distance rounding tilts it against them. */
+static void straighten(const hk_nearest *near, const double x[12], double n[3]) {
+  double dw[2][4], e[2][3], m[3];
+  int count = hk_nearest_directions(near, x, dw, e);
+  if (count == 2) {
+    hk_cross(m, e[0], e[1]);
+    double sign = hk_dot(m, n) < 0 ? -1 : 1;
+    for (int c = 0; c < 3; c++) n[c] = sign * m[c];
+  } else if (count == 1) {
+    hk_add_scaled(n, -hk_dot(n, e[0]) / hk_dot(e[0], e[0]), e[0]);
+  }
+}
+
 static direction direction_at(const motion *m, double t, double r[4][3]) {
   double x[12];
   at_time(m, t, r);
   pair_of(m->kind, r, x);
   hk_nearest near = hk_nearest_of_pair(m->kind, x);
-  direction d = {.distance = sqrt(near.squared)};
-  double most = fmax(fabs(near.d[0]), fmax(fabs(near.d[1]), fabs(near.d[2])));
-  for (int c = 0; c < 3; c++) d.n[c] = most > 0 ? near.d[c] / most : 0;
+  direction d = {.n = {near.d[0], near.d[1], near.d[2]}, .distance = sqrt(near.squared)};
+  normalize(d.n);
+  straighten(&near, x, d.n);
+  normalize(d.n);
   d.margin = m->gap * hk_length(d.n) + MARGIN * (fabs(d.n[0]) + fabs(d.n[1]) + fabs(d.n[2]));
   return d;
 }

@@ -117,9 +117,7 @@ void hk_distance_gradient(const hk_nearest *near, double g[12]) {
     for (int c = 0; c < 3; c++) g[3 * i + c] = 2 * near->w[i] * near->d[c];
 }
 
-/* The directions in which the nearest points may move: from the first active point of a feature to each other one.
- * dw: sign at those two. Returns their number. */
-static int directions(const hk_nearest *near, const double *x, double dw[2][4], double d[2][3]) {
+int hk_nearest_directions(const hk_nearest *near, const double x[12], double dw[2][4], double d[2][3]) {
   int count = 0, split = near->kind == HK_POINT_TRIANGLE ? 1 : 2, first = -1;
   memset(dw, 0, 8 * sizeof **dw);
   for (int i = 0; i < 4; i++) {
@@ -155,7 +153,7 @@ static void make_orthonormal(double dw[2][4], double d[2][3], int count) {
 
 void hk_distance_hessian(const hk_nearest *near, const double x[12], double H[144]) {
   double dw[2][4], d[2][3] = {{0}}, across[3][3], part[2][12];
-  int count = directions(near, x, dw, d);
+  int count = hk_nearest_directions(near, x, dw, d);
   make_orthonormal(dw, d, count);
   for (int r = 0; r < 3; r++)
     for (int c = 0; c < 3; c++) across[r][c] = (r == c) - d[0][r] * d[0][c] - d[1][r] * d[1][c];

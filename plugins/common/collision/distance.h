@@ -30,6 +30,10 @@ typedef struct hk_nearest {
 
 hk_nearest hk_nearest_of_pair(hk_pair_kind kind, const double x[12]);
 
+/* The directions in which the nearest points may move, each from the first active point of a feature to another one: by
+ * them w changes by dw[k] and d by dd[k], m, to which d is at right angles. Returns their number; the others are 0. */
+int hk_nearest_directions(const hk_nearest *, const double x[12], double dw[2][4], double dd[2][3]);
+
 /* g[3 i + c] = d(squared)/dx_ic, m. It is continuous but where the nearest points are not unique (parallel edges). */
 void hk_distance_gradient(const hk_nearest *, double g[12]);
 

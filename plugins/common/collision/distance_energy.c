@@ -33,37 +33,28 @@ static void frame_of(const double d[3], double t[3][3]) {
   hk_cross(t[2], t[0], t[1]);
 }
 
-/* Orthonormal weights: w, and what is left of those that sum to 0 on the active points of each feature. Returns their
- * number. */
-static int orthonormal_weights(const hk_nearest *near, double e[3][4]) {
-  int count = 1, split = near->kind == HK_POINT_TRIANGLE ? 1 : 2, first = -1;
-  double length = sqrt(dot4(near->w, near->w));
-  for (int i = 0; i < 4; i++) e[0][i] = near->w[i] / length;
-  for (int i = 0; i < 4; i++) {
-    if (i == split) first = -1;
-    if (!(near->active >> i & 1)) continue;
-    if (first < 0) {
-      first = i;
-      continue;
+/* Orthonormal weights: those of the nearest points, and what changes them, beside these. Returns their number. */
+static int orthonormal_weights(const hk_nearest *near, const double *x, double e[3][4]) {
+  double dw[2][4], d[2][3];
+  int count = 1 + hk_nearest_directions(near, x, dw, d);
+  for (int k = 0; k < count; k++) {
+    double c[4];
+    memcpy(c, k == 0 ? near->w : dw[k - 1], sizeof c);
+    for (int l = 0; l < k; l++) {
+      double s = dot4(c, e[l]);
+      for (int i = 0; i < 4; i++) c[i] -= s * e[l][i];
     }
-    double c[4] = {0};
-    c[first] = -1, c[i] = 1;
-    for (int k = 0; k < count; k++) {
-      double s = dot4(c, e[k]);
-      for (int m = 0; m < 4; m++) c[m] -= s * e[k][m];
-    }
-    double l = sqrt(dot4(c, c));
-    for (int m = 0; m < 4; m++) e[count][m] = c[m] / l;
-    count++;
+    double length = sqrt(dot4(c, c));
+    for (int i = 0; i < 4; i++) e[k][i] = c[i] / length;
   }
   return count;
 }
 
 /* Q: orthonormal rows that span the range of the Hessian. Returns their number. */
-static int basis_of(const hk_nearest *near, double Q[MOST][12]) {
+static int basis_of(const hk_nearest *near, const double *x, double Q[MOST][12]) {
   double t[3][3], e[3][4];
   frame_of(near->d, t);
-  int weights = orthonormal_weights(near, e), rows = 2 + weights;
+  int weights = orthonormal_weights(near, x, e), rows = 2 + weights;
   for (int q = 0; q < rows; q++)
     for (int k = 0; k < 12; k++) Q[q][k] = q < 3 ? e[0][k / 3] * t[q][k % 3] : e[q - 2][k / 3] * t[0][k % 3];
   return rows;
@@ -114,9 +105,9 @@ static void diagonalize(double A[MOST][MOST], double Q[MOST][12], int rows) {
   }
 }
 
-static void project(const hk_nearest *near, double H[144]) {
+static void project(const hk_nearest *near, const double *x, double H[144]) {
   double Q[MOST][12], A[MOST][MOST];
-  int rows = basis_of(near, Q);
+  int rows = basis_of(near, x, Q);
   reduce(H, Q, rows, A);
   diagonalize(A, Q, rows);
   memset(H, 0, 144 * sizeof *H);
@@ -132,5 +123,5 @@ void hk_distance_energy_hessian(const hk_nearest *near, const double x[12], doub
   hk_distance_hessian(near, x, H);
   for (int i = 0; i < 12; i++)
     for (int j = 0; j < 12; j++) H[12 * i + j] = E1 * H[12 * i + j] + E2 * g[i] * g[j];
-  if (definite) project(near, H);
+  if (definite) project(near, x, H);
 }

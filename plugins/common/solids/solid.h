@@ -1,4 +1,4 @@
-/* Tetrahedra of a neo-Hookean material with viscosity: what the force `solid` is made of. */
+/* Tetrahedra of a neo-Hookean material with viscosity: what the force `neo_hookean` is made of. */
 #ifndef HK_SOLID_H
 #define HK_SOLID_H
 

@@ -1,5 +1,5 @@
 /* Moves of implicit stages past contact, on one particle and a wall at x = 0 that repels by 1/x. */
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/safe_move.h"
 #include "tests/support/fake_system.h"
 
 #include <setjmp.h>

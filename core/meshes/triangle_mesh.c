@@ -1,7 +1,7 @@
 /* Vertices and faces of a mesh; faces of more than three corners are cut into triangles by clipping ears: a corner is
  * cut off whose triangle turns the way the face does and has no other corner in it. Of a convex face that is the fan
  * around its first corner. Meisters, Polygons have ears, American Mathematical Monthly 82 (1975). */
-#include "core/builders/triangle_mesh.h"
+#include "core/meshes/meshes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,6 +9,7 @@
 void hk_mesh_clear(hk_mesh *m) {
   free(m->vertex);
   free(m->triangle);
+  free(m->tetrahedron);
   *m = (hk_mesh){0};
 }
 
@@ -27,7 +28,7 @@ hk_mesh *hk_mesh_new(lua_State *L) {
   return m;
 }
 
-static bool grow(void *array, size_t *capacity, size_t count, size_t size) {
+bool hk_mesh_grow(void *array, size_t *capacity, size_t count, size_t size) {
   void *memory;
   memcpy(&memory, array, sizeof memory);
   if (count <= *capacity) return true;
@@ -40,7 +41,7 @@ static bool grow(void *array, size_t *capacity, size_t count, size_t size) {
 
 const char *hk_mesh_add_vertex(hk_mesh *m, const double x[3]) {
   if (m->vertices == UINT32_MAX) return "there are more vertices than a mesh can have";
-  if (!grow(&m->vertex, &m->vertex_capacity, m->vertices + 1, 3 * sizeof *m->vertex)) return "no memory";
+  if (!hk_mesh_grow(&m->vertex, &m->vertex_capacity, m->vertices + 1, 3 * sizeof *m->vertex)) return "no memory";
   memcpy(m->vertex + 3 * m->vertices++, x, 3 * sizeof *x);
   return NULL;
 }
@@ -125,7 +126,7 @@ const char *hk_mesh_add_face(hk_mesh *m, const uint32_t *corner, size_t count) {
   for (size_t k = 0; k < count; k++)
     for (size_t l = 0; l < k; l++)
       if (corner[k] == corner[l]) return "a face names a vertex twice";
-  if (!grow(&m->triangle, &m->triangle_capacity, m->triangles + count, sizeof *m->triangle)) return "no memory";
+  if (!hk_mesh_grow(&m->triangle, &m->triangle_capacity, m->triangles + count, sizeof *m->triangle)) return "no memory";
   lay(&p, m, corner, count);
   if (cut(&p, m)) return NULL;
   m->triangles = triangles;

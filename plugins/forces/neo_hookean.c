@@ -9,55 +9,57 @@
  * speed of sound, which rises with nu without bound. */
 #include "plugins/common/solids/solid.h"
 
-typedef struct solid {
+typedef struct neo_hookean {
   hk_solid body;
   hk_solid_params given;
-} solid;
+} neo_hookean;
 
 /* clang-format off */
 static const hk_param params[] = {
     {"tetrahedra", "", "quadruples of particles: three edges from the first one are right-handed",
-     HK_TETRAHEDRA, {0}, 0, 0, offsetof(solid, given.tetrahedra), HK_REQUIRED, NULL},
-    {"E", "Pa", "Young's modulus", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(solid, given.E), HK_REQUIRED | HK_ABOVE_MIN, NULL},
-    {"nu", "", "Poisson's ratio, below 0.5", HK_PER_TUPLE, {0.3}, 0, 0.5, offsetof(solid, given.nu), 0, NULL},
+     HK_TETRAHEDRA, {0}, 0, 0, offsetof(neo_hookean, given.tetrahedra), HK_REQUIRED, NULL},
+    {"E", "Pa", "Young's modulus", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(neo_hookean, given.E), HK_REQUIRED | HK_ABOVE_MIN, NULL},
+    {"nu", "", "Poisson's ratio, below 0.5", HK_PER_TUPLE, {0.3}, 0, 0.5, offsetof(neo_hookean, given.nu), 0, NULL},
     {"damping", "Pa s", "the same as E for the rate of strain: E times the time in which the material creeps",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(solid, given.damping), 0, NULL},
+     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(neo_hookean, given.damping), 0, NULL},
     {0},
 };
 /* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
-  solid *s = self;
+  neo_hookean *s = self;
   (void)host;
   return hk_solid_create(&s->body, view, &s->given);
 }
 
-static hk_status topology(void *self, const hk_view *view) { return hk_solid_topology(&((solid *)self)->body, view); }
+static hk_status topology(void *self, const hk_view *view) {
+  return hk_solid_topology(&((neo_hookean *)self)->body, view);
+}
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_solid_add(&((solid *)self)->body, view, F);
+  hk_solid_add(&((neo_hookean *)self)->body, view, F);
   return HK_OK;
 }
 
-static double energy(void *self, const hk_view *view) { return hk_solid_energy(&((solid *)self)->body, view); }
+static double energy(void *self, const hk_view *view) { return hk_solid_energy(&((neo_hookean *)self)->body, view); }
 
 static void elements(void *self, const hk_view *view, hk_elements *out) {
   (void)view;
-  hk_solid_elements(&((solid *)self)->body, out);
+  hk_solid_elements(&((neo_hookean *)self)->body, out);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   (void)view;
-  hk_solid_pattern(&((solid *)self)->body, p);
+  hk_solid_pattern(&((neo_hookean *)self)->body, p);
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  hk_solid_jacobian(&((solid *)self)->body, view, into);
+  hk_solid_jacobian(&((neo_hookean *)self)->body, view, into);
   return HK_OK;
 }
 
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
-  hk_solid_stiffness_bound(&((solid *)self)->body, view, part, block);
+  hk_solid_stiffness_bound(&((neo_hookean *)self)->body, view, part, block);
 }
 
 static const hk_force force = {
@@ -76,10 +78,10 @@ static const hk_force force = {
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_FORCE,
-    .name = "solid",
+    .name = "neo_hookean",
     .summary = "soft bodies of tetrahedra, a stable neo-Hookean material: E = sum volume W(F)",
     .reference = "Smith, de Goes and Kim 2018, Stable neo-Hookean flesh simulation, (14) and (16), section 4.5",
-    .instance_size = sizeof(solid),
+    .instance_size = sizeof(neo_hookean),
     .params = params,
     .create = create,
     .topology = topology,

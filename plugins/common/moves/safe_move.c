@@ -1,5 +1,5 @@
 /* See safe_move.h. */
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/safe_move.h"
 
 #include <float.h>
 
@@ -20,21 +20,20 @@ static hk_status part_of_start(hk_system *s, const hk_stage *stage, double *dx, 
   return hk_safe_part(s, stage->t, s->X, dx, scratch, part);
 }
 
-hk_status hk_safe_start(hk_system *s, const hk_stage *stage, double *dx, double *scratch) {
+hk_status hk_safe_start(hk_system *s, const hk_stage *stage, double *dx, double *scratch, bool *safe) {
   size_t m = 3 * s->n;
   double *X = stage->X, *v = X + m, part = 1;
   for (size_t e = 0; e < m; e++) X[e] = stage->base[e] + stage->g * v[e];
   hk_status status = part_of_start(s, stage, dx, scratch, &part);
-  if (status != HK_OK || part >= 1) return status;
+  *safe = part >= 1;
+  if (status != HK_OK || *safe) return status;
   for (size_t e = 0; e < m; e++) {
     v[e] = (s->X[e] - stage->base[e]) / stage->g;
     X[e] = s->X[e];
   }
   status = part_of_start(s, stage, dx, scratch, &part);
-  if (status != HK_OK || part >= 1) return status;
-  return s->host->fail(s->host, HK_NOT_CONVERGED,
-                       "scripted particles move into contact between t = %.17g s and %.17g s: the step is too long",
-                       s->t, stage->t);
+  *safe = part >= 1;
+  return status;
 }
 
 hk_status hk_safe_end(hk_system *s, double t, const double *stage, const double *X, double *dx, double *scratch) {

@@ -14,9 +14,9 @@
 /* *part: the safe fraction of the displacement dx (n x 3) from X at time t. `scratch`: n x 3. */
 hk_status hk_safe_part(hk_system *, double t, const double *X, const double *dx, double *scratch, double *part);
 /* To be called before the first evaluation of a stage. Where the straight line from s->X to the guess is not safe, the
- * stage starts at the positions of s->X. HK_NOT_CONVERGED: scripted pins move into contact within the step. dx and
- * scratch: n x 3. */
-hk_status hk_safe_start(hk_system *, const hk_stage *, double *dx, double *scratch);
+ * stage starts at the positions of s->X. *safe is false where scripted particles move into contact from there: see
+ * carry_pins.h. dx and scratch: n x 3. */
+hk_status hk_safe_start(hk_system *, const hk_stage *, double *dx, double *scratch, bool *safe);
 /* HK_NOT_CONVERGED when the straight line from the positions of the stage to those of X, the new state, is not safe. */
 hk_status hk_safe_end(hk_system *, double t, const double *stage, const double *X, double *dx, double *scratch);
 

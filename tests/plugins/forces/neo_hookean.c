@@ -43,7 +43,7 @@ static hk_plugin_spec *add_block(test_engine *e) {
     test_particle(e, i % 3 * 0.5 + off, i / 3 % 3 * 0.5 - off, i / 9 * 0.5 + off / 2, 1 + 0.1 * i);
   }
   fill(ids);
-  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "solid");
+  hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "neo_hookean");
   test_tuples(e, spec, "tetrahedra", 4, ids[0], TETRAHEDRA);
   test_number(e, spec, "E", 2);
   e->options.dt = 1e-3;
@@ -217,7 +217,7 @@ static void refused(const uint32_t ids[4], double lift, double nu, const char *w
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 1, 0, 0, 1);
   test_particle(&e, 0, 1, 0, 1), test_particle(&e, 0.2, 0.3, lift, 1);
-  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "solid");
+  hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "neo_hookean");
   test_tuples(&e, spec, "tetrahedra", 4, ids, 1);
   test_number(&e, spec, "E", 1);
   test_number(&e, spec, "nu", nu);
