@@ -28,6 +28,7 @@ typedef struct contact {
   hk_nearby nearby;
   hk_meetings meetings;
   const hk_surfaces *surfaces;
+  uint64_t *moved, now; /* for sweeps.h */
   const hk_host *host;
 } contact;
 
@@ -51,6 +52,9 @@ static const hk_field fields[] = {
 static hk_status topology(void *self, const hk_view *view) {
   contact *s = self;
   s->found.good = 0;
+  s->host->release(s->host, s->moved);
+  s->moved = s->host->allocate(s->host, (view->n + 1) * sizeof *s->moved);
+  if (!s->moved) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
   if (status != HK_OK) return status;
   return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
@@ -83,12 +87,13 @@ static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_i
 }
 
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move) {
-  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps};
+  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps, .moved = s->moved, .now = s->now};
   impacts.tolerance = left_by_sweeps * hk_contact_scale(&s->params);
   if (!c->changed) hk_contact_account_free(&s->account, view, c);
   hk_status status = hk_meetings_impacts(&s->meetings, move, HK_MEETINGS_ALL, &impacts);
   if (status != HK_OK) return status;
   hk_sweeps_done done = hk_impacts_solve(&impacts, move);
+  s->now = impacts.now;
   hk_meetings_remember(&s->meetings, &impacts);
   c->changed |= done.pushing > 0;
   s->account.last.impulse += done.impulse;

@@ -49,23 +49,13 @@ static double closing_time(double c, double b, double c_1) {
   return s < 1 ? s : 1;
 }
 
-static void shape(hk_impact *k, const hk_surface_pair *pair, const hk_step_move *m, double when) {
-  hk_pair_path path;
-  double x[12];
-  hk_pair_path_of(&path, pair, m->x_from, m->x);
-  for (int i = 0; i < 12; i++) x[i] = when < 1 ? path.from[i] + when * (path.to[i] - path.from[i]) : path.to[i];
-  hk_nearest near = hk_nearest_of_pair(pair->kind, x);
-  double distance = sqrt(near.squared);
-  memcpy(k->vertex, pair->vertex, sizeof k->vertex);
-  memcpy(k->w, near.w, sizeof k->w);
-  for (int c = 0; c < 3; c++) k->n[c] = near.d[c] / distance;
-  for (int i = 0; i < 4; i++) k->mobility += k->w[i] * k->w[i] * m->inverse_mass[k->vertex[i]];
-}
-
 void hk_impact_of(hk_impact *k, const hk_surface_pair *pair, const hk_step_move *m, const hk_meeting *meeting) {
   double from[3], to[3], v_from[3], v_to[3];
   *k = (hk_impact){.gap_from = meeting->gap_from};
-  shape(k, pair, m, meeting->when);
+  memcpy(k->vertex, pair->vertex, sizeof k->vertex);
+  memcpy(k->w, meeting->w, sizeof k->w);
+  hk_copy(k->n, meeting->n);
+  for (int i = 0; i < 4; i++) k->mobility += k->w[i] * k->w[i] * m->inverse_mass[k->vertex[i]];
   weigh(from, k, m->x_from);
   weigh(to, k, m->x);
   weigh(v_from, k, m->v_from);

@@ -36,6 +36,7 @@ double hk_pair_motion(hk_pair_kind kind, const hk_pair_path *);
 typedef struct hk_impact_level {
   double origin[3], target;
   double push, slide[3]; /* along n and across it; kg m or N s */
+  uint64_t solved;       /* when: sweeps.h */
 } hk_impact_level;
 
 typedef struct hk_impact {
@@ -48,8 +49,8 @@ typedef struct hk_impact {
 
 /* How a pair meets. */
 typedef struct hk_meeting {
-  double gap_from; /* m, at the start */
-  double when;     /* part of the path at which it has the shape that n and w are taken from; its distance is not 0 */
+  double gap_from;    /* m, at the start */
+  double n[3], w[4];  /* of the nearest points at the instant from which these are taken */
   double restitution; /* e */
   bool again;         /* it was pushed apart in this step already: only the maxima's zeros hold */
 } hk_meeting;

@@ -12,9 +12,10 @@ enum { GRAIN = 256 };
  * as much; above, rounding is far away and the normal of a pair well known. */
 static const double least_part = 0.1, least_of_start = 0.5;
 
-/* Where a pair moves by more than this part of its distance, its normal at the start says little about the impact, and
- * the instant of contact is searched. */
-static const double slow = 0.5;
+/* Where a pair moves by no more than this part of its distance, its normal at the start predicts the end: the error is
+ * of the order of the part's square. Up to the second part that normal is good for the impact, but the end is looked
+ * at; beyond, the instant of contact is searched. */
+static const double slow = 0.1, fast = 0.5;
 
 /* Of the thickness: how near to it the instant of contact is found. */
 static const double instant = 0.01;
@@ -23,8 +24,9 @@ typedef enum pair_state { APART, MAY_MEET, CLOSES, OVERLAPS, UNSAFE } pair_state
 
 typedef struct hk_pair_look {
   double gap_from, gap_to; /* m */
-  double when;
+  double n[3], w[4];
   pair_state state;
+  bool on_the_way; /* the gap closes before the end */
 } hk_pair_look;
 
 typedef struct work {
@@ -32,36 +34,64 @@ typedef struct work {
   const hk_step_move *move;
 } work;
 
-/* Whether the pair comes too near on its way; *when: until then it does not. */
-static bool is_unsafe(const hk_surface_pair *pair, const hk_pair_path *path, double from, double to, double motion,
-                      double *when) {
-  double least = fmin(least_part * pair->offset, least_of_start * from);
-  if ((from + to - motion) / 2 > least) return false;
-  return hk_ccd(pair->kind, path->from, path->to, least, instant * least, when);
+static void take_shape(hk_pair_look *look, const hk_nearest *near) {
+  double distance = sqrt(near->squared);
+  for (int c = 0; c < 3; c++) look->n[c] = near->d[c] / distance;
+  memcpy(look->w, near->w, sizeof look->w);
 }
 
-/* Where the gap closes on the way of a pair that moves fast. */
-static bool closes_on_the_way(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
-                              double *when) {
-  return motion > slow * from && from > pair->offset &&
-         hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, when);
+static void take_shape_at(hk_pair_look *look, hk_pair_kind kind, const hk_pair_path *path, double when) {
+  double x[12];
+  for (int i = 0; i < 12; i++) x[i] = path->from[i] + when * (path->to[i] - path->from[i]);
+  hk_nearest near = hk_nearest_of_pair(kind, x);
+  take_shape(look, &near);
 }
 
-static double distance_of(hk_pair_kind kind, const double x[12]) { return sqrt(hk_nearest_of_pair(kind, x).squared); }
+/* n.sum w_i x_i at the end of the path */
+static double along_normal(const hk_pair_look *look, const double x[12]) {
+  double sum = 0;
+  for (int i = 0; i < 12; i++) sum += look->w[i / 3] * look->n[i % 3] * x[i];
+  return sum;
+}
+
+static void look_at_slow(const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
+  look->gap_to = along_normal(look, path->to) - pair->offset;
+}
+
+/* The true end, and the instant at which the pair comes too near, or its gap closes. Once impacts were solved, what is
+ * left of an overlap has its shape at the end. */
+static void look_at_fast(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, double from,
+                         double motion, hk_pair_look *look) {
+  hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
+  double to = sqrt(end.squared), least = fmin(least_part * pair->offset, least_of_start * from), when;
+  look->gap_to = to - pair->offset;
+  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
+    look->state = UNSAFE;
+    take_shape_at(look, pair->kind, path, when);
+  } else if (motion > fast * from && from > pair->offset &&
+             hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) {
+    look->on_the_way = true;
+    take_shape_at(look, pair->kind, path, when);
+  } else if (s->solved && look->gap_to < 0 && to > 0) {
+    take_shape(look, &end);
+  }
+}
 
 static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
-  double from = distance_of(pair->kind, path->from), motion = hk_pair_motion(pair->kind, path);
+  hk_nearest start = hk_nearest_of_pair(pair->kind, path->from);
+  double from = sqrt(start.squared), motion = hk_pair_motion(pair->kind, path);
   *look = (hk_pair_look){.gap_from = from - pair->offset, .gap_to = INFINITY};
   if (look->gap_from > motion) return;
-  double to = distance_of(pair->kind, path->to);
-  look->gap_to = to - pair->offset;
-  bool overlaps = look->gap_to < fmin(0, look->gap_from) / 2 - s->slack;
-  if (is_unsafe(pair, path, from, to, motion, &look->when))
-    look->state = UNSAFE;
-  else if (closes_on_the_way(pair, path, from, motion, &look->when))
-    look->state = overlaps ? OVERLAPS : CLOSES;
-  else if (look->gap_to < 0)
-    look->state = overlaps ? OVERLAPS : CLOSES;
+  take_shape(look, &start);
+  if (motion <= slow * from)
+    look_at_slow(pair, path, look);
+  else
+    look_at_fast(s, pair, path, from, motion, look);
+  if (look->state == UNSAFE) return;
+  if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack)
+    look->state = OVERLAPS;
+  else if (look->gap_to < 0 || look->on_the_way)
+    look->state = CLOSES;
   else
     look->state = look->gap_to > motion ? APART : MAY_MEET;
 }
@@ -104,8 +134,8 @@ static hk_status make_room(hk_meetings *s) {
 
 static bool is_unsolved(const hk_meetings *s, size_t d) {
   const hk_pair_look *look = &s->look[d];
-  bool on_the_way = look->state == CLOSES && look->when > 0 && !s->met[s->nearby->index[d]];
-  return look->state == OVERLAPS || on_the_way || (look->state == CLOSES && !s->solved);
+  bool new = look->on_the_way && !s->met[s->nearby->index[d]];
+  return look->state == OVERLAPS || (look->state == CLOSES && new) || (look->state == CLOSES && !s->solved);
 }
 
 /* Features that touch at the start have no normal: they are not safe, and no impact can help. */
@@ -114,7 +144,7 @@ static void collect(hk_meetings *s) {
   s->closest = INFINITY;
   for (size_t d = 0; d < s->nearby->dues; d++) {
     const hk_pair_look *look = &s->look[d];
-    s->closest = fmin(s->closest, look->gap_to);
+    if (look->gap_from < s->closest) s->closest = look->gap_from;
     if (look->state == APART) continue;
     uint32_t k = s->nearby->index[d];
     if (look->state == UNSAFE && s->unsafe++ == 0) s->first = k;
@@ -134,11 +164,6 @@ hk_status hk_meetings_look(hk_meetings *s, const hk_step_move *move) {
 
 /* ---- their impacts ---- */
 
-static double shape_time(const hk_pair_look *look, bool again) {
-  if (look->state == UNSAFE || look->when > 0) return look->when;
-  return again && look->state == OVERLAPS ? 1 : 0;
-}
-
 static void build_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const work *w = context;
   const hk_meetings *s = w->s;
@@ -146,7 +171,9 @@ static void build_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   for (size_t e = begin; e < end; e++) {
     const hk_pair_look *look = &s->look[s->chosen[e]];
     uint32_t k = s->nearby->index[s->chosen[e]];
-    hk_meeting meeting = {look->gap_from, shape_time(look, s->met[k]), s->restitution, s->met[k]};
+    hk_meeting meeting = {.gap_from = look->gap_from, .restitution = s->restitution, .again = s->met[k]};
+    memcpy(meeting.n, look->n, sizeof meeting.n);
+    memcpy(meeting.w, look->w, sizeof meeting.w);
     hk_impact_of(&s->impact[e], &s->nearby->pair[k], w->move, &meeting);
   }
 }

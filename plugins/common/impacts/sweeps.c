@@ -45,31 +45,48 @@ static double relax(const hk_impact *k, hk_impact_level *level, double friction,
   return moved * k->mobility;
 }
 
-static size_t sweep_places(hk_impacts *s, hk_step_move *m) {
-  double most = INFINITY;
-  size_t sweeps = 0;
-  for (; sweeps < s->most && most > s->tolerance; sweeps++) {
-    most = 0;
-    for (size_t e = 0; e < s->count; e++)
-      most = fmax(most, relax(&s->impact[e], &s->impact[e].place, s->friction, m->inverse_mass, m->x));
-  }
-  return sweeps;
+static bool is_awake(const hk_impacts *s, const hk_impact *k, uint64_t solved) {
+  bool awake = solved == 0;
+  for (int i = 0; i < 4; i++) awake |= s->moved[k->vertex[i]] > solved;
+  return awake;
 }
 
-static void sweep_speeds(hk_impacts *s, hk_step_move *m) {
-  double most = INFINITY, tolerance = s->tolerance / m->h;
-  for (size_t sweep = 0; sweep < s->most && most > tolerance; sweep++) {
-    most = 0;
-    for (size_t e = 0; e < s->count; e++)
-      if (s->impact[e].place.push > 0)
-        most = fmax(most, relax(&s->impact[e], &s->impact[e].speed, s->friction, m->inverse_mass, m->v));
+typedef struct sweeping {
+  double *y;
+  const double *inverse_mass;
+  double tolerance;
+  size_t level; /* offset of the level in an impact */
+} sweeping;
+
+static bool takes_part(const hk_impact *k, const sweeping *w) {
+  return w->level == offsetof(hk_impact, place) || k->place.push > 0;
+}
+
+/* Returns whether anything was moved by more than the tolerance. */
+static bool sweep(hk_impacts *s, const sweeping *w) {
+  bool moved = false;
+  for (size_t e = 0; e < s->count; e++) {
+    hk_impact *k = &s->impact[e];
+    hk_impact_level *level = (hk_impact_level *)(void *)((char *)k + w->level);
+    if (!is_awake(s, k, level->solved) || !takes_part(k, w)) continue;
+    level->solved = ++s->now;
+    if (!(relax(k, level, s->friction, w->inverse_mass, w->y) > w->tolerance)) continue;
+    for (int i = 0; i < 4; i++) s->moved[k->vertex[i]] = s->now;
+    moved = true;
   }
+  return moved;
+}
+
+static size_t sweep_all(hk_impacts *s, const sweeping *w) {
+  size_t sweeps = 1;
+  while (sweep(s, w) && sweeps < s->most) sweeps++;
+  return sweeps;
 }
 
 hk_sweeps_done hk_impacts_solve(hk_impacts *s, hk_step_move *m) {
   hk_sweeps_done done = {0};
-  done.sweeps = sweep_places(s, m);
-  sweep_speeds(s, m);
+  done.sweeps = sweep_all(s, &(sweeping){m->x, m->inverse_mass, s->tolerance, offsetof(hk_impact, place)});
+  sweep_all(s, &(sweeping){m->v, m->inverse_mass, s->tolerance / m->h, offsetof(hk_impact, speed)});
   for (size_t e = 0; e < s->count; e++) {
     done.pushing += s->impact[e].place.push > 0;
     done.impulse += s->impact[e].speed.push;
