@@ -19,6 +19,7 @@
  * and gap |n|, where the pair is not a hit at once, by 8 u M |n|_1. A proof keeps a margin of 32 u M |n|_1. Where
  * squares would leave the range of doubles all is scaled by a power of 2. */
 #include "plugins/common/collision/ccd.h"
+#include "plugins/common/collision/nearest_frame.h"
 #include "plugins/common/space/vector3.h"
 
 static const double MARGIN = 32 * 0x1p-53;

@@ -1,17 +1,7 @@
-/* Nearest points and derivatives of the squared distance of a pair.
- *
- * Nearest points: those of the lines, or of the point and the plane, where they lie within both features; otherwise the
+/* Nearest points: those of the lines, or of the point and the plane, where they lie within both features; otherwise the
  * best of the pairs of a corner and an edge, which no degeneracy harms. Both are the point of a plane, b e + c f, that
  * is nearest to a point r: with the normal n = e x f, b = (r x f).n/|n|^2 and c = (e x r).n/|n|^2. Of a triangle e and
- * f are two sides, of two edges e is one and f the other, for all differences of their points.
- *
- * Derivatives: with the parameters q of the active points (none, one or two), d(q) = sum_i w_i(q) x_i is linear in q
- * and |d|^2 is least at d.d_k = 0, where d_k = dd/dq_k. By the envelope theorem the gradient by x_i is 2 w_i d, and
- *     H = 2 (w w^T (x) I - sum_kl (G^-1)_kl u_k u_l^T),
- *     G_kl = d_k.d_l,   u_k = dw/dq_k (x) d + w (x) d_k,
- * one formula for all kinds and sets of active points. The parameters are chosen so that G is the unit matrix: then
- *     H = 2 (w w^T (x) (I - sum_k d_k d_k^T) - sum_k (p_k p_k^T + p_k (w (x) d_k)^T + (w (x) d_k) p_k^T)),
- *     p_k = dw/dq_k (x) d. */
+ * f are two sides, of two edges e is one and f the other, for all differences of their points. */
 #include "plugins/common/collision/distance.h"
 #include "plugins/common/space/vector3.h"
 
@@ -131,71 +121,4 @@ static hk_nearest edge_edge(const double *x) {
 
 hk_nearest hk_nearest_of_pair(hk_pair_kind kind, const double x[12]) {
   return kind == HK_POINT_TRIANGLE ? point_triangle(x) : edge_edge(x);
-}
-
-/* ---- Derivatives ------------------------------------------------------------------------------------------------- */
-
-void hk_distance_gradient(const hk_nearest *near, double g[12]) {
-  for (int i = 0; i < 4; i++)
-    for (int c = 0; c < 3; c++) g[3 * i + c] = 2 * near->w[i] * near->d[c];
-}
-
-int hk_nearest_directions(const hk_nearest *near, const double x[12], double dw[2][4], double d[2][3]) {
-  int count = 0, split = near->kind == HK_POINT_TRIANGLE ? 1 : 2, first = -1;
-  memset(dw, 0, 8 * sizeof **dw);
-  for (int i = 0; i < 4; i++) {
-    if (i == split) first = -1;
-    if (!(near->active >> i & 1)) continue;
-    if (first < 0) {
-      first = i;
-      continue;
-    }
-    double sign = i < split ? 1 : -1;
-    dw[count][first] = -sign, dw[count][i] = sign;
-    for (int c = 0; c < 3; c++) d[count][c] = sign * (x[3 * i + c] - x[3 * first + c]);
-    count++;
-  }
-  return count;
-}
-
-/* Makes the directions orthonormal, d_k.d_l = 1 or 0, by other parameters: with the normal, which is better known than
- * the difference of two vectors that are nearly parallel. */
-static void make_orthonormal(double dw[2][4], double d[2][3], int count) {
-  double n[3], mixed = 0, height = 1;
-  if (count == 2) {
-    hk_cross(n, d[0], d[1]);
-    mixed = hk_dot(d[0], d[1]) / hk_dot(d[0], d[0]);
-    height = hk_length(n) / hk_length(d[0]);
-    for (int i = 0; i < 4; i++) dw[1][i] = (dw[1][i] - mixed * dw[0][i]) / height;
-    hk_cross(d[1], n, d[0]);
-  }
-  double length = count > 0 ? hk_length(d[0]) : 1, second = count > 1 ? hk_length(d[1]) : 1;
-  for (int i = 0; i < 4; i++) dw[0][i] /= length;
-  for (int c = 0; c < 3; c++) d[0][c] /= length, d[1][c] /= second;
-}
-
-/* The 3 x 3 block of points i and j. `turn`: sum_k dw_k(i) d_k, by which d turns. */
-static void block(const hk_nearest *near, double dw[2][4], double across[3][3], double turn[4][3], int i, int j,
-                  double B[3][3]) {
-  double wi = near->w[i], wj = near->w[j], shift = dw[0][i] * dw[0][j] + dw[1][i] * dw[1][j];
-  for (int r = 0; r < 3; r++)
-    for (int c = 0; c < 3; c++)
-      B[r][c] = 2 * (wi * wj * across[r][c] - near->d[r] * (shift * near->d[c] + wj * turn[i][c]) -
-                     wi * turn[j][r] * near->d[c]);
-}
-
-void hk_distance_hessian(const hk_nearest *near, const double x[12], double H[144]) {
-  double dw[2][4], d[2][3] = {{0}}, across[3][3], turn[4][3], B[3][3];
-  int count = hk_nearest_directions(near, x, dw, d);
-  make_orthonormal(dw, d, count);
-  for (int r = 0; r < 3; r++)
-    for (int c = 0; c < 3; c++) across[r][c] = (r == c) - d[0][r] * d[0][c] - d[1][r] * d[1][c];
-  for (int i = 0; i < 4; i++)
-    for (int c = 0; c < 3; c++) turn[i][c] = dw[0][i] * d[0][c] + dw[1][i] * d[1][c];
-  for (int i = 0; i < 4; i++)
-    for (int j = i; j < 4; j++) {
-      block(near, dw, across, turn, i, j, B);
-      for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++) H[12 * (3 * i + r) + 3 * j + c] = H[12 * (3 * j + c) + 3 * i + r] = B[r][c];
-    }
 }
