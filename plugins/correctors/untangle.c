@@ -24,11 +24,11 @@ typedef struct untangle {
 
 /* clang-format off */
 static const hk_param params[] = {
-    {"thickness", "m", "thickness of cloth: that of the other plugins of contact in the scene",
-     HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, thickness), 0, NULL},
-    {"body_thickness", "m", "thickness of surfaces that are pinned as a whole",
+    {"thickness", "m", "of cloth and soft bodies; the other plugins of contact have to have the same",
+     HK_NUMBER, {1e-3}, 0, 1e6, offsetof(untangle, thickness), 0, NULL},
+    {"body_thickness", "m", "of obstacles, surfaces that are pinned as a whole; half of it is outside",
      HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, body_thickness), 0, NULL},
-    {"radius", "m", "radius of strands and lone particles", HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, radius), 0, NULL},
+    {"radius", "m", "of strands and lone particles", HK_NUMBER, {5e-4}, 0, 1e6, offsetof(untangle, radius), 0, NULL},
     {"leave", "", "particles that have no part in contact", HK_PARTICLES, {0}, 0, 0, offsetof(untangle, leave), HK_OPTIONAL, NULL},
     {"clearance", "m", "how much further than their thickness surfaces are moved apart; by default a hundredth of the mean edge",
      HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, clearance), HK_OPTIONAL, NULL},
@@ -74,7 +74,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hk_untangler_mark(&s->work, view->n, s->mark);
   s->at_first = s->at_last = (int64_t)s->work.intersections;
   s->between_bodies = s->flypaper && hk_flypaper_needed(mesh, view->model);
-  surfaces->leave(surfaces->self, &s->mark);
+  surfaces->keep(surfaces->self, &s->mark);
   return HK_OK;
 }
 
@@ -120,9 +120,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_untangler_mark(&s->work, view->n, s->mark);
   say(s, view->t);
   if (!s->between_bodies) return HK_OK;
-  surfaces->leave(surfaces->self, NULL);
   status = hk_flypaper_hold(&s->paper, s->host, surfaces, view->model, c, s->mark);
-  surfaces->leave(surfaces->self, &s->mark);
   if (status == HK_OK && s->paper.pinched && !s->stuck) say_stuck(s, view);
   s->stuck = (int64_t)s->paper.pinched;
   return status;
