@@ -4,6 +4,7 @@
 #include "plugins/common/film/film.h"
 #include "plugins/common/film/solid_list.h"
 #include "plugins/common/film/video.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -17,10 +18,13 @@ typedef struct frames {
       background[3];
   hk_numbers range;
   hk_solid_numbers solids;
+  hk_solid *solid;
+  size_t solid_count;
   int map, up, springs, particles, style, light;
-  bool reverse, log, ground, shadows, legend, video;
+  bool reverse, log, ground, shadows, obstacles, legend, video;
 
   const hk_host *host;
+  const hk_obstacles *all; /* NULL: there is no such service */
   hk_film film;
   bool changed;         /* the topology may have changed since the last picture */
   double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
@@ -92,6 +96,8 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
+    {"obstacles", "", "draw the scene's obstacles (the corrector), where they are at each frame",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, obstacles), 0, NULL},
     {"shadows", "", "things cast shadows, on the floor and on each other",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
     {"ground", "", "draw the floor with its grid",
@@ -162,6 +168,8 @@ static void plan_light(frames *f) {
 }
 
 static void make_plan(frames *f) {
+  f->film.solid = f->solid, f->film.solids = f->solid_count;
+  f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
   f->film.folder = f->folder, f->film.legend = f->legend, f->film.unit = f->unit;
   plan_colours(f);
@@ -187,6 +195,7 @@ static hk_status choose_look(frames *f, const hk_model *m) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   f->host = host;
+  f->all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
   if (f->range.count && f->log && f->range.value[0] <= 0)
@@ -196,7 +205,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
   if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
-  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->film.solid, &f->film.solids);
+  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
   if (status == HK_OK) status = choose_look(f, view->model);
   if (status == HK_OK && f->unit && f->film.look.paint != HK_PAINT_CHANNEL)
     return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");

@@ -41,21 +41,24 @@ HK_MEMBRANE_INLINE deformation turned(const deformation *o, double p, double q) 
   return n;
 }
 
-/* The blocks between corners of a curvature. */
-HK_MEMBRANE_INLINE void assemble(const deformation *o, const hk_curvature *k, double into[3][9][BLOCK], int r) {
+HK_MEMBRANE_INLINE void entry(const deformation *o, const hk_curvature *k, int i, int j, double into[3][9][BLOCK],
+                              int r) {
   const double *B = o->B;
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) {
-      double ff = o->f[i] * o->f[j], fg = o->f[i] * o->g[j], gf = o->g[i] * o->f[j], gg = o->g[i] * o->g[j],
-             one = i == j;
-      double uu = k->uu.i * one + k->uu.ff * ff + k->uu.fg * (fg + gf) + k->uu.gg * gg;
-      double vv = k->vv.i * one + k->vv.ff * ff + k->vv.fg * (fg + gf) + k->vv.gg * gg;
-      double even = k->uv.i * one + k->uv.ff * ff + k->uv.gg * gg;
-      double uv = even + k->uv.fg * fg + k->uv.gf * gf, vu = even + k->uv.fg * gf + k->uv.gf * fg;
-      into[0][3 * i + j][r] = B[0] * (B[0] * uu + B[1] * uv) + B[1] * (B[0] * vu + B[1] * vv);
-      into[1][3 * i + j][r] = B[0] * (B[2] * uu + B[3] * uv) + B[1] * (B[2] * vu + B[3] * vv);
-      into[2][3 * i + j][r] = B[2] * (B[2] * uu + B[3] * uv) + B[3] * (B[2] * vu + B[3] * vv);
-    }
+  double ff = o->f[i] * o->f[j], fg = o->f[i] * o->g[j], gf = o->g[i] * o->f[j], gg = o->g[i] * o->g[j], one = i == j;
+  double uu = k->uu.i * one + k->uu.ff * ff + k->uu.fg * (fg + gf) + k->uu.gg * gg;
+  double vv = k->vv.i * one + k->vv.ff * ff + k->vv.fg * (fg + gf) + k->vv.gg * gg;
+  double even = k->uv.i * one + k->uv.ff * ff + k->uv.gg * gg;
+  double uv = even + k->uv.fg * fg + k->uv.gf * gf, vu = even + k->uv.fg * gf + k->uv.gf * fg;
+  into[0][3 * i + j][r] = B[0] * (B[0] * uu + B[1] * uv) + B[1] * (B[0] * vu + B[1] * vv);
+  into[1][3 * i + j][r] = B[0] * (B[2] * uu + B[3] * uv) + B[1] * (B[2] * vu + B[3] * vv);
+  into[2][3 * i + j][r] = B[2] * (B[2] * uu + B[3] * uv) + B[3] * (B[2] * vu + B[3] * vv);
+}
+
+/* The blocks between corners of a curvature; without loops, which compilers would have to undo first. */
+HK_MEMBRANE_INLINE void assemble(const deformation *o, const hk_curvature *k, double into[3][9][BLOCK], int r) {
+  entry(o, k, 0, 0, into, r), entry(o, k, 0, 1, into, r), entry(o, k, 0, 2, into, r);
+  entry(o, k, 1, 0, into, r), entry(o, k, 1, 1, into, r), entry(o, k, 1, 2, into, r);
+  entry(o, k, 2, 0, into, r), entry(o, k, 2, 1, into, r), entry(o, k, 2, 2, into, r);
 }
 
 HK_MEMBRANE_INLINE void volumes(block *q) {
@@ -240,12 +243,11 @@ void hk_membrane_blocks(const hk_membrane *m, const hk_view *view, const hk_bloc
   for (size_t begin = 0, count; begin < m->node.count; begin += count) {
     count = m->node.count - begin < BLOCK ? m->node.count - begin : BLOCK;
     fill(m, view, p, begin, count, definite, &q);
-    for (size_t r = 0; r < count; r++) {
-      const size_t *slot = into->slot + 9 * (begin + r);
-      scatter((const double(*)[9][BLOCK])q.K, r, slot, into->K);
-      if (m->damping > 0) scatter((const double(*)[9][BLOCK])q.D, r, slot, into->D);
-      if (turns) add_turning(m, view, begin + r, slot, into->K);
-    }
+    const size_t *slot = into->slot + 9 * begin;
+    for (size_t r = 0; r < count; r++) scatter((const double(*)[9][BLOCK])q.K, r, slot + 9 * r, into->K);
+    for (size_t r = 0; r < count && m->damping > 0; r++)
+      scatter((const double(*)[9][BLOCK])q.D, r, slot + 9 * r, into->D);
+    for (size_t r = 0; r < count && turns; r++) add_turning(m, view, begin + r, slot + 9 * r, into->K);
   }
 }
 

@@ -11,8 +11,9 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
 
 static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
   size_t tubes = s->lines + p->border.count;
-  size_t vertices = (s->triangles ? s->n : 0) + s->solids * HK_SOLID_VERTICES;
-  size_t triangles = s->triangles + s->solids * HK_SOLID_TRIANGLES;
+  size_t vertices = s->triangles ? s->n + 3 * (s->triangles - s->cloth) : 0, triangles = s->triangles;
+  for (size_t k = 0; k < s->solids; k++)
+    vertices += hk_solid_vertices(s->solid + k), triangles += hk_solid_triangles(s->solid + k);
   if (s->n >= p->bead_room) {
     p->bead_room = s->n + s->n / 2 + 1;
     p->bead = renew(p->host, p->bead, p->bead_room, sizeof *p->bead);
@@ -51,7 +52,7 @@ static bool has_place(const float x[3], const region *r) {
 
 /* Adds the triangles, and at each corner the sum of their normals weighted by area. */
 static void add_triangles(hk_painter *p, const hk_snapshot3d *s, const region *here) {
-  for (size_t k = 0; k < s->triangles; k++) {
+  for (size_t k = 0; k < s->cloth; k++) {
     const uint32_t *t = s->triangle[k];
     const float *a = s->x[t[0]], *b = s->x[t[1]], *c = s->x[t[2]];
     if (!has_place(a, here) || !has_place(b, here) || !has_place(c, here)) continue;
@@ -92,9 +93,20 @@ static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4]
   for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
 }
 
-static void add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
-  for (size_t k = 0; k < s->solids; k++)
-    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+/* Surfaces that are pinned as a whole are what others meet: they look like solids. */
+static hk_status add_bodies(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s) {
+  uint8_t colour[4];
+  if (s->cloth == s->triangles) return HK_OK;
+  hk_solid_colour(setup, false, colour);
+  return hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])s->triangle + s->cloth,
+                            s->triangles - s->cloth, colour);
+}
+
+static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < s->solids && status == HK_OK; k++)
+    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+  return status;
 }
 
 static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
@@ -108,7 +120,7 @@ static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot
 static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
                       const region *here) {
   for (size_t i = 0; i < s->n; i++) {
-    if (!s->mark[i] || !has_place(s->x[i], here)) continue;
+    if (!(s->mark[i] & (HK_MARK_PIN | HK_MARK_BEAD)) || !has_place(s->x[i], here)) continue;
     if (s->mark[i] & HK_MARK_PIN)
       add_pin(p, setup, s, i);
     else if (colour[i][3])
@@ -152,9 +164,12 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   p->vertices = p->triangles = p->tubes = p->beads = 0;
   if (s->triangles) add_mesh(p, s, colour, &here);
   p->cloth = p->triangles;
-  add_solids(p, setup, s, false);
+  status = add_bodies(p, setup, s);
+  p->bodies = p->triangles;
+  if (status == HK_OK) status = add_solids(p, setup, s, false);
   p->opaque = p->triangles;
-  add_solids(p, setup, s, true);
+  if (status == HK_OK) status = add_solids(p, setup, s, true);
+  if (status != HK_OK) return status;
   add_tubes(p, setup, s, colour, &here);
   add_rim(p, setup, s, colour, &here);
   add_beads(p, setup, s, colour, &here);

@@ -101,9 +101,10 @@ void hk_painter_close(hk_painter *p) {
   glDeleteBuffers(4, (GLuint[]){p->mesh_buffer, p->index_buffer, p->tube_buffer, p->corner_buffer});
   glDeleteTextures(2, (GLuint[]){p->shadow, p->heights});
   hk_border_free(&p->border, p->host);
+  hk_corner_normals_free(&p->normals, p->host);
   hk_canvas_close(&p->canvas);
   hk_sprites_close(&p->sprites);
-  void *all[] = {p->vertex, p->tube, p->bead, p->triangle, p->shade, p->map.height};
+  void *all[] = {p->vertex, p->tube, p->bead, p->triangle, p->shade, p->map.height, p->corner};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) p->host->release(p->host, all[k]);
   *p = (hk_painter){0};
 }

@@ -6,6 +6,7 @@
 
 #include "plugins/common/gl/canvas.h"
 #include "plugins/common/picture/height_map.h"
+#include "plugins/common/normals/corner_normals.h"
 #include "plugins/common/snapshot/border.h"
 #include "plugins/common/picture/view_setup.h"
 #include "plugins/common/sprites/sprites.h"
@@ -39,9 +40,13 @@ typedef struct hk_painter {
   hk_bead *bead;
   uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
   size_t vertices, triangles, tubes, beads;
-  size_t cloth, opaque; /* the first triangles are the snapshot's; up to `opaque` they cast shadows: planes, which have
-                           no end, cast none */
+  /* The triangles are those of cloth, of bodies, of closed solids, and of planes, which have no end and cast no shadow:
+   * where each but the last end. */
+  size_t cloth, bodies, opaque;
   hk_border border;
+  hk_corner_normals normals;
+  float (*corner)[3]; /* 3 a face: normals */
+  size_t corner_room;
   hk_sprites sprites;
 } hk_painter;
 

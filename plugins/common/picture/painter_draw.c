@@ -121,7 +121,8 @@ static void draw_mesh(const hk_painter *p, const scene *s) {
   glUniform1f(uniform(p, HK_MESH, "solid"), 0);
   draw_cloth(p, s->setup->thickness);
   glUniform1f(uniform(p, HK_MESH, "solid"), 1);
-  draw_triangles(p, p->cloth, p->opaque, GL_BACK, 0);
+  draw_triangles(p, p->cloth, p->bodies, BOTH_SIDES, 0);
+  draw_triangles(p, p->bodies, p->opaque, GL_BACK, 0);
   draw_triangles(p, p->opaque, p->triangles, BOTH_SIDES, 0);
 }
 

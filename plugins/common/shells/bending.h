@@ -35,9 +35,9 @@ typedef struct hk_bending {
   hk_element_force element;    /* of the hinges all of whose members live */
   double (*load)[4][3];        /* N, of the elements' members in one evaluation */
   hk_corner_sums sums;
-  double *power;               /* W, of the chunks of elements */
-  double (*weight)[4];         /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
-                                  none of that kind */
+  double *power;       /* W, of the chunks of elements */
+  double (*weight)[4]; /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
+                          none of that kind */
 } hk_bending;
 
 /* Finds the hinges and computes their numbers from the shape at the view's positions. The caller has set

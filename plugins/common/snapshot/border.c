@@ -32,12 +32,12 @@ static size_t keep_single(uint64_t *side, size_t count) {
 
 hk_status hk_border_follow(hk_border *b, const hk_host *host, const hk_snapshot3d *s) {
   if (b->side && b->topology == s->topology) return HK_OK;
-  hk_status status = make_room(b, host, 3 * s->triangles);
+  hk_status status = make_room(b, host, 3 * s->cloth);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < s->triangles; k++)
+  for (size_t k = 0; k < s->cloth; k++)
     for (int i = 0; i < 3; i++) b->side[3 * k + (size_t)i] = side_of(s->triangle[k][i], s->triangle[k][(i + 1) % 3]);
-  qsort(b->side, 3 * s->triangles, sizeof *b->side, by_ends);
-  b->count = keep_single(b->side, 3 * s->triangles);
+  qsort(b->side, 3 * s->cloth, sizeof *b->side, by_ends);
+  b->count = keep_single(b->side, 3 * s->cloth);
   b->topology = s->topology;
   return HK_OK;
 }

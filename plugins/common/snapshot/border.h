@@ -1,4 +1,4 @@
-/* The border of a snapshot's surfaces: sides that one triangle has alone. */
+/* The border of a snapshot's surfaces: sides that one triangle of cloth has alone. */
 #ifndef HK_BORDER_H
 #define HK_BORDER_H
 

@@ -18,17 +18,20 @@ double hk_tetrahedron_volume(const double *x, const uint32_t member[4]) {
   return hk_dot(d[1], normal) / 6;
 }
 
-hk_tetrahedron hk_tetrahedron_of(const double *x, const uint32_t member[4]) {
-  hk_tetrahedron t = {.volume = hk_tetrahedron_volume(x, member)};
+void hk_tetrahedron_slopes(const double *x, const uint32_t member[4], double slope[4][3]) {
   double d[4][3];
   sides(x, member, d);
+  for (int c = 0; c < 3; c++) slope[0][c] = 0;
   for (int m = 1; m < 4; m++) {
-    hk_cross(t.slope[m], d[m % 3 + 1], d[(m + 1) % 3 + 1]);
-    for (int c = 0; c < 3; c++) {
-      t.slope[m][c] /= 6 * t.volume;
-      t.slope[0][c] -= t.slope[m][c];
-    }
+    hk_cross(slope[m], d[m % 3 + 1], d[(m + 1) % 3 + 1]);
+    for (int c = 0; c < 3; c++) slope[0][c] -= slope[m][c] /= 6;
   }
+}
+
+hk_tetrahedron hk_tetrahedron_of(const double *x, const uint32_t member[4]) {
+  hk_tetrahedron t = {.volume = hk_tetrahedron_volume(x, member)};
+  hk_tetrahedron_slopes(x, member, t.slope);
+  for (int e = 0; e < 12; e++) t.slope[e / 3][e % 3] /= t.volume;
   return t;
 }
 

@@ -11,6 +11,7 @@ typedef struct hk_tetrahedron {
 
 /* Positive where x_1 - x_0, x_2 - x_0, x_3 - x_0 are right-handed, m^3. */
 double hk_tetrahedron_volume(const double *x, const uint32_t member[4]);
+void hk_tetrahedron_slopes(const double *x, const uint32_t member[4], double slope[4][3]); /* of its volume, m^2 */
 /* The slopes are infinite or NaN where the volume is 0. */
 hk_tetrahedron hk_tetrahedron_of(const double *x, const uint32_t member[4]);
 double hk_tetrahedron_longest(const double *x, const uint32_t member[4]); /* m, its longest edge */

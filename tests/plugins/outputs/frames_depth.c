@@ -117,12 +117,39 @@ static void frames_without_shadows_have_none(void **state) {
   free(with.rgb), free(without.rgb);
 }
 
+/* Grey as solids are, without the spheres of pins; one particle that is free makes it cloth. */
+static void frames_draw_what_is_pinned_as_a_whole_as_a_solid(void **state) {
+  (void)state;
+  for (int free_one = 0; free_one < 2; free_one++) {
+    world w;
+    world_open(&w, MOST);
+    make_cloth(&w, 0, 0);
+    memset(w.pin, HK_PIN_FIXED, sizeof w.pin);
+    w.pin[MOST / 2] = free_one ? HK_FREE : HK_PIN_FIXED;
+    look_along_y(&w, 0);
+    set_vector(&w, "camera", 0, -0.1, 4);
+    draw_one(&w);
+    picture p = look(&w, 0);
+    int red = 0, dark = 0, grey = 0;
+    for (int k = 0; k < 160 * 90; k++) {
+      const unsigned char *c = p.rgb + 3 * k;
+      red += c[0] > c[1] + 60, dark += c[0] < 100 && abs(c[0] - c[1]) < 30;
+      grey += c[0] > c[2] && c[0] < c[2] + 30;
+    }
+    double pixels = scale() * scale();
+    assert_true(free_one ? red > 0.5 * pixels && dark > 100 : red == 0 && dark == 0 && grey > 0.8 * pixels);
+    free(p.rgb);
+    fake_close(&w.f);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_show_cloth_as_thick_as_it_is),
       cmocka_unit_test(frames_draw_strands_as_wide_as_asked),
       cmocka_unit_test(frames_cast_the_shadow_of_a_sphere_where_the_light_has_it),
       cmocka_unit_test(frames_without_shadows_have_none),
+      cmocka_unit_test(frames_draw_what_is_pinned_as_a_whole_as_a_solid),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
