@@ -33,6 +33,7 @@ local ordinary_words = {
     midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
     surface = "what a grid or a file of triangles spans", contact = "what surfaces and particles do that touch",
     membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
+    volume = "of a body", solid = "what is not hollow",
   },
   comment = {
     octree = "the tree of cells",

@@ -74,10 +74,12 @@ static hk_lua_handle add_vertices(lua_State *L, hk_scene *scene, hk_mesh *m) {
 }
 
 int hk_build_mesh(lua_State *L) {
-  static const char *const keys[] = {"file", "vertices", "faces", "mass", "density", "scale", "origin", "group", NULL};
+  static const char *const keys[] = {"file",  "vertices", "faces", "mass",     "density",
+                                     "scale", "origin",   "group", "material", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
   luaL_checktype(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
+  hk_lua_take_material(L, 2, "mesh");
   hk_lua_check_keys(L, 2, "mesh", keys);
   hk_mesh *m = hk_mesh_new(L);
   read_mesh(L, m);

@@ -31,9 +31,18 @@ static void clear_choice(lua_State *L, hk_scene *scene, hk_kind kind, int params
   if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
 }
 
-/* hk_lua_set_params(scene, spec, parameters) as a function of Lua. */
+static bool has_param(const hk_plugin *plugin, const char *name) {
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (strcmp(p->name, name) == 0) return true;
+  return false;
+}
+
+/* hk_lua_set_params(scene, spec, parameters) as a function of Lua, with the numbers of a material in the place of its
+ * name. */
 static int set_params(lua_State *L) {
-  hk_lua_set_params(L, lua_touserdata(L, 1), lua_touserdata(L, 2), 3);
+  hk_plugin_spec *spec = lua_touserdata(L, 2);
+  if (lua_istable(L, 3) && !has_param(spec->plugin, "material")) hk_lua_take_material(L, 3, spec->plugin->name);
+  hk_lua_set_params(L, lua_touserdata(L, 1), spec, 3);
   return 0;
 }
 

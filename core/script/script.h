@@ -205,4 +205,9 @@ bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *
 bool hk_lua_field_function(lua_State *L, int table, const char *what, const char *key, hk_function *function);
 void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table);
 
+/* material.c: puts a copy in the place of the table at the positive index `table`, in which the key "material" is
+ * replaced by what the module of that name has for `what`, a builder or a plugin. Without the key nothing changes. */
+void hk_lua_take_material(lua_State *L, int table, const char *what);
+#define HK_LUA_REQUIRE "hooke.require" /* the script's `require` in the registry */
+
 #endif

@@ -11,7 +11,8 @@
  *
  * Degenerate input has an answer as well: edges without length, triangles without area, parallel edges and coincident
  * points give a right distance and one pair of nearest points (of several, the same for the same bits of input).
- * Coordinates are finite and below 1e75 m; lengths below 1e-75 m count as zero. */
+ * Coordinates are finite and below 1e75 m; lengths below 1e-75 m count as zero. Of coordinates that are not finite
+ * nothing is promised but an end: `squared` is infinite or not a number. */
 #ifndef HK_DISTANCE_H
 #define HK_DISTANCE_H
 
@@ -29,10 +30,6 @@ typedef struct hk_nearest {
 } hk_nearest;
 
 hk_nearest hk_nearest_of_pair(hk_pair_kind kind, const double x[12]);
-
-/* The directions in which the nearest points may move, each from the first active point of a feature to another one: by
- * them w changes by dw[k] and d by dd[k], m, to which d is at right angles. Returns their number; the others are 0. */
-int hk_nearest_directions(const hk_nearest *, const double x[12], double dw[2][4], double dd[2][3]);
 
 /* g[3 i + c] = d(squared)/dx_ic, m. It is continuous but where the nearest points are not unique (parallel edges). */
 void hk_distance_gradient(const hk_nearest *, double g[12]);

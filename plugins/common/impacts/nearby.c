@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { GRAIN = 2048 };
+enum { GRAIN = 2048 /* particles */, PAIRS = 256 };
 
 /* Relative, of distances: far above rounding, far below what shows. */
 static const double margin = 1e-9;
@@ -73,7 +73,7 @@ static hk_status make_room(hk_nearby *s, size_t count) {
 static hk_status list_pairs(hk_nearby *s) {
   hk_surface_pairs pairs = {0};
   s->count = 0;
-  hk_status status = s->surfaces->pairs(s->surfaces->self, s->found->from, s->found->to, s->skin, &pairs);
+  hk_status status = s->surfaces->pairs(s->surfaces->self, s->found->from, s->found->to, s->reach + s->skin, &pairs);
   if (status == HK_OK) status = make_room(s, pairs.count);
   if (status != HK_OK) return status;
   s->count = pairs.count;
@@ -114,7 +114,8 @@ hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to
   s->reached = s->travelled + largest_move(s, x_from, x_to);
   s->dues = 0;
   for (size_t k = 0; k < s->count; k++)
-    if (!(s->due[k] > s->reached)) s->index[s->dues++] = (uint32_t)k;
+    if (!(s->due[k] > s->reached) && !s->surfaces->leaves(s->surfaces->self, &s->pair[k]))
+      s->index[s->dues++] = (uint32_t)k;
   return HK_OK;
 }
 
@@ -123,4 +124,32 @@ void hk_nearby_end(hk_nearby *s, const double *x_to) {
   memcpy(s->last, x_to, 3 * s->n * sizeof *x_to);
 }
 
-void hk_nearby_put_off(hk_nearby *s, size_t k, double gap) { s->due[k] = s->travelled + gap / 2 * (1 - margin); }
+void hk_nearby_put_off(hk_nearby *s, size_t k, double gap) {
+  s->due[k] = s->travelled + (gap - s->reach) / 2 * (1 - margin);
+}
+
+typedef struct sifting {
+  hk_nearby *s;
+  const double *x;
+} sifting;
+
+static void sift_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const sifting *w = context;
+  (void)chunk;
+  for (size_t d = begin; d < end; d++) {
+    const hk_surface_pair *pair = &w->s->pair[w->s->index[d]];
+    double x[12];
+    for (size_t i = 0; i < 12; i++) x[i] = w->x[3 * (size_t)pair->vertex[i / 3] + i % 3];
+    double gap = sqrt(hk_nearest_of_pair(pair->kind, x).squared) - pair->offset;
+    if (gap > w->s->reach) hk_nearby_put_off(w->s, w->s->index[d], gap);
+  }
+}
+
+void hk_nearby_sift(hk_nearby *s, const double *x) {
+  sifting w = {s, x};
+  size_t kept = 0;
+  s->host->parallel_for(s->host, s->dues, PAIRS, sift_chunk, &w);
+  for (size_t d = 0; d < s->dues; d++)
+    if (!(s->due[s->index[d]] > s->reached)) s->index[kept++] = s->index[d];
+  s->dues = kept;
+}

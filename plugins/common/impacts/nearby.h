@@ -2,7 +2,7 @@
  * nearer than a skin at the last search is complete until a particle has moved by half of it, and of a pair in the list
  * the distance is not even computed while no particle has moved by half of the pair's last gap (the budget of
  * displacements of Chen and others 2025, Offset geometric contact, section 3.4, kept for every pair). Neither
- * changes what is found: every pair whose gap may close on the step's straight moves is looked at.
+ * changes what is found: every pair whose gap may come below `reach` on the step's straight moves is looked at.
  *
  * A step goes: hk_nearby_begin, then hk_nearby_reach for every end that is tried, then hk_nearby_end. */
 #ifndef HK_NEARBY_H
@@ -26,7 +26,8 @@ typedef struct hk_nearby {
   const hk_host *host;
   const hk_surfaces *surfaces;
   hk_nearby_found *found;
-  double skin; /* m */
+  double reach; /* m: pairs are near whose gap is less; 0: contact itself */
+  double skin;  /* m */
   size_t n;
   size_t count, room;    /* pairs; that fit the memory */
   hk_surface_pair *pair; /* count */
@@ -42,7 +43,7 @@ typedef struct hk_nearby {
   size_t searches;
 } hk_nearby;
 
-/* In `create` and `topology`. HK_NO_MEMORY. */
+/* In `create` and `topology`, with `reach` set. HK_NO_MEMORY. */
 hk_status hk_nearby_open(hk_nearby *, const hk_host *, const hk_view *, const hk_surfaces *, hk_nearby_found *,
                          double skin);
 void hk_nearby_begin(hk_nearby *, const double *x_from);
@@ -54,5 +55,8 @@ void hk_nearby_end(hk_nearby *, const double *x_to);
 /* Says that pair k had this gap at the start of the step and need not be looked at before it may have closed. Called by
  * several threads at once, for different pairs. */
 void hk_nearby_put_off(hk_nearby *, size_t k, double gap);
+
+/* Puts off all pairs of `index` that are not near on the way that was reached, by their gaps at x, its start. */
+void hk_nearby_sift(hk_nearby *, const double *x);
 
 #endif

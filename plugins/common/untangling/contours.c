@@ -77,7 +77,7 @@ static void add_point(hk_contours *c, uint32_t k, uint32_t side) {
 static void trace(hk_contours *c, const hk_surface_mesh *m, uint32_t start, uint32_t slot) {
   hk_contour *made = &c->contour[c->count++];
   uint32_t at = start, face[2] = {m->edge_faces[c->node[start].edge][slot], c->node[start].triangle}, side = 0;
-  *made = (hk_contour){.kind = HK_CONTOUR_CLOSED, .first = c->points};
+  *made = (hk_contour){.kind = HK_CONTOUR_CLOSED, .first = c->points, .cuts = 2};
   add_point(c, start, 0);
   while (c->node[at].next[slot] != NONE) {
     uint32_t next = c->node[at].next[slot], into = c->node[at].next_slot[slot];
@@ -110,6 +110,8 @@ static void trace_all(hk_contours *c, const hk_surface_mesh *m, size_t nodes) {
       trace(c, m, k, 1 - slot);
       hk_contour *made = &c->contour[c->count - 1];
       made->kind = begin > made->kind ? begin : made->kind;
+      uint32_t last = c->point[made->first + made->count - 1].side;
+      made->cuts = made->kind == HK_CONTOUR_BORDER && last == 0 && made->count > 1 ? 0 : 2;
     }
   for (uint32_t k = 0; k < nodes; k++)
     if (!c->node[k].traced) trace(c, m, k, 0);

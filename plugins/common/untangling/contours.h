@@ -23,6 +23,7 @@ typedef struct hk_contour {
   hk_contour_kind kind;
   size_t first, count; /* of the points, in their order along the curve */
   bool twisted;        /* closed, and its two sides are one curve that runs around twice */
+  uint32_t cuts;       /* the side that it divides, from one place of its border to another; 2: neither */
 } hk_contour;
 
 typedef struct hk_contours {

@@ -10,7 +10,12 @@
 
 enum { NONE = UINT32_MAX };
 
-static const double stride = 0.2; /* of an edge: how far a curve's point moves at once while it becomes shorter */
+/* Pulls are met in sweeps that each take what is left. Smoothed so often, a bump of 20 edges comes back as it is, with
+ * strains of 0.3 where there were 0.8 without; so many sweeps meet the pulls to a percent or so, and the next round
+ * sees what is left. */
+enum { SWEEPS = 40, SMOOTHINGS = 10 };
+
+static const double stride = 1; /* edges: how far a point of a curve moves in a round while the curve becomes shorter */
 
 static const double *place(const hk_tangle *t, uint32_t i) { return t->x + 3 * (size_t)i; }
 
@@ -59,6 +64,41 @@ static void list_targets(hk_moves *m, const hk_tangle *t, size_t contour, uint32
   }
 }
 
+/* The middle of a curve, and how far what it encloses reaches from there. */
+static double reach_of(const hk_tangle *t, const hk_contour *c, const hk_enclosed *inside, double middle[3]) {
+  double reach = 0;
+  memset(middle, 0, 3 * sizeof *middle);
+  for (size_t k = c->first; k < c->first + c->count; k++)
+    for (int j = 0; j < 2; j++)
+      hk_add_scaled(middle, 0.5 / (double)c->count, place(t, t->mesh->edge[t->contours->point[k].edge][j]));
+  for (size_t k = inside->first; k < inside->first + inside->count; k++) {
+    double d[3];
+    hk_subtract(d, place(t, t->regions->vertex[k]), middle);
+    reach = fmax(reach, hk_length(d));
+  }
+  return reach;
+}
+
+/* What a curve cuts off one surface is drawn to the surroundings of the curve on the other, as far as it reaches; where
+ * both are one surface, not to itself. `degree` marks what is enclosed. */
+static void grow_targets(hk_moves *m, const hk_tangle *t, size_t contour) {
+  const hk_contour *c = &t->contours->contour[contour];
+  const hk_enclosed *inside = &t->regions->enclosed[contour][c->cuts];
+  double middle[3], reach = reach_of(t, c, inside, middle);
+  memset(m->degree, 0, t->model->n * sizeof *m->degree);
+  for (size_t k = inside->first; k < inside->first + inside->count; k++) m->degree[t->regions->vertex[k]] = 1;
+  for (size_t k = 0; k < m->targets; k++)
+    for (int j = 0; j < 3; j++) {
+      uint32_t i = t->mesh->triangle[m->target[k]][j];
+      double d[3];
+      hk_subtract(d, place(t, i), middle);
+      for (uint32_t a = m->start[i]; a < m->start[i + 1] && hk_length(d) <= reach; a++) {
+        const uint32_t *v = t->mesh->triangle[m->around[a]];
+        if (!m->degree[v[0]] && !m->degree[v[1]] && !m->degree[v[2]]) add_target(m, m->around[a]);
+      }
+    }
+}
+
 static hk_status build_tree(hk_moves *m, const hk_host *host, const hk_tangle *t) {
   for (size_t k = 0; k < m->targets; k++) {
     const uint32_t *v = t->mesh->triangle[m->target[k]];
@@ -101,8 +141,8 @@ static bool make_pull(const hk_moves *m, const hk_tangle *t, uint32_t vertex, hk
   double distance = sqrt(s.nearest.squared);
   if (s.triangle == NONE || !(distance > 0)) return false;
   const uint32_t *v = t->mesh->triangle[s.triangle];
-  *pull = (hk_pull){.vertex = {vertex, v[0], v[1], v[2]}};
-  memcpy(pull->w, s.nearest.w, sizeof pull->w);
+  *pull = (hk_pull){.vertex = {vertex, vertex, v[0], v[1], v[2]}, .w = {1}};
+  for (int k = 1; k < 4; k++) pull->w[1 + k] = s.nearest.w[k];
   double radius = t->mesh->radius[v[0]];
   for (int k = 1; k < 3; k++) radius = fmax(radius, t->mesh->radius[v[k]]);
   double apart = t->mesh->radius[vertex] + radius + t->beyond;
@@ -114,6 +154,7 @@ static hk_status pull_side(hk_moves *m, const hk_host *host, const hk_tangle *t,
   const hk_enclosed *inside = &t->regions->enclosed[contour][side];
   if (inside->count == 0) return HK_OK;
   list_targets(m, t, contour, 1 - side);
+  if (t->contours->contour[contour].cuts < 2) grow_targets(m, t, contour);
   hk_status status = build_tree(m, host, t);
   for (size_t k = inside->first; k < inside->first + inside->count && status == HK_OK; k++)
     m->pulls += make_pull(m, t, t->regions->vertex[k], &m->pull[m->pulls]);
@@ -125,7 +166,7 @@ static hk_status pull_side(hk_moves *m, const hk_host *host, const hk_tangle *t,
 static double share_of(const hk_moves *m, const hk_tangle *t, const hk_pull *p) {
   uint32_t uses = 1;
   double weight = 0;
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; k < HK_PULL; k++) {
     uint32_t i = p->vertex[k];
     weight += t->model->inverse_mass[i] * p->w[k] * p->w[k];
     if (t->model->inverse_mass[i] > 0 && p->w[k] != 0 && m->uses[i] > uses) uses = m->uses[i];
@@ -133,21 +174,62 @@ static double share_of(const hk_moves *m, const hk_tangle *t, const hk_pull *p) 
   return weight > 0 ? 1 / (weight * uses) : 0;
 }
 
-static void apply(hk_moves *m, const hk_tangle *t, const hk_pull *p) {
-  double share = share_of(m, t, p), speed = 0, length = hk_length(p->way);
-  for (int k = 0; k < 4 && t->v; k++) speed += p->w[k] * hk_dot(t->v + 3 * (size_t)p->vertex[k], p->way) / length;
-  for (int k = 0; k < 4; k++) {
-    double part = share * t->model->inverse_mass[p->vertex[k]] * p->w[k];
-    hk_add_scaled(m->move + 3 * (size_t)p->vertex[k], part, p->way);
-    if (speed < 0) hk_add_scaled(m->kick + 3 * (size_t)p->vertex[k], -part * speed / length, p->way);
+static void count_uses(hk_moves *m, const hk_tangle *t) {
+  const hk_surface_mesh *mesh = t->mesh;
+  memset(m->uses, 0, t->model->n * sizeof *m->uses);
+  memset(m->degree, 0, t->model->n * sizeof *m->degree);
+  for (size_t k = 0; k < m->pulls; k++)
+    for (int j = 0; j < HK_PULL; j++) m->uses[m->pull[k].vertex[j]] += m->pull[k].w[j] != 0;
+  for (size_t k = 0; k < 2 * mesh->edges; k++) m->degree[mesh->edge[k / 2][k % 2]]++;
+}
+
+/* Adds to `part` what of the pull is still to be moved. */
+static void pull_on(hk_moves *m, const hk_tangle *t, const hk_pull *p) {
+  double left[3], share = share_of(m, t, p);
+  hk_copy(left, p->way);
+  for (int k = 0; k < HK_PULL; k++) hk_add_scaled(left, -p->w[k], m->move + 3 * (size_t)p->vertex[k]);
+  for (int k = 0; k < HK_PULL; k++) {
+    uint32_t i = p->vertex[k];
+    hk_add_scaled(m->part + 3 * (size_t)i, share * t->model->inverse_mass[i] * p->w[k], left);
   }
 }
 
-static void apply_all(hk_moves *m, const hk_tangle *t) {
-  memset(m->uses, 0, t->model->n * sizeof *m->uses);
-  for (size_t k = 0; k < m->pulls; k++)
-    for (int j = 0; j < 4; j++) m->uses[m->pull[k].vertex[j]] += m->pull[k].w[j] != 0;
-  for (size_t k = 0; k < m->pulls; k++) apply(m, t, &m->pull[k]);
+/* Moves flow between neighbours, and with them what is pulled takes its surroundings along. No momentum is lost: what
+ * one vertex gives the other takes. With a half of the least degree, sweeps are stable whatever the masses. */
+static void smooth(hk_moves *m, const hk_tangle *t) {
+  const double *inverse_mass = t->model->inverse_mass;
+  memset(m->flow, 0, 3 * t->model->n * sizeof *m->flow);
+  for (size_t e = 0; e < t->mesh->edges; e++) {
+    size_t a = t->mesh->edge[e][0], b = t->mesh->edge[e][1];
+    if (!(inverse_mass[a] > 0 && inverse_mass[b] > 0)) continue;
+    double flow = 0.5 / fmax(inverse_mass[a] * m->degree[a], inverse_mass[b] * m->degree[b]), difference[3];
+    hk_subtract(difference, m->part + 3 * b, m->part + 3 * a);
+    hk_add_scaled(m->flow + 3 * a, flow * inverse_mass[a], difference);
+    hk_add_scaled(m->flow + 3 * b, -flow * inverse_mass[b], difference);
+  }
+  for (size_t k = 0; k < 3 * t->model->n; k++) m->part[k] += m->flow[k];
+}
+
+static void move_pulled(hk_moves *m, const hk_tangle *t) {
+  for (int sweep = 0; sweep < SWEEPS && m->pulls > 0; sweep++) {
+    memset(m->part, 0, 3 * t->model->n * sizeof *m->part);
+    for (size_t k = 0; k < m->pulls; k++) pull_on(m, t, &m->pull[k]);
+    for (int again = 0; again < SMOOTHINGS; again++) smooth(m, t);
+    for (size_t k = 0; k < 3 * t->model->n; k++) m->move[k] += m->part[k];
+  }
+}
+
+/* Takes the part of relative velocities that goes against the pulls. */
+static void kick_pulled(hk_moves *m, const hk_tangle *t) {
+  for (size_t k = 0; k < m->pulls && t->v; k++) {
+    const hk_pull *p = &m->pull[k];
+    double speed = 0, length2 = hk_dot(p->way, p->way), share = share_of(m, t, p);
+    for (int j = 0; j < HK_PULL; j++) speed += p->w[j] * hk_dot(t->v + 3 * (size_t)p->vertex[j], p->way);
+    for (int j = 0; j < HK_PULL && speed < 0; j++) {
+      uint32_t i = p->vertex[j];
+      hk_add_scaled(m->kick + 3 * (size_t)i, -share * t->model->inverse_mass[i] * p->w[j] * speed / length2, p->way);
+    }
+  }
 }
 
 /* ---- shorter curves ---- */
@@ -195,55 +277,60 @@ static bool pierce(const double *x, const uint32_t e[2], const uint32_t f[3], do
   return true;
 }
 
-/* The point P of edge and plane moves by D_e - E ((D_e - D_f).N)/(E.N) where the edge there moves by D_e and the
- * triangle by D_f; the curve becomes shorter by S.dP, S the sum of the directions of its pieces at P. */
-void hk_shortening(const hk_surface_mesh *m, const double *x, const hk_contour_point *p, uint32_t vertex[5],
-                   double direction[5][3]) {
+/* The point P of edge and plane moves by D - E (D.N)/(E.N) where the edge there moves by D relative to the triangle;
+ * the curve becomes shorter by S.dP, S the sum of the directions of its pieces at P. */
+bool hk_shortening(const hk_surface_mesh *m, const double *x, const hk_contour_point *p, double w[HK_PULL],
+                   double direction[3]) {
   const uint32_t *e = m->edge[p->edge], *f = m->triangle[p->triangle];
-  double normal[3], s, u[3], sum[3] = {0}, edge[3];
-  for (int k = 0; k < 5; k++) vertex[k] = k < 2 ? e[k] : f[k - 2];
-  memset(direction, 0, 15 * sizeof(double));
-  if (!pierce(x, e, f, normal, &s, u)) return;
+  double normal[3], s, u[3], edge[3];
+  memset(direction, 0, 3 * sizeof *direction);
+  if (!pierce(x, e, f, normal, &s, u)) return false;
   for (int slot = 0; slot < 2; slot++) {
     double piece[3];
     uint32_t g = m->edge_faces[p->edge][slot];
-    if (g != NONE && into_triangle(x, m->triangle[g], e, normal, piece)) hk_add_scaled(sum, 1, piece);
+    if (g != NONE && into_triangle(x, m->triangle[g], e, normal, piece)) hk_add_scaled(direction, 1, piece);
   }
   hk_subtract(edge, x + 3 * (size_t)e[1], x + 3 * (size_t)e[0]);
-  double lift = hk_dot(sum, edge) / hk_dot(edge, normal);
-  for (int k = 0; k < 2; k++) {
-    double share = k ? s : 1 - s;
-    hk_add_scaled(direction[k], share, sum);
-    hk_add_scaled(direction[k], -share * lift, normal);
-  }
-  for (int k = 0; k < 3; k++) hk_add_scaled(direction[2 + k], u[k] * lift, normal);
+  hk_add_scaled(direction, -hk_dot(direction, edge) / hk_dot(edge, normal), normal);
+  w[0] = 1 - s, w[1] = s;
+  for (int k = 0; k < 3; k++) w[2 + k] = -u[k];
+  return true;
 }
 
-/* Moves of the point by a part of the edge. */
-static void shorten_at(hk_moves *m, const hk_tangle *t, const hk_contour_point *p) {
-  uint32_t vertex[5];
-  double direction[5][3], edge[3], largest = 0;
-  hk_shortening(t->mesh, t->x, p, vertex, direction);
-  hk_subtract(edge, place(t, vertex[1]), place(t, vertex[0]));
-  double heaviest = 0;
-  for (int k = 0; k < 5; k++) heaviest = fmax(heaviest, t->model->inverse_mass[vertex[k]]);
-  if (!(heaviest > 0)) return;
-  for (int k = 0; k < 5; k++)
-    largest = fmax(largest, t->model->inverse_mass[vertex[k]] / heaviest * hk_length(direction[k]));
-  if (!(largest > 0)) return;
-  for (int k = 0; k < 5; k++) {
-    double part = t->model->inverse_mass[vertex[k]] / heaviest * stride * hk_length(edge) / fmax(1, largest);
-    hk_add_scaled(m->move + 3 * (size_t)vertex[k], part, direction[k]);
-  }
+/* The point is to move by a part of the edge, the less, the less shorter the curve becomes by it. */
+static void add_shortening(hk_moves *m, const hk_tangle *t, const hk_contour_point *p) {
+  const uint32_t *e = t->mesh->edge[p->edge], *f = t->mesh->triangle[p->triangle];
+  hk_pull *pull = &m->pull[m->pulls];
+  double edge[3];
+  *pull = (hk_pull){.vertex = {e[0], e[1], f[0], f[1], f[2]}};
+  if (!hk_shortening(t->mesh, t->x, p, pull->w, pull->way)) return;
+  hk_subtract(edge, place(t, e[1]), place(t, e[0]));
+  double size = stride * hk_length(edge) / fmax(1, hk_length(pull->way));
+  for (int c = 0; c < 3; c++) pull->way[c] *= size;
+  m->pulls += hk_length(pull->way) > 0;
 }
 
 /* ---- */
 
+/* Whether what the curve encloses is known and no mere point. */
 static bool encloses(const hk_tangle *t, size_t contour) {
   const hk_contour *c = &t->contours->contour[contour];
   const hk_enclosed *side = t->regions->enclosed[contour];
+  if (c->cuts < 2) return side[c->cuts].known && side[c->cuts].count > 0;
   return c->kind == HK_CONTOUR_CLOSED && !c->twisted && side[0].known && side[1].known &&
          side[0].count + side[1].count > 0;
+}
+
+static hk_status list_pulls(hk_moves *m, const hk_host *host, const hk_tangle *t) {
+  hk_status status = HK_OK;
+  m->pulls = 0;
+  for (size_t k = 0; k < t->contours->count && status == HK_OK; k++) {
+    const hk_contour *c = &t->contours->contour[k];
+    bool fill = encloses(t, k);
+    for (uint32_t side = 0; side < 2 && fill && status == HK_OK; side++) status = pull_side(m, host, t, k, side);
+    for (size_t j = c->first; j < c->first + c->count && !fill; j++) add_shortening(m, t, &t->contours->point[j]);
+  }
+  return status;
 }
 
 static hk_status reserve(hk_moves *m, const hk_host *host, const hk_tangle *t) {
@@ -251,7 +338,11 @@ static hk_status reserve(hk_moves *m, const hk_host *host, const hk_tangle *t) {
   hk_status status = hk_reserve(host, &m->move, &m->n_room[1], 3 * n, sizeof *m->move);
   if (status == HK_OK) status = hk_reserve(host, &m->kick, &m->n_room[2], 3 * n, sizeof *m->kick);
   if (status == HK_OK) status = hk_reserve(host, &m->uses, &m->n_room[3], n, sizeof *m->uses);
-  if (status == HK_OK) status = hk_reserve(host, &m->pull, &m->pull_room, t->regions->vertices, sizeof *m->pull);
+  if (status == HK_OK) status = hk_reserve(host, &m->degree, &m->n_room[4], n, sizeof *m->degree);
+  if (status == HK_OK) status = hk_reserve(host, &m->flow, &m->n_room[5], 3 * n, sizeof *m->flow);
+  if (status == HK_OK) status = hk_reserve(host, &m->part, &m->n_room[6], 3 * n, sizeof *m->part);
+  if (status == HK_OK)
+    status = hk_reserve(host, &m->pull, &m->pull_room, t->regions->vertices + t->contours->points, sizeof *m->pull);
   return status == HK_OK ? list_around(m, host, t->mesh, n) : status;
 }
 
@@ -260,20 +351,17 @@ hk_status hk_moves_find(hk_moves *m, const hk_host *host, const hk_tangle *t) {
   if (status != HK_OK) return status;
   memset(m->move, 0, 3 * t->model->n * sizeof *m->move);
   memset(m->kick, 0, 3 * t->model->n * sizeof *m->kick);
-  m->pulls = 0;
-  for (size_t k = 0; k < t->contours->count && status == HK_OK; k++) {
-    const hk_contour *c = &t->contours->contour[k];
-    if (encloses(t, k))
-      for (uint32_t side = 0; side < 2 && status == HK_OK; side++) status = pull_side(m, host, t, k, side);
-    else
-      for (size_t j = c->first; j < c->first + c->count; j++) shorten_at(m, t, &t->contours->point[j]);
-  }
-  apply_all(m, t);
-  return status;
+  status = list_pulls(m, host, t);
+  if (status != HK_OK) return status;
+  count_uses(m, t);
+  kick_pulled(m, t);
+  move_pulled(m, t);
+  return HK_OK;
 }
 
 void hk_moves_free(hk_moves *m, const hk_host *host) {
-  void *all[] = {m->start, m->around, m->stamp, m->target, m->box, m->move, m->kick, m->uses, m->pull};
+  void *all[] = {m->start, m->around, m->stamp, m->target, m->box,    m->move,
+                 m->kick,  m->part,   m->flow,  m->uses,   m->degree, m->pull};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   hk_bvh_free(&m->tree, host);
   *m = (hk_moves){.pulls = 0};

@@ -6,22 +6,26 @@
 #include "plugins/common/space/bvh.h"
 #include "plugins/common/untangling/regions.h"
 
-typedef struct hk_pull { /* vertex[0] is to move by `way` relative to the point of the triangle of the others */
-  uint32_t vertex[4];
-  double w[4]; /* 1, and minus the point's barycentric coordinates */
-  double way[3];
+enum { HK_PULL = 5 };
+
+typedef struct hk_pull {    /* a point of an edge, or a vertex, is to move relative to a point of a triangle */
+  uint32_t vertex[HK_PULL]; /* of the first, and of the triangle; a vertex stands twice */
+  double w[HK_PULL];        /* their weights, those of the triangle negative */
+  double way[3];            /* m: sum w move */
 } hk_pull;
 
 typedef struct hk_moves {
   size_t pulls;
   hk_pull *pull;
-  double *move; /* n x 3, m */
-  double *kick; /* n x 3, m/s: takes from velocities what goes against the pulls */
+  double *move;        /* n x 3, m */
+  double *kick;        /* n x 3, m/s: takes from velocities what goes against the pulls */
+  double *part, *flow; /* n x 3, m: of the present sweep */
   /* what follows is for the search */
-  uint64_t number;                         /* of the mesh of `start` and `around` */
-  uint32_t *start, *around;                /* n + 2, 3 x triangles: the triangles at each vertex */
-  uint32_t *stamp, stamps, *target, *uses; /* triangles: when listed last; the list; n: pulls of each vertex */
-  size_t targets, box_room, pull_room, n_room[4], mesh_room[3];
+  uint64_t number;                  /* of the mesh of `start` and `around` */
+  uint32_t *start, *around;         /* n + 2, 3 x triangles: the triangles at each vertex */
+  uint32_t *stamp, stamps, *target; /* triangles: when listed last; the list */
+  uint32_t *uses, *degree;          /* n: pulls, and edges, of each vertex */
+  size_t targets, box_room, pull_room, n_room[7], mesh_room[3];
   hk_box *box;
   hk_bvh tree;
 } hk_moves;
@@ -40,9 +44,9 @@ typedef struct hk_tangle { /* what is to be freed */
 hk_status hk_moves_find(hk_moves *, const hk_host *, const hk_tangle *);
 void hk_moves_free(hk_moves *, const hk_host *);
 
-/* Adds the direction in which the vertices of an edge and a triangle that it pierces have to move for the curve to
- * become shorter: minus the gradient of its length by their positions; 0 where they are parallel. */
-void hk_shortening(const hk_surface_mesh *, const double *x, const hk_contour_point *, uint32_t vertex[5],
-                   double direction[5][3]);
+/* The direction in which the edge has to move relative to the triangle that it pierces for the curve to become shorter,
+ * and the weights of the point on both: minus the gradient of its length. False: the two are parallel. */
+bool hk_shortening(const hk_surface_mesh *, const double *x, const hk_contour_point *, double w[HK_PULL],
+                   double direction[3]);
 
 #endif

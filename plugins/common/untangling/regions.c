@@ -176,7 +176,7 @@ hk_status hk_regions_fill(hk_regions *r, const hk_host *host, const hk_surface_m
     for (uint32_t side = 0; side < 2 && status == HK_OK; side++) {
       const hk_contour *c = &all->contour[k];
       r->enclosed[k][side] = (hk_enclosed){.first = r->vertices};
-      if (c->kind == HK_CONTOUR_CLOSED && !(c->twisted && side == 1))
+      if (c->cuts == side || (c->kind == HK_CONTOUR_CLOSED && !(c->twisted && side == 1)))
         status = fill_side(r, host, m, all, c, side, n, &r->enclosed[k][side]);
     }
   return status;

@@ -1,9 +1,10 @@
 #include "plugins/common/untangling/untangler.h"
+#include "plugins/common/space/vector3.h"
 #include "plugins/common/untangling/reserve.h"
 
 /* Between two positions of a curve that both have few intersections there may be some with more, where it passes a
  * vertex: so many rounds may have more before what they did is dropped. */
-enum { PATIENCE = 6 };
+enum { PATIENCE = 30 };
 
 hk_status hk_untangler_look(hk_untangler *u, const hk_model *model, const double *x) {
   hk_surface_intersections found;
@@ -56,13 +57,29 @@ static hk_status try_rounds(hk_untangler *u, const hk_model *model, hk_correctio
   return worse ? hk_untangler_look(u, model, c->x) : HK_OK;
 }
 
+static void account(hk_untangler *u, size_t n, const double *from, const double *to) {
+  u->moved = 0;
+  u->furthest = 0;
+  for (size_t i = 0; i < n; i++) {
+    double way[3];
+    hk_subtract(way, to + 3 * i, from + 3 * i);
+    u->moved += hk_length(way) > 0;
+    u->furthest = fmax(u->furthest, hk_length(way));
+  }
+}
+
 hk_status hk_untangler_free(hk_untangler *u, const hk_model *model, hk_correction *c) {
   hk_status status = hk_untangler_look(u, model, c->x);
   if (status != HK_OK || u->intersections == 0) return status;
+  memcpy(u->seen, u->contours.kinds, sizeof u->seen);
   status = hk_reserve(u->host, &u->trial, &u->trial_room, 3 * model->n, sizeof *u->trial);
+  if (status == HK_OK) status = hk_reserve(u->host, &u->from, &u->from_room, 3 * model->n, sizeof *u->from);
   if (status != HK_OK) return status;
   memcpy(u->trial, c->x, 3 * model->n * sizeof *c->x);
-  return try_rounds(u, model, c);
+  memcpy(u->from, c->x, 3 * model->n * sizeof *c->x);
+  status = try_rounds(u, model, c);
+  account(u, model->n, u->from, c->x);
+  return status;
 }
 
 void hk_untangler_mark(const hk_untangler *u, size_t n, double *mark) {
@@ -82,4 +99,5 @@ void hk_untangler_close(hk_untangler *u) {
   hk_regions_free(&u->regions, u->host);
   hk_moves_free(&u->moves, u->host);
   u->host->release(u->host, u->trial);
+  u->host->release(u->host, u->from);
 }

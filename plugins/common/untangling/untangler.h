@@ -13,9 +13,12 @@ typedef struct hk_untangler {
   hk_contours contours;
   hk_regions regions;
   hk_moves moves;
-  double *trial; /* n x 3, m */
-  size_t trial_room;
+  double *trial, *from; /* n x 3, m */
+  size_t trial_room, from_room;
   size_t intersections; /* at the last look */
+  /* of the last time that something was freed: curves at first, particles that were moved, and by how much, m */
+  size_t seen[HK_CONTOUR_KINDS], moved;
+  double furthest;
 } hk_untangler;
 
 /* Finds what intersects at x, its curves, and what these enclose. HK_NO_MEMORY, HK_NOT_FINITE. */

@@ -210,6 +210,46 @@ static void definite_blocks_are_definite(void **state) {
   free(K), free(part);
 }
 
+/* ---- element by element ------------------------------------------------------------------------------------------ */
+
+/* A block held at one corner falls and swings; its particles after 20 steps of 10 ms. */
+static void fall(const char *method, const char *parameter, double value, double damping, double x[SIZE]) {
+  test_engine e;
+  hk_plugin_spec *solid = add_block(&e);
+  test_number(&e, solid, "E", 2000);
+  test_number(&e, solid, "damping", damping);
+  test_vector(&e, test_plugin(&e, HK_FORCE, "gravity"), "g", 0, 0, -10);
+  test_pin(&e, HK_PIN_FIXED, 27, NULL);
+  hk_plugin_spec *spec = test_plugin(&e, HK_INTEGRATOR, method);
+  if (strcmp(method, "xpbd") == 0) test_number(&e, spec, "substeps", 1);
+  test_number(&e, spec, parameter, value);
+  if (strcmp(method, "local_global") == 0) test_number(&e, spec, "iterations", 1e6);
+  e.options.dt = 0.01, e.scene->fps = 100;
+  test_run(&e);
+  test_advance(&e, 0.2);
+  for (uint32_t i = 0; i < N; i++) memcpy(x + 3 * i, test_position(&e, i + 1), 3 * sizeof *x);
+  test_engine_close(&e);
+}
+
+static double distance(const double *x, const double *y) {
+  double off = 0;
+  for (int k = 0; k < SIZE; k++) off = fmax(off, fabs(x[k] - y[k]));
+  return off;
+}
+
+/* Methods that know the elements alone, iterated to their end, are backward Euler: the elements are the force. One of
+ * them damps along the gradients of a step's start, and is tried without damping. */
+static void elements_are_the_force(void **state) {
+  (void)state;
+  double x[SIZE], y[SIZE];
+  fall("backward_euler", "tolerance", 1e-12, 20, x);
+  fall("xpbd", "iterations", 300, 20, y);
+  assert_true(distance(x, y) < 1e-11); /* of 0.2 m, after 20 steps to a tolerance of 1e-12 */
+  fall("backward_euler", "tolerance", 1e-12, 0, x);
+  fall("local_global", "tolerance", 1e-10, 0, y);
+  assert_true(distance(x, y) < 1e-8); /* after 20 steps to a tolerance of 1e-10 each, which is of the last iteration */
+}
+
 /* ---- what is refused --------------------------------------------------------------------------------------------- */
 
 static void refused(const uint32_t ids[4], double lift, double nu, const char *why) {
@@ -253,9 +293,13 @@ static void no_memory_is_an_error(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(derivatives_are_those_of_the_energy), cmocka_unit_test(patches_have_the_stress_of_hookes_law),
-      cmocka_unit_test(viscosity_leaves_turning_alone),      cmocka_unit_test(definite_blocks_are_definite),
-      cmocka_unit_test(what_is_no_solid_is_refused),         cmocka_unit_test(no_memory_is_an_error),
+      cmocka_unit_test(derivatives_are_those_of_the_energy),
+      cmocka_unit_test(patches_have_the_stress_of_hookes_law),
+      cmocka_unit_test(viscosity_leaves_turning_alone),
+      cmocka_unit_test(definite_blocks_are_definite),
+      cmocka_unit_test(elements_are_the_force),
+      cmocka_unit_test(what_is_no_solid_is_refused),
+      cmocka_unit_test(no_memory_is_an_error),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
