@@ -166,7 +166,7 @@ typedef struct hk_view {
   const double *x; /* n x 3, m */
   const double *v; /* n x 3, m/s */
   const double *y; /* channels, see hk_channel; NULL when there are none */
-  const hk_model *model;
+  const hk_model *model; /* at the same address throughout the run */
   const hk_host *host;
   size_t acting;          /* number of particles that the force acts on */
   const uint32_t *active; /* their indices in rising order; NULL: all particles */

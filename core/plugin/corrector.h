@@ -2,6 +2,7 @@
 #ifndef HK_PLUGIN_CORRECTOR_H
 #define HK_PLUGIN_CORRECTOR_H
 
+#include "core/plugin/contact.h"
 #include "core/plugin/model.h"
 
 enum {                      /* hk_corrector.flags */
@@ -33,6 +34,8 @@ typedef struct hk_corrector {
   hk_status (*correct)(void *self, const hk_view *view, hk_correction *c);
   double (*violation)(void *self, const hk_view *view); /* m, 0 when satisfied; asked at frames, for the
  verdict; may be NULL */
+  /* For contact of surfaces: called at frames. False: this run has none. NULL: as false. */
+  bool (*contacts)(void *self, const hk_view *view, hk_contact_report *out);
 } hk_corrector;
 
 #endif

@@ -3,12 +3,13 @@
 #ifndef HK_PLUGIN_FORCE_H
 #define HK_PLUGIN_FORCE_H
 
+#include "core/plugin/contact.h"
 #include "core/plugin/model.h"
 
 enum { HK_ELEMENT_VALUES = 16 }; /* largest number of values C per tuple */
 
-/* A force whose energy is E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and whose damping is
- * -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
+/* A force whose energy is, up to a constant, E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and
+ * whose damping is -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
  * until the next change of topology. */
 typedef struct hk_elements {
   hk_tuples node;
@@ -171,6 +172,8 @@ typedef struct hk_force {
   /* Makes the errors `part` times (0 to 1) of what they were, at most: called before the first step of a run that
    * another one is compared with. Required where `errors` is not NULL. */
   void (*sharpen)(void *self, double part);
+  /* For contact of surfaces: called at frames. False: this run has none. NULL: as false. */
+  bool (*contacts)(void *self, const hk_view *view, hk_contact_report *out);
 } hk_force;
 
 #endif

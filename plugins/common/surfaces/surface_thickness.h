@@ -1,0 +1,18 @@
+/* Whether a mesh is fine enough for the thickness that contact gives it.
+ *
+ * Contact keeps every gap above 0, also between features of one surface. Two features that share no particle, of which
+ * an edge of the mesh joins a particle of the one with a particle of the other, are neighbours: they are as near as the
+ * triangles are small, whatever the motion. So at the start each such pair (but for those of which no particle can
+ * move) has to be farther apart than its offset; else the thickness does not fit the mesh. Pairs that are no
+ * neighbours, as in folds, do not limit the thickness: they can be moved apart. */
+#ifndef HK_SURFACE_THICKNESS_H
+#define HK_SURFACE_THICKNESS_H
+
+#include "plugins/common/surfaces/surface_search.h"
+
+/* HK_BAD_PARAM: a triangle has no area, or neighbours are too near; the message says the largest thickness, or radius
+ * of strands, that fits. Else as hk_surface_search_rows. */
+hk_status hk_surface_thickness_check(hk_surface_search *, const hk_host *, const hk_view *, const hk_surface_request *,
+                                     hk_gather *pairs);
+
+#endif
