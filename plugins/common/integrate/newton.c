@@ -1,7 +1,8 @@
 /* See newton.h. Invariant of the iteration: R is the filtered residual at the X of the stage, so every direction is
  * computed from the last evaluation, and an iteration costs one evaluation. */
 #include "plugins/common/integrate/newton.h"
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/carry_pins.h"
+#include "plugins/common/moves/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
 #include "plugins/common/linear/block_product.h"
 
@@ -181,6 +182,7 @@ static hk_status newton_direction(work *k) {
   if (stale && pays(&k->w->krylov)) {
     bool solved = krylov(k);
     judge(&k->w->krylov, solved);
+    if (solved && k->w->definite > 0) k->w->definite--;
     if (solved) return HK_OK;
   }
   status = factorize_and_solve(k);
@@ -357,10 +359,18 @@ static hk_status iterate(work *k) {
   return gave_up(k, size, limit);
 }
 
+static hk_status start_safely(work *k) {
+  bool safe = true;
+  hk_status status = hk_safe_start(k->s, k->stage, k->q, k->z, &safe);
+  if (status != HK_OK || safe) return status;
+  k->w->factor_g = 0;
+  return hk_carry_pins(k->s, k->stage, k->a, k->R);
+}
+
 hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   work k = begin(w, s, stage);
   hk_status status = s->solver_flags(s, &k.flags);
-  if (status == HK_OK && s->contact) status = hk_safe_start(s, stage, k.q, k.z);
+  if (status == HK_OK && s->contact) status = start_safely(&k);
   if (status == HK_OK) status = residual(&k);
   if (status == HK_OK) status = set_channels(&k, true);
   k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || s->equations > 0;

@@ -1,0 +1,46 @@
+/* The barrier energy of one pair of features, a point and a triangle or two edges (collision/distance.h). With their
+ * distance d, the sum xi of their radii and the distance D beyond it at which the barrier begins, it is
+ *     E = kappa A D m b(u),   u = (d^2 - xi^2)/((D + xi)^2 - xi^2),
+ * Li, Kaufman and Jiang 2021 (Codimensional Incremental Potential Contact, equation 6), scaled as by Li and others 2023
+ * (Convergent Incremental Potential Contact): kappa is a pressure, and A the area that the pair stands for, so that the
+ * pressure between two surfaces at a given gap does not depend on how finely they are divided. m is the mollifier of
+ * nearly parallel edges (distance.h). */
+#ifndef HK_BARRIER_PAIR_H
+#define HK_BARRIER_PAIR_H
+
+#include "plugins/common/surfaces/surfaces.h"
+
+typedef struct hk_barrier_pair {
+  hk_surface_pair pair;
+  double area;   /* m^2 */
+  double limit;  /* m^4, of the mollifier; 0: none */
+  double gap;    /* m, at the start of the present move */
+  double least;  /* m: on that move the gap is nowhere less, where this is above 0 */
+  uint32_t name; /* its position among the pairs that have blocks; UINT32_MAX: it has none */
+} hk_barrier_pair;
+
+/* What the energy of a pair needs. */
+typedef struct hk_barrier_law {
+  double stiffness; /* kappa, Pa */
+  double distance;  /* D, m */
+} hk_barrier_law;
+
+typedef struct hk_barrier_value {
+  hk_nearest nearest;
+  double x[12];    /* m, of the four points */
+  double gap;      /* m */
+  double E, E1;    /* J, J/m^2: the energy without m, and its derivative by d^2; 0 from D on, E infinite at gap <= 0 */
+  double E2;       /* J/m^4 */
+  double m, g[12]; /* the mollifier and its gradient, 1/m; the latter is not set where m is 1 */
+} hk_barrier_value;
+
+void hk_barrier_gather(const uint32_t vertex[4], const double *x, double at[12]);
+/* False: the pair is farther apart than D, and only `nearest`, x and gap are set. */
+bool hk_barrier_evaluate(const hk_barrier_pair *, const hk_barrier_law *, const double *x, hk_barrier_value *);
+void hk_barrier_gradient(const hk_barrier_value *, double g[12]); /* of m E, J/m */
+/* Of m E, 12 x 12, row-major; `definite`: of it what the mollifier does not change, projected. */
+void hk_barrier_hessian(const hk_barrier_pair *, const hk_barrier_value *, bool definite, double H[144]);
+/* N, the size of the force with which the two features push each other. */
+double hk_barrier_load(const hk_barrier_value *);
+
+#endif
