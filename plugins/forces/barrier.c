@@ -8,6 +8,7 @@
  * (barrier_friction.h).
  *
  * Invariant: `stiffness` changes between steps only, so that a line search sees one potential. */
+#include "plugins/common/barrier/barrier_bound.h"
 #include "plugins/common/barrier/barrier_choice.h"
 #include "plugins/common/barrier/barrier_friction.h"
 #include "plugins/common/barrier/barrier_sum.h"
@@ -20,6 +21,7 @@ typedef struct barrier {
   hk_tuples leave;
   hk_barrier_contacts contacts;
   hk_barrier_friction friction;
+  int64_t began;                            /* whether a step was accepted */
   double chosen, density;                   /* Pa; kg/m^2 */
   double closest, impulse, lost, stiffened; /* m, since the last report; N s; J; J, that a rising stiffness gave */
 } barrier;
@@ -50,6 +52,7 @@ static const hk_field fields[] = {
     {"named", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, contacts.named), 0},
     {"touches", HK_FIELD_ARRAY, sizeof(hk_barrier_touch), offsetof(barrier, friction.touches), 0},
     {"density", HK_FIELD_NUMBER, 1, offsetof(barrier, density), 0},
+    {"began", HK_FIELD_INTEGER, 1, offsetof(barrier, began), 0},
     {"chosen", HK_FIELD_NUMBER, 1, offsetof(barrier, chosen), 0},
     {"closest", HK_FIELD_NUMBER, 1, offsetof(barrier, closest), 0},
     {"impulse", HK_FIELD_NUMBER, 1, offsetof(barrier, impulse), 0},
@@ -82,6 +85,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static hk_status topology(void *self, const hk_view *view) {
   barrier *b = self;
   hk_status status = hk_barrier_forget(&b->contacts);
+  if (!b->began) b->chosen = b->contacts.law.stiffness = 0;
   return status == HK_OK ? hk_friction_renumber(&b->friction, view) : status;
 }
 
@@ -129,15 +133,14 @@ static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   return HK_OK;
 }
 
-/* Before the first step. */
-static void choose_first(barrier *b, const hk_view *view) {
-  if (!(b->chosen > 0)) {
-    b->density = hk_barrier_density(&b->contacts, view);
-    b->chosen = isnan(b->stiffness) ? hk_barrier_chosen(b->density, b->contacts.law.distance,
-                                                        hk_barrier_look(&b->contacts, view).approach, 0)
-                                    : b->stiffness;
+/* Before the first step; a later one finds the choice made. */
+static void choose(barrier *b, const hk_view *view) {
+  hk_barrier_contacts *c = &b->contacts;
+  if (!(b->chosen > 0) && isnan(b->stiffness)) {
+    b->density = hk_barrier_density(c, view);
+    b->chosen = hk_barrier_chosen(b->density, c->law.distance, hk_barrier_look(c, view).approach, 0);
   }
-  b->contacts.law.stiffness = b->chosen;
+  c->law.stiffness = isnan(b->stiffness) ? b->chosen : b->stiffness;
 }
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *changed) {
@@ -148,7 +151,7 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
   if (status == HK_OK) status = refuse_contact(b, from);
   if (status != HK_OK) return status;
   hk_friction_tell_names(&b->friction, &b->contacts);
-  if (!(b->contacts.law.stiffness > 0)) choose_first(b, from);
+  if (!(b->contacts.law.stiffness > 0)) choose(b, from);
   return HK_OK;
 }
 
@@ -156,13 +159,18 @@ static double step_limit(void *self, const hk_view *from, const double *dx) {
   return hk_barrier_limit(&((barrier *)self)->contacts, from, dx);
 }
 
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  barrier *b = self;
+  hk_barrier_bound(&b->contacts, &b->friction, view, part, block);
+}
+
 static hk_status accepted(void *self, const hk_view *view, double h) {
   barrier *b = self;
-  double power[1] = {0};
   hk_barrier_survey s = hk_barrier_look(&b->contacts, view);
+  b->began = 1;
   b->closest = fmin(b->closest, s.closest);
   b->impulse += h * s.load;
-  (void)power;
+  b->lost -= h * hk_friction_power(&b->friction, view->v);
   if (isnan(b->stiffness)) {
     double before = b->chosen;
     b->chosen = hk_barrier_chosen(b->density, b->contacts.law.distance, s.approach, before);
@@ -191,6 +199,7 @@ static const hk_force force = {
     .energy = energy,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
     .update = update,
     .step_limit = step_limit,
     .accepted = accepted,
