@@ -150,9 +150,10 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
     status = hk_barrier_find(&b->contacts, from, x_to, b->friction.pairs.item, b->friction.pairs.count, changed);
   if (status == HK_OK) status = refuse_contact(b, from);
   if (status != HK_OK) return status;
-  hk_friction_tell_names(&b->friction, &b->contacts);
   if (!(b->contacts.law.stiffness > 0)) choose(b, from);
-  return HK_OK;
+  if (!b->began && !b->friction.touches.count) status = hk_friction_take(&b->friction, &b->contacts, from);
+  hk_friction_tell_names(&b->friction, &b->contacts);
+  return status;
 }
 
 static double step_limit(void *self, const hk_view *from, const double *dx) {
