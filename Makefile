@@ -55,6 +55,7 @@ SPARSE_LIBS   := -lcholmod -lumfpack -lamd -lcolamd -lsuitesparseconfig
 GL           := $(or $(call exists,osmesa),$(and $(call exists,egl),$(call exists,opengl gl),egl))
 PNG          := $(call exists,libpng)
 CMOCKA_LIBS  := $(call libs,$(call exists,cmocka))
+GMP_LIBS     := $(call libs,$(call exists,gmp))
 PICTURES     := $(and $(GL),$(PNG),$(subst egl,egl $(call exists,opengl gl),$(GL)) $(PNG))
 ifneq (,$(PICTURES))
 PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
@@ -179,7 +180,7 @@ link = $(call say,link   )
 link_with = $(Q)mkdir -p $(@D) && $(CC) $(CFLAGS) $1 $(LINK) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LIBS) -ldl -lpthread -lm
 
 $B/hooke: LIBS = $(LUA_LIBS)
-$B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS)
+$B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(GMP_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS)
 $B/tests/fixtures/%: LIBS =
 $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)

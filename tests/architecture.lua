@@ -12,7 +12,7 @@ local source_graph = require("source_graph")
 
 -- An arrow goes from a room to itself or to one further up in this list.
 local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "matrix",
-  "dynamics", "population", "loop", "judge", "storage", "report", "run", "script", "builders", "lua", "tools", "command" }
+  "dynamics", "population", "loop", "judge", "storage", "report", "run", "script", "meshes", "builders", "lua", "tools", "command" }
 local most_files = 20
 local small_core_below = 3500 -- lines
 local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/", "^core/dynamics/" }
@@ -31,7 +31,9 @@ local ordinary_words = {
     neighbours = "the interface of that service, which is part of the ABI",
     checkpoint = "the file of a run that goes on", relax = "to give a processor a rest",
     midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
-    surface = "what a grid or a file of triangles spans",
+    surface = "what a grid or a file of triangles spans", contact = "what surfaces and particles do that touch",
+    membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
+    volume = "of a body", solid = "what is not hollow",
   },
   comment = {
     octree = "the tree of cells",
@@ -40,7 +42,10 @@ local ordinary_words = {
     field = "a member of a struct, or a row of a table of fields",
     midpoint = "the rule of integration", trapezoid = "the rule of integration", euler = "the method of the literature",
     bars = "rigid rods, the usual example of constraints", surface = "what a grid or a file of triangles spans",
-    surfaces = "what contact keeps apart", drag = "the resistance of the air", checkpoint = "the file of a run that goes on",
+    contact = "what surfaces and particles do that touch", barrier = "an energy that grows without bound",
+    volume = "of a body", membrane = "a sheet without resistance to bending",
+    surfaces = "what contact keeps apart", drag = "the resistance of the air",
+    checkpoint = "the file of a run that goes on",
   },
 }
 

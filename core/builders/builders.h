@@ -12,7 +12,10 @@ int hk_build_grid(lua_State *L);
 int hk_build_strand(lua_State *L);
 int hk_build_hair(lua_State *L);
 int hk_build_mesh(lua_State *L);
+int hk_build_body(lua_State *L);
 int hk_build_membrane(lua_State *L);
+int hk_build_block(lua_State *L);
+int hk_build_tetrahedra(lua_State *L);
 int hk_build_surface(lua_State *L);
 int hk_lua_gust(lua_State *L); /* hooke.gust{} */
 

@@ -54,11 +54,12 @@ static const double *push_masses(lua_State *L, const hk_lua_handle *h, const fra
 }
 
 int hk_build_grid(lua_State *L) {
-  static const char *const keys[] = {"nx",     "ny", "width", "height", "mass",        "density",
-                                     "origin", "u",  "v",     "group",  "alternating", NULL};
+  static const char *const keys[] = {"nx", "ny", "width", "height",      "mass",     "density", "origin",
+                                     "u",  "v",  "group", "alternating", "material", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
   luaL_checktype(L, 2, LUA_TTABLE);
   lua_settop(L, 2);
+  hk_lua_take_material(L, 2, "grid");
   hk_lua_check_keys(L, 2, "grid", keys);
   hk_lua_handle h = {.nx = hk_lua_count(L, 2, "grid", "nx", 1),
                      .ny = hk_lua_count(L, 2, "grid", "ny", 1),

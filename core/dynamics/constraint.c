@@ -208,7 +208,7 @@ static hk_status find_path_accelerations(hk_dynamics *d, double t) {
   for (size_t k = 0; k < d->pins->count && status == HK_OK; k++) {
     hk_pin_state *pin = &d->pins->item[k];
     if (pin->spec->kind == HK_PIN_PATH && !pin->released && c->path_used[k])
-      status = hk_path_acceleration(&pin->path, t, c->path[k], d->error);
+      status = hk_motion_bend(&pin->motion, t, d->error);
   }
   return status;
 }
@@ -224,6 +224,15 @@ static void note_acting(hk_dynamics *d) {
   d->system.equations = acting;
 }
 
+/* The particle of block b is scripted. */
+static double along_path(const hk_dynamics *d, size_t b) {
+  const hk_constraints *c = d->constraints;
+  const hk_pin_state *pin = &d->pins->item[c->pin[b]];
+  double a[3];
+  hk_motion_acceleration(&pin->motion, pin->origin + 3 * (size_t)c->place[b], a);
+  return hk_constraint_dot(c->J[b], a);
+}
+
 /* c->c = c + J a, where a excludes constraint forces. */
 static hk_status find_free_acceleration(hk_dynamics *d, double t, const double *x, const double *v, const double *a) {
   hk_constraints *c = d->constraints;
@@ -231,7 +240,7 @@ static hk_status find_free_acceleration(hk_dynamics *d, double t, const double *
   for (size_t b = 0; b < c->blocks; b++) {
     uint32_t i = c->list.pair[b][1];
     c->c[c->list.pair[b][0]] +=
-        hk_constraint_dot(c->J[b], d->state->pin[i] == HK_PIN_PATH ? c->path[c->pin[b]] : a + 3 * (size_t)i);
+        d->state->pin[i] == HK_PIN_PATH ? along_path(d, b) : hk_constraint_dot(c->J[b], a + 3 * (size_t)i);
   }
   return status;
 }

@@ -26,7 +26,7 @@ void hk_constraint_matrix_free(hk_constraints *c) {
   hk_block_matrix_free(&c->list);
   hk_block_matrix_free(&c->matrix);
   void *arrays[] = {c->J,        c->WJ,    c->pin,        c->term,      c->value,   c->full,      c->scale,
-                    c->g,        c->c,     c->rhs,        c->solution,  c->path,    c->path_used, c->speed,
+                    c->g,        c->c,     c->rhs,        c->solution,  c->place,   c->path_used, c->speed,
                     c->residual, c->moved, c->correction, c->one_sided, c->implied, c->touches,   c->pushes,
                     c->allowed,  c->held,  c->rests,      c->lambda,    c->kept_x,  c->own,       c->J_end};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
@@ -94,6 +94,7 @@ static hk_status allocate(hk_dynamics *d) {
   c->WJ = calloc(b, sizeof *c->WJ);
   c->J_end = calloc(b, sizeof *c->J_end);
   c->pin = malloc(b * sizeof *c->pin);
+  c->place = malloc(b * sizeof *c->place);
   c->full = calloc(m, sizeof *c->full);
   c->own = calloc(m, sizeof *c->own);
   c->scale = calloc(m, sizeof *c->scale);
@@ -113,11 +114,10 @@ static hk_status allocate(hk_dynamics *d) {
   c->c = calloc(m, sizeof *c->c);
   c->rhs = calloc(m, sizeof *c->rhs);
   c->solution = calloc(m, sizeof *c->solution);
-  c->path = calloc(d->pins->count + 1, sizeof *c->path);
   c->path_used = calloc(d->pins->count + 1, sizeof *c->path_used);
-  fine &= c->J && c->WJ && c->pin && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
+  fine &= c->J && c->WJ && c->pin && c->place && c->full && c->scale && c->g && c->c && c->rhs && c->solution;
   fine &= c->speed && c->lambda && c->residual && c->correction && c->moved && c->kept_x && c->own && c->J_end;
-  return fine && c->path && c->path_used ? HK_OK : no_memory(d);
+  return fine && c->path_used ? HK_OK : no_memory(d);
 }
 
 static void find_one_sided(hk_dynamics *d) {
@@ -131,14 +131,19 @@ static void find_one_sided(hk_dynamics *d) {
   }
 }
 
-/* Sets pin_of[i] to the pin of particle i, or UINT32_MAX. */
-static void find_pins(hk_dynamics *d, uint32_t *pin_of) {
+/* Sets pin_of[i] to the pin of particle i and its place there, or UINT32_MAX. */
+static void find_pins(hk_dynamics *d, uint32_t (*pin_of)[2]) {
   hk_constraints *c = d->constraints;
   memset(pin_of, 0xff, d->state->model.n * sizeof *pin_of);
   for (size_t k = 0; k < d->pins->count; k++)
-    for (size_t j = 0; j < d->pins->item[k].count; j++) pin_of[d->pins->item[k].index[j]] = (uint32_t)k;
+    for (size_t j = 0; j < d->pins->item[k].count; j++) {
+      uint32_t *at = pin_of[d->pins->item[k].index[j]];
+      at[0] = (uint32_t)k;
+      at[1] = (uint32_t)j;
+    }
   for (size_t b = 0; b < c->blocks; b++) {
-    c->pin[b] = pin_of[c->list.pair[b][1]];
+    c->pin[b] = pin_of[c->list.pair[b][1]][0];
+    c->place[b] = pin_of[c->list.pair[b][1]][1];
     if (c->pin[b] != UINT32_MAX) c->path_used[c->pin[b]] = true;
   }
 }
@@ -193,7 +198,7 @@ hk_status hk_constraint_matrix_build(hk_dynamics *d) {
   if (status == HK_OK) status = allocate(d);
   if (status != HK_OK) return status;
   find_one_sided(d);
-  uint32_t *pin_of = malloc((n + 1) * sizeof *pin_of);
+  uint32_t(*pin_of)[2] = malloc((n + 1) * sizeof *pin_of);
   uint32_t *order = malloc((d->constraints->blocks + 1) * sizeof *order);
   size_t *start = calloc(n + 2, sizeof *start);
   status = HK_NO_MEMORY;

@@ -12,7 +12,7 @@ struct hk_constraints {
   size_t *block_first;      /* the same for blocks */
   hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
   double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
-  uint32_t *pin;            /* blocks: position in d->pins->item; UINT32_MAX: never pinned */
+  uint32_t *pin, *place;    /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
   hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
   uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
                                2 term] and at the next slot, its mirror */
@@ -42,7 +42,6 @@ struct hk_constraints {
   bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
   double kept_t, *kept_x;
   uint64_t revision; /* of the pattern */
-  double (*path)[3]; /* pins: acceleration of scripted particles, m/s^2 */
   bool *path_used;   /* pins: a constraint acts on a particle of it */
   hk_linear_system linear;
   hk_linear_system mixed;      /* of J W J^T with J of two states, which is not symmetric; opened when it is needed */

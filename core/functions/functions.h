@@ -50,26 +50,48 @@ hk_differences hk_derivative_prepare(const hk_function *, int order, size_t colu
 hk_status hk_derivative_find(const hk_function *, int order, size_t column, const hk_differences *, double t,
                              const double at[HK_RESULTS], hk_derivative *, hk_error *error);
 
-/* ---- path.c: the path of a pin in a run ---- */
+/* ---- path.c: a function of time of three numbers, with its derivatives, in a run ---- */
 
 typedef struct hk_path {
-  const hk_function *function; /* t -> x, y, z [, vx, vy, vz], offsets from the start position */
-  const char *where;           /* script line */
+  const hk_function *function; /* t -> three numbers [, their derivatives] */
+  const char *name, *where;    /* "path" or "rotation"; script line */
   double end;                  /* s: needed up to there */
   bool gives_velocity;         /* at t = 0 */
   hk_differences by[2];        /* for velocities and accelerations; step 0: none was needed yet */
   double at;                   /* s, time of `value`; NAN: none */
-  double value[HK_RESULTS];    /* m, m/s */
-  double speed_error;          /* m/s, largest estimated error of a velocity so far; 0: the path gives its velocities */
+  double value[HK_RESULTS];    /* with the derivatives */
+  double speed_error; /* largest estimated error of a derivative so far; 0: the function gives its derivatives */
 } hk_path;
 
-/* `end` (s): the path is needed up to there. The function and `where` must outlive the path. */
-void hk_path_open(hk_path *, const hk_function *, const char *where, double end);
-/* Finds offset and velocity at t, unless they are those of the last call: a step asks for its ends, an implicit one for
- * its stages, several times. */
+/* `end` (s): the path is needed up to there. The function, `name` and `where` must outlive the path. */
+void hk_path_open(hk_path *, const hk_function *, const char *name, const char *where, double end);
+/* Finds value and derivative at t, unless they are those of the last call: a step asks for its ends, an implicit one
+ * for its stages, several times. */
 hk_status hk_path_find(hk_path *, double t, hk_error *error);
-/* Acceleration, m/s^2: differences of the velocity when the function gives one, else second differences. */
+/* Second derivative: differences of the first when the function gives one, else second differences. */
 hk_status hk_path_acceleration(hk_path *, double t, double out[HK_COLUMNS], hk_error *error);
+
+/* ---- motion.c: the motion of the particles of a pin: an offset and a rotation about a center that has the offset ----
+ */
+
+typedef struct hk_motion {
+  hk_path offset, rotation; /* m; rad. function->call NULL: 0 at all times */
+  double center[3];         /* m, at the start */
+  double turn[9], spin[3];  /* at the time of the last hk_motion_find; rad/s */
+  double push[3], twist[3]; /* accelerations at that of the last hk_motion_bend: m/s^2, rad/s^2 */
+  double reach;             /* m, largest distance from the center of a particle that was placed */
+} hk_motion;
+
+/* As hk_path_open. */
+void hk_motion_open(hk_motion *, const hk_function *offset, const hk_function *rotation, const double center[3],
+                    const char *where, double end);
+hk_status hk_motion_find(hk_motion *, double t, hk_error *error);
+/* Position and velocity of what started at `origin`, at the time of hk_motion_find. */
+void hk_motion_place(hk_motion *, const double origin[3], double x[3], double v[3]);
+hk_status hk_motion_bend(hk_motion *, double t, hk_error *error); /* finds the accelerations at t */
+void hk_motion_acceleration(const hk_motion *, const double origin[3], double a[3]);
+void hk_rotation(const double r[3], double R[9]); /* exp([r]), by rows */
+double hk_motion_speed_error(const hk_motion *);  /* m/s, of any particle so far */
 
 /* ---- evaluations.c: how far apart the times are at which a run evaluated its functions of time ---- */
 

@@ -33,6 +33,7 @@ void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, const hk_as
   if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) hk_checked_add(s, ", ", "stable");
   if (flags & HK_ADAPTIVE && loop->record->worst_error > 0) hk_checked_add(s, ", ", "each step within its tolerance");
   describe_energy(s);
+  if (loop->record->contact_frames) hk_checked_add(s, ", ", "no surfaces intersect at any frame");
   if (!(asked->accuracy > 0) && !j->confirmed)
     hk_checked_add(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));
 }

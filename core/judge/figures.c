@@ -76,6 +76,8 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   if (violation > r->violation_max) r->violation_max = violation;
   if (fabs(strain) > fabs(r->strain_max)) r->strain_max = strain;
   hk_force_errors_note(loop);
+  asked = hk_contacts_note(loop);
+  if (asked != HK_OK) return asked;
   if (j->compared) {
     hk_status noted = hk_trajectory_note(&j->trajectory, loop->state, r->frames, false, loop->error);
     if (noted != HK_OK) return noted;

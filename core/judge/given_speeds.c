@@ -1,6 +1,6 @@
-/* Whether the velocities that paths of pins give are the derivatives of their positions. A velocity that is not moves
- * dampers and counts as work beside what the positions do, and no shorter step shows it: both runs that are compared
- * have it. It is compared with differences at random times, of which nearly none are at corners. */
+/* Whether the velocities that paths and rotations of pins give are the derivatives of their positions. A velocity that
+ * is not moves dampers and counts as work beside what the positions do, and no shorter step shows it: both runs that
+ * are compared have it. It is compared with differences at random times, of which nearly none are at corners. */
 #include "core/judge/judge.h"
 
 enum { TIMES = 32 };
@@ -14,39 +14,40 @@ typedef struct comparison {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-static void compare_at(const hk_pin_spec *spec, const hk_differences *by, double t, comparison *worst) {
+static void compare_at(const hk_function *path, const hk_differences *by, double t, comparison *worst) {
   double at[HK_RESULTS], apart[3];
   size_t got = 0;
   hk_error ignored = {0};
   hk_derivative found;
-  if (spec->path.call(&spec->path, NULL, &t, 1, at, HK_RESULTS, &got, &ignored) != HK_OK || got < HK_RESULTS) return;
-  if (hk_derivative_find(&spec->path, 1, 0, by, t, at, &found, &ignored) != HK_OK) return;
+  if (path->call(path, NULL, &t, 1, at, HK_RESULTS, &got, &ignored) != HK_OK || got < HK_RESULTS) return;
+  if (hk_derivative_find(path, 1, 0, by, t, at, &found, &ignored) != HK_OK) return;
   for (int c = 0; c < 3; c++) apart[c] = at[3 + c] - found.value[c];
   worst->fastest = fmax(worst->fastest, fmax(length(at + 3), length(found.value)));
   double beyond = length(apart) - trusted * found.error;
   if (beyond > worst->apart) *worst = (comparison){t, beyond, length(at + 3), length(found.value), worst->fastest};
 }
 
-static void check_pin(hk_loop *loop, const hk_pin_spec *spec, double end) {
+static void check_path(hk_loop *loop, const hk_path *path, const char *unit, double end) {
   comparison worst = {.apart = 0};
-  hk_differences by = hk_derivative_prepare(&spec->path, 1, 0, loop->state->t, end);
+  hk_differences by = hk_derivative_prepare(path->function, 1, 0, loop->state->t, end);
   uint64_t random[4];
   hk_random_seed(random, 1);
   for (int k = 0; k < TIMES; k++)
-    compare_at(spec, &by, loop->state->t + (end - loop->state->t) * (k + hk_random_uniform(random)) / TIMES, &worst);
+    compare_at(path->function, &by, loop->state->t + (end - loop->state->t) * (k + hk_random_uniform(random)) / TIMES,
+               &worst);
   if (worst.apart > tolerance * worst.fastest)
-    hk_warn(
-        loop->warnings,
-        "%s: pin: the velocity that the path gives is not the derivative of its positions: at t = %.6g s its length "
-        "is %.6g m/s and should be %.6g m/s, or its direction is another; return x, y, z alone, and the velocity is "
-        "found by differences",
-        spec->where, worst.t, worst.given, worst.found);
+    hk_warn(loop->warnings,
+            "%s: pin: the velocity that the %s gives is not the derivative of its positions: at t = %.6g s its length "
+            "is %.6g %s and should be %.6g %s, or its direction is another; return x, y, z alone, and the velocity is "
+            "found by differences",
+            path->where, path->name, worst.t, worst.given, unit, worst.found, unit);
 }
 
 void hk_check_given_speeds(hk_loop *loop, double end) {
   for (size_t k = 0; k < loop->pins->count; k++) {
-    const hk_pin_spec *spec = loop->pins->item[k].spec;
-    double last = fmin(end, spec->release);
-    if (loop->pins->item[k].path.gives_velocity && last > loop->state->t) check_pin(loop, spec, last);
+    const hk_motion *motion = &loop->pins->item[k].motion;
+    double last = fmin(end, loop->pins->item[k].spec->release);
+    if (last > loop->state->t && motion->offset.gives_velocity) check_path(loop, &motion->offset, "m/s", last);
+    if (last > loop->state->t && motion->rotation.gives_velocity) check_path(loop, &motion->rotation, "rad/s", last);
   }
 }

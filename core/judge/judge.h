@@ -156,6 +156,14 @@ bool hk_passed_by_reason(const hk_loop *, double accuracy, char *text, size_t si
 
 void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approximations for their errors */
 
+/* ---- contacts.c ---- */
+
+/* At a frame: counts the intersections of surfaces, as the plugins report them that keep surfaces apart.
+ * HK_BAD_PARAM: surfaces intersect at the start, and no plugin removes that. */
+hk_status hk_contacts_note(hk_loop *);
+/* The reason when surfaces intersected at frames, other than those from which a plugin set out to free them. */
+bool hk_contacts_reason(const hk_loop *, char *text, size_t size);
+
 /* ---- summary.c: the figures of a run ---- */
 
 typedef struct hk_summary {
@@ -183,6 +191,9 @@ typedef struct hk_summary {
   double exact_error;          /* m, RMS at the end; NAN: no exact solution */
   double force_rms, force_p99, force_largest; /* relative errors of approximate forces; NAN: there are none */
   double force_work;                          /* J, of these errors at most; 0: there are none */
+  /* Of the contact of surfaces; NAN: no plugin reports it. Frames with a count; intersections that count against the
+   * run; those of the start; m, the least gap; N s; J */
+  double contact_frames, intersections, intersections_first, closest, impulse, impact_energy;
   double path_speed_error;  /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
   double accuracy;          /* m, accuracy asked for; NAN: none */
   size_t accuracies;        /* how many were asked for: of the positions, and of channels */

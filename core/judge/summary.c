@@ -145,6 +145,16 @@ static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_aske
   s->verify_difference = s->error_estimate = s->channel_error = s->check_wall_s = NAN;
 }
 
+static void contact_figures(const hk_record *r, hk_summary *s) {
+  bool any = r->contact_frames > 0;
+  s->contact_frames = any ? (double)r->contact_frames : NAN;
+  s->intersections = any ? (double)r->contact.intersections : NAN;
+  s->intersections_first = any && r->intersections[0] ? (double)r->intersections[0] : NAN;
+  s->closest = any && isfinite(r->contact.closest) ? r->contact.closest : NAN;
+  s->impulse = any ? r->contact.impulse : NAN;
+  s->impact_energy = any ? r->contact.impact_energy : NAN;
+}
+
 void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   const hk_counts *count = &loop->dynamics->count;
   *s = (hk_summary){.scene = loop->scene->name, .integrator = loop->step->method_name, .solver_choice = ""};
@@ -164,6 +174,7 @@ void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_s
   wall_times(loop, asked, s);
   energies(loop, s);
   accuracy_figures(loop, j, asked, s);
+  contact_figures(loop->record, s);
   plugin_times(loop, j, s);
   if (j->verdict == HK_VERDICT_OK) hk_checked_describe(loop, j, asked, s);
   s->measures = loop->scene->measures;

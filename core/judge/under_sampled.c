@@ -105,15 +105,20 @@ static void visit_plugins(search *s, hk_kind kind, visit *each) {
   }
 }
 
+static void visit_pin(search *s, const hk_pin_spec *spec, const hk_function *function, const char *name, visit *each) {
+  subject one = {function, spec->where, "pin", name, .end = fmin(s->until, spec->release)};
+  one.fastest = function->fastest > 0 ? function->fastest : spec->fastest;
+  if (function->call && one.end > 0) each(s, &one);
+}
+
 static void visit_all(search *s, visit *each) {
   visit_plugins(s, HK_FORCE, each);
   visit_plugins(s, HK_CONSTRAINT, each);
   visit_plugins(s, HK_CORRECTOR, each);
   for (size_t k = 0; k < s->loop->pins->count; k++) {
     const hk_pin_spec *spec = s->loop->pins->item[k].spec;
-    subject one = {&spec->path, spec->where, "pin", "path", .end = fmin(s->until, spec->release)};
-    one.fastest = spec->path.fastest > 0 ? spec->path.fastest : spec->fastest;
-    if (spec->kind == HK_PIN_PATH && one.end > 0) each(s, &one);
+    visit_pin(s, spec, &spec->path, "path", each);
+    visit_pin(s, spec, &spec->rotation, "rotation", each);
   }
 }
 

@@ -85,6 +85,8 @@ hk_status hk_judge(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
   judge_known_error(loop, j, asked, &s);
   if (loop->record->violation_max > violation_limit)
     add_reason(j, "constraints were violated by %.3g m", loop->record->violation_max);
+  char intersections[384];
+  if (hk_contacts_reason(loop, intersections, sizeof intersections)) add_reason(j, "%s", intersections);
   hk_status status = check_exact(loop, j, asked);
   j->verdict = *j->reason ? HK_INACCURATE : HK_VERDICT_OK;
   return status;

@@ -30,10 +30,12 @@ typedef struct hk_record {
   double path_speed_error; /* m/s, largest estimated error of the velocity of a pin's path; 0: none is estimated */
   /* written at frames */
   double energy_first, momentum_first[3], momentum_scale;
-  double violation_max; /* m */
-  double strain_max;
+  double violation_max, strain_max;           /* m; relative */
   double force_rms, force_p99, force_largest; /* the largest errors of approximate forces so far, relative; 0: none */
   double force_work, force_power, force_at;   /* J, of such errors at most; W at the last frame, and its time, s */
+  hk_contact_report contact;                  /* so far; the intersections of all frames that count against the run */
+  size_t contact_frames, intersecting, intersections[2]; /* frames; of the first frame, and of the last */
+  double intersecting_at;                                /* s, the first frame that counts against the run */
 } hk_record;
 
 /* ---- step_choice.c ---- */

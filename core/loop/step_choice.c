@@ -70,7 +70,8 @@ static double resolving(const hk_dynamics *d) {
     }
   for (size_t k = 0; k < d->pins->count; k++) {
     const hk_pin_spec *spec = d->pins->item[k].spec;
-    if (spec->kind == HK_PIN_PATH && spec->path.fastest > 0) fastest = fmin(fastest, spec->path.fastest);
+    if (spec->path.fastest > 0) fastest = fmin(fastest, spec->path.fastest);
+    if (spec->rotation.fastest > 0) fastest = fmin(fastest, spec->rotation.fastest);
   }
   return fastest / 4;
 }

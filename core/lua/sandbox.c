@@ -153,6 +153,8 @@ static void add_require(lua_State *L) {
   lua_pushvalue(L, -1);
   lua_newtable(L);
   lua_pushcclosure(L, require_module, 2);
+  lua_pushvalue(L, -1);
+  lua_setfield(L, LUA_REGISTRYINDEX, HK_LUA_REQUIRE);
   lua_setfield(L, -2, "require");
 }
 

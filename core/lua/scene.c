@@ -31,9 +31,18 @@ static void clear_choice(lua_State *L, hk_scene *scene, hk_kind kind, int params
   if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
 }
 
-/* hk_lua_set_params(scene, spec, parameters) as a function of Lua. */
+static bool has_param(const hk_plugin *plugin, const char *name) {
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (strcmp(p->name, name) == 0) return true;
+  return false;
+}
+
+/* hk_lua_set_params(scene, spec, parameters) as a function of Lua, with the numbers of a material in the place of its
+ * name. */
 static int set_params(lua_State *L) {
-  hk_lua_set_params(L, lua_touserdata(L, 1), lua_touserdata(L, 2), 3);
+  hk_plugin_spec *spec = lua_touserdata(L, 2);
+  if (lua_istable(L, 3) && !has_param(spec->plugin, "material")) hk_lua_take_material(L, 3, spec->plugin->name);
+  hk_lua_set_params(L, lua_touserdata(L, 1), spec, 3);
   return 0;
 }
 
@@ -184,18 +193,21 @@ static int scene(lua_State *L) {
 /* ---- pins ---- */
 
 static void pin_options(lua_State *L, hk_pin_spec *spec) {
-  static const char *const keys[] = {"path", "fastest", "axes", "normal", "release", NULL};
+  static const char *const keys[] = {"path", "rotation", "center", "fastest", "axes", "normal", "release", NULL};
   hk_lua_check_keys(L, 3, "pin", keys);
   bool line = hk_lua_field_vector(L, 3, "pin", "axes", spec->axis);
   bool plane = hk_lua_field_vector(L, 3, "pin", "normal", line ? (double[3]){0} : spec->axis);
-  bool path = hk_lua_field(L, 3, "path") != LUA_TNIL;
-  if (line + plane + path > 1) hk_lua_fail(L, HK_BAD_PARAM, "pin: give one of path, axes and normal");
-  if (path && !lua_isfunction(L, -1)) hk_lua_fail(L, HK_BAD_PARAM, "pin: path: expected a function of t");
-  if (path) spec->path = hk_lua_function(L, lua_gettop(L));
-  spec->kind = line ? HK_PIN_LINE : plane ? HK_PIN_PLANE : path ? HK_PIN_PATH : HK_PIN_FIXED;
+  bool path = hk_lua_field_function(L, 3, "pin", "path", &spec->path);
+  bool rotation = hk_lua_field_function(L, 3, "pin", "rotation", &spec->rotation);
+  if (line + plane + (path || rotation) > 1)
+    hk_lua_fail(L, HK_BAD_PARAM, "pin: give one of path (or rotation), axes and normal");
+  if (hk_lua_field_vector(L, 3, "pin", "center", spec->center) && !rotation)
+    hk_lua_fail(L, HK_BAD_PARAM, "pin: center: the pin has no rotation about it");
+  spec->kind = line ? HK_PIN_LINE : plane ? HK_PIN_PLANE : path || rotation ? HK_PIN_PATH : HK_PIN_FIXED;
   spec->release = hk_lua_field_number(L, 3, "pin", "release", INFINITY);
   bool declared = hk_lua_field(L, 3, "fastest") != LUA_TNIL;
-  if (declared && !path) hk_lua_fail(L, HK_BAD_PARAM, "pin: fastest: the pin has no path that could change");
+  if (declared && !path && !rotation)
+    hk_lua_fail(L, HK_BAD_PARAM, "pin: fastest: the pin has no path that could change");
   if (declared) spec->fastest = hk_lua_fastest(L, "pin: fastest");
 }
 
@@ -213,7 +225,7 @@ static void refuse_options_among_ids(lua_State *L) {
 static int pin(lua_State *L) {
   hk_scene *target = editable(L);
   hk_error error = {0};
-  hk_pin_spec spec = {.kind = HK_PIN_FIXED, .release = INFINITY};
+  hk_pin_spec spec = {.kind = HK_PIN_FIXED, .center = {NAN}, .release = INFINITY};
   lua_settop(L, 3);
   refuse_options_among_ids(L);
   const double *ids = hk_lua_to_ids(L, 2, &spec.count);

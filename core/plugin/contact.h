@@ -19,7 +19,7 @@ typedef struct hk_contact_report {
                                   last report; INFINITY: none was near */
   double impulse;              /* N s, sum of the sizes of the impulses of impacts since the start of the run */
   double impact_energy;        /* J, energy that impacts and friction have taken since the start; NAN: not known */
-  bool repairs;                /* the plugin removes intersections (untangle): a start that has some is not refused */
+  bool repairs;                /* the plugin removes intersections: a start that has some is not refused */
 } hk_contact_report;
 
 #endif

@@ -8,8 +8,8 @@
 
 enum { HK_ELEMENT_VALUES = 16 }; /* largest number of values C per tuple */
 
-/* A force whose energy is E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and whose damping is
- * -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
+/* A force whose energy is, up to a constant, E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and
+ * whose damping is -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
  * until the next change of topology. */
 typedef struct hk_elements {
   hk_tuples node;

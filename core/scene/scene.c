@@ -223,6 +223,14 @@ hk_status hk_scene_set_channel(hk_scene *scene, const char *name, uint32_t id, c
   return HK_OK;
 }
 
+static void find_center(const hk_scene *scene, hk_pin_spec *pin) {
+  for (int c = 0; c < 3; c++) {
+    double sum = 0;
+    for (size_t k = 0; k < pin->count; k++) sum += scene->position[3 * (size_t)(pin->id[k] - 1) + (size_t)c];
+    pin->center[c] = sum / fmax(1, (double)pin->count);
+  }
+}
+
 hk_status hk_scene_add_pin(hk_scene *scene, const hk_pin_spec *spec, hk_error *error) {
   for (size_t k = 0; k < spec->count; k++) {
     hk_status status = check_id(scene, spec->id[k], "pin", error);
@@ -236,6 +244,7 @@ hk_status hk_scene_add_pin(hk_scene *scene, const hk_pin_spec *spec, hk_error *e
     for (int c = 0; c < 3; c++) pin.axis[c] /= length;
   }
   if (isnan(pin.release)) return hk_error_set(error, HK_BAD_PARAM, "pin: release: not a number");
+  if (isnan(pin.center[0])) find_center(scene, &pin);
   pin.where = hk_string_copy(spec->where ? spec->where : "");
   pin.id = malloc((spec->count + 1) * sizeof *pin.id);
   if (!pin.where || !pin.id || resize(&scene->pin, scene->pins + 1, sizeof pin) != HK_OK) {

@@ -9,10 +9,13 @@
 typedef struct hk_pin_spec {
   hk_pin kind;
   size_t count;
-  uint32_t *id;     /* particles */
-  double axis[3];   /* HK_PIN_LINE: along; HK_PIN_PLANE: normal; unit length */
-  hk_function path; /* HK_PIN_PATH: t -> x, y, z [, vx, vy, vz], offsets from the start position */
-  double fastest;   /* s, shortest time in which the path changes, as the script declares; 0: not declared */
+  uint32_t *id;   /* particles */
+  double axis[3]; /* HK_PIN_LINE: along; HK_PIN_PLANE: normal; unit length */
+  /* HK_PIN_PATH, one at least: t -> x, y, z [, vx, vy, vz], offsets from the start position; t -> rotation vector
+   * [, its rate], axis times angle, about `center`, which moves with the offset. call == NULL: none. */
+  hk_function path, rotation;
+  double center[3]; /* m; NAN: the mean of the start positions */
+  double fastest;   /* s, shortest time in which they change, as the script declares; 0: not declared */
   double release;   /* s, time of the pin's release; infinity: never */
   char *where;      /* script line */
 } hk_pin_spec;
@@ -96,7 +99,7 @@ hk_status hk_scene_add_channel(hk_scene *, const char *name, size_t size, const 
                                const hk_function *rate, hk_error *error);
 hk_status hk_scene_set_channel(hk_scene *, const char *name, uint32_t id, const double *value, size_t count,
                                hk_error *error);
-/* Copies the lists. Kind, axis, path, fastest, release and where are those of `spec`; ids are checked. */
+/* Copies the lists; what else `spec` says is taken as it is, but for a center NAN. Ids are checked. */
 hk_status hk_scene_add_pin(hk_scene *, const hk_pin_spec *spec, hk_error *error);
 hk_status hk_scene_add_edges(hk_scene *, size_t count, const uint32_t (*edge)[2], hk_error *error);
 hk_status hk_scene_add_triangles(hk_scene *, size_t count, const uint32_t (*triangle)[3], hk_error *error);

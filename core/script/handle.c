@@ -11,7 +11,7 @@ hk_lua_handle *hk_lua_to_handle(lua_State *L, int index) { return luaL_testudata
 
 hk_lua_handle *hk_lua_push_handle(lua_State *L, hk_lua_handle shape) {
   hk_lua_handle *h =
-      lua_newuserdatauv(L, sizeof *h, HK_LUA_NUMBERS); /* 1 to 3: a mesh's edges, triangles and flexion edges */
+      lua_newuserdatauv(L, sizeof *h, HK_LUA_TETRAHEDRA); /* 1 to 3: a mesh's edges, triangles and flexion edges */
   *h = shape;
   luaL_setmetatable(L, handle_type);
   return h;
@@ -77,14 +77,17 @@ static hk_lua_handle *self(lua_State *L) { return luaL_checkudata(L, 1, handle_t
 
 static int at(lua_State *L) {
   const hk_lua_handle *h = self(L);
-  lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1);
+  lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1), k = luaL_optinteger(L, 4, 1);
+  if (h->nz > 0 && (i < 1 || i > h->nx || j < 1 || j > h->ny || k < 1 || k > h->nz))
+    return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld, %lld, %lld) is outside the block of %d x %d x %d", (long long)i,
+                       (long long)j, (long long)k, (int)h->nx, (int)h->ny, (int)h->nz);
   if (i < 1 || i > h->nx || j < 1 || j > h->ny) {
     if (h->grid || h->ny > 1)
       return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld, %lld) is outside the %s of %d x %d", (long long)i, (long long)j,
                          h->grid ? "grid" : "strands", (int)h->nx, (int)h->ny);
     return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld) is outside 1 to %d", (long long)i, (int)h->nx);
   }
-  lua_pushinteger(L, h->first + (j - 1) * h->nx + (i - 1));
+  lua_pushinteger(L, h->first + ((k - 1) * h->ny * (h->nz > 0) + j - 1) * h->nx + (i - 1));
   return 1;
 }
 
@@ -193,12 +196,41 @@ static int triangles(lua_State *L) {
   return 1;
 }
 
+static int tetrahedra(lua_State *L) {
+  self(L);
+  if (lua_getiuservalue(L, 1, HK_LUA_TETRAHEDRA) == LUA_TTABLE) return 1;
+  return hk_lua_fail(L, HK_BAD_PARAM, "only what scene:block and scene:tetrahedra made has tetrahedra");
+}
+
+/* The ids of a solid's particles that are in none of the triangles of its skin. */
+static int inside(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  lua_settop(L, 1);
+  if (lua_getiuservalue(L, 1, HK_LUA_TETRAHEDRA) != LUA_TTABLE || lua_getiuservalue(L, 1, 2) != LUA_TTABLE)
+    return hk_lua_fail(L, HK_BAD_PARAM, "only what scene:block and scene:tetrahedra made has an inside");
+  char *outer = lua_newuserdatauv(L, h->count, 0);
+  memset(outer, 0, h->count);
+  for (lua_Integer t = 1; lua_rawgeti(L, 3, t) == LUA_TTABLE; t++, lua_pop(L, 1))
+    for (int c = 1; c <= 3; c++, lua_pop(L, 1)) {
+      lua_rawgeti(L, 5, c);
+      lua_Integer k = lua_tointeger(L, -1) - h->first;
+      if (k >= 0 && k < h->count) outer[k] = 1;
+    }
+  lua_newtable(L);
+  for (uint32_t k = 0, found = 0; k < h->count; k++) {
+    if (outer[k]) continue;
+    lua_pushinteger(L, (lua_Integer)h->first + k);
+    lua_rawseti(L, -2, ++found);
+  }
+  return 1;
+}
+
 static int missing(lua_State *L) {
   const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : luaL_typename(L, 2);
   return hk_lua_fail(
       L, HK_BAD_PARAM,
       "a handle has no '%s' here; strands and hair have length and segment, with radius and E also EA, EI, "
-      "EI2, stiffness, with nu GJ",
+      "EI2, stiffness, with nu GJ; solids with E have stiffness",
       key);
 }
 
@@ -214,10 +246,18 @@ static int member(lua_State *L) {
 }
 
 void hk_lua_open_handles(lua_State *L) {
-  static const luaL_Reg methods[] = {
-      {"at", at},       {"ids", ids},         {"edges", structural},    {"structural", structural},
-      {"shear", shear}, {"flexion", flexion}, {"triangles", triangles}, {"strand", strand},
-      {"roots", roots}, {NULL, NULL}};
+  static const luaL_Reg methods[] = {{"at", at},
+                                     {"ids", ids},
+                                     {"edges", structural},
+                                     {"structural", structural},
+                                     {"shear", shear},
+                                     {"flexion", flexion},
+                                     {"triangles", triangles},
+                                     {"strand", strand},
+                                     {"roots", roots},
+                                     {"tetrahedra", tetrahedra},
+                                     {"inside", inside},
+                                     {NULL, NULL}};
   luaL_newmetatable(L, handle_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);

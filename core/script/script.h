@@ -140,13 +140,17 @@ void hk_lua_open_edges(lua_State *L);
 
 /* handle.c */
 typedef struct hk_lua_handle {
-  uint32_t first, count, nx, ny; /* ny is 1 where the handle is neither a grid nor several chains */
+  uint32_t first, count, nx, ny; /* ny is 1 where the handle is neither a grid, several chains nor a block */
+  uint32_t nz;                   /* of a block; 0: it is none */
   bool grid, chain;              /* chain: ny of them, nx particles each; both false: edges are kept with it, if any */
   bool alternating;              /* the diagonals of a grid's triangles, from cell to cell */
   uint32_t roots;                /* the first particles of each chain that hold it */
 } hk_lua_handle;
 
-enum { HK_LUA_NUMBERS = 4 }; /* the user value of a handle with a table of what it answers beside its methods */
+enum {                       /* user values of a handle beside a mesh's 1 to 3 */
+       HK_LUA_NUMBERS = 4,   /* a table of what it answers beside its methods */
+       HK_LUA_TETRAHEDRA = 5 /* of a solid */
+};
 
 /* The id of the k-th particle that holds a chain, from 0. */
 static inline uint32_t hk_lua_root(const hk_lua_handle *h, uint32_t k) {
@@ -197,6 +201,13 @@ void hk_lua_check_plain(lua_State *L, int index, const char *what); /* no fields
 void hk_lua_vector(lua_State *L, int index, const char *what, double into[3]);
 bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *key,
                          double into[3]); /* false: absent */
+/* Of the function of t at the key; false: absent. */
+bool hk_lua_field_function(lua_State *L, int table, const char *what, const char *key, hk_function *function);
 void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table);
+
+/* material.c: puts a copy in the place of the table at the positive index `table`, in which the key "material" is
+ * replaced by what the module of that name has for `what`, a builder or a plugin. Without the key nothing changes. */
+void hk_lua_take_material(lua_State *L, int table, const char *what);
+#define HK_LUA_REQUIRE "hooke.require" /* the script's `require` in the registry */
 
 #endif

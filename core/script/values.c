@@ -49,6 +49,14 @@ bool hk_lua_field_vector(lua_State *L, int table, const char *what, const char *
   return there;
 }
 
+bool hk_lua_field_function(lua_State *L, int table, const char *what, const char *key, hk_function *function) {
+  bool there = hk_lua_field(L, table, key) != LUA_TNIL;
+  if (there && !lua_isfunction(L, -1)) hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected a function of t", what, key);
+  if (there) *function = hk_lua_function(L, lua_gettop(L));
+  lua_pop(L, 1);
+  return there;
+}
+
 double hk_lua_field_number(lua_State *L, int table, const char *what, const char *key, double otherwise) {
   char name[128];
   name_field(name, sizeof name, what, key);

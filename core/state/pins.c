@@ -13,7 +13,8 @@ static hk_status open_pin(hk_pin_state *pin, const hk_scene *scene, hk_state *st
   pin->origin = malloc((spec->count + 1) * 3 * sizeof *pin->origin);
   if (!pin->index || !pin->origin) return hk_error_set(error, HK_NO_MEMORY, "no memory for the pins");
   if (spec->kind == HK_PIN_PATH)
-    hk_path_open(&pin->path, &spec->path, spec->where, fmin(scene->duration, spec->release));
+    hk_motion_open(&pin->motion, &spec->path, &spec->rotation, spec->center, spec->where,
+                   fmin(scene->duration, spec->release));
   for (size_t k = 0; k < spec->count; k++) {
     uint32_t i;
     if (!hk_state_index(state, spec->id[k], &i)) continue; /* the particle died before the checkpoint */
@@ -54,12 +55,9 @@ void hk_pins_close(hk_pins *pins) {
 }
 
 static hk_status impose_path(hk_pin_state *pin, double t, double *x, double *v, hk_error *error) {
-  hk_status status = hk_path_find(&pin->path, t, error);
+  hk_status status = hk_motion_find(&pin->motion, t, error);
   for (size_t k = 0; status == HK_OK && k < pin->count; k++)
-    for (int c = 0; c < 3; c++) {
-      x[3 * pin->index[k] + c] = pin->origin[3 * k + c] + pin->path.value[c];
-      v[3 * pin->index[k] + c] = pin->path.value[3 + c];
-    }
+    hk_motion_place(&pin->motion, pin->origin + 3 * k, x + 3 * pin->index[k], v + 3 * pin->index[k]);
   return status;
 }
 
@@ -134,7 +132,7 @@ void hk_pins_remap(hk_pins *pins, const uint32_t *map) {
 
 double hk_pins_speed_error(const hk_pins *pins) {
   double most = 0;
-  for (size_t k = 0; k < pins->count; k++) most = fmax(most, pins->item[k].path.speed_error);
+  for (size_t k = 0; k < pins->count; k++) most = fmax(most, hk_motion_speed_error(&pins->item[k].motion));
   return most;
 }
 

@@ -65,8 +65,8 @@ typedef struct hk_pin_state {
   bool released;
   size_t count;
   uint32_t *index;
-  double *origin; /* count x 3, start positions */
-  hk_path path;   /* HK_PIN_PATH */
+  double *origin;   /* count x 3, start positions */
+  hk_motion motion; /* HK_PIN_PATH */
 } hk_pin_state;
 
 typedef struct hk_pins {

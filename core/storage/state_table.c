@@ -176,7 +176,7 @@ static bool any_timed(const hk_loop *loop) {
 static bool depends_on_time(const hk_loop *loop) {
   bool depends = loop->dynamics->system.flags & HK_DEPENDS_ON_T || loop->scene->exact.call || any_timed(loop);
   for (size_t k = 0; k < loop->pins->count; k++)
-    depends |= loop->pins->item[k].spec->path.call || isfinite(loop->pins->item[k].spec->release);
+    depends |= loop->pins->item[k].spec->kind == HK_PIN_PATH || isfinite(loop->pins->item[k].spec->release);
   for (size_t k = 0; k < loop->scene->channels; k++) depends |= loop->scene->channel[k].rate.call != NULL;
   return depends;
 }

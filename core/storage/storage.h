@@ -28,6 +28,21 @@ hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t siz
 FILE *hk_file_read(const char *path, const char *const *within);
 const char *hk_file_reason(int cause); /* strerror, and sentences for files outside and for what is no plain file */
 
+/* ---- records.c: lines of text files that scripts name, in bounded memory ---- */
+
+enum { HK_RECORD_LONGEST = 1 << 14 }; /* characters of a record, its lines together */
+
+typedef struct hk_records {
+  FILE *file;
+  size_t line, lines; /* in which the record begins, and behind it */
+  size_t read, most;  /* characters, and how many are allowed */
+  char record[HK_RECORD_LONGEST];
+} hk_records;
+
+void hk_records_begin(hk_records *, FILE *file, size_t most);
+/* Reads the next record; false: there is none, or *wrong, NULL before, says what it is. */
+bool hk_records_next(hk_records *, const char **wrong);
+
 /* ---- measures.c: measures.csv, a row per frame ---- */
 
 hk_status hk_measures_open(hk_folder *, const hk_scene *, FILE **, hk_error *error);

@@ -7,7 +7,8 @@
  * whole turns, to a quarter of a turn. The angle of a state is that of its positions up to multiples of 2 pi, and of
  * those the one nearest to `turned`: so a hinge that folds beyond pi is pushed back the way it came. A hinge has no
  * force while one of its triangles has no area (is thinner than 1e-12 of its edge). */
-#include "plugins/common/shells/bending.h"
+#include "plugins/common/shells/hinge_kernel.h"
+#include "plugins/common/shells/hinge_lane.h"
 
 #include <string.h>
 
@@ -34,18 +35,13 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* The angle plus the multiple of 2 pi that is nearest to `near`. */
-static double unwrap(double angle, double near) {
-  const double turn = 6.283185307179586;
-  return fabs(near - angle) <= turn / 2 ? angle : angle + turn * nearbyint((near - angle) / turn);
-}
-
 static void evaluate(const void *self, const double *x, size_t begin, size_t end, double *C, double (*dC)[3]) {
   const hinges *h = self;
   const double *turned = h->turned.item;
   for (size_t k = begin; k < end; k++, C++, dC += 4) {
     size_t q = h->bending.number[k];
-    if (hk_hinge_angle(x, hk_tuple(&h->bending.element.acting.node, k), C, dC)) *C = unwrap(*C, turned[q]) - h->rest[q];
+    if (hk_hinge_angle(x, hk_tuple(&h->bending.element.acting.node, k), C, dC))
+      *C = hk_hinge_unwrap(*C, turned[q]) - h->rest[q];
   }
 }
 
@@ -66,7 +62,7 @@ static hk_status begin(hinges *h, const hk_view *view) {
     double angle, *turned = h->turned.item;
     hk_hinge_angle(view->x, hk_tuple(&h->bending.element.acting.node, k), &angle, NULL);
     h->rest[k] = h->given.rest.count ? hk_tuple_value(&h->given.rest, k) : angle;
-    turned[k] = unwrap(angle, h->rest[k]);
+    turned[k] = hk_hinge_unwrap(angle, h->rest[k]);
   }
   return status;
 }
@@ -77,6 +73,27 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   h->bending.element = (hk_element_force){.acting = {.values = 1, .evaluate = evaluate, .self = h}, .hessian = hessian};
   hk_status status = hk_bending_create(&h->bending, view, &h->given);
   return status == HK_OK ? begin(h, view) : status;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  const hinges *h = self;
+  hk_hinge_forces(&h->bending, h->rest, h->turned.item, view, F);
+  return HK_OK;
+}
+
+static bool damped(const hinges *h) {
+  const hk_elements *a = &h->bending.element.acting;
+  for (size_t k = 0; k < a->node.count; k++)
+    if (a->damping.value[k] != 0) return true;
+  return false;
+}
+
+/* How the direction of the damping turns is not symmetric, and rarely asked for: hinge by hinge. */
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const hinges *h = self;
+  if (!(into->want & (HK_WANT_SYMMETRIC | HK_WANT_DEFINITE)) && damped(h)) return hk_bending_jacobian(self, view, into);
+  hk_hinge_blocks(&h->bending, h->rest, h->turned.item, view, into);
+  return HK_OK;
 }
 
 /* An open hinge is left at its whole turn: then its angle is needed in folds alone. */
@@ -90,9 +107,9 @@ static void follow(void *context, size_t begin, size_t end, size_t chunk) {
     const uint32_t *member = hk_tuple(&h->bending.element.acting.node, k);
     double *near = &turned[h->bending.number[k]];
     if (hk_hinge_is_open(x, member))
-      *near = unwrap(0, *near);
+      *near = hk_hinge_unwrap(0, *near);
     else if (hk_hinge_angle(x, member, &angle, NULL))
-      *near = unwrap(angle, *near);
+      *near = hk_hinge_unwrap(angle, *near);
   }
 }
 
@@ -108,11 +125,11 @@ static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
-    .add = hk_bending_add,
+    .add = add,
     .energy = hk_bending_energy,
     .elements = hk_bending_elements,
     .pattern = hk_bending_pattern,
-    .jacobian = hk_bending_jacobian,
+    .jacobian = jacobian,
     .stiffness_bound = hk_bending_stiffness_bound,
     .accepted = accepted,
 };

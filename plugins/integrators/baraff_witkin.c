@@ -10,7 +10,7 @@
 #include "core/plugin.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/integrate/growth_factor.h"
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/safe_move.h"
 #include "plugins/common/linear/block_product.h"
 
 #include <float.h>

@@ -4,6 +4,7 @@
 #include "plugins/common/film/film.h"
 #include "plugins/common/film/solid_list.h"
 #include "plugins/common/film/video.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -13,13 +14,17 @@ typedef struct frames {
   int64_t width, height, every;
   hk_look_names names;
   const char *unit, *folder, *video_file;
-  double camera[3], target[3], fov, outliers, radius, least, opacity, fog, streak, ground_height, background[3];
+  double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
+      background[3];
   hk_numbers range;
   hk_solid_numbers solids;
+  hk_solid *solid;
+  size_t solid_count;
   int map, up, springs, particles, style, light;
-  bool reverse, log, ground, legend, video;
+  bool reverse, log, ground, shadows, obstacles, legend, video;
 
   const hk_host *host;
+  const hk_obstacles *all; /* NULL: there is no such service */
   hk_film film;
   bool changed;         /* the topology may have changed since the last picture */
   double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
@@ -71,6 +76,10 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
+    {"tube", "m", "radius of drawn springs and strands; left out: chosen",
+     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
+    {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
+     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
     {"least", "pixels", "smallest radius of a particle on the picture",
      HK_NUMBER, {1}, 0.25, 100, offsetof(frames, least), 0, NULL},
     {"opacity", "", "of particles, of lights their strength; left out: 1, for glow by how bright they are together",
@@ -87,7 +96,11 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
-    {"ground", "", "draw the floor with its grid and the shadow",
+    {"obstacles", "", "draw the scene's obstacles (the corrector), where they are at each frame",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, obstacles), 0, NULL},
+    {"shadows", "", "things cast shadows, on the floor and on each other",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
+    {"ground", "", "draw the floor with its grid",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0, NULL},
     {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
      HK_NUMBER, {0}, 0, 0, offsetof(frames, ground_height), HK_OPTIONAL, NULL},
@@ -138,7 +151,7 @@ static void plan_camera(frames *f) {
   hk_look_turn(f->up == Y_UP, f->camera, framing->eye);
   hk_look_turn(f->up == Y_UP, f->target, framing->target);
   framing->floor = f->ground, framing->height = f->ground_height;
-  framing->radius = f->radius, framing->outliers = f->outliers;
+  framing->radius = f->radius, framing->tube = f->tube, framing->outliers = f->outliers;
 }
 
 static void plan_light(frames *f) {
@@ -147,6 +160,7 @@ static void plan_light(frames *f) {
   bool night = f->light == NIGHT || (f->light == AUTO_LIGHT && style_of(f) == HK_STYLE_GLOW);
   const double *colour = isnan(f->background[0]) ? colours[night] : f->background;
   for (int c = 0; c < 3; c++) setup->background[c] = setup->sprites.fog_colour[c] = (float)colour[c];
+  setup->shadows = f->shadows, setup->thickness = f->thickness;
   setup->sprites.style = style_of(f);
   setup->sprites.opacity = isnan(f->opacity) && style_of(f) != HK_STYLE_GLOW ? 1 : f->opacity;
   setup->sprites.least = f->least, setup->sprites.fog = f->fog;
@@ -154,6 +168,8 @@ static void plan_light(frames *f) {
 }
 
 static void make_plan(frames *f) {
+  f->film.solid = f->solid, f->film.solids = f->solid_count;
+  f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
   f->film.folder = f->folder, f->film.legend = f->legend, f->film.unit = f->unit;
   plan_colours(f);
@@ -179,6 +195,7 @@ static hk_status choose_look(frames *f, const hk_model *m) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   f->host = host;
+  f->all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
   if (f->range.count && f->log && f->range.value[0] <= 0)
@@ -188,7 +205,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
   if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
-  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->film.solid, &f->film.solids);
+  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
   if (status == HK_OK) status = choose_look(f, view->model);
   if (status == HK_OK && f->unit && f->film.look.paint != HK_PAINT_CHANNEL)
     return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");

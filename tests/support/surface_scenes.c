@@ -4,13 +4,32 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 #include <cmocka.h>
 
-test_surfaces *test_surfaces_open(int threads, uint64_t seed) {
-  test_surfaces *s = calloc(1, sizeof *s);
-  assert_non_null(s);
+static void *memory(size_t count, size_t size) {
+  void *p = calloc(count + 1, size);
+  if (p) return p;
+  fprintf(stderr, "no memory for %zu numbers: close other programs\n", count);
+  exit(1);
+}
+
+static void reserve(test_surfaces *s, size_t room) {
+  s->room = room;
+  s->x = memory(3 * room, sizeof *s->x);
+  s->mass = memory(room, sizeof *s->mass);
+  s->inverse_mass = memory(room, sizeof *s->inverse_mass);
+  s->id = memory(room, sizeof *s->id);
+  s->triangle = memory(12 * room, sizeof *s->triangle);
+  s->edge = memory(8 * room, sizeof *s->edge);
+  s->left = memory(room, sizeof *s->left);
+}
+
+test_surfaces *test_surfaces_open(int threads, uint64_t seed, size_t room) {
+  test_surfaces *s = memory(1, sizeof *s);
+  reserve(s, room);
   s->plugin.kind = HK_SERVICE;
   s->shared = (hk_shared){.error = &s->error, .threads = hk_threads_create(threads), .allocations_left = -1};
   assert_non_null(s->shared.threads);
@@ -21,7 +40,7 @@ test_surfaces *test_surfaces_open(int threads, uint64_t seed) {
                         .id = s->id,
                         .edges = {0, 2, s->edge},
                         .triangles = {0, 3, s->triangle}};
-  s->view = (hk_view){.x = s->x, .v = s->v, .model = &s->model, .host = &s->instance.host};
+  s->view = (hk_view){.x = s->x, .model = &s->model, .host = &s->instance.host};
   s->request = (hk_surface_request){.thickness = 0.01, .body_thickness = 0.02, .radius = 0.004};
   s->pairs.record_size = sizeof(hk_surface_pair);
   s->crossings.record_size = 2 * sizeof(uint32_t);
@@ -37,7 +56,8 @@ void test_surfaces_close(test_surfaces *s) {
   hk_gather_free(&s->crossings, host);
   assert_null(s->instance.blocks);
   hk_threads_destroy(s->shared.threads);
-  free(s);
+  void *memory_of[] = {s->x, s->mass, s->inverse_mass, s->id, s->triangle, s->edge, s->left, s};
+  for (size_t k = 0; k < sizeof memory_of / sizeof *memory_of; k++) free(memory_of[k]);
 }
 
 const hk_host *test_surfaces_host(test_surfaces *s) { return &s->instance.host; }
@@ -48,7 +68,7 @@ double test_uniform(test_surfaces *s, double low, double high) {
 
 uint32_t test_surfaces_particle(test_surfaces *s, double x, double y, double z) {
   size_t i = s->model.n++;
-  assert_true(i < TEST_PARTICLES);
+  assert_true(i < s->room);
   s->view.n = s->view.acting = s->model.n;
   s->x[3 * i] = x, s->x[3 * i + 1] = y, s->x[3 * i + 2] = z;
   s->mass[i] = s->inverse_mass[i] = 1;
@@ -58,13 +78,13 @@ uint32_t test_surfaces_particle(test_surfaces *s, double x, double y, double z) 
 
 void test_surfaces_triangle(test_surfaces *s, uint32_t a, uint32_t b, uint32_t c) {
   uint32_t *t = s->triangle + 3 * s->model.triangles.count++;
-  assert_true(s->model.triangles.count <= TEST_TRIANGLES);
+  assert_true(s->model.triangles.count <= 4 * s->room);
   t[0] = a, t[1] = b, t[2] = c;
 }
 
 void test_surfaces_edge(test_surfaces *s, uint32_t a, uint32_t b) {
   uint32_t *e = s->edge + 2 * s->model.edges.count++;
-  assert_true(s->model.edges.count <= TEST_EDGES);
+  assert_true(s->model.edges.count <= 4 * s->room);
   e[0] = a, e[1] = b;
 }
 

@@ -5,8 +5,6 @@
 #include "core/host/host.h"
 #include "plugins/common/surfaces/surface_pairs.h"
 
-enum { TEST_PARTICLES = 4096, TEST_TRIANGLES = 8192, TEST_EDGES = 8192 };
-
 typedef struct test_surfaces {
   hk_instance instance;
   hk_plugin plugin;
@@ -14,9 +12,10 @@ typedef struct test_surfaces {
   hk_error error;
   hk_model model;
   hk_view view;
-  double x[3 * TEST_PARTICLES], v[3 * TEST_PARTICLES], mass[TEST_PARTICLES], inverse_mass[TEST_PARTICLES];
-  uint32_t id[TEST_PARTICLES], triangle[3 * TEST_TRIANGLES], edge[2 * TEST_EDGES];
-  bool left[TEST_PARTICLES];
+  size_t room; /* particles that fit; four times as many triangles and edges do */
+  double *x, *mass, *inverse_mass;
+  uint32_t *id, *triangle, *edge;
+  bool *left;
   uint64_t seed[4];
   hk_surface_request request;
   hk_surface_lists lists;
@@ -24,7 +23,7 @@ typedef struct test_surfaces {
   hk_gather pairs, crossings;
 } test_surfaces;
 
-test_surfaces *test_surfaces_open(int threads, uint64_t seed);
+test_surfaces *test_surfaces_open(int threads, uint64_t seed, size_t room);
 void test_surfaces_close(test_surfaces *);
 const hk_host *test_surfaces_host(test_surfaces *);
 double test_uniform(test_surfaces *, double low, double high);

@@ -10,18 +10,17 @@
  * tolerance >= 0, m.
  *
  * false: the distance is greater than the gap at all times in [0, 1]. *t is 1.
- * true:  the distance is greater than the gap at all times in [0, *t]; where *t is 0 perhaps not even there. Soon after
- *        *t it comes below gap + tolerance, or too near to it for the bound of the steps that are made (steps in
- *        hk_ccd_cost).
+ * true:  the distance is greater than the gap at all times in [0, *t]; where *t is 0 perhaps not even there. At *t it
+ * is at most gap + tolerance, or the bound of the steps that are made was reached first (hk_ccd_cost).
  *
- * Both are proved, with all rounding errors of this computation counted in, for any finite input: tiny and huge,
+ * The first holds with all rounding errors of this computation counted in, for any finite input: tiny and huge,
  * degenerate, without motion, touching at either end. A pair that is within the gap at the start is a hit at t = 0,
  * also if it separates: who wants to let it go on asks with a gap smaller than its distance. Input that is not finite,
  * or so large that differences overflow, is a hit at t = 0.
  *
- * Below about 1e-14 of the largest difference of coordinates (between the two features, at either end) a tolerance
- * means that one. Who computes positions at *t rounds them: keep a gap of some units in the last place of the
- * coordinates. */
+ * A tolerance below 2.5e-14 of the largest difference of coordinates (between the two features, at either end) means
+ * that one. The time grows with the logarithm of it. Who computes positions at *t rounds them: keep a gap of some units
+ * in the last place of the coordinates. */
 bool hk_ccd(hk_pair_kind kind, const double x0[12], const double x1[12], double gap, double tolerance, double *t);
 
 /* The same, and what it took, for tests and measurements. */

@@ -11,7 +11,8 @@
  *
  * Degenerate input has an answer as well: edges without length, triangles without area, parallel edges and coincident
  * points give a right distance and one pair of nearest points (of several, the same for the same bits of input).
- * Coordinates are finite and below 1e75 m; lengths below 1e-75 m count as zero. */
+ * Coordinates are finite and below 1e75 m; lengths below 1e-75 m count as zero. Of coordinates that are not finite
+ * nothing is promised but an end: `squared` is infinite or not a number. */
 #ifndef HK_DISTANCE_H
 #define HK_DISTANCE_H
 

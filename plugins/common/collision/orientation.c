@@ -102,7 +102,7 @@ static const double BOUND3 = 10 * 0x1p-53, BOUND2 = 5 * 0x1p-53;
 /* A product that underflows is off by 2^-1075 at most. */
 static const double UNDERFLOW = 0x1p-1070;
 
-static int exact2d(const double *a, const double *b, const double *c) {
+__attribute__((noinline)) static int exact2d(const double *a, const double *b, const double *c) {
   const double *point[3] = {a, b, c};
   number row[3][3];
   for (int k = 0; k < 3; k++) {
@@ -118,18 +118,24 @@ static int exact2d(const double *a, const double *b, const double *c) {
 int hk_orient2d(const double a[2], const double b[2], const double c[2]) {
   double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
   double det = left - right, bound = BOUND2 * (fabs(left) + fabs(right)) + UNDERFLOW;
-  if (det > bound) return 1;
-  if (det < -bound) return -1;
-  return exact2d(a, b, c);
+  return fabs(det) > bound ? (det > 0) - (det < 0) : exact2d(a, b, c);
 }
 
-static int exact3d(const double *const point[4]) {
+/* Whether all points have one coordinate in common, as in a sheet that lies flat. */
+static bool in_a_plane_of_axes(const double *const point[4]) {
+  for (int c = 0; c < 3; c++)
+    if (point[0][c] == point[1][c] && point[0][c] == point[2][c] && point[0][c] == point[3][c]) return true;
+  return false;
+}
+
+__attribute__((noinline)) static int exact3d(const double *a, const double *b, const double *c, const double *d) {
+  const double *point[4] = {a, b, c, d};
   number row[4][3];
-  for (int k = 0; k < 4; k++)
-    for (int c = 0; c < 3; c++) {
-      if (!isfinite(point[k][c])) return 0;
-      row[k][c] = number_of(point[k][c]);
-    }
+  for (int k = 0; k < 12; k++) {
+    if (!isfinite(point[k / 3][k % 3])) return 0;
+    row[k / 3][k % 3] = number_of(point[k / 3][k % 3]);
+  }
+  if (in_a_plane_of_axes(point)) return 0;
   sum s;
   open_sum(&s, row, 4);
   add_determinant(&s, row[1], row[2], row[3], false);
@@ -139,24 +145,14 @@ static int exact3d(const double *const point[4]) {
   return sign_of_sum(&s);
 }
 
-/* Whether all points have one coordinate in common, as in a sheet that lies flat. */
-static bool in_a_plane_of_axes(const double u[3], const double v[3], const double w[3]) {
-  for (int c = 0; c < 3; c++)
-    if (u[c] == 0 && v[c] == 0 && w[c] == 0) return true;
-  return false;
-}
-
+/* (u x v).w of the differences from a. */
 int hk_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]) {
-  double u[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[3] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]},
-         w[3] = {d[0] - a[0], d[1] - a[1], d[2] - a[2]};
-  double vwx = v[0] * w[1], vwy = v[1] * w[0], wux = w[0] * u[1], wuy = w[1] * u[0], uvx = u[0] * v[1],
-         uvy = u[1] * v[0];
-  double det = u[2] * (vwx - vwy) + v[2] * (wux - wuy) + w[2] * (uvx - uvy);
-  double uz = fabs(u[2]), vz = fabs(v[2]), wz = fabs(w[2]);
-  double all = (fabs(vwx) + fabs(vwy)) * uz + (fabs(wux) + fabs(wuy)) * vz + (fabs(uvx) + fabs(uvy)) * wz;
+  double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2], vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2],
+         wx = d[0] - a[0], wy = d[1] - a[1], wz = d[2] - a[2];
+  double vw = vx * wy, wv = vy * wx, wu = wx * uy, uw = wy * ux, uv = ux * vy, vu = uy * vx;
+  double det = uz * (vw - wv) + vz * (wu - uw) + wz * (uv - vu);
+  uz = fabs(uz), vz = fabs(vz), wz = fabs(wz);
+  double all = uz * (fabs(vw) + fabs(wv)) + vz * (fabs(wu) + fabs(uw)) + wz * (fabs(uv) + fabs(vu));
   double bound = BOUND3 * all + UNDERFLOW * (1 + uz + vz + wz);
-  if (det > bound) return 1;
-  if (det < -bound) return -1;
-  if (in_a_plane_of_axes(u, v, w)) return 0;
-  return exact3d((const double *[]){a, b, c, d});
+  return fabs(det) > bound ? (det > 0) - (det < 0) : exact3d(a, b, c, d);
 }

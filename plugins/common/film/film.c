@@ -1,5 +1,6 @@
 #include "plugins/common/film/film.h"
 
+#include "plugins/common/film/obstacle_solids.h"
 #include "plugins/common/film/png_file.h"
 #include "plugins/common/picture/legend.h"
 #include "plugins/common/snapshot/ink.h"
@@ -15,17 +16,28 @@ static bool has_to_wait(const hk_film *f) {
          f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
 }
 
+static hk_status make_solids(hk_film *f) {
+  size_t count = f->solids + (f->obstacles ? f->obstacles->count : 0);
+  if (count == 0) return HK_OK;
+  f->snapshot.solid = f->host->allocate(f->host, count * sizeof *f->snapshot.solid);
+  if (!f->snapshot.solid) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for %zu solids", count);
+  if (f->solids) memcpy(f->snapshot.solid, f->solid, f->solids * sizeof *f->solid);
+  f->snapshot.solids = count;
+  return HK_OK;
+}
+
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
   f->host = host;
   f->interruption = host->query(host, "interruption/1");
   hk_snapshot3d_open(&f->snapshot, host, &f->look);
-  f->snapshot.solids = f->solids, f->snapshot.solid = f->solid;
+  hk_status status = make_solids(f);
+  if (status != HK_OK) return status;
   hk_colormap_fill(f->map, f->reverse, f->table);
   f->gl = hk_gl_context_create(&why);
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
-  hk_status status = hk_painter_open(&f->painter, host, f->width, f->height);
+  status = hk_painter_open(&f->painter, host, f->width, f->height);
   if (status != HK_OK) return status;
   f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
   if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
@@ -113,6 +125,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   hk_status status = hk_snapshot3d_take(&f->snapshot, view, changed);
   if (status != HK_OK) return status;
   hk_ink_take(&f->snapshot, view, birth);
+  if (f->obstacles) hk_obstacle_solids(f->obstacles, f->look.y_up, f->snapshot.solid + f->solids);
   if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   status = use_context(f);
@@ -146,6 +159,7 @@ void hk_film_free(hk_film *f) {
   hk_gl_context_destroy(f->gl);
   f->gl = NULL;
   hk_frame_spool_close(&f->spool);
+  if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);
   if (f->host) f->host->release(f->host, f->colour), f->host->release(f->host, f->picture);
   f->colour = NULL, f->picture = NULL, f->colours = 0;

@@ -6,6 +6,7 @@
 
 #include "plugins/common/colour/colormap.h"
 #include "plugins/common/gl/gl_context.h"
+#include "plugins/common/obstacles/obstacle.h"
 #include "plugins/common/picture/framing.h"
 #include "plugins/common/picture/painter.h"
 
@@ -18,15 +19,16 @@ typedef struct hk_film {
   bool reverse;
   const char *label, *unit; /* of the legend; unit NULL: as the label has it */
   size_t solids;
-  hk_solid *solid; /* valid as long as the film; in coordinates with z up */
+  const hk_solid *solid;            /* valid until hk_film_open returns; in coordinates with z up */
+  const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
   hk_look look;
   hk_framing framing;
   hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */
 
   const hk_host *host;
   const hk_interruption *interruption;
-  bool waiting; /* frames are drawn at the end */
-  hk_snapshot3d snapshot;
+  bool waiting;           /* frames are drawn at the end */
+  hk_snapshot3d snapshot; /* its solids: those of the script, then the obstacles */
   hk_frame_spool spool;
   hk_gl_context *gl;
   hk_painter painter;

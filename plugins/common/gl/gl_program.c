@@ -4,8 +4,8 @@
 
 static const char version[] = "#version 330\n";
 
-static GLuint compile(GLenum kind, const char *shared, const char *text, char *log, size_t size) {
-  const GLchar *source[] = {version, shared, text};
+static GLuint compile(GLenum kind, hk_gl_text text, char *log, size_t size) {
+  const GLchar *source[] = {version, text.shared, text.text};
   GLint ok = 0;
   GLuint shader = glCreateShader(kind);
   glShaderSource(shader, 3, source, NULL);
@@ -17,9 +17,9 @@ static GLuint compile(GLenum kind, const char *shared, const char *text, char *l
   return 0;
 }
 
-unsigned hk_gl_program(const char *vertex, const char *shared, const char *fragment, char *log, size_t size) {
-  GLuint v = compile(GL_VERTEX_SHADER, "", vertex, log, size);
-  GLuint f = v ? compile(GL_FRAGMENT_SHADER, shared, fragment, log, size) : 0;
+unsigned hk_gl_program(hk_gl_text vertex, hk_gl_text fragment, char *log, size_t size) {
+  GLuint v = compile(GL_VERTEX_SHADER, vertex, log, size);
+  GLuint f = v ? compile(GL_FRAGMENT_SHADER, fragment, log, size) : 0;
   GLuint program = 0;
   GLint ok = 0;
   if (f) {

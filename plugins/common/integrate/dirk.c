@@ -1,7 +1,7 @@
 /* See dirk.h. A step that fails leaves X unchanged: stages are computed in scratch memory and copied after success. */
 #include "plugins/common/integrate/dirk.h"
 #include "plugins/common/integrate/growth_factor.h"
-#include "plugins/common/integrate/safe_move.h"
+#include "plugins/common/moves/safe_move.h"
 
 #include <complex.h>
 #include <float.h>

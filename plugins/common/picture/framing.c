@@ -57,6 +57,7 @@ static void choose_radii(const hk_framing *framing, size_t n, size_t lines, hk_v
   static const double larger[] = {[HK_STYLE_SPHERE] = 1, [HK_STYLE_SOFT] = 1.8, [HK_STYLE_GLOW] = 2.6};
   double loose = fmin(fmax(0.34 / sqrt((double)n + 1), 0.004), 0.03);
   setup->tube = setup->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.006);
+  if (!isnan(framing->tube)) setup->tube = framing->tube;
   setup->bead = lines ? 1.9 * setup->tube : loose * setup->size;
   setup->bead *= larger[setup->sprites.style] * (setup->streak > 0 ? 0.5 : 1);
   if (!isnan(framing->radius)) setup->bead = framing->radius;
@@ -69,13 +70,28 @@ static void choose_unit(const hk_look *look, double largest, hk_view_setup *setu
   setup->bead_unit = look->sizes == HK_SIZE_CHANNEL ? 1 : largest > 0 ? setup->bead / largest : 0;
 }
 
-/* Chooses the floor: z = 0 for a scene whose lowest point is there or a little above, otherwise just below the lowest
- * point. Spheres with their middle at z = 0 would be cut in half there. */
-static void choose_floor(const hk_framing *framing, const double origin[3], bool spheres, hk_view_setup *setup) {
+/* The height of the highest level plane among the solids; NAN: there is none. */
+static double level_plane(const hk_snapshot3d *s) {
+  double height = NAN;
+  for (size_t k = 0; k < s->solids; k++) {
+    const hk_solid *plane = s->solid + k;
+    const double *n = plane->axis[2];
+    if (plane->kind == HK_SOLID_PLANE && n[2] > 0 && hypot(n[0], n[1]) < 1e-9 * n[2])
+      height = fmax(height, plane->centre[2]);
+  }
+  return height;
+}
+
+/* Chooses the floor: a level plane that the scene has, z = 0 for a scene whose lowest point is there or a little above,
+ * otherwise just below the lowest point. Spheres with their middle at z = 0 would be cut in half there. */
+static void choose_floor(const hk_framing *framing, const hk_snapshot3d *snapshot, bool spheres, hk_view_setup *setup) {
+  const double *origin = snapshot->origin;
+  double plane = level_plane(snapshot);
   double lowest = setup->low[2] + origin[2];
   setup->floor = framing->floor;
   setup->height = setup->low[2] - fmax(0.06 * setup->size, setup->bead);
   if (lowest > (spheres ? 1e-3 : -1e-3) * setup->size && lowest < 0.4 * setup->size) setup->height = -origin[2];
+  if (!isnan(plane)) setup->height = plane - origin[2];
   if (!isnan(framing->height)) setup->height = framing->height - origin[2];
   setup->offset[0] = origin[0], setup->offset[1] = origin[1];
 }
@@ -207,7 +223,7 @@ static void choose_box(survey *v, const hk_framing *framing, const hk_frame_spoo
   add_solids(v, setup, snapshot);
   end_box(setup);
   choose_radii(framing, n, lines, setup);
-  choose_floor(framing, snapshot->origin, triangles == 0, setup);
+  choose_floor(framing, snapshot, triangles == 0, setup);
   set_camera(framing, snapshot->origin, setup);
 }
 
@@ -243,11 +259,21 @@ hk_status hk_framing_motion(hk_framing *framing, hk_frame_spool *spool, hk_snaps
   return status;
 }
 
+static void add_solid_box(hk_view_setup *setup, const hk_snapshot3d *snapshot) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (size_t k = 0; k < snapshot->solids; k++) hk_solid_box(snapshot->solid + k, low, high);
+  for (int c = 0; c < 3; c++) {
+    setup->low[c] = fmin(setup->low[c], low[c] - snapshot->origin[c]);
+    setup->high[c] = fmax(setup->high[c], high[c] - snapshot->origin[c]);
+  }
+}
+
 /* The size is the extent that the camera sees at its target's distance; boxes may only grow to a multiple of it. */
 void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_view_setup *setup) {
   bool first = setup->size == 0;
   begin_box(setup);
   add_box(setup, snapshot->low, snapshot->high);
+  add_solid_box(setup, snapshot);
   end_box(setup);
   if (first) set_camera(framing, snapshot->origin, setup);
   double distance = distance_between(setup->camera.eye, setup->camera.target);
@@ -260,7 +286,7 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
   if (!first) return;
   choose_radii(framing, snapshot->n, snapshot->lines, setup);
   choose_unit(snapshot->look, 0, setup);
-  choose_floor(framing, snapshot->origin, snapshot->triangles == 0, setup);
+  choose_floor(framing, snapshot, snapshot->triangles == 0, setup);
   setup->camera.near = 0.02 * distance, setup->camera.far = 60 * distance;
   set_fog(setup, distance);
 }

@@ -12,6 +12,7 @@ typedef struct hk_framing {
   bool floor;
   double height;   /* in the scene's coordinates; NAN: chosen */
   double radius;   /* of particles, m; NAN: chosen */
+  double tube;     /* radius of springs, m; NAN: chosen */
   double outliers; /* share of the particles that the picture may leave out on each side */
   hk_scale scale;  /* of the numbers; low NAN: chosen */
   bool centred;    /* the range is symmetric about zero */

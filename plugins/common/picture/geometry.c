@@ -10,8 +10,10 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
 }
 
 static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
-  size_t vertices = (s->triangles ? s->n : 0) + s->solids * HK_SOLID_VERTICES;
-  size_t triangles = s->triangles + s->solids * HK_SOLID_TRIANGLES;
+  size_t tubes = s->lines + p->border.count;
+  size_t vertices = s->triangles ? s->n + 3 * (s->triangles - s->cloth) : 0, triangles = s->triangles;
+  for (size_t k = 0; k < s->solids; k++)
+    vertices += hk_solid_vertices(s->solid + k), triangles += hk_solid_triangles(s->solid + k);
   if (s->n >= p->bead_room) {
     p->bead_room = s->n + s->n / 2 + 1;
     p->bead = renew(p->host, p->bead, p->bead_room, sizeof *p->bead);
@@ -24,8 +26,8 @@ static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
     p->triangle_room = triangles + triangles / 2 + 1;
     p->triangle = renew(p->host, p->triangle, p->triangle_room, sizeof *p->triangle);
   }
-  if (s->lines >= p->tube_room) {
-    p->tube_room = s->lines + s->lines / 2 + 1;
+  if (tubes >= p->tube_room) {
+    p->tube_room = tubes + tubes / 2 + 1;
     p->tube = renew(p->host, p->tube, p->tube_room, sizeof *p->tube);
   }
   if (p->vertex && p->bead && p->triangle && p->tube) return HK_OK;
@@ -50,7 +52,7 @@ static bool has_place(const float x[3], const region *r) {
 
 /* Adds the triangles, and at each corner the sum of their normals weighted by area. */
 static void add_triangles(hk_painter *p, const hk_snapshot3d *s, const region *here) {
-  for (size_t k = 0; k < s->triangles; k++) {
+  for (size_t k = 0; k < s->cloth; k++) {
     const uint32_t *t = s->triangle[k];
     const float *a = s->x[t[0]], *b = s->x[t[1]], *c = s->x[t[2]];
     if (!has_place(a, here) || !has_place(b, here) || !has_place(c, here)) continue;
@@ -91,9 +93,20 @@ static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4]
   for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
 }
 
-static void add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
-  for (size_t k = 0; k < s->solids; k++)
-    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+/* Surfaces that are pinned as a whole are what others meet: they look like solids. */
+static hk_status add_bodies(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s) {
+  uint8_t colour[4];
+  if (s->cloth == s->triangles) return HK_OK;
+  hk_solid_colour(setup, false, colour);
+  return hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])s->triangle + s->cloth,
+                            s->triangles - s->cloth, colour);
+}
+
+static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < s->solids && status == HK_OK; k++)
+    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+  return status;
 }
 
 static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
@@ -107,7 +120,7 @@ static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot
 static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
                       const region *here) {
   for (size_t i = 0; i < s->n; i++) {
-    if (!s->mark[i] || !has_place(s->x[i], here)) continue;
+    if (!(s->mark[i] & (HK_MARK_PIN | HK_MARK_BEAD)) || !has_place(s->x[i], here)) continue;
     if (s->mark[i] & HK_MARK_PIN)
       add_pin(p, setup, s, i);
     else if (colour[i][3])
@@ -115,28 +128,50 @@ static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapsh
   }
 }
 
-static void add_tubes(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], const region *here) {
-  for (size_t k = 0; k < s->lines; k++) {
-    uint32_t i = s->line[k][0], j = s->line[k][1];
-    if (!has_place(s->x[i], here) || !has_place(s->x[j], here)) continue;
-    hk_tube *tube = p->tube + p->tubes++;
-    memcpy(tube->a, s->x[i], sizeof tube->a);
-    memcpy(tube->b, s->x[j], sizeof tube->b);
-    memcpy(tube->colour_a, colour[i], sizeof tube->colour_a);
-    memcpy(tube->colour_b, colour[j], sizeof tube->colour_b);
+static void add_tube(hk_painter *p, const hk_snapshot3d *s, const uint32_t end[2], double radius,
+                     uint8_t (*colour)[4]) {
+  hk_tube *tube = p->tube + p->tubes++;
+  tube->radius = (float)radius;
+  memcpy(tube->a, s->x[end[0]], sizeof tube->a);
+  memcpy(tube->b, s->x[end[1]], sizeof tube->b);
+  memcpy(tube->colour_a, colour[end[0]], sizeof tube->colour_a);
+  memcpy(tube->colour_b, colour[end[1]], sizeof tube->colour_b);
+}
+
+static void add_tubes(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                      const region *here) {
+  for (size_t k = 0; k < s->lines; k++)
+    if (has_place(s->x[s->line[k][0]], here) && has_place(s->x[s->line[k][1]], here))
+      add_tube(p, s, s->line[k], setup->tube, colour);
+}
+
+/* The rim between both sides of surfaces with a thickness is round. */
+static void add_rim(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                    const region *here) {
+  for (size_t k = 0; k < p->border.count; k++) {
+    uint32_t end[2];
+    hk_border_ends(&p->border, k, end);
+    if (has_place(s->x[end[0]], here) && has_place(s->x[end[1]], here))
+      add_tube(p, s, end, setup->thickness / 2, colour);
   }
 }
 
 hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4]) {
   region here = region_of(setup);
-  hk_status status = make_room(p, s);
+  hk_status status = setup->thickness > 0 ? hk_border_follow(&p->border, p->host, s) : HK_OK;
+  if (status == HK_OK) status = make_room(p, s);
   if (status != HK_OK) return status;
   p->vertices = p->triangles = p->tubes = p->beads = 0;
   if (s->triangles) add_mesh(p, s, colour, &here);
-  add_solids(p, setup, s, false);
+  p->cloth = p->triangles;
+  status = add_bodies(p, setup, s);
+  p->bodies = p->triangles;
+  if (status == HK_OK) status = add_solids(p, setup, s, false);
   p->opaque = p->triangles;
-  add_solids(p, setup, s, true);
-  add_tubes(p, s, colour, &here);
+  if (status == HK_OK) status = add_solids(p, setup, s, true);
+  if (status != HK_OK) return status;
+  add_tubes(p, setup, s, colour, &here);
+  add_rim(p, setup, s, colour, &here);
   add_beads(p, setup, s, colour, &here);
   return HK_OK;
 }

@@ -1,16 +1,18 @@
-/* Draws snapshots: with OpenGL 3.3 cloth lit from both sides, springs as thin tubes, and a floor with a grid and the
- * shadow of these objects; then the particles (plugins/common/sprites). Needs a current context; one painter per
- * context. */
+/* Draws snapshots: with OpenGL 3.3 cloth lit from both sides, springs as tubes, and a floor with a grid; these objects
+ * and the particles cast shadows on each other and the floor; then the particles (plugins/common/sprites), which
+ * receive none. Needs a current context; one painter per context. */
 #ifndef HK_PAINTER_H
 #define HK_PAINTER_H
 
 #include "plugins/common/gl/canvas.h"
-#include "plugins/common/snapshot/snapshot3d.h"
+#include "plugins/common/picture/height_map.h"
+#include "plugins/common/normals/corner_normals.h"
+#include "plugins/common/snapshot/border.h"
 #include "plugins/common/picture/view_setup.h"
 #include "plugins/common/sprites/sprites.h"
 
 typedef struct hk_tube { /* one spring, or one stroke of text */
-  float a[3], b[3];
+  float a[3], b[3], radius;
   uint8_t colour_a[4], colour_b[4];
 } hk_tube;
 
@@ -20,6 +22,7 @@ typedef struct hk_vertex {
 } hk_vertex;
 
 enum { HK_MESH, HK_TUBE, HK_FLOOR, HK_SHADE, HK_BACKDROP, HK_PROGRAMS };
+enum { HK_TUBE_CORNERS = 8 };
 enum { HK_SHADOW_SIZE = 384 }; /* texels along a side */
 
 typedef struct hk_painter {
@@ -27,16 +30,23 @@ typedef struct hk_painter {
   hk_canvas canvas;
   unsigned program[HK_PROGRAMS];
   unsigned mesh_array, mesh_buffer, index_buffer, tube_array, tube_buffer, corner_buffer, nothing;
-  unsigned shadow;      /* a texture */
-  unsigned char *shade; /* its texels, HK_SHADOW_SIZE squared, and as many for the blur */
-  bool kept;            /* backdrop and floor are stored in the canvas */
+  unsigned shadow, heights; /* textures of the two below */
+  unsigned char *shade;     /* shadow on the floor: HK_SHADOW_SIZE squared, and as many for the blur */
+  hk_height_map map;        /* shadows on all else */
+  bool kept;                /* backdrop and floor are stored in the canvas */
   size_t room, triangle_room, tube_room, bead_room;
   hk_vertex *vertex;
   hk_tube *tube;
   hk_bead *bead;
   uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
   size_t vertices, triangles, tubes, beads;
-  size_t opaque; /* the first triangles, which cast shadows: planes, which have no end, cast none */
+  /* The triangles are those of cloth, of bodies, of closed solids, and of planes, which have no end and cast no shadow:
+   * where each but the last end. */
+  size_t cloth, bodies, opaque;
+  hk_border border;
+  hk_corner_normals normals;
+  float (*corner)[3]; /* 3 a face: normals */
+  size_t corner_room;
   hk_sprites sprites;
 } hk_painter;
 

@@ -8,8 +8,9 @@
 typedef struct scene {
   const hk_view_setup *setup;
   hk_lens lens;
-  double key[3];        /* towards the light, world axes */
-  float light[2][4][3]; /* key, sky, toward, between; in world axes and in the camera's */
+  double key[3];            /* towards the light, world axes */
+  const hk_height_map *map; /* NULL: no shadows */
+  float light[2][4][3];     /* key, sky, toward, between; in world axes and in the camera's */
 } scene;
 
 static int uniform(const hk_painter *p, int program, const char *name) {
@@ -26,6 +27,20 @@ static void set_light(const hk_painter *p, int program, const float light[4][3],
   static const char *const name[] = {"key", "sky", "toward", "between"};
   for (int k = 0; k < 4; k++) glUniform3fv(uniform(p, program, name[k]), 1, light[k]);
   glUniform1f(uniform(p, program, "plain"), plain);
+}
+
+/* Where a point is on the map: its height is the third coordinate, 0 to 1. */
+static void set_shadows(const hk_painter *p, int program, const scene *s) {
+  const hk_height_map *m = s->map;
+  glUniform1f(uniform(p, program, "shaded"), m ? 1 : 0);
+  if (!m) return;
+  float lean[3] = {m->lean[0], m->lean[1], m->floor}, size = 1 / m->side, span = 1 / (m->high - m->low);
+  glUniform3fv(uniform(p, program, "lean"), 1, lean);
+  glUniform3f(uniform(p, program, "map_corner"), m->corner[0], m->corner[1], m->low);
+  glUniform3f(uniform(p, program, "map_scale"), size, size, span);
+  glUniform1f(uniform(p, program, "texel"), m->side / HK_HEIGHT_MAP_SIZE);
+  glUniform3f(uniform(p, program, "sun"), (float)s->key[0], (float)s->key[1], (float)s->key[2]);
+  glBindTexture(GL_TEXTURE_2D, p->heights);
 }
 
 static void normalize(double v[3]) {
@@ -72,12 +87,43 @@ static void upload(const hk_painter *p) {
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(p->tubes * sizeof *p->tube), p->tube, GL_STREAM_DRAW);
 }
 
+enum { BOTH_SIDES = 0 };
+
+/* Draws triangles from `begin` to end - 1 without those that show the side `hidden`, moved along their normals. */
+static void draw_triangles(const hk_painter *p, size_t begin, size_t end, GLenum hidden, double offset) {
+  if (begin == end) return;
+  if (hidden != BOTH_SIDES) {
+    glEnable(GL_CULL_FACE);
+    glCullFace(hidden);
+  }
+  glUniform1f(uniform(p, HK_MESH, "offset"), (float)offset);
+  glDrawElements(GL_TRIANGLES, (GLsizei)(3 * (end - begin)), GL_UNSIGNED_INT,
+                 (const void *)(begin * sizeof *p->triangle));
+  glDisable(GL_CULL_FACE);
+}
+
+/* A surface with a thickness is seen as that of its two sides, on either side of the particles. */
+static void draw_cloth(const hk_painter *p, double thickness) {
+  if (thickness > 0) {
+    draw_triangles(p, 0, p->cloth, GL_BACK, thickness / 2);
+    draw_triangles(p, 0, p->cloth, GL_FRONT, -thickness / 2);
+  } else {
+    draw_triangles(p, 0, p->cloth, BOTH_SIDES, 0);
+  }
+}
+
 static void draw_mesh(const hk_painter *p, const scene *s) {
   if (!p->triangles) return;
   set_matrices(p, HK_MESH, s->lens.view, s->lens.projection);
   set_light(p, HK_MESH, s->light[0], 0);
+  set_shadows(p, HK_MESH, s);
   glBindVertexArray(p->mesh_array);
-  glDrawElements(GL_TRIANGLES, (GLsizei)(3 * p->triangles), GL_UNSIGNED_INT, NULL);
+  glUniform1f(uniform(p, HK_MESH, "solid"), 0);
+  draw_cloth(p, s->setup->thickness);
+  glUniform1f(uniform(p, HK_MESH, "solid"), 1);
+  draw_triangles(p, p->cloth, p->bodies, BOTH_SIDES, 0);
+  draw_triangles(p, p->bodies, p->opaque, GL_BACK, 0);
+  draw_triangles(p, p->opaque, p->triangles, BOTH_SIDES, 0);
 }
 
 static void draw_tubes(const hk_painter *p, const scene *s) {
@@ -86,9 +132,11 @@ static void draw_tubes(const hk_painter *p, const scene *s) {
   set_light(p, HK_TUBE, s->light[1], 0);
   glUniform1f(uniform(p, HK_TUBE, "least"), 0.75f);
   glUniform2f(uniform(p, HK_TUBE, "pixel"), 2.f / (float)p->canvas.width, 2.f / (float)p->canvas.height);
-  glUniform1f(uniform(p, HK_TUBE, "radius"), (float)s->setup->tube);
+  glUniform1f(uniform(p, HK_TUBE, "cap"), 1);
+  glUniform1f(uniform(p, HK_TUBE, "solid"), 1);
+  set_shadows(p, HK_TUBE, s);
   glBindVertexArray(p->tube_array);
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)p->tubes);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, HK_TUBE_CORNERS, (GLsizei)p->tubes);
 }
 
 static void draw_backdrop(const hk_painter *p, const hk_view_setup *setup) {
@@ -134,17 +182,27 @@ static void draw_floor(hk_painter *p, const scene *s) {
   glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
+/* Where there is nothing but particles, no one looks into the map's texture. */
+static void cast_shadows(hk_painter *p, scene *s) {
+  hk_shadow_cast(p, s->setup, s->key);
+  s->map = &p->map;
+  if (p->triangles + p->tubes == 0) return;
+  glBindTexture(GL_TEXTURE_2D, p->heights);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_HEIGHT_MAP_SIZE, HK_HEIGHT_MAP_SIZE, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT,
+                  p->map.height);
+}
+
 static void draw_shadow(hk_painter *p, const scene *s) {
   static const float colours[2][3] = {{0.09f, 0.11f, 0.17f}, {0, 0, 0}}; /* by day, by night */
-  float patch[3];
-  hk_shadow_cast(p, s->setup, s->key, patch);
+  const hk_height_map *m = s->map;
+  hk_shadow_shade(p, s->setup);
   glBindTexture(GL_TEXTURE_2D, p->shadow);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_SHADOW_SIZE, HK_SHADOW_SIZE, GL_RED, GL_UNSIGNED_BYTE, p->shade);
   const float *colour = colours[hk_is_dark(s->setup->background)];
   glUseProgram(p->program[HK_SHADE]);
   glUniform3fv(uniform(p, HK_SHADE, "colour"), 1, colour);
   glDepthMask(GL_FALSE);
-  draw_square(p, s, HK_SHADE, (float[]){patch[0], patch[1], (float)s->setup->height, patch[2]});
+  draw_square(p, s, HK_SHADE, (float[]){m->corner[0] + m->side / 2, m->corner[1] + m->side / 2, m->floor, m->side / 2});
   glDepthMask(GL_TRUE);
 }
 
@@ -173,7 +231,8 @@ hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_sn
   upload(p);
   draw_surroundings(p, &s);
   glEnable(GL_DEPTH_TEST);
-  if (setup->floor) draw_shadow(p, &s);
+  if (setup->shadows) cast_shadows(p, &s);
+  if (setup->shadows && setup->floor) draw_shadow(p, &s);
   draw_mesh(p, &s);
   draw_tubes(p, &s);
   return HK_OK;
@@ -189,11 +248,12 @@ void hk_painter_strokes(hk_painter *p, const hk_tube *stroke, size_t count, doub
   glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *stroke), stroke, GL_STREAM_DRAW);
   set_matrices(p, HK_TUBE, view, projection);
   set_light(p, HK_TUBE, unlit, 1);
-  glUniform1f(uniform(p, HK_TUBE, "radius"), 0);
+  glUniform1f(uniform(p, HK_TUBE, "cap"), 0.5f);
+  glUniform1f(uniform(p, HK_TUBE, "shaded"), 0);
   glUniform1f(uniform(p, HK_TUBE, "least"), (float)half_width);
   glUniform2f(uniform(p, HK_TUBE, "pixel"), w, h);
   glBindVertexArray(p->tube_array);
-  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
+  glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, HK_TUBE_CORNERS, (GLsizei)count);
   glDepthFunc(GL_LESS);
 }
 

@@ -20,12 +20,22 @@ static void cross(const double a[3], const double b[3], double out[3]) {
 
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
-/* Normals of stretched bodies are turned by the cofactors of the axes. */
-static maker make_maker(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+void hk_solid_colour(const hk_view_setup *setup, bool plane, uint8_t colour[4]) {
   static const uint8_t colours[2][2][4] = {{{150, 146, 140, 255}, {72, 74, 80, 255}},  /* bodies by day, by night */
                                            {{168, 174, 182, 255}, {44, 47, 54, 255}}}; /* planes */
+  memcpy(colour, colours[plane][hk_is_dark(setup->background)], 4);
+}
+
+size_t hk_solid_vertices(const hk_solid *s) {
+  return s->kind == HK_SOLID_MESH ? 3 * s->faces : (ROWS + 2) * (COLUMNS + 1);
+}
+
+size_t hk_solid_triangles(const hk_solid *s) { return s->kind == HK_SOLID_MESH ? s->faces : 2 * (ROWS + 1) * COLUMNS; }
+
+/* Normals of stretched bodies are turned by the cofactors of the axes. */
+static maker make_maker(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
   maker m = {p, solid, origin, {{0}}, {0}};
-  memcpy(m.colour, colours[solid->kind == HK_SOLID_PLANE][hk_is_dark(setup->background)], sizeof m.colour);
+  hk_solid_colour(setup, solid->kind == HK_SOLID_PLANE, m.colour);
   for (int k = 0; k < 3; k++) cross(solid->axis[(k + 1) % 3], solid->axis[(k + 2) % 3], m.inverse[k]);
   return m;
 }
@@ -65,6 +75,64 @@ static void add_sphere(const maker *m) {
   join(m->painter, ROWS, COLUMNS);
 }
 
+/* Two half spheres, each with the equator of its own, and between these the straight part. */
+static void add_capsule(const maker *m) {
+  const double pi = acos(-1), *a = m->solid->axis[2];
+  double straight = 1 - length(m->solid->axis[0]) / length(a); /* of the half length; the caps are the rest */
+  for (int i = 0; i <= ROWS + 1; i++)
+    for (int j = 0; j <= COLUMNS; j++) {
+      bool upper = i > ROWS / 2;
+      double latitude = pi * ((double)(upper ? i - 1 : i) / ROWS - 0.5), longitude = 2 * pi * j / COLUMNS;
+      double n[3] = {cos(latitude) * cos(longitude), cos(latitude) * sin(longitude), sin(latitude)};
+      double z = (upper ? straight : -straight) + (1 - straight) * n[2];
+      /* The normal's third entry is in units of the axis, which is longer than the cap. */
+      add_vertex(m, (double[]){n[0], n[1], z}, (double[]){n[0], n[1], n[2] / (1 - straight)});
+    }
+  join(m->painter, ROWS + 1, COLUMNS);
+}
+
+hk_status hk_solid_add_faces(hk_painter *p, const float (*x)[3], size_t vertices, const uint32_t (*face)[3],
+                             size_t faces, const uint8_t colour[4]) {
+  hk_status status = hk_corner_normals_reserve(&p->normals, p->host, vertices, faces);
+  if (status != HK_OK) return status;
+  if (faces >= p->corner_room) {
+    p->corner_room = faces + faces / 2 + 1;
+    p->host->release(p->host, p->corner);
+    p->corner = p->host->allocate(p->host, 3 * p->corner_room * sizeof *p->corner);
+  }
+  if (!p->corner) {
+    p->corner_room = 0;
+    return p->host->fail(p->host, HK_NO_MEMORY, "no memory to draw %zu triangles", faces);
+  }
+  hk_corner_normals_find(&p->normals, x, vertices, face, faces, p->corner);
+  for (size_t k = 0; k < 3 * faces; k++) {
+    hk_vertex *v = p->vertex + p->vertices;
+    memcpy(v->x, x[face[k / 3][k % 3]], sizeof v->x);
+    memcpy(v->normal, p->corner[k], sizeof v->normal);
+    memcpy(v->colour, colour, sizeof v->colour);
+    p->triangle[p->triangles + k / 3][k % 3] = (uint32_t)p->vertices++;
+  }
+  p->triangles += faces;
+  return HK_OK;
+}
+
+static hk_status add_surface(const maker *m) {
+  hk_painter *p = m->painter;
+  const hk_solid *s = m->solid;
+  const hk_host *host = p->host;
+  float(*x)[3] = host->allocate(host, s->vertices * sizeof *x);
+  if (!x) return host->fail(host, HK_NO_MEMORY, "no memory to draw a mesh of %zu vertices", s->vertices);
+  for (size_t i = 0; i < s->vertices; i++)
+    for (int c = 0; c < 3; c++) {
+      double at = s->centre[c] - m->origin[c];
+      for (int k = 0; k < 3; k++) at += s->vertex[3 * i + (size_t)k] * s->axis[k][c];
+      x[i][c] = (float)at;
+    }
+  hk_status status = hk_solid_add_faces(p, (const float(*)[3])x, s->vertices, s->face, s->faces, m->colour);
+  host->release(host, x);
+  return status;
+}
+
 static void add_cylinder(const maker *m) {
   for (int part = -1; part <= 1; part++) { /* bottom, side, top */
     for (int i = 0; i <= 1; i++)
@@ -97,7 +165,7 @@ static void add_box(const maker *m) {
 
 /* A square around the point nearest to the middle of the motion. */
 static void add_plane(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
-  hk_solid square = {HK_SOLID_PLANE, {0}, {{0}}};
+  hk_solid square = {.kind = HK_SOLID_PLANE};
   double *u = square.axis[0], *v = square.axis[1], *n = square.axis[2], across = 0, size = length(solid->axis[2]);
   for (int c = 0; c < 3; c++) n[c] = solid->axis[2][c] / fmax(size, 1e-300);
   bool level = fabs(n[2]) > 1 - 1e-9;
@@ -116,8 +184,20 @@ static void add_plane(hk_painter *p, const hk_view_setup *setup, const hk_solid 
   join(p, 1, 1);
 }
 
-void hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+/* Turns what was added since inside out. */
+static void turn_round(hk_painter *p, size_t vertices, size_t triangles) {
+  for (size_t k = vertices; k < p->vertices; k++)
+    for (int c = 0; c < 3; c++) p->vertex[k].normal[c] *= -1;
+  for (size_t k = triangles; k < p->triangles; k++) {
+    uint32_t *t = p->triangle[k], first = t[0];
+    t[0] = t[1], t[1] = first;
+  }
+}
+
+hk_status hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
   maker m = make_maker(p, setup, solid, origin);
+  size_t vertices = p->vertices, triangles = p->triangles;
+  hk_status status = HK_OK;
   switch (solid->kind) {
   case HK_SOLID_PLANE:
     add_plane(p, setup, solid, origin);
@@ -130,15 +210,42 @@ void hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_solid
     break;
   case HK_SOLID_CYLINDER:
     add_cylinder(&m);
+    break;
+  case HK_SOLID_CAPSULE:
+    add_capsule(&m);
+    break;
+  case HK_SOLID_MESH:
+    status = add_surface(&m);
+  }
+  if (solid->hollow) turn_round(p, vertices, triangles);
+  return status;
+}
+
+static void enlarge(double low[3], double high[3], const double x[3]) {
+  for (int c = 0; c < 3; c++) low[c] = fmin(low[c], x[c]), high[c] = fmax(high[c], x[c]);
+}
+
+static void mesh_box(const hk_solid *s, double low[3], double high[3]) {
+  for (size_t i = 0; i < s->vertices; i++) {
+    double x[3];
+    for (int c = 0; c < 3; c++) {
+      x[c] = s->centre[c];
+      for (int k = 0; k < 3; k++) x[c] += s->vertex[3 * i + (size_t)k] * s->axis[k][c];
+    }
+    enlarge(low, high, x);
   }
 }
 
 void hk_solid_box(const hk_solid *solid, double low[3], double high[3]) {
+  if (solid->kind == HK_SOLID_MESH) {
+    mesh_box(solid, low, high);
+    return;
+  }
   for (int c = 0; c < 3 && solid->kind != HK_SOLID_PLANE; c++) {
     double a = fabs(solid->axis[0][c]), b = fabs(solid->axis[1][c]), d = fabs(solid->axis[2][c]);
-    double half = solid->kind == HK_SOLID_BOX        ? a + b + d
-                  : solid->kind == HK_SOLID_CYLINDER ? hypot(a, b) + d
-                                                     : hypot(hypot(a, b), d);
+    double half = solid->kind == HK_SOLID_BOX                                           ? a + b + d
+                  : solid->kind == HK_SOLID_CYLINDER || solid->kind == HK_SOLID_CAPSULE ? hypot(a, b) + d
+                                                                                        : hypot(hypot(a, b), d);
     low[c] = fmin(low[c], solid->centre[c] - half);
     high[c] = fmax(high[c], solid->centre[c] + half);
   }

@@ -43,10 +43,9 @@ static hk_status reserve(hk_bending *b, const hk_host *host) {
   a->stiffness.value = host->allocate(host, n * sizeof(double));
   a->damping.value = host->allocate(host, n * sizeof(double));
   b->load = host->allocate(host, n * sizeof *b->load);
-  b->corner = host->allocate(host, 4 * n * sizeof *b->corner);
   b->power = host->allocate(host, (n / HK_BENDING_GRAIN + 2) * sizeof *b->power);
   if (b->stiffness && b->damping && b->shape && b->number && a->node.index && a->stiffness.value && a->damping.value &&
-      b->load && b->corner && b->power)
+      b->load && b->power)
     return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->count);
 }
@@ -104,32 +103,6 @@ hk_status hk_bending_create(hk_bending *b, const hk_view *view, const hk_bending
   return status == HK_OK ? hk_bending_topology(b, view) : status;
 }
 
-/* The particle of an id, which rise with the index; view->n: it is no more. */
-static size_t particle_of(const hk_view *view, uint32_t id) {
-  size_t low = 0, high = view->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (view->model->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < view->n && view->model->id[low] == id ? low : view->n;
-}
-
-/* Sorts the members of the elements by particle. */
-static hk_status sort_corners(hk_bending *b, const hk_view *view) {
-  const hk_host *host = view->host;
-  const hk_tuples *node = &b->element.acting.node;
-  host->release(host, b->first);
-  b->first = host->allocate(host, (view->n + 2) * sizeof *b->first);
-  if (!b->first) return host->fail(host, HK_NO_MEMORY, "no memory for the hinges of %zu particles", view->n);
-  for (size_t c = 0; c < 4 * node->count; c++) b->first[node->index[c] + 2]++;
-  for (size_t i = 2; i < view->n + 2; i++) b->first[i] += b->first[i - 1];
-  for (size_t c = 0; c < 4 * node->count; c++) b->corner[b->first[node->index[c] + 1]++] = (uint32_t)c;
-  return HK_OK;
-}
-
 hk_status hk_bending_topology(void *self, const hk_view *view) {
   hk_bending *b = self;
   hk_elements *a = &b->element.acting;
@@ -138,7 +111,7 @@ hk_status hk_bending_topology(void *self, const hk_view *view) {
   for (size_t k = 0; k < b->count; k++) {
     bool alive = true;
     for (size_t m = 0; m < 4; m++) {
-      size_t i = particle_of(view, b->id[k][m]);
+      size_t i = hk_particle_of(view, b->id[k][m]);
       alive = alive && i < view->n && (!view->is_active || view->is_active[i]);
       index[4 * kept + m] = (uint32_t)i;
     }
@@ -148,5 +121,5 @@ hk_status hk_bending_topology(void *self, const hk_view *view) {
     a->damping.value[kept++] = b->damping[k];
   }
   a->node.count = a->stiffness.count = a->damping.count = kept;
-  return sort_corners(b, view);
+  return hk_corner_sums_sort(&b->sums, view->host, view->n, &a->node);
 }

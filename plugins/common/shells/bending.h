@@ -3,6 +3,7 @@
 #ifndef HK_BENDING_H
 #define HK_BENDING_H
 
+#include "plugins/common/elements/corner_sums.h"
 #include "plugins/common/elements/element_force.h"
 #include "plugins/common/shells/hinge.h"
 
@@ -33,11 +34,10 @@ typedef struct hk_bending {
   uint32_t *number;            /* the element k is the hinge number[k] */
   hk_element_force element;    /* of the hinges all of whose members live */
   double (*load)[4][3];        /* N, of the elements' members in one evaluation */
-  size_t *first;               /* n + 2: the loads on particle i are corner[first[i]] ... corner[first[i + 1] - 1] */
-  uint32_t *corner;            /* 4 per element: 4 k + m, rising for each particle */
-  double *power;               /* W, of the chunks of elements */
-  double (*weight)[4];         /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
-                                  none of that kind */
+  hk_corner_sums sums;
+  double *power;       /* W, of the chunks of elements */
+  double (*weight)[4]; /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
+                          none of that kind */
 } hk_bending;
 
 /* Finds the hinges and computes their numbers from the shape at the view's positions. The caller has set

@@ -9,14 +9,13 @@
 
 #include "plugins/common/space/vector3.h"
 
-enum { BLOCK = 16, VALUES = 3, GATHER = 2048 }; /* BLOCK: elements evaluated at a time; GATHER: particles of a chunk */
+enum { BLOCK = 16, VALUES = 3 }; /* BLOCK: elements evaluated at a time */
 
 /* ---- forces ------------------------------------------------------------------------------------------------------ */
 
 typedef struct task {
   const hk_bending *b;
   const hk_view *view;
-  double *F;
 } task;
 
 /* The load on the members of element k, of which C and dC are given; returns its power. */
@@ -62,22 +61,14 @@ static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   t->b->power[chunk] = power;
 }
 
-static void gather_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
-  const double(*all)[3] = (const double(*)[3])t->b->load;
-  (void)chunk;
-  for (size_t i = begin; i < end; i++)
-    for (size_t c = t->b->first[i]; c < t->b->first[i + 1]; c++) hk_add_scaled(t->F + 3 * i, 1, all[t->b->corner[c]]);
-}
-
 hk_status hk_bending_add(void *self, const hk_view *view, double *F) {
   const hk_bending *b = self;
   const hk_host *host = view->host;
   size_t count = b->element.acting.node.count;
-  task t = {b, view, F};
+  task t = {b, view};
   if (count == 0) return HK_OK;
   host->parallel_for(host, count, HK_BENDING_GRAIN, load_chunk, &t);
-  host->parallel_for(host, view->n, GATHER, gather_chunk, &t);
+  hk_corner_sums_add(&b->sums, host, view->n, (const double(*)[3])b->load, F);
   for (size_t chunk = 0; chunk * HK_BENDING_GRAIN < count && view->power; chunk++) *view->power += b->power[chunk];
   return HK_OK;
 }

@@ -1,21 +1,11 @@
-/* The angle of a hinge and its derivatives. With e = b - a, p = c - a, q = d - a and the normals m = e x p, n = q x e,
- * both of twice the area of their triangle, m x n = -(m.q) e, so that
- *     angle = atan2(-|e| m.q, m.n),
- * which is exact to rounding for all angles, small ones and those near pi included. Of the gradient,
- *     g_c = -|e| m/|m|^2,   g_d = -|e| n/|n|^2:
- * moving c along its normal turns its triangle about the edge with the lever of its height |m|/|e|. a and b balance
- * force and moment: with the feet s = p.e/|e|^2 and t = q.e/|e|^2
- *     g_b = -s g_c - t g_d,   g_a = -(1 - s) g_c - (1 - t) g_d.
- * The Hessian is the derivative of these by e, p, q; that by a is minus the sum of them.
- * Tamstorf and Grinspun, Discrete bending forces and their Jacobians, Graphical Models 75 (2013), sections 3 and 4. */
+/* The angle of a hinge and its derivatives, with the formulas and names of hinge_lane.h. The Hessian is the derivative
+ * of the gradient by e, p, q; that by a is minus the sum of them. Tamstorf and Grinspun, Discrete bending forces and
+ * their Jacobians, Graphical Models 75 (2013), sections 3 and 4. */
 #include "plugins/common/shells/hinge.h"
+#include "plugins/common/shells/hinge_lane.h"
 #include "plugins/common/space/vector3.h"
 
 #include <string.h>
-
-/* Height over edge length, squared, at which a triangle counts as one without area: the normal of a thinner one is
- * known to four digits or fewer, from differences of coordinates as long as the edge. */
-static const double THIN = 1e-24;
 
 typedef struct corners {
   double e[3], p[3], q[3], m[3], n[3];
@@ -37,7 +27,9 @@ static corners corners_of(const double *x, const uint32_t member[4]) {
   return h;
 }
 
-static bool has_area(const corners *h) { return h->mm > THIN * h->ee * h->ee && h->nn > THIN * h->ee * h->ee; }
+static bool has_area(const corners *h) {
+  return h->mm > HK_HINGE_THIN * h->ee * h->ee && h->nn > HK_HINGE_THIN * h->ee * h->ee;
+}
 
 hk_hinge_shape hk_hinge_shape_of(const double *x, const uint32_t member[4]) {
   corners h = corners_of(x, member);
@@ -47,20 +39,17 @@ hk_hinge_shape hk_hinge_shape_of(const double *x, const uint32_t member[4]) {
 }
 
 bool hk_hinge_angle(const double *x, const uint32_t member[4], double *angle, double (*gradient)[3]) {
-  corners h = corners_of(x, member);
-  *angle = 0;
-  if (!has_area(&h)) {
-    if (gradient) memset(gradient, 0, 4 * sizeof *gradient);
-    return false;
-  }
-  double length = sqrt(h.ee), s = hk_dot(h.p, h.e) / h.ee, t = hk_dot(h.q, h.e) / h.ee;
-  *angle = atan2(-length * hk_dot(h.m, h.q), hk_dot(h.m, h.n));
+  double d[3][3];
+  for (int m = 0; m < 3; m++) difference(x, member[0], member[m + 1], d[m]);
+  hk_hinge_lane h = hk_hinge_measure(d[0], d[1], d[2]);
+  *angle = h.fine ? hk_hinge_lane_angle(&h, d[2]) : 0;
   for (int r = 0; r < 3 && gradient; r++) {
-    double c = gradient[2][r] = -length / h.mm * h.m[r], d = gradient[3][r] = -length / h.nn * h.n[r];
-    gradient[1][r] = -s * c - t * d;
-    gradient[0][r] = -(1 - s) * c - (1 - t) * d;
+    double on = h.fine ? -h.length : 0, c = gradient[2][r] = on / h.mm * h.m[r],
+           d_r = gradient[3][r] = on / h.nn * h.n[r];
+    gradient[1][r] = -h.s * c - h.t * d_r;
+    gradient[0][r] = -(1 - h.s) * c - (1 - h.t) * d_r;
   }
-  return true;
+  return h.fine;
 }
 
 bool hk_hinge_is_open(const double *x, const uint32_t member[4]) {

@@ -90,6 +90,7 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
   bool same = s->count && e[-1].topology == snapshot->topology;
   *e = (hk_frame_spool_entry){.n = snapshot->n,
                               .triangles = snapshot->triangles,
+                              .cloth = snapshot->cloth,
                               .lines = snapshot->lines,
                               .reach = snapshot->reach,
                               .topology = snapshot->topology};
@@ -101,7 +102,8 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
                      append_bytes(s, snapshot->line, snapshot->lines * sizeof *snapshot->line));
   e->at = s->end;
   ok = ok && append_bytes(s, snapshot->x, snapshot->n * sizeof *snapshot->x) &&
-       append_bytes(s, snapshot->ink, snapshot->n * sizeof *snapshot->ink) && append_extras(s, snapshot);
+       append_bytes(s, snapshot->ink, snapshot->n * sizeof *snapshot->ink) &&
+       append_bytes(s, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && append_extras(s, snapshot);
   if (!ok) {
     s->end = end;
     return io_error(s, "write");
@@ -122,10 +124,11 @@ hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *
          get(s, &at, snapshot->line, e->lines * sizeof *snapshot->line);
   at = e->at;
   ok = ok && get(s, &at, snapshot->x, e->n * sizeof *snapshot->x) &&
-       get(s, &at, snapshot->ink, e->n * sizeof *snapshot->ink) && get_extras(s, &at, e->n, snapshot);
+       get(s, &at, snapshot->ink, e->n * sizeof *snapshot->ink) &&
+       get(s, &at, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && get_extras(s, &at, e->n, snapshot);
   snapshot->stale = !ok;
   if (!ok) return io_error(s, "read");
-  snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->lines = e->lines;
+  snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->cloth = e->cloth, snapshot->lines = e->lines;
   snapshot->topology = e->topology;
   memcpy(snapshot->low, e->low, sizeof e->low);
   memcpy(snapshot->high, e->high, sizeof e->high);

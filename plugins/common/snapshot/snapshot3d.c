@@ -97,19 +97,53 @@ static void add_lines(hk_snapshot3d *s, const hk_tuples *edges, bool all) {
   }
 }
 
+static bool is_held(const hk_model *m, size_t i) { return m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH; }
+
+/* A triangle with a corner that is of no body takes its others out of theirs; whether it did. */
+static bool release_corners(uint8_t *mark, const uint32_t corner[3]) {
+  int inside = 0;
+  for (int i = 0; i < 3; i++) inside += (mark[corner[i]] & HK_MARK_BODY) != 0;
+  if (inside == 3 || inside == 0) return false;
+  for (int i = 0; i < 3; i++) mark[corner[i]] &= (uint8_t)~HK_MARK_BODY;
+  return true;
+}
+
+/* Marks the particles of bodies: sweeps to and fro along the list, until nothing changes. */
+static void mark_bodies(hk_snapshot3d *s, const hk_model *m) {
+  for (size_t i = 0; i < m->n; i++) s->mark[i] = s->weight[i] > 0 && is_held(m, i) ? HK_MARK_BODY : 0;
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (size_t k = 0; k < s->triangles; k++) changed |= release_corners(s->mark, m->triangles.index + 3 * k);
+    for (size_t k = s->triangles; changed && k-- > 0;) release_corners(s->mark, m->triangles.index + 3 * k);
+  }
+}
+
+static void take_triangles(hk_snapshot3d *s, const hk_model *m, bool bodies) {
+  for (size_t k = 0; k < m->triangles.count; k++) {
+    const uint32_t *corner = m->triangles.index + 3 * k;
+    bool body = s->mark[corner[0]] & HK_MARK_BODY;
+    if (body == bodies) memcpy(s->triangle[s->triangles++], corner, sizeof *s->triangle);
+  }
+}
+
 /* Copies the topology. During the call `weight` marks the particles that belong to a triangle. */
 static void take_topology(hk_snapshot3d *s, const hk_model *m) {
   const hk_look *look = s->look;
   s->triangles = m->triangles.count;
   s->lines = 0;
-  if (s->triangles) memcpy(s->triangle, m->triangles.index, s->triangles * sizeof *s->triangle);
   memset(s->weight, 0, m->n * sizeof *s->weight);
   for (size_t k = 0; k < 3 * s->triangles; k++) s->weight[m->triangles.index[k]] = 1;
+  mark_bodies(s, m);
+  s->triangles = 0;
+  take_triangles(s, m, false);
+  s->cloth = s->triangles;
+  take_triangles(s, m, true);
   const hk_tuples *pairs;
   for (size_t k = 0; look->springs != 2 && (pairs = pairs_of(m, k)); k++) add_lines(s, pairs, look->springs == 1);
   for (size_t i = 0; i < m->n; i++) {
+    if (s->mark[i] & HK_MARK_BODY) continue;
     bool bead = look->particles == 1 || (look->particles == 0 && s->weight[i] == 0);
-    bool pin = look->particles != 2 && (m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH);
+    bool pin = look->particles != 2 && is_held(m, i);
     s->mark[i] = (uint8_t)((bead ? HK_MARK_BEAD : 0) | (pin ? HK_MARK_PIN : 0));
   }
 }

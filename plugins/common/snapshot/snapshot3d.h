@@ -11,7 +11,7 @@ typedef union hk_ink { /* hk_snapshot3d.ink: by hk_look.paint */
   uint8_t colour[4];
 } hk_ink;
 
-enum { HK_MARK_BEAD = 1, HK_MARK_PIN = 2 }; /* hk_snapshot3d.mark */
+enum { HK_MARK_BEAD = 1, HK_MARK_PIN = 2, HK_MARK_BODY = 4 }; /* hk_snapshot3d.mark */
 
 enum { HK_EXTRA_SIZE, HK_EXTRA_FADE, HK_EXTRA_VELOCITY, HK_EXTRAS };
 
@@ -30,8 +30,9 @@ typedef struct hk_snapshot3d {
    * velocity, n x 3. */
   float *extra[HK_EXTRAS];
   size_t solids;
-  const hk_solid *solid; /* in the scene's coordinates, z up; the caller's */
+  hk_solid *solid; /* in the scene's coordinates, z up; the caller's, who may move them */
   size_t triangles, lines;
+  size_t cloth; /* the first triangles: the others are of bodies, surfaces that are pinned as a whole */
   uint32_t (*triangle)[3];
   uint32_t (*line)[2];
   uint64_t topology; /* number of the topology: when it changes, mark, triangle or line may change; 0: not copied yet */

@@ -28,6 +28,8 @@ typedef struct hk_surface_request {
 
 /* HK_POINT_TRIANGLE: vertex[0] against the triangle of vertex[1], [2], [3]; HK_EDGE_EDGE: the edge of vertex[0], [1]
  * against that of vertex[2], [3]. */
+enum { HK_MARK_TANGLED = 1, HK_MARK_PINCHED = 2 }; /* see `keep` */
+
 typedef struct hk_surface_pair {
   uint32_t vertex[4]; /* particles */
   hk_pair_kind kind;
@@ -79,6 +81,12 @@ typedef struct hk_surfaces {
   hk_status (*intersections)(void *self, const double *x, hk_surface_intersections *out);
   /* Fills `intersections` and `first` of the report. The count at the same positions is not repeated. */
   hk_status (*report)(void *self, const hk_view *view, struct hk_contact_report *out);
+  /* What a plugin that frees surfaces keeps for itself: n numbers, the address of whose array is `mark`, sums of
+   * HK_MARK_...; 0: nothing. */
+  void (*keep)(void *self, double *const *mark);
+  /* Whether contact is to leave a pair alone at present: of particles marked as tangled on both sides, which it would
+   * hold where they should not be, or of pinched ones with what is pinned. May be called by several threads. */
+  bool (*leaves)(void *self, const hk_surface_pair *);
 } hk_surfaces;
 
 #endif

@@ -168,7 +168,7 @@ static void an_endless_loop_obeys_an_interruption(void **state) {
 static void a_second_interruption_ends_a_loop_at_once(void **state) {
   (void)state;
   write_flight("loop");
-  test_write("twice.sh", "\"$@\" & p=$!\nsleep 1; kill -TERM $p; sleep 0.2; kill -TERM $p; wait $p\n");
+  test_write("twice.sh", "\"$@\" & p=$!\nsleep 1; kill -TERM $p; sleep 0.7; kill -TERM $p; wait $p\n");
   test_hooke(&r, "timeout --preserve-status -s KILL 5 sh ./twice.sh", "run bad.lua --trust --quiet --state last.csv");
   if (r.code != 130 || !strstr(r.err, "bad.lua:4: the force 'exiter' has not returned at the second interruption"))
     fail_msg("exit %d: %s", r.code, r.err);

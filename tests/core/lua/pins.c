@@ -111,6 +111,53 @@ static void the_shortest_time_of_functions_is_declared(void **state) {
                "pin: fastest: -1 s is no time");
 }
 
+/* Two particles 2 m apart turn by 1 rad/s about their middle, which rises by 0.5 m/s. */
+static void pins_turn_about_their_middle(void **state) {
+  static test_result r;
+  (void)state;
+  test_write("turn.lua",
+             "local scene = hooke.scene { duration = 1, fps = 10, dt = 0.1, integrator = 'leapfrog' }\n"
+             "local a, b = scene:particle { position = {1, 1, 0} }, scene:particle { position = {3, 1, 0} }\n"
+             "scene:pin({ a, b }, { path = function(t) return 0, 0, t / 2 end,\n"
+             "  rotation = function(t) return 0, 0, t end })\n"
+             "scene:measure('x', function(s) return s:position(b)[1] - 2 - math.cos(s.t) end)\n"
+             "scene:measure('z', function(s) return s:position(a)[3] - s.t / 2 end)\n"
+             "scene:measure('v', function(s) return s:velocity(a)[2] + math.cos(s.t) end)\nreturn scene\n");
+  test_hooke(&r, NULL, "run turn.lua --json --quiet --no-output");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  assert_true(fabs(test_json(r.out, "x")) < 1e-15 * 8 && fabs(test_json(r.out, "z")) < 1e-15);
+  assert_true(fabs(test_json(r.out, "v")) < 1e-9);
+}
+
+static void turns_that_cannot_be_are_refused(void **state) {
+  (void)state;
+  test_refused(HEAD "scene:pin({ p }, { rotation = 3 })\nreturn scene\n", "", 1,
+               "bad.lua:3: pin: rotation: expected a function of t");
+  test_refused(HEAD "scene:pin({ p }, { center = { 1, 0, 0 } })\nreturn scene\n", "", 1,
+               "pin: center: the pin has no rotation about it");
+  test_refused(HEAD "scene:pin({ p }, { rotation = function(t) return t, 0, 0 end, axes = { 1, 0, 0 } })\n", "", 1,
+               "pin: give one of path (or rotation), axes and normal");
+  test_refused(HEAD "scene:pin({ p }, { rotation = function(t) return t end })\nreturn scene\n", "", 1,
+               "pin: the rotation gave 1 numbers at t = 0 s, expected x, y, z [, vx, vy, vz]");
+}
+
+/* A rotation that vibrates at 1 kHz is not seen by steps of 0.1 s, and a rate that is none is said. */
+static void rotations_are_judged_as_paths_are(void **state) {
+  static test_result r;
+  (void)state;
+  test_write("hum.lua",
+             HEAD "local q = scene:particle { position = { 1, 0, 0 } }\n"
+                  "scene:force('springs', { edges = { { p, q } }, k = 1 })\nscene:pin({ p }, { center = { 0, 1, 0 },\n"
+                  "  rotation = function(t) return 0, 0, math.sin(6283 * t) end })\nreturn scene\n");
+  test_hooke(&r, NULL, "run hum.lua --no-output --dt 0.1");
+  assert_non_null(strstr(r.out, "pin: rotation does something within"));
+  test_write("rate.lua", HEAD "scene:pin({ p }, { center = { 1, 0, 0 },\n"
+                              "  rotation = function(t) return 0, 0, t, 0, 0, 2 end })\nreturn scene\n");
+  test_hooke(&r, NULL, "run rate.lua --no-output");
+  assert_non_null(strstr(r.err, "pin: the velocity that the rotation gives is not the derivative of its positions"));
+  assert_non_null(strstr(r.err, "is 2 rad/s and should be 1 rad/s"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(options_among_the_ids_are_refused),
@@ -119,6 +166,9 @@ int main(void) {
       cmocka_unit_test(a_jump_gives_no_speed),
       cmocka_unit_test(a_given_velocity_that_is_none_is_said),
       cmocka_unit_test(the_shortest_time_of_functions_is_declared),
+      cmocka_unit_test(pins_turn_about_their_middle),
+      cmocka_unit_test(turns_that_cannot_be_are_refused),
+      cmocka_unit_test(rotations_are_judged_as_paths_are),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -60,6 +60,8 @@ static void net(test_engine *e) {
   test_number(e, springs, "rest", 0.19);
   test_number(e, springs, "damping", 0.01);
   hk_pin_spec moved = {.kind = HK_PIN_PATH, .count = 1, .id = &path, .release = 0.37, .path = {.call = sway}};
+  moved.rotation = moved.path;
+  moved.center[1] = 1;
   assert_int_equal(hk_scene_add_pin(e->scene, &moved, &e->error), HK_OK);
   test_pin(e, HK_PIN_FIXED, SIDE, NULL);
   test_pin(e, HK_PIN_LINE, SIDE * SIDE, (const double[]){0, 0, 1});

@@ -351,6 +351,51 @@ static void a_moving_pin_does_work_through_a_bar(void **state) {
   assert_true(fine < 1e-8 && log2(coarse / fine) > 3.5);
 }
 
+static hk_status round_path(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                            size_t max_out, size_t *n_out, hk_error *error) {
+  double angle = in[0] * in[0];
+  (void)f, (void)caller, (void)n_in, (void)max_out, (void)error;
+  out[0] = 0.3 * (cos(angle) - 1), out[1] = 0.3 * sin(angle), out[2] = 0;
+  *n_out = 3;
+  return HK_OK;
+}
+
+static hk_status turn(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                      size_t max_out, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)max_out, (void)error;
+  out[0] = out[1] = 0, out[2] = in[0] * in[0];
+  *n_out = 3;
+  return HK_OK;
+}
+
+/* A double pendulum whose pivot goes round a circle. */
+static void swing_round(hk_pin_spec pin, double end[9]) {
+  test_engine e;
+  uint32_t pivot = 1;
+  open(&e, "rk4", 9.81);
+  test_particle(&e, 0.3, 0, 0, 1);
+  test_particle(&e, 0.6, -0.3, 0, 0.5);
+  test_particle(&e, 1, -0.1, 0, 0.8);
+  pin.kind = HK_PIN_PATH, pin.count = 1, pin.id = &pivot, pin.release = INFINITY;
+  assert_int_equal(hk_scene_add_pin(e.scene, &pin, &e.error), HK_OK);
+  bars(&e, (const uint32_t[][2]){{1, 2}, {2, 3}}, 2);
+  time_grid(&e, 1, 400);
+  test_run(&e);
+  test_advance(&e, 1);
+  memcpy(end, e.run->state.X, 9 * sizeof *end);
+  test_engine_close(&e);
+}
+
+/* As a path and as a rotation about the circle's center it is the same motion; second differences are good for 1e-7 or
+ * so of the accelerations, 1 m/s^2. */
+static void a_turning_pin_accelerates_bars_as_its_path_does(void **state) {
+  double path[9], rotation[9];
+  (void)state;
+  swing_round((hk_pin_spec){.path = {.call = round_path}}, path);
+  swing_round((hk_pin_spec){.rotation = {.call = turn}}, rotation);
+  for (int k = 0; k < 9; k++) assert_true(fabs(path[k] - rotation[k]) < 1e-7);
+}
+
 /* Of one pattern one analysis, and one factorization a step beside those of the start. */
 static void the_pattern_is_analysed_once_and_a_step_factorizes_once(void **state) {
   (void)state;
@@ -472,6 +517,7 @@ int main(void) {
       cmocka_unit_test(a_weight_swings_on_a_chain_a_million_times_lighter),
       cmocka_unit_test(a_step_may_turn_bars_far),
       cmocka_unit_test(a_moving_pin_does_work_through_a_bar),
+      cmocka_unit_test(a_turning_pin_accelerates_bars_as_its_path_does),
       cmocka_unit_test(the_pattern_is_analysed_once_and_a_step_factorizes_once),
       cmocka_unit_test(bars_of_no_length_are_refused),
       cmocka_unit_test(bars_that_contradict_each_other_are_named),

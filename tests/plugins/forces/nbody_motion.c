@@ -67,8 +67,8 @@ static double drift(const char *method, double turns, double dt) {
   return change;
 }
 
-/* E = -1/8. Leapfrog's energy is off by 7e-4 after 10 turns and after 100; explicit Euler's rises until the bodies part.
- * (10,000 turns: tests/study/nbody.c.) */
+/* E = -1/8. Leapfrog's energy is off by 7e-4 after 10 turns and after 100; explicit Euler's rises until the bodies
+ * part. (10,000 turns: tests/study/nbody.c.) */
 static void leapfrog_stays_and_euler_leaves(void **state) {
   (void)state;
   double early = fabs(drift("leapfrog", 10.25, 0.01)), late = fabs(drift("leapfrog", 100.25, 0.01));

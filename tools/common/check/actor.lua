@@ -21,7 +21,7 @@ local function number_for(p)
 end
 
 local lists = { particles = { 2, 4, 6 }, edges = { { 1, 2 }, { 2, 3 }, { 4, 5 } }, triangles = { { 1, 2, 3 }, { 4, 5, 6 } },
-  tetrahedra = { { 1, 2, 3, 4 }, { 3, 4, 5, 6 } } }
+  tetrahedra = { { 2, 1, 3, 4 }, { 4, 3, 5, 6 } } }
 
 local function value_for(p)
   if lists[p.type] then return lists[p.type] end

@@ -24,7 +24,7 @@ static void pin_some(test_surfaces *s, uint32_t first, uint32_t count, bool all)
 
 /* Two sheets, a third one that is pinned, strands, one of which hangs from a sheet, and lone particles. */
 static test_surfaces *random_surfaces(int threads, uint64_t seed) {
-  test_surfaces *s = test_surfaces_open(threads, seed);
+  test_surfaces *s = test_surfaces_open(threads, seed, 1000);
   uint32_t first = test_surfaces_sheet(s, 6, (double[]){0, 0, 0});
   test_surfaces_sheet(s, 5, (double[]){0.1, 0.1, 0.05});
   pin_some(s, first, 49, false);
@@ -244,7 +244,7 @@ static void failed_allocations_are_told(void **state) {
 /* ---- constructed cases ---- */
 
 static size_t crossings_of(const double x[18], bool shared) {
-  test_surfaces *s = test_surfaces_open(1, 1);
+  test_surfaces *s = test_surfaces_open(1, 1, 6);
   for (int k = 0; k < 6; k++) test_surfaces_particle(s, x[3 * k], x[3 * k + 1], x[3 * k + 2]);
   test_surfaces_triangle(s, 0, 1, 2);
   test_surfaces_triangle(s, shared ? 0 : 3, 4, 5);

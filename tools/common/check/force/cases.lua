@@ -9,6 +9,23 @@ local cases = {}
 -- ---- shapes: plain tables { name, length, positions, edges, triangles, tetrahedra } ----
 -- `length` is the distance over which a shape's forces change: states are displaced by 0.3 of it.
 
+-- Whether the edges from the first corner of a tetrahedron to the others are right-handed.
+local function is_right_handed(positions, corners)
+  local d = {}
+  for m = 2, 4 do
+    d[m] = {}
+    for c = 1, 3 do d[m][c] = positions[corners[m]][c] - positions[corners[1]][c] end
+  end
+  local a, b, e = d[2], d[3], d[4]
+  return a[1] * (b[2] * e[3] - b[3] * e[2]) + a[2] * (b[3] * e[1] - b[1] * e[3]) + a[3] * (b[1] * e[2] - b[2] * e[1]) > 0
+end
+
+-- Tetrahedra that are not inside out: solids may refuse others.
+local function add_tetrahedron(shape, a, b, c, d)
+  local right = is_right_handed(shape.positions, { a, b, c, d })
+  shape.tetrahedra[#shape.tetrahedra + 1] = right and { a, b, c, d } or { b, a, c, d }
+end
+
 local function chain(count)
   local shape = { name = ("chain of %d"):format(count), length = 1, positions = {}, edges = {}, triangles = {},
     tetrahedra = {} }
@@ -16,7 +33,7 @@ local function chain(count)
     shape.positions[i] = { i, 0.2 * math.sin(2.1 * i), 0.3 * math.cos(1.7 * i) }
     if i > 1 then shape.edges[i - 1] = { i - 1, i } end
     if i > 2 then shape.triangles[i - 2] = { i - 2, i - 1, i } end
-    if i > 3 then shape.tetrahedra[i - 3] = { i - 3, i - 2, i - 1, i } end
+    if i > 3 then add_tetrahedron(shape, i - 3, i - 2, i - 1, i) end
   end
   return shape
 end
@@ -43,7 +60,7 @@ local function cloud(count, size)
     shape.positions[i] = { size * (0.8191725 * i % 1), size * (0.6710436 * i % 1), size * (0.5497005 * i % 1) }
     for k = math.max(1, i - 3), i - 1 do shape.edges[#shape.edges + 1] = { k, i } end
     if i > 2 then shape.triangles[i - 2] = { i, i - 2, i - 1 } end
-    if i > 3 then shape.tetrahedra[i - 3] = { i, i - 3, i - 1, i - 2 } end
+    if i > 3 then add_tetrahedron(shape, i, i - 3, i - 1, i - 2) end
   end
   return shape
 end

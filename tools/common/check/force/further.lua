@@ -74,6 +74,24 @@ local function gradients_of_elements(subject, case, x, list)
   return least, text
 end
 
+local function energy_of(list)
+  local E = 0
+  for _, tuple in ipairs(list) do
+    for e = 1, #tuple.C do E = E + 0.5 * tuple.stiffness * tuple.C[e] ^ 2 end
+  end
+  return E
+end
+
+-- Energies of the elements and of the force at x, less those at the start: neither knows the other's constant.
+local function energies(subject, case, x)
+  inspect.set(subject, { x = case.start.x })
+  local elements, stated = energy_of(each_tuple(subject)), inspect.energy(subject)
+  inspect.set(subject, { x = x })
+  local of_elements, of_force = energy_of(each_tuple(subject)), inspect.energy(subject)
+  local scale = math.max(math.abs(elements), math.abs(of_elements), math.abs(stated), math.abs(of_force), 1e-300)
+  return of_elements - elements, of_force - stated, scale
+end
+
 local function elements_are_the_force(plugin, lines)
   local gradient, energy, damping, ranges = worst.new(), worst.new(), worst.new(), worst.new()
   cases.each(plugin, lines, few, function(subject, case)
@@ -94,16 +112,15 @@ local function elements_are_the_force(plugin, lines)
           ("%s, tuple %d, in ranges of %d"):format(case.name, k, grain))
       end
     end
-    local E, lost = 0, {}
+    local lost = {}
     for k = 1, #x do lost[k] = 0 end
     for _, tuple in ipairs(list) do
-      for e = 1, #tuple.C do E = E + 0.5 * tuple.stiffness * tuple.C[e] ^ 2 end
       spread(lost, tuple, function(e) return -tuple.damping * along(tuple, e, v) end)
     end
     if plugin.energy then
-      local stated = inspect.energy(subject)
-      energy:take(math.abs(E - stated) / math.max(math.abs(E), math.abs(stated), 1e-300),
-        at(case, ("%.6g J, the elements have %.6g J"):format(stated, E)))
+      local E, stated, scale = energies(subject, case, x)
+      energy:take(math.abs(E - stated) / scale,
+        at(case, ("%.6g J above the start, the elements have %.6g J"):format(stated, E)))
     end
     local moving, rest = inspect.force(subject, 0), {}
     for k = 1, #v do rest[k] = 0 end
@@ -118,7 +135,7 @@ local function elements_are_the_force(plugin, lines)
   lines:most("the elements are the same in any ranges", ranges.figure, 0,
     "C and dC start at the first tuple of the range: C[(k - begin) * values + e]; set every number", ranges.where)
   if plugin.energy then
-    lines:most("its energy is that of its elements, 1/2 sum k C^2", energy.figure, ROUNDING,
+    lines:most("its energy is that of its elements, 1/2 sum k C^2 and a constant", energy.figure, ROUNDING,
       "elements are offered by forces of that energy alone", energy.where)
   end
   lines:most("its damping is that of its elements, -c dC/dt dC", damping.figure, ROUNDING,

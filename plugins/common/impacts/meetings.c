@@ -1,0 +1,223 @@
+/* See meetings.h. All loops over pairs are parallel and write to their own places; what follows from them is collected
+ * in the order of the list. */
+#include "plugins/common/impacts/meetings.h"
+
+#include "plugins/common/collision/ccd.h"
+
+#include <string.h>
+
+enum { GRAIN = 256 };
+
+/* Of the thickness, and of the distance at the start: a pair that comes nearer is not safe. Half leaves the next steps
+ * as much; above, rounding is far away and the normal of a pair well known. */
+static const double least_part = 0.1, least_of_start = 0.5;
+
+/* Where a pair moves by no more than this part of its distance, its normal at the start predicts the end: the error is
+ * of the order of the part's square. Up to the second part that normal is good for the impact, but the end is looked
+ * at; beyond, the instant of contact is searched. */
+static const double slow = 0.1, fast = 0.5;
+
+/* Of the thickness: how near to it the instant of contact is found. */
+static const double instant = 0.01;
+
+typedef enum pair_state { APART, MAY_MEET, CLOSES, OVERLAPS, UNSAFE } pair_state;
+
+typedef struct hk_pair_look {
+  double gap_from, gap_to; /* m */
+  double n[3], w[4];
+  pair_state state;
+  bool on_the_way; /* the gap closes before the end */
+} hk_pair_look;
+
+typedef struct work {
+  hk_meetings *s;
+  const hk_step_move *move;
+} work;
+
+static void take_shape(hk_pair_look *look, const hk_nearest *near) {
+  double distance = sqrt(near->squared);
+  for (int c = 0; c < 3; c++) look->n[c] = near->d[c] / distance;
+  memcpy(look->w, near->w, sizeof look->w);
+}
+
+static void take_shape_at(hk_pair_look *look, hk_pair_kind kind, const hk_pair_path *path, double when) {
+  double x[12];
+  for (int i = 0; i < 12; i++) x[i] = path->from[i] + when * (path->to[i] - path->from[i]);
+  hk_nearest near = hk_nearest_of_pair(kind, x);
+  take_shape(look, &near);
+}
+
+/* n.sum w_i x_i at the end of the path */
+static double along_normal(const hk_pair_look *look, const double x[12]) {
+  double sum = 0;
+  for (int i = 0; i < 12; i++) sum += look->w[i / 3] * look->n[i % 3] * x[i];
+  return sum;
+}
+
+static void look_at_slow(const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
+  look->gap_to = along_normal(look, path->to) - pair->offset;
+}
+
+/* The true end, and the instant at which the pair comes too near, or its gap closes. Once impacts were solved, what is
+ * left of an overlap has its shape at the end. */
+static void look_at_fast(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, double from,
+                         double motion, hk_pair_look *look) {
+  hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
+  double to = sqrt(end.squared), least = fmin(least_part * pair->offset, least_of_start * from), when;
+  look->gap_to = to - pair->offset;
+  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
+    look->state = UNSAFE;
+    take_shape_at(look, pair->kind, path, when);
+  } else if (motion > fast * from && from > pair->offset &&
+             hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) {
+    look->on_the_way = true;
+    take_shape_at(look, pair->kind, path, when);
+  } else if (s->solved && look->gap_to < 0 && to > 0) {
+    take_shape(look, &end);
+  }
+}
+
+static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
+  hk_nearest start = hk_nearest_of_pair(pair->kind, path->from);
+  double from = sqrt(start.squared), motion = hk_pair_motion(pair->kind, path);
+  *look = (hk_pair_look){.gap_from = from - pair->offset, .gap_to = INFINITY};
+  if (look->gap_from > motion) return;
+  take_shape(look, &start);
+  if (motion <= slow * from)
+    look_at_slow(pair, path, look);
+  else
+    look_at_fast(s, pair, path, from, motion, look);
+  if (look->state == UNSAFE) return;
+  if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack)
+    look->state = OVERLAPS;
+  else if (look->gap_to < 0 || look->on_the_way)
+    look->state = CLOSES;
+  else
+    look->state = look->gap_to > motion ? APART : MAY_MEET;
+}
+
+static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const work *w = context;
+  hk_nearby *near = w->s->nearby;
+  (void)chunk;
+  for (size_t d = begin; d < end; d++) {
+    const hk_surface_pair *pair = &near->pair[near->index[d]];
+    hk_pair_path path;
+    hk_pair_path_of(&path, pair, w->move->x_from, w->move->x);
+    look_at(w->s, pair, &path, &w->s->look[d]);
+    if (w->s->look[d].gap_from > 0) hk_nearby_put_off(near, near->index[d], w->s->look[d].gap_from);
+  }
+}
+
+void hk_meetings_begin(hk_meetings *s) {
+  if (s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  s->solved = false;
+}
+
+static hk_status make_room(hk_meetings *s) {
+  const hk_host *host = s->nearby->host;
+  size_t room = s->nearby->room;
+  if (s->room < room) {
+    hk_meetings_free(s);
+    s->look = host->allocate(host, room * sizeof *s->look);
+    s->meeting = host->allocate(host, room * sizeof *s->meeting);
+    s->chosen = host->allocate(host, room * sizeof *s->chosen);
+    s->met = host->allocate(host, room * sizeof *s->met);
+    if (!s->look || !s->meeting || !s->chosen || !s->met)
+      return host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs", room);
+    s->room = room;
+  }
+  if (s->searches != s->nearby->searches && s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  s->searches = s->nearby->searches;
+  return HK_OK;
+}
+
+static bool is_unsolved(const hk_meetings *s, size_t d) {
+  const hk_pair_look *look = &s->look[d];
+  bool new = look->on_the_way && !s->met[s->nearby->index[d]];
+  return look->state == OVERLAPS || (look->state == CLOSES && new) || (look->state == CLOSES && !s->solved);
+}
+
+/* Features that touch at the start have no normal: they are not safe, and no impact can help. */
+static void collect(hk_meetings *s) {
+  s->meetings = s->unsafe = s->unsolved = 0;
+  s->closest = INFINITY;
+  for (size_t d = 0; d < s->nearby->dues; d++) {
+    const hk_pair_look *look = &s->look[d];
+    if (look->gap_from < s->closest) s->closest = look->gap_from;
+    if (look->state == APART) continue;
+    uint32_t k = s->nearby->index[d];
+    if (look->state == UNSAFE && s->unsafe++ == 0) s->first = k;
+    s->unsolved += is_unsolved(s, d);
+    if (look->gap_from > -s->nearby->pair[k].offset) s->meeting[s->meetings++] = (uint32_t)d;
+  }
+}
+
+hk_status hk_meetings_look(hk_meetings *s, const hk_step_move *move) {
+  hk_status status = make_room(s);
+  if (status != HK_OK) return status;
+  work w = {s, move};
+  s->nearby->host->parallel_for(s->nearby->host, s->nearby->dues, GRAIN, look_chunk, &w);
+  collect(s);
+  return HK_OK;
+}
+
+/* ---- their impacts ---- */
+
+static void build_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const work *w = context;
+  const hk_meetings *s = w->s;
+  (void)chunk;
+  for (size_t e = begin; e < end; e++) {
+    const hk_pair_look *look = &s->look[s->chosen[e]];
+    uint32_t k = s->nearby->index[s->chosen[e]];
+    hk_meeting meeting = {.gap_from = look->gap_from, .restitution = s->restitution, .again = s->met[k]};
+    memcpy(meeting.n, look->n, sizeof meeting.n);
+    memcpy(meeting.w, look->w, sizeof meeting.w);
+    hk_impact_of(&s->impact[e], &s->nearby->pair[k], w->move, &meeting);
+  }
+}
+
+static hk_status make_room_for_impacts(hk_meetings *s) {
+  const hk_host *host = s->nearby->host;
+  size_t room = s->meetings + s->meetings / 2 + 1;
+  if (s->impacts_room > s->meetings) return HK_OK;
+  host->release(host, s->impact);
+  s->impacts_room = 0;
+  s->impact = host->allocate(host, room * sizeof *s->impact);
+  if (!s->impact) return host->fail(host, HK_NO_MEMORY, "no memory for %zu impacts", s->meetings);
+  s->impacts_room = room;
+  return HK_OK;
+}
+
+static bool is_chosen(const hk_pair_look *look, hk_meetings_kind kind) {
+  return kind == HK_MEETINGS_ALL || (kind == HK_MEETINGS_CLOSED ? look->gap_from < 0 : look->state == UNSAFE);
+}
+
+hk_status hk_meetings_impacts(hk_meetings *s, const hk_step_move *move, hk_meetings_kind kind, hk_impacts *out) {
+  hk_status status = make_room_for_impacts(s);
+  if (status != HK_OK) return status;
+  s->choice = 0;
+  for (size_t e = 0; e < s->meetings; e++)
+    if (is_chosen(&s->look[s->meeting[e]], kind)) s->chosen[s->choice++] = s->meeting[e];
+  work w = {s, move};
+  s->nearby->host->parallel_for(s->nearby->host, s->choice, GRAIN, build_chunk, &w);
+  out->count = s->choice;
+  out->impact = s->impact;
+  return HK_OK;
+}
+
+void hk_meetings_remember(hk_meetings *s, const hk_impacts *solved) {
+  for (size_t e = 0; e < solved->count; e++) s->met[s->nearby->index[s->chosen[e]]] |= solved->impact[e].place.push > 0;
+  s->solved = true;
+}
+
+void hk_meetings_free(hk_meetings *s) {
+  const hk_host *host = s->nearby->host;
+  host->release(host, s->look);
+  host->release(host, s->meeting);
+  host->release(host, s->chosen);
+  host->release(host, s->met);
+  s->look = NULL, s->meeting = s->chosen = NULL, s->met = NULL;
+  s->room = 0;
+}

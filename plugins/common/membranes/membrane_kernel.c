@@ -1,0 +1,198 @@
+/* Forces and energy of membranes. Blocks of triangles are gathered, computed in loops that compilers turn into vectors,
+ * and laid down as loads on their corners, which corner_sums.h adds up. The wide path and the narrow one do the same
+ * operations, so their results are bitwise equal. */
+#include "plugins/common/membranes/membrane.h"
+
+#include "plugins/common/space/vector3.h"
+
+enum { BLOCK = 64 };
+
+typedef struct block {
+  double d[2][3][BLOCK], u[2][3][BLOCK]; /* sides, m, and their rates, m/s */
+  double number[HK_MEMBRANE_ROWS][BLOCK];
+  double slope[BLOCK];   /* W', of neo_hookean */
+  double f[2][3][BLOCK]; /* N, on corners 1 and 2 */
+  double power[BLOCK];   /* W, taken by damping */
+} block;
+
+typedef struct deformation {
+  double u[3], v[3];
+} deformation;
+
+HK_MEMBRANE_INLINE deformation deform(const block *q, const double d[2][3][BLOCK], int r) {
+  deformation f;
+  for (int c = 0; c < 3; c++) {
+    f.u[c] = q->number[HK_B0][r] * d[0][c][r] + q->number[HK_B2][r] * d[1][c][r];
+    f.v[c] = q->number[HK_B1][r] * d[0][c][r] + q->number[HK_B3][r] * d[1][c][r];
+  }
+  return f;
+}
+
+HK_MEMBRANE_INLINE double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+HK_MEMBRANE_INLINE hk_metric metric(const deformation *f) {
+  return (hk_metric){dot(f->u, f->u), dot(f->v, f->v), dot(f->u, f->v)};
+}
+
+/* t, in place of the slope. */
+HK_MEMBRANE_INLINE void volumes(block *q) {
+  for (int r = 0; r < BLOCK; r++) {
+    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r);
+    hk_metric g = metric(&f);
+    q->slope[r] = g.a * g.b - g.c * g.c;
+  }
+}
+
+HK_MEMBRANE_INLINE void compute(block *q, hk_membrane_model model, bool damped, double damping) {
+  for (int r = 0; r < BLOCK; r++) {
+    const hk_elasticity m = {q->number[HK_C11][r], q->number[HK_C22][r], q->number[HK_C12][r], q->number[HK_C66][r]};
+    deformation f = deform(q, (const double(*)[3][BLOCK])q->d, r);
+    hk_metric g = metric(&f);
+    hk_stress s = hk_membrane_stress(model, m, g, q->slope[r]);
+    if (damped) {
+      deformation w = deform(q, (const double(*)[3][BLOCK])q->u, r);
+      hk_metric rate = {dot(f.u, w.u), dot(f.v, w.v), dot(f.u, w.v) + dot(f.v, w.u)};
+      hk_stress drag = hk_membrane_drag(hk_membrane_viscosity(model, m, g, damping), rate);
+      q->power[r] = drag.uu * rate.a + drag.vv * rate.b + drag.uv * rate.c;
+      s.uu += drag.uu, s.vv += drag.vv, s.uv += drag.uv;
+    }
+    for (int c = 0; c < 3; c++) {
+      double u = s.uu * f.u[c] + s.uv * f.v[c], v = s.uv * f.u[c] + s.vv * f.v[c];
+      q->f[0][c][r] = -(q->number[HK_B0][r] * u + q->number[HK_B1][r] * v);
+      q->f[1][c][r] = -(q->number[HK_B2][r] * u + q->number[HK_B3][r] * v);
+    }
+  }
+}
+
+HK_MEMBRANE_INLINE void compute_model(block *q, hk_membrane_model model, double damping) {
+  if (model == HK_BARAFF_WITKIN)
+    damping > 0 ? compute(q, HK_BARAFF_WITKIN, true, damping) : compute(q, HK_BARAFF_WITKIN, false, 0);
+  else if (model == HK_STVK)
+    damping > 0 ? compute(q, HK_STVK, true, damping) : compute(q, HK_STVK, false, 0);
+  else
+    damping > 0 ? compute(q, HK_NEO_HOOKEAN, true, damping) : compute(q, HK_NEO_HOOKEAN, false, 0);
+}
+
+typedef struct path {
+  void (*volumes)(block *);
+  void (*compute)(block *, hk_membrane_model, double damping);
+} path;
+
+static void volumes_narrow(block *q) { volumes(q); }
+static void compute_narrow(block *q, hk_membrane_model model, double damping) { compute_model(q, model, damping); }
+static const path narrow = {volumes_narrow, compute_narrow};
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void volumes_wide(block *q) { volumes(q); }
+__attribute__((target("avx2"))) static void compute_wide(block *q, hk_membrane_model model, double damping) {
+  compute_model(q, model, damping);
+}
+static const path wide = {volumes_wide, compute_wide};
+static const path *best_path(void) { return __builtin_cpu_supports("avx2") ? &wide : &narrow; }
+#else
+static const path *best_path(void) { return &narrow; }
+#endif
+
+typedef struct task {
+  const hk_membrane *m;
+  const hk_view *view;
+  const path *path;
+} task;
+
+/* The sides of triangles begin to begin + count of one array; lanes beyond get those of the first. */
+static void gather(const hk_tuples *node, const double *from, size_t begin, size_t count, double into[2][3][BLOCK]) {
+  for (size_t r = 0; r < BLOCK; r++) {
+    const uint32_t *corner = hk_tuple(node, begin + (r < count ? r : 0));
+    const double *o = from + 3 * (size_t)corner[0], *p = from + 3 * (size_t)corner[1],
+                 *q = from + 3 * (size_t)corner[2];
+    for (int c = 0; c < 3; c++) into[0][c][r] = p[c] - o[c], into[1][c][r] = q[c] - o[c];
+  }
+}
+
+static void take(const hk_membrane *m, size_t begin, size_t count, block *q) {
+  for (size_t k = 0; k < HK_MEMBRANE_ROWS; k++)
+    for (size_t r = 0; r < BLOCK; r++) q->number[k][r] = m->row[k][begin + (r < count ? r : 0)];
+}
+
+static double one_block(const task *t, size_t begin, size_t count) {
+  const hk_membrane *m = t->m;
+  block q;
+  double power = 0;
+  gather(&m->node, t->view->x, begin, count, q.d);
+  take(m, begin, count, &q);
+  if (m->damping > 0) gather(&m->node, t->view->v, begin, count, q.u);
+  if (m->model == HK_NEO_HOOKEAN) {
+    t->path->volumes(&q);
+    for (size_t r = 0; r < BLOCK; r++) q.slope[r] = hk_volume_slope(q.slope[r], m->exponent);
+  }
+  t->path->compute(&q, m->model, m->damping);
+  for (size_t r = 0; r < count; r++) {
+    double(*into)[3] = m->load[begin + r];
+    for (int c = 0; c < 3; c++) {
+      into[0][c] = -(q.f[0][c][r] + q.f[1][c][r]);
+      into[1][c] = q.f[0][c][r];
+      into[2][c] = q.f[1][c][r];
+    }
+  }
+  for (size_t r = 0; r < count && m->damping > 0; r++) power -= q.power[r];
+  return power;
+}
+
+static void force_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  double power = 0;
+  for (size_t k = begin; k < end; k += BLOCK) power += one_block(t, k, end - k < BLOCK ? end - k : BLOCK);
+  t->m->power[chunk] = power;
+}
+
+static double sum_chunks(const hk_membrane *m) {
+  double sum = 0;
+  for (size_t chunk = 0; chunk * HK_MEMBRANE_GRAIN < m->node.count; chunk++) sum += m->power[chunk];
+  return sum;
+}
+
+static void sum_forces(const hk_membrane *m, const hk_view *view, const path *by, double *F) {
+  task t = {m, view, by};
+  view->host->parallel_for(view->host, m->node.count, HK_MEMBRANE_GRAIN, force_chunk, &t);
+  hk_corner_sums_add(&m->sums, view->host, view->n, (const double(*)[3])m->load, F);
+  if (view->power) *view->power += sum_chunks(m);
+}
+
+void hk_membrane_forces(const hk_membrane *m, const hk_view *view, double *F) { sum_forces(m, view, best_path(), F); }
+
+void hk_membrane_forces_narrow(const hk_membrane *m, const hk_view *view, double *F) {
+  sum_forces(m, view, &narrow, F);
+}
+
+/* ---- one triangle ------------------------------------------------------------------------------------------------ */
+
+void hk_membrane_deformation(const hk_membrane *m, size_t k, const double *x, double f[2][3]) {
+  const uint32_t *corner = hk_tuple(&m->node, k);
+  double d[2][3];
+  for (int s = 0; s < 2; s++) hk_subtract(d[s], x + 3 * (size_t)corner[s + 1], x + 3 * (size_t)corner[0]);
+  for (int c = 0; c < 3; c++) {
+    f[0][c] = m->row[HK_B0][k] * d[0][c] + m->row[HK_B2][k] * d[1][c];
+    f[1][c] = m->row[HK_B1][k] * d[0][c] + m->row[HK_B3][k] * d[1][c];
+  }
+}
+
+hk_metric hk_membrane_metric(const double f[2][3]) {
+  return (hk_metric){hk_dot(f[0], f[0]), hk_dot(f[1], f[1]), hk_dot(f[0], f[1])};
+}
+
+static void energy_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  double energy = 0, f[2][3];
+  for (size_t k = begin; k < end; k++) {
+    hk_membrane_deformation(t->m, k, t->view->x, f);
+    energy += hk_membrane_energy(t->m->model, hk_membrane_elasticity(t->m, k),
+                                 hk_membrane_metric((const double(*)[3])f), t->m->exponent);
+  }
+  t->m->power[chunk] = energy;
+}
+
+double hk_membrane_sum_energy(const hk_membrane *m, const hk_view *view) {
+  task t = {m, view, NULL};
+  view->host->parallel_for(view->host, m->node.count, HK_MEMBRANE_GRAIN, energy_chunk, &t);
+  return sum_chunks(m);
+}

@@ -1,0 +1,16 @@
+/* Forces and blocks of many hinges, E = 1/2 k C^2 with C the angle, counted on through pi, less that at rest. */
+#ifndef HK_HINGE_KERNEL_H
+#define HK_HINGE_KERNEL_H
+
+#include "plugins/common/shells/bending.h"
+
+/* `rest`, `turned`: of all hinges of the start, rad. F += the forces, and their power to view->power. */
+void hk_hinge_forces(const hk_bending *, const double *rest, const double *turned, const hk_view *view, double *F);
+void hk_hinge_forces_narrow(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
+                            double *F); /* as on every processor */
+/* -dF/dx and -dF/dv, sixteen blocks a hinge in the order of hk_bending_pattern. Without how the direction of the
+ * damping turns, which is not symmetric; with HK_WANT_DEFINITE k grad C grad C^T alone. */
+void hk_hinge_blocks(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
+                     const hk_blocks *into);
+
+#endif

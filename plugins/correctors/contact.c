@@ -1,0 +1,153 @@
+/* Contact of surfaces, never passed: after each step the pairs that came near are looked at. Where a gap would close,
+ * impulses along the normals, and Coulomb's friction across them, bring the step back to its law of impact
+ * (plugins/common/impacts/impact.h), all impacts of a step together (sweeps.h), until every pair is proved to have
+ * stayed apart on its way (meetings.h). A step of which that cannot be proved is taken back and halved. Pairs that are
+ * far, and most of those that are near, cost nothing in most steps (nearby.h).
+ *
+ * Where several bodies hit each other in one step, the law of impact holds for every pair by its own speeds before;
+ * what such a chain does beyond that (a row of balls) is not determined by restitution alone.
+ *
+ * Beside it, the force `contact` pushes before surfaces touch: methods of high order keep their accuracy with it, and
+ * this corrector the last word. By itself the corrector is accurate to order 1 while contact lasts, as positions are
+ * brought back at the ends of steps, and of order 2 in impacts that are apart. */
+#include "plugins/common/impacts/contact_account.h"
+#include "plugins/common/impacts/contact_params.h"
+#include "plugins/common/impacts/meetings.h"
+
+enum { ROUNDS = 6 /* of impacts and looks in a step */ };
+
+/* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
+static const double slack = 0.01, left_by_sweeps = 1e-4;
+
+typedef struct contact {
+  hk_contact_params params;
+  double restitution;
+  int64_t sweeps;
+  hk_nearby_found found;
+  hk_contact_account account;
+  hk_nearby nearby;
+  hk_meetings meetings;
+  const hk_surfaces *surfaces;
+  uint64_t *moved, now; /* for sweeps.h */
+  const hk_host *host;
+} contact;
+
+/* clang-format off */
+static const hk_param params[] = {
+    HK_CONTACT_PARAM_ROWS(contact),
+    {"restitution", "", "e, the part of the normal speed that an impact leaves",
+     HK_NUMBER, {0}, 0, 1, offsetof(contact, restitution), 0, NULL},
+    {"sweeps", "", "over the impacts of a step, at most; fewer where they change nothing more",
+     HK_INTEGER, {100}, 1, 1e9, offsetof(contact, sweeps), 0, NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    HK_NEARBY_FIELD_ROWS(contact, found),
+    HK_CONTACT_ACCOUNT_ROWS(contact, account),
+    {0},
+};
+/* clang-format on */
+
+static hk_status topology(void *self, const hk_view *view) {
+  contact *s = self;
+  s->found.good = 0;
+  s->host->release(s->host, s->moved);
+  s->moved = s->host->allocate(s->host, (view->n + 1) * sizeof *s->moved);
+  if (!s->moved) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
+  if (status != HK_OK) return status;
+  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  contact *s = self;
+  hk_status status;
+  s->host = host;
+  hk_contact_account_begin(&s->account, view->t);
+  s->surfaces = hk_contact_join(&s->params, host, view, &status);
+  s->meetings.nearby = &s->nearby;
+  s->meetings.restitution = s->restitution;
+  s->meetings.slack = slack * hk_contact_scale(&s->params);
+  return status == HK_OK ? topology(self, view) : status;
+}
+
+static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_impacts *all) {
+  for (size_t e = 0; e < all->count; e++)
+    for (int i = 0; i < 4; i++) {
+      uint32_t k = all->impact[e].vertex[i];
+      bool slides = view->model->pin[k] == HK_PIN_LINE || view->model->pin[k] == HK_PIN_PLANE;
+      if (slides && all->impact[e].w[i] != 0 && all->impact[e].place.push > 0)
+        return s->host->fail(s->host, HK_FAILED,
+                             "particle %u slides on a pin and meets a surface at t = %g s: the law of impact is for "
+                             "particles that are free; keep it away, or name it in `leave`",
+                             view->model->id[k], view->t);
+    }
+  return HK_OK;
+}
+
+static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move) {
+  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps, .moved = s->moved, .now = s->now};
+  impacts.tolerance = left_by_sweeps * hk_contact_scale(&s->params);
+  if (!c->changed) hk_contact_account_free(&s->account, view, c);
+  hk_status status = hk_meetings_impacts(&s->meetings, move, HK_MEETINGS_ALL, &impacts);
+  if (status != HK_OK) return status;
+  hk_sweeps_done done = hk_impacts_solve(&impacts, move);
+  s->now = impacts.now;
+  hk_meetings_remember(&s->meetings, &impacts);
+  c->changed |= done.pushing > 0;
+  s->account.last.impulse += done.impulse;
+  return c->filter ? refuse_slides(s, view, &impacts) : HK_OK;
+}
+
+static hk_status look(contact *s, hk_step_move *move) {
+  hk_status status = hk_nearby_reach(&s->nearby, move->x_from, move->x);
+  return status == HK_OK ? hk_meetings_look(&s->meetings, move) : status;
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  contact *s = self;
+  hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
+  hk_contact_account_step(&s->account, view->t, c->h);
+  hk_nearby_begin(&s->nearby, c->x_before);
+  hk_meetings_begin(&s->meetings);
+  hk_status status = look(s, &move);
+  for (int round = 0; status == HK_OK && round < ROUNDS && s->meetings.unsafe + s->meetings.unsolved > 0; round++) {
+    status = solve(s, view, c, &move);
+    if (status == HK_OK) status = look(s, &move);
+  }
+  if (status != HK_OK) return status;
+  c->reject = s->meetings.unsafe > 0;
+  hk_nearby_end(&s->nearby, c->x);
+  s->account.last.closest = s->meetings.closest;
+  if (c->changed) hk_contact_account_work(&s->account, view, c);
+  return HK_OK;
+}
+
+static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
+  contact *s = self;
+  return hk_contact_account_report(&s->account, s->surfaces, view, out);
+}
+
+static const hk_corrector corrector = {.size = sizeof(hk_corrector),
+                                       .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
+                                       .correct = correct,
+                                       .contacts = contacts};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_CORRECTOR,
+    .name = "contact",
+    .summary =
+        "surfaces never pass each other: impulses by Newton's law of impact, v_n' = -e v_n, and Coulomb's friction",
+    .reference =
+        "Moreau 1988, Unilateral contact and dry friction in finite freedom dynamics; Chen and others 2025, "
+        "Offset geometric contact, section 3.4; Li, Kaufman and Jiang 2021, Codimensional incremental potential "
+        "contact, section 5",
+    .instance_size = sizeof(contact),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .corrector = &corrector,
+};

@@ -1,0 +1,154 @@
+/* Frees cloth that intersects itself, other cloth or bodies, at the start or during a run, without knowing how it came
+ * about: global intersection analysis (Baraff, Witkin and Kass 2003, plugins/common/untangling). Curves along which
+ * surfaces intersect are traced, what a closed curve encloses on both, or cuts off from the border of one, is drawn
+ * back through the other, and curves that do neither become shorter. Positions move at once, with no work that could be
+ * accounted for; velocities lose what drives surfaces further into each other. Intersections do not become more.
+ *
+ * Vertices between two bodies that leave no room for them stick to both (flypaper.h). Contact leaves alone what is
+ * tangled or sticks. */
+#include "plugins/common/untangling/flypaper.h"
+#include "plugins/common/untangling/untangler.h"
+
+typedef struct untangle {
+  double thickness, body_thickness, radius, clearance;
+  hk_tuples leave;
+  int64_t rounds;
+  bool flypaper;
+  double *mark; /* n: HK_MARK_... */
+  hk_flypaper paper;
+  hk_untangler work;
+  bool between_bodies;              /* there are two */
+  int64_t at_first, at_last, stuck; /* intersections when they were first seen, and now; vertices that stick */
+  const hk_host *host;
+} untangle;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"thickness", "m", "of cloth and soft bodies; the other plugins of contact have to have the same",
+     HK_NUMBER, {1e-3}, 0, 1e6, offsetof(untangle, thickness), 0, NULL},
+    {"body_thickness", "m", "of obstacles, surfaces that are pinned as a whole; half of it is outside",
+     HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, body_thickness), 0, NULL},
+    {"radius", "m", "of strands and lone particles", HK_NUMBER, {5e-4}, 0, 1e6, offsetof(untangle, radius), 0, NULL},
+    {"leave", "", "particles that have no part in contact", HK_PARTICLES, {0}, 0, 0, offsetof(untangle, leave), HK_OPTIONAL, NULL},
+    {"clearance", "m", "how much further than their thickness surfaces are moved apart; by default a hundredth of the mean edge",
+     HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, clearance), HK_OPTIONAL, NULL},
+    {"rounds", "", "moves that are tried after a step, at most", HK_INTEGER, {100}, 1, 1e6, offsetof(untangle, rounds), 0, NULL},
+    {"flypaper", "", "whether vertices stick to two bodies between which there is no room for them", HK_BOOLEAN, {1}, 0, 0,
+     offsetof(untangle, flypaper), 0, NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    {"mark", HK_FIELD_PER_PARTICLE, 1, offsetof(untangle, mark), 0},
+    {"at_first", HK_FIELD_INTEGER, 1, offsetof(untangle, at_first), 0},
+    {"at_last", HK_FIELD_INTEGER, 1, offsetof(untangle, at_last), 0},
+    {"stuck", HK_FIELD_INTEGER, 1, offsetof(untangle, stuck), 0},
+    {0},
+};
+/* clang-format on */
+
+static double mean_edge(const hk_surface_mesh *m, const double *x) {
+  double sum = 0;
+  for (size_t e = 0; e < m->edges; e++) {
+    const double *a = x + 3 * (size_t)m->edge[e][0], *b = x + 3 * (size_t)m->edge[e][1];
+    sum += sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+  }
+  return m->edges ? sum / (double)m->edges : 0;
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  untangle *s = self;
+  s->host = host;
+  s->work.host = host;
+  s->work.rounds = s->rounds;
+  s->work.surfaces = host->query(host, HK_SURFACES_INTERFACE);
+  if (!s->work.surfaces) return HK_FAILED;
+  const hk_surfaces *surfaces = s->work.surfaces;
+  hk_surface_request request = {s->thickness, s->body_thickness, s->radius, &s->leave};
+  hk_status status = surfaces->join(surfaces->self, &request, view);
+  if (status != HK_OK) return status;
+  const hk_surface_mesh *mesh = surfaces->mesh(surfaces->self);
+  s->work.clearance = isnan(s->clearance) ? 0.01 * mean_edge(mesh, view->x) : s->clearance;
+  status = hk_untangler_look(&s->work, view->model, view->x);
+  if (status != HK_OK) return status;
+  hk_untangler_mark(&s->work, view->n, s->mark);
+  s->at_first = s->at_last = (int64_t)s->work.intersections;
+  s->between_bodies = s->flypaper && hk_flypaper_needed(mesh, view->model);
+  surfaces->keep(surfaces->self, &s->mark);
+  return HK_OK;
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  untangle *s = self;
+  s->between_bodies = s->flypaper && hk_flypaper_needed(s->work.surfaces->mesh(s->work.surfaces->self), view->model);
+  return HK_OK;
+}
+
+static void destroy(void *self, const hk_host *host) {
+  untangle *s = self;
+  if (!s->host) return;
+  hk_untangler_close(&s->work);
+  hk_flypaper_free(&s->paper, host);
+}
+
+/* What was done, once it is done; what could not be. */
+static void say(untangle *s, double t) {
+  const hk_untangler *work = &s->work;
+  int64_t now = (int64_t)work->intersections;
+  if (now > 0 && s->at_last == 0) s->at_first = now;
+  if (now == 0 && s->at_last > 0)
+    s->host->warn(s->host,
+                  "%lld intersections of surfaces (curves: %zu closed, %zu from border to border, %zu to the tip of a "
+                  "fold, %zu others) are gone at t = %.6g s: %zu particles were moved, by up to %.3g m",
+                  (long long)s->at_first, work->seen[HK_CONTOUR_CLOSED], work->seen[HK_CONTOUR_BORDER],
+                  work->seen[HK_CONTOUR_LOOP], work->seen[HK_CONTOUR_BROKEN], t, work->moved, work->furthest);
+  s->at_last = now;
+}
+
+static void say_stuck(untangle *s, const hk_view *view) {
+  s->host->warn(s->host,
+                "between bodies that leave no room for them %zu particles stick to both, the first of them %u, at t = "
+                "%.6g s",
+                s->paper.pinched, view->model->id[s->paper.hold[0].vertex], view->t);
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  untangle *s = self;
+  const hk_surfaces *surfaces = s->work.surfaces;
+  hk_status status = hk_untangler_free(&s->work, view->model, c);
+  if (status != HK_OK) return status;
+  hk_untangler_mark(&s->work, view->n, s->mark);
+  say(s, view->t);
+  if (!s->between_bodies) return HK_OK;
+  status = hk_flypaper_hold(&s->paper, s->host, surfaces, view->model, c, s->mark);
+  if (status == HK_OK && s->paper.pinched && !s->stuck) say_stuck(s, view);
+  s->stuck = (int64_t)s->paper.pinched;
+  return status;
+}
+
+static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
+  untangle *s = self;
+  const hk_surfaces *surfaces = s->work.surfaces;
+  *out = (hk_contact_report){.closest = INFINITY, .impact_energy = NAN, .repairs = true};
+  return surfaces->report(surfaces->self, view, out) == HK_OK;
+}
+
+static const hk_corrector corrector = {
+    .size = sizeof(hk_corrector), .flags = HK_WANTS_BEFORE, .correct = correct, .contacts = contacts};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_CORRECTOR,
+    .name = "untangle",
+    .summary = "frees surfaces that intersect: what closed intersection paths enclose is drawn back through",
+    .reference =
+        "Baraff, Witkin, Kass 2003, Untangling cloth, SIGGRAPH; Volino, Magnenat-Thalmann 2006, Resolving surface "
+        "collisions through intersection contour minimization, SIGGRAPH",
+    .instance_size = sizeof(untangle),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .corrector = &corrector,
+};

@@ -1,0 +1,327 @@
+/* Surfaces push each other apart before they touch, smoothly, with damping and friction: plugins/common/impacts/
+ * repulsion.h has the law. Methods keep their order with it, which impulses after steps cannot give them; the price is
+ * a stiffness. Contact is found as for the corrector `contact` (nearby.h).
+ *
+ * Nothing passes: a step on whose way two surfaces would come nearer than a tenth of their thickness is taken back and
+ * halved (step_limit), down to where the run ends and says so. `guard` = false leaves that to the corrector `contact`
+ * where it stands beside this force: impulses then hold what the repulsion does not, in steps as long as they were.
+ *
+ * Which of the two? The corrector alone is the simple choice, whatever the speeds. Take the force where the accuracy of
+ * the contact itself matters and impacts are slow, and both where impacts are fast as well. */
+#include "plugins/common/collision/ccd.h"
+#include "plugins/common/impacts/contact_account.h"
+#include "plugins/common/impacts/contact_params.h"
+#include "plugins/common/impacts/impact.h"
+#include "plugins/common/impacts/nearby.h"
+#include "plugins/common/impacts/repulsion.h"
+
+#include "plugins/common/space/vector3.h"
+
+#include <string.h>
+
+enum { GRAIN = 64 };
+
+/* Of the thickness, and of a pair's distance: no move may bring it nearer. As in meetings.c. */
+static const double least_part = 0.1, least_of_start = 0.5, instant = 0.01;
+
+/* Of the skin: how far off the predicted line of a step its evaluations may be. */
+static const double aside = 0.25;
+
+/* Of the length of parallel edges: below this part of |u|^2 |v|^2, |u x v|^2 fades (Li and others 2020). */
+static const double nearly_parallel = 1e-3;
+
+typedef struct contact {
+  hk_contact_params params;
+  hk_repulsion law;
+  bool guard;
+  double *start; /* n x 3, m: the shape at rest, for the mollifier */
+  hk_nearby_found found;
+  hk_contact_sums sums;
+  hk_nearby nearby;
+  const hk_surfaces *surfaces;
+  double (*force)[12]; /* of each of nearby.index */
+  double *power;       /* W, of each; NAN: out of reach */
+  size_t room;
+  uint32_t *before; /* the pairs of the last pattern */
+  size_t befores;
+  const hk_host *host;
+} contact;
+
+/* clang-format off */
+static const hk_param params[] = {
+    HK_CONTACT_PARAM_ROWS(contact),
+    {"reach", "m", "gap from which on surfaces push each other; left out: half of the thickness",
+     HK_NUMBER, {0}, 0, 1e6, offsetof(contact, law.reach), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
+    {"stiffness", "N/m", "k, of a pair that touches; the force is then k reach/3",
+     HK_NUMBER, {100}, 0, 1e30, offsetof(contact, law.stiffness), HK_ABOVE_MIN, NULL},
+    {"damping", "s/m", "b, of the normal speed; 1.5 (1 - e)/v for a restitution e at the speed v",
+     HK_NUMBER, {0}, 0, 1e6, offsetof(contact, law.damping), 0, NULL},
+    {"slip", "m/s", "s, the speed below which friction is smooth",
+     HK_NUMBER, {1e-3}, 0, 1e6, offsetof(contact, law.slip), HK_ABOVE_MIN, NULL},
+    {"guard", "", "whether steps that would pass are halved; false where the corrector contact stands beside",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(contact, guard), 0, NULL},
+    {0},
+};
+
+static const hk_field fields[] = {
+    HK_NEARBY_FIELD_ROWS(contact, found),
+    {"start", HK_FIELD_PER_PARTICLE, 3, offsetof(contact, start), 0},
+    {"impulse", HK_FIELD_NUMBER, 1, offsetof(contact, sums.impulse), 0},
+    {"energy", HK_FIELD_NUMBER, 1, offsetof(contact, sums.energy), 0},
+    {"closest", HK_FIELD_NUMBER, 1, offsetof(contact, sums.closest), 0},
+    {0},
+};
+/* clang-format on */
+
+static hk_status topology(void *self, const hk_view *view) {
+  contact *s = self;
+  s->found.good = 0;
+  s->befores = 0;
+  s->nearby.reach = s->law.reach + aside * hk_contact_skin(&s->params);
+  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
+}
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  contact *s = self;
+  hk_status status;
+  s->host = host;
+  s->law.friction = s->params.friction;
+  if (isnan(s->law.reach)) s->law.reach = s->params.thickness / 2;
+  s->sums.closest = INFINITY;
+  memcpy(s->start, view->x, 3 * view->n * sizeof *s->start);
+  s->surfaces = hk_contact_join(&s->params, host, view, &status);
+  return status == HK_OK ? topology(self, view) : status;
+}
+
+/* ---- the pairs of a step ---- */
+
+static hk_status make_room(contact *s) {
+  size_t room = s->nearby.room;
+  if (s->room >= room) return HK_OK;
+  s->host->release(s->host, s->force);
+  s->host->release(s->host, s->power);
+  s->host->release(s->host, s->before);
+  s->room = s->befores = 0;
+  s->force = s->host->allocate(s->host, room * sizeof *s->force);
+  s->power = s->host->allocate(s->host, room * sizeof *s->power);
+  s->before = s->host->allocate(s->host, room * sizeof *s->before);
+  if (!s->force || !s->power || !s->before)
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu pairs", room);
+  s->room = room;
+  return HK_OK;
+}
+
+static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
+  contact *s = self;
+  size_t searches = s->nearby.searches;
+  hk_nearby_begin(&s->nearby, from->x);
+  hk_status status = hk_nearby_reach(&s->nearby, from->x, x_to);
+  if (status == HK_OK) status = make_room(s);
+  if (status != HK_OK) return status;
+  hk_nearby_sift(&s->nearby, from->x);
+  bool same = searches == s->nearby.searches && s->befores == s->nearby.dues &&
+              memcmp(s->before, s->nearby.index, s->befores * sizeof *s->before) == 0;
+  *pattern_changed = !same;
+  s->befores = s->nearby.dues;
+  memcpy(s->before, s->nearby.index, s->befores * sizeof *s->before);
+  return HK_OK;
+}
+
+static double square_of_edge(const double *x, uint32_t a, uint32_t b) {
+  double e[3];
+  hk_subtract(e, x + 3 * (size_t)a, x + 3 * (size_t)b);
+  return hk_dot(e, e);
+}
+
+static const hk_surface_pair *pair_at(const contact *s, size_t d) { return &s->nearby.pair[s->nearby.index[d]]; }
+
+/* False: not all of its particles are active. */
+static bool gather(const contact *s, const hk_view *view, const hk_surface_pair *pair, hk_repelled *p) {
+  const uint32_t *i = pair->vertex;
+  p->kind = pair->kind;
+  p->offset = pair->offset;
+  hk_pair_gather(p->x, pair, view->x);
+  hk_pair_gather(p->v, pair, view->v);
+  p->mollified = 0;
+  if (pair->kind == HK_EDGE_EDGE)
+    p->mollified = nearly_parallel * square_of_edge(s->start, i[0], i[1]) * square_of_edge(s->start, i[2], i[3]);
+  for (int k = 0; k < 4; k++)
+    if (view->is_active && !view->is_active[i[k]]) return false;
+  return true;
+}
+
+typedef struct task {
+  const contact *s;
+  const hk_view *view;
+} task;
+
+static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  hk_repelled p;
+  (void)chunk;
+  for (size_t d = begin; d < end; d++)
+    if (!gather(t->s, t->view, pair_at(t->s, d), &p) ||
+        !hk_repulsion_force(&t->s->law, &p, t->s->force[d], &t->s->power[d]))
+      t->s->power[d] = NAN;
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  contact *s = self;
+  task t = {s, view};
+  double power = 0;
+  s->host->parallel_for(s->host, s->nearby.dues, GRAIN, add_chunk, &t);
+  for (size_t d = 0; d < s->nearby.dues; d++) {
+    if (isnan(s->power[d])) continue;
+    for (int i = 0; i < 4; i++) hk_add_scaled(F + 3 * (size_t)pair_at(s, d)->vertex[i], 1, s->force[d] + 3 * i);
+    power += s->power[d];
+  }
+  if (view->power) *view->power += power;
+  return HK_OK;
+}
+
+static double energy(void *self, const hk_view *view) {
+  const contact *s = self;
+  double sum = 0;
+  hk_repelled p;
+  for (size_t d = 0; d < s->nearby.dues; d++)
+    if (gather(s, view, pair_at(s, d), &p)) sum += hk_repulsion_energy(&s->law, &p);
+  return sum;
+}
+
+/* ---- blocks ---- */
+
+static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
+  const contact *s = self;
+  (void)view;
+  for (size_t d = 0; d < s->nearby.dues; d++)
+    for (int k = 0; k < 16; k++) pattern->block(pattern, pair_at(s, d)->vertex[k / 4], pair_at(s, d)->vertex[k % 4]);
+}
+
+static void add_block(double *to, const double all[144], int i, int j) {
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) to[3 * a + b] += all[12 * (3 * i + a) + 3 * j + b];
+}
+
+static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
+  const contact *s = self;
+  hk_repelled p;
+  double K[144], D[144];
+  for (size_t d = 0; d < s->nearby.dues; d++) {
+    if (!gather(s, view, pair_at(s, d), &p) || !hk_repulsion_blocks(&s->law, &p, into->want, K, D)) continue;
+    for (int k = 0; k < 16; k++) {
+      add_block(into->K + 9 * into->slot[16 * d + (size_t)k], K, k / 4, k % 4);
+      add_block(into->D + 9 * into->slot[16 * d + (size_t)k], D, k / 4, k % 4);
+    }
+  }
+  return HK_OK;
+}
+
+/* Row sums of the blocks' norms bound any symmetric matrix. */
+static void add_row_sums(const hk_surface_pair *pair, const double all[144], const double least[4],
+                         double (*block)[6]) {
+  for (int i = 0; i < 4; i++) {
+    double sum = 0;
+    for (int j = 0; j < 4; j++) {
+      double square = 0;
+      for (int k = 0; k < 9; k++) square += pow(all[12 * (3 * i + k / 3) + 3 * j + k % 3], 2);
+      sum += sqrt(square);
+    }
+    sum = fmax(sum, least[i]);
+    double *b = block[pair->vertex[i]];
+    b[0] += sum, b[3] += sum, b[5] += sum;
+  }
+}
+
+/* All pairs in the list may come to touch, with the slope k: (sum w_i n.u_i)^2 <= 2 sum |w_i| |u_i|^2. Those in reach
+ * have their own blocks, if these are more. */
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  const contact *s = self;
+  hk_repelled p;
+  for (size_t k = 0; k < s->nearby.count; k++) {
+    double K[144] = {0}, D[144] = {0}, least[4] = {0};
+    if (!gather(s, view, &s->nearby.pair[k], &p)) continue;
+    bool damping = part == HK_DAMPING_WHOLE, near = hk_repulsion_blocks(&s->law, &p, HK_WANT_SYMMETRIC, K, D);
+    hk_nearest nearest = hk_nearest_of_pair(p.kind, p.x);
+    for (int i = 0; i < 4 && !damping; i++) least[i] = 2 * s->law.stiffness * fabs(nearest.w[i]);
+    if (near || !damping) add_row_sums(&s->nearby.pair[k], damping ? D : K, least, block);
+  }
+}
+
+/* ---- safety ---- */
+
+static double limit_of(const hk_surface_pair *pair, const hk_view *from, const double *dx) {
+  hk_pair_path path;
+  double moves[12], when = 1;
+  hk_pair_gather(path.from, pair, from->x);
+  hk_pair_gather(moves, pair, dx);
+  for (int k = 0; k < 12; k++) path.to[k] = path.from[k] + moves[k];
+  double distance = sqrt(hk_nearest_of_pair(pair->kind, path.from).squared);
+  double least = fmin(least_part * pair->offset, least_of_start * distance);
+  if (distance - hk_pair_motion(pair->kind, &path) > least) return 1;
+  return hk_ccd(pair->kind, path.from, path.to, least, instant * least, &when) ? when : 1;
+}
+
+static double step_limit(void *self, const hk_view *from, const double *dx) {
+  const contact *s = self;
+  double least = 1;
+  if (!s->guard) return 1;
+  for (size_t d = 0; d < s->nearby.dues; d++) least = fmin(least, limit_of(pair_at(s, d), from, dx));
+  return least;
+}
+
+/* ---- the account ---- */
+
+static hk_status accepted(void *self, const hk_view *view, double h) {
+  contact *s = self;
+  double F[12], power;
+  hk_repelled p;
+  for (size_t d = 0; d < s->nearby.dues; d++) {
+    if (!gather(s, view, pair_at(s, d), &p)) continue;
+    hk_nearest near = hk_nearest_of_pair(p.kind, p.x);
+    double gap = sqrt(near.squared) - p.offset;
+    s->sums.closest = fmin(s->sums.closest, gap);
+    s->sums.impulse += h * hk_repulsion_size(&s->law, gap);
+    if (hk_repulsion_force(&s->law, &p, F, &power)) s->sums.energy -= h * power;
+  }
+  return HK_OK;
+}
+
+static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
+  contact *s = self;
+  s->surfaces->report(s->surfaces->self, view, out);
+  out->closest = s->sums.closest;
+  out->impulse = s->sums.impulse;
+  out->impact_energy = s->sums.energy;
+  s->sums.closest = INFINITY;
+  return true;
+}
+
+static const hk_force force = {.size = sizeof(hk_force),
+                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_POWER |
+                                        HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE | HK_STIFFENS,
+                               .add = add,
+                               .energy = energy,
+                               .pattern = pattern,
+                               .jacobian = jacobian,
+                               .stiffness_bound = stiffness_bound,
+                               .update = update,
+                               .step_limit = step_limit,
+                               .accepted = accepted,
+                               .contacts = contacts};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_FORCE,
+    .name = "contact",
+    .summary =
+        "surfaces push each other apart before they touch: E = k (r - gap)^4/(12 r^2), with damping and Coulomb's "
+        "friction",
+    .reference = "Hunt and Crossley 1975, Coefficient of restitution interpreted as damping in vibroimpact; Li and "
+                 "others 2020, Incremental potential contact, section 5",
+    .instance_size = sizeof(contact),
+    .params = params,
+    .fields = fields,
+    .create = create,
+    .topology = topology,
+    .force = &force,
+};
