@@ -13,6 +13,7 @@
 #include "plugins/common/barrier/barrier_friction.h"
 #include "plugins/common/barrier/barrier_sum.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct barrier {
@@ -116,19 +117,31 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 /* ---- contact ---- */
 
+/* "particle 3", "the edge 3 4", "the triangle 3 4 5", by ids; an edge of length 0 is a particle. */
+static void say(const uint32_t *id, const uint32_t *v, int count, char text[64]) {
+  if (count == 3)
+    snprintf(text, 64, "the triangle %u %u %u", id[v[0]], id[v[1]], id[v[2]]);
+  else if (count == 2 && v[0] != v[1])
+    snprintf(text, 64, "the edge %u %u", id[v[0]], id[v[1]]);
+  else
+    snprintf(text, 64, "particle %u", id[v[0]]);
+}
+
 /* A start, or a correction, that leaves surfaces in contact. */
 static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   const hk_barrier_pair *near = b->contacts.near.item;
-  const uint32_t *id = view->model->id;
+  char one[64], other[64];
   for (size_t k = 0; k < b->contacts.near.count; k++) {
-    const uint32_t *v = near[k].pair.vertex;
+    const hk_surface_pair *p = &near[k].pair;
+    int first = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
     if (near[k].gap > 0) continue;
-    const char *format = near[k].pair.kind == HK_POINT_TRIANGLE
-                             ? "particle %u and the triangle %u %u %u are in contact: their gap is %.3g m with the "
-                               "thickness asked for; move them apart, or make thickness or radius smaller"
-                             : "the edges %u %u and %u %u are in contact: their gap is %.3g m with the thickness asked "
-                               "for; move them apart, or make thickness or radius smaller";
-    return view->host->fail(view->host, HK_BAD_PARAM, format, id[v[0]], id[v[1]], id[v[2]], id[v[3]], near[k].gap);
+    say(view->model->id, p->vertex, first, one);
+    say(view->model->id, p->vertex + first, 4 - first, other);
+    return view->host->fail(
+        view->host, HK_BAD_PARAM,
+        "%s and %s are in contact: their gap is %.3g m with the thickness asked for; move them apart, "
+        "or make thickness or radius smaller",
+        one, other, near[k].gap);
   }
   return HK_OK;
 }
