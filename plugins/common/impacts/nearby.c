@@ -114,7 +114,8 @@ hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to
   s->reached = s->travelled + largest_move(s, x_from, x_to);
   s->dues = 0;
   for (size_t k = 0; k < s->count; k++)
-    if (!(s->due[k] > s->reached)) s->index[s->dues++] = (uint32_t)k;
+    if (!(s->due[k] > s->reached) && !s->surfaces->leaves(s->surfaces->self, &s->pair[k]))
+      s->index[s->dues++] = (uint32_t)k;
   return HK_OK;
 }
 

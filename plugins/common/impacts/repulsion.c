@@ -9,6 +9,8 @@
 
 /* Of the way on which the force turns: errors are its square, and rounding over it. */
 static const double difference = 1e-4;
+/* The square of the sine below which the energy of two edges has faded to nothing that matters. */
+static const double nearly_parallel = 1e-6;
 
 typedef struct state {
   hk_nearest near;
@@ -116,13 +118,23 @@ static void dissipation_at(const hk_repulsion *r, const hk_repelled *p, double F
   for (int k = 0; k < 12; k++) F[k] = s.near.w[k / 3] * lost[k % 3];
 }
 
+/* The sine of two edges' angle, by which their nearest points move faster than the edges; 1 for other pairs. */
+static double sine_of(const hk_repelled *p) {
+  double u[3], v[3], across[3];
+  hk_subtract(u, p->x + 3, p->x);
+  hk_subtract(v, p->x + 9, p->x + 6);
+  hk_cross(across, u, v);
+  double sizes = hk_length(u) * hk_length(v);
+  return p->kind == HK_EDGE_EDGE && sizes > 0 ? fmax(sqrt(nearly_parallel), hk_length(across) / sizes) : 1;
+}
+
 /* A normal that turns by slip/|V| makes another friction. */
 static double difference_step(const hk_repulsion *r, const hk_repelled *p) {
   state s;
   double V[3];
   begin(&s, r, p);
   relative(&s, p, V);
-  return difference * fmin(s.x, s.distance) * r->slip / (r->slip + hk_length(V));
+  return difference * fmin(s.x, s.distance) * r->slip / (r->slip + hk_length(V)) * sine_of(p);
 }
 
 /* Whether point i and the next are one particle, as the two ends of a lone one. */

@@ -82,15 +82,23 @@ static void solve3(double a[3][3], const double b[3], double w[3]) {
   for (int k = 0; k < 3; k++) w[k] = det > 0 ? (b[0] * c[0][k] + b[1] * c[1][k] + b[2] * c[2][k]) / det : 0;
 }
 
-/* The angular velocity of a rigid body at the positions x about the centre with the angular momentum of the velocities
- * that `velocity` takes from y. */
-static void spin_of(const zone *s, const hk_zones_move *m, const double *x, const double centre[3], const double L[3],
-                    double w[3]) {
+/* Places of the members: the means of two, which may be the same. */
+typedef struct posture {
+  const double *a, *b;   /* n x 3 */
+  const double *ca, *cb; /* their centres */
+} posture;
+
+static void arm(const posture *p, uint32_t i, double r[3]) {
+  size_t k = 3 * (size_t)i;
+  for (size_t c = 0; c < 3; c++) r[c] = (p->a[k + c] - p->ca[c] + (p->b[k + c] - p->cb[c])) / 2;
+}
+
+/* The angular velocity of a rigid body with the angular momentum L. */
+static void spin_of(const zone *s, const hk_zones_move *m, const posture *p, const double L[3], double w[3]) {
   double inertia[3][3] = {{0}}, trace = 0, r[3];
   for (size_t e = 0; e < s->count; e++) {
-    uint32_t i = s->member[e];
-    double mass = weight(s, m, i);
-    hk_subtract(r, x + 3 * (size_t)i, centre);
+    double mass = weight(s, m, s->member[e]);
+    arm(p, s->member[e], r);
     for (int a = 0; a < 3; a++)
       for (int b = 0; b < 3; b++) inertia[a][b] += mass * ((a == b ? hk_dot(r, r) : 0) - r[a] * r[b]);
   }
@@ -99,14 +107,14 @@ static void spin_of(const zone *s, const hk_zones_move *m, const double *x, cons
   solve3(inertia, L, w);
 }
 
-/* L += sum m (x - centre) x (y - sign z), y and z n x 3; z may be NULL. */
-static void angular_momentum(const zone *s, const hk_zones_move *m, const double *x, const double centre[3],
-                             const double *y, const double *z, double L[3]) {
+/* L = sum m r x (y - z), y and z n x 3; z may be NULL. */
+static void angular_momentum(const zone *s, const hk_zones_move *m, const posture *p, const double *y, const double *z,
+                             double L[3]) {
   double r[3], u[3], moment[3];
   for (int c = 0; c < 3; c++) L[c] = 0;
   for (size_t e = 0; e < s->count; e++) {
     size_t i = 3 * (size_t)s->member[e];
-    hk_subtract(r, x + i, centre);
+    arm(p, s->member[e], r);
     hk_copy(u, y + i);
     if (z) hk_add_scaled(u, -1, z + i);
     hk_cross(moment, r, u);
@@ -133,14 +141,16 @@ static void place(const zone *s, const hk_zones_move *m, uint32_t i, double out[
   hk_add_scaled(out, 1, s->to);
 }
 
-/* A turn by an angle moves points as far as the mean velocity of its sine does, which is what pins show of it. */
+/* Pins that turn by the angle a about the unit vector n move by 2 tan(a/2) n x (the mean of both ends), exactly. */
 static void find_turn(zone *s, const hk_zones_move *m) {
   double L[3];
-  angular_momentum(s, m, m->x_from, s->from, m->x, m->x_from, L);
-  spin_of(s, m, m->x_from, s->from, L, s->spin);
-  double sine = hk_length(s->spin);
-  if (!s->pinned || sine == 0) return;
-  for (int c = 0; c < 3; c++) s->spin[c] *= asin(fmin(1, sine)) / sine;
+  posture start = {m->x_from, m->x_from, s->from, s->from}, middle = {m->x_from, m->x, s->from, s->to};
+  const posture *p = s->pinned ? &middle : &start;
+  angular_momentum(s, m, p, m->x, m->x_from, L);
+  spin_of(s, m, p, L, s->spin);
+  double size = hk_length(s->spin);
+  if (!s->pinned || size == 0) return;
+  for (int c = 0; c < 3; c++) s->spin[c] *= 2 * atan(size / 2) / size;
 }
 
 static bool is_rigid(const zone *s, const hk_zones_move *m) {
@@ -170,7 +180,7 @@ static void set_speeds(const zone *s, const hk_zones_move *m, const double L[3])
   double mean[3] = {0}, w[3], r[3], turned[3];
   for (size_t e = 0; e < s->count; e++)
     hk_add_scaled(mean, weight(s, m, s->member[e]) / s->mass, m->v + 3 * (size_t)s->member[e]);
-  spin_of(s, m, m->x, s->to, L, w);
+  spin_of(s, m, &(posture){m->x, m->x, s->to, s->to}, L, w);
   for (size_t e = 0; e < s->count; e++) {
     size_t i = 3 * (size_t)s->member[e];
     if (m->inverse_mass[s->member[e]] == 0) continue;
@@ -186,7 +196,7 @@ static bool move_zone(const hk_zones_move *m, const uint32_t *member, size_t cou
   find_centres(&s, m);
   find_turn(&s, m);
   if (s.pinned && !is_rigid(&s, m)) return false;
-  angular_momentum(&s, m, m->x, s.to, m->v, NULL, L);
+  angular_momentum(&s, m, &(posture){m->x, m->x, s.to, s.to}, m->v, NULL, L);
   set_places(&s, m);
   set_speeds(&s, m, L);
   return true;
