@@ -28,6 +28,6 @@ scene:measure("width in the middle", function(s)
   end
   return 2 * r
 end)
-scene:output("frames", { color = "none", plain = { 0.75, 0.35, 0.3 }, thickness = thickness, particles = "off", camera = { 0.35, -1.6, 0.5 },
-  target = { 0, 0, 0 }, fov = 26, ground_height = -0.35 })
+scene:output("frames", { color = "none", plain = { 0.75, 0.35, 0.3 }, thickness = thickness, particles = "off",
+  camera = { 0.35, -1.6, 0.5 }, target = { 0, 0, 0 }, fov = 26, ground_height = -0.35 })
 return scene
