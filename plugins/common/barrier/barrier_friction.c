@@ -37,6 +37,15 @@ double hk_friction_add(const hk_barrier_friction *f, const double *v, double *F)
   return power;
 }
 
+double hk_friction_power(const hk_barrier_friction *f, const double *v) {
+  double u[3], power = 0;
+  for (size_t k = 0; k < f->touches.count; k++) {
+    double size = slip(&touches_of(f)[k], v, u);
+    power -= ratio(f, &touches_of(f)[k], size) * size * size;
+  }
+  return power;
+}
+
 /* r (P - e e^T) + s e e^T, P the projection across the normal, e = u/|u|, s the slope of the force. */
 static void damping_of(const hk_barrier_friction *f, const hk_barrier_touch *t, const double *v, double D[9]) {
   double u[3], size = slip(t, v, u), r = ratio(f, t, size), y = size / f->speed;

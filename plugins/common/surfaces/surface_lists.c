@@ -29,8 +29,8 @@ static void release_scratch(builder *b) {
 }
 
 void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
-  void *memory[] = {l->point,  l->edge, l->edge_faces, l->triangle, l->part,
-                    l->radius, l->item, l->item_edge,  l->margin,   l->in_triangle};
+  void *memory[] = {l->point,  l->edge, l->edge_faces, l->triangle,   l->part,
+                    l->radius, l->item, l->item_edge,  l->in_triangle};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
   *l = (hk_surface_lists){0};
 }
@@ -55,7 +55,6 @@ static bool reserve(builder *b) {
   l->radius = host->allocate(host, n * sizeof *b->lists->radius);
   l->item = host->allocate(host, items * sizeof *l->item);
   l->item_edge = host->allocate(host, items * sizeof *l->item_edge);
-  l->margin = host->allocate(host, n * sizeof *l->margin);
   l->mesh.point = l->point;
   l->mesh.edge = (const uint32_t(*)[2])l->edge;
   l->mesh.edge_faces = (const uint32_t(*)[2])l->edge_faces;
@@ -63,8 +62,7 @@ static bool reserve(builder *b) {
   l->mesh.part = l->part;
   l->mesh.radius = l->radius;
   return b->in_triangle && b->in_strand && b->place && b->sides && b->spare && b->lists->triangle && b->lists->edge &&
-         b->lists->edge_faces && b->lists->point && b->lists->part && b->lists->radius && l->item && l->item_edge &&
-         l->margin;
+         b->lists->edge_faces && b->lists->point && b->lists->part && b->lists->radius && l->item && l->item_edge;
 }
 
 /* ---- sides ---- */
@@ -131,7 +129,7 @@ static void add_triangle(builder *b, const uint32_t t[3]) {
   l->item[k] = (hk_surface_item){{t[0], t[1], t[2]}, HK_IS_TRIANGLE};
   for (uint32_t c = 0; c < 3; c++) {
     add_side(b, t[c], t[(c + 1) % 3], (uint32_t)k, c);
-    l->item_edge[k][c] = HK_NO_EDGE;
+    l->item_edge[k][c] = UINT32_MAX;
   }
 }
 
@@ -176,7 +174,7 @@ static void add_item(builder *b, uint32_t p, uint32_t q) {
   hk_surface_lists *l = b->lists;
   size_t k = l->items++, e = l->mesh.edges++;
   l->item[k] = (hk_surface_item){{p, q, q}, HK_OWNS_EDGE | (p == q ? HK_IS_LONE : 0)};
-  memcpy(l->item_edge[k], (uint32_t[]){(uint32_t)e, HK_NO_EDGE, HK_NO_EDGE}, sizeof *l->item_edge);
+  memcpy(l->item_edge[k], (uint32_t[]){(uint32_t)e, UINT32_MAX, UINT32_MAX}, sizeof *l->item_edge);
   memcpy(b->lists->edge[e], (uint32_t[]){p, q}, sizeof *b->lists->edge);
   memcpy(b->lists->edge_faces[e], (uint32_t[]){UINT32_MAX, UINT32_MAX}, sizeof *b->lists->edge_faces);
 }
@@ -260,11 +258,6 @@ static void find_radii(builder *b) {
     uint32_t i = b->lists->point[k];
     double thickness = moves[b->lists->part[i]] ? b->request->thickness : b->request->body_thickness;
     b->lists->radius[i] = b->in_triangle[i] ? thickness / 2 : b->request->radius;
-  }
-  for (size_t k = 0; k < b->lists->items; k++) {
-    const uint32_t *v = b->lists->item[k].vertex;
-    double radius = hk_feature_radius(m, v, 3);
-    for (int c = 0; c < 3; c++) b->lists->margin[v[c]] = fmax(b->lists->margin[v[c]], radius);
   }
 }
 

@@ -7,8 +7,6 @@
 
 #include "plugins/common/surfaces/surfaces.h"
 
-enum { HK_NO_EDGE = UINT32_MAX };
-
 enum {                      /* hk_surface_item.owns */
        HK_OWNS_POINT = 1,   /* shifted by c: vertex[c] */
        HK_OWNS_EDGE = 8,    /* shifted by c: the edge from vertex[c] to the next vertex */
@@ -27,11 +25,10 @@ typedef struct hk_surface_lists {
   double *radius;
   size_t items; /* triangles in the order of the mesh, then edges of strands, then lone particles */
   hk_surface_item *item;
-  uint32_t (*item_edge)[3]; /* the edges of the mesh that the item owns, else HK_NO_EDGE; */
+  uint32_t (*item_edge)[3]; /* the edges of the mesh that the item owns, else UINT32_MAX; */
   size_t surface_edges;     /* edges of triangles, the first ones of the mesh; those of strands follow. Both are in */
   size_t strand_edges;      /* the order of their particles, the lower one first */
   bool *in_triangle;        /* n: a particle of a triangle, be it left out or not */
-  double *margin;           /* n, m: the largest radius of a feature that has the particle */
 } hk_surface_lists;
 
 /* left: n, true for particles that have no part in contact. HK_BAD_PARAM: triangles that are degenerate, duplicate, or
