@@ -173,7 +173,7 @@ static void pairs_and_intersections_are_those_of_loops(void **state) {
       shake(s, to, by[k / 3]);
       hk_surface_move move = {.x_from = s->x, .x_to = to, .reach = reach[k % 3]};
       size_t must = compare_pairs(s, &move);
-      assert_true(must > 10 && s->pairs.count < 10 * must); /* few of them are far apart */
+      assert_true(must > 10 && s->pairs.count < 20 * must); /* of all pairs a few thousandths */
       compare_crossings(s, to, true);
       memcpy(s->x, to, 3 * s->model.n * sizeof *to);
       if (again == 0) test_surfaces_hold(s, 10); /* pins may change */
