@@ -7,7 +7,7 @@ function drape.scene(contact, t)
   assert(contact == "impulses" or contact == "barrier", "contact: impulses or barrier, not " .. contact)
   t.fps = t.fps or 60
   t.integrator = contact == "barrier" and "bdf2" or "leapfrog"
-  if contact == "barrier" then t.dt = 1 / 120 end
+  t.dt = contact == "barrier" and 1 / 120 or t.dt
   local scene = hooke.scene(t)
   scene:force("gravity", { g = { 0, 0, -9.81 } })
   return scene

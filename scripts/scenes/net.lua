@@ -30,9 +30,10 @@ scene:force("springs", { edges = edges, k = 600, damping = 0.1, label = "twine" 
 scene:force("springs", { edges = knots, k = 600, damping = 0.1, label = "knots" })
 for k = 1, balls do
   local a = 2.4 * k -- the golden angle: balls are spread evenly
-  local ball = scene:body { shape = "sphere", radius = 0.1, detail = 3e-2, mass = 0.12, group = "balls",
+  local ball = scene:body { shape = "sphere", radius = 0.1, detail = 2e-2, mass = 0.12, group = "balls",
     position = { 0.07 * math.sqrt(k) * math.cos(a), 0.07 * math.sqrt(k) * math.sin(a), 0.5 + 0.24 * k } }
-  scene:force("springs", { edges = ball:edges(), k = 500, damping = 0.1, label = "ball " .. k })
+  scene:force("springs", { edges = ball:edges(), k = 600, damping = 0.1, label = "ball " .. k })
+  scene:force("volume", { triangles = ball:triangles(), k = 2e4, damping = 20, label = "air in ball " .. k })
 end
 scene:force("drag", { rate = 1 })
 drape.contact(scene, contact, { radius = radius, thickness = radius, friction = 0.3 })
@@ -42,6 +43,6 @@ scene:measure("lowest", function(s)
   for _, i in ipairs(s:ids()) do z = math.min(z, s:position(i)[3]) end
   return z
 end)
-scene:output("frames", { color = "group", tube = radius, thickness = radius, particles = "off", springs = "on",
+scene:output("frames", { color = "group", tube = radius, thickness = radius, particles = "off",
   camera = { 1.1, -1.8, 1.2 }, target = { 0, 0, 0.42 }, fov = 32, ground_height = -0.1 })
 return scene

@@ -1,7 +1,7 @@
 -- stack.lua: ten sheets, each turned a little against the one below, fall on each other and on the floor. Air is
 -- pressed out and they come to rest as a stack whose height is that of ten thicknesses.
 local drape = require("drape")
-local N = param("N", 13, "particles along one side", { min = 3, max = 256 })
+local N = param("N", 9, "particles along one side", { min = 3, max = 256 })
 local sheets = param("sheets", 10, "how many", { min = 1, max = 100 })
 local thickness = param("thickness", 8e-3, "of each in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.4, "Coulomb's mu", { min = 0 })

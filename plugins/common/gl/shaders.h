@@ -68,7 +68,7 @@ static const char hk_mesh_fragment[] = "in vec3 n, base;\n"
                                        "void main() {\n"
                                        "  float front = gl_FrontFacing ? 1.0 : -1.0;\n"
                                        "  vec3 unit = dot(n, n) > 0.0 ? normalize(n) * front : key;\n"
-                                       "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.86, 0.87, 0.92);\n"
+                                       "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.74, 0.76, 0.84);\n"
                                        "  result = vec4(lit(base * tint, unit), 1.0);\n"
                                        "}\n";
 

@@ -3,6 +3,7 @@
 #include "plugins/common/untangling/moves.h"
 #include "plugins/common/collision/distance.h"
 #include "plugins/common/space/vector3.h"
+#include "plugins/common/untangling/shortening.h"
 #include "tests/support/surface_scenes.h"
 
 #include <setjmp.h>
