@@ -82,9 +82,9 @@ static double reach_of(const hk_tangle *t, const hk_contour *c, const hk_enclose
 
 /* What a curve cuts off one surface is drawn to the surroundings of the curve on the other, as far as it reaches; where
  * both are one surface, not to itself. `degree` marks what is enclosed. */
-static void grow_targets(hk_moves *m, const hk_tangle *t, size_t contour) {
+static void grow_targets(hk_moves *m, const hk_tangle *t, size_t contour, uint32_t side) {
   const hk_contour *c = &t->contours->contour[contour];
-  const hk_enclosed *inside = &t->regions->enclosed[contour][c->cuts];
+  const hk_enclosed *inside = &t->regions->enclosed[contour][side];
   double middle[3], reach = reach_of(t, c, inside, middle);
   memset(m->degree, 0, t->model->n * sizeof *m->degree);
   for (size_t k = inside->first; k < inside->first + inside->count; k++) m->degree[t->regions->vertex[k]] = 1;
@@ -155,7 +155,7 @@ static hk_status pull_side(hk_moves *m, const hk_host *host, const hk_tangle *t,
   const hk_enclosed *inside = &t->regions->enclosed[contour][side];
   if (inside->count == 0) return HK_OK;
   list_targets(m, t, contour, 1 - side);
-  if (t->contours->contour[contour].cuts < 2) grow_targets(m, t, contour);
+  if (t->contours->contour[contour].cuts[side]) grow_targets(m, t, contour, side);
   hk_status status = build_tree(m, host, t);
   for (size_t k = inside->first; k < inside->first + inside->count && status == HK_OK; k++)
     m->pulls += make_pull(m, t, t->regions->vertex[k], &m->pull[m->pulls]);
@@ -254,7 +254,8 @@ static void add_shortening(hk_moves *m, const hk_tangle *t, const hk_contour_poi
 static bool encloses(const hk_tangle *t, size_t contour) {
   const hk_contour *c = &t->contours->contour[contour];
   const hk_enclosed *side = t->regions->enclosed[contour];
-  if (c->cuts < 2) return side[c->cuts].known && side[c->cuts].count > 0;
+  for (int k = 0; k < 2; k++)
+    if (c->cuts[k] && side[k].known && side[k].count > 0) return true;
   return c->kind == HK_CONTOUR_CLOSED && !c->twisted && side[0].known && side[1].known &&
          side[0].count + side[1].count > 0;
 }
