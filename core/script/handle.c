@@ -202,6 +202,29 @@ static int tetrahedra(lua_State *L) {
   return hk_lua_fail(L, HK_BAD_PARAM, "only what scene:block and scene:tetrahedra made has tetrahedra");
 }
 
+/* The ids of a solid's particles that are in none of the triangles of its skin. */
+static int inside(lua_State *L) {
+  const hk_lua_handle *h = self(L);
+  lua_settop(L, 1);
+  if (lua_getiuservalue(L, 1, HK_LUA_TETRAHEDRA) != LUA_TTABLE || lua_getiuservalue(L, 1, 2) != LUA_TTABLE)
+    return hk_lua_fail(L, HK_BAD_PARAM, "only what scene:block and scene:tetrahedra made has an inside");
+  char *outer = lua_newuserdatauv(L, h->count, 0);
+  memset(outer, 0, h->count);
+  for (lua_Integer t = 1; lua_rawgeti(L, 3, t) == LUA_TTABLE; t++, lua_pop(L, 1))
+    for (int c = 1; c <= 3; c++, lua_pop(L, 1)) {
+      lua_rawgeti(L, 5, c);
+      lua_Integer k = lua_tointeger(L, -1) - h->first;
+      if (k >= 0 && k < h->count) outer[k] = 1;
+    }
+  lua_newtable(L);
+  for (uint32_t k = 0, found = 0; k < h->count; k++) {
+    if (outer[k]) continue;
+    lua_pushinteger(L, (lua_Integer)h->first + k);
+    lua_rawseti(L, -2, ++found);
+  }
+  return 1;
+}
+
 static int missing(lua_State *L) {
   const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : luaL_typename(L, 2);
   return hk_lua_fail(
@@ -233,6 +256,7 @@ void hk_lua_open_handles(lua_State *L) {
                                      {"strand", strand},
                                      {"roots", roots},
                                      {"tetrahedra", tetrahedra},
+                                     {"inside", inside},
                                      {NULL, NULL}};
   luaL_newmetatable(L, handle_type);
   lua_newtable(L);

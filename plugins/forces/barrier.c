@@ -8,10 +8,12 @@
  * (barrier_friction.h).
  *
  * Invariant: `stiffness` changes between steps only, so that a line search sees one potential. */
+#include "plugins/common/barrier/barrier_bound.h"
 #include "plugins/common/barrier/barrier_choice.h"
 #include "plugins/common/barrier/barrier_friction.h"
 #include "plugins/common/barrier/barrier_sum.h"
 
+#include <stdio.h>
 #include <string.h>
 
 typedef struct barrier {
@@ -20,6 +22,8 @@ typedef struct barrier {
   hk_tuples leave;
   hk_barrier_contacts contacts;
   hk_barrier_friction friction;
+  int64_t began;                            /* whether a step was accepted */
+  int64_t due;                              /* whether the stiffness was not looked at since the last accepted step */
   double chosen, density;                   /* Pa; kg/m^2 */
   double closest, impulse, lost, stiffened; /* m, since the last report; N s; J; J, that a rising stiffness gave */
 } barrier;
@@ -50,6 +54,8 @@ static const hk_field fields[] = {
     {"named", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, contacts.named), 0},
     {"touches", HK_FIELD_ARRAY, sizeof(hk_barrier_touch), offsetof(barrier, friction.touches), 0},
     {"density", HK_FIELD_NUMBER, 1, offsetof(barrier, density), 0},
+    {"due", HK_FIELD_INTEGER, 1, offsetof(barrier, due), 0},
+    {"began", HK_FIELD_INTEGER, 1, offsetof(barrier, began), 0},
     {"chosen", HK_FIELD_NUMBER, 1, offsetof(barrier, chosen), 0},
     {"closest", HK_FIELD_NUMBER, 1, offsetof(barrier, closest), 0},
     {"impulse", HK_FIELD_NUMBER, 1, offsetof(barrier, impulse), 0},
@@ -82,6 +88,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static hk_status topology(void *self, const hk_view *view) {
   barrier *b = self;
   hk_status status = hk_barrier_forget(&b->contacts);
+  if (!b->began) b->chosen = b->contacts.law.stiffness = 0;
   return status == HK_OK ? hk_friction_renumber(&b->friction, view) : status;
 }
 
@@ -112,32 +119,54 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 /* ---- contact ---- */
 
+/* "particle 3", "the edge 3 4", "the triangle 3 4 5", by ids; an edge of length 0 is a particle. */
+static void say(const uint32_t *id, const uint32_t *v, int count, char text[64]) {
+  if (count == 3)
+    snprintf(text, 64, "the triangle %u %u %u", id[v[0]], id[v[1]], id[v[2]]);
+  else if (count == 2 && v[0] != v[1])
+    snprintf(text, 64, "the edge %u %u", id[v[0]], id[v[1]]);
+  else
+    snprintf(text, 64, "particle %u", id[v[0]]);
+}
+
 /* A start, or a correction, that leaves surfaces in contact. */
 static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   const hk_barrier_pair *near = b->contacts.near.item;
-  const uint32_t *id = view->model->id;
-  for (size_t k = 0; k < b->contacts.near.count; k++) {
-    const uint32_t *v = near[k].pair.vertex;
+  char one[64], other[64];
+  for (size_t k = 0; k < b->contacts.found; k++) {
+    const hk_surface_pair *p = &near[k].pair;
+    int first = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
     if (near[k].gap > 0) continue;
-    const char *format = near[k].pair.kind == HK_POINT_TRIANGLE
-                             ? "particle %u and the triangle %u %u %u are in contact: their gap is %.3g m with the "
-                               "thickness asked for; move them apart, or make thickness or radius smaller"
-                             : "the edges %u %u and %u %u are in contact: their gap is %.3g m with the thickness asked "
-                               "for; move them apart, or make thickness or radius smaller";
-    return view->host->fail(view->host, HK_BAD_PARAM, format, id[v[0]], id[v[1]], id[v[2]], id[v[3]], near[k].gap);
+    say(view->model->id, p->vertex, first, one);
+    say(view->model->id, p->vertex + first, 4 - first, other);
+    return view->host->fail(
+        view->host, HK_BAD_PARAM,
+        "%s and %s are in contact: their gap is %.3g m with the thickness asked for; move them apart, "
+        "or make thickness or radius smaller",
+        one, other, near[k].gap);
   }
   return HK_OK;
 }
 
-/* Before the first step. */
-static void choose_first(barrier *b, const hk_view *view) {
-  if (!(b->chosen > 0)) {
-    b->density = hk_barrier_density(&b->contacts, view);
-    b->chosen = isnan(b->stiffness) ? hk_barrier_chosen(b->density, b->contacts.law.distance,
-                                                        hk_barrier_look(&b->contacts, view).approach, 0)
-                                    : b->stiffness;
+/* Before the first step; a later one finds the choice made. */
+static void choose(barrier *b, const hk_view *view) {
+  hk_barrier_contacts *c = &b->contacts;
+  if (!(b->chosen > 0) && isnan(b->stiffness)) {
+    b->density = hk_barrier_density(c, view);
+    b->chosen = hk_barrier_chosen(b->density, c->law.distance, hk_barrier_look(c, view).approach, 0);
   }
-  b->contacts.law.stiffness = b->chosen;
+  c->law.stiffness = isnan(b->stiffness) ? b->chosen : b->stiffness;
+}
+
+/* At the start of a step whose pairs were found on the way that velocities predict: so what is about to hit is known
+ * before it loads the barrier, and little energy is in it when its stiffness rises. */
+static void follow_speeds(barrier *b, const hk_view *from, const double *x_to) {
+  if (!b->due || !isnan(b->stiffness) || memcmp(from->x, x_to, 3 * from->n * sizeof *x_to) == 0) return;
+  hk_barrier_survey s = hk_barrier_look(&b->contacts, from);
+  double before = b->chosen;
+  b->due = 0;
+  b->chosen = b->contacts.law.stiffness = hk_barrier_chosen(b->density, b->contacts.law.distance, s.approach, before);
+  b->stiffened += s.energy * (b->chosen / before - 1);
 }
 
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *changed) {
@@ -147,28 +176,30 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
     status = hk_barrier_find(&b->contacts, from, x_to, b->friction.pairs.item, b->friction.pairs.count, changed);
   if (status == HK_OK) status = refuse_contact(b, from);
   if (status != HK_OK) return status;
+  if (!(b->contacts.law.stiffness > 0)) choose(b, from);
+  follow_speeds(b, from, x_to);
+  if (!b->began && !b->friction.touches.count) status = hk_friction_take(&b->friction, &b->contacts, from);
   hk_friction_tell_names(&b->friction, &b->contacts);
-  if (!(b->contacts.law.stiffness > 0)) choose_first(b, from);
-  return HK_OK;
+  return status;
 }
 
 static double step_limit(void *self, const hk_view *from, const double *dx) {
   return hk_barrier_limit(&((barrier *)self)->contacts, from, dx);
 }
 
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  barrier *b = self;
+  hk_barrier_bound(&b->contacts, &b->friction, view, part, block);
+}
+
 static hk_status accepted(void *self, const hk_view *view, double h) {
   barrier *b = self;
-  double power[1] = {0};
   hk_barrier_survey s = hk_barrier_look(&b->contacts, view);
+  b->began = 1;
   b->closest = fmin(b->closest, s.closest);
   b->impulse += h * s.load;
-  (void)power;
-  if (isnan(b->stiffness)) {
-    double before = b->chosen;
-    b->chosen = hk_barrier_chosen(b->density, b->contacts.law.distance, s.approach, before);
-    if (before > 0) b->stiffened += s.energy * (b->chosen / before - 1);
-    b->contacts.law.stiffness = b->chosen;
-  }
+  b->lost -= h * hk_friction_power(&b->friction, view->v);
+  b->due = 1;
   return hk_friction_take(&b->friction, &b->contacts, view);
 }
 
@@ -178,7 +209,7 @@ static bool report(void *self, const hk_view *view, hk_contact_report *out) {
   if (surfaces->report(surfaces->self, view, out) != HK_OK) return false;
   out->closest = b->closest;
   out->impulse = b->impulse;
-  out->impact_energy = b->lost;
+  out->impact_energy = b->lost - b->stiffened;
   b->closest = INFINITY;
   return true;
 }
@@ -191,6 +222,7 @@ static const hk_force force = {
     .energy = energy,
     .pattern = pattern,
     .jacobian = jacobian,
+    .stiffness_bound = stiffness_bound,
     .update = update,
     .step_limit = step_limit,
     .accepted = accepted,

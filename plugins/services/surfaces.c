@@ -18,7 +18,7 @@ typedef struct surfaces {
   hk_gather pairs, crossings;
   double *counted_at; /* n x 3, m: the positions of `crossings` */
   bool counted;
-  double *const *mark; /* of `leave`; NULL: none */
+  double *const *mark; /* of `keep`; NULL: none */
   uint64_t number;
   double seconds; /* wall time of the searches so far */
   hk_surfaces table;
@@ -142,31 +142,6 @@ static hk_status not_joined(const surfaces *s) {
   return s->host->fail(s->host, HK_FAILED, "the surfaces were asked before a plugin had joined them");
 }
 
-/* What of the members from `begin` to `end` are marked, together, and whether all are pinned. */
-static unsigned marks_of(const surfaces *s, const hk_surface_pair *p, int begin, int end, bool *pinned) {
-  unsigned marks = 0;
-  *pinned = true;
-  for (int k = begin; k < end; k++) {
-    marks |= (unsigned)(*s->mark)[p->vertex[k]];
-    *pinned &= s->model->inverse_mass[p->vertex[k]] == 0;
-  }
-  return marks;
-}
-
-static bool is_left(const surfaces *s, const hk_surface_pair *p) {
-  int second = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
-  bool held[2];
-  unsigned a = marks_of(s, p, 0, second, &held[0]), b = marks_of(s, p, second, 4, &held[1]);
-  return (a & b & HK_MARK_TANGLED) || (a & HK_MARK_PINCHED && held[1]) || (b & HK_MARK_PINCHED && held[0]);
-}
-
-static size_t leave_out(const surfaces *s, hk_surface_pair *pair, size_t count) {
-  size_t kept = 0;
-  for (size_t k = 0; k < count; k++)
-    if (!is_left(s, &pair[k])) pair[kept++] = pair[k];
-  return kept;
-}
-
 static hk_status pairs(void *self, const double *x_from, const double *x_to, double reach, hk_surface_pairs *out) {
   surfaces *s = self;
   double begin = now();
@@ -175,7 +150,6 @@ static hk_status pairs(void *self, const double *x_from, const double *x_to, dou
   hk_status status = hk_surface_pairs_find(&s->search, s->host, &move, &s->pairs);
   if (status == HK_NOT_FINITE && name_lost(s, x_from) == HK_OK) name_lost(s, x_to);
   *out = (hk_surface_pairs){status == HK_OK ? s->pairs.count : 0, s->pairs.record};
-  if (s->mark) out->count = leave_out(s, s->pairs.record, out->count);
   s->seconds += now() - begin;
   return status;
 }
@@ -221,7 +195,27 @@ static hk_status report(void *self, const hk_view *view, hk_contact_report *out)
   return HK_OK;
 }
 
-static void leave(void *self, double *const *mark) { ((surfaces *)self)->mark = mark; }
+/* What of the members from `begin` to `end` are marked, together, and whether all are pinned. */
+static unsigned marks_of(const surfaces *s, const hk_surface_pair *p, int begin, int end, bool *pinned) {
+  unsigned marks = 0;
+  *pinned = true;
+  for (int k = begin; k < end; k++) {
+    marks |= (unsigned)(*s->mark)[p->vertex[k]];
+    *pinned &= s->model->inverse_mass[p->vertex[k]] == 0;
+  }
+  return marks;
+}
+
+static bool leaves(void *self, const hk_surface_pair *p) {
+  const surfaces *s = self;
+  if (!s->mark) return false;
+  int second = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
+  bool held[2];
+  unsigned a = marks_of(s, p, 0, second, &held[0]), b = marks_of(s, p, second, 4, &held[1]);
+  return (a & b & HK_MARK_TANGLED) || (a & HK_MARK_PINCHED && held[1]) || (b & HK_MARK_PINCHED && held[0]);
+}
+
+static void keep(void *self, double *const *mark) { ((surfaces *)self)->mark = mark; }
 
 /* ---- the plugin ---- */
 
@@ -236,7 +230,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->model = view->model;
   s->pairs.record_size = sizeof(hk_surface_pair);
   s->crossings.record_size = 2 * sizeof(uint32_t);
-  s->table = (hk_surfaces){self, join, mesh, pairs, intersections, report, leave};
+  s->table = (hk_surfaces){self, join, mesh, pairs, intersections, report, keep, leaves};
   return HK_OK;
 }
 

@@ -37,6 +37,15 @@ double hk_friction_add(const hk_barrier_friction *f, const double *v, double *F)
   return power;
 }
 
+double hk_friction_power(const hk_barrier_friction *f, const double *v) {
+  double u[3], power = 0;
+  for (size_t k = 0; k < f->touches.count; k++) {
+    double size = slip(&touches_of(f)[k], v, u);
+    power -= ratio(f, &touches_of(f)[k], size) * size * size;
+  }
+  return power;
+}
+
 /* r (P - e e^T) + s e e^T, P the projection across the normal, e = u/|u|, s the slope of the force. */
 static void damping_of(const hk_barrier_friction *f, const hk_barrier_touch *t, const double *v, double D[9]) {
   double u[3], size = slip(t, v, u), r = ratio(f, t, size), y = size / f->speed;
@@ -72,9 +81,9 @@ hk_status hk_friction_take(hk_barrier_friction *f, const hk_barrier_contacts *c,
   hk_barrier_value v;
   size_t count = 0;
   if (!(f->coefficient > 0)) return c->host->resize(c->host, &f->touches, 0);
-  hk_status status = c->host->resize(c->host, &f->touches, c->near.count);
+  hk_status status = c->host->resize(c->host, &f->touches, c->found);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < c->near.count; k++)
+  for (size_t k = 0; k < c->found; k++)
     if (near[k].name != UINT32_MAX && hk_barrier_evaluate(&near[k], &c->law, view->x, &v))
       remember(&near[k], &v, view, &touches_of(f)[count++]);
   return c->host->resize(c->host, &f->touches, count);

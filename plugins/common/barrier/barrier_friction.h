@@ -23,6 +23,7 @@ typedef struct hk_barrier_friction {
 } hk_barrier_friction;
 
 double hk_friction_add(const hk_barrier_friction *, const double *v, double *F); /* returns the power, W */
+double hk_friction_power(const hk_barrier_friction *, const double *v);          /* W */
 void hk_friction_damping(const hk_barrier_friction *, const double *v, const hk_blocks *into);
 /* Takes over the contacts of an accepted step. HK_NO_MEMORY. */
 hk_status hk_friction_take(hk_barrier_friction *, const hk_barrier_contacts *, const hk_view *view);

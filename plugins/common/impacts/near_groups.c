@@ -70,8 +70,10 @@ void hk_near_groups_mark(hk_nearby *s, double more) {
     if (!(s->group[g].due > s->group[g].path + more)) mark_group(s, g, more);
   s->dues = 0;
   for (size_t w = 0; w < words; w++)
-    for (uint64_t left = s->marks[w]; left; left &= left - 1)
-      s->index[s->dues++] = (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
+    for (uint64_t left = s->marks[w]; left; left &= left - 1) {
+      uint32_t k = (uint32_t)(64 * w) + (uint32_t)__builtin_ctzll(left);
+      if (!s->surfaces->leaves(s->surfaces->self, &s->pair[k])) s->index[s->dues++] = k;
+    }
 }
 
 /* ---- boxes ---- */

@@ -182,6 +182,7 @@ static hk_status newton_direction(work *k) {
   if (stale && pays(&k->w->krylov)) {
     bool solved = krylov(k);
     judge(&k->w->krylov, solved);
+    if (solved && k->w->definite > 0) k->w->definite--;
     if (solved) return HK_OK;
   }
   status = factorize_and_solve(k);

@@ -28,7 +28,7 @@ typedef struct hk_surface_request {
 
 /* HK_POINT_TRIANGLE: vertex[0] against the triangle of vertex[1], [2], [3]; HK_EDGE_EDGE: the edge of vertex[0], [1]
  * against that of vertex[2], [3]. */
-enum { HK_MARK_TANGLED = 1, HK_MARK_PINCHED = 2 }; /* see `leave` */
+enum { HK_MARK_TANGLED = 1, HK_MARK_PINCHED = 2 }; /* see `keep` */
 
 typedef struct hk_surface_pair {
   uint32_t vertex[4]; /* particles */
@@ -72,7 +72,7 @@ typedef struct hk_surfaces {
   hk_status (*join)(void *self, const hk_surface_request *, const hk_view *view);
   const hk_surface_mesh *(*mesh)(void *self);
   /* All pairs whose gap is less than `reach` (m, 0 or more) somewhere on the straight moves from x_from to x_to (n x 3;
-   * may be the same): those whose boxes, swept by the moves, are nearer than that; so some are farther apart. They
+   * may be the same), and some that are farther apart: those that none of a few axes separates by more than that. They
    * depend on the positions and pins alone, not on earlier calls. HK_NO_MEMORY; HK_NOT_FINITE, which names the
    * particle. Not inside a parallel_for, which it uses. It allocates when there are more pairs than ever before, by
    * half at least. */
@@ -82,9 +82,11 @@ typedef struct hk_surfaces {
   /* Fills `intersections` and `first` of the report. The count at the same positions is not repeated. */
   hk_status (*report)(void *self, const hk_view *view, struct hk_contact_report *out);
   /* What a plugin that frees surfaces keeps for itself: n numbers, the address of whose array is `mark`, sums of
-   * HK_MARK_...; 0: nothing. `pairs` leaves out pairs of particles marked as tangled on both sides, which contact would
-   * keep where they should not be, and those of pinched particles with what is pinned. NULL: all pairs again. */
-  void (*leave)(void *self, double *const *mark);
+   * HK_MARK_...; 0: nothing. */
+  void (*keep)(void *self, double *const *mark);
+  /* Whether contact is to leave a pair alone at present: of particles marked as tangled on both sides, which it would
+   * hold where they should not be, or of pinched ones with what is pinned. May be called by several threads. */
+  bool (*leaves)(void *self, const hk_surface_pair *);
 } hk_surfaces;
 
 #endif
