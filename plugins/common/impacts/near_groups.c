@@ -52,22 +52,22 @@ void hk_near_groups_make(hk_nearby *s) {
   for (size_t k = 0; k < s->count; k++) s->due[k] = -INFINITY;
 }
 
-static void mark_group(hk_nearby *s, size_t g) {
+static void mark_group(hk_nearby *s, size_t g, double more) {
   hk_near_group *group = &s->group[g];
   double least = INFINITY;
   for (size_t e = group->start; e < group[1].start; e++) {
     uint32_t k = s->in_group[e];
-    if (!(s->due[k] > group->path_to)) s->marks[k / 64] |= (uint64_t)1 << k % 64;
+    if (!(s->due[k] > group->path + more)) s->marks[k / 64] |= (uint64_t)1 << k % 64;
     least = s->due[k] < least ? s->due[k] : least;
   }
   group->due = least;
 }
 
-void hk_near_groups_mark(hk_nearby *s) {
+void hk_near_groups_mark(hk_nearby *s, double more) {
   size_t words = (s->count + 63) / 64;
   memset(s->marks, 0, words * sizeof *s->marks);
   for (size_t g = 0; g < s->groups; g++)
-    if (!(s->group[g].due > s->group[g].path_to)) mark_group(s, g);
+    if (!(s->group[g].due > s->group[g].path + more)) mark_group(s, g, more);
   s->dues = 0;
   for (size_t w = 0; w < words; w++)
     for (uint64_t left = s->marks[w]; left; left &= left - 1) {
@@ -107,21 +107,28 @@ static double square_between(const hk_patch_box *a, const hk_patch_box *b) {
   return sum;
 }
 
-bool hk_near_boxes_apart(const hk_nearby *s, double skin) {
-  double most = 0, zero = 0; /* NaN where a place is not finite */
+/* m: twice the largest move of a particle; NAN where one is not finite. */
+static double largest_approach(const hk_nearby *s) {
+  double most = 0, zero = 0;
   for (size_t k = 0; k < s->patches.count; k++) {
     const hk_patch_move *m = &s->moves[k];
     double way = sqrt(m->mean[0] * m->mean[0] + m->mean[1] * m->mean[1] + m->mean[2] * m->mean[2]) + m->spread;
     most = fmax(most, way);
     zero += 0 * way;
   }
-  if (2 * most + zero < skin) return true;
+  return 2 * most + zero;
+}
+
+double hk_near_boxes_slack(const hk_nearby *s) {
+  double least = s->skin - largest_approach(s);
+  if (!(least < s->skin / 2)) return least;
+  least = INFINITY;
   for (size_t a = 0; a < s->patches.count; a++)
     for (size_t b = 0; b <= a; b++) {
       double nearer = hk_patch_approach(&s->moves[a], &s->moves[b]);
-      if (nearer < skin) continue;
-      double most_apart = nearer + s->reach;
-      if (!(square_between(&s->box[a], &s->box[b]) * (1 - 1e-9) > most_apart * most_apart)) return false;
+      if (s->skin - nearer >= least) continue;
+      double apart = sqrt(square_between(&s->box[a], &s->box[b])) - s->reach;
+      least = fmin(least, fmax(s->skin, apart) - nearer);
     }
-  return true;
+  return least;
 }

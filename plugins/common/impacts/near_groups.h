@@ -10,11 +10,11 @@ typedef struct hk_patch_box {
 
 /* Of the list's pairs, all of them due. */
 void hk_near_groups_make(hk_nearby *);
-/* Fills `index` with the pairs that are due on the groups' paths. */
-void hk_near_groups_mark(hk_nearby *);
+/* Fills `index` with the pairs that are due when all patches have come nearer by `more` beside the groups' paths. */
+void hk_near_groups_mark(hk_nearby *, double more);
 void hk_near_boxes_make(hk_nearby *);
-/* Whether all patches have, by `moves`, come nearer to each other by less than `skin`, or than their boxes were apart
- * less the reach. */
-bool hk_near_boxes_apart(const hk_nearby *, double skin);
+/* m: of how much all pairs of patches have left, after their `moves` since the search, of the skin, or of the distance
+ * of their boxes less the reach. Below 0: a pair that is not listed may be within reach. */
+double hk_near_boxes_slack(const hk_nearby *);
 
 #endif

@@ -1,18 +1,50 @@
 /* Two bounds by the moves of patches (patches.h). The list: a pair that is not in it was at least the skin apart on all
  * of the moves of the search, and at least as far as its patches' boxes, swept by them; while the two have come nearer
  * by less since, at the same part of the same step or else since its end, its gap is open. Pairs in the list: on the
- * way from a look to now their distance has changed by the sum over the steps of what their patches came nearer, at
- * most. */
+ * way from a look to now their distance has changed by the sum of what their patches came nearer from one measurement
+ * to the next, at most; a pair's path counts from the measurement before its look. */
 #include "plugins/common/impacts/nearby.h"
 
 #include "plugins/common/impacts/near_groups.h"
 
 #include <string.h>
 
-enum { PAIRS = 256 };
+enum { PAIRS = 256, PARTICLES = 4096 };
 
 /* Relative, of distances: far above rounding, far below what shows. */
 static const double margin = 1e-9;
+
+/* Of the skin: particles may have moved by so much, both of a pair together, before patches are measured again. */
+static const double worth_measuring = 0.25;
+
+typedef struct comparison {
+  const double *a, *b; /* n x 3 */
+  double *most2;       /* m^2, of each chunk */
+} comparison;
+
+static void compare_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const comparison *c = context;
+  double most2 = 0, zero = 0; /* NaN where a place is not finite */
+  for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+    double x = c->a[i] - c->b[i], y = c->a[i + 1] - c->b[i + 1], z = c->a[i + 2] - c->b[i + 2];
+    double square = x * x + y * y + z * z;
+    most2 = square > most2 ? square : most2;
+    zero += 0 * square;
+  }
+  c->most2[chunk] = most2 + zero;
+}
+
+/* m: twice the largest distance of a particle between two states; NAN where one is not finite. */
+static double twice_the_largest(const hk_nearby *s, const double *a, const double *b) {
+  comparison c = {a, b, s->chunk};
+  double most2 = 0, zero = 0;
+  s->host->parallel_for(s->host, s->n, PARTICLES, compare_chunk, &c);
+  for (size_t k = 0; k * PARTICLES < s->n; k++) {
+    most2 = s->chunk[k] > most2 ? s->chunk[k] : most2;
+    zero += 0 * s->chunk[k];
+  }
+  return 2 * sqrt(most2 + zero) * (1 + margin);
+}
 
 static hk_status no_memory(const hk_nearby *s, size_t count, const char *what) {
   return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu %s", count, what);
@@ -20,8 +52,8 @@ static hk_status no_memory(const hk_nearby *s, size_t count, const char *what) {
 
 hk_status hk_nearby_open(hk_nearby *s, const hk_host *host, const hk_view *view, const hk_surfaces *surfaces,
                          hk_nearby_found *found, double skin) {
-  void *old[] = {s->last, s->moves, s->box, s->seen, s->by_home};
-  for (int k = 0; k < 5; k++) host->release(host, old[k]);
+  void *old[] = {s->last, s->moves, s->box, s->seen, s->by_home, s->at, s->chunk};
+  for (int k = 0; k < 7; k++) host->release(host, old[k]);
   s->host = host;
   s->surfaces = surfaces;
   s->found = found;
@@ -33,11 +65,14 @@ hk_status hk_nearby_open(hk_nearby *s, const hk_host *host, const hk_view *view,
   if (status != HK_OK) return status;
   size_t patches = s->patches.count + 1;
   s->last = host->allocate(host, (3 * s->n + 1) * sizeof *s->last);
+  s->at = host->allocate(host, (3 * s->n + 1) * sizeof *s->at);
+  s->chunk = host->allocate(host, (s->n / PARTICLES + 1) * sizeof *s->chunk);
   s->moves = host->allocate(host, patches * sizeof *s->moves);
   s->box = host->allocate(host, patches * sizeof *s->box);
   s->seen = host->allocate(host, patches * sizeof *s->seen);
   s->by_home = host->allocate(host, patches * sizeof *s->by_home);
-  if (!s->last || !s->moves || !s->box || !s->seen || !s->by_home) return no_memory(s, s->n, "particles");
+  if (!s->last || !s->at || !s->chunk || !s->moves || !s->box || !s->seen || !s->by_home)
+    return no_memory(s, s->n, "particles");
   memcpy(s->last, view->x, 3 * s->n * sizeof *s->last);
   return HK_OK;
 }
@@ -86,44 +121,64 @@ static hk_status search(hk_nearby *s, const double *x_from, const double *x_to) 
   return list_pairs(s);
 }
 
-/* path_to = path + by how much a move from a to b may bring the patches nearer. */
-static void extend(hk_nearby *s, const double *a, const double *b) {
-  hk_patches_measure(&s->patches, s->host, a, b, s->moves);
-  for (hk_near_group *g = s->group; g < s->group + s->groups; g++)
-    g->path_to = g->path + hk_patch_approach(&s->moves[g->a], &s->moves[g->b]) * (1 + margin);
+/* What is left at x of the list's slack. */
+static double slack_at(hk_nearby *s, const double *x) {
+  hk_patches_measure(&s->patches, s->host, s->found->to, x, s->moves);
+  return hk_near_boxes_slack(s) * (1 - margin);
 }
 
-static void settle(hk_nearby *s, const double *x) {
-  for (size_t g = 0; g < s->groups; g++) s->group[g].path = s->group[g].path_to;
-  memcpy(s->last, x, 3 * s->n * sizeof *x);
+/* Measures all patches at x. */
+static void measure(hk_nearby *s, const double *x) {
+  hk_patches_measure(&s->patches, s->host, s->at, x, s->moves);
+  for (hk_near_group *g = s->group; g < s->group + s->groups; g++)
+    g->path += hk_patch_approach(&s->moves[g->a], &s->moves[g->b]) * (1 + margin);
+  memcpy(s->at, x, 3 * s->n * sizeof *x);
+  s->loose = 0;
+  s->slack = slack_at(s, x);
+}
+
+/* The list is new: its paths begin at x. */
+static void begin_paths(hk_nearby *s, const double *x) {
+  memcpy(s->at, x, 3 * s->n * sizeof *x);
+  s->loose = 0;
+  s->slack = s->fresh ? 0 : slack_at(s, x);
 }
 
 void hk_nearby_begin(hk_nearby *s, const double *x_from) {
+  s->loose += twice_the_largest(s, s->last, x_from);
+  memcpy(s->last, x_from, 3 * s->n * sizeof *x_from);
+  if (s->listed && (s->fresh || !(s->loose < worth_measuring * s->skin))) measure(s, x_from);
   s->fresh = false;
-  if (memcmp(s->last, x_from, 3 * s->n * sizeof *x_from) == 0) return;
-  extend(s, s->last, x_from);
-  settle(s, x_from);
 }
 
-/* Whether no pair that is not listed can have come below the reach. */
-static bool still_apart(hk_nearby *s, const double *x) {
-  hk_patches_measure(&s->patches, s->host, s->found->to, x, s->moves);
-  return hk_near_boxes_apart(s, s->skin * (1 - margin));
+/* In the step of a search the list is complete for its moves, and for others by what they differ from these. */
+static bool is_complete(hk_nearby *s, const double *x_from, const double *x_to) {
+  if (!s->found->good) return false;
+  if (s->fresh) return slack_at(s, x_to) > 0;
+  if (s->loose + s->step < s->slack) return true;
+  if (s->loose > 0) measure(s, x_from);
+  return s->step < s->slack || (s->slack > 0 && slack_at(s, x_to) > 0);
 }
 
 hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to) {
   hk_status status = HK_OK;
-  bool complete = s->found->good;
-  if (complete && !s->listed) status = list_pairs(s);
-  complete = complete && status == HK_OK && still_apart(s, x_to) && (s->fresh || still_apart(s, x_from));
-  if (!complete && status == HK_OK) status = search(s, x_from, x_to);
-  if (status != HK_OK) return status;
-  extend(s, x_from, x_to);
-  hk_near_groups_mark(s);
-  return HK_OK;
+  s->step = twice_the_largest(s, x_from, x_to);
+  if (s->found->good && !s->listed) {
+    status = list_pairs(s);
+    if (status == HK_OK) begin_paths(s, x_from);
+  }
+  if (status == HK_OK && !is_complete(s, x_from, x_to)) {
+    status = search(s, x_from, x_to);
+    if (status == HK_OK) begin_paths(s, x_from);
+  }
+  if (status == HK_OK) hk_near_groups_mark(s, s->loose + s->step);
+  return status;
 }
 
-void hk_nearby_end(hk_nearby *s, const double *x_to) { settle(s, x_to); }
+void hk_nearby_end(hk_nearby *s, const double *x_to) {
+  s->loose += s->step;
+  memcpy(s->last, x_to, 3 * s->n * sizeof *x_to);
+}
 
 void hk_nearby_put_off(hk_nearby *s, size_t k, double gap) {
   s->due[k] = s->group[s->group_of[k]].path + (gap - s->reach) * (1 - margin);
@@ -152,7 +207,7 @@ void hk_nearby_sift(hk_nearby *s, const double *x) {
   s->host->parallel_for(s->host, s->dues, PAIRS, sift_chunk, &w);
   for (size_t d = 0; d < s->dues; d++) {
     uint32_t k = s->index[d];
-    if (!(s->due[k] > s->group[s->group_of[k]].path_to)) s->index[kept++] = k;
+    if (!(s->due[k] > s->group[s->group_of[k]].path + s->loose + s->step)) s->index[kept++] = k;
   }
   s->dues = kept;
 }
