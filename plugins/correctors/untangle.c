@@ -12,6 +12,7 @@
 typedef struct untangle {
   double thickness, body_thickness, radius, clearance;
   hk_tuples leave;
+  double interval, next; /* s */
   int64_t rounds;
   bool flypaper;
   double *mark; /* n: HK_MARK_... */
@@ -32,6 +33,8 @@ static const hk_param params[] = {
     {"leave", "", "particles that have no part in contact", HK_PARTICLES, {0}, 0, 0, offsetof(untangle, leave), HK_OPTIONAL, NULL},
     {"clearance", "m", "how much further than their thickness surfaces are moved apart; by default a hundredth of the mean edge",
      HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, clearance), HK_OPTIONAL, NULL},
+    {"interval", "s", "time between two looks, while nothing intersects, or a look has not helped",
+     HK_NUMBER, {0.01}, 0, 1e6, offsetof(untangle, interval), 0, NULL},
     {"rounds", "", "moves that are tried after a step, at most", HK_INTEGER, {100}, 1, 1e6, offsetof(untangle, rounds), 0, NULL},
     {"flypaper", "", "whether vertices stick to two bodies between which there is no room for them", HK_BOOLEAN, {1}, 0, 0,
      offsetof(untangle, flypaper), 0, NULL},
@@ -40,6 +43,7 @@ static const hk_param params[] = {
 
 static const hk_field fields[] = {
     {"mark", HK_FIELD_PER_PARTICLE, 1, offsetof(untangle, mark), 0},
+    {"next", HK_FIELD_NUMBER, 1, offsetof(untangle, next), 0},
     {"at_first", HK_FIELD_INTEGER, 1, offsetof(untangle, at_first), 0},
     {"at_last", HK_FIELD_INTEGER, 1, offsetof(untangle, at_last), 0},
     {"stuck", HK_FIELD_INTEGER, 1, offsetof(untangle, stuck), 0},
@@ -112,18 +116,32 @@ static void say_stuck(untangle *s, const hk_view *view) {
                 s->paper.pinched, view->model->id[s->paper.hold[0].vertex], view->t);
 }
 
-static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
-  untangle *s = self;
-  const hk_surfaces *surfaces = s->work.surfaces;
+/* A look that helped is followed by another one in the next step. */
+static hk_status free_surfaces(untangle *s, const hk_view *view, hk_correction *c) {
+  int64_t before = s->at_last;
+  if (view->t < s->next) return HK_OK;
   hk_status status = hk_untangler_free(&s->work, view->model, c);
   if (status != HK_OK) return status;
   hk_untangler_mark(&s->work, view->n, s->mark);
   say(s, view->t);
-  if (!s->between_bodies) return HK_OK;
-  status = hk_flypaper_hold(&s->paper, s->host, surfaces, view->model, c, s->mark);
+  bool helped = s->at_last > 0 && (s->at_last < before || before == 0);
+  s->next = helped ? view->t : view->t + s->interval * (1 - 1e-9); /* a step that ends there but for rounding counts */
+  return HK_OK;
+}
+
+static hk_status hold_pinched(untangle *s, const hk_view *view, hk_correction *c) {
+  for (size_t i = 0; i < view->n && s->stuck; i++)
+    if (s->mark[i] >= HK_MARK_PINCHED) s->mark[i] -= HK_MARK_PINCHED;
+  hk_status status = hk_flypaper_hold(&s->paper, s->host, s->work.surfaces, view->model, c, s->mark);
   if (status == HK_OK && s->paper.pinched && !s->stuck) say_stuck(s, view);
   s->stuck = (int64_t)s->paper.pinched;
   return status;
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  untangle *s = self;
+  hk_status status = free_surfaces(s, view, c);
+  return status == HK_OK && s->between_bodies ? hold_pinched(s, view, c) : status;
 }
 
 static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {

@@ -1,17 +1,22 @@
-/* Baraff and Witkin's step: backward Euler with one linearisation,
- *     (M + h D + h^2 K) dv = h (F(x, v) - h K v),   v' = v + dv,   x' = x + h v',
- * and their control of the step: a step that changes the strain of any spring by more than `stretch`, or that passes
- * through a contact, is discarded and repeated with half the length; after `patience` accepted steps the length is
- * doubled, up to a frame or `dt`. Particles with a scripted motion have a prescribed dv, which enters the equations of
- * their neighbours through the right-hand side. The matrix may be indefinite where springs are compressed; the step is
- * then repeated with semi-definite blocks. Constraint forces are those of the start of the step plus those that keep dv
- * consistent with the constraints. Channels are explicit.
- * Baraff and Witkin 1998, equations (6) and (16), sections 5 and 6. */
+/* Baraff and Witkin's step: backward Euler with one linearisation and altered positions,
+ *     (M + h D + h^2 K) dv = h (F(x, v) - K (h v + y)),   v' = v + dv,   x' = x + h v' + y.
+ * y is what a position changes beside its velocity: that of particles on a path which is not straight, by which their
+ * neighbours' forces then know where they will be. The equations are solved by the scene's solver, which keeps momentum
+ * to rounding where it is a direct one, or, with `solve`, by the paper's filtered conjugate gradients, in which
+ * velocities that pins prescribe or confine stay so to the last bit (plugins/common/linear/filtered_gradients.c); by
+ * the former also where constraints act or blocks are not symmetric.
+ *
+ * The control of the step is theirs, too: a step that changes the strain of any spring or triangle by more than
+ * `stretch`, or that passes through a contact, is discarded and repeated with half the length; after `patience`
+ * accepted steps the length is doubled, up to a frame or `dt`. The matrix may be indefinite where springs are
+ * compressed; the step is then repeated with semi-definite blocks. Constraint forces are those of the start of the step
+ * plus those that keep dv consistent with the constraints. Channels are explicit. Baraff and Witkin 1998, equations
+ * (6), (16) and (18), sections 5 and 6. */
 #include "core/plugin.h"
-#include "plugins/common/linear/block_product.h"
 #include "plugins/common/integrate/growth_factor.h"
 #include "plugins/common/moves/safe_move.h"
 #include "plugins/common/linear/block_product.h"
+#include "plugins/common/linear/filtered_gradients.h"
 
 #include <float.h>
 #include <string.h>
@@ -19,17 +24,19 @@
 typedef struct baraff_witkin {
   double stretch;
   int64_t patience;
+  int solve;
+  double tolerance;
   double length; /* s, length of the next step */
   int64_t good;  /* accepted steps since `length` changed */
   double *memory;
 } baraff_witkin;
 
-enum { STATES = 4 };
+enum { STATES = 8, FILTERED = 1 };
 
 static const hk_param params[] = {
     {"stretch",
      "",
-     "largest change of a spring's strain (l - L)/L in a step",
+     "largest change in a step of the strain of a spring, (l - L)/L, or of a triangle",
      HK_NUMBER,
      {0.1},
      0,
@@ -46,6 +53,26 @@ static const hk_param params[] = {
      1000000,
      offsetof(baraff_witkin, patience),
      0,
+     NULL},
+    {"solve",
+     "",
+     "by the scene's solver, or by the paper's filtered conjugate gradients",
+     HK_CHOICE,
+     {0},
+     0,
+     0,
+     offsetof(baraff_witkin, solve),
+     0,
+     "solver|filtered"},
+    {"tolerance",
+     "",
+     "residual of the filtered gradients that will do, relative to the right-hand side",
+     HK_NUMBER,
+     {1e-9},
+     0,
+     1,
+     offsetof(baraff_witkin, tolerance),
+     HK_ABOVE_MIN,
      NULL},
     {0},
 };
@@ -75,85 +102,134 @@ static double length_of(const double *x, const uint32_t pair[2]) {
   return sqrt(sum);
 }
 
-/* The largest change of strain from x to x_new among elements that are plain edges. */
+/* The largest change of strain from x to x_new of element e, whose numbers C are strains times `rest`. */
+static double change_of(const hk_elements *list, size_t e, double rest, const double *x, const double *x_new) {
+  if (hk_elements_are_edges(list))
+    return fabs(length_of(x_new, hk_tuple(&list->node, e)) - length_of(x, hk_tuple(&list->node, e))) / rest;
+  double C[2][HK_ELEMENT_VALUES], dC[4 * HK_ELEMENT_VALUES][3], largest = 0;
+  list->evaluate(list->self, x, e, e + 1, C[0], dC);
+  list->evaluate(list->self, x_new, e, e + 1, C[1], dC);
+  for (unsigned v = 0; v < list->values; v++) {
+    double change = fabs(C[1][v] - C[0][v]) / rest;
+    if (!(change <= largest)) largest = change;
+  }
+  return largest;
+}
+
+/* The same among all springs, and triangles that have a rest value. */
 static double stretched(const hk_model *model, const double *x, const double *x_new) {
   double largest = 0;
   for (size_t k = 0; k < model->element_lists; k++) {
     const hk_elements *list = &model->element_list[k].elements;
-    if (!model->element_list[k].acts || !hk_elements_are_edges(list)) continue;
-    for (size_t e = 0; e < list->node.count; e++) {
-      double rest = list->rest.count ? hk_tuple_value(&list->rest, e) : 0;
-      if (!(rest > 0)) continue;
-      double change = fabs(length_of(x_new, hk_tuple(&list->node, e)) - length_of(x, hk_tuple(&list->node, e))) / rest;
+    bool has = model->element_list[k].acts && (hk_elements_are_edges(list) || list->node.arity == 3);
+    for (size_t e = 0; e < list->node.count && has && list->rest.count; e++) {
+      double rest = hk_tuple_value(&list->rest, e), change = rest > 0 ? change_of(list, e, rest, x, x_new) : 0;
       if (!(change <= largest)) largest = change;
     }
   }
   return largest;
 }
 
+/* Vectors of n x 3 but for X and a: state; slopes; right-hand side and solution; prescribed changes z; positions y; a
+ * product; room. */
 typedef struct trial {
-  double *X, *a, *b, *dv, *z, *q; /* state; slopes; right-hand side and solution; prescribed changes, products */
+  double *X, *a, *b, *dv, *z, *y, *q, *work;
 } trial;
 
-/* b = h F - K (h^2 v + h^2 z) - D h z, filtered. */
-static void right_hand_side(const hk_system *s, const hk_matrix *K, const hk_matrix *D, double h, trial *w) {
+/* b = h F - K (h^2 v + h y) */
+static void right_hand_side(const hk_system *s, const hk_matrix *K, double h, trial *w) {
   size_t m = 3 * s->n;
   const double *v = s->X + m;
-  for (size_t e = 0; e < m; e++) w->b[e] = h * h * (v[e] + w->z[e]);
-  hk_block_product(s->host, K, w->b, w->q);
+  for (size_t e = 0; e < m; e++) w->dv[e] = h * (h * v[e] + w->y[e]);
+  hk_block_product(s->host, K, w->dv, w->q);
   for (size_t e = 0; e < m; e++) w->b[e] = h * s->model->mass[e / 3] * w->a[e] - w->q[e];
-  for (size_t e = 0; e < m; e++) w->z[e] *= h;
-  hk_block_product(s->host, D, w->z, w->q);
-  for (size_t e = 0; e < m; e++) w->b[e] -= w->q[e];
 }
 
-/* With constraints, dv satisfies J dv = h J a, where a includes the constraint forces. */
-static hk_status solve(hk_system *s, double h, trial *w) {
-  if (s->equations == 0) return s->solve(s, w->b, w->dv, NULL);
-  for (size_t e = 0; e < 3 * s->n; e++) w->q[e] = h * w->a[e];
-  return s->solve_along(s, w->b, w->q, w->dv, NULL);
-}
-
-static hk_status linearise(hk_system *s, double h, unsigned want, trial *w) {
+/* What is prescribed: velocities z, and positions y beside them. */
+static void prescribe(hk_system *s, double h, trial *w) {
   size_t m = 3 * s->n;
-  hk_matrix K, D, A;
-  double *v = s->X + m;
-  hk_status status = s->jacobian(s, s->t, s->X, want, &K, &D);
-  if (status != HK_OK) return status;
+  const double *x = s->X, *v = s->X + m;
   memcpy(w->X, s->X, s->size * sizeof *w->X);
-  s->impose(s, s->t + h, w->X, w->X + m); /* prescribed velocities; z: their changes, which the filter removes */
-  for (size_t e = 0; e < m; e++) w->z[e] = s->model->inverse_mass[e / 3] > 0 ? 0 : w->X[m + e] - v[e];
-  right_hand_side(s, &K, &D, h, w);
+  s->impose(s, s->t + h, w->X, w->X + m);
+  for (size_t e = 0; e < m; e++) {
+    bool given = !(s->model->inverse_mass[e / 3] > 0);
+    w->z[e] = given ? w->X[m + e] - v[e] : 0;
+    w->y[e] = given ? w->X[e] - x[e] - h * w->X[m + e] : 0;
+  }
+}
+
+static void filter(void *context, double *vector) {
+  hk_system *s = context;
+  s->filter(s, vector);
+}
+
+static hk_status solve_filtered(const baraff_witkin *m, hk_system *s, double h, const hk_matrix *K, const hk_matrix *D,
+                                trial *w) {
+  const hk_filtered_equations equations = {s->host, K, D, s->model->mass, h, w->b, filter, s};
+  const double *residual;
+  int iterations;
+  memcpy(w->dv, w->z, 3 * s->n * sizeof *w->dv);
+  return hk_filtered_gradients(&equations, w->dv, m->tolerance, w->work, &residual, &iterations);
+}
+
+/* dv = z + u, A u = b - A z. With constraints, u satisfies J u = h J a, where a includes the constraint forces. */
+static hk_status solve_by_solver(hk_system *s, double h, const hk_matrix *K, const hk_matrix *D, trial *w) {
+  size_t m = 3 * s->n;
+  hk_matrix A;
+  hk_block_product(s->host, K, w->z, w->q);
+  for (size_t e = 0; e < m; e++) w->b[e] -= h * h * w->q[e];
+  hk_block_product(s->host, D, w->z, w->q);
+  for (size_t e = 0; e < m; e++) w->b[e] -= h * w->q[e];
   s->filter(s, w->b);
-  status = s->combine(s, 1, h, h * h, &A);
+  for (size_t e = 0; e < m; e++) w->q[e] = h * w->a[e];
+  hk_status status = s->combine(s, 1, h, h * h, &A);
   if (status == HK_OK) status = s->factorize(s, &A);
-  if (status == HK_OK) status = solve(s, h, w);
+  if (status == HK_OK)
+    status = s->equations ? s->solve_along(s, w->b, w->q, w->dv, NULL) : s->solve(s, w->b, w->dv, NULL);
   if (status != HK_OK) return status;
   s->filter(s, w->dv);
+  for (size_t e = 0; e < m; e++) w->dv[e] += w->z[e];
+  return HK_OK;
+}
+
+/* The state after a step, of the velocities' change dv. */
+static void advance(hk_system *s, double h, trial *w) {
+  size_t m = 3 * s->n;
   for (size_t e = 0; e < m; e++) {
-    w->X[m + e] = v[e] + w->dv[e];
-    w->X[e] = s->X[e] + h * w->X[m + e];
+    w->X[m + e] = s->X[m + e] + w->dv[e];
+    w->X[e] = s->X[e] + h * w->X[m + e] + w->y[e];
   }
   for (size_t e = 2 * m; e < s->size; e++) w->X[e] = s->X[e] + h * w->a[e - m];
   s->impose(s, s->t + h, w->X, w->X + m);
-  return HK_OK;
+}
+
+static hk_status linearise(const baraff_witkin *m, hk_system *s, double h, unsigned want, bool filtered, trial *w) {
+  hk_matrix K, D;
+  hk_status status = s->jacobian(s, s->t, s->X, want, &K, &D);
+  if (status != HK_OK) return status;
+  prescribe(s, h, w);
+  right_hand_side(s, &K, h, w);
+  status = filtered && K.symmetric ? solve_filtered(m, s, h, &K, &D, w) : solve_by_solver(s, h, &K, &D, w);
+  if (status == HK_OK) advance(s, h, w);
+  return status;
 }
 
 static trial begin(const baraff_witkin *m, const hk_system *s) {
   size_t v = 3 * s->n;
-  double *at = m->memory;
-  return (trial){at, at + s->size, at + 2 * s->size, at + 2 * s->size + v, at + 3 * s->size, at + 3 * s->size + v};
+  double *at = m->memory, *rest = at + 2 * s->size;
+  return (trial){at, at + s->size, rest, rest + v, rest + 2 * v, rest + 3 * v, rest + 4 * v, rest + 5 * v};
 }
 
-static hk_status try_step(hk_system *s, double h, trial *w) {
-  unsigned flags;
-  hk_status status = s->solver_flags(s, &flags);
+static hk_status try_step(const baraff_witkin *m, hk_system *s, double h, trial *w) {
+  bool filtered = m->solve == FILTERED && s->equations == 0;
+  unsigned flags = 0;
+  hk_status status = filtered ? HK_OK : s->solver_flags(s, &flags);
   unsigned want = flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
-  if (status == HK_OK) status = linearise(s, h, want, w);
-  return status == HK_NOT_CONVERGED ? linearise(s, h, want | HK_WANT_DEFINITE, w) : status;
+  if (status == HK_OK) status = linearise(m, s, h, want, filtered, w);
+  return status == HK_NOT_CONVERGED ? linearise(m, s, h, want | HK_WANT_DEFINITE, filtered, w) : status;
 }
 
-/* *good: no spring's strain changes by more than `stretch`, and the straight line to the new state passes through no
+/* *good: no strain changes by more than `stretch`, and the straight line to the new state passes through no
  * contact. */
 static hk_status judge(const baraff_witkin *m, hk_system *s, double h, const trial *w, double *moved, bool *good) {
   double part = 1;
@@ -175,7 +251,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   if (status != HK_OK) return status;
   double length = m->length > 0 ? m->length : span, pieces = ceil(fmin(whole, span) / length * (1 - 1e-9));
   for (h = fmin(whole, span / fmax(1, pieces));; h /= 2) {
-    status = try_step(s, h, &w);
+    status = try_step(m, s, h, &w);
     bool good = false;
     if (status == HK_OK) status = judge(m, s, h, &w, &moved, &good);
     if (good) break;
@@ -187,8 +263,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
     if (moved <= m->stretch)
       return s->host->fail(s->host, HK_NOT_CONVERGED, "a step of %g s still leads through a contact", h);
     return s->host->fail(s->host, HK_NOT_CONVERGED,
-                         "a step of %g s still changes a spring's strain by %g, more than stretch = %g", h, moved,
-                         m->stretch);
+                         "a step of %g s still changes a strain by %g, more than stretch = %g", h, moved, m->stretch);
   }
   memcpy(s->X, w.X, s->size * sizeof *w.X);
   if (m->length > 0 && ++m->good >= m->patience) {

@@ -15,7 +15,7 @@ typedef struct frames {
   hk_look_names names;
   const char *unit, *folder, *video_file;
   double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
-      background[3];
+      background[3], plain[3];
   hk_numbers range;
   hk_solid_numbers solids;
   hk_solid *solid;
@@ -45,6 +45,8 @@ static const hk_param params[] = {
      HK_INTEGER, {1}, 1, 1e9, offsetof(frames, every), 0, NULL},
     {"color", "", "auto, none, strain, speed, age, mass, group, or a channel (of three numbers: red, green, blue)",
      HK_STRING, {0}, 0, 0, offsetof(frames, names.color), 0, "auto"},
+    {"plain", "", "red, green and blue of everything with color = \"none\", 0 to 1; left out: blue",
+     HK_VECTOR, {0}, 0, 1, offsetof(frames, plain), HK_OPTIONAL, NULL},
     {"map", "", "colours of numbers; auto: diverging for strain, inferno for glow, else viridis",
      HK_CHOICE, {0}, 0, 0, offsetof(frames, map), 0, "auto|" HK_MAP_NAMES},
     {"reverse", "", "the colours from end to end: what is small gets the last",
@@ -172,6 +174,7 @@ static void make_plan(frames *f) {
   f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
   f->film.folder = f->folder, f->film.legend = f->legend, f->film.unit = f->unit;
+  memcpy(f->film.plain, f->plain, sizeof f->plain);
   plan_colours(f);
   plan_camera(f);
   plan_light(f);

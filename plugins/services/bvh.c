@@ -31,7 +31,7 @@ static hk_status build(void *self, const hk_box *box, size_t items, hk_bvh **tre
 
 static hk_status move(void *self, const hk_box *box, hk_bvh *tree) {
   bvh *s = self;
-  hk_bvh_refit(tree, box);
+  hk_bvh_refit(tree, s->host, box);
   return hk_bvh_cost(tree) > spread * tree->built_cost ? hk_bvh_build(tree, s->host, box, tree->items) : HK_OK;
 }
 

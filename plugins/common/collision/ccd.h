@@ -19,8 +19,8 @@
  * or so large that differences overflow, is a hit at t = 0.
  *
  * A tolerance below 2.5e-14 of the largest difference of coordinates (between the two features, at either end) means
- * that one. The time grows with the logarithm of it. Who computes positions at *t rounds them: keep a gap of some units
- * in the last place of the coordinates. */
+ * that one. Steps grow with the logarithm of it: a tenth of the gap, or of the distance at the start, is cheap. Who
+ * computes positions at *t rounds them: keep a gap of some units in the last place of the coordinates. */
 bool hk_ccd(hk_pair_kind kind, const double x0[12], const double x1[12], double gap, double tolerance, double *t);
 
 /* The same, and what it took, for tests and measurements. */

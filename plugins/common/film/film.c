@@ -57,8 +57,15 @@ static hk_status make_colours(hk_film *f, size_t n) {
   return f->host->fail(f->host, HK_NO_MEMORY, "no memory for the colours of %zu particles", n);
 }
 
+static void plain_colour(const hk_film *f, uint8_t colour[4]) {
+  static const uint8_t blue[4] = {84, 132, 190, 255};
+  memcpy(colour, blue, sizeof blue);
+  for (int c = 0; c < 3 && !isnan(f->plain[0]); c++) colour[c] = (uint8_t)(255 * f->plain[c] + 0.5);
+}
+
 static void colour_particles(hk_film *f) {
-  static const uint8_t plain[4] = {84, 132, 190, 255};
+  uint8_t plain[4];
+  plain_colour(f, plain);
   const hk_snapshot3d *s = &f->snapshot;
   const float *fade = s->extra[HK_EXTRA_FADE];
   for (size_t i = 0; i < s->n; i++) {

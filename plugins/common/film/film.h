@@ -15,6 +15,7 @@ typedef struct hk_film {
   int width, height;  /* pixels */
   const char *folder; /* of the pictures, inside the run's */
   bool legend;
+  double plain[3]; /* colour of everything where nothing else is shown, 0..1; NAN: blue */
   hk_colormap map;
   bool reverse;
   const char *label, *unit; /* of the legend; unit NULL: as the label has it */

@@ -68,7 +68,7 @@ static const char hk_mesh_fragment[] = "in vec3 n, base;\n"
                                        "void main() {\n"
                                        "  float front = gl_FrontFacing ? 1.0 : -1.0;\n"
                                        "  vec3 unit = dot(n, n) > 0.0 ? normalize(n) * front : key;\n"
-                                       "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.86, 0.87, 0.92);\n"
+                                       "  vec3 tint = gl_FrontFacing ? vec3(1.0) : vec3(0.74, 0.76, 0.84);\n"
                                        "  result = vec4(lit(base * tint, unit), 1.0);\n"
                                        "}\n";
 
@@ -97,8 +97,10 @@ static const char hk_tube_vertex[] =
     "  int which = corner.x < 0.5 ? 0 : 1;\n"
     "  float beyond = corner.x - float(which);\n" /* -1, 0 or 1 */
     "  vec4 p = ends[which];\n"
-    "  vec4 raised = projection * (view * vec4(which == 0 ? a : b, 1.0) + vec4(0.0, 0.0, radius * (1.0 - abs(beyond)), "
-    "0.0));\n"
+    "  vec3 along = mat3(view) * (b - a);\n" /* a tube that leads away from the eye is nearer to it by 1 / sine */
+    "  float slope = min(abs(along.z) / max(sqrt(dot(along.xy, along.xy)), 1e-9), 6.0);\n"
+    "  float raise = radius * sqrt(1.0 + slope * slope) * (1.0 - abs(beyond));\n"
+    "  vec4 raised = projection * (view * vec4(which == 0 ? a : b, 1.0) + vec4(0.0, 0.0, raise, 0.0));\n"
     "  float half_width = max(radius * projection[1][1] / max(p.w, 1e-6) / pixel.y, least);\n"
     "  vec2 normal = vec2(-d.y, d.x);\n"
     "  p.xy += (normal * corner.y + d * beyond * cap) * half_width * pixel * p.w;\n"

@@ -93,13 +93,29 @@ static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4]
   for (size_t i = 0; i < s->n; i++) normalize(p->vertex[i].normal);
 }
 
+/* What lies in the floor is the floor: the bodies' first faces are those that do not. */
+static size_t faces_off_floor(const hk_view_setup *setup, const hk_snapshot3d *s, uint32_t (*face)[3], size_t faces) {
+  size_t kept = 0;
+  for (size_t k = 0; k < faces; k++) {
+    float off = 0;
+    for (int i = 0; i < 3; i++) off = fmaxf(off, fabsf(s->x[face[k][i]][2] - (float)setup->height));
+    if (setup->floor && off < 1e-3f * (float)setup->size) continue;
+    uint32_t other[3];
+    memcpy(other, face[kept], sizeof other);
+    memcpy(face[kept++], face[k], sizeof other);
+    memcpy(face[k], other, sizeof other);
+  }
+  return kept;
+}
+
 /* Surfaces that are pinned as a whole are what others meet: they look like solids. */
 static hk_status add_bodies(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s) {
   uint8_t colour[4];
-  if (s->cloth == s->triangles) return HK_OK;
+  size_t faces = faces_off_floor(setup, s, s->triangle + s->cloth, s->triangles - s->cloth);
+  if (faces == 0) return HK_OK;
   hk_solid_colour(setup, false, colour);
-  return hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])s->triangle + s->cloth,
-                            s->triangles - s->cloth, colour);
+  return hk_solid_add_faces(p, (const float(*)[3])s->x, s->n, (const uint32_t(*)[3])s->triangle + s->cloth, faces,
+                            colour);
 }
 
 static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {

@@ -2,33 +2,41 @@
 
 #include <string.h>
 
-enum { LEAST = 64 /* records: room of a new list */ };
+enum { LEAST = 64 /* records: room of a new list */, ROWS = 1024 /* that a thread copies at a time */ };
 
 typedef struct pass {
   hk_gather *gather;
-  size_t total, grain;
   void (*body)(void *context, size_t begin, size_t end, size_t chunk);
   void *context;
-  size_t *start;
 } pass;
 
-static bool reserve_lists(hk_gather *g, const hk_host *host, size_t chunks) {
-  if (chunks <= g->chunks) return true;
-  hk_gathered *list = host->allocate(host, chunks * sizeof *list);
-  if (!list) return false;
-  if (g->chunks) memcpy(list, g->list, g->chunks * sizeof *list);
-  host->release(host, g->list);
-  g->list = list;
-  g->chunks = chunks;
-  return true;
+static hk_status no_memory(const hk_host *host) {
+  return host->fail(host, HK_NO_MEMORY, "no memory for a list of pairs");
+}
+
+static bool reserve(hk_gather *g, const hk_host *host, size_t rows, size_t chunks) {
+  if (chunks > g->chunks) {
+    hk_gathered *list = host->allocate(host, chunks * sizeof *list);
+    if (!list) return false;
+    if (g->chunks) memcpy(list, g->list, g->chunks * sizeof *list);
+    host->release(host, g->list);
+    g->list = list;
+    g->chunks = chunks;
+  }
+  if (rows > g->row_room) {
+    host->release(host, g->row);
+    g->row = host->allocate(host, rows * sizeof *g->row);
+    g->row_room = g->row ? rows : 0;
+  }
+  return rows <= g->row_room;
 }
 
 static void run_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  pass *r = context;
-  hk_gathered *l = &r->gather->list[chunk];
+  const pass *p = context;
+  hk_gathered *l = &p->gather->list[chunk];
   if (l->complete) return;
   l->count = 0;
-  r->body(r->context, begin, end, chunk);
+  p->body(p->context, begin, end, chunk);
 }
 
 /* Room for what was counted and half as much, where a list was too short. */
@@ -48,51 +56,54 @@ static bool lengthen(hk_gather *g, const hk_host *host, size_t chunks, bool *com
   return true;
 }
 
-static void copy_chunk(void *context, size_t begin, size_t end, size_t part) {
-  const pass *r = context;
-  hk_gather *g = r->gather;
-  (void)part;
-  for (size_t k = begin; k < end; k++)
-    if (g->list[k].count)
-      memcpy((char *)g->record + r->start[k] * g->record_size, g->list[k].record, g->list[k].count * g->record_size);
+hk_status hk_gather_run(hk_gather *g, const hk_host *host, size_t rows, size_t count, size_t grain,
+                        void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
+  pass p = {g, body, context};
+  size_t chunks = (count + grain - 1) / grain;
+  g->count = g->rows = 0;
+  if (!reserve(g, host, rows, chunks)) return no_memory(host);
+  if (rows) memset(g->row, 0, rows * sizeof *g->row);
+  for (size_t k = 0; k < chunks; k++) g->list[k].complete = false;
+  for (bool complete = false; !complete;) {
+    host->parallel_for(host, count, grain, run_chunk, &p);
+    if (!lengthen(g, host, chunks, &complete)) return no_memory(host);
+  }
+  g->rows = rows;
+  return HK_OK;
 }
 
-static bool join(pass *r, const hk_host *host, size_t chunks) {
-  hk_gather *g = r->gather;
+/* ---- joining ---- */
+
+static void copy_rows(void *context, size_t begin, size_t end, size_t part) {
+  hk_gather *g = context;
+  (void)part;
+  for (size_t r = begin; r < end; r++)
+    if (g->row[r].count)
+      memcpy((char *)g->record + g->row[r].at * g->record_size, hk_gather_records(g, r),
+             g->row[r].count * g->record_size);
+}
+
+hk_status hk_gather_join(hk_gather *g, const hk_host *host) {
   g->count = 0;
-  r->start = host->allocate(host, chunks * sizeof *r->start);
-  if (!r->start) return false;
-  for (size_t k = 0; k < chunks; g->count += g->list[k++].count) r->start[k] = g->count;
+  for (size_t r = 0; r < g->rows; g->count += g->row[r++].count) g->row[r].at = g->count;
   if (g->count > g->room) {
     size_t room = g->count + g->count / 2;
     host->release(host, g->record);
     g->record = host->allocate(host, room * g->record_size);
     g->room = g->record ? room : 0;
   }
-  bool fine = g->count <= g->room;
-  if (fine) host->parallel_for(host, chunks, 8, copy_chunk, r);
-  host->release(host, r->start);
-  return fine;
-}
-
-hk_status hk_gather_run(hk_gather *g, const hk_host *host, size_t count, size_t grain,
-                        void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context) {
-  pass r = {.gather = g, .total = count, .grain = grain, .body = body, .context = context};
-  size_t chunks = (count + grain - 1) / grain;
-  bool fine = reserve_lists(g, host, chunks), complete = false;
-  g->count = 0;
-  for (size_t k = 0; fine && k < chunks; k++) g->list[k].complete = false;
-  while (fine && !complete) {
-    host->parallel_for(host, count, grain, run_chunk, &r);
-    fine = lengthen(g, host, chunks, &complete);
+  if (g->count > g->room) {
+    g->count = 0;
+    return no_memory(host);
   }
-  fine = fine && join(&r, host, chunks);
-  return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for a list of pairs");
+  host->parallel_for(host, g->rows, ROWS, copy_rows, g);
+  return HK_OK;
 }
 
 void hk_gather_free(hk_gather *g, const hk_host *host) {
   for (size_t k = 0; k < g->chunks; k++) host->release(host, g->list[k].record);
   host->release(host, g->list);
+  host->release(host, g->row);
   host->release(host, g->record);
   *g = (hk_gather){.record_size = g->record_size};
 }

@@ -4,11 +4,17 @@
 
 #include "plugins/common/surfaces/surface_search.h"
 
-/* The pairs of a move into `pairs`, whose records are hk_surface_pair. As hk_surface_search_rows. */
+/* The pairs of a move into `pairs`, whose records are hk_surface_pair. As hk_surface_search_run. */
 hk_status hk_surface_pairs_find(hk_surface_search *, const hk_host *, const hk_surface_move *, hk_gather *pairs);
 
+/* Which features are a pair, after that: those that no axis of a few keeps apart by more than offset and reach: the
+ * axes of coordinates, the line between their middles, and the normal of the triangle, or of the two edges. v: the
+ * particles, as in hk_surface_pair. */
+bool hk_surface_point_near(const hk_surface_search *, const uint32_t v[4], double offset);
+bool hk_surface_edges_near(const hk_surface_search *, const uint32_t v[4], double offset);
+
 /* The edges and triangles that have a point in common at x (n x 3) and share no particle, into `crossings`, whose
- * records are uint32_t[2], rising. As hk_surface_search_rows. */
+ * records are uint32_t[2], rising. As hk_surface_search_run. */
 hk_status hk_surface_crossings_find(hk_surface_search *, const hk_host *, const double *x, hk_gather *crossings);
 
 #endif

@@ -1,11 +1,11 @@
 #include "plugins/common/surfaces/surface_search.h"
 
-#include <string.h>
+#include "plugins/common/space/vector3.h"
 
-enum { GRAIN = 2048, ROWS = 256 };
+enum { GRAIN = 2048 };
 
-/* Of coordinates, radii and reach: eight times what rounds when boxes are made and compared. */
-static const double slack = 0x1p-50;
+/* Of the extent of a move: positions are subtracted, multiplied by an axis and summed up, at 2^-53 of it each. */
+static const double rounding = 0x1p-46;
 /* Searches visit nodes in proportion to the cost of the tree, and building takes as long as some ten searches. */
 static const double spread = 1.5;
 
@@ -15,31 +15,35 @@ static size_t chunks_of(size_t n) { return (n + GRAIN - 1) / GRAIN; }
 
 hk_status hk_surface_search_open(hk_surface_search *s, const hk_host *host, const hk_surface_lists *lists,
                                  const hk_model *model) {
-  size_t n = model->n;
   hk_surface_search_free(s, host);
-  *s = (hk_surface_search){.lists = lists, .model = model, .rows.record_size = sizeof(hk_item_pair)};
-  s->swept = host->allocate(host, n * sizeof *s->swept);
-  s->box = host->allocate(host, lists->items * sizeof *s->box);
-  s->order = host->allocate(host, lists->items * sizeof *s->order);
-  s->held = host->allocate(host, n * sizeof *s->held);
-  s->lost = host->allocate(host, chunks_of(lists->mesh.points) * sizeof *s->lost);
-  if (s->swept && s->box && s->order && s->held && s->lost) return HK_OK;
+  *s = (hk_surface_search){.lists = lists, .model = model, .near.record_size = sizeof(uint32_t)};
+  hk_status status = hk_surface_items_build(&s->items, host, &lists->mesh, model->n);
+  if (status != HK_OK) return status;
+  s->swept = host->allocate(host, model->n * sizeof *s->swept);
+  s->box = host->allocate(host, s->items.count * sizeof *s->box);
+  s->order = host->allocate(host, s->items.count * sizeof *s->order);
+  s->held = host->allocate(host, model->n * sizeof *s->held);
+  s->extent = host->allocate(host, chunks_of(lists->mesh.points) * sizeof *s->extent);
+  if (s->swept && s->box && s->order && s->held && s->extent) return HK_OK;
   hk_surface_search_free(s, host);
-  return host->fail(host, HK_NO_MEMORY, "no memory for the boxes of %zu surfaces", lists->items);
+  return host->fail(host, HK_NO_MEMORY, "no memory for the boxes of %zu particles", model->n);
 }
 
 void hk_surface_search_free(hk_surface_search *s, const hk_host *host) {
-  void *memory[] = {s->swept, s->box, s->order, s->held, s->lost};
+  void *memory[] = {s->swept, s->box, s->order, s->held, s->extent};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
+  hk_surface_items_free(&s->items, host);
   hk_bvh_free(&s->tree, host);
-  hk_gather_free(&s->rows, host);
+  hk_gather_free(&s->near, host);
   *s = (hk_surface_search){0};
 }
 
 /* ---- what can move ---- */
 
 static bool is_held(const hk_surface_search *s, const hk_surface_item *item) {
-  return s->held[item->vertex[0]] && s->held[item->vertex[1]] && s->held[item->vertex[2]];
+  bool held = true;
+  for (int c = 0; c < 4; c++) held &= s->held[item->vertex[c]];
+  return held;
 }
 
 bool hk_surface_search_pins_kept(const hk_surface_search *s) {
@@ -54,66 +58,67 @@ static void order_items(hk_surface_search *s) {
   size_t count = 0;
   for (size_t k = 0; k < l->mesh.points; k++) s->held[l->mesh.point[k]] = s->model->inverse_mass[l->mesh.point[k]] == 0;
   for (int pass = 0; pass < 2; pass++) {
-    for (uint32_t k = 0; k < l->items; k++)
-      if (is_held(s, &l->item[k]) == (pass == 1)) s->order[count++] = k;
+    for (uint32_t k = 0; k < s->items.count; k++)
+      if (is_held(s, &s->items.item[k]) == (pass == 1)) s->order[count++] = k;
     if (pass == 0) s->moving = count;
   }
   s->ordered = true;
 }
 
-/* ---- boxes ---- */
-
-typedef struct task {
-  hk_surface_search *search;
-  const hk_surface_move *move;
-} task;
-
-static void sweep_particle(const task *t, uint32_t i) {
-  const hk_surface_move *m = t->move;
-  hk_box *box = &t->search->swept[i];
-  double margin = m->bare ? 0 : t->search->lists->margin[i];
-  for (int c = 0; c < 3; c++) {
-    double a = m->x_from[3 * (size_t)i + c], b = m->x_to[3 * (size_t)i + c], low = a < b ? a : b, high = a < b ? b : a;
-    box->low[c] = low - margin - slack * (fabs(low) + margin + m->reach);
-    box->high[c] = high + margin + slack * (fabs(high) + margin + m->reach);
-  }
-}
-
-static bool is_finite(const double *x, uint32_t i) {
-  return isfinite(x[3 * (size_t)i]) && isfinite(x[3 * (size_t)i + 1]) && isfinite(x[3 * (size_t)i + 2]);
-}
+/* ---- positions ---- */
 
 static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
-  bool lost = false;
+  hk_surface_search *s = context;
+  const uint32_t *point = s->lists->mesh.point;
+  const double *from = s->move.x_from, *to = s->move.x_to, *origin = from + 3 * (size_t)point[0];
+  double extent = 0, zero = 0;
   for (size_t k = begin; k < end; k++) {
-    uint32_t i = t->search->lists->mesh.point[k];
-    lost |= !is_finite(t->move->x_from, i) || !is_finite(t->move->x_to, i);
-    sweep_particle(t, i);
+    size_t i = point[k];
+    for (size_t c = 0; c < 3; c++) {
+      double a = from[3 * i + c] - origin[c], b = to[3 * i + c] - origin[c];
+      s->swept[i].x[c] = (hk_two){a, b};
+      extent = fmax(extent, fmax(fabs(a), fabs(b)));
+      zero += 0 * a + 0 * b; /* NAN where one is not finite */
+    }
   }
-  t->search->lost[chunk] = lost;
+  s->extent[chunk] = extent + zero;
 }
 
+static hk_status sweep(hk_surface_search *s, const hk_host *host) {
+  size_t points = s->lists->mesh.points;
+  double extent = 0;
+  host->parallel_for(host, points, GRAIN, sweep_chunk, s);
+  for (size_t k = 0; k < chunks_of(points); k++) {
+    if (isnan(s->extent[k])) return HK_NOT_FINITE;
+    extent = fmax(extent, s->extent[k]);
+  }
+  s->slack = rounding * (extent + (s->move.bare ? 0 : s->move.reach));
+  return HK_OK;
+}
+
+/* The box of an item's move, with its radius; the reach and the slack are added where it is asked for. */
 static void box_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const hk_surface_search *s = ((const task *)context)->search;
+  const hk_surface_search *s = context;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    const uint32_t *v = s->lists->item[s->order[k]].vertex;
-    hk_box two = hk_box_around(&s->swept[v[0]], &s->swept[v[1]]);
-    s->box[k] = hk_box_around(&two, &s->swept[v[2]]);
+    const uint32_t *v = s->items.item[s->order[k]].vertex;
+    hk_swept_set set = hk_swept(s->swept, v, 4);
+    double radius = s->move.bare ? 0 : hk_feature_radius(&s->lists->mesh, v, 4);
+    for (int c = 0; c < 3; c++) {
+      hk_two_range r = hk_range_of(&set, c);
+      s->box[k].low[c] = hk_lesser(r.low) - radius;
+      s->box[k].high[c] = -hk_lesser(-r.high) + radius;
+    }
   }
 }
 
-static hk_status fit(hk_surface_search *s, const hk_host *host, task *t) {
-  size_t points = s->lists->mesh.points, items = s->lists->items;
-  host->parallel_for(host, points, GRAIN, sweep_chunk, t);
-  for (size_t k = 0; k < chunks_of(points); k++)
-    if (s->lost[k]) return HK_NOT_FINITE;
+static hk_status fit(hk_surface_search *s, const hk_host *host) {
+  size_t items = s->items.count;
   bool anew = !hk_surface_search_pins_kept(s) || s->tree.items != items;
   if (anew) order_items(s);
-  host->parallel_for(host, items, GRAIN, box_chunk, t);
+  host->parallel_for(host, items, GRAIN, box_chunk, s);
   if (!anew) {
-    hk_bvh_refit(&s->tree, s->box);
+    hk_bvh_refit(&s->tree, host, s->box);
     anew = hk_bvh_cost(&s->tree) > spread * s->tree.built_cost;
   }
   return anew ? hk_bvh_build(&s->tree, host, s->box, items) : HK_OK;
@@ -121,46 +126,139 @@ static hk_status fit(hk_surface_search *s, const hk_host *host, task *t) {
 
 /* ---- rows ---- */
 
-typedef struct row {
-  hk_surface_search *search;
-  size_t k, chunk;
-} row;
+size_t hk_surface_search_leaves(const hk_surface_search *s) { return (s->tree.items + 3) / 4; }
 
-static void visit(void *context, uint32_t j) {
-  const row *r = context;
-  if (j <= r->k) return;
-  hk_item_pair *pair = hk_gather_add(&r->search->rows, r->chunk);
-  if (pair) *pair = (hk_item_pair){(uint32_t)r->k, j};
+size_t hk_surface_search_leaf(const hk_surface_search *s, size_t leaf, const uint32_t **place) {
+  size_t rest = s->tree.items - 4 * leaf;
+  *place = s->tree.order + 4 * leaf;
+  return rest < 4 ? rest : 4;
 }
 
-static void sort_row(hk_item_pair *pair, size_t count) {
+static bool share(const uint32_t *a, const uint32_t *b) {
+  bool found = false;
+  for (int k = 0; k < 4; k++) found |= a[k] == b[0] || a[k] == b[1] || a[k] == b[2] || a[k] == b[3];
+  return found;
+}
+
+/* An item whose row is found, and what tests against many others share. */
+typedef struct seeker {
+  uint32_t place;
+  const uint32_t *vertex;
+  double distance; /* m, without the radius of the other */
+  hk_swept_set set;
+  double normal[3], normal2;
+  hk_two_range along; /* the normal */
+} seeker;
+
+static seeker prepare(const hk_surface_search *s, uint32_t k) {
+  const uint32_t *v = s->items.item[s->order[k]].vertex;
+  seeker i = {.place = k, .vertex = v, .set = hk_swept(s->swept, v, 4)};
+  i.distance = hk_surface_distance(s, hk_feature_radius(&s->lists->mesh, v, 4));
+  hk_normal_of(i.set.point[0], i.set.point[3], i.set.point[1], i.set.point[2], i.normal); /* of the diagonals */
+  i.normal2 = hk_dot(i.normal, i.normal);
+  i.along = hk_range_along(&i.set, i.normal);
+  return i;
+}
+
+/* Whether an axis keeps two items apart. */
+static bool are_apart(const hk_surface_search *s, const seeker *i, uint32_t other) {
+  const uint32_t *v = s->items.item[s->order[other]].vertex;
+  if (share(i->vertex, v)) return false;
+  hk_swept_set b = hk_swept(s->swept, v, 4);
+  double distance = i->distance + (s->move.bare ? 0 : hk_feature_radius(&s->lists->mesh, v, 4));
+  double gap = hk_range_gap(i->along, hk_range_along(&b, i->normal));
+  if (gap > 0 && gap * gap > distance * distance * i->normal2) return true;
+  return hk_apart_by_middles(&i->set, &b, distance);
+}
+
+static void sort(uint32_t *list, size_t count) {
   for (size_t k = 1; k < count; k++) {
-    hk_item_pair kept = pair[k];
+    uint32_t kept = list[k];
     size_t to = k;
-    for (; to > 0 && pair[to - 1].b > kept.b; to--) pair[to] = pair[to - 1];
-    pair[to] = kept;
+    for (; to > 0 && list[to - 1] > kept; to--) list[to] = list[to - 1];
+    list[to] = kept;
   }
 }
 
-static void row_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
-  hk_surface_search *s = t->search;
-  hk_gathered *list = &s->rows.list[chunk];
-  for (size_t k = begin; k < end; k++) {
-    size_t first = list->count;
-    row r = {s, k, chunk};
-    hk_box with = s->box[k];
-    for (int c = 0; c < 3; c++) with.low[c] -= t->move->reach, with.high[c] += t->move->reach;
-    hk_bvh_overlaps(&s->tree, s->box, &with, visit, &r);
-    if (list->count > list->room) continue; /* the chunk is run again */
-    hk_item_pair *pair = (hk_item_pair *)(void *)list->record + first;
-    sort_row(pair, list->count - first);
-    for (size_t q = 0; q < list->count - first; q++) pair[q] = (hk_item_pair){s->order[k], s->order[pair[q].b]};
+/* A leaf's search for other leaves. Where they are more than can be kept it is made again for each item. */
+typedef struct leaf_walk {
+  hk_surface_search *search;
+  size_t chunk;
+  hk_bvh_query with;
+  hk_bvh_walk walk;
+  size_t count;
+  uint32_t found[HK_BVH_MOST];
+  bool whole;
+} leaf_walk;
+
+static void begin_walk(leaf_walk *w) {
+  hk_bvh_walk_begin(&w->walk, &w->search->tree, &w->with, false);
+  w->count = hk_bvh_walk_on(&w->walk, w->found);
+}
+
+static void try_leaves(const leaf_walk *w, const seeker *i, const hk_bvh_query *with) {
+  hk_surface_search *s = w->search;
+  for (size_t q = 0; q < w->count; q++) {
+    const uint32_t *place = s->tree.order + 4 * (size_t)w->found[q];
+    for (unsigned hits = hk_bvh_hits(&s->tree.node[w->found[q]], with); hits; hits &= hits - 1) {
+      uint32_t other = place[__builtin_ctz(hits)];
+      if (other <= i->place || are_apart(s, i, other)) continue;
+      uint32_t *record = hk_gather_add(&s->near, w->chunk);
+      if (record) *record = other;
+    }
   }
 }
 
-hk_status hk_surface_search_rows(hk_surface_search *s, const hk_host *host, const hk_surface_move *move) {
-  task t = {s, move};
-  hk_status status = fit(s, host, &t);
-  return status == HK_OK ? hk_gather_run(&s->rows, host, s->moving, ROWS, row_chunk, &t) : status;
+/* The slack twice, so that rounding in the tree is never stricter than the comparison of features. */
+static hk_bvh_query ask_around(const hk_surface_search *s, const hk_box *box) {
+  hk_box wide = *box;
+  double distance = hk_surface_distance(s, 0) + s->slack;
+  for (int c = 0; c < 3; c++) wide.low[c] -= distance, wide.high[c] += distance;
+  return hk_bvh_ask(&s->tree, &wide);
+}
+
+static void find_row(leaf_walk *w, uint32_t k) {
+  hk_surface_search *s = w->search;
+  hk_bvh_query with = ask_around(s, &s->box[k]);
+  seeker i = prepare(s, k);
+  hk_gather_row(&s->near, w->chunk, k);
+  if (!w->whole) begin_walk(w);
+  do try_leaves(w, &i, &with);
+  while (!w->whole && (w->count = hk_bvh_walk_on(&w->walk, w->found)) > 0);
+  uint32_t *record = hk_gather_records(&s->near, k);
+  if (record) sort(record, s->near.row[k].count);
+}
+
+static void search_leaf(leaf_walk *w, size_t leaf) {
+  hk_surface_search *s = w->search;
+  const uint32_t *place;
+  size_t count = hk_surface_search_leaf(s, leaf, &place);
+  hk_box around = s->box[place[0]];
+  bool moves = false;
+  for (size_t q = 0; q < count; q++) {
+    moves |= place[q] < s->moving;
+    for (int c = 0; c < 3; c++) {
+      around.low[c] = fmin(around.low[c], s->box[place[q]].low[c]);
+      around.high[c] = fmax(around.high[c], s->box[place[q]].high[c]);
+    }
+  }
+  if (!moves) return;
+  w->with = ask_around(s, &around);
+  begin_walk(w);
+  w->whole = w->walk.top == 0;
+  for (size_t q = 0; q < count; q++)
+    if (place[q] < s->moving) find_row(w, place[q]);
+}
+
+static void search_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  leaf_walk w = {.search = context, .chunk = chunk};
+  for (size_t leaf = begin; leaf < end; leaf++) search_leaf(&w, leaf);
+}
+
+hk_status hk_surface_search_run(hk_surface_search *s, const hk_host *host, const hk_surface_move *move) {
+  s->move = *move;
+  hk_status status = sweep(s, host);
+  if (status == HK_OK) status = fit(s, host);
+  if (status != HK_OK) return status;
+  return hk_gather_run(&s->near, host, s->moving, hk_surface_search_leaves(s), HK_SEARCH_LEAVES, search_chunk, s);
 }

@@ -1,64 +1,59 @@
-/* Which items of surfaces (surface_lists.h) are near each other: the boxes that they sweep in a straight move, and a
- * tree of these boxes. Items of which no particle can move stand last, so that pairs of two of them are never looked
- * at.
+/* Which items of surfaces (surface_items.h) come near each other in a straight move: a tree of the boxes that they
+ * sweep, and for what it finds, axes that keep two items apart (surface_gap.h). Items of which no particle can move
+ * stand last, so that pairs of two of them are never looked at.
  *
- * Rows of candidates are functions of the positions and of what can move alone: the tree and when it was built leave no
- * trace in them. */
+ * What is near is decided by positions and pins alone; the tree and when it was built leave no trace. */
 #ifndef HK_SURFACE_SEARCH_H
 #define HK_SURFACE_SEARCH_H
 
-#include "plugins/common/space/bvh.h"
 #include "plugins/common/space/gather.h"
+#include "plugins/common/surfaces/surface_gap.h"
+#include "plugins/common/surfaces/surface_items.h"
 #include "plugins/common/surfaces/surface_lists.h"
-
-typedef struct hk_surface_search {
-  const hk_surface_lists *lists;
-  const hk_model *model;
-  hk_box *swept;   /* n: the boxes of the particles' moves */
-  hk_box *box;     /* items, as in `order` */
-  uint32_t *order; /* items: those that can move first, both parts rising */
-  size_t moving;
-  bool *held; /* n: which particles cannot move, for `order` */
-  bool ordered;
-  bool *lost; /* by chunks of the particles: one is not finite */
-  hk_bvh tree;
-  hk_gather rows;
-} hk_surface_search;
-
-typedef struct hk_item_pair {
-  uint32_t a, b; /* items of the lists; a can move */
-} hk_item_pair;
 
 typedef struct hk_surface_move {
   const double *x_from, *x_to; /* n x 3, m */
   double reach;                /* m */
-  bool bare;                   /* boxes of the positions alone, without the radii of surfaces */
+  bool bare;                   /* without the radii of surfaces */
 } hk_surface_move;
+
+typedef struct hk_surface_search {
+  const hk_surface_lists *lists;
+  const hk_model *model;
+  hk_surface_items items;
+  uint32_t *order; /* items: those that can move first, both parts rising; a place is an index of it */
+  size_t moving;
+  bool *held; /* n: which particles cannot move, for `order` */
+  bool ordered;
+  hk_swept_point *swept; /* n: of the last move */
+  hk_surface_move move;
+  double slack;   /* m: far above what rounds where positions are compared, 2^-46 of the extent of the move */
+  double *extent; /* by chunks of the particles, m; NAN: one is not finite */
+  hk_box *box;    /* by places, m, from the origin of the search */
+  hk_bvh tree;
+  hk_gather near; /* row k: the places that place k may meet, above k, rising; records are uint32_t */
+} hk_surface_search;
 
 /* Lists and model have to stay where they are until hk_surface_search_free. HK_NO_MEMORY. */
 hk_status hk_surface_search_open(hk_surface_search *, const hk_host *, const hk_surface_lists *, const hk_model *);
 void hk_surface_search_free(hk_surface_search *, const hk_host *);
-/* The pairs of items whose boxes of a move are within its reach, in `rows`: by their places in `order`, rising. With
- * them `swept` and `box` are those of the move. HK_NO_MEMORY; HK_NOT_FINITE, without a message: a position is not. */
-hk_status hk_surface_search_rows(hk_surface_search *, const hk_host *, const hk_surface_move *);
-
+/* Finds the rows for a move. HK_NO_MEMORY; HK_NOT_FINITE, without a message: a position is not. */
+hk_status hk_surface_search_run(hk_surface_search *, const hk_host *, const hk_surface_move *);
 /* Whether the same particles as in the last search can move. */
 bool hk_surface_search_pins_kept(const hk_surface_search *);
 
-static inline bool hk_boxes_near(const hk_box *a, const hk_box *b, double reach) {
-  bool apart = false;
-  for (int c = 0; c < 3; c++) apart |= a->low[c] - reach > b->high[c] || b->low[c] > a->high[c] + reach;
-  return !apart;
-}
+enum { HK_SEARCH_LEAVES = 32 /* of the tree, that a thread takes at a time */ };
 
-/* The box of two boxes. */
-static inline hk_box hk_box_around(const hk_box *a, const hk_box *b) {
-  hk_box box;
-  for (int c = 0; c < 3; c++) {
-    box.low[c] = a->low[c] < b->low[c] ? a->low[c] : b->low[c];
-    box.high[c] = a->high[c] > b->high[c] ? a->high[c] : b->high[c];
-  }
-  return box;
+/* The number of leaves, and the places of a leaf, up to four; their number. For loops over the rows in which neighbours
+ * in space follow each other. */
+size_t hk_surface_search_leaves(const hk_surface_search *);
+size_t hk_surface_search_leaf(const hk_surface_search *, size_t leaf, const uint32_t **place);
+
+/* ---- features: one to three particles ---- */
+
+/* m: nearer than this two features are a pair. */
+static inline double hk_surface_distance(const hk_surface_search *s, double offset) {
+  return (s->move.bare ? 0 : offset + s->move.reach) + s->slack;
 }
 
 #endif

@@ -72,7 +72,7 @@ typedef struct hk_surfaces {
   hk_status (*join)(void *self, const hk_surface_request *, const hk_view *view);
   const hk_surface_mesh *(*mesh)(void *self);
   /* All pairs whose gap is less than `reach` (m, 0 or more) somewhere on the straight moves from x_from to x_to (n x 3;
-   * may be the same): those whose boxes, swept by the moves, are nearer than that; so some are farther apart. They
+   * may be the same), and some that are farther apart: those that none of a few axes separates by more than that. They
    * depend on the positions and pins alone, not on earlier calls. HK_NO_MEMORY; HK_NOT_FINITE, which names the
    * particle. Not inside a parallel_for, which it uses. It allocates when there are more pairs than ever before, by
    * half at least. */

@@ -4,6 +4,7 @@
 #define HK_UNTANGLER_H
 
 #include "plugins/common/untangling/moves.h"
+#include "plugins/common/untangling/prolong.h"
 
 typedef struct hk_untangler {
   const hk_surfaces *surfaces;
@@ -11,6 +12,7 @@ typedef struct hk_untangler {
   double clearance; /* m: how much further than their radii surfaces are moved apart */
   int64_t rounds;   /* moves at once, at most */
   hk_contours contours;
+  hk_prolong prolong;
   hk_regions regions;
   hk_moves moves;
   double *trial, *from; /* n x 3, m */

@@ -478,6 +478,36 @@ static void elements_are_the_force(void **state) {
   }
 }
 
+/* Blocks of several chunks, of triangles and of hinges: a crumpled sheet moves for some implicit steps. */
+static void move(int threads, double *x) {
+  test_engine e;
+  uint64_t seed = 3;
+  sheet s = sheet_make(SHEET_IRREGULAR, 20, (double[]){0, 0, 0});
+  test_engine_open(&e);
+  set(&e, sheet_add(&e, &s, "membrane"), &MATERIAL[1]);
+  hk_plugin_spec *hinges = test_plugin(&e, HK_FORCE, "hinges");
+  test_tuples(&e, hinges, "triangles", 3, s.corner, s.triangles);
+  test_number(&e, hinges, "rigidity", 1e-3);
+  for (size_t k = 0; k < 3 * s.particles; k++) e.scene->velocity[k] = noise(&seed);
+  test_plugin(&e, HK_INTEGRATOR, "backward_euler");
+  e.options.dt = 1e-2;
+  e.options.threads = threads;
+  e.scene->duration = 0.03;
+  test_run(&e);
+  test_advance(&e, 0.03);
+  for (uint32_t i = 0; i < s.particles; i++) memcpy(x + 3 * i, test_position(&e, i + 1), 3 * sizeof *x);
+  sheet_free(&s);
+  test_engine_close(&e);
+}
+
+static void threads_do_not_change_a_bit(void **state) {
+  (void)state;
+  static double one[3 * 441], three[3 * 441];
+  move(1, one);
+  move(3, three);
+  assert_memory_equal(one, three, sizeof one);
+}
+
 /* The triangles that are left keep the shapes of the start. */
 static void triangles_follow_deaths(void **state) {
   (void)state;
@@ -530,6 +560,7 @@ int main(void) {
       cmocka_unit_test(triangles_without_area_have_finite_forces),
       cmocka_unit_test(what_is_no_membrane_is_named),
       cmocka_unit_test(elements_are_the_force),
+      cmocka_unit_test(threads_do_not_change_a_bit),
       cmocka_unit_test(triangles_follow_deaths),
       cmocka_unit_test(no_memory_is_an_error),
   };

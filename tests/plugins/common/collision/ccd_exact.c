@@ -38,7 +38,8 @@ static void scatter(double *x, double (*number)(void)) {
   for (int k = 0; k < 12; k++) x[k] = number();
 }
 
-/* Puts the features into contact, exactly: weights are eighths, and at times the contact is at an edge or a corner. */
+/* Puts the features into contact, points of the grid exactly: weights are eighths, and at times the contact is at an
+ * edge or a corner. */
 static void touch(hk_pair_kind kind, double *x) {
   double a = below(9) / 8.0, b = below(9 - (int)(8 * a)) / 8.0, s = below(9) / 8.0;
   for (int c = 0; c < 3; c++)
@@ -104,8 +105,9 @@ static pair hard(int family) {
   static const double times[] = {0, 0.5, 0.25, 0.875, 1, 0x1p-10, 1 - 0x1p-10};
   pair p = {.kind = below(2) ? HK_EDGE_EDGE : HK_POINT_TRIANGLE};
   double x[12], v[12], t = times[below(7)];
-  scatter(x, grid);
-  scatter(v, grid);
+  bool rounded = family == 1 && below(2); /* then it touches but for rounding: half of the time a little too late */
+  scatter(x, rounded ? noise : grid);
+  scatter(v, rounded ? noise : grid);
   if (family == 2 || family == 3) flatten(x, family == 3), flatten(v, family == 3);
   if (family == 4) p.kind = HK_EDGE_EDGE, edges_along_each_other(x, v);
   if (family == 6) {
@@ -113,8 +115,10 @@ static pair hard(int family) {
     make_degenerate(x, which), make_degenerate(v, which);
   }
   if (below(4)) touch(p.kind, x);
-  disturb(x);
+  if (!rounded) disturb(x);
   if (family == 1) t = below(2);
+  if (rounded && below(4)) /* one feature comes as it is: one direction proves all of the way but the end */
+    for (int k = 0; k < 12; k++) v[k] = k < (p.kind == HK_POINT_TRIANGLE ? 3 : 6) ? v[k % 3] : 0;
   if (family == 5) memset(v, 0, sizeof v);
   if (family == 7)
     for (int k = 0; k < 12; k++) v[k] *= k < 3 ? 1 : 0;
@@ -200,6 +204,7 @@ static void no_hard_collision_is_missed(void **state) {
       compare(&y, &p, tolerance[k % 4]);
     }
     report(family_name[family], &y);
+    assert_true(20 * y.gave_up <= y.asked); /* only where rounding leaves little to prove */
   }
 }
 

@@ -196,6 +196,29 @@ static void derivatives_are_differences_in_every_set_of_active_points(void **s) 
   }
 }
 
+/* Pairs off by `off` from a degenerate one change over that length: differences with h are off by (h/off)^2 of the
+ * largest entry, and by rounding, 1e-16/(h off). */
+static void derivatives_are_differences_near_degenerate_pairs(void **s) {
+  (void)s;
+  int checked[2][CASES] = {{0}};
+  for (int k = 0; k < 20000; k++) {
+    hk_pair_kind kind = k % 2 ? HK_EDGE_EDGE : HK_POINT_TRIANGLE;
+    double x[12], g[12], H[144], largest = 1, off[2], by = k % 4 < 2 ? 1e-1 : 1e-2;
+    scatter(x);
+    degenerate(x, k / 4 % CASES, 0);
+    for (int i = 0; i < 12; i++) x[i] += by * noise();
+    hk_nearest n = hk_nearest_of_pair(kind, x);
+    hk_distance_gradient(&n, g);
+    hk_distance_hessian(&n, x, H);
+    for (int i = 0; i < 144; i++) largest = fmax(largest, fabs(H[i]));
+    differences(kind, x, 1e-6, off);
+    if (off[0] < 0 || sine(kind, x) < by / 10) continue;
+    checked[kind][k / 4 % CASES]++;
+    assert_true(off[0] < 1e-7 + 1e-10 * largest && off[1] < 1e-6 * largest);
+  }
+  for (int k = 0; k < 2 * CASES; k++) assert_true(checked[k / CASES][k % CASES] > 200);
+}
+
 /* Nothing is infinite, the gradient and the Hessian do not see a translation, and the Hessian is symmetric. With both
  * lines in it the Hessian is known as well as their normal, to rounding over the sine. */
 static void degenerate_pairs_have_finite_derivatives(void **s) {
@@ -237,6 +260,7 @@ int main(void) {
       cmocka_unit_test(distances_are_those_of_exact_arithmetic),
       cmocka_unit_test(distances_near_zero_are_those_of_exact_arithmetic),
       cmocka_unit_test(derivatives_are_differences_in_every_set_of_active_points),
+      cmocka_unit_test(derivatives_are_differences_near_degenerate_pairs),
       cmocka_unit_test(degenerate_pairs_have_finite_derivatives),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
