@@ -133,7 +133,7 @@ static void say(const uint32_t *id, const uint32_t *v, int count, char text[64])
 static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   const hk_barrier_pair *near = b->contacts.near.item;
   char one[64], other[64];
-  for (size_t k = 0; k < b->contacts.near.count; k++) {
+  for (size_t k = 0; k < b->contacts.found; k++) {
     const hk_surface_pair *p = &near[k].pair;
     int first = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
     if (near[k].gap > 0) continue;

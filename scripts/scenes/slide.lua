@@ -1,9 +1,9 @@
 -- slide.lua: a sheet falls a centimetre onto a slope of 24 degrees and slides down. The contact is that of impulses after
--- each step, of a smooth force, of both, of Bridson's pipeline, or of a plain penalty, to be compared by
+-- each step, of a smooth force, of both, of Bridson's pipeline, of a plain penalty, or of a barrier (for bdf2), compared by
 --   hooke bench slide.lua --integrators leapfrog --vary contact=corrector,force,both,zones,penalty
 -- The sheet lands flat, so that rigid contact with Coulomb's friction has an exact solution. Forces hold the sheet some
 -- of their reach above the slope, and slip below their smooth speed; that stays, however short the steps.
-local contact = param("contact", "corrector", "corrector, force, both, zones or penalty")
+local contact = param("contact", "corrector", "corrector, force, both, zones, penalty or barrier")
 local k = param("k", 1000, "stiffness of contact by force, N/m", { min = 0 })
 local N, thickness, friction = 6, 0.004, 0.3
 
@@ -20,6 +20,8 @@ scene:pin(floor:ids())
 if contact == "penalty" then
   scene:force("penalty", { shape = "plane", radius = thickness / 2, friction = friction, k = k, damping = 5, slip = 0.01,
     only = sheet:ids() })
+elseif contact == "barrier" then
+  scene:force("barrier", { thickness = thickness, friction = friction, d_hat = thickness / 8 })
 else
   local law = { thickness = thickness, friction = friction }
   if contact ~= "force" then

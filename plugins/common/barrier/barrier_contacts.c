@@ -33,8 +33,13 @@ static size_t sort_unique(void *items, size_t count, size_t size) {
 hk_status hk_barrier_forget(hk_barrier_contacts *c) {
   c->kept = false;
   c->number = 0;
-  hk_status status = c->host->resize(c->host, &c->near, 0);
-  return status == HK_OK ? c->host->resize(c->host, &c->named, 0) : status;
+  c->found = 0;
+  return c->host->resize(c->host, &c->named, 0);
+}
+
+/* Room for `count` items, and half as many more where it has to grow: a change of size copies the array. */
+static hk_status grow(const hk_barrier_contacts *c, hk_array *array, size_t count) {
+  return count <= array->count ? HK_OK : c->host->resize(c->host, array, count + count / 2);
 }
 
 /* ---- surfaces ---- */
@@ -89,7 +94,7 @@ static void measure_chunk(void *context, size_t begin, size_t end, size_t chunk)
 
 static void measure_gaps(const hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
   move m = {c->near.item, from->x, x_to};
-  from->host->parallel_for(from->host, c->near.count, HK_BARRIER_GRAIN, measure_chunk, &m);
+  from->host->parallel_for(from->host, c->found, HK_BARRIER_GRAIN, measure_chunk, &m);
 }
 
 /* ---- the search ---- */
@@ -143,7 +148,7 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const h
     const hk_surface_pair *p = &found->pair[k];
     strands += p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2);
   }
-  hk_status status = c->host->resize(c->host, &c->near, found->count + 4 * strands);
+  hk_status status = grow(c, &c->near, found->count + 4 * strands);
   if (status != HK_OK) return status;
   hk_barrier_pair *first = c->near.item, *to = first;
   for (size_t k = 0; k < found->count; k++) {
@@ -152,16 +157,17 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const h
     to = put(to, c, p);
     if (p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2)) to = put_ends(to, c, p);
   }
-  return c->host->resize(c->host, &c->near, (size_t)(to - first));
+  c->found = (size_t)(to - first);
+  return HK_OK;
 }
 
 /* Boxes that overlap are found; what stays farther apart than `reach` is dropped, and the rest is brought in order. */
-static hk_status keep_near(hk_barrier_contacts *c, double reach) {
+static void keep_near(hk_barrier_contacts *c, double reach) {
   hk_barrier_pair *near = c->near.item;
   size_t kept = 0;
-  for (size_t k = 0; k < c->near.count; k++)
+  for (size_t k = 0; k < c->found; k++)
     if (near[k].least < reach) near[kept++] = near[k];
-  return c->host->resize(c->host, &c->near, sort_unique(near, kept, sizeof *near));
+  c->found = sort_unique(near, kept, sizeof *near);
 }
 
 /* Short moves are searched for around the present positions, so that what is found can be kept. In either case all
@@ -178,7 +184,7 @@ static hk_status search(hk_barrier_contacts *c, const hk_view *from, const doubl
   status = c->surfaces->pairs(c->surfaces->self, from->x, end, reach, &found);
   if (status == HK_OK) status = take_pairs(c, from, &found);
   if (status == HK_OK) measure_gaps(c, from, end);
-  if (status == HK_OK) status = keep_near(c, reach);
+  if (status == HK_OK) keep_near(c, reach);
   if (status != HK_OK) c->kept = false;
   return status;
 }
@@ -197,7 +203,7 @@ static bool tell_names(hk_barrier_contacts *c, const hk_surface_pair *also, size
   hk_barrier_pair *near = c->near.item;
   size_t k = 0, q = 0;
   bool all = true;
-  for (size_t e = 0; e < c->near.count; e++) {
+  for (size_t e = 0; e < c->found; e++) {
     near[e].name = place(named, c->named.count, &near[e].pair, &k);
     all &= near[e].name != UINT32_MAX || !(near[e].least < c->law.distance);
   }
@@ -207,11 +213,11 @@ static bool tell_names(hk_barrier_contacts *c, const hk_surface_pair *also, size
 
 static hk_status name(hk_barrier_contacts *c, const hk_surface_pair *also, size_t also_count) {
   const hk_barrier_pair *near = c->near.item;
-  hk_status status = c->host->resize(c->host, &c->named, c->near.count + also_count);
+  hk_status status = c->host->resize(c->host, &c->named, c->found + also_count);
   if (status != HK_OK) return status;
   hk_surface_pair *named = c->named.item;
   size_t count = 0;
-  for (size_t e = 0; e < c->near.count; e++)
+  for (size_t e = 0; e < c->found; e++)
     if (near[e].least < (1 + margin) * c->law.distance) named[count++] = near[e].pair;
   for (size_t e = 0; e < also_count; e++) named[count++] = also[e];
   status = c->host->resize(c->host, &c->named, sort_unique(named, count, sizeof *named));
@@ -221,11 +227,10 @@ static hk_status name(hk_barrier_contacts *c, const hk_surface_pair *also, size_
 
 /* Memory for evaluations, which must not ask for any. */
 static hk_status reserve(hk_barrier_contacts *c) {
-  size_t count = c->near.count;
-  hk_status status = c->host->resize(c->host, &c->sums, count / HK_BARRIER_GRAIN + 1);
-  if (status == HK_OK) status = c->host->resize(c->host, &c->loads, 12 * count);
-  if (status == HK_OK) status = c->host->resize(c->host, &c->acting, count);
-  if (status == HK_OK) status = c->host->resize(c->host, &c->hessians, 144 * (size_t)HK_BARRIER_BATCH);
+  hk_status status = grow(c, &c->sums, c->found / HK_BARRIER_GRAIN + 1);
+  if (status == HK_OK) status = grow(c, &c->loads, 12 * c->found);
+  if (status == HK_OK) status = grow(c, &c->acting, c->found);
+  if (status == HK_OK) status = grow(c, &c->hessians, 144 * (size_t)HK_BARRIER_BATCH);
   return status;
 }
 

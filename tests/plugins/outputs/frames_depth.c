@@ -1,5 +1,6 @@
 /* What tells the eye how things lie: shadows on each other, the thickness of cloth, the width of strands. All is looked
  * at along y from 4 m off, where the picture has `scale` pixels per metre. */
+#include "plugins/common/obstacles/obstacles_service.h"
 #include "tests/plugins/outputs/picture_world.h"
 
 static const double distance = 4;
@@ -143,6 +144,63 @@ static void frames_draw_what_is_pinned_as_a_whole_as_a_solid(void **state) {
   }
 }
 
+static hk_obstacle_set set;
+static hk_obstacles all = {.set = &set};
+
+static const void *serve_obstacles(const hk_host *host, const char *service) {
+  (void)host;
+  return strcmp(service, HK_OBSTACLES_INTERFACE) == 0 ? &all : NULL;
+}
+
+/* A capsule, 0.2 m wide and 0.6 m long, upright or, by half a turn less, along x. */
+static hk_obstacle capsule_at(double x, bool upright) {
+  hk_obstacle o = {.shape = {.kind = HK_SHAPE_CAPSULE, .half = {0.1, 0.1, 0.3}}};
+  hk_pose pose = {.position = {x, 0, 0}, .rotation = {0, upright ? 0 : acos(-1) / 2, 0}};
+  hk_pose history[HK_POSES];
+  hk_motion_begin(history, &pose);
+  hk_motion_of(&o.motion, history);
+  return o;
+}
+
+static extent find_dark(const world *w, size_t k) {
+  picture p = look(w, k);
+  extent e = {0, p.width, -1, p.height, -1};
+  for (int k2 = 0; k2 < p.width * p.height; k2++) {
+    const unsigned char *c = p.rgb + 3 * k2;
+    int x = k2 % p.width, y = k2 / p.width;
+    if (c[2] > c[0]) continue; /* the background is bluish, solids are not */
+    e.count++;
+    e.left = x < e.left ? x : e.left, e.right = x > e.right ? x : e.right;
+    e.top = y < e.top ? y : e.top, e.bottom = y > e.bottom ? y : e.bottom;
+  }
+  free(p.rgb);
+  return e;
+}
+
+/* The outline has the capsule's width and length, to a pixel at each end; a nearer part is larger by 1/40. */
+static void frames_draw_obstacles_where_they_are(void **state) {
+  (void)state;
+  world w;
+  world_open(&w, 1);
+  w.x[0] = 100; /* out of the picture */
+  hk_obstacle o = capsule_at(0, true);
+  set = (hk_obstacle_set){1, {&o}};
+  w.f.host.query = serve_obstacles;
+  look_along_y(&w, 0);
+  assert_int_equal(begin(&w), HK_OK);
+  assert_int_equal(add(&w), HK_OK);
+  o = capsule_at(0.4, false);
+  assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  for (size_t k = 0; k < 2; k++) {
+    extent e = find_dark(&w, k);
+    double wide = (k ? 0.6 : 0.2) * scale(), high = (k ? 0.2 : 0.6) * scale();
+    assert_true(fabs(e.right - e.left + 1 - wide) <= 2.5 && fabs(e.bottom - e.top + 1 - high) <= 2.5);
+    assert_true(fabs((e.left + e.right + 1) / 2.0 - 80 - (k ? 0.4 * scale() : 0)) <= 1.5);
+  }
+  fake_close(&w.f);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_show_cloth_as_thick_as_it_is),
@@ -150,6 +208,7 @@ int main(void) {
       cmocka_unit_test(frames_cast_the_shadow_of_a_sphere_where_the_light_has_it),
       cmocka_unit_test(frames_without_shadows_have_none),
       cmocka_unit_test(frames_draw_what_is_pinned_as_a_whole_as_a_solid),
+      cmocka_unit_test(frames_draw_obstacles_where_they_are),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
