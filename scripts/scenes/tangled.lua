@@ -20,7 +20,7 @@ for i = 0, along - 1 do
   local s = length * i / (along - 1)
   local x, z = line(s)
   local half = 0.2 - 0.14 * s / length
-  for j = 0, N - 1 do vertices[#vertices + 1] = { x, half * (2 * j / (N - 1) - 1), 0.3 + z } end
+  for j = 0, N - 1 do vertices[#vertices + 1] = { x, half * (2 * j / (N - 1) - 1) + 0.03 * s, 0.3 + z } end
 end
 for i = 0, along - 2 do
   for j = 1, N - 1 do
