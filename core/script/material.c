@@ -47,7 +47,8 @@ static void push_materials(lua_State *L, const char *what) {
     hk_lua_fail(L, HK_SCRIPT, "%s: material: there are no modules here", what);
   lua_pushliteral(L, "material_numbers");
   lua_call(L, 1, 1);
-  if (!lua_istable(L, -1)) hk_lua_fail(L, HK_SCRIPT, "%s: material: the module 'material_numbers' gives no table", what);
+  if (!lua_istable(L, -1))
+    hk_lua_fail(L, HK_SCRIPT, "%s: material: the module 'material_numbers' gives no table", what);
 }
 
 /* Replaces the table on top of the stack by the table that it holds under `key`; false: it holds none. */

@@ -3,8 +3,9 @@
  * that much, and of a pair in the list the distance is not even computed while its patches have not come nearer, on
  * all their way since, than its last gap. That is the budget of displacements of Chen and others (2025, Offset
  * geometric contact, section 3.4), kept for the motion of patches relative to each other instead of that of particles:
- * cloth that falls or slides as a whole spends nothing on itself. Neither changes what is found: every pair whose gap
- * may come below `reach` on the step's straight moves is looked at.
+ * cloth that falls or slides as a whole spends nothing on itself. Patches are measured now and then; between, the
+ * largest move of a particle stands for all. Neither changes what is found: every pair whose gap may come below `reach`
+ * on the step's straight moves is looked at.
  *
  * A step goes: hk_nearby_begin, then hk_nearby_reach for every end that is tried, then hk_nearby_end. */
 #ifndef HK_NEARBY_H
@@ -26,11 +27,10 @@ typedef struct hk_nearby_found {
 
 /* Pairs of the same two patches. */
 typedef struct hk_near_group {
-  uint32_t a, b;  /* patches */
-  size_t start;   /* of its pairs, in hk_nearby.in_group; they end where the next group's start */
-  double path;    /* m: by how much the two may have come nearer since the search, up to the start of this step */
-  double path_to; /* m: the same at the end that is tried */
-  double due;     /* m: the least of its pairs' */
+  uint32_t a, b; /* patches */
+  size_t start;  /* of its pairs, in hk_nearby.in_group; they end where the next group's start */
+  double path;   /* m: by how much the two may have come nearer since the search, up to hk_nearby.at */
+  double due;    /* m: the least of its pairs' */
 } hk_near_group;
 
 typedef struct hk_nearby {
@@ -55,6 +55,11 @@ typedef struct hk_nearby {
   uint32_t *seen;  /* of each patch: room */
   size_t *by_home; /* patches + 1: room */
   double *last;    /* n x 3, m: positions of the last step's end, or of this one's start */
+  double *at;      /* n x 3, m: positions at which patches were measured last */
+  double slack;    /* m: pairs that are not listed were, at `at`, so much above the reach at least */
+  double loose;    /* m: twice the sum of the largest moves of a particle from `at` to `last` */
+  double step;     /* m: the same of the step to the end that is tried */
+  double *chunk;   /* results of loops over particles */
   bool listed;     /* the list is that of `found` */
   bool fresh;      /* it was found in this step */
   size_t searches;

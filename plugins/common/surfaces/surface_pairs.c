@@ -30,15 +30,27 @@ bool hk_surface_edges_near(const hk_surface_search *s, const uint32_t v[4], doub
          !hk_apart_by_normal(a.point[0], a.point[1], b.point[0], b.point[1], &a, &b, distance);
 }
 
-static void try_pair(const output *o, hk_pair_kind kind, const uint32_t v[4]) {
-  const hk_surface_search *s = o->task->search;
-  const hk_surface_mesh *m = &s->lists->mesh;
-  int first = kind == HK_POINT_TRIANGLE ? 1 : 2;
-  double offset = hk_feature_radius(m, v, first) + hk_feature_radius(m, v + first, 4 - first);
-  if (s->held[v[0]] && s->held[v[1]] && s->held[v[2]] && s->held[v[3]]) return;
-  if (!(kind == HK_POINT_TRIANGLE ? hk_surface_point_near : hk_surface_edges_near)(s, v, offset)) return;
+static void add_pair(const output *o, hk_pair_kind kind, const uint32_t v[4], double offset) {
   hk_surface_pair *pair = hk_gather_add(o->task->into, o->chunk);
   if (pair) *pair = (hk_surface_pair){{v[0], v[1], v[2], v[3]}, kind, offset};
+}
+
+static bool are_held(const hk_surface_search *s, const uint32_t v[4]) {
+  return s->held[v[0]] && s->held[v[1]] && s->held[v[2]] && s->held[v[3]];
+}
+
+static void try_point(const output *o, uint32_t p, const uint32_t t[3]) {
+  const hk_surface_search *s = o->task->search;
+  const uint32_t v[4] = {p, t[0], t[1], t[2]};
+  double offset = hk_feature_radius(&s->lists->mesh, v, 1) + hk_feature_radius(&s->lists->mesh, t, 3);
+  if (!are_held(s, v) && hk_surface_point_near(s, v, offset)) add_pair(o, HK_POINT_TRIANGLE, v, offset);
+}
+
+static void try_edge(const output *o, const uint32_t e[2], const uint32_t f[2]) {
+  const hk_surface_search *s = o->task->search;
+  const uint32_t v[4] = {e[0], e[1], f[0], f[1]};
+  double offset = hk_feature_radius(&s->lists->mesh, e, 2) + hk_feature_radius(&s->lists->mesh, f, 2);
+  if (!are_held(s, v) && hk_surface_edges_near(s, v, offset)) add_pair(o, HK_EDGE_EDGE, v, offset);
 }
 
 /* An item of a pair, with those of its features that come near the box of the other one. */
@@ -82,7 +94,7 @@ static void sift(const hk_surface_search *s, member *m, const hk_box *other) {
 static void try_points_on(const output *o, const member *a, const uint32_t t[3]) {
   for (unsigned left = a->points; left; left &= left - 1) {
     uint32_t p = a->item->vertex[__builtin_ctz(left)];
-    if (!among(t, 3, p)) try_pair(o, HK_POINT_TRIANGLE, (uint32_t[]){p, t[0], t[1], t[2]});
+    if (!among(t, 3, p)) try_point(o, p, t);
   }
 }
 
@@ -93,11 +105,11 @@ static void try_points(const output *o, const member *a, const member *b) {
     if (b->item->triangle[k] != UINT32_MAX) try_points_on(o, a, m->triangle[b->item->triangle[k]]);
 }
 
-static void try_edge(const output *o, const uint32_t e[2], const hk_surface_item *item, unsigned edges) {
+static void try_edges_of(const output *o, const uint32_t e[2], const hk_surface_item *item, unsigned edges) {
   for (; edges; edges &= edges - 1) {
     uint32_t f[2];
     ends_of(item, __builtin_ctz(edges), f);
-    if (!among(f, 2, e[0]) && !among(f, 2, e[1])) try_pair(o, HK_EDGE_EDGE, (uint32_t[]){e[0], e[1], f[0], f[1]});
+    if (!among(f, 2, e[0]) && !among(f, 2, e[1])) try_edge(o, e, f);
   }
 }
 
@@ -109,7 +121,7 @@ static void try_edges(const output *o, const member *a, const member *b) {
   for (unsigned left = a->edges; left; left &= left - 1) {
     uint32_t e[2];
     ends_of(i, __builtin_ctz(left), e);
-    try_edge(o, e, j, i == j ? left & (left - 1) : b->edges);
+    try_edges_of(o, e, j, i == j ? left & (left - 1) : b->edges);
   }
 }
 

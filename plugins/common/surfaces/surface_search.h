@@ -17,11 +17,18 @@ typedef struct hk_surface_move {
   bool bare;                   /* without the radii of surfaces */
 } hk_surface_move;
 
+/* What a search reads of an item most often. */
+typedef struct hk_surface_place {
+  uint32_t vertex[4];
+  double radius; /* m */
+} hk_surface_place;
+
 typedef struct hk_surface_search {
   const hk_surface_lists *lists;
   const hk_model *model;
   hk_surface_items items;
-  uint32_t *order; /* items: those that can move first, both parts rising; a place is an index of it */
+  uint32_t *order;         /* items: those that can move first, both parts rising; a place is an index of it */
+  hk_surface_place *place; /* as `order` */
   size_t moving;
   bool *held; /* n: which particles cannot move, for `order` */
   bool ordered;

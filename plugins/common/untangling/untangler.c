@@ -72,6 +72,7 @@ static void account(hk_untangler *u, size_t n, const double *from, const double 
 
 hk_status hk_untangler_free(hk_untangler *u, const hk_model *model, hk_correction *c) {
   hk_status status = hk_untangler_look(u, model, c->x);
+  u->found = u->intersections;
   if (status != HK_OK || u->intersections == 0) return status;
   memcpy(u->seen, u->contours.kinds, sizeof u->seen);
   status = hk_reserve(u->host, &u->trial, &u->trial_room, 3 * model->n, sizeof *u->trial);

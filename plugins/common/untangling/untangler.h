@@ -18,8 +18,8 @@ typedef struct hk_untangler {
   double *trial, *from; /* n x 3, m */
   size_t trial_room, from_room;
   size_t intersections; /* at the last look */
-  /* of the last time that something was freed: curves at first, particles that were moved, and by how much, m */
-  size_t seen[HK_CONTOUR_KINDS], moved;
+  /* of the last hk_untangler_free: intersections and curves before it, particles that were moved, and by how much, m */
+  size_t found, seen[HK_CONTOUR_KINDS], moved;
   double furthest;
 } hk_untangler;
 
