@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -204,6 +205,49 @@ static void sheets_fall_without_an_intersection(void **state) {
   }
 }
 
+/* ---- bits ---- */
+
+/* Two sheets that fall on each other and on the floor, and rub. */
+static void open_falling(test_engine *e, const char *method, double h, int threads) {
+  open_world(e, method, h);
+  e->options.threads = threads;
+  for (int layer = 1; layer <= 2; layer++) add_sheet(e, 5, (double[]){0.03 * layer, 0.02 * layer, 0.004 * layer}, 0.2);
+  add_floor(e);
+  fall(e, 1, -g);
+  add_barrier(e, 0.3);
+}
+
+/* Way 1 has three threads, way 2 goes on from where way 0 was at half of the time. Implicit methods go on bit by bit
+ * from the frames of the output `checkpoint` alone, where they drop their factors (tests/core/storage/going_on.c). */
+static void compare(const char *method, double h, int ways) {
+  char path[] = "/tmp/hooke-barrier-XXXXXX";
+  int file = mkstemp(path);
+  assert_true(file >= 0);
+  close(file);
+  double whole[6 * 128];
+  for (int way = 0; way < ways; way++) {
+    test_engine t;
+    open_falling(&t, method, h, way == 1 ? 3 : 1);
+    if (way == 2) t.scene->start_file = strdup(path);
+    test_run(&t);
+    if (way == 0) test_advance(&t, 0.05);
+    if (way == 0 && hk_run_save(t.run, path, &t.error) != HK_OK) fail_msg("%s", t.error.text);
+    test_advance(&t, 0.1);
+    size_t size = 6 * t.run->state.model.n * sizeof *whole;
+    assert_true(size <= sizeof whole && summary_of(&t).impulse > 0);
+    if (way == 0) memcpy(whole, t.run->state.X, size);
+    assert_memory_equal(t.run->state.X, whole, size);
+    test_engine_close(&t);
+  }
+  remove(path);
+}
+
+static void threads_and_checkpoints_leave_no_trace(void **state) {
+  (void)state;
+  compare("bdf2:tolerance=1e-4", 1. / 120, 2);
+  compare("leapfrog", NAN, 3);
+}
+
 /* ---- friction ---- */
 
 /* m/s gained from 0.5 s to 1 s on a slope of tan = 1/2, in the frame of the slope. */
@@ -348,6 +392,7 @@ int main(void) {
       cmocka_unit_test(angular_momentum_is_kept),
       cmocka_unit_test(pressure_does_not_hang_on_the_mesh),
       cmocka_unit_test(sheets_fall_without_an_intersection),
+      cmocka_unit_test(threads_and_checkpoints_leave_no_trace),
       cmocka_unit_test(friction_on_a_slope_brackets_its_tangent),
       cmocka_unit_test(what_slides_stops_where_it_should),
       cmocka_unit_test(what_rests_keeps_its_energy_for_a_minute),
