@@ -22,6 +22,8 @@ local function parser()
   p:argument("scene", "the scene's script")
   p:argument("params", "name=value: parameters of the scene"):args("*")
   p:option("--integrators", "only these: a,b,c; a name may have settings, xpbd:substeps=20")
+  p:option("--vary", "name=a,b,c: each method with each of these values of a parameter of the scene; the reference has "
+    .. "the scene's own")
   p:option("--target", "the error to compare costs at"):default("1e-3"):convert(number("--target"))
   p:option("--finest", "the smallest error to go down to (a tenth of the target)"):convert(number("--finest"))
   p:option("--metric", "x (m) or v (m/s): root mean square over the particles, then over the frames; energy; or a "
@@ -182,7 +184,8 @@ end
 -- ---- the whole command ----
 
 local function fingerprint(o)
-  local told = { metric = o.metric, target = o.target, finest = o.finest, until_ = o.until_, threads = o.threads }
+  local told = { metric = o.metric, target = o.target, finest = o.finest, until_ = o.until_, threads = o.threads,
+    vary = o.vary }
   return journal.hash(journal.of_scene(o.scene, o.params) .. journal.canonical(told))
 end
 

@@ -12,7 +12,8 @@
  *     k_xy = 2/5 E c (a^2 + b^2)/(a b),
  * a part of it for each cell around an edge. Other meshes have k = E V/L^2 of every tetrahedron of volume V at the
  * edge, which has the right trace (Van Gelder, J. Graphics Tools 3 (1998), in three dimensions) and is isotropic on
- * average only: blocks would be 1.2 times as stiff along their sides. */
+ * average only: blocks would be 1.2 times as stiff along their sides. Free faces give way more, by a part of order 1.
+ */
 #include "core/builders/mesh_handle.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* material = "name" in a builder's or a plugin's table stands for numbers of the module `materials`, which is in
+/* material = "name" in a builder's or a plugin's table stands for numbers of the module `material_numbers`, which is in
  * scripts/lib, or beside the scene: a table of materials, each a table of tables of values, by the name of the builder
  * or plugin that takes them. What is given beside it goes first. So what a material is stands in one place, in the
  * language of scenes, and the engine knows neither cloths nor their plugins. */
@@ -45,9 +45,10 @@ static const char *push_list(lua_State *L, const names *list) {
 static void push_materials(lua_State *L, const char *what) {
   if (lua_getfield(L, LUA_REGISTRYINDEX, HK_LUA_REQUIRE) != LUA_TFUNCTION)
     hk_lua_fail(L, HK_SCRIPT, "%s: material: there are no modules here", what);
-  lua_pushliteral(L, "materials");
+  lua_pushliteral(L, "material_numbers");
   lua_call(L, 1, 1);
-  if (!lua_istable(L, -1)) hk_lua_fail(L, HK_SCRIPT, "%s: material: the module 'materials' gives no table", what);
+  if (!lua_istable(L, -1))
+    hk_lua_fail(L, HK_SCRIPT, "%s: material: the module 'material_numbers' gives no table", what);
 }
 
 /* Replaces the table on top of the stack by the table that it holds under `key`; false: it holds none. */

@@ -18,10 +18,13 @@ typedef struct untangle {
   double *mark; /* n: HK_MARK_... */
   hk_flypaper paper;
   hk_untangler work;
-  bool between_bodies;              /* there are two */
-  int64_t at_first, at_last, stuck; /* intersections when they were first seen, and now; vertices that stick */
+  bool between_bodies;       /* there are two */
+  int64_t at_first, at_last; /* intersections when they were first seen, and now */
+  int64_t told, stuck;       /* messages; vertices that stick */
   const hk_host *host;
 } untangle;
+
+enum { TELLS = 2 };
 
 /* clang-format off */
 static const hk_param params[] = {
@@ -46,6 +49,7 @@ static const hk_field fields[] = {
     {"next", HK_FIELD_NUMBER, 1, offsetof(untangle, next), 0},
     {"at_first", HK_FIELD_INTEGER, 1, offsetof(untangle, at_first), 0},
     {"at_last", HK_FIELD_INTEGER, 1, offsetof(untangle, at_last), 0},
+    {"told", HK_FIELD_INTEGER, 1, offsetof(untangle, told), 0},
     {"stuck", HK_FIELD_INTEGER, 1, offsetof(untangle, stuck), 0},
     {0},
 };
@@ -95,18 +99,20 @@ static void destroy(void *self, const hk_host *host) {
   hk_flypaper_free(&s->paper, host);
 }
 
-/* What was done, once it is done; what could not be. */
+/* What was done, once it is done; a run that goes on in the same way says it TELLS times. */
 static void say(untangle *s, double t) {
   const hk_untangler *work = &s->work;
   int64_t now = (int64_t)work->intersections;
-  if (now > 0 && s->at_last == 0) s->at_first = now;
-  if (now == 0 && s->at_last > 0)
-    s->host->warn(s->host,
-                  "%lld intersections of surfaces (curves: %zu closed, %zu from border to border, %zu to the tip of a "
-                  "fold, %zu others) are gone at t = %.6g s: %zu particles were moved, by up to %.3g m",
-                  (long long)s->at_first, work->seen[HK_CONTOUR_CLOSED], work->seen[HK_CONTOUR_BORDER],
-                  work->seen[HK_CONTOUR_LOOP], work->seen[HK_CONTOUR_BROKEN], t, work->moved, work->furthest);
+  if (work->found > 0 && s->at_last == 0) s->at_first = (int64_t)work->found;
   s->at_last = now;
+  if (now > 0 || work->found == 0 || s->told == TELLS) return;
+  s->told++;
+  s->host->warn(
+      s->host,
+      "%lld intersections of surfaces (curves: %zu closed, %zu from border to border, %zu to the tip of a fold, "
+      "%zu others) are gone at t = %.6g s: %zu particles were moved, by up to %.3g m",
+      (long long)s->at_first, work->seen[HK_CONTOUR_CLOSED], work->seen[HK_CONTOUR_BORDER], work->seen[HK_CONTOUR_LOOP],
+      work->seen[HK_CONTOUR_BROKEN], t, work->moved, work->furthest);
 }
 
 static void say_stuck(untangle *s, const hk_view *view) {

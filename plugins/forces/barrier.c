@@ -23,6 +23,7 @@ typedef struct barrier {
   hk_barrier_contacts contacts;
   hk_barrier_friction friction;
   int64_t began;                            /* whether a step was accepted */
+  int64_t due;                              /* whether the stiffness was not looked at since the last accepted step */
   double chosen, density;                   /* Pa; kg/m^2 */
   double closest, impulse, lost, stiffened; /* m, since the last report; N s; J; J, that a rising stiffness gave */
 } barrier;
@@ -53,6 +54,7 @@ static const hk_field fields[] = {
     {"named", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, contacts.named), 0},
     {"touches", HK_FIELD_ARRAY, sizeof(hk_barrier_touch), offsetof(barrier, friction.touches), 0},
     {"density", HK_FIELD_NUMBER, 1, offsetof(barrier, density), 0},
+    {"due", HK_FIELD_INTEGER, 1, offsetof(barrier, due), 0},
     {"began", HK_FIELD_INTEGER, 1, offsetof(barrier, began), 0},
     {"chosen", HK_FIELD_NUMBER, 1, offsetof(barrier, chosen), 0},
     {"closest", HK_FIELD_NUMBER, 1, offsetof(barrier, closest), 0},
@@ -131,7 +133,7 @@ static void say(const uint32_t *id, const uint32_t *v, int count, char text[64])
 static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   const hk_barrier_pair *near = b->contacts.near.item;
   char one[64], other[64];
-  for (size_t k = 0; k < b->contacts.near.count; k++) {
+  for (size_t k = 0; k < b->contacts.found; k++) {
     const hk_surface_pair *p = &near[k].pair;
     int first = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
     if (near[k].gap > 0) continue;
@@ -156,6 +158,17 @@ static void choose(barrier *b, const hk_view *view) {
   c->law.stiffness = isnan(b->stiffness) ? b->chosen : b->stiffness;
 }
 
+/* At the start of a step whose pairs were found on the way that velocities predict: so what is about to hit is known
+ * before it loads the barrier, and little energy is in it when its stiffness rises. */
+static void follow_speeds(barrier *b, const hk_view *from, const double *x_to) {
+  if (!b->due || !isnan(b->stiffness) || memcmp(from->x, x_to, 3 * from->n * sizeof *x_to) == 0) return;
+  hk_barrier_survey s = hk_barrier_look(&b->contacts, from);
+  double before = b->chosen;
+  b->due = 0;
+  b->chosen = b->contacts.law.stiffness = hk_barrier_chosen(b->density, b->contacts.law.distance, s.approach, before);
+  b->stiffened += s.energy * (b->chosen / before - 1);
+}
+
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *changed) {
   barrier *b = self;
   hk_status status = hk_friction_list(&b->friction, from->host);
@@ -164,6 +177,7 @@ static hk_status update(void *self, const hk_view *from, const double *x_to, boo
   if (status == HK_OK) status = refuse_contact(b, from);
   if (status != HK_OK) return status;
   if (!(b->contacts.law.stiffness > 0)) choose(b, from);
+  follow_speeds(b, from, x_to);
   if (!b->began && !b->friction.touches.count) status = hk_friction_take(&b->friction, &b->contacts, from);
   hk_friction_tell_names(&b->friction, &b->contacts);
   return status;
@@ -185,12 +199,7 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   b->closest = fmin(b->closest, s.closest);
   b->impulse += h * s.load;
   b->lost -= h * hk_friction_power(&b->friction, view->v);
-  if (isnan(b->stiffness)) {
-    double before = b->chosen;
-    b->chosen = hk_barrier_chosen(b->density, b->contacts.law.distance, s.approach, before);
-    if (before > 0) b->stiffened += s.energy * (b->chosen / before - 1);
-    b->contacts.law.stiffness = b->chosen;
-  }
+  b->due = 1;
   return hk_friction_take(&b->friction, &b->contacts, view);
 }
 
@@ -200,7 +209,7 @@ static bool report(void *self, const hk_view *view, hk_contact_report *out) {
   if (surfaces->report(surfaces->self, view, out) != HK_OK) return false;
   out->closest = b->closest;
   out->impulse = b->impulse;
-  out->impact_energy = b->lost;
+  out->impact_energy = b->lost - b->stiffened;
   b->closest = INFINITY;
   return true;
 }

@@ -10,7 +10,7 @@ local function at(s, height) -- on the slope, which begins at (0, 0, 1)
   return { s * down[1] + height * off[1], 0, 1 + s * down[3] + height * off[3] }
 end
 
-local scene = hooke.scene { duration = 3, fps = 60, integrator = "leapfrog" }
+local scene = hooke.scene { duration = 3, fps = 60, dt = 5e-4, integrator = "leapfrog" }
 local place = at(0.15, 0.03)
 local cube = scene:block { nx = n, ny = n, nz = n, size = { size, size, size }, density = 1000,
   origin = { place[1], -size / 2, place[3] }, u = down }
@@ -18,7 +18,7 @@ scene:body { shape = "box", size = { 2.2, 1.2, 0.06 }, position = at(1.1, -0.03)
 scene:body { shape = "box", size = { 3, 1.2, 0.06 }, position = { 2.6, 0, -0.03 } }
 
 scene:force("gravity")
-scene:force("neo_hookean", { tetrahedra = cube:tetrahedra(), E = E, nu = 0.4, damping = 0.005 * E })
+scene:force("neo_hookean", { tetrahedra = cube:tetrahedra(), E = E, nu = 0.4, damping = 0.001 * E })
 scene:corrector("contact", { friction = mu, leave = cube:inside() })
 
 local middle = cube:at((n + 1) // 2, (n + 1) // 2, (n + 1) // 2)

@@ -490,8 +490,25 @@ static void wrong_use_is_refused_with_the_remedy(void **state) {
   }
 }
 
+/* The circle's speed as a parameter of the scene: leapfrog's error of the phase is that of (w h)^2/24 w t. */
+static void values_of_a_parameter_are_methods_of_their_own(void **state) {
+  (void)state;
+  test_write("vary.lua", "local keep = param('keep', 'gently', 'how')\n"
+                         "local scene = hooke.scene { duration = 1, fps = 20 }\n"
+                         "scene:particle { position = { 1, 0, 0 }, mass = 1 }\n"
+                         "local w2 = keep == 'firmly' and 9 or 4\n"
+                         "scene:force('central', { power = 1, strength = w2 })\n"
+                         "scene:exact(function(t) return math.cos(2 * t), 0, 0 end)\n"
+                         "return scene\n");
+  bench(NULL, "./vary.lua", "--integrators leapfrog --vary keep=gently,firmly --target 1e-3 --budget 4");
+  const char *gently = row_of("leapfrog keep=gently", 0), *firmly = row_of("leapfrog keep=firmly", 0);
+  assert_true(gently && firmly && !row_of("leapfrog", 0));
+  assert_true(number(gently, "error_x_rms") < 0.05 && number(firmly, "error_x_rms") > 0.3);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(values_of_a_parameter_are_methods_of_their_own),
       cmocka_unit_test(errors_on_circle_sine_and_orbit_are_those_of_closed_forms),
       cmocka_unit_test(errors_on_the_stiff_pendulum_are_those_of_a_program_of_its_own),
       cmocka_unit_test(errors_on_decay_are_those_of_the_growth_factors),

@@ -11,7 +11,7 @@ static const double compressed = 0.1, areas = 8;
 static double least_part(const hk_barrier_contacts *c) {
   const hk_barrier_pair *near = c->near.item;
   double least = compressed, D = c->law.distance;
-  for (size_t k = 0; k < c->near.count; k++) {
+  for (size_t k = 0; k < c->found; k++) {
     double xi = near[k].pair.offset, u = near[k].gap * (near[k].gap + 2 * xi) / (D * (D + 2 * xi));
     if (u > 0) least = fmin(least, u);
   }

@@ -14,10 +14,10 @@ hk_barrier_survey hk_barrier_look(const hk_barrier_contacts *c, const hk_view *v
   hk_barrier_survey s = {.closest = INFINITY};
   const hk_barrier_pair *near = c->near.item;
   hk_barrier_value v;
-  for (size_t k = 0; k < c->near.count; k++) {
+  for (size_t k = 0; k < c->found; k++) {
     bool acts = hk_barrier_evaluate(&near[k], &c->law, view->x, &v);
     s.closest = fmin(s.closest, v.gap);
-    s.approach = fmax(s.approach, approach_of(&near[k], &v.nearest, view->v));
+    if (near[k].least < c->law.distance) s.approach = fmax(s.approach, approach_of(&near[k], &v.nearest, view->v));
     if (acts) s.load += hk_barrier_load(&v), s.energy += v.m * v.E;
   }
   return s;

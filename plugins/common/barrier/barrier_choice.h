@@ -4,10 +4,10 @@
 
 #include "plugins/common/barrier/barrier_contacts.h"
 
-/* Of an accepted state. */
+/* Of one state. */
 typedef struct hk_barrier_survey {
   double closest;  /* m, least gap; INFINITY: no pair is near */
-  double approach; /* m/s, fastest approach of a pair */
+  double approach; /* m/s, fastest approach of a pair that may act on the move */
   double load;     /* N, sum of the normal forces */
   double energy;   /* J */
 } hk_barrier_survey;

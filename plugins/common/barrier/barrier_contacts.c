@@ -33,8 +33,13 @@ static size_t sort_unique(void *items, size_t count, size_t size) {
 hk_status hk_barrier_forget(hk_barrier_contacts *c) {
   c->kept = false;
   c->number = 0;
-  hk_status status = c->host->resize(c->host, &c->near, 0);
-  return status == HK_OK ? c->host->resize(c->host, &c->named, 0) : status;
+  c->found = 0;
+  return c->host->resize(c->host, &c->named, 0);
+}
+
+/* Room for `count` items, and half as many more where it has to grow: a change of size copies the array. */
+static hk_status grow(const hk_barrier_contacts *c, hk_array *array, size_t count) {
+  return count <= array->count ? HK_OK : c->host->resize(c->host, array, count + count / 2);
 }
 
 /* ---- surfaces ---- */
@@ -52,6 +57,44 @@ static hk_status take_surfaces(hk_barrier_contacts *c, const hk_view *from) {
   c->number = mesh->number;
   c->kept = false;
   return HK_OK;
+}
+
+/* ---- gaps ---- */
+
+typedef struct move {
+  hk_barrier_pair *near;
+  const double *x, *x_to;
+} move;
+
+/* m, how far the two features of a pair come nearer to each other on the move, at most. */
+static double closing(const hk_surface_pair *p, const double x[12], const double x_to[12]) {
+  double most = 0, step[12];
+  int split = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
+  for (int e = 0; e < 12; e++) step[e] = x_to[e] - x[e];
+  for (int a = 0; a < 3 * split; a += 3)
+    for (int b = 3 * split; b < 12; b += 3) {
+      double d[3] = {step[a] - step[b], step[a + 1] - step[b + 1], step[a + 2] - step[b + 2]};
+      most = fmax(most, hk_dot(d, d));
+    }
+  return sqrt(most);
+}
+
+static void measure_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const move *m = context;
+  double x[12], x_to[12];
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    hk_barrier_pair *p = &m->near[k];
+    hk_barrier_gather(p->pair.vertex, m->x, x);
+    hk_barrier_gather(p->pair.vertex, m->x_to, x_to);
+    p->gap = sqrt(hk_nearest_of_pair((hk_pair_kind)p->pair.kind, x).squared) - p->pair.offset;
+    p->least = p->gap - closing(&p->pair, x, x_to);
+  }
+}
+
+static void measure_gaps(const hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
+  move m = {c->near.item, from->x, x_to};
+  from->host->parallel_for(from->host, c->found, HK_BARRIER_GRAIN, measure_chunk, &m);
 }
 
 /* ---- the search ---- */
@@ -105,7 +148,7 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const h
     const hk_surface_pair *p = &found->pair[k];
     strands += p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2);
   }
-  hk_status status = c->host->resize(c->host, &c->near, found->count + 4 * strands);
+  hk_status status = grow(c, &c->near, found->count + 4 * strands);
   if (status != HK_OK) return status;
   hk_barrier_pair *first = c->near.item, *to = first;
   for (size_t k = 0; k < found->count; k++) {
@@ -114,10 +157,21 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const h
     to = put(to, c, p);
     if (p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2)) to = put_ends(to, c, p);
   }
-  return c->host->resize(c->host, &c->near, sort_unique(first, (size_t)(to - first), sizeof *first));
+  c->found = (size_t)(to - first);
+  return HK_OK;
 }
 
-/* Short moves are searched for with a margin, around the present positions; what is found is kept. */
+/* Boxes that overlap are found; what stays farther apart than `reach` is dropped, and the rest is brought in order. */
+static void keep_near(hk_barrier_contacts *c, double reach) {
+  hk_barrier_pair *near = c->near.item;
+  size_t kept = 0;
+  for (size_t k = 0; k < c->found; k++)
+    if (near[k].least < reach) near[kept++] = near[k];
+  c->found = sort_unique(near, kept, sizeof *near);
+}
+
+/* Short moves are searched for around the present positions, so that what is found can be kept. In either case all
+ * pairs are found that may get names, and these do not hang on when the last search was. */
 static hk_status search(hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
   hk_surface_pairs found;
   double room = margin * c->law.distance;
@@ -125,45 +179,17 @@ static hk_status search(hk_barrier_contacts *c, const hk_view *from, const doubl
   hk_status status = c->host->resize(c->host, &c->base, 3 * from->n);
   if (status != HK_OK) return status;
   if (c->kept) memcpy(c->base.item, from->x, 3 * from->n * sizeof(double));
-  status = c->surfaces->pairs(c->surfaces->self, from->x, c->kept ? from->x : x_to,
-                              c->law.distance + (c->kept ? 2 * room : 0), &found);
+  double reach = (1 + margin) * c->law.distance + (c->kept ? 2 * room : 0);
+  const double *end = c->kept ? from->x : x_to;
+  status = c->surfaces->pairs(c->surfaces->self, from->x, end, reach, &found);
   if (status == HK_OK) status = take_pairs(c, from, &found);
+  if (status == HK_OK) measure_gaps(c, from, end);
+  if (status == HK_OK) keep_near(c, reach);
   if (status != HK_OK) c->kept = false;
   return status;
 }
 
 /* ---- names ---- */
-
-typedef struct move {
-  hk_barrier_pair *near;
-  const double *x, *x_to;
-} move;
-
-/* m, how far the two features of a pair come nearer to each other on the move, at most. */
-static double closing(const hk_surface_pair *p, const double x[12], const double x_to[12]) {
-  double most = 0, step[12];
-  int split = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
-  for (int e = 0; e < 12; e++) step[e] = x_to[e] - x[e];
-  for (int a = 0; a < 3 * split; a += 3)
-    for (int b = 3 * split; b < 12; b += 3) {
-      double d[3] = {step[a] - step[b], step[a + 1] - step[b + 1], step[a + 2] - step[b + 2]};
-      most = fmax(most, hk_dot(d, d));
-    }
-  return sqrt(most);
-}
-
-static void measure_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const move *m = context;
-  double x[12], x_to[12];
-  (void)chunk;
-  for (size_t k = begin; k < end; k++) {
-    hk_barrier_pair *p = &m->near[k];
-    hk_barrier_gather(p->pair.vertex, m->x, x);
-    hk_barrier_gather(p->pair.vertex, m->x_to, x_to);
-    p->gap = sqrt(hk_nearest_of_pair((hk_pair_kind)p->pair.kind, x).squared) - p->pair.offset;
-    p->least = p->gap - closing(&p->pair, x, x_to);
-  }
-}
 
 /* The place of a pair in a list that rises, from *k on; UINT32_MAX: it is not there. */
 static uint32_t place(const hk_surface_pair *list, size_t count, const hk_surface_pair *pair, size_t *k) {
@@ -177,7 +203,7 @@ static bool tell_names(hk_barrier_contacts *c, const hk_surface_pair *also, size
   hk_barrier_pair *near = c->near.item;
   size_t k = 0, q = 0;
   bool all = true;
-  for (size_t e = 0; e < c->near.count; e++) {
+  for (size_t e = 0; e < c->found; e++) {
     near[e].name = place(named, c->named.count, &near[e].pair, &k);
     all &= near[e].name != UINT32_MAX || !(near[e].least < c->law.distance);
   }
@@ -187,11 +213,11 @@ static bool tell_names(hk_barrier_contacts *c, const hk_surface_pair *also, size
 
 static hk_status name(hk_barrier_contacts *c, const hk_surface_pair *also, size_t also_count) {
   const hk_barrier_pair *near = c->near.item;
-  hk_status status = c->host->resize(c->host, &c->named, c->near.count + also_count);
+  hk_status status = c->host->resize(c->host, &c->named, c->found + also_count);
   if (status != HK_OK) return status;
   hk_surface_pair *named = c->named.item;
   size_t count = 0;
-  for (size_t e = 0; e < c->near.count; e++)
+  for (size_t e = 0; e < c->found; e++)
     if (near[e].least < (1 + margin) * c->law.distance) named[count++] = near[e].pair;
   for (size_t e = 0; e < also_count; e++) named[count++] = also[e];
   status = c->host->resize(c->host, &c->named, sort_unique(named, count, sizeof *named));
@@ -201,11 +227,10 @@ static hk_status name(hk_barrier_contacts *c, const hk_surface_pair *also, size_
 
 /* Memory for evaluations, which must not ask for any. */
 static hk_status reserve(hk_barrier_contacts *c) {
-  size_t count = c->near.count;
-  hk_status status = c->host->resize(c->host, &c->sums, count / HK_BARRIER_GRAIN + 1);
-  if (status == HK_OK) status = c->host->resize(c->host, &c->loads, 12 * count);
-  if (status == HK_OK) status = c->host->resize(c->host, &c->acting, count);
-  if (status == HK_OK) status = c->host->resize(c->host, &c->hessians, 144 * (size_t)HK_BARRIER_BATCH);
+  hk_status status = grow(c, &c->sums, c->found / HK_BARRIER_GRAIN + 1);
+  if (status == HK_OK) status = grow(c, &c->loads, 12 * c->found);
+  if (status == HK_OK) status = grow(c, &c->acting, c->found);
+  if (status == HK_OK) status = grow(c, &c->hessians, 144 * (size_t)HK_BARRIER_BATCH);
   return status;
 }
 
@@ -215,8 +240,7 @@ hk_status hk_barrier_find(hk_barrier_contacts *c, const hk_view *from, const dou
   if (status == HK_OK && !still_holds(c, from, x_to)) status = search(c, from, x_to);
   if (status == HK_OK) status = reserve(c);
   if (status != HK_OK) return status;
-  move m = {c->near.item, from->x, x_to};
-  from->host->parallel_for(from->host, c->near.count, HK_BARRIER_GRAIN, measure_chunk, &m);
+  measure_gaps(c, from, x_to);
   if (tell_names(c, also, also_count)) return HK_OK;
   *changed = true;
   return name(c, also, also_count);

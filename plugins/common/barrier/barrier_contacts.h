@@ -29,6 +29,7 @@ typedef struct hk_barrier_contacts {
   hk_array hessians; /* double, HK_BARRIER_BATCH x 144; scratch */
   double *shape;     /* hk_barrier_shape of the n particles */
   /* others */
+  size_t found;
   bool *on_surface; /* n, whether the particle belongs to a triangle */
   uint64_t number;  /* of the surfaces' lists that `near` and `shape` belong to; 0: none */
   bool kept;        /* `near` holds for all moves within the margin around `base` */

@@ -81,9 +81,9 @@ hk_status hk_friction_take(hk_barrier_friction *f, const hk_barrier_contacts *c,
   hk_barrier_value v;
   size_t count = 0;
   if (!(f->coefficient > 0)) return c->host->resize(c->host, &f->touches, 0);
-  hk_status status = c->host->resize(c->host, &f->touches, c->near.count);
+  hk_status status = c->host->resize(c->host, &f->touches, c->found);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < c->near.count; k++)
+  for (size_t k = 0; k < c->found; k++)
     if (near[k].name != UINT32_MAX && hk_barrier_evaluate(&near[k], &c->law, view->x, &v))
       remember(&near[k], &v, view, &touches_of(f)[count++]);
   return c->host->resize(c->host, &f->touches, count);

@@ -37,7 +37,7 @@ static void limit_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 double hk_barrier_limit(hk_barrier_contacts *c, const hk_view *from, const double *dx) {
   double least = 1;
   move m = {c->near.item, from->x, dx, c->sums.item};
-  from->host->parallel_for(from->host, c->near.count, HK_BARRIER_GRAIN, limit_chunk, &m);
-  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->near.count; k++) least = fmin(least, m.least[k]);
+  from->host->parallel_for(from->host, c->found, HK_BARRIER_GRAIN, limit_chunk, &m);
+  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->found; k++) least = fmin(least, m.least[k]);
   return fmax(least, DBL_MIN); /* a pair in contact allows no move at all; the contract asks for more than 0 */
 }

@@ -32,8 +32,8 @@ static void energy_chunk(void *context, size_t first, size_t end, size_t chunk) 
 double hk_barrier_energy(const hk_barrier_contacts *c, const hk_view *view) {
   task t = begin(c, view);
   double sum = 0;
-  view->host->parallel_for(view->host, c->near.count, HK_BARRIER_GRAIN, energy_chunk, &t);
-  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->near.count; k++) sum += t.sums[k];
+  view->host->parallel_for(view->host, c->found, HK_BARRIER_GRAIN, energy_chunk, &t);
+  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->found; k++) sum += t.sums[k];
   return isnan(sum) ? INFINITY : sum; /* 0 times infinity, of parallel edges that touch */
 }
 
@@ -52,10 +52,10 @@ static void force_chunk(void *context, size_t first, size_t end, size_t chunk) {
 
 hk_status hk_barrier_add(const hk_barrier_contacts *c, const hk_view *view, double *F) {
   task t = begin(c, view);
-  view->host->parallel_for(view->host, c->near.count, HK_BARRIER_GRAIN, force_chunk, &t);
-  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->near.count; k++)
+  view->host->parallel_for(view->host, c->found, HK_BARRIER_GRAIN, force_chunk, &t);
+  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->found; k++)
     if (t.sums[k] > 0) return HK_NOT_FINITE;
-  for (size_t k = 0; k < c->near.count; k++)
+  for (size_t k = 0; k < c->found; k++)
     for (size_t e = 0; e < 12 && !isnan(t.loads[12 * k]); e++)
       F[3 * (size_t)t.near[k].pair.vertex[e / 3] + e % 3] -= t.loads[12 * k + e];
   return HK_OK;
@@ -72,7 +72,7 @@ void hk_barrier_pattern(const hk_barrier_contacts *c, hk_pattern *pattern) {
 /* Collects the pairs that act, in their order. False: one of them has no name. */
 static bool collect(const task *t, uint32_t *acting, size_t *count) {
   hk_barrier_value v;
-  for (size_t k = 0; k < t->contacts->near.count; k++) {
+  for (size_t k = 0; k < t->contacts->found; k++) {
     if (!hk_barrier_evaluate(&t->near[k], &t->contacts->law, t->x, &v)) continue;
     if (t->near[k].name == UINT32_MAX) return false;
     acting[(*count)++] = (uint32_t)k;

@@ -1,12 +1,12 @@
 /* Continuous collision by directions that separate.
  *
- * The differences r_k of the corners of the two features (three for a point and a triangle, four for two edges) move
- * linearly, and the features are as far apart as the hull of the r_k is from the origin. So a vector n proves that they
- * are further apart than the gap from t to t' if n.r_k > gap |n| at t and at t', for all k: n.r_k is linear in between.
- * The difference of the nearest points at t is the best n there. It proves the time up to the first root of n.r_k(t') =
- * gap |n|, and at this t' the next one goes on: the additive advance of Li, Kaufman and Jiang 2021 ("Codimensional
- * incremental potential contact", section 5), with the speeds along n in place of the lengths of relative
- * displacements, and with a proof of each step in place of trust in the distance.
+ * The differences r_k of the corners of the two features (four for two edges, three for a point and a triangle, where
+ * the last counts twice) move linearly, and the features are as far apart as the hull of the r_k is from the origin. So
+ * a vector n proves that they are further apart than the gap from t to t' if n.r_k > gap |n| at t and at t', for all k:
+ * n.r_k is linear in between. The difference of the nearest points at t is the best n there. It proves the time up to
+ * the first root of n.r_k(t') = gap |n|, and at this t' the next one goes on: the additive advance of Li, Kaufman and
+ * Jiang 2021 ("Codimensional incremental potential contact", section 5), with the speeds along n in place of the
+ * lengths of relative displacements, and with a proof of each step in place of trust in the distance.
  *
  * Where features turn while they stay close such steps are as short as their distance. Then an interval is tried with a
  * vector that goes linearly from n at t to n' at t'. n(s).r_k(s) is quadratic in s, and greater than its least
@@ -22,27 +22,28 @@
 #include "plugins/common/collision/nearest_frame.h"
 #include "plugins/common/space/vector3.h"
 
+#include <float.h>
+
 static const double MARGIN = 32 * 0x1p-53;
 /* Parts of M within the gap where the margin leaves nothing to prove: |n|_1 is at most sqrt(3) |n|. */
 static const double NEAREST = 100 * 0x1p-53;
 /* Parts of M below which rounding tilts the difference of the nearest points by as much as 1e-12. */
 static const double TILTED = 1e-4;
 /* Steps after which intervals are tried as well; most pairs need no more than two. Of 100,000 hard motions those that
- * are not a matter of rounding took at most 170. */
-enum { PLAIN_STEPS = 4, MOST_STEPS = 400 };
+ * are not a matter of rounding took at most 217. */
+enum { CORNERS = 4, PLAIN_STEPS = 4, MOST_STEPS = 400 };
 
 typedef struct motion {
   hk_pair_kind kind;
-  int count;
-  double r[2][4][3]; /* at both ends of time */
-  double size;       /* M */
-  double gap, near;  /* a distance up to `near` is a hit */
+  double r[2][CORNERS][3]; /* at both ends of time */
+  double size;             /* M */
+  double gap, near;        /* a distance up to `near` is a hit */
 } motion;
 
 /* What is known at one time. */
 typedef struct state {
   double t;
-  double r[4][3];
+  double r[CORNERS][3];
   double distance;
   double n[3];   /* largest coordinate: 1 */
   double margin; /* to be exceeded by n.r_k */
@@ -50,26 +51,29 @@ typedef struct state {
 
 /* ---- Differences of corners -------------------------------------------------------------------------------------- */
 
-static void differences(hk_pair_kind kind, const double *x, double r[4][3]) {
-  if (kind == HK_POINT_TRIANGLE)
-    for (int k = 0; k < 3; k++) hk_subtract(r[k], x, x + 3 * (k + 1));
-  else
-    for (int k = 0; k < 4; k++) hk_subtract(r[k], x + 3 * (k % 2), x + 3 * (2 + k / 2));
+static void differences(hk_pair_kind kind, const double *x, double r[CORNERS][3]) {
+  static const int from[2][CORNERS] = {{0, 0, 0, 0}, {0, 3, 0, 3}}, to[2][CORNERS] = {{3, 6, 9, 9}, {6, 6, 9, 9}};
+  for (int k = 0; k < CORNERS; k++) hk_subtract(r[k], x + from[kind][k], x + to[kind][k]);
 }
 
 /* The bounds of all r_k. False: they are not finite. */
 static bool find_bounds(const motion *m, double low[3], double high[3]) {
-  double zero = 0;
-  for (int c = 0; c < 3; c++) low[c] = high[c] = m->r[0][0][c];
-  for (int side = 0; side < 2; side++)
-    for (int k = 0; k < m->count; k++)
-      for (int c = 0; c < 3; c++) {
-        double x = m->r[side][k][c];
-        low[c] = x < low[c] ? x : low[c];
-        high[c] = x > high[c] ? x : high[c];
-        zero += 0 * x;
-      }
-  return zero == 0;
+  const double *at0 = m->r[0][0], *at1 = m->r[1][0];
+  double least[3 * CORNERS], most[3 * CORNERS];
+  int bad = 0;
+  for (int k = 0; k < 3 * CORNERS; k++) {
+    bad |= !(fabs(at0[k]) <= DBL_MAX) | !(fabs(at1[k]) <= DBL_MAX);
+    least[k] = at0[k] < at1[k] ? at0[k] : at1[k];
+    most[k] = at0[k] > at1[k] ? at0[k] : at1[k];
+  }
+  for (int c = 0; c < 3; c++) {
+    low[c] = least[c], high[c] = most[c];
+    for (int k = c + 3; k < 3 * CORNERS; k += 3) {
+      low[c] = least[k] < low[c] ? least[k] : low[c];
+      high[c] = most[k] > high[c] ? most[k] : high[c];
+    }
+  }
+  return !bad;
 }
 
 static double largest(const double low[3], const double high[3]) {
@@ -86,7 +90,7 @@ static void scale(motion *m, double low[3], double high[3]) {
   static const double LEAST = 0x1p-200, MOST = 0x1p200;
   while (m->size > 0 && (m->size < LEAST || m->size > MOST)) {
     double s = m->size < LEAST ? MOST : LEAST;
-    for (int k = 0; k < 24; k++) m->r[k / 12][k / 3 % 4][k % 3] *= s;
+    for (int k = 0; k < 6 * CORNERS; k++) m->r[k / (3 * CORNERS)][k / 3 % CORNERS][k % 3] *= s;
     for (int c = 0; c < 3; c++) low[c] *= s, high[c] *= s;
     m->gap *= s, m->near *= s, m->size *= s;
   }
@@ -103,7 +107,7 @@ static bool axis_separates(const motion *m, const double low[3], const double hi
 /* ---- Directions -------------------------------------------------------------------------------------------------- */
 
 /* The pair whose differences of corners are r, with a corner of the second feature, or the point, at the origin. */
-static void pair_of(hk_pair_kind kind, double r[4][3], double x[12]) {
+static void pair_of(hk_pair_kind kind, double r[CORNERS][3], double x[12]) {
   for (int c = 0; c < 3; c++)
     if (kind == HK_POINT_TRIANGLE) {
       x[c] = 0, x[3 + c] = -r[0][c], x[6 + c] = -r[1][c], x[9 + c] = -r[2][c];
@@ -135,7 +139,7 @@ static state state_at(const motion *m, double t, hk_ccd_cost *cost) {
   state s = {.t = t};
   double x[12];
   cost->steps++;
-  for (int k = 0; k < m->count; k++)
+  for (int k = 0; k < CORNERS; k++)
     for (int c = 0; c < 3; c++) s.r[k][c] = (1 - t) * m->r[0][k][c] + t * m->r[1][k][c];
   pair_of(m->kind, s.r, x);
   hk_nearest near = hk_nearest_of_pair(m->kind, x);
@@ -156,8 +160,8 @@ static double between(double at0, double at1, double t) { return (1 - t) * at0 +
 
 /* The latest time up to which the direction of s proves from its time on; that time where it does not. */
 static double proved_until(const motion *m, const state *s) {
-  double from[4], to[4], until = 1;
-  for (int k = 0; k < m->count; k++) {
+  double from[CORNERS], to[CORNERS], until = 1;
+  for (int k = 0; k < CORNERS; k++) {
     from[k] = hk_dot(s->n, m->r[0][k]), to[k] = hk_dot(s->n, m->r[1][k]);
     if (!(between(from[k], to[k], s->t) > s->margin)) return s->t;
     if (to[k] > s->margin) continue;
@@ -167,15 +171,15 @@ static double proved_until(const motion *m, const state *s) {
   /* The root is rounded: a little earlier all must hold. */
   if (until < 1) until -= 4 * 0x1p-53;
   if (!(until > s->t)) return s->t;
-  for (int k = 0; k < m->count; k++)
+  for (int k = 0; k < CORNERS; k++)
     if (!(between(from[k], to[k], until) > s->margin)) return s->t;
   return until;
 }
 
 /* Whether the vector that goes linearly from that of a to that of b separates all the time. */
-static bool proves(const motion *m, const state *a, const state *b) {
+static bool proves(const state *a, const state *b) {
   double margin = a->margin > b->margin ? a->margin : b->margin;
-  for (int k = 0; k < m->count; k++)
+  for (int k = 0; k < CORNERS; k++)
     if (!(hk_dot(a->n, a->r[k]) > margin && hk_dot(b->n, b->r[k]) > margin &&
           (hk_dot(a->n, b->r[k]) + hk_dot(b->n, a->r[k])) / 2 > margin))
       return false;
@@ -194,7 +198,7 @@ static void advance(const motion *m, state *s, double *stride, hk_ccd_cost *cost
   if (cost->steps >= PLAIN_STEPS || until == s->t) {
     *stride = fmax(*stride, 2 * (until - s->t));
     state far = state_at(m, fmin(1, s->t + *stride), cost);
-    if (far.distance > m->near && proves(m, s, &far)) {
+    if (far.distance > m->near && proves(s, &far)) {
       *stride = 2 * (far.t - s->t);
       *s = far;
       return;
@@ -216,7 +220,7 @@ static bool search(const motion *m, double *t, hk_ccd_cost *cost) {
 
 bool hk_ccd_counted(hk_pair_kind kind, const double x0[12], const double x1[12], double gap, double tolerance,
                     double *t, hk_ccd_cost *cost) {
-  motion m = {.kind = kind, .count = kind == HK_POINT_TRIANGLE ? 3 : 4, .gap = gap, .near = gap + tolerance};
+  motion m = {.kind = kind, .gap = gap, .near = gap + tolerance};
   double low[3], high[3];
   *cost = (hk_ccd_cost){0};
   *t = 0;

@@ -12,10 +12,10 @@ enum { GRAIN = 256 };
  * as much; above, rounding is far away and the normal of a pair well known. */
 static const double least_part = 0.1, least_of_start = 0.5;
 
-/* Where a pair moves by no more than this part of its distance, its normal at the start predicts the end: the error is
- * of the order of the part's square. Up to the second part that normal is good for the impact, but the end is looked
- * at; beyond, the instant of contact is searched. */
-static const double slow = 0.1, fast = 0.5;
+/* Where a pair moves by more than this part of its distance, the instant of contact is searched. Else its shape at the
+ * end is on the side on which it was, and good for the impact: a linear gap with the normal of the start would close
+ * where features slide past each other, as edges of two meshes do that lie on each other. */
+static const double fast = 0.5;
 
 /* Of the thickness: how near to it the instant of contact is found. */
 static const double instant = 0.01;
@@ -47,46 +47,28 @@ static void take_shape_at(hk_pair_look *look, hk_pair_kind kind, const hk_pair_p
   take_shape(look, &near);
 }
 
-/* n.sum w_i x_i at the end of the path */
-static double along_normal(const hk_pair_look *look, const double x[12]) {
-  double sum = 0;
-  for (int i = 0; i < 12; i++) sum += look->w[i / 3] * look->n[i % 3] * x[i];
-  return sum;
-}
-
-static void look_at_slow(const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
-  look->gap_to = along_normal(look, path->to) - pair->offset;
-}
-
-/* The true end, and the instant at which the pair comes too near, or its gap closes. Once impacts were solved, what is
- * left of an overlap has its shape at the end. */
-static void look_at_fast(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, double from,
-                         double motion, hk_pair_look *look) {
-  hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
-  double to = sqrt(end.squared), least = fmin(least_part * pair->offset, least_of_start * from), when;
-  look->gap_to = to - pair->offset;
+/* The instant at which a fast pair comes too near, or its gap closes. */
+static void look_at_fast(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
+                         hk_pair_look *look) {
+  double least = fmin(least_part * pair->offset, least_of_start * from), to = look->gap_to + pair->offset, when;
   if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
     look->state = UNSAFE;
     take_shape_at(look, pair->kind, path, when);
-  } else if (motion > fast * from && from > pair->offset &&
+  } else if (from > pair->offset &&
              hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) {
     look->on_the_way = true;
     take_shape_at(look, pair->kind, path, when);
-  } else if (s->solved && look->gap_to < 0 && to > 0) {
-    take_shape(look, &end);
   }
 }
 
 static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
-  hk_nearest start = hk_nearest_of_pair(pair->kind, path->from);
-  double from = sqrt(start.squared), motion = hk_pair_motion(pair->kind, path);
+  double from = sqrt(hk_nearest_of_pair(pair->kind, path->from).squared), motion = hk_pair_motion(pair->kind, path);
   *look = (hk_pair_look){.gap_from = from - pair->offset, .gap_to = INFINITY};
   if (look->gap_from > motion) return;
-  take_shape(look, &start);
-  if (motion <= slow * from)
-    look_at_slow(pair, path, look);
-  else
-    look_at_fast(s, pair, path, from, motion, look);
+  hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
+  look->gap_to = sqrt(end.squared) - pair->offset;
+  if (end.squared > 0) take_shape(look, &end);
+  if (motion > fast * from) look_at_fast(pair, path, from, motion, look);
   if (look->state == UNSAFE) return;
   if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack)
     look->state = OVERLAPS;

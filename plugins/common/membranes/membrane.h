@@ -4,6 +4,7 @@
 #define HK_MEMBRANE_H
 
 #include "core/plugin.h"
+#include "plugins/common/elements/chunk_rounds.h"
 #include "plugins/common/elements/corner_sums.h"
 #include "plugins/common/membranes/membrane_model.h"
 
@@ -49,6 +50,7 @@ typedef struct hk_membrane {
   hk_tuples node;                 /* of the triangles whose corners all act */
   double *row[HK_MEMBRANE_ROWS];
   hk_corner_sums sums;
+  hk_chunk_rounds rounds;
   double (*load)[3][3]; /* N, on the corners in one evaluation */
   double *power;        /* W or J, of the chunks */
   double *creep, one;   /* damping times c11; the strain 1, for the elements */

@@ -1,6 +1,7 @@
-/* The blocks of membranes. Triangles are gathered, computed in loops that compilers turn into vectors, and scattered in
- * order. With damping, -dF/dx also has the viscous stress, and how the directions of the damping turn, which is not
- * symmetric and goes triangle by triangle: symmetric blocks leave out the latter, definite ones both. */
+/* The blocks of membranes. Triangles are gathered, computed in loops that compilers turn into vectors, and scattered,
+ * by several threads where they have no corner in common. With damping, -dF/dx also has the viscous stress, and how the
+ * directions of the damping turn, which is not symmetric and goes triangle by triangle: symmetric blocks leave out the
+ * latter, definite ones both. */
 #include "plugins/common/membranes/membrane.h"
 #include "plugins/common/membranes/membrane_curvature.h"
 
@@ -235,20 +236,33 @@ static void fill(const hk_membrane *m, const hk_view *view, const path *p, size_
   p->compute(q, m->model, definite, m->damping);
 }
 
-void hk_membrane_blocks(const hk_membrane *m, const hk_view *view, const hk_blocks *into) {
-  bool definite = into->want & HK_WANT_DEFINITE,
-       turns = m->damping > 0 && !(into->want & (HK_WANT_DEFINITE | HK_WANT_SYMMETRIC));
-  const path *p = best_path();
+typedef struct task {
+  const hk_membrane *m;
+  const hk_view *view;
+  const hk_blocks *into;
+  const path *path;
+} task;
+
+static void add_chunk(const void *context, size_t begin, size_t end) {
+  const task *t = context;
+  const hk_membrane *m = t->m;
+  unsigned want = t->into->want;
+  bool turns = m->damping > 0 && !(want & (HK_WANT_DEFINITE | HK_WANT_SYMMETRIC));
   block q;
-  for (size_t begin = 0, count; begin < m->node.count; begin += count) {
-    count = m->node.count - begin < BLOCK ? m->node.count - begin : BLOCK;
-    fill(m, view, p, begin, count, definite, &q);
-    const size_t *slot = into->slot + 9 * begin;
-    for (size_t r = 0; r < count; r++) scatter((const double(*)[9][BLOCK])q.K, r, slot + 9 * r, into->K);
+  for (size_t count; begin < end; begin += count) {
+    count = end - begin < BLOCK ? end - begin : BLOCK;
+    fill(m, t->view, t->path, begin, count, want & HK_WANT_DEFINITE, &q);
+    const size_t *slot = t->into->slot + 9 * begin;
+    for (size_t r = 0; r < count; r++) scatter((const double(*)[9][BLOCK])q.K, r, slot + 9 * r, t->into->K);
     for (size_t r = 0; r < count && m->damping > 0; r++)
-      scatter((const double(*)[9][BLOCK])q.D, r, slot + 9 * r, into->D);
-    for (size_t r = 0; r < count && turns; r++) add_turning(m, view, begin + r, slot + 9 * r, into->K);
+      scatter((const double(*)[9][BLOCK])q.D, r, slot + 9 * r, t->into->D);
+    for (size_t r = 0; r < count && turns; r++) add_turning(m, t->view, begin + r, slot + 9 * r, t->into->K);
   }
+}
+
+void hk_membrane_blocks(const hk_membrane *m, const hk_view *view, const hk_blocks *into) {
+  const task t = {m, view, into, best_path()};
+  hk_chunk_rounds_run(&m->rounds, view->host, add_chunk, &t);
 }
 
 void hk_membrane_pattern(const hk_membrane *m, hk_pattern *pattern) {

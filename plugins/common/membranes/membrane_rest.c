@@ -193,5 +193,6 @@ hk_status hk_membrane_topology(hk_membrane *m, const hk_view *view) {
                               .rest = {1, &m->one},
                               .evaluate = hk_membrane_conditions,
                               .self = m};
-  return hk_corner_sums_sort(&m->sums, view->host, view->n, &m->node);
+  hk_status status = hk_corner_sums_sort(&m->sums, view->host, view->n, &m->node);
+  return status == HK_OK ? hk_chunk_rounds_sort(&m->rounds, view->host, view->n, &m->node) : status;
 }

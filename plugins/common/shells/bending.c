@@ -121,5 +121,6 @@ hk_status hk_bending_topology(void *self, const hk_view *view) {
     a->damping.value[kept++] = b->damping[k];
   }
   a->node.count = a->stiffness.count = a->damping.count = kept;
-  return hk_corner_sums_sort(&b->sums, view->host, view->n, &a->node);
+  hk_status status = hk_corner_sums_sort(&b->sums, view->host, view->n, &a->node);
+  return status == HK_OK ? hk_chunk_rounds_sort(&b->rounds, view->host, view->n, &a->node) : status;
 }

@@ -3,6 +3,7 @@
 #ifndef HK_BENDING_H
 #define HK_BENDING_H
 
+#include "plugins/common/elements/chunk_rounds.h"
 #include "plugins/common/elements/corner_sums.h"
 #include "plugins/common/elements/element_force.h"
 #include "plugins/common/shells/hinge.h"
@@ -35,6 +36,7 @@ typedef struct hk_bending {
   hk_element_force element;    /* of the hinges all of whose members live */
   double (*load)[4][3];        /* N, of the elements' members in one evaluation */
   hk_corner_sums sums;
+  hk_chunk_rounds rounds;
   double *power;       /* W, of the chunks of elements */
   double (*weight)[4]; /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
                           none of that kind */

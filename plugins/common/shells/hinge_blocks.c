@@ -1,4 +1,5 @@
-/* The blocks of many hinges: gathered, computed in loops that compilers turn into vectors, and scattered in order. With
+/* The blocks of many hinges: gathered, computed in loops that compilers turn into vectors, and scattered, by
+ * several threads where they have no particle in common. With
  * the inverse heights A = |e| m/|m|^2 and B = |e| n/|n|^2 as vectors along the normals, so that g_c = -A and g_d = -B,
  * with u the unit vector of the edge, U = A x u and V = u x B, z = k C + c dC/dt,
  *     c c: A (k/2 A + z U)^T + (k/2 A + z U) A^T = P     d d: the same of B and V = Q      c d: k A B^T = X
@@ -165,21 +166,41 @@ static void gather(const hk_tuples *node, const double *from, size_t begin, size
   }
 }
 
+typedef struct task {
+  const hk_bending *b;
+  const double *rest, *turned;
+  const hk_view *view;
+  const hk_blocks *into;
+  void (*add)(block *, size_t, bool, bool, const size_t *, const hk_blocks *);
+} task;
+
+/* The numbers of hinges begin to begin + count; returns whether any is damped. */
+static bool take(const task *t, size_t begin, size_t count, block *o) {
+  const hk_elements *a = &t->b->element.acting;
+  bool damped = false;
+  for (size_t r = 0; r < BLOCK; r++) {
+    size_t k = begin + (r < count ? r : 0), q = t->b->number[k];
+    o->k[r] = a->stiffness.value[k], o->c[r] = a->damping.value[k];
+    o->rest[r] = t->rest[q], o->turned[r] = t->turned[q];
+    damped = damped || o->c[r] != 0;
+  }
+  gather(&a->node, t->view->x, begin, count, o->d);
+  if (damped) gather(&a->node, t->view->v, begin, count, o->u);
+  return damped;
+}
+
+static void add_chunk(const void *context, size_t begin, size_t end) {
+  const task *t = context;
+  block o;
+  for (size_t count; begin < end; begin += count) {
+    count = end - begin < BLOCK ? end - begin : BLOCK;
+    bool damped = take(t, begin, count, &o);
+    t->add(&o, count, t->into->want & HK_WANT_DEFINITE, damped, t->into->slot + 16 * begin, t->into);
+  }
+}
+
 void hk_hinge_blocks(const hk_bending *b, const double *rest, const double *turned, const hk_view *view,
                      const hk_blocks *into) {
-  const hk_elements *a = &b->element.acting;
-  void (*add_block)(block *, size_t, bool, bool, const size_t *, const hk_blocks *) = ADD;
-  block o;
-  for (size_t begin = 0, count; begin < a->node.count; begin += count) {
-    bool damped = false;
-    count = a->node.count - begin < BLOCK ? a->node.count - begin : BLOCK;
-    for (size_t r = 0; r < BLOCK; r++) {
-      size_t k = begin + (r < count ? r : 0), q = b->number[k];
-      o.k[r] = a->stiffness.value[k], o.c[r] = a->damping.value[k], o.rest[r] = rest[q], o.turned[r] = turned[q];
-      damped = damped || o.c[r] != 0;
-    }
-    gather(&a->node, view->x, begin, count, o.d);
-    if (damped) gather(&a->node, view->v, begin, count, o.u);
-    add_block(&o, count, into->want & HK_WANT_DEFINITE, damped, into->slot + 16 * begin, into);
-  }
+  const task t = {b, rest, turned, view, into, ADD};
+  hk_chunk_rounds_run(&b->rounds, view->host, add_chunk, &t);
 }

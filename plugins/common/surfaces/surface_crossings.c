@@ -54,12 +54,14 @@ static void try_edge(const task *t, size_t chunk, uint32_t edge, uint32_t triang
   if (found) found[0] = edge, found[1] = triangle;
 }
 
-/* The edges that an item owns against a triangle. */
-static void try_edges(const task *t, size_t chunk, uint32_t item, uint32_t triangle) {
-  const hk_surface_lists *l = t->search->lists;
-  if (!(l->item[triangle].owns & HK_IS_TRIANGLE) || (l->item[item].owns & HK_IS_LONE)) return;
-  for (int c = 0; c < 3; c++)
-    if (l->item_edge[item][c] != UINT32_MAX) try_edge(t, chunk, l->item_edge[item][c], triangle);
+/* The edges that an item owns against the triangles of another one. (Those of two triangles that share an edge share a
+ * particle with both.) */
+static void try_edges(const task *t, size_t chunk, const hk_surface_item *item, const hk_surface_item *other) {
+  if (hk_item_is_lone(item) || !hk_item_has_triangles(other)) return;
+  for (int c = 0; c < HK_ITEM_EDGES; c++)
+    for (int k = 0; k < 2; k++)
+      if (item->edge[c] != UINT32_MAX && other->triangle[k] != UINT32_MAX)
+        try_edge(t, chunk, item->edge[c], other->triangle[k]);
 }
 
 static void cross_row(const task *t, size_t chunk, uint32_t k) {
@@ -67,8 +69,9 @@ static void cross_row(const task *t, size_t chunk, uint32_t k) {
   const uint32_t *near = hk_gather_records(&s->near, k);
   hk_gather_row(t->into, chunk, k);
   for (size_t q = 0; q < s->near.row[k].count; q++) {
-    try_edges(t, chunk, s->order[k], s->order[near[q]]);
-    try_edges(t, chunk, s->order[near[q]], s->order[k]);
+    const hk_surface_item *a = &s->items.item[s->order[k]], *b = &s->items.item[s->order[near[q]]];
+    try_edges(t, chunk, a, b);
+    try_edges(t, chunk, b, a);
   }
 }
 

@@ -28,18 +28,20 @@ static inline hk_two hk_two_most(hk_two a, hk_two b) { return -hk_two_least(-a, 
 
 static inline double hk_lesser(hk_two a) { return a[0] < a[1] ? a[0] : a[1]; }
 
-/* One to three points, by their coordinates along an axis. */
+/* One to four points, by their coordinates along an axis. */
 typedef struct hk_two_range {
   hk_two low, high;
 } hk_two_range;
 
 typedef struct hk_swept_set {
   int count;
-  const hk_swept_point *point[3];
+  const hk_swept_point *point[4];
 } hk_swept_set;
 
 static inline hk_swept_set hk_swept(const hk_swept_point *all, const uint32_t *v, int count) {
-  return (hk_swept_set){count, {&all[v[0]], &all[v[count > 1]], &all[v[count > 2 ? 2 : 0]]}};
+  hk_swept_set set = {.count = count};
+  for (int k = 0; k < count; k++) set.point[k] = &all[v[k]];
+  return set;
 }
 
 /* Along x, y or z. */
@@ -53,7 +55,7 @@ static inline hk_two_range hk_range_of(const hk_swept_set *a, int c) {
 }
 
 static inline hk_two_range hk_range_along(const hk_swept_set *a, const double axis[3]) {
-  hk_two at[3] = {{0}};
+  hk_two at[4] = {{0}};
   for (int k = 0; k < a->count; k++)
     at[k] = a->point[k]->x[0] * axis[0] + a->point[k]->x[1] * axis[1] + a->point[k]->x[2] * axis[2];
   hk_two_range r = {at[0], at[0]};

@@ -29,8 +29,7 @@ static void release_scratch(builder *b) {
 }
 
 void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
-  void *memory[] = {l->point,  l->edge, l->edge_faces, l->triangle,   l->part,
-                    l->radius, l->item, l->item_edge,  l->in_triangle};
+  void *memory[] = {l->point, l->edge, l->edge_faces, l->triangle, l->part, l->radius, l->in_triangle};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
   *l = (hk_surface_lists){0};
 }
@@ -39,8 +38,7 @@ void hk_surface_lists_free(hk_surface_lists *l, const hk_host *host) {
 static bool reserve(builder *b) {
   const hk_model *m = b->view->model;
   const hk_host *host = b->host;
-  size_t n = m->n, sides = 3 * m->triangles.count + m->edges.count, edges = sides + n,
-         items = m->triangles.count + m->edges.count + n;
+  size_t n = m->n, sides = 3 * m->triangles.count + m->edges.count, edges = sides + n;
   hk_surface_lists *l = b->lists;
   l->in_triangle = b->in_triangle = host->allocate(host, n * sizeof *b->in_triangle);
   b->in_strand = host->allocate(host, n * sizeof *b->in_strand);
@@ -53,8 +51,6 @@ static bool reserve(builder *b) {
   l->point = host->allocate(host, n * sizeof *b->lists->point);
   l->part = host->allocate(host, n * sizeof *b->lists->part);
   l->radius = host->allocate(host, n * sizeof *b->lists->radius);
-  l->item = host->allocate(host, items * sizeof *l->item);
-  l->item_edge = host->allocate(host, items * sizeof *l->item_edge);
   l->mesh.point = l->point;
   l->mesh.edge = (const uint32_t(*)[2])l->edge;
   l->mesh.edge_faces = (const uint32_t(*)[2])l->edge_faces;
@@ -62,7 +58,7 @@ static bool reserve(builder *b) {
   l->mesh.part = l->part;
   l->mesh.radius = l->radius;
   return b->in_triangle && b->in_strand && b->place && b->sides && b->spare && b->lists->triangle && b->lists->edge &&
-         b->lists->edge_faces && b->lists->point && b->lists->part && b->lists->radius && l->item && l->item_edge;
+         b->lists->edge_faces && b->lists->point && b->lists->part && b->lists->radius;
 }
 
 /* ---- sides ---- */
@@ -122,15 +118,9 @@ static hk_status check_triangle(const builder *b, const uint32_t t[3]) {
 }
 
 static void add_triangle(builder *b, const uint32_t t[3]) {
-  hk_surface_lists *l = b->lists;
-  size_t k = l->items++;
-  l->mesh.triangles = l->items;
+  size_t k = b->lists->mesh.triangles++;
   memcpy(b->lists->triangle[k], t, sizeof *b->lists->triangle);
-  l->item[k] = (hk_surface_item){{t[0], t[1], t[2]}, HK_IS_TRIANGLE};
-  for (uint32_t c = 0; c < 3; c++) {
-    add_side(b, t[c], t[(c + 1) % 3], (uint32_t)k, c);
-    l->item_edge[k][c] = UINT32_MAX;
-  }
+  for (uint32_t c = 0; c < 3; c++) add_side(b, t[c], t[(c + 1) % 3], (uint32_t)k, c);
 }
 
 static hk_status take_triangles(builder *b) {
@@ -146,13 +136,10 @@ static hk_status take_triangles(builder *b) {
   return HK_OK;
 }
 
-static void add_edge(builder *b, const side *first, size_t count) {
+static void add_edge(builder *b, uint32_t p, uint32_t q, uint32_t face, uint32_t other_face) {
   size_t e = b->lists->mesh.edges++;
-  memcpy(b->lists->edge[e], first->end, sizeof first->end);
-  b->lists->edge_faces[e][0] = first->triangle;
-  b->lists->edge_faces[e][1] = count > 1 ? first[1].triangle : UINT32_MAX;
-  b->lists->item[first->triangle].owns |= (uint32_t)HK_OWNS_EDGE << first->corner;
-  b->lists->item_edge[first->triangle][first->corner] = (uint32_t)e;
+  memcpy(b->lists->edge[e], (uint32_t[]){p, q}, sizeof *b->lists->edge);
+  memcpy(b->lists->edge_faces[e], (uint32_t[]){face, other_face}, sizeof *b->lists->edge_faces);
 }
 
 static hk_status take_sides(builder *b) {
@@ -162,22 +149,14 @@ static hk_status take_sides(builder *b) {
     for (count = 1; k + count < b->count && same_ends(&b->sides[k], &b->sides[k + count]);) count++;
     hk_status status = check_edge(b, &b->sides[k], count);
     if (status != HK_OK) return status;
-    add_edge(b, &b->sides[k], count);
+    const side *first = &b->sides[k];
+    add_edge(b, first->end[0], first->end[1], first->triangle, count > 1 ? first[1].triangle : UINT32_MAX);
   }
   b->lists->surface_edges = b->lists->mesh.edges;
   return HK_OK;
 }
 
 /* ---- strands and lone particles ---- */
-
-static void add_item(builder *b, uint32_t p, uint32_t q) {
-  hk_surface_lists *l = b->lists;
-  size_t k = l->items++, e = l->mesh.edges++;
-  l->item[k] = (hk_surface_item){{p, q, q}, HK_OWNS_EDGE | (p == q ? HK_IS_LONE : 0)};
-  memcpy(l->item_edge[k], (uint32_t[]){(uint32_t)e, UINT32_MAX, UINT32_MAX}, sizeof *l->item_edge);
-  memcpy(b->lists->edge[e], (uint32_t[]){p, q}, sizeof *b->lists->edge);
-  memcpy(b->lists->edge_faces[e], (uint32_t[]){UINT32_MAX, UINT32_MAX}, sizeof *b->lists->edge_faces);
-}
 
 /* An edge between two particles of triangles is one of theirs, or a spring across them; it takes no room. */
 static void take_strands(builder *b) {
@@ -192,29 +171,25 @@ static void take_strands(builder *b) {
   sort_by(b, 1);
   sort_by(b, 0);
   for (size_t k = 0; k < b->count; k++)
-    if (k == 0 || !same_ends(&b->sides[k - 1], &b->sides[k])) add_item(b, b->sides[k].end[0], b->sides[k].end[1]);
+    if (k == 0 || !same_ends(&b->sides[k - 1], &b->sides[k]))
+      add_edge(b, b->sides[k].end[0], b->sides[k].end[1], UINT32_MAX, UINT32_MAX);
   b->lists->strand_edges = b->lists->mesh.edges - b->lists->surface_edges;
 }
 
 static void take_lone(builder *b) {
   for (uint32_t i = 0; i < b->view->n; i++)
-    if (!b->left[i] && !b->in_triangle[i] && !b->in_strand[i]) add_item(b, i, i);
+    if (!b->left[i] && !b->in_triangle[i] && !b->in_strand[i]) add_edge(b, i, i, UINT32_MAX, UINT32_MAX);
 }
 
-/* The items that have a point are met in order; the first owns it. A particle whose features all have a member that is
- * left out has none, and no part in contact. */
+/* The ends of all edges. A particle whose features all have a member that is left out has none, and no part in contact.
+ */
 static void take_points(builder *b) {
-  hk_surface_lists *l = b->lists;
-  bool *owned = b->in_strand; /* its content is not needed any more */
-  memset(owned, 0, b->view->n * sizeof *owned);
-  for (size_t k = 0; k < l->items; k++)
-    for (int c = 0; c < 3; c++) {
-      uint32_t i = l->item[k].vertex[c];
-      if (!owned[i]) l->item[k].owns |= (uint32_t)HK_OWNS_POINT << c;
-      owned[i] = true;
-    }
+  hk_surface_mesh *m = &b->lists->mesh;
+  bool *listed = b->in_strand; /* its content is not needed any more */
+  memset(listed, 0, b->view->n * sizeof *listed);
+  for (size_t e = 0; e < m->edges; e++) listed[m->edge[e][0]] = listed[m->edge[e][1]] = true;
   for (uint32_t i = 0; i < b->view->n; i++)
-    if (owned[i]) b->lists->point[l->mesh.points++] = i;
+    if (listed[i]) b->lists->point[m->points++] = i;
 }
 
 /* ---- connected parts ---- */

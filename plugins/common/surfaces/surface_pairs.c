@@ -30,67 +30,118 @@ bool hk_surface_edges_near(const hk_surface_search *s, const uint32_t v[4], doub
          !hk_apart_by_normal(a.point[0], a.point[1], b.point[0], b.point[1], &a, &b, distance);
 }
 
-static void try_pair(const output *o, hk_pair_kind kind, const uint32_t v[4]) {
-  const hk_surface_search *s = o->task->search;
-  const hk_surface_mesh *m = &s->lists->mesh;
-  int first = kind == HK_POINT_TRIANGLE ? 1 : 2;
-  double offset = hk_feature_radius(m, v, first) + hk_feature_radius(m, v + first, 4 - first);
-  if (s->held[v[0]] && s->held[v[1]] && s->held[v[2]] && s->held[v[3]]) return;
-  if (!(kind == HK_POINT_TRIANGLE ? hk_surface_point_near : hk_surface_edges_near)(s, v, offset)) return;
+static void add_pair(const output *o, hk_pair_kind kind, const uint32_t v[4], double offset) {
   hk_surface_pair *pair = hk_gather_add(o->task->into, o->chunk);
   if (pair) *pair = (hk_surface_pair){{v[0], v[1], v[2], v[3]}, kind, offset};
 }
 
-/* The points that `item` owns against a triangle. */
-static void try_points(const output *o, const hk_surface_item *item, const hk_surface_item *triangle) {
-  const uint32_t *t = triangle->vertex;
-  if (!(triangle->owns & HK_IS_TRIANGLE)) return;
+static bool are_held(const hk_surface_search *s, const uint32_t v[4]) {
+  return s->held[v[0]] && s->held[v[1]] && s->held[v[2]] && s->held[v[3]];
+}
+
+static void try_point(const output *o, uint32_t p, const uint32_t t[3]) {
+  const hk_surface_search *s = o->task->search;
+  const uint32_t v[4] = {p, t[0], t[1], t[2]};
+  double offset = hk_feature_radius(&s->lists->mesh, v, 1) + hk_feature_radius(&s->lists->mesh, t, 3);
+  if (!are_held(s, v) && hk_surface_point_near(s, v, offset)) add_pair(o, HK_POINT_TRIANGLE, v, offset);
+}
+
+static void try_edge(const output *o, const uint32_t e[2], const uint32_t f[2]) {
+  const hk_surface_search *s = o->task->search;
+  const uint32_t v[4] = {e[0], e[1], f[0], f[1]};
+  double offset = hk_feature_radius(&s->lists->mesh, e, 2) + hk_feature_radius(&s->lists->mesh, f, 2);
+  if (!are_held(s, v) && hk_surface_edges_near(s, v, offset)) add_pair(o, HK_EDGE_EDGE, v, offset);
+}
+
+/* An item of a pair, with those of its features that come near the box of the other one. */
+typedef struct member {
+  const hk_surface_item *item;
+  const hk_box *box;
+  unsigned points, edges; /* bits */
+} member;
+
+/* Whether a feature's box comes near that of an item, which has its radius in it. */
+static bool is_near(const hk_surface_search *s, const uint32_t *v, int count, const hk_box *box) {
+  hk_swept_set set = hk_swept(s->swept, v, count);
+  double distance = hk_surface_distance(s, hk_feature_radius(&s->lists->mesh, v, count));
+  bool apart = false;
   for (int c = 0; c < 3; c++) {
-    uint32_t p = item->vertex[c];
-    if ((item->owns & (unsigned)HK_OWNS_POINT << c) && !among(t, 3, p))
-      try_pair(o, HK_POINT_TRIANGLE, (uint32_t[]){p, t[0], t[1], t[2]});
+    hk_two_range r = hk_range_of(&set, c);
+    apart |= hk_lesser(r.low) - box->high[c] > distance || hk_lesser(-r.high) + box->low[c] > distance;
   }
+  return !apart;
 }
 
 /* Edges have their lower particle first. */
 static void ends_of(const hk_surface_item *item, int c, uint32_t end[2]) {
-  uint32_t p = item->vertex[c], q = item->vertex[(c + 1) % 3];
+  uint32_t p = item->vertex[hk_item_ends[c][0]], q = item->vertex[hk_item_ends[c][1]];
   end[0] = p < q ? p : q;
   end[1] = p < q ? q : p;
 }
 
-static void try_edge(const output *o, const uint32_t e[2], const hk_surface_item *item) {
-  for (int c = 0; c < 3; c++) {
-    uint32_t f[2];
-    if (!(item->owns & (unsigned)HK_OWNS_EDGE << c)) continue;
-    ends_of(item, c, f);
-    if (!among(f, 2, e[0]) && !among(f, 2, e[1])) try_pair(o, HK_EDGE_EDGE, (uint32_t[]){e[0], e[1], f[0], f[1]});
+static void sift(const hk_surface_search *s, member *m, const hk_box *other) {
+  m->points = m->edges = 0;
+  for (int c = 0; c < 4; c++)
+    if ((m->item->points >> c & 1) && is_near(s, &m->item->vertex[c], 1, other)) m->points |= 1u << c;
+  for (int c = 0; c < HK_ITEM_EDGES; c++) {
+    uint32_t end[2];
+    if (m->item->edge[c] == UINT32_MAX) continue;
+    ends_of(m->item, c, end);
+    if (is_near(s, end, 2, other)) m->edges |= 1u << c;
   }
 }
 
-/* A lone particle meets triangles as a point; its edge of length 0 would say the same of their edges. */
-static void try_edges(const output *o, const hk_surface_item *a, const hk_surface_item *b) {
-  unsigned both = a->owns | b->owns;
-  if ((both & HK_IS_TRIANGLE) && (both & HK_IS_LONE)) return;
-  for (int c = 0; c < 3; c++) {
-    uint32_t e[2];
-    if (!(a->owns & (unsigned)HK_OWNS_EDGE << c)) continue;
-    ends_of(a, c, e);
-    try_edge(o, e, b);
+static void try_points_on(const output *o, const member *a, const uint32_t t[3]) {
+  for (unsigned left = a->points; left; left &= left - 1) {
+    uint32_t p = a->item->vertex[__builtin_ctz(left)];
+    if (!among(t, 3, p)) try_point(o, p, t);
   }
+}
+
+/* The points that a owns against the triangles of b. */
+static void try_points(const output *o, const member *a, const member *b) {
+  const hk_surface_mesh *m = &o->task->search->lists->mesh;
+  for (int k = 0; a->points && k < 2; k++)
+    if (b->item->triangle[k] != UINT32_MAX) try_points_on(o, a, m->triangle[b->item->triangle[k]]);
+}
+
+static void try_edges_of(const output *o, const uint32_t e[2], const hk_surface_item *item, unsigned edges) {
+  for (; edges; edges &= edges - 1) {
+    uint32_t f[2];
+    ends_of(item, __builtin_ctz(edges), f);
+    if (!among(f, 2, e[0]) && !among(f, 2, e[1])) try_edge(o, e, f);
+  }
+}
+
+/* A lone particle meets triangles as a point; its edge of length 0 would say the same of their edges. Of an item with
+ * itself, each pair once. */
+static void try_edges(const output *o, const member *a, const member *b) {
+  const hk_surface_item *i = a->item, *j = b->item;
+  if ((hk_item_is_lone(i) && hk_item_has_triangles(j)) || (hk_item_is_lone(j) && hk_item_has_triangles(i))) return;
+  for (unsigned left = a->edges; left; left &= left - 1) {
+    uint32_t e[2];
+    ends_of(i, __builtin_ctz(left), e);
+    try_edges_of(o, e, j, i == j ? left & (left - 1) : b->edges);
+  }
+}
+
+static void try_items(const output *o, member *a, uint32_t other) {
+  const hk_surface_search *s = o->task->search;
+  member b = {.item = &s->items.item[s->order[other]], .box = &s->box[other]};
+  sift(s, a, b.box);
+  sift(s, &b, a->box);
+  try_points(o, a, &b);
+  if (a->item != b.item) try_points(o, &b, a);
+  try_edges(o, a, &b);
 }
 
 static void try_row(const output *o, uint32_t k) {
   const hk_surface_search *s = o->task->search;
-  const hk_surface_item *item = s->lists->item, *a = &item[s->order[k]];
+  member a = {.item = &s->items.item[s->order[k]], .box = &s->box[k]};
   const uint32_t *near = hk_gather_records(&s->near, k);
   hk_gather_row(o->task->into, o->chunk, k);
-  for (size_t q = 0; q < s->near.row[k].count; q++) {
-    const hk_surface_item *b = &item[s->order[near[q]]];
-    try_points(o, a, b);
-    try_points(o, b, a);
-    try_edges(o, a, b);
-  }
+  if (a.item->triangle[1] != UINT32_MAX) try_items(o, &a, k);
+  for (size_t q = 0; q < s->near.row[k].count; q++) try_items(o, &a, near[q]);
 }
 
 static void pair_chunk(void *context, size_t begin, size_t end, size_t chunk) {

@@ -17,19 +17,23 @@ hk_status hk_surface_search_open(hk_surface_search *s, const hk_host *host, cons
                                  const hk_model *model) {
   hk_surface_search_free(s, host);
   *s = (hk_surface_search){.lists = lists, .model = model, .near.record_size = sizeof(uint32_t)};
+  hk_status status = hk_surface_items_build(&s->items, host, &lists->mesh, model->n);
+  if (status != HK_OK) return status;
   s->swept = host->allocate(host, model->n * sizeof *s->swept);
-  s->box = host->allocate(host, lists->items * sizeof *s->box);
-  s->order = host->allocate(host, lists->items * sizeof *s->order);
+  s->box = host->allocate(host, s->items.count * sizeof *s->box);
+  s->order = host->allocate(host, s->items.count * sizeof *s->order);
+  s->place = host->allocate(host, s->items.count * sizeof *s->place);
   s->held = host->allocate(host, model->n * sizeof *s->held);
   s->extent = host->allocate(host, chunks_of(lists->mesh.points) * sizeof *s->extent);
-  if (s->swept && s->box && s->order && s->held && s->extent) return HK_OK;
+  if (s->swept && s->box && s->order && s->place && s->held && s->extent) return HK_OK;
   hk_surface_search_free(s, host);
-  return host->fail(host, HK_NO_MEMORY, "no memory for the boxes of %zu surfaces", lists->items);
+  return host->fail(host, HK_NO_MEMORY, "no memory for the boxes of %zu particles", model->n);
 }
 
 void hk_surface_search_free(hk_surface_search *s, const hk_host *host) {
-  void *memory[] = {s->swept, s->box, s->order, s->held, s->extent};
+  void *memory[] = {s->swept, s->box, s->order, s->place, s->held, s->extent};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
+  hk_surface_items_free(&s->items, host);
   hk_bvh_free(&s->tree, host);
   hk_gather_free(&s->near, host);
   *s = (hk_surface_search){0};
@@ -38,7 +42,9 @@ void hk_surface_search_free(hk_surface_search *s, const hk_host *host) {
 /* ---- what can move ---- */
 
 static bool is_held(const hk_surface_search *s, const hk_surface_item *item) {
-  return s->held[item->vertex[0]] && s->held[item->vertex[1]] && s->held[item->vertex[2]];
+  bool held = true;
+  for (int c = 0; c < 4; c++) held &= s->held[item->vertex[c]];
+  return held;
 }
 
 bool hk_surface_search_pins_kept(const hk_surface_search *s) {
@@ -53,9 +59,13 @@ static void order_items(hk_surface_search *s) {
   size_t count = 0;
   for (size_t k = 0; k < l->mesh.points; k++) s->held[l->mesh.point[k]] = s->model->inverse_mass[l->mesh.point[k]] == 0;
   for (int pass = 0; pass < 2; pass++) {
-    for (uint32_t k = 0; k < l->items; k++)
-      if (is_held(s, &l->item[k]) == (pass == 1)) s->order[count++] = k;
+    for (uint32_t k = 0; k < s->items.count; k++)
+      if (is_held(s, &s->items.item[k]) == (pass == 1)) s->order[count++] = k;
     if (pass == 0) s->moving = count;
+  }
+  for (size_t k = 0; k < count; k++) {
+    const uint32_t *v = s->items.item[s->order[k]].vertex;
+    s->place[k] = (hk_surface_place){{v[0], v[1], v[2], v[3]}, hk_feature_radius(&l->mesh, v, 4)};
   }
   s->ordered = true;
 }
@@ -96,9 +106,8 @@ static void box_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const hk_surface_search *s = context;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    const uint32_t *v = s->lists->item[s->order[k]].vertex;
-    hk_swept_set set = hk_swept(s->swept, v, 3);
-    double radius = s->move.bare ? 0 : hk_feature_radius(&s->lists->mesh, v, 3);
+    hk_swept_set set = hk_swept(s->swept, s->place[k].vertex, 4);
+    double radius = s->move.bare ? 0 : s->place[k].radius;
     for (int c = 0; c < 3; c++) {
       hk_two_range r = hk_range_of(&set, c);
       s->box[k].low[c] = hk_lesser(r.low) - radius;
@@ -108,7 +117,7 @@ static void box_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 static hk_status fit(hk_surface_search *s, const hk_host *host) {
-  size_t items = s->lists->items;
+  size_t items = s->items.count;
   bool anew = !hk_surface_search_pins_kept(s) || s->tree.items != items;
   if (anew) order_items(s);
   host->parallel_for(host, items, GRAIN, box_chunk, s);
@@ -131,7 +140,7 @@ size_t hk_surface_search_leaf(const hk_surface_search *s, size_t leaf, const uin
 
 static bool share(const uint32_t *a, const uint32_t *b) {
   bool found = false;
-  for (int k = 0; k < 3; k++) found |= a[k] == b[0] || a[k] == b[1] || a[k] == b[2];
+  for (int k = 0; k < 4; k++) found |= a[k] == b[0] || a[k] == b[1] || a[k] == b[2] || a[k] == b[3];
   return found;
 }
 
@@ -146,10 +155,10 @@ typedef struct seeker {
 } seeker;
 
 static seeker prepare(const hk_surface_search *s, uint32_t k) {
-  const uint32_t *v = s->lists->item[s->order[k]].vertex;
-  seeker i = {.place = k, .vertex = v, .set = hk_swept(s->swept, v, 3)};
-  i.distance = hk_surface_distance(s, hk_feature_radius(&s->lists->mesh, v, 3));
-  hk_normal_of(i.set.point[0], i.set.point[1], i.set.point[0], i.set.point[2], i.normal);
+  const uint32_t *v = s->place[k].vertex;
+  seeker i = {.place = k, .vertex = v, .set = hk_swept(s->swept, v, 4)};
+  i.distance = hk_surface_distance(s, s->place[k].radius);
+  hk_normal_of(i.set.point[0], i.set.point[3], i.set.point[1], i.set.point[2], i.normal); /* of the diagonals */
   i.normal2 = hk_dot(i.normal, i.normal);
   i.along = hk_range_along(&i.set, i.normal);
   return i;
@@ -157,10 +166,10 @@ static seeker prepare(const hk_surface_search *s, uint32_t k) {
 
 /* Whether an axis keeps two items apart. */
 static bool are_apart(const hk_surface_search *s, const seeker *i, uint32_t other) {
-  const uint32_t *v = s->lists->item[s->order[other]].vertex;
+  const uint32_t *v = s->place[other].vertex;
   if (share(i->vertex, v)) return false;
-  hk_swept_set b = hk_swept(s->swept, v, 3);
-  double distance = i->distance + (s->move.bare ? 0 : hk_feature_radius(&s->lists->mesh, v, 3));
+  hk_swept_set b = hk_swept(s->swept, v, 4);
+  double distance = i->distance + (s->move.bare ? 0 : s->place[other].radius);
   double gap = hk_range_gap(i->along, hk_range_along(&b, i->normal));
   if (gap > 0 && gap * gap > distance * distance * i->normal2) return true;
   return hk_apart_by_middles(&i->set, &b, distance);

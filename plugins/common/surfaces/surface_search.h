@@ -1,4 +1,4 @@
-/* Which items of surfaces (surface_lists.h) come near each other in a straight move: a tree of the boxes that they
+/* Which items of surfaces (surface_items.h) come near each other in a straight move: a tree of the boxes that they
  * sweep, and for what it finds, axes that keep two items apart (surface_gap.h). Items of which no particle can move
  * stand last, so that pairs of two of them are never looked at.
  *
@@ -8,6 +8,7 @@
 
 #include "plugins/common/space/gather.h"
 #include "plugins/common/surfaces/surface_gap.h"
+#include "plugins/common/surfaces/surface_items.h"
 #include "plugins/common/surfaces/surface_lists.h"
 
 typedef struct hk_surface_move {
@@ -16,10 +17,18 @@ typedef struct hk_surface_move {
   bool bare;                   /* without the radii of surfaces */
 } hk_surface_move;
 
+/* What a search reads of an item most often. */
+typedef struct hk_surface_place {
+  uint32_t vertex[4];
+  double radius; /* m */
+} hk_surface_place;
+
 typedef struct hk_surface_search {
   const hk_surface_lists *lists;
   const hk_model *model;
-  uint32_t *order; /* items: those that can move first, both parts rising; a place is an index of it */
+  hk_surface_items items;
+  uint32_t *order;         /* items: those that can move first, both parts rising; a place is an index of it */
+  hk_surface_place *place; /* as `order` */
   size_t moving;
   bool *held; /* n: which particles cannot move, for `order` */
   bool ordered;

@@ -77,7 +77,7 @@ static void add_point(hk_contours *c, uint32_t k, uint32_t side) {
 static void trace(hk_contours *c, const hk_surface_mesh *m, uint32_t start, uint32_t slot) {
   hk_contour *made = &c->contour[c->count++];
   uint32_t at = start, face[2] = {m->edge_faces[c->node[start].edge][slot], c->node[start].triangle}, side = 0;
-  *made = (hk_contour){.kind = HK_CONTOUR_CLOSED, .first = c->points, .cuts = 2};
+  *made = (hk_contour){.kind = HK_CONTOUR_CLOSED, .first = c->points};
   add_point(c, start, 0);
   while (c->node[at].next[slot] != NONE) {
     uint32_t next = c->node[at].next[slot], into = c->node[at].next_slot[slot];
@@ -102,7 +102,7 @@ static void count_kinds(hk_contours *c) {
 
 /* Curves with ends first, so that what is left is closed. */
 static void trace_all(hk_contours *c, const hk_surface_mesh *m, size_t nodes) {
-  c->points = c->count = 0;
+  c->points = c->count = c->beyonds = 0;
   for (uint32_t k = 0; k < nodes; k++)
     for (uint32_t slot = 0; slot < 2 && !c->node[k].traced; slot++) {
       if (c->node[k].next[slot] != NONE) continue;
@@ -111,7 +111,7 @@ static void trace_all(hk_contours *c, const hk_surface_mesh *m, size_t nodes) {
       hk_contour *made = &c->contour[c->count - 1];
       made->kind = begin > made->kind ? begin : made->kind;
       uint32_t last = c->point[made->first + made->count - 1].side;
-      made->cuts = made->kind == HK_CONTOUR_BORDER && last == 0 && made->count > 1 ? 0 : 2;
+      made->cuts[0] = made->kind == HK_CONTOUR_BORDER && last == 0 && made->count > 1; /* the start is on side 0 */
     }
   for (uint32_t k = 0; k < nodes; k++)
     if (!c->node[k].traced) trace(c, m, k, 0);
@@ -132,7 +132,7 @@ hk_status hk_contours_trace(hk_contours *c, const hk_host *host, const hk_surfac
 }
 
 void hk_contours_free(hk_contours *c, const hk_host *host) {
-  void *all[] = {c->node, c->link, c->point, c->contour};
+  void *all[] = {c->node, c->link, c->point, c->contour, c->beyond};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) host->release(host, all[k]);
   *c = (hk_contours){.points = 0};
 }

@@ -23,7 +23,10 @@ typedef struct hk_contour {
   hk_contour_kind kind;
   size_t first, count; /* of the points, in their order along the curve */
   bool twisted;        /* closed, and its two sides are one curve that runs around twice */
-  uint32_t cuts;       /* the side that it divides, from one place of its border to another; 2: neither */
+  bool cuts[2];        /* on which sides it divides the surface from one place of the border to another */
+  struct {
+    size_t first, count;
+  } beyond[2]; /* of `beyond`: edges that it would cross if it went on to the border, prolong.h */
 } hk_contour;
 
 typedef struct hk_contours {
@@ -31,9 +34,11 @@ typedef struct hk_contours {
   hk_contour_point *point;
   hk_contour *contour;
   size_t kinds[HK_CONTOUR_KINDS]; /* how many there are of each */
-  struct hk_contour_link *link;   /* what follows is for the tracing */
+  size_t beyonds;
+  uint32_t *beyond;
+  struct hk_contour_link *link; /* what follows is for the tracing */
   struct hk_contour_node *node;
-  size_t link_room, node_room, point_room, contour_room;
+  size_t link_room, node_room, point_room, contour_room, beyond_room;
 } hk_contours;
 
 /* Traces the curves of the intersections. HK_NO_MEMORY. */

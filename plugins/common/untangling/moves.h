@@ -44,9 +44,4 @@ typedef struct hk_tangle { /* what is to be freed */
 hk_status hk_moves_find(hk_moves *, const hk_host *, const hk_tangle *);
 void hk_moves_free(hk_moves *, const hk_host *);
 
-/* The direction in which the edge has to move relative to the triangle that it pierces for the curve to become shorter,
- * and the weights of the point on both: minus the gradient of its length. False: the two are parallel. */
-bool hk_shortening(const hk_surface_mesh *, const double *x, const hk_contour_point *, double w[HK_PULL],
-                   double direction[3]);
-
 #endif

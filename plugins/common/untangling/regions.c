@@ -18,8 +18,8 @@ static uint32_t root_of(uint32_t *root, uint32_t i) {
 static void list_crossed(hk_regions *r, const hk_surface_mesh *m, const hk_contours *c) {
   r->crossed = 0;
   memset(r->place, 0, m->edges * sizeof *r->place);
-  for (size_t k = 0; k < c->points; k++) {
-    uint32_t e = c->point[k].edge;
+  for (size_t k = 0; k < c->points + c->beyonds; k++) {
+    uint32_t e = k < c->points ? c->point[k].edge : c->beyond[k - c->points];
     if (r->place[e]) continue;
     r->edge[r->crossed++] = e;
     r->place[e] = (uint32_t)r->crossed;
@@ -67,6 +67,7 @@ static void mark_odd(hk_regions *r, const hk_contours *all, const hk_contour *c,
   memset(r->odd, 0, r->crossed);
   for (size_t k = c->first; k < c->first + c->count; k++)
     if (on_curve(c, &all->point[k], side)) r->odd[r->place[all->point[k].edge] - 1] ^= 1;
+  for (size_t k = 0; k < c->beyond[side].count; k++) r->odd[r->place[all->beyond[c->beyond[side].first + k]] - 1] ^= 1;
 }
 
 /* Colours the groups that are connected with that of vertex i. False: the colours contradict each other. */
@@ -138,19 +139,19 @@ static void *carve(const hk_regions *r, size_t *at, size_t count, size_t size) {
 
 /* Without a block, only its size is found. */
 static size_t lay_out(hk_regions *r, const hk_surface_mesh *m, const hk_contours *c, size_t n) {
-  size_t at = 0;
+  size_t at = 0, most = c->points + c->beyonds;
   r->area = carve(r, &at, n, sizeof *r->area);
   r->root = carve(r, &at, n, sizeof *r->root);
   r->next = carve(r, &at, n, sizeof *r->next);
   r->head = carve(r, &at, n, sizeof *r->head);
   r->seen = carve(r, &at, n, sizeof *r->seen);
   r->start = carve(r, &at, n + 2, sizeof *r->start);
-  r->edge = carve(r, &at, c->points, sizeof *r->edge);
-  r->incident = carve(r, &at, 2 * c->points, sizeof *r->incident);
+  r->edge = carve(r, &at, most, sizeof *r->edge);
+  r->incident = carve(r, &at, 2 * most, sizeof *r->incident);
   r->place = carve(r, &at, m->edges, sizeof *r->place);
   r->enclosed = carve(r, &at, c->count, sizeof *r->enclosed);
   r->colour = carve(r, &at, n, 1);
-  r->odd = carve(r, &at, c->points, 1);
+  r->odd = carve(r, &at, most, 1);
   return at;
 }
 
@@ -176,7 +177,7 @@ hk_status hk_regions_fill(hk_regions *r, const hk_host *host, const hk_surface_m
     for (uint32_t side = 0; side < 2 && status == HK_OK; side++) {
       const hk_contour *c = &all->contour[k];
       r->enclosed[k][side] = (hk_enclosed){.first = r->vertices};
-      if (c->cuts == side || (c->kind == HK_CONTOUR_CLOSED && !(c->twisted && side == 1)))
+      if (c->cuts[side] || (c->kind == HK_CONTOUR_CLOSED && !(c->twisted && side == 1)))
         status = fill_side(r, host, m, all, c, side, n, &r->enclosed[k][side]);
     }
   return status;

@@ -13,6 +13,8 @@ hk_status hk_untangler_look(hk_untangler *u, const hk_model *model, const double
   u->intersections = found.count;
   if (status == HK_OK) status = hk_contours_trace(&u->contours, u->host, mesh, &found);
   if (status != HK_OK || found.count == 0) return status;
+  status = hk_contours_prolong(&u->prolong, &u->contours, u->host, mesh);
+  if (status != HK_OK) return status;
   return hk_regions_fill(&u->regions, u->host, mesh, &u->contours, model->n, x);
 }
 
@@ -70,6 +72,7 @@ static void account(hk_untangler *u, size_t n, const double *from, const double 
 
 hk_status hk_untangler_free(hk_untangler *u, const hk_model *model, hk_correction *c) {
   hk_status status = hk_untangler_look(u, model, c->x);
+  u->found = u->intersections;
   if (status != HK_OK || u->intersections == 0) return status;
   memcpy(u->seen, u->contours.kinds, sizeof u->seen);
   status = hk_reserve(u->host, &u->trial, &u->trial_room, 3 * model->n, sizeof *u->trial);
@@ -96,6 +99,7 @@ void hk_untangler_mark(const hk_untangler *u, size_t n, double *mark) {
 
 void hk_untangler_close(hk_untangler *u) {
   hk_contours_free(&u->contours, u->host);
+  hk_prolong_free(&u->prolong, u->host);
   hk_regions_free(&u->regions, u->host);
   hk_moves_free(&u->moves, u->host);
   u->host->release(u->host, u->trial);

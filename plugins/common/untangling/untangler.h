@@ -4,6 +4,7 @@
 #define HK_UNTANGLER_H
 
 #include "plugins/common/untangling/moves.h"
+#include "plugins/common/untangling/prolong.h"
 
 typedef struct hk_untangler {
   const hk_surfaces *surfaces;
@@ -11,13 +12,14 @@ typedef struct hk_untangler {
   double clearance; /* m: how much further than their radii surfaces are moved apart */
   int64_t rounds;   /* moves at once, at most */
   hk_contours contours;
+  hk_prolong prolong;
   hk_regions regions;
   hk_moves moves;
   double *trial, *from; /* n x 3, m */
   size_t trial_room, from_room;
   size_t intersections; /* at the last look */
-  /* of the last time that something was freed: curves at first, particles that were moved, and by how much, m */
-  size_t seen[HK_CONTOUR_KINDS], moved;
+  /* of the last hk_untangler_free: intersections and curves before it, particles that were moved, and by how much, m */
+  size_t found, seen[HK_CONTOUR_KINDS], moved;
   double furthest;
 } hk_untangler;
 

@@ -72,11 +72,11 @@ static void every_material_has_all_its_numbers(void **state) {
 
 static void a_scene_may_have_its_own(void **state) {
   (void)state;
-  test_write("materials.lua", "return { tin = { grid = { density = 3 } } }\n");
+  test_write("material_numbers.lua", "return { tin = { grid = { density = 3 } } }\n");
   double mass = measured("material = 'tin'", "", "s:mass(1)");
-  const char *path = test_write("materials.lua", "return 7\n");
+  const char *path = test_write("material_numbers.lua", "return 7\n");
   test_refused(OPEN "scene:grid { nx = 2, ny = 2, material = 'tin' }\n", "", 1,
-               "bad.lua:2: grid: material: the module 'materials' gives no table");
+               "bad.lua:2: grid: material: the module 'material_numbers' gives no table");
   assert_int_equal(remove(path), 0);
   assert_true(fabs(mass - 3.0 / 16) < 1e-15);
 }

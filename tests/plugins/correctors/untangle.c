@@ -87,7 +87,15 @@ static void other_tangles_become_free(void **state) {
       "0.02 })\n",
       "local a = scene:grid { nx = 25, ny = 25, origin = { -0.5, -0.5, 0.12 }, density = 0.2 }\n"
       "scene:body { shape = 'sphere', radius = 0.2, detail = 0.02, position = { 0.013, 0.011, 0 } }\n"
-      "scene:force('springs', { edges = a:structural() .. a:shear(), k = 50, damping = 0.02 })\n"};
+      "scene:force('springs', { edges = a:structural() .. a:shear(), k = 50, damping = 0.02 })\n",
+      "local x, faces, nx, ny = {}, {}, 41, 11\n"
+      "for j = 0, ny - 1 do for i = 0, nx - 1 do\n  local s, y = i / (nx - 1), j / (ny - 1) * 0.4\n"
+      "  local r = 0.15 + 0.02 * math.cos(9 * y) * (s - 0.5)\n"
+      "  x[#x + 1] = { r * math.cos(2.3 * math.pi * s), y, r * math.sin(2.3 * math.pi * s) }\nend end\n"
+      "for j = 0, ny - 2 do for i = 1, nx - 1 do\n  local k = j * nx + i\n"
+      "  faces[#faces + 1] = { k, k + 1, k + nx + 1 }\n  faces[#faces + 1] = { k, k + nx + 1, k + nx }\nend end\n"
+      "local m = scene:mesh { vertices = x, faces = faces, density = 0.2 }\n"
+      "scene:force('springs', { edges = m:edges(), k = 50, damping = 0.02 })\n"};
   for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
     write_scene("other.lua",
                 (const char *const[]){HEAD("duration = 0.1"), scenes[k],

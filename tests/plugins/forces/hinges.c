@@ -1,6 +1,5 @@
 /* Hinges by hand, through pi, and against their energy and differences of themselves; the plate that they are on four
  * kinds of mesh; what cannot be bent; triangles without area; deaths; no memory. */
-#include "plugins/common/shells/hinge_kernel.h"
 #include "tests/support/force_check.h"
 #include "tests/support/sheets.h"
 
@@ -148,79 +147,6 @@ static void momentum_is_kept(void **state) {
   assert_true(largest > 10);
   for (int c = 0; c < 6; c++) assert_true(fabs(sum[c]) < 1e-13 * largest);
   free(F);
-  sheet_free(&s);
-  test_engine_close(&e);
-}
-
-/* ---- Many hinges --------------------------------------------------------------------------------------------------
- */
-
-typedef struct instance {
-  hk_bending bending;
-  hk_bending_params given;
-  double *rest;
-  hk_array turned;
-} instance; /* as the plugin has it */
-
-/* The sums of hinge_kernel.c against hinges one by one, and on every processor; in blocks that are not full. */
-static void many_hinges_are_each_of_them(void **state) {
-  (void)state;
-  test_engine e;
-  sheet s;
-  hk_plugin_spec *spec = open_crumpled(&e, &s);
-  test_run(&e);
-  hk_instance *force = test_instance(&e, spec);
-  const instance *h = force->self;
-  hk_view view = force_view(&e, force);
-  double F[48], G[48] = {0}, P[48] = {0}, largest = 0;
-  force_evaluate(force, &view, F);
-  hk_bending_add(force->self, &view, G);
-  hk_hinge_forces_narrow(&h->bending, h->rest, h->turned.item, &view, P);
-  for (int k = 0; k < 48; k++) largest = fmax(largest, fabs(F[k]));
-  for (int k = 0; k < 48; k++) assert_true(fabs(F[k] - G[k]) <= 1e-14 * largest && F[k] == P[k]);
-  sheet_free(&s);
-  test_engine_close(&e);
-}
-
-typedef struct names {
-  hk_pattern pattern; /* first member */
-  size_t count;
-} names;
-
-static void count_block(hk_pattern *pattern, uint32_t row, uint32_t column) {
-  (void)row, (void)column;
-  ((names *)(void *)pattern)->count++;
-}
-
-/* hinge_blocks.c in the frames of triangles against the product rule of hinge.c. Heights of 0.2 of the sides and less
- * make rounding some ten times that of the numbers. */
-static void blocks_are_the_hessian_in_other_frames(void **state) {
-  (void)state;
-  static const unsigned want[] = {HK_WANT_SYMMETRIC, HK_WANT_DEFINITE};
-  test_engine e;
-  sheet s;
-  hk_plugin_spec *spec = open_crumpled(&e, &s);
-  test_run(&e);
-  hk_instance *force = test_instance(&e, spec);
-  hk_view view = force_view(&e, force);
-  names list = {.pattern = {count_block}};
-  hk_bending_pattern(force->self, &view, &list.pattern);
-  double *K = calloc(36 * list.count, sizeof *K), *D = K + 9 * list.count, *L = D + 9 * list.count,
-         *E = L + 9 * list.count;
-  size_t *slot = malloc(list.count * sizeof *slot);
-  for (size_t k = 0; k < list.count; k++) slot[k] = k;
-  for (int w = 0; w < 2; w++) {
-    double largest = 0;
-    memset(K, 0, 36 * list.count * sizeof *K);
-    assert_int_equal(hk_bending_jacobian(force->self, &view, &(hk_blocks){slot, K, D, want[w]}), HK_OK);
-    assert_int_equal(force->plugin->force->jacobian(force->self, &view, &(hk_blocks){slot, L, E, want[w]}), HK_OK);
-    for (size_t k = 0; k < 9 * list.count; k++) largest = fmax(largest, fabs(K[k]));
-    assert_true(largest > 10);
-    for (size_t k = 0; k < 9 * list.count; k++)
-      assert_true(fabs(K[k] - L[k]) < 1e-13 * largest && fabs(D[k] - E[k]) < 1e-13 * largest);
-  }
-  free(K);
-  free(slot);
   sheet_free(&s);
   test_engine_close(&e);
 }
@@ -433,8 +359,6 @@ int main(void) {
       cmocka_unit_test(angles_go_on_through_pi),
       cmocka_unit_test(force_and_jacobian_are_derivatives),
       cmocka_unit_test(momentum_is_kept),
-      cmocka_unit_test(many_hinges_are_each_of_them),
-      cmocka_unit_test(blocks_are_the_hessian_in_other_frames),
       cmocka_unit_test(regular_meshes_are_the_plates_of_bending_c),
       cmocka_unit_test(irregular_meshes_come_near),
       cmocka_unit_test(what_cannot_bend_is_named),

@@ -45,7 +45,7 @@ static void neighbours_know_where_pins_will_be(void **state) {
     snprintf(scene, sizeof scene, driven, solve[k]);
     test_write("driven.lua", scene);
     test_hooke(&r, NULL, "run driven.lua --json --quiet");
-    assert_true(test_json(r.out, "seen") == 29); /* before the last frame */
+    assert_true(test_json(r.out, "seen") == 29);  /* before the last frame */
     assert_true(test_json(r.out, "off") < 1e-13); /* of 0.2 m: rounding of 30 steps, and of pi's multiples */
   }
 }
@@ -82,8 +82,8 @@ static void both_solutions_are_one_method(void **state) {
   assert_true(hang("filtered", "", "slide") < 1e-14);
 }
 
-/* The strain of this sheet changes by some hundredths in a step of 0.01 s: where it may change by 0.002 alone, there are
- * several times as many steps. */
+/* The strain of this sheet changes by some hundredths in a step of 0.01 s: where it may change by 0.002 alone, there
+ * are several times as many steps. */
 static void steps_follow_the_stretch_of_triangles(void **state) {
   (void)state;
   assert_true(hang("solver", ", stretch = 100", "steps") < 25); /* 20 and the ends of some frames */

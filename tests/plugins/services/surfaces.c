@@ -39,9 +39,9 @@ static void bad_meshes_are_named(void **state) {
 
 static void a_thickness_that_is_too_large_is_told_with_the_one_that_fits(void **state) {
   (void)state;
-  refuse(square, "s:corrector('contact', { thickness = 0.8 })",
-         "the thickness of 0.8 m is too large for the mesh: particle 1 and triangle 2 4 3, which are neighbours in it, "
-         "are 0.707107 m apart at the start; a thickness below that fits");
+  static const char *const thick = "s:corrector('contact', { thickness = 0.8 })";
+  refuse(square, thick, "the thickness of 0.8 m is too large for the mesh: particle");
+  refuse(square, thick, "which are neighbours in it, are 0.707107 m apart at the start; a thickness below that fits");
 }
 
 static void plugins_that_disagree_are_told(void **state) {

@@ -30,7 +30,7 @@ local function key_of(case)
   local told = {}
   for _, name in ipairs { "integrator", "dt", "tol", "until", "every", "perturb", "perturb_seed", "motion", "turn",
     "threads", "repeats" } do told[name] = case[name] end
-  told.compared = case.against and true or nil
+  told.compared, told.varied = case.against and true or nil, case.varied
   return journal.canonical(told)
 end
 
@@ -74,7 +74,7 @@ end
 
 -- ---- the scene ----
 
--- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), only_best
+-- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text), only_best
 -- (methods that are slower than the best at the target are not refined further). In the returned bench the caller may
 -- set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
@@ -84,6 +84,10 @@ function benchmark.new(options)
   local list = methods.all(catalogue, explained.steps)
   if options.integrators then
     list, why = methods.chosen(catalogue, explained.steps, options.integrators)
+    if not list then return nil, why end
+  end
+  if options.vary then
+    list, why = methods.varied(list, options.vary)
     if not list then return nil, why end
   end
   local self = { options = options, explained = explained, methods = list, step = {}, fps = explained.fps, timed = 0,
@@ -98,9 +102,13 @@ function benchmark.new(options)
   end
   local frames = math.ceil(self.limit * self.fps) + 1
   self.every = math.max(1, math.ceil(frames * explained.particles * 56 / most_state_bytes))
-  function self.case()
-    return { scene = options.scene, params = options.params, ["until"] = self.limit, threads = options.threads or 1,
-      every = self.every, trust = options.trust }
+  -- varied: { name = value }, parameters of the scene beside those of the options, or nil
+  function self.case(varied)
+    local params = {}
+    for name, value in pairs(options.params or {}) do params[name] = value end
+    for name, value in pairs(varied or {}) do params[name] = value end
+    return { scene = options.scene, params = params, varied = varied, ["until"] = self.limit,
+      threads = options.threads or 1, every = self.every, trust = options.trust }
   end
   function self.run(cases, done, jobs) run_all(self, cases, done, jobs) end
   return self

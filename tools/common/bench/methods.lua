@@ -19,7 +19,8 @@ end
 
 local function method_of(plugin, variant, step)
   local by = variant.by or plugin.adaptive and "tol" or "dt"
-  return { plugin = plugin.name, label = text_of(plugin.name, variant.settings), settings = variant.settings, by = by,
+  local text = text_of(plugin.name, variant.settings)
+  return { plugin = plugin.name, label = text, integrator = text, settings = variant.settings, by = by,
     implicit = plugin.implicit, adaptive = plugin.adaptive, stages = plugin.stages,
     order = variant.order or plugin.order,
     varies = plugin.name == "cvode", -- it chooses its order itself
@@ -88,6 +89,24 @@ function methods.chosen(catalogue, steps, text)
   return list
 end
 
+-- "name=a,b,c": every method of the list with each of these values of a parameter of the scene.
+function methods.varied(list, text)
+  local name, values = text:match("^([%w_]+)=(.+)$")
+  if not name then return nil, ("--vary '%s' is not name=value,value"):format(text) end
+  local all = {}
+  for value in values:gmatch("[^,]+") do
+    for _, method in ipairs(list) do
+      local one = { rows = {} }
+      for key, of_method in pairs(method) do
+        if key ~= "rows" then one[key] = of_method end
+      end
+      one.label, one.params = ("%s %s=%s"):format(method.label, name, value), { [name] = value }
+      all[#all + 1] = one
+    end
+  end
+  return all
+end
+
 -- ---- the values from cheap to accurate ----
 
 local function pieces(method, fps)
@@ -104,9 +123,9 @@ function methods.setting(method, k, fps)
     return { integrator = text_of(method.plugin, settings), dt = 1 / fps, substeps = first_substeps << k }
   elseif method.by == "tol" then
     if first_tolerance - k < last_tolerance then return nil end
-    return { integrator = method.label, tol = tonumber(("1e%d"):format(first_tolerance - k)) }
+    return { integrator = method.integrator, tol = tonumber(("1e%d"):format(first_tolerance - k)) }
   end
-  return { integrator = method.label, dt = 1 / (fps * (pieces(method, fps) << k)) }
+  return { integrator = method.integrator, dt = 1 / (fps * (pieces(method, fps) << k)) }
 end
 
 -- The approximate time of the next value relative to the last one's.

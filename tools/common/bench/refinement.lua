@@ -77,7 +77,7 @@ local function next_run(method, goal, share)
 end
 
 local function take(method, setting, bench, goal, share)
-  local case = bench.case()
+  local case = bench.case(method.params)
   case.integrator, case.dt, case.tol = setting.integrator, setting.dt, setting.tol
   case.against, case.repeats, case.repeat_s = goal.motion, 6, math.min(0.05, 0.1 * share)
   case.timeout = 1.2 * share + start_seconds
@@ -146,7 +146,7 @@ function refinement.repeat_rows(rows, bench, count, seconds)
     for _, row in ipairs(rows) do
       local left = seconds - (process.clock() - begun)
       if #row.times < turn and row.result.process_s < left then
-        local case = bench.case()
+        local case = bench.case(row.case.varied)
         case.integrator, case.dt, case.tol = row.case.integrator, row.case.dt, row.case.tol
         case.timeout, case.turn = 4 * row.result.process_s + 1, turn
         bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_wall_s end, 1)

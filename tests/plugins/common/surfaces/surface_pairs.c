@@ -173,7 +173,7 @@ static void pairs_and_intersections_are_those_of_loops(void **state) {
       shake(s, to, by[k / 3]);
       hk_surface_move move = {.x_from = s->x, .x_to = to, .reach = reach[k % 3]};
       size_t must = compare_pairs(s, &move);
-      assert_true(must > 10 && s->pairs.count < 10 * must); /* few of them are far apart */
+      assert_true(must > 10 && s->pairs.count < 20 * must); /* of all pairs a few thousandths */
       compare_crossings(s, to, true);
       memcpy(s->x, to, 3 * s->model.n * sizeof *to);
       if (again == 0) test_surfaces_hold(s, 10); /* pins may change */
@@ -195,6 +195,19 @@ static void degenerate_positions_are_no_exception(void **state) {
     compare_crossings(s, s->x, true);
     test_surfaces_close(s);
   }
+}
+
+/* More than a walk through the tree keeps at a time. */
+static void all_in_one_place_meet_all(void **state) {
+  (void)state;
+  enum { N = 700 };
+  test_surfaces *s = test_surfaces_open(2, 1, N);
+  for (int k = 0; k < N; k++) test_surfaces_particle(s, 1, 2, 3);
+  for (uint32_t k = 0; k < 10; k++) test_surfaces_hold(s, k);
+  test_surfaces_list(s);
+  find(s, &(hk_surface_move){.x_from = s->x, .x_to = s->x});
+  assert_int_equal(s->pairs.count, N * (N - 1) / 2 - 10 * 9 / 2);
+  test_surfaces_close(s);
 }
 
 /* Neither the threads nor what was searched before leave a trace. */
@@ -281,6 +294,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pairs_and_intersections_are_those_of_loops),
       cmocka_unit_test(degenerate_positions_are_no_exception),
+      cmocka_unit_test(all_in_one_place_meet_all),
       cmocka_unit_test(the_bits_depend_on_the_positions_alone),
       cmocka_unit_test(a_position_that_is_not_finite_is_told),
       cmocka_unit_test(failed_allocations_are_told),

@@ -1,8 +1,10 @@
 /* Intersection paths, what they enclose, and how it is drawn back: surfaces whose intersections are known, the gradient
  * of a curve's length against differences, and momenta. */
 #include "plugins/common/untangling/moves.h"
+#include "plugins/common/untangling/prolong.h"
 #include "plugins/common/collision/distance.h"
 #include "plugins/common/space/vector3.h"
+#include "plugins/common/untangling/shortening.h"
 #include "tests/support/surface_scenes.h"
 
 #include <setjmp.h>
@@ -16,6 +18,7 @@ typedef struct bench {
   test_surfaces *s;
   hk_surface_intersections found;
   hk_contours contours;
+  hk_prolong prolong;
   hk_regions regions;
   hk_moves moves;
 } bench;
@@ -26,6 +29,7 @@ static void look(bench *b) {
   assert_int_equal(hk_surface_crossings_find(&b->s->search, host, b->s->x, &b->s->crossings), HK_OK);
   b->found = (hk_surface_intersections){b->s->crossings.count, b->s->crossings.record};
   assert_int_equal(hk_contours_trace(&b->contours, host, m, &b->found), HK_OK);
+  assert_int_equal(hk_contours_prolong(&b->prolong, &b->contours, host, m), HK_OK);
   assert_int_equal(hk_regions_fill(&b->regions, host, m, &b->contours, b->s->model.n, b->s->x), HK_OK);
 }
 
@@ -49,6 +53,7 @@ static void find_moves(bench *b, const double *v) {
 static void close_bench(bench *b) {
   const hk_host *host = test_surfaces_host(b->s);
   hk_contours_free(&b->contours, host);
+  hk_prolong_free(&b->prolong, host);
   hk_regions_free(&b->regions, host);
   hk_moves_free(&b->moves, host);
   test_surfaces_close(b->s);
@@ -225,11 +230,42 @@ static void crossed_strips_have_a_curve_from_border_to_border(void **state) {
   assert_int_equal(b.contours.count, 1);
   const hk_contour *c = &b.contours.contour[0];
   assert_int_equal(c->kind, HK_CONTOUR_BORDER);
-  assert_true(c->cuts < 2); /* the flat strip is cut in two */
+  assert_true(c->cuts[0] && !c->cuts[1]); /* the flat strip is cut in two, into 5 of its 11 rows and 6 */
   const hk_enclosed *e = b.regions.enclosed[0];
-  assert_true(e[c->cuts].known && e[c->cuts].count == 55 &&
-              e[1 - c->cuts].count == 0); /* 5 of 11 rows: the smaller part */
+  assert_true(e[0].known && e[0].count == 55 && e[1].count == 0);
   for (size_t k = 0; k < 55; k++) assert_true(b.regions.vertex[k] < second && b.s->x[3 * b.regions.vertex[k]] > 0.511);
+  close_bench(&b);
+}
+
+/* Two sheets that cross at a right angle, one moved along the curve by 0.4 of a cell: it begins on the border of one
+ * and ends on that of the other, and nearly cuts both. */
+static void curves_that_nearly_cut_are_prolonged(void **state) {
+  (void)state;
+  bench b = {.s = test_surfaces_open(1, 5, 2000)};
+  b.s->request = (hk_surface_request){1e-3, 1e-3, 5e-4, NULL};
+  test_surfaces_sheet(b.s, 10, (double[]){0, 0, 0});
+  uint32_t second = test_surfaces_sheet(b.s, 10, (double[]){0, 0, 0});
+  for (uint32_t i = second; i < b.s->model.n; i++) {
+    double *x = b.s->x + 3 * (size_t)i, u = x[0], v = x[1];
+    x[0] = 0.511, x[1] = u + 0.0437, x[2] = v - 0.633;
+  }
+  list_and_look(&b);
+  check_curves(&b);
+  assert_int_equal(b.contours.count, 1);
+  const hk_contour *c = &b.contours.contour[0];
+  assert_true(c->kind == HK_CONTOUR_BORDER && c->cuts[0] && c->cuts[1]);
+  for (int side = 0; side < 2; side++) {
+    const hk_enclosed *e = &b.regions.enclosed[0][side];
+    assert_true(c->beyond[side].count >= 1 && c->beyond[side].count <= 2 && e->known);
+    bool flat = b.regions.vertex[e->first] < second;
+    size_t wrong = 0;
+    for (size_t k = e->first; k < e->first + e->count; k++) {
+      const double *x = b.s->x + 3 * (size_t)b.regions.vertex[k];
+      wrong += flat ? x[0] < 0.511 : x[2] < 0;
+    }
+    assert_true(wrong <= 1);                            /* beside the way to the border */
+    assert_int_equal(e->count - wrong, flat ? 55 : 44); /* columns beyond x = 0.511, rows above z = 0 */
+  }
   close_bench(&b);
 }
 
@@ -342,6 +378,7 @@ int main(void) {
       cmocka_unit_test(plain_repulsion_does_not_free_it),
       cmocka_unit_test(velocities_lose_what_goes_further_in),
       cmocka_unit_test(crossed_strips_have_a_curve_from_border_to_border),
+      cmocka_unit_test(curves_that_nearly_cut_are_prolonged),
       cmocka_unit_test(a_folded_fan_ends_at_its_tip),
       cmocka_unit_test(any_mess_is_traced),
       cmocka_unit_test(curves_become_shorter_along_their_gradient),

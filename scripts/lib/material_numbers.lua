@@ -1,4 +1,4 @@
--- materials: what material = "cotton" stands for, in scene:grid and scene:mesh (areal density, kg/m^2), in the force
+-- material_numbers: what material = "cotton" stands for, in scene:grid and scene:mesh (areal density, kg/m^2), in the force
 -- membrane (N/m) and in hinges and quadratic_bending (N m). A name beside it in the same table goes first. A file of
 -- this name beside a scene takes the place of this one.
 --

@@ -1,0 +1,139 @@
+/* Contact of a sheet of 100 x 100 particles that falls onto a ball and drapes over it, with leapfrog: what the
+ * corrector and the force take of a step, in processor time, which others on the machine disturb less than the wall's.
+ * The rest of the step is the forces and the method. A tenth of a second at a time, from the landing on.
+ *     build/bench/contact [threads] [seconds] */
+#include "tests/support/engine.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { SIDE = 100, RINGS = 24 };
+static const double pi = 3.14159265358979323846, size = 1, ball = 0.25, thickness = 0.003;
+
+/* s, of the process */
+static double own(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void must(test_engine *e, hk_status status) {
+  if (status == HK_OK) return;
+  fprintf(stderr, "%s\n", e->error.text);
+  exit(1);
+}
+
+static void springs(test_engine *e, const char *label, const uint32_t (*edge)[2], size_t count, double k) {
+  hk_plugin_spec *spec;
+  must(e, hk_scene_add_plugin(e->scene, HK_FORCE, "springs", label, NULL, &spec, &e->error));
+  test_edges(e, spec, edge, count);
+  test_number(e, spec, "k", k);
+  test_number(e, spec, "damping", 1e-5 * k);
+}
+
+/* Edges (i, j) to (i + di, j + dj) of the grid. */
+static size_t join(uint32_t (*edge)[2], size_t count, int di, int dj) {
+  for (int j = 0; j + dj < SIDE; j++)
+    for (int i = di < 0 ? -di : 0; i + (di > 0 ? di : 0) < SIDE; i++) {
+      edge[count][0] = (uint32_t)(1 + j * SIDE + i);
+      edge[count++][1] = (uint32_t)(1 + (j + dj) * SIDE + i + di);
+    }
+  return count;
+}
+
+static void add_sheet(test_engine *e) {
+  static uint32_t edge[4 * SIDE * SIDE][2], triangle[2 * SIDE * SIDE][3];
+  size_t triangles = 0;
+  for (int k = 0; k < SIDE * SIDE; k++)
+    test_particle(e, size * (k % SIDE) / (SIDE - 1) - size / 2, size * (k / SIDE) / (SIDE - 1) - size / 2,
+                  ball + 2 * thickness, 0.2 / (SIDE * SIDE));
+  for (uint32_t j = 0; j + 1 < SIDE; j++)
+    for (uint32_t i = 0; i + 1 < SIDE; i++) {
+      uint32_t a = 1 + j * SIDE + i;
+      memcpy(triangle[triangles++], (uint32_t[]){a, a + 1, a + SIDE + 1}, sizeof *triangle);
+      memcpy(triangle[triangles++], (uint32_t[]){a, a + SIDE + 1, a + SIDE}, sizeof *triangle);
+    }
+  must(e, hk_scene_add_triangles(e->scene, triangles, (const uint32_t(*)[3])triangle, &e->error));
+  springs(e, "structural", (const uint32_t(*)[2])edge, join(edge, join(edge, 0, 1, 0), 0, 1), 500);
+  springs(e, "shear", (const uint32_t(*)[2])edge, join(edge, join(edge, 0, 1, 1), -1, 1), 150);
+  springs(e, "flexion", (const uint32_t(*)[2])edge, join(edge, join(edge, 0, 2, 0), 0, 2), 50);
+}
+
+static uint32_t ring(int i, int j) {
+  if (i == 0) return SIDE * SIDE + 1;
+  if (i == RINGS) return SIDE * SIDE + 2;
+  return (uint32_t)(SIDE * SIDE + 3 + (i - 1) * 2 * RINGS + j % (2 * RINGS));
+}
+
+static void add_ball(test_engine *e) {
+  static uint32_t triangle[4 * RINGS * RINGS][3];
+  size_t triangles = 0;
+  test_particle(e, 0, 0, ball, 1);
+  test_particle(e, 0, 0, -ball, 1);
+  for (int i = 1; i < RINGS; i++)
+    for (int j = 0; j < 2 * RINGS; j++) {
+      double a = pi * i / RINGS, b = pi * j / RINGS;
+      test_particle(e, ball * sin(a) * cos(b), ball * sin(a) * sin(b), ball * cos(a), 1);
+    }
+  for (uint32_t id = SIDE * SIDE + 1; id <= e->scene->n; id++) test_pin(e, HK_PIN_FIXED, id, NULL);
+  for (int i = 0; i < RINGS; i++)
+    for (int j = 0; j < 2 * RINGS; j++) {
+      if (i > 0)
+        memcpy(triangle[triangles++], (uint32_t[]){ring(i, j), ring(i + 1, j), ring(i, j + 1)}, sizeof *triangle);
+      if (i + 1 < RINGS)
+        memcpy(triangle[triangles++], (uint32_t[]){ring(i, j + 1), ring(i + 1, j), ring(i + 1, j + 1)},
+               sizeof *triangle);
+    }
+  must(e, hk_scene_add_triangles(e->scene, triangles, (const uint32_t(*)[3])triangle, &e->error));
+}
+
+static void open_world(test_engine *e, hk_kind kind, int threads) {
+  test_engine_open(e);
+  e->options.integrator = "leapfrog";
+  e->scene->duration = 100;
+  e->scene->fps = 20;
+  e->scene->threads = threads;
+  add_sheet(e);
+  add_ball(e);
+  test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, 0, -9.81);
+  test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", 0.5);
+  if (kind == HK_KINDS) return;
+  hk_plugin_spec *contact = test_plugin(e, kind, "contact");
+  test_number(e, contact, "thickness", thickness);
+  test_number(e, contact, "friction", 0.3);
+  if (kind == HK_FORCE) {
+    test_number(e, contact, "stiffness", 200);
+    test_number(e, contact, "slip", 0.05);
+  }
+}
+
+static void measure(const char *name, hk_kind kind, int threads, double until) {
+  test_engine e;
+  open_world(&e, kind, threads);
+  test_run(&e);
+  for (double t = 0.1; t < until + 0.05; t += 0.1) {
+    hk_summary before, after;
+    hk_run_summary(e.run, &before);
+    double begin = own();
+    test_advance(&e, t);
+    double taken = own() - begin;
+    hk_run_summary(e.run, &after);
+    double steps = (double)(after.steps - before.steps);
+    printf("%-10s to %.1f s: %6.0f steps, %8.3f ms a step (processor), intersections %g, least gap %.2g m\n", name, t,
+           steps, 1e3 * taken / steps, after.intersections, after.closest);
+  }
+  test_engine_close(&e);
+}
+
+int main(int count, char **argument) {
+  setvbuf(stdout, NULL, _IOLBF, 0);
+  int threads = count > 1 ? atoi(argument[1]) : 1;
+  double until = count > 2 ? atof(argument[2]) : 0.5;
+  measure("none", HK_KINDS, threads, until);
+  measure("corrector", HK_CORRECTOR, threads, until);
+  measure("force", HK_FORCE, threads, until);
+  return 0;
+}
