@@ -47,7 +47,7 @@ static void every_scene_runs_and_opens_with_a_comment(void **state) {
     assert_memory_equal(line, wanted, strlen(wanted));
     run(name, "--until 0.25");
     near(value("t"), 0.25, 0);
-    if (strstr(r.out, "\"intersections\":")) near(value("intersections"), 0, 0);
+    assert_false(value("intersections") > 0); /* NAN where there is no contact */
     count++;
   }
   closedir(folder);
