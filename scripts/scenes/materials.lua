@@ -4,7 +4,7 @@
 -- scripts/lib/material_numbers.lua. The bending length (B/(density g))^(1/3) is how long a ribbon holds itself up, more or
 -- less; the measures are how far the corners fall.
 local materials = require("material_numbers")
-local N = param("N", 21, "particles along one side", { min = 7, max = 200 })
+local N = param("N", 11, "particles along one side; 25 shows finer folds, and takes minutes to verify", { min = 7, max = 200 })
 local side, table_radius, g = 0.24, 0.05, 9.81
 
 local scene = hooke.scene { duration = 1.2, fps = 60, dt = 1 / 120, integrator = "baraff_witkin" }
