@@ -32,9 +32,9 @@ static void a_stack_is_as_high_as_its_sheets(void **state) {
   assert_true(fabs(measure("height of the stack") / (2.5 * 8e-3) - 1) < 0.01);
 }
 
-/* Pairs lean by 20 degrees: their feet stand from mu = tan(20)/2 = 0.18 on where nothing lies on them, and from less than
- * tan(20) = 0.36 on below any load. The house sinks by some millimetres as its cards bend, and by some centimetres in
- * 0.2 s where feet slide; from 0.5346 m, two storeys of 0.28 cos(20) m and two thicknesses. */
+/* Pairs lean by 20 degrees: their feet stand from mu = tan(20)/2 = 0.18 on where nothing lies on them, and from less
+ * than tan(20) = 0.36 on below any load. The house sinks by some millimetres as its cards bend, and by some centimetres
+ * in 0.2 s where feet slide; from 0.5346 m, two storeys of 0.28 cos(20) m and two thicknesses. */
 static void a_house_of_cards_stands_by_friction(void **state) {
   (void)state;
   run("card_house", "--until 0.2");
