@@ -7,7 +7,7 @@ local materials = require("material_numbers")
 local N = param("N", 11, "particles along one side; 25 shows finer folds, and takes minutes to verify", { min = 7, max = 200 })
 local side, table_radius, g = 0.24, 0.05, 9.81
 
-local scene = hooke.scene { duration = 1.2, fps = 60, dt = 1 / 120, integrator = "baraff_witkin" }
+local scene = hooke.scene { duration = 1.2, fps = 60, dt = 1 / 240, integrator = "bdf2" }
 
 local function cloth(name, x, y)
   local sheet = scene:grid { nx = N, ny = N, width = side, height = side, origin = { x - side / 2, y - side / 2, 0 },
