@@ -4,6 +4,7 @@
 
 #include "plugins/common/collision/ccd.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { GRAIN = 256 };
@@ -93,8 +94,52 @@ static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 
 void hk_meetings_begin(hk_meetings *s) {
   if (s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  s->pushes = 0;
   s->solved = false;
 }
+
+/* ---- pairs that were pushed in this step, found again in a new list ---- */
+
+/* A search may find an edge and another one in either order. */
+static int compare_pairs(const void *a, const void *b) {
+  const hk_surface_pair *pair[] = {a, b};
+  uint64_t key[2][2];
+  for (int k = 0; k < 2; k++) {
+    const uint32_t *v = pair[k]->vertex;
+    uint64_t one = (uint64_t)v[0] << 32 | v[1], other = (uint64_t)v[2] << 32 | v[3];
+    bool swap = pair[k]->kind == HK_EDGE_EDGE && other < one;
+    key[k][0] = swap ? other : one;
+    key[k][1] = swap ? one : other;
+  }
+  if (pair[0]->kind != pair[1]->kind) return pair[0]->kind < pair[1]->kind ? -1 : 1;
+  for (int c = 0; c < 2; c++)
+    if (key[0][c] != key[1][c]) return key[0][c] < key[1][c] ? -1 : 1;
+  return 0;
+}
+
+static void recall(hk_meetings *s) {
+  memset(s->met, 0, s->room * sizeof *s->met);
+  if (s->pushes == 0) return;
+  qsort(s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
+  for (size_t k = 0; k < s->nearby->count; k++)
+    s->met[k] = bsearch(&s->nearby->pair[k], s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
+}
+
+static hk_status make_room_for_pushed(hk_meetings *s, size_t more) {
+  const hk_host *host = s->nearby->host;
+  size_t room = s->pushes + more;
+  if (room <= s->pushed_room) return HK_OK;
+  room += room / 2;
+  hk_surface_pair *grown = host->allocate(host, room * sizeof *grown);
+  if (!grown) return host->fail(host, HK_NO_MEMORY, "no memory for %zu impacts", room);
+  if (s->pushes) memcpy(grown, s->pushed, s->pushes * sizeof *grown);
+  host->release(host, s->pushed);
+  s->pushed = grown;
+  s->pushed_room = room;
+  return HK_OK;
+}
+
+/* ---- what they do ---- */
 
 static hk_status make_room(hk_meetings *s) {
   const hk_host *host = s->nearby->host;
@@ -109,7 +154,7 @@ static hk_status make_room(hk_meetings *s) {
       return host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs", room);
     s->room = room;
   }
-  if (s->searches != s->nearby->searches && s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  if (s->searches != s->nearby->searches && s->met) recall(s);
   s->searches = s->nearby->searches;
   return HK_OK;
 }
@@ -182,6 +227,8 @@ hk_status hk_meetings_impacts(hk_meetings *s, const hk_step_move *move, hk_meeti
   s->choice = 0;
   for (size_t e = 0; e < s->meetings; e++)
     if (is_chosen(&s->look[s->meeting[e]], kind)) s->chosen[s->choice++] = s->meeting[e];
+  status = make_room_for_pushed(s, s->choice);
+  if (status != HK_OK) return status;
   work w = {s, move};
   s->nearby->host->parallel_for(s->nearby->host, s->choice, GRAIN, build_chunk, &w);
   out->count = s->choice;
@@ -190,7 +237,12 @@ hk_status hk_meetings_impacts(hk_meetings *s, const hk_step_move *move, hk_meeti
 }
 
 void hk_meetings_remember(hk_meetings *s, const hk_impacts *solved) {
-  for (size_t e = 0; e < solved->count; e++) s->met[s->nearby->index[s->chosen[e]]] |= solved->impact[e].place.push > 0;
+  for (size_t e = 0; e < solved->count; e++) {
+    uint32_t k = s->nearby->index[s->chosen[e]];
+    if (!(solved->impact[e].place.push > 0) || s->met[k]) continue;
+    s->met[k] = true;
+    s->pushed[s->pushes++] = s->nearby->pair[k];
+  }
   s->solved = true;
 }
 

@@ -24,6 +24,8 @@ typedef struct hk_meetings {
   uint32_t *meeting;         /* those that may meet: positions in `look` */
   uint32_t *chosen;          /* those of the last hk_meetings_impacts */
   bool *met;                 /* of each pair: its impact was solved in this step */
+  hk_surface_pair *pushed;   /* the same pairs, for when a search within the step numbers them anew */
+  size_t pushes, pushed_room;
   size_t room, meetings, choice, searches, impacts_room;
   bool solved; /* impacts of this step were solved */
   hk_impact *impact;
