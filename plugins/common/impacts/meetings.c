@@ -48,18 +48,19 @@ static void take_shape_at(hk_pair_look *look, hk_pair_kind kind, const hk_pair_p
   take_shape(look, &near);
 }
 
-/* The instant at which a fast pair comes too near, or its gap closes. */
+/* A fast pair, whose shape at the end may be that of another place: it meets, with the shape of the instant at which
+ * its gap closes, or it is left alone. Where impulses on others turn it, the next look finds what it then meets. */
 static void look_at_fast(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
                          hk_pair_look *look) {
-  double least = fmin(least_part * pair->offset, least_of_start * from), to = look->gap_to + pair->offset, when;
-  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
+  double least = fmin(least_part * pair->offset, least_of_start * from), to = look->gap_to + pair->offset, when, later;
+  bool open = from > pair->offset;
+  look->on_the_way = open && hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when);
+  if (open && !look->on_the_way) return;
+  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &later)) {
     look->state = UNSAFE;
-    take_shape_at(look, pair->kind, path, when);
-  } else if (from > pair->offset &&
-             hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) {
-    look->on_the_way = true;
-    take_shape_at(look, pair->kind, path, when);
+    if (!open) when = later;
   }
+  if (look->on_the_way || look->state == UNSAFE) take_shape_at(look, pair->kind, path, when);
 }
 
 static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
@@ -69,14 +70,15 @@ static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_
   hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
   look->gap_to = sqrt(end.squared) - pair->offset;
   if (end.squared > 0) take_shape(look, &end);
-  if (motion > fast * from) look_at_fast(pair, path, from, motion, look);
+  bool is_fast = motion > fast * from;
+  if (is_fast) look_at_fast(pair, path, from, motion, look);
   if (look->state == UNSAFE) return;
   if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack)
     look->state = OVERLAPS;
   else if (look->gap_to < 0 || look->on_the_way)
     look->state = CLOSES;
   else
-    look->state = look->gap_to > motion ? APART : MAY_MEET;
+    look->state = is_fast || look->gap_to > motion ? APART : MAY_MEET;
 }
 
 static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
