@@ -5,7 +5,10 @@
  * far, and most of those that are near, cost nothing in most steps (nearby.h).
  *
  * Where several bodies hit each other in one step, the law of impact holds for every pair by its own speeds before;
- * what such a chain does beyond that (a row of balls) is not determined by restitution alone.
+ * what such a chain does beyond that (a row of balls) is not determined by restitution alone. What bounces, and by that
+ * meets a surface again or another one, would lose bounces: where it moves by more than about half of the thickness in
+ * a step, the step is taken back and halved, and where no halves are short enough, the run ends. Slower, what is lost
+ * is less than that.
  *
  * Beside it, the force `contact` pushes before surfaces touch: methods of high order keep their accuracy with it, and
  * this corrector the last word. By itself the corrector is accurate to order 1 while contact lasts, as positions are
@@ -111,13 +114,16 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_contact_account_step(&s->account, view->t, c->h);
   hk_nearby_begin(&s->nearby, c->x_before);
   hk_meetings_begin(&s->meetings);
+  uint64_t began = s->now;
   hk_status status = look(s, &move);
-  for (int round = 0; status == HK_OK && round < ROUNDS && s->meetings.unsafe + s->meetings.unsolved > 0; round++) {
+  for (int round = 0; status == HK_OK && !c->reject && round < ROUNDS && s->meetings.unsafe + s->meetings.unsolved > 0;
+       round++) {
     status = solve(s, view, c, &move);
     if (status == HK_OK) status = look(s, &move);
+    c->reject = s->restitution > 0 && hk_meetings_again(&s->meetings, &move, s->moved, began);
   }
   if (status != HK_OK) return status;
-  c->reject = s->meetings.unsafe > 0;
+  c->reject |= s->meetings.unsafe > 0;
   hk_nearby_end(&s->nearby, c->x);
   s->account.last.closest = s->meetings.closest;
   if (c->changed) hk_contact_account_work(&s->account, view, c);

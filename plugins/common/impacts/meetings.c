@@ -3,6 +3,7 @@
 #include "plugins/common/impacts/meetings.h"
 
 #include "plugins/common/collision/ccd.h"
+#include "plugins/common/space/vector3.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,6 +29,7 @@ typedef struct hk_pair_look {
   double n[3], w[4];
   pair_state state;
   bool on_the_way; /* the gap closes before the end */
+  bool enters;     /* it goes into each other, fast: see goes_in */
 } hk_pair_look;
 
 typedef struct work {
@@ -48,37 +50,61 @@ static void take_shape_at(hk_pair_look *look, hk_pair_kind kind, const hk_pair_p
   take_shape(look, &near);
 }
 
-/* A fast pair, whose shape at the end may be that of another place: it meets, with the shape of the instant at which
- * its gap closes, or it is left alone. Where impulses on others turn it, the next look finds what it then meets. */
-static void look_at_fast(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
-                         hk_pair_look *look) {
-  double least = fmin(least_part * pair->offset, least_of_start * from), to = look->gap_to + pair->offset, when, later;
-  bool open = from > pair->offset;
-  look->on_the_way = open && hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when);
-  if (open && !look->on_the_way) return;
-  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &later)) {
-    look->state = UNSAFE;
-    if (!open) when = later;
-  }
-  if (look->on_the_way || look->state == UNSAFE) take_shape_at(look, pair->kind, path, when);
+/* Of the nearest points of the look along its normal, or, for y = v, its rate. */
+static double distance_along(const hk_pair_look *look, const double y[12]) {
+  double sum = 0;
+  for (int i = 0; i < 4; i++) sum += look->w[i] * hk_dot(look->n, y + 3 * (size_t)i);
+  return sum;
 }
 
-static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
-  double from = sqrt(hk_nearest_of_pair(pair->kind, path->from).squared), motion = hk_pair_motion(pair->kind, path);
+/* A fast pair, whose shape at the end may be that of another place: it meets, with the shape of the instant at which
+ * its gap closes, or it is left alone, also where it only touches at that instant. Where impulses on others turn it,
+ * the next look finds what it then meets. */
+static void look_at_fast(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
+                         hk_pair_look *look) {
+  double least = fmin(least_part * pair->offset, least_of_start * from), to = look->gap_to + pair->offset, when;
+  hk_pair_look there = *look;
+  if (from > pair->offset) {
+    if (!hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) return;
+    take_shape_at(&there, pair->kind, path, when);
+    there.on_the_way = distance_along(&there, path->to) < pair->offset;
+  }
+  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
+    there.state = UNSAFE;
+    if (!there.on_the_way) take_shape_at(&there, pair->kind, path, when);
+  }
+  if (there.on_the_way || there.state == UNSAFE) *look = there;
+}
+
+static pair_state state_of(const hk_meetings *s, const hk_pair_look *look, double motion, bool is_fast) {
+  if (look->state == UNSAFE) return UNSAFE;
+  if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack) return OVERLAPS;
+  if (look->gap_to < 0 || look->on_the_way) return CLOSES;
+  return is_fast || look->gap_to > motion ? APART : MAY_MEET;
+}
+
+/* It is closed at the end, and that by more than a slow pair moves, or would be after a further step with the speed of
+ * the end. What rests or slides on another has no such speed. */
+static bool goes_in(const hk_surface_pair *pair, const hk_pair_path *path, const hk_step_move *move,
+                    const hk_pair_look *look) {
+  double v[12], gap = distance_along(look, path->to) - pair->offset;
+  hk_pair_gather(v, pair, move->v);
+  return gap < 0 && gap + fmin(0, move->h * distance_along(look, v)) < -fast * pair->offset;
+}
+
+static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_step_move *move, hk_pair_look *look) {
+  hk_pair_path path;
+  hk_pair_path_of(&path, pair, move->x_from, move->x);
+  double from = sqrt(hk_nearest_of_pair(pair->kind, path.from).squared), motion = hk_pair_motion(pair->kind, &path);
   *look = (hk_pair_look){.gap_from = from - pair->offset, .gap_to = INFINITY};
   if (look->gap_from > motion) return;
-  hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
+  hk_nearest end = hk_nearest_of_pair(pair->kind, path.to);
+  bool is_fast = motion > fast * from;
   look->gap_to = sqrt(end.squared) - pair->offset;
   if (end.squared > 0) take_shape(look, &end);
-  bool is_fast = motion > fast * from;
-  if (is_fast) look_at_fast(pair, path, from, motion, look);
-  if (look->state == UNSAFE) return;
-  if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack)
-    look->state = OVERLAPS;
-  else if (look->gap_to < 0 || look->on_the_way)
-    look->state = CLOSES;
-  else
-    look->state = is_fast || look->gap_to > motion ? APART : MAY_MEET;
+  if (is_fast) look_at_fast(pair, &path, from, motion, look);
+  look->state = state_of(s, look, motion, is_fast);
+  look->enters = look->state == UNSAFE || goes_in(pair, &path, move, look);
 }
 
 static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
@@ -87,9 +113,7 @@ static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   (void)chunk;
   for (size_t d = begin; d < end; d++) {
     const hk_surface_pair *pair = &near->pair[near->index[d]];
-    hk_pair_path path;
-    hk_pair_path_of(&path, pair, w->move->x_from, w->move->x);
-    look_at(w->s, pair, &path, &w->s->look[d]);
+    look_at(w->s, pair, w->move, &w->s->look[d]);
     if (w->s->look[d].gap_from > 0) hk_nearby_put_off(near, near->index[d], w->s->look[d].gap_from);
   }
 }
@@ -246,6 +270,16 @@ void hk_meetings_remember(hk_meetings *s, const hk_impacts *solved) {
     s->pushed[s->pushes++] = s->nearby->pair[k];
   }
   s->solved = true;
+}
+
+bool hk_meetings_again(const hk_meetings *s, const hk_step_move *move, const uint64_t *moved, uint64_t since) {
+  for (size_t e = 0; e < s->meetings; e++) {
+    if (!s->look[s->meeting[e]].enters) continue;
+    const uint32_t *vertex = s->nearby->pair[s->nearby->index[s->meeting[e]]].vertex;
+    for (int i = 0; i < 4; i++)
+      if (move->inverse_mass[vertex[i]] > 0 && moved[vertex[i]] > since) return true;
+  }
+  return false;
 }
 
 void hk_meetings_free(hk_meetings *s) {

@@ -45,6 +45,10 @@ typedef enum hk_meetings_kind {
 hk_status hk_meetings_impacts(hk_meetings *, const hk_step_move *, hk_meetings_kind, hk_impacts *);
 /* After all that may meet are solved: remembers which of them were. */
 void hk_meetings_remember(hk_meetings *, const hk_impacts *);
+/* Whether, on the way that was looked at last, a pair goes into each other, fast, of which impulses have moved a
+ * particle since the count `since` of hk_impacts.now: it meets after another impact, or once more, which one straight
+ * move does not tell. */
+bool hk_meetings_again(const hk_meetings *, const hk_step_move *, const uint64_t *moved, uint64_t since);
 void hk_meetings_free(hk_meetings *);
 
 #endif

@@ -397,6 +397,52 @@ static void fast_particles_leave_as_they_came(void **state) {
   }
 }
 
+/* A particle of the speed v between two plates with 8 cm to go, over 0.2 s in steps of 1/30 s. */
+static void open_thin_gap(test_engine *t, double v, double e) {
+  open_world(t, 1.0 / 30);
+  put(t, (double[]){0.1, 0.2, 0.05}, (double[]){0, 0, -v}, 1);
+  add_plate(t, 0);
+  add_plate(t, 0.1);
+  add_contact(t, "contact", e, 0);
+  test_run(t);
+}
+
+/* The height after a time and some bounces, of which each leaves e of the speed. */
+static double height_in_gap(double v, double e, double time) {
+  double z = 0.05, side = -1;
+  for (;;) {
+    double end = side < 0 ? radius : 0.1 - radius, needed = fabs(end - z) / v;
+    if (needed > time) return z + side * v * time;
+    time -= needed, v *= e, z = end, side = -side;
+  }
+}
+
+/* Up to 42 bounces a step: the step is divided until each can be told. Every bounce adds to the error of the time the
+ * rounding of one, and 250 of them stay far below 1e-9 m. */
+static void no_bounce_in_a_thin_gap_is_lost(void **state) {
+  (void)state;
+  for (int k = 0; k < 12; k++) {
+    test_engine t;
+    double v = 100 - 8.1 * k, e = k % 2 ? 0.95 : 1, end = 0.2;
+    open_thin_gap(&t, v, e);
+    test_advance(&t, end);
+    const double *at = test_position(&t, 1);
+    double off = fabs(at[0] - 0.1) + fabs(at[1] - 0.2) + fabs(at[2] - height_in_gap(v, e, end));
+    if (!(off < 1e-9)) fail_msg("v = %g, e = %g: off by %g m", v, e, off);
+    test_engine_close(&t);
+  }
+}
+
+/* 400,000 bounces a step are more than twelve halvings can part: the run ends and says so. */
+static void bounces_that_no_step_can_tell_end_the_run(void **state) {
+  (void)state;
+  test_engine t;
+  open_thin_gap(&t, 1e6, 1);
+  assert_int_equal(hk_run_advance(t.run, 0.2, &t.error), HK_NOT_CONVERGED);
+  assert_non_null(strstr(t.error.text, "contact takes every step back"));
+  test_engine_close(&t);
+}
+
 /* Grains are born above a floor, fall, lie, and die; those that lie stay where they are. */
 static void births_and_deaths_leave_the_rest_alone(void **state) {
   (void)state;
@@ -444,6 +490,8 @@ int main(void) {
       cmocka_unit_test(friction_on_a_slope_brackets_its_tangent),
       cmocka_unit_test(fast_impacts_do_not_pass),
       cmocka_unit_test(fast_particles_leave_as_they_came),
+      cmocka_unit_test(no_bounce_in_a_thin_gap_is_lost),
+      cmocka_unit_test(bounces_that_no_step_can_tell_end_the_run),
       cmocka_unit_test(births_and_deaths_leave_the_rest_alone),
       cmocka_unit_test(a_stack_at_rest_stays),
       cmocka_unit_test(draped_sheets_never_intersect),
