@@ -282,6 +282,18 @@ bool hk_meetings_again(const hk_meetings *s, const hk_step_move *move, const uin
   return false;
 }
 
+hk_meetings_closed hk_meetings_closed_at_start(const hk_meetings *s) {
+  hk_meetings_closed all = {0};
+  for (size_t d = 0; d < s->nearby->dues; d++) {
+    double depth = -s->look[d].gap_from;
+    all.count += depth > s->slack;
+    if (!(depth > fmax(s->slack, all.depth))) continue;
+    all.depth = depth;
+    all.pair = &s->nearby->pair[s->nearby->index[d]];
+  }
+  return all;
+}
+
 void hk_meetings_free(hk_meetings *s) {
   const hk_host *host = s->nearby->host;
   host->release(host, s->look);

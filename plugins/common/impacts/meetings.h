@@ -49,6 +49,14 @@ void hk_meetings_remember(hk_meetings *, const hk_impacts *);
  * particle since the count `since` of hk_impacts.now: it meets after another impact, or once more, which one straight
  * move does not tell. */
 bool hk_meetings_again(const hk_meetings *, const hk_step_move *, const uint64_t *moved, uint64_t since);
+/* Of the look before: the pairs whose gap was closed at the start of the step by more than the slack. */
+typedef struct hk_meetings_closed {
+  size_t count;
+  double depth;                /* m, the largest */
+  const hk_surface_pair *pair; /* of it; NULL: none */
+} hk_meetings_closed;
+
+hk_meetings_closed hk_meetings_closed_at_start(const hk_meetings *);
 void hk_meetings_free(hk_meetings *);
 
 #endif

@@ -443,6 +443,27 @@ static void bounces_that_no_step_can_tell_end_the_run(void **state) {
   test_engine_close(&t);
 }
 
+/* Surfaces that start nearer than their thickness are told once; those that start just so far apart are not. */
+static void a_start_nearer_than_the_thickness_is_told(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    test_engine t;
+    open_world(&t, 0.01);
+    put(&t, (double[]){0.1, 0.2, k ? radius : 0.004}, NULL, 1);
+    put(&t, (double[]){0.5, -0.2, k ? -radius : -0.007}, NULL, 1);
+    put(&t, (double[]){0.5, -0.2 + 2 * radius, k ? -radius : -0.008}, NULL, 1);
+    add_plate(&t, 0);
+    add_contact(&t, "contact", 0, 0);
+    test_run(&t);
+    test_advance(&t, 0.1);
+    assert_int_equal(t.run->warnings.count, k ? 0 : 1);
+    if (k == 0)
+      assert_non_null(strstr(t.run->warnings.text[0], "3 pairs start nearer than their thickness, by up to 0.006 m "
+                                                      "(particle 1 and triangle 5 7 6)"));
+    test_engine_close(&t);
+  }
+}
+
 /* Grains are born above a floor, fall, lie, and die; those that lie stay where they are. */
 static void births_and_deaths_leave_the_rest_alone(void **state) {
   (void)state;
@@ -492,6 +513,7 @@ int main(void) {
       cmocka_unit_test(fast_particles_leave_as_they_came),
       cmocka_unit_test(no_bounce_in_a_thin_gap_is_lost),
       cmocka_unit_test(bounces_that_no_step_can_tell_end_the_run),
+      cmocka_unit_test(a_start_nearer_than_the_thickness_is_told),
       cmocka_unit_test(births_and_deaths_leave_the_rest_alone),
       cmocka_unit_test(a_stack_at_rest_stays),
       cmocka_unit_test(draped_sheets_never_intersect),
