@@ -3,7 +3,9 @@
 #include "plugins/common/impacts/meetings.h"
 
 #include "plugins/common/collision/ccd.h"
+#include "plugins/common/space/vector3.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { GRAIN = 256 };
@@ -27,6 +29,7 @@ typedef struct hk_pair_look {
   double n[3], w[4];
   pair_state state;
   bool on_the_way; /* the gap closes before the end */
+  bool enters;     /* it goes into each other, fast: see goes_in */
 } hk_pair_look;
 
 typedef struct work {
@@ -47,35 +50,61 @@ static void take_shape_at(hk_pair_look *look, hk_pair_kind kind, const hk_pair_p
   take_shape(look, &near);
 }
 
-/* The instant at which a fast pair comes too near, or its gap closes. */
+/* Of the nearest points of the look along its normal, or, for y = v, its rate. */
+static double distance_along(const hk_pair_look *look, const double y[12]) {
+  double sum = 0;
+  for (int i = 0; i < 4; i++) sum += look->w[i] * hk_dot(look->n, y + 3 * (size_t)i);
+  return sum;
+}
+
+/* A fast pair, whose shape at the end may be that of another place: it meets, with the shape of the instant at which
+ * its gap closes, or it is left alone, also where it only touches at that instant. Where impulses on others turn it,
+ * the next look finds what it then meets. */
 static void look_at_fast(const hk_surface_pair *pair, const hk_pair_path *path, double from, double motion,
                          hk_pair_look *look) {
   double least = fmin(least_part * pair->offset, least_of_start * from), to = look->gap_to + pair->offset, when;
-  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
-    look->state = UNSAFE;
-    take_shape_at(look, pair->kind, path, when);
-  } else if (from > pair->offset &&
-             hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) {
-    look->on_the_way = true;
-    take_shape_at(look, pair->kind, path, when);
+  hk_pair_look there = *look;
+  if (from > pair->offset) {
+    if (!hk_ccd(pair->kind, path->from, path->to, pair->offset, instant * pair->offset, &when)) return;
+    take_shape_at(&there, pair->kind, path, when);
+    there.on_the_way = distance_along(&there, path->to) < pair->offset;
   }
+  if ((from + to - motion) / 2 <= least && hk_ccd(pair->kind, path->from, path->to, least, instant * least, &when)) {
+    there.state = UNSAFE;
+    if (!there.on_the_way) take_shape_at(&there, pair->kind, path, when);
+  }
+  if (there.on_the_way || there.state == UNSAFE) *look = there;
 }
 
-static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_pair_path *path, hk_pair_look *look) {
-  double from = sqrt(hk_nearest_of_pair(pair->kind, path->from).squared), motion = hk_pair_motion(pair->kind, path);
+static pair_state state_of(const hk_meetings *s, const hk_pair_look *look, double motion, bool is_fast) {
+  if (look->state == UNSAFE) return UNSAFE;
+  if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack) return OVERLAPS;
+  if (look->gap_to < 0 || look->on_the_way) return CLOSES;
+  return is_fast || look->gap_to > motion ? APART : MAY_MEET;
+}
+
+/* It is closed at the end, and that by more than a slow pair moves, or would be after a further step with the speed of
+ * the end. What rests or slides on another has no such speed. */
+static bool goes_in(const hk_surface_pair *pair, const hk_pair_path *path, const hk_step_move *move,
+                    const hk_pair_look *look) {
+  double v[12], gap = distance_along(look, path->to) - pair->offset;
+  hk_pair_gather(v, pair, move->v);
+  return gap < 0 && gap + fmin(0, move->h * distance_along(look, v)) < -fast * pair->offset;
+}
+
+static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_step_move *move, hk_pair_look *look) {
+  hk_pair_path path;
+  hk_pair_path_of(&path, pair, move->x_from, move->x);
+  double from = sqrt(hk_nearest_of_pair(pair->kind, path.from).squared), motion = hk_pair_motion(pair->kind, &path);
   *look = (hk_pair_look){.gap_from = from - pair->offset, .gap_to = INFINITY};
   if (look->gap_from > motion) return;
-  hk_nearest end = hk_nearest_of_pair(pair->kind, path->to);
+  hk_nearest end = hk_nearest_of_pair(pair->kind, path.to);
+  bool is_fast = motion > fast * from;
   look->gap_to = sqrt(end.squared) - pair->offset;
   if (end.squared > 0) take_shape(look, &end);
-  if (motion > fast * from) look_at_fast(pair, path, from, motion, look);
-  if (look->state == UNSAFE) return;
-  if (look->gap_to < fmin(0, look->gap_from) / 2 - s->slack)
-    look->state = OVERLAPS;
-  else if (look->gap_to < 0 || look->on_the_way)
-    look->state = CLOSES;
-  else
-    look->state = look->gap_to > motion ? APART : MAY_MEET;
+  if (is_fast) look_at_fast(pair, &path, from, motion, look);
+  look->state = state_of(s, look, motion, is_fast);
+  look->enters = look->state == UNSAFE || goes_in(pair, &path, move, look);
 }
 
 static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
@@ -84,17 +113,59 @@ static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   (void)chunk;
   for (size_t d = begin; d < end; d++) {
     const hk_surface_pair *pair = &near->pair[near->index[d]];
-    hk_pair_path path;
-    hk_pair_path_of(&path, pair, w->move->x_from, w->move->x);
-    look_at(w->s, pair, &path, &w->s->look[d]);
+    look_at(w->s, pair, w->move, &w->s->look[d]);
     if (w->s->look[d].gap_from > 0) hk_nearby_put_off(near, near->index[d], w->s->look[d].gap_from);
   }
 }
 
 void hk_meetings_begin(hk_meetings *s) {
   if (s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  s->pushes = 0;
   s->solved = false;
 }
+
+/* ---- pairs that were pushed in this step, found again in a new list ---- */
+
+/* A search may find an edge and another one in either order. */
+static int compare_pairs(const void *a, const void *b) {
+  const hk_surface_pair *pair[] = {a, b};
+  uint64_t key[2][2];
+  for (int k = 0; k < 2; k++) {
+    const uint32_t *v = pair[k]->vertex;
+    uint64_t one = (uint64_t)v[0] << 32 | v[1], other = (uint64_t)v[2] << 32 | v[3];
+    bool swap = pair[k]->kind == HK_EDGE_EDGE && other < one;
+    key[k][0] = swap ? other : one;
+    key[k][1] = swap ? one : other;
+  }
+  if (pair[0]->kind != pair[1]->kind) return pair[0]->kind < pair[1]->kind ? -1 : 1;
+  for (int c = 0; c < 2; c++)
+    if (key[0][c] != key[1][c]) return key[0][c] < key[1][c] ? -1 : 1;
+  return 0;
+}
+
+static void recall(hk_meetings *s) {
+  memset(s->met, 0, s->room * sizeof *s->met);
+  if (s->pushes == 0) return;
+  qsort(s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
+  for (size_t k = 0; k < s->nearby->count; k++)
+    s->met[k] = bsearch(&s->nearby->pair[k], s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
+}
+
+static hk_status make_room_for_pushed(hk_meetings *s, size_t more) {
+  const hk_host *host = s->nearby->host;
+  size_t room = s->pushes + more;
+  if (room <= s->pushed_room) return HK_OK;
+  room += room / 2;
+  hk_surface_pair *grown = host->allocate(host, room * sizeof *grown);
+  if (!grown) return host->fail(host, HK_NO_MEMORY, "no memory for %zu impacts", room);
+  if (s->pushes) memcpy(grown, s->pushed, s->pushes * sizeof *grown);
+  host->release(host, s->pushed);
+  s->pushed = grown;
+  s->pushed_room = room;
+  return HK_OK;
+}
+
+/* ---- what they do ---- */
 
 static hk_status make_room(hk_meetings *s) {
   const hk_host *host = s->nearby->host;
@@ -109,7 +180,7 @@ static hk_status make_room(hk_meetings *s) {
       return host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs", room);
     s->room = room;
   }
-  if (s->searches != s->nearby->searches && s->met) memset(s->met, 0, s->room * sizeof *s->met);
+  if (s->searches != s->nearby->searches && s->met) recall(s);
   s->searches = s->nearby->searches;
   return HK_OK;
 }
@@ -182,6 +253,8 @@ hk_status hk_meetings_impacts(hk_meetings *s, const hk_step_move *move, hk_meeti
   s->choice = 0;
   for (size_t e = 0; e < s->meetings; e++)
     if (is_chosen(&s->look[s->meeting[e]], kind)) s->chosen[s->choice++] = s->meeting[e];
+  status = make_room_for_pushed(s, s->choice);
+  if (status != HK_OK) return status;
   work w = {s, move};
   s->nearby->host->parallel_for(s->nearby->host, s->choice, GRAIN, build_chunk, &w);
   out->count = s->choice;
@@ -190,8 +263,35 @@ hk_status hk_meetings_impacts(hk_meetings *s, const hk_step_move *move, hk_meeti
 }
 
 void hk_meetings_remember(hk_meetings *s, const hk_impacts *solved) {
-  for (size_t e = 0; e < solved->count; e++) s->met[s->nearby->index[s->chosen[e]]] |= solved->impact[e].place.push > 0;
+  for (size_t e = 0; e < solved->count; e++) {
+    uint32_t k = s->nearby->index[s->chosen[e]];
+    if (!(solved->impact[e].place.push > 0) || s->met[k]) continue;
+    s->met[k] = true;
+    s->pushed[s->pushes++] = s->nearby->pair[k];
+  }
   s->solved = true;
+}
+
+bool hk_meetings_again(const hk_meetings *s, const hk_step_move *move, const uint64_t *moved, uint64_t since) {
+  for (size_t e = 0; e < s->meetings; e++) {
+    if (!s->look[s->meeting[e]].enters) continue;
+    const uint32_t *vertex = s->nearby->pair[s->nearby->index[s->meeting[e]]].vertex;
+    for (int i = 0; i < 4; i++)
+      if (move->inverse_mass[vertex[i]] > 0 && moved[vertex[i]] > since) return true;
+  }
+  return false;
+}
+
+hk_meetings_closed hk_meetings_closed_at_start(const hk_meetings *s) {
+  hk_meetings_closed all = {0};
+  for (size_t d = 0; d < s->nearby->dues; d++) {
+    double depth = -s->look[d].gap_from;
+    all.count += depth > s->slack;
+    if (!(depth > fmax(s->slack, all.depth))) continue;
+    all.depth = depth;
+    all.pair = &s->nearby->pair[s->nearby->index[d]];
+  }
+  return all;
 }
 
 void hk_meetings_free(hk_meetings *s) {

@@ -24,6 +24,8 @@ typedef struct hk_meetings {
   uint32_t *meeting;         /* those that may meet: positions in `look` */
   uint32_t *chosen;          /* those of the last hk_meetings_impacts */
   bool *met;                 /* of each pair: its impact was solved in this step */
+  hk_surface_pair *pushed;   /* the same pairs, for when a search within the step numbers them anew */
+  size_t pushes, pushed_room;
   size_t room, meetings, choice, searches, impacts_room;
   bool solved; /* impacts of this step were solved */
   hk_impact *impact;
@@ -43,6 +45,18 @@ typedef enum hk_meetings_kind {
 hk_status hk_meetings_impacts(hk_meetings *, const hk_step_move *, hk_meetings_kind, hk_impacts *);
 /* After all that may meet are solved: remembers which of them were. */
 void hk_meetings_remember(hk_meetings *, const hk_impacts *);
+/* Whether, on the way that was looked at last, a pair goes into each other, fast, of which impulses have moved a
+ * particle since the count `since` of hk_impacts.now: it meets after another impact, or once more, which one straight
+ * move does not tell. */
+bool hk_meetings_again(const hk_meetings *, const hk_step_move *, const uint64_t *moved, uint64_t since);
+/* Of the look before: the pairs whose gap was closed at the start of the step by more than the slack. */
+typedef struct hk_meetings_closed {
+  size_t count;
+  double depth;                /* m, the largest */
+  const hk_surface_pair *pair; /* of it; NULL: none */
+} hk_meetings_closed;
+
+hk_meetings_closed hk_meetings_closed_at_start(const hk_meetings *);
 void hk_meetings_free(hk_meetings *);
 
 #endif

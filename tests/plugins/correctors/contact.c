@@ -365,6 +365,105 @@ static void fast_impacts_do_not_pass(void **state) {
     }
 }
 
+static void add_plate(test_engine *e, double z) {
+  uint32_t id[4];
+  for (int k = 0; k < 4; k++) {
+    id[k] = put(e, (double[]){k & 1 ? 1 : -1, k & 2 ? 1 : -1, z}, NULL, 1);
+    test_pin(e, HK_PIN_FIXED, id[k], NULL);
+  }
+  add_triangle(e, id[0], id[1], id[2]);
+  add_triangle(e, id[1], id[3], id[2]);
+}
+
+/* Steps of 3.3 m through a plate of two triangles end far behind it, where the nearest point of either is on its rim.
+ * The path is straight there and straight back. Rounding: of places of metres, in 3 steps. */
+static void fast_particles_leave_as_they_came(void **state) {
+  (void)state;
+  const double v = 100, end = 0.1;
+  for (int k = 0; k < 40; k++) {
+    test_engine t;
+    double x = 0.8 * sin(k + 1.0), y = 0.8 * cos(2.3 * k + 1), z0 = 0.3 + 0.25 * k, e = k % 3 / 2.0;
+    open_world(&t, 1.0 / 30);
+    uint32_t ball = put(&t, (double[]){x, y, z0}, (double[]){0, 0, -v}, 1);
+    add_plate(&t, 0);
+    add_contact(&t, "contact", e, 0);
+    test_run(&t);
+    test_advance(&t, end);
+    double z = z0 - v * end > radius ? z0 - v * end : radius + e * (v * end - z0 + radius);
+    const double *at = test_position(&t, ball);
+    double off = fabs(at[0] - x) + fabs(at[1] - y) + fabs(at[2] - z);
+    if (!(off < exact)) fail_msg("(%g, %g, %g), e = %g: off by %g m", x, y, z0, e, off);
+    test_engine_close(&t);
+  }
+}
+
+/* A particle of the speed v between two plates with 8 cm to go, over 0.2 s in steps of 1/30 s. */
+static void open_thin_gap(test_engine *t, double v, double e) {
+  open_world(t, 1.0 / 30);
+  put(t, (double[]){0.1, 0.2, 0.05}, (double[]){0, 0, -v}, 1);
+  add_plate(t, 0);
+  add_plate(t, 0.1);
+  add_contact(t, "contact", e, 0);
+  test_run(t);
+}
+
+/* The height after a time and some bounces, of which each leaves e of the speed. */
+static double height_in_gap(double v, double e, double time) {
+  double z = 0.05, side = -1;
+  for (;;) {
+    double end = side < 0 ? radius : 0.1 - radius, needed = fabs(end - z) / v;
+    if (needed > time) return z + side * v * time;
+    time -= needed, v *= e, z = end, side = -side;
+  }
+}
+
+/* Up to 42 bounces a step: the step is divided until each can be told. Every bounce adds to the error of the time the
+ * rounding of one, and 250 of them stay far below 1e-9 m. */
+static void no_bounce_in_a_thin_gap_is_lost(void **state) {
+  (void)state;
+  for (int k = 0; k < 12; k++) {
+    test_engine t;
+    double v = 100 - 8.1 * k, e = k % 2 ? 0.95 : 1, end = 0.2;
+    open_thin_gap(&t, v, e);
+    test_advance(&t, end);
+    const double *at = test_position(&t, 1);
+    double off = fabs(at[0] - 0.1) + fabs(at[1] - 0.2) + fabs(at[2] - height_in_gap(v, e, end));
+    if (!(off < 1e-9)) fail_msg("v = %g, e = %g: off by %g m", v, e, off);
+    test_engine_close(&t);
+  }
+}
+
+/* 400,000 bounces a step are more than twelve halvings can part: the run ends and says so. */
+static void bounces_that_no_step_can_tell_end_the_run(void **state) {
+  (void)state;
+  test_engine t;
+  open_thin_gap(&t, 1e6, 1);
+  assert_int_equal(hk_run_advance(t.run, 0.2, &t.error), HK_NOT_CONVERGED);
+  assert_non_null(strstr(t.error.text, "contact takes every step back"));
+  test_engine_close(&t);
+}
+
+/* Surfaces that start nearer than their thickness are told once; those that start just so far apart are not. */
+static void a_start_nearer_than_the_thickness_is_told(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    test_engine t;
+    open_world(&t, 0.01);
+    put(&t, (double[]){0.1, 0.2, k ? radius : 0.004}, NULL, 1);
+    put(&t, (double[]){0.5, -0.2, k ? -radius : -0.007}, NULL, 1);
+    put(&t, (double[]){0.5, -0.2 + 2 * radius, k ? -radius : -0.008}, NULL, 1);
+    add_plate(&t, 0);
+    add_contact(&t, "contact", 0, 0);
+    test_run(&t);
+    test_advance(&t, 0.1);
+    assert_int_equal(t.run->warnings.count, k ? 0 : 1);
+    if (k == 0)
+      assert_non_null(strstr(t.run->warnings.text[0], "3 pairs start nearer than their thickness, by up to 0.006 m "
+                                                      "(particle 1 and triangle 5 7 6)"));
+    test_engine_close(&t);
+  }
+}
+
 /* Grains are born above a floor, fall, lie, and die; those that lie stay where they are. */
 static void births_and_deaths_leave_the_rest_alone(void **state) {
   (void)state;
@@ -411,6 +510,10 @@ int main(void) {
       cmocka_unit_test(bounces_on_a_floor_are_exact),
       cmocka_unit_test(friction_on_a_slope_brackets_its_tangent),
       cmocka_unit_test(fast_impacts_do_not_pass),
+      cmocka_unit_test(fast_particles_leave_as_they_came),
+      cmocka_unit_test(no_bounce_in_a_thin_gap_is_lost),
+      cmocka_unit_test(bounces_that_no_step_can_tell_end_the_run),
+      cmocka_unit_test(a_start_nearer_than_the_thickness_is_told),
       cmocka_unit_test(births_and_deaths_leave_the_rest_alone),
       cmocka_unit_test(a_stack_at_rest_stays),
       cmocka_unit_test(draped_sheets_never_intersect),
