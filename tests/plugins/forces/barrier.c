@@ -386,26 +386,6 @@ static void a_start_in_contact_is_refused_by_name(void **state) {
   test_engine_close(&t);
 }
 
-/* A point over the middle of a triangle, far from the origin as well. A gap whose force is not known is refused. */
-static void a_start_that_touches_is_refused_by_name(void **state) {
-  (void)state;
-  const double far[] = {0, 16}, gap[] = {1e-17, 1e-14, 1e-13};
-  for (size_t k = 0; k < 6; k++) {
-    test_engine t;
-    double x = far[k / 3];
-    open_world(&t, "bdf2", 1. / 120);
-    uint32_t a = put(&t, (double[]){x + 1, 0, 0}, NULL, 1), b = put(&t, (double[]){x - 1, 1, 0}, NULL, 1),
-             c = put(&t, (double[]){x - 1, -1, 0}, NULL, 1);
-    add_triangle(&t, a, b, c);
-    put(&t, (double[]){x, 0, gap[k % 3]}, NULL, 1);
-    test_number(&t, add_barrier(&t, 0), "radius", 0);
-    assert_int_equal(hk_run_open(t.scene, &t.options, &t.run, &t.error), HK_BAD_PARAM);
-    if (k % 3 == 0) print_message("%s\n", t.error.text);
-    assert_non_null(strstr(t.error.text, "particle 4 and the triangle 1 2 3 are in contact"));
-    test_engine_close(&t);
-  }
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(impacts_keep_momentum_and_gain_no_energy),
@@ -418,7 +398,6 @@ int main(void) {
       cmocka_unit_test(what_rests_keeps_its_energy_for_a_minute),
       cmocka_unit_test(plates_that_close_end_the_run_with_words),
       cmocka_unit_test(a_start_in_contact_is_refused_by_name),
-      cmocka_unit_test(a_start_that_touches_is_refused_by_name),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

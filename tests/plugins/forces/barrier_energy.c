@@ -1,5 +1,6 @@
 /* bdf2 with the barrier: its history makes no energy at impacts that its steps do not resolve, nor out of a start
- * within the barrier's reach; and where nothing touches it has the order 2 with a barrier in the scene as well. */
+ * within the barrier's reach; and where nothing touches it has the order 2 with a barrier in the scene as well. A start
+ * whose gap is lost in rounding is refused. */
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>
@@ -19,10 +20,11 @@ static void open_world(test_engine *e, const char *method, double h) {
   e->scene->fps = 1 / h;
 }
 
-static void add_barrier(test_engine *e) {
+static hk_plugin_spec *add_barrier(test_engine *e) {
   hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "barrier");
   test_number(e, spec, "radius", radius);
   test_number(e, spec, "d_hat", reach);
+  return spec;
 }
 
 static void add_floor(test_engine *e) {
@@ -100,9 +102,30 @@ static void the_order_is_two_where_nothing_touches(void **state) {
   }
 }
 
+/* A point over the middle of a triangle, far from the origin as well. A gap whose force is not known is refused. */
+static void a_start_that_touches_is_refused_by_name(void **state) {
+  (void)state;
+  const double far[] = {0, 16}, gap[] = {1e-17, 1e-14, 1e-13};
+  for (size_t k = 0; k < 6; k++) {
+    test_engine t;
+    double x = far[k / 3];
+    open_world(&t, "bdf2", 1. / 120);
+    const uint32_t ids[1][3] = {
+        {test_particle(&t, x + 1, 0, 0, 1), test_particle(&t, x - 1, 1, 0, 1), test_particle(&t, x - 1, -1, 0, 1)}};
+    assert_int_equal(hk_scene_add_triangles(t.scene, 1, ids, &t.error), HK_OK);
+    test_particle(&t, x, 0, gap[k % 3], 1);
+    test_number(&t, add_barrier(&t), "radius", 0);
+    assert_int_equal(hk_run_open(t.scene, &t.options, &t.run, &t.error), HK_BAD_PARAM);
+    if (k % 3 == 0) print_message("%s\n", t.error.text);
+    assert_non_null(strstr(t.error.text, "particle 4 and the triangle 1 2 3 are in contact"));
+    test_engine_close(&t);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_ball_gains_no_energy_at_the_floor),
+      cmocka_unit_test(a_start_that_touches_is_refused_by_name),
       cmocka_unit_test(the_order_is_two_where_nothing_touches),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
