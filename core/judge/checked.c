@@ -12,10 +12,14 @@ void hk_checked_add(hk_summary *s, const char *separator, const char *format, ..
   va_end(arguments);
 }
 
+double hk_energy_rounding(const hk_summary *s) { return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last)); }
+
 static const double balanced = 0.1; /* as in verdict.c */
 
 static void describe_energy(hk_summary *s) {
-  if (fabs(s->energy_drift) > balanced)
+  if (fabs(s->energy_drift) * s->kinetic_max <= hk_energy_rounding(s))
+    hk_checked_add(s, ", ", "energy balanced to its rounding");
+  else if (fabs(s->energy_drift) > balanced)
     hk_checked_add(s, ", ", "energy off by %.2g %% of the largest kinetic energy, which the positions do not show",
                    100 * fabs(s->energy_drift));
   else if (!isnan(s->energy_drift))

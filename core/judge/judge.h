@@ -221,6 +221,9 @@ typedef struct hk_asked {
 
 /* ---- checked.c ---- */
 
+/* J, what is no change of the energy that is held: the kinetic energy of a scene at rest is smaller than that, so that
+ * nothing can be compared with it. */
+double hk_energy_rounding(const hk_summary *);
 /* Writes s->checked for a run that ended as ok: what was measured, and how to ask for more. */
 void hk_checked_describe(const hk_loop *, const hk_judgement *, const hk_asked *, hk_summary *s);
 void hk_checked_add(hk_summary *s, const char *separator, const char *format, ...) HK_PRINTF(3, 4);

@@ -10,8 +10,7 @@
  * method at 0.9 of its stable limit stays below that on cloth. */
 static const double energy_limit = 0.1, mean_energy_limit = 0.5, visible = 0.1, violation_limit = 1e-6,
                     rounding = 1e-9, /* of the extent: what stands still has no motion to compare with */
-    unresolved_limit = 0.1,          /* of the extent, in a step */
-    energy_rounding = 1e-11;         /* of the energy held: a scene at rest has a kinetic energy of rounding */
+    unresolved_limit = 0.1;          /* of the extent, in a step */
 
 static void add_reason(hk_judgement *j, const char *format, ...) {
   va_list arguments;
@@ -42,14 +41,13 @@ static hk_status check_exact(hk_loop *loop, hk_judgement *j, const hk_asked *ask
  * with the latter, since what was dissipated moved before. What known errors of forces may have done is no fault of the
  * steps. */
 static void judge_energy(hk_judgement *j, const hk_summary *s) {
-  double drift = fabs(s->energy_drift) * s->kinetic_max - s->force_work,
-         energy = fabs(s->energy_first) + fabs(s->energy_last);
+  double drift = fabs(s->energy_drift) * s->kinetic_max - s->force_work;
   double moved = s->kinetic_mean + fabs(s->energy_work);
   if (!isfinite(s->energy_last) || !isfinite(s->kinetic_max)) {
     add_reason(j, "the energy is not finite: %g J at the end", s->energy_last);
     return;
   }
-  if (j->energy_converges || !(drift > energy_rounding * energy)) return;
+  if (j->energy_converges || !(drift > hk_energy_rounding(s))) return;
   const char *change = s->energy_drift > 0 ? "grew" : "fell", *cause = s->energy_drift > 0 ? "source" : "sink";
   if (drift > energy_limit * s->kinetic_max)
     add_reason(j, "the energy %s by %.3g of the largest kinetic energy without a %s", change, fabs(s->energy_drift),

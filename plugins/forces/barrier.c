@@ -13,6 +13,7 @@
 #include "plugins/common/barrier/barrier_friction.h"
 #include "plugins/common/barrier/barrier_sum.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -129,21 +130,33 @@ static void say(const uint32_t *id, const uint32_t *v, int count, char text[64])
     snprintf(text, 64, "particle %u", id[v[0]]);
 }
 
-/* A start, or a correction, that leaves surfaces in contact. */
+/* m, the least gap of a pair whose force is known to a part in a thousand, which Newton's iteration needs. The force
+ * goes as 1/gap near 0, and a distance is off by some four roundings of the largest coordinate or radius. A smaller gap
+ * is not opened by an iteration that doubles it each time: the change is lost in the rounding of positions. */
+static double least_known(const hk_surface_pair *p, const double *x) {
+  double at[12], largest = p->offset;
+  hk_barrier_gather(p->vertex, x, at);
+  for (int e = 0; e < 12; e++) largest = fmax(largest, fabs(at[e]));
+  return 4e3 * DBL_EPSILON * largest;
+}
+
+/* A start, or a correction, that leaves surfaces in contact; of the start, also so near that the force is not known. */
 static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   const hk_barrier_pair *near = b->contacts.near.item;
+  bool start = !(b->contacts.law.stiffness > 0);
   char one[64], other[64];
   for (size_t k = 0; k < b->contacts.found; k++) {
     const hk_surface_pair *p = &near[k].pair;
     int first = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
-    if (near[k].gap > 0) continue;
+    double least = start ? least_known(p, view->x) : 0;
+    if (near[k].gap > least) continue;
     say(view->model->id, p->vertex, first, one);
     say(view->model->id, p->vertex + first, 4 - first, other);
     return view->host->fail(
         view->host, HK_BAD_PARAM,
-        "%s and %s are in contact: their gap is %.3g m with the thickness asked for; move them apart, "
-        "or make thickness or radius smaller",
-        one, other, near[k].gap);
+        "%s and %s are in contact: their gap is %.3g m with the thickness asked for, where it has to be above %.3g m; "
+        "move them apart, or make thickness or radius smaller",
+        one, other, near[k].gap, least);
   }
   return HK_OK;
 }

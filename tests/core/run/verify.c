@@ -237,6 +237,19 @@ static void ok_says_what_was_checked(void **state) {
   assert_true(isnan(test_json(r.out, "error_estimate")));
 }
 
+/* A weight that hangs at rest moves by rounding, with which the rounding of its energy is not compared. */
+static void a_scene_at_rest_has_its_energy_balanced(void **state) {
+  (void)state;
+  run("local scene = hooke.scene { duration = 1, fps = 60, integrator = 'bdf2', dt = 1 / 60 }\n"
+      "local a = scene:particle { position = { 0, 0, 0 }, mass = 1 }\n"
+      "local b = scene:particle { position = { 0, 0, -1 - 9.81 / 300 + 1e-9 }, mass = 1 }\n"
+      "scene:pin { a }\n"
+      "scene:force('springs', { edges = { { a, b } }, k = 300, rest = 1 })\n"
+      "scene:force('gravity', { g = { 0, 0, -9.81 } })\nreturn scene\n",
+      "", 0);
+  assert_non_null(strstr(r.out, "energy balanced to its rounding"));
+}
+
 /* A light pair rings with 33 rad in a step, and bdf2 damps it at once with any such step,
  * while the work of a brake on a heavy body hides the missing energy: half the step agrees, and the reference does not.
  */
@@ -399,6 +412,7 @@ int main(void) {
       cmocka_unit_test(channels_have_an_accuracy_of_their_own),
       cmocka_unit_test(an_energy_that_is_no_number_is_never_ok),
       cmocka_unit_test(ok_says_what_was_checked),
+      cmocka_unit_test(a_scene_at_rest_has_its_energy_balanced),
       cmocka_unit_test(what_both_runs_damp_is_seen_by_the_reference),
       cmocka_unit_test(a_disturbance_moves_free_particles_by_its_size),
       cmocka_unit_test(what_is_left_out_does_not_act),
