@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-enum { NONE = UINT32_MAX };
+static const uint32_t NONE = UINT32_MAX;
 
 typedef struct hk_contour_link { /* an end of a piece */
   uint32_t low, high;            /* its triangles */

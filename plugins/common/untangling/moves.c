@@ -9,7 +9,7 @@
 #include "plugins/common/untangling/reserve.h"
 #include "plugins/common/untangling/shortening.h"
 
-enum { NONE = UINT32_MAX };
+static const uint32_t NONE = UINT32_MAX;
 
 /* Pulls are met in sweeps that each take what is left. Smoothed so often, a bump of 20 edges comes back as it is, with
  * strains of 0.3 where there were 0.8 without; so many sweeps meet the pulls to a percent or so, and the next round

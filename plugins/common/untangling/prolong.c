@@ -3,7 +3,7 @@
 #include "plugins/common/untangling/prolong.h"
 #include "plugins/common/untangling/reserve.h"
 
-enum { NONE = UINT32_MAX };
+static const uint32_t NONE = UINT32_MAX;
 
 static hk_status reserve(hk_prolong *p, const hk_host *host, const hk_surface_mesh *m) {
   hk_status status = hk_reserve(host, &p->side, &p->triangle_room[0], m->triangles, sizeof *p->side);

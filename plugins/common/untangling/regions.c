@@ -6,7 +6,7 @@
 #include "plugins/common/space/vector3.h"
 #include "plugins/common/untangling/reserve.h"
 
-enum { NONE = UINT32_MAX };
+static const uint32_t NONE = UINT32_MAX;
 
 /* ---- groups ---- */
 

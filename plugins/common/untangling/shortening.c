@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { NONE = UINT32_MAX };
+static const uint32_t NONE = UINT32_MAX;
 
 /* The direction in the planes of two triangles, of length 1, from their common point on the edge into the triangle that
  * has the edge. False: they are parallel. */
