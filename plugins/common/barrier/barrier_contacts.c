@@ -21,7 +21,7 @@ static int by_order(const void *a, const void *b) { return hk_barrier_order(a, b
 static size_t sort_unique(void *items, size_t count, size_t size) {
   char *at = items;
   size_t kept = 0;
-  qsort(at, count, size, by_order);
+  if (count > 1) qsort(at, count, size, by_order);
   for (size_t k = 0; k < count; k++) {
     if (kept && by_order(at + size * (kept - 1), at + size * k) == 0) continue;
     if (kept != k) memcpy(at + size * kept, at + size * k, size);

@@ -35,7 +35,7 @@ static size_t list_ends(hk_contours *c, const hk_surface_mesh *m, const hk_surfa
       if (g != NONE) c->link[ends++] = (end_of_piece){g < f ? g : f, g < f ? f : g, k, slot};
     }
   }
-  qsort(c->link, ends, sizeof *c->link, by_triangles);
+  if (ends > 1) qsort(c->link, ends, sizeof *c->link, by_triangles);
   return ends;
 }
 

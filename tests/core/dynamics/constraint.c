@@ -146,7 +146,7 @@ static double lift_error(size_t steps) {
   open(&e, "rk4");
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, L * sin(angle), -L * cos(angle), 0, 1);
-  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &pivot, .release = INFINITY, .path = {lift, &up, 0}};
+  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &pivot, .release = INFINITY, .path = {.call = lift, .context = &up}};
   assert_int_equal(hk_scene_add_pin(e.scene, &pin, &e.error), HK_OK);
   bars(&e, (const uint32_t[][2]){{1, 2}}, 1);
   double T = period(L, g + up, angle);
