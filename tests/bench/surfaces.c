@@ -16,7 +16,7 @@
 
 enum { REPEATS = 9, LAYERS = 10 };
 
-/* s, of all threads of the process: what other processes do disturbs it less. */
+/* s, wall. */
 static double now(void) {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
