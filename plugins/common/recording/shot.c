@@ -59,8 +59,10 @@ static void choose(hk_shooting *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t i = 0; i < view->n; i++)
     s->place[i] = s->only.count || (s->group != UINT32_MAX && m->group[i] != s->group) ? UINT32_MAX : 0;
-  for (size_t k = 0; k < s->only.count; k++)
-    if (s->group == UINT32_MAX || m->group[s->only.index[k]] == s->group) s->place[s->only.index[k]] = 0;
+  for (size_t k = 0; k < s->only.count; k++) {
+    uint32_t i = s->only.index[k];
+    if (i < view->n && (s->group == UINT32_MAX || m->group[i] == s->group)) s->place[i] = 0;
+  }
   s->shot.n = 0;
   for (size_t i = 0; i < view->n; i++)
     if (s->place[i] == 0) s->place[i] = (uint32_t)s->shot.n, s->kept[s->shot.n++] = (uint32_t)i;
