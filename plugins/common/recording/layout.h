@@ -4,7 +4,7 @@
 
 #include "plugins/common/recording/h5_file.h"
 #include "plugins/common/recording/h5_series.h"
-#include "plugins/common/recording/recorder.h"
+#include "plugins/common/recording/recording.h"
 #include "plugins/common/recording/xdmf.h"
 
 enum { SCALARS = 6, FIGURES = 8 }; /* FieldData: single numbers, then vectors */

@@ -1,6 +1,7 @@
 /* The order in which a frame gets into a recording: its rows first, and, when these are on file, the number of frames.
  * A run that is killed between leaves rows to which nothing refers. */
 #include "plugins/common/recording/layout.h"
+#include "plugins/common/shot/room.h"
 
 #include <errno.h>
 #include <stdio.h>

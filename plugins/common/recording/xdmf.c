@@ -3,6 +3,8 @@
 #define _GNU_SOURCE
 #include "plugins/common/recording/xdmf.h"
 
+#include "plugins/common/shot/room.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
@@ -22,7 +24,7 @@ struct hk_xdmf {
   bool full; /* no memory for the text */
 };
 
-static const char head[] = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+static const char head[] = "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
                            "<Grid Name=\"hooke\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 static const char tail[] = "</Grid>\n</Domain>\n</Xdmf>\n";
 

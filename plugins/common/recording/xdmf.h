@@ -1,9 +1,10 @@
-/* The XDMF file (version 3) beside a recording: for every frame it says which rows of the HDF5 file are whose. It ends
+/* The XDMF file (version 2, the one of "XDMF Reader" in ParaView; those of version 3 know no hyperslabs) beside a
+ * recording: for every frame it says which rows of the HDF5 file are whose. It ends
  * properly after every frame: the frames' text is put over the closing lines of the one before, with new ones. */
 #ifndef HK_XDMF_H
 #define HK_XDMF_H
 
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/shot.h"
 
 typedef struct hk_xdmf_array {
   const char *name, *path; /* of the dataset, "VTKHDF/PointData/velocity" */

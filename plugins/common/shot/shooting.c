@@ -1,20 +1,13 @@
 /* Taking a shot: the particles that are shown are gathered from the view, with channels and forces. */
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/shooting.h"
+
+#include "plugins/common/shot/cells.h"
+#include "plugins/common/shot/room.h"
+#include "plugins/common/shot/strain.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-bool hk_make_room(void *memory, size_t *room, size_t need, size_t size) {
-  void **at = memory;
-  if (*at && need <= *room) return true;
-  size_t count = need + need / 4 + 1;
-  void *grown = count < SIZE_MAX / size ? realloc(*at, count * size) : NULL;
-  if (!grown) return false;
-  *at = grown;
-  *room = count;
-  return true;
-}
 
 static void name_array(hk_shot_array *a, const char *name, bool force, size_t width) {
   snprintf(a->name, sizeof a->name, "%s", name);

@@ -10,10 +10,10 @@
  *
  * PointData of a force or a channel has the attributes `kind` ("force", "channel") and `label`, its name in the scene.
  */
-#ifndef HK_RECORDER_H
-#define HK_RECORDER_H
+#ifndef HK_RECORDING_H
+#define HK_RECORDING_H
 
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/shot.h"
 
 typedef struct hk_recorder hk_recorder;
 
