@@ -35,6 +35,7 @@ local ordinary_words = {
     membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
     volume = "of a body", solid = "what is not hollow",
     trajectory = "the positions of a run at its frames, with which others are compared",
+    csv = "comma-separated values", sequence = "one after the other",
   },
   comment = {
     octree = "the tree of cells",
@@ -47,6 +48,7 @@ local ordinary_words = {
     volume = "of a body", membrane = "a sheet without resistance to bending",
     surfaces = "what contact keeps apart", drag = "the resistance of the air",
     checkpoint = "the file of a run that goes on", trajectory = "the way of particles through a run",
+    csv = "comma-separated values", sequence = "one after the other",
   },
 }
 
