@@ -186,6 +186,12 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
     if (hk_script_verify(o->scene, &options, &o->run, o->verify, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);
   }
+  hk_error last = {0};
+  hk_status left = hk_run_leave(run, &summary, &last);
+  if (left != HK_OK && status != HK_OK)
+    fprintf(stderr, "hooke: %s\n", last.text);
+  else if (left != HK_OK)
+    status = left, error = last;
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
   if (status != HK_OK) complain(&error);

@@ -64,6 +64,19 @@ static void write_figures(FILE *f, const hk_summary *s) {
   if (group) fputc('}', f);
 }
 
+/* The lines "what<TAB>value" of an origin as an object. */
+static void write_origin(FILE *f, const char *text) {
+  char word[2][1024];
+  for (const char *line = text; line && *line; line += strcspn(line, "\n"), line += *line == '\n') {
+    int what = (int)strcspn(line, "\t\n"), value = (int)strcspn(line + what, "\n");
+    snprintf(word[0], sizeof word[0], "%.*s", what, line);
+    snprintf(word[1], sizeof word[1], "%.*s", value ? value - 1 : 0, line + what + (value > 0));
+    if (line != text) fputc(',', f);
+    write_key(f, word[0]);
+    write_string(f, word[1]);
+  }
+}
+
 static void write_plugins(FILE *f, const hk_summary *s) {
   for (size_t k = 0; k < s->plugins; k++) {
     const hk_plugin_time *p = &s->plugin[k];
@@ -83,7 +96,9 @@ static void write_plugins(FILE *f, const hk_summary *s) {
 void hk_report_json(FILE *f, const hk_summary *s) {
   fputc('{', f);
   write_figures(f, s);
-  fputs(",\"plugins\":[", f);
+  fputs(",\"origin\":{", f);
+  write_origin(f, s->origin);
+  fputs("},\"plugins\":[", f);
   write_plugins(f, s);
   fputs("],\"measures\":{", f);
   for (size_t k = 0; k < s->measures; k++) {

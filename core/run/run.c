@@ -44,7 +44,6 @@ static hk_status close_outputs(hk_run *run) {
     if (first == HK_OK) first = status;
   }
   hk_status status = hk_measures_close(&run->measures, &run->error);
-  hk_folder_release(run->folder);
   return first == HK_OK ? status : first;
 }
 

@@ -99,7 +99,8 @@ hk_status hk_run_impose_start(hk_run *);
  * HK_NOT_FINITE and HK_NOT_CONVERGED: the run diverged; HK_INTERRUPTED: the state is that of the time of
  * interruption. */
 hk_status hk_run_advance(hk_run *, double t, hk_error *error);
-/* Closes the outputs; a second call does nothing. The run's data stay readable until hk_run_destroy. */
+/* Closes the outputs; a second call does nothing. The run's data stay readable until hk_run_destroy, and the output
+ * folder is the run's until then or until hk_run_leave. */
 hk_status hk_run_close(hk_run *, hk_error *error);
 bool hk_run_interrupted_again(void *run); /* since then */
 void hk_run_summary(hk_run *, hk_summary *);
@@ -123,6 +124,12 @@ hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *
 /* ---- frame.c: figures, measures, on_frame, outputs ---- */
 
 hk_status hk_run_frame(void *run);
+
+/* ---- leave.c: the last file ---- */
+
+/* After hk_run_close: where the run has written files, summary.json comes beside them, the summary as JSON (NULL: as it
+ * is now), and the output folder is let go of. A second call does nothing. */
+hk_status hk_run_leave(hk_run *, const hk_summary *, hk_error *error);
 
 /* ---- saving.c: the checkpoints that outputs ask for ---- */
 
