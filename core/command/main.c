@@ -114,20 +114,6 @@ static int complain(const hk_error *error) {
   return exit_code(error->status);
 }
 
-static void print_params(const hk_script *script) {
-  const hk_param_declared *params;
-  size_t count = hk_script_params(script, &params);
-  if (count) printf("\nparameters of this scene (name=value):\n");
-  for (size_t k = 0; k < count; k++) {
-    char name[256], initial[256];
-    hk_plain_copy(name, sizeof name, params[k].name);
-    hk_plain_copy(initial, sizeof initial, params[k].initial);
-    printf("  %-12s %-12s ", name, initial);
-    hk_print_plain(stdout, params[k].help ? params[k].help : "");
-    printf("\n");
-  }
-}
-
 static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
   return (hk_script_options){.registry = registry,
                              .library = library,
@@ -286,8 +272,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
     if (o.help) {
-      hk_options_print();
-      if (script) print_params(script);
+      if (!o.json) hk_options_print();
+      if (script) hk_parameters_print(script, o.json);
       if (status != HK_OK && !script) code = complain(&error);
     } else if (status != HK_OK)
       code = complain(&error);

@@ -42,7 +42,7 @@ static const option options[] = {
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
     {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify), false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
-    {"--help", NULL, "this text, with the scene's own parameters when one is named", FLAG, AT(help), false},
+    {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON", FLAG, AT(help), false},
 };
 
 enum { OPTIONS = sizeof options / sizeof *options };

@@ -22,4 +22,7 @@ hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error)
 bool hk_option_kept(const char *word, bool *takes_value);
 void hk_options_print(void); /* the help, on standard output */
 
+/* parameters.c: those that the script declares, on standard output: a table for people, or a list as JSON. */
+void hk_parameters_print(const hk_script *, bool json);
+
 #endif
