@@ -99,16 +99,27 @@ static hk_status open_shared(hk_run *run) {
 
 /* ---- plugins ---- */
 
+/* The scene's plugins of a kind, and then those that the command line adds. */
+static hk_status make_kind(hk_run *run, hk_kind kind) {
+  const hk_specs *specs = &run->scene->plugin[kind];
+  const hk_overrides *o = &run->overrides;
+  bool silent = kind == HK_OUTPUT && run->options.no_output, alone = kind == HK_OUTPUT && run->options.bare;
+  hk_status status = HK_OK;
+  for (size_t k = 0; !silent && k < specs->count && status == HK_OK; k++)
+    if (!hk_overrides_leave_out(o, specs->item[k]))
+      status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
+  for (size_t k = 0; !alone && k < o->added_count && status == HK_OK; k++)
+    if (o->added[k]->plugin->kind == kind)
+      status = hk_plugins_add(&run->plugins, o->added[k], &run->shared, NULL, &run->error);
+  return status;
+}
+
 static hk_status make_instances(hk_run *run) {
   static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
   hk_status status = HK_OK;
-  for (size_t j = 0; j < sizeof kinds / sizeof *kinds; j++) {
-    const hk_specs *specs = &run->scene->plugin[kinds[j]];
-    if (kinds[j] == HK_OUTPUT && run->options.no_output) continue;
-    for (size_t k = 0; k < specs->count && status == HK_OK; k++)
-      if (!hk_overrides_leave_out(&run->overrides, specs->item[k]))
-        status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
-  }
+  for (size_t k = 0; k < run->options.with_count && status == HK_OK; k++)
+    status = hk_overrides_add(&run->overrides, run->scene, run->options.with[k], &run->error);
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds && status == HK_OK; k++) status = make_kind(run, kinds[k]);
   if (status != HK_OK) return status;
   return hk_plugins_add(&run->plugins, run->overrides.integrator, &run->shared, NULL, &run->error);
 }

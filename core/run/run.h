@@ -29,9 +29,12 @@ typedef struct hk_run_options {
   bool ignore_exact; /* the verdict does not use the scene's exact solution */
   size_t without_count;
   const char *const *without; /* labels of the plugins that are omitted from the scene */
-  const char *out;            /* NULL: "out/NAME" */
-  const char *resume;         /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
-  const char *words;          /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
+  size_t with_count;
+  const char *const *with; /* plugins beside those of the scene, "kind:name:parameter=value,..." */
+  bool bare;               /* outputs among them are left out: another run is compared with this one */
+  const char *out;         /* NULL: "out/NAME" */
+  const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
+  const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
   bool no_output;
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
