@@ -8,7 +8,7 @@
 #include "plugins/common/film/reel.h"
 #include "plugins/common/gl/gl_context.h"
 #include "plugins/common/obstacles/obstacle.h"
-#include "plugins/common/picture/framing.h"
+#include "plugins/common/camera/framing.h"
 #include "plugins/common/picture/painter.h"
 
 typedef struct hk_film {
