@@ -114,7 +114,7 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
   char out[PATH_MAX];
   snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
-  bool wrote = !o->run.no_output && (scene->plugin[HK_OUTPUT].count || scene->measures);
+  bool wrote = !o->run.no_output && (scene->plugin[HK_OUTPUT].count || scene->measures || o->run.output);
   if (o->json)
     hk_report_json(stdout, s);
   else if (!o->quiet)

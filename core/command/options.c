@@ -37,12 +37,16 @@ static const option options[] = {
      AT(run.resume), false},
     {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state), false},
     {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out), false},
+    {"--output", "NAME", "one more output, unless the scene has it; NAME:parameter=value,... sets its own", TEXT,
+     AT(run.output), false},
     {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json), false},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
-    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify), false},
+    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),
+     false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
-    {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON", FLAG, AT(help), false},
+    {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON",
+     FLAG, AT(help), false},
 };
 
 enum { OPTIONS = sizeof options / sizeof *options };

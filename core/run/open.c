@@ -109,6 +109,8 @@ static hk_status make_instances(hk_run *run) {
       if (!hk_overrides_leave_out(&run->overrides, specs->item[k]))
         status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
   }
+  if (status == HK_OK && run->overrides.output && !run->options.no_output)
+    status = hk_plugins_add(&run->plugins, run->overrides.output, &run->shared, NULL, &run->error);
   if (status != HK_OK) return status;
   return hk_plugins_add(&run->plugins, run->overrides.integrator, &run->shared, NULL, &run->error);
 }
@@ -316,8 +318,8 @@ static hk_status build(hk_run *run) {
     return hk_error_set(&run->error, HK_BAD_PARAM, "accuracy_at: '%s' is neither frames nor end", o->accuracy_at);
   hk_status status = open_shared(run);
   if (status == HK_OK)
-    status = hk_overrides_open(&run->overrides, run->scene, o->integrator, o->solver, o->without_count, o->without,
-                               &run->error);
+    status = hk_overrides_open(&run->overrides, run->scene, o->integrator, o->solver, o->output, o->without_count,
+                               o->without, &run->error);
   if (status == HK_OK) status = hk_state_open(&run->state, run->scene, &run->error);
   if (status == HK_OK) status = hk_pins_open(&run->pins, run->scene, &run->state, &run->error);
   if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);

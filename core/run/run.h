@@ -12,6 +12,7 @@ enum { HK_COMPARE_ASKED, HK_COMPARE_SMALL, HK_COMPARE_ALWAYS }; /* where an accu
 typedef struct hk_run_options {
   const char *integrator; /* "name" or "name:parameter=value,..." replaces the scene's integrator; NULL: the scene's */
   const char *solver;     /* the same for the linear solver; "auto": chosen by the host */
+  const char *output;     /* "name" or "name:parameter=value,...": beside the scene's outputs, unless it has that one */
   double dt, tol, until;  /* NAN: the scene's; dt INFINITY: none, whatever the scene gives */
   double accuracy; /* m, of the positions (RMS over the particles); NAN: the scene's; 0: no accuracy is asked for */
   const char *accuracy_at; /* "frames": at all of them, or "end"; NULL: the scene's choice */

@@ -1,5 +1,5 @@
 /* Choices of the command line that replace those of the script: the integrator with its parameters, the solver, and the
- * plugins to omit. The scene does not change; the choices belong to one run. */
+ * plugins to omit, and one more output. The scene does not change; the choices belong to one run. */
 #include "core/scene/scene.h"
 
 #include <stdlib.h>
@@ -80,8 +80,17 @@ static hk_status choose_integrator(hk_overrides *o, const hk_scene *scene, const
   return status;
 }
 
+static hk_status add_output(hk_overrides *o, const hk_scene *scene, const char *output, hk_error *error) {
+  hk_status status = make_spec(scene, HK_OUTPUT, output, &o->own[2], error);
+  bool there = false;
+  for (size_t k = 0; k < scene->plugin[HK_OUTPUT].count && status == HK_OK; k++)
+    there |= scene->plugin[HK_OUTPUT].item[k]->plugin == o->own[2]->plugin;
+  if (!there) o->output = o->own[2];
+  return status;
+}
+
 hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *integrator, const char *solver,
-                            size_t without_count, const char *const *without, hk_error *error) {
+                            const char *output, size_t without_count, const char *const *without, hk_error *error) {
   *o = (hk_overrides){.without_count = without_count, .without = without};
   for (size_t k = 0; k < without_count; k++) {
     if (!in_scene(scene, without[k]))
@@ -96,12 +105,11 @@ hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *
   o->solver = solver ? NULL : hk_scene_one(scene, HK_SOLVER);
   if (status == HK_OK && named) status = make_spec(scene, HK_SOLVER, solver, &o->own[1], error);
   if (o->own[1]) o->solver = o->own[1];
-  return status;
+  return status == HK_OK && output ? add_output(o, scene, output, error) : status;
 }
 
 void hk_overrides_close(hk_overrides *o) {
-  hk_spec_destroy(o->own[0]);
-  hk_spec_destroy(o->own[1]);
+  for (int k = 0; k < 3; k++) hk_spec_destroy(o->own[k]);
   *o = (hk_overrides){0};
 }
 
