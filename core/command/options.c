@@ -41,8 +41,9 @@ static const option options[] = {
     {"--summary", "FILE", "the same into a file, beside what is printed", TEXT, AT(summary), false},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
     {"--with", "KIND:NAME",
-     "a plugin beside those of the scene, KIND:NAME:parameter=value,... sets its parameters; may be repeated", LIST,
-     AT(run.with), false},
+     "a plugin beside those of the scene, KIND:NAME:parameter=value,... sets its parameters; may be repeated; an "
+     "output that the scene has is not doubled",
+     LIST, AT(run.with), false},
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
     {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),
      false},

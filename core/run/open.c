@@ -99,7 +99,15 @@ static hk_status open_shared(hk_run *run) {
 
 /* ---- plugins ---- */
 
-/* The scene's plugins of a kind, and then those that the command line adds. */
+/* Two outputs of one plugin would write the same files. */
+static bool writes_already(const hk_instances *outputs, const hk_plugin_spec *added) {
+  bool found = false;
+  for (size_t k = 0; k < outputs->count && added->plugin->kind == HK_OUTPUT; k++)
+    found |= outputs->item[k]->plugin == added->plugin;
+  return found;
+}
+
+/* The scene's plugins of a kind, and then those that the command line adds, but no output that the scene has. */
 static hk_status make_kind(hk_run *run, hk_kind kind) {
   const hk_specs *specs = &run->scene->plugin[kind];
   const hk_overrides *o = &run->overrides;
@@ -109,7 +117,7 @@ static hk_status make_kind(hk_run *run, hk_kind kind) {
     if (!hk_overrides_leave_out(o, specs->item[k]))
       status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
   for (size_t k = 0; !alone && k < o->added_count && status == HK_OK; k++)
-    if (o->added[k]->plugin->kind == kind)
+    if (o->added[k]->plugin->kind == kind && !writes_already(&run->plugins.kind[kind], o->added[k]))
       status = hk_plugins_add(&run->plugins, o->added[k], &run->shared, NULL, &run->error);
   return status;
 }
@@ -272,8 +280,7 @@ static hk_status open_outputs(hk_run *run) {
     hk_instance *output = outputs->item[run->outputs_open];
     hk_view view = hk_instance_view(output, &run->state.view);
     const hk_instance *outer = hk_enter(output);
-    if (output->plugin->output->open)
-      status = output->plugin->output->open(output->self, &view, &frame);
+    if (output->plugin->output->open) status = output->plugin->output->open(output->self, &view, &frame);
     status = hk_leave_with(output, outer, "open", status);
     if (status == HK_OK) run->outputs_open++;
   }
