@@ -112,6 +112,27 @@ static int range(lua_State *L) {
   return 2;
 }
 
+/* sizes(numbers, components, every) -> {the number, or of a vector the length, of every so manieth particle}, of those
+ * that are finite. */
+static int sizes(lua_State *L) {
+  size_t bytes;
+  const char *at = luaL_checklstring(L, 1, &bytes);
+  lua_Integer components = luaL_checkinteger(L, 2), every = luaL_checkinteger(L, 3), found = 0;
+  luaL_argcheck(L, components >= 1, 2, "no components");
+  luaL_argcheck(L, every >= 1, 3, "not a whole number above 0");
+  size_t width = (size_t)components, n = bytes / sizeof(double) / width;
+  lua_newtable(L);
+  for (size_t i = 0; i < n; i += (size_t)every) {
+    double square = 0, value = number_at(at, i * width);
+    for (size_t c = 0; c < width; c++) square += number_at(at, i * width + c) * number_at(at, i * width + c);
+    if (width > 1) value = sqrt(square);
+    if (!isfinite(value)) continue;
+    lua_pushnumber(L, value);
+    lua_rawseti(L, -2, ++found);
+  }
+  return 1;
+}
+
 /* distance(positions, ids, positions, ids) -> m, RMS and largest distance of particles of the same id; NAN: there is
  * none. Both lists of ids rise. */
 static int distance(lua_State *L) {
@@ -167,8 +188,9 @@ static int colours(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_page(lua_State *L);
 
 int luaopen_page(lua_State *L) {
-  static const luaL_Reg functions[] = {{"encoder", make_encoder}, {"range", range},     {"distance", distance},
-                                       {"indices", indices},      {"colours", colours}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"encoder", make_encoder}, {"range", range},     {"sizes", sizes}, {"distance", distance},
+      {"indices", indices},      {"colours", colours}, {NULL, NULL}};
   static const luaL_Reg methods[] = {{"add", add}, {"block", block}, {"error", error_of}, {NULL, NULL}};
   luaL_newmetatable(L, encoder_type);
   luaL_newlib(L, methods);

@@ -137,7 +137,7 @@ view.app = (() => {
       const f = source.fields.find((one) => one.name === this.paint);
       if (!f) return null;
       const both = this.sources.map((s) => s.fields.find((one) => one.name === f.name)).filter(Boolean);
-      const low = Math.min(...both.map((b) => b.components > 1 ? 0 : b.least)), high = Math.max(...both.map((b) => b.most));
+      const low = Math.min(...both.map((b) => b.least)), high = Math.max(...both.map((b) => b.most));
       return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale: view.colours.scale(low, high, f.centred) };
     }
 
@@ -173,9 +173,9 @@ view.app = (() => {
 
     arrows(source, frame) {
       const f = source.fields.find((one) => one.name === this.arrowsOf), numbers = f && frame.values[f.name];
-      if (!numbers || !(f.most > 0)) return null;
+      if (!numbers || !(f.largest > 0)) return null;
       const { low, high } = source.bounds, size = Math.max(...low.map((v, c) => high[c] - v));
-      return { numbers, length: 0.16 * size / f.most, colour: ARROW };
+      return { numbers, length: 0.25 * size / f.largest, colour: ARROW };
     }
 
     showPicked(frames) {

@@ -83,15 +83,21 @@ view.codec = (() => {
       const ids = this.ids(k), n = typeof ids === "number" ? ids : ids.length;
       this.follow(ids, n);
       const { bytes, components, last, before, seen } = this;
-      const count = n * components, order = bytes[this.at], low = this.at + 1, high = low + count;
+      const count = n * components, mode = bytes[this.at], low = this.at + 1, high = low + count;
+      const one = (mode & 1) === 1, corrected = mode > 2;
       const now = new Uint16Array(count);
       for (let c = 0, at = 0; c < components; c++)
-        for (let i = 0; i < n; i++, at++) {
+        for (let i = 0, off = 0; i < n; i++, at++) {
           const z = bytes[low + at] | (bytes[high + at] << 8);
           const d = z & 1 ? -((z + 1) >> 1) : z >> 1;
           const s = seen[i];
-          const foretold = s === 0 ? (i ? now[at - 1] : 0) : s === 1 || order === 1 ? last[at] : 2 * last[at] - before[at];
-          now[at] = foretold + d; // modulo 2^16
+          if (s === 0) {
+            now[at] = (i ? now[at - 1] : 0) + d; // here and below modulo 2^16
+            off = 0;
+          } else {
+            off = corrected ? off + d : d;
+            now[at] = (s === 1 || one ? last[at] : 2 * last[at] - before[at]) + off;
+          }
         }
       for (let i = 0; i < n; i++) if (seen[i] < 2) seen[i]++;
       this.at = high + count;

@@ -14,7 +14,7 @@ view.light = (() => {
       float direct = max(dot(normal, sun), 0.0);
       float shine = pow(max(dot(normal, normalize(sun + eye)), 0.0), 32.0);
       vec3 c = colour * colour; // about linear
-      vec3 light = c * (0.34 + 0.26 * sky + 0.52 * direct) + 0.05 * shine;
+      vec3 light = c * (0.30 + 0.42 * sky + 0.62 * direct) + 0.05 * shine;
       return sqrt(light);
     }`;
 

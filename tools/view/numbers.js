@@ -18,6 +18,13 @@ view.numbers = (() => {
     return String(Number(value.toPrecision(digits))).replace("-", "−");
   };
 
+  // With as many digits as the error leaves.
+  const within = (value, error) => {
+    if (!(error > 0) || !Number.isFinite(value)) return short(value, 6);
+    const digits = Math.floor(Math.log10(Math.abs(value) / error)) + 1;
+    return digits < 1 ? "0" : short(value, Math.min(digits, 7));
+  };
+
   // 1, 2 or 5 times a power of ten, so that about `count` of them cover the range.
   const step = (range, count) => {
     const raw = range / Math.max(count, 1);
@@ -36,5 +43,5 @@ view.numbers = (() => {
     return list.map((value) => ({ value, text: short(value, digits) }));
   };
 
-  return { short, step, ticks };
+  return { short, within, step, ticks };
 })();

@@ -20,7 +20,7 @@ view.orbit = (() => {
     look(target, radius) {
       this.target.copy(target);
       this.size = radius;
-      this.distance = 1.12 * radius / Math.sin(this.camera.fov * Math.PI / 360);
+      this.distance = 0.92 * radius / Math.sin(this.camera.fov * Math.PI / 360);
       this.update();
     }
 

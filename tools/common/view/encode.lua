@@ -7,7 +7,8 @@ local series = require("common.view.series")
 local encode = {}
 
 local LEVELS = 65534 -- of a number, HK_MOTION_LEVELS: of positions
-local COARSE = 4094 -- of what is coloured or told only: half a step is 1.2e-4 of the range
+local COARSE = { [1] = 510, [3] = 2046 } -- of what is coloured or told only: half a step is 1e-3 or 2.4e-4 of the range
+local SAMPLES = 50000 -- numbers that the range of colours is chosen from, about
 local BLOCK = 2000000 -- numbers of a block, about: what a browser unpacks at once
 
 -- ---- what there is to tell beside positions ----
@@ -52,6 +53,21 @@ local function widest(range)
   return most
 end
 
+-- The least and the largest number that colours tell apart: without one per cent at each end, which a few extreme
+-- particles may have. A vector's begins at 0.
+local function range_of_colours(r, s)
+  local all, frames = {}, math.max(1, r.frames // 50)
+  local every = math.max(1, r:n(r.frames) * (r.frames // frames) // SAMPLES)
+  for k = 1, r.frames, frames do
+    local some = page.sizes(s.get(k), s.components, every)
+    table.move(some, 1, #some, #all + 1, all)
+  end
+  table.sort(all)
+  if #all == 0 then return 0, 0 end
+  local out = #all // 100
+  return s.components > 1 and 0 or all[1 + out], all[#all - out]
+end
+
 local function largest_size(range)
   local square = 0
   for c = 1, #range.low do square = square + math.max(range.low[c] ^ 2, range.high[c] ^ 2) end
@@ -63,7 +79,7 @@ end
 local function start_streams(r, fields)
   local streams = { { name = "position", components = 3, levels = LEVELS, get = function(k) return r:positions(k) end } }
   for _, f in ipairs(fields) do
-    f.levels = COARSE
+    f.levels = COARSE[f.components] or COARSE[3]
     streams[#streams + 1] = f
   end
   for _, s in ipairs(streams) do
@@ -84,10 +100,11 @@ local function end_block(out, streams)
   end
 end
 
-local function told(s)
+local function told(r, s)
+  local least, most = range_of_colours(r, s)
   return { name = s.name, label = s.label, painted = s.painted, unit = s.unit, components = s.components,
     centred = s.centred or false, low = json_text.list(s.low), high = json_text.list(s.high), step = s.step, texts = s.texts,
-    error = s.encoder:error(), most = s.components > 1 and largest_size(s) or s.high[1], least = s.low[1] }
+    error = s.encoder:error(), least = least, most = most, largest = largest_size(s) }
 end
 
 -- ---- topology and ids ----
@@ -135,7 +152,7 @@ function encode.run(r, out, more)
   end
   end_block(out, streams)
   run.ids = out:add(page.indices(table.concat(all_ids)))
-  for k, s in ipairs(streams) do run.streams[k] = told(s) end
+  for k, s in ipairs(streams) do run.streams[k] = told(r, s) end
   run.sizes = {}
   for _, s in ipairs(streams) do run.sizes[s.name] = s.size end
   return run

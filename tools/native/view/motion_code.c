@@ -11,7 +11,9 @@ static bool reserve_particles(hk_motion_code *m, size_t n) {
   if (id) m->id = id;
   uint8_t *seen = realloc(m->seen, room);
   if (seen) m->seen = seen;
-  bool fine = id && seen;
+  uint16_t *difference = realloc(m->difference, room * sizeof *difference);
+  if (difference) m->difference = difference;
+  bool fine = id && seen && difference;
   for (int k = 0; k < 3 && fine; k++) {
     uint16_t *value = calloc(room * m->components, sizeof *value);
     for (size_t c = 0; c < m->components && value && m->value[k]; c++)
@@ -107,33 +109,53 @@ static void quantise(hk_motion_code *m, const void *number) {
   }
 }
 
-static uint16_t difference(const hk_motion_code *m, size_t c, size_t i, int order) {
+/* What the particle's last values foretell of component c. */
+static unsigned foretold(const hk_motion_code *m, size_t c, size_t i, int order) {
   size_t at = c * m->room + i;
-  const uint16_t *now = m->value[0], *last = m->value[1], *before = m->value[2];
   int seen = m->seen[i] < order ? m->seen[i] : order;
-  unsigned foretold = seen == 0 ? (i ? now[at - 1] : 0u) : seen == 1 ? last[at] : 2u * last[at] - before[at];
-  unsigned d = (now[at] - foretold) & 0xffffu;
-  return (uint16_t)(d < 0x8000u ? 2 * d : 2 * (0xffffu - d) + 1);
+  if (seen == 0) return i ? m->value[0][at - 1] : 0u;
+  return seen == 1 ? m->value[1][at] : 2u * m->value[1][at] - m->value[2][at];
 }
 
-static double size_of(const hk_motion_code *m, int order) {
+/* The differences of component c, as whole numbers from 0, to `into`; their sum. */
+static double differences(const hk_motion_code *m, size_t c, int mode, uint16_t *into) {
+  const uint16_t *now = m->value[0] + c * m->room;
+  int order = mode & 1 ? 1 : 2;
+  unsigned before = 0; /* by which the particle before is off what was foretold */
   double sum = 0;
-  for (size_t c = 0; c < m->components; c++)
-    for (size_t i = 0; i < m->n; i++) sum += difference(m, c, i, order);
+  for (size_t i = 0; i < m->n; i++) {
+    unsigned off = now[i] - foretold(m, c, i, order);
+    unsigned d = (off - (mode > 2 && m->seen[i] ? before : 0u)) & 0xffffu;
+    before = m->seen[i] ? off : 0;
+    into[i] = (uint16_t)(d < 0x8000u ? 2 * d : 2 * (0xffffu - d) + 1);
+    sum += into[i];
+  }
   return sum;
+}
+
+static int best_mode(const hk_motion_code *m, uint16_t *room) {
+  int best = 1;
+  double least = INFINITY;
+  for (int mode = 1; mode <= HK_MOTION_MODES; mode++) {
+    double sum = 0;
+    for (size_t c = 0; c < m->components; c++) sum += differences(m, c, mode, room);
+    if (sum < least) least = sum, best = mode;
+  }
+  return best;
 }
 
 static void write_frame(hk_motion_code *m) {
   size_t count = m->components * m->n;
-  int order = size_of(m, 1) <= size_of(m, 2) ? 1 : 2;
+  int mode = best_mode(m, m->difference);
   unsigned char *low = m->byte + m->bytes + 1, *high = low + count;
-  m->byte[m->bytes] = (unsigned char)order;
-  for (size_t c = 0; c < m->components; c++)
+  m->byte[m->bytes] = (unsigned char)mode;
+  for (size_t c = 0; c < m->components; c++) {
+    differences(m, c, mode, m->difference);
     for (size_t i = 0; i < m->n; i++) {
-      uint16_t d = difference(m, c, i, order);
-      *low++ = (unsigned char)(d & 0xff);
-      *high++ = (unsigned char)(d >> 8);
+      *low++ = (unsigned char)(m->difference[i] & 0xff);
+      *high++ = (unsigned char)(m->difference[i] >> 8);
     }
+  }
   m->bytes += 1 + 2 * count;
 }
 
@@ -158,6 +180,7 @@ void hk_motion_code_free(hk_motion_code *m) {
   for (int k = 0; k < 3; k++) free(m->value[k]);
   free(m->id);
   free(m->seen);
+  free(m->difference);
   free(m->byte);
   *m = (hk_motion_code){0};
 }
