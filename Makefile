@@ -54,6 +54,8 @@ SPARSE_LIBS   := -lcholmod -lumfpack -lamd -lcolamd -lsuitesparseconfig
 # Pictures are drawn without a window: by OSMesa, or by EGL where Mesa has dropped it. GL=egl chooses.
 GL           := $(or $(call exists,osmesa),$(and $(call exists,egl),$(call exists,opengl gl),egl))
 PNG          := $(call exists,libpng)
+ZLIB         := $(call exists,zlib)
+ZLIB_LIBS    := $(call libs,$(ZLIB))
 CMOCKA_LIBS  := $(call libs,$(call exists,cmocka))
 GMP_LIBS     := $(call libs,$(call exists,gmp))
 PICTURES     := $(and $(GL),$(PNG),$(subst egl,egl $(call exists,opengl gl),$(GL)) $(PNG))
@@ -190,6 +192,7 @@ $B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(GMP_LIBS) 
 $B/tests/fixtures/%: LIBS =
 $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
+$B/tools/page.so: LIBS = $(ZLIB_LIBS)
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
 $B/tools/server.so: LIBS = $(call libs,$(HTTPD))
@@ -210,7 +213,7 @@ $(defaults): $B/%: %
 	$(call say,copy   )
 	$(Q)cp $< $@
 # Lua's functions are those of the program that loads the module.
-$B/tools/%.so: $B/obj/tools/native/%.o $B/tools/common.a $B/core.a
+$B/tools/%.so: $B/obj/tools/native/%.o $B/tools/common.a $B/plugins/common.a $B/core.a
 	$(link)
 	$(call link_with,-shared)
 archives := $B/tests/support.a $B/core.a $B/plugins/common.a

@@ -1,6 +1,6 @@
--- hooke stability                 the largest stable step of every integrator on the linear oscillator, and its theory
--- hooke stability SCENE.lua       the measured largest stable step on a scene, and the estimate that dt = auto uses
--- hooke stability --hard [DIR]    the corpus of hard cases with every integrator
+-- hooke stability [SCENE.lua]: the largest stable steps, measured; --hard: the corpus of hard cases.
+-- Without a scene those of every integrator on the linear oscillator, beside theory; on a scene beside the estimate that
+-- a run without dt uses. --hard [DIR] runs the corpus of hard cases with every integrator.
 -- The methods of measurement are described in stability_region.lua, largest_step.lua and hard.lua of common/stability.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
@@ -45,13 +45,9 @@ end
 local function parse()
   local fine, o = parser_of():pparse(arg)
   if not fine then return nil, o .. "; see: hooke stability --help" end
-  o.given = {}
-  for _, word in ipairs(o.scene) do
-    local name, value = word:match("^([%a_][%w_]*)=(.*)$")
-    if name then o.given[name] = value
-    elseif o.path then return nil, ("'%s' is neither the scene nor name=value"):format(word)
-    else o.path = word end
-  end
+  local why
+  o.path, o.given, why = command_line.scene(o.scene)
+  if why then return nil, why end
   if next(o.given) and (o.hard or not o.path) then return nil, "name=value is for a scene" end
   o.jobs = o.jobs or process.processors()
   o.out = o.out or "out/stability"
