@@ -265,6 +265,7 @@ static void set_method(hk_run *run) {
 
 static hk_status open_outputs(hk_run *run) {
   const hk_instances *outputs = &run->plugins.kind[HK_OUTPUT];
+  hk_frame frame = hk_run_output_frame(run);
   hk_status status =
       run->options.no_output ? HK_OK : hk_measures_open(run->folder, run->scene, &run->measures, &run->error);
   while (status == HK_OK && run->outputs_open < outputs->count) {
@@ -272,7 +273,7 @@ static hk_status open_outputs(hk_run *run) {
     hk_view view = hk_instance_view(output, &run->state.view);
     const hk_instance *outer = hk_enter(output);
     if (output->plugin->output->open)
-      status = output->plugin->output->open(output->self, &view, &run->judgement.last_frame);
+      status = output->plugin->output->open(output->self, &view, &frame);
     status = hk_leave_with(output, outer, "open", status);
     if (status == HK_OK) run->outputs_open++;
   }
@@ -333,6 +334,7 @@ static hk_status build(hk_run *run) {
   if (status == HK_OK) status = hk_pins_open(&run->pins, run->scene, &run->state, &run->error);
   if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
   if (status == HK_OK) status = make_instances(run);
+  if (status == HK_OK) status = hk_run_name_forces(run);
   if (status != HK_OK) return status;
   status = hk_dynamics_open(&run->dynamics, run->scene, &run->state, &run->pins, &run->plugins, &run->shared);
   if (status != HK_OK) return status;
@@ -396,6 +398,7 @@ void hk_run_destroy(hk_run *run) {
   hk_overrides_close(&run->overrides);
   hk_loop_close(&run->loop);
   hk_judgement_close(&run->judgement);
+  free(run->force_name);
   hk_pins_close(&run->pins);
   hk_state_close(&run->state);
   hk_folder_close(run->folder);

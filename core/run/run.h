@@ -80,6 +80,7 @@ typedef struct hk_run {
   hk_folder *folder;
   FILE *measures;
   size_t outputs_open;
+  const char **force_name; /* labels of the forces, for outputs */
   hk_saving saving;
   hk_interruption interruption;
   sig_atomic_t interruptions; /* before the outputs began to be closed */
@@ -116,6 +117,8 @@ double hk_run_end(const hk_run *); /* s, duration or --until */
 bool hk_run_index(const hk_run *, uint32_t id, uint32_t *index);
 double hk_run_measure(const hk_run *, const char *name); /* last value; NAN: no measure has this name */
 void hk_run_energy(hk_run *, double *kinetic, double *potential, double *work);
+/* The force of force k alone on all particles (n x 3, N) at the state; 0 where it does not act now. */
+hk_status hk_run_forces(hk_run *, size_t k, double *force, hk_error *error);
 hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
 /* The number of equations of a constraint; HK_BAD_PARAM: no constraint has this label. */
 hk_status hk_run_equations(hk_run *, const char *label, size_t *count, hk_error *error);
@@ -127,6 +130,8 @@ hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *
 /* ---- frame.c: figures, measures, on_frame, outputs ---- */
 
 hk_status hk_run_frame(void *run);
+hk_frame hk_run_output_frame(hk_run *); /* the last frame with what outputs may ask beside its figures */
+hk_status hk_run_name_forces(hk_run *); /* once the plugins have been made */
 
 /* ---- leave.c: the last file ---- */
 
