@@ -75,6 +75,11 @@ else
 LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials/*.c) \
             tests/bench/sundials.c tests/bench/rivals.c
 endif
+# The server of live pages.
+HTTPD := $(call exists,libmicrohttpd)
+ifeq (,$(HTTPD))
+LEFT_OUT += tools/native/server.c
+endif
 
 # ---- What there is to build ------------------------------------------------------------------------------------------
 
@@ -85,7 +90,7 @@ by_tools := $(call object,$(wildcard tools/native/*/*.c))
 support  := $(call object,$(wildcard tests/support/*.c tests/adversary/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
 defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)))
-modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
+modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(filter-out $(LEFT_OUT),$(wildcard tools/native/*.c)))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
 studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
@@ -99,7 +104,7 @@ $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugi
   $B/tests/fixtures/*.so)))
 
 # These files are new when the flags, or the lists of files, are others than last time.
-settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(CURDIR)
+settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(HTTPD) $(CURDIR)
 lists    := $(core) $(common) $(by_tools) $(support)
 ifneq ($(file <$B/settings),$(settings))
 $(shell mkdir -p $B)$(file >$B/settings,$(settings))
@@ -118,6 +123,7 @@ all: build
 build: $B/hooke $(plugins) $(defaults) $(modules)
 	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
 	$(if $(SUNDIALS),@:,@echo "hooke is built without SUNDIALS (plugins/integrators/cvode, arkode): tools/install-deps run gets it")
+	$(if $(HTTPD),@:,@echo "hooke is built without its server of live pages (hooke run --watch): tools/install-deps run gets libmicrohttpd")
 
 check:
 	$(if $(CHECKED),@:,@CC="$(CC)" tools/install-deps --check build)
@@ -189,6 +195,7 @@ $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
 $B/tools/page.so: LIBS = $(ZLIB_LIBS)
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
+$B/tools/server.so: LIBS = $(call libs,$(HTTPD))
 $B/bench/sundials $B/bench/rivals: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
 
 $B/hooke: $B/obj/core/command/main.o $B/core.a
