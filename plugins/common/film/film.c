@@ -25,6 +25,13 @@ static hk_status make_solids(hk_film *f) {
   return HK_OK;
 }
 
+static void draw_legend(hk_painter *painter, void *film) {
+  hk_film *f = film;
+  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
+  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
+  hk_legend_draw(painter, &legend);
+}
+
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
@@ -38,6 +45,7 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
   status = hk_painter_open(&f->painter, host, f->width, f->height);
   if (status != HK_OK) return status;
+  if (f->legend && f->framing.counted) f->painter.overlay = draw_legend, f->painter.overlay_context = f;
   f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
   if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
@@ -80,12 +88,6 @@ static void colour_particles(hk_film *f) {
   }
 }
 
-static void draw_legend(hk_film *f) {
-  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
-  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
-  hk_legend_draw(&f->painter, &legend);
-}
-
 /* Exposes for the frame with the most particles, the one in the middle if it is one of them. */
 static hk_status expose(hk_film *f) {
   const hk_frame_spool_entry *entry = f->spool.entry;
@@ -106,7 +108,6 @@ static hk_status draw(hk_film *f) {
   colour_particles(f);
   status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
   if (status != HK_OK) return status;
-  if (f->legend && f->framing.counted) draw_legend(f);
   status = hk_painter_read(&f->painter, &f->setup, f->picture);
   return status == HK_OK ? hk_reel_add(&f->reel, f->picture) : status;
 }
