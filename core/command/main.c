@@ -79,20 +79,6 @@ static int complain(const hk_error *error) {
   return exit_code(error->status);
 }
 
-static void print_params(const hk_script *script) {
-  const hk_param_declared *params;
-  size_t count = hk_script_params(script, &params);
-  if (count) printf("\nparameters of this scene (name=value):\n");
-  for (size_t k = 0; k < count; k++) {
-    char name[256], initial[256];
-    hk_plain_copy(name, sizeof name, params[k].name);
-    hk_plain_copy(initial, sizeof initial, params[k].initial);
-    printf("  %-12s %-12s ", name, initial);
-    hk_print_plain(stdout, params[k].help ? params[k].help : "");
-    printf("\n");
-  }
-}
-
 static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
   return (hk_script_options){.registry = registry,
                              .library = library,
@@ -125,6 +111,22 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   return closed;
 }
 
+/* Before the run, which may take hours: a file that cannot be written is said now. */
+static hk_status open_summary(hk_options *o, hk_error *error) {
+  if (!o->summary || o->help) return HK_OK;
+  o->summary_file = fopen(o->summary, "w");
+  if (o->summary_file) return HK_OK;
+  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+}
+
+static hk_status close_summary(const hk_options *o, const hk_summary *s, hk_error *error) {
+  if (!o->summary_file) return HK_OK;
+  hk_report_json(o->summary_file, s);
+  bool fine = !ferror(o->summary_file);
+  if (fclose(o->summary_file) == 0 && fine) return HK_OK;
+  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+}
+
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
   char out[PATH_MAX];
   snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
@@ -151,6 +153,16 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
     if (hk_script_verify(o->scene, &options, &o->run, o->verify, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);
   }
+  hk_error last = {0};
+  hk_status left = hk_run_leave(run, &summary, &last);
+  if (left != HK_OK && status != HK_OK)
+    fprintf(stderr, "hooke: %s\n", last.text);
+  else if (left != HK_OK)
+    status = left, error = last;
+  if (status == HK_OK)
+    status = close_summary(o, &summary, &error);
+  else
+    close_summary(o, &summary, &last);
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
   if (status != HK_OK) complain(&error);
@@ -206,7 +218,10 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   surroundings here = {registry, p};
   hk_confinement c = needs_of(&here, o->scene, native);
   c.programs = getenv("PATH");
-  c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
+  c.output = (o->run.no_output && !o->run.with_count) || o->help ? NULL
+             : o->run.out                                        ? o->run.out
+             : fine                                              ? output
+                                                                 : NULL;
   c.named = o->run.out != NULL;
   c.cache = cache_folder(cache, sizeof cache);
   c.state = o->state;
@@ -235,6 +250,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
   if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
+  if (parsed == HK_OK) parsed = open_summary(&o, &error);
   if (parsed != HK_OK) {
     code = complain(&error);
   } else if (o.help && !o.scene) {
@@ -253,8 +269,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
     if (o.help) {
-      hk_options_print();
-      if (script) print_params(script);
+      if (!o.json) hk_options_print();
+      if (script) hk_parameters_print(script, o.json);
       if (status != HK_OK && !script) code = complain(&error);
     } else if (status != HK_OK)
       code = complain(&error);
@@ -269,6 +285,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   hk_script_close(script);
   hk_confinement_end();
   free(o.given);
+  free(o.with);
   free(words);
   free(list);
   free(text);

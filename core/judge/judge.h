@@ -168,6 +168,7 @@ bool hk_contacts_reason(const hk_loop *, char *text, size_t size);
 
 typedef struct hk_summary {
   const char *scene, *integrator;
+  const char *origin; /* what the scene was made from (scene/origin.c); NULL: not known */
   const char *solver;         /* solver of linear systems; NULL: the run solved none */
   const char *solver_choice;  /* "chosen for the forces and the size", ...; "": named by the script or the user */
   char solver_libraries[160]; /* text of hk_solver.describe; "" without one, or when no system was solved */

@@ -157,7 +157,10 @@ static void contact_figures(const hk_record *r, hk_summary *s) {
 
 void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   const hk_counts *count = &loop->dynamics->count;
-  *s = (hk_summary){.scene = loop->scene->name, .integrator = loop->step->method_name, .solver_choice = ""};
+  *s = (hk_summary){.scene = loop->scene->name,
+                    .origin = loop->scene->origin,
+                    .integrator = loop->step->method_name,
+                    .solver_choice = ""};
   s->verdict = j->verdict;
   s->verdict_name = hk_verdict_name(j->verdict);
   snprintf(s->reason, sizeof s->reason, "%s", j->reason);

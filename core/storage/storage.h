@@ -14,6 +14,7 @@ typedef struct hk_folder hk_folder;
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
 /* After the last file: other runs may write there. */
 void hk_folder_release(hk_folder *);
+bool hk_folder_held(const hk_folder *); /* it has files of this run, and is not released */
 void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
 /* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */
@@ -26,6 +27,10 @@ hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t siz
 hk_status hk_target_file(const char *option, const char *path, hk_error *error);
 /* A folder, or one that can be made; looks, and makes nothing. */
 hk_status hk_target_folder(const char *option, const char *path, hk_error *error);
+/* ---- write_file.c ---- */
+
+/* Writes a file by body(file, what); an interrupted or failed write does not change an existing file. */
+hk_status hk_write_file(const char *path, bool (*body)(FILE *, const void *), const void *what, hk_error *);
 
 /* ---- inside.c: files that scripts name ---- */
 

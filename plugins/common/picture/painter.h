@@ -8,7 +8,7 @@
 #include "plugins/common/picture/height_map.h"
 #include "plugins/common/normals/corner_normals.h"
 #include "plugins/common/snapshot/border.h"
-#include "plugins/common/picture/view_setup.h"
+#include "plugins/common/camera/view_setup.h"
 #include "plugins/common/sprites/sprites.h"
 
 typedef struct hk_tube { /* one spring, or one stroke of text */
