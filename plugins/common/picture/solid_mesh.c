@@ -220,7 +220,3 @@ hk_status hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_
   if (solid->hollow) turn_round(p, vertices, triangles);
   return status;
 }
-
-static void enlarge(double low[3], double high[3], const double x[3]) {
-  for (int c = 0; c < 3; c++) low[c] = fmin(low[c], x[c]), high[c] = fmax(high[c], x[c]);
-}

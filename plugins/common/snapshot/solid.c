@@ -2,6 +2,10 @@
 
 #include <math.h>
 
+static void enlarge(double low[3], double high[3], const double x[3]) {
+  for (int c = 0; c < 3; c++) low[c] = fmin(low[c], x[c]), high[c] = fmax(high[c], x[c]);
+}
+
 static void mesh_box(const hk_solid *s, double low[3], double high[3]) {
   for (size_t i = 0; i < s->vertices; i++) {
     double x[3];
