@@ -248,6 +248,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   if (parsed == HK_OK) words = hk_resume_words(argc, argv);
   o = (hk_options){0};
   if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
+  if (parsed == HK_OK && o.scene) hk_resume_folder(&o);
   if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
   if (parsed == HK_OK) parsed = open_summary(&o, &error);
