@@ -89,7 +89,7 @@ common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*
 by_tools := $(call object,$(wildcard tools/native/*/*.c))
 support  := $(call object,$(wildcard tests/support/*.c tests/adversary/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
-defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)))
+defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)) plugins/synonyms)
 modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(filter-out $(LEFT_OUT),$(wildcard tools/native/*.c)))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
@@ -207,7 +207,7 @@ $B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
 $B/tests/fixtures/%.so: $B/obj/tests/fixtures/%.o $B/plugins/common.a
 	$(link)
 	$(call link_with,-shared $(COMPLETE))
-# Which plugin of a kind is taken where a scene names none: a text file, names in the order of preference.
+# Which plugin of a kind is taken where a scene names none, and what else names stand for: text files.
 $(defaults): $B/%: %
 	@mkdir -p $(@D)
 	$(call say,copy   )

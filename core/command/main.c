@@ -229,6 +229,13 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   return hk_confine(&c);
 }
 
+/* Before the scene's script, which may take its time. */
+static hk_status try_targets(const hk_options *o, hk_error *error) {
+  hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
+  bool writes = o->run.out && !o->run.no_output && !o->help;
+  return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
+}
+
 static int run_command(int argc, char **argv, hk_registry *registry, const hk_installation *p) {
   hk_error error = {0};
   hk_options o;
@@ -241,6 +248,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   if (parsed == HK_OK) words = hk_resume_words(argc, argv);
   o = (hk_options){0};
   if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
+  if (parsed == HK_OK && o.scene) hk_resume_folder(&o);
+  if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
   if (parsed == HK_OK) parsed = open_summary(&o, &error);
   if (parsed != HK_OK) {

@@ -1,5 +1,6 @@
 /* Options are one table that drives parsing, checking and help; name=value is kept for the script's param(). */
 #include "core/command/options.h"
+#include "core/text/text.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -36,7 +37,8 @@ static const option options[] = {
     {"--resume", "FILE", "go on from a checkpoint (output checkpoint), with its scene and options", TEXT,
      AT(run.resume), false},
     {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state), false},
-    {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out), false},
+    {"--out", "DIR", "folder of the outputs, default out/SCENE; with --resume that of the checkpoint", TEXT,
+     AT(run.out), false},
     {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json), false},
     {"--summary", "FILE", "the same into a file, beside what is printed", TEXT, AT(summary), false},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
@@ -56,13 +58,21 @@ enum { OPTIONS = sizeof options / sizeof *options };
 
 static const char *option_name(const void *context, size_t k) {
   (void)context;
-  return k < OPTIONS ? options[k].name : NULL;
+  return k < OPTIONS ? options[k].name + strlen("--") : NULL;
 }
 
+/* What looks like no option is taken for a parameter of the scene. */
 static hk_status unknown(const char *word, hk_error *error) {
-  const char *near = hk_nearest_name(word, option_name, NULL);
-  if (near) return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; did you mean '%s'?", word, near);
-  return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; see: hooke run --help", word);
+  const char *name = word + strspn(word, "-");
+  char plain[64];
+  snprintf(plain, sizeof plain, "%.*s", (int)strcspn(name, "="), name);
+  const char *near = hk_nearest_name(plain, option_name, NULL);
+  if (near) return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; did you mean '--%s'?", word, near);
+  return hk_error_set(
+      error, HK_BAD_PARAM,
+      "unknown option '%s'; a parameter of the scene is written %s=VALUE, and options are in: hooke run "
+      "--help",
+      word, *plain ? plain : "name");
 }
 
 static hk_status bad_value(const option *o, const char *value, hk_error *error) {

@@ -5,6 +5,7 @@
 #include "core/run/run.h"
 #include "core/lua/lua.h"
 
+#include <limits.h>
 #include <stdio.h>
 
 typedef struct hk_options {
@@ -17,6 +18,7 @@ typedef struct hk_options {
   size_t given_count;
   hk_param_given *given; /* one per argument at most */
   const char **with;     /* as many */
+  char beside[PATH_MAX]; /* the folder of the checkpoint, where run.out is that */
 } hk_options;
 
 /* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` and `with`
