@@ -71,7 +71,9 @@ local function forbidden(from, to)
   elseif from:find("^plugins/") then
     if target ~= "plugin" and not to:find("^plugins/common/") then return "a plugin sees the ABI and plugins/common only" end
   elseif from:find("^tools/native/") then
-    if not target and not to:find("^tools/native/") then return "a native module of tools sees core/ only" end
+    if not target and not to:find("^tools/native/") and not to:find("^plugins/common/") then
+      return "a native module of tools sees core/ and plugins/common only"
+    end
   elseif from:find("^tools/common/") then
     if not (to:find("^tools/common/") or to:find("^tools/native/") or to:find("^scripts/lib/")) then
       return "tools/common sees native modules and scripts/lib only"
