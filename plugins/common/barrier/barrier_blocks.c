@@ -32,15 +32,25 @@ static void hessian_chunk(void *context, size_t begin, size_t end, size_t chunk)
   }
 }
 
-static void add_part(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
-  (void)begin, (void)end;
+INLINE void add_rows(const task *t, size_t part) {
   for (size_t k = 0; k < t->count; k++) {
     const hk_barrier_pair *p = &t->near[hk_barrier_acting(t->contacts, t->first + k)->near];
     const size_t *slot = t->into->slot + 16 * (size_t)p->name;
     for (int i = 0; i < 4; i++)
-      if (p->pair.vertex[i] % PARTS == chunk) hk_barrier_hessian_row(&t->hessian[k], i, slot + 4 * i, t->into->K);
+      if (p->pair.vertex[i] % PARTS == part) hk_barrier_hessian_row(&t->hessian[k], i, slot + 4 * i, t->into->K);
   }
+}
+
+WIDE static void add_rows_wide(const task *t, size_t part) { add_rows(t, part); }
+
+static void add_rows_narrow(const task *t, size_t part) { add_rows(t, part); }
+
+static void add_part(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)begin, (void)end;
+  if (HAS_WIDE())
+    add_rows_wide(context, chunk);
+  else
+    add_rows_narrow(context, chunk);
 }
 
 static bool all_named(const hk_barrier_contacts *c) {

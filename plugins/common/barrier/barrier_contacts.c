@@ -171,22 +171,22 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const d
   return HK_OK;
 }
 
-/* Short moves are searched for around the present positions, so that what is found can be kept. In either case all
- * pairs are found that may get names, and these do not hang on when the last search was. */
+/* What comes near on the move, and around its end, where an iteration goes on: so it can be kept for that. All pairs
+ * are found that may get names, and these do not hang on when the last search was. */
 static hk_status search(hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
   hk_surface_pairs found;
-  c->evaluated = false;
-  double room = HK_BARRIER_MARGIN * c->law.distance;
-  c->kept = farthest(from->x, x_to, from->n) <= room;
-  hk_status status = c->host->resize(c->host, &c->base, 3 * from->n);
-  if (status != HK_OK) return status;
-  if (c->kept) memcpy(c->base.item, from->x, 3 * from->n * sizeof(double));
-  double reach = (1 + HK_BARRIER_MARGIN) * c->law.distance + (c->kept ? 2 * room : 0);
-  const double *end = c->kept ? from->x : x_to;
-  status = c->surfaces->pairs(c->surfaces->self, from->x, end, reach, &found);
-  if (status == HK_OK) status = take_pairs(c, from, end, reach, found);
-  if (status != HK_OK) c->kept = false, c->found = 0;
-  return status;
+  double reach = (1 + 3 * HK_BARRIER_MARGIN) * c->law.distance;
+  c->evaluated = c->kept = false;
+  hk_status status = grow(c, &c->base, 3 * from->n);
+  if (status == HK_OK) status = c->surfaces->pairs(c->surfaces->self, from->x, x_to, reach, &found);
+  if (status == HK_OK) status = take_pairs(c, from, x_to, reach, found);
+  if (status != HK_OK) {
+    c->found = 0;
+    return status;
+  }
+  memcpy(c->base.item, x_to, 3 * from->n * sizeof *x_to);
+  c->kept = true;
+  return HK_OK;
 }
 
 /* Memory for evaluations, which must not ask for any. */

@@ -37,7 +37,6 @@ static void add_turn(const hk_barrier_turn *t, const double w[4], int i, int j, 
                       sign_of(i) * sign_of(j) * M[turned ? 3 * c + r : 3 * r + c];
 }
 
-void hk_barrier_hessian_row(const hk_barrier_hessian *h, int i, const size_t slot[4], double *B) {
-  hk_distance_form_row(&h->form, i, 1, slot, B);
-  for (int j = 0; j < 4 && h->turns; j++) add_turn(&h->turn, h->form.w, i, j, B + 9 * slot[j]);
+void hk_barrier_turn_row(const hk_barrier_hessian *h, int i, const size_t slot[4], double *B) {
+  for (int j = 0; j < 4; j++) add_turn(&h->turn, h->form.w, i, j, B + 9 * slot[j]);
 }

@@ -21,7 +21,13 @@ typedef struct hk_barrier_hessian {
 /* Of the value at x. `definite`: of it what the mollifier does not change, projected. */
 void hk_barrier_hessian_of(const hk_barrier_pair *, const hk_barrier_value *, const double *x, bool definite,
                            hk_barrier_hessian *);
+/* Adds what the mollifier adds. */
+void hk_barrier_turn_row(const hk_barrier_hessian *, int i, const size_t slot[4], double *B);
+
 /* Adds the blocks of point i and each of the four to B + 9 slot[j]. */
-void hk_barrier_hessian_row(const hk_barrier_hessian *, int i, const size_t slot[4], double *B);
+INLINE void hk_barrier_hessian_row(const hk_barrier_hessian *h, int i, const size_t slot[4], double *B) {
+  hk_distance_form_row(&h->form, i, slot, B);
+  if (h->turns) hk_barrier_turn_row(h, i, slot, B);
+}
 
 #endif

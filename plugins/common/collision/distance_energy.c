@@ -112,7 +112,7 @@ static void expand(const basis *b, double A[SIZE][SIZE], double other, hk_distan
       for (int q = 0; q <= count; q++) u[p] += A[p][q] * b->e[q][i];
     for (int j = 0; j < 4; j++) f->g[i][j] = u[0] * b->e[0][j] + u[1] * b->e[1][j] * (count > 0);
     for (int j = 0; j < 4 && count > 1; j++) f->g[i][j] += u[2] * b->e[2][j];
-    for (int c = 0; c < 3; c++) f->q[i][c] = 0;
+    for (int c = 0; c < 4; c++) f->q[i][c] = 0;
     for (int k = 0; k < count; k++)
       for (int c = 0; c < 3; c++) f->q[i][c] += u[1 + count + k] / w * t[k][c];
   }
@@ -134,7 +134,8 @@ void hk_distance_energy_form(const hk_nearest *near, const double x[12], double 
   if (definite) project(size, A), other = fmax(other, 0);
   expand(&b, A, other, f);
   memcpy(f->w, near->w, sizeof f->w);
-  memcpy(f->n, b.frame.axis[0], sizeof f->n);
+  memcpy(f->n, b.frame.axis[0], 3 * sizeof *f->n);
+  f->n[3] = 0;
 }
 
 void hk_distance_energy_hessian(const hk_nearest *near, const double x[12], double E1, double E2, bool definite,
@@ -145,7 +146,7 @@ void hk_distance_energy_hessian(const hk_nearest *near, const double x[12], doub
   hk_distance_energy_form(near, x, E1, E2, definite, &f);
   for (int i = 0; i < 4; i++) {
     memset(row, 0, sizeof row);
-    hk_distance_form_row(&f, i, 1, slot, row);
+    hk_distance_form_row(&f, i, slot, row);
     for (int e = 0; e < 36; e++) H[12 * (3 * i + e % 9 / 3) + 3 * (e / 9) + e % 3] = row[e];
   }
 }

@@ -5,12 +5,13 @@
 #define HK_DISTANCE_FORM_H
 
 #include "plugins/common/collision/distance.h"
+#include "plugins/common/linear/block_vector.h"
 
 typedef struct hk_distance_form {
   double w[4]; /* weights of the nearest points */
-  double n[3]; /* the unit vector of d */
+  double n[4]; /* the unit vector of d, and 0 */
   double g[4][4];
-  double q[4][3]; /* at right angles to n */
+  double q[4][4]; /* at right angles to n, and 0 */
   double T[9];    /* across n, symmetric */
 } hk_distance_form;
 
@@ -18,15 +19,21 @@ typedef struct hk_distance_form {
 void hk_distance_energy_form(const hk_nearest *, const double x[12], double E1, double E2, bool definite,
                              hk_distance_form *);
 
-/* Adds the blocks of point i and each of the four, factor H_ij, to B + 9 slot[j]. */
-static inline void hk_distance_form_row(const hk_distance_form *f, int i, double factor, const size_t slot[4],
-                                        double *B) {
-  double wi = factor * f->w[i], from[9];
-  for (int e = 0; e < 9; e++) from[e] = factor * f->n[e / 3] * f->q[i][e % 3];
+/* Adds the blocks of point i and each of the four to B + 9 slot[j]. A block is taken as two vectors and a number. */
+INLINE void hk_distance_form_row(const hk_distance_form *f, int i, const size_t slot[4], double *B) {
+  const vector n = LOAD(f->n), q = LOAD(f->q[i]), T0 = LOAD(f->T), T1 = LOAD(f->T + 4);
+  const vector n0 = {n[0], n[1], n[2], n[0]}, n1 = {n[1], n[2], n[0], n[1]};
+  const vector from0 = (vector){n[0], n[0], n[0], n[1]} * (vector){q[0], q[1], q[2], q[0]},
+               from1 = (vector){n[1], n[1], n[2], n[2]} * (vector){q[1], q[2], q[0], q[1]};
+  const double wi = f->w[i], from2 = n[2] * q[2], T2 = f->T[8], n2 = n[2];
   for (int j = 0; j < 4; j++) {
-    double *to = B + 9 * slot[j], along[3], shared = factor * f->g[i][j], both = wi * f->w[j], wj = f->w[j];
-    for (int c = 0; c < 3; c++) along[c] = shared * f->n[c] + wi * f->q[j][c];
-    for (int e = 0; e < 9; e++) to[e] += both * f->T[e] + along[e / 3] * f->n[e % 3] + wj * from[e];
+    const double wj = f->w[j], both = wi * wj;
+    const vector along = f->g[i][j] * n + wi * LOAD(f->q[j]);
+    const vector a0 = {along[0], along[0], along[0], along[1]}, a1 = {along[1], along[1], along[2], along[2]};
+    double *to = B + 9 * slot[j];
+    STORE(to, LOAD(to) + (both * T0 + a0 * n0 + wj * from0));
+    STORE(to + 4, LOAD(to + 4) + (both * T1 + a1 * n1 + wj * from1));
+    to[8] += both * T2 + along[2] * n2 + wj * from2;
   }
 }
 
