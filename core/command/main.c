@@ -111,10 +111,26 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   return closed;
 }
 
+/* Before the run, which may take hours: a file that cannot be written is said now. */
+static hk_status open_summary(hk_options *o, hk_error *error) {
+  if (!o->summary || o->help) return HK_OK;
+  o->summary_file = fopen(o->summary, "w");
+  if (o->summary_file) return HK_OK;
+  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+}
+
+static hk_status close_summary(const hk_options *o, const hk_summary *s, hk_error *error) {
+  if (!o->summary_file) return HK_OK;
+  hk_report_json(o->summary_file, s);
+  bool fine = !ferror(o->summary_file);
+  if (fclose(o->summary_file) == 0 && fine) return HK_OK;
+  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+}
+
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
   char out[PATH_MAX];
   snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
-  bool wrote = !o->run.no_output && (scene->plugin[HK_OUTPUT].count || scene->measures || o->run.output);
+  bool wrote = !o->run.no_output && (scene->plugin[HK_OUTPUT].count || scene->measures);
   if (o->json)
     hk_report_json(stdout, s);
   else if (!o->quiet)
@@ -143,6 +159,10 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
     fprintf(stderr, "hooke: %s\n", last.text);
   else if (left != HK_OK)
     status = left, error = last;
+  if (status == HK_OK)
+    status = close_summary(o, &summary, &error);
+  else
+    close_summary(o, &summary, &last);
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
   if (status != HK_OK) complain(&error);
@@ -198,12 +218,22 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   surroundings here = {registry, p};
   hk_confinement c = needs_of(&here, o->scene, native);
   c.programs = getenv("PATH");
-  c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
+  c.output = (o->run.no_output && !o->run.with_count) || o->help ? NULL
+             : o->run.out                                        ? o->run.out
+             : fine                                              ? output
+                                                                 : NULL;
   c.named = o->run.out != NULL;
   c.cache = cache_folder(cache, sizeof cache);
   c.state = o->state;
   c.read[4] = o->run.resume; /* the user names it */
   return hk_confine(&c);
+}
+
+/* Before the scene's script, which may take its time. */
+static hk_status try_targets(const hk_options *o, hk_error *error) {
+  hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
+  bool writes = o->run.out && !o->run.no_output && !o->help;
+  return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
 }
 
 static int run_command(int argc, char **argv, hk_registry *registry, const hk_installation *p) {
@@ -218,7 +248,10 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   if (parsed == HK_OK) words = hk_resume_words(argc, argv);
   o = (hk_options){0};
   if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
+  if (parsed == HK_OK && o.scene) hk_resume_folder(&o);
+  if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
+  if (parsed == HK_OK) parsed = open_summary(&o, &error);
   if (parsed != HK_OK) {
     code = complain(&error);
   } else if (o.help && !o.scene) {
@@ -253,6 +286,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   hk_script_close(script);
   hk_confinement_end();
   free(o.given);
+  free(o.with);
   free(words);
   free(list);
   free(text);

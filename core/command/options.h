@@ -5,17 +5,24 @@
 #include "core/run/run.h"
 #include "core/lua/lua.h"
 
+#include <limits.h>
+#include <stdio.h>
+
 typedef struct hk_options {
   hk_run_options run;
-  const char *scene, *state;
+  const char *scene, *state, *summary;
+  FILE *summary_file; /* `summary`, opened before the script runs; NULL: none */
   int threads;
   uint64_t seed;
   bool json, quiet, trust, verify, help;
   size_t given_count;
   hk_param_given *given; /* one per argument at most */
+  const char **with;     /* as many */
+  char beside[PATH_MAX]; /* the folder of the checkpoint, where run.out is that */
 } hk_options;
 
-/* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` afterwards. */
+/* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` and `with`
+ * afterwards. */
 hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error);
 /* Whether the option of that word, "--name" or "--name=value", is kept in checkpoints. *takes_value is set to true
  * where it does, and else left alone. */

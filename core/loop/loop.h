@@ -123,10 +123,11 @@ typedef struct hk_loop {
   double fps;
   hk_piece piece;
   hk_population_change population;
-  double last_h;      /* s; 0: no step yet */
-  bool between_steps; /* it was interrupted there, with nothing half done */
-  bool emitted;       /* the sources were called for the coming step */
-  double *X_before;   /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
+  double last_h;                 /* s; 0: no step yet */
+  double step_taken, step_error; /* s, of the last step; largest estimate since a frame set it to 0 */
+  bool between_steps;            /* it was interrupted there, with nothing half done */
+  bool emitted;                  /* the sources were called for the coming step */
+  double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
   double part;             /* of its length, in which the step is repeated next */

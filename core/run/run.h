@@ -12,7 +12,6 @@ enum { HK_COMPARE_ASKED, HK_COMPARE_SMALL, HK_COMPARE_ALWAYS }; /* where an accu
 typedef struct hk_run_options {
   const char *integrator; /* "name" or "name:parameter=value,..." replaces the scene's integrator; NULL: the scene's */
   const char *solver;     /* the same for the linear solver; "auto": chosen by the host */
-  const char *output;     /* "name" or "name:parameter=value,...": beside the scene's outputs, unless it has that one */
   double dt, tol, until;  /* NAN: the scene's; dt INFINITY: none, whatever the scene gives */
   double accuracy; /* m, of the positions (RMS over the particles); NAN: the scene's; 0: no accuracy is asked for */
   const char *accuracy_at; /* "frames": at all of them, or "end"; NULL: the scene's choice */
@@ -30,9 +29,12 @@ typedef struct hk_run_options {
   bool ignore_exact; /* the verdict does not use the scene's exact solution */
   size_t without_count;
   const char *const *without; /* labels of the plugins that are omitted from the scene */
-  const char *out;            /* NULL: "out/NAME" */
-  const char *resume;         /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
-  const char *words;          /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
+  size_t with_count;
+  const char *const *with; /* plugins beside those of the scene, "kind:name:parameter=value,..." */
+  bool bare;               /* outputs among them are left out: another run is compared with this one */
+  const char *out;         /* NULL: "out/NAME" */
+  const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
+  const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
   bool no_output;
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
@@ -78,6 +80,7 @@ typedef struct hk_run {
   hk_folder *folder;
   FILE *measures;
   size_t outputs_open;
+  const char **force_name; /* labels of the forces, for outputs */
   hk_saving saving;
   hk_interruption interruption;
   sig_atomic_t interruptions; /* before the outputs began to be closed */
@@ -114,6 +117,8 @@ double hk_run_end(const hk_run *); /* s, duration or --until */
 bool hk_run_index(const hk_run *, uint32_t id, uint32_t *index);
 double hk_run_measure(const hk_run *, const char *name); /* last value; NAN: no measure has this name */
 void hk_run_energy(hk_run *, double *kinetic, double *potential, double *work);
+/* The force of force k alone on all particles (n x 3, N) at the state; 0 where it does not act now. */
+hk_status hk_run_forces(hk_run *, size_t k, double *force, hk_error *error);
 hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
 /* The number of equations of a constraint; HK_BAD_PARAM: no constraint has this label. */
 hk_status hk_run_equations(hk_run *, const char *label, size_t *count, hk_error *error);
@@ -125,6 +130,8 @@ hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *
 /* ---- frame.c: figures, measures, on_frame, outputs ---- */
 
 hk_status hk_run_frame(void *run);
+hk_frame hk_run_output_frame(hk_run *); /* the last frame with what outputs may ask beside its figures */
+hk_status hk_run_name_forces(hk_run *); /* once the plugins have been made */
 
 /* ---- leave.c: the last file ---- */
 

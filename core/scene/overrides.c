@@ -1,5 +1,5 @@
 /* Choices of the command line that replace those of the script: the integrator with its parameters, the solver, and the
- * plugins to omit, and one more output. The scene does not change; the choices belong to one run. */
+ * plugins to omit and to add. The scene does not change; the choices belong to one run. */
 #include "core/scene/scene.h"
 
 #include <stdlib.h>
@@ -80,17 +80,8 @@ static hk_status choose_integrator(hk_overrides *o, const hk_scene *scene, const
   return status;
 }
 
-static hk_status add_output(hk_overrides *o, const hk_scene *scene, const char *output, hk_error *error) {
-  hk_status status = make_spec(scene, HK_OUTPUT, output, &o->own[2], error);
-  bool there = false;
-  for (size_t k = 0; k < scene->plugin[HK_OUTPUT].count && status == HK_OK; k++)
-    there |= scene->plugin[HK_OUTPUT].item[k]->plugin == o->own[2]->plugin;
-  if (!there) o->output = o->own[2];
-  return status;
-}
-
 hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *integrator, const char *solver,
-                            const char *output, size_t without_count, const char *const *without, hk_error *error) {
+                            size_t without_count, const char *const *without, hk_error *error) {
   *o = (hk_overrides){.without_count = without_count, .without = without};
   for (size_t k = 0; k < without_count; k++) {
     if (!in_scene(scene, without[k]))
@@ -105,11 +96,42 @@ hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *
   o->solver = solver ? NULL : hk_scene_one(scene, HK_SOLVER);
   if (status == HK_OK && named) status = make_spec(scene, HK_SOLVER, solver, &o->own[1], error);
   if (o->own[1]) o->solver = o->own[1];
-  return status == HK_OK && output ? add_output(o, scene, output, error) : status;
+  return status;
+}
+
+/* Outputs, forces, ...: what a scene may have any number of. Integrator and solver have options of their own, and
+ * services come when they are asked for. */
+static bool kind_of(const char *choice, hk_kind *kind) {
+  static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
+  size_t length = strcspn(choice, ":");
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    const char *name = hk_kind_name(kinds[k]);
+    *kind = kinds[k];
+    if (strlen(name) == length && strncmp(name, choice, length) == 0 && choice[length]) return true;
+  }
+  return false;
+}
+
+hk_status hk_overrides_add(hk_overrides *o, const hk_scene *scene, const char *choice, hk_error *error) {
+  hk_kind kind;
+  if (!kind_of(choice, &kind))
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "--with: '%s' is not KIND:NAME or KIND:NAME:parameter=value,..., where KIND is force, "
+                        "constraint, corrector, source or output",
+                        choice);
+  hk_plugin_spec **more = realloc(o->added, (o->added_count + 1) * sizeof *more), *spec = NULL;
+  if (!more) return hk_error_set(error, HK_NO_MEMORY, "no memory for '%s'", choice);
+  o->added = more;
+  hk_status status = make_spec(scene, kind, strchr(choice, ':') + 1, &spec, error);
+  if (spec) o->added[o->added_count++] = spec;
+  return status;
 }
 
 void hk_overrides_close(hk_overrides *o) {
-  for (int k = 0; k < 3; k++) hk_spec_destroy(o->own[k]);
+  for (size_t k = 0; k < o->added_count; k++) hk_spec_destroy(o->added[k]);
+  free(o->added);
+  hk_spec_destroy(o->own[0]);
+  hk_spec_destroy(o->own[1]);
   *o = (hk_overrides){0};
 }
 

@@ -2,6 +2,7 @@
  * arguments before it writes, so a refused call does not change the scene. */
 #include "core/scene/scene.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>

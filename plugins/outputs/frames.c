@@ -3,11 +3,8 @@
 #include "core/plugin.h"
 #include "plugins/common/film/film.h"
 #include "plugins/common/film/solid_list.h"
-#include "plugins/common/film/video.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
-#include <limits.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct frames {
@@ -21,7 +18,7 @@ typedef struct frames {
   hk_solid *solid;
   size_t solid_count;
   int map, up, springs, particles, style, light;
-  bool reverse, log, ground, shadows, obstacles, legend, video;
+  bool reverse, log, ground, shadows, obstacles, legend, pictures, video;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -29,7 +26,6 @@ typedef struct frames {
   bool changed;         /* the topology may have changed since the last picture */
   double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
   double last;          /* s, time of the frame before */
-  double fps;
 } frames;
 
 enum { Z_UP, Y_UP };
@@ -112,6 +108,8 @@ static const hk_param params[] = {
      HK_VECTOR, {0}, 0, 1, offsetof(frames, background), HK_OPTIONAL, NULL},
     {"legend", "", "draw the bar of colours",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
+    {"pictures", "", "write a PNG file of each picture; off: the video alone",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, pictures), 0, NULL},
     {"video", "", "make a video of the pictures, with ffmpeg",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, video), 0, NULL},
     {"folder", "", "folder of the pictures, inside the output folder",
@@ -173,7 +171,8 @@ static void make_plan(frames *f) {
   f->film.solid = f->solid, f->film.solids = f->solid_count;
   f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
-  f->film.folder = f->folder, f->film.legend = f->legend, f->film.unit = f->unit;
+  f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
+  f->film.legend = f->legend, f->film.unit = f->unit;
   memcpy(f->film.plain, f->plain, sizeof f->plain);
   plan_colours(f);
   plan_camera(f);
@@ -241,7 +240,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (status != HK_OK) return status;
   make_plan(f);
   note_first(f, view);
-  f->fps = frame->fps / (double)f->every;
+  f->film.reel.fps = frame->fps / (double)f->every;
   f->changed = true;
   return hk_film_open(&f->film, view->host);
 }
@@ -255,36 +254,11 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   return status;
 }
 
-static hk_status make_video(frames *f) {
-  char name[PATH_MAX], first[PATH_MAX], file[PATH_MAX], why[256] = "";
-  snprintf(name, sizeof name, "%s/000000.png", f->folder);
-  hk_status status = f->host->path(f->host, name, first, sizeof first);
-  if (status != HK_OK) return status;
-  *strrchr(first, '/') = 0;
-  if (!hk_video_possible()) {
-    f->host->warn(
-        f->host,
-        "no video: there is no program ffmpeg; the pictures are in %s, and where there is one, this makes the "
-        "video: ffmpeg -framerate %g -i %s/%%06d.png -pix_fmt yuv420p %s",
-        first, f->fps, first, f->video_file);
-    return HK_OK;
-  }
-  status = f->host->path(f->host, f->video_file, file, sizeof file);
-  if (status != HK_OK) return status;
-  hk_video_stop stop = {hk_film_stopped, &f->film};
-  hk_video_result result = hk_video_make(first, f->film.pictures, f->fps, file, &stop, why, sizeof why);
-  if (result == HK_VIDEO_STOPPED)
-    return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: no video; the pictures are in %s", first);
-  if (result != HK_VIDEO_MADE) f->host->warn(f->host, "no video: ffmpeg: %s; the pictures are in %s", why, first);
-  return HK_OK;
-}
-
 /* For any verdict. */
 static hk_status close(void *self, hk_verdict verdict) {
   frames *f = self;
   hk_status status = hk_film_finish(&f->film, verdict);
   hk_film_free(&f->film); /* some hundred megabytes that a run may outlive */
-  if (status == HK_OK && f->video && f->film.pictures > 0) status = make_video(f);
   return status;
 }
 

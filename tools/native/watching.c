@@ -52,6 +52,13 @@ static int push_status(lua_State *L, hk_actor *a, hk_status status) {
 
 static const hk_output *output_of(const hk_actor *a) { return a->instance->plugin->output; }
 
+/* None acts on the crowd. `run` of the frame is its model. */
+static hk_status no_force(const hk_frame *frame, size_t k, double *f) {
+  (void)k;
+  memset(f, 0, 3 * ((const hk_model *)frame->run)->n * sizeof *f);
+  return HK_OK;
+}
+
 /* A view of n particles, at rest in a row, whose arrays are guarded. */
 static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_frame *frame) {
   static hk_guarded x, v, mass, inverse, id, group, pin, y;
@@ -82,7 +89,9 @@ static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_fr
   model->pin = pin.at;
   model->edges.count = model->triangles.count = 0;
   model->element_lists = 0;
-  *frame = a->run->judgement.last_frame;
+  *frame = hk_run_output_frame(a->run);
+  frame->force = no_force;
+  frame->run = model;
   hk_view view = a->view;
   view.n = view.acting = n;
   view.x = x.at;

@@ -2,36 +2,10 @@
 #include "plugins/common/barrier/barrier_contacts.h"
 #include "plugins/common/space/vector3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-/* The margin of the search and of the names, in parts of the barrier's distance. */
-static const double margin = 0.5;
-
-int hk_barrier_order(const hk_surface_pair *a, const hk_surface_pair *b) {
-  if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
-  for (int c = 0; c < 4; c++)
-    if (a->vertex[c] != b->vertex[c]) return a->vertex[c] < b->vertex[c] ? -1 : 1;
-  return 0;
-}
-
-static int by_order(const void *a, const void *b) { return hk_barrier_order(a, b); }
-
-/* Sorts items that begin with a hk_surface_pair, and drops those that are there twice. Returns their number. */
-static size_t sort_unique(void *items, size_t count, size_t size) {
-  char *at = items;
-  size_t kept = 0;
-  if (count > 1) qsort(at, count, size, by_order);
-  for (size_t k = 0; k < count; k++) {
-    if (kept && by_order(at + size * (kept - 1), at + size * k) == 0) continue;
-    if (kept != k) memcpy(at + size * kept, at + size * k, size);
-    kept++;
-  }
-  return kept;
-}
-
 hk_status hk_barrier_forget(hk_barrier_contacts *c) {
-  c->kept = false;
+  c->kept = c->evaluated = false;
   c->number = 0;
   c->found = 0;
   return c->host->resize(c->host, &c->named, 0);
@@ -62,8 +36,14 @@ static hk_status take_surfaces(hk_barrier_contacts *c, const hk_view *from) {
 /* ---- gaps ---- */
 
 typedef struct move {
+  const hk_barrier_contacts *contacts;
   hk_barrier_pair *near;
   const double *x, *x_to;
+  const hk_surface_pair *pair; /* of a search: all that was found, */
+  const uint32_t *order;       /* in this order; */
+  const bool *is_active;       /* all particles of a pair have to be; NULL: they are */
+  double reach;                /* a pair is kept that may come nearer than that */
+  uint32_t *kept;              /* of the chunks */
 } move;
 
 /* m, how far the two features of a pair come nearer to each other on the move, at most. */
@@ -79,31 +59,29 @@ static double closing(const hk_surface_pair *p, const double x[12], const double
   return sqrt(most);
 }
 
+static void measure_gap(hk_barrier_pair *p, const move *m) {
+  double x[12], x_to[12];
+  hk_barrier_gather(p->pair.vertex, m->x, x);
+  hk_barrier_gather(p->pair.vertex, m->x_to, x_to);
+  hk_nearest at = hk_nearest_of_pair((hk_pair_kind)p->pair.kind, x);
+  double d = sqrt(at.squared);
+  p->gap = d - p->pair.offset;
+  p->least = p->gap - closing(&p->pair, x, x_to);
+  for (int c = 0; c < 3; c++) p->axis[c] = d > 0 ? at.d[c] / d : 0;
+}
+
 static void measure_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const move *m = context;
-  double x[12], x_to[12];
   (void)chunk;
-  for (size_t k = begin; k < end; k++) {
-    hk_barrier_pair *p = &m->near[k];
-    hk_barrier_gather(p->pair.vertex, m->x, x);
-    hk_barrier_gather(p->pair.vertex, m->x_to, x_to);
-    p->gap = sqrt(hk_nearest_of_pair((hk_pair_kind)p->pair.kind, x).squared) - p->pair.offset;
-    p->least = p->gap - closing(&p->pair, x, x_to);
-  }
+  for (size_t k = begin; k < end; k++) measure_gap(&m->near[k], m);
 }
 
 static void measure_gaps(const hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
-  move m = {c->near.item, from->x, x_to};
+  move m = {.near = c->near.item, .x = from->x, .x_to = x_to};
   from->host->parallel_for(from->host, c->found, HK_BARRIER_GRAIN, measure_chunk, &m);
 }
 
 /* ---- the search ---- */
-
-static bool acts(const hk_view *view, const hk_surface_pair *p) {
-  bool all = true;
-  for (int c = 0; c < 4 && view->is_active; c++) all = all && view->is_active[p->vertex[c]];
-  return all;
-}
 
 /* m, the largest distance between two places of a particle. */
 static double farthest(const double *a, const double *b, size_t n) {
@@ -116,7 +94,7 @@ static double farthest(const double *a, const double *b, size_t n) {
 }
 
 static bool still_holds(const hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
-  double room = margin * c->law.distance;
+  double room = HK_BARRIER_MARGIN * c->law.distance;
   return c->kept && farthest(from->x, c->base.item, from->n) <= room && farthest(x_to, c->base.item, from->n) <= room;
 }
 
@@ -125,123 +103,110 @@ static bool is_strand(const hk_barrier_contacts *c, const uint32_t edge[2]) {
   return edge[0] != edge[1] && !(c->on_surface[edge[0]] && c->on_surface[edge[1]]);
 }
 
-static hk_barrier_pair *put(hk_barrier_pair *to, const hk_barrier_contacts *c, const hk_surface_pair *pair) {
-  *to = (hk_barrier_pair){.pair = *pair};
-  hk_barrier_measure(to, (const hk_barrier_shape *)(const void *)c->shape);
-  return to + 1;
-}
-
 /* The mollifier takes the force from parallel edges. Of surfaces, points and triangles keep these apart; of strands,
  * the ends of one edge and the other edge, as pairs of an edge of length 0. */
-static hk_barrier_pair *put_ends(hk_barrier_pair *to, const hk_barrier_contacts *c, const hk_surface_pair *pair) {
+static hk_surface_pair *put_ends(hk_surface_pair *to, const hk_surface_pair *pair) {
   for (int a = 0; a < 4; a++) {
     const uint32_t *other = pair->vertex + (a < 2 ? 2 : 0), end = pair->vertex[a];
-    hk_surface_pair half = {.vertex = {end, end, other[0], other[1]}, .kind = HK_EDGE_EDGE, .offset = pair->offset};
-    to = put(to, c, &half);
+    *to++ = (hk_surface_pair){.vertex = {end, end, other[0], other[1]}, .kind = HK_EDGE_EDGE, .offset = pair->offset};
   }
   return to;
 }
 
-static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const hk_surface_pairs *found) {
+static bool are_strands(const hk_barrier_contacts *c, const hk_surface_pair *p) {
+  return p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2);
+}
+
+/* Adds the ends of strands to what was found. */
+static hk_status add_ends(hk_barrier_contacts *c, hk_surface_pairs *found) {
   size_t strands = 0;
-  for (size_t k = 0; k < found->count; k++) {
-    const hk_surface_pair *p = &found->pair[k];
-    strands += p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2);
-  }
-  hk_status status = grow(c, &c->near, found->count + 4 * strands);
+  for (size_t k = 0; k < found->count; k++) strands += are_strands(c, &found->pair[k]);
+  if (strands == 0) return HK_OK;
+  hk_status status = grow(c, &c->halves, found->count + 4 * strands);
   if (status != HK_OK) return status;
-  hk_barrier_pair *first = c->near.item, *to = first;
-  for (size_t k = 0; k < found->count; k++) {
-    const hk_surface_pair *p = &found->pair[k];
-    if (!acts(from, p)) continue;
-    to = put(to, c, p);
-    if (p->kind == HK_EDGE_EDGE && is_strand(c, p->vertex) && is_strand(c, p->vertex + 2)) to = put_ends(to, c, p);
-  }
-  c->found = (size_t)(to - first);
+  hk_surface_pair *first = c->halves.item, *to = first + found->count;
+  memcpy(first, found->pair, found->count * sizeof *first);
+  for (size_t k = 0; k < found->count; k++)
+    if (are_strands(c, &found->pair[k])) to = put_ends(to, &found->pair[k]);
+  *found = (hk_surface_pairs){(size_t)(to - first), first};
   return HK_OK;
 }
 
-/* Boxes that overlap are found; what stays farther apart than `reach` is dropped, and the rest is brought in order. */
-static void keep_near(hk_barrier_contacts *c, double reach) {
-  hk_barrier_pair *near = c->near.item;
-  size_t kept = 0;
-  for (size_t k = 0; k < c->found; k++)
-    if (near[k].least < reach) near[kept++] = near[k];
-  c->found = sort_unique(near, kept, sizeof *near);
-}
-
-/* Short moves are searched for around the present positions, so that what is found can be kept. In either case all
- * pairs are found that may get names, and these do not hang on when the last search was. */
-static hk_status search(hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
-  hk_surface_pairs found;
-  double room = margin * c->law.distance;
-  c->kept = farthest(from->x, x_to, from->n) <= room;
-  hk_status status = c->host->resize(c->host, &c->base, 3 * from->n);
-  if (status != HK_OK) return status;
-  if (c->kept) memcpy(c->base.item, from->x, 3 * from->n * sizeof(double));
-  double reach = (1 + margin) * c->law.distance + (c->kept ? 2 * room : 0);
-  const double *end = c->kept ? from->x : x_to;
-  status = c->surfaces->pairs(c->surfaces->self, from->x, end, reach, &found);
-  if (status == HK_OK) status = take_pairs(c, from, &found);
-  if (status == HK_OK) measure_gaps(c, from, end);
-  if (status == HK_OK) keep_near(c, reach);
-  if (status != HK_OK) c->kept = false;
-  return status;
-}
-
-/* ---- names ---- */
-
-/* The place of a pair in a list that rises, from *k on; UINT32_MAX: it is not there. */
-static uint32_t place(const hk_surface_pair *list, size_t count, const hk_surface_pair *pair, size_t *k) {
-  while (*k < count && hk_barrier_order(&list[*k], pair) < 0) ++*k;
-  return *k < count && hk_barrier_order(&list[*k], pair) == 0 ? (uint32_t)*k : UINT32_MAX;
-}
-
-/* Tells every pair its name. False: one that may act on the move has none, or one of `also`. */
-static bool tell_names(hk_barrier_contacts *c, const hk_surface_pair *also, size_t also_count) {
-  const hk_surface_pair *named = c->named.item;
-  hk_barrier_pair *near = c->near.item;
-  size_t k = 0, q = 0;
+static bool acts(const bool *is_active, const hk_surface_pair *p) {
   bool all = true;
-  for (size_t e = 0; e < c->found; e++) {
-    near[e].name = place(named, c->named.count, &near[e].pair, &k);
-    all &= near[e].name != UINT32_MAX || !(near[e].least < c->law.distance);
-  }
-  for (size_t e = 0; e < also_count; e++) all &= place(named, c->named.count, &also[e], &q) != UINT32_MAX;
+  for (int c = 0; c < 4 && is_active; c++) all = all && is_active[p->vertex[c]];
   return all;
 }
 
-static hk_status name(hk_barrier_contacts *c, const hk_surface_pair *also, size_t also_count) {
-  const hk_barrier_pair *near = c->near.item;
-  hk_status status = c->host->resize(c->host, &c->named, c->found + also_count);
-  if (status != HK_OK) return status;
-  hk_surface_pair *named = c->named.item;
+/* Boxes that overlap are found; what stays farther apart than `reach` is dropped. */
+static void take_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const move *m = context;
+  hk_barrier_pair *to = m->near + begin;
+  for (size_t k = begin; k < end; k++) {
+    const hk_surface_pair *pair = &m->pair[m->order[k]];
+    if (!acts(m->is_active, pair)) continue;
+    *to = (hk_barrier_pair){.pair = *pair};
+    measure_gap(to, m);
+    if (!(to->least < m->reach)) continue;
+    hk_barrier_measure(to++, (const hk_barrier_shape *)(const void *)m->contacts->shape);
+  }
+  m->kept[chunk] = (uint32_t)(to - m->near - begin);
+}
+
+static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const double *x_to, double reach,
+                            hk_surface_pairs found) {
   size_t count = 0;
-  for (size_t e = 0; e < c->found; e++)
-    if (near[e].least < (1 + margin) * c->law.distance) named[count++] = near[e].pair;
-  for (size_t e = 0; e < also_count; e++) named[count++] = also[e];
-  status = c->host->resize(c->host, &c->named, sort_unique(named, count, sizeof *named));
-  if (status == HK_OK) tell_names(c, also, also_count);
-  return status;
+  hk_status status = add_ends(c, &found);
+  if (status == HK_OK) status = hk_barrier_sort(&c->sorter, c->host, found.pair, found.count, from->n, &count);
+  if (status == HK_OK) status = grow(c, &c->near, count);
+  if (status == HK_OK) status = grow(c, &c->kept_of, count / HK_BARRIER_GRAIN + 1);
+  if (status != HK_OK) return status;
+  move m = {c, c->near.item, from->x, x_to, found.pair, c->sorter.order.item, from->is_active, reach, c->kept_of.item};
+  c->host->parallel_for(c->host, count, HK_BARRIER_GRAIN, take_chunk, &m);
+  c->found = 0;
+  for (size_t k = 0; k * HK_BARRIER_GRAIN < count; k++) {
+    memmove(m.near + c->found, m.near + k * HK_BARRIER_GRAIN, m.kept[k] * sizeof *m.near);
+    c->found += m.kept[k];
+  }
+  return HK_OK;
+}
+
+/* What comes near on the move, and around its end, where an iteration goes on: so it can be kept for that. All pairs
+ * are found that may get names, and these do not hang on when the last search was. */
+static hk_status search(hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
+  hk_surface_pairs found;
+  double reach = (1 + 3 * HK_BARRIER_MARGIN) * c->law.distance;
+  c->evaluated = c->kept = false;
+  hk_status status = grow(c, &c->base, 3 * from->n);
+  if (status == HK_OK) status = c->surfaces->pairs(c->surfaces->self, from->x, x_to, reach, &found);
+  if (status == HK_OK) status = take_pairs(c, from, x_to, reach, found);
+  if (status != HK_OK) {
+    c->found = 0;
+    return status;
+  }
+  memcpy(c->base.item, x_to, 3 * from->n * sizeof *x_to);
+  c->kept = true;
+  return HK_OK;
 }
 
 /* Memory for evaluations, which must not ask for any. */
-static hk_status reserve(hk_barrier_contacts *c) {
+static hk_status reserve(hk_barrier_contacts *c, size_t n) {
   hk_status status = grow(c, &c->sums, c->found / HK_BARRIER_GRAIN + 1);
+  if (status == HK_OK) status = grow(c, &c->parts, 2 * (c->found / HK_BARRIER_GRAIN + 1));
+  if (status == HK_OK) status = grow(c, &c->tally, c->found / HK_BARRIER_GRAIN + 1);
+  if (status == HK_OK) status = grow(c, &c->values, c->found);
   if (status == HK_OK) status = grow(c, &c->loads, 12 * c->found);
   if (status == HK_OK) status = grow(c, &c->acting, c->found);
-  if (status == HK_OK) status = grow(c, &c->hessians, 144 * (size_t)HK_BARRIER_BATCH);
-  return status;
+  if (status == HK_OK) status = grow(c, &c->hessians, HK_BARRIER_BATCH);
+  return status == HK_OK ? grow(c, &c->at, 3 * n) : status;
 }
 
 hk_status hk_barrier_find(hk_barrier_contacts *c, const hk_view *from, const double *x_to, const hk_surface_pair *also,
                           size_t also_count, bool *changed) {
   hk_status status = take_surfaces(c, from);
   if (status == HK_OK && !still_holds(c, from, x_to)) status = search(c, from, x_to);
-  if (status == HK_OK) status = reserve(c);
+  if (status == HK_OK) status = reserve(c, from->n);
   if (status != HK_OK) return status;
   measure_gaps(c, from, x_to);
-  if (tell_names(c, also, also_count)) return HK_OK;
-  *changed = true;
-  return name(c, also, also_count);
+  return hk_barrier_tell_names(c, also, also_count, changed);
 }

@@ -1,4 +1,4 @@
-#include "plugins/common/picture/camera.h"
+#include "plugins/common/camera/camera.h"
 
 #include <math.h>
 #include <string.h>

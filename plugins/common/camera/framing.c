@@ -1,8 +1,7 @@
-#include "plugins/common/picture/framing.h"
+#include "plugins/common/camera/framing.h"
 
 #include "plugins/common/colour/range.h"
-#include "plugins/common/picture/solid_mesh.h"
-#include "plugins/common/picture/trim.h"
+#include "plugins/common/camera/trim.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "plugins/common/picture/trim.h"
+#include "plugins/common/camera/trim.h"
 
 #include <stdlib.h>
 

@@ -3,7 +3,7 @@
 #define HK_TRIM_H
 
 #include "plugins/common/snapshot/point_sample.h"
-#include "plugins/common/picture/camera.h"
+#include "plugins/common/camera/camera.h"
 
 /* Shrinks the box so that beyond each of its sides is no more than this share of the points, when that makes its
  * diagonal at least a fifth shorter; otherwise returns false and changes nothing. `scratch`: HK_SAMPLES numbers. */

@@ -4,7 +4,7 @@
 
 #include "plugins/common/colour/scale.h"
 #include "plugins/common/snapshot/frame_spool.h"
-#include "plugins/common/picture/view_setup.h"
+#include "plugins/common/camera/view_setup.h"
 
 typedef struct hk_framing {
   double eye[3], target[3]; /* in the scene's coordinates, z up; NAN: chosen */

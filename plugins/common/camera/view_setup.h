@@ -2,7 +2,7 @@
 #ifndef HK_VIEW_SETUP_H
 #define HK_VIEW_SETUP_H
 
-#include "plugins/common/picture/camera.h"
+#include "plugins/common/camera/camera.h"
 #include "plugins/common/sprites/sprite.h"
 
 #include <stdbool.h>
