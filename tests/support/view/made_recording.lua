@@ -37,7 +37,13 @@ function made.recording(what)
   function r.strain(_, k) return at(k)[4] and made.doubles(at(k)[4]) end
   function r.force(_, name, k) return made.doubles(what.forces[name](k)) end
   function r.topology_changed(_) return false end
-  r.edges, r.triangles, r.pins = always(what.edges), always(what.triangles), always(what.pins)
+  r.edges, r.triangles = always(what.edges), always(what.triangles)
+  function r.pins(_, k)
+    local bytes = {}
+    for i = 1, #at(k)[1] // 3 do bytes[i] = "\0" end
+    for _, i in ipairs(what.pins or {}) do bytes[i + 1] = "\1" end
+    return table.concat(bytes)
+  end
   return r
 end
 
