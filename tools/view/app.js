@@ -204,7 +204,7 @@ view.app = (() => {
       }
       const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
       const notes = [];
-      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 2)} of the extent`);
+      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
       if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${n} particles is drawn`);
       $("note").textContent = notes.join(" · ");
     }

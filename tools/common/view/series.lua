@@ -26,11 +26,19 @@ local function entry(group, unit, name, values)
   return { group = group, unit = unit, name = name, values = json_text.list(values) }
 end
 
+-- At the start there was no step yet.
+local function steps_taken(values)
+  local list = table.move(values, 1, #values, 1, {})
+  if list[1] == 0 then list[1] = 0 / 0 end
+  return list
+end
+
 function series.of(all)
   local list, used = json_text.list(), {}
   for _, row in ipairs(known) do
     local name, values = row[1], all[row[1]]
     used[name] = true
+    if name == "step" and values then values = steps_taken(values) end
     if values and some_finite(values) then list[#list + 1] = entry(row[2], row[3], row[4], values) end
   end
   local rest = {}
