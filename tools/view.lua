@@ -46,7 +46,7 @@ end
 local function run(o, folder)
   local words = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run", quoted(o.what[1]) }
   for _, param in ipairs(o.params) do words[#words + 1] = quoted(param) end
-  words[#words + 1] = "--output " .. (o.forces and "trajectory:forces=true" or "trajectory")
+  words[#words + 1] = "--with output:" .. (o.forces and "trajectory:forces=true" or "trajectory")
   words[#words + 1] = "--out " .. quoted(folder)
   if o.trust then words[#words + 1] = "--trust" end
   if o.quiet then words[#words + 1] = "--quiet" end
@@ -75,7 +75,7 @@ local function trajectory_in(folder)
     if name:find("%.h5$") then return folder .. "/" .. name, folder end
   end
   return nil, ("%s has no trajectory.h5: add scene:output('trajectory') to the scene, or view the scene itself, or run it "
-    .. "with --output trajectory"):format(folder)
+    .. "with --with output:trajectory"):format(folder)
 end
 
 -- Text that is JSON; what is not is as if it was not there.
