@@ -31,7 +31,8 @@ static void judge_known_error(hk_loop *loop, hk_judgement *j, const hk_asked *as
 
 static hk_status check_exact(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
   double error;
-  hk_status status = asked->ignore_exact ? HK_OK : hk_figures_exact(loop, &error, loop->error);
+  bool ignored = asked->ignore_exact || loop->record->by_hand;
+  hk_status status = ignored ? HK_OK : hk_figures_exact(loop, &error, loop->error);
   if (status != HK_OK) add_reason(j, "the exact solution is not known: %.600s", loop->error->text);
   return status;
 }
@@ -77,6 +78,7 @@ static void judge_figures(hk_loop *loop, hk_judgement *j, const hk_summary *s) {
 
 hk_status hk_judge(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
   hk_summary s;
+  hk_by_hand_note(loop);
   hk_summary_take(loop, j, asked, &s);
   *j->reason = 0;
   if (!j->confirmed) judge_figures(loop, j, &s);
