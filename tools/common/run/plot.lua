@@ -53,16 +53,17 @@ function plot.block(name, rows)
   return table.concat(lines, "\n")
 end
 
-local function tick_text(x)
-  local power = math.log(x, 10)
-  if math.abs(power - math.floor(power + 0.5)) < 1e-9 then return ("'10^{%d}' %.9g"):format(math.floor(power + 0.5), x) end
+-- Powers of ten as such where all ticks are, otherwise plain numbers.
+local function tick_text(x, powers)
+  if powers then return ("'10^{%d}' %.9g"):format(math.floor(math.log(x, 10) + 0.5), x) end
   return ("'%.3g' %.9g"):format(x, x)
 end
 
 -- gnuplot's ticks of a logarithmic axis or colour bar ("cb"), where powers of ten alone would be fewer than two.
 function plot.log_ticks(letter, low, high)
-  local list, parts = axes.log_ticks(low, high), {}
-  for k, x in ipairs(list) do parts[k] = tick_text(x) end
+  local list, parts, powers = axes.log_ticks(low, high), {}, true
+  for _, x in ipairs(list) do powers = powers and math.abs(math.log(x, 10) % 1 - 0.5) > 0.5 - 1e-9 end
+  for k, x in ipairs(list) do parts[k] = tick_text(x, powers) end
   return ("set %stics (%s)"):format(letter, table.concat(parts, ", "))
 end
 
@@ -116,18 +117,20 @@ end
 
 local most_named, line_height = 4, 0.04 -- of the diagram's height
 
--- Where a number is on an axis, 0 to 1.
-local function place(a, values, x)
+-- From numbers on an axis to 0 to 1, and back.
+local function scale_of(a, values)
   local low, high = axes.extent(values, a and a.log)
-  if not low then return nil end
-  low, high = a and a.min or low, a and a.max or high
-  if high <= low then return 0.5 end
-  if a and a.log then return math.log(x / low) / math.log(high / low) end
-  return (x - low) / (high - low)
+  low, high = a and a.min or low or 0, a and a.max or high or 1
+  if high <= low then high = low + 1 end
+  if a and a.log then
+    return function(x) return math.log(x / low) / math.log(high / low) end,
+      function(share) return low * (high / low) ^ share end
+  end
+  return function(x) return (x - low) / (high - low) end, function(share) return low + share * (high - low) end
 end
 
--- The heights of the curves' right ends; nil: they are too many, or end too far from the right side.
-local function ends(figure, xs, ys)
+-- The heights of the curves' right ends; nil: they are too many, or end elsewhere.
+local function ends(figure, across, up)
   local heights = {}
   for k, curve in ipairs(figure.curves) do
     local last
@@ -135,8 +138,9 @@ local function ends(figure, xs, ys)
       if p[2] == p[2] and (not last or p[1] >= last[1]) then last = p end
     end
     if not last or curve.lines == false or not curve.title or curve.title == "" then return nil end
-    if place(figure.x, xs, last[1]) < 0.9 then return nil end
-    heights[k] = place(figure.y, ys, last[2])
+    if across(last[1]) < 0.9 then return nil end
+    heights[k] = up(last[2])
+    if heights[k] < 0 or heights[k] > 1 then return nil end
   end
   return heights
 end
@@ -145,14 +149,14 @@ end
 local function name_curves(figure, lines)
   local few = #(figure.curves or {}) >= 2 and #figure.curves <= most_named
   if not few or figure.more then return end
-  local xs, ys = column(figure.curves, 1), column(figure.curves, 2)
-  local heights = ends(figure, xs, ys)
+  local up, back = scale_of(figure.y, column(figure.curves, 2))
+  local heights = ends(figure, (scale_of(figure.x, column(figure.curves, 1))), up)
   if not heights then return end
   local longest = 0
   for k, y in ipairs(axes.spread(heights, line_height)) do
     local title = figure.curves[k].title
     longest = math.max(longest, utf8.len(title) or #title)
-    lines[#lines + 1] = ("set label %s at graph 1.015, graph %.4f left noenhanced tc ls %d"):format(plot.quote(title), y,
+    lines[#lines + 1] = ("set label %s at graph 1.015, first %.9g left noenhanced tc ls %d"):format(plot.quote(title), back(y),
       figure.curves[k].style or k)
   end
   lines[#lines + 1] = "unset key"
@@ -225,7 +229,7 @@ local function render(folder, name, figure)
   local script = {}
   for _, terminal in ipairs(terminals) do
     script[#script + 1] = terminal.text:format(figure.width or 1200,
-      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- height for the legend
+      math.max(figure.height or 760, 140 + 24 * (#(figure.curves or {}) + #(figure.more or {})))) -- room for the legend
     script[#script + 1] = ("set output '%s.%s'"):format(name, terminal.ending)
     script[#script + 1] = ("load '%s.gp'"):format(name)
   end
