@@ -56,6 +56,7 @@ static const void *query(void *context, const char *wanted) {
   hk_run *run = context;
   if (strcmp(wanted, "checkpoint/1") == 0) return hk_run_checkpoints(run);
   if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
+  if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);
