@@ -17,6 +17,7 @@ view.orbit = (() => {
     }
 
     face() {
+      this.moved = false; // by the user
       this.azimuth = -0.9;
       this.height = 0.3;
     }
@@ -77,6 +78,7 @@ view.orbit = (() => {
       else if (e.buttons & 2 || e.buttons & 4 || e.shiftKey) this.pan(dx, dy);
       else this.turn(dx * 0.008, dy * 0.008);
       this.pointers.set(e.pointerId, e);
+      this.moved = true;
       this.update();
     }
 
@@ -90,6 +92,7 @@ view.orbit = (() => {
 
     wheel(e) {
       e.preventDefault();
+      this.moved = true;
       this.zoom(Math.exp(Math.sign(e.deltaY) * Math.min(Math.abs(e.deltaY), 100) * 0.0016));
       this.update();
     }

@@ -62,6 +62,7 @@ view.stage = (() => {
       if (!w || !h) return;
       this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
       this.renderer.setSize(w, h, false);
+      if (this.layers.length && !this.orbit.moved) this.place();
       this.draw();
     }
 
