@@ -2,7 +2,9 @@
  * edges, each pair once; triangles are the scene's and the elements on triples that can be strained, each once: those
  * that cannot are bends of two edges. Of two cells that are the same, the one of an element goes first, for it has a
  * strain. */
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/cells.h"
+
+#include "plugins/common/shot/room.h"
 
 #include <stdlib.h>
 #include <string.h>
