@@ -8,7 +8,7 @@ local template = {}
 
 -- In this order: a module uses those before it.
 template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "surface", "segments",
-  "points", "floor", "orbit", "layer", "stage", "clock", "timeline", "plots", "controls", "compare", "inspector", "report",
+  "points", "floor", "orbit", "topology", "layer", "stage", "clock", "timeline", "plots", "controls", "compare", "inspector", "report",
   "bench", "app" }
 
 -- Where three.js may be, with window.THREE (the older files) or as CommonJS.
