@@ -86,8 +86,8 @@ HDF5         := $(call exists,hdf5-serial hdf5)
 HDF5_CFLAGS  := $(call cflags,$(HDF5))
 HDF5_LIBS    := $(filter-out -l%_hl,$(call libs,$(HDF5)))
 ifeq (,$(HDF5))
-LEFT_OUT += $(shell grep -lE 'hdf5[.]h|recording/(recorder|reader)[.]h' plugins/outputs/*.c plugins/common/recording/*.c \
-              tools/native/*.c tests/plugins/outputs/*.c tests/plugins/common/recording/*.c 2>/dev/null)
+LEFT_OUT += $(wildcard plugins/common/recording/*.c) $(shell grep -lE 'hdf5[.]h|common/recording/' plugins/outputs/*.c \
+              tools/native/*.c $$(find tests -name '*.c'))
 endif
 
 # ---- What there is to build ------------------------------------------------------------------------------------------

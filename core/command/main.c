@@ -143,12 +143,13 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   hk_scene *scene = hk_script_scene(script);
   hk_status status = hk_run_open(scene, &o->run, &run, &error);
   if (status != HK_OK) return complain(&error);
+  hk_script_options options = script_options(o, registry, library);
+  if (!o->trust) hk_script_foretell(o->scene, &options, &o->run, run); /* as in run_command: not run again unasked */
   status = finish(run, o, &error);
   hk_keep_end();
   hk_summary summary;
   hk_run_summary(run, &summary);
   if (status == HK_OK) {
-    hk_script_options options = script_options(o, registry, library);
     hk_error second = {0};
     if (hk_script_verify(o->scene, &options, &o->run, o->verify, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);

@@ -63,5 +63,6 @@ const hk_figure hk_figure_table[] = {
     {NULL, "verdict", HK_FIGURE_TEXT, AT(verdict_name), "verdict", "%s"},
     {NULL, "reason", HK_FIGURE_BUFFER, AT(reason), NULL, ": %s"},
     {NULL, "checked", HK_FIGURE_BUFFER, AT(checked), NULL, ": %s"},
+    {NULL, "remedy", HK_FIGURE_BUFFER, AT(remedy), "remedy", "%s"},
     {0},
 };

@@ -39,6 +39,8 @@ typedef struct hk_judgement {
   /* Set by the comparison with other runs: the positions are those of an independent method, so that figures from which
    * an error could be inferred do not count; the energy drift vanishes with the step size. */
   bool confirmed, energy_converges;
+  double excess,
+      shorten; /* remedy.c: how far the worst figure is above its limit; the part of the step that would do */
   /* under_resolved.c */
   double *slope[2]; /* the state's accelerations and channel rates at the two ends of a step */
   bool sampling;    /* hk_under_resolved_before was called and succeeded */
@@ -177,6 +179,7 @@ typedef struct hk_summary {
   const char *verdict_name;
   char reason[1024];  /* why it is not ok; "" otherwise */
   char checked[512];  /* what the verdict ok rests on, and what was not checked; "" otherwise */
+  char remedy[384];   /* which step or tolerance would do, where it is inaccurate; "" otherwise */
   double t, end, fps; /* s, s, 1/s: time reached, end of the run, frame rate */
   size_t n, steps, frames, rejected_steps;
   size_t force_evaluations, jacobian_evaluations, factorizations, linear_iterations;
@@ -257,6 +260,14 @@ typedef struct hk_figure {
 extern const hk_figure hk_figure_table[]; /* a NULL key ends the table */
 
 /* ---- verdict.c, diagnosis.c ---- */
+
+/* stiffest.c: the label of the force that swings fastest at the present state, and 1/s; NULL: none swings. */
+const char *hk_stiffest_force(hk_loop *, double *w);
+
+/* remedy.c: a figure of a method of that order is so many times above what it may be; 1 and less: it is not. */
+void hk_remedy_need(hk_judgement *, double excess, int order);
+/* Writes s->remedy, which is empty unless the run is inaccurate for want of a shorter step or a smaller tolerance. */
+void hk_remedy_describe(hk_loop *, const hk_judgement *, hk_summary *);
 
 /* At the end: ok or inaccurate, and why. HK_SCRIPT: the exact solution failed, with loop->error. */
 hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);

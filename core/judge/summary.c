@@ -187,6 +187,7 @@ void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_s
   contact_figures(loop->record, s);
   plugin_times(loop, j, s);
   if (j->verdict == HK_VERDICT_OK) hk_checked_describe(loop, j, asked, s);
+  hk_remedy_describe(loop, j, s);
   s->measures = loop->scene->measures;
   s->measure_name = j->measure_name;
   s->measure = j->measure;

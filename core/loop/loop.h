@@ -105,7 +105,7 @@ typedef struct hk_loop_hooks {
   void (*before_sample)(void *context); /* before and after the last step of a fixed-step method before a cut */
   void (*after_sample)(void *context, double h);
   void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
-  void (*now_and_then)(void *context);    /* every 1024 steps */
+  void (*now_and_then)(void *context);    /* every 64 steps */
 } hk_loop_hooks;
 
 typedef struct hk_loop {

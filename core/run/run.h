@@ -36,6 +36,7 @@ typedef struct hk_run_options {
   const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
   const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
   bool no_output;
+  bool draft;   /* outputs may do with less quality (hk_draft) */
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
@@ -197,6 +198,15 @@ typedef struct hk_reference {
  * take more than the effort, or the scene is not to be integrated by a method that chooses its steps. */
 bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_rerun *);
+
+/* ---- ahead.c: what is said before the first step ---- */
+
+/* Warns of options that have no effect on this run. */
+void hk_warn_of_idle_options(hk_run *);
+/* Prints, where steps of an explicit method would come by the ten million, how long they and those of an implicit
+ * method would take; both are timed in other runs of the scene. `first`: the options of `whole`, before its first
+ * step. */
+void hk_foretell(const hk_reopen *, const hk_run_options *first, hk_run *whole);
 
 /* ---- verify.c: the comparison of a run with others, see there ---- */
 

@@ -62,11 +62,14 @@ static void judge_error(const hk_comparison *c, hk_summary *s) {
 
 static void judge_doubts(const hk_comparison *c, hk_summary *s) {
   double displacement = c->referred || !c->compared ? 0 : hk_doubts_lost_energy(c);
+  hk_remedy_need(&c->whole->judgement, displacement / s->accuracy, c->whole->step.method->order);
   if (displacement > s->accuracy)
     add_reason(s,
                "the steps damp fast swings, whose energy is missing with half the step, too: as a speed it would have "
                "taken the particles %.3g m by the end, above the accuracy asked for, %g m",
                displacement, s->accuracy);
+  if (!c->first->ignore_exact)
+    hk_remedy_need(&c->whole->judgement, s->exact_error / s->accuracy, c->whole->step.method->order);
   if (!c->first->ignore_exact && s->accuracy > 0 && s->exact_error > s->accuracy)
     add_reason(s, "the error of %.3g m is above the accuracy asked for, %g m", s->exact_error, s->accuracy);
 }
@@ -104,6 +107,7 @@ static bool judge(hk_comparison *c) {
   if (s->accuracies > (s->accuracy > 0)) s->channel_error = c->worst.channel;
   judge_error(c, s);
   judge_doubts(c, s);
+  hk_remedy_need(&c->whole->judgement, c->error, c->whole->step.method->order);
   describe(c, s);
   return s->verdict == HK_VERDICT_OK;
 }
@@ -182,6 +186,7 @@ hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *first, bool h
     judge_without_half(&c);
   else if (judged && status == HK_OK && whole->judgement.compared)
     judge_motion(&c);
+  hk_remedy_describe(&whole->loop, &whole->judgement, s);
   s->check_wall_s = hk_clock() - begin;
   hk_comparison_close(&c);
   return status;

@@ -29,7 +29,6 @@ typedef struct contact {
   double restitution;
   int64_t sweeps;
   int64_t began; /* the first step was looked at */
-  hk_nearby_found found;
   hk_contact_account account;
   hk_nearby nearby;
   hk_meetings meetings;
@@ -49,7 +48,6 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    HK_NEARBY_FIELD_ROWS(contact, found),
     HK_CONTACT_ACCOUNT_ROWS(contact, account),
     {"began", HK_FIELD_INTEGER, 1, offsetof(contact, began), 0},
     {0},
@@ -58,13 +56,12 @@ static const hk_field fields[] = {
 
 static hk_status topology(void *self, const hk_view *view) {
   contact *s = self;
-  s->found.good = 0;
   s->host->release(s->host, s->moved);
   s->moved = s->host->allocate(s->host, (view->n + 1) * sizeof *s->moved);
   if (!s->moved) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
   if (status != HK_OK) return status;
-  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
+  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, hk_contact_skin(&s->params));
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {

@@ -193,11 +193,19 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   return status;
 }
 
+/* A quick look is at half the size, whose width and height are even, as films want it. */
+static void choose_size(frames *f) {
+  const hk_draft *draft = f->host->query(f->host, "draft/1");
+  if (!draft || !*draft) return;
+  f->width = (f->width + 3) / 4 * 2, f->height = (f->height + 3) / 4 * 2;
+}
+
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   f->host = host;
   f->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  choose_size(f);
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
   if (f->range.count && f->log && f->range.value[0] <= 0)

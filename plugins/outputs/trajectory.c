@@ -1,7 +1,8 @@
 /* The whole motion in one file, trajectory.h5: HDF5 in the layout of VTKHDF 2.0, which ParaView 5.12 and h5py read, and
  * beside it trajectory.xdmf, for programs that do not know this layout. Every frame is on file before the next step,
  * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). */
-#include "plugins/common/recording/recorder.h"
+#include "plugins/common/recording/recording.h"
+#include "plugins/common/shot/shooting.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -130,7 +131,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_OUTPUT,
     .name = "trajectory",
     .summary = "the motion in one HDF5 file that ParaView and h5py read, at any time",
-    .reference = "VTKHDF file format 2.0, docs.vtk.org; XDMF 3, xdmf.org",
+    .reference = "VTKHDF file format 2.0, docs.vtk.org; XDMF 2, xdmf.org",
     .instance_size = sizeof(trajectory),
     .params = params,
     .create = create,

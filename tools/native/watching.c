@@ -97,7 +97,7 @@ static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_fr
   model->group = group.at;
   model->pin = pin.at;
   model->edges.count = model->triangles.count = 0;
-  model->element_lists = 0;
+  model->element_lists = model->join_lists = 0;
   *frame = hk_run_output_frame(a->run);
   frame->force = no_force;
   frame->run = model;

@@ -37,6 +37,7 @@ view.app = (() => {
         this.stage.add(layer);
       });
       this.stage.side = this.sources.length > 1;
+      this.stage.place();
     }
 
     groups() {
@@ -76,14 +77,15 @@ view.app = (() => {
       nodes.push(...Object.values(this.checks), check("shadows", "", true, (on) => this.choose("shadows", on)),
         check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
         check("y up", "the scene's y points up", false, (on) => { this.stage.yUp = on; this.stage.place(); }),
-        button("reset view", "the camera as at the start", () => this.stage.place()));
+        button("reset view", "the camera as at the start", () => this.stage.home()));
       $("controls").append(...(first ? nodes : []));
     }
 
     makeReports() {
-      const reports = this.sources.map((source) => el("div", { class: "run" },
-        this.sources.length > 1 ? el("h2", { class: "run-title" }, source.title) : null, view.report.make(source)));
-      $("reports").append(...reports);
+      const part = (id, content) => $(id).append(...this.sources.map((source) => el("div", { class: "run" },
+        this.sources.length > 1 ? el("h2", { class: "run-title" }, source.title) : null, content(source.summary))));
+      part("verdicts", view.report.verdict);
+      part("reports", view.report.details);
       const bench = this.more.bench && view.bench.make(this.more.bench);
       if (bench) $("bench").append(bench);
     }
@@ -96,6 +98,7 @@ view.app = (() => {
       this.layers[1].hidden = mode === "difference";
       this.layers.forEach((layer) => layer.surface.fade(1));
       if (mode === "over") this.layers[1].surface.fade(0.6);
+      this.stage.place();
       this.refresh();
     }
 
@@ -201,7 +204,7 @@ view.app = (() => {
       }
       const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
       const notes = [];
-      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 2)} of the extent`);
+      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
       if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${n} particles is drawn`);
       $("note").textContent = notes.join(" · ");
     }

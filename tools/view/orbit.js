@@ -5,8 +5,8 @@ view.orbit = (() => {
 
   class Orbit {
     constructor(element, changed) {
-      Object.assign(this, { element, changed, pointers: new Map(), target: new THREE.Vector3(), azimuth: -0.9, height: 0.3,
-        distance: 3, size: 1 });
+      Object.assign(this, { element, changed, pointers: new Map(), target: new THREE.Vector3(), distance: 3, size: 1 });
+      this.face();
       this.camera = new THREE.PerspectiveCamera(34, 1, 0.01, 100);
       this.camera.up.set(0, 0, 1);
       element.addEventListener("pointerdown", (e) => this.down(e));
@@ -16,11 +16,17 @@ view.orbit = (() => {
       element.addEventListener("contextmenu", (e) => e.preventDefault());
     }
 
+    face() {
+      this.azimuth = -0.9;
+      this.height = 0.3;
+    }
+
     // Sees a ball of this radius around the point.
-    look(target, radius) {
+    look(target, radius, aspect) {
+      const half = Math.atan(Math.tan(this.camera.fov * Math.PI / 360) * Math.min(aspect, 1));
       this.target.copy(target);
       this.size = radius;
-      this.distance = 0.92 * radius / Math.sin(this.camera.fov * Math.PI / 360);
+      this.distance = 0.92 * radius / Math.sin(half);
       this.update();
     }
 

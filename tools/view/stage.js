@@ -44,7 +44,14 @@ view.stage = (() => {
       const middle = box.getCenter(new THREE.Vector3()), radius = box.getSize(new THREE.Vector3()).length() / 2 || 1;
       this.floorHeight = box.min.z - 0.012 * radius;
       for (const layer of this.layers) layer.floor.place(middle.x, middle.y, this.floorHeight, 4.2 * radius);
-      this.orbit.look(middle, radius);
+      const [first] = this.views();
+      this.orbit.look(middle, radius, first.w / first.h || 1);
+    }
+
+    // The camera as at the start.
+    home() {
+      this.orbit.face();
+      this.place();
     }
 
     resize() {

@@ -83,19 +83,23 @@ static void measure_gaps(const hk_barrier_contacts *c, const hk_view *from, cons
 
 /* ---- the search ---- */
 
-/* m, the largest distance between two places of a particle. */
-static double farthest(const double *a, const double *b, size_t n) {
-  double most = 0;
-  for (size_t i = 0; i < n; i++) {
-    double d[3] = {a[3 * i] - b[3 * i], a[3 * i + 1] - b[3 * i + 1], a[3 * i + 2] - b[3 * i + 2]};
+/* m, at most how much two particles have moved against each other from the places b to a: the diagonal of the box of
+ * all displacements, or twice the largest of them. What all have in common changes no gap. */
+static double moved_apart(const double *a, const double *b, size_t n) {
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY}, most = 0;
+  for (size_t i = 0; i < 3 * n; i += 3) {
+    double d[3] = {a[i] - b[i], a[i + 1] - b[i + 1], a[i + 2] - b[i + 2]};
+    for (int c = 0; c < 3; c++) low[c] = d[c] < low[c] ? d[c] : low[c], high[c] = d[c] > high[c] ? d[c] : high[c];
     most = fmax(most, hk_dot(d, d));
   }
-  return sqrt(most);
+  double across[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
+  return n ? fmin(hk_length(across), 2 * sqrt(most)) : 0;
 }
 
 static bool still_holds(const hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
-  double room = HK_BARRIER_MARGIN * c->law.distance;
-  return c->kept && farthest(from->x, c->base.item, from->n) <= room && farthest(x_to, c->base.item, from->n) <= room;
+  double room = 2 * HK_BARRIER_MARGIN * c->law.distance;
+  return c->kept && moved_apart(from->x, c->base.item, from->n) <= room &&
+         moved_apart(x_to, c->base.item, from->n) <= room;
 }
 
 /* Whether an edge, of length above 0, belongs to a strand. */

@@ -147,8 +147,10 @@ static void recall(hk_meetings *s) {
   memset(s->met, 0, s->room * sizeof *s->met);
   if (s->pushes == 0) return;
   qsort(s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
-  for (size_t k = 0; k < s->nearby->count; k++)
+  for (size_t d = 0; d < s->nearby->dues; d++) {
+    uint32_t k = s->nearby->index[d];
     s->met[k] = bsearch(&s->nearby->pair[k], s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
+  }
 }
 
 static hk_status make_room_for_pushed(hk_meetings *s, size_t more) {

@@ -69,6 +69,12 @@ static inline double hk_range_gap(hk_two_range a, hk_two_range b) {
   return after > before ? after : before;
 }
 
+/* The gap at the start of the move. */
+static inline double hk_range_gap_at_start(hk_two_range a, hk_two_range b) {
+  double after = b.low[0] - a.high[0], before = a.low[0] - b.high[0];
+  return after > before ? after : before;
+}
+
 static inline bool hk_apart_by_boxes(const hk_swept_set *a, const hk_swept_set *b, double distance) {
   for (int c = 0; c < 3; c++)
     if (hk_range_gap(hk_range_of(a, c), hk_range_of(b, c)) > distance) return true;
@@ -81,16 +87,26 @@ static inline bool hk_apart_along(const double axis[3], const hk_swept_set *a, c
   return gap > 0 && gap * gap > distance * distance * (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
 }
 
-/* The axis between the middles of the two sets at the start. */
-static inline bool hk_apart_by_middles(const hk_swept_set *a, const hk_swept_set *b, double distance) {
-  double axis[3];
+static inline void hk_axis_of_middles(const hk_swept_set *a, const hk_swept_set *b, double axis[3]) {
   for (int c = 0; c < 3; c++) {
     double sa = 0, sb = 0;
     for (int k = 0; k < a->count; k++) sa += a->point[k]->x[c][0];
     for (int k = 0; k < b->count; k++) sb += b->point[k]->x[c][0];
     axis[c] = sb * a->count - sa * b->count;
   }
+}
+
+/* The axis between the middles of the two sets at the start. */
+static inline bool hk_apart_by_middles(const hk_swept_set *a, const hk_swept_set *b, double distance) {
+  double axis[3];
+  hk_axis_of_middles(a, b, axis);
   return hk_apart_along(axis, a, b, distance);
+}
+
+/* m: what an axis says of how far apart two sets are at the start at least; 0: nothing. */
+static inline double hk_start_gap_along(const double axis[3], const hk_swept_set *a, const hk_swept_set *b) {
+  double gap = hk_range_gap_at_start(hk_range_along(a, axis), hk_range_along(b, axis));
+  return gap > 0 ? gap / sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]) : 0;
 }
 
 /* p q x r s at the start. */

@@ -118,6 +118,7 @@ end
 
 local function closes_its_files(plugin, lines)
   folder_of(function(folder)
+    actor.settings(plugin) -- has a run of its own
     local before = watching.files()
     actor.frees(lines, function()
       for _ = 1, 3 do
@@ -135,6 +136,7 @@ end
 -- A run that fails before `close`: destroy alone is called.
 local function closes_after_a_failure(plugin, lines)
   folder_of(function(folder)
+    actor.settings(plugin) -- has a run of its own
     local before = watching.files()
     each(plugin, lines, function(a)
       watching.into(a, folder)

@@ -113,9 +113,16 @@ local function packed_or_nil(out, indices)
   return #indices > 0 and out:add(page.indices(indices)) or nil
 end
 
+-- The indices of those that are held, of a byte for each particle.
+local function held_indices(pins)
+  local list = {}
+  for at in pins:gmatch("()[^\0]") do list[#list + 1] = ("<I4"):pack(at - 1) end
+  return table.concat(list)
+end
+
 local function topology(r, out, k)
   return { first = k - 1, edges = packed_or_nil(out, r:edges(k)), triangles = packed_or_nil(out, r:triangles(k)),
-    pins = packed_or_nil(out, r:pins(k)) }
+    pins = packed_or_nil(out, held_indices(r:pins(k))) }
 end
 
 local function frames_of_block(r)

@@ -1,7 +1,9 @@
 /* The cells of a shot. Segments are the elements on pairs of particles, the pairs that constraints join and the scene's
  * edges, each pair once; triangles are the scene's and the elements on triples, each once. Of two that are the same,
  * the one of an element goes first, for it has a strain. */
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/cells.h"
+
+#include "plugins/common/shot/room.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,20 +1,13 @@
 /* Taking a shot: the particles that are shown are gathered from the view, with channels and forces. */
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/shooting.h"
+
+#include "plugins/common/shot/cells.h"
+#include "plugins/common/shot/room.h"
+#include "plugins/common/shot/strain.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-bool hk_make_room(void *memory, size_t *room, size_t need, size_t size) {
-  void **at = memory;
-  if (*at && need <= *room) return true;
-  size_t count = need + need / 4 + 1;
-  void *grown = count < SIZE_MAX / size ? realloc(*at, count * size) : NULL;
-  if (!grown) return false;
-  *at = grown;
-  *room = count;
-  return true;
-}
 
 static void name_array(hk_shot_array *a, const char *name, bool force, size_t width) {
   snprintf(a->name, sizeof a->name, "%s", name);
@@ -59,8 +52,10 @@ static void choose(hk_shooting *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t i = 0; i < view->n; i++)
     s->place[i] = s->only.count || (s->group != UINT32_MAX && m->group[i] != s->group) ? UINT32_MAX : 0;
-  for (size_t k = 0; k < s->only.count; k++)
-    if (s->group == UINT32_MAX || m->group[s->only.index[k]] == s->group) s->place[s->only.index[k]] = 0;
+  for (size_t k = 0; k < s->only.count; k++) {
+    uint32_t i = s->only.index[k];
+    if (i < view->n && (s->group == UINT32_MAX || m->group[i] == s->group)) s->place[i] = 0;
+  }
   s->shot.n = 0;
   for (size_t i = 0; i < view->n; i++)
     if (s->place[i] == 0) s->place[i] = (uint32_t)s->shot.n, s->kept[s->shot.n++] = (uint32_t)i;

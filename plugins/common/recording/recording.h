@@ -10,18 +10,17 @@
  *
  * PointData of a force or a channel has the attributes `kind` ("force", "channel") and `label`, its name in the scene.
  */
-#ifndef HK_RECORDER_H
-#define HK_RECORDER_H
+#ifndef HK_RECORDING_H
+#define HK_RECORDING_H
 
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/shot.h"
 
 typedef struct hk_recorder hk_recorder;
 
 typedef struct hk_recorder_setup {
-  bool single;           /* numbers of particles as 32-bit floats */
-  int level;             /* of the compression, 0 to 9 */
-  size_t every;          /* frames from one that is kept to the next */
-  const char *xdmf_name; /* the name of the HDF5 file, as the XDMF file is to have it */
+  bool single;  /* numbers of particles as 32-bit floats */
+  int level;    /* of the compression, 0 to 9 */
+  size_t every; /* frames from one that is kept to the next */
 } hk_recorder_setup;
 
 /* Both files are made, for shots with the arrays of this one. NULL with a sentence in `why`. */

@@ -1,7 +1,7 @@
 /* Strains at a shot: of each element C over its rest value, as the figures of a run have it; of several numbers C the
  * largest by magnitude. A cell has the strain of its own element, a particle the largest of all elements that it
  * belongs to, also of those that are no cell. */
-#include "plugins/common/recording/shot.h"
+#include "plugins/common/shot/strain.h"
 
 static double edge_strain(const hk_elements *e, const double *x, size_t k) {
   const uint32_t *pair = hk_tuple(&e->node, k);

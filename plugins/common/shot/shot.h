@@ -38,11 +38,7 @@ typedef struct hk_shot {
   hk_shot_array *array;
 } hk_shot;
 
-/* Makes room for `need` items of `size` bytes in *memory, which has `*room`; what was in it is kept. False: no memory.
- */
-bool hk_make_room(void *memory, size_t *room, size_t need, size_t size);
-
-/* ---- from a view: shot.c ---- */
+/* ---- what a shot is taken with: shooting.h ---- */
 
 /* Where the strain of a cell comes from: a tuple of an element list, or none. */
 typedef struct hk_cell_source {
@@ -81,20 +77,5 @@ typedef struct hk_shooting {
   bool dirty;                      /* the topology changed */
   bool strained;                   /* the scene has forces with elements */
 } hk_shooting;
-
-/* Names the arrays: all channels, and with `forces` all forces. HK_NO_MEMORY. */
-hk_status hk_shooting_begin(hk_shooting *, const hk_view *view, const hk_frame *frame, bool forces);
-/* Takes the shot of this frame. HK_NO_MEMORY, or the status of a force. */
-hk_status hk_shooting_take(hk_shooting *, const hk_view *view, const hk_frame *frame);
-void hk_shooting_free(hk_shooting *);
-
-/* ---- cells.c ---- */
-
-/* Finds the cells of the particles shown (s->place), and the sources of their strain. */
-hk_status hk_shooting_find_cells(hk_shooting *, const hk_view *view);
-
-/* ---- strain.c ---- */
-
-void hk_shooting_strain(hk_shooting *, const hk_view *view);
 
 #endif
