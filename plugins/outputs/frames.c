@@ -8,7 +8,7 @@
 #include <string.h>
 
 typedef struct frames {
-  int64_t width, height, every;
+  int64_t width, height, every, sheet;
   hk_look_names names;
   const char *unit, *folder, *video_file;
   double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
@@ -108,6 +108,8 @@ static const hk_param params[] = {
      HK_VECTOR, {0}, 0, 1, offsetof(frames, background), HK_OPTIONAL, NULL},
     {"legend", "", "draw the bar of colours",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
+    {"sheet", "", "so many stills, evenly spaced in time, side by side in sheet.png; 0: none",
+     HK_INTEGER, {0}, 0, 400, offsetof(frames, sheet), 0, NULL},
     {"pictures", "", "write a PNG file of each picture; off: the video alone",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, pictures), 0, NULL},
     {"video", "", "make a video of the pictures, with ffmpeg",
@@ -172,6 +174,7 @@ static void make_plan(frames *f) {
   f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
   f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
+  f->film.stills = (size_t)f->sheet;
   f->film.legend = f->legend, f->film.unit = f->unit;
   memcpy(f->film.plain, f->plain, sizeof f->plain);
   plan_colours(f);

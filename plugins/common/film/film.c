@@ -11,8 +11,9 @@
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
-  return isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) || (framing->floor && isnan(framing->height)) ||
-         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
+  return f->stills > 0 || isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) ||
+         (framing->floor && isnan(framing->height)) || f->look.sizes == HK_SIZE_MASS ||
+         (framing->counted && isnan(framing->scale.low));
 }
 
 static hk_status make_solids(hk_film *f) {
@@ -135,12 +136,15 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
   if (status == HK_OK)
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
   if (status == HK_OK) status = expose(f);
+  if (status == HK_OK) status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
     if (hk_reel_stopped(&f->reel))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);
+    if (status == HK_OK) hk_sheet_take(&f->sheet, k, f->picture);
   }
+  if (status == HK_OK) status = hk_sheet_write(&f->sheet, "sheet.png");
   return status;
 }
 
@@ -154,6 +158,7 @@ void hk_film_free(hk_film *f) {
   hk_gl_context_destroy(f->gl);
   f->gl = NULL;
   hk_reel_free(&f->reel);
+  hk_sheet_free(&f->sheet);
   hk_frame_spool_close(&f->spool);
   if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);

@@ -131,6 +131,38 @@ static void frames_can_be_a_video_alone(void **state) {
   fake_close(&w.f);
 }
 
+/* A particle 20 pixels wide goes on by 15 pixels a frame; stills are a third as large, three in a row. */
+static void frames_put_stills_on_a_sheet(void **state) {
+  (void)state;
+  world w;
+  char path[512];
+  world_open(&w, 1);
+  set_still_camera(&w);
+  set_number(&w, "radius", 0.1);
+  set_integer(&w, "sheet", 5);
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 9; k++) {
+    w.x[0] = -0.6 + 0.15 * k;
+    assert_int_equal(add(&w), HK_OK);
+  }
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  snprintf(path, sizeof path, "%s/sheet.png", w.f.folder);
+  picture p = read_picture(path);
+  assert_int_equal(p.width, 3 * 53 + 2 * 4);
+  assert_int_equal(p.height, 2 * 30 + 4);
+  for (int k = 0; k < 6; k++) { /* pictures 0, 2, 4, 6, 8, and no sixth one */
+    int x = k % 3 * 57 + (k < 5 ? (80 - 60 + 30 * k) / 3 : 26), y = k / 3 * 34 + 15;
+    assert_int_equal(is_red(&p, x, y), k < 5);
+    assert_false(is_red(&p, x, y + 10));
+  }
+  for (int c = 0; c < 3; c++) {
+    assert_int_equal(at(&p, 54, 10)[c], 255); /* between two stills */
+    assert_int_equal(at(&p, 140, 50)[c], 255);
+  }
+  free(p.rgb);
+  fake_close(&w.f);
+}
+
 static void frames_say_why_there_is_no_video(void **state) {
   (void)state;
   char *path = strdup(getenv("PATH")), program[512];
@@ -295,6 +327,7 @@ int main(void) {
       cmocka_unit_test(frames_light_both_sides_of_a_cloth),
       cmocka_unit_test(frames_show_the_floor_and_a_shadow_on_it),
       cmocka_unit_test(frames_have_the_size_asked_for_and_become_a_video),
+      cmocka_unit_test(frames_put_stills_on_a_sheet),
       cmocka_unit_test(frames_refuse_a_video_of_odd_size),
       cmocka_unit_test(frames_can_be_a_video_alone),
       cmocka_unit_test(frames_say_why_there_is_no_video),
