@@ -26,7 +26,8 @@ typedef struct hk_film {
   const hk_solid *solid;            /* valid until hk_film_open returns; in coordinates with z up */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
   hk_look look;
-  hk_framing framing;
+  hk_framing framing;  /* eye and target may be others for each picture */
+  bool follow;         /* the camera goes along with the particles */
   hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */
 
   const hk_host *host;
