@@ -11,7 +11,7 @@ return {
   { "sand", at = 0.6 },
   { "fountain", at = 3 },
   { "smoke", at = 3 },
-  { "galaxy", at = 9 },
+  { "galaxy", at = 16 },
   { "truss", at = 2 },
-  film = { "cloth", at = 2, width = 480, fps = 15 },
+  film = { "cloth_on_sphere", at = 1.2, width = 480, fps = 20 },
 }
