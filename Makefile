@@ -61,7 +61,7 @@ ifneq (,$(PICTURES))
 PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
 PICTURES_LIBS   := $(call libs,$(PICTURES))
 else # then what is written on OpenGL or libpng cannot be compiled
-LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*/*.c; do \
+LEFT_OUT := plugins/outputs/frames.c tests/bench/pictures.c $(shell for f in plugins/common/*/*.c; do \
               $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
 endif
 # SUNDIALS, 6 or later, has no pkg-config files in most systems; 7 keeps its context in a library of its own.
