@@ -275,7 +275,9 @@ install: build
 	for f in core/plugin.h $(wildcard core/plugin/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc,$(pkg_config)) install -m 644 $B/hooke.pc $(to)/lib/pkgconfig/hooke.pc
-	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps ! -name manual ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
+	tools/manual $B/hooke >$B/hooke.1 && install -D -m 644 $B/hooke.1 $(to)/share/man/man1/hooke.1
+	install -D -m 644 tools/completion.bash $(to)/share/bash-completion/completions/hooke
 
 -include $(compiled:.o=.d)
