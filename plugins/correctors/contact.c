@@ -33,7 +33,7 @@ typedef struct contact {
   hk_nearby nearby;
   hk_meetings meetings;
   const hk_surfaces *surfaces;
-  uint64_t *moved, now; /* for sweeps.h */
+  uint64_t *moved, *touched, now; /* for sweeps.h */
   const hk_host *host;
 } contact;
 
@@ -57,8 +57,10 @@ static const hk_field fields[] = {
 static hk_status topology(void *self, const hk_view *view) {
   contact *s = self;
   s->host->release(s->host, s->moved);
+  s->host->release(s->host, s->touched);
   s->moved = s->host->allocate(s->host, (view->n + 1) * sizeof *s->moved);
-  if (!s->moved) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  s->touched = s->host->allocate(s->host, (view->n + 1) * sizeof *s->touched);
+  if (!s->moved || !s->touched) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
   if (status != HK_OK) return status;
   return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, hk_contact_skin(&s->params));
@@ -91,12 +93,14 @@ static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_i
 }
 
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move) {
-  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps, .moved = s->moved, .now = s->now};
+  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps};
+  impacts.moved = s->moved, impacts.touched = s->touched, impacts.now = s->now;
   impacts.tolerance = left_by_sweeps * hk_contact_scale(&s->params);
   if (!c->changed) hk_contact_account_free(&s->account, view, c);
   hk_status status = hk_meetings_impacts(&s->meetings, move, HK_MEETINGS_ALL, &impacts);
   if (status != HK_OK) return status;
   hk_sweeps_done done = hk_impacts_solve(&impacts, move);
+  s->meetings.touched = s->touched, s->meetings.since = s->now;
   s->now = impacts.now;
   hk_meetings_remember(&s->meetings, &impacts);
   c->changed |= done.pushing > 0;
