@@ -71,6 +71,7 @@ static const hk_field fields[] = {
     {"tally", HK_FIELD_ARRAY, sizeof(hk_barrier_tally), offsetof(barrier, contacts.tally), HK_SCRATCH},
     {"acting", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.acting), HK_SCRATCH},
     {"at", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.at), HK_SCRATCH},
+    {"way", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.way), HK_SCRATCH},
     {"sums", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.sums), HK_SCRATCH},
     {"parts", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.parts), HK_SCRATCH},
     {"loads", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.loads), HK_SCRATCH},

@@ -38,6 +38,7 @@ typedef struct hk_barrier_contacts {
   hk_array tally;    /* hk_barrier_tally, one of each chunk of `near`; scratch */
   hk_array acting;   /* uint32_t, positions in `values`; scratch */
   hk_array at;       /* double, n x 3: the positions of `values`; scratch */
+  hk_array way;      /* double, n x 3: the present move; scratch */
   hk_array sums;     /* double, one of each chunk; scratch */
   hk_array parts;    /* double, two of each chunk; scratch */
   hk_array loads;    /* double, 12 of each pair that acts; scratch */
@@ -59,8 +60,10 @@ hk_status hk_barrier_forget(hk_barrier_contacts *);
  * *changed is set where the blocks differ. */
 hk_status hk_barrier_find(hk_barrier_contacts *, const hk_view *from, const double *x_to, const hk_surface_pair *also,
                           size_t also_count, bool *changed);
-/* Its last part: tells the pairs their names, and gives names where one that may act has none. */
-hk_status hk_barrier_tell_names(hk_barrier_contacts *, const hk_surface_pair *also, size_t also_count, bool *changed);
+/* Its last part: tells the pairs their names, and gives names where one has none that may act on the first `part` of
+ * the move. */
+hk_status hk_barrier_tell_names(hk_barrier_contacts *, double part, const hk_surface_pair *also, size_t also_count,
+                                bool *changed);
 /* For hk_force.step_limit. */
 double hk_barrier_limit(hk_barrier_contacts *, const hk_view *from, const double *dx);
 
