@@ -36,6 +36,7 @@ typedef struct hk_record {
   hk_contact_report contact;                  /* so far; the intersections of all frames that count against the run */
   size_t contact_frames, intersecting, intersections[2]; /* frames; of the first frame, and of the last */
   double intersecting_at;                                /* s, the first frame that counts against the run */
+  double contact_least, contact_rise; /* J, that contact gave: the least while nothing drove it; rises above it */
 } hk_record;
 
 /* ---- step_choice.c ---- */
