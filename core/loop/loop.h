@@ -18,8 +18,7 @@ typedef struct hk_record {
   double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
   double kinetic_sum;            /* J, over the frames */
   double correction_work;        /* J, energy that correctors reported to have given */
-  bool moved;                    /* a corrector moved something */
-  bool corrected;                /* a corrector moved something and did not say what energy that took */
+  bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
   bool sourced, by_hand; /* particles were born or died: the energy balance is not known; a user's hand moved some */
   bool growth_expected;  /* the integrator has no stable step on this scene */
   size_t rejected;       /* number of steps rejected by contact or by correctors */
