@@ -198,13 +198,15 @@ view.app = (() => {
       const now = performance.now(), took = now - (this.lastShown || now);
       this.lastShown = now;
       this.slow = this.clock.playing && took > 1000 / 27 && took < 2000 ? this.slow + 1 : Math.max(this.slow - 1, 0);
-      if (this.slow > 12 && this.every < 16 && this.layers.some((layer) => layer.balls > 20000)) {
+      if (this.slow > 4 && this.every < 16 && this.layers.some((layer) => layer.balls > 20000)) {
         this.every *= 2;
         this.slow = 0;
       }
       const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
       const notes = [];
       if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
+      const speed = this.sources[0].fields.find((f) => f.name === "velocity");
+      if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
       if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${this.layers[0].balls} particles is drawn`);
       $("note").textContent = notes.join(" · ");
     }
