@@ -54,8 +54,6 @@ SPARSE_LIBS   := -lcholmod -lumfpack -lamd -lcolamd -lsuitesparseconfig
 # Pictures are drawn without a window: by OSMesa, or by EGL where Mesa has dropped it. GL=egl chooses.
 GL           := $(or $(call exists,osmesa),$(and $(call exists,egl),$(call exists,opengl gl),egl))
 PNG          := $(call exists,libpng)
-ZLIB         := $(call exists,zlib)
-ZLIB_LIBS    := $(call libs,$(ZLIB))
 CMOCKA_LIBS  := $(call libs,$(call exists,cmocka))
 GMP_LIBS     := $(call libs,$(call exists,gmp))
 PICTURES     := $(and $(GL),$(PNG),$(subst egl,egl $(call exists,opengl gl),$(GL)) $(PNG))
@@ -74,6 +72,11 @@ SUNDIALS_LIBS := $(if $(filter 6,$(SUNDIALS)),,-lsundials_core)
 else
 LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials/*.c) \
             tests/bench/sundials.c tests/bench/rivals.c
+endif
+# What pages hold is deflated.
+ZLIB := $(call exists,zlib)
+ifeq (,$(ZLIB))
+LEFT_OUT += tools/native/page.c tools/native/view/packed_text.c
 endif
 # The server of live pages.
 HTTPD := $(call exists,libmicrohttpd)
@@ -95,7 +98,7 @@ endif
 object   = $(patsubst %.c,$B/obj/%.o,$1)
 core     := $(call object,$(filter-out core/command/main.c,$(wildcard core/*/*.c)))
 common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*.c)))
-by_tools := $(call object,$(wildcard tools/native/*/*.c))
+by_tools := $(call object,$(filter-out $(LEFT_OUT),$(wildcard tools/native/*/*.c)))
 support  := $(call object,$(wildcard tests/support/*.c tests/adversary/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
 defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)) plugins/synonyms)
@@ -113,7 +116,7 @@ $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugi
   $B/tests/fixtures/*.so)))
 
 # These files are new when the flags, or the lists of files, are others than last time.
-settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(HTTPD) $(HDF5) $(CURDIR)
+settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(ZLIB) $(HTTPD) $(HDF5) $(CURDIR)
 lists    := $(core) $(common) $(by_tools) $(support)
 ifneq ($(file <$B/settings),$(settings))
 $(shell mkdir -p $B)$(file >$B/settings,$(settings))
@@ -132,6 +135,7 @@ all: build
 build: $B/hooke $(plugins) $(defaults) $(modules)
 	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
 	$(if $(SUNDIALS),@:,@echo "hooke is built without SUNDIALS (plugins/integrators/cvode, arkode): tools/install-deps run gets it")
+	$(if $(ZLIB),@:,@echo "hooke is built without pages (hooke view): tools/install-deps run gets zlib")
 	$(if $(HTTPD),@:,@echo "hooke is built without its server of live pages (hooke run --watch): tools/install-deps run gets libmicrohttpd")
 	$(if $(HDF5),@:,@echo "hooke is built without HDF5 (plugins/outputs/trajectory): tools/install-deps run gets it")
 
@@ -202,7 +206,7 @@ $B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(GMP_LIBS) 
 $B/tests/fixtures/%: LIBS =
 $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
-$B/tools/page.so: LIBS = $(ZLIB_LIBS)
+$B/tools/page.so: LIBS = $(call libs,$(ZLIB))
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS) $(HDF5_LIBS)
 $B/tools/%: LIBS = $(HDF5_LIBS)
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)

@@ -7,7 +7,7 @@ local series = require("common.view.series")
 local encode = {}
 
 local LEVELS = 65534 -- of a number, HK_MOTION_LEVELS: of positions
-local COARSE = { [1] = 510, [3] = 2046 } -- of what is coloured or told only: half a step is 1e-3 or 2.4e-4 of the range
+local COARSE = { [1] = 254, [3] = 1022 } -- of what is coloured or told only: half a step is 2e-3 or 4.9e-4 of the range
 local SAMPLES = 50000 -- numbers that the range of colours is chosen from, about
 local BLOCK = 2000000 -- numbers of a block, about: what a browser unpacks at once
 
