@@ -61,7 +61,8 @@ function session:tell(always)
 end
 
 function session:begin()
-  if self.history then self.history:drop() end
+  if self.before then self.before:drop() end
+  self.before = self.history -- pages may still be asking for it
   self.number = self.number + 1
   self.history = history.new(self.server, self.number, self.title)
   self.child = child.start(words.with(self.words, self.values))

@@ -9,7 +9,7 @@
     constructor() {
       this.source = new view.stream.Stream();
       const node = el("section", { id: "drive" });
-      $("reports").before(node);
+      $("verdicts").before(node);
       this.drive = new view.drive.Drive(node, (on) => { if (this.hand) this.hand.chosen = on; });
       this.drawn = 0;
     }
@@ -25,7 +25,7 @@
     }
 
     async heard(state) {
-      const fresh = state.run !== this.source.number && state.frames > 0, follows = !this.app || fresh || this.follows;
+      const fresh = state.run !== this.source.number && state.latest >= 0, follows = !this.app || fresh || this.follows;
       if (fresh && await this.source.begin(state.run)) return location.reload();
       this.drive.show(state);
       if (state.run !== this.source.number) return;
@@ -70,9 +70,11 @@
       const key = `${state.run} ${state.doing === "ended"}`;
       if (!fresh && this.reported === key) return;
       this.reported = key;
-      const text = "The verdict comes at the end.";
-      $("reports").replaceChildren(state.doing === "ended" ? view.report.make(this.source)
-        : el("div", { class: "verdict unknown" }, el("strong", {}, "running"), el("p", {}, text)));
+      const ended = state.doing === "ended", { summary } = this.source;
+      const put = (id, content) => $(id).replaceChildren(el("div", { class: "run" }, content));
+      put("verdicts", ended ? view.report.verdict(summary) : el("div", { class: "verdict unknown" },
+        el("strong", {}, "running"), el("p", {}, "The verdict comes at the end.")));
+      put("reports", ended ? view.report.details(summary) : null);
     }
 
     lost(is) {
