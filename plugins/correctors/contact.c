@@ -24,6 +24,11 @@ enum { ROUNDS = 6 /* of impacts and looks in a step */ };
 /* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
 static const double slack = 0.01, left_by_sweeps = 1e-4;
 
+/* Processor time so far, s, for benchmarks, which find it by the names of fields. */
+typedef struct contact_times {
+  double all, pairs, looks, impulses; /* all of it; hk_nearby_reach, with its searches; hk_meetings_look; solve */
+} contact_times;
+
 typedef struct contact {
   hk_contact_params params;
   double restitution;
@@ -34,6 +39,7 @@ typedef struct contact {
   hk_meetings meetings;
   const hk_surfaces *surfaces;
   uint64_t *moved, *touched, now; /* for sweeps.h */
+  contact_times seconds;
   const hk_host *host;
 } contact;
 
@@ -50,6 +56,11 @@ static const hk_param params[] = {
 static const hk_field fields[] = {
     HK_CONTACT_ACCOUNT_ROWS(contact, account),
     {"began", HK_FIELD_INTEGER, 1, offsetof(contact, began), 0},
+    {"seconds", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.all), HK_SCRATCH},
+    {"seconds_of_pairs", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.pairs), HK_SCRATCH},
+    {"seconds_of_searches", HK_FIELD_NUMBER, 1, offsetof(contact, nearby.seconds), HK_SCRATCH},
+    {"seconds_of_looks", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.looks), HK_SCRATCH},
+    {"seconds_of_impulses", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.impulses), HK_SCRATCH},
     {0},
 };
 /* clang-format on */
@@ -93,6 +104,7 @@ static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_i
 }
 
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move) {
+  double begin = hk_own_time();
   hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps};
   impacts.moved = s->moved, impacts.touched = s->touched, impacts.now = s->now;
   impacts.tolerance = left_by_sweeps * hk_contact_scale(&s->params);
@@ -105,12 +117,18 @@ static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_ste
   hk_meetings_remember(&s->meetings, &impacts);
   c->changed |= done.pushing > 0;
   s->account.last.impulse += done.impulse;
+  s->seconds.impulses += hk_own_time() - begin;
   return c->filter ? refuse_slides(s, view, &impacts) : HK_OK;
 }
 
 static hk_status look(contact *s, hk_step_move *move) {
+  double begin = hk_own_time();
   hk_status status = hk_nearby_reach(&s->nearby, move->x_from, move->x);
-  return status == HK_OK ? hk_meetings_look(&s->meetings, move) : status;
+  double between = hk_own_time();
+  if (status == HK_OK) status = hk_meetings_look(&s->meetings, move);
+  s->seconds.pairs += between - begin;
+  s->seconds.looks += hk_own_time() - between;
+  return status;
 }
 
 /* An edge of length 0 is a particle. */
@@ -141,8 +159,7 @@ static void warn_of_start(contact *s, const hk_view *view) {
       closed.count, closed.depth, one, other);
 }
 
-static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
-  contact *s = self;
+static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   hk_contact_account_step(&s->account, view->t, c->h);
   hk_nearby_begin(&s->nearby, c->x_before);
@@ -162,6 +179,14 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   s->account.last.closest = s->meetings.closest;
   if (c->changed) hk_contact_account_work(&s->account, view, c);
   return HK_OK;
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  contact *s = self;
+  double begin = hk_own_time();
+  hk_status status = keep_apart(s, view, c);
+  s->seconds.all += hk_own_time() - begin;
+  return status;
 }
 
 static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
