@@ -11,7 +11,7 @@
 #include "plugins/common/barrier/barrier_bound.h"
 #include "plugins/common/barrier/barrier_choice.h"
 #include "plugins/common/barrier/barrier_friction.h"
-#include "plugins/common/barrier/barrier_hessian.h"
+#include "plugins/common/barrier/barrier_pair.h"
 #include "plugins/common/barrier/barrier_sum.h"
 
 #include <float.h>

@@ -19,7 +19,7 @@ static size_t place_of(const hk_surface_pair *list, size_t count, const hk_surfa
   size_t low = 0, high = count;
   while (low < high) {
     size_t middle = low + (high - low) / 2;
-    if (hk_barrier_order(&list[middle], pair) < 0)
+    if (hk_surface_order(&list[middle], pair) < 0)
       low = middle + 1;
     else
       high = middle;
@@ -34,7 +34,7 @@ static void tell_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   for (size_t k = begin; k < end; k++) {
     hk_barrier_pair *p = &t->near[k];
     int order = -1;
-    for (; at < t->count && (order = hk_barrier_order(&t->named[at], &p->pair)) < 0;) at++;
+    for (; at < t->count && (order = hk_surface_order(&t->named[at], &p->pair)) < 0;) at++;
     p->name = at < t->count && order == 0 ? (uint32_t)at : UINT32_MAX;
     nameless += p->name == UINT32_MAX && least_on(p, t->part) < t->distance;
   }
@@ -54,8 +54,8 @@ static bool have_names(const hk_barrier_contacts *c, const hk_surface_pair *also
   const hk_surface_pair *named = c->named.item;
   size_t at = 0;
   for (size_t k = 0; k < count; k++) {
-    while (at < c->named.count && hk_barrier_order(&named[at], &also[k]) < 0) at++;
-    if (at == c->named.count || hk_barrier_order(&named[at], &also[k]) != 0) return false;
+    while (at < c->named.count && hk_surface_order(&named[at], &also[k]) < 0) at++;
+    if (at == c->named.count || hk_surface_order(&named[at], &also[k]) != 0) return false;
   }
   return true;
 }
@@ -69,8 +69,8 @@ static hk_status name(hk_barrier_contacts *c, double part, const hk_surface_pair
   size_t count = 0, q = 0;
   for (size_t k = 0; k < c->found; k++) {
     if (!(least_on(&near[k], part) < (1 + HK_BARRIER_MARGIN) * c->law.distance)) continue;
-    while (q < also_count && hk_barrier_order(&also[q], &near[k].pair) < 0) named[count++] = also[q++];
-    if (q < also_count && hk_barrier_order(&also[q], &near[k].pair) == 0) q++;
+    while (q < also_count && hk_surface_order(&also[q], &near[k].pair) < 0) named[count++] = also[q++];
+    if (q < also_count && hk_surface_order(&also[q], &near[k].pair) == 0) q++;
     named[count++] = near[k].pair;
   }
   while (q < also_count) named[count++] = also[q++];

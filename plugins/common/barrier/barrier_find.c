@@ -1,4 +1,4 @@
-/* See barrier_contacts.h. */
+/* See barrier_contacts.h: the search for what may act on a move, and the gaps on it. */
 #include "plugins/common/barrier/barrier_contacts.h"
 #include "plugins/common/space/vector3.h"
 
@@ -161,7 +161,7 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const d
                             hk_surface_pairs found) {
   size_t count = 0;
   hk_status status = add_ends(c, &found);
-  if (status == HK_OK) status = hk_barrier_sort(&c->sorter, c->host, found.pair, found.count, from->n, &count);
+  if (status == HK_OK) status = hk_surface_sort(&c->sorter, c->host, found.pair, found.count, from->n, &count);
   if (status == HK_OK) status = grow(c, &c->near, count);
   if (status == HK_OK) status = grow(c, &c->kept_of, count / HK_BARRIER_GRAIN + 1);
   if (status != HK_OK) return status;
