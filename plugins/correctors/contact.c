@@ -16,8 +16,7 @@
 #include "plugins/common/impacts/contact_account.h"
 #include "plugins/common/impacts/contact_params.h"
 #include "plugins/common/impacts/meetings.h"
-
-#include <stdio.h>
+#include "plugins/common/surfaces/surface_pair_names.h"
 
 enum { ROUNDS = 6 /* of impacts and looks in a step */ };
 
@@ -131,32 +130,18 @@ static hk_status look(contact *s, hk_step_move *move) {
   return status;
 }
 
-/* An edge of length 0 is a particle. */
-static void say(char text[48], const uint32_t *id, const uint32_t *v, int count) {
-  if (count == 3)
-    snprintf(text, 48, "triangle %u %u %u", id[v[0]], id[v[1]], id[v[2]]);
-  else if (count == 2 && v[0] != v[1])
-    snprintf(text, 48, "edge %u %u", id[v[0]], id[v[1]]);
-  else
-    snprintf(text, 48, "particle %u", id[v[0]]);
-}
-
 /* What starts nearer than its thickness is opened without a speed, so that no energy shows it. */
 static void warn_of_start(contact *s, const hk_view *view) {
   hk_meetings_closed closed = hk_meetings_closed_at_start(&s->meetings);
   bool began = s->began;
   s->began = true;
   if (began || closed.count == 0) return;
-  const uint32_t *v = closed.pair->vertex;
-  int first = closed.pair->kind == HK_POINT_TRIANGLE ? 1 : 2;
-  char one[48], other[48];
-  say(one, view->model->id, v, first);
-  say(other, view->model->id, v + first, 4 - first);
+  hk_surface_pair_names names = hk_surface_pair_name(closed.pair, view->model->id);
   s->host->warn(
       s->host,
       "%zu pairs start nearer than their thickness, by up to %.3g m (%s and %s): every step opens such a gap "
       "by half of what is missing, which no force does; start them apart, or make thickness or radius smaller",
-      closed.count, closed.depth, one, other);
+      closed.count, closed.depth, names.one, names.other);
 }
 
 static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
