@@ -1,5 +1,6 @@
 /* Advancing a run, closing it, and the queries about its state and results. */
 #include "core/run/run.h"
+#include "core/text/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +45,6 @@ static hk_status close_outputs(hk_run *run) {
     if (first == HK_OK) first = status;
   }
   hk_status status = hk_measures_close(&run->measures, &run->error);
-  hk_folder_release(run->folder);
   return first == HK_OK ? status : first;
 }
 

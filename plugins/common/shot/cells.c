@@ -1,6 +1,7 @@
 /* The cells of a shot. Segments are the elements on pairs of particles, the pairs that constraints join and the scene's
- * edges, each pair once; triangles are the scene's and the elements on triples, each once. Of two that are the same,
- * the one of an element goes first, for it has a strain. */
+ * edges, each pair once; triangles are the scene's and the elements on triples that can be strained, each once: those
+ * that cannot are bends of two edges. Of two cells that are the same, the one of an element goes first, for it has a
+ * strain. */
 #include "plugins/common/shot/cells.h"
 
 #include "plugins/common/shot/room.h"
@@ -73,7 +74,7 @@ static bool collect(const hk_shooting *s, const hk_model *m, unsigned arity, can
   bool fine = true;
   for (size_t k = 0; k < m->element_lists && fine; k++) {
     const hk_elements *e = &m->element_list[k].elements;
-    if (e->node.arity == arity) fine = add_tuples(all, s, &e->node, (uint32_t)k);
+    if (e->node.arity == arity && (arity == 2 || e->rest.count)) fine = add_tuples(all, s, &e->node, (uint32_t)k);
   }
   for (size_t k = 0; k < m->join_lists && arity == 2 && fine; k++) fine = add_tuples(all, s, m->join[k], UINT32_MAX);
   const hk_tuples *own = arity == 2 ? &m->edges : &m->triangles;

@@ -88,7 +88,7 @@ local function says_that_the_disk_is_full(plugin, lines)
     if mute and not told then
       told = true
       lines:wrong(("%s fails without saying why"):format(mute), "use host->fail with the path and strerror(errno)")
-    elseif not said_so and not told then
+    elseif not said_so and not told and watching.asked() > 0 then
       told = true
       lines:wrong("it does not see that its file cannot be written", "look at the results of fprintf, fflush and fclose")
     end
@@ -106,6 +106,7 @@ local function says_that_there_is_no_folder(plugin, lines)
         lines:wrong(("%s fails without saying why"):format(what), "use host->fail with the path and strerror(errno)")
       end
     end)
+    if watching.asked() == 0 then return end
     if not failed then lines:wrong("it does not see that its file cannot be made", "look at the result of fopen") end
     watching.into(a)
     lines:at("a run without a folder")
