@@ -1,6 +1,7 @@
 /* The whole motion in one file, trajectory.h5: HDF5 in the layout of VTKHDF 2.0, which ParaView 5.12 and h5py read, and
  * beside it trajectory.xdmf, for programs that do not know this layout. Every frame is on file before the next step,
- * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). */
+ * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). A run that goes on
+ * from a checkpoint writes a file of its own, in the folder of that part. */
 #include "plugins/common/recording/recording.h"
 #include "plugins/common/shot/shooting.h"
 

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -18,6 +19,7 @@ static const char scene[] = "local v = param('v', 1)\n"
                             "s:particle { position = {0, 0, 1}, velocity = {v, 0, 0} }\n"
                             "s:measure('z', function(q) return q:position(1)[1] end)\n"
                             "s:output('table', {})\n"
+                            "if param('recorded', 0) == 1 then s:output('trajectory', {}) end\n"
                             "if param('pictures', 0) == 1 then\n"
                             "  s:output('frames', { width = 16, height = 16, video = false })\n"
                             "end\n"
@@ -112,6 +114,13 @@ static void a_run_with_pictures(void **state) {
   fails_at_calls("pictures=1", 8);
 }
 
+/* A recording is written in many small parts; tests/plugins/common/recording/crash.c has each of them. */
+static void a_run_with_a_recording(void **state) {
+  (void)state;
+  if (access(HK_BUILD "/plugins/outputs/trajectory.so", F_OK) != 0) skip();
+  fails_at_calls("recorded=1", 29);
+}
+
 /* A database that has results of an earlier sweep: they are there afterwards, and the sweep can go on. */
 static void a_sweep(void **state) {
   (void)state;
@@ -174,6 +183,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_run_with_tables_and_a_state),
       cmocka_unit_test(a_run_with_pictures),
+      cmocka_unit_test(a_run_with_a_recording),
       cmocka_unit_test(a_sweep),
       cmocka_unit_test(a_bench),
   };

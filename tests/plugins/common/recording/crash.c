@@ -16,7 +16,7 @@
 
 #include <cmocka.h>
 
-enum { FRAMES = 7, MOST = 40 };
+enum { FRAMES = 4, MOST = 40 };
 
 static long calls, ends_at, fails_at; /* 0: never */
 
