@@ -8,6 +8,7 @@ local fine, server = pcall(require, "server")
 local process = require("process")
 local cjson = require("cjson.safe")
 local json_text = require("common.view.json_text")
+local encode = require("common.view.encode")
 local template = require("common.view.template")
 local child = require("common.watch.child")
 local history = require("common.watch.history")
@@ -60,7 +61,8 @@ function session:tell(always)
 end
 
 function session:begin()
-  if self.history then self.history:drop() end
+  if self.before then self.before:drop() end
+  self.before = self.history -- pages may still be asking for it
   self.number = self.number + 1
   self.history = history.new(self.server, self.number, self.title)
   self.child = child.start(words.with(self.words, self.values))
@@ -136,10 +138,18 @@ end
 
 -- ---- the command ----
 
-local function page_of(title, nonce)
-  local before, after = template.parts({ title = title, subtitle = "live", last = "live", nonce = nonce,
-    policy = "; connect-src 'self'; img-src data: blob:" })
-  return before and before .. after, after
+-- The page of a run under way: it has no data but the colours.
+local function page_of(title)
+  local before, after = template.parts({ title = title, subtitle = "live", policy = "; connect-src 'self'",
+    modules = { "link", "stream", "hand", "drive", "live" } })
+  if not before then return nil, after end
+  local parts = { before }
+  local out = { add = function(_, packed)
+    parts[#parts + 1] = ('<script type="text/plain" id="d%d">%s</script>\n'):format(#parts, packed)
+    return ("d%d"):format(#parts - 1)
+  end }
+  local story = json_text.encode({ colours = encode.colours(out) })
+  return table.concat(parts) .. '<script type="application/json" id="story">' .. story .. "</script>\n" .. after
 end
 
 local function run()

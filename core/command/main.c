@@ -272,8 +272,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
     if (o.help) {
       if (!o.json) hk_options_print();
-      if (script) hk_parameters_print(script, o.json);
-      if (status != HK_OK && !script) code = complain(&error);
+      if (script && (status == HK_OK || !o.json)) hk_parameters_print(script, o.json);
+      if (status != HK_OK && (o.json || !script)) code = complain(&error);
     } else if (status != HK_OK)
       code = complain(&error);
     else if (hk_script_drove(script, &worst))

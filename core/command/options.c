@@ -51,7 +51,7 @@ static const option options[] = {
     {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),
      false},
     {"--watch", NULL,
-     "in a browser while it runs: a page on this machine's own address, to look, pause, pull and try values", FLAG,
+     "in a browser while it runs: a page on this machine's own address, to look, stop, take hold and try values", FLAG,
      AT(watch), false},
     {"--port", "N", "of the page of --watch, default 0: any that is free", WHOLE, AT(port), false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},

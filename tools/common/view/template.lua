@@ -74,7 +74,7 @@ local function script(number_used_once, text)
 end
 
 -- The page's parts up to where data come, and from there: nil and the reason where a file is missing.
--- what: title, subtitle, policy (more of the Content-Security-Policy), last (the module that opens the page)
+-- what: title, subtitle, policy (more of the Content-Security-Policy), modules (those behind them; the last opens the page)
 function template.parts(what)
   local folder = hooke.folder .. "/view/"
   local three, why = template.three()
@@ -82,7 +82,7 @@ function template.parts(what)
   local used = what.nonce or nonce()
   local scripts = { script(used, three) }
   local modules = table.move(template.modules, 1, #template.modules, 1, {})
-  modules[#modules + 1] = what.last or "open"
+  table.move(what.modules or { "open" }, 1, #(what.modules or { "open" }), #modules + 1, modules)
   for _, name in ipairs(modules) do
     local text
     text, why = read(folder .. name .. ".js")
