@@ -17,7 +17,7 @@ if missing then
 end
 
 local folder = require("support.view.pages").write(root, build)
-local b = browser.open(1200, 800)
+local b = browser.open(960, 620)
 
 local function open(name)
   b:go(("file://%s/%s.html"):format(folder, name))
@@ -158,7 +158,7 @@ function tests.another_size_of_the_window_is_followed()
   b:wait("view.page.stage.canvas.clientWidth < 720")
   b:wait("Math.abs(view.page.stage.canvas.width - view.page.stage.canvas.clientWidth) < 2")
   assert(b:eval("document.documentElement.scrollWidth <= innerWidth"))
-  b:size(1200, 943)
+  b:size(960, 763)
   silent("sheet, later")
 end
 

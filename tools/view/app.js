@@ -49,10 +49,10 @@ view.app = (() => {
           groups.get(key).lines.push({ name: s.name, run, times: s.times || source.run.times, values: s.values });
         }
       });
-      const d = this.more.difference;
-      if (d) groups.set("difference", { title: "Distance between the runs", unit: "m", lines: [
+      const d = this.more.difference, list = [...groups.values()];
+      if (d) list.unshift({ title: "Distance between the runs", unit: "m", lines: [
         { name: "RMS", run: 0, times: d.times, values: d.rms }, { name: "largest", run: 0, times: d.times, values: d.most }] });
-      return [...groups.values()];
+      return list;
     }
 
     makePlots() {
@@ -82,8 +82,10 @@ view.app = (() => {
     }
 
     makeReports() {
-      const part = (id, content) => $(id).append(...this.sources.map((source) => el("div", { class: "run" },
-        this.sources.length > 1 ? el("h2", { class: "run-title" }, source.title) : null, content(source.summary))));
+      const title = (source, k) => el("h2", { class: `run-title run-${k}` }, source.title,
+        el("small", {}, k ? "dashed lines" : "solid lines"));
+      const part = (id, content) => $(id).append(...this.sources.map((source, k) => el("div", { class: "run" },
+        this.sources.length > 1 ? title(source, k) : null, content(source.summary))));
       part("verdicts", view.report.verdict);
       part("reports", view.report.details);
       const bench = this.more.bench && view.bench.make(this.more.bench);

@@ -43,7 +43,7 @@ static uint32_t id_at(const void *id, size_t i) {
   return value;
 }
 
-/* Moves what is known of a particle to its new index, at or below the old one or, where others were born, above. */
+/* Moves what is known of particles to their new indices; of a new one nothing is. */
 static void gather(const hk_motion_code *m, uint16_t *to, const uint16_t *from, const size_t *old, size_t n) {
   for (size_t c = 0; c < m->components; c++)
     for (size_t i = 0; i < n; i++) to[c * m->room + i] = old[i] < SIZE_MAX ? from[c * m->room + old[i]] : 0;
@@ -59,7 +59,7 @@ static void match(const hk_motion_code *m, size_t n, const void *id, size_t *old
 }
 
 static bool same_particles(const hk_motion_code *m, size_t n, const void *id) {
-  return n == m->n && (!id || memcmp(m->id, id, n * sizeof *m->id) == 0);
+  return n == m->n && (n == 0 || !id || memcmp(m->id, id, n * sizeof *m->id) == 0);
 }
 
 /* The last two frames, in the order of this one's particles. */
@@ -76,7 +76,7 @@ static bool follow(hk_motion_code *m, size_t n, const void *id) {
     for (size_t i = 0; i < n; i++) old[i] = SIZE_MAX;
   uint8_t *seen = malloc(before + 1);
   if (seen) {
-    memcpy(seen, m->seen, before);
+    if (before) memcpy(seen, m->seen, before);
     for (size_t i = 0; i < n; i++) m->seen[i] = old[i] < SIZE_MAX ? seen[old[i]] : 0;
     for (int k = 1; k < 3; k++) { /* value[0] is free: this frame has not come yet */
       gather(m, m->value[0], m->value[k], old, n);
@@ -84,7 +84,7 @@ static bool follow(hk_motion_code *m, size_t n, const void *id) {
       m->value[k] = m->value[0];
       m->value[0] = other;
     }
-    if (id) memcpy(m->id, id, n * sizeof *m->id);
+    if (id && n) memcpy(m->id, id, n * sizeof *m->id);
     m->n = n;
   }
   free(old);
