@@ -3,7 +3,7 @@
 local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
 package.path = ("%s/tests/?.lua;%s/tests/support/?.lua;%s"):format(root, root, package.path)
 package.cpath = ("%s/tools/?.so;%s"):format(build, package.cpath)
-local fine, cjson = pcall(require, "cjson")
+local fine = pcall(require, "cjson")
 local browser = fine and require("support.view.browser")
 local missing = not fine and "lua-cjson" or browser.missing()
   or (not io.open(build .. "/tools/server.so") and "libmicrohttpd, with which hooke is built,")
@@ -12,6 +12,7 @@ if missing then
   os.exit(77)
 end
 local watched = require("watch.watched")
+local process = require("process")
 
 -- Of 13 x 13 particles at first; free to fall on nothing, it hangs by two corners.
 local scene = [[
@@ -154,6 +155,7 @@ function tests.a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine()
 end
 
 function tests.ten_pages_at_once_and_their_end_do_no_harm()
+  b:eval("view.live.drive.again({ N: 3 })")
   for _ = 1, 9 do b:eval(("!!window.open('%s')"):format(w.url)) end
   local frames = w:state().frames
   w:wait(function(s) return s.frames > frames + 30 end)
@@ -171,6 +173,7 @@ local order = { "it_follows_the_run_without_a_complaint", "pause_single_frame_an
 
 local failed = 0
 for _, name in ipairs(order) do
+  local begin = process.clock()
   local went, why = xpcall(tests[name], debug.traceback)
   if not went then
     failed = failed + 1
@@ -178,7 +181,7 @@ for _, name in ipairs(order) do
     print(("FAILED %s: %s"):format(name, why))
     break -- those behind it go on from where it ends
   end
-  print("ok     " .. name)
+  print(("ok     %s (%.1f s)"):format(name, process.clock() - begin))
 end
 pcall(b.close, b)
 w:close()
