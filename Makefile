@@ -61,7 +61,7 @@ ifneq (,$(PICTURES))
 PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
 PICTURES_LIBS   := $(call libs,$(PICTURES))
 else # then what is written on OpenGL or libpng cannot be compiled
-LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*/*.c; do \
+LEFT_OUT := plugins/outputs/frames.c tests/bench/pictures.c $(shell for f in plugins/common/*/*.c; do \
               $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
 endif
 # SUNDIALS, 6 or later, has no pkg-config files in most systems; 7 keeps its context in a library of its own.
@@ -275,7 +275,9 @@ install: build
 	for f in core/plugin.h $(wildcard core/plugin/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc,$(pkg_config)) install -m 644 $B/hooke.pc $(to)/lib/pkgconfig/hooke.pc
-	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps ! -name manual ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
+	tools/manual $B/hooke >$B/hooke.1 && install -D -m 644 $B/hooke.1 $(to)/share/man/man1/hooke.1
+	install -D -m 644 tools/completion.bash $(to)/share/bash-completion/completions/hooke
 
 -include $(compiled:.o=.d)

@@ -34,7 +34,7 @@ local ordinary_words = {
     surface = "what a grid or a file of triangles spans", contact = "what surfaces and particles do that touch",
     membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
     volume = "of a body", solid = "what is not hollow", trajectory = "the positions of a run at its frames",
-    hand = "to hand a thing over",
+    hand = "to hand a thing over", csv = "the format of a table", pull = "the user's hand on a particle",
   },
   comment = {
     octree = "the tree of cells",
@@ -48,7 +48,7 @@ local ordinary_words = {
     surfaces = "what contact keeps apart", drag = "the resistance of the air",
     checkpoint = "the file of a run that goes on", trajectory = "the positions of a run at its frames",
     hand = "to hand a thing over, or what is written by hand", pull = "what springs and bars do",
-    live = "what has not died",
+    live = "what has not died", csv = "the format of a table",
   },
 }
 

@@ -87,7 +87,7 @@ local function csv_text(value)
   if value == nil then return "" end
   if math.type(value) == "float" then return ("%.9g"):format(value) end
   local text = tostring(value)
-  return text:find('[,"\n]') and '"' .. text:gsub('"', '""') .. '"' or text
+  return text:find('[,"\r\n]') and '"' .. text:gsub('"', '""') .. '"' or text
 end
 
 local function csv_of(columns, rows)

@@ -6,7 +6,6 @@
 
 #include <limits.h>
 #include <stdio.h>
-#include <string.h>
 
 typedef struct trajectory {
   const char *file, *group;
@@ -43,29 +42,14 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
-static hk_status find_group(trajectory *t, const hk_model *m) {
-  t->shooting.group = UINT32_MAX;
-  if (!t->group) return HK_OK;
-  for (size_t g = 0; g < m->groups; g++)
-    if (strcmp(m->group_name[g], t->group) == 0) t->shooting.group = (uint32_t)g;
-  if (t->shooting.group != UINT32_MAX) return HK_OK;
-  return t->host->fail(t->host, HK_BAD_PARAM, "group: no particle is in a group '%s'", t->group);
-}
-
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   trajectory *t = self;
   t->host = host;
-  return find_group(t, view->model);
+  return hk_shooting_choose(&t->shooting, host, view->model, t->group);
 }
 
 static hk_status io_error(const trajectory *t, const char *why) {
   return t->host->fail(t->host, HK_IO, "cannot write %s: %s", t->path, why);
-}
-
-static hk_status take(trajectory *t, const hk_view *view, const hk_frame *now) {
-  t->shooting.only = t->only;
-  hk_status status = hk_shooting_take(&t->shooting, view, now);
-  return status == HK_NO_MEMORY ? t->host->fail(t->host, status, "no memory for %zu particles", view->n) : status;
 }
 
 static hk_status find_paths(trajectory *t) {
@@ -82,9 +66,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   char why[256] = "";
   hk_recorder_setup setup = {.single = t->precision == SINGLE, .level = (int)t->level, .every = (size_t)t->every};
   hk_status status = find_paths(t);
-  if (status == HK_OK && hk_shooting_begin(&t->shooting, view, now, t->forces) != HK_OK)
-    status = t->host->fail(t->host, HK_NO_MEMORY, "no memory for a frame");
-  if (status == HK_OK) status = take(t, view, now);
+  if (status == HK_OK) status = hk_shooting_open(&t->shooting, view, now, &t->only, t->forces);
   if (status != HK_OK) return status;
   t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->shooting.shot, now, why, sizeof why);
   return t->recorder ? HK_OK : io_error(t, why);
@@ -94,7 +76,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   trajectory *t = self;
   char why[256] = "";
   if (now->index % (size_t)t->every != 0) return HK_OK;
-  hk_status status = take(t, view, now);
+  hk_status status = hk_shooting_frame(&t->shooting, view, now, &t->only);
   if (status != HK_OK) return status;
   bool written = hk_recorder_add(t->recorder, &t->shooting.shot, t->shooting.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);

@@ -73,7 +73,8 @@ static bool same_left(const surfaces *s, const hk_surface_request *r) {
   return true;
 }
 
-static hk_status compare(const surfaces *s, const hk_surface_request *r) {
+/* `host` is that of the plugin that joins, whose line the errors name. */
+static hk_status compare(const surfaces *s, const hk_host *host, const hk_surface_request *r) {
   const struct {
     const char *name;
     double first, second;
@@ -82,23 +83,22 @@ static hk_status compare(const surfaces *s, const hk_surface_request *r) {
                {"radius", s->request.radius, r->radius}};
   for (size_t k = 0; k < sizeof value / sizeof *value; k++)
     if (value[k].first != value[k].second)
-      return s->host->fail(
-          s->host, HK_BAD_PARAM,
-          "another plugin that keeps the surfaces of this run apart has a %s of %g m, this one of %g m: "
-          "give both the same",
-          value[k].name, value[k].first, value[k].second);
+      return host->fail(host, HK_BAD_PARAM,
+                        "another plugin that keeps the surfaces of this run apart has a %s of %g m, this one of %g m: "
+                        "give both the same",
+                        value[k].name, value[k].first, value[k].second);
   if (same_left(s, r)) return HK_OK;
-  return s->host->fail(s->host, HK_BAD_PARAM,
-                       "another plugin that keeps the surfaces of this run apart leaves out other particles: give both "
-                       "the same list");
+  return host->fail(host, HK_BAD_PARAM,
+                    "another plugin that keeps the surfaces of this run apart leaves out other particles: give both "
+                    "the same list");
 }
 
-static hk_status check_request(const surfaces *s, const hk_surface_request *r) {
+static hk_status check_request(const hk_host *host, const hk_surface_request *r) {
   double value[] = {r->thickness, r->body_thickness, r->radius};
   for (size_t k = 0; k < 3; k++)
     if (!(value[k] >= 0 && isfinite(value[k])))
-      return s->host->fail(s->host, HK_BAD_PARAM, "a thickness or radius of surfaces is %g m: it has to be 0 or more",
-                           value[k]);
+      return host->fail(host, HK_BAD_PARAM, "a thickness or radius of surfaces is %g m: it has to be 0 or more",
+                        value[k]);
   return HK_OK;
 }
 
@@ -113,9 +113,9 @@ static hk_status keep_left(surfaces *s, const hk_tuples *leave) {
 
 static hk_status join(void *self, const hk_surface_request *request, const hk_view *view) {
   surfaces *s = self;
-  hk_status status = check_request(s, request);
+  hk_status status = check_request(view->host, request);
   if (status != HK_OK) return status;
-  if (s->joined) return compare(s, request);
+  if (s->joined) return compare(s, view->host, request);
   s->request = *request;
   status = keep_left(s, request->leave);
   if (status == HK_OK) status = list(s, view);

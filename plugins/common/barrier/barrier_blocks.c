@@ -1,8 +1,7 @@
 /* The blocks of the pairs that act. The Hessians of a batch of pairs are computed by all threads, and then added by all
  * of them, each to rows of its own: every block gets its parts in the order of the pairs. */
-#include "plugins/common/barrier/barrier_hessian.h"
+#include "plugins/common/barrier/barrier_pair.h"
 #include "plugins/common/barrier/barrier_sum.h"
-#include "plugins/common/barrier/barrier_values.h"
 
 /* Parts into which the rows are divided, in turn: as many threads can add. */
 enum { PARTS = 16 };

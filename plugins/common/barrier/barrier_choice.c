@@ -1,6 +1,5 @@
 /* See barrier_choice.h. */
 #include "plugins/common/barrier/barrier_choice.h"
-#include "plugins/common/barrier/barrier_values.h"
 #include "plugins/common/space/vector3.h"
 
 static const double weights = 100, gravity = 9.80665 /* m/s^2, standard */;

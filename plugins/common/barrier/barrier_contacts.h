@@ -3,12 +3,12 @@
  * `near` holds all pairs that may come nearer than the barrier's distance on the present move, and more: it is found
  * with a margin, and kept while no particle is farther than that from where it was then. `named` holds the pairs that
  * have blocks in the matrix: it changes when a pair comes near that has none, so that contacts that open and close
- * again leave the pattern as it is. Invariants: both rise by hk_barrier_order, so that sums over pairs that act have
+ * again leave the pattern as it is. Invariants: both rise by hk_surface_order, so that sums over pairs that act have
  * one order whatever else was found; a pair that acts has a name. */
 #ifndef HK_BARRIER_CONTACTS_H
 #define HK_BARRIER_CONTACTS_H
 
-#include "plugins/common/barrier/barrier_order.h"
+#include "plugins/common/surfaces/surface_order.h"
 #include "plugins/common/barrier/barrier_shape.h"
 
 enum {
@@ -34,15 +34,16 @@ typedef struct hk_barrier_contacts {
   hk_array base;     /* double, n x 3: the positions for which `near` was found; scratch */
   hk_array kept_of;  /* uint32_t, of each chunk of what was found; scratch */
   hk_array halves;   /* hk_surface_pair: what was found, and ends of strands; scratch */
-  hk_array values;   /* hk_barrier_value, as many as `near`; see barrier_values.h; scratch */
+  hk_array values;   /* hk_barrier_value, as many as `near`; see below; scratch */
   hk_array tally;    /* hk_barrier_tally, one of each chunk of `near`; scratch */
   hk_array acting;   /* uint32_t, positions in `values`; scratch */
   hk_array at;       /* double, n x 3: the positions of `values`; scratch */
+  hk_array way;      /* double, n x 3: the present move; scratch */
   hk_array sums;     /* double, one of each chunk; scratch */
   hk_array parts;    /* double, two of each chunk; scratch */
   hk_array loads;    /* double, 12 of each pair that acts; scratch */
   hk_array hessians; /* hk_barrier_hessian, HK_BARRIER_BATCH; scratch */
-  hk_barrier_sorter sorter;
+  hk_surface_sorter sorter;
   double *shape; /* hk_barrier_shape of the n particles */
   /* others */
   size_t found, acting_count, touching; /* pairs: near, acting, and of these without a gap */
@@ -59,9 +60,18 @@ hk_status hk_barrier_forget(hk_barrier_contacts *);
  * *changed is set where the blocks differ. */
 hk_status hk_barrier_find(hk_barrier_contacts *, const hk_view *from, const double *x_to, const hk_surface_pair *also,
                           size_t also_count, bool *changed);
-/* Its last part: tells the pairs their names, and gives names where one that may act has none. */
-hk_status hk_barrier_tell_names(hk_barrier_contacts *, const hk_surface_pair *also, size_t also_count, bool *changed);
+/* Its last part: tells the pairs their names, and gives names where one has none that may act on the first `part` of
+ * the move. */
+hk_status hk_barrier_tell_names(hk_barrier_contacts *, double part, const hk_surface_pair *also, size_t also_count,
+                                bool *changed);
 /* For hk_force.step_limit. */
 double hk_barrier_limit(hk_barrier_contacts *, const hk_view *from, const double *dx);
+
+/* ---- barrier_values.c: the pairs that act at some positions, with their energies and derivatives: evaluated once for
+ * each state, whatever asks for it, force, energy, blocks or the record of an accepted step ---- */
+
+/* Makes `acting`, in the order of `near`, those of the positions x. Evaluates nothing where they are already. */
+void hk_barrier_values_at(hk_barrier_contacts *, const hk_view *view);
+const hk_barrier_value *hk_barrier_acting(const hk_barrier_contacts *, size_t k); /* k < acting_count */
 
 #endif

@@ -1,6 +1,5 @@
 /* See barrier_friction.h. */
 #include "plugins/common/barrier/barrier_friction.h"
-#include "plugins/common/barrier/barrier_values.h"
 #include "plugins/common/space/vector3.h"
 
 #include <string.h>
@@ -129,7 +128,7 @@ void hk_friction_tell_names(hk_barrier_friction *f, const hk_barrier_contacts *c
   const hk_surface_pair *named = c->named.item;
   size_t k = 0;
   for (size_t e = 0; e < f->touches.count; e++) {
-    while (k < c->named.count && hk_barrier_order(&named[k], &touches_of(f)[e].pair) < 0) k++;
+    while (k < c->named.count && hk_surface_order(&named[k], &touches_of(f)[e].pair) < 0) k++;
     touches_of(f)[e].name = (uint32_t)k;
   }
 }

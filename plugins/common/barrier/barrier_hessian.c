@@ -1,7 +1,7 @@
-/* See barrier_hessian.h. With the gradients g of E and h of m, and the Hessian M of m, m E has the Hessian
- *     m E'' + g h^T + h g^T + E M,
- * where g_i = w_i times one vector, and h and M depend on x_i by the two edges alone. */
-#include "plugins/common/barrier/barrier_hessian.h"
+/* The Hessian of a pair: see barrier_pair.h. With the gradients g of E and h of m, and the Hessian M of m, m E has the
+ * Hessian m E'' + g h^T + h g^T + E M, where g_i = w_i times one vector, and h and M depend on x_i by the two edges
+ * alone. */
+#include "plugins/common/barrier/barrier_pair.h"
 
 /* The derivative of an edge by x_i is the unit matrix with this sign. */
 static double sign_of(int i) { return i % 2 == 0 ? -1 : 1; }

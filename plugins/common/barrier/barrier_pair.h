@@ -8,6 +8,7 @@
 #ifndef HK_BARRIER_PAIR_H
 #define HK_BARRIER_PAIR_H
 
+#include "plugins/common/collision/distance_form.h"
 #include "plugins/common/surfaces/surfaces.h"
 
 typedef struct hk_barrier_pair {
@@ -44,5 +45,32 @@ bool hk_barrier_evaluate(const hk_barrier_pair *, const hk_barrier_law *, const 
 void hk_barrier_gradient(const hk_barrier_pair *, const hk_barrier_value *, const double *x, double g[12]);
 /* N, the size of the force with which the two features push each other. */
 double hk_barrier_load(const hk_barrier_value *);
+
+/* ---- the Hessian of m E, in a form that gives its blocks ---- */
+
+/* What the mollifier adds, for a pair of edges u = x1 - x0 and v = x3 - x2. */
+typedef struct hk_barrier_turn {
+  double gradient[2][3]; /* of m, by u and v, 1/m */
+  double force[3];       /* 2 E' d, N: the gradient of E by x_i is w_i times that */
+  double M[3][9];        /* E times the Hessian of m, by uu, uv and vv */
+} hk_barrier_turn;
+
+typedef struct hk_barrier_hessian {
+  hk_distance_form form;
+  bool turns;
+  hk_barrier_turn turn; /* not set where `turns` is false */
+} hk_barrier_hessian;
+
+/* Of the value at x. `definite`: of it what the mollifier does not change, projected. */
+void hk_barrier_hessian_of(const hk_barrier_pair *, const hk_barrier_value *, const double *x, bool definite,
+                           hk_barrier_hessian *);
+/* Adds what the mollifier adds. */
+void hk_barrier_turn_row(const hk_barrier_hessian *, int i, const size_t slot[4], double *B);
+
+/* Adds the blocks of point i and each of the four to B + 9 slot[j]. */
+INLINE void hk_barrier_hessian_row(const hk_barrier_hessian *h, int i, const size_t slot[4], double *B) {
+  hk_distance_form_row(&h->form, i, slot, B);
+  if (h->turns) hk_barrier_turn_row(h, i, slot, B);
+}
 
 #endif

@@ -1,6 +1,5 @@
 /* See barrier_sum.h. */
 #include "plugins/common/barrier/barrier_sum.h"
-#include "plugins/common/barrier/barrier_values.h"
 
 typedef struct task {
   const hk_barrier_contacts *contacts;

@@ -1,6 +1,6 @@
-/* See barrier_values.h. Every chunk of `near` writes the values of its pairs that act to its own part of `values`, from
- * the start on; `acting` then lists them all. */
-#include "plugins/common/barrier/barrier_values.h"
+/* See barrier_contacts.h. Every chunk of `near` writes the values of its pairs that act to its own part of `values`,
+ * from the start on; `acting` then lists them all. */
+#include "plugins/common/barrier/barrier_contacts.h"
 
 #include <string.h>
 

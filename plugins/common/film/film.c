@@ -1,5 +1,6 @@
 #include "plugins/common/film/film.h"
 
+#include "plugins/common/camera/follow.h"
 #include "plugins/common/film/obstacle_solids.h"
 #include "plugins/common/picture/legend.h"
 #include "plugins/common/snapshot/ink.h"
@@ -11,8 +12,9 @@
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
-  return isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) || (framing->floor && isnan(framing->height)) ||
-         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
+  return f->stills > 0 || f->follow || isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) ||
+         (framing->floor && isnan(framing->height)) || f->look.sizes == HK_SIZE_MASS ||
+         (framing->counted && isnan(framing->scale.low));
 }
 
 static hk_status make_solids(hk_film *f) {
@@ -106,6 +108,7 @@ static hk_status draw(hk_film *f) {
   hk_status status = make_colours(f, f->snapshot.n);
   if (status != HK_OK) return status;
   colour_particles(f);
+  hk_framing_move(&f->snapshot, &f->setup);
   status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
   if (status != HK_OK) return status;
   status = hk_painter_read(&f->painter, &f->setup, f->picture);
@@ -122,6 +125,8 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_ink_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->look.y_up, f->snapshot.solid + f->solids);
+  memcpy(f->snapshot.eye, f->framing.eye, sizeof f->snapshot.eye);
+  memcpy(f->snapshot.target, f->framing.target, sizeof f->snapshot.target);
   if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   status = use_context(f);
@@ -134,13 +139,18 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
   hk_status status = use_context(f);
   if (status == HK_OK)
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
+  if (status == HK_OK && f->follow)
+    status = hk_follow(&f->framing, &f->spool, f->snapshot.origin, f->reel.fps, &f->setup);
   if (status == HK_OK) status = expose(f);
+  if (status == HK_OK) status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
     if (hk_reel_stopped(&f->reel))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);
+    if (status == HK_OK) hk_sheet_take(&f->sheet, k, f->picture);
   }
+  if (status == HK_OK) status = hk_sheet_write(&f->sheet, "sheet.png");
   return status;
 }
 
@@ -154,6 +164,7 @@ void hk_film_free(hk_film *f) {
   hk_gl_context_destroy(f->gl);
   f->gl = NULL;
   hk_reel_free(&f->reel);
+  hk_sheet_free(&f->sheet);
   hk_frame_spool_close(&f->spool);
   if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);

@@ -234,7 +234,9 @@ static hk_status search(hk_nearby *s, const double *x_from, const double *x_to, 
     s->task_group[count++] = s->task_group[k];
   }
   if (count == 0) return HK_OK;
+  double begin = hk_own_time();
   hk_status status = s->surfaces->between(s->surfaces->self, x_from, x_to, s->reach + s->skin, s->task, count, &found);
+  s->seconds += hk_own_time() - begin;
   for (size_t k = 0; k < count && status == HK_OK; k++)
     status = take_found(s, s->task_group[k], found.near + found.start[k], found.start[k + 1] - found.start[k]);
   s->searches++;

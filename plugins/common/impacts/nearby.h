@@ -17,6 +17,8 @@
 
 #include "plugins/common/impacts/patches.h"
 
+#include <time.h>
+
 /* The pairs of two patches. */
 typedef struct hk_near_group {
   uint32_t a, b;        /* patches */
@@ -59,7 +61,15 @@ typedef struct hk_nearby {
   uint32_t *task_group;
   bool paired;
   size_t searches;
+  double seconds; /* processor time of the service's searches so far */
 } hk_nearby;
+
+/* s, of the process: of all its threads, but not of others on the machine */
+static inline double hk_own_time(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 /* In `create` and `topology`, with `reach` set. HK_NO_MEMORY. */
 hk_status hk_nearby_open(hk_nearby *, const hk_host *, const hk_view *, const hk_surfaces *, double skin);

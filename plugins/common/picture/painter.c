@@ -90,6 +90,7 @@ hk_status hk_painter_open(hk_painter *p, const hk_host *host, int width, int hei
   make_shadows(p);
   p->shade = host->allocate(host, 2 * HK_SHADOW_SIZE * HK_SHADOW_SIZE);
   p->map.height = host->allocate(host, sizeof *p->map.height * HK_HEIGHT_MAP_SIZE * HK_HEIGHT_MAP_SIZE);
+  p->uploaded[1] = HK_HEIGHT_MAP_SIZE;
   if (!p->shade || !p->map.height) return host->fail(host, HK_NO_MEMORY, "no memory for the shadow");
   p->still = host->allocate(host, (size_t)width * (size_t)height * 4);
   if (!p->still) return host->fail(host, HK_NO_MEMORY, "no memory for a picture");

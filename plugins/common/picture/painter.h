@@ -35,6 +35,7 @@ typedef struct hk_painter {
   unsigned shadow, heights; /* textures of the two below */
   unsigned char *shade;     /* shadow on the floor: HK_SHADOW_SIZE squared, and as many for the blur */
   hk_height_map map;        /* shadows on all else */
+  int uploaded[2];          /* rows of it outside of which the texture has nothing */
   /* Backdrop, floor and overlay: stored in the canvas for this camera, and as bytes. */
   bool kept;
   hk_camera kept_for;

@@ -187,9 +187,14 @@ static void cast_shadows(hk_painter *p, scene *s) {
   hk_shadow_cast(p, s->setup, s->key);
   s->map = &p->map;
   if (p->triangles + p->tubes == 0) return;
+  const hk_height_map *m = &p->map;
+  int first = m->rows[0] < p->uploaded[0] ? m->rows[0] : p->uploaded[0];
+  int end = m->rows[1] > p->uploaded[1] ? m->rows[1] : p->uploaded[1];
+  if (end <= first) return;
+  memcpy(p->uploaded, m->rows, sizeof p->uploaded);
   glBindTexture(GL_TEXTURE_2D, p->heights);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_HEIGHT_MAP_SIZE, HK_HEIGHT_MAP_SIZE, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT,
-                  p->map.height);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, first, HK_HEIGHT_MAP_SIZE, end - first, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT,
+                  m->height + (size_t)first * HK_HEIGHT_MAP_SIZE);
 }
 
 static void draw_shadow(hk_painter *p, const scene *s) {

@@ -151,8 +151,8 @@ static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, v
   return more ? 0 : -1;
 }
 
-static bool add_serie(hk_recording *r, const char *name, const double *from, size_t stride) {
-  hk_recorded_series s = {.value = calloc(r->frames + 1, sizeof *s.value)};
+static bool add_serie(hk_recording *r, const char *name, bool measure, const double *from, size_t stride) {
+  hk_recorded_series s = {.measure = measure, .value = calloc(r->frames + 1, sizeof *s.value)};
   hk_recorded_series *more = s.value ? realloc(r->serie, (r->series + 1) * sizeof *more) : NULL;
   if (!more) {
     free(s.value);
@@ -172,12 +172,14 @@ static herr_t add_series(hid_t group, const char *name, const H5L_info_t *info, 
   bool vector = space >= 0 && H5Sget_simple_extent_ndims(space) == 2;
   size_t width = vector ? 3 : 1;
   double *value = calloc(r->frames * width + 1, sizeof *value);
+  char kind[16];
+  bool measure = set >= 0 && get_text(set, "kind", kind, sizeof kind);
   bool fine = value && get_rows(set, 0, r->frames, vector ? 3 : 0, H5T_NATIVE_DOUBLE, value);
   (void)info;
   for (size_t c = 0; c < width && fine; c++) {
     char full[256];
     snprintf(full, sizeof full, vector ? "%s %c" : "%s", name, (char)('x' + c));
-    fine = add_serie(r, full, value + c, width);
+    fine = add_serie(r, full, measure, value + c, width);
   }
   free(value);
   if (space >= 0) H5Sclose(space);
@@ -267,6 +269,12 @@ static bool within(const uint32_t *index, size_t count, int64_t n) {
   for (size_t k = 0; k < count; k++)
     if (index[k] >= n) return false;
   return true;
+}
+
+bool hk_recording_vertices(const hk_recording *r, size_t k, uint32_t *to) {
+  const hk_recorded_part *p = hk_recorded_part_of(r, k);
+  return get_rows(r->connectivity, r->frame[k].connectivity, (size_t)p->vertices, 0, H5T_NATIVE_UINT32, to) &&
+         within(to, (size_t)p->vertices, p->n);
 }
 
 bool hk_recording_segments(const hk_recording *r, size_t k, uint32_t *to) {

@@ -15,6 +15,7 @@ typedef struct hk_recorded_array {
 } hk_recorded_array;
 
 typedef struct hk_recorded_series {
+  bool measure;   /* of the scene */
   char name[256]; /* "kinetic", "momentum x", or the name of a measure */
   double *value;  /* of each frame */
 } hk_recorded_series;
@@ -57,12 +58,9 @@ static inline const hk_recorded_part *hk_recorded_part_of(const hk_recording *r,
 bool hk_recording_moving(const hk_recording *, hid_t set, size_t k, size_t width, double *to);
 /* Of id (uint32_t), mass (double), pin (uint8_t). */
 bool hk_recording_fixed(const hk_recording *, hid_t set, size_t k, hid_t type, void *to);
+bool hk_recording_vertices(const hk_recording *, size_t k, uint32_t *to);
 bool hk_recording_segments(const hk_recording *, size_t k, uint32_t *to);  /* 2 for each */
 bool hk_recording_triangles(const hk_recording *, size_t k, uint32_t *to); /* 3 for each */
 bool hk_recording_cell_strain(const hk_recording *, size_t k, size_t first, size_t count, double *to);
-
-/* The whole shot of a frame. `shot` is one of hk_recording_shot_open, which names its arrays. */
-bool hk_recording_shot_open(const hk_recording *, hk_shooting *);
-bool hk_recording_shot(const hk_recording *, size_t k, hk_shooting *);
 
 #endif

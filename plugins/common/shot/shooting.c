@@ -116,6 +116,29 @@ hk_status hk_shooting_take(hk_shooting *s, const hk_view *view, const hk_frame *
   return gather_arrays(s, view, frame);
 }
 
+hk_status hk_shooting_choose(hk_shooting *s, const hk_host *host, const hk_model *m, const char *group) {
+  s->group = UINT32_MAX;
+  for (size_t g = 0; group && g < m->groups; g++)
+    if (strcmp(m->group_name[g], group) == 0) s->group = (uint32_t)g;
+  if (!group || s->group != UINT32_MAX) return HK_OK;
+  return host->fail(host, HK_BAD_PARAM, "group: no particle is in a group '%s'", group);
+}
+
+hk_status hk_shooting_open(hk_shooting *s, const hk_view *view, const hk_frame *frame, const hk_tuples *only,
+                           bool forces) {
+  const hk_host *host = view->host;
+  if (hk_shooting_begin(s, view, frame, forces) != HK_OK)
+    return host->fail(host, HK_NO_MEMORY, "no memory for a frame");
+  return hk_shooting_frame(s, view, frame, only);
+}
+
+hk_status hk_shooting_frame(hk_shooting *s, const hk_view *view, const hk_frame *frame, const hk_tuples *only) {
+  s->only = *only;
+  hk_status status = hk_shooting_take(s, view, frame);
+  if (status != HK_NO_MEMORY) return status;
+  return view->host->fail(view->host, status, "no memory for %zu particles", view->n);
+}
+
 void hk_shooting_free(hk_shooting *s) {
   hk_shot *shot = &s->shot;
   void *const all[] = {s->kept,

@@ -69,12 +69,6 @@ static inline double hk_range_gap(hk_two_range a, hk_two_range b) {
   return after > before ? after : before;
 }
 
-/* The gap at the start of the move. */
-static inline double hk_range_gap_at_start(hk_two_range a, hk_two_range b) {
-  double after = b.low[0] - a.high[0], before = a.low[0] - b.high[0];
-  return after > before ? after : before;
-}
-
 static inline bool hk_apart_by_boxes(const hk_swept_set *a, const hk_swept_set *b, double distance) {
   for (int c = 0; c < 3; c++)
     if (hk_range_gap(hk_range_of(a, c), hk_range_of(b, c)) > distance) return true;
@@ -101,12 +95,6 @@ static inline bool hk_apart_by_middles(const hk_swept_set *a, const hk_swept_set
   double axis[3];
   hk_axis_of_middles(a, b, axis);
   return hk_apart_along(axis, a, b, distance);
-}
-
-/* m: what an axis says of how far apart two sets are at the start at least; 0: nothing. */
-static inline double hk_start_gap_along(const double axis[3], const hk_swept_set *a, const hk_swept_set *b) {
-  double gap = hk_range_gap_at_start(hk_range_along(a, axis), hk_range_along(b, axis));
-  return gap > 0 ? gap / sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]) : 0;
 }
 
 /* p q x r s at the start. */

@@ -27,27 +27,42 @@ bool hk_surface_edges_near(const hk_surface_search *s, const uint32_t v[4], doub
          !hk_apart_by_normal(a.point[0], a.point[1], b.point[0], b.point[1], &a, &b, distance);
 }
 
-/* m: a lower bound of the distance at the start of the move, by the same axes. */
-static double distance_at_start(const hk_surface_search *s, hk_pair_kind kind, const uint32_t v[4]) {
-  int first = kind == HK_POINT_TRIANGLE ? 1 : 2;
-  hk_swept_set a = hk_swept(s->swept, v, first), b = hk_swept(s->swept, v + first, 4 - first);
-  const hk_swept_set *face = &b;
-  double axis[3], most = 0;
-  for (int c = 0; c < 3; c++) most = fmax(most, hk_range_gap_at_start(hk_range_of(&a, c), hk_range_of(&b, c)));
-  hk_axis_of_middles(&a, &b, axis);
-  most = fmax(most, hk_start_gap_along(axis, &a, &b));
-  if (kind == HK_POINT_TRIANGLE)
-    hk_normal_of(face->point[0], face->point[1], face->point[0], face->point[2], axis);
-  else
-    hk_normal_of(a.point[0], a.point[1], b.point[0], b.point[1], axis);
-  return fmax(most, hk_start_gap_along(axis, &a, &b));
+/* m: how much nearer two features may come in the move: by what their particles move relative to the first one. */
+static double approach(const hk_swept_point *const point[4], int first) {
+  double most2[2] = {0};
+  for (int k = 1; k < 4; k++) {
+    double square = 0;
+    for (int c = 0; c < 3; c++) {
+      double move = (point[k]->x[c][1] - point[k]->x[c][0]) - (point[0]->x[c][1] - point[0]->x[c][0]);
+      square += move * move;
+    }
+    most2[k >= first] = fmax(most2[k >= first], square);
+  }
+  return sqrt(most2[0]) + sqrt(most2[1]);
+}
+
+/* Of a pair that no axis keeps apart: its distance at the start, and whether it comes within reach by that. */
+static void add_near(const output *o, hk_pair_kind kind, const uint32_t v[4], double offset) {
+  const hk_surface_search *s = o->search;
+  const hk_swept_point *point[4];
+  double x[12];
+  for (int k = 0; k < 4; k++) {
+    point[k] = &s->swept[v[k]];
+    for (int c = 0; c < 3; c++) x[3 * k + c] = point[k]->x[c][0];
+  }
+  double gap = sqrt(hk_nearest_of_pair(kind, x).squared) - offset - s->slack;
+  if (gap - approach(point, kind == HK_POINT_TRIANGLE ? 1 : 2) > s->move.reach) return;
+  hk_near_pair *near = hk_gather_add(o->into, o->chunk);
+  if (near) *near = (hk_near_pair){{{v[0], v[1], v[2], v[3]}, kind, offset}, gap};
 }
 
 static void add_pair(const output *o, hk_pair_kind kind, const uint32_t v[4], double offset) {
+  if (o->gaps) {
+    add_near(o, kind, v, offset);
+    return;
+  }
   hk_surface_pair *pair = hk_gather_add(o->into, o->chunk);
-  if (!pair) return;
-  *pair = (hk_surface_pair){{v[0], v[1], v[2], v[3]}, kind, offset};
-  if (o->gaps) ((hk_near_pair *)(void *)pair)->gap = distance_at_start(o->search, kind, v) - offset - o->search->slack;
+  if (pair) *pair = (hk_surface_pair){{v[0], v[1], v[2], v[3]}, kind, offset};
 }
 
 static bool are_held(const hk_surface_search *s, const uint32_t v[4]) {

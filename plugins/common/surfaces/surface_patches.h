@@ -5,7 +5,10 @@
 
 #include "plugins/common/surfaces/surface_pairs.h"
 
-enum { HK_PATCH_ITEMS = 49 /* as 7 x 7 of a grid */, HK_PATCH_MOST = 2 * HK_PATCH_ITEMS };
+enum {
+  HK_PATCH_ITEMS = 25, /* as 5 x 5 of a grid; 16 and 49 cost more where cloth slides over a ball */
+  HK_PATCH_MOST = 2 * HK_PATCH_ITEMS
+};
 
 typedef struct hk_surface_patch_set {
   hk_surface_patches table;

@@ -55,7 +55,7 @@ typedef struct hk_surface_mesh {
   const uint32_t (*edge_faces)[2]; /* the triangles on the two sides of each edge; UINT32_MAX: none */
 } hk_surface_mesh;
 
-/* Patches: the surfaces in pieces of some fifty triangles or edges that hang together, and so move much alike. Every
+/* Patches: the surfaces in pieces of some tens of triangles or edges that hang together, and so move much alike. Every
  * point, edge and triangle belongs to one. They depend on the mesh alone. */
 typedef struct hk_surface_patches {
   size_t count;

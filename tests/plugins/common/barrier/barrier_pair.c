@@ -1,7 +1,7 @@
 /* The barrier of one pair: its value against the formula, gradient and Hessian against differences at random and
  * degenerate places, the projection's eigenvalues, and the area for which a pair stands. */
 #include "plugins/common/barrier/barrier_function.h"
-#include "plugins/common/barrier/barrier_hessian.h"
+#include "plugins/common/barrier/barrier_pair.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,13 +1,13 @@
-/* See barrier_order.h. Positions of pairs are sorted, not pairs: by counting into a bucket for each kind and first
+/* See surface_order.h. Positions of pairs are sorted, not pairs: by counting into a bucket for each kind and first
  * particle, and each bucket, of some twenty pairs, by merging. The time is in proportion to the pairs but for buckets
  * of many, which take k log k. */
-#include "plugins/common/barrier/barrier_order.h"
+#include "plugins/common/surfaces/surface_order.h"
 
 #include <string.h>
 
 enum { RUN = 16, BUCKETS_GRAIN = 256 };
 
-int hk_barrier_order(const hk_surface_pair *a, const hk_surface_pair *b) {
+int hk_surface_order(const hk_surface_pair *a, const hk_surface_pair *b) {
   if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
   for (int c = 0; c < 4; c++)
     if (a->vertex[c] != b->vertex[c]) return a->vertex[c] < b->vertex[c] ? -1 : 1;
@@ -26,7 +26,7 @@ static void insert(const hk_surface_pair *pair, uint32_t *order, size_t count) {
   for (size_t k = 1; k < count; k++) {
     uint32_t item = order[k];
     size_t at = k;
-    for (; at && hk_barrier_order(&pair[item], &pair[order[at - 1]]) < 0; at--) order[at] = order[at - 1];
+    for (; at && hk_surface_order(&pair[item], &pair[order[at - 1]]) < 0; at--) order[at] = order[at - 1];
     order[at] = item;
   }
 }
@@ -34,7 +34,7 @@ static void insert(const hk_surface_pair *pair, uint32_t *order, size_t count) {
 static void merge(const hk_surface_pair *pair, const uint32_t *from, size_t middle, size_t end, uint32_t *to) {
   size_t a = 0, b = middle;
   for (size_t k = 0; k < end; k++)
-    to[k] = b == end || (a < middle && hk_barrier_order(&pair[from[a]], &pair[from[b]]) <= 0) ? from[a++] : from[b++];
+    to[k] = b == end || (a < middle && hk_surface_order(&pair[from[a]], &pair[from[b]]) <= 0) ? from[a++] : from[b++];
 }
 
 static void sort_bucket(const hk_surface_pair *pair, uint32_t *order, uint32_t *spare, size_t count) {
@@ -66,7 +66,7 @@ static void fill_buckets(const hk_surface_pair *pair, size_t count, size_t n, ui
 static size_t drop_twins(const hk_surface_pair *pair, uint32_t *order, size_t count) {
   size_t kept = 0;
   for (size_t k = 0; k < count; k++)
-    if (!kept || hk_barrier_order(&pair[order[kept - 1]], &pair[order[k]]) != 0) order[kept++] = order[k];
+    if (!kept || hk_surface_order(&pair[order[kept - 1]], &pair[order[k]]) != 0) order[kept++] = order[k];
   return kept;
 }
 
@@ -74,7 +74,7 @@ static hk_status reserve(const hk_host *host, hk_array *array, size_t count) {
   return count <= array->count ? HK_OK : host->resize(host, array, count + count / 2);
 }
 
-hk_status hk_barrier_sort(hk_barrier_sorter *s, const hk_host *host, const hk_surface_pair *pair, size_t count,
+hk_status hk_surface_sort(hk_surface_sorter *s, const hk_host *host, const hk_surface_pair *pair, size_t count,
                           size_t n, size_t *kept) {
   if (count >= UINT32_MAX) return host->fail(host, HK_FAILED, "%zu pairs are more than can be numbered", count);
   hk_status status = reserve(host, &s->start, 2 * n + 2);

@@ -1,4 +1,4 @@
-/* See barrier_contacts.h. */
+/* See barrier_contacts.h: the search for what may act on a move, and the gaps on it. */
 #include "plugins/common/barrier/barrier_contacts.h"
 #include "plugins/common/space/vector3.h"
 
@@ -161,7 +161,7 @@ static hk_status take_pairs(hk_barrier_contacts *c, const hk_view *from, const d
                             hk_surface_pairs found) {
   size_t count = 0;
   hk_status status = add_ends(c, &found);
-  if (status == HK_OK) status = hk_barrier_sort(&c->sorter, c->host, found.pair, found.count, from->n, &count);
+  if (status == HK_OK) status = hk_surface_sort(&c->sorter, c->host, found.pair, found.count, from->n, &count);
   if (status == HK_OK) status = grow(c, &c->near, count);
   if (status == HK_OK) status = grow(c, &c->kept_of, count / HK_BARRIER_GRAIN + 1);
   if (status != HK_OK) return status;
@@ -202,15 +202,25 @@ static hk_status reserve(hk_barrier_contacts *c, size_t n) {
   if (status == HK_OK) status = grow(c, &c->loads, 12 * c->found);
   if (status == HK_OK) status = grow(c, &c->acting, c->found);
   if (status == HK_OK) status = grow(c, &c->hessians, HK_BARRIER_BATCH);
+  if (status == HK_OK) status = grow(c, &c->way, 3 * n);
   return status == HK_OK ? grow(c, &c->at, 3 * n) : status;
+}
+
+/* The safe part of the move: no method goes beyond it. */
+static double safe_part(hk_barrier_contacts *c, const hk_view *from, const double *x_to) {
+  double *way = c->way.item;
+  for (size_t e = 0; e < 3 * from->n; e++) way[e] = x_to[e] - from->x[e];
+  return hk_barrier_limit(c, from, way);
 }
 
 hk_status hk_barrier_find(hk_barrier_contacts *c, const hk_view *from, const double *x_to, const hk_surface_pair *also,
                           size_t also_count, bool *changed) {
   hk_status status = take_surfaces(c, from);
-  if (status == HK_OK && !still_holds(c, from, x_to)) status = search(c, from, x_to);
+  if (status == HK_OK && still_holds(c, from, x_to))
+    measure_gaps(c, from, x_to);
+  else if (status == HK_OK)
+    status = search(c, from, x_to);
   if (status == HK_OK) status = reserve(c, from->n);
   if (status != HK_OK) return status;
-  measure_gaps(c, from, x_to);
-  return hk_barrier_tell_names(c, also, also_count, changed);
+  return hk_barrier_tell_names(c, safe_part(c, from, x_to), also, also_count, changed);
 }
