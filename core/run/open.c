@@ -100,10 +100,10 @@ static hk_status open_shared(hk_run *run) {
 
 /* ---- plugins ---- */
 
-/* Two outputs of one plugin would write the same files. */
-static bool writes_already(const hk_instances *outputs, const hk_plugin_spec *added) {
+/* One of the first `own` outputs is of this plugin: two would write the same files. */
+static bool writes_already(const hk_instances *outputs, size_t own, const hk_plugin_spec *added) {
   bool found = false;
-  for (size_t k = 0; k < outputs->count && added->plugin->kind == HK_OUTPUT; k++)
+  for (size_t k = 0; k < own && added->plugin->kind == HK_OUTPUT; k++)
     found |= outputs->item[k]->plugin == added->plugin;
   return found;
 }
@@ -117,8 +117,9 @@ static hk_status make_kind(hk_run *run, hk_kind kind) {
   for (size_t k = 0; !silent && k < specs->count && status == HK_OK; k++)
     if (!hk_overrides_leave_out(o, specs->item[k]))
       status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
+  size_t own = run->plugins.kind[kind].count;
   for (size_t k = 0; !alone && k < o->added_count && status == HK_OK; k++)
-    if (o->added[k]->plugin->kind == kind && !writes_already(&run->plugins.kind[kind], o->added[k]))
+    if (o->added[k]->plugin->kind == kind && !writes_already(&run->plugins.kind[kind], own, o->added[k]))
       status = hk_plugins_add(&run->plugins, o->added[k], &run->shared, NULL, &run->error);
   return status;
 }

@@ -3,7 +3,7 @@
 local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
 package.path = ("%s/tests/?.lua;%s/tests/support/?.lua;%s"):format(root, root, package.path)
 package.cpath = ("%s/tools/?.so;%s"):format(build, package.cpath)
-local fine, cjson = pcall(require, "cjson")
+local fine = pcall(require, "cjson")
 local browser = fine and require("support.view.browser")
 local missing = not fine and "lua-cjson" or browser.missing()
   or (not io.open(build .. "/tools/server.so") and "libmicrohttpd, with which hooke is built,")
@@ -12,6 +12,7 @@ if missing then
   os.exit(77)
 end
 local watched = require("watch.watched")
+local process = require("process")
 
 -- Of 13 x 13 particles at first; free to fall on nothing, it hangs by two corners.
 local scene = [[
@@ -115,7 +116,9 @@ end
 function tests.the_hand_takes_a_particle_and_moves_it()
   local n = 10 * 10
   w:wait(function(s) return s.frames > 30 end)
-  b:wait("view.page.layers[0].frame.k > 30")
+  press("pause") -- what is to be pressed on stands still
+  w:wait(function(s) return s.doing == "paused" end)
+  b:wait(("view.page.layers[0].frame.k === %d"):format(w:state().latest))
   local x, y = place(n - 4)
   local before = b:eval(("Array.from(view.page.layers[0].frame.x.subarray(%d, %d))"):format(3 * (n - 5), 3 * (n - 4)))
   b:post("/actions", { actions = {
@@ -124,24 +127,22 @@ function tests.the_hand_takes_a_particle_and_moves_it()
     { type = "pointer", id = "mouse", parameters = { pointerType = "mouse" }, actions = {
       { type = "pointerMove", duration = 0, x = x, y = y }, { type = "pointerDown", button = 0 },
       { type = "pointerMove", duration = 300, x = x + 120, y = y - 160 } } } } })
-  b:wait("view.live.hand.held")
-  os.execute("sleep 0.8")
-  b:screenshot(os.getenv("HK_SHOTS") and os.getenv("HK_SHOTS") .. "/hand.png" or folder .. "/hand.png")
-  local after = b:eval(("Array.from(view.page.layers[0].frame.x.subarray(%d, %d))"):format(3 * (n - 5), 3 * (n - 4)))
-  local px, py = place(n - 4)
+  b:wait("!!view.live.hand.held")
+  press("go on")
+  -- 0.1 m of the sheet's 1 m, and less than half of the 200 pixels away from the pointer: the sheet holds it back
+  b:wait(([[(() => { const x = view.page.layers[0].frame.x;
+    return Math.hypot(x[%d] - %.9g, x[%d] - %.9g, x[%d] - %.9g) > 0.1; })()]]):format(3 * n - 15, before[1], 3 * n - 14, before[2],
+    3 * n - 13, before[3]))
+  b:wait("(() => { const s = view.live.hand.seen(); return Math.hypot(s.x - view.live.hand.at[0], s.y - view.live.hand.at[1]) < 100; })()")
+  if os.getenv("HK_SHOTS") then b:screenshot(os.getenv("HK_SHOTS") .. "/hand.png") end
   b:post("/actions", { actions = {
     { type = "key", id = "keyboard", actions = { { type = "pause", duration = 0 }, { type = "keyUp", value = "\u{E008}" } } },
     { type = "pointer", id = "mouse", parameters = { pointerType = "mouse" }, actions = { { type = "pointerUp", button = 0 } } } } })
-  local way = 0
-  for c = 1, 3 do way = way + (after[c] - before[c]) ^ 2 end
-  assert(way > 0.1 ^ 2, ("the particle moved by %g m"):format(math.sqrt(way)))
-  local off = math.sqrt((px - x - 120) ^ 2 + (py - y + 160) ^ 2)
-  assert(off < 100, ("it is %g pixels from the pointer"):format(off)) -- 200 pixels away at first; the sheet holds it back
   b:wait("!view.live.hand.held")
   press("stop")
   local state = w:wait(function(s) return s.doing == "ended" end)
   assert(state.summary.hand_work > 0, "no work")
-  b:wait("/interrupted/.test(document.querySelector('#reports').textContent)")
+  b:wait("/interrupted/.test(document.querySelector('#verdicts').textContent)")
   silent("the hand")
 end
 
@@ -154,6 +155,7 @@ function tests.a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine()
 end
 
 function tests.ten_pages_at_once_and_their_end_do_no_harm()
+  b:eval("view.live.drive.again({ N: 3 })")
   for _ = 1, 9 do b:eval(("!!window.open('%s')"):format(w.url)) end
   local frames = w:state().frames
   w:wait(function(s) return s.frames > frames + 30 end)
@@ -171,14 +173,15 @@ local order = { "it_follows_the_run_without_a_complaint", "pause_single_frame_an
 
 local failed = 0
 for _, name in ipairs(order) do
+  local begin = process.clock()
   local went, why = xpcall(tests[name], debug.traceback)
   if not went then
     failed = failed + 1
-    pcall(b.screenshot, b, "/tmp/w/failed.png")
+    pcall(b.screenshot, b, folder .. "/failed.png")
     print(("FAILED %s: %s"):format(name, why))
     break -- those behind it go on from where it ends
   end
-  print("ok     " .. name)
+  print(("ok     %s (%.1f s)"):format(name, process.clock() - begin))
 end
 pcall(b.close, b)
 w:close()

@@ -30,6 +30,7 @@ view.hand = (() => {
       this.held.depth = this.seen().depth;
       this.overlay.setAttribute("visibility", "visible");
       this.tell();
+      this.draw();
     }
 
     move(e) {
@@ -37,7 +38,6 @@ view.hand = (() => {
       e.stopPropagation();
       this.at = [e.offsetX, e.offsetY];
       if (performance.now() - this.told > EVERY) this.tell();
-      this.draw();
     }
 
     letGo() {
@@ -68,10 +68,11 @@ view.hand = (() => {
       view.link.ask("hold", { id: this.held.id, place: this.place(), strength: this.strength() });
     }
 
-    // After every picture, too: the particle follows.
+    // With every picture while it holds: the particle follows.
     draw() {
       const from = this.held && this.seen();
       if (!from) return;
+      requestAnimationFrame(() => this.draw());
       for (const [key, value] of [["x1", from.x], ["y1", from.y], ["x2", this.at[0]], ["y2", this.at[1]]]) this.line.setAttribute(key, value);
       this.dot.setAttribute("cx", this.at[0]);
       this.dot.setAttribute("cy", this.at[1]);

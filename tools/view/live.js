@@ -25,7 +25,7 @@
     }
 
     async heard(state) {
-      const fresh = state.run !== this.source.number && state.latest >= 0, follows = !this.app || fresh || this.follows;
+      const fresh = state.run !== this.source.number && state.latest >= 0;
       if (fresh && await this.source.begin(state.run)) return location.reload();
       this.drive.show(state);
       if (state.run !== this.source.number) return;
@@ -34,7 +34,7 @@
       await this.bound();
       const opened = !this.app;
       if (opened) this.open();
-      this.show(state, follows, fresh);
+      this.show(state, fresh || opened);
       if (opened && state.doing === "ended") this.app.clock.play(true);
     }
 
@@ -51,8 +51,8 @@
       if (this.app) for (const layer of this.app.layers || []) layer.radius = undefined;
     }
 
-    show(state, follows, fresh) {
-      const { app, source } = this, end = source.count - 1;
+    show(state, fresh) {
+      const { app, source } = this, end = source.count - 1, follows = fresh || this.follows;
       this.last = end;
       if (follows) {
         app.clock.k = -1; // the frame itself may be another one, under the same number

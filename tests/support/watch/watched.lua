@@ -24,7 +24,7 @@ end
 
 -- Starts it with the words in the folder and waits for its address.
 function watched.start(folder, words)
-  local command = ("cd '%s' && echo $$ >pid && exec '%s/hooke' run %s --watch >printed.txt 2>said.txt </dev/null"):format(folder, build, words)
+  local command = ("cd '%s' && exec '%s/hooke' run %s --watch >printed.txt 2>said.txt </dev/null"):format(folder, build, words)
   local pid = process.spawn({ "/bin/sh", "-c", command }, {})
   local self = setmetatable({ folder = folder, pid = pid }, watched)
   local ends = process.clock() + 20
