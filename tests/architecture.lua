@@ -33,7 +33,8 @@ local ordinary_words = {
     midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
     surface = "what a grid or a file of triangles spans", contact = "what surfaces and particles do that touch",
     membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
-    volume = "of a body", solid = "what is not hollow",
+    volume = "of a body", solid = "what is not hollow", trajectory = "the positions of a run at its frames",
+    hand = "to hand a thing over", csv = "the format of a table", pull = "the user's hand on a particle",
   },
   comment = {
     octree = "the tree of cells",
@@ -45,7 +46,9 @@ local ordinary_words = {
     contact = "what surfaces and particles do that touch", barrier = "an energy that grows without bound",
     volume = "of a body", membrane = "a sheet without resistance to bending",
     surfaces = "what contact keeps apart", drag = "the resistance of the air",
-    checkpoint = "the file of a run that goes on",
+    checkpoint = "the file of a run that goes on", trajectory = "the positions of a run at its frames",
+    hand = "to hand a thing over, or what is written by hand", pull = "what springs and bars do",
+    live = "what has not died", csv = "the format of a table",
   },
 }
 

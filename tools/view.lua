@@ -1,6 +1,7 @@
--- hooke view SCENE.lua [name=value ...]: runs the scene with the output `trajectory` and makes a page of it.
--- hooke view RUN [RUN]: a page of a run's folder, or of two runs beside each other. The page is one HTML file that needs
--- no network: tools/view has its modules, tools/common/view what puts it together.
+-- hooke view SCENE.lua [name=value ...] | RUN [RUN]: a page to play, turn and share: the motion in 3D, plots, verdict.
+-- A scene is run with the output `trajectory`, as `hooke run` does; what follows -- are options for that. RUN is the folder
+-- of a run that is over; two are shown beside each other. The page is one HTML file that needs no network: tools/view has
+-- its modules, tools/common/view what puts it together.
 local argparse = require("argparse")
 local lfs = require("lfs")
 local command_line = require("common.run.command_line")
@@ -15,11 +16,10 @@ end
 
 local function parser()
   local p = argparse("hooke view", "A page of a run: the motion in 3D, plots, the verdict. One HTML file, without a network.")
-  p:argument("what", "a scene's script, or the folder of a run, or of two"):args("1-2")
-  p:argument("params", "name=value: parameters of the scene"):args("*")
+  p:argument("what", "a scene's script, then name=value ... and, after --, options of hooke run; or the folder of a run, "
+    .. "or of two"):args("+")
   p:option("--page", "the file to write (page.html in the run's folder)")
   p:option("--out", "folder of the scene's run (out/SCENE)")
-  p:option("--run", "further options of `hooke run`, as one word: --run '--integrator bdf2 --until 1'"):count("*")
   p:flag("--forces", "with the forces on each particle by name (larger files)")
   p:flag("--trust", "the scene may use plugins beside it")
   p:flag("--quiet", "no progress")
@@ -28,31 +28,16 @@ end
 
 local function quoted(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
 
--- Words given in any order: what is name=value is a parameter.
-local function sort_words(o)
-  local what, params = {}, {}
-  for _, list in ipairs { o.what, o.params } do
-    for _, word in ipairs(list) do
-      local into = #what > 0 and word:match("^[%w_]+=") and params or what
-      into[#into + 1] = word
-    end
-  end
-  o.what, o.params = what, params
-end
-
 -- ---- a scene ----
 
 -- Runs it as `hooke run` does, with that command's confinement; its exit code.
 local function run(o, folder)
-  local words = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run", quoted(o.what[1]) }
-  for _, param in ipairs(o.params) do words[#words + 1] = quoted(param) end
-  words[#words + 1] = "--output " .. (o.forces and "trajectory:forces=true" or "trajectory")
+  local words = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run" }
+  for _, word in ipairs(o.what) do words[#words + 1] = quoted(word) end
+  words[#words + 1] = "--with output:" .. (o.forces and "trajectory:forces=true" or "trajectory")
   words[#words + 1] = "--out " .. quoted(folder)
   if o.trust then words[#words + 1] = "--trust" end
   if o.quiet then words[#words + 1] = "--quiet" end
-  for _, more in ipairs(o.run) do
-    for word in more:gmatch("%S+") do words[#words + 1] = quoted(word) end
-  end
   local _, how, code = os.execute(table.concat(words, " "))
   return how == "signal" and 128 + code or code
 end
@@ -75,7 +60,7 @@ local function trajectory_in(folder)
     if name:find("%.h5$") then return folder .. "/" .. name, folder end
   end
   return nil, ("%s has no trajectory.h5: add scene:output('trajectory') to the scene, or view the scene itself, or run it "
-    .. "with --output trajectory"):format(folder)
+    .. "with --with output:trajectory"):format(folder)
 end
 
 -- Text that is JSON; what is not is as if it was not there.
@@ -96,6 +81,9 @@ local function open_runs(folders)
   local fine, recording = pcall(require, "recording")
   if not fine then
     return nil, "trajectories cannot be read: hooke was built without HDF5; tools/install-deps run gets it, then run make"
+  end
+  if not pcall(require, "page") then
+    return nil, "pages cannot be made: hooke was built without zlib; tools/install-deps run gets it, then run make"
   end
   local runs, names = {}, titles(folders)
   for k, folder in ipairs(folders) do
@@ -147,10 +135,8 @@ end
 local function main()
   local o = command_line.parse("view", parser())
   if not o then return 1 end
-  sort_words(o)
   local scene = o.what[1]:find("%.lua$")
-  if #o.what > 2 or (scene and #o.what > 1) then return complain("one scene, or one or two folders of runs") end
-  if not scene and #o.params > 0 then return complain("'%s': a run that is over takes no parameters", o.params[1]) end
+  if not scene and #o.what > 2 then return complain("'%s': one or two folders of runs, or a scene", o.what[3]) end
   if not scene then return make_page(o, o.what) end
   local folder = o.out or "out/" .. (o.what[1]:match("([^/]+)%.lua$"))
   local code = run(o, folder)

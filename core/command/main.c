@@ -143,12 +143,13 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   hk_scene *scene = hk_script_scene(script);
   hk_status status = hk_run_open(scene, &o->run, &run, &error);
   if (status != HK_OK) return complain(&error);
+  hk_script_options options = script_options(o, registry, library);
+  if (!o->trust) hk_script_foretell(o->scene, &options, &o->run, run); /* as in run_command: not run again unasked */
   status = finish(run, o, &error);
   hk_keep_end();
   hk_summary summary;
   hk_run_summary(run, &summary);
   if (status == HK_OK) {
-    hk_script_options options = script_options(o, registry, library);
     hk_error second = {0};
     if (hk_script_verify(o->scene, &options, &o->run, o->verify, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);
@@ -229,6 +230,13 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   return hk_confine(&c);
 }
 
+/* Before the scene's script, which may take its time. */
+static hk_status try_targets(const hk_options *o, hk_error *error) {
+  hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
+  bool writes = o->run.out && !o->run.no_output && !o->help;
+  return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
+}
+
 static int run_command(int argc, char **argv, hk_registry *registry, const hk_installation *p) {
   hk_error error = {0};
   hk_options o;
@@ -241,6 +249,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
   if (parsed == HK_OK) words = hk_resume_words(argc, argv);
   o = (hk_options){0};
   if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
+  if (parsed == HK_OK && o.scene) hk_resume_folder(&o);
+  if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
   if (parsed == HK_OK) parsed = open_summary(&o, &error);
   if (parsed != HK_OK) {
@@ -262,8 +272,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
     if (o.help) {
       if (!o.json) hk_options_print();
-      if (script) hk_parameters_print(script, o.json);
-      if (status != HK_OK && !script) code = complain(&error);
+      if (script && (status == HK_OK || !o.json)) hk_parameters_print(script, o.json);
+      if (status != HK_OK && (o.json || !script)) code = complain(&error);
     } else if (status != HK_OK)
       code = complain(&error);
     else if (hk_script_drove(script, &worst))
@@ -302,6 +312,14 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const hk_i
   return code;
 }
 
+/* `hooke run ... --watch`: tools/watch.lua starts the run itself, in a process of its own. */
+static bool is_watched(int argc, char **argv) {
+  static char watch[] = "watch";
+  if (!hk_option_given(argc, argv, "--watch") || hk_option_given(argc, argv, "--help")) return false;
+  argv[-1] = watch;
+  return true;
+}
+
 int main(int argc, char **argv) {
   if (hk_keep_asked(argc, argv)) return hk_keep_write(argv);
   hk_error error = {0};
@@ -322,7 +340,7 @@ int main(int argc, char **argv) {
   } else if (strcmp(argv[1], "--cflags") == 0) {
     printf("-I%s\n", p.include);
     code = 0;
-  } else if (strcmp(argv[1], "run") == 0)
+  } else if (strcmp(argv[1], "run") == 0 && !is_watched(argc - 2, argv + 2))
     code = run_command(argc - 2, argv + 2, &registry, &p);
   else
     code = tool_command(argc - 1, argv + 1, &registry, &p);

@@ -2,6 +2,7 @@
  * default, or the default. All declared parameters are kept for --help. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <string.h>
 
@@ -91,11 +92,18 @@ static const char *declared_name(const void *context, size_t k) {
   return k < s->params ? s->param[k].name : NULL;
 }
 
+/* The parameter of which the help says that it is this, a synonym, or the closest name. */
+static const char *meant(const hk_script *s, const char *name) {
+  for (size_t k = 0; k < s->params; k++)
+    if (s->param[k].help && hk_begins_with_words(s->param[k].help, name)) return s->param[k].name;
+  return hk_registry_meant(s->options.registry, name, declared_name, s);
+}
+
 hk_status hk_lua_check_given(const hk_script *s, hk_error *error) {
   for (size_t k = 0; k < s->options.given_count; k++) {
     const hk_param_given *given = &s->options.given[k];
     if (given->used) continue;
-    const char *near = hk_nearest_name(given->name, declared_name, s);
+    const char *near = meant(s, given->name);
     if (near)
       return hk_error_set(error, HK_BAD_PARAM, "%s has no parameter '%s'; did you mean '%s'?", s->name, given->name,
                           near);

@@ -235,3 +235,9 @@ hk_status hk_script_verify(const char *path, const hk_script_options *options, c
   hk_reopen reopen = {open_again, close_again, &second};
   return hk_verify(&reopen, run, half, whole, summary, error);
 }
+
+void hk_script_foretell(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole) {
+  second_script second = {path, options, NULL};
+  hk_reopen reopen = {open_again, close_again, &second};
+  hk_foretell(&reopen, run, whole);
+}

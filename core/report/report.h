@@ -21,6 +21,7 @@ typedef struct hk_progress {
   size_t steps;      /* before: of the part that a resumed run goes on from */
   double at;         /* s, wall time of the last line */
   bool shown;
+  bool told; /* how long it will take, once */
 } hk_progress;
 
 void hk_progress_show(hk_progress *, const hk_loop *, const hk_frame *last);

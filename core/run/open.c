@@ -353,6 +353,7 @@ static hk_status build(hk_run *run) {
   if (status == HK_OK) status = open_linear_systems(run);
   if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
   warn_of_unused_services(run);
+  hk_warn_of_idle_options(run);
   if (status == HK_OK) status = hk_run_begin_saving(run);
   return status == HK_OK ? start(run) : status;
 }
@@ -380,7 +381,8 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->asked.ignore_exact = options->ignore_exact;
   run->judgement.compared = compares(run);
   run->asked.opened_at = hk_clock();
-  run->progress = (hk_progress){options->progress, INFINITY, run->asked.end, 0, run->asked.opened_at, false};
+  run->progress =
+      (hk_progress){.mode = options->progress, .begin = INFINITY, .end = run->asked.end, .at = run->asked.opened_at};
   scene->frozen = true;
   hk_status status = build(run);
   if (status != HK_OK) {

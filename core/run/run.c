@@ -1,5 +1,6 @@
 /* Advancing a run, closing it, and the queries about its state and results. */
 #include "core/run/run.h"
+#include "core/text/text.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -199,6 +199,15 @@ typedef struct hk_reference {
 bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_rerun *);
 
+/* ---- ahead.c: what is said before the first step ---- */
+
+/* Warns of options that have no effect on this run. */
+void hk_warn_of_idle_options(hk_run *);
+/* Prints, where steps of an explicit method would come by the ten million, how long they and those of an implicit
+ * method would take; both are timed in other runs of the scene. `first`: the options of `whole`, before its first
+ * step. */
+void hk_foretell(const hk_reopen *, const hk_run_options *first, hk_run *whole);
+
 /* ---- verify.c: the comparison of a run with others, see there ---- */
 
 /* Compares `whole`, a run that reached its end, with other runs of its scene: with half the step where an accuracy is

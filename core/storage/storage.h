@@ -22,6 +22,11 @@ void hk_folder_go_on(hk_folder *, size_t step);
 /* Where a file of that name is to be written; the folders on the way exist then, and are no links. */
 hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
 
+/* ---- targets.c: whether what `option` names can be written, before a run. HK_IO and HK_BAD_PARAM say why not ---- */
+
+hk_status hk_target_file(const char *option, const char *path, hk_error *error);
+/* A folder, or one that can be made; looks, and makes nothing. */
+hk_status hk_target_folder(const char *option, const char *path, hk_error *error);
 /* ---- write_file.c ---- */
 
 /* Writes a file by body(file, what); an interrupted or failed write does not change an existing file. */

@@ -5,11 +5,11 @@
  * hand are chosen for the particle where they are left out: k = sqrt(m M) w^2 with the particle's mass m, the mass M of
  * all that is free, and w = 20/60 a frame, so that the hand can move a particle alone in some 20 frames and still lift
  * something of a sheet of many; damping sqrt(k m), half of the critical one of the particle alone. Steps are then at
- * most sqrt(m/k)/2, a twelfth of the particle's period.
+ * most sqrt(m/k)/5, a thirtieth of the period of the particle alone.
  *
  * All of its power is counted as work from outside; it has no energy. The hand's work is the sum of (F0 + F1)/2 dx over
  * the steps, right to second order. After the springs of the mouse in Witkin, Particle System Dynamics, in
- * Physically Based Modeling (SIGGRAPH course notes, 1997), particle systems, mouse springs. */
+ * Physically Based Modeling (SIGGRAPH course notes, 1997). */
 #include "plugins/common/hand/hand.h"
 
 #include <string.h>
@@ -177,7 +177,7 @@ static double longest_step(void *self, const hk_view *view) {
   if (!p->hand || !hand_spring(p, view, &s)) return INFINITY;
   hk_grip g = p->hand->grip(p->hand->self, view->t);
   double mass = view->model->mass[s.i];
-  return 0.5 * sqrt(mass / hand_stiffness(p, &g, mass));
+  return 0.2 * sqrt(mass / hand_stiffness(p, &g, mass));
 }
 
 static void begin_hold(pull *p, const hk_view *view, const spring *s, double h) {

@@ -37,6 +37,7 @@ view.app = (() => {
         this.stage.add(layer);
       });
       this.stage.side = this.sources.length > 1;
+      this.stage.place();
     }
 
     groups() {
@@ -71,19 +72,20 @@ view.app = (() => {
         "", (name) => { this.paint = name; this.refresh(); }));
       if (vectors.length) nodes.push(select("Arrows", "vectors of each particle", [["", "none"], ...vectors.map((f) => [f.name, f.label])],
         "", (name) => { this.arrowsOf = name; this.refresh(); }));
-      this.checks = { points: check("particles", "", false, (on) => this.choose("points", on)),
-        edges: check("edges", "", false, (on) => this.choose("edges", on)) };
+      this.checks = { points: check("all particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
+        edges: check("all edges", "also those of surfaces", false, (on) => this.choose("edges", on)) };
       nodes.push(...Object.values(this.checks), check("shadows", "", true, (on) => this.choose("shadows", on)),
         check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
         check("y up", "the scene's y points up", false, (on) => { this.stage.yUp = on; this.stage.place(); }),
-        button("reset view", "the camera as at the start", () => this.stage.place()));
+        button("reset view", "the camera as at the start", () => this.stage.home()));
       $("controls").append(...(first ? nodes : []));
     }
 
     makeReports() {
-      const reports = this.sources.map((source) => el("div", { class: "run" },
-        this.sources.length > 1 ? el("h2", { class: "run-title" }, source.title) : null, view.report.make(source)));
-      $("reports").append(...reports);
+      const part = (id, content) => $(id).append(...this.sources.map((source) => el("div", { class: "run" },
+        this.sources.length > 1 ? el("h2", { class: "run-title" }, source.title) : null, content(source.summary))));
+      part("verdicts", view.report.verdict);
+      part("reports", view.report.details);
       const bench = this.more.bench && view.bench.make(this.more.bench);
       if (bench) $("bench").append(bench);
     }
@@ -96,6 +98,7 @@ view.app = (() => {
       this.layers[1].hidden = mode === "difference";
       this.layers.forEach((layer) => layer.surface.fade(1));
       if (mode === "over") this.layers[1].surface.fade(0.6);
+      this.stage.place();
       this.refresh();
     }
 
@@ -192,17 +195,19 @@ view.app = (() => {
 
     // While it plays below 30 pictures a second, fewer particles are drawn, and the page says so.
     pace() {
-      const now = performance.now(), took = now - (this.lastShown || now), n = this.layers[0].frame.n;
+      const now = performance.now(), took = now - (this.lastShown || now);
       this.lastShown = now;
       this.slow = this.clock.playing && took > 1000 / 27 && took < 2000 ? this.slow + 1 : Math.max(this.slow - 1, 0);
-      if (this.slow > 12 && n > 20000 && this.every < 16 && this.layers.some((layer) => layer.shown.points)) {
+      if (this.slow > 4 && this.every < 16 && this.layers.some((layer) => layer.balls > 20000)) {
         this.every *= 2;
         this.slow = 0;
       }
       const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
       const notes = [];
-      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 2)} of the extent`);
-      if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${n} particles is drawn`);
+      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
+      const speed = this.sources[0].fields.find((f) => f.name === "velocity");
+      if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
+      if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${this.layers[0].balls} particles is drawn`);
       $("note").textContent = notes.join(" · ");
     }
   }

@@ -16,7 +16,7 @@ view.controls = (() => {
 
   // One of several: buttons side by side.
   const choice = (title, options, chosen, change) => {
-    const list = options.map(([value, text]) => el("button", { "aria-pressed": value === chosen, onclick: () => {
+    const list = options.map(([value, text]) => el("button", { "aria-pressed": String(value === chosen), onclick: () => {
       list.forEach((b, k) => b.setAttribute("aria-pressed", options[k][0] === value));
       change(value);
     } }, text));

@@ -18,7 +18,7 @@ view.layer = (() => {
   class Layer {
     // tint: the colour of what stands for no number
     constructor(source, tint) {
-      Object.assign(this, { source, tint, every: 1, shown: { points: null, edges: null, arrows: "", shadows: true } });
+      Object.assign(this, { source, tint, every: 1, shown: { points: null, edges: false, shadows: true } });
       this.uniforms = view.light.uniforms();
       this.scene = new THREE.Scene();
       this.group = new THREE.Group();
@@ -37,11 +37,10 @@ view.layer = (() => {
       for (const shadow of this.shadows) shadow.renderOrder = -0.5;
     }
 
-    // What is drawn unless somebody chooses: a surface without its edges, edges, or particles.
+    // Edges of a surface and particles at edges are drawn where somebody chooses that, or where they are few.
     defaults(frame) {
       const s = this.shown;
-      if (s.edges === null) s.edges = frame.triangles.length === 0;
-      if (s.points === null) s.points = frame.triangles.length === 0 && (frame.edges.length === 0 || frame.n <= 400);
+      if (s.points === null) s.points = frame.triangles.length === 0 && frame.n <= 400;
       const { low, high } = this.source.bounds;
       const size = Math.max(...low.map((v, c) => high[c] - v)) || 1;
       this.radius = spacing(frame, frame.edges, size) * (frame.edges.length ? 0.16 : 0.22);
@@ -51,7 +50,7 @@ view.layer = (() => {
       this.points.own.radius.value = this.radius;
       this.pins.own.radius.value = 1.5 * this.radius;
       this.picked.own.radius.value = 1.7 * this.radius;
-      this.edges.own.radius.value = this.surface.mesh.visible ? 0 : 0.38 * this.radius;
+      this.edges.own.radius.value = 0.38 * this.radius * (this.surface.mesh.visible ? 0.5 : 1);
       this.arrows.own.radius.value = 0.3 * this.radius;
     }
 
@@ -69,9 +68,11 @@ view.layer = (() => {
       this.frame = frame;
       const paint = colours || this.plain(frame.n), s = this.shown;
       this.surface.show(frame, paint, !colours);
-      this.edges.show(frame, s.edges ? frame.edges : [], paint);
-      this.points.show(frame, null, s.points ? Math.ceil(frame.n / this.every) : 0, paint, this.every);
-      this.pins.show(frame, frame.pins, frame.pins.length, PIN);
+      const { edges, alone, pins } = view.topology.of(this.source, frame);
+      this.edges.show(frame, s.edges ? frame.edges : edges, paint);
+      this.balls = s.points || alone.length === frame.n ? frame.n : alone.length;
+      this.points.show(frame, this.balls === frame.n ? null : alone, Math.ceil(this.balls / this.every), paint, this.every);
+      this.pins.show(frame, pins, pins.length, PIN);
       this.showArrows(frame, arrows);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
       this.picked.show(frame, [k], k < 0 ? 0 : 1, PICKED);

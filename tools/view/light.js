@@ -2,7 +2,7 @@
 // shine, in the camera's space; and the shadow that the sun casts on the floor, in the world's.
 "use strict";
 view.light = (() => {
-  const SUN = new THREE.Vector3(-0.35, -0.45, 1).normalize();
+  const SUN = new THREE.Vector3(-0.45, -0.55, 0.85).normalize();
 
   const uniforms = () => ({ up: { value: new THREE.Vector3() }, sun: { value: new THREE.Vector3() }, sunOfWorld: { value: SUN },
     floor: { value: 0 }, shade: { value: new THREE.Vector3() }, scale: { value: 1 } });
@@ -14,7 +14,7 @@ view.light = (() => {
       float direct = max(dot(normal, sun), 0.0);
       float shine = pow(max(dot(normal, normalize(sun + eye)), 0.0), 32.0);
       vec3 c = colour * colour; // about linear
-      vec3 light = c * (0.30 + 0.42 * sky + 0.62 * direct) + 0.05 * shine;
+      vec3 light = c * (0.26 + 0.36 * sky + 0.56 * direct) + 0.05 * shine;
       return sqrt(light);
     }`;
 

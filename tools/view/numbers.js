@@ -20,7 +20,7 @@ view.numbers = (() => {
 
   // With as many digits as the error leaves.
   const within = (value, error) => {
-    if (!(error > 0) || !Number.isFinite(value)) return short(value, 6);
+    if (value === null || !(error > 0) || !Number.isFinite(value)) return short(value, 6);
     const digits = Math.floor(Math.log10(Math.abs(value) / error)) + 1;
     return digits < 1 ? "0" : short(value, Math.min(digits, 7));
   };

@@ -1,12 +1,12 @@
 // orbit: a camera that turns around a point, comes nearer and moves sideways, by mouse, touch and wheel. Up is z.
 "use strict";
 view.orbit = (() => {
-  const LIMIT = Math.PI / 2 - 0.01;
+  const LIMIT = Math.PI / 2 - 0.01, INNER = 0.84;
 
   class Orbit {
     constructor(element, changed) {
-      Object.assign(this, { element, changed, pointers: new Map(), target: new THREE.Vector3(), azimuth: -0.9, height: 0.3,
-        distance: 3, size: 1 });
+      Object.assign(this, { element, changed, pointers: new Map(), target: new THREE.Vector3(), distance: 3, size: 1 });
+      this.face();
       this.camera = new THREE.PerspectiveCamera(34, 1, 0.01, 100);
       this.camera.up.set(0, 0, 1);
       element.addEventListener("pointerdown", (e) => this.down(e));
@@ -16,11 +16,25 @@ view.orbit = (() => {
       element.addEventListener("contextmenu", (e) => e.preventDefault());
     }
 
-    // Sees a ball of this radius around the point.
-    look(target, radius) {
+    face() {
+      this.moved = false; // by the user
+      this.azimuth = -0.9;
+      this.height = 0.3;
+    }
+
+    // Turns around the point, and sees all corners of a box in the inner part of a picture of this aspect ratio.
+    look(target, corners, aspect) {
       this.target.copy(target);
-      this.size = radius;
-      this.distance = 0.92 * radius / Math.sin(this.camera.fov * Math.PI / 360);
+      this.size = Math.max(...corners.map((corner) => corner.distanceTo(target))) || 1;
+      this.distance = 1;
+      this.update();
+      const m = this.camera.matrixWorld.elements, tall = INNER * Math.tan(this.camera.fov * Math.PI / 360), wide = tall * aspect;
+      const along = (v, k) => v.x * m[k] + v.y * m[k + 1] + v.z * m[k + 2];
+      const needed = corners.map((corner) => {
+        const v = corner.clone().sub(target);
+        return along(v, 8) + Math.max(Math.abs(along(v, 0)) / wide, Math.abs(along(v, 4)) / tall);
+      });
+      this.distance = Math.max(...needed) || 1;
       this.update();
     }
 
@@ -64,6 +78,7 @@ view.orbit = (() => {
       else if (e.buttons & 2 || e.buttons & 4 || e.shiftKey) this.pan(dx, dy);
       else this.turn(dx * 0.008, dy * 0.008);
       this.pointers.set(e.pointerId, e);
+      this.moved = true;
       this.update();
     }
 
@@ -77,6 +92,7 @@ view.orbit = (() => {
 
     wheel(e) {
       e.preventDefault();
+      this.moved = true;
       this.zoom(Math.exp(Math.sign(e.deltaY) * Math.min(Math.abs(e.deltaY), 100) * 0.0016));
       this.update();
     }

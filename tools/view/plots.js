@@ -3,7 +3,7 @@
 "use strict";
 view.plots = (() => {
   const { el, svg, clear } = view.dom;
-  const { short, ticks } = view.numbers;
+  const { within, ticks } = view.numbers;
   const HEIGHT = 116, LEFT = 52, RIGHT = 10, TOP = 8, BOTTOM = 20;
 
   // The least and the largest of each pixel column, so that no peak is lost.
@@ -83,7 +83,7 @@ view.plots = (() => {
       this.x = (t) => LEFT + (t - begin) / (end - begin) * inner;
       this.y = (v) => bottom - (v - low) / (high - low) * (bottom - TOP);
       clear(this.svg).setAttribute("viewBox", `0 0 ${width} ${HEIGHT}`);
-      for (const t of ticks(low, high, 3)) this.svg.append(
+      for (const t of ticks(low, high, 5)) this.svg.append(
         svg("line", { class: t.value === 0 ? "zero" : "grid", x1: LEFT, x2: width - RIGHT, y1: this.y(t.value), y2: this.y(t.value) }),
         svg("text", { x: LEFT - 6, y: this.y(t.value) + 3.5, "text-anchor": "end" }, t.text));
       for (const t of ticks(begin, end, Math.floor(inner / 70))) this.svg.append(
@@ -112,7 +112,7 @@ view.plots = (() => {
           this.dots[j].setAttribute("cx", x);
           this.dots[j].setAttribute("cy", this.y(value));
         }
-        said.push(short(value, 5));
+        said.push(within(value, (this.bounds.high - this.bounds.low) * 1e-4));
       });
       this.now.textContent = said.length <= 4 ? said.join("   ") : "";
     }

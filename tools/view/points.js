@@ -50,7 +50,7 @@ view.points = (() => {
         { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 }));
     }
 
-    // Particle list[k] for k below `count`, or particle k * every where list is null.
+    // Particle list[k * every] for k below `count`, or particle k * every where list is null.
     show(frame, list, count, colours, every = 1) {
       this.mesh.visible = this.shadow.visible = count > 0;
       if (count === 0) return;
@@ -60,7 +60,7 @@ view.points = (() => {
         colour.set(colours);
       } else
         for (let k = 0; k < count; k++) {
-          const i = 3 * (list ? list[k] : k * every), own = colours.length === 3 ? 0 : i;
+          const i = 3 * (list ? list[k * every] : k * every), own = colours.length === 3 ? 0 : i;
           for (let c = 0; c < 3; c++) {
             x[3 * k + c] = frame.x[i + c];
             colour[3 * k + c] = colours[own + c];

@@ -45,10 +45,8 @@ view.report = (() => {
     return list.length ? el("section", {}, el("h2", {}, "Parameters"), rows(list)) : null;
   };
 
-  const make = (source) => {
-    const s = source.summary;
-    return el("div", { class: "report" }, verdict(s), s ? [figures(s), warnings(s), costs(s), parameters(s)] : null);
-  };
+  // What there is beside the verdict and the warnings.
+  const details = (s) => s ? [figures(s), costs(s), parameters(s)] : null;
 
-  return { make };
+  return { verdict: (s) => [verdict(s), s ? warnings(s) : null], details };
 })();

@@ -2,6 +2,9 @@
 // pointer. It draws when something has changed, and not otherwise.
 "use strict";
 view.stage = (() => {
+  const corners = ({ min, max }) => [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) =>
+    [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
+
   class Stage {
     constructor(canvas, picked) {
       Object.assign(this, { canvas, layers: [], side: false, dirty: true, yUp: false, drawn: 0 });
@@ -44,7 +47,14 @@ view.stage = (() => {
       const middle = box.getCenter(new THREE.Vector3()), radius = box.getSize(new THREE.Vector3()).length() / 2 || 1;
       this.floorHeight = box.min.z - 0.012 * radius;
       for (const layer of this.layers) layer.floor.place(middle.x, middle.y, this.floorHeight, 4.2 * radius);
-      this.orbit.look(middle, radius);
+      const [first] = this.views();
+      this.orbit.look(middle, corners(box), first.w / first.h || 1);
+    }
+
+    // The camera as at the start.
+    home() {
+      this.orbit.face();
+      this.place();
     }
 
     resize() {
@@ -52,6 +62,7 @@ view.stage = (() => {
       if (!w || !h) return;
       this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
       this.renderer.setSize(w, h, false);
+      if (this.layers.length && !this.orbit.moved) this.place();
       this.draw();
     }
 

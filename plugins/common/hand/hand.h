@@ -1,4 +1,4 @@
-/* "hand/1": the hand of a user who watches the run and may hold one particle. An output that hears of the user's moves
+/* "grip/1": the hand of a user who watches the run and may hold one particle. An output that hears of the user's moves
  * tells it at frames where the hand is; forces ask where it is at a time. Between two frames it moves evenly, and its
  * hold grows or fades evenly over the frame in which it takes or lets go, so that forces are continuous in time. */
 #ifndef HK_HAND_H
@@ -6,7 +6,7 @@
 
 #include "core/plugin.h"
 
-#define HK_HAND_INTERFACE "hand/1"
+#define HK_HAND_INTERFACE "grip/1"
 
 typedef struct hk_grip {
   uint32_t id;     /* of the particle that is held; 0: none */

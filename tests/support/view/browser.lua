@@ -1,7 +1,6 @@
 -- A real headless Chromium, driven through chromedriver by W3C WebDriver (https://www.w3.org/TR/webdriver2): JSON over
 -- HTTP, which curl carries. The driver is a process of its own and ends with the session's `close`, or with the test.
 local cjson = require("cjson").new()
-local process = require("process")
 
 local browser = {}
 browser.__index = browser
@@ -28,7 +27,7 @@ end
 local function call(self, method, path, body)
   local data = os.tmpname()
   local file = assert(io.open(data, "w"))
-  file:write(cjson.encode(body or setmetatable({}, nil)))
+  file:write(cjson.encode(body or {}))
   file:close()
   local answer = shell(("curl -s --max-time 60 -X %s -H 'Content-Type: application/json' %s http://127.0.0.1:%d%s"):format(
     method, method == "GET" and "" or "--data-binary @" .. data, self.port, path))
@@ -93,12 +92,11 @@ end
 -- Waits until the expression is true, some seconds at most.
 function browser:wait(expression, seconds)
   local last
-  local ends = process.clock() + (seconds or 10)
-  repeat
+  for _ = 1, (seconds or 10) * 50 do
     last = self:value(expression)
     if last.v and last.v ~= cjson.null then return end
     os.execute("sleep 0.02")
-  until process.clock() > ends
+  end
   error(("%s did not become true%s"):format(expression, last.e and ": " .. last.e or ""), 2)
 end
 

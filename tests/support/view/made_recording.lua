@@ -30,14 +30,20 @@ function made.recording(what)
     local packed = made.indices(list or {})
     return function() return packed end
   end
-  function r:n(k) return #at(k)[1] // 3 end
-  function r:positions(k) return made.doubles(at(k)[1]) end
-  function r:velocities(k) return made.doubles(at(k)[2]) end
-  function r:ids(k) return made.indices(at(k)[3]) end
-  function r:strain(k) return at(k)[4] and made.doubles(at(k)[4]) end
-  function r:force(name, k) return made.doubles(what.forces[name](k)) end
-  function r:topology_changed() return false end
-  r.edges, r.triangles, r.pins = always(what.edges), always(what.triangles), always(what.pins)
+  function r.n(_, k) return #at(k)[1] // 3 end
+  function r.positions(_, k) return made.doubles(at(k)[1]) end
+  function r.velocities(_, k) return made.doubles(at(k)[2]) end
+  function r.ids(_, k) return made.indices(at(k)[3]) end
+  function r.strain(_, k) return at(k)[4] and made.doubles(at(k)[4]) end
+  function r.force(_, name, k) return made.doubles(what.forces[name](k)) end
+  function r.topology_changed(_) return false end
+  r.edges, r.triangles = always(what.edges), always(what.triangles)
+  function r.pins(_, k)
+    local bytes = {}
+    for i = 1, #at(k)[1] // 3 do bytes[i] = "\0" end
+    for _, i in ipairs(what.pins or {}) do bytes[i + 1] = "\1" end
+    return table.concat(bytes)
+  end
   return r
 end
 

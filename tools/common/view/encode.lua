@@ -7,7 +7,7 @@ local series = require("common.view.series")
 local encode = {}
 
 local LEVELS = 65534 -- of a number, HK_MOTION_LEVELS: of positions
-local COARSE = { [1] = 510, [3] = 2046 } -- of what is coloured or told only: half a step is 1e-3 or 2.4e-4 of the range
+local COARSE = { [1] = 254, [3] = 1022 } -- of what is coloured or told only: half a step is 2e-3 or 4.9e-4 of the range
 local SAMPLES = 50000 -- numbers that the range of colours is chosen from, about
 local BLOCK = 2000000 -- numbers of a block, about: what a browser unpacks at once
 
@@ -113,9 +113,16 @@ local function packed_or_nil(out, indices)
   return #indices > 0 and out:add(page.indices(indices)) or nil
 end
 
+-- The indices of those that are held, of a byte for each particle.
+local function held_indices(pins)
+  local list = {}
+  for at in pins:gmatch("()[^\0]") do list[#list + 1] = ("<I4"):pack(at - 1) end
+  return table.concat(list)
+end
+
 local function topology(r, out, k)
   return { first = k - 1, edges = packed_or_nil(out, r:edges(k)), triangles = packed_or_nil(out, r:triangles(k)),
-    pins = packed_or_nil(out, r:pins(k)) }
+    pins = packed_or_nil(out, held_indices(r:pins(k))) }
 end
 
 local function frames_of_block(r)

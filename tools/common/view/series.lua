@@ -6,13 +6,13 @@ local series = {}
 -- name -> { group, unit, name in the group }, in the order of the charts.
 local known = {
   { "kinetic", "Energy", "J", "kinetic" }, { "potential", "Energy", "J", "potential" },
-  { "total", "Energy", "J", "total" }, { "work", "Energy", "J", "work" },
-  { "momentum_x", "Momentum", "kg m/s", "x" }, { "momentum_y", "Momentum", "kg m/s", "y" },
-  { "momentum_z", "Momentum", "kg m/s", "z" },
-  { "angular_momentum_x", "Angular momentum", "kg m²/s", "x" }, { "angular_momentum_y", "Angular momentum", "kg m²/s", "y" },
-  { "angular_momentum_z", "Angular momentum", "kg m²/s", "z" },
-  { "strain", "Largest strain", "", "strain" }, { "step", "Step length", "s", "step" },
-  { "error", "Estimated error of a step", "", "error" },
+  { "energy", "Energy", "J", "total" }, { "work", "Energy", "J", "work" },
+  { "momentum x", "Momentum", "kg m/s", "x" }, { "momentum y", "Momentum", "kg m/s", "y" },
+  { "momentum z", "Momentum", "kg m/s", "z" },
+  { "angular momentum x", "Angular momentum", "kg m²/s", "x" }, { "angular momentum y", "Angular momentum", "kg m²/s", "y" },
+  { "angular momentum z", "Angular momentum", "kg m²/s", "z" },
+  { "step", "Step length", "s", "step" },
+  { "error", "Estimated error of a step, of the tolerance", "", "error" },
 }
 
 local function some_finite(values)
@@ -26,21 +26,19 @@ local function entry(group, unit, name, values)
   return { group = group, unit = unit, name = name, values = json_text.list(values) }
 end
 
--- The total energy without the work that was done from outside, which should stay the same.
-local function total_of(all)
-  if not (all.kinetic and all.potential) or all.total then return nil end
-  local sum = {}
-  for k, kinetic in ipairs(all.kinetic) do
-    sum[k] = kinetic + all.potential[k]
-  end
-  return sum
+-- At the start there was no step yet.
+local function steps_taken(values)
+  local list = table.move(values, 1, #values, 1, {})
+  if list[1] == 0 then list[1] = 0 / 0 end
+  return list
 end
 
 function series.of(all)
-  local list, used, given = json_text.list(), {}, setmetatable({ total = total_of(all) }, { __index = all })
+  local list, used = json_text.list(), {}
   for _, row in ipairs(known) do
-    local name, values = row[1], given[row[1]]
+    local name, values = row[1], all[row[1]]
     used[name] = true
+    if name == "step" and values then values = steps_taken(values) end
     if values and some_finite(values) then list[#list + 1] = entry(row[2], row[3], row[4], values) end
   end
   local rest = {}

@@ -8,7 +8,7 @@ local template = {}
 
 -- In this order: a module uses those before it.
 template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "surface", "segments",
-  "points", "floor", "orbit", "layer", "stage", "clock", "timeline", "plots", "controls", "compare", "inspector", "report",
+  "points", "floor", "orbit", "topology", "layer", "stage", "clock", "timeline", "plots", "controls", "compare", "inspector", "report",
   "bench", "app" }
 
 -- Where three.js may be, with window.THREE (the older files) or as CommonJS.
@@ -74,7 +74,7 @@ local function script(number_used_once, text)
 end
 
 -- The page's parts up to where data come, and from there: nil and the reason where a file is missing.
--- what: title, subtitle, policy (more of the Content-Security-Policy), last (the module that opens the page)
+-- what: title, subtitle, policy (more of the Content-Security-Policy), modules (those behind them; the last opens the page)
 function template.parts(what)
   local folder = hooke.folder .. "/view/"
   local three, why = template.three()
@@ -82,7 +82,7 @@ function template.parts(what)
   local used = what.nonce or nonce()
   local scripts = { script(used, three) }
   local modules = table.move(template.modules, 1, #template.modules, 1, {})
-  modules[#modules + 1] = what.last or "open"
+  table.move(what.modules or { "open" }, 1, #(what.modules or { "open" }), #modules + 1, modules)
   for _, name in ipairs(modules) do
     local text
     text, why = read(folder .. name .. ".js")
@@ -102,18 +102,21 @@ end
 local page = {}
 page.__index = page
 
--- Begins the file; nil and the reason where it cannot be.
+-- Begins the file; nil and the reason where it cannot be. A device is written directly.
 function template.begin(path, what)
   local before, after = template.parts(what)
   if not before then return nil, after end
-  local file, why = io.open(path .. ".part", "wb")
+  local mode = lfs.attributes(path, "mode")
+  local part = (mode == nil or mode == "file") and path .. ".part" or path
+  local file, why = io.open(part, "wb")
   if not file then return nil, ("cannot write %s: %s"):format(path, why:match(": (.*)$") or why) end
-  local self = setmetatable({ path = path, file = file, after = after, count = 0 }, page)
+  local self = setmetatable({ path = path, part = part, file = file, after = after, count = 0, size = 0 }, page)
   self:write(before)
   return self
 end
 
 function page:write(text)
+  self.size = self.size + #text
   local fine, why = self.file:write(text)
   if not fine and not self.failed then self.failed = why end
 end
@@ -126,26 +129,26 @@ function page:add(packed)
   return id
 end
 
--- Leaves no file.
-function page:abandon()
-  self.file:close()
-  os.remove(self.path .. ".part")
-end
-
--- Ends the page with its story. true and its size in bytes, or nil and the reason: then there is no file.
+-- Ends the page with its story. true and its size in bytes, or nil and the reason.
 function page:finish(story)
   self:write('<script type="application/json" id="story">' .. json_text.encode(story) .. "</script>\n")
   self:write(self.after)
-  local size = self.file:seek("end")
   local closed, why = self.file:close()
+  self.closed = true
   local failed = self.failed or not closed and why
-  if not failed then
-    local renamed, reason = os.rename(self.path .. ".part", self.path)
+  if not failed and self.part ~= self.path then
+    local renamed, reason = os.rename(self.part, self.path)
     failed = not renamed and reason
   end
-  if not failed then return true, size end
-  os.remove(self.path .. ".part")
+  self.kept = not failed
+  if self.kept then return true, self.size end
   return nil, ("cannot write %s: %s"):format(self.path, failed)
+end
+
+-- A page that was not finished leaves no file.
+function page:close()
+  if not self.closed then self.file:close() end
+  if not self.kept and self.part ~= self.path then os.remove(self.part) end
 end
 
 return template

@@ -61,7 +61,7 @@ static const hk_service service = {.size = sizeof(hk_service), .interface = HK_H
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_SERVICE,
-    .name = "hand",
+    .name = "grip",
     .summary = "the hand of a user who watches the run and may hold a particle",
     .reference = "",
     .instance_size = sizeof(hand),
