@@ -71,9 +71,22 @@ static hk_status check_pictures(hk_reel *r) {
   return r->host->fail(r->host, HK_IO, "cannot write %s: %s", r->path, r->trouble);
 }
 
+/* A run that is asked to end still has its pictures written, unless there is no room for one after two seconds: then
+ * ffmpeg hangs. */
+typedef struct last_chance {
+  hk_reel *reel;
+  int looks; /* ten a second */
+} last_chance;
+
+static bool has_no_more_patience(void *self) {
+  last_chance *l = self;
+  return hk_reel_stopped(l->reel) && ++l->looks > 20;
+}
+
 hk_status hk_reel_add(hk_reel *r, const unsigned char *rgba) {
   char name[PATH_MAX];
-  hk_stop asked = {hk_reel_stopped, r};
+  last_chance chance = {r, 0};
+  hk_stop asked = {has_no_more_patience, &chance};
   if (!r->file && !r->pictures) return HK_OK;
   hk_status status = r->open ? HK_OK : begin(r);
   if (status == HK_OK) status = check_pictures(r);
