@@ -181,7 +181,6 @@ static void make_plan(frames *f) {
   f->film.solid = f->solid, f->film.solids = f->solid_count;
   f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
-  f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
   f->film.stills = (size_t)f->sheet;
   f->film.legend = f->legend, f->film.unit = f->unit;
   memcpy(f->film.plain, f->plain, sizeof f->plain);
@@ -226,7 +225,11 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
   if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
-  hk_status status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
+  f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
+  hk_status status = hk_reel_check(&f->film.reel, host, (int)f->width, (int)f->height);
+  if (!f->pictures && !f->video && !f->sheet)
+    host->warn(host, "pictures, video and sheet are all off: nothing is written");
+  if (status == HK_OK) status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
   if (status == HK_OK) status = choose_look(f, view->model);
   if (status == HK_OK && f->unit && f->film.look.paint != HK_PAINT_CHANNEL)
     return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");

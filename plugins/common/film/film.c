@@ -39,8 +39,8 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   char name[PATH_MAX];
   f->host = host;
   hk_snapshot3d_open(&f->snapshot, host, &f->look);
-  hk_status status = hk_reel_open(&f->reel, host, f->width, f->height);
-  if (status == HK_OK) status = make_solids(f);
+  hk_reel_open(&f->reel, host, f->width, f->height);
+  hk_status status = make_solids(f);
   if (status != HK_OK) return status;
   hk_colormap_fill(f->map, f->reverse, f->table);
   f->gl = hk_gl_context_create(&why);

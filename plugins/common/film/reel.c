@@ -22,19 +22,20 @@ bool hk_reel_stopped(void *reel) {
   return r->interruption && r->interruption->again(r->interruption->self);
 }
 
-hk_status hk_reel_open(hk_reel *r, const hk_host *host, int width, int height) {
-  r->host = host, r->width = width, r->height = height;
-  r->interruption = host->query(host, "interruption/1");
-  r->possible = r->file && hk_video_possible();
+hk_status hk_reel_check(const hk_reel *r, const hk_host *host, int width, int height) {
   if (r->file && (width % 2 || height % 2))
     return host->fail(host, HK_BAD_PARAM,
                       "a video has an even width and height, not %d x %d: take %d x %d, or video = false", width,
                       height, width + width % 2, height + height % 2);
-  if (!r->pictures && !r->file)
-    return host->fail(host, HK_BAD_PARAM, "pictures and video are both off: leave one of them on");
-  if (!r->pictures && !r->possible)
+  if (r->file && !r->pictures && !hk_video_possible())
     return host->fail(host, HK_FAILED, "pictures = false, and there is no program ffmpeg to make a video: install it");
   return HK_OK;
+}
+
+void hk_reel_open(hk_reel *r, const hk_host *host, int width, int height) {
+  r->host = host, r->width = width, r->height = height;
+  r->interruption = host->query(host, "interruption/1");
+  r->possible = r->file && hk_video_possible();
 }
 
 /* At the first picture: a run without any leaves no file. */
@@ -70,9 +71,23 @@ static hk_status check_pictures(hk_reel *r) {
   return r->host->fail(r->host, HK_IO, "cannot write %s: %s", r->path, r->trouble);
 }
 
+/* A run that is asked to end still has its pictures written, unless there is no room for one after two seconds: then
+ * ffmpeg hangs. */
+typedef struct last_chance {
+  hk_reel *reel;
+  int looks; /* ten a second */
+} last_chance;
+
+static bool has_no_more_patience(void *self) {
+  last_chance *l = self;
+  return hk_reel_stopped(l->reel) && ++l->looks > 20;
+}
+
 hk_status hk_reel_add(hk_reel *r, const unsigned char *rgba) {
   char name[PATH_MAX];
-  hk_stop asked = {hk_reel_stopped, r};
+  last_chance chance = {r, 0};
+  hk_stop asked = {has_no_more_patience, &chance};
+  if (!r->file && !r->pictures) return HK_OK;
   hk_status status = r->open ? HK_OK : begin(r);
   if (status == HK_OK) status = check_pictures(r);
   snprintf(name, sizeof name, "%s/%06zu.png", r->folder, r->count);

@@ -24,8 +24,10 @@ typedef struct hk_reel {
   size_t count;
 } hk_reel;
 
-/* HK_BAD_PARAM: a video cannot have this size, or there would be no file at all. */
-hk_status hk_reel_open(hk_reel *, const hk_host *, int width, int height);
+/* Before a run, of a plan. HK_BAD_PARAM: a video cannot have this size. HK_FAILED: it is all there is to be, and
+ * there is no ffmpeg. */
+hk_status hk_reel_check(const hk_reel *, const hk_host *, int width, int height);
+void hk_reel_open(hk_reel *, const hk_host *, int width, int height);
 /* Width x height pixels of 4 bytes, the bottom row first. HK_INTERRUPTED: the user asks, once more, to stop. */
 hk_status hk_reel_add(hk_reel *, const unsigned char *rgba);
 /* Waits for all files, warns where there is no video. */
