@@ -272,8 +272,8 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
     if (o.help) {
       if (!o.json) hk_options_print();
-      if (script) hk_parameters_print(script, o.json);
-      if (status != HK_OK && !script) code = complain(&error);
+      if (script && (status == HK_OK || !o.json)) hk_parameters_print(script, o.json);
+      if (status != HK_OK && (o.json || !script)) code = complain(&error);
     } else if (status != HK_OK)
       code = complain(&error);
     else if (hk_script_drove(script, &worst))
@@ -312,6 +312,14 @@ static int tool_command(int argc, char **argv, hk_registry *registry, const hk_i
   return code;
 }
 
+/* `hooke run ... --watch`: tools/watch.lua starts the run itself, in a process of its own. */
+static bool is_watched(int argc, char **argv) {
+  static char watch[] = "watch";
+  if (!hk_option_given(argc, argv, "--watch") || hk_option_given(argc, argv, "--help")) return false;
+  argv[-1] = watch;
+  return true;
+}
+
 int main(int argc, char **argv) {
   if (hk_keep_asked(argc, argv)) return hk_keep_write(argv);
   hk_error error = {0};
@@ -336,7 +344,7 @@ int main(int argc, char **argv) {
   } else if (strcmp(argv[1], "--cflags") == 0) {
     printf("-I%s\n", p.include);
     code = 0;
-  } else if (strcmp(argv[1], "run") == 0)
+  } else if (strcmp(argv[1], "run") == 0 && !is_watched(argc - 2, argv + 2))
     code = run_command(argc - 2, argv + 2, &registry, &p);
   else
     code = tool_command(argc - 1, argv + 1, &registry, &p);

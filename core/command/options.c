@@ -43,11 +43,17 @@ static const option options[] = {
     {"--summary", "FILE", "the same into a file, beside what is printed", TEXT, AT(summary), false},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
     {"--with", "KIND:NAME",
-     "a plugin beside those of the scene, KIND:NAME:parameter=value,... sets its parameters; may be repeated", LIST,
-     AT(run.with), false},
+     "a plugin beside those of the scene, KIND:NAME:parameter=value,... sets its parameters; may be repeated; an "
+     "output that the scene has is not doubled",
+     LIST, AT(run.with), false},
+    {"--draft", NULL, "pictures of half the size, for a quick look", FLAG, AT(run.draft), false},
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
     {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),
      false},
+    {"--watch", NULL,
+     "in a browser while it runs: a page on this machine's own address, to look, stop, take hold and try values", FLAG,
+     AT(watch), false},
+    {"--port", "N", "of the page of --watch, default 0: any that is free", WHOLE, AT(port), false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
     {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON",
      FLAG, AT(help), false},
@@ -136,6 +142,16 @@ static hk_status parse_option(hk_options *into, const char *word, const char *ne
     return store(o, into, value, error);
   }
   return unknown(word, error);
+}
+
+bool hk_option_given(int argc, char **argv, const char *name) {
+  for (int i = 0; i < argc; i++) {
+    bool takes_value = false;
+    if (strcmp(argv[i], name) == 0) return true;
+    hk_option_kept(argv[i], &takes_value);
+    i += takes_value && !strchr(argv[i], '=');
+  }
+  return false;
 }
 
 bool hk_option_kept(const char *word, bool *takes_value) {

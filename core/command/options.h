@@ -13,8 +13,8 @@ typedef struct hk_options {
   const char *scene, *state, *summary;
   FILE *summary_file; /* `summary`, opened before the script runs; NULL: none */
   int threads;
-  uint64_t seed;
-  bool json, quiet, trust, verify, help;
+  uint64_t seed, port;
+  bool json, quiet, trust, verify, watch, help;
   size_t given_count;
   hk_param_given *given; /* one per argument at most */
   const char **with;     /* as many */
@@ -24,6 +24,8 @@ typedef struct hk_options {
 /* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` and `with`
  * afterwards. */
 hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error);
+/* Whether the flag of that name, "--name", is among the words. */
+bool hk_option_given(int argc, char **argv, const char *name);
 /* Whether the option of that word, "--name" or "--name=value", is kept in checkpoints. *takes_value is set to true
  * where it does, and else left alone. */
 bool hk_option_kept(const char *word, bool *takes_value);

@@ -62,6 +62,15 @@ static hk_status refuse_start(hk_loop *loop, const hk_contact_report *now) {
                       now->intersections, now->first);
 }
 
+/* Contact takes energy, or hands on what surfaces that are moved on paths give. Where none moves, what it gives from a
+ * time on at which it had given least comes from nothing. */
+static void note_energy(hk_record *r, double given, bool driven) {
+  bool first = r->contact_frames == 0;
+  if (isnan(given)) return;
+  r->contact_least = first || driven ? given : fmin(r->contact_least, given);
+  r->contact_rise = fmax(r->contact_rise, given - r->contact_least);
+}
+
 static void note(hk_record *r, double t, const hk_contact_report *now) {
   bool first = r->contact_frames == 0, freeing = now->repairs && now->intersections <= r->intersections[1];
   if (first) r->intersections[0] = now->intersections;
@@ -85,6 +94,7 @@ hk_status hk_contacts_note(hk_loop *loop) {
   if (r->frames == 0 && r->steps == 0 && r->contact_frames > 0) return HK_OK; /* the start was already counted */
   if (!ask_all(loop, &now)) return HK_OK;
   if (now.intersections > 0 && !now.repairs && r->contact_frames == 0) return refuse_start(loop, &now);
+  note_energy(r, -now.impact_energy, loop->pins->has_paths);
   note(r, loop->state->t, &now);
   return HK_OK;
 }

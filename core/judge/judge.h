@@ -156,6 +156,7 @@ bool hk_passed_by_reason(const hk_loop *, double accuracy, char *text, size_t si
 
 /* ---- force_errors.c ---- */
 
+void hk_by_hand_note(hk_loop *);      /* at a frame and at the end: asks forces that a user's hand moves for its work */
 void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approximations for their errors */
 
 /* ---- contacts.c ---- */
@@ -198,6 +199,7 @@ typedef struct hk_summary {
   /* Of the contact of surfaces; NAN: no plugin reports it. Frames with a count; intersections that count against the
    * run; those of the start; m, the least gap; N s; J */
   double contact_frames, intersections, intersections_first, closest, impulse, impact_energy;
+  double hand_work;         /* J, of the user's hand; NAN: it did nothing */
   double path_speed_error;  /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
   double accuracy;          /* m, accuracy asked for; NAN: none */
   size_t accuracies;        /* how many were asked for: of the positions, and of channels */

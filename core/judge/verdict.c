@@ -33,7 +33,8 @@ static void judge_known_error(hk_loop *loop, hk_judgement *j, const hk_asked *as
 
 static hk_status check_exact(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
   double error;
-  hk_status status = asked->ignore_exact ? HK_OK : hk_figures_exact(loop, &error, loop->error);
+  bool ignored = asked->ignore_exact || loop->record->by_hand;
+  hk_status status = ignored ? HK_OK : hk_figures_exact(loop, &error, loop->error);
   if (status != HK_OK) add_reason(j, "the exact solution is not known: %.600s", loop->error->text);
   return status;
 }
@@ -55,12 +56,25 @@ static void judge_energy(hk_judgement *j, const hk_summary *s, int order) {
   /* What grows by a factor in every step is small in its logarithm. */
   hk_remedy_need(j, s->energy_drift > 0 ? fmin(excess, fmax(1.01, log1p(s->energy_drift) / energy_limit)) : excess,
                  order);
+  if (s->energy_drift < 0 && s->contact_frames > 0)
+    cause = "sink (steps lose what impacts within them have, and implicit ones what swings: try a smaller dt)";
   if (drift > energy_limit * s->kinetic_max)
     add_reason(j, "the energy %s by %.3g of the largest kinetic energy without a %s", change, fabs(s->energy_drift),
                cause);
   else if (drift > mean_energy_limit * moved)
     add_reason(j, "the energy %s by %.3g of the mean kinetic energy without a %s", change, drift / s->kinetic_mean,
                cause);
+}
+
+/* Surfaces that push each other make a run wrong whoever agrees with it: other methods have the same contact. */
+static void judge_contact_energy(hk_judgement *j, const hk_record *r, const hk_summary *s, int order) {
+  double given = r->contact_rise;
+  if (given > energy_limit * s->kinetic_max && given > hk_energy_rounding(s))
+    add_reason(j,
+               "contact gave %.3g J, %.3g of the largest kinetic energy, while no surface was driven: try a smaller dt",
+               given, given / s->kinetic_max);
+  else if (j->confirmed && r->contact_frames > 0 && s->energy_drift > 0)
+    judge_energy(j, s, order);
 }
 
 /* Figures from which an error of the positions could be inferred. */
@@ -87,10 +101,12 @@ static void judge_figures(hk_loop *loop, hk_judgement *j, const hk_summary *s) {
 
 hk_status hk_judge(hk_loop *loop, hk_judgement *j, const hk_asked *asked) {
   hk_summary s;
+  hk_by_hand_note(loop);
   hk_summary_take(loop, j, asked, &s);
   *j->reason = 0;
   j->excess = j->shorten = 1;
   if (!j->confirmed) judge_figures(loop, j, &s);
+  judge_contact_energy(j, loop->record, &s, loop->step->method->order);
   judge_known_error(loop, j, asked, &s);
   if (loop->record->violation_max > violation_limit)
     add_reason(j, "constraints were violated by %.3g m", loop->record->violation_max);

@@ -13,16 +13,15 @@ typedef struct hk_record {
   /* written by the loop */
   size_t steps, frames; /* number of steps taken and of frames */
   double dt_min, dt_max;
-  double dt_beyond;       /* s, the longest step above the stable limit at its time; 0: none */
-  double worst_error;     /* largest error estimate of accepted steps, relative to tol */
-  double kinetic_max;     /* J */
-  double kinetic_sum;     /* J, over the frames */
-  double correction_work; /* J, energy that correctors reported to have given */
-  bool moved;             /* a corrector moved something */
-  bool corrected;         /* a corrector moved something and did not say what energy that took */
-  bool sourced;           /* particles were born or died: the energy balance is not known */
-  bool growth_expected;   /* the integrator has no stable step on this scene */
-  size_t rejected;        /* number of steps rejected by contact or by correctors */
+  double dt_beyond;              /* s, the longest step above the stable limit at its time; 0: none */
+  double worst_error;            /* largest error estimate of accepted steps, relative to tol */
+  double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
+  double kinetic_sum;            /* J, over the frames */
+  double correction_work;        /* J, energy that correctors reported to have given */
+  bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
+  bool sourced, by_hand; /* particles were born or died: the energy balance is not known; a user's hand moved some */
+  bool growth_expected;  /* the integrator has no stable step on this scene */
+  size_t rejected;       /* number of steps rejected by contact or by correctors */
   /* By the hook `moved`: sums of dv^2 t^k over what steps missed; the largest dv, its time, the dt it asks for, whose.
    */
   double passed[3], passed_most, passed_at, passed_dt;
@@ -36,6 +35,7 @@ typedef struct hk_record {
   hk_contact_report contact;                  /* so far; the intersections of all frames that count against the run */
   size_t contact_frames, intersecting, intersections[2]; /* frames; of the first frame, and of the last */
   double intersecting_at;                                /* s, the first frame that counts against the run */
+  double contact_least, contact_rise; /* J, that contact gave: the least while nothing drove it; rises above it */
 } hk_record;
 
 /* ---- step_choice.c ---- */

@@ -56,6 +56,7 @@ static const void *query(void *context, const char *wanted) {
   hk_run *run = context;
   if (strcmp(wanted, "checkpoint/1") == 0) return hk_run_checkpoints(run);
   if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
+  if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);
@@ -99,7 +100,15 @@ static hk_status open_shared(hk_run *run) {
 
 /* ---- plugins ---- */
 
-/* The scene's plugins of a kind, and then those that the command line adds. */
+/* Two outputs of one plugin would write the same files. */
+static bool writes_already(const hk_instances *outputs, const hk_plugin_spec *added) {
+  bool found = false;
+  for (size_t k = 0; k < outputs->count && added->plugin->kind == HK_OUTPUT; k++)
+    found |= outputs->item[k]->plugin == added->plugin;
+  return found;
+}
+
+/* The scene's plugins of a kind, and then those that the command line adds, but no output that the scene has. */
 static hk_status make_kind(hk_run *run, hk_kind kind) {
   const hk_specs *specs = &run->scene->plugin[kind];
   const hk_overrides *o = &run->overrides;
@@ -109,7 +118,7 @@ static hk_status make_kind(hk_run *run, hk_kind kind) {
     if (!hk_overrides_leave_out(o, specs->item[k]))
       status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
   for (size_t k = 0; !alone && k < o->added_count && status == HK_OK; k++)
-    if (o->added[k]->plugin->kind == kind)
+    if (o->added[k]->plugin->kind == kind && !writes_already(&run->plugins.kind[kind], o->added[k]))
       status = hk_plugins_add(&run->plugins, o->added[k], &run->shared, NULL, &run->error);
   return status;
 }

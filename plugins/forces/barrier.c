@@ -11,10 +11,11 @@
 #include "plugins/common/barrier/barrier_bound.h"
 #include "plugins/common/barrier/barrier_choice.h"
 #include "plugins/common/barrier/barrier_friction.h"
+#include "plugins/common/barrier/barrier_pair.h"
 #include "plugins/common/barrier/barrier_sum.h"
+#include "plugins/common/surfaces/surface_pair_names.h"
 
 #include <float.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct barrier {
@@ -39,12 +40,12 @@ static const hk_param params[] = {
      HK_NUMBER, {0}, 0, INFINITY, offsetof(barrier, friction.coefficient), 0, NULL},
     {"epsilon_v", "m/s", "speed below which friction is less than Coulomb's: what sticks creeps with up to that",
      HK_NUMBER, {1e-3}, 0, INFINITY, offsetof(barrier, friction.speed), HK_ABOVE_MIN, NULL},
-    {"thickness", "m", "of cloth: of surfaces of triangles whose particles can move",
+    {"thickness", "m", "of cloth: of surfaces of triangles whose particles can move; 0, as d_hat already holds them apart",
      HK_NUMBER, {0}, 0, INFINITY, offsetof(barrier, request.thickness), 0, NULL},
     {"body_thickness", "m", "of obstacles: of surfaces that are pinned as a whole",
      HK_NUMBER, {0}, 0, INFINITY, offsetof(barrier, request.body_thickness), 0, NULL},
     {"radius", "m", "of strands and lone particles",
-     HK_NUMBER, {1e-3}, 0, INFINITY, offsetof(barrier, request.radius), 0, NULL},
+     HK_NUMBER, {5e-4}, 0, INFINITY, offsetof(barrier, request.radius), 0, NULL},
     {"leave", "", "particles that have no part in contact, nor their triangles and edges: insides of solids, roots of hair",
      HK_PARTICLES, {0}, 0, 0, offsetof(barrier, leave), HK_OPTIONAL, NULL},
     {0},
@@ -64,10 +65,20 @@ static const hk_field fields[] = {
     {"stiffened", HK_FIELD_NUMBER, 1, offsetof(barrier, stiffened), 0},
     {"near", HK_FIELD_ARRAY, sizeof(hk_barrier_pair), offsetof(barrier, contacts.near), HK_SCRATCH},
     {"base", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.base), HK_SCRATCH},
-    {"sums", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.sums), HK_SCRATCH},
-    {"loads", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.loads), HK_SCRATCH},
+    {"kept_of", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.kept_of), HK_SCRATCH},
+    {"halves", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, contacts.halves), HK_SCRATCH},
+    {"values", HK_FIELD_ARRAY, sizeof(hk_barrier_value), offsetof(barrier, contacts.values), HK_SCRATCH},
+    {"tally", HK_FIELD_ARRAY, sizeof(hk_barrier_tally), offsetof(barrier, contacts.tally), HK_SCRATCH},
     {"acting", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.acting), HK_SCRATCH},
-    {"hessians", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.hessians), HK_SCRATCH},
+    {"at", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.at), HK_SCRATCH},
+    {"way", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.way), HK_SCRATCH},
+    {"sums", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.sums), HK_SCRATCH},
+    {"parts", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.parts), HK_SCRATCH},
+    {"loads", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.loads), HK_SCRATCH},
+    {"hessians", HK_FIELD_ARRAY, sizeof(hk_barrier_hessian), offsetof(barrier, contacts.hessians), HK_SCRATCH},
+    {"start", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.sorter.start), HK_SCRATCH},
+    {"order", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.sorter.order), HK_SCRATCH},
+    {"spare", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.sorter.spare), HK_SCRATCH},
     {"pairs", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, friction.pairs), HK_SCRATCH},
     {0},
 };
@@ -120,16 +131,6 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 /* ---- contact ---- */
 
-/* "particle 3", "the edge 3 4", "the triangle 3 4 5", by ids; an edge of length 0 is a particle. */
-static void say(const uint32_t *id, const uint32_t *v, int count, char text[64]) {
-  if (count == 3)
-    snprintf(text, 64, "the triangle %u %u %u", id[v[0]], id[v[1]], id[v[2]]);
-  else if (count == 2 && v[0] != v[1])
-    snprintf(text, 64, "the edge %u %u", id[v[0]], id[v[1]]);
-  else
-    snprintf(text, 64, "particle %u", id[v[0]]);
-}
-
 /* m, the least gap of a pair whose force is known to a part in a thousand, which Newton's iteration needs. The force
  * goes as 1/gap near 0, and a distance is off by some four roundings of the largest coordinate or radius. A smaller gap
  * is not opened by an iteration that doubles it each time: the change is lost in the rounding of positions. */
@@ -144,19 +145,16 @@ static double least_known(const hk_surface_pair *p, const double *x) {
 static hk_status refuse_contact(const barrier *b, const hk_view *view) {
   const hk_barrier_pair *near = b->contacts.near.item;
   bool start = !(b->contacts.law.stiffness > 0);
-  char one[64], other[64];
   for (size_t k = 0; k < b->contacts.found; k++) {
     const hk_surface_pair *p = &near[k].pair;
-    int first = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
     double least = start ? least_known(p, view->x) : 0;
     if (near[k].gap > least) continue;
-    say(view->model->id, p->vertex, first, one);
-    say(view->model->id, p->vertex + first, 4 - first, other);
+    hk_surface_pair_names names = hk_surface_pair_name(p, view->model->id);
     return view->host->fail(
         view->host, HK_BAD_PARAM,
         "%s and %s are in contact: their gap is %.3g m with the thickness asked for, where it has to be above %.3g m; "
         "move them apart, or make thickness or radius smaller",
-        one, other, near[k].gap, least);
+        names.one, names.other, near[k].gap, least);
   }
   return HK_OK;
 }

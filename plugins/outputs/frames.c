@@ -8,7 +8,7 @@
 #include <string.h>
 
 typedef struct frames {
-  int64_t width, height, every;
+  int64_t width, height, every, sheet;
   hk_look_names names;
   const char *unit, *folder, *video_file;
   double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
@@ -18,7 +18,7 @@ typedef struct frames {
   hk_solid *solid;
   size_t solid_count;
   int map, up, springs, particles, style, light;
-  bool reverse, log, ground, shadows, obstacles, legend, pictures, video;
+  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -54,9 +54,11 @@ static const hk_param params[] = {
     {"unit", "", "unit of a channel, for the legend",
      HK_STRING, {0}, 0, 0, offsetof(frames, unit), 0, NULL},
     {"camera", "m", "where the camera stands; left out: where it sees the whole motion",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL, NULL},
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL | HK_TIMED, NULL},
     {"target", "m", "what the camera looks at; left out: the middle",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL, NULL},
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL | HK_TIMED, NULL},
+    {"follow", "", "the camera goes along with the particles, which fill two thirds of the picture",
+     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, follow), 0, NULL},
     {"fov", "degrees", "angle from the bottom to the top of the picture",
      HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
     {"up", "", "the axis that points up",
@@ -108,6 +110,8 @@ static const hk_param params[] = {
      HK_VECTOR, {0}, 0, 1, offsetof(frames, background), HK_OPTIONAL, NULL},
     {"legend", "", "draw the bar of colours",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
+    {"sheet", "", "so many stills, evenly spaced in time, side by side in sheet.png; 0: none",
+     HK_INTEGER, {0}, 0, 400, offsetof(frames, sheet), 0, NULL},
     {"pictures", "", "write a PNG file of each picture; off: the video alone",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, pictures), 0, NULL},
     {"video", "", "make a video of the pictures, with ffmpeg",
@@ -145,11 +149,17 @@ static void plan_colours(frames *f) {
       (hk_scale){f->range.count ? f->range.value[0] : NAN, f->range.count ? f->range.value[1] : NAN, f->log};
 }
 
+/* Where it is at this time. */
+static void place_camera(frames *f) {
+  hk_look_turn(f->up == Y_UP, f->camera, f->film.framing.eye);
+  hk_look_turn(f->up == Y_UP, f->target, f->film.framing.target);
+}
+
 static void plan_camera(frames *f) {
   hk_framing *framing = &f->film.framing;
   framing->fov = f->fov * acos(-1) / 180, framing->aspect = (double)f->width / (double)f->height;
-  hk_look_turn(f->up == Y_UP, f->camera, framing->eye);
-  hk_look_turn(f->up == Y_UP, f->target, framing->target);
+  f->film.follow = f->follow;
+  place_camera(f);
   framing->floor = f->ground, framing->height = f->ground_height;
   framing->radius = f->radius, framing->tube = f->tube, framing->outliers = f->outliers;
 }
@@ -172,6 +182,7 @@ static void make_plan(frames *f) {
   f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
   f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
+  f->film.stills = (size_t)f->sheet;
   f->film.legend = f->legend, f->film.unit = f->unit;
   memcpy(f->film.plain, f->plain, sizeof f->plain);
   plan_colours(f);
@@ -193,11 +204,19 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   return status;
 }
 
+/* A quick look is at half the size, whose width and height are even, as films want it. */
+static void choose_size(frames *f) {
+  const hk_draft *draft = f->host->query(f->host, "draft/1");
+  if (!draft || !*draft) return;
+  f->width = (f->width + 3) / 4 * 2, f->height = (f->height + 3) / 4 * 2;
+}
+
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   f->host = host;
   f->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  choose_size(f);
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
   if (f->range.count && f->log && f->range.value[0] <= 0)
@@ -249,6 +268,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
   note_births(f, view, (f->last + view->t) / 2);
   if (now->index % (size_t)f->every != 0) return HK_OK;
+  place_camera(f);
   hk_status status = hk_film_add(&f->film, view, f->birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;

@@ -1,10 +1,12 @@
 -- drape: what the scenes of contact share: sheets of cloth by the numbers of their material, and the contact of all
--- surfaces of a scene, by impulses after each step of an explicit method or by a barrier for an implicit one.
+-- surfaces of a scene, by impulses after each step of an explicit method or by a barrier for an implicit one. To compare
+-- with there are a repulsion without impulses (force) and the pipeline of Bridson, Fedkiw and Anderson (zones).
 local drape = {}
+local contacts = { impulses = true, barrier = true, force = true, zones = true }
 
--- hooke.scene with a method that suits the contact: "impulses" or "barrier".
+-- hooke.scene with a method that suits the contact.
 function drape.scene(contact, t)
-  assert(contact == "impulses" or contact == "barrier", "contact: impulses or barrier, not " .. contact)
+  assert(contacts[contact], "contact: impulses, barrier, force or zones, not " .. contact)
   t.fps = t.fps or 60
   t.integrator = contact == "barrier" and "bdf2" or "leapfrog"
   t.dt = contact == "barrier" and 1 / 120 or t.dt
@@ -32,8 +34,12 @@ function drape.contact(scene, contact, t)
     -- The barrier ends at d_hat beyond the thickness: together they are as thick as the cloth.
     scene:force("barrier", { thickness = t.thickness and t.thickness / 2, d_hat = (t.thickness or 2 * t.radius) / 2,
       radius = t.radius and t.radius / 2, friction = t.friction, leave = t.leave })
+  elseif contact == "force" then
+    scene:force("contact", { thickness = t.thickness, radius = t.radius, friction = t.friction, leave = t.leave,
+      stiffness = t.stiffness or 200, damping = 2 })
   else
-    scene:corrector("contact", { thickness = t.thickness, radius = t.radius, friction = t.friction, leave = t.leave })
+    scene:corrector(contact == "zones" and "impact_zones" or "contact",
+      { thickness = t.thickness, radius = t.radius, friction = t.friction, leave = t.leave })
   end
 end
 

@@ -5,7 +5,7 @@ local drape = require("drape")
 local N = param("N", 5, "particles across a card", { min = 3, max = 64 })
 local thickness = param("thickness", 4e-3, "of a card in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.8, "Coulomb's mu", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 -- Impulses on what rests err by the square of the step, and next to nothing moves here beside which that is small.
 local scene = drape.scene(contact, { duration = 0.8, dt = 8e-5 })

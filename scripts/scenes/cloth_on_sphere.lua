@@ -5,7 +5,7 @@ local drape = require("drape")
 local N = param("N", 41, "particles along one side", { min = 3, max = 512 })
 local thickness = param("thickness", 4e-3, "of the cloth in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.3, "Coulomb's mu", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1.5 })
 scene:body { shape = "sphere", radius = 0.25, position = { 0, 0, 0.45 }, detail = 3e-3 }

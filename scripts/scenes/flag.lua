@@ -5,7 +5,7 @@ local N = param("N", 19, "particles along the height", { min = 3, max = 256 })
 local thickness = param("thickness", 5e-3, "of the cloth in contact, m", { min = 1e-5 })
 local speed = param("speed", 7, "of the wind, m/s", { min = 0 })
 local lull = param("lull", 0.8, "when it drops, s", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 2.5 })
 scene:body { shape = "cylinder", radius = 0.02, length = 1.6, position = { -0.03, 0, 0.8 }, detail = 2e-2 }

@@ -4,7 +4,7 @@ local drape = require("drape")
 local N = param("N", 9, "particles across the ribbon", { min = 3, max = 256 })
 local thickness = param("thickness", 5e-3, "of the cloth in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.4, "Coulomb's mu", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1.5 })
 scene:body { shape = "plane", size = 1.6 }

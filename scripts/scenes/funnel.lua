@@ -4,7 +4,7 @@ local drape, shapes = require("drape"), require("shapes")
 local N = param("N", 11, "particles across the ribbon", { min = 5, max = 128 })
 local thickness = param("thickness", 4e-3, "of the cloth in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.1, "Coulomb's mu", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 2 })
 shapes.hold(scene, shapes.revolve({ { 0.3, 0.24 }, { 0.22, 0.16 }, { 0.14, 0.08 }, { 0.075, 0.02 }, { 0.06, -0.02 },

@@ -4,7 +4,7 @@ local drape = require("drape")
 local S = param("strands", 100, "how many", { min = 1, max = 5000 })
 local n = param("n", 18, "particles of each", { min = 4, max = 500 })
 local radius = param("radius", 2e-3, "of a strand in contact, m", { min = 1e-5 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1.2 })
 scene:body { shape = "sphere", radius = 0.1, position = { 0, 0, 0 }, detail = 6e-3 }

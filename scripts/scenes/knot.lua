@@ -4,7 +4,7 @@ local drape = require("drape")
 local n = param("n", 121, "particles", { min = 20, max = 5000 })
 local radius = param("radius", 0.01, "of the rope, m", { min = 1e-4 })
 local friction = param("friction", 0.2, "Coulomb's mu", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 2 })
 -- Shastri's trefoil, (t^3 - 3t, t^4 - 4t^2, t^5 - 10t), laid down flatter.

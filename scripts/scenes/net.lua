@@ -4,7 +4,7 @@ local drape = require("drape")
 local n = param("meshes", 9, "along each side of the net", { min = 2, max = 40 })
 local balls = param("balls", 5, "how many fall", { min = 0, max = 50 })
 local radius = param("radius", 6e-3, "of the twine, m", { min = 1e-4 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1.5 })
 local per, side = 3, 1 -- edges per mesh

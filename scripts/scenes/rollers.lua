@@ -6,7 +6,7 @@ local N = param("N", 17, "particles across the sheet", { min = 3, max = 256 })
 local thickness = param("thickness", 5e-3, "of the cloth in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.8, "Coulomb's mu", { min = 0 })
 local speed = param("speed", 8, "of the rollers from 0.6 s on, rad/s")
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1.4 })
 local R = 0.08

@@ -5,7 +5,7 @@ local N = param("N", 41, "particles along one side", { min = 3, max = 512 })
 local thickness = param("thickness", 4e-3, "of the cloth in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.6, "Coulomb's mu", { min = 0 })
 local speed = param("speed", 6, "of the ball from 0.6 s on, rad/s")
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 2 })
 scene:body { shape = "sphere", radius = 0.22, position = { 0, 0, 0.23 }, detail = 3e-3, rotation = function(t)

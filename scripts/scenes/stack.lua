@@ -5,7 +5,7 @@ local N = param("N", 9, "particles along one side", { min = 3, max = 256 })
 local sheets = param("sheets", 10, "how many", { min = 1, max = 100 })
 local thickness = param("thickness", 8e-3, "of each in contact, m", { min = 1e-5 })
 local friction = param("friction", 0.4, "Coulomb's mu", { min = 0 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 1 })
 scene:body { shape = "plane", size = 2 }

@@ -4,7 +4,7 @@ local drape = require("drape")
 local N = param("N", 11, "particles across the sheet", { min = 3, max = 256 })
 local turns = param("turns", 10, "of one end against the other", { min = 0 })
 local thickness = param("thickness", 4e-3, "of the cloth in contact, m", { min = 1e-5 })
-local contact = param("contact", "impulses", "impulses, barrier")
+local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 local scene = drape.scene(contact, { duration = 2.5 })
 local M = 4 * (N - 1) + 1

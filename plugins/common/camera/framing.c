@@ -289,3 +289,16 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
   setup->camera.near = 0.02 * distance, setup->camera.far = 60 * distance;
   set_fog(setup, distance);
 }
+
+void hk_framing_move(const hk_snapshot3d *snapshot, hk_view_setup *setup) {
+  hk_camera moved = setup->camera;
+  for (int c = 0; c < 3; c++) {
+    if (!isnan(snapshot->eye[c])) moved.eye[c] = snapshot->eye[c] - snapshot->origin[c];
+    if (!isnan(snapshot->target[c])) moved.target[c] = snapshot->target[c] - snapshot->origin[c];
+  }
+  bool same = memcmp(moved.eye, setup->camera.eye, sizeof moved.eye) == 0 &&
+              memcmp(moved.target, setup->camera.target, sizeof moved.target) == 0;
+  if (same) return;
+  setup->camera = moved;
+  set_depths(setup);
+}

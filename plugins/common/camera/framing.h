@@ -27,5 +27,7 @@ hk_status hk_framing_motion(hk_framing *, hk_frame_spool *spool, hk_snapshot3d *
 /* For pictures that are drawn immediately with a given camera: the first call, on a zeroed setup, chooses the settings
  * by the first snapshot; later calls follow its box. */
 void hk_framing_snapshot(hk_framing *, const hk_snapshot3d *snapshot, hk_view_setup *setup);
+/* Moves the camera to where the snapshot has it. */
+void hk_framing_move(const hk_snapshot3d *snapshot, hk_view_setup *setup);
 
 #endif

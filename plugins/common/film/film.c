@@ -1,5 +1,6 @@
 #include "plugins/common/film/film.h"
 
+#include "plugins/common/camera/follow.h"
 #include "plugins/common/film/obstacle_solids.h"
 #include "plugins/common/picture/legend.h"
 #include "plugins/common/snapshot/ink.h"
@@ -11,8 +12,9 @@
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
-  return isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) || (framing->floor && isnan(framing->height)) ||
-         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
+  return f->stills > 0 || f->follow || isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) ||
+         (framing->floor && isnan(framing->height)) || f->look.sizes == HK_SIZE_MASS ||
+         (framing->counted && isnan(framing->scale.low));
 }
 
 static hk_status make_solids(hk_film *f) {
@@ -23,6 +25,13 @@ static hk_status make_solids(hk_film *f) {
   if (f->solids) memcpy(f->snapshot.solid, f->solid, f->solids * sizeof *f->solid);
   f->snapshot.solids = count;
   return HK_OK;
+}
+
+static void draw_legend(hk_painter *painter, void *film) {
+  hk_film *f = film;
+  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
+  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
+  hk_legend_draw(painter, &legend);
 }
 
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
@@ -38,6 +47,7 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
   status = hk_painter_open(&f->painter, host, f->width, f->height);
   if (status != HK_OK) return status;
+  if (f->legend && f->framing.counted) f->painter.overlay = draw_legend, f->painter.overlay_context = f;
   f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
   if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
@@ -80,12 +90,6 @@ static void colour_particles(hk_film *f) {
   }
 }
 
-static void draw_legend(hk_film *f) {
-  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
-  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
-  hk_legend_draw(&f->painter, &legend);
-}
-
 /* Exposes for the frame with the most particles, the one in the middle if it is one of them. */
 static hk_status expose(hk_film *f) {
   const hk_frame_spool_entry *entry = f->spool.entry;
@@ -104,9 +108,9 @@ static hk_status draw(hk_film *f) {
   hk_status status = make_colours(f, f->snapshot.n);
   if (status != HK_OK) return status;
   colour_particles(f);
+  hk_framing_move(&f->snapshot, &f->setup);
   status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
   if (status != HK_OK) return status;
-  if (f->legend && f->framing.counted) draw_legend(f);
   status = hk_painter_read(&f->painter, &f->setup, f->picture);
   return status == HK_OK ? hk_reel_add(&f->reel, f->picture) : status;
 }
@@ -121,6 +125,8 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_ink_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->look.y_up, f->snapshot.solid + f->solids);
+  memcpy(f->snapshot.eye, f->framing.eye, sizeof f->snapshot.eye);
+  memcpy(f->snapshot.target, f->framing.target, sizeof f->snapshot.target);
   if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   status = use_context(f);
@@ -133,13 +139,18 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
   hk_status status = use_context(f);
   if (status == HK_OK)
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
+  if (status == HK_OK && f->follow)
+    status = hk_follow(&f->framing, &f->spool, f->snapshot.origin, f->reel.fps, &f->setup);
   if (status == HK_OK) status = expose(f);
+  if (status == HK_OK) status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
     if (hk_reel_stopped(&f->reel))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);
+    if (status == HK_OK) hk_sheet_take(&f->sheet, k, f->picture);
   }
+  if (status == HK_OK) status = hk_sheet_write(&f->sheet, "sheet.png");
   return status;
 }
 
@@ -153,6 +164,7 @@ void hk_film_free(hk_film *f) {
   hk_gl_context_destroy(f->gl);
   f->gl = NULL;
   hk_reel_free(&f->reel);
+  hk_sheet_free(&f->sheet);
   hk_frame_spool_close(&f->spool);
   if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);

@@ -6,6 +6,7 @@
 
 #include "plugins/common/colour/colormap.h"
 #include "plugins/common/film/reel.h"
+#include "plugins/common/film/sheet.h"
 #include "plugins/common/gl/gl_context.h"
 #include "plugins/common/obstacles/obstacle.h"
 #include "plugins/common/camera/framing.h"
@@ -15,6 +16,7 @@ typedef struct hk_film {
   /* To be set before hk_film_open. */
   int width, height; /* pixels */
   hk_reel reel;      /* its plan */
+  size_t stills;     /* of the sheet; 0: there is none */
   bool legend;
   double plain[3]; /* colour of everything where nothing else is shown, 0..1; NAN: blue */
   hk_colormap map;
@@ -24,13 +26,15 @@ typedef struct hk_film {
   const hk_solid *solid;            /* valid until hk_film_open returns; in coordinates with z up */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
   hk_look look;
-  hk_framing framing;
+  hk_framing framing;  /* eye and target may be others for each picture */
+  bool follow;         /* the camera goes along with the particles */
   hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */
 
   const hk_host *host;
   bool waiting;           /* frames are drawn at the end */
   hk_snapshot3d snapshot; /* its solids: those of the script, then the obstacles */
   hk_frame_spool spool;
+  hk_sheet sheet;
   hk_gl_context *gl;
   hk_painter painter;
   uint8_t (*colour)[4]; /* one per particle */

@@ -1,9 +1,10 @@
 #include "plugins/common/surfaces/surface_thickness.h"
 
 #include "plugins/common/space/vector3.h"
+#include "plugins/common/surfaces/surface_crowd.h"
+#include "plugins/common/surfaces/surface_pair_names.h"
 #include "plugins/common/surfaces/surface_pairs.h"
 
-#include <stdio.h>
 #include <string.h>
 
 /* ---- area ---- */
@@ -16,14 +17,15 @@ static bool has_area(const double *x, const uint32_t t[3]) {
   return hk_length(normal) > 1e-12 * hk_length(a) * hk_length(b); /* a thousand times what rounding leaves */
 }
 
-static hk_status check_areas(const hk_surface_mesh *m, const hk_host *host, const hk_view *view) {
+static hk_status check_areas(const hk_surface_mesh *m, const hk_view *view) {
   const uint32_t *id = view->model->id;
   for (size_t k = 0; k < m->triangles; k++) {
     const uint32_t *t = m->triangle[k];
     if (!has_area(view->x, t))
-      return host->fail(host, HK_BAD_PARAM,
-                        "the triangle %u %u %u has no area at the start: move its particles off one line, or remove it",
-                        id[t[0]], id[t[1]], id[t[2]]);
+      return view->host->fail(
+          view->host, HK_BAD_PARAM,
+          "the triangle %u %u %u has no area at the start: move its particles off one line, or remove it", id[t[0]],
+          id[t[1]], id[t[2]]);
   }
   return HK_OK;
 }
@@ -70,40 +72,34 @@ static void look(const hk_surface_lists *l, const double *x, const hk_surface_pa
   *least = (tightest){distance / pair->offset, pair, distance};
 }
 
-static void describe(const hk_view *view, const hk_surface_pair *pair, char *text, size_t size) {
-  const uint32_t *id = view->model->id, *v = pair->vertex;
-  if (pair->kind == HK_POINT_TRIANGLE)
-    snprintf(text, size, "particle %u and triangle %u %u %u", id[v[0]], id[v[1]], id[v[2]], id[v[3]]);
-  else
-    snprintf(text, size, "edges %u %u and %u %u", id[v[0]], id[v[1]], id[v[2]], id[v[3]]);
-}
-
-static hk_status too_thick(const hk_host *host, const hk_view *view, const hk_surface_lists *l,
-                           const hk_surface_request *request, const tightest *t) {
-  char pair[HK_CONTACT_TEXT];
+static hk_status too_thick(const hk_view *view, const hk_surface_lists *l, const hk_surface_request *request,
+                           const tightest *t) {
+  const hk_host *host = view->host; /* of the plugin that joins: its line is named */
+  hk_surface_pair_names pair = hk_surface_pair_name(t->pair, view->model->id);
   int of_triangles = 0;
-  describe(view, t->pair, pair, sizeof pair);
   for (int c = 0; c < 4; c++) of_triangles += l->in_triangle[t->pair->vertex[c]];
   if (of_triangles == 4)
     return host->fail(
         host, HK_BAD_PARAM,
-        "the thickness of %g m is too large for the mesh: %s, which are neighbours in it, are %g m apart at "
+        "the thickness of %g m is too large for the mesh: %s and %s, which are neighbours in it, are %g m apart at "
         "the start; a thickness below that fits, or a coarser mesh",
-        t->pair->offset, pair, t->distance);
-  return host->fail(host, HK_BAD_PARAM,
-                    "the radius of %g m is too large for the strands: %s, which are neighbours, are %g m apart at the "
-                    "start; a radius below %.6g m fits, or longer edges",
-                    request->radius, pair, t->distance, request->radius * t->part);
+        t->pair->offset, pair.one, pair.other, t->distance);
+  return host->fail(
+      host, HK_BAD_PARAM,
+      "the radius of %g m is too large for the strands: %s and %s, which are neighbours, are %g m apart at the "
+      "start; a radius below %.6g m fits, or longer edges",
+      request->radius, pair.one, pair.other, t->distance, request->radius * t->part);
 }
 
 hk_status hk_surface_thickness_check(hk_surface_search *s, const hk_host *host, const hk_view *view,
                                      const hk_surface_request *request, hk_gather *pairs) {
   tightest least = {.part = INFINITY};
   hk_surface_move none = {.x_from = view->x, .x_to = view->x};
-  hk_status status = check_areas(&s->lists->mesh, host, view);
+  hk_status status = check_areas(&s->lists->mesh, view);
+  if (status == HK_OK) status = hk_surface_crowd_check(&s->lists->mesh, view);
   if (status == HK_OK) status = hk_surface_pairs_find(s, host, &none, pairs);
   if (status != HK_OK) return status;
   const hk_surface_pair *pair = pairs->record;
   for (size_t k = 0; k < pairs->count; k++) look(s->lists, view->x, &pair[k], &least);
-  return least.pair ? too_thick(host, view, s->lists, request, &least) : HK_OK;
+  return least.pair ? too_thick(view, s->lists, request, &least) : HK_OK;
 }

@@ -117,7 +117,7 @@ static void a_start_that_touches_is_refused_by_name(void **state) {
     test_number(&t, add_barrier(&t), "radius", 0);
     assert_int_equal(hk_run_open(t.scene, &t.options, &t.run, &t.error), HK_BAD_PARAM);
     if (k % 3 == 0) print_message("%s\n", t.error.text);
-    assert_non_null(strstr(t.error.text, "particle 4 and the triangle 1 2 3 are in contact"));
+    assert_non_null(strstr(t.error.text, "particle 4 and triangle 1 2 3 are in contact"));
     test_engine_close(&t);
   }
 }

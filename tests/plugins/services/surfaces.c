@@ -44,6 +44,26 @@ static void a_thickness_that_is_too_large_is_told_with_the_one_that_fits(void **
   refuse(square, thick, "which are neighbours in it, are 0.707107 m apart at the start; a thickness below that fits");
 }
 
+/* The line and the name are those of the plugin that asks, not of the service. */
+static void errors_name_the_plugin_that_joins(void **state) {
+  (void)state;
+  refuse(square, "s:corrector('contact', { thickness = 0.8, label = 'cloth' })",
+         "bad.lua:3: cloth: the thickness of 0.8 m is too large");
+  refuse(square, "s:force('contact', { thickness = 2e-3 })\ns:corrector('contact', { thickness = 1e-3 })",
+         "bad.lua:4: contact#2: another plugin");
+}
+
+/* 100 in one place are 4950 pairs, which are tried; 20,000 would be 2e8. */
+static void a_heap_of_particles_is_refused_before_its_pairs_are_listed(void **state) {
+  (void)state;
+  static const char *const heap = "for k = 1, 20000 do s:particle { position = { 1e-8 * k, 5, 0 }, mass = 1 } end\n";
+  char text[512];
+  snprintf(text, sizeof text, "%ss:corrector('contact')", heap);
+  refuse(square, text, "20000 particles, among them 5 and 6, start within 0.001 m of each other");
+  snprintf(text, sizeof text, "%ss:force('barrier')", heap);
+  refuse(square, text, "barrier: 20000 particles, among them 5 and 6");
+}
+
 static void plugins_that_disagree_are_told(void **state) {
   (void)state;
   refuse(square, "s:force('contact', { thickness = 2e-3 })\ns:corrector('contact', { thickness = 1e-3 })",
@@ -156,6 +176,8 @@ int main(void) {
       cmocka_unit_test(bad_meshes_are_named),
       cmocka_unit_test(a_thickness_that_is_too_large_is_told_with_the_one_that_fits),
       cmocka_unit_test(plugins_that_disagree_are_told),
+      cmocka_unit_test(errors_name_the_plugin_that_joins),
+      cmocka_unit_test(a_heap_of_particles_is_refused_before_its_pairs_are_listed),
       cmocka_unit_test(a_start_that_intersects_names_particles),
       cmocka_unit_test(pins_that_are_released_can_meet),
       cmocka_unit_test(births_join_the_surfaces),
