@@ -59,8 +59,27 @@ local function read_given(plugin, texts)
   return given
 end
 
+-- The file that is meant: one, or that of a plugin that is called so. nil and why there is none.
+local function file_of(path)
+  local file = io.open(path, "rb")
+  local begin = file and file:read(4)
+  if file then file:close() end
+  if begin == "\127ELF" then return path end
+  if file then return nil, path .. " is no shared object: build the plugin with cc -shared -fPIC, and check NAME.so" end
+  local name, names = path:match("^%./([%w_]+)$"), {}
+  for k, plugin in ipairs((hooke.catalogue())) do
+    if plugin.name == name then return plugin.path end
+    names[k] = plugin.name
+  end
+  local near = name and hooke.nearest(name, names)
+  return nil, ("there is no file %s%s"):format(path, near and ("; did you mean the plugin '%s'?"):format(near) or "")
+end
+
 local asked = read_arguments()
 if not asked then return 1 end
+local meant, no_file = file_of(asked.path)
+if not meant then return fail(no_file) end
+asked.path = meant
 
 local report, begun = reports.new(asked.seconds, asked.only), process.clock()
 -- A file whose loading ends the process is a finding; one that is no plugin is wrong use.

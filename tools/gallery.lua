@@ -1,7 +1,7 @@
--- hooke gallery [LIST.lua]: runs chosen scenes up to chosen moments and puts their last pictures side by side, in one
--- picture and on a page with the commands that make them; and an animated picture of one scene. The list is a table (see
--- scripts/gallery.lua): { "SCENE", at = SECONDS, param = { name = value } }, ..., and `film` with width and fps. ffmpeg
--- cuts and arranges the pictures.
+-- hooke gallery [LIST.lua]: runs chosen scenes and puts their last pictures side by side, on a page.
+-- Each is run up to a chosen moment, and the page has the commands that make them; there is one picture of all, and
+-- an animated picture of one scene. The list is a table (see scripts/gallery.lua): { "SCENE", at = SECONDS, param = {
+-- name = value } }, ..., and `film` with width and fps. ffmpeg cuts and arranges the pictures.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local files = require("common.run.file")

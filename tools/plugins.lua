@@ -5,7 +5,7 @@ local list, failed = hooke.catalogue()
 
 local function parser_of()
   local p = argparse("hooke plugins", "What plugins there are: forces, constraints, integrators, outputs and all the others.")
-  p:argument("name", "of one: its parameters, units, defaults, formula and source"):args("?")
+  p:argument("name", "of one: its parameters, units, defaults, formula and source; of a kind: its plugins"):args("?")
   return p
 end
 
@@ -52,15 +52,25 @@ local function show(plugin)
   if plugin.kind == "force" then print("  every force also takes label, only (ids) or group, from and to (s)") end
 end
 
-local function catalogue()
-  local kind
+-- Of all kinds, or of one: "force" or "forces".
+local function of_kind(word)
+  local found = {}
   for _, plugin in ipairs(list) do
+    if not word or word == plugin.kind or word == plugin.kind .. "s" then found[#found + 1] = plugin end
+  end
+  return found
+end
+
+local function catalogue(plugins)
+  local kind
+  for _, plugin in ipairs(plugins) do
     if plugin.kind ~= kind then
       kind = plugin.kind
-      print((kind == "force" and "" or "\n") .. kind)
+      print((plugin == plugins[1] and "" or "\n") .. kind)
     end
     print(("  %-18s %s"):format(plugin.name, plugin.summary))
   end
+  if #plugins < #list then return end
   if #failed > 0 then print("\ncould not be loaded") end
   for _, f in ipairs(failed) do print(("  %s: %s"):format(f.path, f.reason)) end
 end
@@ -68,8 +78,8 @@ end
 local asked = command_line.parse("plugins", parser_of())
 if not asked then return 1 end
 local name = asked.name
-if not name then
-  catalogue()
+if not name or #of_kind(name) > 0 then
+  catalogue(of_kind(name))
   return 0
 end
 local names, found = {}, false

@@ -43,8 +43,8 @@ local function parser_of()
 end
 
 local function parse()
-  local fine, o = parser_of():pparse(arg)
-  if not fine then return nil, o .. "; see: hooke stability --help" end
+  local o = command_line.parse("stability", parser_of())
+  if not o then return nil end
   local why
   o.path, o.given, why = command_line.scene(o.scene)
   if why then return nil, why end
@@ -279,7 +279,7 @@ local function run_scene(o)
 end
 
 local o, why = parse()
-if not o then return fail(why) end
+if not o then return why and fail(why) or 1 end
 if o.hard then return run_hard(o) end
 if o.path then return run_scene(o) end
 return run_linear(o)

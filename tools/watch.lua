@@ -1,4 +1,4 @@
--- hooke run SCENE.lua ... --watch: the run in a browser while it goes on.
+-- hooke watch SCENE.lua [name=value ...]: the run in a browser while it goes on, as hooke run SCENE.lua --watch.
 --
 -- This process serves the page (tools/native/server.c) and never runs the scene. The run is `hooke run` itself, in a
 -- process of its own with all of its options and limits, so that verdict, files and exit code are the usual ones. It
@@ -152,7 +152,29 @@ local function page_of(title)
   return table.concat(parts) .. '<script type="application/json" id="story">' .. story .. "</script>\n" .. after
 end
 
+local usage = [[
+Usage: hooke watch SCENE.lua [name=value ...] [--port N] [options]
+
+Runs the scene, and serves a page of it on this computer alone while it goes on: hooke run SCENE.lua --watch.
+
+Options:
+   --port N              of the page's address (default: a free one)
+
+All others are those of hooke run.
+]]
+
+local function wants_help()
+  for _, word in ipairs(arg) do
+    if word == "--help" or word == "-h" then return true end
+  end
+  return false
+end
+
 local function run()
+  if wants_help() then
+    io.write(usage)
+    return 0
+  end
   if not fine then
     return complain("--watch needs hooke's server of live pages, which was not built without libmicrohttpd: "
       .. "tools/install-deps run gets it, then make")

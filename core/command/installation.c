@@ -52,9 +52,11 @@ typedef struct commands {
   char name[MOST_COMMANDS][64];
 } commands;
 
-static const char *command_name(const void *context, size_t k) {
+/* The commands, and what main knows beside them. */
+static const char *word_at(const void *context, size_t k) {
+  static const char *const others[] = {"--help", "--version", "--cflags", NULL};
   const commands *list = context;
-  return k < list->count ? list->name[k] : NULL;
+  return k < list->count ? list->name[k] : others[k - list->count];
 }
 
 static int by_name(const void *a, const void *b) { return strcmp(a, b); }
@@ -87,7 +89,7 @@ static hk_status unknown_command(const hk_installation *p, const char *name, hk_
     return hk_error_set(error, HK_BAD_PARAM, "'%s' is a plugin and no command; did you mean: hooke check %s", name,
                         name);
   list_commands(&list, p->tools);
-  const char *near = hk_nearest_name(name, command_name, &list);
+  const char *near = hk_nearest_name(name, word_at, &list);
   return hk_error_set(error, HK_BAD_PARAM, "unknown command '%s'%s%s%s; see: hooke --help", name,
                       near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
 }

@@ -330,7 +330,11 @@ int main(int argc, char **argv) {
       hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);
   int code;
-  if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
+  bool helps =
+      argc > 1 && (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0);
+  char option[] = "--help", *about[] = {argv[0], helps && argc > 2 ? argv[2] : NULL, option, NULL};
+  if (helps && argc > 2) argv = about, argc = 3, helps = false; /* hooke help NAME: hooke NAME --help */
+  if (argc < 2 || helps) {
     printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n");
     hk_installation_help(&p);
     code = argc < 2;

@@ -83,7 +83,8 @@ static hk_status unknown(const char *word, hk_error *error) {
 static hk_status bad_value(const option *o, const char *value, hk_error *error) {
   static const char *const wanted[] = {
       "", "", "a positive number", "a number not below 0", "a whole number from 1 to 1024", "a whole number", ""};
-  return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not %s", o->name, value, wanted[o->type]);
+  return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not %s: %s %s", o->name, value, wanted[o->type], o->name,
+                      o->value);
 }
 
 static hk_status store(const option *o, hk_options *into, const char *value, hk_error *error) {
@@ -129,6 +130,7 @@ static hk_status store(const option *o, hk_options *into, const char *value, hk_
 /* "--name value" and "--name=value"; `used` is the number of words beyond the first. */
 static hk_status parse_option(hk_options *into, const char *word, const char *next, int *used, hk_error *error) {
   size_t length = strcspn(word, "=");
+  if (strcmp(word, "-h") == 0) word = "--help", length = strlen(word);
   for (size_t k = 0; k < OPTIONS; k++) {
     const option *o = &options[k];
     if (strlen(o->name) != length || strncmp(o->name, word, length) != 0) continue;
@@ -169,6 +171,15 @@ static void keep_param(hk_options *into, char *word) {
   into->given[into->given_count++] = (hk_param_given){word, equals + 1, false};
 }
 
+static hk_status misplaced(const hk_options *into, const char *word, hk_error *error) {
+  if (strspn(word, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789") == strlen(word))
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "'%s' is neither an option nor name=value; a parameter of the scene is written %s=VALUE", word,
+                        word);
+  return hk_error_set(error, HK_BAD_PARAM, "'%s' is neither an option nor name=value; the scene of this run is %s",
+                      word, into->scene);
+}
+
 hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *error) {
   *into = (hk_options){.run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN}};
   into->given = calloc((size_t)argc + 1, sizeof *into->given);
@@ -184,7 +195,7 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
     else if (!into->scene)
       into->scene = argv[i];
     else
-      status = hk_error_set(error, HK_BAD_PARAM, "'%s' is neither an option nor name=value", argv[i]);
+      status = misplaced(into, argv[i], error);
     if (status != HK_OK) return status;
     i += used;
   }

@@ -122,7 +122,7 @@ static int undefined(lua_State *L) {
     if (lua_type(L, -2) == LUA_TSTRING) list.key[list.count++] = lua_tostring(L, -2);
   const char *near = hk_nearest_name(name, key_at, &list);
   if (near) return hk_lua_fail(L, HK_SCRIPT, "'%s' is not defined; did you mean '%s'?", name, near);
-  return hk_lua_fail(L, HK_SCRIPT, "'%s' is not defined", name);
+  return hk_lua_fail(L, HK_SCRIPT, "'%s' is not defined; a text stands in quotes, \"%s\"", name, name);
 }
 
 static void copy_table(lua_State *L, const char *name, const char *without) {

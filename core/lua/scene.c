@@ -306,8 +306,11 @@ static int channel(lua_State *L) {
 static int measure(lua_State *L) {
   hk_scene *target = editable(L);
   hk_error error = {0};
-  const char *name = luaL_checkstring(L, 2);
-  luaL_checktype(L, 3, LUA_TFUNCTION);
+  if (lua_type(L, 2) != LUA_TSTRING || lua_type(L, 3) != LUA_TFUNCTION)
+    return hk_lua_fail(L, HK_BAD_PARAM,
+                       "measure: expected a name and a function, scene:measure(\"height\", function(state) "
+                       "return ... end)");
+  const char *name = lua_tostring(L, 2);
   hk_limits_take(L, sizeof(hk_measure) + strlen(name) + 64);
   hk_function function = hk_lua_frame_function(L, 3);
   check(L, hk_scene_add_measure(target, name, hk_lua_where(L), &function, &error), &error);
@@ -316,7 +319,8 @@ static int measure(lua_State *L) {
 
 static int on_frame(lua_State *L) {
   hk_scene *target = editable(L);
-  luaL_checktype(L, 2, LUA_TFUNCTION);
+  if (lua_type(L, 2) != LUA_TFUNCTION)
+    return hk_lua_fail(L, HK_BAD_PARAM, "on_frame: expected a function, scene:on_frame(function(state) ... end)");
   target->on_frame = hk_lua_frame_function(L, 2);
   return 0;
 }
@@ -355,8 +359,13 @@ static const char *method_at(const void *context, size_t k) {
 static int unknown_method(lua_State *L) {
   const char *name = luaL_checkstring(L, 2),
              *near = hk_registry_meant(hk_lua_script(L)->options.registry, name, method_at, NULL);
-  if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
-  return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);
+  return near
+             ? hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near)
+             : hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; hooke.scene { ... } sets values, none is read", name);
+}
+
+static int no_assignment(lua_State *L) {
+  return hk_lua_fail(L, HK_BAD_PARAM, "a scene is changed by its functions only; more is given in hooke.scene { ... }");
 }
 
 void hk_lua_open_scene(lua_State *L) {
@@ -374,6 +383,8 @@ void hk_lua_open_scene(lua_State *L) {
   lua_setfield(L, -2, "__index");
   lua_setmetatable(L, -2);
   lua_setfield(L, -2, "__index");
+  lua_pushcfunction(L, no_assignment);
+  lua_setfield(L, -2, "__newindex");
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);

@@ -66,6 +66,9 @@ static const char *folder_name(const void *context, size_t k) {
 
 hk_status hk_lua_no_file(const hk_script *s, hk_error *error) {
   int cause = errno;
+  if (cause == EISDIR)
+    return hk_error_set(error, HK_IO, "cannot read the scene %s: it is a folder, and a scene is a file NAME.lua",
+                        s->path);
   folder_names *names = calloc(1, sizeof *names);
   DIR *directory = names ? opendir(s->folder) : NULL;
   for (struct dirent *entry; directory && names->count < 256 && (entry = readdir(directory));) {

@@ -9,11 +9,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Opens what is there already, a device or a pipe, and gives up where nobody reads the pipe yet. */
-static bool can_open(const char *path) {
-  int file = open(path, O_WRONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
-  if (file >= 0) close(file);
-  return file >= 0 || errno == ENXIO;
+/* A device or a pipe is not opened: whoever reads the pipe would see its end. */
+static bool can_open(const char *path, const struct stat *info) {
+  if (S_ISDIR(info->st_mode)) errno = EISDIR;
+  return !S_ISDIR(info->st_mode) && access(path, W_OK) == 0;
 }
 
 /* A file beside the one that is meant, which will be renamed (write_file.c). */
@@ -34,7 +33,7 @@ hk_status hk_target_file(const char *option, const char *path, hk_error *error) 
   struct stat info;
   if (!*path) return hk_error_set(error, HK_BAD_PARAM, "%s: the file has no name", option);
   bool plain = stat(path, &info) != 0 || S_ISREG(info.st_mode);
-  if (plain ? can_create(path) : can_open(path)) return HK_OK;
+  if (plain ? can_create(path) : can_open(path, &info)) return HK_OK;
   return hk_error_set(error, HK_IO, "%s: cannot write %s: %s%s", option, path, strerror(errno),
                       errno == ENOENT ? "; make its folder first" : "; name another file");
 }

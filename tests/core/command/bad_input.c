@@ -80,6 +80,18 @@ static void wrong_values_are_refused(void **state) {
   test_refused(BALL "scene:pin { p }\nscene:pin { p }\n" END, "", 1, "particle 1 is pinned twice");
 }
 
+static void slips_in_scripts_are_explained(void **state) {
+  (void)state;
+  test_refused(BALL "scene:force(gravity)\n" END, "", 1,
+               "bad.lua:3: 'gravity' is not defined; a text stands in quotes, \"gravity\"");
+  test_refused(BALL "scene.duration = 5\n" END, "", 1, "bad.lua:3: a scene is changed by its functions only");
+  test_refused(BALL "print(scene.duration)\n" END, "", 1,
+               "bad.lua:3: a scene has no 'duration'; hooke.scene { ... } sets values, none is read");
+  test_refused(BALL "scene:measure(function() end)\n" END, "", 1, "bad.lua:3: measure: expected a name and a function");
+  test_refused(BALL "scene:measure('e', 'kinetic')\n" END, "", 1, "bad.lua:3: measure: expected a name and a function");
+  test_refused(BALL "scene:on_frame(1)\n" END, "", 1, "bad.lua:3: on_frame: expected a function");
+}
+
 static void zero_mass_is_fine_when_pinned(void **state) {
   (void)state;
   test_write(
@@ -235,6 +247,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(unknown_names_offer_the_nearest),
       cmocka_unit_test(wrong_values_are_refused),
+      cmocka_unit_test(slips_in_scripts_are_explained),
       cmocka_unit_test(zero_mass_is_fine_when_pinned),
       cmocka_unit_test(scripts_are_kept_in_their_sandbox),
       cmocka_unit_test(bad_plugins_are_refused_with_the_reason),

@@ -76,11 +76,43 @@ static void a_file_in_the_place_of_a_command_is_known(void **state) {
   expect("banch", 1, "unknown command 'banch'; did you mean 'bench'?");
 }
 
+static void help_is_found_as_people_ask_for_it(void **state) {
+  (void)state;
+  expect("-h", 0, "hooke COMMAND --help says more of each");
+  expect("run -h", 0, "usage: hooke run SCENE.lua");
+  expect("help run", 0, "usage: hooke run SCENE.lua");
+  expect("help bench", 0, "Usage: hooke bench");
+  expect("help bnch", 1, "unknown command 'bnch'; did you mean 'bench'?");
+  expect("version", 1, "did you mean '--version'?");
+}
+
+static void words_of_run_are_explained(void **state) {
+  (void)state;
+  test_write("rope.lua", "return hooke.scene {}\n");
+  expect("run rope.lua N", 1, "a parameter of the scene is written N=VALUE");
+  expect("run rope.lua ./b.lua", 1, "'./b.lua' is neither an option nor name=value; the scene of this run is rope.lua");
+  expect("run .", 4, "cannot read the scene .: it is a folder, and a scene is a file NAME.lua");
+  expect("run rope.lua --dt=1ms", 1, "--dt: '1ms' is not a positive number: --dt SECONDS");
+}
+
+static void tools_take_what_people_mean(void **state) {
+  (void)state;
+  test_write("rope.lua", "return hooke.scene {}\n");
+  expect("plugins forces", 0, "  springs ");
+  if (strstr(r.out, "leapfrog")) fail_msg("of another kind: %s", r.out);
+  expect("plugins integrator", 0, "  leapfrog ");
+  expect("auto rope.lua --accuracy -1", 1, "'-1' is taken for an option; the value of one is written --NAME=-1");
+  expect("bench rope.lua --targt 3", 1, "unknown option '--targt'; did you mean '--target'?");
+  expect("check rope.lua", 1, "./rope.lua is no shared object: build the plugin with cc -shared -fPIC");
+  expect("check nowhere.so", 1, "there is no file ./nowhere.so");
+  expect("check spring", 1, "there is no file ./spring; did you mean the plugin 'springs'?");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_command_says_what_it_does),
-      cmocka_unit_test(every_command_has_help),
-      cmocka_unit_test(a_file_in_the_place_of_a_command_is_known),
+      cmocka_unit_test(every_command_says_what_it_does),    cmocka_unit_test(every_command_has_help),
+      cmocka_unit_test(help_is_found_as_people_ask_for_it), cmocka_unit_test(words_of_run_are_explained),
+      cmocka_unit_test(tools_take_what_people_mean),        cmocka_unit_test(a_file_in_the_place_of_a_command_is_known),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

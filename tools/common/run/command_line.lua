@@ -7,10 +7,18 @@ function command_line.complain(tool, text)
   return 1
 end
 
+-- argparse's words as one sentence. It takes a number below 0 for an option.
+local function sentence(text)
+  local number = text:match("^unknown option '(%-%d[^']*)'")
+  if number then return ("'%s' is taken for an option; the value of one is written --NAME=%s"):format(number, number) end
+  return (text:gsub("\nDid you mean", "; did you mean"):gsub("\n", " "))
+end
+
 -- Parses arg; nil: the complaint is printed.
 function command_line.parse(tool, parser)
   local fine, found = parser:pparse(arg)
   if fine then return found end
+  found = sentence(found)
   command_line.complain(tool, ("%s; see: hooke %s --help"):format(found, tool))
 end
 
