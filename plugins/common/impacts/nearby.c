@@ -248,8 +248,8 @@ static size_t list_tasks(hk_nearby *s, bool has_aside) {
   size_t count = 0;
   for (uint32_t g = 0; g < s->groups; g++) {
     const hk_near_group *group = &s->group[g];
-    double nearer = hk_patch_approach(&s->moves[group->a], &s->moves[group->b]);
-    if (group->path + nearer * (1 + margin) < group->complete) continue;
+    double motion = hk_patch_motion(&s->moves[group->a], &s->moves[group->b]);
+    if (group->path + motion * (1 + margin) < group->complete) continue;
     if (has_aside && group->end == s->end_number &&
         hk_patch_approach(&s->aside[group->a], &s->aside[group->b]) * (1 + margin) < s->skin)
       continue;
