@@ -177,8 +177,9 @@ static void take_pairs(hk_nearby *s) {
 
 static hk_status pair_up(hk_nearby *s, const double *x_from, const double *x_to) {
   s->paired = false;
+  memset(s->patches.wanted, true, s->patches.table->count);
   hk_patches_sweep(&s->patches, s->host, x_from, x_to);
-  s->pairing_skin = fmax(s->skin, pairing_part * s->patches.size);
+  s->pairing_skin = fmax(s->skin, pairing_part * hk_patches_size(&s->patches));
   hk_status status = hk_patches_pair_up(&s->patches, s->host, s->reach + s->pairing_skin);
   if (status == HK_OK) status = make_room_for_groups(s, s->patches.pairs > s->groups ? s->patches.pairs : s->groups);
   if (status != HK_OK) return status;
@@ -223,10 +224,19 @@ static hk_status take_found(hk_nearby *s, uint32_t g, const hk_near_pair *near, 
   return HK_OK;
 }
 
+/* The boxes of the patches that are searched. */
+static void sweep_tasks(hk_nearby *s, const double *x_from, const double *x_to, size_t tasks) {
+  for (size_t k = 0; k < tasks; k++) {
+    const hk_near_group *group = &s->group[s->task_group[k]];
+    s->patches.wanted[group->a] = s->patches.wanted[group->b] = true;
+  }
+  hk_patches_sweep(&s->patches, s->host, x_from, x_to);
+}
+
 static hk_status search(hk_nearby *s, const double *x_from, const double *x_to, size_t tasks) {
   hk_near_pairs found;
   size_t count = 0;
-  if (s->end_number != s->paired_at) hk_patches_sweep(&s->patches, s->host, x_from, x_to);
+  if (s->end_number != s->paired_at) sweep_tasks(s, x_from, x_to, tasks);
   for (size_t k = 0; k < tasks; k++) {
     hk_near_group *group = &s->group[s->task_group[k]];
     if (boxes_do(s, group)) continue;
@@ -290,12 +300,17 @@ static hk_status complete(hk_nearby *s, const double *x_from, const double *x_to
 
 /* ---- paths ---- */
 
-static void measure(hk_nearby *s, const double *x) {
-  hk_patches_measure(&s->patches, s->host, s->at, x, s->moves);
+/* To x, by `moves` from `at`. */
+static void go_on(hk_nearby *s, const double *x) {
   for (hk_near_group *g = s->group; g < s->group + s->groups; g++)
     g->path += hk_patch_approach(&s->moves[g->a], &s->moves[g->b]) * (1 + margin);
   memcpy(s->at, x, 3 * s->n * sizeof *x);
   s->loose = 0;
+}
+
+static void measure(hk_nearby *s, const double *x) {
+  hk_patches_measure(&s->patches, s->host, s->at, x, s->moves);
+  go_on(s, x);
 }
 
 static bool pins_kept(hk_nearby *s) {
@@ -357,6 +372,7 @@ hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to
   hk_near_pairs none;
   s->step = twice_the_largest(s, x_from, x_to);
   s->dues = 0;
+  s->measured = false;
   if (isinf(s->step)) status = s->surfaces->between(s->surfaces->self, x_from, x_to, s->reach, NULL, 0, &none);
   if (status != HK_OK) return status;
   if (s->paired && s->step < s->unpaired && s->loose + 1.5 * s->step < s->spare) return HK_OK;
@@ -364,11 +380,16 @@ hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to
   status = complete(s, x_from, x_to);
   if (status == HK_OK) status = make_room_for_index(s);
   if (status == HK_OK) take_all_due(s);
+  s->measured = status == HK_OK;
   return status;
 }
 
 void hk_nearby_end(hk_nearby *s, const double *x_to) {
-  s->loose += s->step;
+  if (s->measured)
+    go_on(s, x_to);
+  else
+    s->loose += s->step;
+  s->measured = false;
   s->unpaired -= s->step;
   memcpy(s->last, x_to, 3 * s->n * sizeof *x_to);
 }
