@@ -1,16 +1,14 @@
-/* Three budgets, each of how much nearer things may come to each other before it is spent. Of the pairing: patches that
- * are not paired were farther apart than reach and pairing_skin. Of a group: pairs that are not in its list were
- * farther apart than reach and skin, or the boxes of its patches were. Of a pair: its gap when it was looked at. All
- * are bounds along the whole way from where they were found, kept as a path that only grows: the sum of what the
- * patches came nearer from one measurement to the next.
- *
- * What is found in a step holds for its own move as well, however fast, and for others from the same start by what
- * their ends differ from its own. */
+/* Three budgets, each of how much nearer things may come to each other. Of the pairing: patches that are not paired
+ * were farther apart than reach and pairing_skin. Of a group: pairs that are not in its list were farther apart than
+ * reach and skin, or the boxes of its patches were. Of a pair: its gap at its last look. All hold along the whole way
+ * since, kept as a path that only grows: the sum of what the patches came nearer from one measurement to the next. What
+ * is found in a step holds for its own move, however fast, and for others from the same start by what their ends
+ * differ. */
 #include "plugins/common/impacts/nearby.h"
 
 #include <string.h>
 
-enum { PAIRS = 256, PARTICLES = 4096 };
+enum { PAIRS = 256 };
 
 /* Relative, of distances: far above rounding, far below what shows. */
 static const double margin = 1e-9;
@@ -19,34 +17,8 @@ static const double margin = 1e-9;
  * often. */
 static const double pairing_part = 0.25;
 
-typedef struct comparison {
-  const double *a, *b; /* n x 3 */
-  double *most2;       /* m^2, of each chunk */
-} comparison;
-
-static void compare_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const comparison *c = context;
-  double most2 = 0, zero = 0; /* NaN where a place is not finite */
-  for (size_t i = 3 * begin; i < 3 * end; i += 3) {
-    double x = c->a[i] - c->b[i], y = c->a[i + 1] - c->b[i + 1], z = c->a[i + 2] - c->b[i + 2];
-    double square = x * x + y * y + z * z;
-    most2 = square > most2 ? square : most2;
-    zero += 0 * square;
-  }
-  c->most2[chunk] = most2 + zero;
-}
-
-/* m: twice the largest distance of a particle between two states, by which two of them come nearer to each other at
- * most; INFINITY where one is not finite. */
 static double twice_the_largest(const hk_nearby *s, const double *a, const double *b) {
-  comparison c = {a, b, s->chunk};
-  double most2 = 0, zero = 0;
-  s->host->parallel_for(s->host, s->n, PARTICLES, compare_chunk, &c);
-  for (size_t k = 0; k * PARTICLES < s->n; k++) {
-    most2 = s->chunk[k] > most2 ? s->chunk[k] : most2;
-    zero += 0 * s->chunk[k];
-  }
-  return isnan(most2 + zero) ? INFINITY : 2 * sqrt(most2) * (1 + margin);
+  return 2 * hk_largest_way(s->host, s->n, a, b, s->chunk) * (1 + margin);
 }
 
 static hk_status no_memory(const hk_nearby *s, size_t count, const char *what) {
@@ -76,7 +48,7 @@ hk_status hk_nearby_open(hk_nearby *s, const hk_host *host, const hk_view *view,
   s->last = host->allocate(host, size);
   s->at = host->allocate(host, size);
   s->end = host->allocate(host, size);
-  s->chunk = host->allocate(host, (s->n / PARTICLES + 1) * sizeof *s->chunk);
+  s->chunk = host->allocate(host, (s->n / HK_WAY_CHUNK + 1) * sizeof *s->chunk);
   s->moves = host->allocate(host, patches * sizeof *s->moves);
   s->aside = host->allocate(host, patches * sizeof *s->aside);
   s->held = host->allocate(host, s->n + 1);

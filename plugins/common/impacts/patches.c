@@ -27,6 +27,34 @@ void hk_patches_free(hk_patches *p, const hk_host *host) {
 
 /* ---- moves ---- */
 
+typedef struct comparison {
+  const double *a, *b; /* n x 3 */
+  double *most2;       /* m^2, of each chunk */
+} comparison;
+
+static void compare_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const comparison *c = context;
+  double most2 = 0, zero = 0; /* NaN where a place is not finite */
+  for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+    double x = c->a[i] - c->b[i], y = c->a[i + 1] - c->b[i + 1], z = c->a[i + 2] - c->b[i + 2];
+    double square = x * x + y * y + z * z;
+    most2 = square > most2 ? square : most2;
+    zero += 0 * square;
+  }
+  c->most2[chunk] = most2 + zero;
+}
+
+double hk_largest_way(const hk_host *host, size_t n, const double *a, const double *b, double *chunk) {
+  comparison c = {a, b, chunk};
+  double most2 = 0, zero = 0;
+  host->parallel_for(host, n, HK_WAY_CHUNK, compare_chunk, &c);
+  for (size_t k = 0; k * HK_WAY_CHUNK < n; k++) {
+    most2 = chunk[k] > most2 ? chunk[k] : most2;
+    zero += 0 * chunk[k];
+  }
+  return isnan(most2 + zero) ? INFINITY : sqrt(most2);
+}
+
 typedef struct measuring {
   const hk_patches *p;
   const double *a, *b;

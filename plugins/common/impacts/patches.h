@@ -27,6 +27,12 @@ typedef struct hk_patches {
 hk_status hk_patches_open(hk_patches *, const hk_host *, const hk_surfaces *, const hk_model *);
 void hk_patches_free(hk_patches *, const hk_host *);
 
+enum { HK_WAY_CHUNK = 4096 /* particles for a number of `chunk` */ };
+
+/* m: the largest distance of a particle between two states, n x 3; INFINITY where one is not finite. Two particles come
+ * nearer to each other by twice that at most. chunk: n/HK_WAY_CHUNK + 1 numbers of scratch memory. */
+double hk_largest_way(const hk_host *, size_t n, const double *a, const double *b, double *chunk);
+
 /* The moves from a to b, n x 3. */
 void hk_patches_measure(const hk_patches *, const hk_host *, const double *a, const double *b, hk_patch_move *out);
 /* The boxes that the wanted patches sweep, with the radii of their particles. */
