@@ -1,9 +1,16 @@
 /* Contact of a sheet of 100 x 100 particles that falls onto a ball and drapes over it, with leapfrog, accurate to 1e-3
- * m or better: what the corrector and the force take of a step. A tenth of a second at a time, from the landing on:
- * time of a step in processor time, which others on the machine disturb less than the wall's, and what of it is
- * contact, with the parts of the corrector: searches, the budgets that say where to search, looks at pairs (with what
- * proves that fast ones do not pass), impulses. build/bench/contact [threads] [seconds] [none|corrector|force]
- * [springs|triangles] */
+ * m or better: what the corrector and the force take of a step, a tenth of a second at a time from the landing on. All
+ * is processor time, which others on the machine disturb less than the wall's. The corrector's parts are searches, the
+ * budgets that say where to search, looks at pairs (with what proves that fast ones do not pass), and impulses.
+ *
+ * At the worst, about 0.35 s, with the sheet of springs in folds: of 20,000 triangles 40,000 pairs are within 3 mm
+ * beyond contact, 9,000 are looked at first and 4,500 again, 1,600 may meet and 800 push, in 12,000 relaxations. A look
+ * takes about 100 ns, a relaxation with its share of the rest 70 ns, and in folds two patches come nearer by their skin
+ * within ten steps, and are searched again. That is 5 ms beside forces of 0.2 ms, as a spring costs 6 ns: there the
+ * relaxations alone are more than 60 % of the step. Beside a membrane and hinges contact is half of the step on
+ * average. Steps that contact changes cost the method a second evaluation, which stands in the rest of the step here.
+ *
+ * build/bench/contact [threads] [seconds] [none|corrector|force] [springs|triangles] */
 #include "tests/support/engine.h"
 
 #include <math.h>

@@ -1,16 +1,14 @@
-/* Three budgets, each of how much nearer things may come to each other before it is spent. Of the pairing: patches that
- * are not paired were farther apart than reach and pairing_skin. Of a group: pairs that are not in its list were
- * farther apart than reach and skin, or the boxes of its patches were. Of a pair: its gap when it was looked at. All
- * are bounds along the whole way from where they were found, kept as a path that only grows: the sum of what the
- * patches came nearer from one measurement to the next.
- *
- * What is found in a step holds for its own move as well, however fast, and for others from the same start by what
- * their ends differ from its own. */
+/* Three budgets, each of how much nearer things may come to each other. Of the pairing: patches that are not paired
+ * were farther apart than reach and pairing_skin. Of a group: pairs that are not in its list were farther apart than
+ * reach and skin, or the boxes of its patches were. Of a pair: its gap at its last look. All hold along the whole way
+ * since, kept as a path that only grows: the sum of what the patches came nearer from one measurement to the next. What
+ * is found in a step holds for its own move, however fast, and for others from the same start by what their ends
+ * differ. */
 #include "plugins/common/impacts/nearby.h"
 
 #include <string.h>
 
-enum { PAIRS = 256, PARTICLES = 4096 };
+enum { PAIRS = 256 };
 
 /* Relative, of distances: far above rounding, far below what shows. */
 static const double margin = 1e-9;
@@ -19,34 +17,8 @@ static const double margin = 1e-9;
  * often. */
 static const double pairing_part = 0.25;
 
-typedef struct comparison {
-  const double *a, *b; /* n x 3 */
-  double *most2;       /* m^2, of each chunk */
-} comparison;
-
-static void compare_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const comparison *c = context;
-  double most2 = 0, zero = 0; /* NaN where a place is not finite */
-  for (size_t i = 3 * begin; i < 3 * end; i += 3) {
-    double x = c->a[i] - c->b[i], y = c->a[i + 1] - c->b[i + 1], z = c->a[i + 2] - c->b[i + 2];
-    double square = x * x + y * y + z * z;
-    most2 = square > most2 ? square : most2;
-    zero += 0 * square;
-  }
-  c->most2[chunk] = most2 + zero;
-}
-
-/* m: twice the largest distance of a particle between two states, by which two of them come nearer to each other at
- * most; INFINITY where one is not finite. */
 static double twice_the_largest(const hk_nearby *s, const double *a, const double *b) {
-  comparison c = {a, b, s->chunk};
-  double most2 = 0, zero = 0;
-  s->host->parallel_for(s->host, s->n, PARTICLES, compare_chunk, &c);
-  for (size_t k = 0; k * PARTICLES < s->n; k++) {
-    most2 = s->chunk[k] > most2 ? s->chunk[k] : most2;
-    zero += 0 * s->chunk[k];
-  }
-  return isnan(most2 + zero) ? INFINITY : 2 * sqrt(most2) * (1 + margin);
+  return 2 * hk_largest_way(s->host, s->n, a, b, s->chunk) * (1 + margin);
 }
 
 static hk_status no_memory(const hk_nearby *s, size_t count, const char *what) {
@@ -76,7 +48,7 @@ hk_status hk_nearby_open(hk_nearby *s, const hk_host *host, const hk_view *view,
   s->last = host->allocate(host, size);
   s->at = host->allocate(host, size);
   s->end = host->allocate(host, size);
-  s->chunk = host->allocate(host, (s->n / PARTICLES + 1) * sizeof *s->chunk);
+  s->chunk = host->allocate(host, (s->n / HK_WAY_CHUNK + 1) * sizeof *s->chunk);
   s->moves = host->allocate(host, patches * sizeof *s->moves);
   s->aside = host->allocate(host, patches * sizeof *s->aside);
   s->held = host->allocate(host, s->n + 1);
@@ -177,8 +149,9 @@ static void take_pairs(hk_nearby *s) {
 
 static hk_status pair_up(hk_nearby *s, const double *x_from, const double *x_to) {
   s->paired = false;
+  memset(s->patches.wanted, true, s->patches.table->count);
   hk_patches_sweep(&s->patches, s->host, x_from, x_to);
-  s->pairing_skin = fmax(s->skin, pairing_part * s->patches.size);
+  s->pairing_skin = fmax(s->skin, pairing_part * hk_patches_size(&s->patches));
   hk_status status = hk_patches_pair_up(&s->patches, s->host, s->reach + s->pairing_skin);
   if (status == HK_OK) status = make_room_for_groups(s, s->patches.pairs > s->groups ? s->patches.pairs : s->groups);
   if (status != HK_OK) return status;
@@ -223,10 +196,19 @@ static hk_status take_found(hk_nearby *s, uint32_t g, const hk_near_pair *near, 
   return HK_OK;
 }
 
+/* The boxes of the patches that are searched. */
+static void sweep_tasks(hk_nearby *s, const double *x_from, const double *x_to, size_t tasks) {
+  for (size_t k = 0; k < tasks; k++) {
+    const hk_near_group *group = &s->group[s->task_group[k]];
+    s->patches.wanted[group->a] = s->patches.wanted[group->b] = true;
+  }
+  hk_patches_sweep(&s->patches, s->host, x_from, x_to);
+}
+
 static hk_status search(hk_nearby *s, const double *x_from, const double *x_to, size_t tasks) {
   hk_near_pairs found;
   size_t count = 0;
-  if (s->end_number != s->paired_at) hk_patches_sweep(&s->patches, s->host, x_from, x_to);
+  if (s->end_number != s->paired_at) sweep_tasks(s, x_from, x_to, tasks);
   for (size_t k = 0; k < tasks; k++) {
     hk_near_group *group = &s->group[s->task_group[k]];
     if (boxes_do(s, group)) continue;
@@ -248,8 +230,8 @@ static size_t list_tasks(hk_nearby *s, bool has_aside) {
   size_t count = 0;
   for (uint32_t g = 0; g < s->groups; g++) {
     const hk_near_group *group = &s->group[g];
-    double nearer = hk_patch_approach(&s->moves[group->a], &s->moves[group->b]);
-    if (group->path + nearer * (1 + margin) < group->complete) continue;
+    double motion = hk_patch_motion(&s->moves[group->a], &s->moves[group->b]);
+    if (group->path + motion * (1 + margin) < group->complete) continue;
     if (has_aside && group->end == s->end_number &&
         hk_patch_approach(&s->aside[group->a], &s->aside[group->b]) * (1 + margin) < s->skin)
       continue;
@@ -290,12 +272,17 @@ static hk_status complete(hk_nearby *s, const double *x_from, const double *x_to
 
 /* ---- paths ---- */
 
-static void measure(hk_nearby *s, const double *x) {
-  hk_patches_measure(&s->patches, s->host, s->at, x, s->moves);
+/* To x, by `moves` from `at`. */
+static void go_on(hk_nearby *s, const double *x) {
   for (hk_near_group *g = s->group; g < s->group + s->groups; g++)
     g->path += hk_patch_approach(&s->moves[g->a], &s->moves[g->b]) * (1 + margin);
   memcpy(s->at, x, 3 * s->n * sizeof *x);
   s->loose = 0;
+}
+
+static void measure(hk_nearby *s, const double *x) {
+  hk_patches_measure(&s->patches, s->host, s->at, x, s->moves);
+  go_on(s, x);
 }
 
 static bool pins_kept(hk_nearby *s) {
@@ -357,6 +344,7 @@ hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to
   hk_near_pairs none;
   s->step = twice_the_largest(s, x_from, x_to);
   s->dues = 0;
+  s->measured = false;
   if (isinf(s->step)) status = s->surfaces->between(s->surfaces->self, x_from, x_to, s->reach, NULL, 0, &none);
   if (status != HK_OK) return status;
   if (s->paired && s->step < s->unpaired && s->loose + 1.5 * s->step < s->spare) return HK_OK;
@@ -364,11 +352,16 @@ hk_status hk_nearby_reach(hk_nearby *s, const double *x_from, const double *x_to
   status = complete(s, x_from, x_to);
   if (status == HK_OK) status = make_room_for_index(s);
   if (status == HK_OK) take_all_due(s);
+  s->measured = status == HK_OK;
   return status;
 }
 
 void hk_nearby_end(hk_nearby *s, const double *x_to) {
-  s->loose += s->step;
+  if (s->measured)
+    go_on(s, x_to);
+  else
+    s->loose += s->step;
+  s->measured = false;
   s->unpaired -= s->step;
   memcpy(s->last, x_to, 3 * s->n * sizeof *x_to);
 }

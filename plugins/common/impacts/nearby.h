@@ -7,9 +7,9 @@
  * slides as a whole spends nothing on itself, and a fold that moves fast costs where it is. While the largest move of a
  * particle says that no budget is spent, not even patches are looked at.
  *
- * Neither changes what is found: every pair whose gap may come below `reach` on the step's straight moves, and every
- * pair whose gap at the start is not above hk_pair_motion (impact.h), is in `index`, in an order that the mesh says. So
- * what rests on these does not depend on when was searched.
+ * Neither changes what is found: every pair whose gap may come below `reach` on the step's straight moves is in
+ * `index`, and so is every pair whose gap at the start is above neither hk_pair_motion (impact.h) nor the skin, in an
+ * order that the mesh says. What rests on these does not depend on when was searched.
  *
  * A step goes: hk_nearby_begin, then hk_nearby_reach for every end that is tried, then hk_nearby_end. */
 #ifndef HK_NEARBY_H
@@ -59,7 +59,7 @@ typedef struct hk_nearby {
   double *chunk;                  /* results of loops over particles */
   hk_patch_pair *task;            /* group_room: patches to be searched, and their groups */
   uint32_t *task_group;
-  bool paired;
+  bool paired, measured; /* measured: `moves` are from `at` to the end that was tried last */
   size_t searches;
   double seconds; /* processor time of the service's searches so far */
 } hk_nearby;

@@ -11,19 +11,49 @@ hk_status hk_patches_open(hk_patches *p, const hk_host *host, const hk_surfaces 
   p->model = model;
   p->box = host->allocate(host, (p->table->count + 1) * sizeof *p->box);
   p->held = host->allocate(host, (p->table->count + 1) * sizeof *p->held);
-  if (p->box && p->held) return HK_OK;
+  p->wanted = host->allocate(host, (p->table->count + 1) * sizeof *p->wanted);
+  if (p->box && p->held && p->wanted) return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu patches", p->table->count);
 }
 
 void hk_patches_free(hk_patches *p, const hk_host *host) {
   host->release(host, p->box);
   host->release(host, p->held);
+  host->release(host, p->wanted);
   host->release(host, p->pair);
   hk_bvh_free(&p->tree, host);
   *p = (hk_patches){0};
 }
 
 /* ---- moves ---- */
+
+typedef struct comparison {
+  const double *a, *b; /* n x 3 */
+  double *most2;       /* m^2, of each chunk */
+} comparison;
+
+static void compare_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const comparison *c = context;
+  double most2 = 0, zero = 0; /* NaN where a place is not finite */
+  for (size_t i = 3 * begin; i < 3 * end; i += 3) {
+    double x = c->a[i] - c->b[i], y = c->a[i + 1] - c->b[i + 1], z = c->a[i + 2] - c->b[i + 2];
+    double square = x * x + y * y + z * z;
+    most2 = square > most2 ? square : most2;
+    zero += 0 * square;
+  }
+  c->most2[chunk] = most2 + zero;
+}
+
+double hk_largest_way(const hk_host *host, size_t n, const double *a, const double *b, double *chunk) {
+  comparison c = {a, b, chunk};
+  double most2 = 0, zero = 0;
+  host->parallel_for(host, n, HK_WAY_CHUNK, compare_chunk, &c);
+  for (size_t k = 0; k * HK_WAY_CHUNK < n; k++) {
+    most2 = chunk[k] > most2 ? chunk[k] : most2;
+    zero += 0 * chunk[k];
+  }
+  return isnan(most2 + zero) ? INFINITY : sqrt(most2);
+}
 
 typedef struct measuring {
   const hk_patches *p;
@@ -86,6 +116,7 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   for (size_t k = begin; k < end; k++) {
     hk_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     bool held = true;
+    if (!w->p->wanted[k]) continue;
     for (size_t e = t->start[k]; e < t->start[k + 1]; e++) {
       size_t i = t->member[e];
       widen(&box, w->x_from + 3 * i, w->p->radius[i]);
@@ -94,6 +125,7 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
     }
     w->p->box[k] = box;
     w->p->held[k] = held;
+    w->p->wanted[k] = false;
   }
 }
 
@@ -103,10 +135,13 @@ static double longest(const hk_box *box) {
 
 void hk_patches_sweep(hk_patches *p, const hk_host *host, const double *x_from, const double *x_to) {
   sweeping w = {p, x_from, x_to};
-  double sum = 0;
   host->parallel_for(host, p->table->count, GRAIN, sweep_chunk, &w);
+}
+
+double hk_patches_size(const hk_patches *p) {
+  double sum = 0;
   for (size_t k = 0; k < p->table->count; k++) sum += longest(&p->box[k]);
-  p->size = p->table->count ? sum / (double)p->table->count : 0;
+  return p->table->count ? sum / (double)p->table->count : 0;
 }
 
 double hk_patches_apart(const hk_patches *p, uint32_t a, uint32_t b) {

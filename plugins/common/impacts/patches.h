@@ -15,9 +15,9 @@ typedef struct hk_patches {
   const hk_surface_patches *table;
   const double *radius; /* n, m */
   const hk_model *model;
-  hk_box *box; /* patches, m: of hk_patches_sweep */
-  bool *held;  /* patches: none of its particles can move */
-  double size; /* m: the mean of the longest sides of the boxes */
+  hk_box *box;  /* patches, m: of hk_patches_sweep */
+  bool *held;   /* patches: none of its particles can move */
+  bool *wanted; /* patches: the next hk_patches_sweep makes their boxes, and sets this to false */
   hk_bvh tree;
   size_t pairs, room;
   hk_patch_pair *pair; /* pairs: of hk_patches_pair_up, rising by a and then by b */
@@ -27,10 +27,18 @@ typedef struct hk_patches {
 hk_status hk_patches_open(hk_patches *, const hk_host *, const hk_surfaces *, const hk_model *);
 void hk_patches_free(hk_patches *, const hk_host *);
 
+enum { HK_WAY_CHUNK = 4096 /* particles for a number of `chunk` */ };
+
+/* m: the largest distance of a particle between two states, n x 3; INFINITY where one is not finite. Two particles come
+ * nearer to each other by twice that at most. chunk: n/HK_WAY_CHUNK + 1 numbers of scratch memory. */
+double hk_largest_way(const hk_host *, size_t n, const double *a, const double *b, double *chunk);
+
 /* The moves from a to b, n x 3. */
 void hk_patches_measure(const hk_patches *, const hk_host *, const double *a, const double *b, hk_patch_move *out);
-/* The boxes that patches sweep, with the radii of their particles. */
+/* The boxes that the wanted patches sweep, with the radii of their particles. */
 void hk_patches_sweep(hk_patches *, const hk_host *, const double *x_from, const double *x_to);
+/* m: the mean of the longest sides of all boxes. */
+double hk_patches_size(const hk_patches *);
 /* All pairs of patches whose boxes are nearer than `distance`, m, but those of two that are held. HK_NO_MEMORY. */
 hk_status hk_patches_pair_up(hk_patches *, const hk_host *, double distance);
 /* m, between the boxes of two patches. */
