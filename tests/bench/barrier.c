@@ -119,20 +119,20 @@ static double least(bench *b, part which) {
   return best;
 }
 
-/* A move of 1/100 of the reach, which keeps the list, and one of every other particle by 2, which does not. The blocks
+/* A move of 1/100 of the reach, which keeps the list, and one of every other sheet by 2, which does not. The blocks
  * of the pairs go to SLOTS places in turn. */
 static void functions_of(uint32_t n) {
   test_engine e;
   hk_plugin_spec *spec = open_stack(&e, n, 1);
   hk_instance *instance = test_instance(&e, spec);
   bench b = {.force = instance->plugin->force, .self = instance->self, .view = force_view(&e, instance)};
-  size_t m = 3 * b.view.n;
+  size_t m = 3 * b.view.n, sheet = m / LAYERS;
   b.far = memory(m, sizeof *b.far), b.near = memory(m, sizeof *b.near), b.dx = memory(m, sizeof *b.dx);
   b.F = memory(m, sizeof *b.F);
   for (size_t k = 0; k < m; k++) {
     b.dx[k] = 0.01 * reach * sin(1.7 * (double)k);
     b.near[k] = b.view.x[k] + b.dx[k];
-    b.far[k] = b.view.x[k] + (k % 6 == 0 ? 2 * reach : 0);
+    b.far[k] = b.view.x[k] + (k % 3 == 0 && k / sheet % 2 ? 2 * reach : 0);
   }
   b.blocks.pattern.block = count_block;
   double seconds[PARTS], iteration = 0;
