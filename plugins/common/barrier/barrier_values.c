@@ -34,7 +34,8 @@ static bool are_known(const hk_barrier_contacts *c, const hk_view *view) {
 void hk_barrier_values_at(hk_barrier_contacts *c, const hk_view *view) {
   task t = {c, view->x, c->values.item, c->tally.item};
   uint32_t *acting = c->acting.item;
-  if (are_known(c, view)) return;
+  if (c->found == 0) c->acting_count = c->touching = 0; /* nothing was looked for yet: there is no memory either */
+  if (c->found == 0 || are_known(c, view)) return;
   view->host->parallel_for(view->host, c->found, HK_BARRIER_GRAIN, evaluate_chunk, &t);
   c->acting_count = c->touching = 0;
   for (size_t chunk = 0; chunk * HK_BARRIER_GRAIN < c->found; chunk++) {

@@ -154,12 +154,36 @@ static void the_projection_has_no_negative_directions(void **state) {
   }
 }
 
+/* An axis of other positions hides no pair that acts; that of the same positions shows a pair that does not, but for
+ * rounding of the distance. */
+static void an_axis_hides_nothing_that_acts(void **state) {
+  (void)state;
+  uint64_t seed = 3;
+  int apart = 0;
+  for (int k = 0; k < 7000; k++) {
+    hk_barrier_pair p;
+    hk_barrier_value v;
+    double x[12];
+    place(k % 7, &seed, &p, x);
+    for (int e = 0; e < 12; e++) x[e] += 0.1 * draw(&seed);
+    hk_barrier_evaluate(&p, &law, x, &v);
+    for (int c = 0; c < 3; c++) p.axis[c] = v.nearest.d[c] / sqrt(v.nearest.squared);
+    if (v.gap > law.distance * (1 + 1e-12)) assert_true(hk_barrier_is_apart(&p, &law, x));
+    for (int e = 0; e < 12; e++) x[e] += 0.1 * draw(&seed);
+    if (!hk_barrier_is_apart(&p, &law, x)) continue;
+    assert_false(hk_barrier_evaluate(&p, &law, x, &v));
+    apart++;
+  }
+  assert_true(apart > 500);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_point_over_a_face_by_hand),
       cmocka_unit_test(it_ends_smoothly_and_has_no_end_below),
       cmocka_unit_test(derivatives_are_those_of_the_energy),
       cmocka_unit_test(the_projection_has_no_negative_directions),
+      cmocka_unit_test(an_axis_hides_nothing_that_acts),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
