@@ -61,7 +61,7 @@ ifneq (,$(PICTURES))
 PICTURES_CFLAGS := $(if $(filter egl,$(GL)),-DHK_GL_EGL=1,-DHK_GL_OSMESA=1) $(call cflags,$(PICTURES))
 PICTURES_LIBS   := $(call libs,$(PICTURES))
 else # then what is written on OpenGL or libpng cannot be compiled
-LEFT_OUT := plugins/outputs/frames.c $(shell for f in plugins/common/*/*.c; do \
+LEFT_OUT := plugins/outputs/frames.c tests/bench/pictures.c $(shell for f in plugins/common/*/*.c; do \
               $(CC) -I. -M -MG $$f 2>/dev/null | grep -qE '(GL|EGL)/|png[.]h' && echo $$f; done)
 endif
 # SUNDIALS, 6 or later, has no pkg-config files in most systems; 7 keeps its context in a library of its own.
@@ -73,21 +73,40 @@ else
 LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials/*.c) \
             tests/bench/sundials.c tests/bench/rivals.c
 endif
+# What pages hold is deflated.
+ZLIB := $(call exists,zlib)
+ifeq (,$(ZLIB))
+LEFT_OUT += tools/native/page.c tools/native/view/packed_text.c
+endif
+# The server of live pages.
+HTTPD := $(call exists,libmicrohttpd)
+ifeq (,$(HTTPD))
+LEFT_OUT += tools/native/server.c
+endif
+
+# Recordings are HDF5 files. Debian has a variant for clusters as well, which its own name tells apart.
+HDF5         := $(call exists,hdf5-serial hdf5)
+HDF5_CFLAGS  := $(call cflags,$(HDF5))
+HDF5_LIBS    := $(filter-out -l%_hl,$(call libs,$(HDF5)))
+ifeq (,$(HDF5))
+LEFT_OUT += $(wildcard plugins/common/recording/*.c) $(shell grep -lE 'hdf5[.]h|common/recording/' plugins/outputs/*.c \
+              tools/native/*.c $$(find tests -name '*.c'))
+endif
 
 # ---- What there is to build ------------------------------------------------------------------------------------------
 
 object   = $(patsubst %.c,$B/obj/%.o,$1)
 core     := $(call object,$(filter-out core/command/main.c,$(wildcard core/*/*.c)))
 common   := $(call object,$(filter-out $(LEFT_OUT),$(wildcard plugins/common/*/*.c)))
-by_tools := $(call object,$(wildcard tools/native/*/*.c))
+by_tools := $(call object,$(filter-out $(LEFT_OUT),$(wildcard tools/native/*/*.c)))
 support  := $(call object,$(wildcard tests/support/*.c tests/adversary/*.c))
 plugins  := $(patsubst %.c,$B/%.so,$(filter-out $(LEFT_OUT),$(wildcard $(KINDS:%=plugins/%/*.c))))
-defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)))
-modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(wildcard tools/native/*.c))
+defaults := $(patsubst %,$B/%,$(wildcard $(KINDS:%=plugins/%/default)) plugins/synonyms)
+modules  := $(patsubst tools/native/%.c,$B/tools/%.so,$(filter-out $(LEFT_OUT),$(wildcard tools/native/*.c)))
 fixtures := $(patsubst %.c,$B/%.so,$(wildcard tests/fixtures/*.c))
 benches  := $(patsubst tests/%.c,$B/%,$(filter-out $(LEFT_OUT),$(wildcard tests/bench/*.c)))
 studies  := $(patsubst tests/%.c,$B/%,$(wildcard tests/study/*.c))
-tests    := $(patsubst %.c,$B/%,$(filter-out tests/fixtures/% tests/support/% tests/adversary/% tests/bench/% tests/study/%,$(sort \
+tests    := $(patsubst %.c,$B/%,$(filter-out $(LEFT_OUT) tests/fixtures/% tests/support/% tests/adversary/% tests/bench/% tests/study/%,$(sort \
               $(shell find tests -name '*.c'))))
 compiled := $(core) $B/obj/core/command/main.o $(common) $(by_tools) $(support) $(call object,$(wildcard $(KINDS:%=plugins/%/*.c) \
               tools/native/*.c tests/fixtures/*.c tests/bench/*.c tests/study/*.c) $(tests:$B/%=%.c))
@@ -97,7 +116,7 @@ $(shell rm -f $(filter-out $(plugins) $(modules) $(fixtures),$(wildcard $B/plugi
   $B/tests/fixtures/*.so)))
 
 # These files are new when the flags, or the lists of files, are others than last time.
-settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(CURDIR)
+settings := $(CC) $(FLAGS) $(LINK) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(LUA) $(PICTURES) $(SUNDIALS) $(ZLIB) $(HTTPD) $(HDF5) $(CURDIR)
 lists    := $(core) $(common) $(by_tools) $(support)
 ifneq ($(file <$B/settings),$(settings))
 $(shell mkdir -p $B)$(file >$B/settings,$(settings))
@@ -116,6 +135,9 @@ all: build
 build: $B/hooke $(plugins) $(defaults) $(modules)
 	$(if $(PICTURES),@:,@echo "hooke is built without pictures (plugins/outputs/frames): tools/install-deps run gets what they need")
 	$(if $(SUNDIALS),@:,@echo "hooke is built without SUNDIALS (plugins/integrators/cvode, arkode): tools/install-deps run gets it")
+	$(if $(ZLIB),@:,@echo "hooke is built without pages (hooke view): tools/install-deps run gets zlib")
+	$(if $(HTTPD),@:,@echo "hooke is built without its server of live pages (hooke run --watch): tools/install-deps run gets libmicrohttpd")
+	$(if $(HDF5),@:,@echo "hooke is built without HDF5 (plugins/outputs/trajectory): tools/install-deps run gets it")
 
 check:
 	$(if $(CHECKED),@:,@CC="$(CC)" tools/install-deps --check build)
@@ -157,9 +179,9 @@ study:
 say = $(if $(V),,@echo "  $1 $@")
 
 $B/obj/core/%.o: EXTRA = $(LUA_CFLAGS)
-$B/obj/tools/%.o: EXTRA = $(LUA_CFLAGS)
-$B/obj/plugins/%.o: EXTRA = $(SPARSE_CFLAGS) $(PICTURES_CFLAGS)
-$B/obj/tests/%.o: EXTRA = $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) \
+$B/obj/tools/%.o: EXTRA = $(LUA_CFLAGS) $(HDF5_CFLAGS)
+$B/obj/plugins/%.o: EXTRA = $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) $(HDF5_CFLAGS)
+$B/obj/tests/%.o: EXTRA = $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) $(HDF5_CFLAGS) \
   -DHK_ROOT='"$(CURDIR)"' -DHK_BUILD='"$(CURDIR)/$B"'
 $B/obj/%.o: %.c $B/settings | check
 	@mkdir -p $(@D)
@@ -180,12 +202,16 @@ link = $(call say,link   )
 link_with = $(Q)mkdir -p $(@D) && $(CC) $(CFLAGS) $1 $(LINK) $(LDFLAGS) -o $@ $(filter %.o %.a,$^) $(LIBS) -ldl -lpthread -lm
 
 $B/hooke: LIBS = $(LUA_LIBS)
-$B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(GMP_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS)
+$B/tests/% $B/bench/% $B/study/%: LIBS = $(LUA_LIBS) $(CMOCKA_LIBS) $(GMP_LIBS) $(SPARSE_LIBS) $(PICTURES_LIBS) $(HDF5_LIBS)
 $B/tests/fixtures/%: LIBS =
 $B/plugins/solvers/%: LIBS = $(SPARSE_LIBS)
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
+$B/tools/page.so: LIBS = $(call libs,$(ZLIB))
+$B/plugins/outputs/%: LIBS = $(PICTURES_LIBS) $(HDF5_LIBS)
+$B/tools/%: LIBS = $(HDF5_LIBS)
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
+$B/tools/server.so: LIBS = $(call libs,$(HTTPD))
 $B/bench/sundials $B/bench/rivals: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
 
 $B/hooke: $B/obj/core/command/main.o $B/core.a
@@ -197,13 +223,14 @@ $B/plugins/%.so: $B/obj/plugins/%.o $B/plugins/common.a
 $B/tests/fixtures/%.so: $B/obj/tests/fixtures/%.o $B/plugins/common.a
 	$(link)
 	$(call link_with,-shared $(COMPLETE))
-# Which plugin of a kind is taken where a scene names none: a text file, names in the order of preference.
+# Which plugin of a kind is taken where a scene names none, and what else names stand for: text files.
 $(defaults): $B/%: %
 	@mkdir -p $(@D)
 	$(call say,copy   )
 	$(Q)cp $< $@
 # Lua's functions are those of the program that loads the module.
-$B/tools/%.so: $B/obj/tools/native/%.o $B/tools/common.a $B/core.a
+$B/tools/%.so: $B/obj/tools/native/%.o $B/tools/common.a $B/plugins/common.a $B/core.a
+$B/tools/%.so: $B/obj/tools/native/%.o $B/tools/common.a $B/core.a $B/plugins/common.a
 	$(link)
 	$(call link_with,-shared)
 archives := $B/tests/support.a $B/core.a $B/plugins/common.a
@@ -228,7 +255,7 @@ lint:
 	@CC="$(CC)" tools/install-deps lint
 	@luacheck --quiet scripts tools tests; lua=$$?; \
 	printf '%s\n' $(filter-out tests/% $(LEFT_OUT),$(filter %.c,$(c_files))) | xargs -P 2 -I FILE clang-tidy --quiet FILE -- \
-	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) && exit $$lua
+	  -std=c11 -D_POSIX_C_SOURCE=200809L -D_DEFAULT_SOURCE -I. $(LUA_CFLAGS) $(SPARSE_CFLAGS) $(PICTURES_CFLAGS) $(HDF5_CFLAGS) && exit $$lua
 
 to = $(DESTDIR)$(PREFIX)
 version = $(shell sed -n 's/^.define HK_VERSION "\(.*\)"/\1/p' core/command/main.c)
@@ -248,7 +275,9 @@ install: build
 	for f in core/plugin.h $(wildcard core/plugin/*.h); do install -D -m 644 $$f $(to)/include/hooke/$$f || exit 1; done
 	mkdir -p $(to)/lib/pkgconfig
 	$(file >$B/hooke.pc,$(pkg_config)) install -m 644 $B/hooke.pc $(to)/lib/pkgconfig/hooke.pc
-	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps); do \
+	for f in $$(find scripts tools -type f ! -path 'tools/native/*' ! -name install-deps ! -name manual ! -name '*.bash'); do \
 	  install -D -m 644 $$f $(to)/share/hooke/$$f || exit 1; done
+	tools/manual $B/hooke >$B/hooke.1 && install -D -m 644 $B/hooke.1 $(to)/share/man/man1/hooke.1
+	install -D -m 644 tools/completion.bash $(to)/share/bash-completion/completions/hooke
 
 -include $(compiled:.o=.d)

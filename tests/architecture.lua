@@ -33,7 +33,8 @@ local ordinary_words = {
     midpoint = "the middle of a step", octree = "the interface of that service, which is part of the ABI",
     surface = "what a grid or a file of triangles spans", contact = "what surfaces and particles do that touch",
     membrane = "a sheet without resistance to bending", surfaces = "what contact keeps apart",
-    volume = "of a body", solid = "what is not hollow",
+    volume = "of a body", solid = "what is not hollow", trajectory = "the positions of a run at its frames",
+    hand = "to hand a thing over", csv = "the format of a table", pull = "the user's hand on a particle",
   },
   comment = {
     octree = "the tree of cells",
@@ -45,7 +46,9 @@ local ordinary_words = {
     contact = "what surfaces and particles do that touch", barrier = "an energy that grows without bound",
     volume = "of a body", membrane = "a sheet without resistance to bending",
     surfaces = "what contact keeps apart", drag = "the resistance of the air",
-    checkpoint = "the file of a run that goes on",
+    checkpoint = "the file of a run that goes on", trajectory = "the positions of a run at its frames",
+    hand = "to hand a thing over, or what is written by hand", pull = "what springs and bars do",
+    live = "what has not died", csv = "the format of a table",
   },
 }
 
@@ -71,7 +74,9 @@ local function forbidden(from, to)
   elseif from:find("^plugins/") then
     if target ~= "plugin" and not to:find("^plugins/common/") then return "a plugin sees the ABI and plugins/common only" end
   elseif from:find("^tools/native/") then
-    if not target and not to:find("^tools/native/") then return "a native module of tools sees core/ only" end
+    if not target and not to:find("^tools/native/") and not to:find("^plugins/common/") then
+      return "a native module of tools sees core/ and plugins/common only"
+    end
   elseif from:find("^tools/common/") then
     if not (to:find("^tools/common/") or to:find("^tools/native/") or to:find("^scripts/lib/")) then
       return "tools/common sees native modules and scripts/lib only"
@@ -190,7 +195,7 @@ local function check_the_checks()
   for _, bad in ipairs { arrow("plugins/forces/f.c", "core/base/b.h"), arrow("plugins/forces/f.c", "plugins/forces/g.c"),
     arrow("core/base/b.c", "plugins/common/x/y.h"), arrow("core/base/b.c", "core/attic/z.h"),
     arrow("tools/common/x/y.lua", "tools/run.lua"), arrow("scripts/lib/a.lua", "tools/common/x/y.lua"),
-    arrow("tools/native/n.c", "plugins/common/x/y.h") } do
+    arrow("tools/native/n.c", "plugins/forces/f.c") } do
     assert(#against_order { bad } == 1, bad.from .. " -> " .. bad.to)
   end
 

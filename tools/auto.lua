@@ -1,6 +1,6 @@
--- hooke auto SCENE.lua [name=value ...] --accuracy METRES: chooses the integrator, and its step, tolerance or substeps,
--- that computes the scene's positions with this accuracy at the least cost. `hooke run --integrator auto` runs this
--- tool.
+-- hooke auto SCENE.lua [name=value ...] --accuracy METRES: the integrator and the step that cost least, by measuring.
+-- Chosen are the integrator, and its step, tolerance or substeps, that compute the scene's positions with this accuracy
+-- at the least cost. `hooke run --integrator auto` runs this tool.
 --
 -- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with
 -- the methods of order 2 and more. Errors accumulate: a fraction of the duration may have this fraction of the error,

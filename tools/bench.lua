@@ -1,6 +1,5 @@
--- hooke bench SCENE.lua [name=value ...]: the cost of accuracy in this scene with every integrator that fits it, and a
--- recommendation. See tools/common/bench: benchmark.lua (the phases), reference.lua, sensitivity.lua,
--- refinement.lua, report.lua.
+-- hooke bench SCENE.lua [name=value ...]: what accuracy costs with every integrator, and which one to take.
+-- See tools/common/bench: benchmark.lua (the phases), reference.lua, sensitivity.lua, refinement.lua, report.lua.
 --
 -- The error x of a run: at a frame, the root mean square over all particles of the distance to the reference; of these,
 -- the root mean square over the frames after the start (m): error_x_rms of bench.csv, whose other columns are described

@@ -1,38 +1,33 @@
--- hooke check PLUGIN.so [name=value ...] [--scene FILE] [--seconds N] [--only TEXT]: is this plugin right? Each property
--- is tried in a process of its own, N seconds at most for each of its scenes (default 20): a crash, a hang, an exit and
--- output are findings like a wrong figure. One line for each property, with the figure and its bound; below one that is
--- WRONG where it was seen, and what to do. The exit code is 1 when one is. name=value sets parameters of the plugin; with
--- --scene the plugin is checked as that script has it, beside the scenes made here; --only tries the properties with TEXT
--- in their name.
+-- hooke check PLUGIN.so [name=value ...]: whether a plugin is right: derivatives, energies, orders, memory, threads.
+-- Each property is tried in a process of its own, N seconds at most for each of its scenes (default 20): a crash, a hang,
+-- an exit and output are findings like a wrong figure. One line for each property, with the figure and its bound; below
+-- one that is WRONG where it was seen, and what to do. The exit code is 1 when one is. name=value sets parameters of the
+-- plugin; with --scene the plugin is checked as that script has it, beside the scenes made here; --only tries the
+-- properties with TEXT in their name.
 -- What there is to try of a kind is in common/check/KIND.lua.
+local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local process = require("process")
 local reports = require("common.check.report")
 
 local function fail(message) return command_line.complain("check", message) end
 
-local options = { ["--scene"] = "scene", ["--seconds"] = "seconds", ["--only"] = "only" }
+local function parser_of()
+  local p = argparse("hooke check", "Is this plugin right? One line for each property, with its figure and its bound.")
+  p:argument("plugin", "the plugin's file, then name=value: parameters of the plugin"):args("*")
+  p:option("--scene", "a script in which the plugin is checked as well")
+  p:option("--seconds", "that each scene of a property may take"):default("20"):convert(command_line.positive("--seconds"))
+  p:option("--only", "the properties with this text in their name")
+  return p
+end
 
--- The command line: the path, name=value as texts, options; or nil and what is wrong with it.
+-- The path, name=value as texts, options; nil: what is wrong has been said.
 local function read_arguments()
-  local asked, k = { given = {}, seconds = "20" }, 0
-  while k < #arg do
-    k = k + 1
-    local name, value = arg[k]:match("^([%a_][%w_]*)=(.*)$")
-    local option = options[arg[k]]
-    if name then asked.given[name] = value
-    elseif option then
-      k = k + 1
-      if not arg[k] then return nil, arg[k - 1] .. " needs a value" end
-      asked[option] = arg[k]
-    elseif asked.path or arg[k]:sub(1, 1) == "-" then
-      return nil, ("'%s' is neither the plugin nor name=value"):format(arg[k])
-    else asked.path = arg[k]:find("/", 1, true) and arg[k] or "./" .. arg[k] end
-  end
-  if not asked.path then return nil, "no plugin given: hooke check PLUGIN.so [name=value ...]" end
-  if not (tonumber(asked.seconds) and tonumber(asked.seconds) > 0) then
-    return nil, ("--seconds: '%s' is not a time"):format(asked.seconds)
-  end
+  local asked = command_line.parse("check", parser_of())
+  if not asked then return nil end
+  local path, given, why = command_line.scene(asked.plugin)
+  if not path then return fail(why or "no plugin given: hooke check PLUGIN.so [name=value ...]") and nil end
+  asked.path, asked.given = path:find("/", 1, true) and path or "./" .. path, given
   return asked
 end
 
@@ -64,10 +59,10 @@ local function read_given(plugin, texts)
   return given
 end
 
-local asked, why = read_arguments()
-if not asked then return fail(why) end
+local asked = read_arguments()
+if not asked then return 1 end
 
-local report, begun = reports.new(tonumber(asked.seconds), asked.only), process.clock()
+local report, begun = reports.new(asked.seconds, asked.only), process.clock()
 -- A file whose loading ends the process is a finding; one that is no plugin is wrong use.
 local plugin, refused
 local loads = report:try("it is loaded", function() hooke.describe(asked.path) end)
@@ -77,6 +72,7 @@ if loads then
   if not package.searchpath("common.check." .. plugin.kind, package.path) then
     return fail(("%s is of the kind '%s', which cannot be checked"):format(asked.path, plugin.kind))
   end
+  local why
   plugin.given, why = read_given(plugin, asked.given)
   if not plugin.given then return fail(why) end
   plugin.scene = asked.scene

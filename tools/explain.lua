@@ -1,6 +1,6 @@
--- hooke explain SCENE.lua [name=value ...]: prints the plugins that will be loaded, sizes, stiffness, and the stable
--- step per integrator. With --cost: the cost and the effect of each force, constraint, corrector and source
--- (common/cost/cost.lua).
+-- hooke explain SCENE.lua [name=value ...]: plugins, sizes, frequencies, stable steps; --cost: what each part costs.
+-- With --cost: the cost and the effect of each force, constraint, corrector and source (common/cost/cost.lua).
+local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local json = require("cjson").new()
 json.encode_invalid_numbers("null")
@@ -9,50 +9,31 @@ local function fail(message) return command_line.complain("explain", message) en
 
 -- ---- the command line ----
 
-local kinds = { cost = "flag", json = "flag", trust = "flag", integrator = "text", ["until"] = "number",
-  repeats = "count" }
-local needs_cost = { "integrator", "until", "repeats" }
-
-local function value_of(kind, text)
-  local number = tonumber(text)
-  if kind == "text" then return text end
-  if kind == "number" then return number and number > 0 and number < math.huge and number or nil end
-  return number and math.tointeger(number) and number >= 1 and math.tointeger(number) or nil
+local function parser_of()
+  local p = argparse("hooke explain", "What a scene will load, its sizes, its frequencies, and the largest stable steps.")
+  p:argument("scene", "the scene's script, then name=value: parameters of the scene"):args("*")
+  p:flag("--cost", "what each force, constraint, corrector and source costs, and what the run is without it")
+  p:option("--integrator", "with --cost: in place of the scene's")
+  p:option("--until", "with --cost: end of the runs, s"):target("until_"):convert(command_line.positive("--until"))
+  p:option("--repeats", "with --cost: runs of each, of which the median counts"):convert(command_line.whole("--repeats"))
+  p:flag("--json", "as one JSON object")
+  p:flag("--trust", "the scene is trusted")
+  return p
 end
 
--- "--name", "--name value" or "--name=value" at word k: the name, its value and the number of words; or nil and the
--- reason.
-local function option_at(k)
-  local name, joined = arg[k]:match("^%-%-(%w+)=?(.*)$")
-  local kind = kinds[name]
-  if not kind then return nil end
-  if kind == "flag" then return name, true, 1 end
-  local has_joined = arg[k]:find("=", 1, true)
-  local text = has_joined and joined or arg[k + 1]
-  local value = text and value_of(kind, text)
-  if not value then return nil, ("--%s: '%s' is not %s"):format(name, text or "", kind == "text" and "a name"
-    or kind == "count" and "a whole number above 0" or "a positive number") end
-  return name, value, has_joined and 1 or 2
-end
+local needs_cost = { integrator = "--integrator", until_ = "--until", repeats = "--repeats" }
 
+-- nil: what is wrong has been said.
 local function parse()
-  local o, k = { given = {} }, 1
-  while k <= #arg do
-    local name, value = arg[k]:match("^([%a_][%w_]*)=(.*)$")
-    local option, found, used = option_at(k)
-    if name then o.given[name], used = value, 1
-    elseif option then o[option] = found
-    elseif found then return nil, found
-    elseif arg[k]:sub(1, 1) == "-" or o.path then
-      return nil, ("'%s' is neither the scene nor name=value, nor one of --cost, --json, --trust, --integrator NAME, "
-        .. "--until SECONDS, --repeats N"):format(arg[k])
-    else o.path, used = arg[k], 1 end
-    k = k + used
+  local o = command_line.parse("explain", parser_of())
+  if not o then return nil end
+  local why
+  o.path, o.given, why = command_line.scene(o.scene)
+  for name, option in pairs(needs_cost) do
+    if o[name] and not o.cost then why = option .. " goes with --cost" end
   end
-  if not o.path then return nil, "no scene given: hooke explain SCENE.lua [name=value ...] [--cost]" end
-  for _, option in ipairs(needs_cost) do
-    if o[option] and not o.cost then return nil, ("--%s goes with --cost"):format(option) end
-  end
+  if not o.path and not why then why = "no scene given: hooke explain SCENE.lua [name=value ...] [--cost]" end
+  if why then return fail(why) and nil end
   return o
 end
 
@@ -126,7 +107,7 @@ end
 local function explain_cost(o)
   local report = require("common.cost.cost_report")
   local study, message = require("common.cost.cost").study { scene = o.path, params = o.given, integrator = o.integrator,
-    ["until"] = o["until"], trust = o.trust, repeats = o.repeats, tick = progress() }
+    ["until"] = o.until_, trust = o.trust, repeats = o.repeats, tick = progress() }
   if not study then return fail(message) end
   if o.json then
     print(json.encode(report.plain(study)))
@@ -136,7 +117,7 @@ local function explain_cost(o)
   return 0
 end
 
-local o, message = parse()
-if not o then return fail("explain: " .. message) end
+local o = parse()
+if not o then return 1 end
 if not o.trust then hooke.confine(o.path) end
 return (o.cost and explain_cost or explain)(o)

@@ -1,6 +1,13 @@
--- hooke plugins [NAME]: prints the catalogue, or of one plugin its parameters, units, defaults, formula and source.
+-- hooke plugins [NAME]: the catalogue; of one plugin its parameters, units, formula and source.
+local argparse = require("argparse")
 local command_line = require("common.run.command_line")
 local list, failed = hooke.catalogue()
+
+local function parser_of()
+  local p = argparse("hooke plugins", "What plugins there are: forces, constraints, integrators, outputs and all the others.")
+  p:argument("name", "of one: its parameters, units, defaults, formula and source"):args("?")
+  return p
+end
 
 local function default(p)
   if p.required then return "required" end
@@ -58,7 +65,9 @@ local function catalogue()
   for _, f in ipairs(failed) do print(("  %s: %s"):format(f.path, f.reason)) end
 end
 
-local name = arg[1]
+local asked = command_line.parse("plugins", parser_of())
+if not asked then return 1 end
+local name = asked.name
 if not name then
   catalogue()
   return 0

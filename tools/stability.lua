@@ -1,6 +1,6 @@
--- hooke stability                 the largest stable step of every integrator on the linear oscillator, and its theory
--- hooke stability SCENE.lua       the measured largest stable step on a scene, and the estimate that dt = auto uses
--- hooke stability --hard [DIR]    the corpus of hard cases with every integrator
+-- hooke stability [SCENE.lua]: the largest stable steps, measured; --hard: the corpus of hard cases.
+-- Without a scene those of every integrator on the linear oscillator, beside theory; on a scene beside the estimate that
+-- a run without dt uses. --hard [DIR] runs the corpus of hard cases with every integrator.
 -- The methods of measurement are described in stability_region.lua, largest_step.lua and hard.lua of common/stability.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
@@ -45,13 +45,9 @@ end
 local function parse()
   local fine, o = parser_of():pparse(arg)
   if not fine then return nil, o .. "; see: hooke stability --help" end
-  o.given = {}
-  for _, word in ipairs(o.scene) do
-    local name, value = word:match("^([%a_][%w_]*)=(.*)$")
-    if name then o.given[name] = value
-    elseif o.path then return nil, ("'%s' is neither the scene nor name=value"):format(word)
-    else o.path = word end
-  end
+  local why
+  o.path, o.given, why = command_line.scene(o.scene)
+  if why then return nil, why end
   if next(o.given) and (o.hard or not o.path) then return nil, "name=value is for a scene" end
   o.jobs = o.jobs or process.processors()
   o.out = o.out or "out/stability"
@@ -91,7 +87,7 @@ local function csv_text(value)
   if value == nil then return "" end
   if math.type(value) == "float" then return ("%.9g"):format(value) end
   local text = tostring(value)
-  return text:find('[,"\n]') and '"' .. text:gsub('"', '""') .. '"' or text
+  return text:find('[,"\r\n]') and '"' .. text:gsub('"', '""') .. '"' or text
 end
 
 local function csv_of(columns, rows)
@@ -126,8 +122,29 @@ local function print_hard(o, hard, cases, names, cells)
   end
 end
 
+-- The corpus of the sources that this hooke was built from.
+local function corpus()
+  local beside = hooke.folder .. "/../tests/hard"
+  return lfs.attributes(beside, "mode") == "directory" and beside or "tests/hard"
+end
+
+-- Cases whose plugins are not built are left out, with a word.
+local function buildable(cases, hard)
+  local kept, without, missing = {}, {}, nil
+  for _, case in ipairs(cases) do
+    local name = hard.missing(case)
+    missing = missing or name
+    table.insert(name and without or kept, name and case.name or case)
+  end
+  if missing then
+    io.stderr:write(("hooke: stability: %d of %d cases are left out (%s): their plugins for tests, such as %s, are not "
+      .. "built; make test-programs builds them\n"):format(#without, #cases, table.concat(without, ", "), missing))
+  end
+  return kept
+end
+
 local function chosen_cases(o, hard)
-  local cases, why = hard.cases(o.path or "tests/hard")
+  local cases, why = hard.cases(o.path or corpus())
   if not cases then return nil, why end
   local kept, names, found = {}, {}, {}
   for k, case in ipairs(cases) do names[k], found[case.name] = case.name, case end
@@ -138,11 +155,11 @@ local function chosen_cases(o, hard)
     end
     kept[#kept + 1] = found[name]
   end
-  if #o.case > 0 then return kept end
+  if #o.case > 0 then return buildable(kept, hard) end
   for _, case in ipairs(cases) do
     if o.long or not case.long then kept[#kept + 1] = case end
   end
-  return kept
+  return buildable(kept, hard)
 end
 
 -- Every run of o.part = "K/N"; nil and why.

@@ -1,5 +1,6 @@
--- hooke sweep SWEEP.lua | SCENE.lua [name=values ...] [options]: runs a scene with many values of its parameters,
--- integrators and steps; every case runs in a process of its own, and its result is stored in a database at once.
+-- hooke sweep SCENE.lua name=1,2,5 ...: many runs over values of parameters, in parallel, with a table and plots.
+-- Or of a SWEEP.lua, which names them. Every case runs in a process of its own, and its result is stored in a database
+-- at once.
 local child = require("common.sweep.child")
 local command = require("common.sweep.command")
 local command_line = require("common.run.command_line")

@@ -1,5 +1,6 @@
--- hooke validate [TOPIC | FILE.lua] [NAME]: problems with known answers, each at several resolutions and steps; one line
--- for each quantity, figures and a page to put into a paper. See scripts/validation/README.md for the form of a problem,
+-- hooke validate [TOPIC or FILE.lua] [NAME]: problems with known answers: orders, figures, a page.
+-- Each is computed at several resolutions and steps; there is one line for each quantity, figures and a page to put into
+-- a paper. See scripts/validation/README.md for the form of a problem,
 -- and tools/common/validate: problems.lua (finding and asking), study.lua (levels and judgement), convergence.lua
 -- (orders and extrapolation), lines.lua and page.lua (what is printed, drawn and written).
 local argparse = require("argparse")

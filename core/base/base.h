@@ -21,10 +21,6 @@ static inline void hk_error_clear(hk_error *error) {
 }
 hk_status hk_error_setv(hk_error *error, hk_status status, const char *format, va_list arguments);
 
-/* The name closest to `wrong` by edit distance, or NULL when none is close. `name(context, k)` is the k-th name, NULL
- * after the last. */
-const char *hk_nearest_name(const char *wrong, const char *(*name)(const void *context, size_t k), const void *context);
-
 /* ---- memory.c: zeroed, 64-byte aligned blocks in a list, so that all memory of a plugin is freed with it ---- */
 
 typedef struct hk_block hk_block;

@@ -3,6 +3,7 @@
  * say; contact keeps others off them. With `mass` or `density` they are free, and forces may make the closed mesh a soft
  * body. Round shapes are inscribed polyhedra, see body_shapes.h. */
 #include "core/builders/mesh_handle.h"
+#include "core/text/text.h"
 
 #include <string.h>
 

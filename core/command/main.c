@@ -4,6 +4,7 @@
 #include "core/base/base.h"
 #include "core/command/confinement.h"
 #include "core/command/faults.h"
+#include "core/command/installation.h"
 #include "core/command/keep.h"
 #include "core/command/options.h"
 #include "core/command/resume.h"
@@ -15,7 +16,6 @@
 #include "core/text/text.h"
 #include "core/tools/tools.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <limits.h>
 #include <signal.h>
@@ -49,41 +49,6 @@ static void interrupt(int signal_number) {
   if (since > 1) _exit(130);
 }
 
-typedef struct places {
-  char plugins[PATH_MAX], scripts[PATH_MAX], tools[PATH_MAX], include[PATH_MAX];
-} places;
-
-/* The first of the candidates below the executable's folder that exists: the build tree, its sanitized variant, an
- * installation. */
-static bool place(char *into, const char *base, const char *const *candidates) {
-  char path[PATH_MAX];
-  for (; *candidates; candidates++)
-    if (snprintf(path, sizeof path, "%s/%s", base, *candidates) < (int)sizeof path && realpath(path, into)) return true;
-  *into = 0;
-  return false;
-}
-
-static hk_status find_places(places *p, hk_error *error) {
-  char base[PATH_MAX];
-  ssize_t length = readlink("/proc/self/exe", base, sizeof base - 1);
-  if (length < 0) return hk_error_set(error, HK_IO, "cannot find hooke's own folder: %s", strerror(errno));
-  base[length] = 0;
-  *strrchr(base, '/') = 0;
-  static const char *const plugins[] = {"plugins", "../lib/hooke/plugins", NULL};
-  static const char *const scripts[] = {"../scripts/scenes/..", "../../scripts/scenes/..", "../share/hooke/scripts",
-                                        NULL};
-  static const char *const tools[] = {"../tools/templates/..", "../../tools/templates/..",
-                                      "../share/hooke/tools/templates/..", NULL};
-  static const char *const include[] = {"../core/plugin.h", "../../core/plugin.h", "../include/hooke/core/plugin.h",
-                                        NULL};
-  if (!place(p->plugins, base, plugins))
-    return hk_error_set(error, HK_IO, "no plugins beside %s: build with make, or install with make install", base);
-  place(p->scripts, base, scripts);
-  place(p->tools, base, tools);
-  if (place(p->include, base, include)) *strstr(p->include, "/core/plugin.h") = 0;
-  return HK_OK;
-}
-
 static int exit_code(hk_status status) {
   switch (status) {
   case HK_OK:
@@ -112,20 +77,6 @@ static int verdict_code(hk_verdict verdict) {
 static int complain(const hk_error *error) {
   fprintf(stderr, "hooke: %s\n", error->text);
   return exit_code(error->status);
-}
-
-static void print_params(const hk_script *script) {
-  const hk_param_declared *params;
-  size_t count = hk_script_params(script, &params);
-  if (count) printf("\nparameters of this scene (name=value):\n");
-  for (size_t k = 0; k < count; k++) {
-    char name[256], initial[256];
-    hk_plain_copy(name, sizeof name, params[k].name);
-    hk_plain_copy(initial, sizeof initial, params[k].initial);
-    printf("  %-12s %-12s ", name, initial);
-    hk_print_plain(stdout, params[k].help ? params[k].help : "");
-    printf("\n");
-  }
 }
 
 static hk_script_options script_options(const hk_options *o, hk_registry *registry, const char *library) {
@@ -160,6 +111,22 @@ static hk_status finish(hk_run *run, const hk_options *o, hk_error *error) {
   return closed;
 }
 
+/* Before the run, which may take hours: a file that cannot be written is said now. */
+static hk_status open_summary(hk_options *o, hk_error *error) {
+  if (!o->summary || o->help) return HK_OK;
+  o->summary_file = fopen(o->summary, "w");
+  if (o->summary_file) return HK_OK;
+  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+}
+
+static hk_status close_summary(const hk_options *o, const hk_summary *s, hk_error *error) {
+  if (!o->summary_file) return HK_OK;
+  hk_report_json(o->summary_file, s);
+  bool fine = !ferror(o->summary_file);
+  if (fclose(o->summary_file) == 0 && fine) return HK_OK;
+  return hk_error_set(error, HK_IO, "--summary: cannot write %s: %s", o->summary, strerror(errno));
+}
+
 static void report(const hk_options *o, const hk_scene *scene, hk_summary *s) {
   char out[PATH_MAX];
   snprintf(out, sizeof out, o->run.out ? "%s" : "out/%s", o->run.out ? o->run.out : scene->name);
@@ -176,16 +143,27 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   hk_scene *scene = hk_script_scene(script);
   hk_status status = hk_run_open(scene, &o->run, &run, &error);
   if (status != HK_OK) return complain(&error);
+  hk_script_options options = script_options(o, registry, library);
+  if (!o->trust) hk_script_foretell(o->scene, &options, &o->run, run); /* as in run_command: not run again unasked */
   status = finish(run, o, &error);
   hk_keep_end();
   hk_summary summary;
   hk_run_summary(run, &summary);
   if (status == HK_OK) {
-    hk_script_options options = script_options(o, registry, library);
     hk_error second = {0};
     if (hk_script_verify(o->scene, &options, &o->run, o->verify, run, &summary, &second) != HK_OK)
       fprintf(stderr, "hooke: with half the step: %s\n", second.text);
   }
+  hk_error last = {0};
+  hk_status left = hk_run_leave(run, &summary, &last);
+  if (left != HK_OK && status != HK_OK)
+    fprintf(stderr, "hooke: %s\n", last.text);
+  else if (left != HK_OK)
+    status = left, error = last;
+  if (status == HK_OK)
+    status = close_summary(o, &summary, &error);
+  else
+    close_summary(o, &summary, &last);
   int code = status == HK_OK ? verdict_code(summary.verdict) : exit_code(status);
   report(o, scene, &summary);
   if (status != HK_OK) complain(&error);
@@ -200,14 +178,14 @@ static void catch_signals(void) {
   sigaction(SIGTERM, &action, NULL);
 }
 
-typedef struct installation {
+typedef struct surroundings {
   const hk_registry *registry;
-  const places *places;
-} installation;
+  const hk_installation *installation;
+} surroundings;
 
 /* What every scene's process reads. */
-static hk_confinement needs_of(const installation *here, const char *scene, char native[PATH_MAX + 16]) {
-  const places *p = here->places;
+static hk_confinement needs_of(const surroundings *here, const char *scene, char native[PATH_MAX + 16]) {
+  const hk_installation *p = here->installation;
   if (snprintf(native, PATH_MAX + 16, "%s/../tools", p->plugins) >= PATH_MAX + 16) native[0] = 0;
   hk_confinement c = {.scene = scene, .read = {p->plugins, p->scripts, p->tools, native}};
   c.search = here->registry->search;
@@ -232,16 +210,19 @@ static const char *cache_folder(char *folder, size_t size) {
 }
 
 /* Before the script and before any thread: what an untrusted scene has no use for is given up. */
-static const char *confine(const hk_options *o, const hk_registry *registry, const places *p) {
+static const char *confine(const hk_options *o, const hk_registry *registry, const hk_installation *p) {
   char output[PATH_MAX], native[PATH_MAX + 16], cache[PATH_MAX];
   const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
   size_t length = strlen(name);
   if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
   bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output && name[0] != '.';
-  installation here = {registry, p};
+  surroundings here = {registry, p};
   hk_confinement c = needs_of(&here, o->scene, native);
   c.programs = getenv("PATH");
-  c.output = o->run.no_output || o->help ? NULL : o->run.out ? o->run.out : fine ? output : NULL;
+  c.output = (o->run.no_output && !o->run.with_count) || o->help ? NULL
+             : o->run.out                                        ? o->run.out
+             : fine                                              ? output
+                                                                 : NULL;
   c.named = o->run.out != NULL;
   c.cache = cache_folder(cache, sizeof cache);
   c.state = o->state;
@@ -249,7 +230,14 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   return hk_confine(&c);
 }
 
-static int run_command(int argc, char **argv, hk_registry *registry, const places *p) {
+/* Before the scene's script, which may take its time. */
+static hk_status try_targets(const hk_options *o, hk_error *error) {
+  hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
+  bool writes = o->run.out && !o->run.no_output && !o->help;
+  return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
+}
+
+static int run_command(int argc, char **argv, hk_registry *registry, const hk_installation *p) {
   hk_error error = {0};
   hk_options o;
   hk_script *script = NULL;
@@ -261,7 +249,10 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
   if (parsed == HK_OK) words = hk_resume_words(argc, argv);
   o = (hk_options){0};
   if (parsed == HK_OK) parsed = hk_options_parse(&o, argc, argv, &error);
+  if (parsed == HK_OK && o.scene) hk_resume_folder(&o);
+  if (parsed == HK_OK) parsed = try_targets(&o, &error);
   o.run.words = words;
+  if (parsed == HK_OK) parsed = open_summary(&o, &error);
   if (parsed != HK_OK) {
     code = complain(&error);
   } else if (o.help && !o.scene) {
@@ -280,9 +271,9 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
     hk_verdict worst = HK_VERDICT_OK;
     hk_status status = hk_script_open(o.scene, &options, &script, &error);
     if (o.help) {
-      hk_options_print();
-      if (script) print_params(script);
-      if (status != HK_OK && !script) code = complain(&error);
+      if (!o.json) hk_options_print();
+      if (script && (status == HK_OK || !o.json)) hk_parameters_print(script, o.json);
+      if (status != HK_OK && (o.json || !script)) code = complain(&error);
     } else if (status != HK_OK)
       code = complain(&error);
     else if (hk_script_drove(script, &worst))
@@ -296,6 +287,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
   hk_script_close(script);
   hk_confinement_end();
   free(o.given);
+  free(o.with);
   free(words);
   free(list);
   free(text);
@@ -304,75 +296,43 @@ static int run_command(int argc, char **argv, hk_registry *registry, const place
 
 /* ---- tools ---- */
 
-typedef struct commands {
-  size_t count;
-  char name[64][64];
-} commands;
-
-static const char *command_name(const void *context, size_t k) {
-  const commands *list = context;
-  return k < list->count ? list->name[k] : NULL;
-}
-
-static void list_commands(commands *list, const char *folder) {
-  strcpy(list->name[0], "run");
-  list->count = 1;
-  DIR *directory = *folder ? opendir(folder) : NULL;
-  for (struct dirent *entry; directory && list->count < 64 && (entry = readdir(directory));) {
-    size_t length = strlen(entry->d_name);
-    if (length < 5 || length > 60 || strcmp(entry->d_name + length - 4, ".lua") != 0) continue;
-    memcpy(list->name[list->count], entry->d_name, length - 4);
-    list->name[list->count++][length - 4] = 0;
-  }
-  if (directory) closedir(directory);
-}
-
-static int tool_command(int argc, char **argv, hk_registry *registry, const places *p) {
+static int tool_command(int argc, char **argv, hk_registry *registry, const hk_installation *p) {
   char path[PATH_MAX + 128], library[PATH_MAX + 8];
   hk_error error = {0};
-  commands list;
-  snprintf(path, sizeof path, "%s/%s.lua", p->tools, argv[0]);
   snprintf(library, sizeof library, "%s/lib", p->scripts);
-  if (strchr(argv[0], '/') || access(path, R_OK) != 0) {
-    list_commands(&list, p->tools);
-    const char *near = hk_nearest_name(argv[0], command_name, &list);
-    hk_error_set(&error, HK_BAD_PARAM, "unknown command '%s'%s%s%s; see: hooke --help", argv[0],
-                 near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
-    return complain(&error);
-  }
+  if (hk_installation_tool(p, argv[0], path, &error) != HK_OK) return complain(&error);
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = &interrupted};
   run.acting = hk_faults_watch(registry);
   hk_script_options options = {.registry = registry, .library = library, .trust = true, .run = &run};
   options.pulse = hk_watchdog_start(&interrupted);
-  installation here = {registry, p};
+  surroundings here = {registry, p};
   options.confiner = (hk_confiner){confine_case, &here};
   int code = 0;
   if (hk_tool_run(path, argc, argv, &options, &code, NULL, &error) != HK_OK) return complain(&error);
   return code;
 }
 
-static void help(const places *p) {
-  static commands list;
-  list_commands(&list, p->tools);
-  printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n"
-         "  hooke run SCENE.lua [name=value ...] [options]\n");
-  for (size_t k = 1; k < list.count; k++) printf("  hooke %s ...\n", list.name[k]);
-  printf("  hooke --version | --cflags | --help\n\nhooke run --help lists its options; scenes are in %s/scenes\n",
-         p->scripts);
+/* `hooke run ... --watch`: tools/watch.lua starts the run itself, in a process of its own. */
+static bool is_watched(int argc, char **argv) {
+  static char watch[] = "watch";
+  if (!hk_option_given(argc, argv, "--watch") || hk_option_given(argc, argv, "--help")) return false;
+  argv[-1] = watch;
+  return true;
 }
 
 int main(int argc, char **argv) {
   if (hk_keep_asked(argc, argv)) return hk_keep_write(argv);
   hk_error error = {0};
   if (hk_standard_files_open(&error) != HK_OK) return complain(&error);
-  places p = {0};
+  hk_installation p = {0};
   hk_registry registry;
-  if (find_places(&p, &error) != HK_OK ||
+  if (hk_installation_find(&p, &error) != HK_OK ||
       hk_registry_open(&registry, p.plugins, getenv("HOOKE_PLUGIN_PATH"), &error) != HK_OK)
     return complain(&error);
   int code;
   if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "help") == 0) {
-    help(&p);
+    printf("hooke " HK_VERSION ": particles, strings, hair and cloth\n\n");
+    hk_installation_help(&p);
     code = argc < 2;
   } else if (strcmp(argv[1], "--version") == 0) {
     printf("hooke " HK_VERSION "\n");
@@ -380,7 +340,7 @@ int main(int argc, char **argv) {
   } else if (strcmp(argv[1], "--cflags") == 0) {
     printf("-I%s\n", p.include);
     code = 0;
-  } else if (strcmp(argv[1], "run") == 0)
+  } else if (strcmp(argv[1], "run") == 0 && !is_watched(argc - 2, argv + 2))
     code = run_command(argc - 2, argv + 2, &registry, &p);
   else
     code = tool_command(argc - 1, argv + 1, &registry, &p);

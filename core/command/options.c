@@ -1,5 +1,6 @@
 /* Options are one table that drives parsing, checking and help; name=value is kept for the script's param(). */
 #include "core/command/options.h"
+#include "core/text/text.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum option_type { FLAG, TEXT, POSITIVE, NOT_NEGATIVE, COUNT, WHOLE } option_type;
+typedef enum option_type { FLAG, TEXT, POSITIVE, NOT_NEGATIVE, COUNT, WHOLE, LIST } option_type;
 
 typedef struct option {
   const char *name, *value, *help;
@@ -36,31 +37,52 @@ static const option options[] = {
     {"--resume", "FILE", "go on from a checkpoint (output checkpoint), with its scene and options", TEXT,
      AT(run.resume), false},
     {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state), false},
-    {"--out", "DIR", "folder of the outputs, default out/SCENE", TEXT, AT(run.out), false},
+    {"--out", "DIR", "folder of the outputs, default out/SCENE; with --resume that of the checkpoint", TEXT,
+     AT(run.out), false},
     {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json), false},
+    {"--summary", "FILE", "the same into a file, beside what is printed", TEXT, AT(summary), false},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
+    {"--with", "KIND:NAME",
+     "a plugin beside those of the scene, KIND:NAME:parameter=value,... sets its parameters; may be repeated; an "
+     "output that the scene has is not doubled",
+     LIST, AT(run.with), false},
+    {"--draft", NULL, "pictures of half the size, for a quick look", FLAG, AT(run.draft), false},
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
-    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify), false},
+    {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),
+     false},
+    {"--watch", NULL,
+     "in a browser while it runs: a page on this machine's own address, to look, stop, take hold and try values", FLAG,
+     AT(watch), false},
+    {"--port", "N", "of the page of --watch, default 0: any that is free", WHOLE, AT(port), false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
-    {"--help", NULL, "this text, with the scene's own parameters when one is named", FLAG, AT(help), false},
+    {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON",
+     FLAG, AT(help), false},
 };
 
 enum { OPTIONS = sizeof options / sizeof *options };
 
 static const char *option_name(const void *context, size_t k) {
   (void)context;
-  return k < OPTIONS ? options[k].name : NULL;
+  return k < OPTIONS ? options[k].name + strlen("--") : NULL;
 }
 
+/* What looks like no option is taken for a parameter of the scene. */
 static hk_status unknown(const char *word, hk_error *error) {
-  const char *near = hk_nearest_name(word, option_name, NULL);
-  if (near) return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; did you mean '%s'?", word, near);
-  return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; see: hooke run --help", word);
+  const char *name = word + strspn(word, "-");
+  char plain[64];
+  snprintf(plain, sizeof plain, "%.*s", (int)strcspn(name, "="), name);
+  const char *near = hk_nearest_name(plain, option_name, NULL);
+  if (near) return hk_error_set(error, HK_BAD_PARAM, "unknown option '%s'; did you mean '--%s'?", word, near);
+  return hk_error_set(
+      error, HK_BAD_PARAM,
+      "unknown option '%s'; a parameter of the scene is written %s=VALUE, and options are in: hooke run "
+      "--help",
+      word, *plain ? plain : "name");
 }
 
 static hk_status bad_value(const option *o, const char *value, hk_error *error) {
   static const char *const wanted[] = {
-      "", "", "a positive number", "a number not below 0", "a whole number from 1 to 1024", "a whole number"};
+      "", "", "a positive number", "a number not below 0", "a whole number from 1 to 1024", "a whole number", ""};
   return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not %s", o->name, value, wanted[o->type]);
 }
 
@@ -74,6 +96,10 @@ static hk_status store(const option *o, hk_options *into, const char *value, hk_
     return HK_OK;
   case TEXT:
     *(const char **)field = value;
+    return HK_OK;
+  case LIST:
+    into->with[into->run.with_count++] = value;
+    *(const char *const **)field = into->with;
     return HK_OK;
   case POSITIVE:
   case NOT_NEGATIVE: {
@@ -116,6 +142,16 @@ static hk_status parse_option(hk_options *into, const char *word, const char *ne
   return unknown(word, error);
 }
 
+bool hk_option_given(int argc, char **argv, const char *name) {
+  for (int i = 0; i < argc; i++) {
+    bool takes_value = false;
+    if (strcmp(argv[i], name) == 0) return true;
+    hk_option_kept(argv[i], &takes_value);
+    i += takes_value && !strchr(argv[i], '=');
+  }
+  return false;
+}
+
 bool hk_option_kept(const char *word, bool *takes_value) {
   size_t length = strcspn(word, "=");
   for (size_t k = 0; k < OPTIONS; k++)
@@ -136,7 +172,8 @@ static void keep_param(hk_options *into, char *word) {
 hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *error) {
   *into = (hk_options){.run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN}};
   into->given = calloc((size_t)argc + 1, sizeof *into->given);
-  if (!into->given) return hk_error_set(error, HK_NO_MEMORY, "no memory for the options");
+  into->with = calloc((size_t)argc + 1, sizeof *into->with);
+  if (!into->given || !into->with) return hk_error_set(error, HK_NO_MEMORY, "no memory for the options");
   for (int i = 0; i < argc; i++) {
     int used = 0;
     hk_status status = HK_OK;

@@ -1,10 +1,16 @@
 /* See resume.h. Options for where files go, what is printed, threads and rights are not kept: they are the user's, each
- * time, and a checkpoint from somebody else must not choose them. */
+ * time, and a checkpoint from somebody else must not choose them. Where it lies is the user's word, though: in the
+ * output folder of a run of that scene, the run goes on there. */
 #include "core/command/resume.h"
 
+#include <dirent.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
 
 /* The words of one argument: 1, or 2 for "--name value". */
 static int words_of(int argc, char **argv, int at, bool *kept) {
@@ -58,14 +64,79 @@ static const char *resumed_file(int argc, char **argv) {
   return file;
 }
 
-/* A scene given now is in place of the one that was. */
+static const char *last_part(const char *path) {
+  const char *slash = strrchr(path, '/');
+  return slash ? slash + 1 : path;
+}
+
+/* Another checkpoint in the same folder that is whole, the newest: outputs leave the one before. "": there is none. */
+static void find_whole(const char *file, char *found, size_t size) {
+  char folder[PATH_MAX], path[PATH_MAX + 300];
+  time_t newest = 0;
+  struct stat info;
+  size_t length = (size_t)(last_part(file) - file);
+  snprintf(folder, sizeof folder, "%.*s", (int)length, file);
+  DIR *directory = opendir(length ? folder : ".");
+  *found = 0;
+  for (struct dirent *entry; directory && (entry = readdir(directory));) {
+    const char *ending = strrchr(entry->d_name, '.');
+    if (!ending || strcmp(ending, ".checkpoint") != 0 || strcmp(entry->d_name, last_part(file)) == 0) continue;
+    snprintf(path, sizeof path, "%s%s", folder, entry->d_name);
+    char *text = NULL;
+    bool whole = stat(path, &info) == 0 && S_ISREG(info.st_mode) && hk_checkpoint_words(path, &text, NULL) == HK_OK;
+    free(text);
+    if (!whole || (*found && info.st_mtime < newest)) continue;
+    newest = info.st_mtime;
+    snprintf(found, size, "%s", path);
+  }
+  if (directory) closedir(directory);
+}
+
+static hk_status read_words(const char *file, char **text, hk_error *error) {
+  char whole[PATH_MAX + 300];
+  hk_error why = {0};
+  hk_status status = hk_checkpoint_words(file, text, &why);
+  if (status == HK_OK) return HK_OK;
+  if (status == HK_IO) find_whole(file, whole, sizeof whole);
+  bool other = status == HK_IO && *whole;
+  return hk_error_set(error, status, "%s%s%s", why.text, other ? "; a point before it is whole: --resume " : "",
+                      other ? whole : "");
+}
+
+/* The scene that is named now has to be the one that was, but may be somewhere else. */
+static hk_status check_scene(const char *file, const char *then, const char *now, hk_error *error) {
+  if (strcmp(last_part(then), last_part(now)) == 0) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM,
+                      "%s cannot be gone on from: it is of the scene %s, and %s is named; leave the scene out", file,
+                      last_part(then), last_part(now));
+}
+
+void hk_resume_folder(hk_options *o) {
+  static const char part[] = "from-step-", list[] = "/.hooke-files";
+  char owner[256] = "", path[sizeof o->beside + sizeof list];
+  if (!o->run.resume || o->run.out || !realpath(o->run.resume, o->beside)) return;
+  *strrchr(o->beside, '/') = 0;
+  if (strncmp(last_part(o->beside), part, sizeof part - 1) == 0) *strrchr(o->beside, '/') = 0;
+  snprintf(path, sizeof path, "%s%s", o->beside, list);
+  int descriptor = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  FILE *file = descriptor < 0 ? NULL : fdopen(descriptor, "r");
+  if (!file) return;
+  bool known = fgets(owner, sizeof owner, file) != NULL;
+  fclose(file);
+  size_t length = strcspn(owner, "\n");
+  const char *scene = last_part(o->scene), *ending = strstr(scene, ".lua");
+  if (known && ending && (size_t)(ending - scene) == length && strncmp(owner, scene, length) == 0)
+    o->run.out = o->beside;
+}
+
 hk_status hk_resume_expand(int *argc, char ***argv, char ***list, char **text, hk_error *error) {
   const char *file = resumed_file(*argc, *argv);
   int scene = find_scene(*argc, *argv, true), count = 0, words = 0;
   *list = NULL;
   *text = NULL;
   if (!file) return HK_OK;
-  hk_status status = hk_checkpoint_words(file, text, error);
+  hk_status status = read_words(file, text, error);
+  if (status == HK_OK && scene < *argc) status = check_scene(file, *text, (*argv)[scene], error);
   if (status != HK_OK) return status;
   for (const char *word = *text; *word; word += strlen(word) + 1) words++;
   *list = calloc((size_t)(*argc + words) + 1, sizeof **list);

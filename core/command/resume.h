@@ -11,4 +11,7 @@ char *hk_resume_words(int argc, char **argv);
  * *list: the new arguments, *text: their memory; both are freed by the caller. Without it both are NULL. */
 hk_status hk_resume_expand(int *argc, char ***argv, char ***list, char **text, hk_error *error);
 
+/* After parsing: without --out, the folder of the checkpoint where that is the output folder of a run of the scene. */
+void hk_resume_folder(hk_options *);
+
 #endif

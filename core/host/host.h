@@ -4,6 +4,7 @@
 #define HK_HOST_H
 
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 /* ---- registry.c: the folders of the installation, of HOOKE_PLUGIN_PATH, and files named by path. A plugin is opened
  * when a scene first names it; the catalogue opens all. Failed loads are listed with their reason ---- */
@@ -36,6 +37,8 @@ hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* loads all plu
  * that order, then all. They are opened one by one. HK_FAILED: there is none. */
 hk_status hk_registry_prefer(hk_registry *, hk_kind kind, bool (*suits)(const hk_plugin *, const void *context),
                              const void *context, const hk_plugin **plugin, hk_error *error);
+/* What a name that is not known may mean: a synonym in the installation's list, or the closest name; NULL: neither. */
+const char *hk_registry_meant(const hk_registry *, const char *wrong, hk_name_at *, const void *context);
 const char *hk_kind_name(hk_kind kind);   /* "force" */
 const char *hk_kind_folder(hk_kind kind); /* "forces" */
 

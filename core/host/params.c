@@ -4,6 +4,7 @@
  * finiteness, range and indices before anything is written, so a refused value changes nothing. */
 #include "core/host/host.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -20,10 +21,17 @@ static const char *param_name(const void *context, size_t k) {
   return k < known ? common[k] : NULL;
 }
 
+/* The parameter of which the help says that it is this: k, "stiffness"; else the closest name. */
+static const char *param_meant(const hk_plugin *plugin, const char *name) {
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (p->help && hk_begins_with_words(p->help, name)) return p->name;
+  return hk_nearest_name(name, param_name, plugin);
+}
+
 const hk_param *hk_spec_param(const hk_plugin_spec *spec, const char *name, hk_error *error) {
   for (const hk_param *p = spec->plugin->params; p && p->name; p++)
     if (strcmp(p->name, name) == 0) return p;
-  const char *near = hk_nearest_name(name, param_name, spec->plugin);
+  const char *near = param_meant(spec->plugin, name);
   hk_error_set(error, HK_BAD_PARAM,
                near ? "%s: no parameter '%s'; did you mean '%s'?" : "%s: no parameter '%s'; see: hooke plugins %s",
                spec->label, name, near ? near : spec->plugin->name);

@@ -3,6 +3,7 @@
  * which the project's style forbids). Invariant: an item's plugin is NULL exactly when its reason is set. */
 #include "core/host/host.h"
 #include "core/contract/contract.h"
+#include "core/text/text.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -159,14 +160,43 @@ static hk_status find_file(const hk_registry *registry, hk_kind kind, const char
   return HK_OK;
 }
 
+static const char *synonym(const hk_registry *registry, const char *word, hk_name_at *name, const void *context) {
+  char file[PATH_MAX];
+  return snprintf(file, sizeof file, "%s/synonyms", registry->root) < (int)sizeof file
+             ? hk_synonym(file, word, name, context)
+             : NULL;
+}
+
+const char *hk_registry_meant(const hk_registry *registry, const char *wrong, hk_name_at *name, const void *context) {
+  const char *same = synonym(registry, wrong, name, context);
+  return same ? same : hk_nearest_name(wrong, name, context);
+}
+
+/* A synonym of this kind or of another counts for more than a name that looks alike. */
 static hk_status unknown(const hk_registry *registry, hk_kind kind, const char *name, hk_error *error) {
-  name_list list = collect(registry, kind);
-  const char *near = hk_nearest_name(name, name_at, &list);
-  hk_status status =
-      near ? hk_error_set(error, HK_BAD_PARAM, "there is no %s '%s'; did you mean '%s'?", kind_name[kind], name, near)
-           : hk_error_set(error, HK_BAD_PARAM, "there is no %s '%s'; see: hooke plugins", kind_name[kind], name);
+  const char *near = NULL;
+  name_list list = {0};
+  hk_kind its = kind;
+  for (int k = 0; k < HK_KINDS && !near; k++) {
+    its = (hk_kind)(((int)kind + k) % HK_KINDS);
+    free_names(&list);
+    list = collect(registry, its);
+    near = synonym(registry, name, name_at, &list);
+  }
+  if (!near) {
+    free_names(&list);
+    list = collect(registry, its = kind);
+    near = hk_nearest_name(name, name_at, &list);
+  }
+  if (near && its != kind)
+    hk_error_set(error, HK_BAD_PARAM, "there is no %s '%s'; did you mean the %s '%s'?", kind_name[kind], name,
+                 kind_name[its], near);
+  else
+    hk_error_set(error, HK_BAD_PARAM,
+                 near ? "there is no %s '%s'; did you mean '%s'?" : "there is no %s '%s'; see: hooke plugins",
+                 kind_name[kind], name, near);
   free_names(&list);
-  return status;
+  return HK_BAD_PARAM;
 }
 
 /* A file named by its path: only below the installation's or the search path's folders, unless trusted. */

@@ -37,7 +37,10 @@ void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, const hk_as
   if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) hk_checked_add(s, ", ", "stable");
   if (flags & HK_ADAPTIVE && loop->record->worst_error > 0) hk_checked_add(s, ", ", "each step within its tolerance");
   describe_energy(s);
+  if (loop->record->by_hand)
+    hk_checked_add(s, ", ", "moved by hand (work %.3g J), which no other run repeats: compared with none",
+                   s->hand_work);
   if (loop->record->contact_frames) hk_checked_add(s, ", ", "no surfaces intersect at any frame");
-  if (!(asked->accuracy > 0) && !j->confirmed)
+  if (!(asked->accuracy > 0) && !j->confirmed && !loop->record->by_hand)
     hk_checked_add(s, "; ", "accuracy not asked for: --accuracy %g would", worthwhile(loop));
 }

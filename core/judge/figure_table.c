@@ -44,6 +44,7 @@ const hk_figure hk_figure_table[] = {
     {"contact", "closest", HK_FIGURE_NUMBER, AT(closest), NULL, ", least gap %.3g m"},
     {"contact", "impulse", HK_FIGURE_NUMBER, AT(impulse), NULL, ", impulses %.4g N s"},
     {"contact", "energy", HK_FIGURE_NUMBER, AT(impact_energy), NULL, ", energy taken %.4g J"},
+    {NULL, "hand_work", HK_FIGURE_NUMBER, AT(hand_work), "by hand", "work %.4g J"},
     {NULL, "path_speed_error", HK_FIGURE_NUMBER, AT(path_speed_error), "speeds of pins",
      "off by at most %.2g m/s (differences of their paths)"},
     {NULL, "exact_error", HK_FIGURE_NUMBER, AT(exact_error), "error", "%.4g m RMS against the exact solution"},
@@ -62,5 +63,6 @@ const hk_figure hk_figure_table[] = {
     {NULL, "verdict", HK_FIGURE_TEXT, AT(verdict_name), "verdict", "%s"},
     {NULL, "reason", HK_FIGURE_BUFFER, AT(reason), NULL, ": %s"},
     {NULL, "checked", HK_FIGURE_BUFFER, AT(checked), NULL, ": %s"},
+    {NULL, "remedy", HK_FIGURE_BUFFER, AT(remedy), "remedy", "%s"},
     {0},
 };

@@ -75,6 +75,7 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   if (!first) violation = fmax(violation, correctors_violation(loop));
   if (violation > r->violation_max) r->violation_max = violation;
   if (fabs(strain) > fabs(r->strain_max)) r->strain_max = strain;
+  hk_by_hand_note(loop);
   hk_force_errors_note(loop);
   asked = hk_contacts_note(loop);
   if (asked != HK_OK) return asked;

@@ -39,6 +39,8 @@ typedef struct hk_judgement {
   /* Set by the comparison with other runs: the positions are those of an independent method, so that figures from which
    * an error could be inferred do not count; the energy drift vanishes with the step size. */
   bool confirmed, energy_converges;
+  double excess,
+      shorten; /* remedy.c: how far the worst figure is above its limit; the part of the step that would do */
   /* under_resolved.c */
   double *slope[2]; /* the state's accelerations and channel rates at the two ends of a step */
   bool sampling;    /* hk_under_resolved_before was called and succeeded */
@@ -154,6 +156,7 @@ bool hk_passed_by_reason(const hk_loop *, double accuracy, char *text, size_t si
 
 /* ---- force_errors.c ---- */
 
+void hk_by_hand_note(hk_loop *);      /* at a frame and at the end: asks forces that a user's hand moves for its work */
 void hk_force_errors_note(hk_loop *); /* at a frame: asks forces that are approximations for their errors */
 
 /* ---- contacts.c ---- */
@@ -168,6 +171,7 @@ bool hk_contacts_reason(const hk_loop *, char *text, size_t size);
 
 typedef struct hk_summary {
   const char *scene, *integrator;
+  const char *origin;         /* what the scene was made from (scene/origin.c); NULL: not known */
   const char *solver;         /* solver of linear systems; NULL: the run solved none */
   const char *solver_choice;  /* "chosen for the forces and the size", ...; "": named by the script or the user */
   char solver_libraries[160]; /* text of hk_solver.describe; "" without one, or when no system was solved */
@@ -175,6 +179,7 @@ typedef struct hk_summary {
   const char *verdict_name;
   char reason[1024];  /* why it is not ok; "" otherwise */
   char checked[512];  /* what the verdict ok rests on, and what was not checked; "" otherwise */
+  char remedy[384];   /* which step or tolerance would do, where it is inaccurate; "" otherwise */
   double t, end, fps; /* s, s, 1/s: time reached, end of the run, frame rate */
   size_t n, steps, frames, rejected_steps;
   size_t force_evaluations, jacobian_evaluations, factorizations, linear_iterations;
@@ -194,6 +199,7 @@ typedef struct hk_summary {
   /* Of the contact of surfaces; NAN: no plugin reports it. Frames with a count; intersections that count against the
    * run; those of the start; m, the least gap; N s; J */
   double contact_frames, intersections, intersections_first, closest, impulse, impact_energy;
+  double hand_work;         /* J, of the user's hand; NAN: it did nothing */
   double path_speed_error;  /* m/s, largest estimated error of a pin's velocity; NAN: no path's is estimated */
   double accuracy;          /* m, accuracy asked for; NAN: none */
   size_t accuracies;        /* how many were asked for: of the positions, and of channels */
@@ -254,6 +260,14 @@ typedef struct hk_figure {
 extern const hk_figure hk_figure_table[]; /* a NULL key ends the table */
 
 /* ---- verdict.c, diagnosis.c ---- */
+
+/* stiffest.c: the label of the force that swings fastest at the present state, and 1/s; NULL: none swings. */
+const char *hk_stiffest_force(hk_loop *, double *w);
+
+/* remedy.c: a figure of a method of that order is so many times above what it may be; 1 and less: it is not. */
+void hk_remedy_need(hk_judgement *, double excess, int order);
+/* Writes s->remedy, which is empty unless the run is inaccurate for want of a shorter step or a smaller tolerance. */
+void hk_remedy_describe(hk_loop *, const hk_judgement *, hk_summary *);
 
 /* At the end: ok or inaccurate, and why. HK_SCRIPT: the exact solution failed, with loop->error. */
 hk_status hk_judge(hk_loop *, hk_judgement *, const hk_asked *);

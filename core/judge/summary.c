@@ -50,12 +50,18 @@ static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
   s->plugin = j->plugin_time;
 }
 
+/* The hand of a user who has only watched. */
+static bool is_idle_hand(const hk_instance *force, const hk_record *r) {
+  return force->plugin->force->by_hand && !r->by_hand && !force->plugin->force->energy;
+}
+
 static double momentum_drift(const hk_loop *loop, const hk_judgement *j) {
   const hk_record *r = loop->record;
   const hk_instances *forces = &loop->plugins->kind[HK_FORCE];
   bool conserved = loop->pins->count == 0 && !r->moved && !r->sourced;
   for (size_t k = 0; k < forces->count; k++)
-    conserved = conserved && forces->item[k]->plugin->force->flags & HK_CONSERVES_MOMENTUM;
+    conserved = conserved &&
+                (forces->item[k]->plugin->force->flags & HK_CONSERVES_MOMENTUM || is_idle_hand(forces->item[k], r));
   if (!conserved || !(r->momentum_scale > 0)) return NAN;
   double sum = 0;
   for (int c = 0; c < 3; c++) {
@@ -139,8 +145,9 @@ static void accuracy_figures(hk_loop *loop, const hk_judgement *j, const hk_aske
   s->force_p99 = approximate ? loop->record->force_p99 : NAN;
   s->force_largest = approximate ? loop->record->force_largest : NAN;
   s->path_speed_error = loop->record->path_speed_error > 0 ? loop->record->path_speed_error : NAN;
+  s->hand_work = loop->record->by_hand ? loop->record->hand_work : NAN;
   s->exact_error = NAN;
-  if (j->verdict != HK_DIVERGED) hk_figures_exact(loop, &s->exact_error, &later);
+  if (j->verdict != HK_DIVERGED && !loop->record->by_hand) hk_figures_exact(loop, &s->exact_error, &later);
   s->accuracies = accuracies(loop->scene, asked);
   s->verify_difference = s->error_estimate = s->channel_error = s->check_wall_s = NAN;
 }
@@ -157,7 +164,10 @@ static void contact_figures(const hk_record *r, hk_summary *s) {
 
 void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   const hk_counts *count = &loop->dynamics->count;
-  *s = (hk_summary){.scene = loop->scene->name, .integrator = loop->step->method_name, .solver_choice = ""};
+  *s = (hk_summary){.scene = loop->scene->name,
+                    .origin = loop->scene->origin,
+                    .integrator = loop->step->method_name,
+                    .solver_choice = ""};
   s->verdict = j->verdict;
   s->verdict_name = hk_verdict_name(j->verdict);
   snprintf(s->reason, sizeof s->reason, "%s", j->reason);
@@ -177,6 +187,7 @@ void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_s
   contact_figures(loop->record, s);
   plugin_times(loop, j, s);
   if (j->verdict == HK_VERDICT_OK) hk_checked_describe(loop, j, asked, s);
+  hk_remedy_describe(loop, j, s);
   s->measures = loop->scene->measures;
   s->measure_name = j->measure_name;
   s->measure = j->measure;

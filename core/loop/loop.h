@@ -13,16 +13,15 @@ typedef struct hk_record {
   /* written by the loop */
   size_t steps, frames; /* number of steps taken and of frames */
   double dt_min, dt_max;
-  double dt_beyond;       /* s, the longest step above the stable limit at its time; 0: none */
-  double worst_error;     /* largest error estimate of accepted steps, relative to tol */
-  double kinetic_max;     /* J */
-  double kinetic_sum;     /* J, over the frames */
-  double correction_work; /* J, energy that correctors reported to have given */
-  bool moved;             /* a corrector moved something */
-  bool corrected;         /* a corrector moved something and did not say what energy that took */
-  bool sourced;           /* particles were born or died: the energy balance is not known */
-  bool growth_expected;   /* the integrator has no stable step on this scene */
-  size_t rejected;        /* number of steps rejected by contact or by correctors */
+  double dt_beyond;              /* s, the longest step above the stable limit at its time; 0: none */
+  double worst_error;            /* largest error estimate of accepted steps, relative to tol */
+  double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
+  double kinetic_sum;            /* J, over the frames */
+  double correction_work;        /* J, energy that correctors reported to have given */
+  bool moved, corrected;         /* a corrector moved something, and did not say what energy that took */
+  bool sourced, by_hand; /* particles were born or died: the energy balance is not known; a user's hand moved some */
+  bool growth_expected;  /* the integrator has no stable step on this scene */
+  size_t rejected;       /* number of steps rejected by contact or by correctors */
   /* By the hook `moved`: sums of dv^2 t^k over what steps missed; the largest dv, its time, the dt it asks for, whose.
    */
   double passed[3], passed_most, passed_at, passed_dt;
@@ -106,7 +105,7 @@ typedef struct hk_loop_hooks {
   void (*before_sample)(void *context); /* before and after the last step of a fixed-step method before a cut */
   void (*after_sample)(void *context, double h);
   void (*moved)(void *context, double h); /* after a step of h s from the positions in X_before, before correctors */
-  void (*now_and_then)(void *context);    /* every 1024 steps */
+  void (*now_and_then)(void *context);    /* every 64 steps */
 } hk_loop_hooks;
 
 typedef struct hk_loop {
@@ -124,10 +123,11 @@ typedef struct hk_loop {
   double fps;
   hk_piece piece;
   hk_population_change population;
-  double last_h;      /* s; 0: no step yet */
-  bool between_steps; /* it was interrupted there, with nothing half done */
-  bool emitted;       /* the sources were called for the coming step */
-  double *X_before;   /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
+  double last_h;                 /* s; 0: no step yet */
+  double step_taken, step_error; /* s, of the last step; largest estimate since a frame set it to 0 */
+  bool between_steps;            /* it was interrupted there, with nothing half done */
+  bool emitted;                  /* the sources were called for the coming step */
+  double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
   double part;             /* of its length, in which the step is repeated next */

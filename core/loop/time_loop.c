@@ -7,7 +7,7 @@
 #include <float.h>
 #include <stdlib.h>
 
-enum { HOOK_EVERY = 1024 };
+enum { HOOK_EVERY = 64 };
 
 static double frame_time(const hk_loop *loop, size_t frame) { return (double)frame / loop->fps; }
 
@@ -109,8 +109,8 @@ static hk_status check_length(const hk_loop *loop, double dt, double at) {
   double demanded = hk_sweep_longest_step(loop->dynamics), least = 64 * DBL_EPSILON * fabs(at);
   if (demanded > least && dt > least) return HK_OK;
   return hk_error_set(loop->error, demanded > least ? HK_BAD_PARAM : HK_NOT_CONVERGED,
-                      "%s allows steps of %g s at most, too short to move t = %g s",
-                      demanded > least ? "dt" : "a force", fmin(dt, demanded), loop->state->t);
+                      "%s allows steps of %g s at most, too short to move t = %g s; above %.1g s they are not",
+                      demanded > least ? "dt" : "a force", fmin(dt, demanded), loop->state->t, least);
 }
 
 static hk_status piece_step(hk_loop *loop, const hk_piece *p) {

@@ -16,6 +16,8 @@ hk_status hk_lua_check_given(const hk_script *, hk_error *error);
 /* run.c */
 int hk_lua_scene_run(lua_State *L); /* scene:run{} */
 void hk_lua_note_verdict(hk_script *, hk_run *);
+/* Closes the run and leaves its folder; a second call does nothing. */
+hk_status hk_lua_end_run(hk_run *, hk_error *error);
 void hk_lua_open_run(lua_State *L);
 
 /* scene.c */

@@ -18,6 +18,8 @@ size_t hk_script_params(const hk_script *, const hk_param_declared **params); /*
 /* hk_verify with the scene of the script at `path`; `options` and `run` are those of the first run. */
 hk_status hk_script_verify(const char *path, const hk_script_options *options, const hk_run_options *run, bool half,
                            hk_run *whole, hk_summary *summary, hk_error *error);
+/* hk_foretell, likewise. */
+void hk_script_foretell(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole);
 
 /* ---- for folders that extend the Lua interface ---- */
 

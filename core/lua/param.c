@@ -2,6 +2,7 @@
  * default, or the default. All declared parameters are kept for --help. */
 #include "core/lua/internal.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <string.h>
 
@@ -10,7 +11,12 @@ static const char *text_of(lua_State *L, int index) {
   return lua_isnil(L, index) ? lua_pushliteral(L, "") : hk_lua_plain_text(L, index);
 }
 
-static void declare(lua_State *L, const char *name, const char *help, int initial, int value) {
+static const char *type_name(lua_State *L, int index) {
+  return lua_isinteger(L, index) ? "integer" : lua_type(L, index) == LUA_TSTRING ? "string" : luaL_typename(L, index);
+}
+
+/* The parameter stands in the list, without limits. */
+static hk_param_declared *declare(lua_State *L, const char *name, const char *help, int initial, int value) {
   hk_script *s = hk_lua_script(L);
   const char *first = text_of(L, initial), *now = text_of(L, value);
   hk_limits_take(L, sizeof *s->param + strlen(name) + strlen(help) + strlen(first) + strlen(now));
@@ -19,12 +25,26 @@ static void declare(lua_State *L, const char *name, const char *help, int initia
   s->param = list;
   if (failed) hk_lua_fail(L, HK_NO_MEMORY, "no memory for parameter '%s'", name);
   hk_param_declared *p = &s->param[s->params];
-  *p = (hk_param_declared){0};
+  *p = (hk_param_declared){.type = type_name(L, initial), .min = NAN, .max = NAN};
   s->params++;
   p->name = hk_string_copy(name);
   p->help = hk_string_copy(help);
   p->initial = hk_string_copy(first);
   p->value = hk_string_copy(now);
+  return p;
+}
+
+/* Of the table at `limits`, for the number at `value`. */
+static void limit(lua_State *L, hk_param_declared *p, int limits, int value) {
+  static const char *const keys[] = {"min", "max", NULL};
+  hk_lua_check_keys(L, limits, "param", keys);
+  p->min = hk_lua_field_number(L, limits, "param", "min", NAN);
+  p->max = hk_lua_field_number(L, limits, "param", "max", NAN);
+  double number = lua_tonumber(L, value);
+  if (number < p->min)
+    hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: %g is below the minimum %g", p->name, number, p->min);
+  if (number > p->max)
+    hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: %g is above the maximum %g", p->name, number, p->max);
 }
 
 /* Pushes the given text converted to the type of the default. */
@@ -49,7 +69,6 @@ static void convert(lua_State *L, const char *name, const char *text) {
 }
 
 int hk_lua_param(lua_State *L) {
-  static const char *const keys[] = {"min", "max", NULL};
   hk_script *s = hk_lua_script(L);
   const char *name = luaL_checkstring(L, 1), *help = luaL_optstring(L, 3, "");
   luaL_checkany(L, 2);
@@ -61,16 +80,9 @@ int hk_lua_param(lua_State *L) {
     convert(L, name, s->options.given[k].value);
   }
   int value = lua_gettop(L);
-  declare(L, name, help, 2, value);
+  hk_param_declared *p = declare(L, name, help, 2, value);
   lua_settop(L, value);
-  if (lua_istable(L, 4)) {
-    hk_lua_check_keys(L, 4, "param", keys);
-    double low = hk_lua_field_number(L, 4, "param", "min", -INFINITY),
-           high = hk_lua_field_number(L, 4, "param", "max", INFINITY);
-    double number = lua_tonumber(L, value);
-    if (number < low) hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: %g is below the minimum %g", name, number, low);
-    if (number > high) hk_lua_fail(L, HK_BAD_PARAM, "parameter %s: %g is above the maximum %g", name, number, high);
-  }
+  if (lua_istable(L, 4)) limit(L, p, 4, value);
   lua_pushvalue(L, value);
   return 1;
 }
@@ -80,11 +92,18 @@ static const char *declared_name(const void *context, size_t k) {
   return k < s->params ? s->param[k].name : NULL;
 }
 
+/* The parameter of which the help says that it is this, a synonym, or the closest name. */
+static const char *meant(const hk_script *s, const char *name) {
+  for (size_t k = 0; k < s->params; k++)
+    if (s->param[k].help && hk_begins_with_words(s->param[k].help, name)) return s->param[k].name;
+  return hk_registry_meant(s->options.registry, name, declared_name, s);
+}
+
 hk_status hk_lua_check_given(const hk_script *s, hk_error *error) {
   for (size_t k = 0; k < s->options.given_count; k++) {
     const hk_param_given *given = &s->options.given[k];
     if (given->used) continue;
-    const char *near = hk_nearest_name(given->name, declared_name, s);
+    const char *near = meant(s, given->name);
     if (near)
       return hk_error_set(error, HK_BAD_PARAM, "%s has no parameter '%s'; did you mean '%s'?", s->name, given->name,
                           near);

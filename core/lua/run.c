@@ -124,6 +124,11 @@ void hk_lua_note_verdict(hk_script *s, hk_run *run) {
   if (severity(now.verdict) > severity(s->worst)) s->worst = now.verdict;
 }
 
+hk_status hk_lua_end_run(hk_run *run, hk_error *error) {
+  hk_status status = hk_run_close(run, error), left = hk_run_leave(run, NULL, error);
+  return status == HK_OK ? left : status;
+}
+
 /* Advances to time `to`. At its end the run is closed and judged; a later call does nothing. */
 static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double to, hk_error *error) {
   hk_status status = slot->run ? HK_OK : hk_run_open(slot->scene, options, &slot->run, error);
@@ -132,8 +137,7 @@ static hk_status drive(hk_lua_slot *slot, const hk_run_options *options, double 
   double end = hk_run_end(run);
   if (hk_run_view(run)->t >= end && end > 0) return HK_OK;
   status = hk_run_advance(run, to < end ? to : end, error);
-  if (status == HK_OK && to >= end) status = hk_run_close(run, error);
-  return status;
+  return status == HK_OK && to >= end ? hk_lua_end_run(run, error) : status;
 }
 
 /* A time that is a frame's but for rounding, such as k times the length of a frame, is the frame's, which is k/fps: the

@@ -3,6 +3,7 @@
  * that suggests the nearest name. */
 #include "core/lua/internal.h"
 #include "core/storage/storage.h"
+#include "core/text/text.h"
 
 #include <errno.h>
 #include <string.h>

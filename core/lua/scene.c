@@ -3,6 +3,7 @@
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 #include "core/builders/builders.h"
+#include "core/text/text.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -352,7 +353,8 @@ static const char *method_at(const void *context, size_t k) {
 
 /* An unknown method is an error that suggests the nearest name. */
 static int unknown_method(lua_State *L) {
-  const char *name = luaL_checkstring(L, 2), *near = hk_nearest_name(name, method_at, NULL);
+  const char *name = luaL_checkstring(L, 2),
+             *near = hk_registry_meant(hk_lua_script(L)->options.registry, name, method_at, NULL);
   if (near) return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near);
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'", name);
 }

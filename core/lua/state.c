@@ -1,6 +1,7 @@
 /* The object `state`, through which callbacks of a script read a run: t, n, position(id) and so on. It refers to the
  * scene; in a function that a run calls it reads that run, otherwise the run that the script drives. */
 #include "core/lua/internal.h"
+#include "core/text/text.h"
 
 #include <string.h>
 

@@ -71,7 +71,7 @@ static hk_status close_runs(hk_script *s, hk_error *error) {
   for (size_t k = 0; k < s->slots; k++) {
     hk_run *run = s->slot[k]->run;
     if (!run) continue;
-    hk_status closed = hk_run_close(run, error);
+    hk_status closed = hk_lua_end_run(run, error);
     if (status == HK_OK) status = closed;
     hk_lua_note_verdict(s, run);
   }
@@ -126,7 +126,7 @@ void hk_script_close(hk_script *s) {
   if (!s) return;
   for (size_t k = 0; k < s->slots; k++) {
     hk_run *run = s->slot[k]->run;
-    if (run) hk_run_close(run, NULL);
+    if (run) hk_lua_end_run(run, NULL);
     hk_run_destroy(run);
     hk_scene_destroy(s->slot[k]->scene);
     free(s->slot[k]);
@@ -234,4 +234,10 @@ hk_status hk_script_verify(const char *path, const hk_script_options *options, c
   second_script second = {path, options, NULL};
   hk_reopen reopen = {open_again, close_again, &second};
   return hk_verify(&reopen, run, half, whole, summary, error);
+}
+
+void hk_script_foretell(const char *path, const hk_script_options *options, const hk_run_options *run, hk_run *whole) {
+  second_script second = {path, options, NULL};
+  hk_reopen reopen = {open_again, close_again, &second};
+  hk_foretell(&reopen, run, whole);
 }

@@ -8,9 +8,9 @@
 
 enum { HK_ELEMENT_VALUES = 16 }; /* largest number of values C per tuple */
 
-/* A force whose energy is, up to a constant, E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles, and
- * whose damping is -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them. All pointers are valid
- * until the next change of topology. */
+/* A force whose energy is, up to a constant, E = 1/2 sum_k stiffness C^2 over elements, each on a tuple of particles,
+ * and whose damping is -damping dC/dt dC/dx. Strain, pictures and the methods that work element by element use them.
+ * All pointers are valid until the next change of topology. */
 typedef struct hk_elements {
   hk_tuples node;
   unsigned values; /* numbers C per tuple, from 1 to HK_ELEMENT_VALUES; all share the tuple's stiffness and damping */
@@ -174,6 +174,9 @@ typedef struct hk_force {
   void (*sharpen)(void *self, double part);
   /* For contact of surfaces: called at frames. False: this run has none. NULL: as false. */
   bool (*contacts)(void *self, const hk_view *view, hk_contact_report *out);
+  /* For a force that a user's hand moves while the run goes on: whether it has done something so far, and *work, J,
+   * what it did. No other run repeats that, so such a run is compared with none. Called at frames. NULL: as false. */
+  bool (*by_hand)(const void *self, double *work);
 } hk_force;
 
 #endif

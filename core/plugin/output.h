@@ -6,7 +6,8 @@
 
 typedef enum hk_verdict { HK_RUNNING, HK_VERDICT_OK, HK_INACCURATE, HK_DIVERGED, HK_STOPPED } hk_verdict;
 
-typedef struct hk_frame {
+typedef struct hk_frame hk_frame;
+struct hk_frame {
   size_t index; /* 0 is the start */
   size_t steps; /* steps taken so far */
   double fps;
@@ -16,7 +17,19 @@ typedef struct hk_frame {
   size_t measures;
   const char *const *measure_name;
   const double *measure;
-} hk_frame;
+  double step;   /* s, length of the last step; 0: there was none yet */
+  double error;  /* largest error estimate of the steps since the last frame, relative to the tolerance; NAN: the method
+                    estimates none */
+  size_t forces; /* of the scene, in its order */
+  const char *const *force_name; /* their labels */
+  /* f (n x 3, N): the force of plugin k alone at the state of this frame, 0 where it does not act at this time. It
+   * costs an evaluation of that force, of which nothing stays. HK_FAILED: the force failed. */
+  hk_status (*force)(const hk_frame *, size_t k, double *f);
+  void *run;         /* the host's, for `force` */
+  const char *scene; /* path of the scene's script, as given */
+  const char
+      *origin; /* what the scene was made from, a line "what<TAB>value" each, parameters with them; may be NULL */
+};
 
 /* `view` in the calls of an output is at the frame's time. Between open and close the scene may gain and lose
  * particles. `close` is called once for each open that succeeded, for any verdict. */

@@ -50,6 +50,11 @@ typedef struct hk_interruption {
   bool (*again)(void *self); /* whether the user has asked to stop since the outputs began to be closed */
 } hk_interruption;
 
+/* ---- "draft/1", which the host serves itself --------------------------------------------------------------------- */
+
+/* Whether the user wants a quick look: pictures of half the size. */
+typedef bool hk_draft;
+
 /* ---- "checkpoint/1", which the host serves itself ---------------------------------------------------------------- */
 
 /* Points from which the run can go on, bit by bit as if it had not stopped (hooke run --resume). */

@@ -6,7 +6,7 @@
 
 /* RFC 8259: UTF-8, with control characters and such that change the direction of writing as \u escapes. A byte that is
  * no UTF-8 becomes U+FFFD, the replacement character. */
-static void write_string(FILE *f, const char *text) {
+void hk_json_string(FILE *f, const char *text) {
   fputc('"', f);
   while (*text) {
     uint32_t code;
@@ -22,28 +22,28 @@ static void write_string(FILE *f, const char *text) {
   fputc('"', f);
 }
 
-static void write_number(FILE *f, double value) {
+void hk_json_number(FILE *f, double value) {
   if (isfinite(value))
     fprintf(f, "%.17g", value);
   else
     fputs("null", f);
 }
 
-static void write_key(FILE *f, const char *key) {
-  write_string(f, key);
+void hk_json_key(FILE *f, const char *key) {
+  hk_json_string(f, key);
   fputc(':', f);
 }
 
 static void write_figure(FILE *f, const hk_summary *s, const hk_figure *figure) {
   const void *field = (const char *)s + figure->offset;
   const char *text = figure->type == HK_FIGURE_TEXT ? *(const char *const *)field : field;
-  write_key(f, figure->key);
+  hk_json_key(f, figure->key);
   if (figure->type == HK_FIGURE_COUNT)
     fprintf(f, "%zu", *(const size_t *)field);
   else if (figure->type == HK_FIGURE_NUMBER)
-    write_number(f, *(const double *)field);
+    hk_json_number(f, *(const double *)field);
   else
-    write_string(f, text ? text : "");
+    hk_json_string(f, text ? text : "");
 }
 
 /* Figures of one group stand side by side in the table. */
@@ -54,7 +54,7 @@ static void write_figures(FILE *f, const hk_summary *s) {
     if (!same && group) fputc('}', f);
     fputs(figure == hk_figure_table ? "" : ",", f);
     if (!same && figure->group) {
-      write_key(f, figure->group);
+      hk_json_key(f, figure->group);
       fputc('{', f);
       write_figure(f, s, figure);
     } else
@@ -64,18 +64,31 @@ static void write_figures(FILE *f, const hk_summary *s) {
   if (group) fputc('}', f);
 }
 
+/* The lines "what<TAB>value" of an origin as an object. */
+static void write_origin(FILE *f, const char *text) {
+  char word[2][1024];
+  for (const char *line = text; line && *line; line += strcspn(line, "\n"), line += *line == '\n') {
+    int what = (int)strcspn(line, "\t\n"), value = (int)strcspn(line + what, "\n");
+    snprintf(word[0], sizeof word[0], "%.*s", what, line);
+    snprintf(word[1], sizeof word[1], "%.*s", value ? value - 1 : 0, line + what + (value > 0));
+    if (line != text) fputc(',', f);
+    hk_json_key(f, word[0]);
+    hk_json_string(f, word[1]);
+  }
+}
+
 static void write_plugins(FILE *f, const hk_summary *s) {
   for (size_t k = 0; k < s->plugins; k++) {
     const hk_plugin_time *p = &s->plugin[k];
     const char *const pair[][2] = {{"kind", p->kind}, {"name", p->name}, {"label", p->label}};
     fputs(k ? ",{" : "{", f);
     for (int e = 0; e < 3; e++) {
-      write_key(f, pair[e][0]);
-      write_string(f, pair[e][1]);
+      hk_json_key(f, pair[e][0]);
+      hk_json_string(f, pair[e][1]);
       fputc(',', f);
     }
-    write_key(f, "seconds");
-    write_number(f, p->seconds);
+    hk_json_key(f, "seconds");
+    hk_json_number(f, p->seconds);
     fputc('}', f);
   }
 }
@@ -83,18 +96,20 @@ static void write_plugins(FILE *f, const hk_summary *s) {
 void hk_report_json(FILE *f, const hk_summary *s) {
   fputc('{', f);
   write_figures(f, s);
-  fputs(",\"plugins\":[", f);
+  fputs(",\"origin\":{", f);
+  write_origin(f, s->origin);
+  fputs("},\"plugins\":[", f);
   write_plugins(f, s);
   fputs("],\"measures\":{", f);
   for (size_t k = 0; k < s->measures; k++) {
     if (k) fputc(',', f);
-    write_key(f, s->measure_name[k]);
-    write_number(f, s->measure[k]);
+    hk_json_key(f, s->measure_name[k]);
+    hk_json_number(f, s->measure[k]);
   }
   fputs("},\"warnings\":[", f);
   for (size_t k = 0; k < s->warnings; k++) {
     if (k) fputc(',', f);
-    write_string(f, s->warning[k]);
+    hk_json_string(f, s->warning[k]);
   }
   fputs("]}\n", f);
 }

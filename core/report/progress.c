@@ -2,9 +2,29 @@
 #include "core/report/report.h"
 
 static const double terminal_every = 0.2, pipe_every = 5; /* s */
+static const double judged_after = 0.5 /* s */, long_run = 10 /* s */;
+
+/* A run that will take long says so at once, by its first steps. */
+static void tell(hk_progress *p, const hk_loop *loop, double now) {
+  double wall = now - loop->first_step_at, t = loop->state->t, done = (double)(loop->record->steps - p->steps);
+  if (p->told || !(loop->first_step_at > 0) || wall < judged_after || !(t > p->begin)) return;
+  p->told = true;
+  double whole = wall * (p->end - p->begin) / (t - p->begin);
+  if (whole > long_run)
+    fprintf(stderr, "%shooke: the run will take about %.2g %s: some %.2g steps, %.3g a second so far\n",
+            p->mode == 2 ? "\r\033[K" : "",
+            whole < 120    ? whole
+            : whole < 7200 ? whole / 60
+                           : whole / 3600,
+            whole < 120    ? "s"
+            : whole < 7200 ? "minutes"
+                           : "hours",
+            done * whole / wall, done / wall);
+}
 
 void hk_progress_show(hk_progress *p, const hk_loop *loop, const hk_frame *last) {
   double now = hk_clock(), t = loop->state->t;
+  if (p->mode > 0) tell(p, loop, now);
   if (p->mode <= 0 || now - p->at < (p->mode == 2 ? terminal_every : pipe_every)) return;
   double wall = now - loop->first_step_at;
   char pace[64] = "";

@@ -9,6 +9,11 @@
 void hk_report_text(FILE *, const hk_summary *, const char *out); /* out: the output folder, or NULL */
 void hk_report_json(FILE *, const hk_summary *);                  /* one object in one line; NAN is written as null */
 
+/* The parts of JSON text: "text" with its escapes, a number or null, and "key": */
+void hk_json_string(FILE *, const char *text);
+void hk_json_number(FILE *, double);
+void hk_json_key(FILE *, const char *key);
+
 /* progress.c: on standard error, one line that is rewritten on a terminal, or a line every few seconds in a pipe. */
 typedef struct hk_progress {
   int mode;          /* 0 or less: quiet, 1: lines, 2: one line on a terminal */
@@ -16,6 +21,7 @@ typedef struct hk_progress {
   size_t steps;      /* before: of the part that a resumed run goes on from */
   double at;         /* s, wall time of the last line */
   bool shown;
+  bool told; /* how long it will take, once */
 } hk_progress;
 
 void hk_progress_show(hk_progress *, const hk_loop *, const hk_frame *last);

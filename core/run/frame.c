@@ -2,12 +2,42 @@
  * measures.csv, in this order. */
 #include "core/run/run.h"
 
-static hk_status call_output(hk_run *run, hk_instance *output) {
+#include <stdlib.h>
+
+static hk_status force_at_frame(const hk_frame *frame, size_t k, double *f) {
+  hk_run *run = frame->run;
+  return hk_run_forces(run, k, f, &run->error);
+}
+
+/* The measured figures are the judgement's; what outputs may ask beside them is added here, so that no address gets
+ * into a checkpoint. */
+hk_frame hk_run_output_frame(hk_run *run) {
+  hk_frame frame = run->judgement.last_frame;
+  frame.step = run->loop.step_taken;
+  frame.error = run->step.method->flags & HK_ADAPTIVE ? run->loop.step_error : NAN;
+  frame.forces = run->plugins.kind[HK_FORCE].count;
+  frame.force_name = run->force_name;
+  frame.force = force_at_frame;
+  frame.run = run;
+  frame.scene = run->scene->script;
+  frame.origin = run->scene->origin;
+  return frame;
+}
+
+hk_status hk_run_name_forces(hk_run *run) {
+  const hk_instances *forces = &run->plugins.kind[HK_FORCE];
+  run->force_name = calloc(forces->count + 1, sizeof *run->force_name);
+  if (!run->force_name) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the names of the forces");
+  for (size_t k = 0; k < forces->count; k++) run->force_name[k] = forces->item[k]->label;
+  return HK_OK;
+}
+
+static hk_status call_output(hk_run *run, hk_instance *output, const hk_frame *frame) {
   hk_view view = hk_instance_view(output, &run->state.view);
   hk_status status = hk_instance_set_time(output, run->state.t, &run->error);
   double begin = hk_clock();
   const hk_instance *outer = hk_enter(output);
-  if (status == HK_OK) status = output->plugin->output->frame(output->self, &view, &run->judgement.last_frame);
+  if (status == HK_OK) status = output->plugin->output->frame(output->self, &view, frame);
   status = hk_leave_with(output, outer, "frame", status);
   output->seconds += hk_clock() - begin;
   output->calls++;
@@ -22,9 +52,11 @@ hk_status hk_run_frame(void *context) {
   size_t got = 0;
   hk_status status = hk_figures_take(&run->loop, &run->judgement, run);
   if (status == HK_OK && on_frame->call) status = on_frame->call(on_frame, run, &t, 1, NULL, 0, &got, &run->error);
+  hk_frame frame = hk_run_output_frame(run);
   for (size_t k = 0; k < run->outputs_open && status == HK_OK; k++)
-    status = call_output(run, run->plugins.kind[HK_OUTPUT].item[k]);
+    status = call_output(run, run->plugins.kind[HK_OUTPUT].item[k], &frame);
   if (status == HK_OK) status = hk_measures_write(run->measures, t, &run->judgement.last_frame, &run->error);
+  run->loop.step_error = 0;
   if (run->options.kept) run->options.kept(run->options.kept_context, &run->judgement.last_good, &run->state);
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
   return status;

@@ -56,6 +56,7 @@ static const void *query(void *context, const char *wanted) {
   hk_run *run = context;
   if (strcmp(wanted, "checkpoint/1") == 0) return hk_run_checkpoints(run);
   if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
+  if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);
@@ -99,16 +100,35 @@ static hk_status open_shared(hk_run *run) {
 
 /* ---- plugins ---- */
 
+/* Two outputs of one plugin would write the same files. */
+static bool writes_already(const hk_instances *outputs, const hk_plugin_spec *added) {
+  bool found = false;
+  for (size_t k = 0; k < outputs->count && added->plugin->kind == HK_OUTPUT; k++)
+    found |= outputs->item[k]->plugin == added->plugin;
+  return found;
+}
+
+/* The scene's plugins of a kind, and then those that the command line adds, but no output that the scene has. */
+static hk_status make_kind(hk_run *run, hk_kind kind) {
+  const hk_specs *specs = &run->scene->plugin[kind];
+  const hk_overrides *o = &run->overrides;
+  bool silent = kind == HK_OUTPUT && run->options.no_output, alone = kind == HK_OUTPUT && run->options.bare;
+  hk_status status = HK_OK;
+  for (size_t k = 0; !silent && k < specs->count && status == HK_OK; k++)
+    if (!hk_overrides_leave_out(o, specs->item[k]))
+      status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
+  for (size_t k = 0; !alone && k < o->added_count && status == HK_OK; k++)
+    if (o->added[k]->plugin->kind == kind && !writes_already(&run->plugins.kind[kind], o->added[k]))
+      status = hk_plugins_add(&run->plugins, o->added[k], &run->shared, NULL, &run->error);
+  return status;
+}
+
 static hk_status make_instances(hk_run *run) {
   static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
   hk_status status = HK_OK;
-  for (size_t j = 0; j < sizeof kinds / sizeof *kinds; j++) {
-    const hk_specs *specs = &run->scene->plugin[kinds[j]];
-    if (kinds[j] == HK_OUTPUT && run->options.no_output) continue;
-    for (size_t k = 0; k < specs->count && status == HK_OK; k++)
-      if (!hk_overrides_leave_out(&run->overrides, specs->item[k]))
-        status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
-  }
+  for (size_t k = 0; k < run->options.with_count && status == HK_OK; k++)
+    status = hk_overrides_add(&run->overrides, run->scene, run->options.with[k], &run->error);
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds && status == HK_OK; k++) status = make_kind(run, kinds[k]);
   if (status != HK_OK) return status;
   return hk_plugins_add(&run->plugins, run->overrides.integrator, &run->shared, NULL, &run->error);
 }
@@ -254,14 +274,14 @@ static void set_method(hk_run *run) {
 
 static hk_status open_outputs(hk_run *run) {
   const hk_instances *outputs = &run->plugins.kind[HK_OUTPUT];
+  hk_frame frame = hk_run_output_frame(run);
   hk_status status =
       run->options.no_output ? HK_OK : hk_measures_open(run->folder, run->scene, &run->measures, &run->error);
   while (status == HK_OK && run->outputs_open < outputs->count) {
     hk_instance *output = outputs->item[run->outputs_open];
     hk_view view = hk_instance_view(output, &run->state.view);
     const hk_instance *outer = hk_enter(output);
-    if (output->plugin->output->open)
-      status = output->plugin->output->open(output->self, &view, &run->judgement.last_frame);
+    if (output->plugin->output->open) status = output->plugin->output->open(output->self, &view, &frame);
     status = hk_leave_with(output, outer, "open", status);
     if (status == HK_OK) run->outputs_open++;
   }
@@ -322,6 +342,7 @@ static hk_status build(hk_run *run) {
   if (status == HK_OK) status = hk_pins_open(&run->pins, run->scene, &run->state, &run->error);
   if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
   if (status == HK_OK) status = make_instances(run);
+  if (status == HK_OK) status = hk_run_name_forces(run);
   if (status != HK_OK) return status;
   status = hk_dynamics_open(&run->dynamics, run->scene, &run->state, &run->pins, &run->plugins, &run->shared);
   if (status != HK_OK) return status;
@@ -332,6 +353,7 @@ static hk_status build(hk_run *run) {
   if (status == HK_OK) status = open_linear_systems(run);
   if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
   warn_of_unused_services(run);
+  hk_warn_of_idle_options(run);
   if (status == HK_OK) status = hk_run_begin_saving(run);
   return status == HK_OK ? start(run) : status;
 }
@@ -359,7 +381,8 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->asked.ignore_exact = options->ignore_exact;
   run->judgement.compared = compares(run);
   run->asked.opened_at = hk_clock();
-  run->progress = (hk_progress){options->progress, INFINITY, run->asked.end, 0, run->asked.opened_at, false};
+  run->progress =
+      (hk_progress){.mode = options->progress, .begin = INFINITY, .end = run->asked.end, .at = run->asked.opened_at};
   scene->frozen = true;
   hk_status status = build(run);
   if (status != HK_OK) {
@@ -385,6 +408,7 @@ void hk_run_destroy(hk_run *run) {
   hk_overrides_close(&run->overrides);
   hk_loop_close(&run->loop);
   hk_judgement_close(&run->judgement);
+  free(run->force_name);
   hk_pins_close(&run->pins);
   hk_state_close(&run->state);
   hk_folder_close(run->folder);

@@ -8,7 +8,7 @@ hk_run_options hk_rerun_options(const hk_run_options *first, uint64_t seed) {
   o.perturb = perturbation;
   o.perturb_seed = seed;
   o.compare = HK_COMPARE_ALWAYS;
-  o.no_output = true;
+  o.no_output = o.bare = true;
   o.progress = -1;
   o.kept = NULL;
   return o;

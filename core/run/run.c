@@ -1,5 +1,6 @@
 /* Advancing a run, closing it, and the queries about its state and results. */
 #include "core/run/run.h"
+#include "core/text/text.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +45,6 @@ static hk_status close_outputs(hk_run *run) {
     if (first == HK_OK) first = status;
   }
   hk_status status = hk_measures_close(&run->measures, &run->error);
-  hk_folder_release(run->folder);
   return first == HK_OK ? status : first;
 }
 
@@ -139,16 +139,20 @@ static hk_status force_of_constraint(hk_run *run, size_t k, uint32_t index, doub
   return HK_OK;
 }
 
-static hk_status force_of_force(hk_run *run, size_t k, uint32_t index, double force[3], hk_error *error) {
+hk_status hk_run_forces(hk_run *run, size_t k, double *force, hk_error *error) {
   size_t n = run->state.model.n;
-  double *F = calloc(3 * n, sizeof *F);
+  memset(force, 0, 3 * n * sizeof *force);
+  if (!run->dynamics.force_acts[k] || hk_probe_force(&run->dynamics, k, run->state.X, n, force)) return HK_OK;
+  return hk_error_set(error, HK_FAILED, "the force '%s' failed", run->plugins.kind[HK_FORCE].item[k]->label);
+}
+
+static hk_status force_of_force(hk_run *run, size_t k, uint32_t index, double force[3], hk_error *error) {
+  double *F = malloc(3 * run->state.model.n * sizeof *F);
   if (!F) return no_memory(error);
-  bool evaluated = !run->dynamics.force_acts[k] || hk_probe_force(&run->dynamics, k, run->state.X, n, F);
+  hk_status status = hk_run_forces(run, k, F, error);
   memcpy(force, F + 3 * index, 3 * sizeof *force);
   free(F);
-  return evaluated
-             ? HK_OK
-             : hk_error_set(error, HK_FAILED, "the force '%s' failed", run->plugins.kind[HK_FORCE].item[k]->label);
+  return status;
 }
 
 hk_status hk_run_force(hk_run *run, const char *label, uint32_t id, double force[3], hk_error *error) {

@@ -29,10 +29,14 @@ typedef struct hk_run_options {
   bool ignore_exact; /* the verdict does not use the scene's exact solution */
   size_t without_count;
   const char *const *without; /* labels of the plugins that are omitted from the scene */
-  const char *out;            /* NULL: "out/NAME" */
-  const char *resume;         /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
-  const char *words;          /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
+  size_t with_count;
+  const char *const *with; /* plugins beside those of the scene, "kind:name:parameter=value,..." */
+  bool bare;               /* outputs among them are left out: another run is compared with this one */
+  const char *out;         /* NULL: "out/NAME" */
+  const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
+  const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
   bool no_output;
+  bool draft;   /* outputs may do with less quality (hk_draft) */
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
   const volatile sig_atomic_t *interrupted; /* how often the user asked to stop; NULL: cannot */
   const hk_instance *volatile *acting;      /* is set to the plugin that is at work; NULL: nobody wants to know */
@@ -77,6 +81,7 @@ typedef struct hk_run {
   hk_folder *folder;
   FILE *measures;
   size_t outputs_open;
+  const char **force_name; /* labels of the forces, for outputs */
   hk_saving saving;
   hk_interruption interruption;
   sig_atomic_t interruptions; /* before the outputs began to be closed */
@@ -99,7 +104,8 @@ hk_status hk_run_impose_start(hk_run *);
  * HK_NOT_FINITE and HK_NOT_CONVERGED: the run diverged; HK_INTERRUPTED: the state is that of the time of
  * interruption. */
 hk_status hk_run_advance(hk_run *, double t, hk_error *error);
-/* Closes the outputs; a second call does nothing. The run's data stay readable until hk_run_destroy. */
+/* Closes the outputs; a second call does nothing. The run's data stay readable until hk_run_destroy, and the output
+ * folder is the run's until then or until hk_run_leave. */
 hk_status hk_run_close(hk_run *, hk_error *error);
 bool hk_run_interrupted_again(void *run); /* since then */
 void hk_run_summary(hk_run *, hk_summary *);
@@ -112,6 +118,8 @@ double hk_run_end(const hk_run *); /* s, duration or --until */
 bool hk_run_index(const hk_run *, uint32_t id, uint32_t *index);
 double hk_run_measure(const hk_run *, const char *name); /* last value; NAN: no measure has this name */
 void hk_run_energy(hk_run *, double *kinetic, double *potential, double *work);
+/* The force of force k alone on all particles (n x 3, N) at the state; 0 where it does not act now. */
+hk_status hk_run_forces(hk_run *, size_t k, double *force, hk_error *error);
 hk_status hk_run_force(hk_run *, const char *label, uint32_t id, double force[3], hk_error *error);
 /* The number of equations of a constraint; HK_BAD_PARAM: no constraint has this label. */
 hk_status hk_run_equations(hk_run *, const char *label, size_t *count, hk_error *error);
@@ -123,6 +131,14 @@ hk_status hk_run_strain(hk_run *, const char *label, double *largest, hk_error *
 /* ---- frame.c: figures, measures, on_frame, outputs ---- */
 
 hk_status hk_run_frame(void *run);
+hk_frame hk_run_output_frame(hk_run *); /* the last frame with what outputs may ask beside its figures */
+hk_status hk_run_name_forces(hk_run *); /* once the plugins have been made */
+
+/* ---- leave.c: the last file ---- */
+
+/* After hk_run_close: where the run has written files, summary.json comes beside them, the summary as JSON (NULL: as it
+ * is now), and the output folder is let go of. A second call does nothing. */
+hk_status hk_run_leave(hk_run *, const hk_summary *, hk_error *error);
 
 /* ---- saving.c: the checkpoints that outputs ask for ---- */
 
@@ -182,6 +198,15 @@ typedef struct hk_reference {
  * take more than the effort, or the scene is not to be integrated by a method that chooses its steps. */
 bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_rerun *);
+
+/* ---- ahead.c: what is said before the first step ---- */
+
+/* Warns of options that have no effect on this run. */
+void hk_warn_of_idle_options(hk_run *);
+/* Prints, where steps of an explicit method would come by the ten million, how long they and those of an implicit
+ * method would take; both are timed in other runs of the scene. `first`: the options of `whole`, before its first
+ * step. */
+void hk_foretell(const hk_reopen *, const hk_run_options *first, hk_run *whole);
 
 /* ---- verify.c: the comparison of a run with others, see there ---- */
 

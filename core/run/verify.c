@@ -62,11 +62,14 @@ static void judge_error(const hk_comparison *c, hk_summary *s) {
 
 static void judge_doubts(const hk_comparison *c, hk_summary *s) {
   double displacement = c->referred || !c->compared ? 0 : hk_doubts_lost_energy(c);
+  hk_remedy_need(&c->whole->judgement, displacement / s->accuracy, c->whole->step.method->order);
   if (displacement > s->accuracy)
     add_reason(s,
                "the steps damp fast swings, whose energy is missing with half the step, too: as a speed it would have "
                "taken the particles %.3g m by the end, above the accuracy asked for, %g m",
                displacement, s->accuracy);
+  if (!c->first->ignore_exact)
+    hk_remedy_need(&c->whole->judgement, s->exact_error / s->accuracy, c->whole->step.method->order);
   if (!c->first->ignore_exact && s->accuracy > 0 && s->exact_error > s->accuracy)
     add_reason(s, "the error of %.3g m is above the accuracy asked for, %g m", s->exact_error, s->accuracy);
 }
@@ -104,6 +107,7 @@ static bool judge(hk_comparison *c) {
   if (s->accuracies > (s->accuracy > 0)) s->channel_error = c->worst.channel;
   judge_error(c, s);
   judge_doubts(c, s);
+  hk_remedy_need(&c->whole->judgement, c->error, c->whole->step.method->order);
   describe(c, s);
   return s->verdict == HK_VERDICT_OK;
 }
@@ -153,11 +157,24 @@ static void judge_motion(hk_comparison *c) {
   judge(c);
 }
 
+/* No other run does what the user's hand did: the run stays as its own figures have judged it. */
+static void judge_by_hand(hk_summary *s) {
+  if (s->accuracies > 0)
+    add_reason(s,
+               "the accuracy asked for could not be checked: the user's hand did work of %.3g J, which no other run "
+               "repeats",
+               s->hand_work);
+}
+
 hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *first, bool half, hk_run *whole, hk_summary *s,
                     hk_error *error) {
   hk_comparison c = {.reopen = reopen, .first = first, .whole = whole, .summary = s, .error = NAN, .position = NAN};
   bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE, asked = s->accuracies > 0;
   double begin = hk_clock();
+  if (whole->record.by_hand) {
+    if (judged) judge_by_hand(s);
+    return HK_OK;
+  }
   hk_status status = hk_comparison_open(&c, error);
   if (whole->options.progress > 0 && asked && whole->loop.seconds > 1)
     fprintf(stderr, "hooke: comparing the run with others, which takes some %.0f s\n", 2.5 * whole->loop.seconds);
@@ -169,6 +186,7 @@ hk_status hk_verify(const hk_reopen *reopen, const hk_run_options *first, bool h
     judge_without_half(&c);
   else if (judged && status == HK_OK && whole->judgement.compared)
     judge_motion(&c);
+  hk_remedy_describe(&whole->loop, &whole->judgement, s);
   s->check_wall_s = hk_clock() - begin;
   hk_comparison_close(&c);
   return status;

@@ -1,5 +1,5 @@
 /* Choices of the command line that replace those of the script: the integrator with its parameters, the solver, and the
- * plugins to omit. The scene does not change; the choices belong to one run. */
+ * plugins to omit and to add. The scene does not change; the choices belong to one run. */
 #include "core/scene/scene.h"
 
 #include <stdlib.h>
@@ -99,7 +99,37 @@ hk_status hk_overrides_open(hk_overrides *o, const hk_scene *scene, const char *
   return status;
 }
 
+/* Outputs, forces, ...: what a scene may have any number of. Integrator and solver have options of their own, and
+ * services come when they are asked for. */
+static bool kind_of(const char *choice, hk_kind *kind) {
+  static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
+  size_t length = strcspn(choice, ":");
+  for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    const char *name = hk_kind_name(kinds[k]);
+    *kind = kinds[k];
+    if (strlen(name) == length && strncmp(name, choice, length) == 0 && choice[length]) return true;
+  }
+  return false;
+}
+
+hk_status hk_overrides_add(hk_overrides *o, const hk_scene *scene, const char *choice, hk_error *error) {
+  hk_kind kind;
+  if (!kind_of(choice, &kind))
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "--with: '%s' is not KIND:NAME or KIND:NAME:parameter=value,..., where KIND is force, "
+                        "constraint, corrector, source or output",
+                        choice);
+  hk_plugin_spec **more = realloc(o->added, (o->added_count + 1) * sizeof *more), *spec = NULL;
+  if (!more) return hk_error_set(error, HK_NO_MEMORY, "no memory for '%s'", choice);
+  o->added = more;
+  hk_status status = make_spec(scene, kind, strchr(choice, ':') + 1, &spec, error);
+  if (spec) o->added[o->added_count++] = spec;
+  return status;
+}
+
 void hk_overrides_close(hk_overrides *o) {
+  for (size_t k = 0; k < o->added_count; k++) hk_spec_destroy(o->added[k]);
+  free(o->added);
   hk_spec_destroy(o->own[0]);
   hk_spec_destroy(o->own[1]);
   *o = (hk_overrides){0};

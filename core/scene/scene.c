@@ -2,6 +2,7 @@
  * arguments before it writes, so a refused call does not change the scene. */
 #include "core/scene/scene.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -243,7 +244,9 @@ hk_status hk_scene_add_pin(hk_scene *scene, const hk_pin_spec *spec, hk_error *e
       return hk_error_set(error, HK_BAD_PARAM, "pin: the direction must not be zero");
     for (int c = 0; c < 3; c++) pin.axis[c] /= length;
   }
-  if (isnan(pin.release)) return hk_error_set(error, HK_BAD_PARAM, "pin: release: not a number");
+  if (!(pin.release >= 0))
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "pin: release: %g s is no time of the run: give one from 0 on, or leave it out", pin.release);
   if (isnan(pin.center[0])) find_center(scene, &pin);
   pin.where = hk_string_copy(spec->where ? spec->where : "");
   pin.id = malloc((spec->count + 1) * sizeof *pin.id);

@@ -185,12 +185,16 @@ typedef struct hk_overrides {
   hk_plugin_spec *own[2];
   size_t without_count;
   const char *const *without; /* labels of the plugins to omit */
+  size_t added_count;
+  hk_plugin_spec **added; /* behind those of the scene, each in its kind */
 } hk_overrides;
 
 /* `integrator`, `solver`: "name" or "name:parameter=value,...", NULL: the scene's; "auto" for the solver: chosen by the
  * run. Labels must be those of plugins of the scene. After a failure the overrides must be closed as well. */
 hk_status hk_overrides_open(hk_overrides *, const hk_scene *, const char *integrator, const char *solver,
                             size_t without_count, const char *const *without, hk_error *error);
+/* "kind:name" or "kind:name:parameter=value,...": a plugin that the run has beside those of the scene. */
+hk_status hk_overrides_add(hk_overrides *, const hk_scene *, const char *choice, hk_error *error);
 void hk_overrides_close(hk_overrides *);
 bool hk_overrides_leave_out(const hk_overrides *, const hk_plugin_spec *);
 

@@ -2,6 +2,7 @@
  * the file does not exist, the error suggests the nearest name in its folder. */
 #include "core/script/script.h"
 #include "core/storage/storage.h"
+#include "core/text/text.h"
 
 #include <dirent.h>
 #include <errno.h>

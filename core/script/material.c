@@ -4,6 +4,7 @@
  * language of scenes, and the engine knows neither cloths nor their plugins. */
 #include "core/script/script.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <string.h>
 

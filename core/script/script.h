@@ -19,6 +19,8 @@ typedef struct hk_param_given {
 typedef struct hk_param_declared { /* by param() in the script */
   char *name, *help;
   char *initial, *value; /* as text */
+  const char *type;      /* of the default: "integer", "number", "boolean" or "string" */
+  double min, max;       /* NAN: no limit is declared */
 } hk_param_declared;
 
 /* What an untrusted script does, for a watchdog in a thread of its own: no hook ends a long call of a function of Lua's

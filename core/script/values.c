@@ -2,6 +2,7 @@
  * that every force has (only, group, from, to), and `fastest`, are set here; `label` was read before. */
 #include "core/script/script.h"
 #include "core/base/base.h"
+#include "core/text/text.h"
 
 #include <stdlib.h>
 #include <string.h>

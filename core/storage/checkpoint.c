@@ -232,7 +232,8 @@ static bool are_truths(const void *data, const size_t *at, size_t count) {
 
 static bool read_figures(hk_record *r, hk_walk *w, size_t forces) {
   static const size_t truths[] = {offsetof(hk_record, moved), offsetof(hk_record, corrected),
-                                  offsetof(hk_record, sourced), offsetof(hk_record, growth_expected)};
+                                  offsetof(hk_record, sourced), offsetof(hk_record, by_hand),
+                                  offsetof(hk_record, growth_expected)};
   if (!hk_walk_get(w, r, sizeof *r) || !are_truths(r, truths, sizeof truths / sizeof *truths)) return false;
   bool none_passed = r->passed[0] == 0 && r->passed[1] == 0 && r->passed[2] == 0;
   return r->passed_force < forces || (forces == 0 && none_passed);

@@ -6,8 +6,6 @@
 
 /* Sets the error "cannot read FILE: reason" by errno. */
 hk_status hk_io_error(hk_error *, const char *doing, const char *path);
-/* Writes a file by body(file, what); an interrupted or failed write does not change an existing file. */
-hk_status hk_write_file(const char *path, bool (*body)(FILE *, const void *), const void *what, hk_error *);
 /* Replaces the particles of the run by the set, in the state and wherever indices are stored. */
 hk_status hk_install(hk_loop *, hk_particle_set *);
 

@@ -69,6 +69,8 @@ void hk_folder_release(hk_folder *f) {
   f->descriptor = -1;
 }
 
+bool hk_folder_held(const hk_folder *f) { return f && f->list; }
+
 void hk_folder_close(hk_folder *f) {
   if (!f) return;
   hk_folder_release(f);

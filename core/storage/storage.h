@@ -14,12 +14,23 @@ typedef struct hk_folder hk_folder;
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
 /* After the last file: other runs may write there. */
 void hk_folder_release(hk_folder *);
+bool hk_folder_held(const hk_folder *); /* it has files of this run, and is not released */
 void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
 /* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */
 void hk_folder_go_on(hk_folder *, size_t step);
 /* Where a file of that name is to be written; the folders on the way exist then, and are no links. */
 hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
+
+/* ---- targets.c: whether what `option` names can be written, before a run. HK_IO and HK_BAD_PARAM say why not ---- */
+
+hk_status hk_target_file(const char *option, const char *path, hk_error *error);
+/* A folder, or one that can be made; looks, and makes nothing. */
+hk_status hk_target_folder(const char *option, const char *path, hk_error *error);
+/* ---- write_file.c ---- */
+
+/* Writes a file by body(file, what); an interrupted or failed write does not change an existing file. */
+hk_status hk_write_file(const char *path, bool (*body)(FILE *, const void *), const void *what, hk_error *);
 
 /* ---- inside.c: files that scripts name ---- */
 

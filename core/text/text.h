@@ -19,4 +19,16 @@ bool hk_commands_terminal(uint32_t code);
 /* Appends to the text in a buffer of `size` bytes, after `separator` unless it is empty; cut at the buffer's end. */
 void hk_text_append(char *text, size_t size, const char *separator, const char *format, va_list);
 
+/* ---- names.c: what a name that is not known may mean ---- */
+
+typedef const char *hk_name_at(const void *context, size_t k); /* the k-th name, NULL after the last */
+
+/* The name closest to `wrong` by edit distance, or NULL when none is close. */
+const char *hk_nearest_name(const char *wrong, hk_name_at *, const void *context);
+/* `wrong` itself where there is this name, or the name that stands for it in the file of synonyms, lines of "WORD NAME
+ * [NAME ...]"; or NULL. */
+const char *hk_synonym(const char *file, const char *wrong, hk_name_at *, const void *context);
+/* Whether the text begins with these words, such as "rest length" with rest_length. */
+bool hk_begins_with_words(const char *text, const char *words);
+
 #endif

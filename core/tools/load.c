@@ -86,9 +86,10 @@ static void read_without(lua_State *L, int table, hk_run_options *run) {
 }
 
 static void read_options(lua_State *L, int table, hk_script_options *options, hk_run_options *run) {
-  static const char *const keys[] = {"integrator", "solver",  "dt",           "tol",          "until",       "accuracy",
-                                     "out",        "output",  "seed",         "threads",      "trust",       "without",
-                                     "step_limit", "perturb", "ignore_exact", "perturb_seed", "accuracy_at", NULL};
+  static const char *const keys[] = {"integrator",   "solver",      "dt",         "tol",     "until",
+                                     "accuracy",     "out",         "output",     "seed",    "threads",
+                                     "trust",        "without",     "step_limit", "perturb", "ignore_exact",
+                                     "perturb_seed", "accuracy_at", "draft",      NULL};
   static const char what[] = "load";
   static const double most = 9007199254740992.0; /* 2^53 */
   hk_lua_check_keys(L, table, what, keys);
@@ -104,6 +105,7 @@ static void read_options(lua_State *L, int table, hk_script_options *options, hk
   run->solver = text_field(L, table, "solver");
   run->out = text_field(L, table, "out");
   run->no_output = !flag_field(L, table, "output");
+  run->draft = flag_field(L, table, "draft");
   run->ignore_exact = flag_field(L, table, "ignore_exact");
   options->seed = hk_lua_field_whole(L, table, what, "seed", 0, most);
   options->threads = (int)hk_lua_field_whole(L, table, what, "threads", 0, 1024);

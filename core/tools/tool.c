@@ -1,13 +1,14 @@
 /* Tools: Lua scripts with full rights, the Lua interface of scenes, and functions for tools only. */
 #include "core/tools/tools.h"
 #include "core/storage/storage.h"
+#include "core/text/text.h"
 
 #include <errno.h>
 #include <lauxlib.h>
 #include <math.h>
 #include <string.h>
 
-/* hooke.nearest(word, list) */
+/* hooke.nearest(word, list): a synonym in the list, or the closest name */
 static const char *item_at(const void *context, size_t k) {
   lua_State *L = *(lua_State *const *)context;
   lua_rawgeti(L, 2, (lua_Integer)k + 1);
@@ -18,7 +19,8 @@ static const char *item_at(const void *context, size_t k) {
 
 static int nearest(lua_State *L) {
   luaL_checktype(L, 2, LUA_TTABLE);
-  lua_pushstring(L, hk_nearest_name(luaL_checkstring(L, 1), item_at, &L));
+  lua_pushstring(L,
+                 hk_registry_meant(hk_script_asked(hk_lua_script(L))->registry, luaL_checkstring(L, 1), item_at, &L));
   return 1;
 }
 

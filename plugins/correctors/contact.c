@@ -23,17 +23,22 @@ enum { ROUNDS = 6 /* of impacts and looks in a step */ };
 /* Of the thickness: gaps may be closed by so much at the end of a step; and what sweeps leave. */
 static const double slack = 0.01, left_by_sweeps = 1e-4;
 
+/* Processor time so far, s, for benchmarks, which find it by the names of fields. */
+typedef struct contact_times {
+  double all, pairs, looks, impulses; /* all of it; hk_nearby_reach, with its searches; hk_meetings_look; solve */
+} contact_times;
+
 typedef struct contact {
   hk_contact_params params;
   double restitution;
   int64_t sweeps;
   int64_t began; /* the first step was looked at */
-  hk_nearby_found found;
   hk_contact_account account;
   hk_nearby nearby;
   hk_meetings meetings;
   const hk_surfaces *surfaces;
-  uint64_t *moved, now; /* for sweeps.h */
+  uint64_t *moved, *touched, now; /* for sweeps.h */
+  contact_times seconds;
   const hk_host *host;
 } contact;
 
@@ -48,22 +53,27 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    HK_NEARBY_FIELD_ROWS(contact, found),
     HK_CONTACT_ACCOUNT_ROWS(contact, account),
     {"began", HK_FIELD_INTEGER, 1, offsetof(contact, began), 0},
+    {"seconds", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.all), HK_SCRATCH},
+    {"seconds_of_pairs", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.pairs), HK_SCRATCH},
+    {"seconds_of_searches", HK_FIELD_NUMBER, 1, offsetof(contact, nearby.seconds), HK_SCRATCH},
+    {"seconds_of_looks", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.looks), HK_SCRATCH},
+    {"seconds_of_impulses", HK_FIELD_NUMBER, 1, offsetof(contact, seconds.impulses), HK_SCRATCH},
     {0},
 };
 /* clang-format on */
 
 static hk_status topology(void *self, const hk_view *view) {
   contact *s = self;
-  s->found.good = 0;
   s->host->release(s->host, s->moved);
+  s->host->release(s->host, s->touched);
   s->moved = s->host->allocate(s->host, (view->n + 1) * sizeof *s->moved);
-  if (!s->moved) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+  s->touched = s->host->allocate(s->host, (view->n + 1) * sizeof *s->touched);
+  if (!s->moved || !s->touched) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
   if (status != HK_OK) return status;
-  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
+  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, hk_contact_skin(&s->params));
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -93,22 +103,31 @@ static hk_status refuse_slides(const contact *s, const hk_view *view, const hk_i
 }
 
 static hk_status solve(contact *s, const hk_view *view, hk_correction *c, hk_step_move *move) {
-  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps, .moved = s->moved, .now = s->now};
+  double begin = hk_own_time();
+  hk_impacts impacts = {.friction = s->params.friction, .most = (size_t)s->sweeps};
+  impacts.moved = s->moved, impacts.touched = s->touched, impacts.now = s->now;
   impacts.tolerance = left_by_sweeps * hk_contact_scale(&s->params);
   if (!c->changed) hk_contact_account_free(&s->account, view, c);
   hk_status status = hk_meetings_impacts(&s->meetings, move, HK_MEETINGS_ALL, &impacts);
   if (status != HK_OK) return status;
   hk_sweeps_done done = hk_impacts_solve(&impacts, move);
+  s->meetings.touched = s->touched, s->meetings.since = s->now;
   s->now = impacts.now;
   hk_meetings_remember(&s->meetings, &impacts);
   c->changed |= done.pushing > 0;
   s->account.last.impulse += done.impulse;
+  s->seconds.impulses += hk_own_time() - begin;
   return c->filter ? refuse_slides(s, view, &impacts) : HK_OK;
 }
 
 static hk_status look(contact *s, hk_step_move *move) {
+  double begin = hk_own_time();
   hk_status status = hk_nearby_reach(&s->nearby, move->x_from, move->x);
-  return status == HK_OK ? hk_meetings_look(&s->meetings, move) : status;
+  double between = hk_own_time();
+  if (status == HK_OK) status = hk_meetings_look(&s->meetings, move);
+  s->seconds.pairs += between - begin;
+  s->seconds.looks += hk_own_time() - between;
+  return status;
 }
 
 /* What starts nearer than its thickness is opened without a speed, so that no energy shows it. */
@@ -125,8 +144,7 @@ static void warn_of_start(contact *s, const hk_view *view) {
       closed.count, closed.depth, names.one, names.other);
 }
 
-static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
-  contact *s = self;
+static hk_status keep_apart(contact *s, const hk_view *view, hk_correction *c) {
   hk_step_move move = {c->h, c->x_before, c->v_before, c->x, c->v, view->model->inverse_mass};
   hk_contact_account_step(&s->account, view->t, c->h);
   hk_nearby_begin(&s->nearby, c->x_before);
@@ -146,6 +164,14 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   s->account.last.closest = s->meetings.closest;
   if (c->changed) hk_contact_account_work(&s->account, view, c);
   return HK_OK;
+}
+
+static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
+  contact *s = self;
+  double begin = hk_own_time();
+  hk_status status = keep_apart(s, view, c);
+  s->seconds.all += hk_own_time() - begin;
+  return status;
 }
 
 static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {

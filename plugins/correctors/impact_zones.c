@@ -22,7 +22,6 @@ typedef struct impact_zones {
   hk_contact_params params;
   double restitution, stiffness;
   int64_t sweeps;
-  hk_nearby_found found;
   hk_contact_account account;
   hk_nearby nearby;
   hk_meetings meetings;
@@ -46,7 +45,6 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    HK_NEARBY_FIELD_ROWS(impact_zones, found),
     HK_CONTACT_ACCOUNT_ROWS(impact_zones, account),
     {0},
 };
@@ -56,7 +54,6 @@ static hk_status topology(void *self, const hk_view *view) {
   impact_zones *s = self;
   size_t size = (3 * view->n + 1) * sizeof(double);
   double **room[] = {&s->u, &s->x, &s->v};
-  s->found.good = 0;
   for (int k = 0; k < 3; k++) {
     s->host->release(s->host, *room[k]);
     *room[k] = s->host->allocate(s->host, size);
@@ -65,7 +62,7 @@ static hk_status topology(void *self, const hk_view *view) {
   hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
   if (status == HK_OK) status = hk_zones_open(&s->zones, s->host, view->n);
   if (status != HK_OK) return status;
-  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
+  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, hk_contact_skin(&s->params));
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {

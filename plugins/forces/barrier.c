@@ -11,6 +11,7 @@
 #include "plugins/common/barrier/barrier_bound.h"
 #include "plugins/common/barrier/barrier_choice.h"
 #include "plugins/common/barrier/barrier_friction.h"
+#include "plugins/common/barrier/barrier_pair.h"
 #include "plugins/common/barrier/barrier_sum.h"
 #include "plugins/common/surfaces/surface_pair_names.h"
 
@@ -64,10 +65,20 @@ static const hk_field fields[] = {
     {"stiffened", HK_FIELD_NUMBER, 1, offsetof(barrier, stiffened), 0},
     {"near", HK_FIELD_ARRAY, sizeof(hk_barrier_pair), offsetof(barrier, contacts.near), HK_SCRATCH},
     {"base", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.base), HK_SCRATCH},
-    {"sums", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.sums), HK_SCRATCH},
-    {"loads", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.loads), HK_SCRATCH},
+    {"kept_of", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.kept_of), HK_SCRATCH},
+    {"halves", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, contacts.halves), HK_SCRATCH},
+    {"values", HK_FIELD_ARRAY, sizeof(hk_barrier_value), offsetof(barrier, contacts.values), HK_SCRATCH},
+    {"tally", HK_FIELD_ARRAY, sizeof(hk_barrier_tally), offsetof(barrier, contacts.tally), HK_SCRATCH},
     {"acting", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.acting), HK_SCRATCH},
-    {"hessians", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.hessians), HK_SCRATCH},
+    {"at", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.at), HK_SCRATCH},
+    {"way", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.way), HK_SCRATCH},
+    {"sums", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.sums), HK_SCRATCH},
+    {"parts", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.parts), HK_SCRATCH},
+    {"loads", HK_FIELD_ARRAY, sizeof(double), offsetof(barrier, contacts.loads), HK_SCRATCH},
+    {"hessians", HK_FIELD_ARRAY, sizeof(hk_barrier_hessian), offsetof(barrier, contacts.hessians), HK_SCRATCH},
+    {"start", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.sorter.start), HK_SCRATCH},
+    {"order", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.sorter.order), HK_SCRATCH},
+    {"spare", HK_FIELD_ARRAY, sizeof(uint32_t), offsetof(barrier, contacts.sorter.spare), HK_SCRATCH},
     {"pairs", HK_FIELD_ARRAY, sizeof(hk_surface_pair), offsetof(barrier, friction.pairs), HK_SCRATCH},
     {0},
 };

@@ -35,14 +35,13 @@ typedef struct contact {
   hk_repulsion law;
   bool guard;
   double *start; /* n x 3, m: the shape at rest, for the mollifier */
-  hk_nearby_found found;
   hk_contact_sums sums;
   hk_nearby nearby;
   const hk_surfaces *surfaces;
   double (*force)[12]; /* of each of nearby.index */
   double *power;       /* W, of each; NAN: out of reach */
   size_t room;
-  uint32_t *before; /* the pairs of the last pattern */
+  hk_surface_pair *before; /* the pairs of the last pattern */
   size_t befores;
   const hk_host *host;
 } contact;
@@ -64,7 +63,6 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    HK_NEARBY_FIELD_ROWS(contact, found),
     {"start", HK_FIELD_PER_PARTICLE, 3, offsetof(contact, start), 0},
     {"impulse", HK_FIELD_NUMBER, 1, offsetof(contact, sums.impulse), 0},
     {"energy", HK_FIELD_NUMBER, 1, offsetof(contact, sums.energy), 0},
@@ -75,10 +73,9 @@ static const hk_field fields[] = {
 
 static hk_status topology(void *self, const hk_view *view) {
   contact *s = self;
-  s->found.good = 0;
   s->befores = 0;
   s->nearby.reach = s->law.reach + aside * hk_contact_skin(&s->params);
-  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, &s->found, hk_contact_skin(&s->params));
+  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, hk_contact_skin(&s->params));
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -111,19 +108,22 @@ static hk_status make_room(contact *s) {
   return HK_OK;
 }
 
+static const hk_surface_pair *pair_at(const contact *s, size_t d) { return &s->nearby.pair[s->nearby.index[d]]; }
+
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *pattern_changed) {
   contact *s = self;
-  size_t searches = s->nearby.searches;
   hk_nearby_begin(&s->nearby, from->x);
   hk_status status = hk_nearby_reach(&s->nearby, from->x, x_to);
   if (status == HK_OK) status = make_room(s);
   if (status != HK_OK) return status;
   hk_nearby_sift(&s->nearby, from->x);
-  bool same = searches == s->nearby.searches && s->befores == s->nearby.dues &&
-              memcmp(s->before, s->nearby.index, s->befores * sizeof *s->before) == 0;
-  *pattern_changed = !same;
+  *pattern_changed = s->befores != s->nearby.dues;
+  for (size_t d = 0; d < s->nearby.dues; d++) {
+    const hk_surface_pair *pair = pair_at(s, d);
+    *pattern_changed = *pattern_changed || memcmp(s->before[d].vertex, pair->vertex, sizeof pair->vertex) != 0;
+    s->before[d] = *pair;
+  }
   s->befores = s->nearby.dues;
-  memcpy(s->before, s->nearby.index, s->befores * sizeof *s->before);
   return HK_OK;
 }
 
@@ -132,8 +132,6 @@ static double square_of_edge(const double *x, uint32_t a, uint32_t b) {
   hk_subtract(e, x + 3 * (size_t)a, x + 3 * (size_t)b);
   return hk_dot(e, e);
 }
-
-static const hk_surface_pair *pair_at(const contact *s, size_t d) { return &s->nearby.pair[s->nearby.index[d]]; }
 
 /* False: not all of its particles are active. */
 static bool gather(const contact *s, const hk_view *view, const hk_surface_pair *pair, hk_repelled *p) {
@@ -232,19 +230,27 @@ static void add_row_sums(const hk_surface_pair *pair, const double all[144], con
   }
 }
 
-/* All pairs in the list may come to touch, with the slope k: (sum w_i n.u_i)^2 <= 2 sum |w_i| |u_i|^2. Those in reach
- * have their own blocks, if these are more. */
+/* All pairs within reach and skin may come to touch, with the slope k: (sum w_i n.u_i)^2 <= 2 sum |w_i| |u_i|^2. Those
+ * in reach have their own blocks, if these are more. They are searched anew, so that the bound depends on the positions
+ * alone. */
+static void bound_pair(const contact *s, const hk_view *view, hk_stiffness_part part, const hk_surface_pair *pair,
+                       double (*block)[6]) {
+  double K[144] = {0}, D[144] = {0}, least[4] = {0};
+  hk_repelled p;
+  if (!gather(s, view, pair, &p)) return;
+  bool damping = part == HK_DAMPING_WHOLE, near = hk_repulsion_blocks(&s->law, &p, HK_WANT_SYMMETRIC, K, D);
+  hk_nearest nearest = hk_nearest_of_pair(p.kind, p.x);
+  for (int i = 0; i < 4 && !damping; i++) least[i] = 2 * s->law.stiffness * fabs(nearest.w[i]);
+  if (near || !damping) add_row_sums(pair, damping ? D : K, least, block);
+}
+
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const contact *s = self;
-  hk_repelled p;
-  for (size_t k = 0; k < s->nearby.count; k++) {
-    double K[144] = {0}, D[144] = {0}, least[4] = {0};
-    if (!gather(s, view, &s->nearby.pair[k], &p)) continue;
-    bool damping = part == HK_DAMPING_WHOLE, near = hk_repulsion_blocks(&s->law, &p, HK_WANT_SYMMETRIC, K, D);
-    hk_nearest nearest = hk_nearest_of_pair(p.kind, p.x);
-    for (int i = 0; i < 4 && !damping; i++) least[i] = 2 * s->law.stiffness * fabs(nearest.w[i]);
-    if (near || !damping) add_row_sums(&s->nearby.pair[k], damping ? D : K, least, block);
-  }
+  hk_surface_pairs pairs;
+  double reach = s->nearby.reach + s->nearby.skin;
+  if (s->surfaces->pairs(s->surfaces->self, view->x, view->x, reach, &pairs) != HK_OK)
+    block[0][0] = block[0][3] = block[0][5] = INFINITY; /* not known: no step is stable */
+  for (size_t k = 0; k < pairs.count; k++) bound_pair(s, view, part, &pairs.pair[k], block);
 }
 
 /* ---- safety ---- */

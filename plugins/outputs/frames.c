@@ -3,15 +3,12 @@
 #include "core/plugin.h"
 #include "plugins/common/film/film.h"
 #include "plugins/common/film/solid_list.h"
-#include "plugins/common/film/video.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
-#include <limits.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct frames {
-  int64_t width, height, every;
+  int64_t width, height, every, sheet;
   hk_look_names names;
   const char *unit, *folder, *video_file;
   double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
@@ -21,7 +18,7 @@ typedef struct frames {
   hk_solid *solid;
   size_t solid_count;
   int map, up, springs, particles, style, light;
-  bool reverse, log, ground, shadows, obstacles, legend, video;
+  bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
 
   const hk_host *host;
   const hk_obstacles *all; /* NULL: there is no such service */
@@ -29,7 +26,6 @@ typedef struct frames {
   bool changed;         /* the topology may have changed since the last picture */
   double *seen, *birth; /* n: 1 from its first frame on; s, known from then */
   double last;          /* s, time of the frame before */
-  double fps;
 } frames;
 
 enum { Z_UP, Y_UP };
@@ -58,9 +54,11 @@ static const hk_param params[] = {
     {"unit", "", "unit of a channel, for the legend",
      HK_STRING, {0}, 0, 0, offsetof(frames, unit), 0, NULL},
     {"camera", "m", "where the camera stands; left out: where it sees the whole motion",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL, NULL},
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL | HK_TIMED, NULL},
     {"target", "m", "what the camera looks at; left out: the middle",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL, NULL},
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL | HK_TIMED, NULL},
+    {"follow", "", "the camera goes along with the particles, which fill two thirds of the picture",
+     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, follow), 0, NULL},
     {"fov", "degrees", "angle from the bottom to the top of the picture",
      HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
     {"up", "", "the axis that points up",
@@ -112,6 +110,10 @@ static const hk_param params[] = {
      HK_VECTOR, {0}, 0, 1, offsetof(frames, background), HK_OPTIONAL, NULL},
     {"legend", "", "draw the bar of colours",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
+    {"sheet", "", "so many stills, evenly spaced in time, side by side in sheet.png; 0: none",
+     HK_INTEGER, {0}, 0, 400, offsetof(frames, sheet), 0, NULL},
+    {"pictures", "", "write a PNG file of each picture; off: the video alone",
+     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, pictures), 0, NULL},
     {"video", "", "make a video of the pictures, with ffmpeg",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, video), 0, NULL},
     {"folder", "", "folder of the pictures, inside the output folder",
@@ -147,11 +149,17 @@ static void plan_colours(frames *f) {
       (hk_scale){f->range.count ? f->range.value[0] : NAN, f->range.count ? f->range.value[1] : NAN, f->log};
 }
 
+/* Where it is at this time. */
+static void place_camera(frames *f) {
+  hk_look_turn(f->up == Y_UP, f->camera, f->film.framing.eye);
+  hk_look_turn(f->up == Y_UP, f->target, f->film.framing.target);
+}
+
 static void plan_camera(frames *f) {
   hk_framing *framing = &f->film.framing;
   framing->fov = f->fov * acos(-1) / 180, framing->aspect = (double)f->width / (double)f->height;
-  hk_look_turn(f->up == Y_UP, f->camera, framing->eye);
-  hk_look_turn(f->up == Y_UP, f->target, framing->target);
+  f->film.follow = f->follow;
+  place_camera(f);
   framing->floor = f->ground, framing->height = f->ground_height;
   framing->radius = f->radius, framing->tube = f->tube, framing->outliers = f->outliers;
 }
@@ -173,7 +181,9 @@ static void make_plan(frames *f) {
   f->film.solid = f->solid, f->film.solids = f->solid_count;
   f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
-  f->film.folder = f->folder, f->film.legend = f->legend, f->film.unit = f->unit;
+  f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
+  f->film.stills = (size_t)f->sheet;
+  f->film.legend = f->legend, f->film.unit = f->unit;
   memcpy(f->film.plain, f->plain, sizeof f->plain);
   plan_colours(f);
   plan_camera(f);
@@ -194,11 +204,19 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   return status;
 }
 
+/* A quick look is at half the size, whose width and height are even, as films want it. */
+static void choose_size(frames *f) {
+  const hk_draft *draft = f->host->query(f->host, "draft/1");
+  if (!draft || !*draft) return;
+  f->width = (f->width + 3) / 4 * 2, f->height = (f->height + 3) / 4 * 2;
+}
+
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   frames *f = self;
   f->host = host;
   f->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  choose_size(f);
   if (f->range.count != 0 && (f->range.count != 2 || f->range.value[0] >= f->range.value[1]))
     return host->fail(host, HK_BAD_PARAM, "range: expected two numbers, the smaller first");
   if (f->range.count && f->log && f->range.value[0] <= 0)
@@ -241,7 +259,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (status != HK_OK) return status;
   make_plan(f);
   note_first(f, view);
-  f->fps = frame->fps / (double)f->every;
+  f->film.reel.fps = frame->fps / (double)f->every;
   f->changed = true;
   return hk_film_open(&f->film, view->host);
 }
@@ -250,33 +268,10 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
   note_births(f, view, (f->last + view->t) / 2);
   if (now->index % (size_t)f->every != 0) return HK_OK;
+  place_camera(f);
   hk_status status = hk_film_add(&f->film, view, f->birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;
-}
-
-static hk_status make_video(frames *f) {
-  char name[PATH_MAX], first[PATH_MAX], file[PATH_MAX], why[256] = "";
-  snprintf(name, sizeof name, "%s/000000.png", f->folder);
-  hk_status status = f->host->path(f->host, name, first, sizeof first);
-  if (status != HK_OK) return status;
-  *strrchr(first, '/') = 0;
-  if (!hk_video_possible()) {
-    f->host->warn(
-        f->host,
-        "no video: there is no program ffmpeg; the pictures are in %s, and where there is one, this makes the "
-        "video: ffmpeg -framerate %g -i %s/%%06d.png -pix_fmt yuv420p %s",
-        first, f->fps, first, f->video_file);
-    return HK_OK;
-  }
-  status = f->host->path(f->host, f->video_file, file, sizeof file);
-  if (status != HK_OK) return status;
-  hk_video_stop stop = {hk_film_stopped, &f->film};
-  hk_video_result result = hk_video_make(first, f->film.pictures, f->fps, file, &stop, why, sizeof why);
-  if (result == HK_VIDEO_STOPPED)
-    return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: no video; the pictures are in %s", first);
-  if (result != HK_VIDEO_MADE) f->host->warn(f->host, "no video: ffmpeg: %s; the pictures are in %s", why, first);
-  return HK_OK;
 }
 
 /* For any verdict. */
@@ -284,7 +279,6 @@ static hk_status close(void *self, hk_verdict verdict) {
   frames *f = self;
   hk_status status = hk_film_finish(&f->film, verdict);
   hk_film_free(&f->film); /* some hundred megabytes that a run may outlive */
-  if (status == HK_OK && f->video && f->film.pictures > 0) status = make_video(f);
   return status;
 }
 

@@ -1,5 +1,5 @@
 /* The surfaces of a run (plugins/common/surfaces/surfaces.h), shared by all contact of it. */
-#include "plugins/common/surfaces/surface_pairs.h"
+#include "plugins/common/surfaces/surface_patches.h"
 #include "plugins/common/surfaces/surface_thickness.h"
 
 #include <stdio.h>
@@ -15,7 +15,10 @@ typedef struct surfaces {
   bool *left; /* n */
   hk_surface_lists lists;
   hk_surface_search search;
-  hk_gather pairs, crossings;
+  hk_surface_patch_set patches;
+  hk_gather pairs, crossings, near;
+  size_t *near_start; /* near_room: of what `between` found */
+  size_t near_room;
   double *counted_at; /* n x 3, m: the positions of `crossings` */
   bool counted;
   double *const *mark; /* of `keep`; NULL: none */
@@ -56,7 +59,8 @@ static hk_status list(surfaces *s, const hk_view *view) {
   mark_left(s);
   hk_status status = hk_surface_lists_build(&s->lists, s->host, view, &s->request, s->left);
   s->lists.mesh.number = s->number;
-  return status == HK_OK ? hk_surface_search_open(&s->search, s->host, &s->lists, s->model) : status;
+  if (status == HK_OK) status = hk_surface_search_open(&s->search, s->host, &s->lists, s->model);
+  return status == HK_OK ? hk_surface_patches_open(&s->patches, s->host, &s->search) : status;
 }
 
 /* ---- joining ---- */
@@ -154,6 +158,37 @@ static hk_status pairs(void *self, const double *x_from, const double *x_to, dou
   return status;
 }
 
+static const hk_surface_patches *patches(void *self) { return &((surfaces *)self)->patches.table; }
+
+static hk_status list_starts(surfaces *s, size_t count) {
+  if (count + 1 > s->near_room) {
+    s->host->release(s->host, s->near_start);
+    s->near_room = 0;
+    s->near_start = s->host->allocate(s->host, 2 * (count + 1) * sizeof *s->near_start);
+    if (!s->near_start) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu pairs of patches", count);
+    s->near_room = 2 * (count + 1);
+  }
+  for (size_t k = 0; k < count; k++) s->near_start[k] = s->near.row[k].at;
+  s->near_start[count] = s->near.count;
+  return HK_OK;
+}
+
+static hk_status between(void *self, const double *x_from, const double *x_to, double reach, const hk_patch_pair *pair,
+                         size_t count, hk_near_pairs *out) {
+  surfaces *s = self;
+  double begin = now();
+  *out = (hk_near_pairs){0};
+  if (!s->joined) return not_joined(s);
+  hk_surface_move move = {.x_from = x_from, .x_to = x_to, .reach = reach};
+  hk_status status = hk_surface_between(&s->search, &s->patches, s->host, &move, pair, count, &s->near);
+  if (status == HK_NOT_FINITE && name_lost(s, x_from) == HK_OK) name_lost(s, x_to);
+  if (status == HK_OK) status = hk_gather_join(&s->near, s->host);
+  if (status == HK_OK) status = list_starts(s, count);
+  if (status == HK_OK) *out = (hk_near_pairs){s->near_start, s->near.record};
+  s->seconds += now() - begin;
+  return status;
+}
+
 static bool is_counted(const surfaces *s, const double *x) {
   return s->counted && hk_surface_search_pins_kept(&s->search) &&
          (s->model->n == 0 || memcmp(s->counted_at, x, 3 * s->model->n * sizeof *x) == 0);
@@ -230,7 +265,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->model = view->model;
   s->pairs.record_size = sizeof(hk_surface_pair);
   s->crossings.record_size = 2 * sizeof(uint32_t);
-  s->table = (hk_surfaces){self, join, mesh, pairs, intersections, report, keep, leaves};
+  s->near.record_size = sizeof(hk_near_pair);
+  s->table = (hk_surfaces){self, join, mesh, pairs, intersections, report, keep, leaves, patches, between};
   return HK_OK;
 }
 

@@ -74,6 +74,13 @@ static bool integers_match(const fake_method *m, const char *saved) {
   return true;
 }
 
+/* The motion is linear: its size does not matter, and shall not become infinite. */
+static void normalise(double *const *address, size_t count) {
+  double largest = 0;
+  for (size_t e = 0; e < count; e++) largest = fmax(largest, fabs(*address[e]));
+  for (size_t e = 0; e < count && largest > 1e6; e++) *address[e] /= largest;
+}
+
 /* Keeps the addresses that the motion reaches: the other components stay 0. Returns how many. */
 static size_t reached(fake_method *m, double **address, size_t count) {
   bool *alive = calloc(count, sizeof *alive);
@@ -82,6 +89,7 @@ static size_t reached(fake_method *m, double **address, size_t count) {
   for (int i = 0; i < WARM; i++) {
     go(m, 1);
     for (size_t e = 0; e < count; e++) alive[e] |= *address[e] != 0;
+    normalise(address, count);
   }
   for (size_t e = 0; e < count; e++)
     if (alive[e]) address[kept++] = address[e];

@@ -81,14 +81,23 @@ static void the_tests_fail_with_a_wrong_plugin(void **state) {
   }
 }
 
+static void a_scene_runs_and_says_what_to_do_next(void **state) {
+  (void)state;
+  says("new scene swing", 0, "hooke run swing.lua");
+  says("run swing.lua N=5", 0, "verdict           ok");
+  says("run swing.lua --help", 0, "stiffness of a spring");
+  says("new scene swing", 1, "swing.lua exists already; it is left as it is");
+}
+
 static void what_cannot_be_made_is_said(void **state) {
   (void)state;
   says("new force wind", 0, "hooke check ./wind.so");
   says("new force wind", 1, "wind.c exists already");
   says("new forse x", 1, "did you mean 'force'?");
-  says("new universe x", 1, "the kinds are force, constraint, corrector, source, integrator, solver, output, service");
+  says("new universe x", 1,
+       "the kinds are scene, force, constraint, corrector, source, integrator, solver, output, service");
   says("new force", 1, "usage: hooke new KIND NAME");
-  says("new force 2x", 1, "'2x' is no plugin name");
+  says("new force 2x", 1, "'2x' is no name for it: use a-z, 0-9 and _, as in my_force");
   shell(HK_BUILD "/hooke", COMPILE "$($H --cflags) wind.c -o wind.so");
   test_hooke(&r, NULL, "run wind.lua");
   assert_int_equal(r.code, 2);
@@ -105,6 +114,8 @@ static void an_installed_hooke_has_all_that_plugins_need(void **state) {
            "make -C '%s' --no-print-directory install CHECKED=1 %s PREFIX=\"$PWD/usr\" && test -x usr/bin/hooke",
            HK_ROOT, sanitize);
   shell("", command);
+  shell("", "grep -q bench usr/share/man/man1/hooke.1 && test -f usr/share/bash-completion/completions/hooke && "
+            "! test -e usr/share/hooke/tools/manual");
   for (size_t k = 0; k < KINDS; k++) {
     snprintf(command, sizeof command,
              "$PWD/$H new %s out_%s && " COMPILE
@@ -123,8 +134,11 @@ static void an_installed_hooke_has_all_that_plugins_need(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_kind_compiles_and_passes_its_test),      cmocka_unit_test(every_kind_passes_hooke_check),
-      cmocka_unit_test(the_tests_fail_with_a_wrong_plugin),           cmocka_unit_test(what_cannot_be_made_is_said),
+      cmocka_unit_test(every_kind_compiles_and_passes_its_test),
+      cmocka_unit_test(every_kind_passes_hooke_check),
+      cmocka_unit_test(the_tests_fail_with_a_wrong_plugin),
+      cmocka_unit_test(what_cannot_be_made_is_said),
+      cmocka_unit_test(a_scene_runs_and_says_what_to_do_next),
       cmocka_unit_test(an_installed_hooke_has_all_that_plugins_need),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -54,7 +54,8 @@ static void explain_tells_the_stable_steps(void **state) {
   snprintf(arguments, sizeof arguments, "explain %s/scripts/scenes/cloth.lua N=8", HK_ROOT);
   says(arguments, 0, "64 particles (2 pinned)");
   says("explain", 1, "no scene given");
-  says("explain oscillator.lua --fast", 1, "neither the scene nor name=value");
+  says("explain oscillator.lua other.lua", 1, "neither the scene nor name=value");
+  says("explain oscillator.lua --fast", 1, "unknown option '--fast'");
 }
 
 static void explain_leaves_an_integrator_that_is_to_be_chosen_open(void **state) {

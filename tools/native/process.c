@@ -3,6 +3,7 @@
 #include "tools/native/common/guard.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <lauxlib.h>
 #include <lua.h>
 #include <poll.h>
@@ -177,6 +178,96 @@ static int kill_process(lua_State *L) {
   return 0;
 }
 
+/* pipe() -> fd to read, fd to write; programs that are started do not get them unasked. */
+static int make_pipe(lua_State *L) {
+  int fd[2];
+  if (pipe(fd) != 0) return refuse(L, "pipe");
+  for (int k = 0; k < 2; k++) {
+    fcntl(fd[k], F_SETFD, FD_CLOEXEC);
+    lua_pushinteger(L, fd[k]);
+  }
+  return 2;
+}
+
+/* Copies of descriptors above those that a program is given, so that none is overwritten before it is copied. */
+enum { GIVEN = 16 };
+
+static void give(const int from[GIVEN]) {
+  int copy[GIVEN];
+  for (int k = 0; k < GIVEN; k++) copy[k] = from[k] >= 0 ? fcntl(from[k], F_DUPFD_CLOEXEC, GIVEN) : -1;
+  for (int k = 0; k < GIVEN; k++)
+    if (copy[k] >= 0 && dup2(copy[k], k) < 0) _exit(127);
+}
+
+/* In the child: a program of its own, which ends in order when its starter has ended. */
+static void become(char *const *words, const int from[GIVEN]) {
+  signal(SIGPIPE, SIG_DFL);
+  setpgid(0, 0); /* an interrupt at the terminal is for the starter, who hands it on */
+#ifdef __linux__
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+#endif
+  give(from);
+  execv(words[0], words);
+  _exit(127);
+}
+
+/* spawn({program, word, ...}, {[fd] = fd, ...}) -> pid: starts a program, with our descriptors as those of these
+ * numbers (below 16). */
+static int spawn(lua_State *L) {
+  int from[GIVEN];
+  luaL_checktype(L, 1, LUA_TTABLE);
+  size_t count = lua_rawlen(L, 1);
+  char **words = lua_newuserdatauv(L, (count + 1) * sizeof *words, 0);
+  for (size_t k = 0; k < count; k++, lua_pop(L, 1)) { /* the table keeps the texts */
+    lua_rawgeti(L, 1, (lua_Integer)k + 1);
+    union {
+      const char *constant;
+      char *word;
+    } u = {luaL_checkstring(L, -1)}; /* execv changes none */
+    words[k] = u.word;
+  }
+  words[count] = NULL;
+  for (int k = 0; k < GIVEN; k++, lua_pop(L, 1)) from[k] = lua_rawgeti(L, 2, k) ? (int)lua_tointeger(L, -1) : -1;
+  fflush(NULL);
+  pid_t pid = fork();
+  if (pid < 0) return refuse(L, "fork");
+  if (pid == 0) become(words, from);
+  lua_pushinteger(L, pid);
+  return 1;
+}
+
+/* interrupt(pid): as Ctrl-C does. */
+static int interrupt(lua_State *L) {
+  kill((pid_t)luaL_checkinteger(L, 1), SIGINT);
+  return 0;
+}
+
+/* A handler is given nothing. */
+static int signals_written = -1;
+
+static void note_signal(int number) {
+  int before = errno;
+  ssize_t written = write(signals_written, "", 1);
+  (void)number, (void)written; /* a full pipe says it already */
+  errno = before;
+}
+
+/* signals() -> fd that can be read once the user has asked this process to end. It is not ended by that any more. */
+static int catch_signals(lua_State *L) {
+  struct sigaction action = {.sa_handler = note_signal};
+  int fd[2];
+  if (pipe(fd) != 0) return refuse(L, "pipe");
+  for (int k = 0; k < 2; k++) fcntl(fd[k], F_SETFD, FD_CLOEXEC);
+  fcntl(fd[1], F_SETFL, O_NONBLOCK);
+  signals_written = fd[1];
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+  sigaction(SIGHUP, &action, NULL);
+  lua_pushinteger(L, fd[0]);
+  return 1;
+}
+
 /* exit(code): ends the process at once, without the exit functions that the parent registered. */
 static int exit_now(lua_State *L) {
   fflush(NULL);
@@ -190,7 +281,8 @@ int luaopen_process(lua_State *L) {
       {"clock", get_clock},   {"terminal", is_terminal}, {"processors", processors}, {"fork", start},
       {"write", write_all},   {"read", read_some},       {"close", close_fd},        {"ready", ready},
       {"wait", wait_for},     {"kill", kill_process},    {"exit", exit_now},         {"capture", capture},
-      {"captured", captured}, {"confine", confine},      {"allow", allow},           {NULL, NULL}};
+      {"captured", captured}, {"confine", confine},      {"allow", allow},           {"pipe", make_pipe},
+      {"spawn", spawn},       {"interrupt", interrupt},  {"signals", catch_signals}, {NULL, NULL}};
   signal(SIGPIPE, SIG_IGN); /* write returns an error in a child whose parent has ended */
   luaL_newlib(L, functions);
   return 1;

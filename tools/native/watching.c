@@ -11,9 +11,11 @@
 static char place[256];
 static hk_status refusal;
 static bool is_folder;
+static lua_Integer asked; /* how often it asked for one, since `into` */
 
 static hk_status path_of(void *context, const char *name, char *buffer, size_t size) {
   (void)context;
+  asked++;
   if (refusal != HK_OK) return refusal;
   if (!is_folder) return snprintf(buffer, size, "%s", place) < (int)size ? HK_OK : HK_IO;
   size_t begin = (size_t)snprintf(buffer, size, "%s/", place);
@@ -40,7 +42,14 @@ static int into(lua_State *L) {
   is_folder = !lua_toboolean(L, 3);
   snprintf(place, sizeof place, "%s", luaL_optstring(L, 2, ""));
   a->run->shared.path = path_of;
+  asked = 0;
   return 0;
+}
+
+/* asked() -> how many files the output has asked for since `into`: one that writes none has none that could fail. */
+static int files_asked(lua_State *L) {
+  lua_pushinteger(L, asked);
+  return 1;
 }
 
 static int push_status(lua_State *L, hk_actor *a, hk_status status) {
@@ -51,6 +60,13 @@ static int push_status(lua_State *L, hk_actor *a, hk_status status) {
 }
 
 static const hk_output *output_of(const hk_actor *a) { return a->instance->plugin->output; }
+
+/* None acts on the crowd. `run` of the frame is its model. */
+static hk_status no_force(const hk_frame *frame, size_t k, double *f) {
+  (void)k;
+  memset(f, 0, 3 * ((const hk_model *)frame->run)->n * sizeof *f);
+  return HK_OK;
+}
 
 /* A view of n particles, at rest in a row, whose arrays are guarded. */
 static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_frame *frame) {
@@ -81,8 +97,10 @@ static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_fr
   model->group = group.at;
   model->pin = pin.at;
   model->edges.count = model->triangles.count = 0;
-  model->element_lists = 0;
-  *frame = a->run->judgement.last_frame;
+  model->element_lists = model->join_lists = 0;
+  *frame = hk_run_output_frame(a->run);
+  frame->force = no_force;
+  frame->run = model;
   hk_view view = a->view;
   view.n = view.acting = n;
   view.x = x.at;
@@ -137,9 +155,9 @@ static int files(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_watching(lua_State *L);
 
 int luaopen_watching(lua_State *L) {
-  static const luaL_Reg functions[] = {{"open", hk_actor_open}, {"watch", hk_actor_watch}, {"into", into},
-                                       {"quiet", quiet},        {"begin", begin},          {"frame", show},
-                                       {"finish", finish},      {"files", files},          {NULL, NULL}};
+  static const luaL_Reg functions[] = {
+      {"open", hk_actor_open}, {"watch", hk_actor_watch}, {"into", into},     {"asked", files_asked}, {"quiet", quiet},
+      {"begin", begin},        {"frame", show},           {"finish", finish}, {"files", files},       {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

@@ -10,15 +10,47 @@ static double approach_of(const hk_barrier_pair *p, const hk_nearest *at, const 
   return d > 0 ? rate / d : 0;
 }
 
-hk_barrier_survey hk_barrier_look(const hk_barrier_contacts *c, const hk_view *view) {
+/* Of the pairs of a chunk: the least gap, and the fastest approach of those that may act. */
+typedef struct part {
+  double closest, approach;
+} part;
+
+typedef struct task {
+  const hk_barrier_contacts *contacts;
+  const hk_view *view;
+  bool all; /* whether the gaps of all are asked for, or of those that may act only */
+  part *part;
+} task;
+
+static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const task *t = context;
+  const hk_barrier_pair *near = t->contacts->near.item;
+  part p = {INFINITY, 0};
+  double x[12];
+  for (size_t k = begin; k < end; k++) {
+    bool may_act = near[k].least < t->contacts->law.distance;
+    if (!may_act && !t->all) continue;
+    hk_barrier_gather(near[k].pair.vertex, t->view->x, x);
+    hk_nearest at = hk_nearest_of_pair((hk_pair_kind)near[k].pair.kind, x);
+    p.closest = fmin(p.closest, sqrt(at.squared) - near[k].pair.offset);
+    if (may_act) p.approach = fmax(p.approach, approach_of(&near[k], &at, t->view->v));
+  }
+  t->part[chunk] = p;
+}
+
+hk_barrier_survey hk_barrier_look(hk_barrier_contacts *c, const hk_view *view) {
   hk_barrier_survey s = {.closest = INFINITY};
-  const hk_barrier_pair *near = c->near.item;
-  hk_barrier_value v;
-  for (size_t k = 0; k < c->found; k++) {
-    bool acts = hk_barrier_evaluate(&near[k], &c->law, view->x, &v);
-    s.closest = fmin(s.closest, v.gap);
-    if (near[k].least < c->law.distance) s.approach = fmax(s.approach, approach_of(&near[k], &v.nearest, view->v));
-    if (acts) s.load += hk_barrier_load(&v), s.energy += v.m * v.E;
+  hk_barrier_values_at(c, view);
+  task t = {c, view, c->acting_count == 0, c->parts.item};
+  view->host->parallel_for(view->host, c->found, HK_BARRIER_GRAIN, look_chunk, &t);
+  for (size_t k = 0; k * HK_BARRIER_GRAIN < c->found; k++) {
+    s.closest = fmin(s.closest, t.part[k].closest);
+    s.approach = fmax(s.approach, t.part[k].approach);
+  }
+  for (size_t k = 0; k < c->acting_count; k++) {
+    const hk_barrier_value *v = hk_barrier_acting(c, k);
+    s.closest = fmin(s.closest, v->gap);
+    s.load += hk_barrier_load(v), s.energy += v->m * v->E;
   }
   return s;
 }

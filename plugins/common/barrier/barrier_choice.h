@@ -12,7 +12,7 @@ typedef struct hk_barrier_survey {
   double energy;   /* J */
 } hk_barrier_survey;
 
-hk_barrier_survey hk_barrier_look(const hk_barrier_contacts *, const hk_view *view);
+hk_barrier_survey hk_barrier_look(hk_barrier_contacts *, const hk_view *view);
 
 /* kg/m^2, mass of the surfaces' particles that can move by the area they stand for; 0: there are none. */
 double hk_barrier_density(const hk_barrier_contacts *, const hk_view *view);

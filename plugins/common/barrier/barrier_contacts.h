@@ -3,17 +3,26 @@
  * `near` holds all pairs that may come nearer than the barrier's distance on the present move, and more: it is found
  * with a margin, and kept while no particle is farther than that from where it was then. `named` holds the pairs that
  * have blocks in the matrix: it changes when a pair comes near that has none, so that contacts that open and close
- * again leave the pattern as it is. Invariants: both rise by hk_barrier_order, so that sums over pairs that act have
+ * again leave the pattern as it is. Invariants: both rise by hk_surface_order, so that sums over pairs that act have
  * one order whatever else was found; a pair that acts has a name. */
 #ifndef HK_BARRIER_CONTACTS_H
 #define HK_BARRIER_CONTACTS_H
 
+#include "plugins/common/surfaces/surface_order.h"
 #include "plugins/common/barrier/barrier_shape.h"
 
 enum {
   HK_BARRIER_GRAIN = 512, /* pairs of a chunk, some 30 us */
-  HK_BARRIER_BATCH = 2048 /* pairs whose Hessians are computed, by all threads, before they are added */
+  HK_BARRIER_BATCH = 1024 /* pairs whose Hessians are computed, by all threads, before they are added */
 };
+
+/* The margin of the search and of the names, in parts of the barrier's distance. */
+#define HK_BARRIER_MARGIN 0.5
+
+/* Of a chunk of `near`. */
+typedef struct hk_barrier_tally {
+  uint32_t acting, touching; /* pairs */
+} hk_barrier_tally;
 
 typedef struct hk_barrier_contacts {
   const hk_host *host;
@@ -23,26 +32,46 @@ typedef struct hk_barrier_contacts {
   hk_array near;     /* hk_barrier_pair; scratch */
   hk_array named;    /* hk_surface_pair */
   hk_array base;     /* double, n x 3: the positions for which `near` was found; scratch */
-  hk_array sums;     /* double, one of each chunk of `near`; scratch */
-  hk_array loads;    /* double, 12 of each pair of `near`; scratch */
-  hk_array acting;   /* uint32_t, positions in `near`; scratch */
-  hk_array hessians; /* double, HK_BARRIER_BATCH x 144; scratch */
-  double *shape;     /* hk_barrier_shape of the n particles */
+  hk_array kept_of;  /* uint32_t, of each chunk of what was found; scratch */
+  hk_array halves;   /* hk_surface_pair: what was found, and ends of strands; scratch */
+  hk_array values;   /* hk_barrier_value, as many as `near`; see below; scratch */
+  hk_array tally;    /* hk_barrier_tally, one of each chunk of `near`; scratch */
+  hk_array acting;   /* uint32_t, positions in `values`; scratch */
+  hk_array at;       /* double, n x 3: the positions of `values`; scratch */
+  hk_array way;      /* double, n x 3: the present move; scratch */
+  hk_array sums;     /* double, one of each chunk; scratch */
+  hk_array parts;    /* double, two of each chunk; scratch */
+  hk_array loads;    /* double, 12 of each pair that acts; scratch */
+  hk_array hessians; /* hk_barrier_hessian, HK_BARRIER_BATCH; scratch */
+  hk_surface_sorter sorter;
+  double *shape; /* hk_barrier_shape of the n particles */
   /* others */
-  size_t found;
-  bool *on_surface; /* n, whether the particle belongs to a triangle */
-  uint64_t number;  /* of the surfaces' lists that `near` and `shape` belong to; 0: none */
-  bool kept;        /* `near` holds for all moves within the margin around `base` */
+  size_t found, acting_count, touching; /* pairs: near, acting, and of these without a gap */
+  bool evaluated;                       /* `acting` is that of `at` and of this stiffness */
+  double evaluated_stiffness;           /* Pa */
+  bool *on_surface;                     /* n, whether the particle belongs to a triangle */
+  uint64_t number;                      /* of the surfaces' lists that `near` and `shape` belong to; 0: none */
+  bool kept;                            /* `near` holds for all moves within the margin around `base` */
 } hk_barrier_contacts;
 
-int hk_barrier_order(const hk_surface_pair *, const hk_surface_pair *); /* as strcmp */
 /* Forgets all pairs, when particles have other indices. HK_NO_MEMORY. */
 hk_status hk_barrier_forget(hk_barrier_contacts *);
 /* For hk_force.update: finds what may act on the straight move to x_to. `also`: pairs that need blocks as well, rising;
  * *changed is set where the blocks differ. */
 hk_status hk_barrier_find(hk_barrier_contacts *, const hk_view *from, const double *x_to, const hk_surface_pair *also,
                           size_t also_count, bool *changed);
+/* Its last part: tells the pairs their names, and gives names where one has none that may act on the first `part` of
+ * the move. */
+hk_status hk_barrier_tell_names(hk_barrier_contacts *, double part, const hk_surface_pair *also, size_t also_count,
+                                bool *changed);
 /* For hk_force.step_limit. */
 double hk_barrier_limit(hk_barrier_contacts *, const hk_view *from, const double *dx);
+
+/* ---- barrier_values.c: the pairs that act at some positions, with their energies and derivatives: evaluated once for
+ * each state, whatever asks for it, force, energy, blocks or the record of an accepted step ---- */
+
+/* Makes `acting`, in the order of `near`, those of the positions x. Evaluates nothing where they are already. */
+void hk_barrier_values_at(hk_barrier_contacts *, const hk_view *view);
+const hk_barrier_value *hk_barrier_acting(const hk_barrier_contacts *, size_t k); /* k < acting_count */
 
 #endif

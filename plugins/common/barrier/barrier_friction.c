@@ -76,16 +76,17 @@ static void remember(const hk_barrier_pair *p, const hk_barrier_value *v, const 
   for (int c = 0; c < 3; c++) t->normal[c] = d > 0 ? v->nearest.d[c] / d : 0;
 }
 
-hk_status hk_friction_take(hk_barrier_friction *f, const hk_barrier_contacts *c, const hk_view *view) {
+hk_status hk_friction_take(hk_barrier_friction *f, hk_barrier_contacts *c, const hk_view *view) {
   const hk_barrier_pair *near = c->near.item;
-  hk_barrier_value v;
   size_t count = 0;
   if (!(f->coefficient > 0)) return c->host->resize(c->host, &f->touches, 0);
-  hk_status status = c->host->resize(c->host, &f->touches, c->found);
+  hk_barrier_values_at(c, view);
+  hk_status status = c->host->resize(c->host, &f->touches, c->acting_count);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < c->found; k++)
-    if (near[k].name != UINT32_MAX && hk_barrier_evaluate(&near[k], &c->law, view->x, &v))
-      remember(&near[k], &v, view, &touches_of(f)[count++]);
+  for (size_t k = 0; k < c->acting_count; k++) {
+    const hk_barrier_value *v = hk_barrier_acting(c, k);
+    if (near[v->near].name != UINT32_MAX) remember(&near[v->near], v, view, &touches_of(f)[count++]);
+  }
   return c->host->resize(c->host, &f->touches, count);
 }
 
@@ -127,7 +128,7 @@ void hk_friction_tell_names(hk_barrier_friction *f, const hk_barrier_contacts *c
   const hk_surface_pair *named = c->named.item;
   size_t k = 0;
   for (size_t e = 0; e < f->touches.count; e++) {
-    while (k < c->named.count && hk_barrier_order(&named[k], &touches_of(f)[e].pair) < 0) k++;
+    while (k < c->named.count && hk_surface_order(&named[k], &touches_of(f)[e].pair) < 0) k++;
     touches_of(f)[e].name = (uint32_t)k;
   }
 }

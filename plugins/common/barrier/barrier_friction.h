@@ -26,7 +26,7 @@ double hk_friction_add(const hk_barrier_friction *, const double *v, double *F);
 double hk_friction_power(const hk_barrier_friction *, const double *v);          /* W */
 void hk_friction_damping(const hk_barrier_friction *, const double *v, const hk_blocks *into);
 /* Takes over the contacts of an accepted step. HK_NO_MEMORY. */
-hk_status hk_friction_take(hk_barrier_friction *, const hk_barrier_contacts *, const hk_view *view);
+hk_status hk_friction_take(hk_barrier_friction *, hk_barrier_contacts *, const hk_view *view);
 /* After births and deaths: drops the contacts of the dead and finds the indices of the others. HK_NO_MEMORY. */
 hk_status hk_friction_renumber(hk_barrier_friction *, const hk_view *view);
 /* Before hk_barrier_find: lists the pairs of the touches. After it: tells them their names. */

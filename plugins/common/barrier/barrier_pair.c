@@ -8,15 +8,28 @@ void hk_barrier_gather(const uint32_t vertex[4], const double *x, double at[12])
   for (size_t a = 0; a < 4; a++) memcpy(at + 3 * a, x + 3 * (size_t)vertex[a], 3 * sizeof *at);
 }
 
+/* The axis separates the two features by the distance of their nearest points where it was taken, and by no more than
+ * their distance anywhere. */
+bool hk_barrier_is_apart(const hk_barrier_pair *p, const hk_barrier_law *law, const double *x) {
+  double at[4];
+  for (size_t a = 0; a < 4; a++) {
+    const double *y = x + 3 * (size_t)p->pair.vertex[a];
+    at[a] = p->axis[0] * y[0] + p->axis[1] * y[1] + p->axis[2] * y[2];
+  }
+  bool point = p->pair.kind == HK_POINT_TRIANGLE;
+  double first = point ? at[0] : fmin(at[0], at[1]), second = fmax(at[2], at[3]);
+  if (point) second = fmax(at[1], second);
+  return first - second > law->distance + p->pair.offset;
+}
+
 bool hk_barrier_evaluate(const hk_barrier_pair *p, const hk_barrier_law *law, const double *x, hk_barrier_value *v) {
-  double xi = p->pair.offset, D = law->distance, whole = D * (D + 2 * xi);
-  hk_barrier_gather(p->pair.vertex, x, v->x);
-  v->nearest = hk_nearest_of_pair((hk_pair_kind)p->pair.kind, v->x);
+  double xi = p->pair.offset, D = law->distance, whole = D * (D + 2 * xi), at[12];
+  hk_barrier_gather(p->pair.vertex, x, at);
+  v->nearest = hk_nearest_of_pair((hk_pair_kind)p->pair.kind, at);
   double d = sqrt(v->nearest.squared), s = (d - xi) * (d + xi), u = s / whole, energy = law->stiffness * p->area * D;
   v->gap = d - xi;
   if (!(u < 1)) return false;
-  v->m = p->limit > 0 ? hk_edge_mollifier(v->x, p->limit, NULL, NULL) : 1;
-  if (v->m < 1) hk_edge_mollifier(v->x, p->limit, v->g, NULL);
+  v->m = p->limit > 0 ? hk_edge_mollifier(at, p->limit, NULL, NULL) : 1;
   if (!(u > 0)) {
     v->E = INFINITY, v->E1 = v->E2 = 0;
     return true;
@@ -28,23 +41,14 @@ bool hk_barrier_evaluate(const hk_barrier_pair *p, const hk_barrier_law *law, co
   return true;
 }
 
-void hk_barrier_gradient(const hk_barrier_value *v, double g[12]) {
+void hk_barrier_gradient(const hk_barrier_pair *p, const hk_barrier_value *v, const double *x, double g[12]) {
+  double at[12], gm[12];
   hk_distance_gradient(&v->nearest, g);
   for (int e = 0; e < 12; e++) g[e] *= v->m * v->E1;
-  for (int e = 0; e < 12 && v->m < 1; e++) g[e] += v->E * v->g[e];
-}
-
-static void add_mollified(const hk_barrier_pair *p, const hk_barrier_value *v, double H[144]) {
-  double g[12], gm[12], M[144];
-  hk_distance_gradient(&v->nearest, g);
-  hk_edge_mollifier(v->x, p->limit, gm, M);
-  for (int r = 0; r < 12; r++)
-    for (int c = 0; c < 12; c++) H[12 * r + c] += v->E1 * (g[r] * gm[c] + gm[r] * g[c]) + v->E * M[12 * r + c];
-}
-
-void hk_barrier_hessian(const hk_barrier_pair *p, const hk_barrier_value *v, bool definite, double H[144]) {
-  hk_distance_energy_hessian(&v->nearest, v->x, v->m * v->E1, v->m * v->E2, definite, H);
-  if (v->m < 1 && !definite) add_mollified(p, v, H);
+  if (!(v->m < 1)) return;
+  hk_barrier_gather(p->pair.vertex, x, at);
+  hk_edge_mollifier(at, p->limit, gm, NULL);
+  for (int e = 0; e < 12; e++) g[e] += v->E * gm[e];
 }
 
 double hk_barrier_load(const hk_barrier_value *v) { return -2 * v->m * v->E1 * sqrt(v->nearest.squared); }

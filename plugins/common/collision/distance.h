@@ -17,6 +17,7 @@
 #define HK_DISTANCE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 typedef enum hk_pair_kind { HK_POINT_TRIANGLE, HK_EDGE_EDGE } hk_pair_kind;
 

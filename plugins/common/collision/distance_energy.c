@@ -5,14 +5,15 @@
  * n, E1 H + E2 g g^T = 2 E1 w w^T (x) (I - sum_k t_k t_k^T) + 4 E2 delta^2 w w^T (x) n n^T
  *                       - 2 E1 sum_k (delta^2 a_k a_k^T (x) n n^T + delta (a_k w^T (x) n t_k^T + w a_k^T (x) t_k n^T))
  * (distance_derivatives.c). All of it lives in at most five of the twelve dimensions: w (x) I and a_k (x) n. In an
- * orthonormal basis of these it is a matrix of 5 x 5, whose eigenvalues come from Jacobi's rotations. */
-#include "plugins/common/collision/distance.h"
+ * orthonormal basis of these it is a matrix of 5 x 5, of which a direction in which the nearest points do not move is
+ * an eigenvector. The eigenvalues of the rest, of 1 + 2 count dimensions, come from Jacobi's rotations. */
+#include "plugins/common/collision/distance_form.h"
 #include "plugins/common/collision/nearest_frame.h"
 #include "plugins/common/space/vector3.h"
 
 #include <string.h>
 
-/* Basis: w/|w|, c_1, c_2 (x) n, and w/|w| (x) the two other axes. */
+/* Basis: w/|w|, and for each of `count` directions c_k, all (x) n; then w/|w| (x) these directions. */
 enum { SIZE = 5 };
 
 typedef struct basis {
@@ -44,27 +45,27 @@ static void open_basis(basis *b, const hk_nearest *near, const double *x) {
   }
 }
 
-/* The matrix in the basis. */
-static void reduce(const basis *b, double E1, double E2, double A[SIZE][SIZE]) {
+/* The matrix in the basis; returns its size. */
+static int reduce(const basis *b, double E1, double E2, double A[SIZE][SIZE]) {
+  int count = b->frame.count;
   double w = b->length, f = -2 * E1, delta = b->frame.distance;
   memset(A, 0, SIZE * sizeof *A);
   A[0][0] = (2 * E1 + 4 * E2 * delta * delta) * w * w;
-  for (int k = 0; k < 2; k++) {
-    for (int p = 0; p < 3; p++) {
-      for (int q = 0; q < 3; q++) A[p][q] += f * delta * delta * b->a[k][p] * b->a[k][q];
-      A[p][3 + k] = A[3 + k][p] = f * delta * w * b->a[k][p];
+  for (int k = 0; k < count; k++)
+    for (int p = 0; p <= count; p++) {
+      for (int q = 0; q <= count; q++) A[p][q] += f * delta * delta * b->a[k][p] * b->a[k][q];
+      A[p][1 + count + k] = A[1 + count + k][p] = f * delta * w * b->a[k][p];
     }
-    A[3 + k][3 + k] = k < b->frame.count ? 0 : 2 * E1 * w * w;
-  }
+  return 1 + 2 * count;
 }
 
 /* Rotates the axes p and q so that A_pq vanishes; A becomes R A R^T, and the rows of V the new axes. */
-static void rotate(double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int q) {
+static inline void rotate(int size, double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int q) {
   double h = (A[q][q] - A[p][p]) / (2 * A[p][q]);
   double t = (h < 0 ? -1 : 1) / (fabs(h) + sqrt(1 + h * h)), c = 1 / sqrt(1 + t * t), s = t * c;
   double change = t * A[p][q];
   A[p][p] -= change, A[q][q] += change, A[p][q] = A[q][p] = 0;
-  for (int k = 0; k < SIZE; k++) {
+  for (int k = 0; k < size; k++) {
     double a = V[p][k], b = V[q][k];
     V[p][k] = c * a - s * b, V[q][k] = s * a + c * b;
     if (k == p || k == q) continue;
@@ -75,55 +76,77 @@ static void rotate(double A[SIZE][SIZE], double V[SIZE][SIZE], int p, int q) {
 
 /* Until what is off the diagonal is rounding. Cyclic sweeps converge quadratically: five are usual, and more than ten
  * are not known. */
-static void diagonalize(double A[SIZE][SIZE], double V[SIZE][SIZE]) {
+static void diagonalize(int size, double A[SIZE][SIZE], double V[SIZE][SIZE]) {
   for (int k = 0; k < SIZE * SIZE; k++) V[k / SIZE][k % SIZE] = k / SIZE == k % SIZE;
   for (int sweep = 0; sweep < 20; sweep++) {
     double off = 0, all = 0;
-    for (int p = 0; p < SIZE; p++) {
+    for (int p = 0; p < size; p++) {
       all += A[p][p] * A[p][p];
-      for (int q = p + 1; q < SIZE; q++) off += A[p][q] * A[p][q];
+      for (int q = p + 1; q < size; q++) off += A[p][q] * A[p][q];
     }
     if (!(off > 1e-32 * all)) return;
-    for (int p = 0; p < SIZE; p++)
-      for (int q = p + 1; q < SIZE; q++)
-        if (A[p][q] != 0) rotate(A, V, p, q);
+    for (int p = 0; p < size; p++)
+      for (int q = p + 1; q < size; q++)
+        if (A[p][q] != 0) rotate(size, A, V, p, q);
   }
 }
 
-/* y: the vector of 12 with these coordinates in the basis. */
-static void expand(const basis *b, const double v[SIZE], double y[12]) {
-  const double(*axis)[3] = b->frame.axis;
+/* A without its negative eigenvalues. */
+static void project(int size, double A[SIZE][SIZE]) {
+  double V[SIZE][SIZE], P[SIZE][SIZE] = {{0}};
+  diagonalize(size, A, V);
+  for (int e = 0; e < size; e++)
+    for (int p = 0; p < size && A[e][e] > 0; p++)
+      for (int q = 0; q < size; q++) P[p][q] += A[e][e] * V[e][p] * V[e][q];
+  memcpy(A, P, sizeof P);
+}
+
+/* The form of the matrix A in the basis, and of `other`, the eigenvalue of w (x) the directions that do not move. */
+static void expand(const basis *b, double A[SIZE][SIZE], double other, hk_distance_form *f) {
+  int count = b->frame.count;
+  const double(*t)[3] = b->frame.axis + 1;
+  double w = b->length;
   for (int i = 0; i < 4; i++) {
-    double along = v[0] * b->e[0][i] + v[1] * b->e[1][i] + v[2] * b->e[2][i];
-    for (int c = 0; c < 3; c++)
-      y[3 * i + c] = along * axis[0][c] + b->e[0][i] * (v[3] * axis[1][c] + v[4] * axis[2][c]);
+    double u[SIZE] = {0};
+    for (int p = 0; p < 1 + 2 * count; p++)
+      for (int q = 0; q <= count; q++) u[p] += A[p][q] * b->e[q][i];
+    for (int j = 0; j < 4; j++) f->g[i][j] = u[0] * b->e[0][j] + u[1] * b->e[1][j] * (count > 0);
+    for (int j = 0; j < 4 && count > 1; j++) f->g[i][j] += u[2] * b->e[2][j];
+    for (int c = 0; c < 4; c++) f->q[i][c] = 0;
+    for (int k = 0; k < count; k++)
+      for (int c = 0; c < 3; c++) f->q[i][c] += u[1 + count + k] / w * t[k][c];
   }
+  memset(f->T, 0, sizeof f->T);
+  for (int k = 0; k < 2; k++)
+    for (int l = 0; l < 2; l++) {
+      bool moves = k < count && l < count;
+      double value = moves ? A[1 + count + k][1 + count + l] / (w * w) : k == l && k >= count ? other : 0;
+      for (int e = 0; e < 9 && value != 0; e++) f->T[e] += value * t[k][e / 3] * t[l][e % 3];
+    }
 }
 
-static void projected(const hk_nearest *near, const double *x, double E1, double E2, double H[144]) {
+void hk_distance_energy_form(const hk_nearest *near, const double x[12], double E1, double E2, bool definite,
+                             hk_distance_form *f) {
   basis b;
-  double A[SIZE][SIZE], V[SIZE][SIZE], y[12];
+  double A[SIZE][SIZE], other = 2 * E1;
   open_basis(&b, near, x);
-  reduce(&b, E1, E2, A);
-  diagonalize(A, V);
-  memset(H, 0, 144 * sizeof *H);
-  for (int q = 0; q < SIZE; q++) {
-    if (!(A[q][q] > 0)) continue;
-    expand(&b, V[q], y);
-    for (int i = 0; i < 12; i++)
-      for (int j = 0; j < 12; j++) H[12 * i + j] += A[q][q] * y[i] * y[j];
-  }
+  int size = reduce(&b, E1, E2, A);
+  if (definite) project(size, A), other = fmax(other, 0);
+  expand(&b, A, other, f);
+  memcpy(f->w, near->w, sizeof f->w);
+  memcpy(f->n, b.frame.axis[0], 3 * sizeof *f->n);
+  f->n[3] = 0;
 }
 
 void hk_distance_energy_hessian(const hk_nearest *near, const double x[12], double E1, double E2, bool definite,
                                 double H[144]) {
-  if (definite) {
-    projected(near, x, E1, E2, H);
-    return;
+  const size_t slot[4] = {0, 1, 2, 3};
+  double row[36];
+  hk_distance_form f;
+  hk_distance_energy_form(near, x, E1, E2, definite, &f);
+  for (int i = 0; i < 4; i++) {
+    memset(row, 0, sizeof row);
+    hk_distance_form_row(&f, i, slot, row);
+    for (int e = 0; e < 36; e++) H[12 * (3 * i + e % 9 / 3) + 3 * (e / 9) + e % 3] = row[e];
   }
-  double g[12];
-  hk_distance_gradient(near, g);
-  hk_distance_hessian(near, x, H);
-  for (int i = 0; i < 12; i++)
-    for (int j = 0; j < 12; j++) H[12 * i + j] = E1 * H[12 * i + j] + E2 * g[i] * g[j];
 }

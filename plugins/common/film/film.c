@@ -1,7 +1,7 @@
 #include "plugins/common/film/film.h"
 
+#include "plugins/common/camera/follow.h"
 #include "plugins/common/film/obstacle_solids.h"
-#include "plugins/common/film/png_file.h"
 #include "plugins/common/picture/legend.h"
 #include "plugins/common/snapshot/ink.h"
 
@@ -12,8 +12,9 @@
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
-  return isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) || (framing->floor && isnan(framing->height)) ||
-         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
+  return f->stills > 0 || f->follow || isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) ||
+         (framing->floor && isnan(framing->height)) || f->look.sizes == HK_SIZE_MASS ||
+         (framing->counted && isnan(framing->scale.low));
 }
 
 static hk_status make_solids(hk_film *f) {
@@ -26,24 +27,32 @@ static hk_status make_solids(hk_film *f) {
   return HK_OK;
 }
 
+static void draw_legend(hk_painter *painter, void *film) {
+  hk_film *f = film;
+  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
+  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
+  hk_legend_draw(painter, &legend);
+}
+
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
   f->host = host;
-  f->interruption = host->query(host, "interruption/1");
   hk_snapshot3d_open(&f->snapshot, host, &f->look);
-  hk_status status = make_solids(f);
+  hk_status status = hk_reel_open(&f->reel, host, f->width, f->height);
+  if (status == HK_OK) status = make_solids(f);
   if (status != HK_OK) return status;
   hk_colormap_fill(f->map, f->reverse, f->table);
   f->gl = hk_gl_context_create(&why);
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
   status = hk_painter_open(&f->painter, host, f->width, f->height);
   if (status != HK_OK) return status;
+  if (f->legend && f->framing.counted) f->painter.overlay = draw_legend, f->painter.overlay_context = f;
   f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
   if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
   f->waiting = has_to_wait(f);
-  snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->folder);
+  snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->reel.folder);
   return f->waiting ? hk_frame_spool_open(&f->spool, host, name) : HK_OK;
 }
 
@@ -81,23 +90,6 @@ static void colour_particles(hk_film *f) {
   }
 }
 
-static void draw_legend(hk_film *f) {
-  hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
-  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
-  hk_legend_draw(&f->painter, &legend);
-}
-
-static hk_status write_picture(hk_film *f) {
-  char name[PATH_MAX], path[PATH_MAX], why[256];
-  snprintf(name, sizeof name, "%s/%06zu.png", f->folder, f->pictures);
-  hk_status status = f->host->path(f->host, name, path, sizeof path);
-  if (status != HK_OK) return status;
-  if (hk_png_write(path, f->width, f->height, f->picture, why, sizeof why) != 0)
-    return f->host->fail(f->host, HK_IO, "cannot write %s: %s", path, why);
-  f->pictures++;
-  return HK_OK;
-}
-
 /* Exposes for the frame with the most particles, the one in the middle if it is one of them. */
 static hk_status expose(hk_film *f) {
   const hk_frame_spool_entry *entry = f->spool.entry;
@@ -116,11 +108,11 @@ static hk_status draw(hk_film *f) {
   hk_status status = make_colours(f, f->snapshot.n);
   if (status != HK_OK) return status;
   colour_particles(f);
+  hk_framing_move(&f->snapshot, &f->setup);
   status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
   if (status != HK_OK) return status;
-  if (f->legend && f->framing.counted) draw_legend(f);
   status = hk_painter_read(&f->painter, &f->setup, f->picture);
-  return status == HK_OK ? write_picture(f) : status;
+  return status == HK_OK ? hk_reel_add(&f->reel, f->picture) : status;
 }
 
 static hk_status use_context(hk_film *f) {
@@ -133,38 +125,46 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_ink_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->look.y_up, f->snapshot.solid + f->solids);
+  memcpy(f->snapshot.eye, f->framing.eye, sizeof f->snapshot.eye);
+  memcpy(f->snapshot.target, f->framing.target, sizeof f->snapshot.target);
   if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   status = use_context(f);
   return status == HK_OK ? draw(f) : status;
 }
 
-bool hk_film_stopped(void *film) {
-  const hk_film *f = film;
-  return f->interruption && f->interruption->again(f->interruption->self);
-}
-
 /* A frame that reaches five times (diverged) or a thousand times as far as the median frame is drawn as well, but
  * ignored in the choice of the camera. */
-hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {
-  if (!f->waiting || !f->spool.count) return HK_OK;
+static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
   hk_status status = use_context(f);
   if (status == HK_OK)
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
+  if (status == HK_OK && f->follow)
+    status = hk_follow(&f->framing, &f->spool, f->snapshot.origin, f->reel.fps, &f->setup);
   if (status == HK_OK) status = expose(f);
+  if (status == HK_OK) status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
-    if (hk_film_stopped(f))
+    if (hk_reel_stopped(&f->reel))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f);
+    if (status == HK_OK) hk_sheet_take(&f->sheet, k, f->picture);
   }
+  if (status == HK_OK) status = hk_sheet_write(&f->sheet, "sheet.png");
   return status;
+}
+
+hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {
+  hk_status status = f->waiting && f->spool.count ? draw_waiting(f, verdict) : HK_OK;
+  return status == HK_OK ? hk_reel_finish(&f->reel) : status;
 }
 
 void hk_film_free(hk_film *f) {
   if (f->gl && hk_gl_context_use(f->gl)) hk_painter_close(&f->painter);
   hk_gl_context_destroy(f->gl);
   f->gl = NULL;
+  hk_reel_free(&f->reel);
+  hk_sheet_free(&f->sheet);
   hk_frame_spool_close(&f->spool);
   if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);

@@ -5,15 +5,18 @@
 #define HK_FILM_H
 
 #include "plugins/common/colour/colormap.h"
+#include "plugins/common/film/reel.h"
+#include "plugins/common/film/sheet.h"
 #include "plugins/common/gl/gl_context.h"
 #include "plugins/common/obstacles/obstacle.h"
-#include "plugins/common/picture/framing.h"
+#include "plugins/common/camera/framing.h"
 #include "plugins/common/picture/painter.h"
 
 typedef struct hk_film {
   /* To be set before hk_film_open. */
-  int width, height;  /* pixels */
-  const char *folder; /* of the pictures, inside the run's */
+  int width, height; /* pixels */
+  hk_reel reel;      /* its plan */
+  size_t stills;     /* of the sheet; 0: there is none */
   bool legend;
   double plain[3]; /* colour of everything where nothing else is shown, 0..1; NAN: blue */
   hk_colormap map;
@@ -23,14 +26,15 @@ typedef struct hk_film {
   const hk_solid *solid;            /* valid until hk_film_open returns; in coordinates with z up */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
   hk_look look;
-  hk_framing framing;
+  hk_framing framing;  /* eye and target may be others for each picture */
+  bool follow;         /* the camera goes along with the particles */
   hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */
 
   const hk_host *host;
-  const hk_interruption *interruption;
   bool waiting;           /* frames are drawn at the end */
   hk_snapshot3d snapshot; /* its solids: those of the script, then the obstacles */
   hk_frame_spool spool;
+  hk_sheet sheet;
   hk_gl_context *gl;
   hk_painter painter;
   uint8_t (*colour)[4]; /* one per particle */
@@ -38,15 +42,13 @@ typedef struct hk_film {
   unsigned char *picture; /* width x height x 4 */
   uint8_t table[HK_MAP_SIZE][4];
   char text[96]; /* label and unit */
-  size_t pictures;
 } hk_film;
 
 hk_status hk_film_open(hk_film *, const hk_host *host);
 /* `birth`: as in hk_ink_take. `changed`: the topology may differ from the last call's. */
 hk_status hk_film_add(hk_film *, const hk_view *view, const double *birth, bool changed);
-hk_status hk_film_finish(hk_film *, hk_verdict verdict); /* draws the frames that wait */
-/* Whether the user asks, once more, to stop: while the pictures of a run that has ended are drawn or made a video. */
-bool hk_film_stopped(void *film);
+/* Draws the frames that wait, and ends the video. */
+hk_status hk_film_finish(hk_film *, hk_verdict verdict);
 void hk_film_free(hk_film *); /* a zeroed or freed one is allowed */
 
 #endif

@@ -2,7 +2,6 @@
 
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdint.h>
@@ -29,49 +28,40 @@ bool hk_video_possible(void) {
   return false;
 }
 
-/* "./" keeps a name from being read as an option or a protocol; with `pattern`, % is written as %%. */
-static bool safe_name(const char *name, bool pattern, const char *tail, char *out, size_t size) {
-  size_t at = 0;
-  if (*name != '/') out[at++] = '.', out[at++] = '/';
-  for (; *name && at + 2 < size; name++) {
-    if (pattern && *name == '%') out[at++] = '%';
-    out[at++] = *name;
-  }
-  return !*name && at < size && snprintf(out + at, size - at, "%s", tail) < (int)(size - at);
+/* "./" keeps a name from being read as an option or a protocol. */
+static bool safe_name(const char *name, char *out, size_t size) {
+  return snprintf(out, size, "%s%s", *name == '/' ? "" : "./", name) < (int)size;
 }
 
-/* Reads until the other end closes the pipe; keeps the last line. False: it is to stop. */
-static bool last_line(int pipe, const hk_video_stop *stop, char *line, size_t size) {
-  char tail[2048];
-  size_t kept = 0;
-  for (;;) {
-    if (stop->asked(stop->context)) return false;
-    if (kept > sizeof tail / 2) {
-      memmove(tail, tail + kept - sizeof tail / 4, sizeof tail / 4);
-      kept = sizeof tail / 4;
-    }
-    struct pollfd wait = {.fd = pipe, .events = POLLIN};
-    if (poll(&wait, 1, PATIENCE) <= 0) continue;
-    ssize_t got = read(pipe, tail + kept, sizeof tail - 1 - kept);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) break;
-    kept += (size_t)got;
+/* Keeps the last of what the program says. False: there is nothing more to read. */
+static bool listen_to(hk_video *v) {
+  if (v->length > sizeof v->said / 2) {
+    memmove(v->said, v->said + v->length - sizeof v->said / 4, sizeof v->said / 4);
+    v->length = sizeof v->said / 4;
   }
-  while (kept && (tail[kept - 1] == '\n' || tail[kept - 1] == '\r')) kept--;
-  tail[kept] = 0;
-  const char *start = strrchr(tail, '\n');
-  snprintf(line, size, "%s", start ? start + 1 : tail);
-  return true;
+  ssize_t got = read(v->errors, v->said + v->length, sizeof v->said - 1 - v->length);
+  if (got > 0) v->length += (size_t)got;
+  return got > 0 || (got < 0 && (errno == EINTR || errno == EAGAIN));
+}
+
+static void last_line(hk_video *v, char *line, size_t size) {
+  while (v->length && (v->said[v->length - 1] == '\n' || v->said[v->length - 1] == '\r')) v->length--;
+  v->said[v->length] = 0;
+  const char *start = strrchr(v->said, '\n');
+  snprintf(line, size, "%s", start ? start + 1 : v->said);
 }
 
 /* In the child: ffmpeg, which ends with this process, however that ends. The end of `started` is closed by its start;
  * where there is none the cause is written to it. */
-static void become(const char *const arguments[], pid_t parent, int errors, int started) {
-  int nothing = open("/dev/null", O_RDWR);
+static void become(const char *const arguments[], pid_t parent, const int ends[3], int started) {
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, NULL);
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  bool fine = getppid() == parent && dup2(nothing, 0) >= 0 && dup2(nothing, 1) >= 0 && dup2(errors, 2) >= 0;
+  bool fine = getppid() == parent;
+  for (int k = 0; k < 3; k++) fine = fine && dup2(ends[k], k) >= 0;
   if (fine) execvp("ffmpeg", (char *const *)(uintptr_t)arguments);
   int cause = errno;
   ssize_t written = write(started, &cause, sizeof cause);
@@ -85,13 +75,13 @@ static bool open_pipe(int ends[2]) {
   return true;
 }
 
-/* The cause of the failure, or 0. */
-static int start(const char *const arguments[], int errors, pid_t *child) {
+/* Starts the program with these as its standard files. The cause of the failure, or 0. */
+static int start(const char *const arguments[], const int ends[3], pid_t *child) {
   int started[2], cause = 0;
   pid_t parent = getpid();
   if (!open_pipe(started)) return errno;
   *child = fork();
-  if (*child == 0) become(arguments, parent, errors, started[1]);
+  if (*child == 0) become(arguments, parent, ends, started[1]);
   if (*child < 0) cause = errno;
   close(started[1]);
   ssize_t got;
@@ -101,43 +91,95 @@ static int start(const char *const arguments[], int errors, pid_t *child) {
   return cause;
 }
 
-static hk_video_result run(const char *const arguments[], const hk_video_stop *stop, char *why, size_t size) {
-  int errors[2], status = 0;
-  pid_t child = -1;
-  if (!open_pipe(errors)) {
-    snprintf(why, size, "%s", strerror(errno));
-    return HK_VIDEO_FAILED;
-  }
-  int cause = start(arguments, errors[1], &child);
-  close(errors[1]);
-  if (cause) snprintf(why, size, "%s", strerror(cause));
-  bool whole = cause || last_line(errors[0], stop, why, size);
-  close(errors[0]);
-  if (!whole) kill(child, SIGKILL);
-  while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
-  if (cause) return cause == ENOENT ? HK_VIDEO_NO_PROGRAM : HK_VIDEO_FAILED;
-  if (!whole) return HK_VIDEO_STOPPED;
-  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return HK_VIDEO_MADE;
-  if (!*why) snprintf(why, size, "it ended with status %d", status);
-  return HK_VIDEO_FAILED;
+static void close_if_open(int *file) {
+  if (*file >= 0) close(*file);
+  *file = -1;
 }
 
-hk_video_result hk_video_make(const char *folder, size_t count, double fps, const char *file, const hk_video_stop *stop,
-                              char *why, size_t size) {
-  char input[PATH_MAX], output[PATH_MAX], rate[32], frames[32];
-  if (!safe_name(folder, true, "/%06d.png", input, sizeof input) ||
-      !safe_name(file, false, "", output, sizeof output)) {
+/* Starts the program between two pipes, one for pictures and one for what it says. The cause of the failure, or 0. */
+static int connect_to(hk_video *v, const char *const arguments[]) {
+  int in[2] = {-1, -1}, out[2] = {-1, -1}, nothing = open("/dev/null", O_WRONLY | O_CLOEXEC);
+  int cause = nothing >= 0 && open_pipe(in) && open_pipe(out) ? 0 : errno;
+  if (!cause) cause = start(arguments, (const int[3]){in[0], nothing, out[1]}, &v->child);
+  close_if_open(&in[0]), close_if_open(&out[1]), close_if_open(&nothing);
+  v->pictures = in[1], v->errors = out[0];
+  if (!cause) fcntl(v->pictures, F_SETFL, O_NONBLOCK), fcntl(v->errors, F_SETFL, O_NONBLOCK);
+  return cause;
+}
+
+static int reap(hk_video *v) {
+  int status = 0;
+  close_if_open(&v->pictures), close_if_open(&v->errors);
+  while (v->child > 0 && waitpid(v->child, &status, 0) < 0 && errno == EINTR) continue;
+  v->child = 0;
+  return status;
+}
+
+hk_video_result hk_video_begin(hk_video *v, int width, int height, double fps, const char *file, char *why,
+                               size_t size) {
+  char output[PATH_MAX], rate[32], extent[32];
+  *v = (hk_video){.width = width, .height = height, .pictures = -1, .errors = -1};
+  if (!safe_name(file, output, sizeof output)) {
     snprintf(why, size, "the name of the file is too long");
     return HK_VIDEO_FAILED;
   }
+  memcpy(v->file, output, sizeof v->file);
   snprintf(rate, sizeof rate, "%.9g", fps);
-  snprintf(frames, sizeof frames, "%zu", count);
-  const char *const arguments[] = {
-      "ffmpeg",  "-hide_banner", "-loglevel",  "error",     "-nostdin", "-y",  "-framerate",
-      rate,      "-i",           input,        "-frames:v", frames,     "-vf", "crop=trunc(iw/2)*2:trunc(ih/2)*2",
-      "-c:v",    "libx264",      "-preset",    "veryfast",  "-crf",     "18",  "-pix_fmt",
-      "yuv420p", "-movflags",    "+faststart", output,      NULL};
-  hk_video_result result = run(arguments, stop, why, size);
-  if (result == HK_VIDEO_STOPPED) unlink(file);
-  return result;
+  snprintf(extent, sizeof extent, "%dx%d", width, height);
+  const char *const arguments[] = {"ffmpeg",     "-hide_banner", "-loglevel", "error",      "-nostdin",    "-y",
+                                   "-f",         "rawvideo",     "-pix_fmt",  "rgb0",       "-video_size", extent,
+                                   "-framerate", rate,           "-i",        "pipe:0",     "-vf",         "vflip",
+                                   "-c:v",       "libx264",      "-preset",   "veryfast",   "-crf",        "18",
+                                   "-pix_fmt",   "yuv420p",      "-movflags", "+faststart", output,        NULL};
+  int cause = connect_to(v, arguments);
+  if (!cause) return HK_VIDEO_MADE;
+  snprintf(why, size, "%s", strerror(cause));
+  reap(v);
+  return cause == ENOENT ? HK_VIDEO_NO_PROGRAM : HK_VIDEO_FAILED;
+}
+
+bool hk_video_feed(hk_video *v, const unsigned char *rgba) {
+  size_t left = (size_t)v->width * (size_t)v->height * 4;
+  struct pollfd wait[2] = {{.fd = v->pictures, .events = POLLOUT}, {.fd = v->errors, .events = POLLIN}};
+  while (left) {
+    if (poll(wait, 2, -1) < 0 && errno != EINTR) return false;
+    if (wait[1].revents && !listen_to(v)) wait[1].fd = -1;
+    if (wait[0].revents == 0) continue;
+    ssize_t done = write(v->pictures, rgba, left);
+    if (done < 0 && errno != EINTR && errno != EAGAIN) return false;
+    if (done > 0) rgba += done, left -= (size_t)done;
+  }
+  return true;
+}
+
+void hk_video_kill(const hk_video *v) {
+  if (v->child > 0) kill(v->child, SIGKILL);
+}
+
+/* Reads until the program closes its end. False: it is to stop. */
+static bool wait_for_end(hk_video *v, const hk_stop *stop) {
+  struct pollfd wait = {.fd = v->errors, .events = POLLIN};
+  for (;;) {
+    if (stop->asked(stop->context)) return false;
+    if (poll(&wait, 1, PATIENCE) > 0 && !listen_to(v)) return true;
+  }
+}
+
+void hk_video_abandon(hk_video *v) {
+  hk_video_kill(v);
+  reap(v);
+  unlink(v->file);
+}
+
+hk_video_result hk_video_end(hk_video *v, const hk_stop *stop, char *why, size_t size) {
+  close_if_open(&v->pictures);
+  if (!wait_for_end(v, stop)) {
+    hk_video_abandon(v);
+    return HK_VIDEO_STOPPED;
+  }
+  int status = reap(v);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return HK_VIDEO_MADE;
+  last_line(v, why, size);
+  if (!*why) snprintf(why, size, "it ended with status %d", status);
+  return HK_VIDEO_FAILED;
 }

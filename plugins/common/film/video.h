@@ -1,9 +1,10 @@
-/* Makes a video of pictures with the program ffmpeg. */
+/* Makes a video of pictures with the program ffmpeg, which is given them one after the other while it encodes. */
 #ifndef HK_VIDEO_H
 #define HK_VIDEO_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "plugins/common/film/conveyor.h"
+
+#include <sys/types.h>
 
 typedef enum hk_video_result {
   HK_VIDEO_MADE,
@@ -12,16 +13,28 @@ typedef enum hk_video_result {
   HK_VIDEO_STOPPED /* as asked: ffmpeg is ended and its file removed */
 } hk_video_result;
 
-typedef struct hk_video_stop { /* whether to stop, asked ten times a second */
-  bool (*asked)(void *context);
-  void *context;
-} hk_video_stop;
+typedef struct hk_video { /* a zeroed one has not begun */
+  int width, height;
+  char file[PATH_MAX];
+  pid_t child;
+  int pictures, errors; /* pipes to and from the program */
+  char said[2048];      /* the last of what it wrote */
+  size_t length;
+} hk_video;
 
-/* Encodes the first `count` of folder/000000.png, folder/000001.png ... as H.264 into `file`. When that fails, `why` is
- * the last line that ffmpeg wrote, or the system's message. */
-hk_video_result hk_video_make(const char *folder, size_t count, double fps, const char *file, const hk_video_stop *,
-                              char *why, size_t size);
 /* True when there is a program ffmpeg on the PATH. */
 bool hk_video_possible(void);
+/* Starts ffmpeg, in the thread whose end is to be its end as well. It will encode pictures of this size, both even, as
+ * H.264 into `file`. Not HK_VIDEO_MADE: it could not be started, `why` says what the system says. */
+hk_video_result hk_video_begin(hk_video *, int width, int height, double fps, const char *file, char *why, size_t size);
+/* Hands over a picture: width x height, 4 bytes each, the bottom row first. False: ffmpeg has ended. Any thread, with
+ * SIGPIPE blocked. */
+bool hk_video_feed(hk_video *, const unsigned char *rgba);
+/* Waits until all is encoded. When that fails, `why` is the last line that ffmpeg wrote. */
+hk_video_result hk_video_end(hk_video *, const hk_stop *, char *why, size_t size);
+/* Ends ffmpeg at once, so that no one waits for it any more; hk_video_end or hk_video_abandon has to follow. */
+void hk_video_kill(const hk_video *);
+/* Ends ffmpeg and removes its file. */
+void hk_video_abandon(hk_video *);
 
 #endif

@@ -2,6 +2,8 @@
 
 #include "plugins/common/gl/gl.h"
 
+#include <stddef.h>
+
 enum { SAMPLES = 4 };
 enum { DRAWN, KEPT, FLAT };
 
@@ -49,25 +51,23 @@ static void copy_part(const hk_canvas *c, int from, int to, GLbitfield what, int
   glBlitFramebuffer(x, y, x + width, y + height, x, y, x + width, y + height, what, GL_NEAREST);
 }
 
-static void copy(const hk_canvas *c, int from, int to, GLbitfield what) {
-  copy_part(c, from, to, what, 0, 0, c->width, c->height);
-}
-
 void hk_canvas_keep(const hk_canvas *c) {
-  copy(c, DRAWN, KEPT, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  copy_part(c, DRAWN, KEPT, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, 0, 0, c->width, c->height);
   hk_canvas_use(c);
 }
 
-void hk_canvas_restore(const hk_canvas *c) {
-  copy(c, KEPT, DRAWN, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+void hk_canvas_restore(const hk_canvas *c, int x, int y, int width, int height) {
+  copy_part(c, KEPT, DRAWN, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, x, y, width, height);
   hk_canvas_use(c);
 }
 
-void hk_canvas_read(const hk_canvas *c, unsigned char *rgba) {
-  copy(c, DRAWN, FLAT, GL_COLOR_BUFFER_BIT);
+void hk_canvas_read(const hk_canvas *c, int x, int y, int width, int height, unsigned char *rgba) {
+  copy_part(c, DRAWN, FLAT, GL_COLOR_BUFFER_BIT, x, y, width, height);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, c->target[FLAT]);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, c->width, c->height, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+  glPixelStorei(GL_PACK_ROW_LENGTH, c->width);
+  glReadPixels(x, y, width, height, GL_RGBA, GL_UNSIGNED_BYTE, rgba + ((size_t)y * (size_t)c->width + (size_t)x) * 4);
+  glPixelStorei(GL_PACK_ROW_LENGTH, 0);
 }
 
 void hk_canvas_read_depth(const hk_canvas *c, int x, int y, int width, int height, float *depth) {

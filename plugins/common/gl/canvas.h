@@ -13,11 +13,14 @@ typedef struct hk_canvas {
 /* False when the driver has no memory for this size; the canvas can then only be closed. */
 bool hk_canvas_open(hk_canvas *, int width, int height);
 void hk_canvas_close(hk_canvas *);
-void hk_canvas_use(const hk_canvas *);     /* directs drawing to the canvas */
-void hk_canvas_keep(const hk_canvas *);    /* stores the present picture, colour and depth ... */
-void hk_canvas_restore(const hk_canvas *); /* ... and restores it */
-/* width x height x 4 bytes (red, green, blue, 255), the bottom row first. */
-void hk_canvas_read(const hk_canvas *, unsigned char *rgba);
+void hk_canvas_use(const hk_canvas *);  /* directs drawing to the canvas */
+void hk_canvas_keep(const hk_canvas *); /* stores the present picture, colour and depth ... */
+/* ... and restores it in the rectangle whose lower left pixel is (x, y). */
+void hk_canvas_restore(const hk_canvas *, int x, int y, int width, int height);
+/* Reads this rectangle into its place in a whole picture: 4 bytes a pixel (red, green, blue, 255), the bottom row
+ * first.
+ */
+void hk_canvas_read(const hk_canvas *, int x, int y, int width, int height, unsigned char *rgba);
 /* Depths, 0 at the near and 1 at the far plane, of the rectangle whose lower left pixel is (x, y): width x height. */
 void hk_canvas_read_depth(const hk_canvas *, int x, int y, int width, int height, float *depth);
 

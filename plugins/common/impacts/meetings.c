@@ -107,12 +107,26 @@ static void look_at(const hk_meetings *s, const hk_surface_pair *pair, const hk_
   look->enters = look->state == UNSAFE || goes_in(pair, &path, move, look);
 }
 
+/* The last look, if it still holds. */
+static const hk_pair_look *known_look(const hk_meetings *s, uint32_t k) {
+  uint32_t d = s->before_at[k];
+  if (d >= s->befores || s->before_index[d] != k) return NULL;
+  for (int i = 0; i < 4; i++)
+    if (s->touched[s->nearby->pair[k].vertex[i]] > s->since) return NULL;
+  return &s->before[d];
+}
+
 static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const work *w = context;
   hk_nearby *near = w->s->nearby;
   (void)chunk;
   for (size_t d = begin; d < end; d++) {
     const hk_surface_pair *pair = &near->pair[near->index[d]];
+    const hk_pair_look *known = w->s->befores ? known_look(w->s, near->index[d]) : NULL;
+    if (known) {
+      w->s->look[d] = *known;
+      continue;
+    }
     look_at(w->s, pair, w->move, &w->s->look[d]);
     if (w->s->look[d].gap_from > 0) hk_nearby_put_off(near, near->index[d], w->s->look[d].gap_from);
   }
@@ -121,7 +135,18 @@ static void look_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 void hk_meetings_begin(hk_meetings *s) {
   if (s->met) memset(s->met, 0, s->room * sizeof *s->met);
   s->pushes = 0;
+  s->befores = 0;
+  s->touched = NULL;
   s->solved = false;
+}
+
+/* Keeps the last look of a step beside the new one. */
+static void keep_look(hk_meetings *s) {
+  hk_pair_look *kept = s->look;
+  s->look = s->before;
+  s->before = kept;
+  s->befores = s->touched ? s->looked : 0;
+  for (size_t d = 0; d < s->befores; d++) s->before_at[s->before_index[d]] = (uint32_t)d;
 }
 
 /* ---- pairs that were pushed in this step, found again in a new list ---- */
@@ -147,8 +172,10 @@ static void recall(hk_meetings *s) {
   memset(s->met, 0, s->room * sizeof *s->met);
   if (s->pushes == 0) return;
   qsort(s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
-  for (size_t k = 0; k < s->nearby->count; k++)
+  for (size_t d = 0; d < s->nearby->dues; d++) {
+    uint32_t k = s->nearby->index[d];
     s->met[k] = bsearch(&s->nearby->pair[k], s->pushed, s->pushes, sizeof *s->pushed, compare_pairs);
+  }
 }
 
 static hk_status make_room_for_pushed(hk_meetings *s, size_t more) {
@@ -173,14 +200,20 @@ static hk_status make_room(hk_meetings *s) {
   if (s->room < room) {
     hk_meetings_free(s);
     s->look = host->allocate(host, room * sizeof *s->look);
+    s->before = host->allocate(host, room * sizeof *s->before);
+    s->before_index = host->allocate(host, room * sizeof *s->before_index);
+    s->before_at = host->allocate(host, room * sizeof *s->before_at);
     s->meeting = host->allocate(host, room * sizeof *s->meeting);
     s->chosen = host->allocate(host, room * sizeof *s->chosen);
     s->met = host->allocate(host, room * sizeof *s->met);
-    if (!s->look || !s->meeting || !s->chosen || !s->met)
+    if (!s->look || !s->before || !s->before_index || !s->before_at || !s->meeting || !s->chosen || !s->met)
       return host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs", room);
     s->room = room;
   }
-  if (s->searches != s->nearby->searches && s->met) recall(s);
+  if (s->searches != s->nearby->searches) {
+    s->touched = NULL; /* pairs are numbered anew */
+    if (s->met) recall(s);
+  }
   s->searches = s->nearby->searches;
   return HK_OK;
 }
@@ -210,7 +243,10 @@ hk_status hk_meetings_look(hk_meetings *s, const hk_step_move *move) {
   hk_status status = make_room(s);
   if (status != HK_OK) return status;
   work w = {s, move};
+  keep_look(s);
   s->nearby->host->parallel_for(s->nearby->host, s->nearby->dues, GRAIN, look_chunk, &w);
+  s->looked = s->nearby->dues;
+  if (s->looked) memcpy(s->before_index, s->nearby->index, s->looked * sizeof *s->before_index);
   collect(s);
   return HK_OK;
 }
@@ -297,9 +333,13 @@ hk_meetings_closed hk_meetings_closed_at_start(const hk_meetings *s) {
 void hk_meetings_free(hk_meetings *s) {
   const hk_host *host = s->nearby->host;
   host->release(host, s->look);
+  host->release(host, s->before);
+  host->release(host, s->before_index);
+  host->release(host, s->before_at);
   host->release(host, s->meeting);
   host->release(host, s->chosen);
   host->release(host, s->met);
-  s->look = NULL, s->meeting = s->chosen = NULL, s->met = NULL;
+  s->look = s->before = NULL, s->before_index = s->before_at = s->meeting = s->chosen = NULL, s->met = NULL;
+  s->befores = s->looked = 0;
   s->room = 0;
 }

@@ -12,6 +12,10 @@
 typedef struct hk_meetings {
   hk_nearby *nearby;
   double restitution;
+  /* n, when a particle was touched last, and when the last look was: a look within a step leaves out what has not been
+   * touched since. NULL: it looks at all. hk_meetings_begin sets it to that. */
+  const uint64_t *touched;
+  uint64_t since;
   double slack; /* m: gaps that are closed by less than this at the end of the step are accepted */
   /* What hk_meetings_look found */
   size_t unsafe;   /* pairs whose distance on the way may be less than a tenth of the thickness, or half of the first */
@@ -20,11 +24,14 @@ typedef struct hk_meetings {
                       `slack`, and where it was closed at the start, by more than half of that */
   double closest;  /* m, the least gap at the start; INFINITY: no pair can meet */
   /* Room */
-  struct hk_pair_look *look; /* of each of nearby->index */
-  uint32_t *meeting;         /* those that may meet: positions in `look` */
-  uint32_t *chosen;          /* those of the last hk_meetings_impacts */
-  bool *met;                 /* of each pair: its impact was solved in this step */
-  hk_surface_pair *pushed;   /* the same pairs, for when a search within the step numbers them anew */
+  struct hk_pair_look *look;          /* of each of nearby->index */
+  struct hk_pair_look *before;        /* the last look */
+  uint32_t *before_index, *before_at; /* the pairs that it was of; of each pair, its position there */
+  size_t befores, looked;             /* of them; pairs of the last look */
+  uint32_t *meeting;                  /* those that may meet: positions in `look` */
+  uint32_t *chosen;                   /* those of the last hk_meetings_impacts */
+  bool *met;                          /* of each pair: its impact was solved in this step */
+  hk_surface_pair *pushed;            /* the same pairs, for when a search within the step numbers them anew */
   size_t pushes, pushed_room;
   size_t room, meetings, choice, searches, impacts_room;
   bool solved; /* impacts of this step were solved */

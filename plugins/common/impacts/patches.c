@@ -1,122 +1,29 @@
-/* Particles are put in the order of a Z-curve through a grid of 2^10 cells a side, part by part, and cut into patches
- * (Morton 1966). */
 #include "plugins/common/impacts/patches.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-enum { PARTICLES = 48 /* in a patch; 24 and 96 cost more where cloth slides over a ball */, GRAIN = 8, BITS = 10 };
+enum { GRAIN = 16 };
 
-typedef struct place {
-  uint32_t part, code, particle;
-} place;
-
-static int in_order(const void *left, const void *right) {
-  const place *a = left, *b = right;
-  if (a->part != b->part) return a->part < b->part ? -1 : 1;
-  if (a->code != b->code) return a->code < b->code ? -1 : 1;
-  return (a->particle > b->particle) - (a->particle < b->particle);
-}
-
-static void box_of(const hk_view *view, double low[3], double *size) {
-  double high[3];
-  for (int c = 0; c < 3; c++) low[c] = INFINITY, high[c] = -INFINITY;
-  for (size_t i = 0; i < 3 * view->n; i++) {
-    low[i % 3] = fmin(low[i % 3], view->x[i]);
-    high[i % 3] = fmax(high[i % 3], view->x[i]);
-  }
-  *size = 0;
-  for (int c = 0; c < 3; c++) *size = fmax(*size, high[c] - low[c]);
-}
-
-static uint32_t code_of(const double x[3], const double low[3], double size) {
-  uint32_t code = 0;
-  for (int c = 0; c < 3; c++) {
-    double part = size > 0 ? (x[c] - low[c]) / size * ((1 << BITS) - 1) : 0;
-    for (int b = 0; b < BITS; b++) code |= ((uint32_t)part >> b & 1U) << (3 * b + c);
-  }
-  return code;
-}
-
-static void set_homes(hk_patches *p, const hk_surface_mesh *mesh, const hk_view *view, place *order) {
-  double low[3], size;
-  size_t inside = 0;
-  box_of(view, low, &size);
-  for (size_t i = 0; i < view->n; i++)
-    order[i] = (place){mesh->part[i], code_of(view->x + 3 * i, low, size), (uint32_t)i};
-  qsort(order, view->n, sizeof *order, in_order);
-  for (size_t k = 0; k < view->n; k++) {
-    bool new = k == 0 || order[k].part != order[k - 1].part || inside == PARTICLES;
-    p->count += new;
-    inside = new ? 1 : inside + 1;
-    p->home[order[k].particle] = (uint32_t)p->count - 1;
-  }
-}
-
-/* Calls for all features; counts them, or, with `member`, enters their particles. */
-static void enter(const hk_patches *p, const uint32_t *vertex, int count, size_t *at, uint32_t *member) {
-  uint32_t home = hk_patch_of(p, vertex, count);
-  for (int i = 0; i < count; i++) {
-    if (member) member[at[home]] = vertex[i];
-    at[home]++;
-  }
-}
-
-static void enter_all(const hk_patches *p, const hk_surface_mesh *mesh, size_t *at, uint32_t *member) {
-  for (size_t k = 0; k < mesh->points; k++) enter(p, &mesh->point[k], 1, at, member);
-  for (size_t k = 0; k < mesh->edges; k++) enter(p, mesh->edge[k], 2, at, member);
-  for (size_t k = 0; k < mesh->triangles; k++) enter(p, mesh->triangle[k], 3, at, member);
-}
-
-static int rising(const void *a, const void *b) {
-  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
-  return (p > q) - (p < q);
-}
-
-/* Every particle once in each patch. */
-static void remove_doubles(hk_patches *p) {
-  size_t kept = 0, begin = 0;
-  for (size_t k = 0; k < p->count; k++) {
-    size_t end = p->start[k + 1], first = kept;
-    qsort(p->member + begin, end - begin, sizeof *p->member, rising);
-    for (size_t e = begin; e < end; e++)
-      if (kept == first || p->member[kept - 1] != p->member[e]) p->member[kept++] = p->member[e];
-    begin = end;
-    p->start[k] = first;
-  }
-  p->start[p->count] = kept;
-}
-
-hk_status hk_patches_open(hk_patches *p, const hk_host *host, const hk_surface_mesh *mesh, const hk_view *view) {
-  size_t room = mesh->points + 2 * mesh->edges + 3 * mesh->triangles;
+hk_status hk_patches_open(hk_patches *p, const hk_host *host, const hk_surfaces *surfaces, const hk_model *model) {
   hk_patches_free(p, host);
-  place *order = host->allocate(host, (view->n + 1) * sizeof *order);
-  size_t *at = host->allocate(host, (view->n + 2) * sizeof *at);
-  p->home = host->allocate(host, (view->n + 1) * sizeof *p->home);
-  p->start = host->allocate(host, (view->n + 2) * sizeof *p->start);
-  p->member = host->allocate(host, (room + 1) * sizeof *p->member);
-  bool fine = order && at && p->home && p->start && p->member;
-  if (fine) {
-    set_homes(p, mesh, view, order);
-    enter_all(p, mesh, p->start + 1, NULL);
-    for (size_t k = 0; k < p->count; k++) p->start[k + 1] += p->start[k];
-    memcpy(at, p->start, (p->count + 1) * sizeof *at);
-    enter_all(p, mesh, at, p->member);
-    remove_doubles(p);
-  }
-  host->release(host, order);
-  host->release(host, at);
-  if (fine) return HK_OK;
-  hk_patches_free(p, host);
-  return host->fail(host, HK_NO_MEMORY, "no memory for patches of %zu particles", view->n);
+  p->table = surfaces->patches(surfaces->self);
+  p->radius = surfaces->mesh(surfaces->self)->radius;
+  p->model = model;
+  p->box = host->allocate(host, (p->table->count + 1) * sizeof *p->box);
+  p->held = host->allocate(host, (p->table->count + 1) * sizeof *p->held);
+  if (p->box && p->held) return HK_OK;
+  return host->fail(host, HK_NO_MEMORY, "no memory for %zu patches", p->table->count);
 }
 
 void hk_patches_free(hk_patches *p, const hk_host *host) {
-  host->release(host, p->home);
-  host->release(host, p->start);
-  host->release(host, p->member);
+  host->release(host, p->box);
+  host->release(host, p->held);
+  host->release(host, p->pair);
+  hk_bvh_free(&p->tree, host);
   *p = (hk_patches){0};
 }
+
+/* ---- moves ---- */
 
 typedef struct measuring {
   const hk_patches *p;
@@ -125,8 +32,9 @@ typedef struct measuring {
 } measuring;
 
 static void measure(const measuring *m, size_t k) {
-  const uint32_t *member = m->p->member + m->p->start[k];
-  size_t count = m->p->start[k + 1] - m->p->start[k];
+  const hk_surface_patches *t = m->p->table;
+  const uint32_t *member = t->member + t->start[k];
+  size_t count = t->start[k + 1] - t->start[k];
   hk_patch_move move = {{0}, 0};
   double most2 = 0, zero = 0; /* NaN where a place is not finite */
   for (size_t e = 0; e < count; e++) {
@@ -153,5 +61,115 @@ static void measure_chunk(void *context, size_t begin, size_t end, size_t chunk)
 void hk_patches_measure(const hk_patches *p, const hk_host *host, const double *a, const double *b,
                         hk_patch_move *out) {
   measuring m = {p, a, b, out};
-  host->parallel_for(host, p->count, GRAIN, measure_chunk, &m);
+  host->parallel_for(host, p->table->count, GRAIN, measure_chunk, &m);
+}
+
+/* ---- places ---- */
+
+typedef struct sweeping {
+  hk_patches *p;
+  const double *x_from, *x_to;
+} sweeping;
+
+static void widen(hk_box *box, const double *x, double radius) {
+  for (int c = 0; c < 3; c++) {
+    double low = x[c] - radius, high = x[c] + radius;
+    box->low[c] = low < box->low[c] ? low : box->low[c];
+    box->high[c] = high > box->high[c] ? high : box->high[c];
+  }
+}
+
+static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  const sweeping *w = context;
+  const hk_surface_patches *t = w->p->table;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) {
+    hk_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    bool held = true;
+    for (size_t e = t->start[k]; e < t->start[k + 1]; e++) {
+      size_t i = t->member[e];
+      widen(&box, w->x_from + 3 * i, w->p->radius[i]);
+      widen(&box, w->x_to + 3 * i, w->p->radius[i]);
+      held &= w->p->model->inverse_mass[i] == 0;
+    }
+    w->p->box[k] = box;
+    w->p->held[k] = held;
+  }
+}
+
+static double longest(const hk_box *box) {
+  return fmax(box->high[0] - box->low[0], fmax(box->high[1] - box->low[1], box->high[2] - box->low[2]));
+}
+
+void hk_patches_sweep(hk_patches *p, const hk_host *host, const double *x_from, const double *x_to) {
+  sweeping w = {p, x_from, x_to};
+  double sum = 0;
+  host->parallel_for(host, p->table->count, GRAIN, sweep_chunk, &w);
+  for (size_t k = 0; k < p->table->count; k++) sum += longest(&p->box[k]);
+  p->size = p->table->count ? sum / (double)p->table->count : 0;
+}
+
+double hk_patches_apart(const hk_patches *p, uint32_t a, uint32_t b) {
+  double sum = 0;
+  for (int c = 0; c < 3; c++) {
+    double d = fmax(0, fmax(p->box[a].low[c] - p->box[b].high[c], p->box[b].low[c] - p->box[a].high[c]));
+    sum += d * d;
+  }
+  return sqrt(sum);
+}
+
+typedef struct pairing {
+  hk_patches *p;
+  const hk_host *host;
+  double distance;
+  uint32_t a;
+  bool failed;
+} pairing;
+
+static bool make_room(hk_patches *p, const hk_host *host) {
+  if (p->pairs < p->room) return true;
+  size_t room = p->room + p->room / 2 + 64;
+  hk_patch_pair *grown = host->allocate(host, room * sizeof *grown);
+  if (!grown) return false;
+  if (p->pairs) memcpy(grown, p->pair, p->pairs * sizeof *grown);
+  host->release(host, p->pair);
+  p->pair = grown;
+  p->room = room;
+  return true;
+}
+
+static void visit(void *context, uint32_t b) {
+  pairing *w = context;
+  hk_patches *p = w->p;
+  if (b < w->a || (p->held[w->a] && p->held[b]) || !(hk_patches_apart(p, w->a, b) < w->distance)) return;
+  if (make_room(p, w->host))
+    p->pair[p->pairs++] = (hk_patch_pair){w->a, b};
+  else
+    w->failed = true;
+}
+
+/* By b, as a is the same. */
+static void sort(hk_patch_pair *pair, size_t count) {
+  for (size_t k = 1; k < count; k++) {
+    hk_patch_pair kept = pair[k];
+    size_t to = k;
+    for (; to > 0 && pair[to - 1].b > kept.b; to--) pair[to] = pair[to - 1];
+    pair[to] = kept;
+  }
+}
+
+hk_status hk_patches_pair_up(hk_patches *p, const hk_host *host, double distance) {
+  pairing w = {.p = p, .host = host, .distance = distance};
+  p->pairs = 0;
+  hk_status status = hk_bvh_build(&p->tree, host, p->box, p->table->count);
+  for (uint32_t a = 0; a < p->table->count && status == HK_OK; a++) {
+    hk_box wide = p->box[a];
+    size_t first = p->pairs;
+    for (int c = 0; c < 3; c++) wide.low[c] -= distance, wide.high[c] += distance;
+    w.a = a;
+    hk_bvh_overlaps(&p->tree, p->box, &wide, visit, &w);
+    if (w.failed) status = host->fail(host, HK_NO_MEMORY, "no memory for %zu pairs of patches", p->pairs);
+    sort(p->pair + first, p->pairs - first);
+  }
+  return status;
 }

@@ -1,9 +1,10 @@
-/* Patches: some ten features of one surface that are near each other, and so move much alike. Of a move from one state
- * to another each patch has the mean c of its particles' moves and the largest distance e of one of them from it; two
- * features of the patches a and b then come nearer by |c_a - c_b| + e_a + e_b at most, however far both have gone. */
+/* How patches of surfaces (surfaces.h) move, and which are near each other. Of a move from one state to another each
+ * patch has the mean c of its particles' moves and the largest distance e of one of them from it; two features of the
+ * patches a and b then come nearer by |c_a - c_b| + e_a + e_b at most, however far both have gone. */
 #ifndef HK_PATCHES_H
 #define HK_PATCHES_H
 
+#include "plugins/common/space/bvh.h"
 #include "plugins/common/surfaces/surfaces.h"
 
 typedef struct hk_patch_move {
@@ -11,28 +12,43 @@ typedef struct hk_patch_move {
 } hk_patch_move;
 
 typedef struct hk_patches {
-  size_t count;
-  uint32_t *home;   /* n: the patch of a particle; a feature belongs to that of its particle of the lowest index */
-  size_t *start;    /* count + 1, in `member` */
-  uint32_t *member; /* the particles of all features of a patch */
+  const hk_surface_patches *table;
+  const double *radius; /* n, m */
+  const hk_model *model;
+  hk_box *box; /* patches, m: of hk_patches_sweep */
+  bool *held;  /* patches: none of its particles can move */
+  double size; /* m: the mean of the longest sides of the boxes */
+  hk_bvh tree;
+  size_t pairs, room;
+  hk_patch_pair *pair; /* pairs: of hk_patches_pair_up, rising by a and then by b */
 } hk_patches;
 
-/* Patches of the mesh at the positions of the view. HK_NO_MEMORY: there are none. */
-hk_status hk_patches_open(hk_patches *, const hk_host *, const hk_surface_mesh *, const hk_view *);
+/* HK_NO_MEMORY. */
+hk_status hk_patches_open(hk_patches *, const hk_host *, const hk_surfaces *, const hk_model *);
 void hk_patches_free(hk_patches *, const hk_host *);
 
 /* The moves from a to b, n x 3. */
 void hk_patches_measure(const hk_patches *, const hk_host *, const double *a, const double *b, hk_patch_move *out);
+/* The boxes that patches sweep, with the radii of their particles. */
+void hk_patches_sweep(hk_patches *, const hk_host *, const double *x_from, const double *x_to);
+/* All pairs of patches whose boxes are nearer than `distance`, m, but those of two that are held. HK_NO_MEMORY. */
+hk_status hk_patches_pair_up(hk_patches *, const hk_host *, double distance);
+/* m, between the boxes of two patches. */
+double hk_patches_apart(const hk_patches *, uint32_t a, uint32_t b);
 
-static inline double hk_patch_approach(const hk_patch_move *a, const hk_patch_move *b) {
+static inline double hk_patch_drift(const hk_patch_move *a, const hk_patch_move *b) {
   double x = a->mean[0] - b->mean[0], y = a->mean[1] - b->mean[1], z = a->mean[2] - b->mean[2];
-  return sqrt(x * x + y * y + z * z) + a->spread + b->spread;
+  return sqrt(x * x + y * y + z * z);
 }
 
-static inline uint32_t hk_patch_of(const hk_patches *p, const uint32_t *vertex, int count) {
-  uint32_t least = vertex[0];
-  for (int i = 1; i < count; i++) least = vertex[i] < least ? vertex[i] : least;
-  return p->home[least];
+static inline double hk_patch_approach(const hk_patch_move *a, const hk_patch_move *b) {
+  return hk_patch_drift(a, b) + a->spread + b->spread;
+}
+
+/* m: hk_pair_motion (impact.h) of a pair of the two is no larger. It takes moves from the mean of the four, which is
+ * farther from each of them than the patches' own means by up to e_a + e_b. */
+static inline double hk_patch_motion(const hk_patch_move *a, const hk_patch_move *b) {
+  return hk_patch_drift(a, b) + 2 * (a->spread + b->spread);
 }
 
 #endif

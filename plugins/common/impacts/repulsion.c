@@ -139,7 +139,8 @@ static double difference_step(const hk_repulsion *r, const hk_repelled *p) {
 
 /* Whether point i and the next are one particle, as the two ends of a lone one. */
 static bool is_twin(const hk_repelled *p, int i) {
-  return p->kind == HK_EDGE_EDGE && i % 2 == 0 && memcmp(p->x + 3 * i, p->x + 3 * i + 3, 3 * sizeof *p->x) == 0;
+  const double *x = p->x + 3 * i;
+  return p->kind == HK_EDGE_EDGE && i % 2 == 0 && x[0] == x[3] && x[1] == x[4] && x[2] == x[5];
 }
 
 static void add_differences(const hk_repulsion *r, const hk_repelled *p, double K[144]) {

@@ -29,8 +29,12 @@ static double rub(const hk_impact *k, hk_impact_level *level, double friction, c
   return sqrt(moved);
 }
 
+static void note(uint64_t *when, const hk_impact *k, uint64_t now) {
+  for (int i = 0; i < 4; i++) when[k->vertex[i]] = now;
+}
+
 /* Returns by how much the impact has changed its own distance or speed. */
-static double relax(const hk_impact *k, hk_impact_level *level, double friction, const double *inverse_mass,
+static double relax(const hk_impacts *s, const hk_impact *k, hk_impact_level *level, const double *inverse_mass,
                     double *y) {
   double r[3], change[3];
   if (!(k->mobility > 0)) return 0; /* its nearest points are pinned */
@@ -40,7 +44,8 @@ static double relax(const hk_impact *k, hk_impact_level *level, double friction,
   level->push = next;
   for (int c = 0; c < 3; c++) change[c] = step * k->n[c];
   double moved = fabs(step);
-  if (friction > 0) moved += rub(k, level, friction, r, change);
+  if (s->friction > 0) moved += rub(k, level, s->friction, r, change);
+  note(s->touched, k, s->now);
   apply(k, change, inverse_mass, y);
   return moved * k->mobility;
 }
@@ -70,8 +75,8 @@ static bool sweep(hk_impacts *s, const sweeping *w) {
     hk_impact_level *level = (hk_impact_level *)(void *)((char *)k + w->level);
     if (!is_awake(s, k, level->solved) || !takes_part(k, w)) continue;
     level->solved = ++s->now;
-    if (!(relax(k, level, s->friction, w->inverse_mass, w->y) > w->tolerance)) continue;
-    for (int i = 0; i < 4; i++) s->moved[k->vertex[i]] = s->now;
+    if (!(relax(s, k, level, w->inverse_mass, w->y) > w->tolerance)) continue;
+    note(s->moved, k, s->now);
     moved = true;
   }
   return moved;

@@ -12,10 +12,11 @@ typedef struct hk_impacts {
   size_t count;
   hk_impact *impact;
   double friction;
-  double tolerance; /* m: an impact that changes its own distance by no more wakes no other */
-  size_t most;      /* sweeps */
-  uint64_t *moved;  /* n: when a particle was moved last, counted in impacts solved; kept by the caller, 0 at first */
-  uint64_t now;     /* that count; kept by the caller */
+  double tolerance;  /* m: an impact that changes its own distance by no more wakes no other */
+  size_t most;       /* sweeps */
+  uint64_t *moved;   /* n: when a particle was moved last, counted in impacts solved; kept by the caller, 0 at first */
+  uint64_t *touched; /* n: the same, by however little */
+  uint64_t now;      /* that count; kept by the caller */
 } hk_impacts;
 
 typedef struct hk_sweeps_done {

@@ -7,7 +7,16 @@
 
 enum { SIZE = HK_HEIGHT_MAP_SIZE };
 
-void hk_height_map_begin(hk_height_map *m) { memset(m->height, 0, sizeof *m->height * SIZE * SIZE); }
+void hk_height_map_begin(hk_height_map *m) {
+  int count = m->rows[1] > m->rows[0] ? m->rows[1] - m->rows[0] : 0;
+  memset(m->height + (size_t)m->rows[0] * SIZE * (count > 0), 0, sizeof *m->height * SIZE * (size_t)count);
+  m->rows[0] = SIZE, m->rows[1] = 0;
+}
+
+static void touch(hk_height_map *m, int bottom, int top) {
+  if (bottom < m->rows[0]) m->rows[0] = bottom;
+  if (top >= m->rows[1]) m->rows[1] = top + 1;
+}
 
 /* Texels, and the height in units of the map. */
 static void project(const hk_height_map *m, const float x[3], float out[3]) {
@@ -45,6 +54,7 @@ static void fill(hk_height_map *m, const float p[3][3]) {
     float share = p[(k + 2) % 3][2] * inverse;
     h.start += share * e[k].start, h.along += share * e[k].along, h.across += share * e[k].across;
   }
+  touch(m, bottom, top);
   float floor = fmaxf(low[2], 1), roof = fminf(high[2], HK_HEIGHT_MAP_TOP);
   for (int y = bottom; y <= top; y++) {
     float dy = (float)(y - bottom), a = e[0].start + dy * e[0].across, b = e[1].start + dy * e[1].across;
@@ -86,6 +96,7 @@ void hk_height_map_sphere(hk_height_map *m, const float centre[3], float radius)
   project(m, centre, p);
   if (!(p[0] + r >= 0 && p[0] - r < SIZE && p[1] + r >= 0 && p[1] - r < SIZE)) return;
   float height = fmaxf(fminf(p[2], HK_HEIGHT_MAP_TOP), 1);
+  touch(m, clamp(p[1] - r), clamp(p[1] + r));
   for (int y = clamp(p[1] - r); y <= clamp(p[1] + r); y++)
     for (int x = clamp(p[0] - r); x <= clamp(p[0] + r); x++) {
       float dx = (float)x + 0.5f - p[0], dy = (float)y + 0.5f - p[1];

@@ -16,9 +16,10 @@ typedef struct hk_height_map {
   float corner[2], side; /* of the square on the floor, m */
   float floor;           /* m, height onto which all is projected */
   float low, high;       /* m, heights that 0 and HK_HEIGHT_MAP_TOP stand for */
+  int rows[2];           /* outside of rows[0] <= y < rows[1] there is nothing */
 } hk_height_map;
 
-/* Empties the map; all but `height` is to be set before. */
+/* Empties the map; all but `height` and `rows` is to be set before. A new map has 0 everywhere. */
 void hk_height_map_begin(hk_height_map *);
 void hk_height_map_triangle(hk_height_map *, const float a[3], const float b[3], const float c[3]);
 /* A band of this half width, at least half a texel, along the projection of a tube. */

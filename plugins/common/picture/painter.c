@@ -90,7 +90,10 @@ hk_status hk_painter_open(hk_painter *p, const hk_host *host, int width, int hei
   make_shadows(p);
   p->shade = host->allocate(host, 2 * HK_SHADOW_SIZE * HK_SHADOW_SIZE);
   p->map.height = host->allocate(host, sizeof *p->map.height * HK_HEIGHT_MAP_SIZE * HK_HEIGHT_MAP_SIZE);
+  p->uploaded[1] = HK_HEIGHT_MAP_SIZE;
   if (!p->shade || !p->map.height) return host->fail(host, HK_NO_MEMORY, "no memory for the shadow");
+  p->still = host->allocate(host, (size_t)width * (size_t)height * 4);
+  if (!p->still) return host->fail(host, HK_NO_MEMORY, "no memory for a picture");
   return make_programs(p);
 }
 
@@ -104,7 +107,7 @@ void hk_painter_close(hk_painter *p) {
   hk_corner_normals_free(&p->normals, p->host);
   hk_canvas_close(&p->canvas);
   hk_sprites_close(&p->sprites);
-  void *all[] = {p->vertex, p->tube, p->bead, p->triangle, p->shade, p->map.height, p->corner};
+  void *all[] = {p->vertex, p->tube, p->bead, p->triangle, p->shade, p->map.height, p->corner, p->still};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) p->host->release(p->host, all[k]);
   *p = (hk_painter){0};
 }

@@ -7,8 +7,9 @@
 #include "plugins/common/gl/canvas.h"
 #include "plugins/common/picture/height_map.h"
 #include "plugins/common/normals/corner_normals.h"
+#include "plugins/common/camera/view_setup.h"
+#include "plugins/common/picture/patch.h"
 #include "plugins/common/snapshot/border.h"
-#include "plugins/common/picture/view_setup.h"
 #include "plugins/common/sprites/sprites.h"
 
 typedef struct hk_tube { /* one spring, or one stroke of text */
@@ -22,6 +23,7 @@ typedef struct hk_vertex {
 } hk_vertex;
 
 enum { HK_MESH, HK_TUBE, HK_FLOOR, HK_SHADE, HK_BACKDROP, HK_PROGRAMS };
+enum { HK_THINGS, HK_SHADOWS, HK_SPRITES, HK_PATCHES };
 enum { HK_TUBE_CORNERS = 8 };
 enum { HK_SHADOW_SIZE = 384 }; /* texels along a side */
 
@@ -33,7 +35,15 @@ typedef struct hk_painter {
   unsigned shadow, heights; /* textures of the two below */
   unsigned char *shade;     /* shadow on the floor: HK_SHADOW_SIZE squared, and as many for the blur */
   hk_height_map map;        /* shadows on all else */
-  bool kept;                /* backdrop and floor are stored in the canvas */
+  int uploaded[2];          /* rows of it outside of which the texture has nothing */
+  /* Backdrop, floor and overlay: stored in the canvas for this camera, and as bytes. */
+  bool kept;
+  hk_camera kept_for;
+  unsigned char *still;                                /* width x height x 4 */
+  hk_patch patch[HK_PATCHES], old[HK_PATCHES];         /* what is drawn on it in this picture; in the last one read */
+  bool fresh;                                          /* no picture was read since it was drawn */
+  void (*overlay)(struct hk_painter *, void *context); /* draws strokes over all pictures; NULL: none */
+  void *overlay_context;
   size_t room, triangle_room, tube_room, bead_room;
   hk_vertex *vertex;
   hk_tube *tube;
@@ -53,15 +63,16 @@ typedef struct hk_painter {
 hk_status hk_painter_open(hk_painter *, const hk_host *host, int width, int height);
 void hk_painter_close(hk_painter *); /* a zeroed painter is allowed */
 
-/* Draws everything but the particles; `colour` has one per particle. Camera, floor and background must be the same for
- * all pictures of a painter; the box may differ. */
+/* Draws everything but the particles; `colour` has one per particle. Floor and background must be the same for all
+ * pictures of a painter; the box may differ. While the camera is the same only what moves is drawn anew. */
 hk_status hk_painter_draw(hk_painter *, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
                           uint8_t (*colour)[4]);
 /* Sets the opacity of lights so that most of their pixels in this picture are neither dark nor white. HK_NO_MEMORY. */
 hk_status hk_painter_expose(hk_painter *, hk_view_setup *setup, const hk_snapshot3d *snapshot, uint8_t (*colour)[4]);
 /* Draws strokes over the picture: coordinates in pixels from the lower left corner, half width in pixels. */
 void hk_painter_strokes(hk_painter *, const hk_tube *stroke, size_t count, double half_width);
-/* As hk_canvas_read, with the particles of the last picture, which strokes hide. HK_NO_MEMORY. */
+/* Brings `rgba`, width x height pixels of 4 bytes with the bottom row first, from the last picture that was read into
+ * it to the one that was drawn, with its particles, which strokes hide. HK_NO_MEMORY. */
 hk_status hk_painter_read(hk_painter *, const hk_view_setup *setup, unsigned char *rgba);
 
 #endif

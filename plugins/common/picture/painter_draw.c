@@ -187,15 +187,19 @@ static void cast_shadows(hk_painter *p, scene *s) {
   hk_shadow_cast(p, s->setup, s->key);
   s->map = &p->map;
   if (p->triangles + p->tubes == 0) return;
+  const hk_height_map *m = &p->map;
+  int first = m->rows[0] < p->uploaded[0] ? m->rows[0] : p->uploaded[0];
+  int end = m->rows[1] > p->uploaded[1] ? m->rows[1] : p->uploaded[1];
+  if (end <= first) return;
+  memcpy(p->uploaded, m->rows, sizeof p->uploaded);
   glBindTexture(GL_TEXTURE_2D, p->heights);
-  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_HEIGHT_MAP_SIZE, HK_HEIGHT_MAP_SIZE, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT,
-                  p->map.height);
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, first, HK_HEIGHT_MAP_SIZE, end - first, GL_DEPTH_COMPONENT, GL_UNSIGNED_SHORT,
+                  m->height + (size_t)first * HK_HEIGHT_MAP_SIZE);
 }
 
 static void draw_shadow(hk_painter *p, const scene *s) {
   static const float colours[2][3] = {{0.09f, 0.11f, 0.17f}, {0, 0, 0}}; /* by day, by night */
   const hk_height_map *m = s->map;
-  hk_shadow_shade(p, s->setup);
   glBindTexture(GL_TEXTURE_2D, p->shadow);
   glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, HK_SHADOW_SIZE, HK_SHADOW_SIZE, GL_RED, GL_UNSIGNED_BYTE, p->shade);
   const float *colour = colours[hk_is_dark(s->setup->background)];
@@ -206,21 +210,82 @@ static void draw_shadow(hk_painter *p, const scene *s) {
   glDepthMask(GL_TRUE);
 }
 
-/* Backdrop and floor are the same for all pictures: drawn once. */
+static void restore(hk_painter *p) {
+  hk_canvas_use(&p->canvas);
+  for (int k = 0; k < HK_SPRITES; k++) {
+    const hk_patch *at = p->patch + k;
+    if (!hk_patch_is_empty(at)) hk_canvas_restore(&p->canvas, at->left, at->bottom, at->width, at->height);
+  }
+}
+
+/* Backdrop, floor and overlay are the same for all pictures of a camera. What strokes cover stays theirs: nothing is
+ * nearer. */
 static void draw_surroundings(hk_painter *p, const scene *s) {
-  if (p->kept) {
-    hk_canvas_restore(&p->canvas);
+  hk_canvas *c = &p->canvas;
+  if (p->kept && memcmp(&p->kept_for, &s->setup->camera, sizeof p->kept_for) == 0) {
+    restore(p);
     return;
   }
-  hk_canvas_use(&p->canvas);
+  hk_canvas_use(c);
   glDepthMask(GL_TRUE);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glDisable(GL_DEPTH_TEST);
   draw_backdrop(p, s->setup);
   glEnable(GL_DEPTH_TEST);
   if (s->setup->floor) draw_floor(p, s);
-  hk_canvas_keep(&p->canvas);
-  p->kept = true;
+  if (p->overlay) p->overlay(p, p->overlay_context);
+  hk_canvas_keep(c);
+  hk_canvas_read(c, 0, 0, c->width, c->height, p->still);
+  hk_canvas_use(c);
+  p->kept = p->fresh = true, p->kept_for = s->setup->camera;
+}
+
+/* A tube is raised by its radius and longer by it at both ends, and never thinner than a pixel and a half. */
+static hk_patch things_patch(const hk_painter *p, const scene *s) {
+  hk_patch_maker m;
+  float side = (float)s->setup->thickness / 2;
+  hk_patch_begin(&m, &s->lens, p->canvas.width, p->canvas.height);
+  for (size_t k = 0; k < p->triangles && !m.whole; k++)
+    for (int i = 0; i < 3; i++) hk_patch_add(&m, p->vertex[p->triangle[k][i]].x, side, 2);
+  for (size_t k = 0; k < p->tubes && !m.whole; k++) {
+    hk_patch_add(&m, p->tube[k].a, 2 * p->tube[k].radius, 3);
+    hk_patch_add(&m, p->tube[k].b, 2 * p->tube[k].radius, 3);
+  }
+  return hk_patch_end(&m);
+}
+
+/* Around the texels of the floor's shadow that are not light. */
+static hk_patch shadow_patch(const hk_painter *p, const scene *s) {
+  int low[2] = {HK_SHADOW_SIZE, HK_SHADOW_SIZE}, high[2] = {-1, -1};
+  hk_patch_maker m;
+  hk_patch_begin(&m, &s->lens, p->canvas.width, p->canvas.height);
+  for (int y = 0; y < HK_SHADOW_SIZE; y++)
+    for (int x = 0; x < HK_SHADOW_SIZE; x++) {
+      if (!p->shade[y * HK_SHADOW_SIZE + x]) continue;
+      low[0] = x < low[0] ? x : low[0], high[0] = x > high[0] ? x : high[0];
+      low[1] = y < low[1] ? y : low[1], high[1] = y;
+    }
+  for (int corner = 0; corner < 4 && high[0] >= 0; corner++) {
+    float at[3] = {0, 0, p->map.floor};
+    for (int c = 0; c < 2; c++) { /* a texel more: the filter reaches over its side */
+      int texel = corner >> c & 1 ? high[c] + 2 : low[c] - 1;
+      at[c] = p->map.corner[c] + p->map.side * (float)texel / HK_SHADOW_SIZE;
+    }
+    hk_patch_add(&m, at, 0, 2);
+  }
+  return hk_patch_end(&m);
+}
+
+static void draw_shadows(hk_painter *p, scene *s) {
+  cast_shadows(p, s);
+  if (!s->setup->floor) return;
+  hk_shadow_shade(p, s->setup);
+  hk_patch at = p->patch[HK_SHADOWS] = shadow_patch(p, s);
+  if (hk_patch_is_empty(&at)) return;
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(at.left, at.bottom, at.width, at.height);
+  draw_shadow(p, s);
+  glDisable(GL_SCISSOR_TEST);
 }
 
 hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
@@ -230,9 +295,10 @@ hk_status hk_painter_draw(hk_painter *p, const hk_view_setup *setup, const hk_sn
   scene s = make_scene(setup);
   upload(p);
   draw_surroundings(p, &s);
+  memset(p->patch, 0, sizeof p->patch);
+  p->patch[HK_THINGS] = things_patch(p, &s);
   glEnable(GL_DEPTH_TEST);
-  if (setup->shadows) cast_shadows(p, &s);
-  if (setup->shadows && setup->floor) draw_shadow(p, &s);
+  if (setup->shadows) draw_shadows(p, &s);
   draw_mesh(p, &s);
   draw_tubes(p, &s);
   return HK_OK;
@@ -286,13 +352,33 @@ hk_status hk_painter_expose(hk_painter *p, hk_view_setup *setup, const hk_snapsh
   return HK_OK;
 }
 
+static void copy_still(const hk_painter *p, const hk_patch *at, unsigned char *rgba) {
+  size_t row = (size_t)p->canvas.width * 4;
+  size_t from = (size_t)at->bottom * row + (size_t)at->left * 4;
+  for (int y = 0; y < at->height; y++, from += row) memcpy(rgba + from, p->still + from, (size_t)at->width * 4);
+}
+
+/* Everything but the particles. */
+static void read_patches(hk_painter *p, unsigned char *rgba) {
+  hk_patch all = {0, 0, p->canvas.width, p->canvas.height};
+  if (p->fresh) copy_still(p, &all, rgba);
+  for (int k = 0; k < HK_PATCHES && !p->fresh; k++) copy_still(p, p->old + k, rgba);
+  for (int k = 0; k < HK_SPRITES; k++) {
+    const hk_patch *at = p->patch + k;
+    if (!hk_patch_is_empty(at)) hk_canvas_read(&p->canvas, at->left, at->bottom, at->width, at->height, rgba);
+  }
+  p->fresh = false;
+}
+
 hk_status hk_painter_read(hk_painter *p, const hk_view_setup *setup, unsigned char *rgba) {
   scene s = make_scene(setup);
   hk_sprites *sprites = &p->sprites;
   hk_sprite_look look = look_of(&s);
-  hk_canvas_read(&p->canvas, rgba);
+  read_patches(p, rgba);
   hk_status status = hk_sprites_place(sprites, &s.lens, &look, p->canvas.width, p->canvas.height, p->bead, p->beads);
   const hk_light_image *image = &sprites->image;
+  p->patch[HK_SPRITES] = (hk_patch){image->left, image->bottom, image->width, image->height};
+  memcpy(p->old, p->patch, sizeof p->old);
   if (status != HK_OK || image->width * image->height == 0) return status;
   hk_canvas_read_depth(&p->canvas, image->left, image->bottom, image->width, image->height, sprites->distance);
   find_distances(&setup->camera, (size_t)image->width * (size_t)image->height, sprites->distance);

@@ -47,7 +47,8 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[
 static void cover(const hk_height_map *m, unsigned char *shade) {
   double floor = (double)(m->floor - m->low) / (double)(m->high - m->low) * HK_HEIGHT_MAP_TOP;
   uint16_t above = (uint16_t)fmin(fmax(floor, 0), HK_HEIGHT_MAP_TOP - 1);
-  for (int y = 0; y < SIZE; y++) {
+  memset(shade, 0, SIZE * SIZE);
+  for (int y = m->rows[0] / FINE; y * FINE < m->rows[1]; y++) {
     uint16_t count[SIZE] = {0};
     for (int k = 0; k < FINE; k++) {
       const uint16_t *row = m->height + (size_t)(FINE * y + k) * HK_HEIGHT_MAP_SIZE;

@@ -16,7 +16,5 @@ hk_status hk_solid_mesh_add(hk_painter *, const hk_view_setup *setup, const hk_s
 /* Appends faces with creases, for whose 3 corners each there is room among the vertices. HK_NO_MEMORY. */
 hk_status hk_solid_add_faces(hk_painter *, const float (*x)[3], size_t vertices, const uint32_t (*face)[3],
                              size_t faces, const uint8_t colour[4]);
-/* Enlarges the box by the solid, but for planes. */
-void hk_solid_box(const hk_solid *, double low[3], double high[3]);
 
 #endif

@@ -94,6 +94,8 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
                               .lines = snapshot->lines,
                               .reach = snapshot->reach,
                               .topology = snapshot->topology};
+  memcpy(e->eye, snapshot->eye, sizeof e->eye);
+  memcpy(e->target, snapshot->target, sizeof e->target);
   memcpy(e->low, snapshot->low, sizeof e->low);
   memcpy(e->high, snapshot->high, sizeof e->high);
   e->topology_at = same ? e[-1].topology_at : s->end;
@@ -130,6 +132,8 @@ hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *
   if (!ok) return io_error(s, "read");
   snapshot->n = e->n, snapshot->triangles = e->triangles, snapshot->cloth = e->cloth, snapshot->lines = e->lines;
   snapshot->topology = e->topology;
+  memcpy(snapshot->eye, e->eye, sizeof e->eye);
+  memcpy(snapshot->target, e->target, sizeof e->target);
   memcpy(snapshot->low, e->low, sizeof e->low);
   memcpy(snapshot->high, e->high, sizeof e->high);
   snapshot->reach = e->reach;

@@ -69,32 +69,62 @@ static uint64_t fingerprint(const hk_model *m) {
   return h;
 }
 
-/* The lists of elements on pairs and those of constraints, or else the scene's edges: the k-th; NULL: there are no
- * more. */
-static const hk_tuples *pairs_of(const hk_model *m, size_t k) {
-  size_t pairs = 0;
+/* Lists of tuples whose particles are joined by lines: of elements on pairs and of constraints; then what joins
+ * particles that those leave alone, the scene's edges and elements on more than two. The k-th of the first or of the
+ * second; NULL: there are no more. */
+static const hk_tuples *tuples_of(const hk_model *m, bool first, size_t k) {
+  if (!first && k-- == 0) return &m->edges;
   for (size_t l = 0; l < m->element_lists; l++)
-    if (m->element_list[l].elements.node.arity == 2 && pairs++ == k) return &m->element_list[l].elements.node;
-  for (size_t l = 0; l < m->join_lists; l++)
-    if (pairs++ == k) return m->join[l];
-  return pairs == 0 && k == 0 ? &m->edges : NULL;
+    if ((m->element_list[l].elements.node.arity == 2) == first && k-- == 0) return &m->element_list[l].elements.node;
+  for (size_t l = 0; first && l < m->join_lists; l++)
+    if (k-- == 0) return m->join[l];
+  return NULL;
 }
 
-/* The number of edges: those of elements on pairs and of constraints or, without any, the scene's. */
+/* Chains of up to three, and tetrahedra with all of their sides. */
+static size_t lines_of(const hk_tuples *t) { return t->arity == 4 ? 6 : t->arity < 2 ? 0 : t->arity - 1; }
+
 static size_t all_lines(const hk_model *m) {
   size_t count = 0;
-  const hk_tuples *pairs;
-  for (size_t k = 0; (pairs = pairs_of(m, k)); k++) count += pairs->count;
+  const hk_tuples *tuples;
+  for (int first = 0; first < 2; first++)
+    for (size_t k = 0; (tuples = tuples_of(m, first, k)); k++) count += lines_of(tuples) * tuples->count;
   return count;
 }
 
+enum { IN_TRIANGLE = 1, JOINED = 2 }; /* hk_snapshot3d.weight while the topology is taken */
+
 /* Appends the pairs to draw: all, or those with an end that belongs to no triangle. */
-static void add_lines(hk_snapshot3d *s, const hk_tuples *edges, bool all) {
-  for (size_t e = 0; e < edges->count; e++) {
-    const uint32_t *pair = hk_tuple(edges, e);
-    if (!all && s->weight[pair[0]] > 0 && s->weight[pair[1]] > 0) continue;
+static void add_pairs(hk_snapshot3d *s, const hk_tuples *pairs, bool all) {
+  for (size_t e = 0; e < pairs->count; e++) {
+    const uint32_t *pair = hk_tuple(pairs, e);
+    if (!all && s->weight[pair[0]] == IN_TRIANGLE && s->weight[pair[1]] == IN_TRIANGLE) continue;
     memcpy(s->line[s->lines++], pair, sizeof s->line[0]);
   }
+}
+
+/* Appends the lines of tuples that have a particle which nothing shows. */
+static void add_others(hk_snapshot3d *s, const hk_tuples *tuples) {
+  static const uint8_t side[][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}};
+  for (size_t e = 0; e < tuples->count; e++) {
+    const uint32_t *node = hk_tuple(tuples, e);
+    bool shown = true;
+    for (size_t i = 0; i < tuples->arity; i++) shown = shown && s->weight[node[i]] > 0;
+    for (size_t k = 0; !shown && k < lines_of(tuples); k++, s->lines++) {
+      bool solid = tuples->arity == 4;
+      s->line[s->lines][0] = node[solid ? side[k][0] : k], s->line[s->lines][1] = node[solid ? side[k][1] : k + 1];
+    }
+  }
+}
+
+/* `all`: with those between particles of one surface. */
+static void take_lines(hk_snapshot3d *s, const hk_model *m, bool all) {
+  const hk_tuples *tuples;
+  for (size_t k = 0; (tuples = tuples_of(m, true, k)); k++) add_pairs(s, tuples, all);
+  for (size_t k = 0; k < s->lines; k++)
+    for (int i = 0; i < 2; i++)
+      if (s->weight[s->line[k][i]] == 0) s->weight[s->line[k][i]] = JOINED;
+  for (size_t k = 0; (tuples = tuples_of(m, false, k)); k++) add_others(s, tuples);
 }
 
 static bool is_held(const hk_model *m, size_t i) { return m->pin[i] == HK_PIN_FIXED || m->pin[i] == HK_PIN_PATH; }
@@ -138,14 +168,13 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m) {
   take_triangles(s, m, false);
   s->cloth = s->triangles;
   take_triangles(s, m, true);
-  const hk_tuples *pairs;
-  for (size_t k = 0; look->springs != 2 && (pairs = pairs_of(m, k)); k++) add_lines(s, pairs, look->springs == 1);
   for (size_t i = 0; i < m->n; i++) {
     if (s->mark[i] & HK_MARK_BODY) continue;
     bool bead = look->particles == 1 || (look->particles == 0 && s->weight[i] == 0);
     bool pin = look->particles != 2 && is_held(m, i);
     s->mark[i] = (uint8_t)((bead ? HK_MARK_BEAD : 0) | (pin ? HK_MARK_PIN : 0));
   }
+  if (look->springs != 2) take_lines(s, m, look->springs == 1);
 }
 
 /* Sets the origin to the middle of the finite positions. */

@@ -39,8 +39,9 @@ typedef struct hk_snapshot3d {
   uint64_t fingerprint;
   bool stale; /* mark, triangle or line must be copied again */
   size_t room, triangle_room, line_room;
-  float low[3], high[3]; /* box of the finite positions; low > high when there are none */
-  float reach;           /* largest distance from the origin, m */
+  double eye[3], target[3]; /* of the camera at this time, in the scene's coordinates with z up; NAN: not given */
+  float low[3], high[3];    /* box of the finite positions; low > high when there are none */
+  float reach;              /* largest distance from the origin, m */
 } hk_snapshot3d;
 
 /* An empty one; `look` must stay valid. */

@@ -26,4 +26,7 @@ typedef struct hk_solid {
   const uint32_t (*face)[3]; /* anticlockwise, seen from outside */
 } hk_solid;
 
+/* Enlarges the box by the solid, but for planes. */
+void hk_solid_box(const hk_solid *, double low[3], double high[3]);
+
 #endif

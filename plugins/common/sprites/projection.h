@@ -3,7 +3,7 @@
 #define HK_PROJECTION_H
 
 #include "core/plugin.h"
-#include "plugins/common/picture/camera.h"
+#include "plugins/common/camera/camera.h"
 #include "plugins/common/sprites/sprite.h"
 
 /* Half the side of the square, in pixels, that a sprite of this radius can change: a disc thinner than a pixel's

@@ -81,15 +81,19 @@ static inline bool hk_apart_along(const double axis[3], const hk_swept_set *a, c
   return gap > 0 && gap * gap > distance * distance * (axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]);
 }
 
-/* The axis between the middles of the two sets at the start. */
-static inline bool hk_apart_by_middles(const hk_swept_set *a, const hk_swept_set *b, double distance) {
-  double axis[3];
+static inline void hk_axis_of_middles(const hk_swept_set *a, const hk_swept_set *b, double axis[3]) {
   for (int c = 0; c < 3; c++) {
     double sa = 0, sb = 0;
     for (int k = 0; k < a->count; k++) sa += a->point[k]->x[c][0];
     for (int k = 0; k < b->count; k++) sb += b->point[k]->x[c][0];
     axis[c] = sb * a->count - sa * b->count;
   }
+}
+
+/* The axis between the middles of the two sets at the start. */
+static inline bool hk_apart_by_middles(const hk_swept_set *a, const hk_swept_set *b, double distance) {
+  double axis[3];
+  hk_axis_of_middles(a, b, axis);
   return hk_apart_along(axis, a, b, distance);
 }
 

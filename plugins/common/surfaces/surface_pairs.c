@@ -1,14 +1,11 @@
 #include "plugins/common/surfaces/surface_pairs.h"
 
 typedef struct task {
-  const hk_surface_search *search;
+  hk_surface_search *search;
   hk_gather *into;
 } task;
 
-typedef struct output {
-  const task *task;
-  size_t chunk;
-} output;
+typedef hk_surface_output output;
 
 static bool among(const uint32_t *v, int count, uint32_t i) {
   bool found = false;
@@ -30,8 +27,41 @@ bool hk_surface_edges_near(const hk_surface_search *s, const uint32_t v[4], doub
          !hk_apart_by_normal(a.point[0], a.point[1], b.point[0], b.point[1], &a, &b, distance);
 }
 
+/* m: how much nearer two features may come in the move: by what their particles move relative to the first one. */
+static double approach(const hk_swept_point *const point[4], int first) {
+  double most2[2] = {0};
+  for (int k = 1; k < 4; k++) {
+    double square = 0;
+    for (int c = 0; c < 3; c++) {
+      double move = (point[k]->x[c][1] - point[k]->x[c][0]) - (point[0]->x[c][1] - point[0]->x[c][0]);
+      square += move * move;
+    }
+    most2[k >= first] = fmax(most2[k >= first], square);
+  }
+  return sqrt(most2[0]) + sqrt(most2[1]);
+}
+
+/* Of a pair that no axis keeps apart: its distance at the start, and whether it comes within reach by that. */
+static void add_near(const output *o, hk_pair_kind kind, const uint32_t v[4], double offset) {
+  const hk_surface_search *s = o->search;
+  const hk_swept_point *point[4];
+  double x[12];
+  for (int k = 0; k < 4; k++) {
+    point[k] = &s->swept[v[k]];
+    for (int c = 0; c < 3; c++) x[3 * k + c] = point[k]->x[c][0];
+  }
+  double gap = sqrt(hk_nearest_of_pair(kind, x).squared) - offset - s->slack;
+  if (gap - approach(point, kind == HK_POINT_TRIANGLE ? 1 : 2) > s->move.reach) return;
+  hk_near_pair *near = hk_gather_add(o->into, o->chunk);
+  if (near) *near = (hk_near_pair){{{v[0], v[1], v[2], v[3]}, kind, offset}, gap};
+}
+
 static void add_pair(const output *o, hk_pair_kind kind, const uint32_t v[4], double offset) {
-  hk_surface_pair *pair = hk_gather_add(o->task->into, o->chunk);
+  if (o->gaps) {
+    add_near(o, kind, v, offset);
+    return;
+  }
+  hk_surface_pair *pair = hk_gather_add(o->into, o->chunk);
   if (pair) *pair = (hk_surface_pair){{v[0], v[1], v[2], v[3]}, kind, offset};
 }
 
@@ -40,14 +70,14 @@ static bool are_held(const hk_surface_search *s, const uint32_t v[4]) {
 }
 
 static void try_point(const output *o, uint32_t p, const uint32_t t[3]) {
-  const hk_surface_search *s = o->task->search;
+  const hk_surface_search *s = o->search;
   const uint32_t v[4] = {p, t[0], t[1], t[2]};
   double offset = hk_feature_radius(&s->lists->mesh, v, 1) + hk_feature_radius(&s->lists->mesh, t, 3);
   if (!are_held(s, v) && hk_surface_point_near(s, v, offset)) add_pair(o, HK_POINT_TRIANGLE, v, offset);
 }
 
 static void try_edge(const output *o, const uint32_t e[2], const uint32_t f[2]) {
-  const hk_surface_search *s = o->task->search;
+  const hk_surface_search *s = o->search;
   const uint32_t v[4] = {e[0], e[1], f[0], f[1]};
   double offset = hk_feature_radius(&s->lists->mesh, e, 2) + hk_feature_radius(&s->lists->mesh, f, 2);
   if (!are_held(s, v) && hk_surface_edges_near(s, v, offset)) add_pair(o, HK_EDGE_EDGE, v, offset);
@@ -100,7 +130,7 @@ static void try_points_on(const output *o, const member *a, const uint32_t t[3])
 
 /* The points that a owns against the triangles of b. */
 static void try_points(const output *o, const member *a, const member *b) {
-  const hk_surface_mesh *m = &o->task->search->lists->mesh;
+  const hk_surface_mesh *m = &o->search->lists->mesh;
   for (int k = 0; a->points && k < 2; k++)
     if (b->item->triangle[k] != UINT32_MAX) try_points_on(o, a, m->triangle[b->item->triangle[k]]);
 }
@@ -125,32 +155,33 @@ static void try_edges(const output *o, const member *a, const member *b) {
   }
 }
 
-static void try_items(const output *o, member *a, uint32_t other) {
-  const hk_surface_search *s = o->task->search;
+void hk_surface_try_items(const output *o, uint32_t place, uint32_t other) {
+  const hk_surface_search *s = o->search;
+  member a = {.item = &s->items.item[s->order[place]], .box = &s->box[place]};
   member b = {.item = &s->items.item[s->order[other]], .box = &s->box[other]};
-  sift(s, a, b.box);
-  sift(s, &b, a->box);
-  try_points(o, a, &b);
-  if (a->item != b.item) try_points(o, &b, a);
-  try_edges(o, a, &b);
+  sift(s, &a, b.box);
+  sift(s, &b, a.box);
+  try_points(o, &a, &b);
+  if (place != other) try_points(o, &b, &a);
+  try_edges(o, &a, &b);
 }
 
 static void try_row(const output *o, uint32_t k) {
-  const hk_surface_search *s = o->task->search;
-  member a = {.item = &s->items.item[s->order[k]], .box = &s->box[k]};
+  const hk_surface_search *s = o->search;
   const uint32_t *near = hk_gather_records(&s->near, k);
-  hk_gather_row(o->task->into, o->chunk, k);
-  if (a.item->triangle[1] != UINT32_MAX) try_items(o, &a, k);
-  for (size_t q = 0; q < s->near.row[k].count; q++) try_items(o, &a, near[q]);
+  hk_gather_row(o->into, o->chunk, k);
+  if (s->items.item[s->order[k]].triangle[1] != UINT32_MAX) hk_surface_try_items(o, k, k);
+  for (size_t q = 0; q < s->near.row[k].count; q++) hk_surface_try_items(o, k, near[q]);
 }
 
 static void pair_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  output o = {context, chunk};
+  const task *t = context;
+  output o = {.search = t->search, .into = t->into, .chunk = chunk};
   for (size_t leaf = begin; leaf < end; leaf++) {
     const uint32_t *place;
-    size_t count = hk_surface_search_leaf(o.task->search, leaf, &place);
+    size_t count = hk_surface_search_leaf(o.search, leaf, &place);
     for (size_t q = 0; q < count; q++)
-      if (place[q] < o.task->search->moving) try_row(&o, place[q]);
+      if (place[q] < o.search->moving) try_row(&o, place[q]);
   }
 }
 

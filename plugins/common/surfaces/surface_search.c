@@ -23,15 +23,16 @@ hk_status hk_surface_search_open(hk_surface_search *s, const hk_host *host, cons
   s->box = host->allocate(host, s->items.count * sizeof *s->box);
   s->order = host->allocate(host, s->items.count * sizeof *s->order);
   s->place = host->allocate(host, s->items.count * sizeof *s->place);
+  s->place_of = host->allocate(host, s->items.count * sizeof *s->place_of);
   s->held = host->allocate(host, model->n * sizeof *s->held);
   s->extent = host->allocate(host, chunks_of(lists->mesh.points) * sizeof *s->extent);
-  if (s->swept && s->box && s->order && s->place && s->held && s->extent) return HK_OK;
+  if (s->swept && s->box && s->order && s->place && s->place_of && s->held && s->extent) return HK_OK;
   hk_surface_search_free(s, host);
   return host->fail(host, HK_NO_MEMORY, "no memory for the boxes of %zu particles", model->n);
 }
 
 void hk_surface_search_free(hk_surface_search *s, const hk_host *host) {
-  void *memory[] = {s->swept, s->box, s->order, s->place, s->held, s->extent};
+  void *memory[] = {s->swept, s->box, s->order, s->place, s->place_of, s->held, s->extent};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) host->release(host, memory[k]);
   hk_surface_items_free(&s->items, host);
   hk_bvh_free(&s->tree, host);
@@ -65,9 +66,11 @@ static void order_items(hk_surface_search *s) {
   }
   for (size_t k = 0; k < count; k++) {
     const uint32_t *v = s->items.item[s->order[k]].vertex;
+    s->place_of[s->order[k]] = (uint32_t)k;
     s->place[k] = (hk_surface_place){{v[0], v[1], v[2], v[3]}, hk_feature_radius(&l->mesh, v, 4)};
   }
   s->ordered = true;
+  s->number++;
 }
 
 /* ---- positions ---- */
@@ -89,9 +92,11 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   s->extent[chunk] = extent + zero;
 }
 
-static hk_status sweep(hk_surface_search *s, const hk_host *host) {
+hk_status hk_surface_search_sweep(hk_surface_search *s, const hk_host *host, const hk_surface_move *move) {
   size_t points = s->lists->mesh.points;
   double extent = 0;
+  s->move = *move;
+  if (!hk_surface_search_pins_kept(s)) order_items(s);
   host->parallel_for(host, points, GRAIN, sweep_chunk, s);
   for (size_t k = 0; k < chunks_of(points); k++) {
     if (isnan(s->extent[k])) return HK_NOT_FINITE;
@@ -101,31 +106,33 @@ static hk_status sweep(hk_surface_search *s, const hk_host *host) {
   return HK_OK;
 }
 
-/* The box of an item's move, with its radius; the reach and the slack are added where it is asked for. */
-static void box_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const hk_surface_search *s = context;
-  (void)chunk;
-  for (size_t k = begin; k < end; k++) {
-    hk_swept_set set = hk_swept(s->swept, s->place[k].vertex, 4);
-    double radius = s->move.bare ? 0 : s->place[k].radius;
-    for (int c = 0; c < 3; c++) {
-      hk_two_range r = hk_range_of(&set, c);
-      s->box[k].low[c] = hk_lesser(r.low) - radius;
-      s->box[k].high[c] = -hk_lesser(-r.high) + radius;
-    }
+/* The reach and the slack are added where it is asked for. */
+void hk_surface_search_box(hk_surface_search *s, uint32_t k) {
+  hk_swept_set set = hk_swept(s->swept, s->place[k].vertex, 4);
+  double radius = s->move.bare ? 0 : s->place[k].radius;
+  for (int c = 0; c < 3; c++) {
+    hk_two_range r = hk_range_of(&set, c);
+    s->box[k].low[c] = hk_lesser(r.low) - radius;
+    s->box[k].high[c] = -hk_lesser(-r.high) + radius;
   }
+}
+
+static void box_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) hk_surface_search_box(context, (uint32_t)k);
 }
 
 static hk_status fit(hk_surface_search *s, const hk_host *host) {
   size_t items = s->items.count;
-  bool anew = !hk_surface_search_pins_kept(s) || s->tree.items != items;
-  if (anew) order_items(s);
+  bool anew = s->tree_number != s->number || s->tree.items != items;
   host->parallel_for(host, items, GRAIN, box_chunk, s);
   if (!anew) {
     hk_bvh_refit(&s->tree, host, s->box);
     anew = hk_bvh_cost(&s->tree) > spread * s->tree.built_cost;
   }
-  return anew ? hk_bvh_build(&s->tree, host, s->box, items) : HK_OK;
+  hk_status status = anew ? hk_bvh_build(&s->tree, host, s->box, items) : HK_OK;
+  if (status == HK_OK) s->tree_number = s->number;
+  return status;
 }
 
 /* ---- rows ---- */
@@ -144,19 +151,9 @@ static bool share(const uint32_t *a, const uint32_t *b) {
   return found;
 }
 
-/* An item whose row is found, and what tests against many others share. */
-typedef struct seeker {
-  uint32_t place;
-  const uint32_t *vertex;
-  double distance; /* m, without the radius of the other */
-  hk_swept_set set;
-  double normal[3], normal2;
-  hk_two_range along; /* the normal */
-} seeker;
-
-static seeker prepare(const hk_surface_search *s, uint32_t k) {
+hk_surface_seeker hk_surface_seek(const hk_surface_search *s, uint32_t k) {
   const uint32_t *v = s->place[k].vertex;
-  seeker i = {.place = k, .vertex = v, .set = hk_swept(s->swept, v, 4)};
+  hk_surface_seeker i = {.place = k, .vertex = v, .set = hk_swept(s->swept, v, 4)};
   i.distance = hk_surface_distance(s, s->place[k].radius);
   hk_normal_of(i.set.point[0], i.set.point[3], i.set.point[1], i.set.point[2], i.normal); /* of the diagonals */
   i.normal2 = hk_dot(i.normal, i.normal);
@@ -164,8 +161,7 @@ static seeker prepare(const hk_surface_search *s, uint32_t k) {
   return i;
 }
 
-/* Whether an axis keeps two items apart. */
-static bool are_apart(const hk_surface_search *s, const seeker *i, uint32_t other) {
+bool hk_surface_seeker_misses(const hk_surface_search *s, const hk_surface_seeker *i, uint32_t other) {
   const uint32_t *v = s->place[other].vertex;
   if (share(i->vertex, v)) return false;
   hk_swept_set b = hk_swept(s->swept, v, 4);
@@ -200,13 +196,13 @@ static void begin_walk(leaf_walk *w) {
   w->count = hk_bvh_walk_on(&w->walk, w->found);
 }
 
-static void try_leaves(const leaf_walk *w, const seeker *i, const hk_bvh_query *with) {
+static void try_leaves(const leaf_walk *w, const hk_surface_seeker *i, const hk_bvh_query *with) {
   hk_surface_search *s = w->search;
   for (size_t q = 0; q < w->count; q++) {
     const uint32_t *place = s->tree.order + 4 * (size_t)w->found[q];
     for (unsigned hits = hk_bvh_hits(&s->tree.node[w->found[q]], with); hits; hits &= hits - 1) {
       uint32_t other = place[__builtin_ctz(hits)];
-      if (other <= i->place || are_apart(s, i, other)) continue;
+      if (other <= i->place || hk_surface_seeker_misses(s, i, other)) continue;
       uint32_t *record = hk_gather_add(&s->near, w->chunk);
       if (record) *record = other;
     }
@@ -224,7 +220,7 @@ static hk_bvh_query ask_around(const hk_surface_search *s, const hk_box *box) {
 static void find_row(leaf_walk *w, uint32_t k) {
   hk_surface_search *s = w->search;
   hk_bvh_query with = ask_around(s, &s->box[k]);
-  seeker i = prepare(s, k);
+  hk_surface_seeker i = hk_surface_seek(s, k);
   hk_gather_row(&s->near, w->chunk, k);
   if (!w->whole) begin_walk(w);
   do try_leaves(w, &i, &with);
@@ -260,8 +256,7 @@ static void search_chunk(void *context, size_t begin, size_t end, size_t chunk) 
 }
 
 hk_status hk_surface_search_run(hk_surface_search *s, const hk_host *host, const hk_surface_move *move) {
-  s->move = *move;
-  hk_status status = sweep(s, host);
+  hk_status status = hk_surface_search_sweep(s, host, move);
   if (status == HK_OK) status = fit(s, host);
   if (status != HK_OK) return status;
   return hk_gather_run(&s->near, host, s->moving, hk_surface_search_leaves(s), HK_SEARCH_LEAVES, search_chunk, s);

@@ -29,10 +29,12 @@ typedef struct hk_surface_search {
   hk_surface_items items;
   uint32_t *order;         /* items: those that can move first, both parts rising; a place is an index of it */
   hk_surface_place *place; /* as `order` */
+  uint32_t *place_of;      /* items: the place of each */
   size_t moving;
   bool *held; /* n: which particles cannot move, for `order` */
   bool ordered;
-  hk_swept_point *swept; /* n: of the last move */
+  uint64_t number, tree_number; /* of the order; of that which the tree was built for */
+  hk_swept_point *swept;        /* n: of the last move */
   hk_surface_move move;
   double slack;   /* m: far above what rounds where positions are compared, 2^-46 of the extent of the move */
   double *extent; /* by chunks of the particles, m; NAN: one is not finite */
@@ -46,8 +48,26 @@ hk_status hk_surface_search_open(hk_surface_search *, const hk_host *, const hk_
 void hk_surface_search_free(hk_surface_search *, const hk_host *);
 /* Finds the rows for a move. HK_NO_MEMORY; HK_NOT_FINITE, without a message: a position is not. */
 hk_status hk_surface_search_run(hk_surface_search *, const hk_host *, const hk_surface_move *);
+/* The first part of that: the places of items, and the swept positions of all points. Boxes are the caller's. */
+hk_status hk_surface_search_sweep(hk_surface_search *, const hk_host *, const hk_surface_move *);
+/* The box that an item sweeps, with its radius. */
+void hk_surface_search_box(hk_surface_search *, uint32_t place);
 /* Whether the same particles as in the last search can move. */
 bool hk_surface_search_pins_kept(const hk_surface_search *);
+
+/* An item that others are compared with, and what tests against many of them share. */
+typedef struct hk_surface_seeker {
+  uint32_t place;
+  const uint32_t *vertex;
+  double distance; /* m, without the radius of the other */
+  hk_swept_set set;
+  double normal[3], normal2;
+  hk_two_range along; /* the normal */
+} hk_surface_seeker;
+
+hk_surface_seeker hk_surface_seek(const hk_surface_search *, uint32_t place);
+/* Whether an axis keeps the item at another place apart from it. */
+bool hk_surface_seeker_misses(const hk_surface_search *, const hk_surface_seeker *, uint32_t other);
 
 enum { HK_SEARCH_LEAVES = 32 /* of the tree, that a thread takes at a time */ };
 

@@ -55,6 +55,30 @@ typedef struct hk_surface_mesh {
   const uint32_t (*edge_faces)[2]; /* the triangles on the two sides of each edge; UINT32_MAX: none */
 } hk_surface_mesh;
 
+/* Patches: the surfaces in pieces of some tens of triangles or edges that hang together, and so move much alike. Every
+ * point, edge and triangle belongs to one. They depend on the mesh alone. */
+typedef struct hk_surface_patches {
+  size_t count;
+  size_t *start;    /* count + 1, in `member` */
+  uint32_t *member; /* the particles of a patch's features, rising; some are in several patches */
+} hk_surface_patches;
+
+typedef struct hk_patch_pair {
+  uint32_t a, b; /* a <= b; the same: pairs within a patch */
+} hk_patch_pair;
+
+typedef struct hk_near_pair {
+  hk_surface_pair pair;
+  double gap; /* m: that at the start of the move is not below it */
+} hk_near_pair;
+
+/* Valid until the next call of `between`. The pairs of a pair of patches come in an order that the mesh and the pins
+ * say, so that two searches at different times have those that both find in the same order. */
+typedef struct hk_near_pairs {
+  const size_t *start; /* count + 1, in `near` */
+  const hk_near_pair *near;
+} hk_near_pairs;
+
 /* Edges, of triangles and of strands, that have a point in common with a triangle, at given positions: decided exactly,
  * for all finite doubles. Those that share a particle, and those of which no particle can move, are left out. Two
  * strands that pass through each other leave no trace at one time, as lines have no inside: nothing is counted for
@@ -87,6 +111,11 @@ typedef struct hk_surfaces {
   /* Whether contact is to leave a pair alone at present: of particles marked as tangled on both sides, which it would
    * hold where they should not be, or of pinched ones with what is pinned. May be called by several threads. */
   bool (*leaves)(void *self, const hk_surface_pair *);
+  /* Valid until births and deaths. */
+  const hk_surface_patches *(*patches)(void *self);
+  /* As `pairs`, but only those of some pairs of patches. */
+  hk_status (*between)(void *self, const double *x_from, const double *x_to, double reach, const hk_patch_pair *,
+                       size_t count, hk_near_pairs *out);
 } hk_surfaces;
 
 #endif

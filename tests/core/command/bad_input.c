@@ -130,6 +130,34 @@ static void bad_plugins_are_refused_with_the_reason(void **state) {
   test_refused(scene, "--trust --dt 0.01", 2, "kicker: asked to fail");
 }
 
+/* Before the script runs, which here would say so. */
+static void files_are_tried_before_the_run(void **state) {
+  (void)state;
+  static const char *const wrong[][2] = {
+      {"--state no/where.csv", "--state: cannot write no/where.csv: No such file or directory; make its folder first"},
+      {"--state .", "--state: cannot write .: Is a directory; name another file"},
+      {"--state ''", "--state: the file has no name"},
+      {"--state told.lua/x", "--state: cannot write told.lua/x: Not a directory; name another file"},
+      {"--out told.lua/x", "--out: cannot make the folder told.lua/x: told.lua is a file; name another folder"},
+      {"--out ''", "--out: the folder has no name"},
+  };
+  char arguments[512];
+  test_write("told.lua", "print('the script ran')\n" BALL END);
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    snprintf(arguments, sizeof arguments, "run told.lua --quiet %s", wrong[k][0]);
+    expect(arguments, k == 2 || k == 5 ? 1 : 4, wrong[k][1]);
+    if (*r.out) fail_msg("%s: %s", wrong[k][0], r.out);
+  }
+  test_hooke(&r, "mkdir kept; echo old >kept/a.csv;", "run told.lua --quiet --state kept/a.csv --until 0 --dt -1");
+  assert_int_equal(r.code, 1);
+  test_hooke(&r, "test \"$(cat kept/*)\" = old || exit 9;", "--version"); /* trying changes nothing */
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run told.lua --quiet --out deep/down --state kept/a.csv");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "mkfifo pipe; cat pipe >through &", "run told.lua --quiet --state pipe");
+  assert_int_equal(r.code, 0);
+}
+
 static void files_that_cannot_be_written_are_named(void **state) {
   (void)state;
   test_write("ball.lua", BALL "scene:measure('z', function(s) return s:position(p)[3] end)\n" END);
@@ -210,6 +238,7 @@ int main(void) {
       cmocka_unit_test(zero_mass_is_fine_when_pinned),
       cmocka_unit_test(scripts_are_kept_in_their_sandbox),
       cmocka_unit_test(bad_plugins_are_refused_with_the_reason),
+      cmocka_unit_test(files_are_tried_before_the_run),
       cmocka_unit_test(files_that_cannot_be_written_are_named),
       cmocka_unit_test(files_of_others_are_never_touched),
       cmocka_unit_test(a_run_that_diverges_says_where_and_keeps_the_last_good_state),

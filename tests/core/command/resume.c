@@ -84,6 +84,54 @@ static void the_files_of_the_first_part_stay(void **state) {
   assert_int_equal(r.code, 0);
 }
 
+/* Without --out a run goes on in the folder in which its checkpoint lies, if that is its own; from its last part, too.
+ */
+static void it_goes_on_in_its_own_folder(void **state) {
+  (void)state;
+  static test_result r;
+  stop("");
+  test_hooke(&r, "rm -rf out;", "run --resume part/newest.checkpoint --quiet --until 0.8");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, "test -f part/from-step-*/newest.checkpoint && ! test -e out || exit 9;", "--version");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run --resume part/from-step-*/newest.checkpoint --quiet");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, "! test -e out && ! test -e part/from-step-*/from-step-* || exit 9;", "--version");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "mkdir other; cp part/newest.checkpoint other;", "run --resume other/newest.checkpoint --quiet");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "test -e out/rope && test \"$(ls other)\" = newest.checkpoint || exit 9;", "--version");
+  assert_int_equal(r.code, 0);
+}
+
+static void a_damaged_point_names_the_one_before(void **state) {
+  (void)state;
+  static test_result r;
+  stop("");
+  test_hooke(&r, "printf x | dd of=part/newest.checkpoint bs=1 seek=900 conv=notrunc 2>/dev/null;",
+             "run --resume part/newest.checkpoint --quiet");
+  if (r.code != 4 || !strstr(r.err, "part/newest.checkpoint is cut short or damaged") ||
+      !strstr(r.err, "a point before it is whole: --resume part/before.checkpoint"))
+    fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, NULL, "run --resume part/before.checkpoint --until 0.5 --quiet");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "rm part/before.checkpoint;", "run --resume part/newest.checkpoint --quiet");
+  assert_true(r.code == 4 && !strstr(r.err, "before it"));
+}
+
+static void another_scene_is_named_as_such(void **state) {
+  (void)state;
+  static test_result r;
+  stop("");
+  test_write("other.lua", scene);
+  test_hooke(&r, NULL, "run other.lua --resume part/newest.checkpoint --quiet");
+  if (r.code != 1 || !strstr(r.err, "it is of the scene rope.lua, and other.lua is named; leave the scene out"))
+    fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, "mkdir -p moved; cp rope.lua lost_rope.lua moved;",
+             "run moved/rope.lua --resume part/newest.checkpoint --quiet"); /* from somewhere else it is the same */
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+}
+
 static void expect_refused(const char *arguments, const char *what) {
   static test_result r;
   char all[512];
@@ -178,6 +226,9 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(it_goes_on_with_scene_parameters_and_options),
       cmocka_unit_test(the_files_of_the_first_part_stay),
+      cmocka_unit_test(it_goes_on_in_its_own_folder),
+      cmocka_unit_test(a_damaged_point_names_the_one_before),
+      cmocka_unit_test(another_scene_is_named_as_such),
       cmocka_unit_test(what_has_changed_is_named),
       cmocka_unit_test(a_plugin_that_has_changed_is_named),
       cmocka_unit_test(a_checkpoint_may_lie_anywhere),

@@ -255,7 +255,7 @@ static void scripted_spheres_push_and_never_pass(void **state) {
   uint32_t id = test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 0.21, 0, 0, 1);
   hk_plugin_spec *spheres = test_plugin(&e, HK_FORCE, "fixture:barrier_spheres");
-  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &id, .path = {ram, NULL, 0}, .release = INFINITY};
+  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &id, .path = {.call = ram}, .release = INFINITY};
   assert_int_equal(hk_scene_add_pin(e.scene, &pin, &e.error), HK_OK);
   e.options.integrator = "backward_euler";
   e.scene->fps = 30;

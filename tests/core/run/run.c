@@ -76,7 +76,7 @@ static double driven_error(double h) {
   hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
   test_edges(&e, springs, (const uint32_t(*)[2])edge, 1);
   test_number(&e, springs, "k", 100);
-  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &id, .path = {swing, NULL, 0}, .release = INFINITY};
+  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &id, .path = {.call = swing}, .release = INFINITY};
   assert_int_equal(hk_scene_add_pin(e.scene, &pin, &e.error), HK_OK);
   e.options.integrator = "rk4";
   e.options.dt = h;

@@ -624,9 +624,9 @@ static void a_ball_between_closed_plates_ends_the_run(void **state) {
 static void particles_have_their_radius(void **state) {
   (void)state;
   static test_result r;
-  static const char *const scenes[] = {"radius = 0.2", "radius_channel = 'size'",
-                                       "radius_channel = 'size', shape = 'box', "
-                                       "size = {9, 9, 2}, position = {0, 0, -1}"};
+  static const char *const scenes[] = {
+      "radius = 0.2", "radius_channel = 'size'",
+      "radius_channel = 'size', shape = 'box', size = {9, 9, 2}, position = {0, 0, -1}"};
   for (int k = 0; k < 3; k++) {
     char scene[1024];
     snprintf(scene, sizeof scene,

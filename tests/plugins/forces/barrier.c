@@ -361,7 +361,7 @@ static void plates_that_close_end_the_run_with_words(void **state) {
                      put(&t, (double[]){0, 1, 0.1}, NULL, 1)};
   add_triangle(&t, ids[0], ids[1], ids[2]);
   uint32_t between = put(&t, (double[]){0, 0, 0.05}, NULL, 0.1);
-  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 3, .id = ids, .path = {sink, NULL, 0}, .release = INFINITY};
+  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 3, .id = ids, .path = {.call = sink}, .release = INFINITY};
   assert_int_equal(hk_scene_add_pin(t.scene, &pin, &t.error), HK_OK);
   add_barrier(&t, 0.3);
   test_run(&t);

@@ -150,7 +150,7 @@ static void chain(test_engine *e, int64_t copies) {
   uint32_t pivot = 1, edge[2][2];
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, -9.81, 0);
   for (int i = 0; i <= LINKS; i++) test_particle(e, start[i][0], start[i][1], start[i][2], mass[i]);
-  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &pivot, .release = INFINITY, .path = {path, NULL, 0}};
+  hk_pin_spec pin = {.kind = HK_PIN_PATH, .count = 1, .id = &pivot, .release = INFINITY, .path = {.call = path}};
   assert_int_equal(hk_scene_add_pin(e->scene, &pin, &e->error), HK_OK);
   for (int s = 0; s < 2; s++)
     for (int c = 0; c < 2; c++) edge[s][c] = spring[s][c] + 1;

@@ -424,7 +424,7 @@ static void pinned_scene(test_engine *e, const char *method, double damping) {
   test_particle(e, 0.6, 0.9, -0.2, 0.4);
   test_particle(e, 0.2, 0.8, 0.6, 0.9);
   test_pin(e, HK_PIN_FIXED, 1, NULL);
-  hk_pin_spec spec = {.kind = HK_PIN_PATH, .count = 1, .id = &two, .release = INFINITY, .path = {swing, NULL, 0}};
+  hk_pin_spec spec = {.kind = HK_PIN_PATH, .count = 1, .id = &two, .release = INFINITY, .path = {.call = swing}};
   if (hk_scene_add_pin(e->scene, &spec, &e->error) != HK_OK) fail_msg("%s", e->error.text);
   test_pin(e, HK_PIN_LINE, 3, line);
   test_pin(e, HK_PIN_PLANE, 4, plane);
@@ -561,7 +561,7 @@ static void failed_step_leaves_the_state_as_it_was(void **state) {
   test_particle(&e, 1, 0.5, 0, 2);
   springs(&e, (const uint32_t[][2]){{1, 2}}, 1, 1000, 1, 1);
   hk_plugin_spec *g = test_plugin(&e, HK_FORCE, "gravity");
-  hk_value function = {.kind = HK_VALUE_FUNCTION, .function = {failing, NULL, 0}};
+  hk_value function = {.kind = HK_VALUE_FUNCTION, .function = {.call = failing}};
   assert_int_equal(hk_spec_set(g, hk_spec_param(g, "g", &e.error), &function, 2, &e.error), HK_OK);
   use(&e, true);
   steps_of(&e, 0.1);

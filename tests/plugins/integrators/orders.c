@@ -18,7 +18,7 @@ static const char *const part_name[PARTS] = {"x", "v", "channel", "work"};
 static const struct {
   const char *name;
   int order;
-} lower[] = {{"blanes_moan", 2}};
+} lower[] = {{"blanes_moan", 2}, {"kahan_li6", 2}, {"kahan_li8", 2}};
 
 /* The solution: q_e = e/4 + sin((1 + e/10) t + e), r_i = 2 + cos(t + i), work t/2 + sin(2t)/4. */
 static double q(size_t e, double t) { return (double)e / 4 + sin((1 + (double)e / 10) * t + (double)e); }
@@ -91,9 +91,9 @@ static void errors(const char *name, const fake_problem *problem, size_t steps, 
  * such that it changes the measured order by less than 0.2 and rounding does not show; a part may be better by luck, so
  * the worst one counts. */
 static void check(const char *name, const fake_problem *problem, int order, int stages) {
-  static const double steps[] = {0, 2000, 1000, 500, 320, 210}; /* of methods of one stage */
+  static const double steps[] = {0, 2000, 1000, 500, 320, 210, 210, 100, 40}; /* of methods of one stage */
   double coarse[PARTS], fine[PARTS], least = INFINITY;
-  size_t count = (size_t)(steps[order < 5 ? order : 5] / sqrt(stages)) / PIECES * PIECES;
+  size_t count = (size_t)(steps[order < 8 ? order : 8] / sqrt(stages)) / PIECES * PIECES;
   errors(name, problem, count, coarse);
   errors(name, problem, 2 * count, fine);
   for (int k = 0; k < PARTS; k++) {

@@ -128,8 +128,14 @@ static inline void fake_default(char *self, const hk_param *p) {
  * temporary folder. */
 static inline void fake_open(fake *f, const char *name) {
   char path[512];
-  *f = (fake){.host = {HK_ABI, fake_fail, fake_warn, fake_allocate, fake_release, fake_parallel_for, NULL, fake_path,
-                       fake_query, NULL},
+  *f = (fake){.host = {.abi = HK_ABI,
+                       .fail = fake_fail,
+                       .warn = fake_warn,
+                       .allocate = fake_allocate,
+                       .release = fake_release,
+                       .parallel_for = fake_parallel_for,
+                       .path = fake_path,
+                       .query = fake_query},
               .allocations_left = -1};
   snprintf(path, sizeof path, strchr(name, '/') ? "%s" : HK_BUILD "/plugins/outputs/%s.so", name);
   f->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);

@@ -38,7 +38,8 @@ static void frames_light_both_sides_of_a_cloth(void **state) {
     set_vector(&w, "background", 0, 0, 0);
     assert_int_equal(begin(&w), HK_OK);
     assert_int_equal(add(&w), HK_OK);
-    assert_true(there_is(&w, "frames/000000.png")); /* nothing to wait for */
+    assert_true(there_will_be(&w, "frames/000000.png")); /* nothing to wait for but the file */
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
     picture p = look(&w, 0);
     const unsigned char *middle = p.rgb + 3 * (45 * 160 + 80);
     for (int c = 0; c < 3; c++) {
@@ -46,7 +47,6 @@ static void frames_light_both_sides_of_a_cloth(void **state) {
       assert_int_equal(p.rgb[c], 0);
     }
     free(p.rgb);
-    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
     fake_close(&w.f);
   }
 }
@@ -80,22 +80,138 @@ static void frames_have_the_size_asked_for_and_become_a_video(void **state) {
   world w;
   world_open(&w, MOST);
   make_cloth(&w, 0, 1);
-  set_integer(&w, "width", 161);
-  set_integer(&w, "height", 97);
+  set_integer(&w, "width", 162);
+  set_integer(&w, "height", 98);
   set_integer(&w, "every", 2);
   set_switch(&w, "video", true);
   assert_int_equal(begin(&w), HK_OK);
   for (int k = 0; k < 5; k++) assert_int_equal(add(&w), HK_OK);
   assert_int_equal(end(&w, HK_STOPPED), HK_OK);
   picture p = look(&w, 0);
-  assert_int_equal(p.width, 161);
-  assert_int_equal(p.height, 97);
+  assert_int_equal(p.width, 162);
+  assert_int_equal(p.height, 98);
   free(p.rgb);
   assert_true(there_is(&w, "frames/000002.png"));
   assert_false(there_is(&w, "frames/000003.png"));
   assert_int_equal(there_is(&w, "video.mp4"), ffmpeg);
   assert_int_equal(strstr(w.f.warning, "ffmpeg") == NULL, ffmpeg);
   fake_close(&w.f);
+}
+
+/* H.264 has two by two pixels of one colour. */
+static void frames_refuse_a_video_of_odd_size(void **state) {
+  (void)state;
+  world w;
+  world_open(&w, 1);
+  set_integer(&w, "width", 161);
+  set_switch(&w, "video", true);
+  assert_int_equal(begin(&w), HK_BAD_PARAM);
+  assert_non_null(strstr(w.f.error, "not 161 x 90: take 162 x 90, or video = false"));
+  set_switch(&w, "video", false);
+  picture p = draw_once(&w);
+  assert_int_equal(p.width, 161);
+  free(p.rgb);
+  fake_close(&w.f);
+}
+
+static void frames_can_be_a_video_alone(void **state) {
+  (void)state;
+  if (system("command -v ffmpeg >/dev/null 2>&1") != 0) skip();
+  world w;
+  world_open(&w, MOST);
+  make_cloth(&w, 0, 1);
+  set_switch(&w, "pictures", false);
+  assert_int_equal(begin(&w), HK_BAD_PARAM); /* nothing would be left */
+  set_switch(&w, "video", true);
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 7; k++) assert_int_equal(add(&w), HK_OK); /* more than wait for the program at any time */
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  assert_true(there_is(&w, "video.mp4"));
+  assert_false(there_is(&w, "frames/000000.png"));
+  fake_close(&w.f);
+}
+
+/* A particle 20 pixels wide goes on by 15 pixels a frame; stills are a third as large, three in a row. */
+static void frames_put_stills_on_a_sheet(void **state) {
+  (void)state;
+  world w;
+  char path[512];
+  world_open(&w, 1);
+  set_still_camera(&w);
+  set_number(&w, "radius", 0.1);
+  set_integer(&w, "sheet", 5);
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 9; k++) {
+    w.x[0] = -0.6 + 0.15 * k;
+    assert_int_equal(add(&w), HK_OK);
+  }
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  snprintf(path, sizeof path, "%s/sheet.png", w.f.folder);
+  picture p = read_picture(path);
+  assert_int_equal(p.width, 3 * 53 + 2 * 4);
+  assert_int_equal(p.height, 2 * 30 + 4);
+  for (int k = 0; k < 6; k++) { /* pictures 0, 2, 4, 6, 8, and no sixth one */
+    int x = k % 3 * 57 + (k < 5 ? (80 - 60 + 30 * k) / 3 : 26), y = k / 3 * 34 + 15;
+    assert_int_equal(is_red(&p, x, y), k < 5);
+    assert_false(is_red(&p, x, y + 10));
+  }
+  for (int c = 0; c < 3; c++) {
+    assert_int_equal(at(&p, 54, 10)[c], 255); /* between two stills */
+    assert_int_equal(at(&p, 140, 50)[c], 255);
+  }
+  free(p.rgb);
+  fake_close(&w.f);
+}
+
+/* A cloth that flies 20 times its own length: it stays in the middle, as large as it was. With the camera left out or
+ * given. The fit is around the box of what is seen, whose corners are empty: less than 2/3 is filled. */
+static void frames_camera_follows_the_particles(void **state) {
+  (void)state;
+  for (int given = 0; given < 2; given++) {
+    world w;
+    world_open(&w, MOST);
+    make_cloth(&w, 0, 0);
+    set_switch(&w, "follow", true);
+    if (given) set_vector(&w, "camera", 0, -3, 1);
+    if (given) set_vector(&w, "target", 0, 0, 0);
+    assert_int_equal(begin(&w), HK_OK);
+    for (int k = 0; k < 21; k++) {
+      make_cloth(&w, k, 0.5 * k);
+      assert_int_equal(add(&w), HK_OK);
+    }
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+    extent middle = find_red(&w, 10);
+    int width = middle.right - middle.left, height = middle.top - middle.bottom;
+    assert_true(width > 0.3 * 160 || -height > 0.4 * 90);
+    for (size_t k = 0; k < 21; k++) {
+      extent e = find_red(&w, k);
+      assert_in_range(abs(e.left + e.right - 159), 0, 16); /* the middle of the box is not that of the picture of it */
+      assert_in_range(abs(e.right - e.left - width), 0, 3);
+    }
+    fake_close(&w.f);
+  }
+}
+
+/* A camera that turns by a quarter: what was deep is wide, in pictures that wait and in those that do not. */
+static void frames_camera_moves_with_time(void **state) {
+  (void)state;
+  for (int waits = 0; waits < 2; waits++) {
+    world w;
+    world_open(&w, 2);
+    set_still_camera(&w);
+    set_number(&w, "radius", 0.1);
+    set_integer(&w, "sheet", waits);
+    w.x[1] = -0.4, w.x[4] = 0.4;
+    assert_int_equal(begin(&w), HK_OK);
+    assert_int_equal(add(&w), HK_OK);
+    set_vector(&w, "camera", 10, 0, 0);
+    assert_int_equal(add(&w), HK_OK);
+    assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+    extent before = find_red(&w, 0), after = find_red(&w, 1);
+    assert_in_range(before.right - before.left, 18, 23);
+    assert_in_range(after.right - after.left, 97, 103); /* 0.8 m and two radii, a pixel a centimetre */
+    fake_close(&w.f);
+  }
 }
 
 static void frames_say_why_there_is_no_video(void **state) {
@@ -152,14 +268,14 @@ static void frames_drawn_at_once_follow_a_scene_that_starts_empty(void **state) 
   set_number(&w, "radius", 1);
   assert_int_equal(begin(&w), HK_OK);
   assert_int_equal(add(&w), HK_OK);
-  assert_int_equal(find_red(&w, 0).count, 0);
   set_count(&w, 1);
   for (size_t k = 1; k < 4; k++) { /* coming from afar */
     w.x[1] = 40.0 * (3 - (double)k);
     assert_int_equal(add(&w), HK_OK);
-    assert_true(find_red(&w, k).count > find_red(&w, k - 1).count);
   }
   assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  assert_int_equal(find_red(&w, 0).count, 0);
+  for (size_t k = 1; k < 4; k++) assert_true(find_red(&w, k).count > find_red(&w, k - 1).count);
   fake_close(&w.f);
 }
 
@@ -262,6 +378,11 @@ int main(void) {
       cmocka_unit_test(frames_light_both_sides_of_a_cloth),
       cmocka_unit_test(frames_show_the_floor_and_a_shadow_on_it),
       cmocka_unit_test(frames_have_the_size_asked_for_and_become_a_video),
+      cmocka_unit_test(frames_camera_follows_the_particles),
+      cmocka_unit_test(frames_camera_moves_with_time),
+      cmocka_unit_test(frames_put_stills_on_a_sheet),
+      cmocka_unit_test(frames_refuse_a_video_of_odd_size),
+      cmocka_unit_test(frames_can_be_a_video_alone),
       cmocka_unit_test(frames_say_why_there_is_no_video),
       cmocka_unit_test(frames_follow_births_and_deaths),
       cmocka_unit_test(frames_drawn_at_once_follow_a_scene_that_starts_empty),

@@ -201,6 +201,37 @@ static void frames_draw_obstacles_where_they_are(void **state) {
   fake_close(&w.f);
 }
 
+/* Edges that a script makes by hand, and elements on more than two particles, are drawn where springs of others are:
+ * half a metre each, 3 pixels thick. */
+static void frames_show_edges_and_elements_that_no_spring_shows(void **state) {
+  (void)state;
+  enum { SPRING, EDGE, BEND };
+  static const uint32_t edge[2] = {2, 3}, bend[3] = {4, 5, 6};
+  for (int kinds = 0; kinds < 3; kinds++) {
+    world w;
+    world_open(&w, 7);
+    for (size_t i = 0; i < 7; i++) w.x[3 * i] = 0.1 * (double)i - 0.3;
+    w.x[2] = w.x[5] = 0.2, w.x[3] = -0.3, w.x[0] = 0.2; /* the spring: above, 0.5 m long */
+    w.x[6] = -0.3, w.x[9] = 0.2;                        /* the edge: in the middle */
+    for (size_t i = 4; i < 7; i++) w.x[3 * i] = 0.25 * (double)i - 1.3, w.x[3 * i + 2] = -0.2;
+    w.pair[0][0] = 0, w.pair[0][1] = 1, w.stiffness = 1, w.rest = 0.5;
+    hk_element_list list[2] = {{.force = "springs", .elements = {.node = {1, 2, &w.pair[0][0]}}},
+                               {.force = "angles", .elements = {.node = {1, 3, bend}}}};
+    w.model.element_list = list, w.model.element_lists = kinds == BEND ? 2 : 1;
+    if (kinds >= EDGE) w.model.edges = (hk_tuples){1, 2, edge};
+    set_still_camera(&w);
+    set_number(&w, "tube", 0.015);
+    set_switch(&w, "shadows", false);
+    picture p = draw_once(&w);
+    for (int k = 0; k < 3; k++) {
+      int y = 45 - 20 + 20 * k;
+      assert_int_equal(is_red(&p, 80 - 12, y), k <= kinds); /* between the particles, which have other radii */
+    }
+    free(p.rgb);
+    fake_close(&w.f);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_show_cloth_as_thick_as_it_is),
@@ -209,6 +240,7 @@ int main(void) {
       cmocka_unit_test(frames_without_shadows_have_none),
       cmocka_unit_test(frames_draw_what_is_pinned_as_a_whole_as_a_solid),
       cmocka_unit_test(frames_draw_obstacles_where_they_are),
+      cmocka_unit_test(frames_show_edges_and_elements_that_no_spring_shows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -128,6 +128,12 @@ static inline bool there_is(const world *w, const char *name) {
   return stat(path, &info) == 0 && info.st_size > 0;
 }
 
+/* Files are written while the next pictures are drawn: within some seconds on any machine. */
+static inline bool there_will_be(const world *w, const char *name) {
+  for (int tries = 0; tries < 500 && !there_is(w, name); tries++) usleep(20000);
+  return there_is(w, name);
+}
+
 static inline picture read_picture(const char *path) {
   png_image image = {.version = PNG_IMAGE_VERSION};
   if (!png_image_begin_read_from_file(&image, path)) fail_msg("%s: %s", path, image.message);

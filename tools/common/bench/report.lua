@@ -1,5 +1,6 @@
 -- The evaluation of a bench's rows: observed orders, the Pareto front, the cheapest setting of every method at the
 -- target, the recommendation; as text, CSV, JSON and a diagram.
+local axes = require("common.run.axes")
 local methods = require("common.bench.methods")
 local plot = require("common.run.plot")
 local files = require("common.run.file")
@@ -315,7 +316,7 @@ function report.draw(list, goal, chosen, path)
     front[k] = { math.max(row.error, goal.support), row.wall_s / goal.seconds }
   end
   if #front > 0 then
-    data[1] = { name = "FRONT", rows = front }
+    data[1] = { name = "FRONT", rows = axes.staircase(front, high, slow) }
     more[1] = "$FRONT using 1:2 with lines lw 9 lc rgb '#DADADA' title 'nothing is better'"
   end
   if chosen then

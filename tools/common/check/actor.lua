@@ -37,8 +37,9 @@ local function starts(plugin, values)
   return (pcall(function() return actor.scene(plugin, values):run { to = 0 } end))
 end
 
--- What a plugin needs, with or without the lists that it may do without: first those that it starts with.
-local function bases(plugin)
+-- What a plugin needs, with or without the lists that it may do without: first those that it starts with. The run that
+-- tries that lives as long as the process: it is made once.
+local function find_bases(plugin)
   local whole, bare, optional = {}, {}, false
   for _, p in ipairs(plugin.params) do
     local value = plugin.given[p.name]
@@ -49,6 +50,11 @@ local function bases(plugin)
   end
   if not optional then return { whole } end
   return starts(plugin, whole) and { whole, bare } or { bare, whole }
+end
+
+local function bases(plugin)
+  plugin.bases = plugin.bases or find_bases(plugin)
+  return plugin.bases
 end
 
 -- The settings in which a plugin is tried: what it needs and every list that may be given; in addition, one at a time,

@@ -88,7 +88,7 @@ local function says_that_the_disk_is_full(plugin, lines)
     if mute and not told then
       told = true
       lines:wrong(("%s fails without saying why"):format(mute), "use host->fail with the path and strerror(errno)")
-    elseif not said_so and not told then
+    elseif not said_so and not told and watching.asked() > 0 then
       told = true
       lines:wrong("it does not see that its file cannot be written", "look at the results of fprintf, fflush and fclose")
     end
@@ -106,6 +106,7 @@ local function says_that_there_is_no_folder(plugin, lines)
         lines:wrong(("%s fails without saying why"):format(what), "use host->fail with the path and strerror(errno)")
       end
     end)
+    if watching.asked() == 0 then return end
     if not failed then lines:wrong("it does not see that its file cannot be made", "look at the result of fopen") end
     watching.into(a)
     lines:at("a run without a folder")
@@ -117,6 +118,7 @@ end
 
 local function closes_its_files(plugin, lines)
   folder_of(function(folder)
+    actor.settings(plugin) -- has a run of its own
     local before = watching.files()
     actor.frees(lines, function()
       for _ = 1, 3 do
@@ -134,6 +136,7 @@ end
 -- A run that fails before `close`: destroy alone is called.
 local function closes_after_a_failure(plugin, lines)
   folder_of(function(folder)
+    actor.settings(plugin) -- has a run of its own
     local before = watching.files()
     each(plugin, lines, function(a)
       watching.into(a, folder)

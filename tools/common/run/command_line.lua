@@ -14,12 +14,32 @@ function command_line.parse(tool, parser)
   command_line.complain(tool, ("%s; see: hooke %s --help"):format(found, tool))
 end
 
+-- The words of a scene and its parameters: its path, or nil where there is none, and a table; or nil, nil and why not.
+function command_line.scene(words)
+  local path, given = nil, {}
+  for _, word in ipairs(words) do
+    local name, value = word:match("^([%a_][%w_]*)=(.*)$")
+    if name then given[name] = value
+    elseif path then return nil, nil, ("'%s' is neither the scene nor name=value"):format(word)
+    else path = word end
+  end
+  return path, given
+end
+
 -- Converters of argparse, which name their option where the text will not do.
 function command_line.number(option)
   return function(text)
     local value = tonumber(text)
     if value and value - value == 0 then return value end
     return nil, ("%s: '%s' is not a number"):format(option, text)
+  end
+end
+
+function command_line.positive(option)
+  return function(text)
+    local value = tonumber(text)
+    if value and value > 0 and value < math.huge then return value end
+    return nil, ("%s: '%s' is not a positive number"):format(option, text)
   end
 end
 

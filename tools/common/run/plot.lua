@@ -12,6 +12,10 @@
 --     matrix = { rows = { { x, y, z }, ... }, label = }       -- a heat map instead of curves
 --   })
 -- returns true; or nil and the reason why there is no picture (data and script are written in any case).
+--
+-- Ranges are widened where a point would be outside (`fixed = true` of an axis: not so, and the title says how many are).
+-- Up to four curves that reach the right side have their names there instead of a legend.
+local axes = require("common.run.axes")
 local files = require("common.run.file")
 
 local plot = {}
@@ -49,12 +53,45 @@ function plot.block(name, rows)
   return table.concat(lines, "\n")
 end
 
-local function axis(letter, a, lines)
+-- Powers of ten as such where all ticks are, otherwise plain numbers.
+local function tick_text(x, powers)
+  if powers then return ("'10^{%d}' %.9g"):format(math.floor(math.log(x, 10) + 0.5), x) end
+  return ("'%.3g' %.9g"):format(x, x)
+end
+
+-- gnuplot's ticks of a logarithmic axis or colour bar ("cb"), where powers of ten alone would be fewer than two.
+function plot.log_ticks(letter, low, high)
+  local list, parts, powers = axes.log_ticks(low, high), {}, true
+  for _, x in ipairs(list) do powers = powers and math.abs(math.log(x, 10) % 1 - 0.5) > 0.5 - 1e-9 end
+  for k, x in ipairs(list) do parts[k] = tick_text(x, powers) end
+  return ("set %stics (%s)"):format(letter, table.concat(parts, ", "))
+end
+
+local function column(curves, k)
+  local values = {}
+  for _, curve in ipairs(curves or {}) do
+    for _, point in ipairs(curve.points) do values[#values + 1] = point[k] end
+  end
+  return values
+end
+
+local function few_decades(a, values)
+  local low, high = axes.extent(values, true)
+  if not low then return nil end
+  low, high = a.min or low, a.max or high
+  if high <= low or high / low >= 100 then return nil end
+  return low, high
+end
+
+local function axis(letter, a, lines, values)
   if not a then return end
+  a.min, a.max, a.outside = axes.range(a, values)
   if a.label then lines[#lines + 1] = ("set %slabel %s noenhanced"):format(letter, plot.quote(a.label)) end
   if a.log then
     lines[#lines + 1] = ("set logscale %s"):format(letter)
     lines[#lines + 1] = ("set format %s '10^{%%L}'"):format(letter)
+    local low, high = few_decades(a, values)
+    if low then lines[#lines + 1] = plot.log_ticks(letter, low, high) end
   end
   if a.min or a.max then
     lines[#lines + 1] = ("set %srange [%s:%s]"):format(letter, a.min and number(a.min) or "*",
@@ -76,18 +113,74 @@ local function data_of(figure)
   return table.concat(parts, "\n") .. "\n"
 end
 
+-- ---- names beside curves ----
+
+local most_named, line_height = 4, 0.04 -- of the diagram's height
+
+-- From numbers on an axis to 0 to 1, and back.
+local function scale_of(a, values)
+  local low, high = axes.extent(values, a and a.log)
+  low, high = a and a.min or low or 0, a and a.max or high or 1
+  if high <= low then high = low + 1 end
+  if a and a.log then
+    return function(x) return math.log(x / low) / math.log(high / low) end,
+      function(share) return low * (high / low) ^ share end
+  end
+  return function(x) return (x - low) / (high - low) end, function(share) return low + share * (high - low) end
+end
+
+-- The heights of the curves' right ends; nil: they are too many, or end elsewhere.
+local function ends(figure, across, up)
+  local heights = {}
+  for k, curve in ipairs(figure.curves) do
+    local last
+    for _, p in ipairs(curve.points) do
+      if p[2] == p[2] and (not last or p[1] >= last[1]) then last = p end
+    end
+    if not last or curve.lines == false or not curve.title or curve.title == "" then return nil end
+    if across(last[1]) < 0.9 then return nil end
+    heights[k] = up(last[2])
+    if heights[k] < 0 or heights[k] > 1 then return nil end
+  end
+  return heights
+end
+
+-- Whether curves are named at their ends; gives up the legend for it.
+local function name_curves(figure, lines)
+  local few = #(figure.curves or {}) >= 2 and #figure.curves <= most_named
+  if not few or figure.more then return end
+  local up, back = scale_of(figure.y, column(figure.curves, 2))
+  local heights = ends(figure, (scale_of(figure.x, column(figure.curves, 1))), up)
+  if not heights then return end
+  local longest = 0
+  for k, y in ipairs(axes.spread(heights, line_height)) do
+    local title = figure.curves[k].title
+    longest = math.max(longest, utf8.len(title) or #title)
+    lines[#lines + 1] = ("set label %s at graph 1.015, first %.9g left noenhanced tc ls %d"):format(plot.quote(title), back(y),
+      figure.curves[k].style or k)
+  end
+  lines[#lines + 1] = "unset key"
+  lines[#lines + 1] = ("set rmargin %d"):format(longest + 4)
+end
+
+local function title_of(figure)
+  local outside = (figure.x and figure.x.outside or 0) + (figure.y and figure.y.outside or 0)
+  return outside == 0 and figure.title or ("%s (%d points outside)"):format(figure.title, outside)
+end
+
 local function settings(figure, lines)
-  if figure.title then lines[#lines + 1] = ("set title %s noenhanced"):format(plot.quote(figure.title)) end
   lines[#lines + 1] = "set key outside right top vertical maxcols 1 Left reverse samplen 4 spacing 1.1 width 1"
   lines[#lines + 1] = "set border lw 1.2"
   lines[#lines + 1] = "set tics nomirror scale 0.8"
   lines[#lines + 1] = "set grid xtics ytics lc rgb '#DDDDDD' lt 1 lw 0.6"
-  axis("x", figure.x, lines)
-  axis("y", figure.y, lines)
+  axis("x", figure.x, lines, column(figure.curves, 1))
+  axis("y", figure.y, lines, column(figure.curves, 2))
+  if figure.title then lines[#lines + 1] = ("set title %s noenhanced"):format(plot.quote(title_of(figure))) end
   for k = 1, #(figure.curves or {}) + 1 do lines[#lines + 1] = plot.style_line(k) end
   for _, curve in ipairs(figure.curves or {}) do
     if curve.style then lines[#lines + 1] = plot.style_line(curve.style) end
   end
+  name_curves(figure, lines)
 end
 
 local function heat_map(figure, lines)
@@ -136,7 +229,7 @@ local function render(folder, name, figure)
   local script = {}
   for _, terminal in ipairs(terminals) do
     script[#script + 1] = terminal.text:format(figure.width or 1200,
-      math.max(figure.height or 760, 100 + 22 * #(figure.curves or {}))) -- height for the legend
+      math.max(figure.height or 760, 140 + 24 * (#(figure.curves or {}) + #(figure.more or {})))) -- room for the legend
     script[#script + 1] = ("set output '%s.%s'"):format(name, terminal.ending)
     script[#script + 1] = ("load '%s.gp'"):format(name)
   end

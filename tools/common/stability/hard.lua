@@ -85,7 +85,9 @@ end
 -- The cases of a folder, by name; or nil and the reason.
 function hard.cases(folder)
   local cases = {}
-  if lfs.attributes(folder, "mode") ~= "directory" then return nil, folder .. " is not a folder of cases" end
+  if lfs.attributes(folder, "mode") ~= "directory" then
+    return nil, folder .. " is not a folder of cases; hooke's sources have some in tests/hard: --hard FOLDER"
+  end
   for file in lfs.dir(folder) do
     if file:match("^[^_].*%.lua$") then -- _NAME.lua is a module shared by cases
       local case, why = hard.read(folder .. "/" .. file)
@@ -123,10 +125,23 @@ function hard.check(cases, integrators)
   return true
 end
 
+local function fixtures() return hooke.plugins .. "/../tests/fixtures" end
+
+-- The plugins for tests that a case needs and that are not built, which make alone does not do; nil: none is missing.
+function hard.missing(case)
+  if not case.trust then return nil end
+  local file = io.open(case.path)
+  local text = file and file:read("a") or ""
+  if file then file:close() end
+  for name in text:gmatch('fixtures %.%. "/([%w_]+%.so)"') do
+    if not lfs.attributes(("%s/%s"):format(fixtures(), name), "mode") then return name end
+  end
+end
+
 local function cell_of(case, run, options)
   return { case = case, run = run, must = not run.text and has(case.must, run.integrator), process_case = {
     scene = case.path, integrator = run.integrator, dt = run.dt, tol = run.tol, ignore_exact = true, trust = true,
-    params = case.trust and { fixtures = hooke.plugins .. "/../tests/fixtures" } or nil,
+    params = case.trust and { fixtures = fixtures() } or nil,
     step_limit = not options.long and hard.step_limit or nil, timeout = options.timeout } }
 end
 
@@ -216,7 +231,7 @@ function hard.matrix(cases, integrators, cells)
   local lines = { header(integrators, width) }
   for _, case in ipairs(cases) do
     local row = { case.name .. (" "):rep(width - #case.name) }
-    for _, name in ipairs(integrators) do row[#row + 1] = (" %-2s"):format(mark_of(at[case][name])) end
+    for _, name in ipairs(integrators) do row[#row + 1] = (" %-2s"):format(mark_of((at[case] or {})[name])) end
     lines[#lines + 1] = (table.concat(row):gsub("%s+$", ""))
   end
   return table.concat(lines, "\n")

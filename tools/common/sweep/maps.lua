@@ -1,4 +1,5 @@
 -- Heat maps of a sweep: a measure as colour over two parameters, one picture for each combination of the others.
+local axes = require("common.run.axes")
 local plan = require("common.sweep.plan")
 local plot = require("common.run.plot")
 local points = require("common.sweep.points")
@@ -42,6 +43,15 @@ end
 -- The lightness increases with the value and stays below white, which marks a cell without a result.
 local colour_scale = "set palette defined (0 '#2A0A4A', 1 '#3B4F8B', 2 '#21908C', 3 '#5DC863', 4 '#FDE725')"
 
+-- A logarithmic bar of colours, from the smallest positive number to the largest.
+local function log_bar(numbers, commands)
+  local low, high = axes.extent(numbers, true)
+  commands[#commands + 1] = "set logscale cb"
+  if not low or low == high then return end
+  commands[#commands + 1] = ("set cbrange [%.9g:%.9g]"):format(low, high)
+  commands[#commands + 1] = plot.log_ticks("cb", low, high)
+end
+
 local function draw_map(the, figure, group, path)
   local x, y = table.unpack(points.over(figure))
   local xs, ys = points.axis(the, x), points.axis(the, y)
@@ -54,7 +64,7 @@ local function draw_map(the, figure, group, path)
     "set autoscale noextend", "set rmargin at screen 0.84", "set format cb '%.6g'", colour_scale }
   local log = figure.logy
   if log == nil then log = points.wants_log(numbers) end
-  if log then commands[#commands + 1] = "set logscale cb; set format cb '10^{%L}'" end
+  if log then log_bar(numbers, commands) end
   return plot.draw(path, { title = points.title(the, group.label == "" and title or title .. ", " .. group.label),
     x = { label = figure.xlabel or x, min = 0.5, max = #xs + 0.5 }, y = { label = figure.ylabel or y, min = 0.5,
     max = #ys + 0.5 }, matrix = { rows = matrix_of(at, xs, ys), label = figure.measure }, commands = commands,

@@ -182,7 +182,8 @@ local function vertical(figure, curves)
   for _, curve in ipairs(curves) do
     for _, point in ipairs(curve.points) do numbers[#numbers + 1] = point[2] end
   end
-  local axis = { label = figure.ylabel or figure.measure, log = figure.logy, min = figure.min, max = figure.max }
+  local axis = { label = figure.ylabel or figure.measure, log = figure.logy, min = figure.min,
+    max = figure.max, fixed = figure.min ~= nil or figure.max ~= nil }
   if axis.log == nil then axis.log = points.wants_log(numbers) end
   return axis, #numbers
 end

@@ -1,0 +1,68 @@
+/* What the user names to be written is tried before a run: that a folder is missing or full of somebody else's rights
+ * is better known before an hour of computing than after. Nothing stays behind. */
+#include "core/storage/storage.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Opens what is there already, a device or a pipe, and gives up where nobody reads the pipe yet. */
+static bool can_open(const char *path) {
+  int file = open(path, O_WRONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
+  if (file >= 0) close(file);
+  return file >= 0 || errno == ENXIO;
+}
+
+/* A file beside the one that is meant, which will be renamed (write_file.c). */
+static bool can_create(const char *path) {
+  char trial[PATH_MAX];
+  if (snprintf(trial, sizeof trial, "%s.part", path) >= (int)sizeof trial) {
+    errno = ENAMETOOLONG;
+    return false;
+  }
+  unlink(trial);
+  int file = open(trial, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (file < 0) return false;
+  close(file);
+  return unlink(trial) == 0;
+}
+
+hk_status hk_target_file(const char *option, const char *path, hk_error *error) {
+  struct stat info;
+  if (!*path) return hk_error_set(error, HK_BAD_PARAM, "%s: the file has no name", option);
+  bool plain = stat(path, &info) != 0 || S_ISREG(info.st_mode);
+  if (plain ? can_create(path) : can_open(path)) return HK_OK;
+  return hk_error_set(error, HK_IO, "%s: cannot write %s: %s%s", option, path, strerror(errno),
+                      errno == ENOENT ? "; make its folder first" : "; name another file");
+}
+
+/* The path is cut to the part that exists. */
+static bool existing_part(char *path, struct stat *info) {
+  while (stat(path, info) != 0) {
+    char *slash = strrchr(path, '/');
+    if (errno != ENOENT && errno != ENOTDIR) return false;
+    if (!slash || slash == path)
+      strcpy(path, slash ? "/" : ".");
+    else
+      *slash = 0;
+  }
+  return true;
+}
+
+hk_status hk_target_folder(const char *option, const char *path, hk_error *error) {
+  char part[PATH_MAX];
+  struct stat info;
+  if (!*path) return hk_error_set(error, HK_BAD_PARAM, "%s: the folder has no name", option);
+  if (snprintf(part, sizeof part, "%s", path) >= (int)sizeof part)
+    return hk_error_set(error, HK_BAD_PARAM, "%s: the name of the folder is too long", option);
+  if (!existing_part(part, &info))
+    return hk_error_set(error, HK_IO, "%s: cannot make the folder %s: %s", option, path, strerror(errno));
+  if (!S_ISDIR(info.st_mode))
+    return hk_error_set(error, HK_IO, "%s: cannot make the folder %s: %s is a file; name another folder", option, path,
+                        part);
+  if (access(part, W_OK | X_OK) == 0) return HK_OK;
+  return hk_error_set(error, HK_IO, "%s: cannot write in %s: %s; name another folder", option, part, strerror(errno));
+}

@@ -1,0 +1,296 @@
+/* What of a recording is read when it is opened, and the rows of a frame. */
+#include "plugins/common/recording/reader.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- rows and attributes ---- */
+
+/* Rows of a dataset of `width` numbers each; width 0: it has no second dimension. */
+static bool get_rows(hid_t set, int64_t at, size_t rows, size_t width, hid_t type, void *to) {
+  hsize_t size[2] = {0, 1}, from[2] = {(hsize_t)at, 0}, count[2] = {rows, width};
+  if (rows == 0) return true;
+  if (set < 0 || at < 0) return false;
+  hid_t space = H5Dget_space(set);
+  int rank = H5Sget_simple_extent_ndims(space);
+  bool fine = rank == (width > 1 ? 2 : 1) && H5Sget_simple_extent_dims(space, size, NULL) == rank &&
+              from[0] <= size[0] && rows <= size[0] - from[0] && (rank == 1 || size[1] == width);
+  hid_t memory = fine ? H5Screate_simple(rank, count, NULL) : -1;
+  fine = fine && H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, count, NULL) >= 0 &&
+         H5Dread(set, type, memory, space, H5P_DEFAULT, to) >= 0;
+  if (memory >= 0) H5Sclose(memory);
+  H5Sclose(space);
+  return fine;
+}
+
+static bool get_number(hid_t object, const char *name, hid_t type, void *to) {
+  hid_t attribute = H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
+  bool fine = attribute >= 0 && H5Aget_storage_size(attribute) <= 8 && H5Aread(attribute, type, to) >= 0;
+  if (attribute >= 0) H5Aclose(attribute);
+  return fine;
+}
+
+/* Of fixed length; what is longer than the room is cut. */
+static bool get_text(hid_t object, const char *name, char *to, size_t size) {
+  hid_t attribute = H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
+  hid_t type = attribute >= 0 ? H5Aget_type(attribute) : -1;
+  size_t length =
+      type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 ? H5Tget_size(type) : 0;
+  char *text = length ? calloc(1, length + 1) : NULL;
+  bool fine = text && H5Aread(attribute, type, text) >= 0;
+  if (fine) snprintf(to, size, "%s", text);
+  for (size_t k = fine ? strlen(to) : 0; k > 0 && to[k - 1] == ' '; k--) to[k - 1] = 0;
+  free(text);
+  if (type >= 0) H5Tclose(type);
+  if (attribute >= 0) H5Aclose(attribute);
+  return fine;
+}
+
+static char *get_long_text(hid_t group, const char *name) {
+  hid_t set = H5Lexists(group, name, H5P_DEFAULT) > 0 ? H5Dopen2(group, name, H5P_DEFAULT) : -1;
+  hid_t type = set >= 0 ? H5Dget_type(set) : -1;
+  size_t length =
+      type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 ? H5Tget_size(type) : 0;
+  char *text = calloc(1, length + 1);
+  if (text && length && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) *text = 0;
+  if (type >= 0) H5Tclose(type);
+  if (set >= 0) H5Dclose(set);
+  return text;
+}
+
+static hid_t open_set(hid_t file, const char *path) {
+  return H5Lexists(file, path, H5P_DEFAULT) > 0 ? H5Dopen2(file, path, H5P_DEFAULT) : -1;
+}
+
+/* ---- what is read at the start ---- */
+
+/* A list of one number per frame or part. */
+static bool get_list(hid_t file, const char *path, size_t count, size_t width, hid_t type, void *to) {
+  hid_t set = open_set(file, path);
+  bool fine = set >= 0 && get_rows(set, 0, count, width, type, to);
+  if (set >= 0) H5Dclose(set);
+  return fine;
+}
+
+/* CellOffsets and ConnectivityIdOffsets are tables of one column. */
+static bool get_column(hid_t file, const char *path, size_t count, int64_t *to) {
+  hid_t set = open_set(file, path);
+  hsize_t size[2] = {count, 1};
+  hid_t memory = H5Screate_simple(2, size, NULL), space = set >= 0 ? H5Dget_space(set) : -1;
+  hsize_t from[2] = {0, 0};
+  bool fine = space >= 0 && H5Sget_simple_extent_ndims(space) == 2 &&
+              H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+              (count == 0 || H5Dread(set, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, to) >= 0);
+  if (space >= 0) H5Sclose(space);
+  if (set >= 0) H5Dclose(set);
+  H5Sclose(memory);
+  return fine;
+}
+
+static bool get_frames(hk_recording *r) {
+  static const char *const names[] = {"PartOffsets", "PointOffsets", "FixedDataOffsets", "CellStrainOffsets"};
+  int64_t *column[6] = {0};
+  bool fine = true;
+  char path[64];
+  for (int k = 0; k < 6; k++) fine &= (column[k] = calloc(r->frames + 1, sizeof **column)) != NULL;
+  for (int k = 0; k < 4 && fine; k++) {
+    snprintf(path, sizeof path, "/VTKHDF/Steps/%s", names[k]);
+    fine = get_list(r->file, path, r->frames, 0, H5T_NATIVE_INT64, column[k]);
+  }
+  fine = fine && get_column(r->file, "/VTKHDF/Steps/CellOffsets", r->frames, column[4]) &&
+         get_column(r->file, "/VTKHDF/Steps/ConnectivityIdOffsets", r->frames, column[5]) &&
+         get_list(r->file, "/VTKHDF/Steps/Values", r->frames, 0, H5T_NATIVE_DOUBLE, r->time);
+  for (size_t k = 0; k < r->frames && fine; k++) {
+    r->frame[k] = (hk_recorded_frame){.part = column[0][k],
+                                      .points = column[1][k],
+                                      .fixed = column[2][k],
+                                      .strain = column[3][k],
+                                      .cells = column[4][k],
+                                      .connectivity = column[5][k]};
+    r->frame[k].changed = k == 0 || r->frame[k].part != r->frame[k - 1].part;
+    if (r->frame[k].part + 1 > (int64_t)r->parts) r->parts = (size_t)r->frame[k].part + 1;
+    fine = r->frame[k].part >= 0 && r->frame[k].part < (int64_t)r->frames;
+  }
+  for (int k = 0; k < 6; k++) free(column[k]);
+  return fine;
+}
+
+static bool get_parts(hk_recording *r) {
+  int64_t(*kinds)[3] = calloc(r->parts + 1, sizeof *kinds), *n = calloc(r->parts + 1, sizeof *n);
+  r->part = calloc(r->parts + 1, sizeof *r->part);
+  bool fine = kinds && n && r->part && get_list(r->file, "/hooke/Cells", r->parts, 3, H5T_NATIVE_INT64, kinds) &&
+              get_list(r->file, "/VTKHDF/NumberOfPoints", r->parts, 0, H5T_NATIVE_INT64, n);
+  for (size_t k = 0; k < r->parts && fine; k++) {
+    r->part[k] = (hk_recorded_part){n[k], kinds[k][0], kinds[k][1], kinds[k][2]};
+    for (int c = 0; c < 3; c++) fine &= kinds[k][c] >= 0 && kinds[k][c] < (int64_t)1 << 32;
+    fine &= n[k] >= 0 && n[k] < (int64_t)1 << 32;
+  }
+  free(kinds);
+  free(n);
+  return fine;
+}
+
+static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, void *context) {
+  hk_recording *r = context;
+  hk_recorded_array a = {.set = H5Dopen2(group, name, H5P_DEFAULT), .width = 1};
+  char kind[16];
+  (void)info;
+  if (a.set < 0) return 0;
+  if (!get_text(a.set, "kind", kind, sizeof kind) || !get_text(a.set, "label", a.name, sizeof a.name)) {
+    H5Dclose(a.set);
+    return 0;
+  }
+  hid_t space = H5Dget_space(a.set);
+  hsize_t size[2] = {0, 1};
+  if (H5Sget_simple_extent_ndims(space) <= 2) H5Sget_simple_extent_dims(space, size, NULL);
+  H5Sclose(space);
+  a.width = (size_t)size[1], a.force = strcmp(kind, "force") == 0;
+  hk_recorded_array *more = realloc(r->array, (r->arrays + 1) * sizeof *more);
+  if (more) r->array = more, r->array[r->arrays++] = a;
+  return more ? 0 : -1;
+}
+
+static bool add_serie(hk_recording *r, const char *name, bool measure, const double *from, size_t stride) {
+  hk_recorded_series s = {.measure = measure, .value = calloc(r->frames + 1, sizeof *s.value)};
+  hk_recorded_series *more = s.value ? realloc(r->serie, (r->series + 1) * sizeof *more) : NULL;
+  if (!more) {
+    free(s.value);
+    return false;
+  }
+  snprintf(s.name, sizeof s.name, "%s", name);
+  for (size_t k = 0; k < r->frames; k++) s.value[k] = from[stride * k];
+  r->serie = more;
+  r->serie[r->series++] = s;
+  return true;
+}
+
+/* A table of three columns becomes three lists, "momentum x" and so on. */
+static herr_t add_series(hid_t group, const char *name, const H5L_info_t *info, void *context) {
+  hk_recording *r = context;
+  hid_t set = H5Dopen2(group, name, H5P_DEFAULT), space = set >= 0 ? H5Dget_space(set) : -1;
+  bool vector = space >= 0 && H5Sget_simple_extent_ndims(space) == 2;
+  size_t width = vector ? 3 : 1;
+  double *value = calloc(r->frames * width + 1, sizeof *value);
+  char kind[16];
+  bool measure = set >= 0 && get_text(set, "kind", kind, sizeof kind);
+  bool fine = value && get_rows(set, 0, r->frames, vector ? 3 : 0, H5T_NATIVE_DOUBLE, value);
+  (void)info;
+  for (size_t c = 0; c < width && fine; c++) {
+    char full[256];
+    snprintf(full, sizeof full, vector ? "%s %c" : "%s", name, (char)('x' + c));
+    fine = add_serie(r, full, measure, value + c, width);
+  }
+  free(value);
+  if (space >= 0) H5Sclose(space);
+  if (set >= 0) H5Dclose(set);
+  return fine ? 0 : -1;
+}
+
+static bool for_each(hid_t file, const char *path, herr_t (*visit)(hid_t, const char *, const H5L_info_t *, void *),
+                     hk_recording *r) {
+  hid_t group = H5Lexists(file, path, H5P_DEFAULT) > 0 ? H5Gopen2(file, path, H5P_DEFAULT) : -1;
+  bool fine = group >= 0 && H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, NULL, (H5L_iterate_t)visit, r) >= 0;
+  if (group >= 0) H5Gclose(group);
+  return fine;
+}
+
+static bool get_own(hk_recording *r) {
+  hid_t own = H5Gopen2(r->file, "/hooke", H5P_DEFAULT), steps = H5Gopen2(r->file, "/VTKHDF/Steps", H5P_DEFAULT);
+  char scene[4096];
+  int64_t frames = -1;
+  bool fine = own >= 0 && steps >= 0 && get_number(steps, "NSteps", H5T_NATIVE_INT64, &frames) && frames >= 0 &&
+              get_number(own, "fps", H5T_NATIVE_DOUBLE, &r->fps) &&
+              get_number(own, "every", H5T_NATIVE_INT64, &r->every) && get_text(own, "scene", scene, sizeof scene) &&
+              get_text(own, "verdict", r->verdict, sizeof r->verdict);
+  if (fine) r->origin = get_long_text(own, "origin"), r->scene = malloc(strlen(scene) + 1);
+  if (fine && r->scene) strcpy(r->scene, scene);
+  if (own >= 0) H5Gclose(own);
+  if (steps >= 0) H5Gclose(steps);
+  r->frames = (size_t)frames;
+  return fine && r->origin && r->scene;
+}
+
+static bool get_all(hk_recording *r) {
+  if (!get_own(r)) return false;
+  r->time = calloc(r->frames + 1, sizeof *r->time);
+  r->frame = calloc(r->frames + 1, sizeof *r->frame);
+  r->points = open_set(r->file, "/VTKHDF/Points");
+  r->velocity = open_set(r->file, "/VTKHDF/PointData/velocity");
+  r->strain = open_set(r->file, "/VTKHDF/PointData/strain");
+  r->id = open_set(r->file, "/VTKHDF/PointData/id");
+  r->mass = open_set(r->file, "/VTKHDF/PointData/mass");
+  r->pin = open_set(r->file, "/VTKHDF/PointData/pin");
+  r->connectivity = open_set(r->file, "/VTKHDF/Connectivity");
+  r->cell_strain = open_set(r->file, "/VTKHDF/CellData/strain");
+  return r->time && r->frame && get_frames(r) && get_parts(r) && for_each(r->file, "/VTKHDF/PointData", add_array, r) &&
+         for_each(r->file, "/VTKHDF/FieldData", add_series, r);
+}
+
+hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
+  hk_recording *r = calloc(1, sizeof *r);
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* messages are made here */
+  if (!r) {
+    snprintf(why, size, "no memory");
+    return NULL;
+  }
+  r->file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (r->file >= 0 && get_all(r)) return r;
+  snprintf(why, size,
+           r->file < 0 ? "%s: it is not there, or no HDF5 file" : "%s: it is no recording of hooke, or damaged", path);
+  hk_recording_close(r);
+  return NULL;
+}
+
+void hk_recording_close(hk_recording *r) {
+  if (!r) return;
+  const hid_t set[] = {r->points, r->velocity, r->strain, r->id, r->mass, r->pin, r->connectivity, r->cell_strain};
+  for (size_t k = 0; k < sizeof set / sizeof *set; k++)
+    if (set[k] > 0) H5Dclose(set[k]);
+  for (size_t k = 0; k < r->arrays; k++) H5Dclose(r->array[k].set);
+  for (size_t k = 0; k < r->series; k++) free(r->serie[k].value);
+  if (r->file >= 0) H5Fclose(r->file);
+  void *const all[] = {r->array, r->serie, r->time, r->frame, r->part, r->scene, r->origin, r};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
+}
+
+/* ---- a frame ---- */
+
+bool hk_recording_moving(const hk_recording *r, hid_t set, size_t k, size_t width, double *to) {
+  return get_rows(set, r->frame[k].points, (size_t)hk_recorded_part_of(r, k)->n, width, H5T_NATIVE_DOUBLE, to);
+}
+
+bool hk_recording_fixed(const hk_recording *r, hid_t set, size_t k, hid_t type, void *to) {
+  return get_rows(set, r->frame[k].fixed, (size_t)hk_recorded_part_of(r, k)->n, 0, type, to);
+}
+
+/* Indices have to be those of particles. */
+static bool within(const uint32_t *index, size_t count, int64_t n) {
+  for (size_t k = 0; k < count; k++)
+    if (index[k] >= n) return false;
+  return true;
+}
+
+bool hk_recording_vertices(const hk_recording *r, size_t k, uint32_t *to) {
+  const hk_recorded_part *p = hk_recorded_part_of(r, k);
+  return get_rows(r->connectivity, r->frame[k].connectivity, (size_t)p->vertices, 0, H5T_NATIVE_UINT32, to) &&
+         within(to, (size_t)p->vertices, p->n);
+}
+
+bool hk_recording_segments(const hk_recording *r, size_t k, uint32_t *to) {
+  const hk_recorded_part *p = hk_recorded_part_of(r, k);
+  size_t count = 2 * (size_t)p->segments;
+  return get_rows(r->connectivity, r->frame[k].connectivity + p->vertices, count, 0, H5T_NATIVE_UINT32, to) &&
+         within(to, count, p->n);
+}
+
+bool hk_recording_triangles(const hk_recording *r, size_t k, uint32_t *to) {
+  const hk_recorded_part *p = hk_recorded_part_of(r, k);
+  size_t count = 3 * (size_t)p->triangles;
+  int64_t at = r->frame[k].connectivity + p->vertices + 2 * p->segments;
+  return get_rows(r->connectivity, at, count, 0, H5T_NATIVE_UINT32, to) && within(to, count, p->n);
+}
+
+bool hk_recording_cell_strain(const hk_recording *r, size_t k, size_t first, size_t count, double *to) {
+  return get_rows(r->cell_strain, r->frame[k].strain + (int64_t)first, count, 0, H5T_NATIVE_DOUBLE, to);
+}

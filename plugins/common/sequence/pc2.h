@@ -1,0 +1,26 @@
+/* PC2, the point cache of 3ds Max, which Blender's modifier Mesh Cache reads: the positions of a mesh whose vertices
+ * stay the same. A head of 32 bytes, then n x 3 floats per frame, all little endian:
+ *
+ *   "POINTCACHE2\0", int32 version = 1, int32 n, float first frame = 0, float frames per sample = 1, int32 samples */
+#ifndef HK_PC2_H
+#define HK_PC2_H
+
+#include "plugins/common/shot/shot.h"
+
+#include <stdio.h>
+
+typedef struct hk_pc2 {
+  FILE *file;
+  size_t n, samples;
+  uint32_t *id; /* n: the particles have to stay the same */
+} hk_pc2;
+
+/* Whether the shot has the particles of the cache. */
+bool hk_pc2_fits(const hk_pc2 *, const hk_shot *);
+/* False with a sentence in `why`. `add` is for shots that fit. The file's head says how many frames are whole, after
+ * each. */
+bool hk_pc2_open(hk_pc2 *, const char *path, const hk_shot *first, char *why, size_t size);
+bool hk_pc2_add(hk_pc2 *, const hk_shot *, char *why, size_t size);
+bool hk_pc2_close(hk_pc2 *, char *why, size_t size); /* a zeroed one is allowed */
+
+#endif

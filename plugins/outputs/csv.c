@@ -1,0 +1,112 @@
+/* A table of particles, comma-separated: a row for each particle of each frame with position, velocity, mass, strain
+ * and channels. Each frame is on file before the next step. */
+#include "plugins/common/sequence/csv.h"
+#include "plugins/common/sequence/formats.h"
+#include "plugins/common/shot/shooting.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct csv {
+  const char *name, *group;
+  int64_t every;
+  bool forces;
+  hk_tuples only;
+
+  const hk_host *host;
+  hk_shooting shooting;
+  FILE *file;
+  char path[PATH_MAX];
+} csv;
+
+/* clang-format off */
+static const hk_param params[] = {
+    {"file", "", "name of the table, inside the output folder",
+     HK_STRING, {0}, 0, 0, offsetof(csv, name), 0, "particles.csv"},
+    {"every", "frames", "a frame is kept every so many",
+     HK_INTEGER, {1}, 1, 1e9, offsetof(csv, every), 0, NULL},
+    {"only", "", "particles to keep; left out: all",
+     HK_PARTICLES, {0}, 0, 0, offsetof(csv, only), HK_OPTIONAL, NULL},
+    {"group", "", "keep the particles of this group; left out: of all groups",
+     HK_STRING, {0}, 0, 0, offsetof(csv, group), 0, NULL},
+    {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
+     HK_BOOLEAN, {0}, 0, 0, offsetof(csv, forces), 0, NULL},
+    {0},
+};
+/* clang-format on */
+
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  csv *p = self;
+  p->host = host;
+  return hk_shooting_choose(&p->shooting, host, view->model, p->group);
+}
+
+static hk_status io_error(const csv *p, const char *why) {
+  return p->host->fail(p->host, HK_IO, "cannot write %s: %s", p->path, why);
+}
+
+static hk_status flush(csv *p) {
+  errno = 0;
+  return fflush(p->file) == 0 && !ferror(p->file) ? HK_OK : io_error(p, strerror(errno ? errno : EIO));
+}
+
+static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
+  csv *p = self;
+  hk_status status = p->host->path(p->host, p->name, p->path, sizeof p->path);
+  if (status == HK_OK) status = hk_shooting_open(&p->shooting, view, now, &p->only, p->forces);
+  if (status != HK_OK) return status;
+  p->file = hk_shot_file(p->path, "w");
+  if (!p->file) return io_error(p, strerror(errno));
+  hk_shot_csv_head(p->file, &p->shooting.shot);
+  return flush(p);
+}
+
+static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
+  csv *p = self;
+  if (now->index % (size_t)p->every != 0) return HK_OK;
+  hk_status status = hk_shooting_frame(&p->shooting, view, now, &p->only);
+  if (status != HK_OK) return status;
+  hk_shot_csv_rows(p->file, &p->shooting.shot);
+  return flush(p);
+}
+
+static hk_status close(void *self, hk_verdict verdict) {
+  csv *p = self;
+  char why[256] = "";
+  FILE *file = p->file;
+  (void)verdict;
+  p->file = NULL;
+  return hk_shot_file_close(file, why, sizeof why) ? HK_OK : io_error(p, why);
+}
+
+static void destroy(void *self, const hk_host *host) {
+  csv *p = self;
+  (void)host;
+  if (p->file) fclose(p->file);
+  hk_shooting_free(&p->shooting);
+}
+
+static hk_status topology(void *self, const hk_view *view) {
+  csv *p = self;
+  (void)view;
+  p->shooting.dirty = true;
+  return HK_OK;
+}
+
+static const hk_output output = {.size = sizeof(hk_output), .open = open, .frame = frame, .close = close};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_OUTPUT,
+    .name = "csv",
+    .summary = "a table (CSV) of chosen particles, a row for each at every frame",
+    .reference = "RFC 4180",
+    .instance_size = sizeof(csv),
+    .params = params,
+    .create = create,
+    .destroy = destroy,
+    .topology = topology,
+    .output = &output,
+};

@@ -1,0 +1,83 @@
+/* What a run that is inaccurate says would do: with it, the run is ok; and it names the force that swings fastest. */
+#include "tests/support/command.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* A stiff and a soft oscillator, w = 20 and 3 /s. */
+static const char scene[] = "local scene = hooke.scene { duration = 2, fps = 20 }\n"
+                            "local list = {}\n"
+                            "for i = 1, 3 do list[i] = scene:particle { position = {i * 1.2, 0, 0}, mass = 1 } end\n"
+                            "scene:pin { 1 }\n"
+                            "scene:force('springs', { edges = {{1, 2}}, k = 400, rest = 1, label = 'stiff' })\n"
+                            "scene:force('springs', { edges = {{1, 3}}, k = 9, rest = 2, label = 'soft' })\n"
+                            "return scene\n";
+
+static test_result r;
+
+static void run(const char *options) {
+  char arguments[512];
+  test_write("two.lua", scene);
+  snprintf(arguments, sizeof arguments, "run two.lua --json --quiet --no-output %s", options);
+  test_hooke(&r, NULL, arguments);
+}
+
+/* "--dt X" or "--tol X" of the remedy, in `option`. */
+static void remedy(char *option, size_t size) {
+  const char *text = strstr(r.out, "\"remedy\":\"--");
+  if (!text) fail_msg("no remedy in: %s", r.out);
+  text += strlen("\"remedy\":\"");
+  snprintf(option, size, "%.*s", (int)(strcspn(text, " ") + 1 + strcspn(text + strcspn(text, " ") + 1, " ")), text);
+}
+
+static void what_it_says_would_do_does(void **state) {
+  (void)state;
+  static const char *const cases[] = {"--integrator leapfrog --dt 0.05 --accuracy 1e-2",
+                                      "--integrator leapfrog --dt 0.02 --accuracy 1e-3",
+                                      "--integrator euler --dt 2e-4 --accuracy 1e-3",
+                                      "--integrator rk4 --dt 0.05 --accuracy 1e-5",
+                                      "--integrator bdf2 --dt 0.01 --accuracy 1e-2",
+                                      "--integrator backward_euler --dt 1e-3 --accuracy 1e-2",
+                                      "--integrator dopri5 --tol 1e-3 --accuracy 1e-6",
+                                      "--integrator euler --dt 1e-3 --trust", /* by its energy alone */
+                                      "--integrator midpoint --dt 0.02 --trust"};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    char option[64], again[256];
+    run(cases[k]);
+    if (r.code != 5 || !strstr(r.out, "are those of 'stiff'")) fail_msg("%s: %d: %s%s", cases[k], r.code, r.out, r.err);
+    remedy(option, sizeof option);
+    snprintf(again, sizeof again, "%s %s", cases[k], option); /* the last one counts */
+    run(again);
+    if (r.code != 0) fail_msg("%s: %d: %s%s", again, r.code, r.out, r.err);
+  }
+}
+
+static void what_is_far_off_is_not_extrapolated(void **state) {
+  (void)state;
+  run("--integrator euler --dt 0.05 --accuracy 1e-9");
+  assert_int_equal(r.code, 5);
+  assert_non_null(strstr(r.out, "\"remedy\":\"try --dt 0.005: the error is too large to tell which step would do"));
+}
+
+static void a_run_that_is_ok_has_none(void **state) {
+  (void)state;
+  run("--integrator rk4 --dt 0.001 --accuracy 1e-3");
+  assert_int_equal(r.code, 0);
+  assert_non_null(strstr(r.out, "\"remedy\":\"\""));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(what_it_says_would_do_does),
+      cmocka_unit_test(what_is_far_off_is_not_extrapolated),
+      cmocka_unit_test(a_run_that_is_ok_has_none),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

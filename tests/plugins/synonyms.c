@@ -1,0 +1,107 @@
+/* plugins/synonyms: every name that is suggested exists, as a plugin, a parameter of one, a builder or a method of
+ * scenes; and scripts and command lines get the suggestions. */
+#include "core/builders/builders.h"
+#include "tests/support/command.h"
+#include "tests/support/engine.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const char *const methods[] = {"pin", "on_frame", NULL}; /* tried below */
+
+static bool has_param(const hk_plugin *plugin, const char *name) {
+  for (const hk_param *p = plugin->params; p && p->name; p++)
+    if (strcmp(p->name, name) == 0) return true;
+  return false;
+}
+
+static bool exists(const hk_registry *registry, const char *name) {
+  for (size_t k = 0; k < registry->count; k++) {
+    const hk_plugin *plugin = registry->item[k].plugin;
+    if (plugin && (strcmp(plugin->name, name) == 0 || has_param(plugin, name))) return true;
+  }
+  for (const luaL_Reg *b = hk_builders; b->name; b++)
+    if (strcmp(b->name, name) == 0) return true;
+  for (size_t k = 0; methods[k]; k++)
+    if (strcmp(methods[k], name) == 0) return true;
+  return false;
+}
+
+static void every_suggested_name_exists(void **state) {
+  (void)state;
+  test_engine e;
+  char line[512], *rest = NULL;
+  size_t count = 0;
+  test_engine_open(&e);
+  assert_int_equal(hk_registry_load_all(&e.registry, &e.error), HK_OK);
+  FILE *file = fopen(HK_BUILD "/plugins/synonyms", "r");
+  assert_non_null(file);
+  while (fgets(line, sizeof line, file)) {
+    char *word = strtok_r(line, " \n", &rest), *name;
+    if (!word || *word == '#') continue;
+    if (!(name = strtok_r(NULL, " \n", &rest))) fail_msg("'%s' stands for nothing", word);
+    for (; name; name = strtok_r(NULL, " \n", &rest), count++) {
+      bool optional = strcmp(name, "frames") == 0 || strcmp(name, "cvode") == 0; /* built where their libraries are */
+      if (!optional && !exists(&e.registry, name)) fail_msg("'%s' stands for '%s', which does not exist", word, name);
+    }
+  }
+  fclose(file);
+  assert_true(count > 100);
+  test_engine_close(&e);
+}
+
+#define SCENE                                                                                                          \
+  "local scene = hooke.scene { duration = 0.1, fps = 10 }\nlocal k = param('k', 1, 'stiffness, N/m')\n"                \
+  "scene:particle { position = {0,0,0}, mass = 1 }\nscene:particle { position = {1,0,0}, mass = 1 }\n"
+#define END "return scene\n"
+
+static void scripts_get_them(void **state) {
+  (void)state;
+  for (size_t k = 0; methods[k]; k++) {
+    char text[512];
+    static test_result r;
+    snprintf(text, sizeof text, SCENE "local method = scene.%s\n" END, methods[k]);
+    test_write("good.lua", text);
+    test_hooke(&r, NULL, "run good.lua --quiet");
+    assert_int_equal(r.code, 0);
+  }
+  test_refused(SCENE "scene:force('attractor')\n" END, "", 1, "there is no force 'attractor'; did you mean 'central'?");
+  test_refused(SCENE "scene:force('cloth')\n" END, "", 1, "there is no force 'cloth'; did you mean 'membrane'?");
+  test_refused(SCENE "scene:force('bars')\n" END, "", 1,
+               "there is no force 'bars'; did you mean the constraint 'bars'?");
+  test_refused(SCENE "scene:cloth {}\n" END, "", 1, "a scene has no 'cloth'; did you mean 'grid'?");
+  test_refused(SCENE "scene:fix { 1 }\n" END, "", 1, "a scene has no 'fix'; did you mean 'pin'?");
+  test_refused(SCENE "scene:force('springs', { edges = {{1,2}}, stiffness = 3 })\n" END, "", 1,
+               "springs: no parameter 'stiffness'; did you mean 'k'?");
+  test_refused(SCENE "scene:force('springs', { edges = {{1,2}}, K = 3 })\n" END, "", 1, "did you mean 'k'?");
+}
+
+static void command_lines_get_them(void **state) {
+  (void)state;
+  static test_result r;
+  test_refused(SCENE END, "--integrator verlet", 1, "there is no integrator 'verlet'; did you mean 'leapfrog'?");
+  test_refused(SCENE END, "--integrator RK45", 1, "did you mean 'dopri5'?");
+  test_refused(SCENE END, "--integrator crank-nicolson", 1, "did you mean 'implicit_trapezoid'?");
+  test_refused(SCENE END, "--solver cg", 1, "did you mean 'pcg'?");
+  test_refused(SCENE END, "K=3", 1, "has no parameter 'K'; did you mean 'k'?");
+  test_refused(SCENE END, "stiffness=3", 1, "has no parameter 'stiffness'; did you mean 'k'?");
+  test_refused(SCENE END, "--k 3", 1, "unknown option '--k'; a parameter of the scene is written k=VALUE");
+  test_refused(SCENE END, "--k=3", 1, "a parameter of the scene is written k=VALUE");
+  test_hooke(&r, NULL, "plugins newmark");
+  assert_true(r.code == 1 && strstr(r.err, "did you mean 'implicit_trapezoid'?"));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_suggested_name_exists),
+      cmocka_unit_test(scripts_get_them),
+      cmocka_unit_test(command_lines_get_them),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,78 @@
+-- hooke write_pages FOLDER, in the tests' own tree of tools (pages.lua): writes the pages that tests/tools/view.lua
+-- looks at, and beside them what they have to show.
+local made = require("support.view.made_recording")
+local make = require("common.view.make")
+
+local folder = arg[1]
+local evil = "</script><script>window.harmed = 1</script><img src=x onerror='window.harmed = 2'>{{scripts}}\u{2028}"
+
+local function file_with(name, text)
+  local file = assert(io.open(folder .. "/" .. name, "w"))
+  file:write(text)
+  file:close()
+end
+
+local function page(name, runs, what)
+  return assert(make.page(folder .. "/" .. name .. ".html", runs, what))
+end
+
+local summary = '{"scene":"sheet","verdict":"inaccurate","reason":"the step is too long <b>","integrator":"leapfrog",'
+  .. '"particles":256,"steps":100,"warnings":["wind: from </script>"],"plugins":[{"kind":"force","name":"springs",'
+  .. '"label":"weave","seconds":0.25}],"origin":{"the parameter k":"1000","the seed":"0"},"energy":{"drift":0.125}}'
+local bench = '{"metric":"x","rows":[{"integrator":"leapfrog","dt":0.01,"error_x_rms":1e-3,"wall_s":0.01,"verdict":"ok",'
+  .. '"pareto":1},{"integrator":"leapfrog","dt":0.001,"error_x_rms":1e-5,"wall_s":0.1,"verdict":"ok","pareto":1},'
+  .. '{"integrator":"rk4","dt":0.01,"error_x_rms":1e-4,"wall_s":0.05,"verdict":"ok","pareto":0}],'
+  .. '"recommendation":{"text":"leapfrog, dt 0.01"}}'
+
+page("sheet", { { recording = made.sheet(16, 100), title = "sheet", summary = summary } },
+  { title = "sheet", subtitle = "16 x 16", bench = bench })
+page("two", { { recording = made.sheet(8, 60), title = "first" }, { recording = made.sheet(8, 60, 0.1), title = "second" } },
+  { title = "first and second" })
+
+-- ---- births and deaths; numbers of any kind; names that would be markup ----
+
+-- A random motion of particles, of which some die and others are born.
+local function restless(frames)
+  local list, next_id = {}, 1
+  for k = 1, frames do
+    local before, now = list[k - 1], { x = {}, v = {}, ids = {} }
+    local function put(id, x, y, z)
+      now.ids[#now.ids + 1] = id
+      for _, value in ipairs { x, y, z } do now.x[#now.x + 1], now.v[#now.v + 1] = value, math.random() - 0.5 end
+    end
+    for i, id in ipairs(before and before.ids or {}) do
+      local function moved(c) return before.x[3 * i - 3 + c] + 0.1 * (math.random() - 0.5) end
+      if math.random() > 0.1 then put(id, moved(1), moved(2), moved(3)) end
+    end
+    for _ = 1, k == 1 and 40 or math.random(0, 8) do
+      put(next_id, 100 + math.random(), math.random(), -math.random())
+      next_id = next_id + 1
+    end
+    list[k] = now
+  end
+  return list
+end
+
+math.randomseed(7)
+local frames = restless(90)
+frames[90].x[4] = 0 / 0 -- the end of a run that diverged
+local births = made.recording { frames = 90, at = function(k) return frames[k].x, frames[k].v, frames[k].ids end,
+  series = { [evil] = { 1, 2, 3 } } }
+local made_page = page("births", { { recording = births, title = evil,
+  summary = ('{"verdict":"ok","reason":"","warnings":[%q],"plugins":[]}'):format((evil:gsub("\u{2028}", ""))) } },
+  { title = evil, subtitle = evil })
+
+local json = require("common.view.json_text")
+local expected = json.list()
+for k, frame in ipairs(frames) do
+  expected[k] = { ids = json.list(frame.ids), x = json.list(frame.x), v = json.list(frame.v) }
+end
+local errors = {}
+for _, s in ipairs(made_page.runs[1].streams) do errors[s.name] = s.error end
+file_with("births.json", json.encode { frames = expected, errors = errors,
+  extent = (function()
+    local most, s = 0, made_page.runs[1].streams[1]
+    for c = 1, 3 do most = math.max(most, s.high[c] - s.low[c]) end
+    return most
+  end)() })
+return 0

@@ -1,0 +1,80 @@
+-- The numbers behind diagrams (tools/common/run/axes.lua), and that what gnuplot is given holds every point.
+local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
+package.path = ("%s/tools/?.lua;"):format(root) .. package.path
+local axes = require("common.run.axes")
+local plot = require("common.run.plot")
+
+local function same(what, list, wanted)
+  for k = 1, math.max(#list, #wanted) do
+    assert(list[k] and wanted[k] and math.abs(list[k] - wanted[k]) <= 1e-12 * math.abs(wanted[k]),
+      ("%s: item %d is %s instead of %s"):format(what, k, list[k], wanted[k]))
+  end
+end
+
+-- ---- ranges: a side that is given moves only where a point is beyond it, by 4 % more ----
+
+same("nothing outside", { axes.range({ min = 0, max = 1.2 }, { 0.5, 1.1 }) }, { 0, 1.2, 0 })
+same("one above", { axes.range({ min = 0, max = 1.2 }, { 0.5, 2 }) }, { 0, 2 + 0.04 * 2, 0 })
+same("one below, logarithmic", { axes.range({ min = 1, max = 100, log = true }, { 0.01, 10 }) }, { 0.01 / 1e4 ^ 0.04, 100, 0 })
+same("fixed", { axes.range({ min = 0, max = 1, fixed = true }, { -1, 0.5, 3, 0 / 0 }) }, { 0, 1, 2 })
+assert(select("#", axes.range({}, {})) == 3)
+assert(axes.extent({ -1, 0, 3, 1 / 0, 0 / 0 }, true) == 3) -- what has a logarithm, and is finite
+
+-- ---- logarithmic ticks: never fewer than two, all inside ----
+
+same("decades", axes.log_ticks(0.5, 2e3), { 1, 10, 100, 1000 })
+same("multiples", axes.log_ticks(3, 60), { 5, 10, 20, 50 })
+for k = 1, 2000 do
+  local low = 10 ^ (8 * math.sin(k))
+  local high = low * (1 + 10 ^ (4 * math.sin(3.7 * k) - 2))
+  local ticks = axes.log_ticks(low, high)
+  assert(#ticks >= 2, "fewer than two ticks")
+  for _, x in ipairs(ticks) do assert(x > low * (1 - 1e-6) and x < high * (1 + 1e-6), "a tick outside") end
+end
+
+-- ---- a front: for any error allowed, the cheapest point that keeps it, and no cost between two points ----
+
+local front = { { 1e-2, 1 }, { 1e-6, 30 }, { 1e-4, 5 } }
+local steps = axes.staircase(front, 1, 100)
+for k, wanted in ipairs { { 1e-6, 100 }, { 1e-6, 30 }, { 1e-4, 30 }, { 1e-4, 5 }, { 1e-2, 5 }, { 1e-2, 1 }, { 1, 1 } } do
+  same("step " .. k, steps[k], wanted)
+end
+assert(#steps == 7 and #axes.staircase({}, 1, 1) == 0)
+
+-- ---- names beside curves: a line apart, in order, about where they belong ----
+
+same("apart already", axes.spread({ 0.9, 0.1 }, 0.04), { 0.9, 0.1 })
+same("equal", axes.spread({ 0.5, 0.5, 0.5 }, 0.1), { 0.4, 0.5, 0.6 })
+for trial = 1, 500 do
+  local heights = {}
+  for k = 1, 1 + trial % 7 do heights[k] = math.abs(math.sin(12.9898 * trial * k)) end
+  local placed = axes.spread(heights, 0.05)
+  for a in ipairs(heights) do
+    for b in ipairs(heights) do
+      assert(a == b or math.abs(placed[a] - placed[b]) > 0.05 - 1e-9, "two names in one place")
+      assert(heights[a] >= heights[b] or placed[a] < placed[b], "names out of order")
+    end
+  end
+end
+
+-- ---- what gnuplot is given ----
+
+local folder = os.tmpname()
+os.remove(folder)
+local function script(figure)
+  plot.draw(folder, figure) -- without gnuplot the script is there all the same
+  local file = assert(io.open(folder .. ".gp"))
+  local text = file:read("a")
+  file:close()
+  return text
+end
+local curves = { { title = "rises", points = { { 1, 1 }, { 10, 1.5 } } }, { title = "falls", points = { { 1, 1 }, { 10, 1.49 } } } }
+local text = script { title = "two", x = { log = true }, y = { min = 0, max = 1.2 }, curves = curves }
+assert(text:find("set yrange [0:1.56]", 1, true), text) -- 1.5, and 4 % of what is between it and 0
+assert(text:find("set xtics ('10^{0}' 1, '10^{1}' 10)", 1, true), text)
+local first, second = text:match("'rises' at graph [%d.]+, first ([%d.]+).-'falls' at graph [%d.]+, first ([%d.]+)")
+assert(first and first - second >= 0.04 * 1.56 - 1e-6 and text:find("unset key", 1, true), text)
+text = script { title = "fixed", y = { max = 1.2, fixed = true }, curves = curves }
+assert(text:find("fixed (2 points outside)", 1, true), text)
+for _, ending in ipairs { ".gp", ".dat", ".png", ".svg" } do os.remove(folder .. ending) end
+print("passed")

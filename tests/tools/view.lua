@@ -1,0 +1,252 @@
+-- The page in a real browser: it loads without a complaint, shows what it has to show, is moved, picked in and coloured,
+-- reads back what was written, and is not harmed by names of a scene.
+local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
+package.path = ("%s/tests/?.lua;%s"):format(root, package.path)
+local fine, cjson = pcall(require, "cjson")
+local browser = fine and require("support.view.browser")
+local function there(path)
+  local file = io.open(path)
+  return file and file:close()
+end
+
+local missing = not fine and "lua-cjson" or browser.missing()
+  or not there(build .. "/tools/page.so") and "zlib (for the build)"
+if missing then
+  print(("skipped: %s is not installed (tools/install-deps test)"):format(missing))
+  os.exit(77)
+end
+
+local folder = require("support.view.pages").write(root, build)
+local b = browser.open(1200, 800)
+
+local function open(name)
+  b:go(("file://%s/%s.html"):format(folder, name))
+  b:wait("view.page && view.page.layers[0].frame")
+  b:eval("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+end
+
+local function silent(where)
+  local list = b:complaints()
+  assert(#list == 0, ("%s: the console has: %s"):format(where, table.concat(list, "\n")))
+end
+
+-- Moves to frame k, and waits until it is shown.
+local function show(k)
+  b:eval(("view.page.clock.seek(%d)"):format(k))
+  b:wait(("view.page.layers[0].frame.k === %d"):format(k))
+end
+
+-- Where particle i is on the page: x, y.
+local function place(i)
+  local p = b:eval(([[(() => {
+    const { stage, layers } = view.page, { frame } = layers[0], v = new THREE.Vector3(...frame.x.subarray(3 * %d, 3 * %d + 3));
+    stage.render();
+    v.applyMatrix4(layers[0].group.matrixWorld).project(stage.orbit.camera);
+    const box = stage.canvas.getBoundingClientRect();
+    return [box.left + (v.x + 1) / 2 * box.width, box.top + (1 - v.y) / 2 * box.height];
+  })()]]):format(i, i))
+  return math.floor(p[1] + 0.5), math.floor(p[2] + 0.5)
+end
+
+-- Red, green, blue and opacity of the canvas there, 0 to 255.
+local function pixel(x, y)
+  return table.unpack(b:eval(([[(() => {
+    const { stage } = view.page, gl = stage.renderer.getContext(), box = stage.canvas.getBoundingClientRect();
+    stage.render();
+    const got = new Uint8Array(4);
+    gl.readPixels(Math.round(%d - box.left), Math.round(box.bottom - %d), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, got);
+    return [...got];
+  })()]]):format(x, y)))
+end
+
+local tests = {}
+
+-- ---- a sheet that waves, z = 0.15 sin(4 x - 6 t) x: 16 x 16, 100 frames ----
+
+function tests.it_loads_without_a_complaint()
+  open("sheet")
+  assert(b:eval("document.title") == "sheet")
+  assert(b:eval("document.querySelector('.verdict strong').textContent") == "inaccurate")
+  assert(b:eval("document.querySelector('.verdict p').textContent") == "the step is too long <b>")
+  assert(b:eval("document.querySelector('#note').textContent"):find("of the extent", 1, true))
+  for _, title in ipairs { "Energy", "Step length", "Cost by plugin", "Warnings", "Parameters", "Speed against error" } do
+    assert(b:eval("document.body.innerText"):find(title, 1, true), title)
+  end
+  silent("sheet")
+end
+
+function tests.the_sheet_has_its_colour_and_the_background_none()
+  local red, green, blue, alpha = pixel(place(119)) -- in the middle of the sheet
+  assert(blue > green and green > red and alpha == 255, ("%d %d %d"):format(red, green, blue))
+  local x, y = place(0) -- pinned: a ball of another colour
+  red, green, blue = pixel(x, y)
+  assert(red > green and green > blue, ("%d %d %d"):format(red, green, blue))
+  red, green, blue, alpha = pixel(20, 100) -- the sky
+  assert(alpha == 0, ("%d %d %d %d"):format(red, green, blue, alpha))
+end
+
+function tests.the_picture_moves_with_the_timeline()
+  show(0)
+  local _, before = place(255)
+  show(30)
+  local _, after = place(255)
+  assert(math.abs(after - before) > 20)
+  b:key("\u{E014}") -- right arrow
+  b:wait("view.page.clock.k === 31")
+  b:key("\u{E011}") -- home
+  b:wait("view.page.clock.k === 0")
+  b:key(" ")
+  b:wait("view.page.clock.k > 5")
+  b:key(" ")
+  assert(b:eval("view.page.clock.playing") == false)
+  assert(b:eval("Number(document.querySelector('#timeline input').value) === view.page.clock.k"))
+end
+
+function tests.a_press_in_a_plot_moves_all_cursors_and_the_picture()
+  local box = b:eval("(() => { const r = document.querySelector('.chart').getBoundingClientRect(); "
+    .. "return [r.left, r.top, r.width, r.height] })()")
+  b:press(math.floor(box[1] + 52 + (box[3] - 62) / 2), math.floor(box[2] + box[4] / 2))
+  b:wait("Math.abs(view.page.clock.k - 49.5) <= 1") -- the middle of 100 frames, of which a pixel has 0.3
+  local xs = b:eval("[...document.querySelectorAll('.cursor')].map((c) => Number(c.getAttribute('x1')))")
+  assert(#xs == 2 and xs[1] == xs[2])
+end
+
+function tests.a_press_on_a_particle_tells_what_is_known_of_it()
+  show(20)
+  b:press(place(255))
+  b:wait("!document.querySelector('#inspector').hidden")
+  local text = b:eval("document.querySelector('#inspector').innerText")
+  for _, what in ipairs { "Particle 256", "position", "velocity", "strain", "force: gravity", "−0.00981 N" } do
+    assert(text:find(what, 1, true), what .. " in " .. text)
+  end
+  local t = 20 / 60 -- the known motion at (1, 1)
+  local z, v = 0.15 * math.sin(4 - 6 * t), -0.9 * math.cos(4 - 6 * t)
+  local got_z = tonumber((text:match("position%s+1, 1, (%S+) m"):gsub("−", "-")))
+  local got_v = tonumber((text:match("velocity%s+0, 0, (%S+) m/s"):gsub("−", "-")))
+  assert(math.abs(got_z - z) < 2e-5, ("%g %g"):format(got_z, z)) -- 1e-5 of the extent, and its rounding
+  assert(math.abs(got_v - v) < 1.4e-3, ("%g %g"):format(got_v, v)) -- half of 1/1022 of the range, 8.8e-4, and three digits
+  b:key("\u{E00C}") -- escape
+  b:wait("document.querySelector('#inspector').hidden")
+end
+
+-- By strain, 0.02 cos(4 x - 6 t), the sheet is blue where it is negative, and red where it is positive.
+function tests.colours_stand_for_numbers_and_have_a_legend()
+  show(0)
+  b:eval("(() => { const s = [...document.querySelectorAll('#controls select')][0]; s.value = 'strain'; "
+    .. "s.dispatchEvent(new Event('change')) })()")
+  b:wait("!document.querySelector('#legend').hidden")
+  local red, _, blue = pixel(place(16 * 7 + 1)) -- x = 1/15: cos(0.27) > 0
+  assert(red > 1.5 * blue, ("%d %d"):format(red, blue))
+  red, _, blue = pixel(place(16 * 7 + 11)) -- x = 11/15: cos(2.9) < 0
+  assert(blue > 1.5 * red, ("%d %d"):format(red, blue))
+  local ends = b:eval("document.querySelector('#legend').innerText")
+  assert(ends:find("strain", 1, true) and ends:find("0.02", 1, true), ends)
+end
+
+function tests.the_camera_turns_and_comes_back()
+  local x, y = place(255)
+  b:press(400, 300, { 500, 330 })
+  local turned_x = place(255)
+  assert(math.abs(turned_x - x) > 20)
+  b:eval("view.page.stage.home()")
+  local back_x, back_y = place(255)
+  assert(back_x == x and back_y == y)
+end
+
+function tests.another_size_of_the_window_is_followed()
+  b:size(700, 900)
+  b:wait("view.page.stage.canvas.clientWidth < 720")
+  b:wait("Math.abs(view.page.stage.canvas.width - view.page.stage.canvas.clientWidth) < 2")
+  assert(b:eval("document.documentElement.scrollWidth <= innerWidth"))
+  b:size(1200, 943)
+  silent("sheet, later")
+end
+
+function tests.the_diagram_of_bench_tells_the_dot_under_the_pointer()
+  assert(b:eval("document.querySelectorAll('.bench-chart circle').length") == 3)
+  b:eval("document.querySelectorAll('.bench-chart circle')[2].dispatchEvent(new PointerEvent('pointerenter'))")
+  local text = b:eval("document.querySelector('.told').textContent")
+  assert(text:find("rk4", 1, true) and text:find("error 10⁻⁴", 1, true) and text:find("cost 0.05 s", 1, true), text)
+end
+
+-- ---- two runs; the second is off by 0.1 x t ----
+
+function tests.two_runs_are_compared()
+  open("two")
+  show(59)
+  b:eval("view.page.arrange('difference')")
+  b:wait("!document.querySelector('#legend').hidden")
+  local most = b:eval("Math.max(...view.compare.distances(view.page.layers[0].frame, view.page.layers[1].frame, "
+    .. "view.page.sources[0].origin, view.page.sources[1].origin))")
+  local off = 0.1 * 59 / 60
+  assert(math.abs(most - off) < 4e-5, most) -- both are off by 1e-5 of the extent, and single precision
+  assert(math.abs(b:eval("view.page.more.difference.largest") - off) < 1e-9)
+  b:wait("[...document.querySelectorAll('.chart-title')].some((t) => t.textContent.startsWith('Distance between the runs'))")
+  for _, mode in ipairs { "over", "side" } do
+    b:eval(("view.page.arrange('%s')"):format(mode))
+    b:eval("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+  end
+  silent("two runs")
+end
+
+-- ---- births, deaths, a number that is none, and names that would be markup ----
+
+function tests.what_was_written_is_read_back_within_the_error_that_is_said()
+  open("births")
+  local file = assert(io.open(folder .. "/births.json"))
+  local expected = cjson.decode(file:read("a"))
+  file:close()
+  for _, k in ipairs { 0, 1, 2, 59, 60, 61, 30, 88, 89, 5 } do -- in blocks and across them, forwards and back
+    local got = b:eval(("view.page.sources[0].frame(%d, ['velocity']).then((f) => ({ ids: [...f.ids], x: [...f.x], "
+      .. "v: [...f.values.velocity], origin: view.page.sources[0].origin }))"):format(k))
+    local want = expected.frames[k + 1]
+    assert(#got.ids == #want.ids and #got.x == #want.x, ("frame %d has %d particles"):format(k, #got.ids))
+    for i, id in ipairs(want.ids) do assert(got.ids[i] == id) end
+    for i, x in ipairs(want.x) do
+      local read = got.x[i]
+      assert((x == cjson.null) == (read == cjson.null), "a number that is none stays none")
+      local c = (i - 1) % 3 + 1
+      -- single precision, relative to the middle: 6e-8 of the extent
+      assert(x == cjson.null or math.abs(read + got.origin[c] - x) <= expected.errors.position + 1e-7 * expected.extent)
+      assert(math.abs(got.v[i] - want.v[i]) <= expected.errors.velocity + 1e-7)
+    end
+  end
+  -- By construction half a step of 1/65534 of the extent in each direction.
+  assert(expected.errors.position <= math.sqrt(3) / 2 / 65534 * expected.extent * (1 + 1e-9))
+  assert(expected.errors.position < 1e-4 * expected.extent)
+end
+
+function tests.names_of_a_scene_are_text_and_nothing_in_the_page_reaches_out()
+  assert(b:eval("window.harmed === undefined"))
+  assert(b:eval("document.querySelector('h1').textContent"):find("{{scripts}}", 1, true))
+  assert(b:eval("document.querySelectorAll('img').length") == 0)
+  assert(b:eval("[...document.scripts].filter((s) => !s.type).every((s) => s.nonce)"))
+  silent("births")
+  b:eval("(() => { const s = document.createElement('script'); s.textContent = 'window.harmed = 3'; document.body.append(s) })()")
+  assert(b:eval("window.harmed === undefined"))
+  assert(b:eval("fetch('http://127.0.0.1:9/').then(() => false, () => true)"))
+  assert(b:eval("new Promise((done) => { const i = new Image(); i.onload = () => done(false); i.onerror = () => done(true); "
+    .. "i.src = 'data:image/gif;base64,R0lGODlhAQABAAAAACw=' })"))
+end
+
+local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_none",
+  "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
+  "a_press_on_a_particle_tells_what_is_known_of_it", "colours_stand_for_numbers_and_have_a_legend",
+  "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
+  "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",
+  "what_was_written_is_read_back_within_the_error_that_is_said",
+  "names_of_a_scene_are_text_and_nothing_in_the_page_reaches_out" }
+
+local failed = 0
+for _, name in ipairs(order) do
+  local went, why = xpcall(tests[name], debug.traceback)
+  if not went then
+    failed = failed + 1
+    b:screenshot(folder .. "/failed.png")
+    print(("FAILED %s: %s (%s/failed.png)"):format(name, why, folder))
+  end
+end
+b:close()
+if failed == 0 then os.execute(("rm -rf '%s'"):format(folder)) end
+print(failed == 0 and "passed" or failed .. " failed")
+os.exit(failed == 0)

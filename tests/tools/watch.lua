@@ -1,0 +1,263 @@
+-- hooke run --watch without a browser: who gets what from its server, what drives the run, and that nothing a page does
+-- harms it. The page itself is watched in tests/tools/watch_page.lua.
+local root, build = os.getenv("HK_ROOT") or ".", os.getenv("HK_BUILD") or "build"
+package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
+package.cpath = ("%s/tools/?.so;%s"):format(build, package.cpath)
+if not io.open(build .. "/tools/server.so") then
+  print("skipped: built without libmicrohttpd")
+  os.exit(77)
+end
+local watched = require("watch.watched")
+local process = require("process")
+
+-- A chain that swings; at most `pace` seconds a second, so that there is something to watch.
+local scene = [[
+local n = param("n", 12, "particles", { min = 2, max = 40 })
+local g = param("g", 9.81, "m/s^2", { min = 0, max = 50 })
+param("name", "chain", "of it")
+if n == 13 then error("thirteen <is> unlucky") end
+local scene = hooke.scene { duration = 2 }
+local chain = scene:strand { from = { 0, 0, 0 }, to = { 1, 0, 0 }, n = n, mass = 1 }
+scene:pin { 1 }
+scene:force("gravity", { g = { 0, 0, -g } })
+scene:force("springs", { edges = chain:structural(), k = 2000, damping = 0.2 })
+scene:measure("end", function(s) return s:position(n)[3] end)
+return scene
+]]
+
+local function with(words, body)
+  local folder = watched.folder()
+  local file = assert(io.open(folder .. "/chain.lua", "w"))
+  file:write(scene)
+  file:close()
+  local w = watched.start(folder, "chain.lua " .. words)
+  local fine, why = xpcall(body, debug.traceback, w)
+  w:close()
+  if not fine then error(why, 0) end
+end
+
+local function equal(got, wanted, what)
+  if got ~= wanted then error(("%s: %s instead of %s"):format(what, got, wanted), 2) end
+end
+
+local function ended(w) return w:wait(function(s) return s.doing == "ended" end, "the end") end
+
+local tests = {}
+
+function tests.only_who_has_the_token_and_the_right_host_gets_in()
+  with("--no-output", function(w)
+    local token = w.url:match("/(%x+)/$")
+    equal(#token, 32, "hexadecimal digits of the token")
+    local status, page, head = w:curl("", "")
+    equal(status, 200, "the page")
+    assert(page:find("<canvas", 1, true))
+    for _, name in ipairs { "Content-Security-Policy", "X-Content-Type-Options: nosniff", "Referrer-Policy: no-referrer",
+      "Cache-Control: no-store", "X-Frame-Options: DENY" } do
+      assert(head:find(name, 1, true), name .. " is missing")
+    end
+    assert(not head:find("Access-Control", 1, true), "other sites may read it")
+    local base = "http://" .. w.host
+    for _, path in ipairs { "/", "/state", "/" .. token, "/" .. ("0"):rep(32) .. "/", "/" .. token:upper() .. "x/",
+      "/" .. token:sub(1, 31) .. (token:sub(-1) == "0" and "1" or "0") .. "/state", "/" .. token .. "/../../etc/passwd",
+      "/" .. token .. "/etc/passwd", "/" .. token .. "/page.css", "/" .. token .. "/frame/1/99999", "//" .. token .. "/" } do
+      equal(w:curl("--path-as-is", base .. path), 404, path)
+    end
+    for _, host in ipairs { "evil.example", w.host .. ".evil.example", "127.0.0.1", "127.0.0.1:1", "[::1]:80" } do
+      equal(w:curl(("-H 'Host: %s'"):format(host), ""), 403, "Host: " .. host)
+    end
+    equal(w:curl(("-H 'Host: localhost:%s'"):format(w.host:match("%d+$")), ""), 200, "localhost")
+    for _, method in ipairs { "PUT", "DELETE", "OPTIONS", "TRACE", "POST" } do equal(w:curl("-X " .. method, "state"), 405, method) end
+    assert(w:curl("", ("http://[::1]:%s/"):format(w.host:match("%d+$"))) == 0, "it listens on ::1")
+  end)
+end
+
+function tests.commands_need_an_origin_a_type_and_a_length_within_bounds()
+  with("--no-output", function(w)
+    local json, body = "-H 'Content-Type: application/json'", "--data-binary '{\"do\":\"pause\"}'"
+    local ours = ("-H 'Origin: http://%s'"):format(w.host)
+    equal(w:curl(json .. " " .. body, "command"), 403, "no origin")
+    for _, origin in ipairs { "http://evil.example", "null", "https://" .. w.host, "http://127.0.0.1:1" } do
+      equal(w:curl(("-H 'Origin: %s' %s %s"):format(origin, json, body), "command"), 403, origin)
+    end
+    equal(w:curl(ours .. " " .. body, "command"), 415, "a form's type")
+    equal(w:curl(ours .. " -H 'Content-Type: text/plain' " .. body, "command"), 415, "plain text")
+    equal(w:curl(("%s %s -H 'Transfer-Encoding: chunked' %s"):format(ours, json, body), "command"), 411, "no length")
+    equal(w:curl(("%s %s --data-binary '%s'"):format(ours, json, ("x"):rep(4097)), "command"), 413, "too long")
+    equal(w:curl(("%s %s --data-binary '%s'"):format(ours, json, (" "):rep(4096)), "command"), 204, "as long as may be")
+    equal(w:curl("", "command"), 405, "GET")
+    equal(w:curl(("%s %s %s"):format(ours, json, body), ("http://%s/%s/command"):format(w.host, ("a"):rep(32))), 404, "no token")
+  end)
+end
+
+-- Words that mean nothing, or too much, change nothing: the run ends as it would.
+function tests.nonsense_and_half_requests_do_no_harm()
+  with("--no-output", function(w)
+    for _, command in ipairs { "", "{", "[]", "null", "17", '{"do":17}', '{"do":"nope"}', '{"do":"hold","id":-1,"place":[0,0,0]}',
+      '{"do":"hold","id":1e300,"place":[0,0,0]}', '{"do":"hold","id":2,"place":[0,0]}', '{"do":"hold","id":2,"place":"x"}',
+      '{"do":"pace","pace":-1}', '{"do":"pace","pace":"x"}', '{"do":"hold","id":99999,"place":[0,0,0]}' } do
+      equal(w:ask(command), 204, command)
+    end
+    local port = w.host:match("%d+$")
+    local garbage = { "GET", "\\0\\1\\2\\377", "GET /" .. ("a"):rep(60000) .. " HTTP/1.1\\r\\n\\r\\n",
+      "POST " .. w.url:match("(/%x+/)") .. "command HTTP/1.1\\r\\nHost: " .. w.host .. "\\r\\nOrigin: http://" .. w.host
+        .. "\\r\\nContent-Type: application/json\\r\\nContent-Length: 100\\r\\n\\r\\n{",
+      "GET / HTTP/9.9\\r\\nHost:\\r\\n\\r\\n", "HTTP/1.1 200 OK\\r\\n\\r\\n" }
+    for _, bytes in ipairs(garbage) do
+      os.execute(("bash -c \"exec 3<>/dev/tcp/127.0.0.1/%s; printf '%s' >&3; exec 3>&-\" 2>/dev/null"):format(port, bytes))
+    end
+    local state = ended(w)
+    equal(state.summary.verdict, "ok", "verdict")
+    equal(state.summary.hand_work, require("cjson").null, "the hand's work")
+    equal(w:interrupt(), 0, "exit code")
+  end)
+end
+
+function tests.the_run_is_the_same_as_without_a_page()
+  with("--state watched.csv --json", function(w)
+    ended(w)
+    equal(w:interrupt(), 0, "exit code")
+    assert(os.execute(("cd '%s' && '%s/hooke' run chain.lua --state alone.csv --quiet --out alone && cmp watched.csv alone.csv")
+      :format(w.folder, build)), "the state is another one")
+    local summary = require("cjson").decode(w:printed())
+    equal(summary.verdict, "ok", "the verdict printed")
+  end)
+end
+
+function tests.pause_step_go_stop()
+  with("--no-output --until 1000 --quiet", function(w)
+    equal(w:ask { ["do"] = "pause" }, 204, "pause")
+    w:wait(function(s) return s.doing == "paused" end)
+    process.ready({}, 0.2)
+    local first = w:state().frames
+    process.ready({}, 0.2)
+    equal(w:state().frames, first, "frames while it is paused")
+    w:ask { ["do"] = "step" }
+    w:wait(function(s) return s.frames == first + 1 end, "a step")
+    w:ask { ["do"] = "go" }
+    w:wait(function(s) return s.frames > first + 10 and s.doing == "running" end, "going on")
+    w:ask { ["do"] = "stop" }
+    local state = ended(w)
+    equal(state.summary.verdict, "interrupted", "verdict")
+    equal(w:printed(), "", "what --quiet prints")
+    equal(w:interrupt(), 130, "exit code")
+  end)
+end
+
+function tests.a_changed_value_begins_another_run_and_an_error_is_told()
+  with("--no-output n=6", function(w)
+    equal(ended(w).summary.particles, 6, "particles at first")
+    w:ask { ["do"] = "start", values = { n = 20, nope = 1, name = "a 'b' <c>" } }
+    local state = w:wait(function(s) return s.run == 2 and s.doing == "ended" end)
+    equal(state.summary.particles, 20, "particles then")
+    equal(state.values.n, "20", "the value")
+    equal(state.values.nope, nil, "what the scene does not declare")
+    w:ask { ["do"] = "start", values = { n = 13 } }
+    state = w:wait(function(s) return s.run == 3 and s.doing == "ended" end)
+    assert(state.error:find("thirteen <is> unlucky", 1, true), state.error)
+    w:ask { ["do"] = "start", values = { n = 41 } }
+    state = w:wait(function(s) return s.run == 4 and s.doing == "ended" end)
+    assert(state.error:find("above the maximum 40", 1, true), state.error)
+    w:ask { ["do"] = "start", values = { n = 7 } }
+    equal(w:wait(function(s) return s.run == 5 and s.doing == "ended" end).summary.particles, 7, "particles at last")
+  end)
+end
+
+-- A run at work is ended for the next one.
+function tests.a_running_run_gives_way_to_the_next()
+  with("--no-output", function(w)
+    w:ask { ["do"] = "pace", pace = 0.5 }
+    w:ask { ["do"] = "start", values = {} }
+    w:wait(function(s) return s.run >= 2 and s.frames > 3 end)
+    w:ask { ["do"] = "start", values = { n = 5 } }
+    w:wait(function(s) return s.run >= 3 and s.values.n == "5" and s.frames > 3 end)
+  end)
+end
+
+-- By a method that controls its error the energy is balanced with the hand's work in it: to 1e-3, a hundred times what it
+-- is found to be (1e-5).
+function tests.the_hand_draws_a_particle_and_its_work_is_told()
+  with("--no-output --integrator dopri5", function(w)
+    w:ask { ["do"] = "pace", pace = 1 }
+    w:ask { ["do"] = "start", values = {} }
+    w:wait(function(s) return s.run == 2 and s.frames > 5 end)
+    w:ask { ["do"] = "hold", id = 12, place = { 0.2, 0.8, 0.3 }, strength = 10 }
+    process.ready({}, 0.7)
+    local k = math.tointeger(w:state().latest)
+    local frame = w:get("frame/2/" .. k)
+    local run = require("cjson").decode(w:get("run/2"))
+    local x = { string.unpack("<fff", frame, 24 + 12 * 11 + 1) }
+    for c = 1, 3 do x[c] = x[c] + run.origin[c] end
+    local off = math.sqrt((x[1] - 0.2) ^ 2 + (x[2] - 0.8) ^ 2 + (x[3] - 0.3) ^ 2)
+    assert(off < 0.15, ("the particle is %g m from the hand"):format(off))
+    w:ask { ["do"] = "release" }
+    local state = ended(w)
+    -- the chain's end is lifted by about 1.3 m at least, against the weight of most of it: more than a joule
+    assert(state.summary.hand_work > 1, "work " .. tostring(state.summary.hand_work))
+    equal(state.summary.verdict, "ok", state.summary.reason)
+    assert(math.abs(state.summary.energy.drift) < 1e-3, "drift " .. state.summary.energy.drift)
+    assert(state.summary.checked:find("moved by hand", 1, true), state.summary.checked)
+    equal(w:interrupt(), 0, "exit code")
+    assert(w:printed():find("by hand +work"), "the summary's text")
+  end)
+end
+
+function tests.an_accuracy_cannot_be_claimed_after_the_hand()
+  with("--no-output --accuracy 1e-3", function(w)
+    w:ask { ["do"] = "pace", pace = 1 }
+    w:ask { ["do"] = "start", values = {} }
+    w:wait(function(s) return s.run == 2 and s.frames > 5 end)
+    w:ask { ["do"] = "hold", id = 12, place = { 0.5, 0.5, 0 } }
+    process.ready({}, 0.3)
+    w:ask { ["do"] = "release" }
+    local state = ended(w)
+    equal(state.summary.verdict, "inaccurate", "verdict")
+    assert(state.summary.reason:find("the user's hand did work of", 1, true), state.summary.reason)
+  end)
+end
+
+-- Frames asked for by many at once, each gone before its answer.
+function tests.many_readers_that_leave_do_no_harm()
+  with("--no-output --until 2", function(w)
+    local list = {}
+    for k = 1, 40 do
+      list[k] = ("curl -s -m 0.%d -o /dev/null '%sstate?after=%d' & curl -s -m 1 -o /dev/null '%sframe/1/%d' &"):format(k % 9 + 1, w.url,
+        k, w.url, k)
+    end
+    os.execute("(" .. table.concat(list, " ") .. " wait) >/dev/null 2>&1")
+    equal(ended(w).summary.verdict, "ok", "verdict")
+  end)
+end
+
+function tests.what_is_wrong_is_said_before_the_page_is_served()
+  local folder = watched.folder()
+  local function refused(words, code, text)
+    local pipe = io.popen(("cd '%s' && timeout 20 '%s/hooke' run %s --watch 2>&1; echo \"code $?\""):format(folder, build, words))
+    local said = pipe:read("a")
+    pipe:close()
+    if not (said:find(text, 1, true) and said:find("code " .. code, 1, true)) then error(words .. ": " .. said) end
+    assert(not said:find("http://", 1, true), said)
+  end
+  local file = assert(io.open(folder .. "/chain.lua", "w"))
+  file:write(scene)
+  file:close()
+  refused("none.lua", 4, "cannot read the scene none.lua")
+  refused("chain.lua n=1", 1, "below the minimum 2")
+  refused("chain.lua --nope", 1, "unknown option '--nope'")
+  refused("chain.lua --port x", 1, "--port")
+  refused("chain.lua --port 70000", 1, "--port")
+  os.execute(("rm -rf '%s'"):format(folder))
+end
+
+local names, failed = {}, 0
+for name in pairs(tests) do names[#names + 1] = name end
+table.sort(names)
+for _, name in ipairs(names) do
+  local begin = process.clock()
+  local fine, why = xpcall(tests[name], debug.traceback)
+  print(("%s %s (%.1f s)"):format(fine and "ok    " or "FAILED", name, process.clock() - begin))
+  if not fine then
+    failed = failed + 1
+    print(why)
+  end
+end
+os.exit(failed == 0)

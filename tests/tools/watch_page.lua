@@ -1,0 +1,185 @@
+-- The page of hooke run --watch in a real browser: it follows the run, drives it, tries values, and its user's hand
+-- reaches the particles; and that the run does not mind what becomes of pages.
+local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
+package.path = ("%s/tests/?.lua;%s/tests/support/?.lua;%s"):format(root, root, package.path)
+package.cpath = ("%s/tools/?.so;%s"):format(build, package.cpath)
+local fine, cjson = pcall(require, "cjson")
+local browser = fine and require("support.view.browser")
+local missing = not fine and "lua-cjson" or browser.missing()
+  or (not io.open(build .. "/tools/server.so") and "libmicrohttpd, with which hooke is built,")
+if missing then
+  print(("skipped: %s is not installed (tools/install-deps test)"):format(missing))
+  os.exit(77)
+end
+local watched = require("watch.watched")
+
+-- Of 13 x 13 particles at first; free to fall on nothing, it hangs by two corners.
+local scene = [[
+local N = param("N", 13, "particles along one side", { min = 3, max = 40 })
+local k = param("k", 400, "structural stiffness, N/m", { min = 10, max = 1e5 })
+local scene = hooke.scene { duration = 600 }
+local sheet = scene:grid { nx = N, ny = N, width = 1, height = 1, mass = 0.2 }
+scene:pin { 1, N }
+scene:force("gravity", {})
+scene:force("springs", { edges = sheet:structural(), k = k, damping = 0.05, label = "structural" })
+scene:force("springs", { edges = sheet:shear(), k = k / 2, damping = 0.05, label = "shear" })
+scene:force("drag", { d = 0.002 })
+return scene
+]]
+
+local folder = watched.folder()
+local file = assert(io.open(folder .. "/sheet.lua", "w"))
+file:write(scene)
+file:close()
+local w = watched.start(folder, "sheet.lua --no-output")
+local b = browser.open(1200, 800)
+
+local function silent(where)
+  local list = {}
+  for _, text in ipairs(b:complaints()) do
+    if not text:find("swiftshader") and not text:find("GPU stall") then list[#list + 1] = text end
+  end
+  assert(#list == 0, ("%s: the console has: %s"):format(where, table.concat(list, "\n")))
+end
+
+local function equal(got, wanted, what)
+  if got ~= wanted then error(("%s: %s instead of %s"):format(what, got, wanted), 2) end
+end
+
+local function press(text)
+  b:eval(("[...document.querySelectorAll('#drive button')].find((n) => n.textContent === '%s').click()"):format(text))
+end
+
+-- Where the particle with that id is on the page.
+local function place(id)
+  local p = b:eval(([[(() => {
+    const { stage, layers } = view.page, { frame } = layers[0], i = frame.ids.indexOf(%d);
+    const v = new THREE.Vector3(...frame.x.subarray(3 * i, 3 * i + 3));
+    stage.render();
+    v.applyMatrix4(layers[0].group.matrixWorld).project(stage.orbit.camera);
+    const box = stage.canvas.getBoundingClientRect();
+    return [box.left + (v.x + 1) / 2 * box.width, box.top + (1 - v.y) / 2 * box.height];
+  })()]]):format(id))
+  return math.floor(p[1] + 0.5), math.floor(p[2] + 0.5)
+end
+
+local function shown() return b:eval("view.page.layers[0].frame.k") end
+
+local tests = {}
+
+function tests.it_follows_the_run_without_a_complaint()
+  b:go(w.url)
+  b:wait("view.page && view.page.layers && view.page.layers[0].frame")
+  b:eval("view.link.ask('pace', { pace: 1 })")
+  local first = shown()
+  b:wait(("view.page.layers[0].frame.k > %d + 10"):format(first))
+  equal(b:eval("document.querySelector('.doing').textContent"), "running", "what it is doing")
+  assert(b:eval("document.querySelectorAll('.chart path').length") > 3, "no lines in the charts")
+  silent("following")
+end
+
+function tests.pause_single_frame_and_going_on()
+  press("pause")
+  w:wait(function(s) return s.doing == "paused" end)
+  b:wait("document.querySelector('.doing').textContent === 'paused'")
+  local frames = w:state().frames
+  b:wait(("view.page.layers[0].frame.k === %d"):format(frames - 1))
+  press("step")
+  w:wait(function(s) return s.frames == frames + 1 end)
+  b:wait(("view.page.layers[0].frame.k === %d"):format(frames))
+  press("go on")
+  w:wait(function(s) return s.doing == "running" and s.frames > frames + 5 end)
+end
+
+-- What is drawn are pixels of the sheet, not background alone, and they move.
+function tests.an_earlier_frame_stays_while_the_run_goes_on()
+  b:eval("view.page.clock.seek(3)")
+  b:wait("view.page.layers[0].frame.k === 3")
+  local frames = w:state().frames
+  w:wait(function(s) return s.frames > frames + 20 end)
+  equal(shown(), 3, "the frame shown")
+  b:eval("view.page.clock.seek(1e9)")
+  b:wait("view.page.layers[0].frame.k > 20")
+end
+
+function tests.a_slider_begins_another_run_with_its_value()
+  local run = w:state().run
+  b:eval("(() => { const s = document.querySelector('.value input[type=range]'); s.value = 200; "
+    .. "s.dispatchEvent(new Event('input')); s.dispatchEvent(new Event('change')); })()")
+  local state = w:wait(function(s) return s.run == run + 1 and s.frames > 5 end)
+  equal(state.values.N, "10", "N at a fifth of 3 to 40") -- 3 + 37/5 = 10.4
+  b:wait("view.page.layers[0].frame.n === 100")
+  silent("a slider")
+end
+
+function tests.the_hand_takes_a_particle_and_moves_it()
+  local n = 10 * 10
+  w:wait(function(s) return s.frames > 30 end)
+  b:wait("view.page.layers[0].frame.k > 30")
+  local x, y = place(n - 4)
+  local before = b:eval(("Array.from(view.page.layers[0].frame.x.subarray(%d, %d))"):format(3 * (n - 5), 3 * (n - 4)))
+  b:post("/actions", { actions = {
+    { type = "key", id = "keyboard", actions = { { type = "keyDown", value = "\u{E008}" }, { type = "pause", duration = 0 },
+      { type = "pause", duration = 0 } } },
+    { type = "pointer", id = "mouse", parameters = { pointerType = "mouse" }, actions = {
+      { type = "pointerMove", duration = 0, x = x, y = y }, { type = "pointerDown", button = 0 },
+      { type = "pointerMove", duration = 300, x = x + 120, y = y - 160 } } } } })
+  b:wait("view.live.hand.held")
+  os.execute("sleep 0.8")
+  b:screenshot(os.getenv("HK_SHOTS") and os.getenv("HK_SHOTS") .. "/hand.png" or folder .. "/hand.png")
+  local after = b:eval(("Array.from(view.page.layers[0].frame.x.subarray(%d, %d))"):format(3 * (n - 5), 3 * (n - 4)))
+  local px, py = place(n - 4)
+  b:post("/actions", { actions = {
+    { type = "key", id = "keyboard", actions = { { type = "pause", duration = 0 }, { type = "keyUp", value = "\u{E008}" } } },
+    { type = "pointer", id = "mouse", parameters = { pointerType = "mouse" }, actions = { { type = "pointerUp", button = 0 } } } } })
+  local way = 0
+  for c = 1, 3 do way = way + (after[c] - before[c]) ^ 2 end
+  assert(way > 0.1 ^ 2, ("the particle moved by %g m"):format(math.sqrt(way)))
+  local off = math.sqrt((px - x - 120) ^ 2 + (py - y + 160) ^ 2)
+  assert(off < 100, ("it is %g pixels from the pointer"):format(off)) -- 200 pixels away at first; the sheet holds it back
+  b:wait("!view.live.hand.held")
+  press("stop")
+  local state = w:wait(function(s) return s.doing == "ended" end)
+  assert(state.summary.hand_work > 0, "no work")
+  b:wait("/interrupted/.test(document.querySelector('#reports').textContent)")
+  silent("the hand")
+end
+
+function tests.a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine()
+  b:eval("view.live.drive.again({ N: 99 })")
+  b:wait("/above the maximum 40/.test(document.querySelector('.doing').textContent)")
+  b:eval("view.live.drive.again({ N: 8 })")
+  b:wait("view.page.layers[0].frame.n === 64")
+  silent("a wrong value")
+end
+
+function tests.ten_pages_at_once_and_their_end_do_no_harm()
+  for _ = 1, 9 do b:eval(("!!window.open('%s')"):format(w.url)) end
+  local frames = w:state().frames
+  w:wait(function(s) return s.frames > frames + 30 end)
+  b:close() -- the browser is killed with all of its pages
+  frames = w:state().frames
+  w:wait(function(s) return s.frames > frames + 30 and s.doing == "running" end)
+  equal(w:interrupt(), 130, "exit code")
+  assert(w:printed():find("verdict +interrupted"), w:printed())
+end
+
+local order = { "it_follows_the_run_without_a_complaint", "pause_single_frame_and_going_on",
+  "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_begins_another_run_with_its_value",
+  "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",
+  "ten_pages_at_once_and_their_end_do_no_harm" }
+
+local failed = 0
+for _, name in ipairs(order) do
+  local went, why = xpcall(tests[name], debug.traceback)
+  if not went then
+    failed = failed + 1
+    pcall(b.screenshot, b, "/tmp/w/failed.png")
+    print(("FAILED %s: %s"):format(name, why))
+    break -- those behind it go on from where it ends
+  end
+  print("ok     " .. name)
+end
+pcall(b.close, b)
+w:close()
+os.exit(failed == 0)

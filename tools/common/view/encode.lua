@@ -1,0 +1,173 @@
+-- A recording as a page holds it: positions, velocities and other numbers of the particles in blocks of frames
+-- (tools/native/view/motion_code.h), topology, ids, series.
+local page = require("page")
+local json_text = require("common.view.json_text")
+local series = require("common.view.series")
+
+local encode = {}
+
+local LEVELS = 65534 -- of a number, HK_MOTION_LEVELS: of positions
+local COARSE = { [1] = 254, [3] = 1022 } -- of what is coloured or told only: half a step is 2e-3 or 4.9e-4 of the range
+local SAMPLES = 50000 -- numbers that the range of colours is chosen from, about
+local BLOCK = 2000000 -- numbers of a block, about: what a browser unpacks at once
+
+-- ---- what there is to tell beside positions ----
+
+-- A vector's range is one for all its components and symmetric, a number's its own.
+local function fields_of(r, more)
+  local list = { { name = "velocity", label = "velocity", painted = "speed", unit = "m/s", components = 3,
+    get = function(k) return r:velocities(k) end } }
+  if r.strain and more.strain ~= false and r:strain(1) then
+    list[#list + 1] = { name = "strain", label = "strain", unit = "", components = 1, centred = true,
+      get = function(k) return r:strain(k) end }
+  end
+  for _, channel in ipairs(r.channels or {}) do
+    list[#list + 1] = { name = "channel " .. channel.name, label = channel.name, unit = "", components = channel.size,
+      get = function(k) return r:channel(channel.name, k) end }
+  end
+  for _, name in ipairs(r.forces or {}) do
+    list[#list + 1] = { name = "force " .. name, label = "force: " .. name, unit = "N", components = 3,
+      get = function(k) return r:force(name, k) end }
+  end
+  return list
+end
+
+local function widen(range, numbers, components)
+  local low, high = page.range(numbers, components)
+  for c = 1, components do
+    range.low[c] = math.min(range.low[c] or math.huge, low[c])
+    range.high[c] = math.max(range.high[c] or -math.huge, high[c])
+  end
+end
+
+-- No number at all is a range of 0.
+local function settle(range)
+  for c = 1, #range.low do
+    if range.low[c] > range.high[c] then range.low[c], range.high[c] = 0, 0 end
+  end
+end
+
+local function widest(range)
+  local most = 0
+  for c = 1, #range.low do most = math.max(most, range.high[c] - range.low[c]) end
+  return most
+end
+
+-- The least and the largest number that colours tell apart: without one per cent at each end, which a few extreme
+-- particles may have. A vector's begins at 0.
+local function range_of_colours(r, s)
+  local all, frames = {}, math.max(1, r.frames // 50)
+  local every = math.max(1, r:n(r.frames) * (r.frames // frames) // SAMPLES)
+  for k = 1, r.frames, frames do
+    local some = page.sizes(s.get(k), s.components, every)
+    table.move(some, 1, #some, #all + 1, all)
+  end
+  table.sort(all)
+  if #all == 0 then return 0, 0 end
+  local out = #all // 100
+  return s.components > 1 and 0 or all[1 + out], all[#all - out]
+end
+
+local function largest_size(range)
+  local square = 0
+  for c = 1, #range.low do square = square + math.max(range.low[c] ^ 2, range.high[c] ^ 2) end
+  return math.sqrt(square)
+end
+
+-- ---- streams ----
+
+local function start_streams(r, fields)
+  local streams = { { name = "position", components = 3, levels = LEVELS, get = function(k) return r:positions(k) end } }
+  for _, f in ipairs(fields) do
+    f.levels = COARSE[f.components] or COARSE[3]
+    streams[#streams + 1] = f
+  end
+  for _, s in ipairs(streams) do
+    s.low, s.high, s.texts, s.size = {}, {}, json_text.list(), 0
+    for k = 1, r.frames do widen(s, s.get(k), s.components) end
+    settle(s)
+    s.step = widest(s) / s.levels
+    s.encoder = page.encoder(s.low, s.step)
+  end
+  return streams
+end
+
+local function end_block(out, streams)
+  for _, s in ipairs(streams) do
+    local text = s.encoder:block()
+    s.size = s.size + #text
+    s.texts[#s.texts + 1] = out:add(text)
+  end
+end
+
+local function told(r, s)
+  local least, most = range_of_colours(r, s)
+  return { name = s.name, label = s.label, painted = s.painted, unit = s.unit, components = s.components,
+    centred = s.centred or false, low = json_text.list(s.low), high = json_text.list(s.high), step = s.step, texts = s.texts,
+    error = s.encoder:error(), least = least, most = most, largest = largest_size(s) }
+end
+
+-- ---- topology and ids ----
+
+local function packed_or_nil(out, indices)
+  return #indices > 0 and out:add(page.indices(indices)) or nil
+end
+
+-- The indices of those that are held, of a byte for each particle.
+local function held_indices(pins)
+  local list = {}
+  for at in pins:gmatch("()[^\0]") do list[#list + 1] = ("<I4"):pack(at - 1) end
+  return table.concat(list)
+end
+
+local function topology(r, out, k)
+  return { first = k - 1, edges = packed_or_nil(out, r:edges(k)), triangles = packed_or_nil(out, r:triangles(k)),
+    pins = packed_or_nil(out, held_indices(r:pins(k))) }
+end
+
+local function frames_of_block(r)
+  local n = 1
+  for k = 1, r.frames do n = math.max(n, r:n(k)) end
+  return math.max(8, math.min(60, BLOCK // (3 * n)))
+end
+
+-- Writes the data of a recording to the page. The run as the page's story tells it; nil and the reason.
+-- more: title, summary (JSON text or nil), tick (a function called after each frame)
+function encode.run(r, out, more)
+  if r.frames == 0 then return nil, "it has no frames" end
+  local streams, per_block = start_streams(r, fields_of(r, more)), frames_of_block(r)
+  local run = { title = more.title, fps = r.fps, times = json_text.list(r.times), blocks = json_text.list(),
+    populations = json_text.list(), topologies = json_text.list(), streams = json_text.list(),
+    series = series.of(r.series or {}), summary = more.summary and json_text.raw(more.summary) }
+  local all_ids, ids, pins = {}, nil, nil
+  for k = 1, r.frames do
+    if (k - 1) % per_block == 0 then
+      if k > 1 then end_block(out, streams) end
+      table.insert(run.blocks, { first = k - 1 })
+    end
+    local now, held = r:ids(k), r:pins(k)
+    if now ~= ids then
+      table.insert(run.populations, { first = k - 1, n = #now // 4 })
+      all_ids[#all_ids + 1], ids = now, now
+    end
+    if k == 1 or held ~= pins or r:topology_changed(k) then
+      table.insert(run.topologies, topology(r, out, k))
+      pins = held
+    end
+    for _, s in ipairs(streams) do s.encoder:add(s.get(k), now) end
+    if more.tick then more.tick(k, r.frames) end
+  end
+  end_block(out, streams)
+  run.ids = out:add(page.indices(table.concat(all_ids)))
+  for k, s in ipairs(streams) do run.streams[k] = told(r, s) end
+  run.sizes = {}
+  for _, s in ipairs(streams) do run.sizes[s.name] = s.size end
+  return run
+end
+
+-- The maps of colours that the page uses.
+function encode.colours(out)
+  return { viridis = out:add(page.colours("viridis")), diverging = out:add(page.colours("diverging")) }
+end
+
+return encode

@@ -1,0 +1,103 @@
+-- What a run has shown so far, as documents of the server. Of run r:
+--
+--     run/r            the story: title, fps, origin, fields, measures (JSON)
+--     topology/r/k     T as it came, number k; frame/r/k: F as it came, frame k
+--     numbers/r/c      the N of frames 512 c to 512 c + 511, one after the other (double)
+--
+-- Where frames take more than MEMORY every second one is dropped, and of those to come as many are left out, so that
+-- what is kept is spread evenly; the latest is always there. Numbers are kept of all.
+local messages = require("common.watch.messages")
+local json_text = require("common.view.json_text")
+
+local history = {}
+history.__index = history
+
+local MEMORY = 256 << 20 -- bytes
+local CHUNK = 512
+local BINARY, JSON = "application/octet-stream", "application/json"
+
+function history.new(server, number, title)
+  return setmetatable({ server = server, number = number, title = title, frames = 0, stride = 1, size = 0, kept = {},
+    chunk = {}, latest = -1 }, history)
+end
+
+local function name_of(self, kind, k) return ("%s/%d/%d"):format(kind, self.number, k) end
+
+local function begin(self, body)
+  local run = messages.run(body)
+  local fields = json_text.list()
+  for k, f in ipairs(run.fields) do
+    fields[k] = { name = f.kind == "channel" and "channel " .. f.name or f.name, label = f.name, components = f.components,
+      unit = f.kind == "velocity" and "m/s" or "", painted = f.kind == "velocity" and "speed" or nil,
+      centred = f.kind == "strain" }
+  end
+  self.server:put(("run/%d"):format(self.number), JSON, json_text.encode({ title = self.title, fps = run.fps,
+    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures) }))
+end
+
+local function forget(self, k)
+  if not self.kept[k] then return end
+  self.server:drop(name_of(self, "frame", k))
+  self.size, self.kept[k] = self.size - self.kept[k], nil
+end
+
+local function thin(self)
+  self.stride = 2 * self.stride
+  for k in pairs(self.kept) do
+    if k % self.stride ~= 0 then forget(self, k) end
+  end
+end
+
+local function keep(self, body)
+  local k = messages.frame(body)
+  if self.latest % self.stride ~= 0 then forget(self, self.latest) end
+  self.server:put(name_of(self, "frame", k), BINARY, body)
+  self.kept[k], self.latest, self.size = #body, k, self.size + #body
+  while self.size > MEMORY and next(self.kept, next(self.kept)) do thin(self) end
+end
+
+-- Numbers of a chunk that is not full are put when somebody may look: see `tell`.
+local function note(self, body)
+  self.chunk[#self.chunk + 1] = body
+  self.frames, self.unsaid = self.frames + 1, true
+  if #self.chunk == CHUNK then
+    self:tell()
+    self.chunk = {}
+  end
+end
+
+function history:tell()
+  if not self.unsaid then return end
+  self.server:put(name_of(self, "numbers", (self.frames - 1) // CHUNK), BINARY, table.concat(self.chunk))
+  self.unsaid = false
+end
+
+local heard = {
+  R = begin,
+  T = function(self, body)
+    self.topologies = string.unpack("<I4", body)
+    self.server:put(name_of(self, "topology", self.topologies), BINARY, body)
+  end,
+  N = note,
+  F = keep,
+}
+
+function history:hear(letter, body)
+  local what = heard[letter]
+  if what then what(self, body) end
+end
+
+-- The run is shown no more.
+function history:drop()
+  for k in pairs(self.kept) do forget(self, k) end
+  for k = 1, self.topologies or 0 do self.server:drop(name_of(self, "topology", k)) end
+  for c = 0, self.frames // CHUNK do self.server:drop(name_of(self, "numbers", c)) end
+  self.server:drop(("run/%d"):format(self.number))
+end
+
+-- The frames of which `frame` documents exist: multiples of stride, and the latest.
+function history:known()
+  return { frames = self.frames, stride = self.stride, latest = self.latest }
+end
+
+return history

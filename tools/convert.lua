@@ -1,0 +1,101 @@
+-- hooke convert RUN --to FORMAT: the motion that the output `trajectory` has kept, as files that other programs read.
+local argparse = require("argparse")
+local command_line = require("common.run.command_line")
+local lfs = require("lfs")
+
+local formats = { "ply", "obj", "vtk", "csv", "pc2", "xdmf", "vtkhdf" }
+
+local function parser()
+  local p = argparse("hooke convert", "Converts what the output `trajectory` has kept.")
+  p:argument("run", "a run's output folder, or the file trajectory.h5 itself")
+  p:option("--to", "ply, obj, vtk: a file per frame; csv: a table of particles; pc2: a point cache and its mesh for"
+    .. " Blender; vtkhdf, xdmf: HDF5 and XDMF files"):choices(formats):count(1)
+  p:option("-o --out", "the folder of a sequence, or a file (RUN/FORMAT, RUN/converted.FORMAT)")
+  p:option("--every", "a frame is taken every so many"):convert(command_line.whole("--every")):default(1)
+  p:option("--from-frame", "the first, counted from 1"):convert(command_line.whole("--from-frame")):default(1)
+  p:option("--to-frame", "the last"):convert(command_line.whole("--to-frame"))
+  p:option("--ids", "csv: ids of the particles, 1,2,5 (all)")
+  p:flag("--single", "vtkhdf, xdmf: numbers of particles in 32 bits")
+  return p
+end
+
+local function complain(text) return command_line.complain("convert", text) end
+
+-- The recording of a run, and the folder in which it is.
+local function find(run)
+  local kind = lfs.attributes(run, "mode")
+  if not kind then return nil, ("%s is not there"):format(run) end
+  if kind ~= "directory" then return run, run:match("^(.*)/[^/]*$") or "." end
+  local file = run .. "/trajectory.h5"
+  if lfs.attributes(file, "mode") then return file, run end
+  return nil, ("%s has no trajectory.h5: let the scene write one, scene:output(\"trajectory\")"):format(run)
+end
+
+local function ids_of(text)
+  local ids = {}
+  for word in text:gmatch("[^,]+") do
+    local id = math.tointeger(tonumber(word))
+    if not id or id < 1 then return nil, ("--ids: '%s' is no id; expected 1,2,5"):format(word) end
+    ids[#ids + 1] = id
+  end
+  return ids
+end
+
+local function is_sequence(format) return format == "ply" or format == "obj" or format == "vtk" end
+
+-- Where the files go: the folder of a sequence, or the path of a file without its ending.
+local function target(o, folder)
+  if is_sequence(o.to) then return o.out or folder .. "/" .. o.to end
+  return ((o.out or folder .. "/converted"):gsub("%.%w+$", ""))
+end
+
+local function make_folder(path)
+  if lfs.attributes(path, "mode") == "directory" then return true end
+  local made, why = lfs.mkdir(path)
+  return made, ("cannot create the folder %s: %s"):format(path, why)
+end
+
+-- What was written, in words.
+local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", xdmf = "%s.xdmf and .h5", vtkhdf = "%s.h5 and .xdmf" }
+
+-- Writes it -> number of frames; or nil and the reason.
+local function convert(c, o, base)
+  if o.to == "csv" then return c:table(base .. ".csv", o.ids) end
+  if o.to == "pc2" then return c:point_cache(base .. ".pc2", base .. ".obj") end
+  if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single) end
+  local made, why = make_folder(base)
+  if not made then return nil, why end
+  return c:sequence(o.to, base)
+end
+
+local o = command_line.parse("convert", parser())
+if not o then return 1 end
+local why
+if o.ids then
+  if o.to ~= "csv" then return complain("--ids is for --to csv") end
+  o.ids, why = ids_of(o.ids)
+  if not o.ids then return complain(why) end
+end
+local fine, conversion = pcall(require, "conversion")
+if not fine then return complain("this hooke is built without HDF5: tools/install-deps run gets it; then make again") end
+local file, folder = find(o.run)
+if not file then
+  complain(folder)
+  return 4
+end
+local base = target(o, folder)
+if lfs.attributes(base .. ".h5", "ino") == lfs.attributes(file, "ino") then
+  return complain(("--out: %s.h5 is what is to be converted; name another file"):format(base))
+end
+local c, frames
+c, why = conversion.open(file, o.from_frame, o.to_frame, o.every)
+if c then
+  frames, why = convert(c, o, base)
+  c:close()
+end
+if not frames then
+  complain(why)
+  return 4
+end
+print(("%d frames: %s"):format(frames, (files[o.to] or ("%s/000000." .. o.to .. " and so on")):format(base)))
+return 0

@@ -1,0 +1,249 @@
+/* conversion: recordings (recording.c) as files of other formats, by the writers that the outputs use. */
+#include "plugins/common/recording/recorded_shot.h"
+#include "plugins/common/recording/recording.h"
+#include "plugins/common/sequence/csv.h"
+#include "plugins/common/sequence/formats.h"
+#include "plugins/common/sequence/pc2.h"
+#include "plugins/common/shot/shooting.h"
+
+#include <errno.h>
+#include <lauxlib.h>
+#include <lua.h>
+#include <string.h>
+
+typedef struct conversion {
+  hk_recording *recording;
+  hk_shooting shooting;
+  size_t from, to, every; /* frames from..to, from 0 */
+  char why[512];
+} conversion;
+
+static const char type_name[] = "hooke.conversion";
+
+static conversion *at(lua_State *L) { return luaL_checkudata(L, 1, type_name); }
+
+static int free_conversion(lua_State *L) {
+  conversion *c = at(L);
+  hk_recording_close(c->recording);
+  hk_shooting_free(&c->shooting);
+  *c = (conversion){0};
+  return 0;
+}
+
+static int answer(lua_State *L, conversion *c, bool fine, lua_Integer frames) {
+  if (fine) {
+    lua_pushinteger(L, frames);
+    return 1;
+  }
+  lua_pushnil(L);
+  lua_pushstring(L, c->why);
+  return 2;
+}
+
+static bool shoot(conversion *c, size_t k) {
+  if (hk_recording_shot(c->recording, k, &c->shooting)) return true;
+  snprintf(c->why, sizeof c->why, "frame %zu cannot be read: the file is damaged, or there is no memory", k + 1);
+  return false;
+}
+
+/* Particles of which the shot has no other than those with these ids; the cells are void then. */
+static void keep(hk_shot *s, const uint32_t *ids, size_t count) {
+  size_t kept = 0;
+  for (size_t i = 0; i < s->n; i++) {
+    bool wanted = false;
+    for (size_t k = 0; k < count; k++) wanted = wanted || ids[k] == s->id[i];
+    if (!wanted) continue;
+    memcpy(s->x + 3 * kept, s->x + 3 * i, 3 * sizeof *s->x);
+    memcpy(s->v + 3 * kept, s->v + 3 * i, 3 * sizeof *s->v);
+    s->id[kept] = s->id[i], s->mass[kept] = s->mass[i], s->pin[kept] = s->pin[i];
+    if (s->strain) s->strain[kept] = s->strain[i];
+    for (size_t a = 0; a < s->arrays; a++) {
+      hk_shot_array *array = &s->array[a];
+      memcpy(array->value + array->width * kept, array->value + array->width * i, array->width * sizeof(double));
+    }
+    kept++;
+  }
+  s->n = kept;
+  s->cells = (hk_cells){.vertex = s->cells.vertex, .segment = s->cells.segment, .triangle = s->cells.triangle};
+}
+
+/* open(path, from, to, every) -> the frames of a recording that are to be converted, counted from 1; or nil, reason */
+static int open_conversion(lua_State *L) {
+  const char *path = luaL_checkstring(L, 1);
+  lua_Integer from = luaL_optinteger(L, 2, 1), to = luaL_optinteger(L, 3, LUA_MAXINTEGER),
+              every = luaL_optinteger(L, 4, 1);
+  conversion *c = lua_newuserdatauv(L, sizeof *c, 0);
+  *c = (conversion){0};
+  luaL_setmetatable(L, type_name);
+  c->recording = hk_recording_open(path, c->why, sizeof c->why);
+  bool fine = c->recording && hk_recording_shot_open(c->recording, &c->shooting);
+  if (fine && (from < 1 || from > to || (size_t)from > c->recording->frames || every < 1)) {
+    snprintf(c->why, sizeof c->why, "%s has the frames 1 to %zu", path, c->recording->frames);
+    fine = false;
+  }
+  if (!fine) return answer(L, c, false, 0);
+  c->from = (size_t)from - 1, c->every = (size_t)every;
+  c->to = (size_t)to < c->recording->frames ? (size_t)to - 1 : c->recording->frames - 1;
+  return 1;
+}
+
+/* c:sequence(format, folder): files 000000.FORMAT and so on -> number of files; or nil, reason */
+static int sequence(lua_State *L) {
+  static const hk_shot_format *const formats[] = {&hk_shot_ply, &hk_shot_obj, &hk_shot_vtk};
+  static const char *const names[] = {"ply", "obj", "vtk", NULL};
+  conversion *c = at(L);
+  const hk_shot_format *format = formats[luaL_checkoption(L, 2, NULL, names)];
+  const char *folder = luaL_checkstring(L, 3);
+  lua_Integer written = 0;
+  bool fine = true;
+  for (size_t k = c->from; k <= c->to && fine; k += c->every) {
+    char path[4096], why[256] = "";
+    snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
+    fine = shoot(c, k);
+    if (fine && !hk_shot_write(format, &c->shooting.shot, path, why, sizeof why)) {
+      snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
+      fine = false;
+    }
+    written += fine;
+  }
+  return answer(L, c, fine, written);
+}
+
+static bool end_file(conversion *c, FILE *file, const char *path) {
+  char why[256] = "";
+  if (hk_shot_file_close(file, why, sizeof why)) return true;
+  snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
+  return false;
+}
+
+/* c:table(path, {id, ...}): the particles with these ids, or all -> number of frames; or nil, reason */
+static int table(lua_State *L) {
+  conversion *c = at(L);
+  const char *path = luaL_checkstring(L, 2);
+  size_t count = lua_istable(L, 3) ? lua_rawlen(L, 3) : 0;
+  uint32_t *ids = lua_newuserdatauv(L, (count + 1) * sizeof *ids, 0);
+  for (size_t k = 0; k < count; k++, lua_pop(L, 1)) {
+    lua_rawgeti(L, 3, (lua_Integer)k + 1);
+    ids[k] = (uint32_t)lua_tointeger(L, -1);
+  }
+  FILE *file = hk_shot_file(path, "w");
+  if (!file) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, strerror(errno));
+  bool fine = file != NULL;
+  lua_Integer written = 0;
+  for (size_t k = c->from; k <= c->to && fine; k += c->every, written++) {
+    fine = shoot(c, k);
+    if (fine && count) keep(&c->shooting.shot, ids, count);
+    if (fine && written == 0) hk_shot_csv_head(file, &c->shooting.shot);
+    if (fine) hk_shot_csv_rows(file, &c->shooting.shot);
+  }
+  if (file && !(fine ? end_file(c, file, path) : (fclose(file), false))) fine = false;
+  return answer(L, c, fine, written);
+}
+
+static bool add_sample(conversion *c, hk_pc2 *cache, size_t k) {
+  char why[256] = "";
+  if (!shoot(c, k)) return false;
+  if (!hk_pc2_fits(cache, &c->shooting.shot)) {
+    snprintf(
+        c->why, sizeof c->why,
+        "particles were born or died before t = %g s: a point cache is of a mesh that stays the same; take ply, obj "
+        "or vtk, or frames before (--to-frame %zu)",
+        c->shooting.shot.t, k);
+    return false;
+  }
+  if (hk_pc2_add(cache, &c->shooting.shot, why, sizeof why)) return true;
+  snprintf(c->why, sizeof c->why, "cannot write the point cache: %s", why);
+  return false;
+}
+
+/* c:point_cache(pc2, obj): the mesh of the first frame and the positions at all -> number of frames; or nil, reason */
+static int point_cache(lua_State *L) {
+  conversion *c = at(L);
+  const char *path = luaL_checkstring(L, 2), *mesh = luaL_checkstring(L, 3);
+  char why[256] = "";
+  hk_pc2 cache = {0};
+  lua_Integer written = 0;
+  if (!shoot(c, c->from)) return answer(L, c, false, 0);
+  bool fine = hk_shot_write(&hk_shot_obj, &c->shooting.shot, mesh, why, sizeof why) &&
+              hk_pc2_open(&cache, path, &c->shooting.shot, why, sizeof why);
+  if (!fine) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
+  for (size_t k = c->from; k <= c->to && fine; k += c->every, written++) fine = add_sample(c, &cache, k);
+  if (!hk_pc2_close(&cache, why, sizeof why) && fine) {
+    snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
+    fine = false;
+  }
+  return answer(L, c, fine, written);
+}
+
+/* ---- a recording again ---- */
+
+static double figure(const hk_recording *r, const char *name, size_t k) {
+  for (size_t s = 0; s < r->series; s++)
+    if (strcmp(r->serie[s].name, name) == 0) return r->serie[s].value[k];
+  return NAN;
+}
+
+static void fill_vector(const hk_recording *r, const char *name, size_t k, double v[3]) {
+  char full[64];
+  for (int c = 0; c < 3; c++) {
+    snprintf(full, sizeof full, "%s %c", name, 'x' + c);
+    v[c] = figure(r, full, k);
+  }
+}
+
+static hk_frame frame_of(const hk_recording *r, size_t k, const char **names, double *values) {
+  hk_frame f = {
+      .index = k, .fps = r->fps, .measure_name = names, .measure = values, .scene = r->scene, .origin = r->origin};
+  f.kinetic = figure(r, "kinetic", k), f.potential = figure(r, "potential", k), f.work = figure(r, "work", k);
+  f.step = figure(r, "step", k), f.error = figure(r, "error", k);
+  fill_vector(r, "momentum", k, f.momentum);
+  fill_vector(r, "angular momentum", k, f.angular_momentum);
+  for (size_t s = 0; s < r->series; s++) {
+    if (!r->serie[s].measure) continue;
+    names[f.measures] = r->serie[s].name;
+    values[f.measures++] = r->serie[s].value[k];
+  }
+  return f;
+}
+
+/* c:recording(h5, xdmf, single) -> number of frames; or nil, reason */
+static int record(lua_State *L) {
+  conversion *c = at(L);
+  const hk_recording *r = c->recording;
+  const char *h5 = luaL_checkstring(L, 2), *xdmf = luaL_checkstring(L, 3);
+  const char **names = lua_newuserdatauv(L, (r->series + 1) * sizeof *names, 0);
+  double *values = lua_newuserdatauv(L, (r->series + 1) * sizeof *values, 0);
+  char why[256] = "";
+  hk_recorder_setup setup = {.single = lua_toboolean(L, 4), .level = 1, .every = c->every * (size_t)r->every};
+  if (!shoot(c, c->from)) return answer(L, c, false, 0);
+  hk_frame frame = frame_of(r, c->from, names, values);
+  hk_recorder *recorder = hk_recorder_open(h5, xdmf, &setup, &c->shooting.shot, &frame, why, sizeof why);
+  lua_Integer written = 0;
+  int64_t part = -1;
+  bool fine = recorder != NULL, read = true;
+  for (size_t k = c->from; k <= c->to && fine && read; k += c->every, written += fine && read) {
+    read = shoot(c, k);
+    frame = frame_of(r, k, names, values);
+    if (read) fine = hk_recorder_add(recorder, &c->shooting.shot, r->frame[k].part != part, &frame, why, sizeof why);
+    part = r->frame[k].part;
+  }
+  if (recorder && !hk_recorder_close(recorder, fine && read ? r->verdict : NULL, why, sizeof why)) fine = false;
+  if (!fine) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", h5, why);
+  return answer(L, c, fine && read, written);
+}
+
+__attribute__((visibility("default"))) int luaopen_conversion(lua_State *L);
+
+int luaopen_conversion(lua_State *L) {
+  static const luaL_Reg methods[] = {{"sequence", sequence}, {"table", table},           {"point_cache", point_cache},
+                                     {"recording", record},  {"close", free_conversion}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"open", open_conversion}, {NULL, NULL}};
+  luaL_newmetatable(L, type_name);
+  luaL_newlib(L, methods);
+  lua_setfield(L, -2, "__index");
+  lua_pushcfunction(L, free_conversion);
+  lua_setfield(L, -2, "__gc");
+  lua_pop(L, 1);
+  luaL_newlib(L, functions);
+  return 1;
+}

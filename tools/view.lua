@@ -1,0 +1,149 @@
+-- hooke view SCENE.lua [name=value ...] | RUN [RUN]: a page to play, turn and share: the motion in 3D, plots, verdict.
+-- A scene is run with the output `trajectory`, as `hooke run` does; what follows -- are options for that. RUN is the folder
+-- of a run that is over; two are shown beside each other. The page is one HTML file that needs no network: tools/view has
+-- its modules, tools/common/view what puts it together.
+local argparse = require("argparse")
+local lfs = require("lfs")
+local command_line = require("common.run.command_line")
+local progress = require("common.run.progress")
+
+local function complain(format, ...) return command_line.complain("view", format:format(...)) end
+
+local function refuse_file(why)
+  complain("%s", why)
+  return 4
+end
+
+local function parser()
+  local p = argparse("hooke view", "A page of a run: the motion in 3D, plots, the verdict. One HTML file, without a network.")
+  p:argument("what", "a scene's script, then name=value ... and, after --, options of hooke run; or the folder of a run, "
+    .. "or of two"):args("+")
+  p:option("--page", "the file to write (page.html in the run's folder)")
+  p:option("--out", "folder of the scene's run (out/SCENE)")
+  p:flag("--forces", "with the forces on each particle by name (larger files)")
+  p:flag("--trust", "the scene may use plugins beside it")
+  p:flag("--quiet", "no progress")
+  return p
+end
+
+local function quoted(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
+
+-- ---- a scene ----
+
+-- Runs it as `hooke run` does, with that command's confinement; its exit code.
+local function run(o, folder)
+  local words = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run" }
+  for _, word in ipairs(o.what) do words[#words + 1] = quoted(word) end
+  words[#words + 1] = "--with output:" .. (o.forces and "trajectory:forces=true" or "trajectory")
+  words[#words + 1] = "--out " .. quoted(folder)
+  if o.trust then words[#words + 1] = "--trust" end
+  if o.quiet then words[#words + 1] = "--quiet" end
+  local _, how, code = os.execute(table.concat(words, " "))
+  return how == "signal" and 128 + code or code
+end
+
+-- ---- a folder ----
+
+local function read(path)
+  local file = io.open(path, "rb")
+  if not file then return nil end
+  local text = file:read("a")
+  file:close()
+  return text
+end
+
+local function trajectory_in(folder)
+  if lfs.attributes(folder, "mode") == "file" then return folder, folder:match("^(.*)/[^/]*$") or "." end
+  if lfs.attributes(folder, "mode") ~= "directory" then return nil, ("there is no folder or script %s"):format(folder) end
+  if lfs.attributes(folder .. "/trajectory.h5", "mode") == "file" then return folder .. "/trajectory.h5", folder end
+  for name in lfs.dir(folder) do
+    if name:find("%.h5$") then return folder .. "/" .. name, folder end
+  end
+  return nil, ("%s has no trajectory.h5: add scene:output('trajectory') to the scene, or view the scene itself, or run it "
+    .. "with --with output:trajectory"):format(folder)
+end
+
+-- Text that is JSON; what is not is as if it was not there.
+local function json_in(path)
+  local text = read(path)
+  return text and pcall(require("cjson").decode, text) and text or nil
+end
+
+-- "out/a/b" and "out/a/c" are told apart as b and c.
+local function titles(folders)
+  local list = {}
+  for k, folder in ipairs(folders) do list[k] = folder:gsub("/+$", ""):match("[^/]+$") or folder end
+  if #list == 2 and list[1] == list[2] then return folders end
+  return list
+end
+
+local function open_runs(folders)
+  local fine, recording = pcall(require, "recording")
+  if not fine then
+    return nil, "trajectories cannot be read: hooke was built without HDF5; tools/install-deps run gets it, then run make"
+  end
+  if not pcall(require, "page") then
+    return nil, "pages cannot be made: hooke was built without zlib; tools/install-deps run gets it, then run make"
+  end
+  local runs, names = {}, titles(folders)
+  for k, folder in ipairs(folders) do
+    local path, place = trajectory_in(folder)
+    if not path then return nil, place end
+    local r, why = recording.open(path)
+    if not r then return nil, why end
+    runs[k] = { recording = r, title = names[k], summary = json_in(place .. "/summary.json"),
+      bench = json_in(place .. "/bench.json") }
+  end
+  return runs
+end
+
+-- ---- the page ----
+
+local function size_text(bytes)
+  return bytes < 1e6 and ("%.0f kB"):format(bytes / 1e3) or ("%.1f MB"):format(bytes / 1e6)
+end
+
+local function subtitle_of(runs)
+  local r = runs[1].recording
+  local text = ("%d particles, %.4g s, %d frames"):format(r:n(r.frames), r.times[#r.times] - r.times[1], r.frames)
+  return #runs == 1 and text or text .. " · two runs"
+end
+
+local function make_page(o, folders)
+  local runs, why = open_runs(folders)
+  if not runs then return refuse_file(why) end
+  local path = o.page or (folders[1]:gsub("%.h5$", "") .. (folders[1]:find("%.h5$") and ".html" or "/page.html"))
+  local frames = 0
+  for _, one in ipairs(runs) do frames = frames + one.recording.frames end
+  local bar = progress.new { what = "view", total = frames, quiet = o.quiet }
+  local made
+  made, why = require("common.view.make").page(path, runs, { title = #runs == 2 and runs[1].title .. " and " .. runs[2].title
+    or runs[1].title, subtitle = subtitle_of(runs), bench = runs[1].bench, tick = function() bar:add() end })
+  bar:finish()
+  if not made then return refuse_file(why) end
+  print(("wrote %s (%s)"):format(hooke.plain(path), size_text(made.size)))
+  for _, run_ in ipairs(made.runs) do
+    local p = run_.streams[1]
+    local extent = 0
+    for c = 1, 3 do extent = math.max(extent, p.high[c] - p.low[c]) end
+    print(("  %s: positions within %.2g m%s"):format(hooke.plain(run_.title), p.error,
+      extent > 0 and (", %.2g of the extent"):format(p.error / extent) or ""))
+  end
+  return 0
+end
+
+local function main()
+  local o = command_line.parse("view", parser())
+  if not o then return 1 end
+  local scene = o.what[1]:find("%.lua$")
+  if not scene and #o.what > 2 then return complain("'%s': one or two folders of runs, or a scene", o.what[3]) end
+  if not scene then return make_page(o, o.what) end
+  local folder = o.out or "out/" .. (o.what[1]:match("([^/]+)%.lua$"))
+  local code = run(o, folder)
+  -- A run that diverged, was interrupted or is inaccurate is worth a look, too.
+  if code ~= 0 and code ~= 3 and code ~= 5 and code ~= 130 then return code end
+  local made = make_page(o, { folder })
+  return made == 0 and code or made
+end
+
+return main()

@@ -1,0 +1,216 @@
+// app: puts the page together: sources of frames, their layers on the stage, the clock, plots and reports.
+"use strict";
+view.app = (() => {
+  const { el } = view.dom;
+  const $ = (id) => document.getElementById(id);
+  const TINTS = [[0.33, 0.55, 0.78], [0.88, 0.55, 0.25]], ARROW = [0.85, 0.25, 0.2];
+
+  class App {
+    // sources: one or two; more: { difference: { times, rms, most, largest }, bench, title, note }
+    constructor(sources, more = {}) {
+      Object.assign(this, { sources, more, paint: "", arrowsOf: "", pickedId: null, mode: "side", slow: 0, every: 1 });
+      this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.timeline && this.timeline.update());
+      this.timeline = view.timeline.make($("timeline"), this.clock);
+      view.timeline.keys(this.clock);
+      this.makeStage();
+      this.inspector = view.inspector.make($("inspector"), () => this.pick(null));
+      this.makePlots();
+      this.makeControls();
+      this.makeReports();
+      document.addEventListener("keydown", (e) => { if (e.key === "Escape") this.pick(null); });
+      this.seek(0);
+    }
+
+    // ---- parts ----
+
+    makeStage() {
+      try {
+        this.stage = new view.stage.Stage($("canvas"), (found) => this.pick(found));
+      } catch (error) {
+        $("note").textContent = `There is no 3D picture: this browser gives no WebGL (${error.message}).`;
+        return;
+      }
+      this.layers = this.sources.map((source, k) => new view.layer.Layer(source, TINTS[this.sources.length > 1 ? k : 0]));
+      const first = this.sources[0].origin;
+      this.layers.forEach((layer, k) => {
+        layer.offset = new THREE.Vector3(...this.sources[k].origin.map((v, c) => v - first[c]));
+        this.stage.add(layer);
+      });
+      this.stage.side = this.sources.length > 1;
+      this.stage.place();
+    }
+
+    groups() {
+      const groups = new Map();
+      this.sources.forEach((source, run) => {
+        for (const s of source.series) {
+          const key = `${s.group}\n${s.unit}`;
+          if (!groups.has(key)) groups.set(key, { title: s.group, unit: s.unit, lines: [] });
+          groups.get(key).lines.push({ name: s.name, run, times: s.times || source.run.times, values: s.values });
+        }
+      });
+      const d = this.more.difference;
+      if (d) groups.set("difference", { title: "Distance between the runs", unit: "m", lines: [
+        { name: "RMS", run: 0, times: d.times, values: d.rms }, { name: "largest", run: 0, times: d.times, values: d.most }] });
+      return [...groups.values()];
+    }
+
+    makePlots() {
+      this.plots = view.plots.make($("plots"), this.groups(), (t) => {
+        this.clock.play(false);
+        this.clock.seek(view.compare.nearest(this.sources[0], t));
+      });
+    }
+
+    makeControls() {
+      const { select, check, button, choice } = view.controls, fields = this.sources[0].fields, first = this.layers && this.layers[0];
+      const vectors = fields.filter((f) => f.components === 3);
+      const nodes = [];
+      if (this.sources.length > 1) nodes.push(choice("two runs", [["side", "side by side"], ["over", "in one picture"],
+        ["difference", "difference"]], "side", (mode) => this.arrange(mode)));
+      nodes.push(select("Colour", "what the colours stand for", [["", "none"], ...fields.map((f) => [f.name, f.painted || f.label])],
+        "", (name) => { this.paint = name; this.refresh(); }));
+      if (vectors.length) nodes.push(select("Arrows", "vectors of each particle", [["", "none"], ...vectors.map((f) => [f.name, f.label])],
+        "", (name) => { this.arrowsOf = name; this.refresh(); }));
+      this.checks = { points: check("all particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
+        edges: check("all edges", "also those of surfaces", false, (on) => this.choose("edges", on)) };
+      nodes.push(...Object.values(this.checks), check("shadows", "", true, (on) => this.choose("shadows", on)),
+        check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
+        check("y up", "the scene's y points up", false, (on) => { this.stage.yUp = on; this.stage.place(); }),
+        button("reset view", "the camera as at the start", () => this.stage.home()));
+      $("controls").append(...(first ? nodes : []));
+    }
+
+    makeReports() {
+      const part = (id, content) => $(id).append(...this.sources.map((source) => el("div", { class: "run" },
+        this.sources.length > 1 ? el("h2", { class: "run-title" }, source.title) : null, content(source.summary))));
+      part("verdicts", view.report.verdict);
+      part("reports", view.report.details);
+      const bench = this.more.bench && view.bench.make(this.more.bench);
+      if (bench) $("bench").append(bench);
+    }
+
+    // ---- what is seen ----
+
+    arrange(mode) {
+      this.mode = mode;
+      this.stage.side = mode === "side";
+      this.layers[1].hidden = mode === "difference";
+      this.layers.forEach((layer) => layer.surface.fade(1));
+      if (mode === "over") this.layers[1].surface.fade(0.6);
+      this.stage.place();
+      this.refresh();
+    }
+
+    choose(what, on) {
+      for (const layer of this.layers) layer.shown[what] = on;
+      this.refresh();
+    }
+
+    pick(found) {
+      this.pickedId = found ? found.id : null;
+      this.pickedLayer = found ? found.layer : null;
+      this.refresh();
+    }
+
+    // Numbers of the particle's fields are unpacked when they are seen only.
+    wanted(source) {
+      if (this.pickedId !== null) return source.fields.map((f) => f.name);
+      return [this.paint, this.arrowsOf].filter((name) => name && source.fields.some((f) => f.name === name));
+    }
+
+    refresh() { this.seek(this.clock.k); }
+
+    seek(k) {
+      const t = this.sources[0].time(k);
+      this.frames = this.sources.map((source, j) => j === 0 ? k : view.compare.nearest(source, t));
+      this.timeline.update();
+      this.plots.show(t, this.frames);
+      if (!this.stage) return;
+      const got = new Array(this.sources.length).fill(null);
+      this.sources.forEach((source, j) => source.get(this.frames[j], this.wanted(source), (frame) => {
+        got[j] = frame;
+        if (got.every((f) => f)) this.show(got);
+      }));
+    }
+
+    scaleOf(source) {
+      if (this.mode === "difference" && this.sources.length > 1)
+        return { title: "distance between the runs, m", scale: view.colours.scale(0, this.more.difference.largest, false) };
+      const f = source.fields.find((one) => one.name === this.paint);
+      if (!f) return null;
+      const both = this.sources.map((s) => s.fields.find((one) => one.name === f.name)).filter(Boolean);
+      const low = Math.min(...both.map((b) => b.least)), high = Math.max(...both.map((b) => b.most));
+      return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale: view.colours.scale(low, high, f.centred) };
+    }
+
+    numbers(frame, field) {
+      const values = frame.values[field.name];
+      if (!values || field.components === 1) return values;
+      const sizes = new Float32Array(frame.n);
+      for (let i = 0; i < frame.n; i++) {
+        let square = 0;
+        for (let c = 0; c < field.components; c++) square += values[i * field.components + c] ** 2;
+        sizes[i] = Math.sqrt(square);
+      }
+      return sizes;
+    }
+
+    show(frames) {
+      this.layers.forEach((layer, j) => {
+        const frame = frames[j], s = this.scaleOf(layer.source);
+        let numbers = null;
+        if (s && !s.field) numbers = j === 0 ? view.compare.distances(frame, frames[1], this.sources[0].origin, this.sources[1].origin) : null;
+        else if (s) numbers = this.numbers(frame, s.field);
+        let colours = null;
+        if (numbers) view.colours.paint(numbers, s.scale, colours = new Float32Array(3 * frame.n));
+        layer.every = this.every;
+        layer.show(frame, colours, this.arrows(layer.source, frame), this.pickedId);
+        if (j === 0) view.colours.legend($("legend"), s && s.title, s && s.scale);
+      });
+      this.showPicked(frames);
+      this.synchronise();
+      this.pace();
+      this.stage.draw();
+    }
+
+    arrows(source, frame) {
+      const f = source.fields.find((one) => one.name === this.arrowsOf), numbers = f && frame.values[f.name];
+      if (!numbers || !(f.largest > 0)) return null;
+      const { low, high } = source.bounds, size = Math.max(...low.map((v, c) => high[c] - v));
+      return { numbers, length: 0.25 * size / f.largest, colour: ARROW };
+    }
+
+    showPicked(frames) {
+      const layer = this.pickedLayer, frame = layer && frames[this.layers.indexOf(layer)];
+      const index = frame ? frame.ids.indexOf(this.pickedId) : -1;
+      this.inspector.show(index >= 0 ? layer : null, index);
+    }
+
+    synchronise() {
+      const { shown } = this.layers[0];
+      this.checks.points.querySelector("input").checked = shown.points;
+      this.checks.edges.querySelector("input").checked = shown.edges;
+    }
+
+    // While it plays below 30 pictures a second, fewer particles are drawn, and the page says so.
+    pace() {
+      const now = performance.now(), took = now - (this.lastShown || now);
+      this.lastShown = now;
+      this.slow = this.clock.playing && took > 1000 / 27 && took < 2000 ? this.slow + 1 : Math.max(this.slow - 1, 0);
+      if (this.slow > 4 && this.every < 16 && this.layers.some((layer) => layer.balls > 20000)) {
+        this.every *= 2;
+        this.slow = 0;
+      }
+      const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
+      const notes = [];
+      if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
+      const speed = this.sources[0].fields.find((f) => f.name === "velocity");
+      if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
+      if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${this.layers[0].balls} particles is drawn`);
+      $("note").textContent = notes.join(" · ");
+    }
+  }
+
+  return { App };
+})();

@@ -1,0 +1,53 @@
+// colours: numbers to colours by the maps that pictures have (plugins/common/colour), and the legend.
+"use strict";
+view.colours = (() => {
+  const { el, clear } = view.dom;
+  const tables = {}; // name -> 512 x (red, green, blue, 255)
+
+  const load = async (packed) => {
+    for (const [name, id] of Object.entries(packed))
+      tables[name] = await view.codec.unpack(document.getElementById(id).textContent);
+  };
+
+  // The range of numbers that the colours stand for; around zero where the map has a middle.
+  const scale = (low, high, centred) => {
+    if (!(low <= high)) return { low: 0, high: 1, map: centred ? "diverging" : "viridis", empty: true };
+    const most = Math.max(Math.abs(low), Math.abs(high)) || 1;
+    if (centred) return { low: -most, high: most, map: "diverging" };
+    return high > low ? { low, high, map: "viridis" } : { low: low - most * 1e-3, high: high + most * 1e-3, map: "viridis" };
+  };
+
+  // Red, green and blue, 0 to 1, of each number into `into`; a number that is none is grey.
+  const paint = (numbers, s, into) => {
+    const table = tables[s.map], size = table.length / 4, factor = size / (s.high - s.low);
+    for (let i = 0; i < numbers.length; i++) {
+      const place = (numbers[i] - s.low) * factor;
+      if (Number.isNaN(place)) { into[3 * i] = into[3 * i + 1] = into[3 * i + 2] = 0.5; continue; }
+      const k = 4 * Math.min(Math.max(Math.floor(place), 0), size - 1);
+      into[3 * i] = table[k] / 255;
+      into[3 * i + 1] = table[k + 1] / 255;
+      into[3 * i + 2] = table[k + 2] / 255;
+    }
+  };
+
+  const bar = (map) => {
+    const table = tables[map], stops = [];
+    for (let k = 0; k <= 32; k++) {
+      const i = 4 * Math.round(k / 32 * (table.length / 4 - 1));
+      stops.push(`rgb(${table[i]},${table[i + 1]},${table[i + 2]}) ${(100 * k / 32).toFixed(2)}%`);
+    }
+    const strip = el("div", { class: "legend-bar" });
+    strip.style.background = `linear-gradient(90deg, ${stops.join(", ")})`;
+    return strip;
+  };
+
+  const legend = (node, title, s) => {
+    clear(node).hidden = !title;
+    if (!title) return;
+    const { short } = view.numbers;
+    node.append(el("div", { class: "legend-title" }, title), bar(s.map), el("div", { class: "legend-ends" },
+      el("span", {}, short(s.low, 3)), el("span", {}, short((s.low + s.high) / 2, 3)), el("span", {}, short(s.high, 3))));
+  };
+
+  return { load, scale, paint, legend };
+})();

@@ -1,0 +1,111 @@
+// layer: one run in the 3D view: its surface, edges, particles, pins, arrows, and the particle that is picked.
+"use strict";
+view.layer = (() => {
+  const PIN = [0.90, 0.45, 0.13], PICKED = [0.98, 0.78, 0.18];
+
+  // The usual distance between neighbours: of edges where there are any, or as if the particles filled the bounds.
+  const spacing = (frame, pairs, size) => {
+    const lengths = [];
+    const every = Math.max(1, Math.floor(pairs.length / 2 / 2000));
+    for (let e = 0; 2 * e < pairs.length; e += every) {
+      const i = 3 * pairs[2 * e], j = 3 * pairs[2 * e + 1];
+      lengths.push(Math.hypot(frame.x[i] - frame.x[j], frame.x[i + 1] - frame.x[j + 1], frame.x[i + 2] - frame.x[j + 2]));
+    }
+    const known = lengths.filter((l) => l > 0).sort((a, b) => a - b);
+    return known.length ? known[known.length >> 1] : size / Math.max(frame.n, 8) ** (1 / 3);
+  };
+
+  class Layer {
+    // tint: the colour of what stands for no number
+    constructor(source, tint) {
+      Object.assign(this, { source, tint, every: 1, shown: { points: null, edges: false, shadows: true } });
+      this.uniforms = view.light.uniforms();
+      this.scene = new THREE.Scene();
+      this.group = new THREE.Group();
+      this.floor = new view.floor.Floor();
+      this.surface = new view.surface.Surface(this.uniforms);
+      this.edges = new view.segments.Segments(this.uniforms, false);
+      this.arrows = new view.segments.Segments(this.uniforms, true);
+      this.points = new view.points.Points(this.uniforms, 1);
+      this.pins = new view.points.Points(this.uniforms, 2.5);
+      this.picked = new view.points.Points(this.uniforms, 5);
+      const parts = [this.surface, this.edges, this.arrows, this.points, this.pins, this.picked];
+      for (const part of parts) this.group.add(part.mesh);
+      this.shadows = [this.surface, this.edges, this.points].map((part) => part.shadow);
+      this.group.add(...this.shadows);
+      this.scene.add(this.group, this.floor.mesh);
+      for (const shadow of this.shadows) shadow.renderOrder = -0.5;
+    }
+
+    // Edges of a surface and particles at edges are drawn where somebody chooses that, or where they are few.
+    defaults(frame) {
+      const s = this.shown;
+      if (s.points === null) s.points = frame.triangles.length === 0 && frame.n <= 400;
+      const { low, high } = this.source.bounds;
+      const size = Math.max(...low.map((v, c) => high[c] - v)) || 1;
+      this.radius = spacing(frame, frame.edges, size) * (frame.edges.length ? 0.16 : 0.22);
+    }
+
+    sizes() {
+      this.points.own.radius.value = this.radius;
+      this.pins.own.radius.value = 1.5 * this.radius;
+      this.picked.own.radius.value = 1.7 * this.radius;
+      this.edges.own.radius.value = 0.38 * this.radius * (this.surface.mesh.visible ? 0.5 : 1);
+      this.arrows.own.radius.value = 0.3 * this.radius;
+    }
+
+    plain(n) {
+      if (!this.same || this.same.length !== 3 * n) {
+        this.same = new Float32Array(3 * n);
+        for (let i = 0; i < 3 * n; i++) this.same[i] = this.tint[i % 3];
+      }
+      return this.same;
+    }
+
+    // colours: of each particle, or null; arrows: numbers (3n) and the length of one of size 1, or null
+    show(frame, colours, arrows, pickedId) {
+      if (this.radius === undefined && frame.n) this.defaults(frame);
+      this.frame = frame;
+      const paint = colours || this.plain(frame.n), s = this.shown;
+      this.surface.show(frame, paint, !colours);
+      const { edges, alone, pins } = view.topology.of(this.source, frame);
+      this.edges.show(frame, s.edges ? frame.edges : edges, paint);
+      this.balls = s.points || alone.length === frame.n ? frame.n : alone.length;
+      this.points.show(frame, this.balls === frame.n ? null : alone, Math.ceil(this.balls / this.every), paint, this.every);
+      this.pins.show(frame, pins, pins.length, PIN);
+      this.showArrows(frame, arrows);
+      const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
+      this.picked.show(frame, [k], k < 0 ? 0 : 1, PICKED);
+      for (const shadow of this.shadows) shadow.visible = shadow.visible && s.shadows;
+      this.sizes();
+    }
+
+    showArrows(frame, arrows) {
+      const every = arrows ? Math.ceil(frame.n / 6000) : 1, count = arrows ? Math.ceil(frame.n / every) : 0;
+      const [begin, end, first, second] = this.arrows.arrays(count);
+      for (let k = 0, at = 0; k < count; k++)
+        for (let c = 0; c < 3; c++, at++) {
+          const i = 3 * k * every + c;
+          begin[at] = frame.x[i];
+          end[at] = frame.x[i] + arrows.numbers[i] * arrows.length;
+          first[at] = second[at] = arrows.colour[c];
+        }
+    }
+
+    // The light, and colours of the page, for a camera and a height of the view in pixels; above: the camera is above
+    // the floor, whose height is `floor`.
+    light(camera, pixels, floor, above, theme) {
+      for (const shadow of this.shadows) shadow.material.visible = above;
+      const u = this.uniforms;
+      u.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
+      u.scale.value = pixels / 2 * camera.projectionMatrix.elements[5];
+      u.floor.value = floor;
+      u.shade.value.fromArray(theme.shade);
+      u.sun.value.copy(view.light.SUN).transformDirection(camera.matrixWorldInverse);
+      this.floor.uniforms.colour.value.fromArray(theme.floor);
+      this.floor.uniforms.line.value.fromArray(theme.line);
+    }
+  }
+
+  return { Layer };
+})();

@@ -1,0 +1,74 @@
+// points: particles as round balls, at least as large as `least` pixels.
+"use strict";
+view.points = (() => {
+  const { array, material, object } = view.buffers;
+
+  const size = `
+    uniform float radius, least, scale;
+    float pixels(vec4 p) { return 2.0 * max(radius * scale / -p.z, least); }`;
+  const vertex = `
+    ${size}
+    attribute vec3 colour;
+    varying vec3 vColour;
+    void main() {
+      vec4 p = modelViewMatrix * vec4(position, 1.0);
+      vColour = colour;
+      gl_Position = projectionMatrix * p;
+      gl_PointSize = pixels(p);
+    }`;
+  const fragment = `
+    varying vec3 vColour;
+    ${view.light.glsl}
+    void main() {
+      vec2 at = vec2(2.0 * gl_PointCoord.x - 1.0, 1.0 - 2.0 * gl_PointCoord.y);
+      float square = dot(at, at);
+      if (square > 1.0) discard;
+      gl_FragColor = vec4(lit(vColour, vec3(at, sqrt(1.0 - square)), vec3(0.0, 0.0, 1.0)), 1.0);
+    }`;
+  const shadowVertex = `
+    ${size}
+    ${view.light.cast}
+    void main() {
+      vec4 p = viewMatrix * onFloor(modelMatrix * vec4(position, 1.0));
+      gl_Position = projectionMatrix * p;
+      gl_PointSize = pixels(p);
+    }`;
+  const shadowFragment = `
+    uniform vec3 shade;
+    void main() {
+      vec2 at = 2.0 * gl_PointCoord - 1.0;
+      if (dot(at, at) > 1.0) discard;
+      gl_FragColor = vec4(shade, 1.0);
+    }`;
+
+  class Points {
+    constructor(uniforms, least) {
+      this.geometry = new THREE.BufferGeometry();
+      this.own = Object.assign({ radius: { value: 0 }, least: { value: least } }, uniforms);
+      this.mesh = object(THREE.Points, this.geometry, material(vertex, fragment, this.own));
+      this.shadow = object(THREE.Points, this.geometry, material(shadowVertex, shadowFragment, this.own,
+        { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 }));
+    }
+
+    // Particle list[k * every] for k below `count`, or particle k * every where list is null.
+    show(frame, list, count, colours, every = 1) {
+      this.mesh.visible = this.shadow.visible = count > 0;
+      if (count === 0) return;
+      const x = array(this.geometry, "position", 3, count), colour = array(this.geometry, "colour", 3, count);
+      if (!list && every === 1) {
+        x.set(frame.x);
+        colour.set(colours);
+      } else
+        for (let k = 0; k < count; k++) {
+          const i = 3 * (list ? list[k * every] : k * every), own = colours.length === 3 ? 0 : i;
+          for (let c = 0; c < 3; c++) {
+            x[3 * k + c] = frame.x[i + c];
+            colour[3 * k + c] = colours[own + c];
+          }
+        }
+      this.geometry.setDrawRange(0, count);
+    }
+  }
+
+  return { Points };
+})();

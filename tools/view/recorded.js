@@ -1,0 +1,109 @@
+// recorded: the frames of a run that the page holds, as a source of frames. What shows frames knows of a source only
+//
+//   source.count           frames there are (a live source has one that grows)
+//   source.time(k)         s
+//   source.get(k, fields, show)   calls show(frame) when the frame is there, at once where it is already; a later call
+//                          of get makes an earlier one that still waits void
+//   source.fields          [{ name, label, unit, components, centred }], numbers of particles beside their positions
+//   source.origin          [x, y, z], m: positions are relative to it, so that single precision will do
+//   source.bounds          { low, high } of all positions, relative to the origin; source.low: the least height
+//   source.title, source.summary, source.series, source.error
+//
+// and of a frame { k, t, n, ids, x (3n), edges, triangles, pins (indices), topology (a number that changes when the last
+// three do), values: { name: numbers } }.
+"use strict";
+view.recorded = (() => {
+  const text = (id) => document.getElementById(id).textContent;
+  const MOST_BLOCKS = 12; // unpacked blocks that are kept, of all streams together: some 10 MB each at most
+
+  // The last entry that begins at frame k or before.
+  const at = (list, k) => {
+    let low = 0, high = list.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (list[middle].first <= k) low = middle; else high = middle - 1;
+    }
+    return low;
+  };
+
+  class Recorded {
+    constructor(run) {
+      this.run = run;
+      this.count = run.times.length;
+      this.fields = run.streams.filter((s) => s.name !== "position");
+      for (const key of ["title", "summary", "series", "fps"]) this[key] = run[key];
+      const p = run.streams.find((s) => s.name === "position");
+      this.origin = p.low.map((low, c) => (low + p.high[c]) / 2);
+      this.bounds = { low: p.low.map((v, c) => v - this.origin[c]), high: p.high.map((v, c) => v - this.origin[c]) };
+      this.error = { positions: p.error, extent: Math.max(...p.high.map((v, c) => v - p.low[c])) };
+      this.blocks = new Map(); // "stream/block" -> a promise of a Block, the most recently used last
+      this.topologies = new Map();
+      this.asked = 0;
+      this.ready = this.unpackIds();
+    }
+
+    time(k) { return this.run.times[k]; }
+
+    async unpackIds() {
+      const all = view.codec.indices(await view.codec.unpack(text(this.run.ids)));
+      let begin = 0;
+      for (const p of this.run.populations) {
+        p.ids = all.subarray(begin, begin + p.n);
+        begin += p.n;
+      }
+      return this;
+    }
+
+    ids(k) { return this.run.populations[at(this.run.populations, k)].ids; }
+
+    block(stream, number) {
+      const key = `${stream.name}/${number}`;
+      const found = this.blocks.get(key) || this.unpackBlock(stream, number);
+      this.blocks.delete(key);
+      this.blocks.set(key, found);
+      const most = MOST_BLOCKS + this.fields.length;
+      for (const old of this.blocks.keys()) if (this.blocks.size > most && old !== key) this.blocks.delete(old);
+      return found;
+    }
+
+    async unpackBlock(stream, number) {
+      const first = this.run.blocks[number].first;
+      const bytes = await view.codec.unpack(text(stream.texts[number]));
+      return new view.codec.Block(bytes, stream.components, (k) => this.ids(first + k));
+    }
+
+    async topology(k) {
+      const number = at(this.run.topologies, k);
+      if (!this.topologies.has(number)) {
+        const entry = this.run.topologies[number];
+        const list = async (id) => id ? view.codec.indices(await view.codec.unpack(text(id))) : new Uint32Array(0);
+        this.topologies.set(number, Promise.all([list(entry.edges), list(entry.triangles), list(entry.pins)]));
+      }
+      const [edges, triangles, pins] = await this.topologies.get(number);
+      return { edges, triangles, pins, topology: number };
+    }
+
+    async frame(k, fields) {
+      await this.ready;
+      const number = at(this.run.blocks, k), inside = k - this.run.blocks[number].first;
+      const streams = this.run.streams.filter((s) => s.name === "position" || fields.includes(s.name));
+      const blocks = await Promise.all(streams.map((s) => this.block(s, number)));
+      if (number + 1 < this.run.blocks.length) for (const s of streams) this.block(s, number + 1); // while it plays on
+      const frame = { k, t: this.time(k), ids: this.ids(k), values: {}, ...await this.topology(k) };
+      frame.n = frame.ids.length;
+      streams.forEach((s, j) => {
+        const origin = s.name === "position" ? this.origin : null;
+        const values = view.codec.values(blocks[j].frame(inside), s.components, s.low, s.step, origin);
+        if (origin) frame.x = values; else frame.values[s.name] = values;
+      });
+      return frame;
+    }
+
+    get(k, fields, show) {
+      const mine = ++this.asked;
+      this.frame(k, fields).then((frame) => { if (mine === this.asked) show(frame); }, view.fail);
+    }
+  }
+
+  return { Recorded };
+})();

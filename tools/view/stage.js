@@ -1,0 +1,136 @@
+// stage: the 3D view: one camera for all layers, beside each other or in one picture, and which particle is under the
+// pointer. It draws when something has changed, and not otherwise.
+"use strict";
+view.stage = (() => {
+  const corners = ({ min, max }) => [min.x, max.x].flatMap((x) => [min.y, max.y].flatMap((y) =>
+    [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
+
+  class Stage {
+    constructor(canvas, picked) {
+      Object.assign(this, { canvas, layers: [], side: false, dirty: true, yUp: false, drawn: 0 });
+      this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+      this.renderer.autoClear = false;
+      this.orbit = new view.orbit.Orbit(canvas, () => this.draw());
+      new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
+      matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.themed());
+      let down = null;
+      canvas.addEventListener("pointerdown", (e) => { down = [e.clientX, e.clientY]; });
+      canvas.addEventListener("pointerup", (e) => {
+        if (down && Math.hypot(e.clientX - down[0], e.clientY - down[1]) < 4) picked(this.pick(e.offsetX, e.offsetY));
+      });
+      this.themed();
+      this.resize();
+    }
+
+    themed() {
+      const style = getComputedStyle(document.documentElement);
+      const colour = (name) => new THREE.Color(style.getPropertyValue(name).trim()).toArray();
+      this.theme = { floor: colour("--floor"), line: colour("--floor-line"), shade: colour("--floor-shade") };
+      this.draw();
+    }
+
+    add(layer) {
+      this.layers.push(layer);
+      this.place();
+    }
+
+    // Sees the bounds of all layers, and puts the floor below them.
+    place() {
+      const box = new THREE.Box3();
+      for (const layer of this.layers) {
+        layer.group.rotation.x = this.yUp ? Math.PI / 2 : 0;
+        layer.group.position.copy(layer.offset || new THREE.Vector3());
+        layer.group.updateMatrixWorld(true);
+        const { low, high } = layer.source.bounds;
+        box.union(new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high)).applyMatrix4(layer.group.matrixWorld));
+      }
+      const middle = box.getCenter(new THREE.Vector3()), radius = box.getSize(new THREE.Vector3()).length() / 2 || 1;
+      this.floorHeight = box.min.z - 0.012 * radius;
+      for (const layer of this.layers) layer.floor.place(middle.x, middle.y, this.floorHeight, 4.2 * radius);
+      const [first] = this.views();
+      this.orbit.look(middle, corners(box), first.w / first.h || 1);
+    }
+
+    // The camera as at the start.
+    home() {
+      this.orbit.face();
+      this.place();
+    }
+
+    resize() {
+      const { clientWidth: w, clientHeight: h } = this.canvas.parentElement;
+      if (!w || !h) return;
+      this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
+      this.renderer.setSize(w, h, false);
+      if (this.layers.length && !this.orbit.moved) this.place();
+      this.draw();
+    }
+
+    draw() {
+      if (this.dirty === "asked") return;
+      this.dirty = "asked";
+      requestAnimationFrame(() => this.render());
+    }
+
+    views() {
+      const { clientWidth: w, clientHeight: h } = this.canvas.parentElement;
+      const seen = this.layers.filter((layer) => !layer.hidden);
+      return this.side
+        ? seen.map((layer, k) => ({ x: k * w / seen.length, w: w / seen.length, h, layers: [layer] }))
+        : [{ x: 0, w, h, layers: seen }];
+    }
+
+    render() {
+      this.dirty = false;
+      const { renderer, orbit } = this, { camera } = orbit;
+      if (!this.layers.length) return;
+      const above = !this.floorless && camera.position.z > this.floorHeight;
+      renderer.setScissorTest(false);
+      renderer.clear();
+      renderer.setScissorTest(true);
+      for (const v of this.views()) {
+        camera.aspect = v.w / v.h;
+        camera.updateProjectionMatrix();
+        renderer.setViewport(v.x, 0, v.w, v.h);
+        renderer.setScissor(v.x, 0, v.w, v.h);
+        v.layers.forEach((layer, k) => {
+          layer.floor.mesh.visible = above && k === 0;
+          layer.light(camera, v.h * renderer.getPixelRatio(), this.floorHeight, above, this.theme);
+          renderer.render(layer.scene, camera);
+        });
+      }
+      this.drawn++;
+    }
+
+    // The particle nearest to the eye within some pixels of the point, { layer, index }, or null.
+    pick(px, py) {
+      const { camera } = this.orbit, reach = 12;
+      let best = null;
+      for (const v of this.views()) {
+        if (px < v.x || px >= v.x + v.w) continue;
+        camera.aspect = v.w / v.h;
+        camera.updateProjectionMatrix();
+        for (const layer of v.layers) {
+          if (!layer.frame) continue;
+          const m = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse)
+            .multiply(layer.group.matrixWorld).elements;
+          const { x, n } = layer.frame;
+          for (let i = 0; i < n; i++) {
+            const a = x[3 * i], b = x[3 * i + 1], c = x[3 * i + 2];
+            const w = m[3] * a + m[7] * b + m[11] * c + m[15];
+            if (!(w > 0)) continue;
+            const sx = v.x + ((m[0] * a + m[4] * b + m[8] * c + m[12]) / w + 1) / 2 * v.w;
+            const sy = (1 - (m[1] * a + m[5] * b + m[9] * c + m[13]) / w) / 2 * v.h;
+            const off = Math.hypot(sx - px, sy - py);
+            if (off > reach) continue;
+            const rank = off / reach + 4 * w / this.orbit.distance; // near the pointer, and in front
+            if (!best || rank < best.rank) best = { rank, layer, index: i, id: layer.frame.ids[i] };
+          }
+        }
+      }
+      return best;
+    }
+  }
+
+  return { Stage };
+})();

@@ -1,0 +1,186 @@
+-- hooke run SCENE.lua ... --watch: the run in a browser while it goes on.
+--
+-- This process serves the page (tools/native/server.c) and never runs the scene. The run is `hooke run` itself, in a
+-- process of its own with all of its options and limits, so that verdict, files and exit code are the usual ones. It
+-- tells what happens through a pipe that is always emptied here (plugins/outputs/live.c), and never waits for a page;
+-- pages ask for what they want to show. A value that a page changes means another run from the start.
+local fine, server = pcall(require, "server")
+local process = require("process")
+local cjson = require("cjson.safe")
+local json_text = require("common.view.json_text")
+local encode = require("common.view.encode")
+local template = require("common.view.template")
+local child = require("common.watch.child")
+local history = require("common.watch.history")
+local orders = require("common.watch.orders")
+local words = require("common.watch.words")
+
+local TELL = 0.03 -- s, the least time between two versions of the state: 30 a second
+local LONGEST = 5 -- s, that a run may take to end in order; then it is ended at once
+
+local function complain(text)
+  io.stderr:write("hooke: ", text, "\n")
+  return 1
+end
+
+-- The parameters that the scene declares, or nil and the exit code: what is wrong has been said.
+local function parameters_of(own)
+  local list = { "/proc/self/exe", "run" }
+  table.move(own, 1, #own, 3, list)
+  table.move({ "--help", "--json" }, 1, 2, #list + 1, list)
+  local from, to = process.pipe()
+  local pid, text = process.spawn(list, { [1] = to }), {}
+  process.close(to)
+  repeat
+    text[#text + 1] = process.read(from)
+  until text[#text] == ""
+  process.close(from)
+  local how, code = process.wait(pid)
+  local got = cjson.decode(table.concat(text))
+  if how ~= "exit" or code ~= 0 or type(got) ~= "table" then return nil, how == "exit" and code ~= 0 and code or 2 end
+  return got.parameters
+end
+
+-- ---- the session: one run after the other, and what pages see of them ----
+
+local session = {}
+session.__index = session
+
+-- state: what all pages show, as the document "state".
+function session:tell(always)
+  local now = process.clock()
+  if not always and now - self.told < TELL then return end
+  self.told = now
+  if not (always or self.dirty) then return end
+  self.dirty = false
+  self.history:tell()
+  local known = self.history:known()
+  self.server:put("state", "application/json", json_text.encode({ run = self.number, doing = self.doing, frames = known.frames,
+    stride = known.stride, latest = known.latest, pace = self.pace, error = self.error, values = self.values,
+    summary = self.summary and json_text.raw(self.summary), parameters = self.declared_list }))
+end
+
+function session:begin()
+  if self.before then self.before:drop() end
+  self.before = self.history -- pages may still be asking for it
+  self.number = self.number + 1
+  self.history = history.new(self.server, self.number, self.title)
+  self.child = child.start(words.with(self.words, self.values))
+  self.child:command(("pace %.9g"):format(self.pace))
+  self.doing, self.error, self.summary, self.wanted, self.deadline = "running", nil, nil, nil, nil
+  self:tell(true)
+end
+
+function session:finish()
+  self.code = self.child:finish()
+  local summary = cjson.decode(self.child.summary) and self.child.summary
+  self.summary, self.error = summary, not summary and (self.child:complaint() or "the run ended without a word") or nil
+  if self.code ~= 0 and self.code ~= 5 and self.code ~= 130 then self.error = self.child:complaint() or self.error end
+  self.child, self.doing = nil, "ended"
+  self:tell(true)
+  if self.wanted then self:begin() end
+end
+
+-- Asks the run for its end, and sees to it.
+function session:stop()
+  if not self.child or self.deadline then return end
+  self.child:interrupt()
+  self.deadline = process.clock() + LONGEST
+end
+
+function session:obey(text)
+  local order = orders.read(text, self.declared)
+  if not order then return end
+  if order.name == "start" then
+    for name, value in pairs(order.values) do self.values[name] = value end
+    self.wanted = true
+    if self.child then self:stop() else self:begin() end
+  elseif order.name == "stop" then
+    self:stop()
+  else
+    if order.pace then self.pace = order.pace end
+    if self.child then self.child:command(order.line) end
+    if self.child and (order.name == "pause" or order.name == "step") then self.doing = "paused" end
+    if self.child and order.name == "go" then self.doing = "running" end
+    self:tell(true)
+  end
+end
+
+function session:wait()
+  local list = { self.server:descriptor(), self.signals }
+  if self.child then table.move(self.child:descriptors(), 1, 8, #list + 1, list) end
+  return process.ready(list, self.dirty and TELL or 0.5)
+end
+
+-- One turn of the loop; false: the user has ended it all.
+function session:turn()
+  local ready = self:wait()
+  if self.child then
+    self.child:read(ready, function(letter, body)
+      self.history:hear(letter, body)
+      self.dirty = true
+    end)
+    if self.child:ended() then self:finish() end
+  end
+  if ready[self.signals] then
+    process.read(self.signals)
+    self.leaving, self.wanted = true, nil
+    self:stop()
+  end
+  for text in function() return self.server:take() end do
+    if not self.leaving then self:obey(text) end
+  end
+  if self.child and self.deadline and process.clock() > self.deadline then process.kill(self.child.pid) end
+  self.server:tick()
+  self:tell()
+  return not (self.leaving and not self.child)
+end
+
+-- ---- the command ----
+
+-- The page of a run under way: it has no data but the colours.
+local function page_of(title)
+  local before, after = template.parts({ title = title, subtitle = "live", policy = "; connect-src 'self'",
+    modules = { "link", "stream", "hand", "drive", "live" } })
+  if not before then return nil, after end
+  local parts = { before }
+  local out = { add = function(_, packed)
+    parts[#parts + 1] = ('<script type="text/plain" id="d%d">%s</script>\n'):format(#parts, packed)
+    return ("d%d"):format(#parts - 1)
+  end }
+  local story = json_text.encode({ colours = encode.colours(out) })
+  return table.concat(parts) .. '<script type="application/json" id="story">' .. story .. "</script>\n" .. after
+end
+
+local function run()
+  if not fine then
+    return complain("--watch needs hooke's server of live pages, which was not built without libmicrohttpd: "
+      .. "tools/install-deps run gets it, then make")
+  end
+  local own, port = words.split(table.move(arg, 1, #arg, 1, {}))
+  if not own then return complain(port) end
+  local declared, code = parameters_of(own)
+  if not declared then return code end
+  local made, s = pcall(server.open, port, "frame-ancestors 'none'")
+  if not made then return complain((s:gsub("^.-: ", "", 1))) end
+  local title = "hooke"
+  for _, word in ipairs(own) do title = word:match("([^/]+)%.lua$") or title end
+  local page, why = page_of(title)
+  if not page then return complain(why) end
+  s:put("", "text/html; charset=utf-8", page)
+  local by_name = {}
+  for _, p in ipairs(declared) do by_name[p.name] = p end
+  for _, p in ipairs(declared) do
+    if p.min == cjson.null then p.min = nil end
+    if p.max == cjson.null then p.max = nil end
+  end
+  local self = setmetatable({ server = s, words = own, title = title, declared = by_name, values = {}, pace = 0, number = 0,
+    declared_list = json_text.list(declared), signals = process.signals(), told = 0, code = 0 }, session)
+  io.stderr:write("hooke: watch it at ", s:url(), " (Ctrl-C ends)\n")
+  self:begin()
+  while self:turn() do end
+  s:close()
+  return self.code
+end
+
+return run()
