@@ -16,7 +16,7 @@ static const double most = 2, patience = 0.5; /* s: as long as 5e8 instructions 
 
 /* Threads and handlers of a fork are given nothing. */
 static hk_pulse pulse;
-static const volatile sig_atomic_t *asked_to_end;
+static const volatile sig_atomic_t *_Atomic asked_to_end; /* a later script may set it anew while the thread looks */
 static clockid_t watched_clock;
 static bool running;
 
@@ -47,7 +47,7 @@ static void *watch(void *unused) {
       interrupted_at = 0;
       continue;
     }
-    if (*asked_to_end && interrupted_at == 0) interrupted_at = now;
+    if (*atomic_load(&asked_to_end) && interrupted_at == 0) interrupted_at = now;
     if (interrupted_at > 0 && now - interrupted_at > patience)
       end("hooke: interrupted, inside a function of Lua's library that a script called: nothing was saved\n", 130);
     if (used - since > most)

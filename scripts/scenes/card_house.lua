@@ -8,7 +8,7 @@ local friction = param("friction", 0.8, "Coulomb's mu", { min = 0 })
 local contact = param("contact", "impulses", "impulses, barrier, force, zones")
 
 -- Impulses on what rests err by the square of the step, and next to nothing moves here beside which that is small.
-local scene = drape.scene(contact, { duration = 0.8, dt = 8e-5 })
+local scene = drape.scene(contact, { duration = 3, dt = 4e-5 })
 scene:body { shape = "plane", size = 1.5 }
 local cards, L, W, slope = 0, 0.28, 0.2, math.rad(20)
 

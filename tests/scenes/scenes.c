@@ -35,7 +35,7 @@ static const char *options_of(const char *scene) {
   static const struct {
     const char *scene, *options;
   } coarse[] = {
-      {"cantilever", "n=10"},  {"card_house", "N=3"},
+      {"cantilever", "n=10"},  {"card_house", "N=3 --dt 8e-5"},
       {"cloth", "N=12"},       {"cloth_on_sphere", "N=21"},
       {"curtain", "N=12"},     {"discretization", "N=8"},
       {"dust", "N=20"},        {"folds", "N=5"},
