@@ -128,7 +128,7 @@ static void what_cannot_be_checked_is_said(void **state) {
       {"check %s/plugins/forces/springs.so stiffnes=3", "no parameter 'stiffnes'"},
       {"check %s/plugins/forces/springs.so k=soft", "'soft' is not a number"},
       {"check %s/plugins/forces/springs.so --only cheese", "no property has 'cheese' in its name"},
-      {"check %s/plugins/forces/springs.so --seconds none", "'none' is not a time"},
+      {"check %s/plugins/forces/springs.so --seconds none", "'none' is not a positive number"},
   };
   for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
     snprintf(arguments, sizeof arguments, bad[k][0], HK_BUILD);

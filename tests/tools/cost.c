@@ -180,7 +180,7 @@ static void wrong_use_is_refused(void **state) {
   static const char *const bad[][2] = {
       {"explain one.lua --repeats 3", "--repeats goes with --cost"},
       {"explain one.lua --cost --repeats 0", "'0' is not a whole number above 0"},
-      {"explain one.lua --cost --until", "is not a positive number"},
+      {"explain one.lua --cost --until", "requires an argument"},
       {"explain one.lua --cost --integrator leapfog", "did you mean 'leapfrog'?"},
       {"explain one.lua --cost x=3", "x"},
       {"explain none.lua --cost", "none.lua"},

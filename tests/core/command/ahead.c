@@ -13,7 +13,7 @@
 
 /* k = 1e12 N/m and 1 kg: w^2 = 2 k/m, and leapfrog's steps are up to 2/w. */
 static const char stiff[] = "local k = param('k', 1e12)\n"
-                            "local scene = hooke.scene { duration = 60, fps = 10 }\n"
+                            "local scene = hooke.scene { duration = param('T', 60), fps = 10 }\n"
                             "local a = scene:particle { position = {0, 0, 0}, mass = 1 }\n"
                             "local b = scene:particle { position = {1, 0, 0}, mass = 1 }\n"
                             "scene:force('gravity')\n"
@@ -29,13 +29,13 @@ static void says(const char *text) {
 static void a_stiff_scene_is_told_of_implicit_methods(void **state) {
   (void)state;
   test_write("stiff.lua", stiff);
-  test_hooke(&r, "timeout --preserve-status -s INT 3 ", "run stiff.lua");
+  test_hooke(&r, "timeout --preserve-status -s INT 3 ", "run stiff.lua T=6000");
   assert_int_equal(r.code, 130);
   says("steps of 1.3e-06 s are to come, which take about "); /* 0.9 of 1.41e-6 s */
   says("the fastest swings, of 4.4e-06 s, are those of 'rod'");
   says("hooke: --integrator bdf2 would take about ");
   says("hooke: the run will take about ");
-  test_hooke(&r, "timeout --preserve-status -s INT 3 ", "run stiff.lua --quiet");
+  test_hooke(&r, "timeout --preserve-status -s INT 3 ", "run stiff.lua T=6000 --quiet");
   if (r.code != 130 || strstr(r.err, "take about")) fail_msg("%s", r.err);
 }
 
