@@ -2,13 +2,12 @@
 -- harms it. The page itself is watched in tests/tools/watch_page.lua.
 local root, build = os.getenv("HK_ROOT") or ".", os.getenv("HK_BUILD") or "build"
 package.path = ("%s/tests/support/?.lua;%s"):format(root, package.path)
-package.cpath = ("%s/tools/?.so;%s"):format(build, package.cpath)
 if not io.open(build .. "/tools/server.so") then
   print("skipped: built without libmicrohttpd")
   os.exit(77)
 end
 local watched = require("watch.watched")
-local process = require("process")
+local child = require("watch.child")
 
 -- A chain that swings; at most `pace` seconds a second, so that there is something to watch.
 local scene = [[
@@ -127,9 +126,9 @@ function tests.pause_step_go_stop()
   with("--no-output --until 1000 --quiet", function(w)
     equal(w:ask { ["do"] = "pause" }, 204, "pause")
     w:wait(function(s) return s.doing == "paused" end)
-    process.ready({}, 0.2)
+    child.sleep(0.2)
     local first = w:state().frames
-    process.ready({}, 0.2)
+    child.sleep(0.2)
     equal(w:state().frames, first, "frames while it is paused")
     w:ask { ["do"] = "step" }
     w:wait(function(s) return s.frames == first + 1 end, "a step")
@@ -181,7 +180,7 @@ function tests.the_hand_draws_a_particle_and_its_work_is_told()
     w:ask { ["do"] = "start", values = {} }
     w:wait(function(s) return s.run == 2 and s.frames > 5 end)
     w:ask { ["do"] = "hold", id = 12, place = { 0.2, 0.8, 0.3 }, strength = 10 }
-    process.ready({}, 0.7)
+    child.sleep(0.7)
     local k = math.tointeger(w:state().latest)
     local frame = w:get("frame/2/" .. k)
     local run = require("cjson").decode(w:get("run/2"))
@@ -207,7 +206,7 @@ function tests.an_accuracy_cannot_be_claimed_after_the_hand()
     w:ask { ["do"] = "start", values = {} }
     w:wait(function(s) return s.run == 2 and s.frames > 5 end)
     w:ask { ["do"] = "hold", id = 12, place = { 0.5, 0.5, 0 } }
-    process.ready({}, 0.3)
+    child.sleep(0.3)
     w:ask { ["do"] = "release" }
     local state = ended(w)
     equal(state.summary.verdict, "inaccurate", "verdict")
@@ -252,9 +251,9 @@ local names, failed = {}, 0
 for name in pairs(tests) do names[#names + 1] = name end
 table.sort(names)
 for _, name in ipairs(names) do
-  local begin = process.clock()
+  local begin = child.clock()
   local fine, why = xpcall(tests[name], debug.traceback)
-  print(("%s %s (%.1f s)"):format(fine and "ok    " or "FAILED", name, process.clock() - begin))
+  print(("%s %s (%.1f s)"):format(fine and "ok    " or "FAILED", name, child.clock() - begin))
   if not fine then
     failed = failed + 1
     print(why)

@@ -2,7 +2,6 @@
 -- reaches the particles; and that the run does not mind what becomes of pages.
 local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
 package.path = ("%s/tests/?.lua;%s/tests/support/?.lua;%s"):format(root, root, package.path)
-package.cpath = ("%s/tools/?.so;%s"):format(build, package.cpath)
 local fine = pcall(require, "cjson")
 local browser = fine and require("support.view.browser")
 local missing = not fine and "lua-cjson" or browser.missing()
@@ -12,7 +11,7 @@ if missing then
   os.exit(77)
 end
 local watched = require("watch.watched")
-local process = require("process")
+local child = require("watch.child")
 
 -- Of 13 x 13 particles at first; free to fall on nothing, it hangs by two corners.
 local scene = [[
@@ -173,7 +172,7 @@ local order = { "it_follows_the_run_without_a_complaint", "pause_single_frame_an
 
 local failed = 0
 for _, name in ipairs(order) do
-  local begin = process.clock()
+  local begin = child.clock()
   local went, why = xpcall(tests[name], debug.traceback)
   if not went then
     failed = failed + 1
@@ -181,7 +180,7 @@ for _, name in ipairs(order) do
     print(("FAILED %s: %s"):format(name, why))
     break -- those behind it go on from where it ends
   end
-  print(("ok     %s (%.1f s)"):format(name, process.clock() - begin))
+  print(("ok     %s (%.1f s)"):format(name, child.clock() - begin))
 end
 pcall(b.close, b)
 w:close()

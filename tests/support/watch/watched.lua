@@ -1,6 +1,6 @@
 -- hooke run --watch as a process of the test, and requests to its server by curl.
 local cjson = require("cjson")
-local process = require("process")
+local child = require("watch.child")
 
 local watched = {}
 watched.__index = watched
@@ -24,16 +24,15 @@ end
 
 -- Starts it with the words in the folder and waits for its address.
 function watched.start(folder, words)
-  local command = ("cd '%s' && exec '%s/hooke' run %s --watch >printed.txt 2>said.txt </dev/null"):format(folder, build, words)
-  local pid = process.spawn({ "/bin/sh", "-c", command }, {})
-  local self = setmetatable({ folder = folder, pid = pid }, watched)
-  local ends = process.clock() + 20
+  child.start(folder, ("%s/hooke run %s --watch >printed.txt 2>said.txt </dev/null"):format(build, words))
+  local self = setmetatable({ folder = folder }, watched)
+  local ends = child.clock() + 20
   repeat
     self.url = self:said():match("http://%S+")
-    process.ready({}, 0.01)
-  until self.url or process.clock() > ends
+    child.sleep(0.01)
+  until self.url or child.clock() > ends
   if not self.url then
-    process.kill(pid)
+    child.signal(folder, "KILL")
     error("it did not say its address: " .. self:said(), 2)
   end
   self.host = self.url:match("http://([^/]+)")
@@ -69,27 +68,26 @@ end
 
 -- Waits until the state is as `wanted` says; the state.
 function watched:wait(wanted, what)
-  local ends, state = process.clock() + 20
+  local ends, state = child.clock() + 20
   repeat
     state = self:state()
     if wanted(state) then return state end
-    process.ready({}, 0.02)
-  until process.clock() > ends
+    child.sleep(0.02)
+  until child.clock() > ends
   error(("%s: it did not come to that: %s"):format(what or "waiting", cjson.encode(state)), 2)
 end
 
 -- Ends it as Ctrl-C does; the exit code.
 function watched:interrupt()
-  process.interrupt(self.pid)
-  local how, number = process.wait(self.pid)
+  child.signal(self.folder, "INT")
   self.ended = true
-  return how == "exit" and number or 128 + number
+  return child.wait(self.folder)
 end
 
 function watched:close()
   if not self.ended then
-    process.kill(self.pid)
-    process.wait(self.pid)
+    child.signal(self.folder, "KILL")
+    child.wait(self.folder)
   end
   os.execute(("rm -rf '%s'"):format(self.folder))
 end
