@@ -40,7 +40,8 @@ view.numbers = (() => {
     for (let k = Math.ceil(low / d - 1e-9); k * d <= high + 1e-9 * d; k++) list.push(k === 0 ? 0 : k * d);
     const most = Math.max(...list.map(Math.abs), d);
     const digits = Math.max(1, Math.floor(Math.log10(most)) - Math.floor(Math.log10(d) + 1e-9) + 1);
-    return list.map((value) => ({ value, text: short(value, digits) }));
+    const scientific = (value) => value !== 0 && (Math.abs(value) < 1e-3 || Math.abs(value) >= 1e5);
+    return list.map((value) => ({ value, text: short(value, scientific(value) ? digits + 1 : digits) }));
   };
 
   return { short, within, step, ticks };
