@@ -37,7 +37,13 @@ view.hand = (() => {
       if (!this.held) return;
       e.stopPropagation();
       this.at = [e.offsetX, e.offsetY];
-      if (performance.now() - this.told > EVERY) this.tell();
+      this.moved = true;
+      this.tellSoon();
+    }
+
+    // Where the pointer came to rest is told as well: by a picture after the last move.
+    tellSoon() {
+      if (this.moved && performance.now() - this.told > EVERY) this.tell();
     }
 
     letGo() {
@@ -65,6 +71,7 @@ view.hand = (() => {
 
     tell() {
       this.told = performance.now();
+      this.moved = false;
       view.link.ask("hold", { id: this.held.id, place: this.place(), strength: this.strength() });
     }
 
@@ -73,6 +80,7 @@ view.hand = (() => {
       const from = this.held && this.seen();
       if (!from) return;
       requestAnimationFrame(() => this.draw());
+      this.tellSoon();
       for (const [key, value] of [["x1", from.x], ["y1", from.y], ["x2", this.at[0]], ["y2", this.at[1]]]) this.line.setAttribute(key, value);
       this.dot.setAttribute("cx", this.at[0]);
       this.dot.setAttribute("cy", this.at[1]);
