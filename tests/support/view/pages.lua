@@ -1,5 +1,5 @@
--- Pages for tests, made by a tool of the tests' own: a tree beside which the built hooke finds it as it finds its tools,
--- so that native modules run in the program that they were built for, with sanitizers too.
+-- Pages for tests, made by a tool of the tests' own.
+local tool_tree = require("support.tool_tree")
 local pages = {}
 
 local function shell(format, ...)
@@ -13,11 +13,7 @@ function pages.write(root, build)
   local folder = pipe:read("l")
   pipe:close()
   local tree = folder .. "/tree"
-  shell("mkdir -p %s/build %s/tools/templates", tree, tree)
-  shell("cp '%s/hooke' %s/build/hooke && ln -s '%s/plugins' '%s/tools' %s/build/", build, tree, build, build, tree)
-  shell("ln -s '%s/scripts' %s/scripts && ln -s '%s/tools/common' '%s/tools/view' %s/tools/", root, tree, root, root, tree)
-  shell("ln -s '%s/tests/support' %s/tools/support && ln -s '%s/tests/support/view/write_pages.lua' %s/tools/", root, tree,
-    root, tree)
+  tool_tree.plant(root, build, "tests/support/view/write_pages.lua", tree)
   shell("%s/build/hooke write_pages %s", tree, folder)
   return folder
 end
