@@ -209,6 +209,8 @@ $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS)
 $B/tools/page.so: LIBS = $(call libs,$(ZLIB))
 $B/plugins/outputs/%: LIBS = $(PICTURES_LIBS) $(HDF5_LIBS)
 $B/tools/%: LIBS = $(HDF5_LIBS)
+# HDF5 leaves functions for the end of the process and data of threads behind: it stays loaded.
+$B/plugins/outputs/trajectory.so $B/tools/recording.so: LINK += -Wl,-z,nodelete
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
 $B/tools/server.so: LIBS = $(call libs,$(HTTPD))
