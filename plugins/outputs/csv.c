@@ -25,12 +25,7 @@ typedef struct csv {
 static const hk_param params[] = {
     {"file", "", "name of the table, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(csv, name), 0, "particles.csv"},
-    {"every", "frames", "a frame is kept every so many",
-     HK_INTEGER, {1}, 1, 1e9, offsetof(csv, every), 0, NULL},
-    {"only", "", "particles to keep; left out: all",
-     HK_PARTICLES, {0}, 0, 0, offsetof(csv, only), HK_OPTIONAL, NULL},
-    {"group", "", "keep the particles of this group; left out: of all groups",
-     HK_STRING, {0}, 0, 0, offsetof(csv, group), 0, NULL},
+    HK_SHOOTING_ROWS(csv),
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
      HK_BOOLEAN, {0}, 0, 0, offsetof(csv, forces), 0, NULL},
     {0},

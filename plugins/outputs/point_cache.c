@@ -23,12 +23,7 @@ typedef struct point_cache {
 static const hk_param params[] = {
     {"file", "", "name of the two files without their endings, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(point_cache, file), 0, "mesh"},
-    {"every", "frames", "a frame is kept every so many",
-     HK_INTEGER, {1}, 1, 1e9, offsetof(point_cache, every), 0, NULL},
-    {"only", "", "particles to keep; left out: all",
-     HK_PARTICLES, {0}, 0, 0, offsetof(point_cache, only), HK_OPTIONAL, NULL},
-    {"group", "", "keep the particles of this group; left out: of all groups",
-     HK_STRING, {0}, 0, 0, offsetof(point_cache, group), 0, NULL},
+    HK_SHOOTING_ROWS(point_cache),
     {0},
 };
 /* clang-format on */

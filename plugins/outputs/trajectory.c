@@ -27,12 +27,7 @@ enum { DOUBLE, SINGLE };
 static const hk_param params[] = {
     {"file", "", "name of the file without its ending, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(trajectory, file), 0, "trajectory"},
-    {"every", "frames", "a frame is kept every so many",
-     HK_INTEGER, {1}, 1, 1e9, offsetof(trajectory, every), 0, NULL},
-    {"only", "", "particles to keep; left out: all",
-     HK_PARTICLES, {0}, 0, 0, offsetof(trajectory, only), HK_OPTIONAL, NULL},
-    {"group", "", "keep the particles of this group; left out: of all groups",
-     HK_STRING, {0}, 0, 0, offsetof(trajectory, group), 0, NULL},
+    HK_SHOOTING_ROWS(trajectory),
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
      HK_BOOLEAN, {0}, 0, 0, offsetof(trajectory, forces), 0, NULL},
     {"precision", "", "of the numbers of particles: 64 or 32 bits",

@@ -20,4 +20,15 @@ hk_status hk_shooting_open(hk_shooting *, const hk_view *view, const hk_frame *f
 hk_status hk_shooting_frame(hk_shooting *, const hk_view *view, const hk_frame *frame, const hk_tuples *only);
 void hk_shooting_free(hk_shooting *);
 
+/* Rows of the parameters every, only and group of an instance with members of these names. */
+/* clang-format off */
+#define HK_SHOOTING_ROWS(type)                                                                                         \
+  {"every", "frames", "a frame is kept every so many",                                                                 \
+   HK_INTEGER, {1}, 1, 1e9, offsetof(type, every), 0, NULL},                                                           \
+  {"only", "", "particles to keep; left out: all",                                                                     \
+   HK_PARTICLES, {0}, 0, 0, offsetof(type, only), HK_OPTIONAL, NULL},                                                  \
+  {"group", "", "keep the particles of this group; left out: of all groups",                                           \
+   HK_STRING, {0}, 0, 0, offsetof(type, group), 0, NULL}
+/* clang-format on */
+
 #endif
