@@ -3,7 +3,7 @@
  * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). A run that goes on
  * from a checkpoint writes a file of its own, in the folder of that part. */
 #include "plugins/common/recording/recording.h"
-#include "plugins/common/shot/shooting.h"
+#include "plugins/common/frame_data/gatherer.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ typedef struct trajectory {
   hk_tuples only;
 
   const hk_host *host;
-  hk_shooting shooting;
+  hk_gatherer gatherer;
   hk_recorder *recorder;
   char path[PATH_MAX], xdmf[PATH_MAX];
 } trajectory;
@@ -27,7 +27,7 @@ enum { DOUBLE, SINGLE };
 static const hk_param params[] = {
     {"file", "", "name of the file without its ending, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(trajectory, file), 0, "trajectory"},
-    HK_SHOOTING_ROWS(trajectory),
+    HK_GATHERER_ROWS(trajectory),
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
      HK_BOOLEAN, {0}, 0, 0, offsetof(trajectory, forces), 0, NULL},
     {"precision", "", "of the numbers of particles: 64 or 32 bits",
@@ -41,7 +41,7 @@ static const hk_param params[] = {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   trajectory *t = self;
   t->host = host;
-  return hk_shooting_choose(&t->shooting, host, view->model, t->group);
+  return hk_gatherer_choose(&t->gatherer, host, view->model, t->group);
 }
 
 static hk_status io_error(const trajectory *t, const char *why) {
@@ -62,9 +62,9 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   char why[256] = "";
   hk_recorder_setup setup = {.single = t->precision == SINGLE, .level = (int)t->level, .every = (size_t)t->every};
   hk_status status = find_paths(t);
-  if (status == HK_OK) status = hk_shooting_open(&t->shooting, view, now, &t->only, t->forces);
+  if (status == HK_OK) status = hk_gatherer_open(&t->gatherer, view, now, &t->only, t->forces);
   if (status != HK_OK) return status;
-  t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->shooting.shot, now, why, sizeof why);
+  t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->gatherer.data, now, why, sizeof why);
   return t->recorder ? HK_OK : io_error(t, why);
 }
 
@@ -72,9 +72,9 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   trajectory *t = self;
   char why[256] = "";
   if (now->index % (size_t)t->every != 0) return HK_OK;
-  hk_status status = hk_shooting_frame(&t->shooting, view, now, &t->only);
+  hk_status status = hk_gatherer_frame(&t->gatherer, view, now, &t->only);
   if (status != HK_OK) return status;
-  bool written = hk_recorder_add(t->recorder, &t->shooting.shot, t->shooting.changed, now, why, sizeof why);
+  bool written = hk_recorder_add(t->recorder, &t->gatherer.data, t->gatherer.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);
 }
 
@@ -92,13 +92,13 @@ static void destroy(void *self, const hk_host *host) {
   char why[256];
   (void)host;
   hk_recorder_close(t->recorder, NULL, why, sizeof why);
-  hk_shooting_free(&t->shooting);
+  hk_gatherer_free(&t->gatherer);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   trajectory *t = self;
   (void)view;
-  t->shooting.dirty = true;
+  t->gatherer.dirty = true;
   return HK_OK;
 }
 

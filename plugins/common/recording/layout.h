@@ -38,7 +38,7 @@ struct hk_recorder {
   size_t showns;
 };
 
-/* Makes all groups and datasets, for shots with the arrays of `first`. False: the library failed, or no memory. */
-bool hk_recording_layout(hk_recorder *, const hk_recorder_setup *, const hk_shot *first, const hk_frame *frame);
+/* Makes all groups and datasets, for frames with the arrays of `first`. False: the library failed, or no memory. */
+bool hk_recording_layout(hk_recorder *, const hk_recorder_setup *, const hk_frame_data *first, const hk_frame *frame);
 
 #endif

@@ -237,7 +237,8 @@ hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
   r->file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (r->file >= 0 && get_all(r)) return r;
   snprintf(why, size,
-           r->file < 0 ? "%s: it is not there, or no whole HDF5 file" : "%s: it is no recording of hooke, or damaged", path);
+           r->file < 0 ? "%s: it is not there, or no whole HDF5 file" : "%s: it is no recording of hooke, or damaged",
+           path);
   hk_recording_close(r);
   return NULL;
 }

@@ -3,7 +3,7 @@
 #ifndef HK_RECORDING_READER_H
 #define HK_RECORDING_READER_H
 
-#include "plugins/common/shot/shot.h"
+#include "plugins/common/frame_data/frame_data.h"
 
 #include <hdf5.h>
 
