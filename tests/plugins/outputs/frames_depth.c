@@ -145,7 +145,7 @@ static void frames_draw_what_is_pinned_as_a_whole_as_a_solid(void **state) {
 }
 
 static hk_obstacle_set set;
-static hk_obstacles all = {.set = &set};
+static hk_obstacles all = {.shown = &set};
 
 static const void *serve_obstacles(const hk_host *host, const char *service) {
   (void)host;
