@@ -42,7 +42,7 @@ static bool choose(size_t k, const char *folder, char name[128]) {
   char command[1200], line[4096];
   snprintf(command, sizeof command,
            "XDG_CACHE_HOME='%s' '%s/hooke' auto '%s/scripts/scenes/%s.lua' %s --until %s --accuracy %g --again 2>&1",
-           HK_BUILD, HK_ROOT, scenes[k].scene, scenes[k].parameters, scenes[k].end, scenes[k].accuracy);
+           folder, HK_BUILD, HK_ROOT, scenes[k].scene, scenes[k].parameters, scenes[k].end, scenes[k].accuracy);
   FILE *pipe = popen(command, "r");
   bool found = false;
   while (pipe && fgets(line, sizeof line, pipe)) {
