@@ -115,6 +115,9 @@ void hk_scene_drop(hk_scene *, hk_plugin_spec *);
 const hk_plugin_spec *hk_scene_one(const hk_scene *,
                                    hk_kind kind); /* the integrator or the solver; NULL: the scene names none */
 
+/* param.c: the plugin's parameter of that name; NULL with `error` naming the one that may be meant. */
+const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const char *name, hk_error *error);
+
 /* ---- section.c: what a strand's section and material are worth; the formulas are there ---- */
 
 typedef struct hk_section {

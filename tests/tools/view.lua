@@ -72,6 +72,27 @@ function tests.a_press_in_a_plot_moves_all_cursors_and_the_picture()
   assert(#xs == 2 and xs[1] == xs[2])
 end
 
+-- A run that has just begun has no times yet; its charts are drawn nevertheless, without a coordinate that is no number.
+function tests.a_chart_without_a_number_is_drawn()
+  assert(b:eval([[(() => {
+    const node = document.body.appendChild(document.createElement("div"));
+    const line = { name: "a", run: 0, times: [], values: [] };
+    const chart = view.plots.make(node, [{ title: "nothing", lines: [line] }], () => {});
+    const right = () => {
+      chart.draw();
+      chart.show(0.5, [0]);
+      return !!node.querySelector(".cursor")
+        && ![...node.querySelectorAll("*")].some((n) => [...n.attributes].some((a) => /NaN|Infinity|undefined/.test(a.value)));
+    };
+    const empty = right();
+    line.times.push(0.5);
+    line.values.push(null);
+    const unknown = right();
+    node.remove();
+    return empty && unknown;
+  })()]]))
+end
+
 function tests.a_press_on_a_particle_tells_what_is_known_of_it()
   show(20)
   b:press(place(255))
@@ -192,6 +213,7 @@ end
 
 local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_none",
   "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
+  "a_chart_without_a_number_is_drawn",
   "a_press_on_a_particle_tells_what_is_known_of_it", "colours_stand_for_numbers_and_have_a_legend",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",

@@ -115,10 +115,11 @@ static void set_fog(hk_view_setup *setup, double distance) {
   setup->sprites.clear = fmax(distance - setup->size, 0), setup->sprites.thick = distance + setup->size;
 }
 
-/* Sets near and far: the depth buffer's 24 bits suffice for a ratio of some thousands. */
+/* Sets near and far: the depth buffer's 24 bits suffice for a ratio of some thousands. What is near need not belong to
+ * the motion: obstacles may be anywhere. */
 static void set_depths(hk_view_setup *setup) {
   double distance = distance_between(setup->camera.eye, setup->middle);
-  setup->camera.near = fmax(distance - 2 * setup->size, 0.01 * (distance + setup->size));
+  setup->camera.near = 0.01 * (distance + setup->size);
   setup->camera.far = distance + 12 * setup->size;
   set_fog(setup, distance);
 }

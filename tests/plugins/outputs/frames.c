@@ -34,7 +34,7 @@ static void frames_light_both_sides_of_a_cloth(void **state) {
     make_cloth(&w, 0, 0);
     for (size_t k = 0; k < 3 * MOST; k++) w.y[k] = 1;
     set_switch(&w, "ground", false);
-    set_vector(&w, "camera", 0.1, -0.2, 2 * side);
+    set_vector(&w, "from", 0.1, -0.2, 2 * side);
     set_vector(&w, "background", 0, 0, 0);
     assert_int_equal(begin(&w), HK_OK);
     assert_int_equal(add(&w), HK_OK);
@@ -173,8 +173,8 @@ static void frames_camera_follows_the_particles(void **state) {
     world_open(&w, MOST);
     make_cloth(&w, 0, 0);
     set_switch(&w, "follow", true);
-    if (given) set_vector(&w, "camera", 0, -3, 1);
-    if (given) set_vector(&w, "target", 0, 0, 0);
+    if (given) set_vector(&w, "from", 0, -3, 1);
+    if (given) set_vector(&w, "look_at", 0, 0, 0);
     assert_int_equal(begin(&w), HK_OK);
     for (int k = 0; k < 21; k++) {
       make_cloth(&w, k, 0.5 * k);
@@ -205,7 +205,7 @@ static void frames_camera_moves_with_time(void **state) {
     w.x[1] = -0.4, w.x[4] = 0.4;
     assert_int_equal(begin(&w), HK_OK);
     assert_int_equal(add(&w), HK_OK);
-    set_vector(&w, "camera", 10, 0, 0);
+    set_vector(&w, "from", 10, 0, 0);
     assert_int_equal(add(&w), HK_OK);
     assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
     extent before = find_red(&w, 0), after = find_red(&w, 1);
@@ -263,8 +263,8 @@ static void frames_drawn_at_once_follow_a_scene_that_starts_empty(void **state) 
   (void)state;
   world w;
   world_open(&w, 0);
-  set_vector(&w, "camera", 0, -20, 5);
-  set_vector(&w, "target", 0, 0, 0);
+  set_vector(&w, "from", 0, -20, 5);
+  set_vector(&w, "look_at", 0, 0, 0);
   set_number(&w, "ground_height", -2);
   set_number(&w, "radius", 1);
   assert_int_equal(begin(&w), HK_OK);
