@@ -43,11 +43,12 @@ static hk_status reserve(hk_step_choice *c, hk_dynamics *d) {
   return HK_OK;
 }
 
-/* The evaluations and sampled times of an estimate are not added to those of the run. */
-hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
+/* `method`: the one whose step is wanted; NULL: all is estimated. The evaluations and sampled times of an estimate are
+ * not added to those of the run. */
+static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
-  hk_status status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
+  hk_status status = hk_spectrum_estimate_for(&d->system, method, c->parameters, &c->spectrum, d->error);
   c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
@@ -57,6 +58,8 @@ hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
   if (!same(&last, &c->spectrum)) find_limit(c);
   return HK_OK;
 }
+
+hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(c, d, NULL); }
 
 /* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
  */
@@ -116,7 +119,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
       c->dt = given;
     return HK_OK;
   }
-  hk_status status = hk_step_estimate(c, d);
+  hk_status status = estimate(c, d, c->method);
   if (status == HK_NOT_FINITE) { /* not caused by the step size: the first evaluation of the run reports the error */
     *d->error = (hk_error){0};
     c->dt_limit = c->limit_now = NAN;
@@ -149,7 +152,7 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
   if (!event && d->count.evaluations - c->estimated_at < every * c->estimate_cost) return HK_OK;
   double old = c->dt_limit;
   bool expected = c->growth_expected;
-  hk_status status = hk_step_estimate(c, d);
+  hk_status status = estimate(c, d, c->method);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
   keep_least(c, old, expected, c->dt_estimated);
   c->dt_estimated = c->dt;
