@@ -21,7 +21,9 @@
  * proportional to damping times velocity are unsymmetric, and small while no particle moves by the distance to its
  * neighbour in a step. alpha is the smallest damping rate of the particles when all have the same velocity: elements
  * between them then exert no damping force, and pins only add damping. This is exact for drag and an estimate for other
- * forces. */
+ * forces.
+ *
+ * What a method sets aside for shorter steps of its own (hk_integrator.divide) is no part of the scene here. */
 #include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
 #include "core/stability/common_motion.h"
@@ -126,6 +128,7 @@ static hk_status apply(void *context, const double *in, double *out) {
     hk_status status =
         o->system->accelerations(o->system, o->system->t, s->x, s->v, o->system->X + 6 * s->n, s->a[side], s->dy[side]);
     if (status != HK_OK) return status;
+    if (o->system->aside) o->system->aside->remove(o->system->aside->self, o->system, s->x, s->v, s->a[side]);
   }
   for (size_t i = 0; i < s->n; i++) {
     double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
