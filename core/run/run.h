@@ -199,13 +199,15 @@ typedef struct hk_reference {
 bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_rerun *);
 
-/* ---- ahead.c: what is said before the first step ---- */
+/* ---- ahead.c ---- */
 
-/* Warns of options that have no effect on this run. */
-void hk_warn_of_idle_options(hk_run *);
-/* Prints, where steps of an explicit method would come by the ten million, how long they and those of an implicit
- * method would take; both are timed in other runs of the scene. `first`: the options of `whole`, before its first
- * step. */
+void hk_warn_of_idle_options(hk_run *); /* which have no effect on this run */
+
+/* ---- foretell.c: how long a run will take ---- */
+
+/* To be called before the first step. Prints, where a run will take longer than 10 s, how long, by steps that another
+ * run of the scene takes; and where steps of an explicit method would come by the ten million, how long those of an
+ * implicit method would take. `first`: the options of `whole`. */
 void hk_foretell(const hk_reopen *, const hk_run_options *first, hk_run *whole);
 
 /* ---- verify.c: the comparison of a run with others, see there ---- */
