@@ -7,6 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { RUN_FRAMES = 25 }; /* a run takes some 800 bytes a particle, a frame 32 */
 static const double golden = 0.61803398874989485;
 
 /* ---- services that plugins ask for ---- */
@@ -331,17 +332,25 @@ static hk_status start(hk_run *run) {
   return status == HK_OK ? first_frame(run) : status;
 }
 
-static hk_status build(hk_run *run) {
+/* The state has its own copy of what the scene says of particles; pins take their start positions from there. */
+static hk_status open_particles(hk_run *run, hk_scene *scene) {
+  hk_status status = hk_state_open(&run->state, scene, &run->error);
+  if (status == HK_OK) status = hk_pins_open(&run->pins, scene, &run->state, &run->error);
+  if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
+  if (run->options.only_run) hk_scene_spend(scene);
+  return status;
+}
+
+static hk_status build(hk_run *run, hk_scene *scene) {
   const hk_run_options *o = &run->options;
+  if (scene->spent) return hk_error_set(&run->error, HK_BAD_PARAM, "the scene's only run has been made");
   if (o->accuracy_at && strcmp(o->accuracy_at, "end") != 0 && strcmp(o->accuracy_at, "frames") != 0)
     return hk_error_set(&run->error, HK_BAD_PARAM, "accuracy_at: '%s' is neither frames nor end", o->accuracy_at);
   hk_status status = open_shared(run);
   if (status == HK_OK)
     status = hk_overrides_open(&run->overrides, run->scene, o->integrator, o->solver, o->without_count, o->without,
                                &run->error);
-  if (status == HK_OK) status = hk_state_open(&run->state, run->scene, &run->error);
-  if (status == HK_OK) status = hk_pins_open(&run->pins, run->scene, &run->state, &run->error);
-  if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
+  if (status == HK_OK) status = open_particles(run, scene);
   if (status == HK_OK) status = make_instances(run);
   if (status == HK_OK) status = hk_run_name_forces(run);
   if (status != HK_OK) return status;
@@ -360,13 +369,13 @@ static hk_status build(hk_run *run) {
 }
 
 static bool compares(const hk_run *run) {
-  static const double small = 1e6; /* positions: 32 MB */
+  static const double small = 1e6; /* positions: 32 MB; those of some frames are what a run takes beside them */
   const hk_scene *scene = run->scene;
   bool asked = run->asked.accuracy > 0;
   for (size_t k = 0; k < scene->channels && run->asked.accuracy != 0; k++)
     asked = asked || scene->channel[k].accuracy > 0;
   if (asked || run->options.compare == HK_COMPARE_ALWAYS) return true;
-  return run->options.compare == HK_COMPARE_SMALL && (double)scene->n * scene->fps * run->asked.end < small;
+  return run->options.compare == HK_COMPARE_SMALL && (double)scene->n * (RUN_FRAMES + scene->fps * run->asked.end) < small;
 }
 
 hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **made, hk_error *error) {
@@ -385,7 +394,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->progress =
       (hk_progress){.mode = options->progress, .begin = INFINITY, .end = run->asked.end, .at = run->asked.opened_at};
   scene->frozen = true;
-  hk_status status = build(run);
+  hk_status status = build(run, scene);
   if (status != HK_OK) {
     hk_error_set(error, status, "%s", run->error.text);
     hk_run_close(run, NULL);

@@ -35,6 +35,7 @@ typedef struct hk_run_options {
   const char *out;         /* NULL: "out/NAME" */
   const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
   const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
+  bool only_run; /* of its scene, of which what the run has copied is freed then */
   bool no_output;
   bool draft;   /* outputs may do with less quality (hk_draft) */
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */

@@ -6,6 +6,7 @@
  * and downwards from a neck: free is what is nearer to the axis than neck + slope |z - z_neck|, and the neck is an
  * edge. With a slope of 0 it is a pipe. Parameters mean what they mean in soft_spheres. */
 #include "plugins/common/contact/grain_tables.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
 enum { GRAIN = 256, PLANE = 4, FUNNEL = 5 /* numbers of one */ };
 
@@ -17,6 +18,7 @@ typedef struct soft_walls {
   hk_contact_history history;
   uint32_t walls, number; /* of all walls, of planes */
   double (*plane)[PLANE]; /* with normals of length 1 */
+  hk_obstacle *shown;     /* number: the planes, for outputs */
   double *torque;         /* n x 3, N m, of the last evaluation */
   double *spin_then;      /* n x 3, rad/s, at the last accepted step */
   double *sums;           /* of a chunk */
@@ -278,6 +280,21 @@ static hk_status set_planes(soft_walls *s) {
   return status;
 }
 
+static hk_status show_planes(soft_walls *s) {
+  const hk_obstacles *all = s->host->query(s->host, HK_OBSTACLES_INTERFACE);
+  if (!all) return HK_FAILED;
+  s->shown = s->host->allocate(s->host, (s->number + 1) * sizeof *s->shown);
+  if (!s->shown) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the planes");
+  for (uint32_t k = 0; k < s->number; k++) {
+    hk_obstacle *o = s->shown + k;
+    *o = (hk_obstacle){.shape = {.kind = HK_SHAPE_PLANE}, .motion.end.turn = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    for (int a = 0; a < 3; a++)
+      o->shape.normal[a] = s->plane[k][a], o->motion.end.origin[a] = s->plane[k][3] * s->plane[k][a];
+    all->show(all->self, o);
+  }
+  return HK_OK;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   soft_walls *s = self;
   s->host = host;
@@ -288,6 +305,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->law.yielding = s->spheres.spin_channel ? 3.5 : 1;
   if (status == HK_OK) status = check_walls(s);
   if (status == HK_OK) status = set_planes(s);
+  if (status == HK_OK) status = show_planes(s);
   return status == HK_OK ? topology(self, view) : status;
 }
 

@@ -44,5 +44,5 @@ scene:measure("lowest", function(s)
   return z
 end)
 scene:output("frames", { color = "group", tube = radius, thickness = radius, particles = "off",
-  camera = { 1.1, -1.8, 1.2 }, target = { 0, 0, 0.42 }, fov = 32, ground_height = -0.1 })
+  from = { 1.1, -1.8, 1.2 }, look_at = { 0, 0, 0.42 }, fov = 32, ground_height = -0.1 })
 return scene

@@ -98,6 +98,10 @@ static void scripts_get_them(void **state) {
   test_refused(SCENE "scene:force('springs', { edges = {{1,2}}, stiffness = 3 })\n" END, "", 1,
                "springs: no parameter 'stiffness'; did you mean 'k'?");
   test_refused(SCENE "scene:force('springs', { edges = {{1,2}}, K = 3 })\n" END, "", 1, "did you mean 'k'?");
+  test_refused(SCENE "scene:output('frames', { camera = { 0, -3, 1 } })\n" END, "", 1,
+               "frames: no parameter 'camera'; did you mean 'from'?");
+  test_refused(SCENE "scene:output('frames', { target = { 0, 0, 1 } })\n" END, "", 1,
+               "frames: no parameter 'target'; did you mean 'look_at'?");
 }
 
 /* What people write for a parameter, and what is meant. */

@@ -13,6 +13,8 @@ typedef struct hk_legend {
   bool light; /* text for a dark background */
 } hk_legend;
 
+/* Draws a view's name over the painter's picture, at its upper left, unless it is too small. */
+void hk_legend_name(hk_painter *, const char *name, bool light);
 /* Draws over the painter's picture, at its lower left. Does nothing when the picture is too small. */
 void hk_legend_draw(hk_painter *, const hk_legend *);
 

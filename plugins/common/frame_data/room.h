@@ -1,6 +1,6 @@
 /* Arrays that grow. */
-#ifndef HK_SHOT_ROOM_H
-#define HK_SHOT_ROOM_H
+#ifndef HK_FRAME_DATA_ROOM_H
+#define HK_FRAME_DATA_ROOM_H
 
 #include <stdbool.h>
 #include <stdint.h>

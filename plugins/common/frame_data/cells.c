@@ -1,16 +1,16 @@
-/* The cells of a shot. Segments are the elements on pairs of particles, the pairs that constraints join and the scene's
+/* The cells of a data. Segments are the elements on pairs of particles, the pairs that constraints join and the scene's
  * edges, each pair once; triangles are the scene's and the elements on triples that can be strained, each once: those
  * that cannot are bends of two edges. Of two cells that are the same, the one of an element goes first, for it has a
  * strain. */
-#include "plugins/common/shot/cells.h"
+#include "plugins/common/frame_data/cells.h"
 
-#include "plugins/common/shot/room.h"
+#include "plugins/common/frame_data/room.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct candidate {
-  uint32_t member[3]; /* rising, places in the shot; the third of a segment is 0 */
+  uint32_t member[3]; /* rising, places among the particles shown; the third of a segment is 0 */
   uint32_t original[3];
   hk_cell_source source;
   size_t rank; /* in the order in which they were found */
@@ -42,7 +42,7 @@ static void sort_members(uint32_t *m, unsigned arity) {
 }
 
 /* Of the tuples those whose members are all shown. */
-static bool add_tuples(candidates *all, const hk_shooting *s, const hk_tuples *t, uint32_t list) {
+static bool add_tuples(candidates *all, const hk_gatherer *s, const hk_tuples *t, uint32_t list) {
   if (!hk_make_room(&all->item, &all->room, all->count + t->count, sizeof *all->item)) return false;
   for (size_t k = 0; k < t->count; k++) {
     const uint32_t *index = hk_tuple(t, k);
@@ -70,7 +70,7 @@ static void drop_repeated(candidates *all) {
   qsort(all->item, all->count, sizeof *all->item, compare_ranks);
 }
 
-static bool collect(const hk_shooting *s, const hk_model *m, unsigned arity, candidates *all) {
+static bool collect(const hk_gatherer *s, const hk_model *m, unsigned arity, candidates *all) {
   bool fine = true;
   for (size_t k = 0; k < m->element_lists && fine; k++) {
     const hk_elements *e = &m->element_list[k].elements;
@@ -83,31 +83,31 @@ static bool collect(const hk_shooting *s, const hk_model *m, unsigned arity, can
   return fine;
 }
 
-static bool reserve(hk_shooting *s, size_t segments, size_t triangles) {
-  hk_cells *c = &s->shot.cells;
-  size_t cells = s->shot.n + segments + triangles;
-  return hk_make_room(&c->vertex, &s->room[HK_ROOM_VERTEX], s->shot.n, sizeof *c->vertex) &&
+static bool reserve(hk_gatherer *s, size_t segments, size_t triangles) {
+  hk_cells *c = &s->data.cells;
+  size_t cells = s->data.n + segments + triangles;
+  return hk_make_room(&c->vertex, &s->room[HK_ROOM_VERTEX], s->data.n, sizeof *c->vertex) &&
          hk_make_room(&c->segment, &s->room[HK_ROOM_SEGMENT], segments, sizeof *c->segment) &&
          hk_make_room(&c->triangle, &s->room[HK_ROOM_TRIANGLE], triangles, sizeof *c->triangle) &&
          hk_make_room(&s->source, &s->room[HK_ROOM_SOURCE], cells, sizeof *s->source) &&
-         (!s->strained || hk_make_room(&s->shot.cell_strain, &s->room[HK_ROOM_CELL_STRAIN], cells, sizeof(double)));
+         (!s->strained || hk_make_room(&s->data.cell_strain, &s->room[HK_ROOM_CELL_STRAIN], cells, sizeof(double)));
 }
 
-static void find_vertices(hk_shooting *s, const candidates *segments, const candidates *triangles) {
-  hk_cells *c = &s->shot.cells;
+static void find_vertices(hk_gatherer *s, const candidates *segments, const candidates *triangles) {
+  hk_cells *c = &s->data.cells;
   uint32_t *mark = c->vertex; /* room for n */
-  memset(mark, 0, s->shot.n * sizeof *mark);
+  memset(mark, 0, s->data.n * sizeof *mark);
   for (size_t k = 0; k < segments->count; k++)
     for (int m = 0; m < 2; m++) mark[segments->item[k].member[m]] = 1;
   for (size_t k = 0; k < triangles->count; k++)
     for (int m = 0; m < 3; m++) mark[triangles->item[k].member[m]] = 1;
   c->vertices = 0;
-  for (uint32_t j = 0; j < s->shot.n; j++) /* vertices <= j: what is overwritten was read */
+  for (uint32_t j = 0; j < s->data.n; j++) /* vertices <= j: what is overwritten was read */
     if (!mark[j]) c->vertex[c->vertices++] = j;
 }
 
-static void write_cells(hk_shooting *s, const candidates *segments, const candidates *triangles) {
-  hk_cells *c = &s->shot.cells;
+static void write_cells(hk_gatherer *s, const candidates *segments, const candidates *triangles) {
+  hk_cells *c = &s->data.cells;
   find_vertices(s, segments, triangles);
   c->segments = segments->count, c->triangles = triangles->count;
   hk_cell_source *source = s->source;
@@ -122,7 +122,7 @@ static void write_cells(hk_shooting *s, const candidates *segments, const candid
   }
 }
 
-hk_status hk_shooting_find_cells(hk_shooting *s, const hk_view *view) {
+hk_status hk_gatherer_find_cells(hk_gatherer *s, const hk_view *view) {
   candidates segments = {0}, triangles = {0};
   bool fine = collect(s, view->model, 2, &segments) && collect(s, view->model, 3, &triangles) &&
               reserve(s, segments.count, triangles.count);

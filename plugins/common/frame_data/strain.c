@@ -1,7 +1,7 @@
-/* Strains at a shot: of each element C over its rest value, as the figures of a run have it; of several numbers C the
+/* Strains at a frame: of each element C over its rest value, as the figures of a run have it; of several numbers C the
  * largest by magnitude. A cell has the strain of its own element, a particle the largest of all elements that it
  * belongs to, also of those that are no cell. */
-#include "plugins/common/shot/strain.h"
+#include "plugins/common/frame_data/strain.h"
 
 static double edge_strain(const hk_elements *e, const double *x, size_t k) {
   const uint32_t *pair = hk_tuple(&e->node, k);
@@ -26,16 +26,16 @@ static double strain_of(const hk_elements *e, const double *x, size_t k) {
   return e->evaluate ? general_strain(e, x, k) : edge_strain(e, x, k);
 }
 
-static void note(hk_shooting *s, const uint32_t *member, unsigned arity, double strain) {
+static void note(hk_gatherer *s, const uint32_t *member, unsigned arity, double strain) {
   for (unsigned m = 0; m < arity; m++) {
     uint32_t j = s->place[member[m]];
-    if (j != UINT32_MAX && fabs(strain) > fabs(s->shot.strain[j])) s->shot.strain[j] = strain;
+    if (j != UINT32_MAX && fabs(strain) > fabs(s->data.strain[j])) s->data.strain[j] = strain;
   }
 }
 
-static void of_particles(hk_shooting *s, const hk_view *view) {
+static void of_particles(hk_gatherer *s, const hk_view *view) {
   const hk_model *m = view->model;
-  for (size_t j = 0; j < s->shot.n; j++) s->shot.strain[j] = 0;
+  for (size_t j = 0; j < s->data.n; j++) s->data.strain[j] = 0;
   for (size_t l = 0; l < m->element_lists; l++) {
     const hk_elements *e = &m->element_list[l].elements;
     for (size_t k = 0; k < e->node.count && e->rest.count; k++)
@@ -43,15 +43,15 @@ static void of_particles(hk_shooting *s, const hk_view *view) {
   }
 }
 
-static void of_cells(hk_shooting *s, const hk_view *view) {
-  for (size_t k = 0; k < hk_cell_count(&s->shot.cells); k++) {
+static void of_cells(hk_gatherer *s, const hk_view *view) {
+  for (size_t k = 0; k < hk_cell_count(&s->data.cells); k++) {
     hk_cell_source from = s->source[k];
     const hk_elements *e = from.list == UINT32_MAX ? NULL : &view->model->element_list[from.list].elements;
-    s->shot.cell_strain[k] = e && e->rest.count ? strain_of(e, view->x, from.tuple) : NAN;
+    s->data.cell_strain[k] = e && e->rest.count ? strain_of(e, view->x, from.tuple) : NAN;
   }
 }
 
-void hk_shooting_strain(hk_shooting *s, const hk_view *view) {
+void hk_gatherer_strain(hk_gatherer *s, const hk_view *view) {
   if (!s->strained) return;
   of_particles(s, view);
   of_cells(s, view);
