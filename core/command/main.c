@@ -265,6 +265,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     o.run.acting = hk_faults_watch(registry);
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
+    o.run.only_run = true; /* others, for comparisons, are of scenes of their own */
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
     if (!o.trust) o.run.caution = confine(&o, registry, p);
     hk_script_options options = script_options(&o, registry, library);

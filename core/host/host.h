@@ -100,7 +100,7 @@ typedef struct hk_plugin_spec {
 
 hk_plugin_spec *hk_spec_create(const hk_plugin *, const char *label, const char *where, hk_error *error);
 void hk_spec_destroy(hk_plugin_spec *);
-/* The parameter of that name; NULL with `error` naming the nearest one. */
+/* The parameter of that name; NULL with `error`. */
 const hk_param *hk_spec_param(const hk_plugin_spec *, const char *name, hk_error *error);
 /* Checks type, range and ids (1 to n) and fills the field. */
 hk_status hk_spec_set(hk_plugin_spec *, const hk_param *, const hk_value *value, size_t n, hk_error *error);

@@ -69,7 +69,7 @@ void hk_lua_push_summary(lua_State *L, const hk_summary *s) {
 }
 
 hk_run *hk_lua_run(lua_State *L) {
-  const hk_lua_slot *slot = *(hk_lua_slot **)luaL_checkudata(L, 1, hk_lua_run_type);
+  const hk_lua_slot *slot = *(hk_lua_slot **)hk_lua_self(L, hk_lua_run_type, "run:state()");
   if (!slot->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
   return slot->run;
 }
@@ -200,6 +200,7 @@ void hk_lua_open_run(lua_State *L) {
   luaL_newmetatable(L, hk_lua_run_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
+  hk_lua_name_run_methods(L);
   lua_setfield(L, -2, "__index");
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");

@@ -2,6 +2,8 @@
  * beside it trajectory.xdmf, for programs that do not know this layout. Every frame is on file before the next step,
  * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). A run that goes on
  * from a checkpoint writes a file of its own, in the folder of that part. */
+#include "plugins/common/film/obstacle_solids.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/recording/recording.h"
 #include "plugins/common/frame_data/gatherer.h"
 
@@ -16,6 +18,7 @@ typedef struct trajectory {
   hk_tuples only;
 
   const hk_host *host;
+  const hk_obstacles *all;
   hk_gatherer gatherer;
   hk_recorder *recorder;
   char path[PATH_MAX], xdmf[PATH_MAX];
@@ -41,6 +44,8 @@ static const hk_param params[] = {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   trajectory *t = self;
   t->host = host;
+  t->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  if (!t->all) return HK_FAILED;
   return hk_gatherer_choose(&t->gatherer, host, view->model, t->group);
 }
 
@@ -57,12 +62,23 @@ static hk_status find_paths(trajectory *t) {
   return status == HK_OK ? t->host->path(t->host, name, t->path, sizeof t->path) : status;
 }
 
+/* All obstacles are known when outputs are opened. */
+static hk_status make_solids(trajectory *t) {
+  hk_frame_data *data = &t->gatherer.data;
+  data->solids = t->all->set->count;
+  data->solid = t->host->allocate(t->host, (data->solids + 1) * sizeof *data->solid);
+  if (!data->solid) return t->host->fail(t->host, HK_NO_MEMORY, "no memory for %zu obstacles", data->solids);
+  hk_obstacle_solids(t->all->set, false, data->solid);
+  return HK_OK;
+}
+
 static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   trajectory *t = self;
   char why[256] = "";
   hk_recorder_setup setup = {.single = t->precision == SINGLE, .level = (int)t->level, .every = (size_t)t->every};
   hk_status status = find_paths(t);
   if (status == HK_OK) status = hk_gatherer_open(&t->gatherer, view, now, &t->only, t->forces);
+  if (status == HK_OK) status = make_solids(t);
   if (status != HK_OK) return status;
   t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->gatherer.data, now, why, sizeof why);
   return t->recorder ? HK_OK : io_error(t, why);
@@ -74,6 +90,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   if (now->index % (size_t)t->every != 0) return HK_OK;
   hk_status status = hk_gatherer_frame(&t->gatherer, view, now, &t->only);
   if (status != HK_OK) return status;
+  hk_obstacle_solids(t->all->set, false, t->gatherer.data.solid);
   bool written = hk_recorder_add(t->recorder, &t->gatherer.data, t->gatherer.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);
 }
@@ -90,8 +107,8 @@ static hk_status close(void *self, hk_verdict verdict) {
 static void destroy(void *self, const hk_host *host) {
   trajectory *t = self;
   char why[256];
-  (void)host;
   hk_recorder_close(t->recorder, NULL, why, sizeof why);
+  host->release(host, t->gatherer.data.solid);
   hk_gatherer_free(&t->gatherer);
 }
 

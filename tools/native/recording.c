@@ -152,6 +152,15 @@ static int topology_changed(lua_State *L) {
   return 1;
 }
 
+/* solid_places(k): 12 doubles for each of `solids`: the centre, then three axes from there to the surface. */
+static int solid_places(lua_State *L) {
+  const hk_recording *r = at(L);
+  luaL_Buffer b;
+  size_t k = frame_at(L, r, 2), bytes = r->solids.count * HK_SOLID_NUMBERS * sizeof(double);
+  double *to = (double *)(void *)luaL_buffinitsize(L, &b, bytes + 8);
+  return finish(L, &b, bytes, hk_recorded_solids_place(&r->solids, k, to), k);
+}
+
 static int close_recording(lua_State *L) {
   hk_recording **r = luaL_checkudata(L, 1, type_name);
   hk_recording_close(*r);
@@ -193,6 +202,26 @@ static void push_attributes(lua_State *L, const hk_recording *r) {
   lua_setfield(L, -2, "every");
 }
 
+static void push_solid(lua_State *L, const hk_solid *s) {
+  static const char *const kinds[] = {"plane", "sphere", "box", "cylinder", "capsule", "mesh"}; /* as hk_solid_kind */
+  lua_createtable(L, 0, 4);
+  set_text(L, "kind", kinds[s->kind]);
+  lua_pushboolean(L, s->hollow);
+  lua_setfield(L, -2, "hollow");
+  lua_pushlstring(L, s->vertices ? (const char *)s->vertex : "", s->vertices * 3 * sizeof *s->vertex);
+  lua_setfield(L, -2, "vertices");
+  lua_pushlstring(L, s->faces ? (const char *)s->face : "", s->faces * sizeof *s->face);
+  lua_setfield(L, -2, "faces");
+}
+
+static void push_solids(lua_State *L, const hk_recorded_solids *s) {
+  lua_createtable(L, (int)s->count, 0);
+  for (size_t k = 0; k < s->count; k++) {
+    push_solid(L, &s->solid[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
 static void push_fields(lua_State *L, const hk_recording *r) {
   lua_newtable(L);
   lua_pushinteger(L, (lua_Integer)r->frames);
@@ -210,6 +239,8 @@ static void push_fields(lua_State *L, const hk_recording *r) {
     lua_setfield(L, -2, r->serie[k].name);
   }
   lua_setfield(L, -2, "series");
+  push_solids(L, &r->solids);
+  lua_setfield(L, -2, "solids");
   push_attributes(L, r);
   lua_setfield(L, -2, "attributes");
 }
@@ -261,6 +292,7 @@ int luaopen_recording(lua_State *L) {
                                      {"force", force},
                                      {"n", number},
                                      {"topology_changed", topology_changed},
+                                     {"solid_places", solid_places},
                                      {"close", close_recording},
                                      {NULL, NULL}};
   static const luaL_Reg functions[] = {{"open", open_recording}, {NULL, NULL}};

@@ -75,10 +75,11 @@ view.app = (() => {
       this.checks = { points: check("all particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
         edges: check("all edges", "also those of surfaces", false, (on) => this.choose("edges", on)) };
       nodes.push(...Object.values(this.checks), check("shadows", "", true, (on) => this.choose("shadows", on)),
-        check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
+        this.sources.some((s) => s.solids.length) ? check("obstacles", "what particles bounce off", true,
+          (on) => this.choose("solids", on)) : null, check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
         check("y up", "the scene's y points up", false, (on) => { this.stage.yUp = on; this.stage.place(); }),
         button("reset view", "the camera as at the start", () => this.stage.home()));
-      $("controls").append(...(first ? nodes : []));
+      $("controls").append(...(first ? nodes.filter(Boolean) : []));
     }
 
     makeReports() {
@@ -118,7 +119,7 @@ view.app = (() => {
     // Numbers of the particle's fields are unpacked when they are seen only.
     wanted(source) {
       if (this.pickedId !== null) return source.fields.map((f) => f.name);
-      return [this.paint, this.arrowsOf].filter((name) => name && source.fields.some((f) => f.name === name));
+      return [this.paint, this.arrowsOf, view.points.RADIUS].filter((name) => name && source.fields.some((f) => f.name === name));
     }
 
     refresh() { this.seek(this.clock.k); }

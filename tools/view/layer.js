@@ -1,24 +1,45 @@
-// layer: one run in the 3D view: its surface, edges, particles, pins, arrows, and the particle that is picked.
+// layer: one run in the 3D view: its surface, edges, particles, pins, arrows, obstacles, and the particle that is picked.
 "use strict";
 view.layer = (() => {
   const PIN = [0.90, 0.45, 0.13], PICKED = [0.98, 0.78, 0.18];
 
-  // The usual distance between neighbours: of edges where there are any, or as if the particles filled the bounds.
-  const spacing = (frame, pairs, size) => {
-    const lengths = [];
-    const every = Math.max(1, Math.floor(pairs.length / 2 / 2000));
-    for (let e = 0; 2 * e < pairs.length; e += every) {
-      const i = 3 * pairs[2 * e], j = 3 * pairs[2 * e + 1];
-      lengths.push(Math.hypot(frame.x[i] - frame.x[j], frame.x[i + 1] - frame.x[j + 1], frame.x[i + 2] - frame.x[j + 2]));
+  const SAMPLE = 64; // particles whose neighbours are looked for
+
+  const distance = (x, i, j) => Math.hypot(x[3 * i] - x[3 * j], x[3 * i + 1] - x[3 * j + 1], x[3 * i + 2] - x[3 * j + 2]);
+
+  const median = (list) => {
+    const known = list.filter((l) => l > 0).sort((a, b) => a - b);
+    return known[known.length >> 1];
+  };
+
+  const ofEdges = ({ x, edges }) => {
+    const lengths = [], every = Math.max(1, Math.floor(edges.length / 2 / 2000));
+    for (let e = 0; 2 * e < edges.length; e += every) lengths.push(distance(x, edges[2 * e], edges[2 * e + 1]));
+    return median(lengths);
+  };
+
+  // From some particles to the nearest other one.
+  const ofNeighbours = ({ x, n }) => {
+    const lengths = [], every = Math.max(1, Math.floor(n / SAMPLE));
+    for (let i = 0; i < n; i += every) {
+      let least = Infinity;
+      for (let j = 0; j < n; j++) if (j !== i) least = Math.min(least, distance(x, i, j));
+      lengths.push(least);
     }
-    const known = lengths.filter((l) => l > 0).sort((a, b) => a - b);
-    return known.length ? known[known.length >> 1] : size / Math.max(frame.n, 8) ** (1 / 3);
+    return median(lengths);
+  };
+
+  // Of a ball, in the picture of a motion of this size: smaller than what is between neighbours.
+  const radiusOf = (frame, size) => {
+    const edge = frame.edges.length ? ofEdges(frame) : undefined, gap = edge ? undefined : ofNeighbours(frame);
+    if (edge) return 0.16 * edge;
+    return Math.min(gap > 0 && Number.isFinite(gap) ? 0.35 * gap : Infinity, 0.02 * size);
   };
 
   class Layer {
     // tint: the colour of what stands for no number
     constructor(source, tint) {
-      Object.assign(this, { source, tint, every: 1, shown: { points: null, edges: false, shadows: true } });
+      Object.assign(this, { source, tint, every: 1, shown: { points: null, edges: false, shadows: true, solids: true } });
       this.uniforms = view.light.uniforms();
       this.scene = new THREE.Scene();
       this.group = new THREE.Group();
@@ -29,12 +50,13 @@ view.layer = (() => {
       this.points = new view.points.Points(this.uniforms, 1);
       this.pins = new view.points.Points(this.uniforms, 2.5);
       this.picked = new view.points.Points(this.uniforms, 5);
-      const parts = [this.surface, this.edges, this.arrows, this.points, this.pins, this.picked];
+      this.solids = new view.solids.Solids(source, this.uniforms);
+      const parts = [this.solids, this.surface, this.edges, this.arrows, this.points, this.pins, this.picked];
       for (const part of parts) this.group.add(part.mesh);
-      this.shadows = [this.surface, this.edges, this.points].map((part) => part.shadow);
+      this.shadows = [this.surface, this.edges, this.points, this.solids].map((part) => part.shadow);
       this.group.add(...this.shadows);
       this.scene.add(this.group, this.floor.mesh);
-      for (const shadow of this.shadows) shadow.renderOrder = -0.5;
+      for (const shadow of this.shadows) shadow.traverse((one) => { one.renderOrder = -0.5; });
     }
 
     // Edges of a surface and particles at edges are drawn where somebody chooses that, or where they are few.
@@ -43,7 +65,7 @@ view.layer = (() => {
       if (s.points === null) s.points = frame.triangles.length === 0 && frame.n <= 400;
       const { low, high } = this.source.bounds;
       const size = Math.max(...low.map((v, c) => high[c] - v)) || 1;
-      this.radius = spacing(frame, frame.edges, size) * (frame.edges.length ? 0.16 : 0.22);
+      this.radius = radiusOf(frame, size);
     }
 
     sizes() {
@@ -71,9 +93,11 @@ view.layer = (() => {
       const { edges, alone, pins } = view.topology.of(this.source, frame);
       this.edges.show(frame, s.edges ? frame.edges : edges, paint);
       this.balls = s.points || alone.length === frame.n ? frame.n : alone.length;
-      this.points.show(frame, this.balls === frame.n ? null : alone, Math.ceil(this.balls / this.every), paint, this.every);
+      this.points.show(frame, this.balls === frame.n ? null : alone, Math.ceil(this.balls / this.every), paint,
+        { every: this.every, radii: frame.values[view.points.RADIUS] });
       this.pins.show(frame, pins, pins.length, PIN);
       this.showArrows(frame, arrows);
+      this.solids.show(frame, s.solids);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
       this.picked.show(frame, [k], k < 0 ? 0 : 1, PICKED);
       for (const shadow of this.shadows) shadow.visible = shadow.visible && s.shadows;
@@ -95,15 +119,14 @@ view.layer = (() => {
     // The light, and colours of the page, for a camera and a height of the view in pixels; above: the camera is above
     // the floor, whose height is `floor`.
     light(camera, pixels, floor, above, theme) {
-      for (const shadow of this.shadows) shadow.material.visible = above;
+      for (const shadow of this.shadows) shadow.traverse((one) => { if (one.material) one.material.visible = above; });
       const u = this.uniforms;
       u.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
       u.scale.value = pixels / 2 * camera.projectionMatrix.elements[5];
       u.floor.value = floor;
       u.shade.value.fromArray(theme.shade);
       u.sun.value.copy(view.light.SUN).transformDirection(camera.matrixWorldInverse);
-      this.floor.uniforms.colour.value.fromArray(theme.floor);
-      this.floor.uniforms.line.value.fromArray(theme.line);
+      this.floor.paint(theme);
     }
   }
 

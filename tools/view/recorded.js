@@ -7,10 +7,11 @@
 //   source.fields          [{ name, label, unit, components, centred }], numbers of particles beside their positions
 //   source.origin          [x, y, z], m: positions are relative to it, so that single precision will do
 //   source.bounds          { low, high } of all positions, relative to the origin; source.low: the least height
+//   source.solids          [{ kind, hollow, vertices, faces }], what particles bounce off (solids.js)
 //   source.title, source.summary, source.series, source.error
 //
 // and of a frame { k, t, n, ids, x (3n), edges, triangles, pins (indices), topology (a number that changes when the last
-// three do), values: { name: numbers } }.
+// three do), values: { name: numbers }, solids: of each solid its centre and three axes (12 numbers) }.
 "use strict";
 view.recorded = (() => {
   const text = (id) => document.getElementById(id).textContent;
@@ -39,7 +40,7 @@ view.recorded = (() => {
       this.blocks = new Map(); // "stream/block" -> a promise of a Block, the most recently used last
       this.topologies = new Map();
       this.asked = 0;
-      this.ready = this.unpackIds();
+      this.ready = Promise.all([this.unpackIds(), this.unpackSolids()]);
     }
 
     time(k) { return this.run.times[k]; }
@@ -52,6 +53,20 @@ view.recorded = (() => {
         begin += p.n;
       }
       return this;
+    }
+
+    async unpackSolids() {
+      const list = async (id) => id ? view.codec.indices(await view.codec.unpack(text(id))) : new Uint32Array(0);
+      const { solids } = this.run;
+      this.solids = await Promise.all((solids ? solids.list : []).map(async (s) => ({ kind: s.kind, hollow: s.hollow,
+        vertices: new Float32Array((await list(s.vertices)).buffer), faces: await list(s.faces) })));
+      this.places = solids ? new Float32Array((await list(solids.places)).buffer) : new Float32Array(0);
+    }
+
+    // Of frame k: those of the only one where nothing moves.
+    solidsAt(k) {
+      const size = 12 * this.solids.length, at = this.places.length > size ? k * size : 0;
+      return this.places.subarray(at, at + size);
     }
 
     ids(k) { return this.run.populations[at(this.run.populations, k)].ids; }
@@ -89,7 +104,7 @@ view.recorded = (() => {
       const streams = this.run.streams.filter((s) => s.name === "position" || fields.includes(s.name));
       const blocks = await Promise.all(streams.map((s) => this.block(s, number)));
       if (number + 1 < this.run.blocks.length) for (const s of streams) this.block(s, number + 1); // while it plays on
-      const frame = { k, t: this.time(k), ids: this.ids(k), values: {}, ...await this.topology(k) };
+      const frame = { k, t: this.time(k), ids: this.ids(k), values: {}, solids: this.solidsAt(k), ...await this.topology(k) };
       frame.n = frame.ids.length;
       streams.forEach((s, j) => {
         const origin = s.name === "position" ? this.origin : null;

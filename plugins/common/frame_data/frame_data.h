@@ -3,6 +3,8 @@
 #ifndef HK_FRAME_DATA_H
 #define HK_FRAME_DATA_H
 
+#include "plugins/common/snapshot/solid.h"
+
 #include "core/plugin.h"
 
 /* The cells of a frame: segments, triangles, and, so that each particle is seen, vertices for those in neither. */
@@ -36,6 +38,8 @@ typedef struct hk_frame_data {
   double *strain;      /* n: of the elements of a particle the largest by magnitude; NULL: there are no elements */
   size_t arrays;
   hk_frame_array *array;
+  size_t solids; /* what particles bounce off */
+  hk_solid *solid;
 } hk_frame_data;
 
 /* ---- what it is gathered with: gatherer.h ---- */

@@ -164,6 +164,7 @@ bool hk_recording_layout(hk_recorder *r, const hk_recorder_setup *setup, const h
   return r->root >= 0 && r->own >= 0 && hk_h5_attribute(r->root, "Version", H5T_NATIVE_INT64, 2, version) &&
          hk_h5_text(r->root, "Type", "UnstructuredGrid") && make_steps(r) && make_points(r, setup, first) &&
          make_cells(r, setup, first) && make_figures(r, frame) &&
+         hk_solid_series_create(&r->solids, r->own, first->solid, first->solids) &&
          hk_h5_attribute(r->own, "fps", H5T_NATIVE_DOUBLE, 1, &frame->fps) &&
          hk_h5_attribute(r->own, "every", H5T_NATIVE_INT64, 1, &every) &&
          hk_h5_text(r->own, "verdict", "not ended yet   ") &&

@@ -224,7 +224,7 @@ static bool get_all(hk_recording *r) {
   r->connectivity = open_set(r->file, "/VTKHDF/Connectivity");
   r->cell_strain = open_set(r->file, "/VTKHDF/CellData/strain");
   return r->time && r->frame && get_frames(r) && get_parts(r) && for_each(r->file, "/VTKHDF/PointData", add_array, r) &&
-         for_each(r->file, "/VTKHDF/FieldData", add_series, r);
+         for_each(r->file, "/VTKHDF/FieldData", add_series, r) && hk_recorded_solids_open(&r->solids, r->file);
 }
 
 hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
@@ -250,6 +250,7 @@ void hk_recording_close(hk_recording *r) {
     if (set[k] > 0) H5Dclose(set[k]);
   for (size_t k = 0; k < r->arrays; k++) H5Dclose(r->array[k].set);
   for (size_t k = 0; k < r->series; k++) free(r->serie[k].value);
+  hk_recorded_solids_close(&r->solids);
   if (r->file >= 0) H5Fclose(r->file);
   void *const all[] = {r->array, r->serie, r->time, r->frame, r->part, r->scene, r->origin, r};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);

@@ -3,6 +3,7 @@
 local page = require("page")
 local json_text = require("common.view.json_text")
 local series = require("common.view.series")
+local solids = require("common.view.solids")
 
 local encode = {}
 
@@ -131,6 +132,13 @@ local function frames_of_block(r)
   return math.max(8, math.min(60, BLOCK // (3 * n)))
 end
 
+-- The origin of the page's positions, as recorded.js has it.
+local function middle_of(stream)
+  local middle = {}
+  for c = 1, 3 do middle[c] = (stream.low[c] + stream.high[c]) / 2 end
+  return middle
+end
+
 -- Writes the data of a recording to the page. The run as the page's story tells it; nil and the reason.
 -- more: title, summary (JSON text or nil), tick (a function called after each frame)
 function encode.run(r, out, more)
@@ -160,6 +168,7 @@ function encode.run(r, out, more)
   end_block(out, streams)
   run.ids = out:add(page.indices(table.concat(all_ids)))
   for k, s in ipairs(streams) do run.streams[k] = told(r, s) end
+  run.solids = solids.of(r, out, middle_of(streams[1]))
   run.sizes = {}
   for _, s in ipairs(streams) do run.sizes[s.name] = s.size end
   return run
