@@ -65,10 +65,10 @@ static hk_status find_paths(trajectory *t) {
 /* All obstacles are known when outputs are opened. */
 static hk_status make_solids(trajectory *t) {
   hk_frame_data *data = &t->gatherer.data;
-  data->solids = t->all->set->count;
+  data->solids = t->all->shown->count;
   data->solid = t->host->allocate(t->host, (data->solids + 1) * sizeof *data->solid);
   if (!data->solid) return t->host->fail(t->host, HK_NO_MEMORY, "no memory for %zu obstacles", data->solids);
-  hk_obstacle_solids(t->all->set, false, data->solid);
+  hk_obstacle_solids(t->all->shown, false, data->solid);
   return HK_OK;
 }
 
@@ -90,7 +90,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   if (now->index % (size_t)t->every != 0) return HK_OK;
   hk_status status = hk_gatherer_frame(&t->gatherer, view, now, &t->only);
   if (status != HK_OK) return status;
-  hk_obstacle_solids(t->all->set, false, t->gatherer.data.solid);
+  hk_obstacle_solids(t->all->shown, false, t->gatherer.data.solid);
   bool written = hk_recorder_add(t->recorder, &t->gatherer.data, t->gatherer.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);
 }
