@@ -15,6 +15,15 @@ function axes.extent(values, log)
   return low, high
 end
 
+-- How many of the finite numbers have no logarithm.
+function axes.without_logarithm(values)
+  local count = 0
+  for _, x in ipairs(values) do
+    if good(x) and x <= 0 then count = count + 1 end
+  end
+  return count
+end
+
 -- What the axis gives as `min` and `max`, moved outwards where a point would be outside, and by a margin further, so that
 -- its mark is whole. A side that is not given stays gnuplot's (nil), which shows all points. A range that the user fixed is
 -- kept; the third value is then the number of points outside of it.
