@@ -1,4 +1,5 @@
-/* Strands are as thick as they are: by a channel of radii, or by what contact says of them. */
+/* Strands are as thick as they are: by a channel of radii, or by what contact says of them. Of tetrahedra one sees the
+ * edges or, where the scene has their surface, that. */
 #include "tests/plugins/outputs/picture_world.h"
 
 #include "tests/support/command.h"
@@ -67,10 +68,62 @@ static void frames_draw_strands_as_thick_as_contact_has_them(void **state) {
   free(p.rgb);
 }
 
+/* Of four particles that nothing but a force on tetrahedra joins, the middle of each edge is drawn, that of a face is
+ * not. */
+static void frames_draw_the_edges_of_tetrahedra(void **state) {
+  (void)state;
+  static const uint32_t node[4] = {0, 1, 2, 3};
+  static const double corner[4][2] = {{-0.6, -0.3}, {0.6, -0.3}, {0, 0.35}, {0.1, -0.1}};
+  world w;
+  world_open(&w, 4);
+  set_still_camera(&w);
+  for (int i = 0; i < 4; i++) w.x[3 * i] = corner[i][0], w.x[3 * i + 2] = corner[i][1];
+  w.x[3 * 3 + 1] = 0.5;
+  hk_element_list list = {.force = "neo_hookean", .elements = {.node = {1, 4, node}, .values = 1}};
+  w.model.element_list = &list, w.model.element_lists = 1;
+  set_number(&w, "tube", 0.02), set_number(&w, "radius", 0.02);
+  set_switch(&w, "shadows", false);
+  picture p = draw_once(&w);
+  for (int i = 0; i < 4; i++)
+    for (int j = 0; j < i; j++) {
+      double middle[2] = {(corner[i][0] + corner[j][0]) / 2, (corner[i][1] + corner[j][1]) / 2};
+      assert_true(is_red(&p, (int)(80 + 100 * middle[0]), (int)(45 - 100 * middle[1])));
+    }
+  assert_false(is_red(&p, 80 - 15, 45 + 5));
+  free(p.rgb);
+  fake_close(&w.f);
+}
+
+static const char cube[] =
+    "local scene = hooke.scene { duration = 0.01, fps = 100, integrator = 'leapfrog', dt = 0.0001 }\n"
+    "local cube = scene:block { nx = 3, ny = 3, nz = 3, size = { 0.4, 0.4, 0.4 }, origin = { -0.2, -0.2, -0.2 }, "
+    "density = 1000 }\n"
+    "scene:force('neo_hookean', { tetrahedra = cube:tetrahedra(), E = 1e4, nu = 0.4 })\n"
+    "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, color = "
+    "'none',\n"
+    "  plain = { 1, 0, 0 }, from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, fov = 5.1530, ground = false })\n"
+    "return scene\n";
+
+static void frames_draw_the_surface_of_a_soft_body(void **state) {
+  (void)state;
+  static test_result r;
+  char path[512];
+  test_write("cube.lua", cube);
+  test_hooke(&r, NULL, "run cube.lua --quiet");
+  if (r.code != 0) fail_msg("%s", r.err);
+  snprintf(path, sizeof path, "%s/out/cube/frames/000000.png", test_folder());
+  picture p = read_picture(path);
+  for (int y = 30; y <= 60; y += 3)
+    for (int x = 65; x <= 95; x += 3) assert_true(is_red(&p, x, y));
+  free(p.rgb);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_draw_each_strand_with_its_radius),
       cmocka_unit_test(frames_draw_strands_as_thick_as_contact_has_them),
+      cmocka_unit_test(frames_draw_the_edges_of_tetrahedra),
+      cmocka_unit_test(frames_draw_the_surface_of_a_soft_body),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
