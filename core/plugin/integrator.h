@@ -152,6 +152,8 @@ struct hk_system {
   /* Removes from velocities (n x 3) the part that constraints forbid at X, v -= W J^T (J W J^T)^-1 J v. NULL: there are
    * none that could. */
   hk_status (*tangent)(hk_system *, double *vector);
+  /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
+  const double *linearised, *reached;
 };
 
 #endif
