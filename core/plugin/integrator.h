@@ -168,6 +168,8 @@ struct hk_system {
   hk_status (*tangent)(hk_system *, double *vector);
   /* Set by the method in `divide`, and valid as long as the method; NULL: nothing is set aside. */
   const hk_aside *aside;
+  /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
+  const double *linearised, *reached;
 };
 
 #endif

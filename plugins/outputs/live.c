@@ -20,6 +20,7 @@
 
 typedef struct live {
   int64_t messages_fd, commands_fd;
+  bool forces;
 
   const hk_host *host;
   const hk_hand *hand;
@@ -37,6 +38,8 @@ static const hk_param params[] = {
      offsetof(live, messages_fd), 0, NULL},
     {"commands", "", "descriptor of the pipe from which the commands are read; 0: none are", HK_INTEGER, {0}, 0, 1 << 20,
      offsetof(live, commands_fd), 0, NULL},
+    {"forces", "", "whether frames have each force by itself, which costs an evaluation of it", HK_BOOLEAN, {0}, 0, 0,
+     offsetof(live, forces), 0, NULL},
     {0},
 };
 /* clang-format on */
@@ -70,7 +73,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (l->messages_fd == 0) return HK_OK;
   if (!hk_live_open(&l->out, (int)l->messages_fd))
     return l->host->fail(l->host, HK_NO_MEMORY, "no memory, or no thread, for the messages");
-  hk_live_tell_run(&l->out, view, frame);
+  hk_live_tell_run(&l->out, view, frame, l->forces);
   return HK_OK;
 }
 

@@ -20,7 +20,7 @@ typedef __m256d half; /* the coordinates of one particle and a number beyond; or
 
 #define PICK __builtin_shufflevector
 
-enum { WIDTH = 8, ALL = 0xFF, LOW_HALF = 0x0F, COORDINATES = 0x07 };
+enum { WIDTH = 8, ALL = 0xFF, LOW_HALF = 0x0F };
 
 /* Lanes beyond the mask are 0. */
 INLINE vector load(const double *p, __mmask8 lanes) {
@@ -98,8 +98,8 @@ INLINE void far_step(const hk_spring_numbers *q, const ends *at, size_t e, size_
   for (size_t r = 0; r < 3; r++) add(Fj + 3 * e + WIDTH * r, m.r[r], -f[r]);
 }
 
-WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
-                           const double *vj, double *Fi, double *Fj, bool damped) {
+INLINE double far_springs(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
+                          const double *vj, double *Fi, double *Fj, bool damped) {
   const ends at = {xi, xj, vi, vj};
   half part = {0};
   size_t e = 0;
@@ -117,8 +117,8 @@ INLINE void near_step(const hk_spring_numbers *q, const ends *at, size_t e, size
   for (size_t r = 0; r < 3; r++) add(Fi + 3 * e + WIDTH * r, m.r[r], f[r]);
 }
 
-WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
-                            const double *vj, double *Fi, double *Fj, bool damped) {
+INLINE double near_springs(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
+                           const double *vj, double *Fi, double *Fj, bool damped) {
   const ends at = {xi, xj, vi, vj};
   half part = {0};
   double f[3 * (HK_SPRING_BLOCK + WIDTH)] __attribute__((aligned(64)));
@@ -143,52 +143,71 @@ INLINE void columns(const half row[WIDTH], vector column[3]) {
   column[2] = PICK(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/* Back again; the fourth number of a row is any. */
-INLINE void rows(const vector column[3], half row[WIDTH]) {
-  vector a = PICK(column[0], column[1], 0, 8, 2, 10, 4, 12, 6, 14);
-  vector b = PICK(column[0], column[1], 1, 9, 3, 11, 5, 13, 7, 15);
-  vector r[4] = {PICK(a, column[2], 0, 1, 8, 8, 4, 5, 12, 12), PICK(b, column[2], 0, 1, 9, 9, 4, 5, 13, 13),
-                 PICK(a, column[2], 2, 3, 10, 10, 6, 7, 14, 14), PICK(b, column[2], 2, 3, 11, 11, 6, 7, 15, 15)};
-  for (size_t k = 0; k < 4; k++) row[k] = _mm512_castpd512_pd256(r[k]), row[k + 4] = _mm512_extractf64x4_pd(r[k], 1);
-}
-
-INLINE void differences(const double *x, const size_t i[WIDTH], const size_t j[WIDTH], vector column[3]) {
-  half row[WIDTH];
-  for (size_t r = 0; r < WIDTH; r++) row[r] = _mm256_loadu_pd(x + j[r]) - _mm256_loadu_pd(x + i[r]);
-  columns(row, column);
-}
-
-INLINE void add_row(double *F, half value) {
-  _mm256_mask_storeu_pd(F, COORDINATES, _mm256_maskz_loadu_pd(COORDINATES, F) + value);
-}
+/* The forces on the first ends of a block of springs: x and y as a pair, z alone. */
+typedef struct pulls {
+  double xy[HK_SPRING_BLOCK + WIDTH][2], z[HK_SPRING_BLOCK + WIDTH];
+} __attribute__((aligned(64))) pulls;
 
 /* Lanes beyond `count` have the springs of the others again, and coefficients 0. */
 INLINE void list_step(const hk_spring_numbers *q, size_t e, size_t count, const uint32_t (*pair)[2], const double *x,
-                      const double *v, double *F, bool damped, half *part) {
-  size_t i[WIDTH], j[WIDTH];
+                      const double *v, bool damped, pulls *f, half *part) {
   vector d[3], u[3], w = _mm512_setzero_pd();
-  half f[WIDTH];
-  for (size_t r = 0; r < WIDTH; r++)
-    i[r] = 3 * (size_t)pair[e + r % count][0], j[r] = 3 * (size_t)pair[e + r % count][1];
-  differences(x, i, j, d);
+  half dx[WIDTH], dv[WIDTH];
+  for (size_t r = 0; r < WIDTH; r++) {
+    size_t i = 3 * (size_t)pair[e + r % count][0], j = 3 * (size_t)pair[e + r % count][1];
+    dx[r] = _mm256_loadu_pd(x + j) - _mm256_loadu_pd(x + i);
+    if (damped) dv[r] = _mm256_loadu_pd(v + j) - _mm256_loadu_pd(v + i);
+  }
+  columns(dx, d);
   if (damped) {
-    differences(v, i, j, u);
+    columns(dv, u);
     w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
   }
   vector l2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
   vector s = scales(q, e, lanes_of(count).spring, l2, w, part);
   for (size_t r = 0; r < 3; r++) d[r] *= s;
-  rows(d, f);
-  for (size_t r = 0; r < count; r++) add_row(F + i[r], f[r]), add_row(F + j[r], -f[r]);
+  _mm512_storeu_pd(f->xy[e], PICK(d[0], d[1], 0, 8, 1, 9, 2, 10, 3, 11));
+  _mm512_storeu_pd(f->xy[e + 4], PICK(d[0], d[1], 4, 12, 5, 13, 6, 14, 7, 15));
+  _mm512_storeu_pd(f->z + e, d[2]);
+}
+
+/* x and y together and z alone: a wider store would overlap a neighbouring particle, whose load would wait for it. */
+INLINE void pull(double *Fi, double *Fj, const pulls *f, size_t e) {
+  __m128d xy = _mm_loadu_pd(f->xy[e]), z = _mm_load_sd(f->z + e);
+  _mm_storeu_pd(Fi, _mm_loadu_pd(Fi) + xy);
+  _mm_store_sd(Fi + 2, _mm_load_sd(Fi + 2) + z);
+  _mm_storeu_pd(Fj, _mm_loadu_pd(Fj) - xy);
+  _mm_store_sd(Fj + 2, _mm_load_sd(Fj + 2) - z);
+}
+
+/* All forces of the block are known before the first one is added: a step whose additions wait for those of the step
+ * before would leave no room in the processor's queues for the next one. */
+INLINE double list_springs(const hk_spring_numbers *q, size_t n, const uint32_t (*pair)[2], const double *x,
+                           const double *v, double *F, bool damped) {
+  half part = {0};
+  pulls f;
+  size_t e = 0;
+  for (; e + WIDTH <= n; e += WIDTH) list_step(q, e, WIDTH, pair, x, v, damped, &f, &part);
+  if (e < n) list_step(q, e, HK_SPRING_LANES, pair, x, v, damped, &f, &part);
+  for (e = 0; e < n; e++) pull(F + 3 * (size_t)pair[e][0], F + 3 * (size_t)pair[e][1], &f, e);
+  return total(part);
+}
+
+/* ---- each loop with and without damping ---- */
+
+WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
+                           const double *vj, double *Fi, double *Fj, bool damped) {
+  return damped ? far_springs(q, n, xi, xj, vi, vj, Fi, Fj, true) : far_springs(q, n, xi, xj, vi, vj, Fi, Fj, false);
+}
+
+WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
+                            const double *vj, double *Fi, double *Fj, bool damped) {
+  return damped ? near_springs(q, n, xi, xj, vi, vj, Fi, Fj, true) : near_springs(q, n, xi, xj, vi, vj, Fi, Fj, false);
 }
 
 WIDE static double list(const hk_spring_numbers *q, size_t n, const uint32_t (*pair)[2], const double *x,
                         const double *v, double *F, bool damped) {
-  half part = {0};
-  size_t e = 0;
-  for (; e + WIDTH <= n; e += WIDTH) list_step(q, e, WIDTH, pair, x, v, F, damped, &part);
-  if (e < n) list_step(q, e, HK_SPRING_LANES, pair, x, v, F, damped, &part);
-  return total(part);
+  return damped ? list_springs(q, n, pair, x, v, F, true) : list_springs(q, n, pair, x, v, F, false);
 }
 
 const hk_spring_path *hk_spring_wide8(void) {
