@@ -109,7 +109,7 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
-    {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, planes of soft_walls) where they are at each frame",
+    {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, obstacles), 0, NULL},
     {"shadows", "", "things cast shadows, on the floor and on each other",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
