@@ -12,7 +12,7 @@ view.stream = (() => {
 
   class Stream {
     constructor() {
-      Object.assign(this, { number: 0, solids: [], times: [], series: [], fields: [], title: "", summary: null, busy: false, next: null,
+      Object.assign(this, { number: 0, solids: [], marks: [], times: [], series: [], fields: [], title: "", summary: null, busy: false, next: null,
         bounds: { low: [0, 0, 0], high: [0, 0, 0] }, origin: [0, 0, 0], error: { positions: 0, extent: 0 }, topologies: new Map() });
     }
 
@@ -97,7 +97,7 @@ view.stream = (() => {
       const [index, topology, n] = new Uint32Array(buffer, 0, 4), t = new DataView(buffer).getFloat64(16, true);
       let at = 24;
       const list = (length) => { const a = new Float32Array(buffer, at, length); at += 4 * length; return a; };
-      const frame = { k: index, t, n, x: list(3 * n), values: {}, solids: this.solidsAt(), ...await this.topology(topology) };
+      const frame = { k: index, t, n, x: list(3 * n), values: {}, solids: this.solidsAt(), marks: {}, ...await this.topology(topology) };
       for (const f of this.fields) {
         const numbers = list(f.components * n);
         if (!wanted.includes(f.name)) continue;
