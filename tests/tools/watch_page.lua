@@ -203,7 +203,8 @@ end
 
 local order = { "it_follows_the_run_without_a_complaint", "it_shows_obstacles_and_the_wind", "pause_single_frame_and_going_on",
   "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_begins_another_run_with_its_value",
-  "forces_are_shown_as_arrows_and_colours", "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",
+  "forces_are_shown_as_arrows_and_colours",
+  "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",
   "ten_pages_at_once_and_their_end_do_no_harm" }
 
 local failed = 0
