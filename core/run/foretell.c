@@ -17,8 +17,9 @@ enum { EXPLICIT_STEPS = 1000, IMPLICIT_STEPS = 10 };
 static const double implicit_steps_per_frame = 2; /* as loop/step_choice.c chooses them */
 
 /* A trial may take a tenth of the least that the run does: it opens the scene again, which has just been timed, and
- * takes steps for a tenth of a second, or three implicit ones, of which each fills and factorises a matrix. That is
- * some thirty evaluations where it is cheap (bdf2 with banded on a chain), and thousands where it is not. */
+ * takes steps for a tenth of a second, or three implicit ones, each of which fills and factorises a matrix. That is
+ * some thirty evaluations where it is cheap (a chain, whose matrix has a narrow band), and thousands where it is not.
+ */
 static const double part_of_run = 0.1, trial = 0.1 /* s */, evaluations_of_implicit = 30;
 enum { IMPLICIT_TRIAL = 3, EXPLICIT_TRIAL = 10000 /* at most */ };
 

@@ -35,7 +35,7 @@ typedef struct hk_run_options {
   const char *out;         /* NULL: "out/NAME" */
   const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
   const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
-  bool only_run; /* of its scene, of which what the run has copied is freed then */
+  bool only_run;           /* of its scene, of which what the run has copied is freed then */
   bool no_output;
   bool draft;   /* outputs may do with less quality (hk_draft) */
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
@@ -94,6 +94,13 @@ typedef struct hk_run {
 
 hk_status hk_run_open(hk_scene *, const hk_run_options *, hk_run **run, hk_error *error);
 void hk_run_destroy(hk_run *);
+
+/* ---- plugins.c ---- */
+
+hk_status hk_run_make_plugins(hk_run *);  /* an instance of each, of which no code has run */
+hk_status hk_run_start_plugins(hk_run *); /* creates all of them */
+const void *hk_run_query(void *run, const char *service);
+void hk_warn_of_unused_services(hk_run *); /* that the scene names */
 
 /* ---- start.c: pins and constraints of the start ---- */
 

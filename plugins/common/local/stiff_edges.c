@@ -1,0 +1,160 @@
+/* Springs are put into classes by their own squared frequency r = k (1/m_i + 1/m_j), an octave each, and for every
+ * class the work is foretold of taking it and all stiffer ones in short steps; the least is chosen.
+ *
+ * For all u and any positions, u.K u <= sum_e r_e (m_i u_i^2 + m_j u_j^2): no squared frequency of a set of springs is
+ * above the largest sum of r over the springs of one particle. That bounds the stiff part (and gives the number of
+ * short steps) and estimates what is left (whose limit the host then measures). */
+#include "plugins/common/local/stiff_edges.h"
+#include "plugins/common/local/local_filter.h"
+
+#include <string.h>
+
+enum { CLASSES = 40 };
+
+/* Work is counted in springs of a whole evaluation. Springs of a short step are scattered, but lie in the first cache;
+ * each brings up to two particles, and a short step has calls of its own. */
+static const double work_of_spring = 2, work_of_call = 30;
+static const double worth = 0.8; /* part of leapfrog's work below which local steps are taken */
+/* The largest damping over stiffness of a stiff spring, in long steps: it leaves them room, see local_filter.h. */
+static const double most_damped = 0.05;
+
+typedef struct choice {
+  const hk_model *model;
+  double stiffest;        /* 1/s^2 */
+  size_t in[CLASSES];     /* springs of a class */
+  double damped[CLASSES]; /* s, their largest damping over stiffness */
+  double *all, *stiff;    /* n each: sums of r */
+} choice;
+
+typedef struct cut {
+  int classes; /* taken; 0: none */
+  double work, stiff, rest, retardation;
+} cut;
+
+static double rate(const hk_model *model, const hk_elements *list, size_t e) {
+  const uint32_t *pair = hk_tuple(&list->node, e);
+  return hk_tuple_value(&list->stiffness, e) * (model->inverse_mass[pair[0]] + model->inverse_mass[pair[1]]);
+}
+
+static int class_of(const choice *c, double r) {
+  return r > 0 ? (int)fmin(CLASSES - 1, log2(c->stiffest / r)) : CLASSES - 1;
+}
+
+static bool takes_part(const hk_element_list *list) { return list->acts && hk_elements_are_edges(&list->elements); }
+
+/* Calls visit for every spring that may be taken. */
+static void each(choice *c, void *context, void (*visit)(choice *, void *, const hk_elements *, size_t e, double r)) {
+  for (size_t l = 0; l < c->model->element_lists; l++) {
+    const hk_element_list *list = &c->model->element_list[l];
+    for (size_t e = 0; takes_part(list) && e < list->elements.node.count; e++)
+      visit(c, context, &list->elements, e, rate(c->model, &list->elements, e));
+  }
+}
+
+static void find_stiffest(choice *c, void *context, const hk_elements *list, size_t e, double r) {
+  (void)context, (void)list, (void)e;
+  c->stiffest = fmax(c->stiffest, r);
+}
+
+static void count(choice *c, void *context, const hk_elements *list, size_t e, double r) {
+  const uint32_t *pair = hk_tuple(&list->node, e);
+  double k = hk_tuple_value(&list->stiffness, e), damping = list->damping.count ? hk_tuple_value(&list->damping, e) : 0;
+  int class = class_of(c, r);
+  (void)context;
+  c->in[class]++;
+  if (damping > 0) c->damped[class] = fmax(c->damped[class], damping / k);
+  c->all[pair[0]] += r;
+  c->all[pair[1]] += r;
+}
+
+static void add_class(choice *c, void *context, const hk_elements *list, size_t e, double r) {
+  const int *class = context;
+  const uint32_t *pair = hk_tuple(&list->node, e);
+  if (class_of(c, r) != *class) return;
+  c->stiff[pair[0]] += r;
+  c->stiff[pair[1]] += r;
+}
+
+/* The work of a second, with all classes up to the last one added in short steps. */
+static cut weigh(const choice *c, int classes, size_t taken, size_t edges, double retardation) {
+  cut found = {.classes = classes, .retardation = retardation};
+  for (size_t i = 0; i < c->model->n; i++) {
+    found.stiff = fmax(found.stiff, c->stiff[i]);
+    found.rest = fmax(found.rest, c->all[i] - c->stiff[i]);
+  }
+  double h = 2 / sqrt(found.rest), eta = 2 * retardation / h, whole = (double)(edges + c->model->n);
+  found.work = INFINITY;
+  if (!(found.rest > 0) || !(eta <= most_damped)) return found;
+  h *= sqrt(hk_local_room(eta));
+  found.work = (whole + hk_local_count(h * h * found.stiff) * (work_of_spring * (double)taken + work_of_call)) / h;
+  return found;
+}
+
+static cut best_cut(choice *c, size_t edges) {
+  cut best = {.rest = 0};
+  double retardation = 0;
+  size_t taken = 0;
+  for (size_t i = 0; i < c->model->n; i++) best.rest = fmax(best.rest, c->all[i]);
+  best.work = worth * (double)(edges + c->model->n) * sqrt(best.rest) / 2;
+  for (int class = 0; class < CLASSES && 2 * taken < edges; class ++) {
+    if (c->in[class] == 0) continue;
+    each(c, &class, add_class);
+    taken += c->in[class];
+    retardation = fmax(retardation, c->damped[class]);
+    cut next = weigh(c, class + 1, taken, edges, retardation);
+    if (next.work < best.work) best = next;
+  }
+  return best;
+}
+
+typedef struct collector {
+  hk_stiff_edges *into;
+  int classes;
+} collector;
+
+static void collect(choice *c, void *context, const hk_elements *list, size_t e, double r) {
+  const collector *to = context;
+  hk_stiff_edges *s = to->into;
+  if (class_of(c, r) >= to->classes) return;
+  memcpy(s->pair[s->count], hk_tuple(&list->node, e), sizeof *s->pair);
+  s->k[s->count] = hk_tuple_value(&list->stiffness, e);
+  s->c[s->count] = list->damping.count ? hk_tuple_value(&list->damping, e) : 0;
+  s->L[s->count++] = list->rest.count ? hk_tuple_value(&list->rest, e) : 0;
+}
+
+static hk_status take(hk_stiff_edges *s, const hk_host *host, choice *c, const cut *best) {
+  size_t taken = 0;
+  for (int class = 0; class < best->classes; class ++) taken += c->in[class];
+  s->stiff = best->stiff;
+  s->rest = best->rest;
+  s->retardation = best->retardation;
+  if (taken == 0) return HK_OK;
+  s->pair = host->allocate(host, taken * sizeof *s->pair);
+  s->k = host->allocate(host, 3 * taken * sizeof *s->k);
+  if (!s->pair || !s->k) return HK_NO_MEMORY;
+  s->c = s->k + taken;
+  s->L = s->c + taken;
+  each(c, &(collector){s, best->classes}, collect);
+  return HK_OK;
+}
+
+hk_status hk_stiff_edges_choose(hk_stiff_edges *s, const hk_host *host, const hk_model *model) {
+  choice c = {.model = model};
+  hk_stiff_edges_free(s, host);
+  c.all = host->allocate(host, 2 * (model->n + 1) * sizeof *c.all);
+  if (!c.all) return HK_NO_MEMORY;
+  c.stiff = c.all + model->n;
+  each(&c, NULL, find_stiffest);
+  each(&c, NULL, count);
+  for (int class = 0; class < CLASSES; class ++) s->edges += c.in[class];
+  cut best = best_cut(&c, s->edges);
+  hk_status status = take(s, host, &c, &best);
+  host->release(host, c.all);
+  return status;
+}
+
+void hk_stiff_edges_free(hk_stiff_edges *s, const hk_host *host) {
+  host->release(host, s->pair);
+  host->release(host, s->k);
+  *s = (hk_stiff_edges){0};
+}
