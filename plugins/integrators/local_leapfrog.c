@@ -159,8 +159,7 @@ static void reset(void *self, hk_reason why) {
 static hk_status accelerate(local_leapfrog *m, hk_system *s, double t, double *x, double *y, double h, double *a) {
   size_t v = 3 * s->n;
   hk_status status = s->accelerations(s, t, x, x + v, y, a, a + v);
-  double stiffest = h * h * m->stiff.stiff;
-  if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, x, h, hk_local_count(stiffest), a);
+  if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, x, h, a);
   return status;
 }
 

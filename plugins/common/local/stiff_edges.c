@@ -13,10 +13,8 @@ enum { CLASSES = 40 };
 
 /* Work is counted in springs of a whole evaluation. Springs of a short step are scattered, but lie in the first cache;
  * each brings up to two particles, and a short step has calls of its own. */
-static const double work_of_spring = 2, work_of_call = 30;
+static const double work_of_evaluation = 100, work_of_spring = 2, work_of_call = 30;
 static const double worth = 0.8; /* part of leapfrog's work below which local steps are taken */
-/* The largest damping over stiffness of a stiff spring, in long steps: it leaves them room, see local_filter.h. */
-static const double most_damped = 0.05;
 
 typedef struct choice {
   const hk_model *model;
@@ -76,32 +74,30 @@ static void add_class(choice *c, void *context, const hk_elements *list, size_t 
 }
 
 /* The work of a second, with all classes up to the last one added in short steps. */
-static cut weigh(const choice *c, int classes, size_t taken, size_t edges, double retardation) {
-  cut found = {.classes = classes, .retardation = retardation};
+static cut weigh(const choice *c, int classes, size_t taken, double whole, double retardation) {
+  cut found = {.classes = classes, .work = INFINITY, .retardation = retardation};
   for (size_t i = 0; i < c->model->n; i++) {
     found.stiff = fmax(found.stiff, c->stiff[i]);
     found.rest = fmax(found.rest, c->all[i] - c->stiff[i]);
   }
-  double h = 2 / sqrt(found.rest), eta = 2 * retardation / h, whole = (double)(edges + c->model->n);
-  found.work = INFINITY;
-  if (!(found.rest > 0) || !(eta <= most_damped)) return found;
-  h *= sqrt(hk_local_room(eta));
-  found.work = (whole + hk_local_count(h * h * found.stiff) * (work_of_spring * (double)taken + work_of_call)) / h;
+  double h = 2 * sqrt(hk_local_room(retardation * sqrt(found.rest)) / found.rest);
+  if (h > 0 && isfinite(h))
+    found.work = (whole + hk_local_count(h * h * found.stiff) * (work_of_spring * (double)taken + work_of_call)) / h;
   return found;
 }
 
 static cut best_cut(choice *c, size_t edges) {
   cut best = {.rest = 0};
-  double retardation = 0;
+  double retardation = 0, whole = work_of_evaluation + (double)(edges + c->model->n);
   size_t taken = 0;
   for (size_t i = 0; i < c->model->n; i++) best.rest = fmax(best.rest, c->all[i]);
-  best.work = worth * (double)(edges + c->model->n) * sqrt(best.rest) / 2;
+  best.work = worth * whole * sqrt(best.rest) / 2;
   for (int class = 0; class < CLASSES && 2 * taken < edges; class ++) {
     if (c->in[class] == 0) continue;
     each(c, &class, add_class);
     taken += c->in[class];
     retardation = fmax(retardation, c->damped[class]);
-    cut next = weigh(c, class + 1, taken, edges, retardation);
+    cut next = weigh(c, class + 1, taken, whole, retardation);
     if (next.work < best.work) best = next;
   }
   return best;
