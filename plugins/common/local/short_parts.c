@@ -45,7 +45,7 @@ static void divide(builder *b) {
     double bound = b->bound[root_of(b, i)];
     b->part[i] = NOT_STIFF;
     if (!(bound > 0)) continue;
-    int octave = (int)fmin(HK_SHORT_PARTS - 1, log2(b->edges->stiff / bound) + 0.5);
+    int octave = (int)fmin(HK_SHORT_PARTS - 1, log2(b->edges->stiffest / bound) + 0.5);
     if (number[octave] == NOT_STIFF) number[octave] = (int8_t)s->parts++;
     hk_short_part *part = &s->part[b->part[i] = number[octave]];
     part->stiffest = fmax(part->stiffest, bound);
@@ -81,6 +81,7 @@ static hk_status lay_out(builder *b, hk_short_part *part, int8_t number, uint32_
     const uint32_t *ends = b->edges->pair[e];
     if (b->part[ends[0]] != number) continue;
     for (int c = 0; c < 2; c++) pair[count][c] = b->place[ends[c]];
+    part->retardation = fmax(part->retardation, b->edges->c[e] / b->edges->k[e]);
     k[count] = b->edges->k[e];
     L[count++] = b->edges->L[e];
   }

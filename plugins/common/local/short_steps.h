@@ -11,6 +11,7 @@ enum { HK_SHORT_PARTS = 48 };
 typedef struct hk_short_part {
   size_t begin, n;         /* its particles in the arrays */
   double stiffest;         /* 1/s^2, no squared frequency is higher */
+  double retardation;      /* s, largest damping over stiffness */
   hk_spring_layout layout; /* without damping, on the particles 0 to n - 1 of the part */
 } hk_short_part;
 
