@@ -197,8 +197,8 @@ local function run()
     if p.min == cjson.null then p.min = nil end
     if p.max == cjson.null then p.max = nil end
   end
-  local self = setmetatable({ server = s, words = own, forces = forces, title = title, declared = by_name, values = {}, pace = 0, number = 0,
-    declared_list = json_text.list(declared), signals = process.signals(), told = 0, code = 0 }, session)
+  local self = setmetatable({ server = s, words = own, forces = forces, title = title, declared = by_name, values = {},
+    pace = 0, number = 0, declared_list = json_text.list(declared), signals = process.signals(), told = 0, code = 0 }, session)
   io.stderr:write("hooke: watch it at ", s:url(), " (Ctrl-C ends)\n")
   self:begin()
   while self:turn() do end
