@@ -41,12 +41,21 @@ static double (*allocate_blocks(const hk_dynamics *d))[6] {
   return block;
 }
 
+/* What a method takes in shorter steps of its own is no part of the estimates. */
+static hk_status divide(hk_step_choice *c, hk_dynamics *d) {
+  if (!c->method->divide) return HK_OK;
+  const hk_instance *outer = hk_enter(c->integrator);
+  return hk_leave_with(c->integrator, outer, "divide", c->method->divide(c->integrator->self, &d->system));
+}
+
 /* `method`: the one whose step is wanted; NULL: all is estimated. The evaluations and sampled times of an estimate are
  * not added to those of the run. */
 static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
-  hk_status status = hk_spectrum_estimate_for(&d->system, method, c->parameters, &c->spectrum, d->error);
+  hk_status status = divide(c, d);
+  if (status != HK_OK) return status;
+  status = hk_spectrum_estimate_for(&d->system, method, c->parameters, &c->spectrum, d->error);
   c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;

@@ -21,7 +21,9 @@
  * proportional to damping times velocity are unsymmetric, and small while no particle moves by the distance to its
  * neighbour in a step. alpha is the smallest damping rate of the particles when all have the same velocity: elements
  * between them then exert no damping force, and pins only add damping. This is exact for drag and an estimate for other
- * forces. */
+ * forces.
+ *
+ * What a method sets aside for shorter steps of its own (hk_integrator.divide) is no part of the scene here. */
 #include "core/stability/stability.h"
 #include "core/stability/channel_rate.h"
 #include "core/stability/common_motion.h"
@@ -149,7 +151,9 @@ static hk_status evaluate(operation *o, double *a) {
   hk_system *system = o->system;
   double *x = o->velocity ? o->rest : s->moved, *v = o->velocity ? s->moved : o->rest;
   s->bounds.evaluations++;
-  return system->accelerations(system, system->t, x, v, system->X + 6 * s->n, a, s->dy[0]);
+  hk_status status = system->accelerations(system, system->t, x, v, system->X + 6 * s->n, a, s->dy[0]);
+  if (status == HK_OK && system->aside) system->aside->remove(system->aside->self, system, x, v, a);
+  return status;
 }
 
 /* out = (out - a) -1/2 / (factor sqrt(m)) */

@@ -62,6 +62,7 @@ static double least_ratio(const hk_model *model) {
 
 bool hk_stiffness_part_of(hk_system *s, hk_stiffness_part part, double (*scratch)[6], double *largest) {
   bool covered = s->stiffness_bound(s, part, false, scratch);
+  if (covered && s->aside) s->aside->remove_bound(s->aside->self, s, part, scratch);
   *largest = covered || part == HK_DAMPING_WHOLE ? largest_block(s->model, scratch) : 0;
   return covered;
 }

@@ -302,9 +302,22 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return HK_OK;
 }
 
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  contact c = contact_at(self, view, NULL);
+  double n[3], at[3];
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = particle(view, k);
+    const double *x = view->x + 3 * i;
+    if (!(hk_obstacle_gap(&c.obstacle, &c.frame, x, i, n) < 0)) continue;
+    for (int q = 0; q < 3; q++) at[q] = x[q] - hk_obstacle_radius(&c.obstacle, i) * n[q];
+    points->add(points->context, at, n);
+  }
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags =
                                    HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_POWER | HK_STIFFENS,
+                               .contact_points = contact_points,
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,

@@ -309,9 +309,25 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? topology(self, view) : status;
 }
 
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const soft_walls *s = self;
+  double n[3], at[3];
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = acting(view, k);
+    double R = hk_sphere_radius(&s->spheres, view, i);
+    for (uint32_t wall = 0; wall < s->walls; wall++) {
+      double gap = from_wall(s, wall, view->x + 3 * i, n);
+      if (!(gap < R)) continue;
+      for (int c = 0; c < 3; c++) at[c] = view->x[3 * i + (size_t)c] - gap * n[c];
+      points->add(points->context, at, n);
+    }
+  }
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS |
                                         HK_POWER | HK_STIFFENS,
+                               .contact_points = contact_points,
                                .add = add,
                                .energy = energy,
                                .rates = rates,

@@ -86,8 +86,10 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
-    {"tube", "m", "radius of drawn springs and strands; left out: chosen",
+    {"tube", "m", "radius of drawn springs and strands; left out: of strands that of contact, else chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
+    {"tubes", "", "a channel with the radius of springs and strands at each particle, m, instead of tube",
+     HK_STRING, {0}, 0, 0, offsetof(frames, names.tubes), 0, NULL},
     {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
     {"least", "pixels", "smallest radius of a particle on the picture",
@@ -209,6 +211,10 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   hk_look_names names = f->names;
   bool one_size = !isnan(f->radius);
   if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
+  if (!isnan(f->tube) && names.tubes)
+    return f->host->fail(f->host, HK_BAD_PARAM, "tube: the channel '%s' has the radii; leave one of the two out",
+                         names.tubes);
+  if (!isnan(f->tube)) names.tubes = "";
   hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
   if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
     return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",

@@ -65,10 +65,10 @@ static hk_status find_paths(trajectory *t) {
 /* All obstacles are known when outputs are opened. */
 static hk_status make_solids(trajectory *t) {
   hk_frame_data *data = &t->gatherer.data;
-  data->solids = t->all->set->count;
+  data->solids = t->all->shown->count;
   data->solid = t->host->allocate(t->host, (data->solids + 1) * sizeof *data->solid);
   if (!data->solid) return t->host->fail(t->host, HK_NO_MEMORY, "no memory for %zu obstacles", data->solids);
-  hk_obstacle_solids(t->all->set, false, data->solid);
+  hk_obstacle_solids(t->all->shown, false, data->solid);
   return HK_OK;
 }
 
@@ -79,6 +79,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   hk_status status = find_paths(t);
   if (status == HK_OK) status = hk_gatherer_open(&t->gatherer, view, now, &t->only, t->forces);
   if (status == HK_OK) status = make_solids(t);
+  if (status == HK_OK) status = hk_marks_open(&t->gatherer.data.marks, t->host, now);
   if (status != HK_OK) return status;
   t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->gatherer.data, now, why, sizeof why);
   return t->recorder ? HK_OK : io_error(t, why);
@@ -90,7 +91,9 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   if (now->index % (size_t)t->every != 0) return HK_OK;
   hk_status status = hk_gatherer_frame(&t->gatherer, view, now, &t->only);
   if (status != HK_OK) return status;
-  hk_obstacle_solids(t->all->set, false, t->gatherer.data.solid);
+  hk_obstacle_solids(t->all->shown, false, t->gatherer.data.solid);
+  status = hk_marks_take(&t->gatherer.data.marks, view, now);
+  if (status != HK_OK) return status;
   bool written = hk_recorder_add(t->recorder, &t->gatherer.data, t->gatherer.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);
 }
@@ -109,6 +112,7 @@ static void destroy(void *self, const hk_host *host) {
   char why[256];
   hk_recorder_close(t->recorder, NULL, why, sizeof why);
   host->release(host, t->gatherer.data.solid);
+  hk_marks_free(&t->gatherer.data.marks);
   hk_gatherer_free(&t->gatherer);
 }
 

@@ -24,6 +24,8 @@ scene:force("gravity", {})
 scene:force("springs", { edges = sheet:structural(), k = k, damping = 0.05, label = "structural" })
 scene:force("springs", { edges = sheet:shear(), k = k / 2, damping = 0.05, label = "shear" })
 scene:force("drag", { d = 0.002 })
+scene:force("wind", { on = "particles", d = 1e-9, velocity = { 0, 2, 0 }, label = "breeze" })
+scene:corrector("obstacle", { shape = "sphere", size = { 0.2, 0.2, 0.2 }, position = function(t) return { 3, t / 100, 0 } end })
 return scene
 ]]
 
@@ -76,6 +78,19 @@ function tests.it_follows_the_run_without_a_complaint()
   equal(b:eval("document.querySelector('.doing').textContent"), "running", "what it is doing")
   assert(b:eval("document.querySelectorAll('.chart path').length") > 3, "no lines in the charts")
   silent("following")
+end
+
+function tests.it_shows_obstacles_and_the_wind()
+  local got = b:eval([[(() => { const { sources, layers } = view.page, { frame } = layers[0], [s] = sources;
+    return { kind: s.solids.map((one) => one.kind).join(), t: frame.t, y: frame.solids[1] + s.origin[1], radius: frame.solids[3],
+      marks: s.marks.map((m) => `${m.name} ${m.kind}`).join(), wind: [...frame.marks["mark 0"].vectors.subarray(0, 3)],
+      count: frame.marks["mark 0"].count, n: frame.n, drawn: layers[0].solids.parts.length }; })()]])
+  equal(got.kind, "sphere", "the obstacle")
+  equal(got.marks, "breeze wind,contact contact", "what there is to mark")
+  assert(math.abs(got.y - got.t / 100) < 1e-6 and math.abs(got.radius - 0.1) < 1e-6, "where it is, in single precision")
+  assert(got.wind[1] == 0 and got.wind[2] == 2 and got.wind[3] == 0 and got.count == got.n)
+  equal(got.drawn, 2, "the ball and its shadow")
+  silent("surroundings")
 end
 
 function tests.pause_single_frame_and_going_on()
@@ -186,7 +201,7 @@ function tests.ten_pages_at_once_and_their_end_do_no_harm()
   assert(w:printed():find("verdict +interrupted"), w:printed())
 end
 
-local order = { "it_follows_the_run_without_a_complaint", "pause_single_frame_and_going_on",
+local order = { "it_follows_the_run_without_a_complaint", "it_shows_obstacles_and_the_wind", "pause_single_frame_and_going_on",
   "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_begins_another_run_with_its_value",
   "forces_are_shown_as_arrows_and_colours",
   "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",

@@ -27,11 +27,13 @@ static hk_status make_solids(hk_film *f) {
   return HK_OK;
 }
 
+static bool has_legend(const hk_film *f) { return f->legend && f->framing.counted; }
+
 /* The name of the view, and in the first the legend. */
 static void draw_overlay(hk_painter *painter, void *film) {
   hk_film *f = film;
   hk_legend_name(painter, f->framing.viewport[f->view].name, hk_is_dark(f->setup.background));
-  if (f->view > 0 || f->bare || !f->legend || !f->framing.counted) return;
+  if (f->view > 0 || f->bare || !has_legend(f)) return;
   hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
   if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
   hk_legend_draw(painter, &legend);
@@ -187,6 +189,34 @@ static hk_status follow(hk_film *f) {
   return status;
 }
 
+/* Stills have one legend for all, below them, in the size that it has on a picture. */
+static hk_status take_still(hk_film *f, size_t k) {
+  hk_status status = HK_OK;
+  if (!hk_sheet_wants(&f->sheet, k)) return HK_OK;
+  if (f->sheet.strip) {
+    f->bare = true, f->painter.kept = false;
+    status = draw(f, k);
+    f->bare = false, f->painter.kept = false;
+  }
+  if (status == HK_OK) hk_sheet_take(&f->sheet, f->picture);
+  return status;
+}
+
+static hk_status finish_sheet(hk_film *f) {
+  if (f->sheet.strip && f->sheet.count) {
+    hk_snapshot3d nothing = f->snapshot;
+    hk_view_setup setup = f->setup;
+    unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
+    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = 0;
+    setup.floor = setup.shadows = f->painter.kept = false;
+    hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);
+    if (status == HK_OK) status = hk_painter_read(&f->painter, &setup, picture);
+    if (status != HK_OK) return status;
+    hk_sheet_fill_strip(&f->sheet, picture, f->mosaic.width);
+  }
+  return hk_sheet_write(&f->sheet, "sheet.png");
+}
+
 /* A frame that reaches five times (diverged) or a thousand times as far as the median frame is drawn as well, but
  * ignored in the choice of the camera. */
 static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
@@ -195,17 +225,18 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
   if (status == HK_OK && f->follow) status = follow(f);
   if (status == HK_OK) status = expose(f);
-  if (status == HK_OK) status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height);
+  int strip = has_legend(f) ? hk_legend_height(&f->painter) : 0;
+  if (status == HK_OK)
+    status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height, strip);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
     if (hk_reel_stopped(&f->reel))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f, k);
     if (status == HK_OK) status = hk_reel_add(&f->reel, f->picture);
-    if (status == HK_OK) hk_sheet_take(&f->sheet, k, f->picture);
+    if (status == HK_OK) status = take_still(f, k);
   }
-  if (status == HK_OK) status = hk_sheet_write(&f->sheet, "sheet.png");
-  return status;
+  return status == HK_OK ? finish_sheet(f) : status;
 }
 
 hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {

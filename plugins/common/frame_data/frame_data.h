@@ -3,6 +3,7 @@
 #ifndef HK_FRAME_DATA_H
 #define HK_FRAME_DATA_H
 
+#include "plugins/common/frame_data/marks.h"
 #include "plugins/common/snapshot/solid.h"
 
 #include "core/plugin.h"
@@ -40,6 +41,7 @@ typedef struct hk_frame_data {
   hk_frame_array *array;
   size_t solids; /* what particles bounce off */
   hk_solid *solid;
+  hk_mark_lists marks;
 } hk_frame_data;
 
 /* ---- what it is gathered with: gatherer.h ---- */

@@ -153,6 +153,14 @@ void hk_legend_name(hk_painter *p, const char *name, bool light) {
   hk_painter_strokes(p, s.tube, s.count, 0.42 * unit + 0.15);
 }
 
+static double bar_thickness(const hk_painter *p) { return fmax(0.013 * p->canvas.height, 5); }
+
+/* From below: a margin, the numbers, the bar, the label of 6 points. */
+int hk_legend_height(const hk_painter *p) {
+  double margin = 0.04 * p->canvas.height;
+  return has_room(p, 200) ? (int)ceil(2 * margin + (11 + 5 + 6) * unit_of(p) + bar_thickness(p)) : 0;
+}
+
 void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
   int width = p->canvas.width, height = p->canvas.height;
   if (!has_room(p, 200)) return;
@@ -160,7 +168,7 @@ void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
   hk_tick tick[HK_TICKS];
   double unit = unit_of(p), margin = 0.04 * height, advance = 6 * unit;
   double length = fmax(fmin(0.3 * height, 0.3 * width), advance * hk_scale_least(&legend->scale));
-  double thickness = fmax(0.013 * height, 5), at[2] = {margin, margin + 11 * unit};
+  double thickness = bar_thickness(p), at[2] = {margin, margin + 11 * unit};
   size_t ticks = hk_scale_ticks(&legend->scale, length / advance, tick);
   draw_bar(p, &s, legend, at, length, thickness);
   s.count = 0;

@@ -165,6 +165,7 @@ bool hk_recording_layout(hk_recorder *r, const hk_recorder_setup *setup, const h
          hk_h5_text(r->root, "Type", "UnstructuredGrid") && make_steps(r) && make_points(r, setup, first) &&
          make_cells(r, setup, first) && make_figures(r, frame) &&
          hk_solid_series_create(&r->solids, r->own, first->solid, first->solids) &&
+         hk_mark_series_create(&r->marks, r->own, &first->marks, setup->level) &&
          hk_h5_attribute(r->own, "fps", H5T_NATIVE_DOUBLE, 1, &frame->fps) &&
          hk_h5_attribute(r->own, "every", H5T_NATIVE_INT64, 1, &every) &&
          hk_h5_text(r->own, "verdict", "not ended yet   ") &&

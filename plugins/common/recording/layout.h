@@ -4,6 +4,7 @@
 
 #include "plugins/common/recording/h5_file.h"
 #include "plugins/common/recording/h5_series.h"
+#include "plugins/common/recording/mark_series.h"
 #include "plugins/common/recording/recording.h"
 #include "plugins/common/recording/solid_series.h"
 #include "plugins/common/recording/xdmf.h"
@@ -31,6 +32,7 @@ struct hk_recorder {
   hk_h5_series types, connectivity, offsets, cell_strain, counts[3], kinds;
   hk_h5_series step[STEPS], figure[FIGURES], *measure;
   hk_solid_series solids;
+  hk_mark_series marks;
   int cause;                                              /* errno of a failure that was not the HDF5 file's */
   hsize_t points_at, fixed_at, cells_at, connectivity_at; /* rows of the present part */
   int64_t *number;                                        /* scratch */

@@ -87,7 +87,8 @@ static bool put_frame(hk_recorder *r, const hk_frame_data *data, const hk_frame 
     fine = hk_h5_series_put(&r->array[k], at, data->n, data->array[k].value);
   fine = fine && hk_h5_series_add(&r->step[VALUES], 1, &data->t);
   for (int k = VALUES + 1; k < STEPS && fine; k++) fine = hk_h5_series_add(&r->step[k], 1, &step[k]);
-  return fine && hk_solid_series_add(&r->solids, data->solid) && put_figures(r, frame);
+  return fine && hk_solid_series_add(&r->solids, data->solid) && hk_mark_series_add(&r->marks, &data->marks) &&
+         put_figures(r, frame);
 }
 
 /* The frame counts from the moment in which the file says so. */
@@ -140,6 +141,7 @@ static void close_all(hk_recorder *r) {
   for (size_t k = 0; k < r->arrays; k++) hk_h5_series_close(&r->array[k]);
   for (size_t k = 0; k < r->measures; k++) hk_h5_series_close(&r->measure[k]);
   hk_solid_series_close(&r->solids);
+  hk_mark_series_close(&r->marks);
   const hid_t group[] = {r->steps, r->own, r->root};
   for (int k = 0; k < 3; k++)
     if (group[k] > 0) H5Gclose(group[k]);

@@ -7,6 +7,7 @@
  *   /VTKHDF/Types, Connectivity, Offsets, NumberOf...  of each part; Steps/PartOffsets says which part a frame has
  *   /VTKHDF/FieldData/...            a row per frame: energies, momenta, the last step, measures
  *   /hooke/solids                    what particles bounce off (solid_series.h)
+ *   /hooke/marks                     wind and points of contact (mark_series.h)
  *   /hooke                           what VTK does not ask for: scene, origin, fps, the numbers of cells of each kind
  *
  * PointData of a force or a channel has the attributes `kind` ("force", "channel") and `label`, its name in the scene.

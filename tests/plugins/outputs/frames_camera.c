@@ -91,6 +91,41 @@ static void frames_show_several_views_with_their_names(void **state) {
   fake_close(&w.f);
 }
 
+/* Letters and numbers of the legend are in a strip below the stills, as large as on a picture, and on no still. */
+static void frames_have_one_legend_for_a_sheet(void **state) {
+  (void)state;
+  static const double range[] = {0, 1};
+  char path[512];
+  int ink[2] = {0};
+  world w;
+  world_open(&w, 1);
+  set_still_camera(&w);
+  set_switch(&w, "legend", true);
+  set_integer(&w, "width", 320), set_integer(&w, "height", 240);
+  set_integer(&w, "sheet", 4);
+  set_switch(&w, "reverse", true); /* at rest it is yellow */
+  set_text(&w, "color", "speed");
+  set_number(&w, "radius", 0.2);
+  *(hk_numbers *)fake_field(&w.f, "range") = (hk_numbers){2, range};
+  assert_int_equal(begin(&w), HK_OK);
+  for (int k = 0; k < 4; k++) assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  snprintf(path, sizeof path, "%s/sheet.png", w.f.folder);
+  picture single = look(&w, 3), sheet = read_picture(path);
+  assert_int_equal(sheet.width, 2 * 160 + 4);
+  assert_true(sheet.height > 2 * 120 + 2 * 4 + 30);
+  for (int y = 0; y < sheet.height; y++)
+    for (int x = 0; x < sheet.width; x++) ink[y > 2 * 120 + 4] += at(&sheet, x, y)[0] < 90;
+  int whole = 0; /* where the picture has its legend: below the particle and its shadow */
+  for (int y = 180; y < 240; y++)
+    for (int x = 0; x < 320; x++) whole += at(&single, x, y)[0] < 90;
+  assert_true(whole > 60);
+  assert_true(ink[0] < ink[1] / 2);                         /* the particle itself has dark colours */
+  assert_in_range(ink[1], whole * 9 / 10, whole * 11 / 10); /* the background differs a little */
+  free(single.rgb), free(sheet.rgb);
+  fake_close(&w.f);
+}
+
 static void refuse(const double *rows, size_t count, const char *message) {
   world w;
   world_open(&w, 1);
@@ -142,6 +177,7 @@ int main(void) {
       cmocka_unit_test(frames_camera_passes_its_keyframes),
       cmocka_unit_test(frames_keep_the_subject_at_two_thirds_of_the_height),
       cmocka_unit_test(frames_show_several_views_with_their_names),
+      cmocka_unit_test(frames_have_one_legend_for_a_sheet),
       cmocka_unit_test(frames_refuse_keyframes_that_are_none),
       cmocka_unit_test(frames_refuse_views_that_are_none),
   };

@@ -1,6 +1,7 @@
 -- What a run has shown so far, as documents of the server. Of run r:
 --
---     run/r            the story: title, fps, origin, fields, measures (JSON)
+--     run/r            the story: title, fps, origin, fields, measures, marks (JSON)
+--     solids/r         S as it came: what particles bounce off
 --     topology/r/k     T as it came, number k; frame/r/k: F as it came, frame k
 --     numbers/r/c      the N of frames 512 c to 512 c + 511, one after the other (double)
 --
@@ -35,7 +36,7 @@ local function begin(self, body)
       centred = f.kind == "strain" }
   end
   self.server:put(("run/%d"):format(self.number), JSON, json_text.encode({ title = self.title, fps = run.fps,
-    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures) }))
+    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures), marks = json_text.list(run.marks) }))
 end
 
 local function forget(self, k)
@@ -81,6 +82,7 @@ local heard = {
     self.topologies = string.unpack("<I4", body)
     self.server:put(name_of(self, "topology", self.topologies), BINARY, body)
   end,
+  S = function(self, body) self.server:put(("solids/%d"):format(self.number), BINARY, body) end,
   N = note,
   F = keep,
 }
@@ -95,6 +97,7 @@ function history:drop()
   for k in pairs(self.kept) do forget(self, k) end
   for k = 1, self.topologies or 0 do self.server:drop(name_of(self, "topology", k)) end
   for c = 0, self.frames // CHUNK do self.server:drop(name_of(self, "numbers", c)) end
+  self.server:drop(("solids/%d"):format(self.number))
   self.server:drop(("run/%d"):format(self.number))
 end
 
