@@ -29,6 +29,30 @@ page("sheet", { { recording = made.sheet(16, 100), title = "sheet", summary = su
 page("two", { { recording = made.sheet(8, 60), title = "first" }, { recording = made.sheet(8, 60, 0.1), title = "second" } },
   { title = "first and second" })
 
+-- ---- the same by three.js as ES modules, where they are installed ----
+
+local three = require("common.view.three")
+for _, place in ipairs(three.places) do
+  local module = io.open(place .. "three.module.js", "rb")
+  if module then
+    local modules = folder .. "/modules/"
+    os.execute("mkdir -p " .. modules)
+    for _, name in ipairs { "three.module.js", "three.core.js" } do
+      local from = io.open(place .. name, "rb")
+      if from then
+        local to = assert(io.open(modules .. name, "wb"))
+        to:write((from:read("a")))
+        to:close()
+        from:close()
+      end
+    end
+    module:close()
+    page("modules", { { recording = made.sheet(16, 100), title = "sheet", summary = summary } },
+      { title = "sheet", three = { modules } })
+    break
+  end
+end
+
 -- ---- a ball that rolls, a box of triangles and a floor ----
 
 local box_vertices, box_faces = {}, { 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2,
