@@ -53,6 +53,11 @@ typedef struct hk_blocks {
   double *K;     /* N/m */
   double *D;     /* N s/m */
   unsigned want; /* used by forces with the flags HK_OFFERS_... */
+  /* Of a method that linearises once a step: the positions (n x 3) of the last linearisation and those that it led to;
+   * NULL: none. Where the blocks contain a tension k C, a force may take the one that this linearisation foretold, k
+   * (C(linearised) + dC/dx (reached - linearised)), for the one at the positions: of a stiff element the latter is
+   * mostly what the bend of its path adds to C, which the step takes away again. */
+  const double *linearised, *reached;
 } hk_blocks;
 
 enum { /* hk_force.flags */

@@ -59,7 +59,23 @@ typedef struct hk_integrator {
    * `amplification`. NULL: not stated; where velocities turn, an explicit method's largest stable step is then not
    * known, and its step is chosen for accuracy. */
   double (*rotation)(const void *self, double hw, double hg, double hb);
+  /* For methods that take a part of the forces in shorter steps of their own: chooses that part at s->X and sets
+   * s->aside. The host calls it before every estimate of the largest stable step, which is then that of the rest. May
+   * allocate, and must do nothing where the part is still right. NULL: the method has none. */
+  hk_status (*divide)(void *self, hk_system *s);
+  /* As `rotation` in a step of h, of the rest's modes (1/s) with the part set aside beside them, if they lower the
+   * limit. NULL: they do not. */
+  double (*growth)(const void *self, double h, double w, double g, double b);
 } hk_integrator;
+
+/* The part of the forces that a method has set aside (hk_integrator.divide). */
+typedef struct hk_aside {
+  void *self;
+  /* Takes the part's accelerations at x and v (n x 3) out of a, m/s^2. */
+  void (*remove)(const void *self, const hk_system *, const double *x, const double *v, double *a);
+  /* Takes its share out of the blocks of hk_system.stiffness_bound. */
+  void (*remove_bound)(const void *self, const hk_system *, hk_stiffness_part part, double (*block)[6]);
+} hk_aside;
 
 /* ---- The system ------------------------------------------------------------------------------------------------ */
 
@@ -128,7 +144,7 @@ struct hk_system {
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
    * HK_STIFFENS only. False: an acting force that depends on x states no bound, and the blocks are not
-   * touched. */
+   * touched; of HK_DAMPING_WHOLE: one that depends on v states none, and the blocks are those of the others. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
   /* As `solve`, with J x = J u (u: n x 3): for methods whose right-hand side is not a residual of forces. */
   hk_status (*solve_along)(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
@@ -152,6 +168,10 @@ struct hk_system {
   /* Removes from velocities (n x 3) the part that constraints forbid at X, v -= W J^T (J W J^T)^-1 J v. NULL: there are
    * none that could. */
   hk_status (*tangent)(hk_system *, double *vector);
+  /* Set by the method in `divide`, and valid as long as the method; NULL: nothing is set aside. */
+  const hk_aside *aside;
+  /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
+  const double *linearised, *reached;
 };
 
 #endif

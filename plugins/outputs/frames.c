@@ -11,10 +11,10 @@
 typedef struct frames {
   int64_t width, height, every, sheet;
   hk_look_names names;
-  const char *unit, *folder, *video_file;
+  const char *unit, *folder, *video_file, *views;
   double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
       background[3], plain[3];
-  hk_numbers range, keyframes;
+  hk_numbers range, keyframes, cameras;
   hk_solid_numbers solids;
   hk_solid *solid;
   size_t solid_count;
@@ -61,7 +61,13 @@ static const hk_param params[] = {
     {"keyframes", "", "the camera's way: t, x, y, z of where it stands and x, y, z of what it looks at, of each; between "
      "them it moves smoothly",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, keyframes), HK_OPTIONAL, NULL},
-    {"follow", "", "the camera goes along with the particles, which fill two thirds of the picture",
+    {"views", "", "several in each picture: camera (by from, look_at), front, back, left, right, top, bottom, camera2 ...; "
+     "left out: camera",
+     HK_STRING, {0}, 0, 0, offsetof(frames, views), 0, NULL},
+    {"cameras", "m", "further ones for views, camera2, camera3 ...: x, y, z of where it stands and x, y, z of what it looks "
+     "at, of each",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, cameras), HK_OPTIONAL, NULL},
+    {"follow", "", "cameras go along with the particles, which fill two thirds of the picture",
      HK_BOOLEAN, {0}, 0, 0, offsetof(frames, follow), 0, NULL},
     {"fov", "degrees", "angle from the bottom to the top of the picture",
      HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
@@ -80,8 +86,10 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
-    {"tube", "m", "radius of drawn springs and strands; left out: chosen",
+    {"tube", "m", "radius of drawn springs and strands; left out: of strands that of contact, else chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
+    {"tubes", "", "a channel with the radius of springs and strands at each particle, m, instead of tube",
+     HK_STRING, {0}, 0, 0, offsetof(frames, names.tubes), 0, NULL},
     {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
     {"least", "pixels", "smallest radius of a particle on the picture",
@@ -158,13 +166,13 @@ static void place_camera(frames *f, double t) {
   double from[3], look_at[3];
   memcpy(from, f->from, sizeof from), memcpy(look_at, f->look_at, sizeof look_at);
   if (f->keyframes.count) hk_keyframes_at(&f->keyframes, t, from, look_at);
-  hk_look_turn(f->up == Y_UP, from, f->film.framing.eye);
-  hk_look_turn(f->up == Y_UP, look_at, f->film.framing.target);
+  hk_look_turn(f->up == Y_UP, from, f->film.own.eye);
+  hk_look_turn(f->up == Y_UP, look_at, f->film.own.target);
 }
 
 static void plan_camera(frames *f, double t) {
   hk_framing *framing = &f->film.framing;
-  framing->fov = f->fov * acos(-1) / 180, framing->aspect = (double)f->width / (double)f->height;
+  framing->fov = f->fov * acos(-1) / 180;
   f->film.follow = f->follow;
   place_camera(f, t);
   framing->floor = f->ground, framing->height = f->ground_height;
@@ -203,6 +211,10 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   hk_look_names names = f->names;
   bool one_size = !isnan(f->radius);
   if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
+  if (!isnan(f->tube) && names.tubes)
+    return f->host->fail(f->host, HK_BAD_PARAM, "tube: the channel '%s' has the radii; leave one of the two out",
+                         names.tubes);
+  if (!isnan(f->tube)) names.tubes = "";
   hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
   if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
     return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
@@ -217,8 +229,10 @@ static void choose_size(frames *f) {
   f->width = (f->width + 3) / 4 * 2, f->height = (f->height + 3) / 4 * 2;
 }
 
-static hk_status check_camera(const frames *f) {
-  if (f->keyframes.count == 0) return HK_OK;
+static hk_status check_camera(frames *f) {
+  hk_status status = hk_viewports_read(f->host, f->views, &f->cameras, f->up == Y_UP, f->film.framing.viewport,
+                                       &f->film.framing.viewports);
+  if (status != HK_OK || f->keyframes.count == 0) return status;
   if (!isnan(f->from[0]) || !isnan(f->look_at[0]) || f->follow)
     return f->host->fail(f->host, HK_BAD_PARAM, "keyframes: they say where the camera is; leave out %s",
                          f->follow           ? "follow"

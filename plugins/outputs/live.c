@@ -22,6 +22,7 @@
 
 typedef struct live {
   int64_t messages_fd, commands_fd;
+  bool forces;
 
   const hk_host *host;
   const hk_hand *hand;
@@ -42,6 +43,8 @@ static const hk_param params[] = {
      offsetof(live, messages_fd), 0, NULL},
     {"commands", "", "descriptor of the pipe from which the commands are read; 0: none are", HK_INTEGER, {0}, 0, 1 << 20,
      offsetof(live, commands_fd), 0, NULL},
+    {"forces", "", "whether frames have each force by itself, which costs an evaluation of it", HK_BOOLEAN, {0}, 0, 0,
+     offsetof(live, forces), 0, NULL},
     {0},
 };
 /* clang-format on */
@@ -96,7 +99,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (!hk_live_open(&l->out, (int)l->messages_fd))
     return l->host->fail(l->host, HK_NO_MEMORY, "no memory, or no thread, for the messages");
   hk_status status = find_surroundings(l, frame);
-  if (status == HK_OK) hk_live_tell_run(&l->out, view, frame);
+  if (status == HK_OK) hk_live_tell_run(&l->out, view, frame, l->forces);
   return status;
 }
 

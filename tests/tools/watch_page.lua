@@ -33,7 +33,7 @@ local folder = watched.folder()
 local file = assert(io.open(folder .. "/sheet.lua", "w"))
 file:write(scene)
 file:close()
-local w = watched.start(folder, "sheet.lua --no-output")
+local w = watched.start(folder, "sheet.lua --no-output --forces")
 local b = browser.open(1200, 800)
 
 local function silent(where)
@@ -117,6 +117,27 @@ function tests.an_earlier_frame_stays_while_the_run_goes_on()
   b:wait("view.page.layers[0].frame.k > 20")
 end
 
+local function choose(name, value)
+  b:eval(([[(() => {
+    const s = [...document.querySelectorAll("#controls label")].find((n) => n.textContent.startsWith("%s")).querySelector("select");
+    s.value = "%s";
+    s.dispatchEvent(new Event("change"));
+  })()]]):format(name, value))
+end
+
+-- With --forces each force is a field: as arrows, which nothing has at first, and as colours.
+function tests.forces_are_shown_as_arrows_and_colours()
+  local drawn = "view.page.layers[0].arrows.geometry.instanceCount"
+  equal(b:eval(drawn), 0, "arrows that nobody asked for")
+  choose("Arrows", "force structural")
+  choose("Colour", "force structural")
+  b:wait(drawn .. " > 0")
+  b:wait("document.getElementById('legend').textContent.includes('force: structural, N')")
+  silent("forces")
+  choose("Arrows", "")
+  choose("Colour", "")
+end
+
 function tests.a_slider_begins_another_run_with_its_value()
   local run = w:state().run
   b:eval("(() => { const s = document.querySelector('.value input[type=range]'); s.value = 200; "
@@ -182,6 +203,7 @@ end
 
 local order = { "it_follows_the_run_without_a_complaint", "it_shows_obstacles_and_the_wind", "pause_single_frame_and_going_on",
   "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_begins_another_run_with_its_value",
+  "forces_are_shown_as_arrows_and_colours",
   "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",
   "ten_pages_at_once_and_their_end_do_no_harm" }
 

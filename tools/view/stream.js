@@ -103,7 +103,7 @@ view.stream = (() => {
         for (let i = 0; i < numbers.length; i += f.components) {
           let square = 0;
           for (let c = 0; c < f.components; c++) square += numbers[i + c] ** 2;
-          if (square > f.most ** 2) f.most = Math.sqrt(square);
+          if (square > f.most ** 2) f.most = f.largest = Math.sqrt(square);
         }
         return;
       }

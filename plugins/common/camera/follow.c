@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double share = 2. / 3, calm = 0.4; /* of the picture; s, half the width of the mean */
+/* Of the picture: room on both sides for what the mean comes after. s, half the width of the mean. */
+static const double wide = 2. / 3, calm = 0.4;
 
 typedef struct pose { /* relative to the origin */
   double target[3], distance;
@@ -21,11 +22,11 @@ static bool can_be_seen(const hk_frame_spool_entry *e, const hk_view_setup *setu
   return true;
 }
 
-static pose pose_of(const hk_frame_spool_entry *e, const hk_view_setup *setup) {
-  hk_camera camera = setup->camera;
+static pose pose_of(const hk_frame_spool_entry *e, const hk_camera *from, const hk_view_setup *setup) {
+  hk_camera camera = *from;
   hk_fit fit;
   double way[3];
-  hk_fit_begin(&fit, &camera, share);
+  hk_fit_begin(&fit, &camera, wide);
   for (int corner = 0; corner < 8; corner++) {
     float point[3];
     for (int c = 0; c < 3; c++) point[c] = (corner >> c & 1 ? e->high : e->low)[c];
@@ -62,24 +63,25 @@ static pose mean_around(const pose *all, size_t count, size_t k, long half) {
   return mean;
 }
 
-hk_status hk_follow(const hk_framing *framing, hk_frame_spool *spool, const double origin[3], double fps,
-                    const hk_view_setup *setup) {
+hk_status hk_follow(const hk_viewport *port, const hk_frame_spool *spool, const double origin[3], double fps,
+                    const hk_view_setup *setup, hk_camera_place *way) {
   const hk_host *host = spool->host;
+  const hk_camera *camera = &port->camera;
   pose *all = host->allocate(host, (spool->count + 1) * sizeof *all);
-  double way[3], whole;
+  double back[3], whole;
   if (!all) return host->fail(host, HK_NO_MEMORY, "no memory for the camera's way of %zu frames", spool->count);
-  for (int c = 0; c < 3; c++) way[c] = setup->camera.eye[c] - setup->camera.target[c];
-  whole = length(way);
+  for (int c = 0; c < 3; c++) back[c] = camera->eye[c] - camera->target[c];
+  whole = length(back);
   for (size_t k = 0; k < spool->count; k++) {
     bool seen = can_be_seen(spool->entry + k, setup);
-    all[k] = seen ? pose_of(spool->entry + k, setup) : k ? all[k - 1] : (pose){{0}, whole};
+    all[k] = seen ? pose_of(spool->entry + k, camera, setup) : k ? all[k - 1] : (pose){{0}, whole};
   }
   long half = (long)fmin(ceil(calm * fps), (double)spool->count);
   for (size_t k = 0; k < spool->count; k++) {
-    hk_frame_spool_entry *e = spool->entry + k;
     pose s = mean_around(all, spool->count, k, half);
-    double ratio = isnan(framing->eye[0]) && whole > 0 ? s.distance / whole : 1;
-    for (int c = 0; c < 3; c++) e->target[c] = origin[c] + s.target[c], e->eye[c] = e->target[c] + ratio * way[c];
+    double ratio = isnan(port->given.eye[0]) && whole > 0 ? s.distance / whole : 1;
+    for (int c = 0; c < 3; c++)
+      way[k].target[c] = origin[c] + s.target[c], way[k].eye[c] = way[k].target[c] + ratio * back[c];
   }
   host->release(host, all);
   return HK_OK;

@@ -2,6 +2,8 @@
  * numbers of those left out. */
 #include "plugins/common/live/messages.h"
 
+#include "plugins/common/elements/element_strain.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,7 +25,9 @@ void hk_live_close(hk_live_messages *m) {
   if (!m->queue.open) return;
   hk_live_queue_close(&m->queue);
   free(m->strain);
+  free(m->force);
   m->strain = NULL, m->strain_room = 0;
+  m->force = NULL, m->force_room = 0;
 }
 
 typedef struct text {
@@ -69,24 +73,24 @@ static void set_origin(hk_live_messages *m, const hk_view *view) {
 }
 
 static bool has_strain(const hk_model *model) {
-  for (size_t k = 0; k < model->element_lists; k++) {
-    const hk_elements *e = &model->element_list[k].elements;
-    if (hk_elements_are_edges(e) && e->rest.count) return true;
-  }
+  for (size_t k = 0; k < model->element_lists; k++)
+    if (hk_elements_strained(&model->element_list[k].elements)) return true;
   return false;
 }
 
-void hk_live_tell_run(hk_live_messages *m, const hk_view *view, const hk_frame *frame) {
+void hk_live_tell_run(hk_live_messages *m, const hk_view *view, const hk_frame *frame, bool forces) {
   static const char *const axis[] = {"x", "y", "z"};
   text t = {0};
   set_origin(m, view);
   m->strained = has_strain(view->model);
+  m->forces = forces ? frame->forces : 0;
   add_number(&t, "fps", frame->fps);
   for (int c = 0; c < 3; c++) add_number(&t, axis[c], m->origin[c]);
   add_field(&t, "velocity", 3, "velocity");
   if (m->strained) add_field(&t, "strain", 1, "strain");
   for (size_t k = 0; k < view->model->channels; k++)
     add_field(&t, view->model->channel[k].name, view->model->channel[k].size, "channel");
+  for (size_t k = 0; k < m->forces; k++) add_field(&t, frame->force_name[k], 3, "force");
   for (size_t k = 0; k < frame->measures; k++)
     add_line(&t, (const char *const[]){"measure", frame->measure_name[k]}, 2);
   for (size_t k = 0; k < m->around.marks->count; k++) {
@@ -150,37 +154,38 @@ void hk_live_tell_topology(hk_live_messages *m, const hk_view *view) {
 
 /* ---- N and F: a frame ---- */
 
-static double edge_strain(const hk_view *view, const hk_elements *e, size_t k) {
-  const uint32_t *pair = hk_tuple(&e->node, k);
-  double rest = hk_tuple_value(&e->rest, k), square = 0;
-  for (size_t c = 0; c < 3; c++) {
-    double d = view->x[3 * (size_t)pair[1] + c] - view->x[3 * (size_t)pair[0] + c];
-    square += d * d;
+static void note_strain(hk_live_messages *m, const hk_elements *e, size_t k, float strain) {
+  for (unsigned member = 0; member < e->node.arity; member++) {
+    float *at = &m->strain[hk_tuple(&e->node, k)[member]];
+    if (fabsf(strain) > fabsf(*at)) *at = strain;
   }
-  return rest > 0 ? sqrt(square) / rest - 1 : NAN;
 }
 
-/* Of every particle the strain of its edges that is largest in size; returns the largest of all. */
+/* Of every particle the strain of its elements that is largest by magnitude; returns the largest of all. */
 static double measure_strain(hk_live_messages *m, const hk_view *view) {
-  float *more = view->n > m->strain_room ? realloc(m->strain, view->n * sizeof *more) : m->strain;
-  if (!more) return NAN;
-  m->strain = more;
-  if (view->n > m->strain_room) m->strain_room = view->n;
+  if (!hk_live_reserve((char **)&m->strain, &m->strain_room, (view->n + 1) * sizeof *m->strain)) return NAN;
   memset(m->strain, 0, view->n * sizeof *m->strain);
   float most = 0;
   for (size_t l = 0; l < view->model->element_lists; l++) {
     const hk_elements *e = &view->model->element_list[l].elements;
-    for (size_t k = 0; hk_elements_are_edges(e) && e->rest.count && k < e->node.count; k++) {
-      float strain = (float)edge_strain(view, e, k);
+    for (size_t k = 0; hk_elements_strained(e) && k < e->node.count; k++) {
+      float strain = (float)hk_element_strain(e, view->x, k);
       if (!isfinite(strain)) continue;
       if (fabsf(strain) > fabsf(most)) most = strain;
-      for (int end = 0; end < 2; end++) {
-        float *at = &m->strain[hk_tuple(&e->node, k)[end]];
-        if (fabsf(strain) > fabsf(*at)) *at = strain;
-      }
+      note_strain(m, e, k, strain);
     }
   }
   return most;
+}
+
+/* n x 3 of each force. False: there is no memory, or a force failed, which it will say in the next step. */
+static bool measure_forces(hk_live_messages *m, const hk_view *view, const hk_frame *f) {
+  size_t each = 3 * view->n;
+  if (!m->forces) return true;
+  if (!hk_live_reserve((char **)&m->force, &m->force_room, (m->forces * each + 1) * sizeof *m->force)) return false;
+  for (size_t k = 0; k < m->forces; k++)
+    if (f->force(f, k, m->force + k * each) != HK_OK) return false;
+  return true;
 }
 
 static void tell_numbers(hk_live_messages *m, const hk_view *view, const hk_frame *f, double strain) {
@@ -221,7 +226,7 @@ static void put_floats(char **at, const double *from, size_t count, const double
 static void tell_state(hk_live_messages *m, const hk_view *view, const hk_frame *f) {
   const hk_model *model = view->model;
   uint32_t head[] = {(uint32_t)f->index, m->topology, (uint32_t)view->n, 0};
-  size_t numbers = view->n * (6 + (m->strained ? 1 : 0) + channel_numbers(model));
+  size_t numbers = view->n * (6 + (m->strained ? 1 : 0) + channel_numbers(model) + 3 * m->forces);
   char *at = hk_live_begin(
       &m->queue, 'F', sizeof head + sizeof view->t + numbers * sizeof(float) + hk_live_surroundings_size(&m->around));
   if (!at) return;
@@ -232,14 +237,20 @@ static void tell_state(hk_live_messages *m, const hk_view *view, const hk_frame 
   if (m->strained) hk_live_put(&at, m->strain, view->n * sizeof *m->strain);
   for (size_t k = 0; k < model->channels; k++)
     put_floats(&at, view->y + model->channel[k].offset * view->n, model->channel[k].size * view->n, NULL);
+  put_floats(&at, m->force, 3 * view->n * m->forces, NULL);
   hk_live_put_surroundings(&at, &m->around, m->origin);
 }
 
+/* Forces are evaluated for a frame that will be sent; the thread makes room meanwhile, and never takes any. */
 void hk_live_tell_frame(hk_live_messages *m, const hk_view *view, const hk_frame *f) {
   if (m->queue.broken) return;
   double strain = m->strained ? measure_strain(m, view) : NAN;
   hk_live_lock(&m->queue);
+  bool sent = m->queue.length < ALWAYS && (!m->strained || m->strain);
   if (m->queue.length < MOST) tell_numbers(m, view, f, strain);
-  if (m->queue.length < ALWAYS && (!m->strained || m->strain)) tell_state(m, view, f);
+  hk_live_unlock(&m->queue);
+  if (!sent || !measure_forces(m, view, f)) return;
+  hk_live_lock(&m->queue);
+  tell_state(m, view, f);
   hk_live_unlock(&m->queue);
 }

@@ -21,12 +21,16 @@ static const char scene[] =
 
 static test_result r;
 
-static picture run(const char *kind, double z, int frame) {
-  char command[128], path[512];
+static void run(const char *kind, double z) {
+  char command[128];
   test_write("obstacles.lua", scene);
   snprintf(command, sizeof command, "run obstacles.lua --quiet kind=%s z=%g", kind, z);
   test_hooke(&r, NULL, command);
   if (r.code != 0) fail_msg("%s: %s", command, r.err);
+}
+
+static picture picture_of(int frame) {
+  char path[512];
   snprintf(path, sizeof path, "%s/out/obstacles/frames/%06d.png", test_folder(), frame);
   return read_picture(path);
 }
@@ -37,9 +41,10 @@ static bool is_solid(const picture *p, int x, int y) { return at(p, x, y)[0] > a
 static void pictures_show_obstacles_of_correctors_and_forces_where_they_are(void **state) {
   (void)state;
   static const char *const kinds[] = {"none", "obstacle", "penalty"};
-  for (int k = 0; k < 6; k++)
+  for (int k = 0; k < 6; k++) {
+    run(kinds[k % 3], k < 3 ? 0.35 : 90);
     for (int frame = 0; frame < 2; frame++) {
-      picture p = run(kinds[k % 3], k < 3 ? 0.35 : 90, frame);
+      picture p = picture_of(frame);
       int middle = 80 + 40 * frame;
       for (int x = 5; x < 160; x += 5) {
         if (abs(abs(x - middle) - 10) <= 1) continue; /* its edge */
@@ -47,12 +52,16 @@ static void pictures_show_obstacles_of_correctors_and_forces_where_they_are(void
       }
       free(p.rgb);
     }
+  }
 }
 
 /* A plane is seen from the side of its normal, with a colour that is not the background's. */
 static void pictures_show_the_planes_of_soft_walls(void **state) {
   (void)state;
-  picture without = run("none", 0.35, 0), with = run("wall", 0.35, 0);
+  run("none", 0.35);
+  picture without = picture_of(0);
+  run("wall", 0.35);
+  picture with = picture_of(0);
   int other = 0;
   for (int k = 0; k < 160 * 90; k++) other += abs(with.rgb[3 * k] - without.rgb[3 * k]) > 8;
   assert_true(other > 160 * 90 / 4);

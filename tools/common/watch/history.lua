@@ -22,14 +22,17 @@ function history.new(server, number, title)
     chunk = {}, latest = -1 }, history)
 end
 
+local units = { velocity = "m/s", force = "N" }
+
 local function name_of(self, kind, k) return ("%s/%d/%d"):format(kind, self.number, k) end
 
 local function begin(self, body)
   local run = messages.run(body)
   local fields = json_text.list()
   for k, f in ipairs(run.fields) do
-    fields[k] = { name = f.kind == "channel" and "channel " .. f.name or f.name, label = f.name, components = f.components,
-      unit = f.kind == "velocity" and "m/s" or "", painted = f.kind == "velocity" and "speed" or nil,
+    local own = f.kind == "channel" or f.kind == "force" -- a name of the scene's
+    fields[k] = { name = own and f.kind .. " " .. f.name or f.name, label = f.kind == "force" and "force: " .. f.name or f.name,
+      components = f.components, unit = units[f.kind] or "", painted = f.kind == "velocity" and "speed" or nil,
       centred = f.kind == "strain" }
   end
   self.server:put(("run/%d"):format(self.number), JSON, json_text.encode({ title = self.title, fps = run.fps,

@@ -2,7 +2,7 @@
  * go to a file that is opened later, into which the summary would then be printed: it is taken by /dev/null instead,
  * opened such that reading or writing fails. A pipe whose reader has gone is an error of writing like any other: it
  * neither ends a run before its files are complete nor goes unnoticed. */
-#include "core/command/standard_files.h"
+#include "core/process/process.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,7 +2,7 @@
  * the signal handler replaces the process by a new hooke (execve is safe in a handler, POSIX 2.4.3), which inherits the
  * file, finds its own memory sound, and writes the state table. A mark at the file's beginning is set after the data,
  * so a state that is written in part is none. */
-#include "core/command/keep.h"
+#include "core/process/process.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
  * as this process. Without landlock nothing is executed. The filter names what is refused, not what is allowed:
  * libraries of linear algebra and graphics call what they like, and none of it needs the network or other processes. */
 #define _GNU_SOURCE /* dl_iterate_phdr, O_PATH */
-#include "core/command/confinement.h"
+#include "core/process/process.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -4,7 +4,7 @@
  * instructions and its thread has used two seconds of processor time for that, or the user has asked for the end, the
  * process is ended: nothing can be saved from within that call. Waiting for the engine, or for a processor that others
  * use, is no standstill. */
-#include "core/command/watchdog.h"
+#include "core/process/process.h"
 
 #include <pthread.h>
 #include <stdio.h>

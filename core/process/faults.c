@@ -3,8 +3,7 @@
  * sets around every call, and end the process. They only write and replace the process (POSIX 2.4.3), since its memory
  * may be damaged; the last good state is in a file (keep.c). Crashes outside of plugins, those of child processes and
  * signals that somebody else handles already (a sanitizer) are left as they are. */
-#include "core/command/faults.h"
-#include "core/command/keep.h"
+#include "core/process/process.h"
 
 #include <signal.h>
 #include <stdio.h>
