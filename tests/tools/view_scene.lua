@@ -117,6 +117,27 @@ test("contacts are dots, and of many the page says how many it shows", function(
   silent("marks")
 end)
 
+-- Pictures that come 100 ms after each other, by a clock of the test's own, while it plays.
+test("a slow machine draws fewer particles, and the page says so", function()
+  open("many")
+  local drawn = "view.page.layers[0].points.geometry.drawRange.count"
+  assert(b:eval(drawn) == 24000)
+  b:eval([[(() => {
+    const { page } = view, real = performance.now.bind(performance), frame = page.layers[0].frame;
+    let at = real();
+    performance.now = () => at += 100;
+    page.clock.playing = true;
+    for (let k = 0; k < 8; k++) page.show([frame]);
+    page.clock.playing = false;
+    performance.now = real;
+    page.show([frame]);
+  })()]])
+  assert(b:eval(drawn) == 12000, b:eval(drawn))
+  local note = b:eval("document.querySelector('#note').textContent")
+  assert(note:find("one of 2 particles is drawn, of 24000", 1, true), note)
+  silent("many")
+end)
+
 test("three.js as ES modules shows the same", function()
   local there = io.open(folder .. "/modules.html")
   if not there then return print("three.js is not here as ES modules: their part is left out") end

@@ -79,6 +79,19 @@ places = function(k)
     3, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }
 end } } }, { title = "solids" })
 
+-- ---- more particles than a slow machine draws: 24,000 that rise ----
+
+local many, ids, still = {}, {}, {}
+for i = 0, 23999 do
+  ids[i + 1] = i + 1
+  for c, value in ipairs { i % 155 / 155, i // 155 / 155, 0 } do many[3 * i + c], still[3 * i + c] = value, 0 end
+end
+page("many", { { title = "many", recording = made.recording { frames = 4, at = function(k)
+  local x = table.move(many, 1, #many, 1, {})
+  for i = 3, #x, 3 do x[i] = 0.02 * k end
+  return x, still, ids
+end } } }, { title = "many" })
+
 -- ---- births and deaths; numbers of any kind; names that would be markup ----
 
 -- A random motion of particles, of which some die and others are born.
