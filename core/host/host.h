@@ -178,6 +178,8 @@ hk_instance *hk_instance_create(const hk_plugin_spec *, hk_shared *shared, hk_er
 void hk_instance_destroy(hk_instance *);
 /* Allocates fields for n particles and a state of `size` doubles, then calls the plugin's create. */
 hk_status hk_instance_start(hk_instance *, const hk_view *view, size_t size, hk_error *error);
+/* Puts map[i] in the place of particle i in the lists that the script gave; before hk_instance_start. */
+hk_status hk_instance_renumber(hk_instance *, const uint32_t *map, hk_error *error);
 /* To be called after births and deaths: old index i is now map[i] (UINT32_MAX: dead), and there are view->n particles.
  * Remaps parameters and fields, then calls the plugin's topology. */
 hk_status hk_instance_remap(hk_instance *, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,

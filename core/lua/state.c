@@ -82,7 +82,7 @@ static int ids(lua_State *L) {
   const hk_view *view = hk_run_view(run_of(L));
   lua_createtable(L, (int)view->n, 0);
   for (size_t i = 0; i < view->n; i++) {
-    lua_pushinteger(L, view->model->id[i]);
+    lua_pushinteger(L, view->model->id[hk_model_nth(view->model, i)]);
     lua_rawseti(L, -2, (lua_Integer)i + 1);
   }
   return 1;

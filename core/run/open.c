@@ -197,6 +197,15 @@ static hk_status start(hk_run *run) {
   return status == HK_OK ? first_frame(run) : status;
 }
 
+/* The lists of the scene have the order of ids, which may not be that of the state. */
+static hk_status renumber_instances(hk_run *run) {
+  hk_status status = HK_OK;
+  for (int kind = 0; kind < HK_KINDS && run->state.by_id; kind++)
+    for (size_t k = 0; k < run->plugins.kind[kind].count && status == HK_OK; k++)
+      status = hk_instance_renumber(run->plugins.kind[kind].item[k], run->state.by_id, &run->error);
+  return status;
+}
+
 /* The state has its own copy of what the scene says of particles; pins take their start positions from there. */
 static hk_status open_particles(hk_run *run, hk_scene *scene) {
   hk_status status = hk_state_open(&run->state, scene, &run->error);
@@ -217,6 +226,7 @@ static hk_status build(hk_run *run, hk_scene *scene) {
                                &run->error);
   if (status == HK_OK) status = open_particles(run, scene);
   if (status == HK_OK) status = hk_run_make_plugins(run);
+  if (status == HK_OK) status = renumber_instances(run);
   if (status == HK_OK) status = hk_run_name_forces(run);
   if (status != HK_OK) return status;
   status = hk_dynamics_open(&run->dynamics, run->scene, &run->state, &run->pins, &run->plugins, &run->shared);

@@ -123,6 +123,11 @@ const hk_plugin_spec *hk_scene_one(const hk_scene *,
 /* param.c: the plugin's parameter of that name; NULL with `error` naming the one that may be meant. */
 const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const char *name, hk_error *error);
 
+/* ---- order.c: where particles that are joined have distant ids, a better order for the indices of a run ---- */
+
+/* The index of each particle, in the order of ids, n of them in malloc's memory; NULL: the order of ids will do. */
+uint32_t *hk_scene_places(const hk_scene *);
+
 /* ---- section.c: what a strand's section and material are worth; the formulas are there ---- */
 
 typedef struct hk_section {

@@ -36,8 +36,8 @@ static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
  * some 30 to 180 evaluations, twice as many for strong damping; allocates memory of some 6 times x and frees it. */
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error);
 
-/* The same as far as the largest stable step of a method depends on it: where the fastest and most strongly damped of all
- * modes sets that step, `damping_slope` is not looked for, which saves most of the evaluations. `parameters` is the
+/* The same as far as the largest stable step of a method depends on it: where the fastest and most strongly damped of
+ * all modes sets that step, `damping_slope` is not looked for, which saves most of the evaluations. `parameters` is the
  * method's instance memory. */
 hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters,
                                    hk_spectrum *spectrum, hk_error *error);

@@ -47,7 +47,7 @@ static bool reserve(hk_gatherer *s, size_t n) {
   return fine;
 }
 
-/* Which particles are shown, in their order. */
+/* Which particles are shown, in the order of their ids. */
 static void choose(hk_gatherer *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t i = 0; i < view->n; i++)
@@ -57,8 +57,10 @@ static void choose(hk_gatherer *s, const hk_view *view) {
     if (i < view->n && (s->group == UINT32_MAX || m->group[i] == s->group)) s->place[i] = 0;
   }
   s->data.n = 0;
-  for (size_t i = 0; i < view->n; i++)
+  for (size_t k = 0; k < view->n; k++) {
+    size_t i = hk_model_nth(m, k);
     if (s->place[i] == 0) s->place[i] = (uint32_t)s->data.n, s->kept[s->data.n++] = (uint32_t)i;
+  }
 }
 
 /* Gathers `width` numbers of each particle shown. */
