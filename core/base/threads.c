@@ -2,9 +2,10 @@
  * one; the loop is over when all are finished. So a thread that comes late, or that another process keeps from its
  * processor, delays a loop only by the one chunk that it may hold. Who finds nothing to take, or waits for a chunk,
  * looks again for some microseconds, because the loops of one step follow each other closely, and then sleeps: a
- * processor without work gets one of the threads that wait for theirs. A loop that is asked for while the pool is at
- * work, by a body or by another thread, runs in the caller, chunk by chunk in order. Invariant: when hk_threads_for
- * returns, no thread touches the body or its context. */
+ * processor without work gets one of the threads that wait for theirs. Workers that sleep are woken less and less often
+ * while they come too late to take a chunk. A loop that is asked for while the pool is at work, by a body or by another
+ * thread, runs in the caller, chunk by chunk in order. Invariant: when hk_threads_for returns, no thread touches the
+ * body or its context. */
 #include "core/base/base.h"
 
 #include <pthread.h>
@@ -13,7 +14,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-enum { SPIN = 4000, LINE = 64 /* bytes that processors pass on together */ };
+enum { SPIN = 4000, LINE = 64 /* bytes that processors pass on together */, IN_VAIN_MOST = 63 };
 
 typedef void (*loop_body)(void *context, size_t begin, size_t end, size_t chunk);
 
@@ -32,6 +33,7 @@ struct hk_threads {
   loop_body body;    /* of that loop, as what follows: written while no chunk of it is taken */
   void *context;
   size_t total, grain, chunks;
+  size_t calls, in_vain; /* loops since sleeping workers were last woken; loops to let pass, as they came too late */
   char apart[LINE];
   atomic_size_t left; /* chunks that no thread has taken */
   char further[LINE];
@@ -78,8 +80,7 @@ static void wait_for(hk_threads *t, bell *b, bool (*here)(hk_threads *)) {
   pthread_mutex_unlock(&t->lock);
 }
 
-/* After the change that is waited for: either a thread that goes to sleep sees the change, or this one that it sleeps.
- */
+/* After the change that is waited for: either a thread that goes to sleep sees it, or this one that it sleeps. */
 static void ring(hk_threads *t, bell *b) {
   if (atomic_load(&b->asleep) == 0) return;
   pthread_mutex_lock(&t->lock);
@@ -150,8 +151,13 @@ void hk_threads_for(hk_threads *t, size_t count, size_t grain, loop_body body, v
   t->chunks = chunks;
   atomic_store(&t->unfinished, chunks);
   atomic_store(&t->left, chunks);
-  ring(t, &t->work);
+  bool call = t->calls++ >= t->in_vain;
+  if (call) ring(t, &t->work), t->calls = 0;
   size_t finished = take_chunks(t);
   if (atomic_fetch_sub(&t->unfinished, finished) > finished) wait_for(t, &t->end, has_ended);
+  if (finished < chunks)
+    t->in_vain = 0;
+  else if (call && t->in_vain < IN_VAIN_MOST)
+    t->in_vain = 2 * t->in_vain + 1;
   atomic_store(&t->taken, false);
 }
