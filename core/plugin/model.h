@@ -46,6 +46,7 @@ struct hk_model {
   const hk_publication *published;
   size_t join_lists; /* number of lists of pairs that constraints join, for pictures */
   const hk_tuples *const *join;
+  const struct hk_partition *partition; /* core/plugin/parts.h; changes with n */
 };
 
 #endif
