@@ -29,7 +29,7 @@ static void exchange(hk_system *s) {
   hk_state *state = dynamics_of(s)->state;
   hk_state_exchange(state);
   s->X = state->X;
-  s->aside = state->aside;
+  s->spare = state->spare;
 }
 
 static void set_functions(hk_system *s) {
@@ -138,8 +138,8 @@ hk_status hk_dynamics_open(hk_dynamics *d, const hk_scene *scene, hk_state *stat
   if (d->system.flags & HK_DEPENDS_ON_T && !hk_evaluations_open(&d->evaluations, scene->duration))
     return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the times of evaluations");
   const hk_instance *method = hk_plugins_one(plugins, HK_INTEGRATOR);
-  bool aside = method && method->plugin->integrator->flags & HK_BUILDS_ASIDE;
-  if (aside && !hk_state_build_aside(state)) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for a new state");
+  bool spare = method && method->plugin->integrator->flags & HK_USES_SPARE;
+  if (spare && !hk_state_open_spare(state)) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for a new state");
   hk_dynamics_refresh(d);
   status = hk_parts_arrange(&d->parts, d->error);
   return status == HK_OK ? hk_evaluate_resize(d) : status;
@@ -155,7 +155,7 @@ static void refresh_system(hk_dynamics *d) {
   s->model = &d->state->model;
   s->t = d->state->t;
   s->X = d->state->X;
-  s->aside = d->state->aside;
+  s->spare = d->state->spare;
   s->n = d->state->model.n;
   s->size = d->state->size;
 }

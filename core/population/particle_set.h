@@ -8,7 +8,7 @@ typedef struct hk_particle_set {
   size_t n;
   double *X; /* (6 + width) n + 1 */
   double *mass;
-  uint32_t *id; /* increasing */
+  uint32_t *id; /* those of the state in its order, then others, increasing */
   uint32_t *group;
 } hk_particle_set;
 

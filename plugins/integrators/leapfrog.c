@@ -5,7 +5,7 @@
  * (sqrt(1 + 4 xi^2) - 2 xi), xi = g/(2w), with damping rate g; for pure drag, h g <= 1. Channels and work y are
  * predicted and averaged in the same way. Without velocity-dependent forces it is symplectic and reversible. The
  * velocity is predicted even then, because the power of a force depends on it. As v + h/2 a = (v + (v + h a))/2, the
- * end of a step does not need a any more, and a' takes its place. The new state is built aside, block by block with the
+ * end of a step does not need a any more, and a' takes its place. The new state is built apart, block by block with the
  * evaluation; X changes only after that has succeeded.
  *
  * With constraints that are all equalities it is RATTLE: with F/m without constraint forces,
@@ -123,7 +123,7 @@ static hk_status prime(leapfrog *m, hk_system *s) {
 /* The step in a scene with constraints: RATTLE. */
 static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
   size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
-  double *X = s->X, *next = s->aside, *a = m->slope, work = 0, given = 0;
+  double *X = s->X, *next = s->spare, *a = m->slope, work = 0, given = 0;
   s->takes_constraints = false;
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
@@ -149,7 +149,7 @@ static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   leapfrog *m = self;
   size_t v = 3 * s->n, y = 6 * s->n;
-  double *X = s->X, *next = s->aside, *a = m->slope, t_next = fmin(t_stop, s->t + h);
+  double *X = s->X, *next = s->spare, *a = m->slope, t_next = fmin(t_stop, s->t + h);
   (void)out;
   if (s->holonomic) return held_step(m, s, t_next, h);
   hk_status status = prime(m, s);
@@ -167,8 +167,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
-                                         .flags =
-                                             HK_SYMPLECTIC | HK_REVERSIBLE | HK_KEEPS_CONSTRAINTS | HK_BUILDS_ASIDE,
+                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_KEEPS_CONSTRAINTS | HK_USES_SPARE,
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step,

@@ -160,8 +160,8 @@ static hk_status pass(hk_system *s, double t, double *x, double *v, const double
 static void exchange(hk_system *s) {
   for (size_t e = 0; e < s->size; e++) {
     double number = s->X[e];
-    s->X[e] = s->aside[e];
-    s->aside[e] = number;
+    s->X[e] = s->spare[e];
+    s->spare[e] = number;
   }
 }
 
@@ -197,7 +197,7 @@ fake_system *fake_system_create(const fake_problem *problem) {
   f->system = (hk_system){.host = &f->host,
                           .model = &f->model,
                           .X = room(size, sizeof(double)),
-                          .aside = room(size, sizeof(double)),
+                          .spare = room(size, sizeof(double)),
                           .pass = pass,
                           .exchange = exchange,
                           .n = n,
@@ -227,7 +227,7 @@ void fake_system_destroy(fake_system *f) {
   while (f->blocks) host_release(&f->host, (char *)f->blocks + HEAD);
   fake_solver_detach(f);
   free(f->system.X);
-  free(f->system.aside);
+  free(f->system.spare);
   free(f->mass);
   free(f->id);
   free(f->group);

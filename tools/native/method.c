@@ -21,7 +21,7 @@ static struct {
   bool within; /* one of the host's functions is at work and may call others */
   double time[TIMES];
   size_t times;
-  hk_guarded X, aside;
+  hk_guarded X, spare;
 } probe;
 
 /* Whether this call is to fail; counts it. */
@@ -66,8 +66,8 @@ static hk_status pass(hk_system *s, double t, double *x, double *v, const double
 static void exchange(hk_system *s) {
   for (size_t e = 0; e < s->size; e++) {
     double number = s->X[e];
-    s->X[e] = s->aside[e];
-    s->aside[e] = number;
+    s->X[e] = s->spare[e];
+    s->spare[e] = number;
   }
 }
 
@@ -111,14 +111,14 @@ static hk_instance *method_of(lua_State *L) {
 static hk_system *take_over(lua_State *L, hk_run *run, hk_guard_side side) {
   hk_system *s = &run->dynamics.system;
   if (!hk_guard_get(&probe.X, "the state X", s->size * sizeof(double), side) ||
-      !hk_guard_get(&probe.aside, "the memory aside", s->size * sizeof(double), side))
+      !hk_guard_get(&probe.spare, "the spare memory", s->size * sizeof(double), side))
     luaL_error(L, "no memory");
   memset(probe.count, 0, sizeof probe.count);
   probe.real = *s;
   probe.run = run;
   probe.times = 0;
   s->X = probe.X.at;
-  if (s->aside) s->aside = probe.aside.at;
+  if (s->spare) s->spare = probe.spare.at;
   s->accelerations = accelerations;
   s->pass = pass;
   s->exchange = exchange;
@@ -146,7 +146,7 @@ static void fill_scratch(const hk_instance *m, size_t size, size_t n, int byte) 
     if (f->flags & HK_SCRATCH && (f->type == HK_FIELD_STATE || f->type == HK_FIELD_PER_PARTICLE))
       memset(*(double **)((char *)m->self + f->offset), byte, length * sizeof(double));
   }
-  if (byte >= 0) memset(probe.aside.at, byte, size * sizeof(double));
+  if (byte >= 0) memset(probe.spare.at, byte, size * sizeof(double));
 }
 
 static double option(lua_State *L, const char *key, double otherwise) {

@@ -4,6 +4,11 @@
 
 #include "core/plugin.h"
 
+/* Particles that are not the host's, as one block. */
+static inline hk_partition hk_partition_undivided(size_t n) {
+  return (hk_partition){.n = n, .bits = 31, .blocks = 1, .width = 1, .domains = 1, .parts = 2};
+}
+
 /* The elements of part p are item[first[p]] ... item[first[p + 1] - 1], rising. Of elements with a particle where the
  * force does not act there is none. To be zeroed before the first use. */
 typedef struct hk_part_lists {

@@ -3,7 +3,7 @@
 #include "plugins/common/springs/spring_kernel.h"
 #include "plugins/common/springs/spring_path.h"
 
-enum { LANES = HK_SPRING_LANES, BLOCK = HK_SPRING_BLOCK };
+enum { LANES = HK_SPRING_LANES, WIDEST = HK_SPRING_WIDEST, BLOCK = HK_SPRING_BLOCK };
 
 static inline double scale(double l2, double w, double k, double c, double L, double *p) {
   double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
@@ -66,17 +66,21 @@ static double one_run(const task *t, const hk_spring_numbers *q, const hk_spring
 
 static double one_part(const task *t, size_t part) {
   const hk_spring_layout *s = t->layout;
-  double k[LANES], c[LANES], L[LANES], power = 0;
+  double k[WIDEST], c[WIDEST], L[WIDEST], power = 0;
   hk_spring_numbers q = {s->each_k ? s->k : k,       s->each_c ? s->c : c,       s->each_L ? s->L : L,
                          s->each_k ? ~(size_t)0 : 0, s->each_c ? ~(size_t)0 : 0, s->each_L ? ~(size_t)0 : 0};
-  for (int r = 0; r < LANES; r++) k[r] = *s->k, c[r] = *s->c, L[r] = *s->L;
+  for (int r = 0; r < WIDEST; r++) k[r] = *s->k, c[r] = *s->c, L[r] = *s->L;
   for (size_t r = s->part[part]; r < s->part[part + 1]; r++) power += one_run(t, &q, &s->run[r]);
   return power;
 }
 
+static const hk_spring_path *widest_path(void) {
+  const hk_spring_path *wide8 = hk_spring_wide8(), *wide = wide8 ? wide8 : hk_spring_wide();
+  return wide ? wide : &hk_spring_narrow;
+}
+
 static task begin(const hk_spring_layout *s, const double *x, const double *v, double *F) {
-  const hk_spring_path *wide = hk_spring_wide();
-  return (task){s, wide ? wide : &hk_spring_narrow, x, v, F};
+  return (task){s, widest_path(), x, v, F};
 }
 
 void hk_spring_part(const hk_spring_layout *s, size_t part, const double *x, const double *v, double *F,
@@ -93,7 +97,7 @@ static void sum_part(const void *context, size_t part) {
 
 void hk_spring_forces(const hk_spring_layout *s, const hk_host *host, const double *x, const double *v, double *F,
                       double *power) {
-  if (s->count == 0) return; /* also of a layout that was not built */
+  if (s->count == 0) return;      /* also of a layout that was not built */
   if (s->partition.blocks == 1) { /* a small scene: no threads */
     hk_spring_part(s, 0, x, v, F, power);
     return;
