@@ -182,7 +182,7 @@ typedef struct hk_force {
   /* For a force that a user's hand moves while the run goes on: whether it has done something so far, and *work, J,
    * what it did. No other run repeats that, so such a run is compared with none. Called at frames. NULL: as false. */
   bool (*by_hand)(const void *self, double *work);
-  /* For a force of a medium that moves, as wind is: its velocity u (count x 3, m/s) at the places x (count x 3, m) at
+  /* For a force of a medium that moves: its velocity u (count x 3, m/s) at the places x (count x 3, m) at
    * view->t. For pictures, at frames; it changes nothing. NULL: there is no such medium. */
   void (*flow)(const void *self, const hk_view *view, const double *x, size_t count, double *u);
   /* For contact of any kind: adds the places where something touches at `view`. As `flow`. NULL: nothing ever does. */

@@ -60,10 +60,12 @@ typedef struct hk_integrator {
    * known, and its step is chosen for accuracy. */
   double (*rotation)(const void *self, double hw, double hg, double hb);
   /* For methods that take a part of the forces in shorter steps of their own: chooses that part at s->X and sets
-   * s->aside. The host calls it before every estimate of the largest stable step, which is then that of the rest;
-   * `amplification` and `rotation` tell the growth of the rest's modes, with the part beside them. May allocate, and
-   * must do nothing where the part is still right. NULL: the method has none. */
+   * s->aside. The host calls it before every estimate of the largest stable step, which is then that of the rest. May
+   * allocate, and must do nothing where the part is still right. NULL: the method has none. */
   hk_status (*divide)(void *self, hk_system *s);
+  /* As `rotation` in a step of h, of the rest's modes (1/s) with the part set aside beside them, if they lower the
+   * limit. NULL: they do not. */
+  double (*growth)(const void *self, double h, double w, double g, double b);
 } hk_integrator;
 
 /* The part of the forces that a method has set aside (hk_integrator.divide). */

@@ -30,8 +30,8 @@ struct hk_frame {
   const char *scene; /* path of the scene's script, as given */
   const char
       *origin; /* what the scene was made from, a line "what<TAB>value" each, parameters with them; may be NULL */
-  /* u (count x 3, m/s): the velocity of force k's medium, such as wind, at the places x (count x 3, m). False: it has
-   * none, or does not act at this time, and u is as it was. */
+  /* u (count x 3, m/s): the velocity of force k's medium, as a stream of air is one, at the places x (count x 3, m).
+   * False: it has none, or does not act at this time, and u is as it was. */
   bool (*flow)(const hk_frame *, size_t k, const double *x, size_t count, double *u);
   /* Adds all places where something touches, as forces and correctors tell. False: nothing of this scene ever does.
    * NULL for the points: to know just that. */

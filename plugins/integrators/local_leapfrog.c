@@ -14,9 +14,8 @@
 #include "plugins/common/local/short_steps.h"
 #include "plugins/common/local/stiff_edges.h"
 #include "plugins/common/springs/edge_stiffness.h"
-#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/common/integrate/leapfrog_growth.h"
 
-#include <complex.h>
 #include <string.h>
 
 typedef struct local_leapfrog {
@@ -27,7 +26,6 @@ typedef struct local_leapfrog {
   hk_stiff_edges stiff;
   hk_short_steps part;
   hk_aside aside;
-  double room;          /* see local_filter.h; 1: no spring is stiff */
   bool divided, looked; /* `stiff` is that of the topology; also of the present masses and forces */
   double *inverse_mass; /* n, of the division */
   bool *acts;           /* element lists, of the division */
@@ -42,22 +40,25 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* Leapfrog's of a mode that has the room left by stiff ones: its limit is the true one, for stiff modes of any kind. */
-static double room_of(const void *self) {
-  const local_leapfrog *m = self;
-  return m->stiff.count ? m->room : 1;
-}
-
 static double amplification(const void *self, double hw, double hg) {
-  double room = room_of(self), z = hw * hw / room;
-  if (hg == 0) return z <= 4 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
-  return hk_polynomial_growth(3, (const double[]){z, 2 * z + hg / room, 1 + z + 1.5 * hg / room, 1});
+  (void)self;
+  return hk_leapfrog_growth(hw, hg);
 }
 
 static double rotation(const void *self, double hw, double hg, double hb) {
-  double room = room_of(self), z = hw * hw / room;
-  double complex d = (hg + hb * I) / room;
-  return hk_complex_polynomial_growth(3, (const double complex[]){z, 2 * z + d, 1 + z + 1.5 * d, 1});
+  (void)self;
+  return hk_leapfrog_turning_growth(hw, hg, hb);
+}
+
+/* Leapfrog's, of a mode for which stiff ones leave that much room: the limit is the true one for the worst of them. */
+static double growth(const void *self, double h, double w, double g, double b) {
+  const hk_short_steps *part = &((const local_leapfrog *)self)->part;
+  double room = 1;
+  for (size_t k = 0; k < part->parts; k++)
+    room = fmin(room, hk_local_room(h, part->part[k].stiffest, part->part[k].retardation));
+  if (!(room > 0)) return INFINITY;
+  return b == 0 ? hk_leapfrog_growth(h * w / sqrt(room), h * g / room)
+                : hk_leapfrog_turning_growth(h * w / sqrt(room), h * g / room, h * b / room);
 }
 
 /* ---- what is stiff ---- */
@@ -132,7 +133,6 @@ static hk_status divide(void *self, hk_system *s) {
     return host->fail(host, status, "no memory for the short steps of stiff springs");
   }
   m->divided = true;
-  m->room = hk_local_room(m->stiff.retardation * sqrt(m->stiff.rest));
   m->aside = (hk_aside){m, remove_forces, remove_bound};
   if (m->stiff.count) s->aside = &m->aside;
   if (!m->stiff.count)
@@ -159,8 +159,7 @@ static void reset(void *self, hk_reason why) {
 static hk_status accelerate(local_leapfrog *m, hk_system *s, double t, double *x, double *y, double h, double *a) {
   size_t v = 3 * s->n;
   hk_status status = s->accelerations(s, t, x, x + v, y, a, a + v);
-  double stiffest = h * h * m->stiff.stiff;
-  if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, x, h, hk_local_count(stiffest), a);
+  if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, x, h, a);
   return status;
 }
 
@@ -213,7 +212,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .without_constraints =
                                              "its short steps know nothing of constraints: leapfrog keeps them",
                                          .rotation = rotation,
-                                         .divide = divide};
+                                         .divide = divide,
+                                         .growth = growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -70,6 +70,42 @@ test("they can be switched off", function()
   assert(is_solid(3, 0, 0.3))
 end)
 
+-- The colour there is much greener than red, or redder than green.
+local function is_green(x, y, z)
+  local red, green = pixel(at(x, y, z))
+  return green > 1.5 * red
+end
+
+local function is_red(x, y, z)
+  local red, green = pixel(at(x, y, z))
+  return red > 2 * green
+end
+
+test("the wind is an arrow", function()
+  show(5)
+  local length = 0.18 * b:eval("view.page.layers[0].size")
+  assert(is_green(-1, 0.3 * length, 1), "the arrow")
+  assert(not is_green(-1, -0.3 * length, 1), "behind its place")
+  switch("wind")
+  b:wait("!view.page.layers[0].wind.mesh.visible")
+  assert(not is_green(-1, 0.3 * length, 1), "switched off")
+  switch("wind")
+  b:wait("view.page.layers[0].wind.mesh.visible")
+  show(12)
+  assert(b:eval("view.page.layers[0].wind.mesh.visible") == false, "it does not blow any more")
+end)
+
+test("contacts are dots, and of many the page says how many it shows", function()
+  show(5)
+  assert(not is_red(2, 1.2, 0.5), "they are not asked for")
+  switch("contacts")
+  b:wait("view.page.layers[0].contacts.mesh.visible")
+  assert(is_red(2, 1.2, 0.5))
+  show(12)
+  b:wait("document.querySelector('#note').textContent.includes('1000 of 4000 contacts are shown')")
+  silent("marks")
+end)
+
 local failed = 0
 for _, one in ipairs(tests) do
   local went, why = xpcall(one[2], debug.traceback)

@@ -161,19 +161,25 @@ static int solid_places(lua_State *L) {
   return finish(L, &b, bytes, hk_recorded_solids_place(&r->solids, k, to), k);
 }
 
-/* marks_of(j, k) -> 6 doubles for each mark of list j in frame k, place and vector; of how many they are a part. */
+/* marks_of(j, k) -> places, vectors: 3 doubles for each mark of list j in frame k; of how many they are a part. */
 static int marks_of(lua_State *L) {
   const hk_recording *r = at(L);
-  luaL_Buffer b;
   lua_Integer j = luaL_checkinteger(L, 2);
   luaL_argcheck(L, j >= 1 && (size_t)j <= r->marks.count, 2, "there is no such list");
   size_t k = frame_at(L, r, 3);
   const hk_recorded_marks *m = &r->marks.list[j - 1];
-  size_t bytes = (size_t)m->rows[k][1] * HK_MARK_NUMBERS * sizeof(double);
-  double *to = (double *)(void *)luaL_buffinitsize(L, &b, bytes + 8);
-  finish(L, &b, bytes, hk_recorded_marks_get(m, k, to), k);
+  size_t count = (size_t)m->rows[k][1];
+  double *all = lua_newuserdatauv(L, (count * HK_MARK_NUMBERS + 1) * sizeof *all, 0);
+  if (!hk_recorded_marks_get(m, k, all))
+    return luaL_error(L, "frame %d cannot be read: the file is damaged", (int)k + 1);
+  for (size_t half = 0; half < HK_MARK_NUMBERS; half += 3) {
+    luaL_Buffer b;
+    double *to = (double *)(void *)luaL_buffinitsize(L, &b, 3 * count * sizeof *to + 8);
+    for (size_t i = 0; i < count; i++) memcpy(to + 3 * i, all + HK_MARK_NUMBERS * i + half, 3 * sizeof *to);
+    luaL_pushresultsize(&b, 3 * count * sizeof *to);
+  }
   lua_pushinteger(L, m->rows[k][2]);
-  return 2;
+  return 3;
 }
 
 static int close_recording(lua_State *L) {

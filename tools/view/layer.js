@@ -1,8 +1,9 @@
 // layer: one run in the 3D view: its surface, edges, particles, pins, arrows, obstacles, and the particle that is picked.
 "use strict";
 view.layer = (() => {
-  const PIN = [0.90, 0.45, 0.13], PICKED = [0.98, 0.78, 0.18];
+  const PIN = [0.90, 0.45, 0.13], PICKED = [0.98, 0.78, 0.18], WIND = [0.10, 0.62, 0.60], CONTACT = [0.85, 0.15, 0.45];
 
+  const MOST_WINDS = 72; // arrows
   const SAMPLE = 64; // particles whose neighbours are looked for
 
   const distance = (x, i, j) => Math.hypot(x[3 * i] - x[3 * j], x[3 * i + 1] - x[3 * j + 1], x[3 * i + 2] - x[3 * j + 2]);
@@ -39,7 +40,7 @@ view.layer = (() => {
   class Layer {
     // tint: the colour of what stands for no number
     constructor(source, tint) {
-      Object.assign(this, { source, tint, every: 1, shown: { points: null, edges: false, shadows: true, solids: true } });
+      Object.assign(this, { source, tint, every: 1, told: [], shown: { points: null, edges: false, shadows: true, solids: true } });
       this.uniforms = view.light.uniforms();
       this.scene = new THREE.Scene();
       this.group = new THREE.Group();
@@ -51,7 +52,12 @@ view.layer = (() => {
       this.pins = new view.points.Points(this.uniforms, 2.5);
       this.picked = new view.points.Points(this.uniforms, 5);
       this.solids = new view.solids.Solids(source, this.uniforms);
-      const parts = [this.solids, this.surface, this.edges, this.arrows, this.points, this.pins, this.picked];
+      this.wind = new view.segments.Segments(this.uniforms, true);
+      this.contacts = new view.points.Points(this.uniforms, 2);
+      // They are between what they hold apart, and are drawn last: after the floor, which is transparent.
+      Object.assign(this.contacts.mesh.material, { depthTest: false, transparent: true });
+      this.contacts.mesh.renderOrder = 1;
+      const parts = [this.solids, this.wind, this.contacts, this.surface, this.edges, this.arrows, this.points, this.pins, this.picked];
       for (const part of parts) this.group.add(part.mesh);
       this.shadows = [this.surface, this.edges, this.points, this.solids].map((part) => part.shadow);
       this.group.add(...this.shadows);
@@ -64,8 +70,8 @@ view.layer = (() => {
       const s = this.shown;
       if (s.points === null) s.points = frame.triangles.length === 0 && frame.n <= 400;
       const { low, high } = this.source.bounds;
-      const size = Math.max(...low.map((v, c) => high[c] - v)) || 1;
-      this.radius = radiusOf(frame, size);
+      this.size = Math.max(...low.map((v, c) => high[c] - v)) || 1;
+      this.radius = radiusOf(frame, this.size);
     }
 
     sizes() {
@@ -74,6 +80,8 @@ view.layer = (() => {
       this.picked.own.radius.value = 1.7 * this.radius;
       this.edges.own.radius.value = 0.38 * this.radius * (this.surface.mesh.visible ? 0.5 : 1);
       this.arrows.own.radius.value = 0.3 * this.radius;
+      this.wind.own.radius.value = 0.006 * this.size;
+      this.contacts.own.radius.value = 0;
     }
 
     plain(n) {
@@ -98,10 +106,33 @@ view.layer = (() => {
       this.pins.show(frame, pins, pins.length, PIN);
       this.showArrows(frame, arrows);
       this.solids.show(frame, s.solids);
+      this.showMarks(frame);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
       this.picked.show(frame, [k], k < 0 ? 0 : 1, PICKED);
       for (const shadow of this.shadows) shadow.visible = shadow.visible && s.shadows;
       this.sizes();
+    }
+
+    showMarks(frame) {
+      const shown = this.source.marks.filter((m) => frame.marks[m.key]).map((m) => ({ ...m, ...frame.marks[m.key] }));
+      this.showWind(shown.filter((m) => m.kind === "wind" && m.count > 0));
+      const contact = shown.find((m) => m.kind === "contact") || { places: new Float32Array(0), count: 0, total: 0 };
+      this.contacts.show({ x: contact.places }, null, contact.count, CONTACT);
+      this.told = contact.total > contact.count ? [`${contact.count} of ${contact.total} contacts are shown`] : [];
+    }
+
+    // Airs that act together are summed: they are known at the same places. Arrows stand so far apart that each is seen.
+    showWind(winds) {
+      const places = winds.length ? winds[0].places : new Float32Array(0), n = places.length / 3;
+      const every = Math.ceil(n / MOST_WINDS) || 1, unit = 0.18 * this.size / winds.reduce((sum, m) => sum + m.largest, 1e-30);
+      const [begin, end, first, second] = this.wind.arrays(Math.ceil(n / every));
+      for (let i = 0, at = 0; i < n; i += every)
+        for (let c = 0; c < 3; c++, at++) {
+          const sum = winds.reduce((total, m) => total + m.vectors[3 * i + c], 0);
+          begin[at] = places[3 * i + c];
+          end[at] = places[3 * i + c] + sum * unit;
+          first[at] = second[at] = WIND[c];
+        }
     }
 
     showArrows(frame, arrows) {

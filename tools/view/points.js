@@ -59,7 +59,7 @@ view.points = (() => {
       this.mesh.visible = this.shadow.visible = count > 0;
       if (count === 0) return;
       const x = array(this.geometry, "position", 3, count), colour = array(this.geometry, "colour", 3, count);
-      if (!list && every === 1) {
+      if (!list && every === 1 && colours.length === frame.x.length) {
         x.set(frame.x);
         colour.set(colours);
       } else

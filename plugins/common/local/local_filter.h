@@ -36,9 +36,9 @@ static inline int hk_local_count(double x) {
 /* c(x) for x within the range. */
 double hk_local_filter(int p, double x);
 
-/* The part of leapfrog's condition (h w)^2 + 4 h g <= 4 that is left to the modes of the long step: with stiff modes of
- * any x beside them the step is stable while (h w)^2 + 4 h g <= 4 room. `eta`: the largest damping over stiffness of
- * what is stiff, over h. */
-double hk_local_room(double eta);
+/* What stiff modes with squared frequencies up to `stiffest` and a damping of at most `retardation` times their
+ * stiffness leave of leapfrog's condition to the other modes: a step is stable while (h w)^2 + 4 h g <= 4 room. 0 or
+ * less: it is not stable at all. */
+double hk_local_room(double h, double stiffest, double retardation);
 
 #endif

@@ -9,8 +9,7 @@ typedef struct hk_stiff_edges {
   size_t count;        /* 0: none is worth it */
   uint32_t (*pair)[2]; /* count */
   double *k, *c, *L;   /* count each: N/m, N s/m, m */
-  double stiff, rest;  /* 1/s^2, bounds of the squared frequencies of these springs alone and of the other ones */
-  double retardation;  /* s, their largest damping over stiffness */
+  double stiffest;     /* 1/s^2, no squared frequency of these springs alone is higher */
   size_t edges;        /* springs of the scene that act */
 } hk_stiff_edges;
 

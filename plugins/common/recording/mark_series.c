@@ -1,7 +1,4 @@
 #include "plugins/common/recording/mark_series.h"
-
-#include "plugins/common/recording/h5_rows.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,6 @@
 /* What of a recording is read when it is opened, and the rows of a frame. */
 #include "plugins/common/recording/reader.h"
 
-#include "plugins/common/recording/h5_rows.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

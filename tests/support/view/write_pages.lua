@@ -41,6 +41,15 @@ page("solids", { { title = "solids", recording = made.recording { frames = 20, a
   return { -1, 0, 0.05 * k, 3, 0, 1.2 }, { 0, 0, 0, 0, 0, 0 }, { 1, 2 }
 end, solids = { { kind = "plane", vertices = "", faces = "" }, { kind = "sphere", vertices = "", faces = "" },
   { kind = "mesh", vertices = made.doubles(box_vertices), faces = made.indices(box_faces) } },
+marks = { { name = "breeze", kind = "wind" }, { name = "contact", kind = "contact" } },
+marks_of = function(j, k) -- the wind blows along y at first; from the 11th frame on 1000 points of 4000 at one place
+  if j == 1 then return made.doubles(k < 11 and { -1, 0, 1 } or {}), made.doubles(k < 11 and { 0, 5, 0 } or {}), 1 end
+  local x, n = {}, {}
+  for i = 1, k < 11 and 1 or 1000 do
+    for c, value in ipairs { 2, 1.2, 0.5 } do x[3 * i - 3 + c], n[3 * i - 3 + c] = value, c == 3 and 1 or 0 end
+  end
+  return made.doubles(x), made.doubles(n), k < 11 and 1 or 4000
+end,
 places = function(k)
   return made.doubles { 0, 0, -0.5, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0.1 * k, 0, 0, 0.4, 0, 0, 0, 0.4, 0, 0, 0, 0.4,
     3, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }
