@@ -2,6 +2,7 @@
  * and u = v_j - v_i; i gets the opposite. A spring of length 0 has no direction and no force; for L = 0 that is also
  * the limit. The energy is 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
 #include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/edge_order.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "plugins/common/springs/spring_blocks.h"
 
@@ -76,11 +77,17 @@ static hk_status list_acting(springs *s, const hk_view *view) {
 
 static hk_status topology(void *self, const hk_view *view) {
   springs *s = self;
+  const hk_edge_order given = {s->edges, s->k, s->damping, s->rest};
+  hk_edge_order o = given;
   hk_spring_layout_free(&s->layout, s->host);
   hk_status status = list_acting(s, view);
   if (status != HK_OK) return status;
-  return hk_spring_layout_build(&s->layout, s->host, view->model->partition, &s->edges, &s->k, &s->damping, &s->rest,
-                                view->is_active);
+  if (!hk_edge_order_improve(&o, s->host, view->n))
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory to sort %zu springs", s->edges.count);
+  status =
+      hk_spring_layout_build(&s->layout, s->host, view->model->partition, &o.edges, &o.k, &o.c, &o.L, view->is_active);
+  hk_edge_order_release(&o, s->host, &given);
+  return status;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
