@@ -16,7 +16,7 @@ enum { ITEMS = 4096, REPEATS = 12, CHUNKS = 16, BUSY = 2 };
 
 static double item[ITEMS], sum[CHUNKS];
 
-/* About 20 ns an item: each operation waits for the one before. */
+/* Some ns an item: each operation waits for the one before. */
 static void work(void *context, size_t begin, size_t end, size_t chunk) {
   double x = 0;
   (void)context;
@@ -50,8 +50,8 @@ static void measure(hk_threads *one, hk_threads *two, int busy, size_t count) {
   double ta = 0, tb = 0, P = (double)sysconf(_SC_NPROCESSORS_ONLN);
   for (int r = 0; r < REPEATS; r++) ta += loop(one, count) / REPEATS, tb += loop(two, count) / REPEATS;
   double share = fmin(2, 2 * P / (2 + busy)) / fmin(1, P / (1 + busy));
-  printf("%d busy processes, loops of %6.1f us: one thread %7.2f us, two %7.2f us: %.2fx; by the shares %.2fx\n", busy,
-         1e-3 * 20 * (double)count, 1e6 * ta, 1e6 * tb, ta / tb, share);
+  printf("%d busy processes, loops of %4zu items: one thread %7.2f us, two %7.2f us: %.2fx; by the shares %.2fx\n",
+         busy, count, 1e6 * ta, 1e6 * tb, ta / tb, share);
 }
 
 int main(void) {
