@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-enum { N = 9000, NEAR = 30, FAR_EVERY = 50 };
+enum { N = 18000, NEAR = 30, FAR_EVERY = 50 };
 
 static uint64_t seed;
 

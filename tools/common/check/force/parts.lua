@@ -8,7 +8,7 @@ local parts = {}
 
 local ROUNDING = 1e-12 -- of sums in another order, on particles with some dozen elements
 
-local function shapes() return { cases.chain(2500), cases.sheet(64, 70) } end
+local function shapes() return { cases.chain(2500), cases.sheet(64, 130) } end
 
 local function add_up(plugin, lines)
   local sums, powers, base, stray = worst.new(), worst.new(), nil, nil
