@@ -33,7 +33,7 @@ void hk_state_refresh(hk_state *s) {
 
 /* A domain has at least so many blocks: with fewer, most particles lie beside another domain, and waking a thread takes
  * longer than it saves. */
-enum { LEAST = 2, BITS = 10 };
+enum { LEAST = 4, BITS = 10 };
 
 /* By the number of particles alone, so that results do not depend on that of threads. */
 static hk_partition partition_of(size_t n) {
