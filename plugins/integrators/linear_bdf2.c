@@ -97,13 +97,23 @@ static void reset(void *self, hk_reason why) {
 /* A step that is tried: scratch, shaped as X but for R and dv (n x 3); `a` with dy behind it. */
 typedef struct trial {
   double q, g;
-  double *base, *X, *predicted, *guess, *E, *a, *R, *dv;
+  double *base, *X, *predicted, *guess, *E, *a, *R, *dv, *refined;
 } trial;
 
 static trial begin(const linear_bdf2 *m, const hk_system *s, double h) {
-  size_t z = s->size;
+  size_t z = s->size, v = 3 * s->n;
   double *k = m->start.k, *more = m->start.newton.memory, q = h / m->h;
-  return (trial){q, h * (1 + q) / (1 + 2 * q), k, k + z, k + 2 * z, k + 3 * z, k + 4 * z, more, more + z, more + 2 * z};
+  return (trial){q,
+                 h * (1 + q) / (1 + 2 * q),
+                 k,
+                 k + z,
+                 k + 2 * z,
+                 k + 3 * z,
+                 k + 4 * z,
+                 more,
+                 more + z,
+                 more + 2 * z,
+                 more + 2 * z + v};
 }
 
 /* X*, the predictor, and the guess of the stage. */
@@ -145,10 +155,14 @@ static hk_status evaluate(linear_bdf2 *m, hk_system *s, double t, const trial *w
   return settled ? HK_OK : HK_NOT_CONVERGED;
 }
 
-static hk_status linearise(linear_bdf2 *m, hk_system *s, double t, const trial *w, unsigned want) {
-  hk_matrix K, D, A;
+static void foretell(const linear_bdf2 *m, hk_system *s) {
   s->linearised = m->linear ? m->linearised : NULL;
   s->reached = m->linear ? s->X : NULL;
+}
+
+static hk_status linearise(linear_bdf2 *m, hk_system *s, double t, const trial *w, unsigned want) {
+  hk_matrix K, D, A;
+  foretell(m, s);
   hk_status status = s->jacobian(s, t, w->X, want, &K, &D);
   s->linearised = s->reached = NULL;
   if (status == HK_OK) status = s->combine(s, 1, w->g, w->g * w->g, &A);
@@ -162,11 +176,28 @@ static hk_status solve(hk_system *s, const double *b, double *x, double toleranc
   return status;
 }
 
+/* Once more for what the projection of the blocks left out: dv += A^-1 (R - A' dv), with the exact matrix A'. */
+static hk_status refine(linear_bdf2 *m, hk_system *s, double t, const trial *w) {
+  size_t v = 3 * s->n;
+  double *dx = w->refined, *dF = w->guess;
+  for (size_t e = 0; e < v; e++) dx[e] = w->g * w->dv[e];
+  foretell(m, s);
+  hk_status status = s->product(s, t, w->X, dx, w->dv, dF);
+  s->linearised = s->reached = NULL;
+  if (status != HK_OK) return status;
+  for (size_t e = 0; e < v; e++) w->R[e] -= s->model->mass[e / 3] * w->dv[e] - w->g * dF[e];
+  s->filter(s, w->R);
+  status = solve(s, w->R, dx, m->residual);
+  for (size_t e = 0; e < v; e++) w->dv[e] += dx[e];
+  return status;
+}
+
 static hk_status correct(linear_bdf2 *m, hk_system *s, double t, const trial *w) {
   unsigned flags, want = 0;
   hk_status status = s->solver_flags(s, &flags);
   if (status != HK_OK) return status;
   if (!(flags & HK_SOLVES_UNSYMMETRIC)) want = HK_WANT_SYMMETRIC;
+  memset(w->refined, 0, 3 * s->n * sizeof *w->refined);
   if (m->definite == 0) {
     status = linearise(m, s, t, w, want);
     if (status == HK_OK) status = solve(s, w->R, w->dv, m->residual);
@@ -175,7 +206,8 @@ static hk_status correct(linear_bdf2 *m, hk_system *s, double t, const trial *w)
   }
   m->definite--;
   status = linearise(m, s, t, w, want | HK_WANT_DEFINITE);
-  return status == HK_OK ? solve(s, w->R, w->dv, m->residual) : status;
+  if (status == HK_OK) status = solve(s, w->R, w->dv, m->residual);
+  return status == HK_OK ? refine(m, s, t, w) : status;
 }
 
 static void advance(const hk_system *s, const trial *w) {
@@ -195,6 +227,7 @@ static hk_status estimate(const linear_bdf2 *m, hk_system *s, double h, const tr
   s->filter(s, E);
   hk_status status = solve(s, w->R, E + v, smooth_to);
   if (status != HK_OK) return status;
+  for (size_t e = 0; e < v; e++) E[v + e] = fabs(E[v + e]) + fabs(w->refined[e]);
   hk_channels_solve(&m->start.newton.channels, E + 2 * v, w->dv);
   memcpy(E + 2 * v, w->dv, (s->size - 2 * v - 1) * sizeof *E);
   *error = hk_scales_error(&m->start.scales, s, h, w->X, w->a, E) / s->tol;
