@@ -5,9 +5,10 @@
  * costs some tens of these. `factorize` therefore only takes the values. The factor is renewed
  *   - before a matrix, when the last one cost more than all since the last factorization did on average, that
  *     factorization included: from there on the average would rise (the minimum of (F + c_1 + .. + c_n)/n);
- *   - within a solution, when its iterations have cost as much as a factorization.
- * Costs are operations, those of an iteration counted SLOW times, since it is bound by the memory and the BLAS is not:
- * so results do not depend on the machine's load, and are the same for any number of threads.
+ *   - within a solution, when its iterations have cost as much as a factorization. Where that happens with the factor
+ * of the matrix just before, the next matrices are factorized at once: one, three, seven and so on, up to 31. Costs are
+ * operations, those of an iteration counted SLOW times, since it is bound by the memory and the BLAS is not: so results
+ * do not depend on the machine's load, and are the same for any number of threads.
  *
  * What stops is |r| together with its norm by the factor, in which soft modes count beside stiff ones; |b - A x| is
  * computed anew at the end, so that nothing wrong is returned. Vectors are summed in one fixed order. Hestenes and
@@ -19,7 +20,7 @@
 
 #include <string.h>
 
-enum { SPARE = 8, LANES = 8, TRIES = 10, LIMIT = 1000 };
+enum { SPARE = 8, LANES = 8, TRIES = 10, LIMIT = 1000, LONGEST = 5 };
 
 static const double slow = 3; /* measured: CHOLMOD's solve 2.5, its factorization 7 Gflop/s (64 x 64 cloth) */
 
@@ -33,6 +34,7 @@ typedef struct gradients {
   bool due;                    /* a new factor is to be made of the next matrix */
   double spent, now;           /* operations since the last factorization, with it; of the present matrix */
   double matrices;             /* since the last factorization */
+  int failures, wait;          /* old factors that failed in a row; matrices that are to be factorized at once */
   double *vectors;             /* x, r, z, p, q, each of `unknowns` doubles and some padding */
   double *x, *r, *z, *p, *q;
 } gradients;
@@ -109,7 +111,8 @@ static void account(gradients *s) {
   if (!s->taken || !s->factor.ready) return;
   s->matrices++;
   s->spent += s->now;
-  s->due = s->matrices > 1 && s->now > s->spent / s->matrices;
+  s->due = s->now > s->spent / s->matrices || s->wait > 0;
+  if (s->wait > 0) s->wait--;
   s->now = 0;
 }
 
@@ -153,6 +156,13 @@ static hk_status bad_curvature(gradients *s, double curvature, int iterations) {
                        "the matrix is not positive definite, seen after %d iterations: p.(A p) = %.3g; the step is too "
                        "long for a force that pushes apart, or the matrix is singular",
                        iterations, curvature);
+}
+
+/* Whether old factors serve: one that failed was that of the matrix just before, or older. */
+static void judge(gradients *s) {
+  bool at_once = s->matrices <= 1;
+  s->failures = !at_once ? 0 : s->failures < LONGEST ? s->failures + 1 : LONGEST;
+  s->wait = (1 << s->failures) - 1;
 }
 
 typedef struct goal {
@@ -214,7 +224,10 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
     reached = reached && left <= 1.1 * g.part * g.whole;
     if (reached) break;
     if (s->fresh && !(left < last / 4)) break;
-    if (!s->fresh) status = renew(s);
+    if (!s->fresh) {
+      judge(s);
+      status = renew(s);
+    }
     if (status != HK_OK) return status;
     if (!(left <= g.whole)) memset(s->x, 0, n * sizeof *s->x), left = residual(s, b);
   }
