@@ -17,7 +17,8 @@
  * times the corrector's error; velocities' errors are multiplied by (M + g D + g^2 K)^-1 M, as in dirk.h. The
  * coefficients are those of the variable step, which at most doubles (zero-stability ends at 1 + sqrt 2). The first
  * step, and the first one after a change that voids the history, is one of TR-BDF2, and so is every step in a scene
- * with contact, whose forces one linearisation does not hold apart. Channels' equations are solved at the guess.
+ * with contact, whose forces one linearisation does not hold apart. Channels' equations are solved at the guess and at
+ * the end.
  * Hairer, Norsett and Wanner, Solving ODEs I, III.5; Choi and Ko 2002, one linearisation; Tournier and others 2015,
  * tensions from the step before. */
 #include "plugins/common/integrate/dirk.h"
@@ -210,11 +211,12 @@ static hk_status correct(linear_bdf2 *m, hk_system *s, double t, const trial *w)
   return status == HK_OK ? refine(m, s, t, w) : status;
 }
 
-static void advance(const hk_system *s, const trial *w) {
+/* The new state; channels that depend on v solve their equation there. */
+static hk_status advance(linear_bdf2 *m, hk_system *s, double t, const trial *w) {
   size_t v = 3 * s->n;
-  memcpy(w->guess, w->X, v * sizeof *w->X);
+  memcpy(w->guess, w->X, s->size * sizeof *w->X);
   for (size_t e = 0; e < v; e++) w->X[v + e] += w->dv[e];
-  for (size_t e = 0; e < v; e++) w->X[e] = w->base[e] + w->g * w->X[v + e];
+  return evaluate(m, s, t, w);
 }
 
 /* The error relative to the tolerance. */
@@ -241,10 +243,8 @@ static hk_status attempt(linear_bdf2 *m, hk_system *s, double h, trial *w, doubl
   predict(m, s, h, w);
   hk_status status = evaluate(m, s, s->t + h, w);
   if (status == HK_OK) status = correct(m, s, s->t + h, w);
-  if (status == HK_OK) {
-    advance(s, w);
-    status = estimate(m, s, h, w, error);
-  }
+  if (status == HK_OK) status = advance(m, s, s->t + h, w);
+  if (status == HK_OK) status = estimate(m, s, h, w, error);
   if (isnan(*error)) *error = INFINITY;
   return status == HK_NOT_CONVERGED || status == HK_NOT_FINITE ? HK_OK : status;
 }
@@ -262,7 +262,7 @@ static void take(linear_bdf2 *m, hk_system *s, double h, double wanted, bool ret
   if (!retried && h < wanted) next = fmax(next, wanted);
   memcpy(m->before, s->X, s->size * sizeof *s->X);
   memcpy(s->X, w->X, s->size * sizeof *s->X);
-  memcpy(m->linearised, w->guess, v * sizeof *s->X);
+  memcpy(m->linearised, w->guess, s->size * sizeof *s->X);
   memcpy(m->start.slope, s->X + v, v * sizeof *s->X);
   for (size_t e = v; e < s->size; e++) m->start.slope[e] = (w->X[e] - w->base[e]) / w->g;
   hk_scales_notice(&m->start.scales, s, s->X + v, m->start.slope + v);
