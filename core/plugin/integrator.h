@@ -18,8 +18,9 @@ enum { /* hk_integrator.flags */
                                 constraints, whose acting equations depend on the whole sum */
        HK_LIMITS_MOVES = 128, /* reaches its new state by moves within hk_system.step_limit; the host checks the steps
                                of other methods, on the straight line, and halves those that are not safe */
-       HK_KEEPS_CONSTRAINTS = 256 /* in a holonomic scene its steps end on g = 0 and J v + g_t = 0, by hold_positions
-                                     and hold_velocities; the host does not project them */
+       HK_KEEPS_CONSTRAINTS = 256, /* in a holonomic scene its steps end on g = 0 and J v + g_t = 0, by hold_positions
+                                      and hold_velocities; the host does not project them */
+       HK_USES_SPARE = 512         /* uses hk_system.spare */
 };
 
 typedef enum hk_reason { /* the reason why the host calls `reset` */
@@ -59,7 +60,31 @@ typedef struct hk_integrator {
    * `amplification`. NULL: not stated; where velocities turn, an explicit method's largest stable step is then not
    * known, and its step is chosen for accuracy. */
   double (*rotation)(const void *self, double hw, double hg, double hb);
+  /* For methods that take a part of the forces in shorter steps of their own: chooses that part at s->X and sets
+   * s->aside. The host calls it before every estimate of the largest stable step, which is then that of the rest. May
+   * allocate, and must do nothing where the part is still right. NULL: the method has none. */
+  hk_status (*divide)(void *self, hk_system *s);
+  /* As `rotation` in a step of h, of the rest's modes (1/s) with the part set aside beside them, if they lower the
+   * limit. NULL: they do not. */
+  double (*growth)(const void *self, double h, double w, double g, double b);
 } hk_integrator;
+
+/* The part of the forces that a method has set aside (hk_integrator.divide). */
+typedef struct hk_aside {
+  void *self;
+  /* Takes the part's accelerations at x and v (n x 3) out of a, m/s^2. */
+  void (*remove)(const void *self, const hk_system *, const double *x, const double *v, double *a);
+  /* Takes its share out of the blocks of hk_system.stiffness_bound. */
+  void (*remove_bound)(const void *self, const hk_system *, hk_stiffness_part part, double (*block)[6]);
+} hk_aside;
+/* What a method does with particles before and after an evaluation, while they are in the cache: see hk_system.pass.
+ * Both get the particles begin to end - 1, from several threads at once. They must not read or write the x and v of
+ * others. */
+typedef struct hk_pass {
+  void *context;
+  void (*prepare)(void *context, size_t begin, size_t end); /* writes x and v; may read a; NULL: they are there */
+  void (*finish)(void *context, size_t begin, size_t end);  /* a is complete, and no force reads x and v any more */
+} hk_pass;
 
 /* ---- The system ------------------------------------------------------------------------------------------------ */
 
@@ -128,7 +153,7 @@ struct hk_system {
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
    * HK_STIFFENS only. False: an acting force that depends on x states no bound, and the blocks are not
-   * touched. */
+   * touched; of HK_DAMPING_WHOLE: one that depends on v states none, and the blocks are those of the others. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
   /* As `solve`, with J x = J u (u: n x 3): for methods whose right-hand side is not a residual of forces. */
   hk_status (*solve_along)(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
@@ -152,8 +177,19 @@ struct hk_system {
   /* Removes from velocities (n x 3) the part that constraints forbid at X, v -= W J^T (J W J^T)^-1 J v. NULL: there are
    * none that could. */
   hk_status (*tangent)(hk_system *, double *vector);
+  /* Set by the method in `divide`, and valid as long as the method; NULL: nothing is set aside. */
+  const hk_aside *aside;
   /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
   const double *linearised, *reached;
+  /* `accelerations`, with what the method does before and after: block by block in one pass over the particles where
+   * the forces offer parts (core/plugin/parts.h), else in passes on all threads. y is complete when it is called. If it
+   * fails, a is void, and some particles may not have been prepared or finished. */
+  hk_status (*pass)(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy,
+                    const hk_pass *);
+  /* For methods with HK_USES_SPARE: size doubles that a method may use within a step. Exchanged with X by `exchange`
+   * when they are the new state, so that nothing is copied and X is as it was if the step fails. */
+  double *spare;
+  void (*exchange)(hk_system *);
 };
 
 #endif

@@ -87,6 +87,7 @@ static mode_set grid_of(const hk_integrator *method, const void *parameters, con
 
 /* The growth factor of a step h. */
 static double growth_of(const hk_integrator *method, const void *parameters, mode m, double h) {
+  if (method->growth) return method->growth(parameters, h, m.w, m.g, m.b);
   if (m.b > 0) return method->rotation(parameters, h * m.w, h * m.g, h * m.b);
   return method->amplification(parameters, h * m.w, h * m.g);
 }

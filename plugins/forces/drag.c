@@ -116,13 +116,24 @@ __attribute__((target("avx2"))) static double add_wide(const drag *p, const hk_v
 #define ADD_FOURS add_narrow
 #endif
 
+/* On the particles begin to end - 1 of those that it acts on; returns the power. */
+static double add_range(const drag *p, const hk_view *view, size_t begin, size_t end, double *F) {
+  size_t fours = view->active ? begin : end - (end - begin) % LANES;
+  double power = ADD_FOURS(p, view, begin, fours, F);
+  for (size_t k = fours; k < end; k++) power += add_one(p, view, view->active ? view->active[k] : k, F);
+  return power;
+}
+
 static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   task *t = context;
-  const hk_view *view = t->view;
-  size_t fours = view->active ? begin : end - (end - begin) % LANES;
-  double power = ADD_FOURS(t->self, view, begin, fours, t->F);
-  for (size_t k = fours; k < end; k++) power += add_one(t->self, view, view->active ? view->active[k] : k, t->F);
-  t->power[chunk] = power;
+  t->power[chunk] = add_range(t->self, t->view, begin, end, t->F);
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  size_t begin, end;
+  hk_part_acting(view, part, &begin, &end);
+  double power = add_range(self, view, begin, end, F);
+  if (view->power) *view->power += power;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
@@ -168,11 +179,22 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* D is the coefficient of each particle. */
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  for (size_t k = 0; part == HK_DAMPING_WHOLE && k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    double d = coefficient(self, view, i);
+    block[i][0] += d, block[i][3] += d, block[i][5] += d;
+  }
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
                                .add = add,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .stiffness_bound = stiffness_bound,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

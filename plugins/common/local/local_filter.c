@@ -1,0 +1,26 @@
+/* With A what the short steps take (x being the eigenvalues of h^2 A), B and D the stiffness and damping of the rest, a
+ * step is leapfrog's with
+ *     h^2 K = psi(x) h^2 B + 2 (1 - c(x)),   h D = psi(x) h D + 2 eta (1 - c(x)),   psi(x) = 2 (1 - c(x)) / x,
+ * which is similar to a symmetric matrix, as psi > 0; the last term bounds the damping of A, which is at most eta h A,
+ * eta = retardation/h. Leapfrog is stable while h^2 K + 4 h D <= 4, that is, in the sense of symmetric matrices, for
+ * all x psi ((h w)^2 + 4 h g) <= 2 (1 + c) - 8 eta (1 - c). The room is that over psi, and least for the fewest short
+ * steps. */
+#include "plugins/common/local/local_filter.h"
+
+double hk_local_filter(int p, double x) {
+  double z = hk_local_delta(p) - x / hk_local_omega(p);
+  double c = z > 1 ? cosh(p * acosh(z)) : cos(p * acos(fmax(-1, z)));
+  return c / cosh(hk_local_damping);
+}
+
+/* (1 + c)/(1 - c), or, beyond the first swing of c, whose least is all that counts, its least. */
+static double ratio(double x) {
+  double c = x < 20 ? hk_local_filter(HK_LOCAL_LEAST, x) : -1 / cosh(hk_local_damping);
+  return (1 + c) / (1 - c);
+}
+
+double hk_local_room(double h, double stiffest, double retardation) {
+  double least = 1, most = h * h * stiffest, eta = retardation / h;
+  for (double x = 0.25; x < fmin(most, 20); x += 0.25) least = fmin(least, (ratio(x) - 4 * eta) * x / 4);
+  return fmin(least, (ratio(most) - 4 * eta) * most / 4);
+}
