@@ -81,7 +81,7 @@ endif
 # The server of live pages.
 HTTPD := $(call exists,libmicrohttpd)
 ifeq (,$(HTTPD))
-LEFT_OUT += tools/native/server.c
+LEFT_OUT += tools/native/server.c $(wildcard tools/native/serving/*.c)
 endif
 
 # Recordings are HDF5 files. Debian has a variant for clusters as well, which its own name tells apart.

@@ -65,7 +65,7 @@ function session:begin()
   self.before = self.history -- pages may still be asking for it
   self.number = self.number + 1
   self.history = history.new(self.server, self.number, self.title)
-  self.child = child.start(words.with(self.words, self.values))
+  self.child = child.start(words.with(self.words, self.values), self.forces)
   self.child:command(("pace %.9g"):format(self.pace))
   self.doing, self.error, self.summary, self.wanted, self.deadline = "running", nil, nil, nil, nil
   self:tell(true)
@@ -159,6 +159,7 @@ Runs the scene, and serves a page of it on this computer alone while it goes on:
 
 Options:
    --port N              of the page's address (default: a free one)
+   --forces              each force by itself, as colours and arrows
 
 All others are those of hooke run.
 ]]
@@ -179,7 +180,7 @@ local function run()
     return complain("--watch needs hooke's server of live pages, which was not built without libmicrohttpd: "
       .. "tools/install-deps run gets it, then make")
   end
-  local own, port = words.split(table.move(arg, 1, #arg, 1, {}))
+  local own, port, forces = words.split(table.move(arg, 1, #arg, 1, {}))
   if not own then return complain(port) end
   local declared, code = parameters_of(own)
   if not declared then return code end
@@ -196,8 +197,8 @@ local function run()
     if p.min == cjson.null then p.min = nil end
     if p.max == cjson.null then p.max = nil end
   end
-  local self = setmetatable({ server = s, words = own, title = title, declared = by_name, values = {}, pace = 0, number = 0,
-    declared_list = json_text.list(declared), signals = process.signals(), told = 0, code = 0 }, session)
+  local self = setmetatable({ server = s, words = own, forces = forces, title = title, declared = by_name, values = {},
+    pace = 0, number = 0, declared_list = json_text.list(declared), signals = process.signals(), told = 0, code = 0 }, session)
   io.stderr:write("hooke: watch it at ", s:url(), " (Ctrl-C ends)\n")
   self:begin()
   while self:turn() do end

@@ -1,7 +1,7 @@
 /* scene:body{ shape = "sphere" | "box" | "capsule" | "cylinder" | "plane" | "mesh" }: what is solid, as particles and
  * the triangles of its surface. Without a mass its particles are pinned, and move together as `path` and `rotation`
- * say; contact keeps others off them. With `mass` or `density` they are free, and forces may make the closed mesh a soft
- * body. Round shapes are inscribed polyhedra, see body_shapes.h. */
+ * say; contact keeps others off them. With `mass` or `density` they are free, and forces may make the closed mesh a
+ * soft body. Round shapes are inscribed polyhedra, see body_shapes.h. */
 #include "core/builders/mesh_handle.h"
 #include "core/text/text.h"
 
@@ -142,7 +142,7 @@ static hk_lua_handle add_particles(lua_State *L, hk_scene *scene, const hk_mesh 
 int hk_build_body(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_pin_spec pin = {.kind = HK_PIN_FIXED, .release = INFINITY};
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "body", "scene:body { ... }");
   lua_settop(L, 2);
   const struct shape *shape = read_shape(L);
   hk_lua_check_keys(L, 2, "body", shape->keys);

@@ -57,7 +57,7 @@ int hk_build_grid(lua_State *L) {
   static const char *const keys[] = {"nx", "ny", "width", "height",      "mass",     "density", "origin",
                                      "u",  "v",  "group", "alternating", "material", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "grid", "scene:grid { ... }");
   lua_settop(L, 2);
   hk_lua_take_material(L, 2, "grid");
   hk_lua_check_keys(L, 2, "grid", keys);

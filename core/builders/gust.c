@@ -14,7 +14,7 @@ static bool gust_numbers(lua_State *L, const char *key, bool all, double out[HK_
 int hk_lua_gust(lua_State *L) {
   static const char *const keys[] = {"mean", "amplitude", "shortest", "longest", "seed", NULL};
   double mean[HK_COLUMNS], amplitude[HK_COLUMNS];
-  luaL_checktype(L, 1, LUA_TTABLE);
+  hk_lua_check_table(L, 1, "gust", "hooke.gust { ... }");
   lua_settop(L, 1);
   hk_lua_check_keys(L, 1, "gust", keys);
   bool vector = gust_numbers(L, "mean", false, mean), turns = gust_numbers(L, "amplitude", true, amplitude);

@@ -202,7 +202,7 @@ int hk_build_hair(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_error error = {0};
   hair h = {0};
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "hair", "scene:hair { ... }");
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "hair", keys);
   luaL_checkstack(L, 40, "hair");

@@ -177,8 +177,9 @@ int hk_build_membrane(lua_State *L) {
   const hk_scene *scene = hk_lua_scene(L, 1);
   const hk_lua_handle *h = hk_lua_to_handle(L, 2);
   if (!h) return hk_lua_fail(L, HK_BAD_PARAM, "membrane: expected scene:membrane(cloth, { stiffness = })");
-  luaL_checktype(L, 3, LUA_TTABLE);
+  hk_lua_check_table(L, 3, "membrane", "scene:membrane(handle, { ... })");
   lua_settop(L, 3);
+  if (scene->spent) return hk_lua_fail(L, HK_BAD_PARAM, "membrane: the scene runs and can no longer be asked");
   if (h->first < 1 || h->first - 1 + (size_t)h->count > scene->n)
     return hk_lua_fail(L, HK_BAD_PARAM, "membrane: the particles belong to another scene");
   material m = read_material(L);

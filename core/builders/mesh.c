@@ -77,7 +77,7 @@ int hk_build_mesh(lua_State *L) {
   static const char *const keys[] = {"file",  "vertices", "faces", "mass",     "density",
                                      "scale", "origin",   "group", "material", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "mesh", "scene:mesh { ... }");
   lua_settop(L, 2);
   hk_lua_take_material(L, 2, "mesh");
   hk_lua_check_keys(L, 2, "mesh", keys);
@@ -101,7 +101,7 @@ static void push_corners(lua_State *L, const hk_mesh *m) {
 int hk_build_surface(lua_State *L) {
   static const char *const keys[] = {"file", "scale", "origin", NULL};
   hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "surface", "scene:surface { ... }");
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "surface", keys);
   if (hk_lua_field(L, 2, "file") != LUA_TSTRING)

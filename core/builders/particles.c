@@ -26,7 +26,7 @@ int hk_build_particle(lua_State *L) {
   const char *keys[64] = {"position", "velocity", "mass", "group"};
   hk_scene *scene = hk_lua_scene(L, 1);
   double x[3] = {0}, v[3] = {0};
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "particle", "scene:particle { ... }");
   lua_settop(L, 2);
   for (size_t k = 0; k < scene->channels && k < 58; k++) keys[4 + k] = scene->channel[k].name;
   hk_lua_check_keys(L, 2, "particle", keys);
@@ -59,7 +59,7 @@ static double *triples(lua_State *L, int table, const char *key, size_t *count) 
 int hk_build_particles(lua_State *L) {
   static const char *const keys[] = {"positions", "velocities", "masses", "mass", "group", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "particles", "scene:particles { ... }");
   hk_lua_check_keys(L, 2, "particles", keys);
   size_t count = 0, velocities = 0, masses = 0;
   const double *x = triples(L, 2, "positions", &count), *v = triples(L, 2, "velocities", &velocities), *m = NULL;

@@ -247,7 +247,7 @@ int hk_build_block(lua_State *L) {
   static const char *const keys[] = {"nx", "ny",   "nz",      "size", "origin", "u",
                                      "v",  "mass", "density", "E",    "group",  NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "block", "scene:block { ... }");
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "block", keys);
   lattice l = read_lattice(L);
@@ -311,7 +311,7 @@ int hk_build_tetrahedra(lua_State *L) {
   static const char *const keys[] = {"file",   "vertices", "tetrahedra", "mass",  "density",
                                      "origin", "scale",    "E",          "group", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "tetrahedra", "scene:tetrahedra { ... }");
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "tetrahedra", keys);
   hk_mesh *m = hk_mesh_new(L);

@@ -134,7 +134,7 @@ int hk_build_strand(lua_State *L) {
   static const char *const keys[] = {"n",      "from", "to", "length",  "direction", "curve", "curl",  "mass",
                                      "radius", "E",    "nu", "density", "clamped",   "pin",   "group", NULL};
   hk_scene *scene = hk_lua_scene(L, 1);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "strand", "scene:strand { ... }");
   lua_settop(L, 2);
   hk_lua_check_keys(L, 2, "strand", keys);
   strand s = {.wall = hk_lua_flag(L, 2, "strand", "clamped", false)};

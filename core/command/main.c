@@ -2,15 +2,11 @@
  * the environment or catch a signal. */
 #include "core/command/auto.h"
 #include "core/base/base.h"
-#include "core/command/confinement.h"
-#include "core/command/faults.h"
 #include "core/command/installation.h"
-#include "core/command/keep.h"
 #include "core/command/options.h"
 #include "core/command/resume.h"
-#include "core/command/standard_files.h"
-#include "core/command/watchdog.h"
 #include "core/host/host.h"
+#include "core/process/process.h"
 #include "core/report/report.h"
 #include "core/lua/lua.h"
 #include "core/text/text.h"
@@ -265,6 +261,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     o.run.acting = hk_faults_watch(registry);
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
+    o.run.only_run = true; /* others, for comparisons, are of scenes of their own */
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
     if (!o.trust) o.run.caution = confine(&o, registry, p);
     hk_script_options options = script_options(&o, registry, library);

@@ -39,7 +39,8 @@ static const option options[] = {
     {"--state", "FILE", "write the final state: id,x,y,z,vx,vy,vz,mass and the channels", TEXT, AT(state), false},
     {"--out", "DIR", "folder of the outputs, default out/SCENE; with --resume that of the checkpoint", TEXT,
      AT(run.out), false},
-    {"--json", NULL, "the summary as one JSON object on standard output", FLAG, AT(json), false},
+    {"--json", NULL, "the summary as one JSON object in a line on standard output; of --watch, of every run", FLAG,
+     AT(json), false},
     {"--summary", "FILE", "the same into a file, beside what is printed", TEXT, AT(summary), false},
     {"--quiet", NULL, "no progress and no summary", FLAG, AT(quiet), false},
     {"--with", "KIND:NAME",
@@ -54,6 +55,7 @@ static const option options[] = {
      "in a browser while it runs: a page on this machine's own address, to look, stop, take hold and try values", FLAG,
      AT(watch), false},
     {"--port", "N", "of the page of --watch, default 0: any that is free", WHOLE, AT(port), false},
+    {"--forces", NULL, "the page of --watch has each force by itself, as colours and arrows", FLAG, AT(forces), false},
     {"--trust", NULL, "lift the script's sandbox and allow plugins beside it", FLAG, AT(trust), false},
     {"--help", NULL, "this text, with the scene's own parameters when one is named; with --json these alone, as JSON",
      FLAG, AT(help), false},
@@ -200,6 +202,9 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
     i += used;
   }
   if (!into->scene && !into->help) return hk_error_set(error, HK_BAD_PARAM, "no scene given: hooke run SCENE.lua");
+  if ((into->port || into->forces) && !into->watch && !into->help)
+    return hk_error_set(error, HK_BAD_PARAM, "%s is of the page of --watch: give --watch as well",
+                        into->port ? "--port" : "--forces");
   return HK_OK;
 }
 

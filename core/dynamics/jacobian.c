@@ -108,7 +108,7 @@ static hk_status fill(hk_dynamics *d, hk_implicit_matrix *s, double t, const dou
     view.v = X + 3 * n;
     view.y = d->state->width ? X + 6 * n : NULL;
     view.power = NULL;
-    hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D, want};
+    hk_blocks into = {s->matrix.slot + s->first[k], s->K, s->D, want, d->system.linearised, d->system.reached};
     const hk_instance *outer = hk_enter(force);
     status = hk_leave_with(force, outer, "jacobian", force->plugin->force->jacobian(force->self, &view, &into));
   }

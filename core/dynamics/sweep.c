@@ -158,18 +158,20 @@ hk_status hk_sweep_product(hk_system *s, double t, const double *X, const double
   return status;
 }
 
-/* Whether all that depends on x states its stiffness. */
-static bool is_stated(const hk_dynamics *d) {
+/* Whether all that depends on x states its stiffness, or on v its damping. */
+static bool is_stated(const hk_dynamics *d, hk_stiffness_part part) {
+  unsigned on = part == HK_DAMPING_WHOLE ? HK_DEPENDS_ON_V : HK_DEPENDS_ON_X;
   for (size_t k = 0; k < d->system.forces; k++) {
     const hk_force *functions = force_at(d, k)->plugin->force;
-    if (d->force_acts[k] && !functions->stiffness_bound && functions->flags & HK_DEPENDS_ON_X) return false;
+    if (d->force_acts[k] && !functions->stiffness_bound && functions->flags & on) return false;
   }
   return d->plugins->kind[HK_CONSTRAINT].count == 0;
 }
 
 bool hk_sweep_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, double (*block)[6]) {
   hk_dynamics *d = dynamics_of(s);
-  if (!stiffening && !is_stated(d)) return false;
+  bool stated = stiffening || is_stated(d, part);
+  if (!stated && part != HK_DAMPING_WHOLE) return false;
   memset(block, 0, s->n * sizeof *block);
   for (size_t k = 0; k < s->forces; k++) {
     const hk_instance *force = force_at(d, k);
@@ -180,5 +182,5 @@ bool hk_sweep_stiffness(hk_system *s, hk_stiffness_part part, bool stiffening, d
     functions->stiffness_bound(force->self, &view, part, block);
     hk_leave(force, outer);
   }
-  return true;
+  return stated;
 }

@@ -100,7 +100,7 @@ typedef struct hk_plugin_spec {
 
 hk_plugin_spec *hk_spec_create(const hk_plugin *, const char *label, const char *where, hk_error *error);
 void hk_spec_destroy(hk_plugin_spec *);
-/* The parameter of that name; NULL with `error` naming the nearest one. */
+/* The parameter of that name; NULL with `error`. */
 const hk_param *hk_spec_param(const hk_plugin_spec *, const char *name, hk_error *error);
 /* Checks type, range and ids (1 to n) and fills the field. */
 hk_status hk_spec_set(hk_plugin_spec *, const hk_param *, const hk_value *value, size_t n, hk_error *error);
@@ -178,6 +178,8 @@ hk_instance *hk_instance_create(const hk_plugin_spec *, hk_shared *shared, hk_er
 void hk_instance_destroy(hk_instance *);
 /* Allocates fields for n particles and a state of `size` doubles, then calls the plugin's create. */
 hk_status hk_instance_start(hk_instance *, const hk_view *view, size_t size, hk_error *error);
+/* Puts map[i] in the place of particle i in the lists that the script gave; before hk_instance_start. */
+hk_status hk_instance_renumber(hk_instance *, const uint32_t *map, hk_error *error);
 /* To be called after births and deaths: old index i is now map[i] (UINT32_MAX: dead), and there are view->n particles.
  * Remaps parameters and fields, then calls the plugin's topology. */
 hk_status hk_instance_remap(hk_instance *, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,

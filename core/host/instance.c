@@ -133,14 +133,18 @@ static void remap_selection(hk_instance *instance, const uint32_t *map) {
   instance->only_count = kept;
 }
 
+hk_status hk_instance_renumber(hk_instance *instance, const uint32_t *map, hk_error *error) {
+  hk_status status = copy_lists(instance, error);
+  for (const hk_param *p = instance->plugin->params; status == HK_OK && p && p->name; p++)
+    if (hk_param_arity(p)) remap_tuples(instance, p, map);
+  if (status == HK_OK && instance->only) remap_selection(instance, map);
+  return status;
+}
+
 hk_status hk_instance_remap(hk_instance *instance, const uint32_t *map, size_t n_old, const hk_view *view, size_t size,
                             hk_error *error) {
-  hk_status status = copy_lists(instance, error);
-  if (status != HK_OK) return status;
-  for (const hk_param *p = instance->plugin->params; p && p->name; p++)
-    if (hk_param_arity(p)) remap_tuples(instance, p, map);
-  if (instance->only) remap_selection(instance, map);
-  status = hk_fields_remap(instance, map, n_old, view->n, size, error);
+  hk_status status = hk_instance_renumber(instance, map, error);
+  if (status == HK_OK) status = hk_fields_remap(instance, map, n_old, view->n, size, error);
   if (status == HK_OK) status = hk_instance_select(instance, view->model, error);
   if (status != HK_OK) return status;
   hk_view own = hk_instance_view(instance, view);

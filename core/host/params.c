@@ -4,37 +4,16 @@
  * finiteness, range and indices before anything is written, so a refused value changes nothing. */
 #include "core/host/host.h"
 #include "core/base/base.h"
-#include "core/text/text.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *param_name(const void *context, size_t k) {
-  const hk_plugin *plugin = context;
-  static const char *const common[] = {"label", "group", "only", "from", "to"};
-  size_t own = 0;
-  while (plugin->params && plugin->params[own].name) own++;
-  if (k < own) return plugin->params[k].name;
-  k -= own;
-  size_t known = plugin->kind == HK_FORCE ? 5 : plugin->kind == HK_SOURCE ? 2 : 1;
-  return k < known ? common[k] : NULL;
-}
-
-/* The parameter of which the help says that it is this: k, "stiffness"; else the closest name. */
-static const char *param_meant(const hk_plugin *plugin, const char *name) {
-  for (const hk_param *p = plugin->params; p && p->name; p++)
-    if (p->help && hk_begins_with_words(p->help, name)) return p->name;
-  return hk_nearest_name(name, param_name, plugin);
-}
-
 const hk_param *hk_spec_param(const hk_plugin_spec *spec, const char *name, hk_error *error) {
   for (const hk_param *p = spec->plugin->params; p && p->name; p++)
     if (strcmp(p->name, name) == 0) return p;
-  const char *near = param_meant(spec->plugin, name);
-  hk_error_set(error, HK_BAD_PARAM,
-               near ? "%s: no parameter '%s'; did you mean '%s'?" : "%s: no parameter '%s'; see: hooke plugins %s",
-               spec->label, name, near ? near : spec->plugin->name);
+  hk_error_set(error, HK_BAD_PARAM, "%s: no parameter '%s'; see: hooke plugins %s", spec->label, name,
+               spec->plugin->name);
   return NULL;
 }
 
@@ -250,6 +229,7 @@ static hk_status set_function(const setting *s) {
 
 static hk_status set_timed(const setting *s) {
   hk_plugin_spec *spec = s->spec;
+  if (hk_param_arity(s->p)) return wrong_type(s, "a list (a handle's functions are called: cloth:edges())");
   if (!(s->p->flags & HK_TIMED)) return wrong_type(s, "a constant");
   hk_timed *grown = realloc(spec->timed, (spec->timed_count + 1) * sizeof *grown);
   if (!grown) return no_memory(s);

@@ -96,7 +96,10 @@ hk_status hk_figures_exact(hk_loop *loop, double *error, hk_error *cause) {
   *error = NAN;
   if (!known) return HK_OK;
   hk_status status = exact->call(exact, NULL, &t, 1, known, room, &got, cause);
-  for (size_t k = 0; k < got; k++) sum += (loop->state->X[k] - known[k]) * (loop->state->X[k] - known[k]);
+  for (size_t k = 0; k < got; k++) {
+    double off = loop->state->X[3 * hk_model_nth(&loop->state->model, k / 3) + k % 3] - known[k];
+    sum += off * off;
+  }
   free(known);
   if (status == HK_OK && got >= 3) *error = sqrt(3 * sum / (double)got);
   return status;

@@ -51,6 +51,12 @@ static bool reserve(hk_trajectory *a, size_t numbers) {
   return true;
 }
 
+/* `width` numbers of each particle, in the order of ids. */
+static void copy_in_order(double *to, const double *from, size_t width, const hk_model *m) {
+  if (!m->by_id) memcpy(to, from, width * m->n * sizeof *to);
+  for (size_t k = 0; m->by_id && k < m->n; k++) memcpy(to + width * k, from + width * m->by_id[k], width * sizeof *to);
+}
+
 hk_status hk_trajectory_note(hk_trajectory *a, const hk_state *s, size_t frame, bool always, hk_error *error) {
   size_t n = s->model.n, size = (4 + s->width) * n;
   if (a->stride == 0) a->stride = 1;
@@ -59,9 +65,11 @@ hk_status hk_trajectory_note(hk_trajectory *a, const hk_state *s, size_t frame, 
   if (a->moments && a->moment[a->moments - 1].t == s->t) return HK_OK;
   if (!reserve(a, size + 1)) return no_memory(error); /* the arrays exist without particles, too */
   double *value = a->value + a->size;
-  for (size_t i = 0; i < n; i++) value[i] = s->id[i];
-  memcpy(value + n, s->X, 3 * n * sizeof *value);
-  memcpy(value + 4 * n, s->X + 6 * n, s->width * n * sizeof *value);
+  for (size_t k = 0; k < n; k++) value[k] = s->id[hk_model_nth(&s->model, k)];
+  copy_in_order(value + n, s->X, 3, &s->model);
+  for (size_t c = 0; c < s->model.channels; c++)
+    copy_in_order(value + (4 + s->channel[c].offset) * n, s->X + (6 + s->channel[c].offset) * n, s->channel[c].size,
+                  &s->model);
   a->moment[a->moments++] = (struct hk_moment){s->t, frame, n, a->size, size};
   a->size += size;
   return HK_OK;

@@ -48,8 +48,6 @@ typedef struct hk_step_choice {
   double fps;
   hk_spectrum spectrum;
   hk_watch watch;
-  double (*scratch)[6]; /* of the watch, for `room` particles */
-  size_t room;
   double dt;           /* s, longest step; adaptive methods: the next step that they propose */
   double dt_suggested; /* s, by the last limit */
   double dt_estimated; /* s, dt as the estimates have it; the watch may have lowered it until the next */

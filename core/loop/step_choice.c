@@ -34,13 +34,11 @@ static void find_limit(hk_step_choice *c) {
   c->growth_expected = stable.limit == 0;
 }
 
-static hk_status reserve(hk_step_choice *c, hk_dynamics *d) {
-  size_t n = d->system.n;
-  double(*grown)[6] = n < c->room ? c->scratch : realloc(c->scratch, (n + 1) * sizeof *grown);
-  if (!grown) return hk_error_set(d->error, HK_NO_MEMORY, "no memory to watch the stable step");
-  c->scratch = grown;
-  if (n >= c->room) c->room = n + 1;
-  return HK_OK;
+/* For the watch, which looks rarely; the caller frees it. */
+static double (*allocate_blocks(const hk_dynamics *d))[6] {
+  double(*block)[6] = malloc((d->system.n + 1) * sizeof *block);
+  if (!block) hk_error_set(d->error, HK_NO_MEMORY, "no memory to watch the stable step");
+  return block;
 }
 
 /* What a method takes in shorter steps of its own is no part of the estimates. */
@@ -50,22 +48,26 @@ static hk_status divide(hk_step_choice *c, hk_dynamics *d) {
   return hk_leave_with(c->integrator, outer, "divide", c->method->divide(c->integrator->self, &d->system));
 }
 
-/* The evaluations and sampled times of an estimate are not added to those of the run. */
-hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) {
+/* `method`: the one whose step is wanted; NULL: all is estimated. The evaluations and sampled times of an estimate are
+ * not added to those of the run. */
+static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
   hk_status status = divide(c, d);
   if (status != HK_OK) return status;
-  status = hk_spectrum_estimate(&d->system, &c->spectrum, d->error);
+  status = hk_spectrum_estimate_for(&d->system, method, c->parameters, &c->spectrum, d->error);
   c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
-  if (status == HK_OK) status = reserve(c, d);
-  if (status != HK_OK) return status;
-  hk_watch_begin(&c->watch, &d->system, c->scratch, before.evaluations);
+  double(*block)[6] = status == HK_OK ? allocate_blocks(d) : NULL;
+  if (!block) return status == HK_OK ? HK_NO_MEMORY : status;
+  hk_watch_begin(&c->watch, &d->system, block, before.evaluations);
+  free(block);
   if (!same(&last, &c->spectrum)) find_limit(c);
   return HK_OK;
 }
+
+hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(c, d, NULL); }
 
 /* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
  */
@@ -125,7 +127,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
       c->dt = given;
     return HK_OK;
   }
-  hk_status status = hk_step_estimate(c, d);
+  hk_status status = estimate(c, d, c->method);
   if (status == HK_NOT_FINITE) { /* not caused by the step size: the first evaluation of the run reports the error */
     *d->error = (hk_error){0};
     c->dt_limit = c->limit_now = NAN;
@@ -158,7 +160,7 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
   if (!event && d->count.evaluations - c->estimated_at < every * c->estimate_cost) return HK_OK;
   double old = c->dt_limit;
   bool expected = c->growth_expected;
-  hk_status status = hk_step_estimate(c, d);
+  hk_status status = estimate(c, d, c->method);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
   keep_least(c, old, expected, c->dt_estimated);
   c->dt_estimated = c->dt;
@@ -192,19 +194,27 @@ hk_status hk_step_review_births(hk_step_choice *c, hk_dynamics *d, size_t births
   return status;
 }
 
+static hk_status look(hk_step_choice *c, hk_dynamics *d, size_t now, bool *risen) {
+  double(*block)[6] = allocate_blocks(d);
+  *risen = block && hk_watch_look(&c->watch, &d->system, block, now);
+  free(block);
+  return block ? HK_OK : HK_NO_MEMORY;
+}
+
 /* A new estimate is sharper than the raised bounds, where the evaluations so far allow for it. */
 hk_status hk_step_watch(hk_step_choice *c, hk_dynamics *d) {
   size_t now = d->count.evaluations;
   double old = c->dt_limit;
-  bool expected = c->growth_expected;
+  bool expected = c->growth_expected, risen = false;
   if (now < c->watch.next || !watches(c, d) || isnan(old)) return HK_OK;
   hk_status status = hk_step_reestimate(c, d, false);
-  if (status == HK_OK) status = reserve(c, d);
-  if (status != HK_OK || !hk_watch_look(&c->watch, &d->system, c->scratch, now)) return status;
+  if (status == HK_OK) status = look(c, d, now, &risen);
+  if (status != HK_OK || !risen) return status;
   if (REVIEW_RISEN * c->estimates_cost <= now + REVIEW_FREE * c->estimate_cost) {
     status = hk_step_reestimate(c, d, true);
     c->estimates_cost += c->estimate_cost;
-    if (status != HK_OK || !hk_watch_look(&c->watch, &d->system, c->scratch, now)) return status;
+    if (status == HK_OK) status = look(c, d, now, &risen);
+    if (status != HK_OK || !risen) return status;
   }
   hk_watch_raise(&c->watch, &c->spectrum);
   find_limit(c);

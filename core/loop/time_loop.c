@@ -201,5 +201,4 @@ hk_status hk_loop_frame(hk_loop *loop) {
 void hk_loop_close(hk_loop *loop) {
   hk_population_close(&loop->population);
   free(loop->X_before);
-  if (loop->step) free(loop->step->scratch);
 }

@@ -7,6 +7,7 @@
 /* state.c */
 void hk_lua_push_state(lua_State *L, int scene); /* state of the scene at index `scene`, which the state keeps alive */
 void hk_lua_open_state(lua_State *L);
+bool hk_lua_state_has(const char *name);                    /* such a member */
 hk_function hk_lua_frame_function(lua_State *L, int index); /* it is called with the state of the scene at index 1 */
 
 /* param.c: param(), and the check that every name=value was declared. */
@@ -19,6 +20,11 @@ void hk_lua_note_verdict(hk_script *, hk_run *);
 /* Closes the run and leaves its folder; a second call does nothing. */
 hk_status hk_lua_end_run(hk_run *, hk_error *error);
 void hk_lua_open_run(lua_State *L);
+
+/* members.c: what the table on top of the stack does not have is an error that says what is meant */
+void hk_lua_name_functions(lua_State *L); /* `hooke` */
+void hk_lua_name_scene_methods(lua_State *L);
+void hk_lua_name_run_methods(lua_State *L);
 
 /* scene.c */
 void hk_lua_open_scene(lua_State *L);

@@ -69,7 +69,7 @@ void hk_lua_push_summary(lua_State *L, const hk_summary *s) {
 }
 
 hk_run *hk_lua_run(lua_State *L) {
-  const hk_lua_slot *slot = *(hk_lua_slot **)luaL_checkudata(L, 1, hk_lua_run_type);
+  const hk_lua_slot *slot = *(hk_lua_slot **)hk_lua_self(L, hk_lua_run_type, "run:state()");
   if (!slot->run) hk_lua_fail(L, HK_BAD_PARAM, "this run has ended");
   return slot->run;
 }
@@ -88,6 +88,12 @@ static int summary(lua_State *L) {
   return 1;
 }
 
+/* Appends `width` numbers of each particle, in the order of ids. */
+static void add_in_order(luaL_Buffer *buffer, const hk_model *m, const double *from, size_t width) {
+  for (size_t k = 0; k < m->n; k++)
+    luaL_addlstring(buffer, (const char *)(from + width * hk_model_nth(m, k)), width * sizeof *from);
+}
+
 /* The state as a string of doubles: n, t, then ids, positions and velocities, n, 3n and 3n of them. */
 static int packed(lua_State *L) {
   const hk_view *view = hk_run_view(hk_lua_run(L));
@@ -96,11 +102,11 @@ static int packed(lua_State *L) {
   luaL_buffinit(L, &buffer);
   luaL_addlstring(&buffer, (const char *)head, sizeof head);
   for (size_t i = 0; i < view->n; i++) {
-    double id = view->model->id[i];
+    double id = view->model->id[hk_model_nth(view->model, i)];
     luaL_addlstring(&buffer, (const char *)&id, sizeof id);
   }
-  luaL_addlstring(&buffer, (const char *)view->x, 3 * view->n * sizeof *view->x);
-  luaL_addlstring(&buffer, (const char *)view->v, 3 * view->n * sizeof *view->v);
+  add_in_order(&buffer, view->model, view->x, 3);
+  add_in_order(&buffer, view->model, view->v, 3);
   luaL_pushresult(&buffer);
   return 1;
 }
@@ -200,6 +206,7 @@ void hk_lua_open_run(lua_State *L) {
   luaL_newmetatable(L, hk_lua_run_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
+  hk_lua_name_run_methods(L);
   lua_setfield(L, -2, "__index");
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");

@@ -167,6 +167,9 @@ void hk_lua_push_sandbox(lua_State *L) {
   static const char *const libraries[] = {"os", "io", "debug", "package", NULL};
   static const char *const functions[] = {"load", "loadstring", "loadfile", "dofile", "collectgarbage", NULL};
   bool silent = hk_lua_script(L)->options.silent;
+  lua_getglobal(L, "hooke");
+  hk_lua_name_functions(L);
+  lua_pop(L, 1);
   if (hk_lua_script(L)->options.trust) {
     lua_pushglobaltable(L);
     if (silent) {

@@ -3,7 +3,6 @@
 #include "core/lua/internal.h"
 #include "core/base/base.h"
 #include "core/builders/builders.h"
-#include "core/text/text.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -83,7 +82,10 @@ static hk_plugin_spec *add(lua_State *L, hk_scene *scene, hk_kind kind, const ch
 static int add_kind(lua_State *L) {
   hk_kind kind = (hk_kind)lua_tointeger(L, lua_upvalueindex(1));
   hk_scene *scene = editable(L);
-  const char *name = luaL_checkstring(L, 2);
+  if (lua_type(L, 2) != LUA_TSTRING)
+    return hk_lua_fail(L, HK_BAD_PARAM, "%s: expected a name and then parameters, scene:%s(\"name\", { ... })",
+                       hk_kind_name(kind), hk_kind_name(kind));
+  const char *name = lua_tostring(L, 2);
   if (kind == HK_OUTPUT && hk_lua_script(L)->run_options.no_output) return 0; /* the output is not even loaded */
   lua_settop(L, 3);
   add(L, scene, kind, name, 3);
@@ -168,8 +170,9 @@ static int scene(lua_State *L) {
   static const char *const keys[] = {"duration",   "fps",    "dt",   "tol",     "accuracy", "accuracy_at",
                                      "integrator", "solver", "seed", "threads", NULL};
   const hk_script *s = hk_lua_script(L);
+  if (lua_istable(L, 2)) return hk_lua_fail(L, HK_BAD_PARAM, "a scene is made with a dot: hooke.scene { ... }");
   if (lua_isnoneornil(L, 1)) lua_newtable(L);
-  luaL_checktype(L, 1, LUA_TTABLE);
+  hk_lua_check_table(L, 1, "scene", "hooke.scene { ... }");
   lua_settop(L, 1);
   hk_lua_check_keys(L, 1, "scene", keys);
   hk_scene *made = new_scene(L);
@@ -275,7 +278,7 @@ static int channel(lua_State *L) {
     lua_newtable(L);
     lua_replace(L, 3);
   }
-  luaL_checktype(L, 3, LUA_TTABLE);
+  hk_lua_check_table(L, 3, "channel", "scene:channel(name, { initial = 0 })");
   hk_lua_check_keys(L, 3, "channel", keys);
   size_t given = hk_lua_field(L, 3, "initial") != LUA_TNIL ? initial_values(L, initial, 16) : 0;
   double size = hk_lua_field_number(L, 3, "channel", "size", given ? (double)given : 1);
@@ -334,7 +337,7 @@ static int exact(lua_State *L) {
 static int start(lua_State *L) {
   static const char *const keys[] = {"file", NULL};
   hk_scene *target = editable(L);
-  luaL_checktype(L, 2, LUA_TTABLE);
+  hk_lua_check_table(L, 2, "start", "scene:start { file = ... }");
   hk_lua_check_keys(L, 2, "start", keys);
   if (hk_lua_field(L, 2, "file") != LUA_TSTRING) return hk_lua_fail(L, HK_BAD_PARAM, "start: file is required");
   free(target->start_file);
@@ -346,23 +349,6 @@ static int start(lua_State *L) {
 static const luaL_Reg methods[] = {
     {"pin", pin},     {"channel", channel}, {"measure", measure},      {"on_frame", on_frame},
     {"exact", exact}, {"start", start},     {"run", hk_lua_scene_run}, {NULL, NULL}};
-
-/* All methods: those above, one for each kind of plugin, the builders. */
-static const char *method_at(const void *context, size_t k) {
-  const size_t own = sizeof methods / sizeof *methods - 1;
-  (void)context;
-  if (k < own) return methods[k].name;
-  return k < own + HK_KINDS ? hk_kind_name((hk_kind)(k - own)) : hk_builders[k - own - HK_KINDS].name;
-}
-
-/* An unknown method is an error that suggests the nearest name. */
-static int unknown_method(lua_State *L) {
-  const char *name = luaL_checkstring(L, 2),
-             *near = hk_registry_meant(hk_lua_script(L)->options.registry, name, method_at, NULL);
-  return near
-             ? hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; did you mean '%s'?", name, near)
-             : hk_lua_fail(L, HK_BAD_PARAM, "a scene has no '%s'; hooke.scene { ... } sets values, none is read", name);
-}
 
 static int no_assignment(lua_State *L) {
   return hk_lua_fail(L, HK_BAD_PARAM, "a scene is changed by its functions only; more is given in hooke.scene { ... }");
@@ -378,10 +364,7 @@ void hk_lua_open_scene(lua_State *L) {
     lua_setfield(L, -2, hk_kind_name((hk_kind)kind));
   }
   luaL_setfuncs(L, hk_builders, 0);
-  lua_createtable(L, 0, 1);
-  lua_pushcfunction(L, unknown_method);
-  lua_setfield(L, -2, "__index");
-  lua_setmetatable(L, -2);
+  hk_lua_name_scene_methods(L);
   lua_setfield(L, -2, "__index");
   lua_pushcfunction(L, no_assignment);
   lua_setfield(L, -2, "__newindex");

@@ -17,7 +17,7 @@ void hk_lua_push_state(lua_State *L, int scene) {
 }
 
 static hk_run *run_of(lua_State *L) {
-  const hk_lua_slot *slot = *(hk_lua_slot **)luaL_checkudata(L, 1, state_type);
+  const hk_lua_slot *slot = *(hk_lua_slot **)hk_lua_self(L, state_type, "state:position(id)");
   const hk_run *calling = hk_lua_script(L)->calling;
   hk_run *run = calling && calling->scene == slot->scene ? (hk_run *)(uintptr_t)calling : slot->run;
   if (!run) hk_lua_fail(L, HK_BAD_PARAM, "there is no state: the scene does not run");
@@ -26,7 +26,9 @@ static hk_run *run_of(lua_State *L) {
 
 static uint32_t index_of(lua_State *L, hk_run *run, int argument) {
   uint32_t index = 0;
-  lua_Integer id = luaL_checkinteger(L, argument);
+  if (!lua_isinteger(L, argument))
+    hk_lua_fail(L, HK_BAD_PARAM, "expected the id of one particle, got a %s", luaL_typename(L, argument));
+  lua_Integer id = lua_tointeger(L, argument);
   if (id < 1 || id > UINT32_MAX || !hk_run_index(run, (uint32_t)id, &index))
     hk_lua_fail(L, HK_BAD_PARAM, "there is no particle %lld now", (long long)id);
   return index;
@@ -80,7 +82,7 @@ static int ids(lua_State *L) {
   const hk_view *view = hk_run_view(run_of(L));
   lua_createtable(L, (int)view->n, 0);
   for (size_t i = 0; i < view->n; i++) {
-    lua_pushinteger(L, view->model->id[i]);
+    lua_pushinteger(L, view->model->id[hk_model_nth(view->model, i)]);
     lua_rawseti(L, -2, (lua_Integer)i + 1);
   }
   return 1;
@@ -142,26 +144,31 @@ static const luaL_Reg methods[] = {{"position", position},
                                    {"strain", strain},
                                    {NULL, NULL}};
 
+/* t and n, which are no functions, and the methods. */
 static const char *member_at(const void *context, size_t k) {
-  const luaL_Reg *list = context;
-  return list[k].name;
+  static const char *const values[] = {"t", "n"};
+  (void)context;
+  return k < 2 ? values[k] : methods[k - 2].name;
+}
+
+bool hk_lua_state_has(const char *name) {
+  const char *member;
+  for (size_t k = 0; (member = member_at(NULL, k)) != NULL; k++)
+    if (strcmp(member, name) == 0) return true;
+  return false;
 }
 
 static int member(lua_State *L) {
-  const char *name = luaL_checkstring(L, 2);
+  const char *name = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "";
   if (strcmp(name, "t") == 0)
     lua_pushnumber(L, hk_run_view(run_of(L))->t);
   else if (strcmp(name, "n") == 0)
     lua_pushinteger(L, (lua_Integer)hk_run_view(run_of(L))->n);
   else {
-    for (const luaL_Reg *m = methods; m->name; m++)
-      if (strcmp(m->name, name) == 0) {
-        lua_pushcfunction(L, m->func);
-        return 1;
-      }
-    const char *near = hk_nearest_name(name, member_at, methods);
-    return near ? hk_lua_fail(L, HK_BAD_PARAM, "state has no '%s'; did you mean '%s'?", name, near)
-                : hk_lua_fail(L, HK_BAD_PARAM, "state has no '%s'", name);
+    const luaL_Reg *m = methods;
+    while (m->name && strcmp(m->name, name) != 0) m++;
+    if (!m->name) return hk_lua_no_member(L, "a state", member_at, NULL, "see scripts/README.md, the state");
+    lua_pushcfunction(L, m->func);
   }
   return 1;
 }

@@ -22,4 +22,11 @@ typedef struct hk_contact_report {
   bool repairs;                /* the plugin removes intersections: a start that has some is not refused */
 } hk_contact_report;
 
+/* Places where bodies touch, one by one, for pictures. */
+typedef struct hk_contact_points {
+  void *context;
+  /* At x (m); n: along the force between the two, of length 1, in either sense. */
+  void (*add)(void *context, const double x[3], const double n[3]);
+} hk_contact_points;
+
 #endif

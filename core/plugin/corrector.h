@@ -36,6 +36,9 @@ typedef struct hk_corrector {
  verdict; may be NULL */
   /* For contact of surfaces: called at frames. False: this run has none. NULL: as false. */
   bool (*contacts)(void *self, const hk_view *view, hk_contact_report *out);
+  /* For contact of any kind: adds the places where something touches at `view`, for pictures, at frames; it changes
+   * nothing. NULL: nothing ever does. */
+  void (*contact_points)(const void *self, const hk_view *view, const hk_contact_points *points);
 } hk_corrector;
 
 #endif

@@ -53,6 +53,11 @@ typedef struct hk_blocks {
   double *K;     /* N/m */
   double *D;     /* N s/m */
   unsigned want; /* used by forces with the flags HK_OFFERS_... */
+  /* Of a method that linearises once a step: the positions (n x 3) of the last linearisation and those that it led to;
+   * NULL: none. Where the blocks contain a tension k C, a force may take the one that this linearisation foretold, k
+   * (C(linearised) + dC/dx (reached - linearised)), for the one at the positions: of a stiff element the latter is
+   * mostly what the bend of its path adds to C, which the step takes away again. */
+  const double *linearised, *reached;
 } hk_blocks;
 
 enum { /* hk_force.flags */
@@ -177,6 +182,11 @@ typedef struct hk_force {
   /* For a force that a user's hand moves while the run goes on: whether it has done something so far, and *work, J,
    * what it did. No other run repeats that, so such a run is compared with none. Called at frames. NULL: as false. */
   bool (*by_hand)(const void *self, double *work);
+  /* For a force of a medium that moves: its velocity u (count x 3, m/s) at the places x (count x 3, m) at
+   * view->t. For pictures, at frames; it changes nothing. NULL: there is no such medium. */
+  void (*flow)(const void *self, const hk_view *view, const double *x, size_t count, double *u);
+  /* For contact of any kind: adds the places where something touches at `view`. As `flow`. NULL: nothing ever does. */
+  void (*contact_points)(const void *self, const hk_view *view, const hk_contact_points *points);
 } hk_force;
 
 #endif

@@ -144,7 +144,7 @@ struct hk_system {
   hk_status (*product)(hk_system *, double t, const double *X, const double *dx, const double *dv, double *dF);
   /* block[i] as in hk_force.stiffness_bound, summed over the acting forces that state one. `stiffening`: of those with
    * HK_STIFFENS only. False: an acting force that depends on x states no bound, and the blocks are not
-   * touched. */
+   * touched; of HK_DAMPING_WHOLE: one that depends on v states none, and the blocks are those of the others. */
   bool (*stiffness_bound)(hk_system *, hk_stiffness_part part, bool stiffening, double (*block)[6]);
   /* As `solve`, with J x = J u (u: n x 3): for methods whose right-hand side is not a residual of forces. */
   hk_status (*solve_along)(hk_system *, const double *b, const double *u, double *x, hk_solve_info *info);
@@ -170,6 +170,8 @@ struct hk_system {
   hk_status (*tangent)(hk_system *, double *vector);
   /* Set by the method in `divide`, and valid as long as the method; NULL: nothing is set aside. */
   const hk_aside *aside;
+  /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
+  const double *linearised, *reached;
 };
 
 #endif

@@ -32,7 +32,7 @@ struct hk_model {
   size_t n;
   const double *mass;         /* n, kg */
   const double *inverse_mass; /* n, 1/kg; 0 for HK_PIN_FIXED and HK_PIN_PATH */
-  const uint32_t *id;         /* n, from 1, increasing */
+  const uint32_t *id;         /* n, from 1; not in order where the host has renumbered the particles, see by_id */
   const uint32_t *group;      /* n, position in group_name */
   const uint8_t *pin;         /* n, hk_pin */
   size_t groups;
@@ -46,6 +46,25 @@ struct hk_model {
   const hk_publication *published;
   size_t join_lists; /* number of lists of pairs that constraints join, for pictures */
   const hk_tuples *const *join;
+  /* n: the indices of the particles in the order of their ids. NULL: ids rise with the index. The host may give
+   * neighbours indices that are close to each other; what users see goes by the id. */
+  const uint32_t *by_id;
 };
+
+/* The index of the k-th particle in the order of ids, k < n. */
+static inline size_t hk_model_nth(const hk_model *m, size_t k) { return m->by_id ? m->by_id[k] : k; }
+
+/* The index of the particle with that id; m->n: there is none. */
+static inline size_t hk_model_find(const hk_model *m, uint32_t id) {
+  size_t low = 0, high = m->n;
+  while (low < high) {
+    size_t middle = low + (high - low) / 2;
+    if (m->id[hk_model_nth(m, middle)] < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < m->n && m->id[hk_model_nth(m, low)] == id ? hk_model_nth(m, low) : m->n;
+}
 
 #endif

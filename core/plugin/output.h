@@ -2,6 +2,7 @@
 #ifndef HK_PLUGIN_OUTPUT_H
 #define HK_PLUGIN_OUTPUT_H
 
+#include "core/plugin/contact.h"
 #include "core/plugin/model.h"
 
 typedef enum hk_verdict { HK_RUNNING, HK_VERDICT_OK, HK_INACCURATE, HK_DIVERGED, HK_STOPPED } hk_verdict;
@@ -29,6 +30,12 @@ struct hk_frame {
   const char *scene; /* path of the scene's script, as given */
   const char
       *origin; /* what the scene was made from, a line "what<TAB>value" each, parameters with them; may be NULL */
+  /* u (count x 3, m/s): the velocity of force k's medium, as a stream of air is one, at the places x (count x 3, m).
+   * False: it has none, or does not act at this time, and u is as it was. */
+  bool (*flow)(const hk_frame *, size_t k, const double *x, size_t count, double *u);
+  /* Adds all places where something touches, as forces and correctors tell. False: nothing of this scene ever does.
+   * NULL for the points: to know just that. */
+  bool (*contact_points)(const hk_frame *, const hk_contact_points *);
 };
 
 /* `view` in the calls of an output is at the frame's time. Between open and close the scene may gain and lose

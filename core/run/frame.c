@@ -4,26 +4,6 @@
 
 #include <stdlib.h>
 
-static hk_status force_at_frame(const hk_frame *frame, size_t k, double *f) {
-  hk_run *run = frame->run;
-  return hk_run_forces(run, k, f, &run->error);
-}
-
-/* The measured figures are the judgement's; what outputs may ask beside them is added here, so that no address gets
- * into a checkpoint. */
-hk_frame hk_run_output_frame(hk_run *run) {
-  hk_frame frame = run->judgement.last_frame;
-  frame.step = run->loop.step_taken;
-  frame.error = run->step.method->flags & HK_ADAPTIVE ? run->loop.step_error : NAN;
-  frame.forces = run->plugins.kind[HK_FORCE].count;
-  frame.force_name = run->force_name;
-  frame.force = force_at_frame;
-  frame.run = run;
-  frame.scene = run->scene->script;
-  frame.origin = run->scene->origin;
-  return frame;
-}
-
 hk_status hk_run_name_forces(hk_run *run) {
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
   run->force_name = calloc(forces->count + 1, sizeof *run->force_name);

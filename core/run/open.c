@@ -7,76 +7,14 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { RUN_FRAMES = 25 }; /* a run takes some 800 bytes a particle, a frame 32 */
 static const double golden = 0.61803398874989485;
 
-/* ---- services that plugins ask for ---- */
+/* ---- what all plugins share ---- */
 
 static hk_status path_of(void *context, const char *name, char *buffer, size_t size) {
   hk_run *run = context;
   return hk_folder_path(run->folder, name, buffer, size, &run->error);
-}
-
-static bool serves(const hk_plugin *plugin, const char *wanted) {
-  return plugin->service->interface && strcmp(plugin->service->interface, wanted) == 0;
-}
-
-/* With the parameters that the scene gave; NULL: it names none of that interface. */
-static const hk_plugin_spec *named_service(const hk_run *run, const char *wanted) {
-  const hk_specs *named = &run->scene->plugin[HK_SERVICE];
-  for (size_t k = 0; k < named->count; k++)
-    if (serves(named->item[k]->plugin, wanted)) return named->item[k];
-  return NULL;
-}
-
-static const void *table_of(const hk_instance *service) {
-  const hk_service *functions = service->plugin->service;
-  const hk_instance *outer = hk_enter(service);
-  const void *table = functions->table ? functions->table(service->self) : NULL;
-  hk_leave(service, outer);
-  return table;
-}
-
-static const hk_plugin_spec *found_service(hk_run *run, const char *wanted) {
-  char name[64];
-  const hk_plugin *plugin;
-  hk_error why = {0};
-  snprintf(name, sizeof name, "%.*s", (int)strcspn(wanted, "/"), wanted);
-  hk_status status = hk_registry_find(run->scene->registry, HK_SERVICE, name, false, &plugin, &why);
-  if (status == HK_FAILED) hk_error_set(&run->error, status, "%s", why.text); /* it is there and cannot be used */
-  if (status != HK_OK || !serves(plugin, wanted)) return NULL;
-  hk_plugin_spec **grown = realloc(run->service_spec, (run->services + 1) * sizeof *grown);
-  if (grown) run->service_spec = grown;
-  hk_plugin_spec *spec = grown ? hk_spec_create(plugin, plugin->name, "", &run->error) : NULL;
-  if (spec) run->service_spec[run->services++] = spec;
-  return spec;
-}
-
-/* Each service has one instance per run, which is created and started at the first request. */
-static const void *query(void *context, const char *wanted) {
-  hk_run *run = context;
-  if (strcmp(wanted, "checkpoint/1") == 0) return hk_run_checkpoints(run);
-  if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
-  if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
-  const hk_instances *services = &run->plugins.kind[HK_SERVICE];
-  for (size_t k = 0; k < services->count; k++)
-    if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);
-  const hk_plugin_spec *spec = named_service(run, wanted);
-  if (!spec) spec = found_service(run, wanted);
-  hk_instance *service = NULL;
-  if (!spec || hk_plugins_add(&run->plugins, spec, &run->shared, &service, &run->error) != HK_OK) return NULL;
-  hk_view view = hk_instance_view(service, &run->state.view);
-  if (hk_instance_start(service, &view, run->state.size, &run->error) != HK_OK) return NULL;
-  return table_of(service);
-}
-
-static void warn_of_unused_services(hk_run *run) {
-  const hk_specs *named = &run->scene->plugin[HK_SERVICE];
-  const hk_instances *used = &run->plugins.kind[HK_SERVICE];
-  for (size_t k = 0; k < named->count; k++) {
-    bool asked = false;
-    for (size_t j = 0; j < used->count; j++) asked |= used->item[j]->spec == named->item[k];
-    if (!asked) hk_warn(&run->warnings, "%s: no plugin of the scene asks for this service", named->item[k]->label);
-  }
 }
 
 static hk_status open_shared(hk_run *run) {
@@ -89,7 +27,7 @@ static hk_status open_shared(hk_run *run) {
   run->shared = (hk_shared){.error = &run->error, .warnings = &run->warnings, .seed = scene->seed};
   run->shared.allocations_left = run->options.allocations > 0 ? run->options.allocations - 1 : -1;
   run->shared.path = path_of;
-  run->shared.query = query;
+  run->shared.query = hk_run_query;
   run->shared.context = run;
   run->shared.acting = run->options.acting;
   run->shared.threads = hk_threads_create(threads);
@@ -98,79 +36,7 @@ static hk_status open_shared(hk_run *run) {
   return run->folder ? HK_OK : run->error.status;
 }
 
-/* ---- plugins ---- */
-
-/* One of the first `own` outputs is of this plugin: two would write the same files. */
-static bool writes_already(const hk_instances *outputs, size_t own, const hk_plugin_spec *added) {
-  bool found = false;
-  for (size_t k = 0; k < own && added->plugin->kind == HK_OUTPUT; k++)
-    found |= outputs->item[k]->plugin == added->plugin;
-  return found;
-}
-
-/* The scene's plugins of a kind, and then those that the command line adds, but no output that the scene has. */
-static hk_status make_kind(hk_run *run, hk_kind kind) {
-  const hk_specs *specs = &run->scene->plugin[kind];
-  const hk_overrides *o = &run->overrides;
-  bool silent = kind == HK_OUTPUT && run->options.no_output, alone = kind == HK_OUTPUT && run->options.bare;
-  hk_status status = HK_OK;
-  for (size_t k = 0; !silent && k < specs->count && status == HK_OK; k++)
-    if (!hk_overrides_leave_out(o, specs->item[k]))
-      status = hk_plugins_add(&run->plugins, specs->item[k], &run->shared, NULL, &run->error);
-  size_t own = run->plugins.kind[kind].count;
-  for (size_t k = 0; !alone && k < o->added_count && status == HK_OK; k++)
-    if (o->added[k]->plugin->kind == kind && !writes_already(&run->plugins.kind[kind], own, o->added[k]))
-      status = hk_plugins_add(&run->plugins, o->added[k], &run->shared, NULL, &run->error);
-  return status;
-}
-
-static hk_status make_instances(hk_run *run) {
-  static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_OUTPUT};
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < run->options.with_count && status == HK_OK; k++)
-    status = hk_overrides_add(&run->overrides, run->scene, run->options.with[k], &run->error);
-  for (size_t k = 0; k < sizeof kinds / sizeof *kinds && status == HK_OK; k++) status = make_kind(run, kinds[k]);
-  if (status != HK_OK) return status;
-  return hk_plugins_add(&run->plugins, run->overrides.integrator, &run->shared, NULL, &run->error);
-}
-
-static hk_status start_instance(hk_run *run, hk_instance *instance) {
-  hk_status status = hk_instance_select(instance, &run->state.model, &run->error);
-  if (status == HK_OK) status = hk_instance_set_time(instance, run->state.t, &run->error);
-  hk_view view = hk_instance_view(instance, &run->state.view);
-  if (status == HK_OK) status = hk_instance_start(instance, &view, run->state.size, &run->error);
-  return run->error.status == HK_OK ? status : run->error.status; /* also of a service that it asked for */
-}
-
-static hk_status start_kind(hk_run *run, hk_kind kind) {
-  hk_status status = HK_OK;
-  for (size_t k = 0; k < run->plugins.kind[kind].count && status == HK_OK; k++)
-    status = start_instance(run, run->plugins.kind[kind].item[k]);
-  return status;
-}
-
-static hk_status check_groups(hk_run *run) {
-  for (size_t k = 0; k < run->plugins.kind[HK_FORCE].count; k++) {
-    const hk_plugin_spec *force = run->plugins.kind[HK_FORCE].item[k]->spec;
-    bool found = !force->group;
-    for (size_t g = 0; g < run->scene->groups && !found; g++)
-      found = strcmp(run->scene->group_name[g], force->group) == 0;
-    if (!found)
-      return hk_error_set(&run->error, HK_BAD_PARAM, "%s: %s: group: no particle is in a group '%s'", force->where,
-                          force->label, force->group);
-  }
-  return HK_OK;
-}
-
-static hk_status start_plugins(hk_run *run) {
-  static const hk_kind order[] = {HK_FORCE, HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE, HK_INTEGRATOR, HK_OUTPUT};
-  hk_status status = check_groups(run);
-  for (size_t k = 0; k < sizeof order / sizeof *order && status == HK_OK; k++) {
-    status = start_kind(run, order[k]);
-    hk_dynamics_refresh(&run->dynamics); /* the forces' selections of particles are known now */
-  }
-  return status == HK_OK ? hk_elements_refresh(&run->dynamics) : status;
-}
+/* ---- linear systems ---- */
 
 static const hk_instance *find_one_sided(const hk_run *run) {
   const hk_instances *list = &run->plugins.kind[HK_CONSTRAINT];
@@ -331,18 +197,36 @@ static hk_status start(hk_run *run) {
   return status == HK_OK ? first_frame(run) : status;
 }
 
-static hk_status build(hk_run *run) {
+/* The lists of the scene have the order of ids, which may not be that of the state. */
+static hk_status renumber_instances(hk_run *run) {
+  hk_status status = HK_OK;
+  for (int kind = 0; kind < HK_KINDS && run->state.by_id; kind++)
+    for (size_t k = 0; k < run->plugins.kind[kind].count && status == HK_OK; k++)
+      status = hk_instance_renumber(run->plugins.kind[kind].item[k], run->state.by_id, &run->error);
+  return status;
+}
+
+/* The state has its own copy of what the scene says of particles; pins take their start positions from there. */
+static hk_status open_particles(hk_run *run, hk_scene *scene) {
+  hk_status status = hk_state_open(&run->state, scene, &run->error);
+  if (status == HK_OK) status = hk_pins_open(&run->pins, scene, &run->state, &run->error);
+  if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
+  if (run->options.only_run) hk_scene_spend(scene);
+  return status;
+}
+
+static hk_status build(hk_run *run, hk_scene *scene) {
   const hk_run_options *o = &run->options;
+  if (scene->spent) return hk_error_set(&run->error, HK_BAD_PARAM, "the scene's only run has been made");
   if (o->accuracy_at && strcmp(o->accuracy_at, "end") != 0 && strcmp(o->accuracy_at, "frames") != 0)
     return hk_error_set(&run->error, HK_BAD_PARAM, "accuracy_at: '%s' is neither frames nor end", o->accuracy_at);
   hk_status status = open_shared(run);
   if (status == HK_OK)
     status = hk_overrides_open(&run->overrides, run->scene, o->integrator, o->solver, o->without_count, o->without,
                                &run->error);
-  if (status == HK_OK) status = hk_state_open(&run->state, run->scene, &run->error);
-  if (status == HK_OK) status = hk_pins_open(&run->pins, run->scene, &run->state, &run->error);
-  if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
-  if (status == HK_OK) status = make_instances(run);
+  if (status == HK_OK) status = open_particles(run, scene);
+  if (status == HK_OK) status = hk_run_make_plugins(run);
+  if (status == HK_OK) status = renumber_instances(run);
   if (status == HK_OK) status = hk_run_name_forces(run);
   if (status != HK_OK) return status;
   status = hk_dynamics_open(&run->dynamics, run->scene, &run->state, &run->pins, &run->plugins, &run->shared);
@@ -350,23 +234,24 @@ static hk_status build(hk_run *run) {
   set_method(run);
   connect_parts(run);
   status = hk_judgement_open(&run->judgement, run->scene, &run->error);
-  if (status == HK_OK) status = start_plugins(run);
+  if (status == HK_OK) status = hk_run_start_plugins(run);
   if (status == HK_OK) status = open_linear_systems(run);
   if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
-  warn_of_unused_services(run);
+  hk_warn_of_unused_services(run);
   hk_warn_of_idle_options(run);
   if (status == HK_OK) status = hk_run_begin_saving(run);
   return status == HK_OK ? start(run) : status;
 }
 
 static bool compares(const hk_run *run) {
-  static const double small = 1e6; /* positions: 32 MB */
+  static const double small = 1e6; /* positions: 32 MB; those of some frames are what a run takes beside them */
   const hk_scene *scene = run->scene;
   bool asked = run->asked.accuracy > 0;
   for (size_t k = 0; k < scene->channels && run->asked.accuracy != 0; k++)
     asked = asked || scene->channel[k].accuracy > 0;
   if (asked || run->options.compare == HK_COMPARE_ALWAYS) return true;
-  return run->options.compare == HK_COMPARE_SMALL && (double)scene->n * scene->fps * run->asked.end < small;
+  return run->options.compare == HK_COMPARE_SMALL &&
+         (double)scene->n * (RUN_FRAMES + scene->fps * run->asked.end) < small;
 }
 
 hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **made, hk_error *error) {
@@ -385,7 +270,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   run->progress =
       (hk_progress){.mode = options->progress, .begin = INFINITY, .end = run->asked.end, .at = run->asked.opened_at};
   scene->frozen = true;
-  hk_status status = build(run);
+  hk_status status = build(run, scene);
   if (status != HK_OK) {
     hk_error_set(error, status, "%s", run->error.text);
     hk_run_close(run, NULL);

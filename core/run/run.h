@@ -35,6 +35,7 @@ typedef struct hk_run_options {
   const char *out;         /* NULL: "out/NAME" */
   const char *resume;      /* checkpoint of the same scene, from which the run goes on; NULL: from the start */
   const char *words;       /* how the run was asked for, for its checkpoints (hk_checkpoint_take); NULL: not known */
+  bool only_run;           /* of its scene, of which what the run has copied is freed then */
   bool no_output;
   bool draft;   /* outputs may do with less quality (hk_draft) */
   int progress; /* negative: not even warnings; 0: quiet, 1: lines, 2: one line on a terminal */
@@ -93,6 +94,13 @@ typedef struct hk_run {
 
 hk_status hk_run_open(hk_scene *, const hk_run_options *, hk_run **run, hk_error *error);
 void hk_run_destroy(hk_run *);
+
+/* ---- plugins.c ---- */
+
+hk_status hk_run_make_plugins(hk_run *);  /* an instance of each, of which no code has run */
+hk_status hk_run_start_plugins(hk_run *); /* creates all of them */
+const void *hk_run_query(void *run, const char *service);
+void hk_warn_of_unused_services(hk_run *); /* that the scene names */
 
 /* ---- start.c: pins and constraints of the start ---- */
 
@@ -199,13 +207,15 @@ typedef struct hk_reference {
 bool hk_reference_take(const hk_reopen *, const hk_run_options *first, const hk_run *whole, const hk_reference *,
                        hk_rerun *);
 
-/* ---- ahead.c: what is said before the first step ---- */
+/* ---- ahead.c ---- */
 
-/* Warns of options that have no effect on this run. */
-void hk_warn_of_idle_options(hk_run *);
-/* Prints, where steps of an explicit method would come by the ten million, how long they and those of an implicit
- * method would take; both are timed in other runs of the scene. `first`: the options of `whole`, before its first
- * step. */
+void hk_warn_of_idle_options(hk_run *); /* which have no effect on this run */
+
+/* ---- foretell.c: how long a run will take ---- */
+
+/* To be called before the first step. Prints, where a run will take longer than 10 s, how long, by steps that another
+ * run of the scene takes; and where steps of an explicit method would come by the ten million, how long those of an
+ * implicit method would take. `first`: the options of `whole`. */
 void hk_foretell(const hk_reopen *, const hk_run_options *first, hk_run *whole);
 
 /* ---- verify.c: the comparison of a run with others, see there ---- */

@@ -17,16 +17,16 @@ static hk_value value_of(const hk_param *p, const char *text) {
   return (hk_value){.kind = HK_VALUE_STRING, .text = text};
 }
 
-static hk_status set_one(hk_plugin_spec *spec, char *setting, size_t n, hk_error *error) {
+static hk_status set_one(const hk_scene *scene, hk_plugin_spec *spec, char *setting, hk_error *error) {
   char *equals = strchr(setting, '=');
   if (!equals)
     return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not parameter=value, as in %s:threads=1", spec->label,
                         setting, spec->label);
   *equals = 0;
-  const hk_param *p = hk_spec_param(spec, setting, error);
+  const hk_param *p = hk_scene_param(scene, spec, setting, error);
   if (!p) return HK_BAD_PARAM;
   hk_value value = value_of(p, equals + 1);
-  return hk_spec_set(spec, p, &value, n, error);
+  return hk_spec_set(spec, p, &value, scene->n, error);
 }
 
 /* "name:parameter=value,parameter=value" */
@@ -40,7 +40,7 @@ static hk_status make_spec(const hk_scene *scene, hk_kind kind, const char *choi
   if (status == HK_OK && !(*made = hk_spec_create(plugin, plugin->name, "", error))) status = HK_NO_MEMORY;
   for (char *one = settings ? strtok_r(settings, ",", &rest) : NULL; one && status == HK_OK;
        one = strtok_r(NULL, ",", &rest))
-    status = set_one(*made, one, scene->n, error);
+    status = set_one(scene, *made, one, error);
   if (status == HK_OK) status = hk_spec_check(*made, error);
   free(text);
   return status;

@@ -44,12 +44,25 @@ static void destroy_specs(hk_specs *list) {
   free(list->item);
 }
 
+void hk_scene_spend(hk_scene *scene) {
+  void *arrays[] = {scene->position, scene->velocity, scene->mass, scene->group, scene->edge, scene->triangle};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  for (size_t k = 0; k < scene->channels; k++) {
+    free(scene->channel[k].value);
+    scene->channel[k].value = NULL;
+  }
+  scene->position = scene->velocity = scene->mass = NULL;
+  scene->group = NULL;
+  scene->edge = NULL;
+  scene->triangle = NULL;
+  scene->spent = scene->frozen = true;
+}
+
 static void destroy_lists(hk_scene *scene) {
   for (size_t k = 0; k < scene->groups; k++) free(scene->group_name[k]);
   for (size_t k = 0; k < scene->channels; k++) {
     free(scene->channel[k].name);
     free(scene->channel[k].initial);
-    free(scene->channel[k].value);
   }
   for (size_t k = 0; k < scene->pins; k++) {
     free(scene->pin[k].id);
@@ -63,18 +76,13 @@ static void destroy_lists(hk_scene *scene) {
 
 void hk_scene_destroy(hk_scene *scene) {
   if (!scene) return;
+  hk_scene_spend(scene);
   destroy_lists(scene);
   for (int kind = 0; kind < HK_KINDS; kind++) destroy_specs(&scene->plugin[kind]);
   free(scene->group_name);
   free(scene->channel);
   free(scene->pin);
   free(scene->measure);
-  free(scene->position);
-  free(scene->velocity);
-  free(scene->mass);
-  free(scene->group);
-  free(scene->edge);
-  free(scene->triangle);
   free(scene->start_file);
   free(scene->origin);
   free(scene->name);

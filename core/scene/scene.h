@@ -82,8 +82,13 @@ typedef struct hk_scene {
   hk_stand_in stand_in; /* what the user put in the place of a force that the script names */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
   char *origin;         /* origin.c: its script, modules, meshes and parameters; NULL: not known */
+  bool spent;           /* hk_scene_spend() was called: n, but no position, velocity, mass, group, edge and triangle */
   bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */
 } hk_scene;
+
+/* Frees the particles' numbers, the edges and the triangles, which a run has copied; no other run can be made of the
+ * scene. What they are of is known still: n, groups, channels, pins, plugins, measures. */
+void hk_scene_spend(hk_scene *);
 
 hk_scene *hk_scene_create(const char *script, hk_registry *registry); /* NULL: no memory */
 void hk_scene_destroy(hk_scene *);
@@ -114,6 +119,14 @@ hk_status hk_scene_add_plugin(hk_scene *, hk_kind kind, const char *name, const 
 void hk_scene_drop(hk_scene *, hk_plugin_spec *);
 const hk_plugin_spec *hk_scene_one(const hk_scene *,
                                    hk_kind kind); /* the integrator or the solver; NULL: the scene names none */
+
+/* param.c: the plugin's parameter of that name; NULL with `error` naming the one that may be meant. */
+const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const char *name, hk_error *error);
+
+/* ---- order.c: where particles that are joined have distant ids, a better order for the indices of a run ---- */
+
+/* The index of each particle, in the order of ids, n of them in malloc's memory; NULL: the order of ids will do. */
+uint32_t *hk_scene_places(const hk_scene *);
 
 /* ---- section.c: what a strand's section and material are worth; the formulas are there ---- */
 

@@ -73,7 +73,7 @@ int hk_lua_push_structural(lua_State *L, const hk_lua_handle *h) {
 
 /* ---- methods ---- */
 
-static hk_lua_handle *self(lua_State *L) { return luaL_checkudata(L, 1, handle_type); }
+static hk_lua_handle *self(lua_State *L) { return hk_lua_self(L, handle_type, "handle:at(1)"); }
 
 static int at(lua_State *L) {
   const hk_lua_handle *h = self(L);
@@ -225,13 +225,29 @@ static int inside(lua_State *L) {
   return 1;
 }
 
+static const luaL_Reg methods[] = {{"at", at},
+                                   {"ids", ids},
+                                   {"edges", structural},
+                                   {"structural", structural},
+                                   {"shear", shear},
+                                   {"flexion", flexion},
+                                   {"triangles", triangles},
+                                   {"strand", strand},
+                                   {"roots", roots},
+                                   {"tetrahedra", tetrahedra},
+                                   {"inside", inside},
+                                   {NULL, NULL}};
+
 static int missing(lua_State *L) {
-  const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : luaL_typename(L, 2);
-  return hk_lua_fail(
-      L, HK_BAD_PARAM,
-      "a handle has no '%s' here; strands and hair have length and segment, with radius and E also EA, EI, "
-      "EI2, stiffness, with nu GJ; solids with E have stiffness",
-      key);
+  return hk_lua_no_member(
+      L, "a handle", hk_lua_method_name, methods,
+      "its particles are :at(i, j) and :ids(); strands and hair have length and segment, with radius "
+      "and E also EA, EI, EI2, stiffness, with nu GJ; solids with E have stiffness");
+}
+
+static int count(lua_State *L) {
+  lua_pushinteger(L, self(L)->count);
+  return 1;
 }
 
 /* Methods, the upvalue, come first; then the numbers that the builder left. */
@@ -246,23 +262,13 @@ static int member(lua_State *L) {
 }
 
 void hk_lua_open_handles(lua_State *L) {
-  static const luaL_Reg methods[] = {{"at", at},
-                                     {"ids", ids},
-                                     {"edges", structural},
-                                     {"structural", structural},
-                                     {"shear", shear},
-                                     {"flexion", flexion},
-                                     {"triangles", triangles},
-                                     {"strand", strand},
-                                     {"roots", roots},
-                                     {"tetrahedra", tetrahedra},
-                                     {"inside", inside},
-                                     {NULL, NULL}};
   luaL_newmetatable(L, handle_type);
   lua_newtable(L);
   luaL_setfuncs(L, methods, 0);
   lua_pushcclosure(L, member, 1);
   lua_setfield(L, -2, "__index");
+  lua_pushcfunction(L, count);
+  lua_setfield(L, -2, "__len");
   lua_pushboolean(L, 0);
   lua_setfield(L, -2, "__metatable");
   lua_pop(L, 1);

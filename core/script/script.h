@@ -118,6 +118,14 @@ const char *hk_lua_where(lua_State *L);
 /* Calls the function below its arguments under the script's limits; a raised error is stored in `error`. */
 hk_status hk_lua_call(lua_State *L, int arguments, int results, hk_error *error);
 
+/* members.c */
+/* The userdata of the type "hooke.WHAT" at 1, or an error that shows the form of the call: "state:position(id)". */
+void *hk_lua_self(lua_State *L, const char *type, const char *form);
+const char *hk_lua_method_name(const void *methods, size_t k); /* hk_name_at of a list of luaL_Reg */
+/* Raises that `what` has no member of the name at 2; it names the one that may be meant, or says what there is. */
+int hk_lua_no_member(lua_State *L, const char *what, hk_name_at *, const void *context, const char *otherwise);
+void hk_lua_check_table(lua_State *L, int index, const char *what, const char *form);
+
 /* chunk.c */
 /* Pushes the compiled script at `path`, or the text of the error. LUA_ERRFILE: the file cannot be read (errno), and
  * nothing is pushed. `within`: as in hk_file_read. */

@@ -87,7 +87,7 @@ void hk_lua_check_keys(lua_State *L, int index, const char *what, const char *co
     size_t k = 0;
     while (known[k] && strcmp(known[k], key) != 0) k++;
     if (known[k]) continue;
-    const char *near = hk_nearest_name(key, known_at, known);
+    const char *near = hk_registry_meant(hk_lua_script(L)->options.registry, key, known_at, known);
     if (near) hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'; did you mean '%s'?", what, key, near);
     hk_lua_fail(L, HK_BAD_PARAM, "%s: unknown key '%s'", what, key);
   }
@@ -189,7 +189,9 @@ static hk_value to_value(lua_State *L, int index, const hk_param *p, const char 
                                          "a number or a list with one number per tuple",
                                          "a function"};
     hk_lua_fail(L, HK_BAD_PARAM, "%s: %s: expected %s, got %s", label, p->name, wanted[p->type],
-                lua_istable(L, index) ? "another kind of list" : luaL_typename(L, index));
+                lua_istable(L, index)        ? "another kind of list"
+                : hk_lua_to_handle(L, index) ? "a handle; its functions give lists, such as cloth:edges()"
+                                             : luaL_typename(L, index));
   }
   return value;
 }
@@ -288,7 +290,7 @@ void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int 
       for (const hk_param *p = spec->plugin->params; p && p->name; p++)
         if (strcmp(p->name, key) == 0) own = p;
       if (!own && common_option(L, scene, spec, key)) continue;
-      const hk_param *param = hk_spec_param(spec, key, &error);
+      const hk_param *param = hk_scene_param(scene, spec, key, &error);
       if (!param) hk_lua_raise(L, &error);
       hk_value value = to_value(L, top, param, spec->label);
       hk_limits_take(L, size_of(&value));

@@ -29,11 +29,12 @@ double hk_common_damping(const hk_model *model, double *const column[3]) {
 double hk_common_turning(const hk_model *model, double *const column[3], double *turn) {
   double most = 0;
   for (size_t i = 0; i < model->n; i++) {
-    double f = sqrt(model->inverse_mass[i]) / 2, *t = turn + 3 * i;
+    double f = sqrt(model->inverse_mass[i]) / 2, t[3];
     for (size_t c = 0; c < 3; c++) {
       size_t d = (c + 1) % 3, e = (c + 2) % 3;
       t[c] = f * (column[d][3 * i + e] - column[e][3 * i + d]);
     }
+    for (size_t c = 0; turn && c < 3; c++) turn[3 * i + c] = t[c];
     most = fmax(most, sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]));
   }
   return most;

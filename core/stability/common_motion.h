@@ -7,7 +7,8 @@
 /* column: the responses M^-1/2 D e of the three common motions e along the axes, 3n doubles each, as the pins allow
  * them. Returns the smallest eigenvalue of the symmetric parts of the particles' 3x3 blocks, at least 0. 1/s */
 double hk_common_damping(const hk_model *, double *const column[3]);
-/* Sets `turn` (n x 3, 1/s) to the axial vectors t of their skew parts, A u = t x u; returns the largest length. */
+/* Sets `turn` (n x 3, 1/s) to the axial vectors t of their skew parts, A u = t x u; returns the largest length.
+ * NULL: that is all that is wanted. */
 double hk_common_turning(const hk_model *, double *const column[3], double *turn);
 
 /* Sets p and q (3n doubles each) to random vectors as pins allow them. */

@@ -137,7 +137,7 @@ static void next_weight(collector *c, const tridiagonal *t) {
 hk_status hk_lanczos_run(hk_lanczos *l, hk_lanczos_apply *apply, void *context, double known, double share, int steps) {
   tridiagonal t = {.k = 0};
   collector c = {isfinite(known) ? known : l->bound, 1, 0};
-  bool collecting = isfinite(c.peak) && c.peak > 0;
+  bool collecting = l->ritz && isfinite(c.peak) && c.peak > 0;
   double length = sqrt(dot(l->current, l->current, l->size));
   l->warm = false;
   l->theta = l->norm = l->asymmetry = 0;

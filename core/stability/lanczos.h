@@ -15,7 +15,7 @@ typedef struct hk_lanczos {
   double *current;  /* size; on entry of a run the start vector, of any length */
   double *previous; /* size, scratch */
   double *image;    /* size, scratch */
-  double *ritz;     /* size; when `warm`: an approximate eigenvector of length 1 */
+  double *ritz;     /* size; when `warm`: an approximate eigenvector of length 1. NULL: none is wanted */
   bool warm;
   double slack;          /* allowed excess of bound over 1.12 theta at the end of a run */
   double margin, before; /* used by the caller: bound/theta of the last rigorous bound; the last `known` */

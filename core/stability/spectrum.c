@@ -43,12 +43,24 @@ static const double damping_slack = 0.03;
  * of its bound. */
 static const double strong_damping = 0.2, pencil_slack = 0.03;
 
+/* A scene's vectors are most of the memory that an estimate takes: five are needed in any case, and what only some
+ * scenes need is allocated for them. */
 struct hk_spectrum_work {
   size_t n, tail; /* tail: length of y */
-  double *memory; /* all the arrays */
-  double *x, *v, *a[2], *y, *dy[2], *direction, *scratch;
-  double *turn; /* 1/s, t of every particle */
+  double *memory; /* the vectors that every estimate needs */
+  double *moved;  /* x or v, displaced; a follows it in memory */
+  double *a;      /* m/s^2, on the far side of a difference */
+  double *still;  /* what is not displaced: velocities 0, in memory that is never written, or a copy, see rest() */
+  bool written;   /* `still` has been written */
+  bool imposes;   /* evaluations put particles where their pins have them, and so may change what they are given */
+  double *y, *dy[2], *direction;
+  double *turn;  /* 1/s, t of every particle; NULL: nothing turns */
+  double *spare; /* one more vector; NULL: it was not needed */
+  double *ritz;  /* two vectors of repeated estimates; NULL: they are not repeated */
+  bool repeats;
   hk_lanczos stiffness, damping;
+  const hk_integrator *method; /* whose stable step is wanted; NULL: all that can be said of the scene is */
+  const void *parameters;
   double stiffening_damping; /* 1/s, see stiffness.h */
   bool damps_alone;
   double length, spacing; /* m, see measure_scene; 0: not yet */
@@ -60,36 +72,52 @@ typedef struct operation {
   hk_system *system;
   bool velocity; /* true: D; false: K */
   double step;   /* m or m/s: the largest change of a component */
+  double *rest;  /* n x 3: x (or v), which is not displaced */
 } operation;
 
-static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
-  size_t n = system->n, tail = system->size - 6 * n, vector = 3 * n;
-  double *m = calloc(11 * vector + 4 * tail + 1, sizeof *m);
-  if (!m) return HK_NO_MEMORY;
+static void release(hk_spectrum_work *s) {
   free(s->memory);
-  *s = (hk_spectrum_work){.n = n, .tail = tail, .memory = m, .x = m, .v = m + vector};
-  s->a[0] = m + 2 * vector;
-  s->a[1] = m + 3 * vector;
-  s->stiffness = (hk_lanczos){.size = vector, .current = m + 4 * vector, .bound = INFINITY};
-  s->stiffness.previous = m + 5 * vector;
-  s->stiffness.image = m + 6 * vector;
+  free(s->turn);
+  free(s->spare);
+  free(s->ritz);
+}
+
+static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
+  enum { VECTORS = 6 };
+  size_t n = system->n, tail = system->size - 6 * n, vector = 3 * n;
+  double *m = calloc(VECTORS * vector + 4 * tail + 1, sizeof *m);
+  double *ritz = m && s->repeats ? calloc(2 * vector + 1, sizeof *ritz) : NULL;
+  if (!m || (s->repeats && !ritz)) {
+    free(m);
+    return HK_NO_MEMORY;
+  }
+  release(s);
+  *s = (hk_spectrum_work){.n = n, .tail = tail, .memory = m, .ritz = ritz, .repeats = s->repeats, .moved = m};
+  s->a = m + vector;
+  s->stiffness = (hk_lanczos){.size = vector, .current = m + 2 * vector, .bound = INFINITY};
+  s->stiffness.previous = m + 3 * vector;
+  s->stiffness.image = m + 4 * vector;
+  s->still = m + 5 * vector;
   s->damping = s->stiffness;
-  s->stiffness.ritz = m + 7 * vector;
-  s->damping.ritz = m + 8 * vector;
-  s->scratch = m + 9 * vector;
-  s->turn = m + 10 * vector;
-  s->y = m + 11 * vector;
+  if (ritz) s->stiffness.ritz = ritz, s->damping.ritz = ritz + vector;
+  s->y = m + VECTORS * vector;
   s->dy[0] = s->y + tail;
   s->dy[1] = s->dy[0] + tail;
   s->direction = s->dy[1] + tail;
   return HK_OK;
 }
 
-/* x (or v) = that of X + factor * direction / sqrt(m). */
+/* Makes room for a vector that only some scenes need. */
+static hk_status need(const hk_spectrum_work *s, double **vector) {
+  if (!*vector) *vector = calloc(3 * s->n + 1, sizeof **vector);
+  return *vector ? HK_OK : HK_NO_MEMORY;
+}
+
+/* moved = x (or v) of X + factor * direction / sqrt(m). */
 static void displace(const operation *o, const double *direction, double factor) {
   size_t n = o->system->n;
   const double *base = o->system->X + (o->velocity ? 3 * n : 0), *w = o->system->model->inverse_mass;
-  double *into = o->velocity ? o->work->v : o->work->x;
+  double *into = o->work->moved;
   for (size_t i = 0; i < n; i++) {
     double f = factor * sqrt(w[i]);
     for (size_t c = 3 * i; c < 3 * i + 3; c++) into[c] = base[c] + f * direction[c];
@@ -110,47 +138,66 @@ static double largest_move(const hk_model *model, const double *direction) {
 static hk_status allow(hk_system *system, double *vector) {
   const double *w = system->model->inverse_mass;
   system->filter(system, vector);
-  if (!system->tangent) return HK_OK;
+  if (!system->tangent || system->equations == 0) return HK_OK;
   for (size_t c = 0; c < 3 * system->n; c++) vector[c] *= sqrt(w[c / 3]);
   hk_status status = system->tangent(system, vector);
   for (size_t c = 0; c < 3 * system->n; c++) vector[c] = w[c / 3] > 0 ? vector[c] / sqrt(w[c / 3]) : 0;
   return status;
 }
 
+/* a = the accelerations at the displaced state. */
+static hk_status evaluate(operation *o, double *a) {
+  hk_spectrum_work *s = o->work;
+  hk_system *system = o->system;
+  double *x = o->velocity ? o->rest : s->moved, *v = o->velocity ? s->moved : o->rest;
+  s->bounds.evaluations++;
+  hk_status status = system->accelerations(system, system->t, x, v, system->X + 6 * s->n, a, s->dy[0]);
+  if (status == HK_OK && system->aside) system->aside->remove(system->aside->self, system, x, v, a);
+  return status;
+}
+
+/* out = (out - a) -1/2 / (factor sqrt(m)) */
+static void divide_difference(const operation *o, double factor, double *out) {
+  const double *w = o->system->model->inverse_mass, *a = o->work->a;
+  for (size_t i = 0; i < o->system->n; i++) {
+    double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) out[c] = f * (out[c] - a[c]);
+  }
+}
+
 static hk_status apply(void *context, const double *in, double *out) {
   operation *o = context;
-  hk_spectrum_work *s = o->work;
-  const double *w = o->system->model->inverse_mass;
   double most = largest_move(o->system->model, in), factor = most > 0 ? o->step / most : 0;
-  for (int side = 0; side < 2; side++) {
-    displace(o, in, side == 0 ? factor : -factor);
-    s->bounds.evaluations++;
-    hk_status status =
-        o->system->accelerations(o->system, o->system->t, s->x, s->v, o->system->X + 6 * s->n, s->a[side], s->dy[side]);
-    if (status != HK_OK) return status;
-    if (o->system->aside) o->system->aside->remove(o->system->aside->self, o->system, s->x, s->v, s->a[side]);
-  }
-  for (size_t i = 0; i < s->n; i++) {
-    double f = w[i] > 0 && factor > 0 ? -1 / (2 * factor * sqrt(w[i])) : 0;
-    for (size_t c = 3 * i; c < 3 * i + 3; c++) out[c] = f * (s->a[0][c] - s->a[1][c]);
-  }
-  if (o->system->equations > 0) s->bounds.evaluations++; /* `tangent` costs as much as one */
+  displace(o, in, factor);
+  hk_status status = evaluate(o, out);
+  displace(o, in, -factor);
+  if (status == HK_OK) status = evaluate(o, o->work->a);
+  if (status != HK_OK) return status;
+  divide_difference(o, factor, out);
+  if (o->system->equations > 0) o->work->bounds.evaluations++; /* `tangent` costs as much as one */
   return allow(o->system, out);
 }
 
+/* The part of X at `from` for evaluations: a copy where imposing pins may change it. */
+static double *rest(hk_spectrum_work *s, double *from) {
+  if (!s->imposes) return from;
+  s->written = true;
+  return memcpy(s->still, from, 3 * s->n * sizeof *from);
+}
+
 /* The velocities at which K is taken. */
-static void take_velocities(hk_spectrum_work *s, const hk_system *system) {
-  if (system->equations > 0)
-    memcpy(s->v, system->X + 3 * s->n, 3 * s->n * sizeof *s->v);
-  else
-    memset(s->v, 0, 3 * s->n * sizeof *s->v);
+static double *velocities(hk_spectrum_work *s, const hk_system *system) {
+  if (system->equations > 0) return rest(s, system->X + 3 * s->n);
+  if (s->written) memset(s->still, 0, 3 * s->n * sizeof *s->still);
+  s->written = s->imposes;
+  return s->still;
 }
 
 /* As `apply` without the turning of velocities, out -= t x in. */
 static hk_status apply_unturned(void *context, const double *in, double *out) {
   const hk_spectrum_work *s = ((operation *)context)->work;
   hk_status status = apply(context, in, out);
-  for (size_t i = 0; i < s->n && s->bounds.b_max > 0; i++) {
+  for (size_t i = 0; i < s->n && s->turn && s->bounds.b_max > 0; i++) {
     const double *t = s->turn + 3 * i, *u = in + 3 * i;
     for (int c = 0; c < 3; c++)
       out[3 * i + (size_t)c] -= t[(c + 1) % 3] * u[(c + 2) % 3] - t[(c + 2) % 3] * u[(c + 1) % 3];
@@ -220,22 +267,24 @@ static double difference_step(const hk_spectrum_work *s) {
   return cbrt(rounding * s->length * s->spacing * s->spacing);
 }
 
+/* 6n numbers: `moved` and `a`. */
+static double (*blocks(hk_spectrum_work *s))[6] { return (double(*)[6])(void *)s->moved; }
+
 /* Bounds w_max. The bounds that the forces state are used when `use_stated`; when Lanczos iteration finds a larger
  * eigenvalue, they are wrong and the estimate is repeated without them. */
 static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool use_stated, int steps, bool warm) {
   if (!(system->flags & HK_DEPENDS_ON_X)) return HK_OK;
   hk_spectrum *b = &s->bounds;
-  hk_stiffness stated = hk_stiffness_of(system, (double(*)[6])(void *)s->a[0]); /* 6n numbers: a[0] and a[1] */
+  hk_stiffness stated = hk_stiffness_of(system, blocks(s));
   bool covered = use_stated && stated.covered;
   measure_scene(s, system, stated.length);
   s->stiffening_damping = stated.stiffening_damping;
   s->damps_alone = stated.damps_alone;
   b->w_switching = sqrt(stated.stiffening * inflate);
-  operation o = {s, system, false, difference_step(s)};
-  take_velocities(s, system);
+  operation o = {s, system, false, difference_step(s), velocities(s, system)};
   hk_status status = bound(&o, &s->stiffness, covered ? stated.whole : INFINITY, steps, warm);
   if (status != HK_OK) return status;
-  double noise = ulps * rounding * largest(s->a[0], 3 * s->n) / o.step;
+  double noise = ulps * rounding * largest(s->a, 3 * s->n) / o.step;
   if (covered && s->stiffness.theta > stated.whole * (1 + 1e-6) + noise) /* a force is stiffer than it states */
     return bound_stiffness(s, system, false, steps, false);
   double most = s->stiffness.bound + stated.stiffening; /* of the present stiffness plus its possible increase */
@@ -251,34 +300,53 @@ static hk_status bound_stiffness(hk_spectrum_work *s, hk_system *system, bool us
 
 /* The rounding error of rates measured at the last evaluation, 1/s. */
 static double velocity_noise(const hk_spectrum_work *s, const operation *o) {
-  return ulps * rounding * largest(s->a[0], 3 * s->n) / o->step;
+  return ulps * rounding * largest(s->a, 3 * s->n) / o->step;
 }
 
 /* *whole: whether the skew part of D is that of single particles. */
 static hk_status check_turning(operation *o, bool *whole) {
   hk_spectrum_work *s = o->work;
-  double *p = s->damping.current, *q = s->damping.previous, *Dp = s->damping.image, *Dq = s->damping.ritz;
+  double *p = s->damping.current, *q = s->damping.previous, *Dp = s->damping.image;
+  hk_status status = need(s, &s->spare);
+  if (status != HK_OK) return status;
   hk_turning_pair(o->system, p, q);
-  hk_status status = apply(o, p, Dp);
-  if (status == HK_OK) status = apply(o, q, Dq);
-  *whole = status == HK_OK && hk_turning_is_whole(s->n, s->turn, p, q, Dp, Dq);
+  status = apply(o, p, Dp);
+  if (status == HK_OK) status = apply(o, q, s->spare);
+  *whole = status == HK_OK && hk_turning_is_whole(s->n, s->turn, p, q, Dp, s->spare);
   return status;
+}
+
+/* The response to the same velocity of all particles along the axis c. */
+static hk_status respond(operation *o, size_t c, double *column) {
+  const double *w = o->system->model->inverse_mass, *v = o->system->X + 3 * o->system->n;
+  size_t n = o->system->n;
+  hk_status status = HK_OK;
+  for (int side = 0; side < 2 && status == HK_OK; side++) {
+    double by = side == 0 ? o->step : -o->step;
+    memcpy(o->work->moved, v, 3 * n * sizeof *v);
+    for (size_t i = 0; i < n; i++) o->work->moved[3 * i + c] += w[i] > 0 ? by : 0;
+    status = evaluate(o, side == 0 ? column : o->work->a);
+  }
+  if (status != HK_OK) return status;
+  divide_difference(o, o->step, column);
+  if (o->system->equations > 0) o->work->bounds.evaluations++;
+  return allow(o->system, column);
 }
 
 static hk_status common_damping(operation *o, double *alpha) {
   hk_spectrum_work *s = o->work;
-  const double *w = o->system->model->inverse_mass;
-  double *column[3] = {s->damping.current, s->damping.previous, s->damping.image}, *all = s->damping.ritz;
-  for (size_t c = 0; c < 3; c++) {
-    memset(all, 0, 3 * s->n * sizeof *all);
-    for (size_t i = 0; i < s->n; i++) all[3 * i + c] = w[i] > 0 ? 1 / sqrt(w[i]) : 0;
-    hk_status status = apply(o, all, column[c]);
-    if (status != HK_OK) return status;
-  }
+  double *column[3] = {s->damping.current, s->damping.previous, s->damping.image};
+  hk_status status = HK_OK;
+  for (size_t c = 0; c < 3 && status == HK_OK; c++) status = respond(o, c, column[c]);
+  if (status != HK_OK) return status;
   *alpha = hk_common_damping(o->system->model, column);
-  double turn = hk_common_turning(o->system->model, column, s->turn);
+  double turn = hk_common_turning(o->system->model, column, NULL);
   bool whole = turn > velocity_noise(s, o);
-  hk_status status = whole ? check_turning(o, &whole) : HK_OK;
+  if (whole) status = need(s, &s->turn);
+  if (whole && status == HK_OK) {
+    hk_common_turning(o->system->model, column, s->turn);
+    status = check_turning(o, &whole);
+  }
   s->bounds.b_max = whole ? turn * inflate : 0;
   return status;
 }
@@ -302,31 +370,50 @@ typedef struct pencil {
 static hk_status apply_pencil(void *context, const double *in, double *out) {
   pencil *p = context;
   hk_spectrum_work *s = p->damping.work;
-  const double *X = p->damping.system->X;
-  size_t vector = 3 * s->n;
-  take_velocities(s, p->damping.system);
-  hk_status status = apply(&p->stiffness, in, s->scratch);
+  hk_system *system = p->damping.system;
+  p->stiffness.rest = velocities(s, system);
+  hk_status status = apply(&p->stiffness, in, s->spare);
   if (status != HK_OK) return status;
-  memcpy(s->x, X, vector * sizeof *s->x);
+  p->damping.rest = rest(s, system->X);
   status = apply_unturned(&p->damping, in, out);
-  for (size_t c = 0; c < vector; c++) out[c] -= p->slope * s->scratch[c];
+  for (size_t c = 0; c < 3 * s->n; c++) out[c] -= p->slope * s->spare[c];
   return status;
 }
 
 /* The vectors of the damping's Lanczos iteration are used again: a first run without `known` leaves no data in them. */
 static hk_status bound_pencil(hk_spectrum_work *s, hk_system *system, const operation *damping) {
   hk_spectrum *b = &s->bounds;
-  pencil p = {{s, system, false, difference_step(s)}, *damping, b->g_max / (b->w_max * b->w_max)};
+  pencil p = {{s, system, false, difference_step(s), NULL}, *damping, b->g_max / (b->w_max * b->w_max)};
   hk_lanczos l = s->damping;
   l.bound = INFINITY;
   l.slack = pencil_slack * b->g_max;
   double share;
-  hk_status status = start(&l, system, false, &share);
+  hk_status status = need(s, &s->spare);
+  if (status == HK_OK) status = start(&l, system, false, &share);
   if (status == HK_OK) status = hk_lanczos_run(&l, apply_pencil, &p, INFINITY, share, HK_LANCZOS_STEPS);
   if (status != HK_OK) return status;
   b->damping_slope = p.slope;
   b->damping_offset = fmax(0, l.bound) + 1e-6 * b->g_max; /* the differences are accurate to about 1e-9 */
   return HK_OK;
+}
+
+/* Whether the fastest and most strongly damped of all modes that the bounds allow for sets the step of the method that
+ * is wanted: nothing that is known beside raises it. */
+static bool is_settled(const hk_spectrum_work *s) {
+  const hk_spectrum *b = &s->bounds;
+  if (!s->method) return false;
+  hk_stable stable = hk_stable_step(s->method, s->parameters, b);
+  return stable.limit > 0 && stable.w == b->w_max && stable.g == b->g_max;
+}
+
+/* Bounds the eigenvalues of D; `use_stated` as in bound_stiffness. */
+static hk_status iterate_damping(operation *o, bool use_stated, int steps, bool warm) {
+  hk_spectrum_work *s = o->work;
+  double stated;
+  bool covered = use_stated && hk_stated_damping(o->system, blocks(s), &stated);
+  hk_status status = bound(o, &s->damping, covered ? stated : INFINITY, steps, warm);
+  if (status != HK_OK || !covered || s->damping.theta <= stated * (1 + 1e-6) + velocity_noise(s, o)) return status;
+  return iterate_damping(o, false, steps, false);
 }
 
 static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps, bool warm) {
@@ -335,11 +422,10 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   if (!(system->flags & HK_DEPENDS_ON_V)) return HK_OK;
   if (!(s->length > 0)) measure_scene(s, system, INFINITY);
   double speed = fmax(largest(system->X + 3 * s->n, 3 * s->n), s->spacing * b->w_max);
-  operation o = {s, system, true, 1e-5 * (speed > 0 ? speed : 1)};
-  memcpy(s->x, system->X, 3 * s->n * sizeof *s->x);
+  operation o = {s, system, true, 1e-5 * (speed > 0 ? speed : 1), rest(s, system->X)};
   s->damping.slack = damping_slack * b->w_max;
   hk_status status = warm ? HK_OK : common_damping(&o, &b->alpha);
-  if (status == HK_OK) status = bound(&o, &s->damping, INFINITY, steps, warm);
+  if (status == HK_OK) status = iterate_damping(&o, b->b_max == 0, steps, warm);
   if (status != HK_OK) return status;
   double noise = velocity_noise(s, &o);
   b->g_max = s->damping.bound > noise ? s->damping.bound * inflate : 0;
@@ -348,7 +434,14 @@ static hk_status bound_damping(hk_spectrum_work *s, hk_system *system, int steps
   bool symmetric = s->damping.asymmetry <= 1e-3 * s->damping.norm + noise;
   if (!symmetric) count_rotation(b, s->damping.norm);
   bool strong = b->w_max > 0 && b->g_max > strong_damping * b->w_max && symmetric;
-  return strong && !warm ? bound_pencil(s, system, &o) : HK_OK;
+  return strong && !warm && !is_settled(s) ? bound_pencil(s, system, &o) : HK_OK;
+}
+
+/* Whether pins have a place for a particle: fixed ones only have no velocity. */
+static bool pins_impose(const hk_model *model) {
+  for (size_t i = 0; i < model->n; i++)
+    if (model->pin[i] != HK_FREE && model->pin[i] != HK_PIN_FIXED) return true;
+  return false;
 }
 
 /* A failed call does not change *spectrum, but makes the data of a warm start invalid. */
@@ -356,10 +449,11 @@ static hk_status bound_all(hk_spectrum_work *s, hk_system *system, int steps, bo
   s->bounds = (hk_spectrum){.alpha = warm ? s->bounds.alpha : 0, .b_max = warm ? s->bounds.b_max : 0, .rigorous = true};
   s->length = s->stiffening_damping = 0;
   s->damps_alone = false;
+  s->imposes = pins_impose(system->model);
   hk_status status = bound_stiffness(s, system, true, steps, warm);
   if (status == HK_OK) status = bound_damping(s, system, steps, warm);
   if (status == HK_OK && system->model->channels > 0) {
-    hk_channel_scratch scratch = {s->x, s->v, s->a[0], s->y, {s->dy[0], s->dy[1]}, s->direction};
+    hk_channel_scratch scratch = {s->moved, s->damping.current, s->a, s->y, {s->dy[0], s->dy[1]}, s->direction};
     status = hk_channel_rate(system, &scratch, &s->bounds.channel_rate, &s->bounds.evaluations);
   }
   if (status == HK_OK) *spectrum = s->bounds;
@@ -381,23 +475,30 @@ hk_status hk_spectrum_update(hk_spectrum_work *s, hk_system *system, int iterati
 }
 
 hk_spectrum_work *hk_spectrum_create(const hk_system *system) {
-  hk_spectrum_work *s = malloc(sizeof *s);
-  if (s) s->memory = NULL;
+  hk_spectrum_work *s = calloc(1, sizeof *s);
+  if (s) s->repeats = true;
   if (s && reserve(s, system) == HK_OK) return s;
   free(s);
   return NULL;
 }
 
 void hk_spectrum_destroy(hk_spectrum_work *s) {
-  if (s) free(s->memory);
+  if (s) release(s);
   free(s);
 }
 
-hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error) {
+hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters,
+                                   hk_spectrum *spectrum, hk_error *error) {
   if (hk_lone_spectrum(system, spectrum)) return HK_OK;
-  hk_spectrum_work *s = hk_spectrum_create(system);
-  if (!s) return hk_error_set(error, HK_NO_MEMORY, "no memory to estimate the stable step");
-  hk_status status = hk_spectrum_measure(s, system, spectrum);
-  hk_spectrum_destroy(s);
+  hk_spectrum_work s = {.method = NULL};
+  if (reserve(&s, system) != HK_OK) return hk_error_set(error, HK_NO_MEMORY, "no memory to estimate the stable step");
+  s.method = method;
+  s.parameters = parameters;
+  hk_status status = bound_all(&s, system, HK_LANCZOS_STEPS, false, spectrum);
+  release(&s);
   return status;
+}
+
+hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error) {
+  return hk_spectrum_estimate_for(system, NULL, NULL, spectrum, error);
 }

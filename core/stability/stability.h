@@ -33,10 +33,16 @@ static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
 }
 
 /* Estimates the spectrum at (system->t, system->X), which do not change. On failure *spectrum does not change. Takes
- * some 30 to 180 evaluations, twice as many for strong damping; allocates memory and frees it. */
+ * some 30 to 180 evaluations, twice as many for strong damping; allocates memory of some 6 times x and frees it. */
 hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error);
 
-/* The same in three parts, for repeated estimates: the work memory of some 14 times x (and four times y) is kept. */
+/* The same as far as the largest stable step of a method depends on it: where the fastest and most strongly damped of
+ * all modes sets that step, `damping_slope` is not looked for, which saves most of the evaluations. `parameters` is the
+ * method's instance memory. */
+hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters,
+                                   hk_spectrum *spectrum, hk_error *error);
+
+/* The same in three parts, for repeated estimates: the work memory of some 9 times x (and four times y) is kept. */
 typedef struct hk_spectrum_work hk_spectrum_work;
 hk_spectrum_work *hk_spectrum_create(const hk_system *system); /* NULL: no memory */
 void hk_spectrum_destroy(hk_spectrum_work *);                  /* NULL is allowed */

@@ -63,8 +63,14 @@ static double least_ratio(const hk_model *model) {
 bool hk_stiffness_part_of(hk_system *s, hk_stiffness_part part, double (*scratch)[6], double *largest) {
   bool covered = s->stiffness_bound(s, part, false, scratch);
   if (covered && s->aside) s->aside->remove_bound(s->aside->self, s, part, scratch);
-  *largest = covered ? largest_block(s->model, scratch) : 0;
+  *largest = covered || part == HK_DAMPING_WHOLE ? largest_block(s->model, scratch) : 0;
   return covered;
+}
+
+bool hk_stated_damping(hk_system *s, double (*scratch)[6], double *largest) {
+  for (size_t k = 0; k < s->forces; k++)
+    if (s->force[k].flags & HK_STIFFENS) return false;
+  return hk_stiffness_part_of(s, HK_DAMPING_WHOLE, scratch, largest);
 }
 
 hk_stiffness hk_stiffness_of(hk_system *s, double (*scratch)[6]) {

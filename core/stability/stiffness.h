@@ -15,9 +15,14 @@ typedef struct hk_stiffness {
   double length; /* m, the shortest distance within an element or edge; INFINITY: there is none longer than 0 */
 } hk_stiffness;
 
-/* Sets *largest to the bound of one part at system->X; false: a force that depends on x states none; it is 0
- * then. scratch: 6n doubles. */
+/* Sets *largest to the bound of one part at system->X; false: a force that depends on x states none, or, of the
+ * damping, one that depends on v. It is 0 then, but of the damping that of the forces that state one. scratch: 6n
+ * doubles. */
 bool hk_stiffness_part_of(hk_system *, hk_stiffness_part, double (*scratch)[6], double *largest);
+
+/* Sets *largest to the bound of the damping rates that the forces state, 1/s; false: one that depends on v states none,
+ * or becomes stiffer than it is, or there are constraints. scratch: 6n doubles. */
+bool hk_stated_damping(hk_system *, double (*scratch)[6], double *largest);
 
 /* At system->X; scratch: 6n doubles. */
 hk_stiffness hk_stiffness_of(hk_system *, double (*scratch)[6]);

@@ -62,10 +62,19 @@ bool hk_state_reserve(hk_state *s, size_t n) {
   bool fine = grow(&s->X, ((6 + s->width) * room + 1) * sizeof *s->X) && grow(&s->mass, (room + 1) * sizeof *s->mass) &&
               grow(&s->inverse_mass, (room + 1) * sizeof *s->inverse_mass) &&
               grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
-              grow(&s->pin, (room + 1) * sizeof *s->pin);
+              grow(&s->pin, (room + 1) * sizeof *s->pin) &&
+              (!s->by_id || grow(&s->by_id, (room + 1) * sizeof *s->by_id));
   if (fine) s->room = room;
   hk_state_point(s); /* some arrays may have moved even so */
   return fine;
+}
+
+/* Who is left in the order of ids, and behind them the particles that are new. */
+static void move_order(hk_state *s, const uint32_t *map, size_t n) {
+  size_t kept = 0;
+  for (size_t k = 0; k < s->model.n; k++)
+    if (map[s->by_id[k]] != UINT32_MAX) s->by_id[kept++] = map[s->by_id[k]];
+  for (; kept < n; kept++) s->by_id[kept] = (uint32_t)kept;
 }
 
 /* Moves the block of X that begins at `offset` numbers per particle. */
@@ -88,6 +97,7 @@ void hk_state_move(hk_state *s, const uint32_t *map, size_t n) {
   hk_array_move(s->id, s->id, sizeof *s->id, map, old);
   hk_array_move(s->group, s->group, sizeof *s->group, map, old);
   move_pins(s, map, n);
+  if (s->by_id) move_order(s, map, n);
   remap_edges(s, map);
   s->model.n = n;
   hk_state_point(s);

@@ -27,6 +27,7 @@ void hk_state_point(hk_state *s) {
   m->group = s->group;
   m->pin = s->pin;
   m->channel = s->channel;
+  m->by_id = s->by_id;
   m->edges.index = &s->edge[0][0];
   m->triangles.index = &s->triangle[0][0];
   s->view = (hk_view){.t = s->t, .n = n, .x = s->X, .v = s->X + 3 * n, .model = m, .acting = n};
@@ -58,17 +59,27 @@ static hk_status allocate(hk_state *s, const hk_scene *scene, hk_error *error) {
   return fine ? HK_OK : no_memory(s, error);
 }
 
+static uint32_t index_of(const hk_state *s, size_t id) { return s->by_id ? s->by_id[id - 1] : (uint32_t)id - 1; }
+
+/* `bytes` for each particle, in the order of ids, to their indices. */
+static void place(const hk_state *s, void *to, const void *from, size_t bytes) {
+  if (!s->by_id) memcpy(to, from, s->model.n * bytes);
+  for (size_t i = 0; s->by_id && i < s->model.n; i++)
+    memcpy((char *)to + bytes * s->by_id[i], (const char *)from + bytes * i, bytes);
+}
+
 static void copy_particles(hk_state *s, const hk_scene *scene) {
   size_t n = scene->n;
-  memcpy(s->X, scene->position, 3 * n * sizeof(double));
-  memcpy(s->X + 3 * n, scene->velocity, 3 * n * sizeof(double));
+  place(s, s->X, scene->position, 3 * sizeof(double));
+  place(s, s->X + 3 * n, scene->velocity, 3 * sizeof(double));
   for (size_t k = 0; k < scene->channels; k++)
-    memcpy(s->X + (6 + s->channel[k].offset) * n, scene->channel[k].value, n * s->channel[k].size * sizeof(double));
-  memcpy(s->mass, scene->mass, n * sizeof *s->mass);
-  memcpy(s->group, scene->group, n * sizeof *s->group);
-  for (size_t i = 0; i < n; i++) s->id[i] = (uint32_t)i + 1;
-  for (size_t e = 0; e < 2 * scene->edges; e++) s->edge[e / 2][e % 2] = scene->edge[e / 2][e % 2] - 1;
-  for (size_t e = 0; e < 3 * scene->triangles; e++) s->triangle[e / 3][e % 3] = scene->triangle[e / 3][e % 3] - 1;
+    place(s, s->X + (6 + s->channel[k].offset) * n, scene->channel[k].value, s->channel[k].size * sizeof(double));
+  place(s, s->mass, scene->mass, sizeof *s->mass);
+  place(s, s->group, scene->group, sizeof *s->group);
+  for (size_t id = 1; id <= n; id++) s->id[index_of(s, id)] = (uint32_t)id;
+  for (size_t e = 0; e < 2 * scene->edges; e++) s->edge[e / 2][e % 2] = index_of(s, scene->edge[e / 2][e % 2]);
+  for (size_t e = 0; e < 3 * scene->triangles; e++)
+    s->triangle[e / 3][e % 3] = index_of(s, scene->triangle[e / 3][e % 3]);
 }
 
 hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
@@ -83,13 +94,15 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
   if (status != HK_OK) return status;
   s->next_id = (uint32_t)scene->n + 1;
   s->room = scene->n;
+  s->by_id = hk_scene_places(scene);
   if (scene->n) copy_particles(s, scene);
   hk_state_refresh(s);
   return HK_OK;
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->mass, s->inverse_mass, s->id, s->group, s->pin, s->X, s->edge, s->triangle, s->channel};
+  void *arrays[] = {s->mass, s->inverse_mass, s->id,       s->group,   s->pin,
+                    s->X,    s->edge,         s->triangle, s->channel, s->by_id};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }
 
@@ -124,14 +137,6 @@ double hk_state_kinetic(const hk_state *s, const double *X) {
 }
 
 bool hk_state_index(const hk_state *s, uint32_t id, uint32_t *index) {
-  size_t low = 0, high = s->model.n;
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    if (s->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  *index = (uint32_t)low;
-  return low < s->model.n && s->id[low] == id;
+  *index = (uint32_t)hk_model_find(&s->model, id);
+  return *index < s->model.n;
 }

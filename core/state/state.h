@@ -7,8 +7,8 @@
 #include "core/functions/functions.h"
 #include "core/scene/scene.h"
 
-/* Ids increase with the index: deaths preserve the order of the other particles and births are appended, so an id is
- * found by bisection. */
+/* Deaths preserve the order of the other particles and births, whose ids increase, are appended. The particles of the
+ * scene are in the order of their ids, or in a better one (scene/order.c). */
 typedef struct hk_state {
   double t;  /* s */
   double *X; /* size doubles, one allocation: x n x 3, v n x 3, the channels one after the other, the work in J */
@@ -17,6 +17,7 @@ typedef struct hk_state {
   double *mass, *inverse_mass;
   uint32_t *id, *group;
   uint8_t *pin;
+  uint32_t *by_id; /* indices in the order of ids; NULL: ids increase with the index */
   uint32_t next_id;
   size_t room; /* the arrays of particles are for up to so many */
   hk_channel *channel;
@@ -44,7 +45,7 @@ typedef struct hk_particle_set {
   size_t n;
   double *X; /* (6 + width) n + 1 */
   double *mass;
-  uint32_t *id; /* increasing */
+  uint32_t *id; /* those of the state in its order, then others, increasing */
   uint32_t *group;
 } hk_particle_set;
 

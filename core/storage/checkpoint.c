@@ -279,7 +279,7 @@ static bool plausible(const hk_loop *loop, const header *h, const hk_particle_se
       h->t >= 0 && h->t < (double)loop->record->frames / loop->fps && h->last_h >= 0 && plausible_piece(&h->piece);
   for (size_t i = 0; i < set->n && fine; i++)
     fine = set->group[i] < loop->state->model.groups && set->id[i] > 0 && set->id[i] < h->next_id &&
-           (i == 0 || set->id[i] > set->id[i - 1]) && set->mass[i] >= 0 && isfinite(set->mass[i]);
+           set->mass[i] >= 0 && isfinite(set->mass[i]);
   return fine;
 }
 

@@ -10,9 +10,14 @@ enum { LINE = 4096 };
 
 static const char head[] = "id,x,y,z,vx,vy,vz,mass";
 
+typedef struct row {
+  uint32_t id, index;
+} row;
+
 typedef struct table {
   const hk_snapshot *snapshot;
   const hk_state *state;
+  row *row; /* by rising id; NULL: that is their order */
 } table;
 
 /* ",heat,dye[1],dye[2]", cut at `size`. */
@@ -44,13 +49,30 @@ static void write_row(FILE *file, const hk_snapshot *s, const hk_model *m, size_
 static bool body(FILE *file, const void *what) {
   const table *t = what;
   write_head(file, &t->state->model);
-  for (size_t i = 0; i < t->snapshot->n; i++) write_row(file, t->snapshot, &t->state->model, i);
+  for (size_t i = 0; i < t->snapshot->n; i++)
+    write_row(file, t->snapshot, &t->state->model, t->row ? t->row[i].index : i);
   return fflush(file) == 0 && !ferror(file);
 }
 
+static int by_id(const void *a, const void *b) {
+  const row *p = a, *q = b;
+  return (p->id > q->id) - (p->id < q->id);
+}
+
+static bool rises(const hk_snapshot *s) {
+  for (size_t i = 1; i < s->n; i++)
+    if (s->id[i] < s->id[i - 1]) return false;
+  return true;
+}
+
 hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, const char *path, hk_error *error) {
-  table t = {s, state};
-  return hk_write_file(path, body, &t, error);
+  table t = {s, state, rises(s) ? NULL : malloc(s->n * sizeof *t.row)};
+  if (!t.row && !rises(s)) return hk_error_set(error, HK_NO_MEMORY, "no memory for the rows of %s", path);
+  for (uint32_t i = 0; t.row && i < s->n; i++) t.row[i] = (row){s->id[i], i};
+  if (t.row) qsort(t.row, s->n, sizeof *t.row, by_id);
+  hk_status status = hk_write_file(path, body, &t, error);
+  free(t.row);
+  return status;
 }
 
 /* ---- reading ---- */
@@ -125,12 +147,14 @@ static hk_status check_ids(hk_loop *loop, rows *r, const char *path) {
     else
       row_of[r->id[k] - 1] = k;
   size_t found = 0;
-  for (size_t i = 0; i < n && status == HK_OK; i++)
+  for (size_t k = 0; k < n && status == HK_OK; k++) {
+    size_t i = loop->state->id[k] - 1;
     if (row_of[i] != SIZE_MAX)
       r->order[found++] = row_of[i];
     else if (loop->plugins->kind[HK_SOURCE].count == 0)
       status = hk_error_set(loop->error, HK_BAD_PARAM,
                             "%s: particle %zu of the scene is not in it; a state names every particle", path, i + 1);
+  }
   free(row_of);
   return status;
 }
@@ -139,11 +163,12 @@ static void place(const hk_loop *loop, hk_particle_set *set, const rows *r) {
   const hk_state *s = loop->state;
   for (size_t k = 0; k < set->n; k++) {
     const double *number = r->number + r->order[k] * r->width;
-    size_t i = r->id[r->order[k]] - 1; /* a particle of the scene keeps its group */
+    uint32_t i;
+    hk_state_index(s, r->id[r->order[k]], &i); /* a particle of the scene keeps its group */
     memcpy(set->X + 3 * k, number, 3 * sizeof(double));
     memcpy(set->X + 3 * (set->n + k), number + 3, 3 * sizeof(double));
     set->mass[k] = number[6];
-    set->id[k] = (uint32_t)i + 1;
+    set->id[k] = s->id[i];
     set->group[k] = s->group[i];
     for (size_t c = 0; c < s->model.channels; c++) {
       size_t size = s->channel[c].size, offset = 6 + s->channel[c].offset;

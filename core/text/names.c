@@ -41,8 +41,9 @@ const char *hk_nearest_name(const char *wrong, hk_name_at *name, const void *con
   const char *best = NULL, *candidate;
   size_t least = CHANGE * (strlen(wrong) / 3 + 1) + 1;
   for (size_t k = 0; (candidate = name(context, k)) != NULL; k++) {
-    size_t distance = distance_between(wrong, candidate);
-    if (distance >= least) continue;
+    size_t distance = distance_between(wrong, candidate), longest = strlen(wrong);
+    if (strlen(candidate) > longest) longest = strlen(candidate);
+    if (distance >= least || distance >= CHANGE * longest) continue; /* the latter: no letter is the same */
     best = candidate;
     least = distance;
   }

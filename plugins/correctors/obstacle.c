@@ -207,10 +207,24 @@ static double violation(void *self, const hk_view *view) {
   return hk_obstacle_inside(&((obstacle *)self)->obstacle, view).depth;
 }
 
+/* What rests on the obstacle, or slides: rounding apart. */
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const obstacle *s = self;
+  double n[3], at[3];
+  for (size_t i = 0; i < view->n; i++) {
+    const double *x = view->x + 3 * i;
+    double gap = hk_obstacle_gap(&s->obstacle, &s->obstacle.motion.end, x, i, n);
+    if (!(view->model->inverse_mass[i] > 0) || !(gap <= hk_obstacle_rounding(&s->obstacle, x, x, i))) continue;
+    for (int c = 0; c < 3; c++) at[c] = x[c] - hk_obstacle_radius(&s->obstacle, i) * n[c];
+    points->add(points->context, at, n);
+  }
+}
+
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
                                        .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
                                        .correct = correct,
-                                       .violation = violation};
+                                       .violation = violation,
+                                       .contact_points = contact_points};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

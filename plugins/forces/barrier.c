@@ -13,6 +13,7 @@
 #include "plugins/common/barrier/barrier_friction.h"
 #include "plugins/common/barrier/barrier_pair.h"
 #include "plugins/common/barrier/barrier_sum.h"
+#include "plugins/common/collision/contact_point.h"
 #include "plugins/common/surfaces/surface_pair_names.h"
 
 #include <float.h>
@@ -225,6 +226,17 @@ static bool report(void *self, const hk_view *view, hk_contact_report *out) {
   return true;
 }
 
+/* The pairs that the barrier pushes apart. */
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const hk_barrier_contacts *c = &((const barrier *)self)->contacts;
+  const hk_barrier_pair *near = c->near.item;
+  double x[12];
+  for (size_t k = 0; k < c->found; k++) {
+    for (int i = 0; i < 4; i++) memcpy(x + 3 * i, view->x + 3 * (size_t)near[k].pair.vertex[i], 3 * sizeof *x);
+    hk_contact_point_of_pair(near[k].pair.kind, x, near[k].pair.offset + c->law.distance, points);
+  }
+}
+
 static const hk_force force = {
     .size = sizeof(hk_force),
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE |
@@ -238,6 +250,7 @@ static const hk_force force = {
     .step_limit = step_limit,
     .accepted = accepted,
     .contacts = report,
+    .contact_points = contact_points,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -8,6 +8,7 @@
  *
  * Which of the two? The corrector alone is the simple choice, whatever the speeds. Take the force where the accuracy of
  * the contact itself matters and impacts are slow, and both where impacts are fast as well. */
+#include "plugins/common/collision/contact_point.h"
 #include "plugins/common/collision/ccd.h"
 #include "plugins/common/impacts/contact_account.h"
 #include "plugins/common/impacts/contact_params.h"
@@ -302,6 +303,14 @@ static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
   return true;
 }
 
+/* The pairs that push each other. */
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const contact *s = self;
+  hk_repelled p;
+  for (size_t d = 0; d < s->nearby.dues; d++)
+    if (gather(s, view, pair_at(s, d), &p)) hk_contact_point_of_pair(p.kind, p.x, p.offset + s->law.reach, points);
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_POWER |
                                         HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE | HK_STIFFENS,
@@ -313,7 +322,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .update = update,
                                .step_limit = step_limit,
                                .accepted = accepted,
-                               .contacts = contacts};
+                               .contacts = contacts,
+                               .contact_points = contact_points};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

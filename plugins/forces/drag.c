@@ -168,11 +168,21 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
+/* D is the coefficient of each particle. */
+static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
+  for (size_t k = 0; part == HK_DAMPING_WHOLE && k < view->acting; k++) {
+    size_t i = view->active ? view->active[k] : k;
+    double d = coefficient(self, view, i);
+    block[i][0] += d, block[i][3] += d, block[i][5] += d;
+  }
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
                                .add = add,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .stiffness_bound = stiffness_bound};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -9,6 +9,7 @@
  * constraints, and particles sink in by their weight over k. The blocks are central differences of one particle's
  * force, over 1e-6 of the obstacle and of the speeds. */
 #include "plugins/common/obstacles/obstacle_params.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/obstacles/parabola.h"
 #include "plugins/common/space/vector3.h"
 
@@ -274,6 +275,14 @@ static bool passages(const void *self, const hk_view *to, const double *x_from, 
   return true;
 }
 
+/* For outputs: where it was in the last evaluation of the step. */
+static hk_status accepted(void *self, const hk_view *view, double h) {
+  penalty *s = self;
+  (void)h;
+  s->obstacle.motion.end = contact_at(s, view, NULL).frame;
+  return HK_OK;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   penalty *s = self;
   hk_status status = hk_obstacle_open(&s->obstacle, &s->surface, &s->params, host, view);
@@ -281,6 +290,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->first = hk_obstacle_pose(&s->params, view->t);
   s->scale = s->params.shape == HK_SHAPE_PLANE ? 1 : hk_shape_size(&s->obstacle.shape);
   s->obstacle.motion.end = contact_at(s, view, NULL).frame;
+  const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
+  if (!all) return HK_FAILED;
+  all->show(all->self, &s->obstacle);
   hk_inside found = hk_obstacle_inside(&s->obstacle, view);
   if (found.count)
     host->warn(host,
@@ -290,14 +302,28 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return HK_OK;
 }
 
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  contact c = contact_at(self, view, NULL);
+  double n[3], at[3];
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = particle(view, k);
+    const double *x = view->x + 3 * i;
+    if (!(hk_obstacle_gap(&c.obstacle, &c.frame, x, i, n) < 0)) continue;
+    for (int q = 0; q < 3; q++) at[q] = x[q] - hk_obstacle_radius(&c.obstacle, i) * n[q];
+    points->add(points->context, at, n);
+  }
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags =
                                    HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_POWER | HK_STIFFENS,
+                               .contact_points = contact_points,
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,
                                .jacobian = jacobian,
                                .stiffness_bound = stiffness_bound,
+                               .accepted = accepted,
                                .passages = passages};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

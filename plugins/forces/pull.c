@@ -89,7 +89,7 @@ static double hand_stiffness(const pull *p, const hk_grip *g, double mass) {
 /* False: the hand holds nothing that is free. */
 static bool hand_spring(const pull *p, const hk_view *view, spring *s) {
   hk_grip g = p->hand->grip(p->hand->self, view->t);
-  s->i = g.id ? hk_hand_index(view->model, g.id) : view->n;
+  s->i = g.id ? hk_model_find(view->model, g.id) : view->n;
   if (s->i == view->n || !(g.frame > 0) || view->model->inverse_mass[s->i] == 0) return false;
   double mass = view->model->mass[s->i], k = hand_stiffness(p, &g, mass);
   s->k = g.hold * k;

@@ -325,9 +325,37 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? topology(self, view) : status;
 }
 
+static size_t index_of(const hk_view *view, uint32_t id) {
+  size_t low = 0, high = view->n;
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (view->model->id[middle] < id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+/* Those that are remembered, each of them once. */
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const soft_spheres *s = self;
+  const hk_touch *touch = s->history.touches.item;
+  for (int64_t k = 0; k < s->history.count; k++) {
+    if (touch[k].self >= touch[k].other) continue;
+    size_t i = index_of(view, touch[k].self), j = index_of(view, touch[k].other);
+    double R = hk_sphere_radius(&s->spheres, view, i), at[3], n[3];
+    for (size_t c = 0; c < 3; c++) n[c] = view->x[3 * i + c] - view->x[3 * j + c];
+    double length = sqrt(hk_dot(n, n));
+    for (size_t c = 0; c < 3; c++) n[c] /= length, at[c] = view->x[3 * i + c] - R * n[c];
+    points->add(points->context, at, n);
+  }
+}
+
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS |
                                         HK_CONSERVES_MOMENTUM | HK_POWER | HK_STIFFENS,
+                               .contact_points = contact_points,
                                .add = add,
                                .energy = energy,
                                .rates = rates,

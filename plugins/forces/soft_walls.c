@@ -6,6 +6,7 @@
  * and downwards from a neck: free is what is nearer to the axis than neck + slope |z - z_neck|, and the neck is an
  * edge. With a slope of 0 it is a pipe. Parameters mean what they mean in soft_spheres. */
 #include "plugins/common/contact/grain_tables.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
 enum { GRAIN = 256, PLANE = 4, FUNNEL = 5 /* numbers of one */ };
 
@@ -17,6 +18,7 @@ typedef struct soft_walls {
   hk_contact_history history;
   uint32_t walls, number; /* of all walls, of planes */
   double (*plane)[PLANE]; /* with normals of length 1 */
+  hk_obstacle *shown;     /* number: the planes, for outputs */
   double *torque;         /* n x 3, N m, of the last evaluation */
   double *spin_then;      /* n x 3, rad/s, at the last accepted step */
   double *sums;           /* of a chunk */
@@ -278,6 +280,21 @@ static hk_status set_planes(soft_walls *s) {
   return status;
 }
 
+static hk_status show_planes(soft_walls *s) {
+  const hk_obstacles *all = s->host->query(s->host, HK_OBSTACLES_INTERFACE);
+  if (!all) return HK_FAILED;
+  s->shown = s->host->allocate(s->host, (s->number + 1) * sizeof *s->shown);
+  if (!s->shown) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the planes");
+  for (uint32_t k = 0; k < s->number; k++) {
+    hk_obstacle *o = s->shown + k;
+    *o = (hk_obstacle){.shape = {.kind = HK_SHAPE_PLANE}, .motion.end.turn = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    for (int a = 0; a < 3; a++)
+      o->shape.normal[a] = s->plane[k][a], o->motion.end.origin[a] = s->plane[k][3] * s->plane[k][a];
+    all->show(all->self, o);
+  }
+  return HK_OK;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   soft_walls *s = self;
   s->host = host;
@@ -288,12 +305,29 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->law.yielding = s->spheres.spin_channel ? 3.5 : 1;
   if (status == HK_OK) status = check_walls(s);
   if (status == HK_OK) status = set_planes(s);
+  if (status == HK_OK) status = show_planes(s);
   return status == HK_OK ? topology(self, view) : status;
+}
+
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const soft_walls *s = self;
+  double n[3], at[3];
+  for (size_t k = 0; k < view->acting; k++) {
+    size_t i = acting(view, k);
+    double R = hk_sphere_radius(&s->spheres, view, i);
+    for (uint32_t wall = 0; wall < s->walls; wall++) {
+      double gap = from_wall(s, wall, view->x + 3 * i, n);
+      if (!(gap < R)) continue;
+      for (int c = 0; c < 3; c++) at[c] = view->x[3 * i + (size_t)c] - gap * n[c];
+      points->add(points->context, at, n);
+    }
+  }
 }
 
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS |
                                         HK_POWER | HK_STIFFENS,
+                               .contact_points = contact_points,
                                .add = add,
                                .energy = energy,
                                .rates = rates,

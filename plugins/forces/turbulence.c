@@ -168,6 +168,11 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return hk_air_add(&air, view, F);
 }
 
+static void flow(const void *self, const hk_view *view, const double *x, size_t count, double *u) {
+  hk_air air = air_of(self);
+  hk_air_flow(&air, view->t, x, count, u);
+}
+
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   (void)self;
   hk_air_pattern(view, p);
@@ -193,6 +198,7 @@ static double longest_step(void *self, const hk_view *view) {
 
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER,
+                               .flow = flow,
                                .add = add,
                                .pattern = pattern,
                                .jacobian = jacobian,

@@ -283,6 +283,10 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return HK_OK;
 }
 
+static void flow_at(const void *self, const hk_view *view, const double *x, size_t count, double *u) {
+  uniform(self, view->t, x, count, u);
+}
+
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   const wind *w = self;
   if (w->on == PARTICLES) hk_air_pattern(view, p);
@@ -329,6 +333,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 
 static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
+                               .flow = flow_at,
                                .add = add,
                                .pattern = pattern,
                                .jacobian = jacobian};

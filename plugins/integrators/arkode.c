@@ -40,7 +40,16 @@ typedef struct arkode {
 
 static const hk_param params[] = {
     {"method", "", "explicit or diagonally implicit", HK_CHOICE, {ERK}, 0, 0, offsetof(arkode, method), 0, "erk|dirk"},
-    {"order", "", "order of the pair's better half", HK_INTEGER, {5}, 2, 5, offsetof(arkode, order), 0, NULL},
+    {"order",
+     "",
+     "order of the pair's better half: 2 to 5, of erk also 6 and 8",
+     HK_INTEGER,
+     {5},
+     2,
+     8,
+     offsetof(arkode, order),
+     0,
+     NULL},
     {"solver",
      "",
      "of dirk: Newton with the scene's solver, or with GMRES",
@@ -72,9 +81,11 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* Tables by order, from 2 on; SUNDIALS' own defaults differ between its versions. */
+/* Tables by order, from 2 on; SUNDIALS' own defaults differ between its versions. There is none of order 7. */
 static const ARKODE_ERKTableID explicit_table[] = {ARKODE_HEUN_EULER_2_1_2, ARKODE_BOGACKI_SHAMPINE_4_2_3,
-                                                   ARKODE_ZONNEVELD_5_3_4, ARKODE_DORMAND_PRINCE_7_4_5};
+                                                   ARKODE_ZONNEVELD_5_3_4,  ARKODE_DORMAND_PRINCE_7_4_5,
+                                                   ARKODE_VERNER_8_5_6,     ARKODE_ERK_NONE,
+                                                   ARKODE_FEHLBERG_13_7_8};
 static const ARKODE_DIRKTableID implicit_table[] = {ARKODE_SDIRK_2_1_2, ARKODE_ESDIRK324L2SA_4_2_3,
                                                     ARKODE_ESDIRK436L2SA_6_3_4, ARKODE_ESDIRK547L2SA2_7_4_5};
 
@@ -156,7 +167,13 @@ static hk_status set_up(arkode *m, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? attach_solver(m) : status;
 }
 
-static hk_status create(void *self, const hk_host *host, const hk_view *view) { return set_up(self, host, view); }
+static hk_status create(void *self, const hk_host *host, const hk_view *view) {
+  arkode *m = self;
+  if (m->order == 7 || (m->method == DIRK && m->order > 5))
+    return host->fail(host, HK_BAD_PARAM, "order: erk has orders 2 to 6 and 8, dirk 2 to 5; %d is none of %s",
+                      (int)m->order, m->method == ERK ? "erk" : "dirk");
+  return set_up(m, host, view);
+}
 
 static hk_status topology(void *self, const hk_view *view) { return set_up(self, view->host, view); }
 
@@ -257,9 +274,10 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_INTEGRATOR,
     .name = "arkode",
-    .summary = "SUNDIALS' ARKODE: explicit (erk) or diagonally implicit (dirk) Runge-Kutta pairs of orders 2 to 5; "
+    .summary = "SUNDIALS' ARKODE: explicit (erk) or diagonally implicit (dirk) Runge-Kutta pairs of orders 2 to 8; "
                "chooses its steps by the tolerance, or takes the given dt",
-    .reference = "Reynolds and others 2023, ACM TOMS 49, ARKODE; Dormand and Prince 1980; Kennedy and Carpenter 2019",
+    .reference = "Reynolds and others 2023, ACM TOMS 49, ARKODE; Dormand and Prince 1980; Verner 1978; Fehlberg 1968; "
+                 "Kennedy and Carpenter 2019",
     .instance_size = sizeof(arkode),
     .params = params,
     .fields = fields,

@@ -2,7 +2,7 @@
  * and channels. Each frame is on file before the next step. */
 #include "plugins/common/sequence/csv.h"
 #include "plugins/common/sequence/formats.h"
-#include "plugins/common/shot/shooting.h"
+#include "plugins/common/frame_data/gatherer.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -16,7 +16,7 @@ typedef struct csv {
   hk_tuples only;
 
   const hk_host *host;
-  hk_shooting shooting;
+  hk_gatherer gatherer;
   FILE *file;
   char path[PATH_MAX];
 } csv;
@@ -25,7 +25,7 @@ typedef struct csv {
 static const hk_param params[] = {
     {"file", "", "name of the table, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(csv, name), 0, "particles.csv"},
-    HK_SHOOTING_ROWS(csv),
+    HK_GATHERER_ROWS(csv),
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
      HK_BOOLEAN, {0}, 0, 0, offsetof(csv, forces), 0, NULL},
     {0},
@@ -35,7 +35,7 @@ static const hk_param params[] = {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   csv *p = self;
   p->host = host;
-  return hk_shooting_choose(&p->shooting, host, view->model, p->group);
+  return hk_gatherer_choose(&p->gatherer, host, view->model, p->group);
 }
 
 static hk_status io_error(const csv *p, const char *why) {
@@ -50,20 +50,20 @@ static hk_status flush(csv *p) {
 static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   csv *p = self;
   hk_status status = p->host->path(p->host, p->name, p->path, sizeof p->path);
-  if (status == HK_OK) status = hk_shooting_open(&p->shooting, view, now, &p->only, p->forces);
+  if (status == HK_OK) status = hk_gatherer_open(&p->gatherer, view, now, &p->only, p->forces);
   if (status != HK_OK) return status;
-  p->file = hk_shot_file(p->path, "w");
+  p->file = hk_sequence_file(p->path, "w");
   if (!p->file) return io_error(p, strerror(errno));
-  hk_shot_csv_head(p->file, &p->shooting.shot);
+  hk_csv_head(p->file, &p->gatherer.data);
   return flush(p);
 }
 
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   csv *p = self;
   if (now->index % (size_t)p->every != 0) return HK_OK;
-  hk_status status = hk_shooting_frame(&p->shooting, view, now, &p->only);
+  hk_status status = hk_gatherer_frame(&p->gatherer, view, now, &p->only);
   if (status != HK_OK) return status;
-  hk_shot_csv_rows(p->file, &p->shooting.shot);
+  hk_csv_rows(p->file, &p->gatherer.data);
   return flush(p);
 }
 
@@ -73,20 +73,20 @@ static hk_status close(void *self, hk_verdict verdict) {
   FILE *file = p->file;
   (void)verdict;
   p->file = NULL;
-  return hk_shot_file_close(file, why, sizeof why) ? HK_OK : io_error(p, why);
+  return hk_sequence_file_close(file, why, sizeof why) ? HK_OK : io_error(p, why);
 }
 
 static void destroy(void *self, const hk_host *host) {
   csv *p = self;
   (void)host;
   if (p->file) fclose(p->file);
-  hk_shooting_free(&p->shooting);
+  hk_gatherer_free(&p->gatherer);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   csv *p = self;
   (void)view;
-  p->shooting.dirty = true;
+  p->gatherer.dirty = true;
   return HK_OK;
 }
 

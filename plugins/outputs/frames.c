@@ -1,6 +1,7 @@
 /* PNG pictures of the scene, and a video of them when ffmpeg is installed: what the script says, checked and handed to
  * plugins/common/film, and the times of births, which the scene does not keep. */
 #include "core/plugin.h"
+#include "plugins/common/camera/keyframes.h"
 #include "plugins/common/film/film.h"
 #include "plugins/common/film/solid_list.h"
 #include "plugins/common/obstacles/obstacles_service.h"
@@ -10,10 +11,10 @@
 typedef struct frames {
   int64_t width, height, every, sheet;
   hk_look_names names;
-  const char *unit, *folder, *video_file;
-  double camera[3], target[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
+  const char *unit, *folder, *video_file, *views;
+  double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
       background[3], plain[3];
-  hk_numbers range;
+  hk_numbers range, keyframes, cameras;
   hk_solid_numbers solids;
   hk_solid *solid;
   size_t solid_count;
@@ -53,11 +54,20 @@ static const hk_param params[] = {
      HK_BOOLEAN, {0}, 0, 0, offsetof(frames, log), 0, NULL},
     {"unit", "", "unit of a channel, for the legend",
      HK_STRING, {0}, 0, 0, offsetof(frames, unit), 0, NULL},
-    {"camera", "m", "where the camera stands; left out: where it sees the whole motion",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, camera), HK_OPTIONAL | HK_TIMED, NULL},
-    {"target", "m", "what the camera looks at; left out: the middle",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, target), HK_OPTIONAL | HK_TIMED, NULL},
-    {"follow", "", "the camera goes along with the particles, which fill two thirds of the picture",
+    {"from", "m", "camera: where it stands; left out: where it sees the whole motion",
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, from), HK_OPTIONAL | HK_TIMED, NULL},
+    {"look_at", "m", "target of the camera: what is in the middle of the picture; left out: the middle of the motion",
+     HK_VECTOR, {0}, 0, 0, offsetof(frames, look_at), HK_OPTIONAL | HK_TIMED, NULL},
+    {"keyframes", "", "the camera's way: t, x, y, z of where it stands and x, y, z of what it looks at, of each; between "
+     "them it moves smoothly",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, keyframes), HK_OPTIONAL, NULL},
+    {"views", "", "several in each picture: camera (by from, look_at), front, back, left, right, top, bottom, camera2 ...; "
+     "left out: camera",
+     HK_STRING, {0}, 0, 0, offsetof(frames, views), 0, NULL},
+    {"cameras", "m", "further ones for views, camera2, camera3 ...: x, y, z of where it stands and x, y, z of what it looks "
+     "at, of each",
+     HK_NUMBERS, {0}, 0, 0, offsetof(frames, cameras), HK_OPTIONAL, NULL},
+    {"follow", "", "cameras go along with the particles, which fill two thirds of the picture",
      HK_BOOLEAN, {0}, 0, 0, offsetof(frames, follow), 0, NULL},
     {"fov", "degrees", "angle from the bottom to the top of the picture",
      HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
@@ -76,8 +86,10 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
-    {"tube", "m", "radius of drawn springs and strands; left out: chosen",
+    {"tube", "m", "radius of drawn springs and strands; left out: of strands that of contact, else chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
+    {"tubes", "", "a channel with the radius of springs and strands at each particle, m, instead of tube",
+     HK_STRING, {0}, 0, 0, offsetof(frames, names.tubes), 0, NULL},
     {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
     {"least", "pixels", "smallest radius of a particle on the picture",
@@ -96,7 +108,7 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
-    {"obstacles", "", "draw the scene's obstacles (the corrector), where they are at each frame",
+    {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, planes of soft_walls) where they are at each frame",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, obstacles), 0, NULL},
     {"shadows", "", "things cast shadows, on the floor and on each other",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
@@ -149,17 +161,20 @@ static void plan_colours(frames *f) {
       (hk_scale){f->range.count ? f->range.value[0] : NAN, f->range.count ? f->range.value[1] : NAN, f->log};
 }
 
-/* Where it is at this time. */
-static void place_camera(frames *f) {
-  hk_look_turn(f->up == Y_UP, f->camera, f->film.framing.eye);
-  hk_look_turn(f->up == Y_UP, f->target, f->film.framing.target);
+/* Where it is at time t; the parameters `from` and `look_at` are those of this time already. */
+static void place_camera(frames *f, double t) {
+  double from[3], look_at[3];
+  memcpy(from, f->from, sizeof from), memcpy(look_at, f->look_at, sizeof look_at);
+  if (f->keyframes.count) hk_keyframes_at(&f->keyframes, t, from, look_at);
+  hk_look_turn(f->up == Y_UP, from, f->film.own.eye);
+  hk_look_turn(f->up == Y_UP, look_at, f->film.own.target);
 }
 
-static void plan_camera(frames *f) {
+static void plan_camera(frames *f, double t) {
   hk_framing *framing = &f->film.framing;
-  framing->fov = f->fov * acos(-1) / 180, framing->aspect = (double)f->width / (double)f->height;
+  framing->fov = f->fov * acos(-1) / 180;
   f->film.follow = f->follow;
-  place_camera(f);
+  place_camera(f, t);
   framing->floor = f->ground, framing->height = f->ground_height;
   framing->radius = f->radius, framing->tube = f->tube, framing->outliers = f->outliers;
 }
@@ -177,15 +192,15 @@ static void plan_light(frames *f) {
   setup->streak = f->streak;
 }
 
-static void make_plan(frames *f) {
+static void make_plan(frames *f, double t) {
   f->film.solid = f->solid, f->film.solids = f->solid_count;
-  f->film.obstacles = f->obstacles && f->all ? f->all->set : NULL;
+  f->film.obstacles = f->obstacles && f->all ? f->all->shown : NULL;
   f->film.width = (int)f->width, f->film.height = (int)f->height;
   f->film.stills = (size_t)f->sheet;
   f->film.legend = f->legend, f->film.unit = f->unit;
   memcpy(f->film.plain, f->plain, sizeof f->plain);
   plan_colours(f);
-  plan_camera(f);
+  plan_camera(f, t);
   plan_light(f);
 }
 
@@ -196,6 +211,10 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   hk_look_names names = f->names;
   bool one_size = !isnan(f->radius);
   if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
+  if (!isnan(f->tube) && names.tubes)
+    return f->host->fail(f->host, HK_BAD_PARAM, "tube: the channel '%s' has the radii; leave one of the two out",
+                         names.tubes);
+  if (!isnan(f->tube)) names.tubes = "";
   hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
   if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
     return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
@@ -208,6 +227,18 @@ static void choose_size(frames *f) {
   const hk_draft *draft = f->host->query(f->host, "draft/1");
   if (!draft || !*draft) return;
   f->width = (f->width + 3) / 4 * 2, f->height = (f->height + 3) / 4 * 2;
+}
+
+static hk_status check_camera(frames *f) {
+  hk_status status = hk_viewports_read(f->host, f->views, &f->cameras, f->up == Y_UP, f->film.framing.viewport,
+                                       &f->film.framing.viewports);
+  if (status != HK_OK || f->keyframes.count == 0) return status;
+  if (!isnan(f->from[0]) || !isnan(f->look_at[0]) || f->follow)
+    return f->host->fail(f->host, HK_BAD_PARAM, "keyframes: they say where the camera is; leave out %s",
+                         f->follow           ? "follow"
+                         : isnan(f->from[0]) ? "look_at"
+                                             : "from");
+  return hk_keyframes_check(f->host, "keyframes", &f->keyframes);
 }
 
 /* Checks the colouring at the start of the run; `open` chooses it again, when the forces' elements are known. */
@@ -226,7 +257,8 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
   f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
-  hk_status status = hk_reel_check(&f->film.reel, host, (int)f->width, (int)f->height);
+  hk_status status = check_camera(f);
+  if (status == HK_OK) status = hk_reel_check(&f->film.reel, host, (int)f->width, (int)f->height);
   if (!f->pictures && !f->video && !f->sheet)
     host->warn(host, "pictures, video and sheet are all off: nothing is written");
   if (status == HK_OK) status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
@@ -260,7 +292,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   frames *f = self;
   hk_status status = choose_look(f, view->model);
   if (status != HK_OK) return status;
-  make_plan(f);
+  make_plan(f, view->t);
   note_first(f, view);
   f->film.reel.fps = frame->fps / (double)f->every;
   f->changed = true;
@@ -271,7 +303,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   frames *f = self;
   note_births(f, view, (f->last + view->t) / 2);
   if (now->index % (size_t)f->every != 0) return HK_OK;
-  place_camera(f);
+  place_camera(f, view->t);
   hk_status status = hk_film_add(&f->film, view, f->birth, f->changed);
   if (status == HK_OK) f->changed = false;
   return status;

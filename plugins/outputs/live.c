@@ -11,19 +11,25 @@
  *     pace X                     at most X s of the run in a second of the clock; 0: as fast as it can
  *     hold ID X Y Z STRENGTH     the user's hand holds a particle and draws it there (m); release: it lets go
  * A pipe that is closed at its other end is no failure: the run goes on alone. */
+#include "plugins/common/film/obstacle_solids.h"
 #include "plugins/common/hand/hand.h"
 #include "plugins/common/live/commands.h"
 #include "plugins/common/live/messages.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
 #include <sys/stat.h>
 #include <time.h>
 
 typedef struct live {
   int64_t messages_fd, commands_fd;
+  bool forces;
 
   const hk_host *host;
   const hk_hand *hand;
   const hk_interruption *interruption;
+  const hk_obstacles *all;
+  hk_solid *solid;
+  hk_mark_lists marks;
   hk_live_messages out;
   hk_live_commands in;
   bool told;                /* the topology as it is */
@@ -37,6 +43,8 @@ static const hk_param params[] = {
      offsetof(live, messages_fd), 0, NULL},
     {"commands", "", "descriptor of the pipe from which the commands are read; 0: none are", HK_INTEGER, {0}, 0, 1 << 20,
      offsetof(live, commands_fd), 0, NULL},
+    {"forces", "", "whether frames have each force by itself, which costs an evaluation of it", HK_BOOLEAN, {0}, 0, 0,
+     offsetof(live, forces), 0, NULL},
     {0},
 };
 /* clang-format on */
@@ -53,13 +61,33 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   l->host = host;
   l->hand = host->query(host, HK_HAND_INTERFACE);
   l->interruption = host->query(host, "interruption/1");
-  return l->hand ? HK_OK : HK_FAILED;
+  l->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  return l->hand && l->all ? HK_OK : HK_FAILED;
 }
 
 /* A scene may name this output, too: it must not reach the run's own files. */
 static bool is_pipe(int64_t fd) {
   struct stat info;
   return fd == 0 || (fstat((int)fd, &info) == 0 && S_ISFIFO(info.st_mode));
+}
+
+/* All obstacles are known when outputs are opened. */
+static hk_status find_surroundings(live *l, const hk_frame *frame) {
+  size_t solids = l->all->shown->count;
+  l->solid = l->host->allocate(l->host, (solids + 1) * sizeof *l->solid);
+  if (!l->solid) return l->host->fail(l->host, HK_NO_MEMORY, "no memory for %zu obstacles", solids);
+  hk_obstacle_solids(l->all->shown, false, l->solid);
+  l->out.around = (hk_live_surroundings){solids, l->solid, &l->marks};
+  return hk_marks_open(&l->marks, l->host, frame);
+}
+
+static hk_status tell_frame(live *l, const hk_view *view, const hk_frame *frame) {
+  if (!l->told) hk_live_tell_topology(&l->out, view);
+  l->told = true;
+  hk_obstacle_solids(l->all->shown, false, l->solid);
+  hk_status status = hk_marks_take(&l->marks, view, frame);
+  if (status == HK_OK) hk_live_tell_frame(&l->out, view, frame);
+  return status;
 }
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
@@ -70,8 +98,9 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (l->messages_fd == 0) return HK_OK;
   if (!hk_live_open(&l->out, (int)l->messages_fd))
     return l->host->fail(l->host, HK_NO_MEMORY, "no memory, or no thread, for the messages");
-  hk_live_tell_run(&l->out, view, frame);
-  return HK_OK;
+  hk_status status = find_surroundings(l, frame);
+  if (status == HK_OK) hk_live_tell_run(&l->out, view, frame, l->forces);
+  return status;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
@@ -107,9 +136,8 @@ static void wait_for_user(live *l, double t) {
 
 static hk_status frame(void *self, const hk_view *view, const hk_frame *frame) {
   live *l = self;
-  if (!l->told && l->out.open) hk_live_tell_topology(&l->out, view);
-  l->told = true;
-  if (l->out.open) hk_live_tell_frame(&l->out, view, frame);
+  hk_status status = l->out.queue.open ? tell_frame(l, view, frame) : HK_OK;
+  if (status != HK_OK) return status;
   wait_for_user(l, view->t);
   l->hand->move(l->hand->self, view, 1 / frame->fps, l->in.held, l->in.place, l->in.strength);
   return HK_OK;
@@ -124,8 +152,9 @@ static hk_status close(void *self, hk_verdict verdict) {
 
 static void destroy(void *self, const hk_host *host) {
   live *l = self;
-  (void)host;
   hk_live_close(&l->out);
+  hk_marks_free(&l->marks);
+  host->release(host, l->solid);
 }
 
 static const hk_output output = {.size = sizeof(hk_output), .open = open, .frame = frame, .close = close};

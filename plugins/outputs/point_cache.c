@@ -2,7 +2,7 @@
  * file, and the positions of its vertices at all frames as a PC2 file, in 32-bit floats. */
 #include "plugins/common/sequence/formats.h"
 #include "plugins/common/sequence/pc2.h"
-#include "plugins/common/shot/shooting.h"
+#include "plugins/common/frame_data/gatherer.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@ typedef struct point_cache {
   hk_tuples only;
 
   const hk_host *host;
-  hk_shooting shooting;
+  hk_gatherer gatherer;
   hk_pc2 cache;
   bool ended; /* the particles are others than those of the mesh */
   char path[PATH_MAX];
@@ -23,7 +23,7 @@ typedef struct point_cache {
 static const hk_param params[] = {
     {"file", "", "name of the two files without their endings, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(point_cache, file), 0, "mesh"},
-    HK_SHOOTING_ROWS(point_cache),
+    HK_GATHERER_ROWS(point_cache),
     {0},
 };
 /* clang-format on */
@@ -31,7 +31,7 @@ static const hk_param params[] = {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   point_cache *p = self;
   p->host = host;
-  return hk_shooting_choose(&p->shooting, host, view->model, p->group);
+  return hk_gatherer_choose(&p->gatherer, host, view->model, p->group);
 }
 
 static hk_status io_error(const point_cache *p, const char *why) {
@@ -48,13 +48,13 @@ static hk_status find_path(point_cache *p, const char *ending) {
 static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   point_cache *p = self;
   char why[256] = "";
-  hk_status status = hk_shooting_open(&p->shooting, view, now, &p->only, false);
+  hk_status status = hk_gatherer_open(&p->gatherer, view, now, &p->only, false);
   if (status == HK_OK) status = find_path(p, "obj");
   if (status != HK_OK) return status;
-  if (!hk_shot_write(&hk_shot_obj, &p->shooting.shot, p->path, why, sizeof why)) return io_error(p, why);
+  if (!hk_sequence_write(&hk_sequence_obj, &p->gatherer.data, p->path, why, sizeof why)) return io_error(p, why);
   status = find_path(p, "pc2");
   if (status != HK_OK) return status;
-  return hk_pc2_open(&p->cache, p->path, &p->shooting.shot, why, sizeof why) ? HK_OK : io_error(p, why);
+  return hk_pc2_open(&p->cache, p->path, &p->gatherer.data, why, sizeof why) ? HK_OK : io_error(p, why);
 }
 
 /* A point cache is of a mesh that stays the same; what there is of it can be played. */
@@ -71,10 +71,10 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   point_cache *p = self;
   char why[256] = "";
   if (p->ended || now->index % (size_t)p->every != 0) return HK_OK;
-  hk_status status = hk_shooting_frame(&p->shooting, view, now, &p->only);
+  hk_status status = hk_gatherer_frame(&p->gatherer, view, now, &p->only);
   if (status != HK_OK) return status;
-  if (!hk_pc2_fits(&p->cache, &p->shooting.shot)) return end_early(p, view->t);
-  return hk_pc2_add(&p->cache, &p->shooting.shot, why, sizeof why) ? HK_OK : io_error(p, why);
+  if (!hk_pc2_fits(&p->cache, &p->gatherer.data)) return end_early(p, view->t);
+  return hk_pc2_add(&p->cache, &p->gatherer.data, why, sizeof why) ? HK_OK : io_error(p, why);
 }
 
 static hk_status close(void *self, hk_verdict verdict) {
@@ -89,13 +89,13 @@ static void destroy(void *self, const hk_host *host) {
   char why[256];
   (void)host;
   hk_pc2_close(&p->cache, why, sizeof why);
-  hk_shooting_free(&p->shooting);
+  hk_gatherer_free(&p->gatherer);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   point_cache *p = self;
   (void)view;
-  p->shooting.dirty = true;
+  p->gatherer.dirty = true;
   return HK_OK;
 }
 

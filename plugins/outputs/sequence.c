@@ -1,7 +1,7 @@
 /* The motion as files of one frame each, 000000.ply and so on, which Blender (PLY, OBJ) and ParaView (VTK) read as a
  * sequence. A file is whole before the next step. */
 #include "plugins/common/sequence/formats.h"
-#include "plugins/common/shot/shooting.h"
+#include "plugins/common/frame_data/gatherer.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -14,11 +14,12 @@ typedef struct sequence {
   hk_tuples only;
 
   const hk_host *host;
-  hk_shooting shooting;
+  hk_gatherer gatherer;
   char path[PATH_MAX];
 } sequence;
 
-static const hk_shot_format *const formats[] = {&hk_shot_ply, &hk_shot_obj, &hk_shot_vtk}; /* as in `format` */
+static const hk_sequence_format *const formats[] = {&hk_sequence_ply, &hk_sequence_obj,
+                                                    &hk_sequence_vtk}; /* as in `format` */
 
 /* clang-format off */
 static const hk_param params[] = {
@@ -26,7 +27,7 @@ static const hk_param params[] = {
      HK_CHOICE, {0}, 0, 0, offsetof(sequence, format), 0, "ply|obj|vtk"},
     {"folder", "", "folder of the files, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(sequence, folder), 0, "sequence"},
-    HK_SHOOTING_ROWS(sequence),
+    HK_GATHERER_ROWS(sequence),
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame (ply, vtk)",
      HK_BOOLEAN, {0}, 0, 0, offsetof(sequence, forces), 0, NULL},
     {0},
@@ -36,7 +37,7 @@ static const hk_param params[] = {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   sequence *p = self;
   p->host = host;
-  return hk_shooting_choose(&p->shooting, host, view->model, p->group);
+  return hk_gatherer_choose(&p->gatherer, host, view->model, p->group);
 }
 
 static hk_status io_error(const sequence *p, const char *why) {
@@ -45,20 +46,20 @@ static hk_status io_error(const sequence *p, const char *why) {
 
 static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   sequence *p = self;
-  return hk_shooting_open(&p->shooting, view, now, &p->only, p->forces);
+  return hk_gatherer_open(&p->gatherer, view, now, &p->only, p->forces);
 }
 
 static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   sequence *p = self;
-  const hk_shot_format *format = formats[p->format];
+  const hk_sequence_format *format = formats[p->format];
   char name[NAME_MAX], why[256] = "";
   if (now->index % (size_t)p->every != 0) return HK_OK;
   if (snprintf(name, sizeof name, "%s/%06zu.%s", p->folder, now->index / (size_t)p->every, format->name) >= NAME_MAX)
     return p->host->fail(p->host, HK_BAD_PARAM, "folder: the name is too long");
   hk_status status = p->host->path(p->host, name, p->path, sizeof p->path);
-  if (status == HK_OK) status = hk_shooting_frame(&p->shooting, view, now, &p->only);
+  if (status == HK_OK) status = hk_gatherer_frame(&p->gatherer, view, now, &p->only);
   if (status != HK_OK) return status;
-  return hk_shot_write(format, &p->shooting.shot, p->path, why, sizeof why) ? HK_OK : io_error(p, why);
+  return hk_sequence_write(format, &p->gatherer.data, p->path, why, sizeof why) ? HK_OK : io_error(p, why);
 }
 
 /* Every file is closed when it is written. */
@@ -70,13 +71,13 @@ static hk_status close(void *self, hk_verdict verdict) {
 static void destroy(void *self, const hk_host *host) {
   sequence *p = self;
   (void)host;
-  hk_shooting_free(&p->shooting);
+  hk_gatherer_free(&p->gatherer);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   sequence *p = self;
   (void)view;
-  p->shooting.dirty = true;
+  p->gatherer.dirty = true;
   return HK_OK;
 }
 

@@ -2,8 +2,10 @@
  * beside it trajectory.xdmf, for programs that do not know this layout. Every frame is on file before the next step,
  * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). A run that goes on
  * from a checkpoint writes a file of its own, in the folder of that part. */
+#include "plugins/common/film/obstacle_solids.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/recording/recording.h"
-#include "plugins/common/shot/shooting.h"
+#include "plugins/common/frame_data/gatherer.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -16,7 +18,8 @@ typedef struct trajectory {
   hk_tuples only;
 
   const hk_host *host;
-  hk_shooting shooting;
+  const hk_obstacles *all;
+  hk_gatherer gatherer;
   hk_recorder *recorder;
   char path[PATH_MAX], xdmf[PATH_MAX];
 } trajectory;
@@ -27,7 +30,7 @@ enum { DOUBLE, SINGLE };
 static const hk_param params[] = {
     {"file", "", "name of the file without its ending, inside the output folder",
      HK_STRING, {0}, 0, 0, offsetof(trajectory, file), 0, "trajectory"},
-    HK_SHOOTING_ROWS(trajectory),
+    HK_GATHERER_ROWS(trajectory),
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
      HK_BOOLEAN, {0}, 0, 0, offsetof(trajectory, forces), 0, NULL},
     {"precision", "", "of the numbers of particles: 64 or 32 bits",
@@ -41,7 +44,9 @@ static const hk_param params[] = {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   trajectory *t = self;
   t->host = host;
-  return hk_shooting_choose(&t->shooting, host, view->model, t->group);
+  t->all = host->query(host, HK_OBSTACLES_INTERFACE);
+  if (!t->all) return HK_FAILED;
+  return hk_gatherer_choose(&t->gatherer, host, view->model, t->group);
 }
 
 static hk_status io_error(const trajectory *t, const char *why) {
@@ -57,14 +62,26 @@ static hk_status find_paths(trajectory *t) {
   return status == HK_OK ? t->host->path(t->host, name, t->path, sizeof t->path) : status;
 }
 
+/* All obstacles are known when outputs are opened. */
+static hk_status make_solids(trajectory *t) {
+  hk_frame_data *data = &t->gatherer.data;
+  data->solids = t->all->shown->count;
+  data->solid = t->host->allocate(t->host, (data->solids + 1) * sizeof *data->solid);
+  if (!data->solid) return t->host->fail(t->host, HK_NO_MEMORY, "no memory for %zu obstacles", data->solids);
+  hk_obstacle_solids(t->all->shown, false, data->solid);
+  return HK_OK;
+}
+
 static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   trajectory *t = self;
   char why[256] = "";
   hk_recorder_setup setup = {.single = t->precision == SINGLE, .level = (int)t->level, .every = (size_t)t->every};
   hk_status status = find_paths(t);
-  if (status == HK_OK) status = hk_shooting_open(&t->shooting, view, now, &t->only, t->forces);
+  if (status == HK_OK) status = hk_gatherer_open(&t->gatherer, view, now, &t->only, t->forces);
+  if (status == HK_OK) status = make_solids(t);
+  if (status == HK_OK) status = hk_marks_open(&t->gatherer.data.marks, t->host, now);
   if (status != HK_OK) return status;
-  t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->shooting.shot, now, why, sizeof why);
+  t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->gatherer.data, now, why, sizeof why);
   return t->recorder ? HK_OK : io_error(t, why);
 }
 
@@ -72,9 +89,12 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   trajectory *t = self;
   char why[256] = "";
   if (now->index % (size_t)t->every != 0) return HK_OK;
-  hk_status status = hk_shooting_frame(&t->shooting, view, now, &t->only);
+  hk_status status = hk_gatherer_frame(&t->gatherer, view, now, &t->only);
   if (status != HK_OK) return status;
-  bool written = hk_recorder_add(t->recorder, &t->shooting.shot, t->shooting.changed, now, why, sizeof why);
+  hk_obstacle_solids(t->all->shown, false, t->gatherer.data.solid);
+  status = hk_marks_take(&t->gatherer.data.marks, view, now);
+  if (status != HK_OK) return status;
+  bool written = hk_recorder_add(t->recorder, &t->gatherer.data, t->gatherer.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);
 }
 
@@ -90,15 +110,16 @@ static hk_status close(void *self, hk_verdict verdict) {
 static void destroy(void *self, const hk_host *host) {
   trajectory *t = self;
   char why[256];
-  (void)host;
   hk_recorder_close(t->recorder, NULL, why, sizeof why);
-  hk_shooting_free(&t->shooting);
+  host->release(host, t->gatherer.data.solid);
+  hk_marks_free(&t->gatherer.data.marks);
+  hk_gatherer_free(&t->gatherer);
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   trajectory *t = self;
   (void)view;
-  t->shooting.dirty = true;
+  t->gatherer.dirty = true;
   return HK_OK;
 }
 

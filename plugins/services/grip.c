@@ -27,7 +27,7 @@ static hk_grip grip(const void *self, double t) {
 
 /* A particle that the hand did not hold before is taken where it is. */
 static void take(hand *h, const hk_view *view, uint32_t id) {
-  size_t i = hk_hand_index(view->model, id);
+  size_t i = hk_model_find(view->model, id);
   h->id = i < view->n ? id : 0;
   h->hold[0] = 0;
   if (h->id) memcpy(h->place[0], view->x + 3 * i, sizeof h->place[0]);

@@ -3,16 +3,25 @@
 #include "plugins/common/obstacles/obstacles_service.h"
 
 typedef struct obstacles {
-  hk_obstacle_set set;
+  hk_obstacle_set set, shown;
   hk_obstacles table;
   const hk_host *host;
 } obstacles;
+
+static void show(void *self, hk_obstacle *o) {
+  obstacles *s = self;
+  if (s->shown.count < HK_OBSTACLES)
+    s->shown.member[s->shown.count++] = o;
+  else
+    s->host->warn(s->host, "outputs show %d obstacles at most: one is left out", HK_OBSTACLES);
+}
 
 static hk_status enter(void *self, hk_obstacle *o) {
   obstacles *s = self;
   if (s->set.count == HK_OBSTACLES)
     return s->host->fail(s->host, HK_BAD_PARAM, "a scene has %d obstacles at most; join them in a mesh", HK_OBSTACLES);
   s->set.member[s->set.count++] = o;
+  show(s, o);
   return HK_OK;
 }
 
@@ -20,7 +29,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   obstacles *s = self;
   (void)view;
   s->host = host;
-  s->table = (hk_obstacles){self, enter, &s->set};
+  s->table = (hk_obstacles){self, enter, &s->set, show, &s->shown};
   return HK_OK;
 }
 

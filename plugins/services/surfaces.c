@@ -23,11 +23,17 @@ typedef struct surfaces {
   bool counted;
   double *const *mark; /* of `keep`; NULL: none */
   uint64_t number;
-  double seconds; /* wall time of the searches so far */
+  double seconds;        /* wall time of the searches so far */
+  double *strand_radius; /* n, m: published, for pictures; of particles of triangles 0 */
   hk_surfaces table;
   const hk_model *model;
   const hk_host *host;
 } surfaces;
+
+static const hk_field fields[] = {
+    {"strand_radius", HK_FIELD_PER_PARTICLE, 1, offsetof(surfaces, strand_radius), HK_SCRATCH | HK_PUBLISHED},
+    {0},
+};
 
 static double now(void) {
   struct timespec t;
@@ -59,6 +65,8 @@ static hk_status list(surfaces *s, const hk_view *view) {
   mark_left(s);
   hk_status status = hk_surface_lists_build(&s->lists, s->host, view, &s->request, s->left);
   s->lists.mesh.number = s->number;
+  for (size_t i = 0; i < view->n && status == HK_OK; i++)
+    s->strand_radius[i] = s->lists.in_triangle[i] || s->left[i] ? 0 : s->request.radius;
   if (status == HK_OK) status = hk_surface_search_open(&s->search, s->host, &s->lists, s->model);
   return status == HK_OK ? hk_surface_patches_open(&s->patches, s->host, &s->search) : status;
 }
@@ -285,6 +293,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .reference = "Curtis, Tamstorf, Manocha 2008, Fast collision detection for deformable models, I3D; Ericson 2005, "
                  "Real-Time Collision Detection, chapter 6",
     .instance_size = sizeof(surfaces),
+    .fields = fields,
     .create = create,
     .topology = topology,
     .service = &service,

@@ -182,16 +182,8 @@ static void destroy(void *self, const hk_host *host) {
 /* ---- deaths ---- */
 
 static bool find(const hk_model *model, uint32_t id, uint32_t *index) {
-  size_t low = 0, high = model->n;
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    if (model->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  *index = (uint32_t)low;
-  return low < model->n && model->id[low] == id;
+  *index = (uint32_t)hk_model_find(model, id);
+  return *index < model->n;
 }
 
 /* A call of `emit`. Where the emitter may be full, births and deaths are looked at in the order of their times. */

@@ -42,6 +42,6 @@ for k, ratio in ipairs { 0.2, 1, 5, 20 } do
 end
 scene:force("gravity", { g = { 0, 0, -g } })
 scene:force("drag", { rate = 4 })
-scene:output("frames", { width = 1280, height = 720, color = "group", camera = { 0.5, -2.1, -0.25 },
-  target = { 0.5, 0, -0.4 }, radius = 0.007, ground = false })
+scene:output("frames", { width = 1280, height = 720, color = "group", from = { 0.5, -2.1, -0.25 },
+  look_at = { 0.5, 0, -0.4 }, radius = 0.007, ground = false })
 return scene

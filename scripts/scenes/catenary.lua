@@ -36,6 +36,6 @@ scene:measure("sag of the chain", function(s) return middle(s, chain) end)
 scene:measure("sag of the string", function(s) return middle(s, string) end)
 scene:measure("pull of the chain", function(s) return s:force("bars", chain[0])[1] end)
 scene:measure("pull of the string", function(s) return s:force("springs", string[0])[1] end)
-scene:output("frames", { width = 960, height = 600, color = "group", radius = 0.011, camera = { 0.5, -1.45, -0.2 },
-  target = { 0.5, 0, -0.2 }, ground = false })
+scene:output("frames", { width = 960, height = 600, color = "group", radius = 0.011, from = { 0.5, -1.45, -0.2 },
+  look_at = { 0.5, 0, -0.2 }, ground = false })
 return scene

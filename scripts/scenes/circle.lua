@@ -8,7 +8,7 @@ local p = scene:particle { position = { 1, 0, 0 }, velocity = { 0, speed, 0 }, m
 scene:force("central", { center = { 0, 0, 0 }, strength = speed ^ 2, power = 1 })
 
 scene:exact(function(t) return math.cos(speed * t), math.sin(speed * t), 0 end)
-scene:output("frames", { width = 640, height = 640, camera = { 0, -1.5, 3.5 }, target = { 0, 0, 0 } })
+scene:output("frames", { width = 640, height = 640, from = { 0, -1.5, 3.5 }, look_at = { 0, 0, 0 } })
 scene:measure("radius", function(s)
   local x = s:position(p)
   return math.sqrt(x[1] ^ 2 + x[2] ^ 2)

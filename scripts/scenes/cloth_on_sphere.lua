@@ -15,6 +15,6 @@ scene:force("drag", { rate = 1 })
 drape.contact(scene, contact, { thickness = thickness, friction = friction })
 
 scene:measure("lowest", drape.lowest(cloth:ids()))
-scene:output("frames", { color = "none", thickness = thickness, camera = { 0.9, -1.9, 1.15 }, target = { 0, 0, 0.4 },
+scene:output("frames", { color = "none", thickness = thickness, from = { 0.9, -1.9, 1.15 }, look_at = { 0, 0, 0.4 },
   fov = 26, ground_height = 0 })
 return scene

@@ -50,5 +50,5 @@ end)
 scene:measure("sag", function(s) return -s:position(middle)[3] end)
 scene:measure("period", function() return period end)
 
-scene:output("frames", { width = 1280, height = 720, camera = { 1.7, -0.9, 0.7 }, target = { 0.5, 0.5, -0.05 } })
+scene:output("frames", { width = 1280, height = 720, from = { 1.7, -0.9, 0.7 }, look_at = { 0.5, 0.5, -0.05 } })
 return scene

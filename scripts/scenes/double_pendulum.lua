@@ -26,5 +26,5 @@ scene:measure("x", function(s) return s:position(lower)[1] end)
 scene:measure("z", function(s) return s:position(lower)[3] end)
 scene:measure("energy", function(s) return s:energy() end)
 scene:output("frames", { width = 800, height = 800, color = "speed", range = { 0, 8 }, radius = 0.07,
-  camera = { 0, -7, 0 }, target = { 0, 0, 0 }, ground_height = -2.4 })
+  from = { 0, -7, 0 }, look_at = { 0, 0, 0 }, ground_height = -2.4 })
 return scene

@@ -22,5 +22,5 @@ drape.contact(scene, contact, { thickness = thickness, friction = 0.3 })
 local tip = flag:at(M, 1)
 scene:measure("lowest", drape.lowest { tip })
 scene:output("frames", { color = "none", plain = { 0.78, 0.3, 0.26 }, thickness = thickness,
-  camera = { 0.9, -2.5, 1.2 }, target = { 0.3, 0, 0.95 }, fov = 28, ground_height = 0 })
+  from = { 0.9, -2.5, 1.2 }, look_at = { 0.3, 0, 0.95 }, fov = 28, ground_height = 0 })
 return scene

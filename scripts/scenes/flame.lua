@@ -30,6 +30,6 @@ scene:measure("mean K", function(s)
   return s.n > 0 and sum / s.n or air
 end)
 scene:output("frames", { width = 1280, height = 720, color = "temperature", unit = "K", range = { 500, hot },
-  map = "fire", style = "glow", size = "radius", camera = { 0, -3.4, 0.7 }, target = { 0, 0, 0.6 }, ground = false,
+  map = "fire", style = "glow", size = "radius", from = { 0, -3.4, 0.7 }, look_at = { 0, 0, 0.6 }, ground = false,
   background = { 0.02, 0.02, 0.03 } })
 return scene

@@ -40,6 +40,6 @@ scene:measure("top", function(s)
   return top
 end)
 scene:measure("drops", function(s) return s.n end)
-scene:output("frames", { width = 1280, height = 720, color = "speed", radius = 0.014, camera = { 0.4, -8.2, 3.2 },
-  target = { 0, 0, 1.25 }, ground_height = -0.01 })
+scene:output("frames", { width = 1280, height = 720, color = "speed", radius = 0.014, from = { 0.4, -8.2, 3.2 },
+  look_at = { 0, 0, 1.25 }, ground_height = -0.01 })
 return scene

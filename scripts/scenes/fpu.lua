@@ -33,5 +33,5 @@ scene:measure("I", function(s) return energy(s, 1) + energy(s, 2) + energy(s, 3)
 scene:measure("H", function(s) return s:energy() end) -- 2.00120008 for w = 50
 
 scene:output("frames", { width = 1280, height = 400, color = "speed", range = { 0, 2 }, radius = 0.45,
-  camera = { 0, -22, 6 }, target = { 0, 0, -0.3 }, fov = 17, ground_height = -1.1 })
+  from = { 0, -22, 6 }, look_at = { 0, 0, -0.3 }, fov = 17, ground_height = -1.1 })
 return scene

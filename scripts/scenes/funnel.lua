@@ -25,5 +25,5 @@ scene:measure("width of the ribbon halfway up", function(s)
   return math.sqrt((a[1] - b[1]) ^ 2 + (a[2] - b[2]) ^ 2 + (a[3] - b[3]) ^ 2)
 end)
 scene:output("frames", { color = "none", plain = { 0.8, 0.6, 0.25 }, thickness = thickness, particles = "off",
-  camera = { 0.8, -2.0, 1.0 }, target = { 0, 0, 0.08 }, fov = 36, ground_height = -0.85 })
+  from = { 0.8, -2.0, 1.0 }, look_at = { 0, 0, 0.08 }, fov = 36, ground_height = -0.85 })
 return scene

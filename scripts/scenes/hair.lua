@@ -31,6 +31,6 @@ scene:force("gravity", { g = function(t)
   local gust = rate * speed * math.max(0, math.sin(math.pi * (t - 1)))
   return gust, 0.4 * gust * math.sin(7 * t), -9.81
 end })
-scene:output("frames", { width = 1280, height = 720, color = "group", camera = { 0, -1.25, 0.1 }, target = { 0, 0, -0.1 },
+scene:output("frames", { width = 1280, height = 720, color = "group", from = { 0, -1.25, 0.1 }, look_at = { 0, 0, -0.1 },
   particles = "off", spheres = { -0.25, 0, 0, 0.09, 0.25, 0, 0, 0.09 }, ground = false })
 return scene

@@ -23,6 +23,6 @@ scene:force("drag", { rate = 4 })
 drape.contact(scene, contact, { radius = radius, thickness = radius, friction = 0.2 })
 
 scene:measure("lowest", drape.lowest(ids))
-scene:output("frames", { color = "none", plain = { 0.45, 0.28, 0.16 }, tube = radius, particles = "off",
-  camera = { 0.55, -1.05, 0.3 }, target = { 0, 0, -0.12 }, fov = 28, ground = false })
+scene:output("frames", { color = "none", plain = { 0.45, 0.28, 0.16 }, particles = "off",
+  from = { 0.55, -1.05, 0.3 }, look_at = { 0, 0, -0.12 }, fov = 28, ground = false })
 return scene

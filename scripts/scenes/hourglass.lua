@@ -48,5 +48,5 @@ local function quarters(s)
 end
 scene:measure("fallen", quarters)
 scene:measure("rate", function() return at[3] and at[3] > at[1] and n / 2 / (at[3] - at[1]) or 0 end) -- grains a second
-scene:output("frames", { color = "tint", radius = R, camera = { 0.3, -1.6, 0.5 }, target = { 0, 0, 0.33 } })
+scene:output("frames", { color = "tint", radius = R, from = { 0.3, -1.6, 0.5 }, look_at = { 0, 0, 0.33 } })
 return scene

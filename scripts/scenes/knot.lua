@@ -21,6 +21,6 @@ scene:force("drag", { rate = 3 })
 drape.contact(scene, contact, { radius = radius, friction = friction })
 
 scene:measure("strain", function(s) return s:strain("rope") end)
-scene:output("frames", { color = "none", tube = radius, particles = "off", plain = { 0.85, 0.7, 0.45 }, camera = { 0.15, -1.3, 0.75 },
-  target = { 0, 0, 0.32 }, fov = 24, ground_height = 0 })
+scene:output("frames", { color = "none", particles = "off", plain = { 0.85, 0.7, 0.45 }, from = { 0.15, -1.9, 0.55 },
+  look_at = { 0, 0, 0.12 }, fov = 24, ground_height = -0.4 })
 return scene

@@ -37,6 +37,6 @@ end
 scene:force("gravity", { g = { 0.3, 0.2, -g } }) -- hardly askew, so that no fold is exactly symmetric
 scene:force("drag", { rate = 6 })
 
-scene:output("frames", { width = 1280, height = 720, color = "group", camera = { 0.3, -1.05, 0.55 },
-  target = { 0.3, -0.17, -0.05 }, ground_height = -0.14 })
+scene:output("frames", { width = 1280, height = 720, color = "group", from = { 0.3, -1.05, 0.55 },
+  look_at = { 0.3, -0.17, -0.05 }, ground_height = -0.14 })
 return scene

@@ -32,6 +32,6 @@ scene:measure("out of plane", function(s)
   end
   return high - low
 end)
-scene:output("frames", { width = 960, height = 720, radius = 0.04, color = "none", camera = { 1.8, -4.6, 2.2 }, target = { 0, 0, 0 },
+scene:output("frames", { width = 960, height = 720, radius = 0.04, color = "none", from = { 1.8, -4.6, 2.2 }, look_at = { 0, 0, 0 },
   ground_height = -1.5 })
 return scene

@@ -43,6 +43,6 @@ scene:measure("lowest", function(s)
   for _, i in ipairs(s:ids()) do z = math.min(z, s:position(i)[3]) end
   return z
 end)
-scene:output("frames", { color = "group", tube = radius, thickness = radius, particles = "off",
-  camera = { 1.1, -1.8, 1.2 }, target = { 0, 0, 0.42 }, fov = 32, ground_height = -0.1 })
+scene:output("frames", { color = "group", thickness = radius, particles = "off",
+  from = { 1.1, -1.8, 1.2 }, look_at = { 0, 0, 0.42 }, fov = 32, ground_height = -0.1 })
 return scene

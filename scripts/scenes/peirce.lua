@@ -30,5 +30,5 @@ scene:force("hinges", { rigidity = B, damping = 0.02 * B })
 scene:force("drag", { rate = 20 })
 scene:force("gravity", { g = { 0, 0, -g } })
 
-scene:output("frames", { width = 1280, height = 720, camera = { 0.25, -0.07, 0.02 }, target = { 0.02, 0.066, -0.042 } })
+scene:output("frames", { width = 1280, height = 720, from = { 0.25, -0.07, 0.02 }, look_at = { 0.02, 0.066, -0.042 } })
 return scene

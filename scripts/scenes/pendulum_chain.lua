@@ -25,5 +25,5 @@ end)
 scene:measure("height", function(s) return s:position(ids[n])[3] end)
 scene:measure("energy", function(s) return s:energy() end)
 scene:output("frames", { width = 960, height = 720, color = "speed", range = { 0, 8 }, radius = 0.02,
-  camera = { 0, -4.6, -0.4 }, target = { 0, 0, -0.6 }, ground_height = -1.7 })
+  from = { 0, -4.6, -0.4 }, look_at = { 0, 0, -0.6 }, ground_height = -1.7 })
 return scene

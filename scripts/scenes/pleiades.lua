@@ -17,5 +17,5 @@ scene:measure("x", function(s) return s:position(ids[1])[1] end)
 scene:measure("y", function(s) return s:position(ids[1])[2] end)
 scene:measure("energy", function(s) return s:energy() end)
 scene:output("frames", { width = 800, height = 800, color = "speed", range = { 0, 6 }, radius = 0.16,
-  camera = { 0, 0, 16 }, target = { 0, 0.4, 0 }, ground = false, background = { 0.02, 0.02, 0.05 } })
+  from = { 0, 0, 16 }, look_at = { 0, 0.4, 0 }, ground = false, background = { 0.02, 0.02, 0.05 } })
 return scene

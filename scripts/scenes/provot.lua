@@ -48,6 +48,6 @@ local right = sheet("right", 1.25)
 scene:corrector("strain_limit", { edges = right:structural() .. right:shear() .. right:flexion(), limit = limit,
   sweeps = sweeps, tolerance = 5e-6, order = order, velocity = velocity })
 
-scene:output("frames", { width = 1280, height = 720, range = { -0.5, 0.5 }, ground = false, camera = { 0.7, -3.5, 0.2 },
-  target = { 1.12, -0.4, 0.13 } })
+scene:output("frames", { width = 1280, height = 720, range = { -0.5, 0.5 }, ground = false, from = { 0.7, -3.5, 0.2 },
+  look_at = { 1.12, -0.4, 0.13 } })
 return scene

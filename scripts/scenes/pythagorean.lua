@@ -15,5 +15,5 @@ scene:measure("energy", function(s) return s:energy() end) -- -769/60
 scene:measure("x", function(s) return s:position(ids[1])[1] end)
 scene:measure("y", function(s) return s:position(ids[1])[2] end)
 scene:output("frames", { width = 800, height = 800, color = "speed", range = { 0, 6 }, radius = 0.12,
-  camera = { 0, 0, 14 }, target = { 0, 0, 0 }, ground = false, background = { 0.02, 0.02, 0.05 } })
+  from = { 0, 0, 14 }, look_at = { 0, 0, 0 }, ground = false, background = { 0.02, 0.02, 0.05 } })
 return scene

@@ -34,5 +34,5 @@ drape.contact(scene, contact, { thickness = thickness, friction = friction })
 
 scene:measure("height of the upper edge", function(s) return s:position(upper[1])[3] end)
 scene:output("frames", { color = "none", plain = { 0.45, 0.6, 0.4 }, thickness = thickness, particles = "off",
-  camera = { 0.9, -1.5, 0.85 }, target = { 0, 0, 0.3 }, fov = 40, ground_height = -0.6 })
+  from = { 0.9, -1.5, 0.85 }, look_at = { 0, 0, 0.3 }, fov = 40, ground_height = -0.6 })
 return scene

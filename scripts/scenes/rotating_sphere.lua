@@ -23,6 +23,6 @@ scene:measure("turn of the corner, rad", function(s)
   local p = s:position(corner)
   return math.atan(p[2], p[1]) + 3 * math.pi / 4
 end)
-scene:output("frames", { color = "none", thickness = thickness, camera = { 0.9, -1.7, 1.1 }, target = { 0, 0, 0.15 },
+scene:output("frames", { color = "none", thickness = thickness, from = { 0.9, -1.7, 1.1 }, look_at = { 0, 0, 0.15 },
   fov = 28, ground_height = 0 })
 return scene

@@ -43,5 +43,5 @@ scene:measure("slope", function(s) -- degrees: a cone's mean height and distance
   end
   return p > 0 and math.deg(math.atan(2 * z, p)) or 0
 end)
-scene:output("frames", { color = "tint", radius = R, camera = { 0.6, -1.1, 0.55 }, target = { 0, 0, 0.19 } })
+scene:output("frames", { color = "tint", radius = R, from = { 0.6, -1.1, 0.55 }, look_at = { 0, 0, 0.19 } })
 return scene

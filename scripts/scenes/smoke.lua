@@ -28,6 +28,6 @@ scene:measure("height", function(s)
   return s.n > 0 and sum / s.n or 0
 end)
 scene:output("frames", { width = 1280, height = 720, color = "temperature", unit = "K", range = { 250, hot },
-  map = "grey", style = "soft", size = "radius", opacity = 0.12, camera = { 1.2, -9.5, 2 }, target = { 2.1, 0, 2.1 },
+  map = "grey", style = "soft", size = "radius", opacity = 0.12, from = { 1.2, -9.5, 2 }, look_at = { 2.1, 0, 2.1 },
   ground_height = 0 })
 return scene

@@ -48,5 +48,5 @@ end
 
 scene:measure("energy", function(s) return s:energy() end) -- -3.2154531832081635e-8
 scene:output("frames", { width = 1280, height = 720, color = "group", radius = 0.55, every = 4,
-  camera = { 0, -62, 108 }, target = { 2, 3, 0 }, ground = false, background = { 0.03, 0.04, 0.08 }, legend = false })
+  from = { 0, -62, 108 }, look_at = { 2, 3, 0 }, ground = false, background = { 0.03, 0.04, 0.08 }, legend = false })
 return scene

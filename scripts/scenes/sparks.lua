@@ -33,5 +33,5 @@ scene:measure("lowest", function(state)
   return low
 end)
 scene:output("frames", { width = 1280, height = 720, color = "speed", range = { 0, 8 }, map = "fire", style = "glow",
-  streak = 0.02, radius = 0.008, ground_height = 0, camera = { 0.4, -6, 2 }, target = { 0.9, 0, 0.9 } })
+  streak = 0.02, radius = 0.008, ground_height = 0, from = { 0.4, -6, 2 }, look_at = { 0.9, 0, 0.9 } })
 return scene

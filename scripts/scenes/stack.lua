@@ -24,6 +24,6 @@ scene:measure("height of the stack", function(s)
   for _, i in ipairs(ids) do sum = sum + s:position(i)[3] end
   return sum / #ids
 end)
-scene:output("frames", { color = "group", thickness = thickness, camera = { 0.75, -1.1, 0.55 }, target = { 0, 0, 0.04 },
+scene:output("frames", { color = "group", thickness = thickness, from = { 0.75, -1.1, 0.55 }, look_at = { 0, 0, 0.04 },
   fov = 26, ground_height = 0 })
 return scene

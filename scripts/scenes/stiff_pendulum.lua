@@ -18,5 +18,5 @@ scene:measure("vx", function(s) return s:velocity(weight)[1] end)
 scene:measure("vz", function(s) return s:velocity(weight)[3] end)
 scene:measure("stretch", function(s) return s:strain("springs") end)
 scene:output("frames", { width = 960, height = 720, color = "speed", range = { 0, 1.5 }, radius = 0.07,
-  camera = { 0.9, -4.6, 0.35 }, target = { 0, 0, -0.55 }, ground_height = -1.25 })
+  from = { 0.9, -4.6, 0.35 }, look_at = { 0, 0, -0.55 }, ground_height = -1.25 })
 return scene

@@ -38,5 +38,5 @@ scene:measure("pull", function(s) -- force on the hook at the origin, with half 
 end)
 scene:measure("stretch", function(s) return s:strain("string") end)
 scene:output("frames", { width = 1280, height = 720, color = "speed", radius = 0.012, particles = "on",
-  camera = { 0.1, -1.6, 0.4 }, target = { 0.5, 0, -0.08 }, ground_height = -0.42 })
+  from = { 0.1, -1.6, 0.4 }, look_at = { 0.5, 0, -0.08 }, ground_height = -0.42 })
 return scene

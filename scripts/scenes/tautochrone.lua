@@ -55,5 +55,5 @@ scene:constraint("surface", { particles = wire(circle, "circle"), label = "circl
 scene:force("gravity", { g = { 0, 0, -g }, only = beads })
 scene:force("springs", { edges = edges, k = 1 })
 scene:output("frames", { width = 1280, height = 640, color = "group", size = "mass", radius = 0.07, least = 1,
-  camera = { 0, -4.2, 1.3 }, target = { 0, 0.3, 0.55 }, ground_height = -0.05 })
+  from = { 0, -4.2, 1.3 }, look_at = { 0, 0.3, 0.55 }, ground_height = -0.05 })
 return scene

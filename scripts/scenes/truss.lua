@@ -45,5 +45,5 @@ for _, name in ipairs { "lower " .. middle, "upper " .. middle, "rising 1", "ris
   scene:measure(name, function(s) return s:constraint_forces("bars")[number[name]] end)
 end
 scene:output("frames", { width = 1280, height = 640, color = "group", size = "mass", radius = 0.11,
-  camera = { 3, -7, 0.6 }, target = { 3, 0, 0 }, ground_height = -1.3 })
+  from = { 3, -7, 0.6 }, look_at = { 3, 0, 0 }, ground_height = -1.3 })
 return scene

@@ -29,5 +29,5 @@ scene:measure("width in the middle", function(s)
   return 2 * r
 end)
 scene:output("frames", { color = "none", plain = { 0.75, 0.35, 0.3 }, thickness = thickness, particles = "off",
-  camera = { 0.35, -1.6, 0.5 }, target = { 0, 0, 0 }, fov = 26, ground_height = -0.35 })
+  from = { 0.35, -1.6, 0.5 }, look_at = { 0, 0, 0 }, fov = 26, ground_height = -0.35 })
 return scene

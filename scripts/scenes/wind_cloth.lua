@@ -29,5 +29,5 @@ scene:measure("tip y", function(s) return s:position(flag:at(M, 1))[2] end)
 scene:measure("tip z", function(s) return s:position(flag:at(M, 1))[3] end)
 scene:measure("stretch", function(s) return s:strain("structural") end)
 scene:output("frames", { width = 1280, height = 720, color = "none",
-  camera = { 1.5, -3.3, 1.05 }, target = { 0.72, 0, 0.42 }, ground_height = -0.4 })
+  from = { 1.5, -3.3, 1.05 }, look_at = { 0.72, 0, 0.42 }, ground_height = -0.4 })
 return scene

@@ -141,7 +141,9 @@ static void functions_of(uint32_t n) {
   call(&b, PATTERN);
   size_t count = b.blocks.count, *slot = memory(count, sizeof *slot);
   for (size_t k = 0; k < count; k++) slot[k] = k % SLOTS;
-  b.into = (hk_blocks){slot, memory(9 * SLOTS, sizeof(double)), memory(9 * SLOTS, sizeof(double)), HK_WANT_DEFINITE};
+  b.into = (hk_blocks){.slot = slot, .want = HK_WANT_DEFINITE};
+  b.into.K = memory(9 * SLOTS, sizeof(double));
+  b.into.D = memory(9 * SLOTS, sizeof(double));
   for (part p = UPDATE; p < PARTS; p++) seconds[p] = least(&b, p);
   size_t triangles = 2 * (size_t)n * n * LAYERS;
   for (part p = UPDATE; p < ACCEPTED; p++) iteration += seconds[p];

@@ -90,7 +90,7 @@ static void open_subject(subject *s) {
 
 static void measure(subject *s) {
   const hk_force *force = s->instance->plugin->force;
-  hk_blocks into = {s->slot, s->K, s->D, s->want};
+  hk_blocks into = {.slot = s->slot, .K = s->K, .D = s->D, .want = s->want};
   double start = now();
   for (int q = 0; q < 5; q++)
     if (force->add(s->instance->self, &s->view, s->F) != HK_OK) exit(1);

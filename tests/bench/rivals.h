@@ -19,7 +19,6 @@
 #define ERK(name) ERKStep##name
 #endif
 
-static const double end = 0.5; /* s */
 enum { TARGETS = 3 };
 
 typedef enum side { HOOKE, PLAIN_LEAPFROG, PLAIN_RK4, SUNDIALS_PLAIN, SUNDIALS_HOOKE, SIDES } side;
@@ -30,6 +29,7 @@ typedef struct outcome {
 
 typedef struct problem {
   uint32_t N;
+  double end; /* s */
   plain p;
   double *reference, uncertain; /* n x 3; m */
   double best[SIDES][TARGETS];  /* s, the cheapest run of a side that reached the target */
@@ -53,15 +53,15 @@ struct method {
 
 static void run_hooke(const method *m, const problem *q, double setting, outcome *out, double *x) {
   test_engine e;
-  open_reference(&e, q->N, true, end);
+  open_reference(&e, q->N, true, q->end);
   test_plugin(&e, HK_INTEGRATOR, m->plugin);
   if (m->atol > 0)
     e.options.tol = 1 / setting;
   else
-    e.options.dt = end / setting;
+    e.options.dt = q->end / setting;
   test_run(&e);
   double begin = own();
-  hk_status status = hk_run_advance(e.run, end, &e.error);
+  hk_status status = hk_run_advance(e.run, q->end, &e.error);
   out->seconds = own() - begin;
   out->evaluations = e.run->dynamics.count.evaluations;
   out->error = status == HK_OK ? 0 : INFINITY;
@@ -72,7 +72,7 @@ static void run_hooke(const method *m, const problem *q, double setting, outcome
 /* ---- plain C ---- */
 
 /* Velocity Verlet; what depends on the velocity sees v + h a. */
-static void plain_leapfrog(const plain *p, size_t steps, double *x, double *v, double *work) {
+static void plain_leapfrog(const plain *p, double end, size_t steps, double *x, double *v, double *work) {
   size_t size = 3 * p->n;
   double h = end / (double)steps, *a = work, *seen = work + size, *b = work + 2 * size;
   plain_accelerations(p, x, v, a);
@@ -88,7 +88,7 @@ static void plain_leapfrog(const plain *p, size_t steps, double *x, double *v, d
   }
 }
 
-static void plain_rk4(const plain *p, size_t steps, double *X, double *work) {
+static void plain_rk4(const plain *p, double end, size_t steps, double *X, double *work) {
   static const double node[4] = {0, 0.5, 0.5, 1}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
   size_t half = 3 * p->n, size = 2 * half;
   double h = end / (double)steps, *k = work, *Y = work + size, *sum = work + 2 * size;
@@ -111,9 +111,9 @@ static void run_plain(const method *m, const problem *q, double setting, outcome
   memcpy(X, q->p.start, size * sizeof *X);
   begin = own();
   if (m->side == PLAIN_LEAPFROG)
-    plain_leapfrog(&q->p, steps, X, X + size / 2, X + size);
+    plain_leapfrog(&q->p, q->end, steps, X, X + size / 2, X + size);
   else
-    plain_rk4(&q->p, steps, X, X + size);
+    plain_rk4(&q->p, q->end, steps, X, X + size);
   *out = (outcome){0, own() - begin, m->side == PLAIN_LEAPFROG ? steps + 1 : 4 * steps};
   memcpy(x, X, size / 2 * sizeof *x);
   free(X);
@@ -124,6 +124,7 @@ static void run_plain(const method *m, const problem *q, double setting, outcome
 struct program {
   const plain *p;
   hk_system *s; /* hooke's forces; NULL: plain */
+  double end;   /* s */
   size_t evaluations;
   SUNContext context;
   N_Vector X;
@@ -168,13 +169,13 @@ static bool erkstep(const method *m, double setting, program *r, double *seconds
   must(ERKStepSetTableNum(memory, (ARKODE_ERKTableID)m->table));
   must(ERK(SetUserData)(memory, r));
   must(ERK(SetMaxNumSteps)(memory, 1000000));
-  must(ERK(SetStopTime)(memory, end));
+  must(ERK(SetStopTime)(memory, r->end));
   if (m->atol > 0)
     must(ERK(SStolerances)(memory, 1 / setting, m->atol / setting));
   else
-    must(ERK(SetFixedStep)(memory, end / setting));
+    must(ERK(SetFixedStep)(memory, r->end / setting));
   double begin = own();
-  int flag = ERK(Evolve)(memory, end, r->X, &t, ARK_NORMAL);
+  int flag = ERK(Evolve)(memory, r->end, r->X, &t, ARK_NORMAL);
   *seconds = own() - begin;
   ERK(Free)(&memory);
   return flag >= 0;
@@ -193,11 +194,11 @@ static bool cvode(const method *m, double setting, program *r, double *seconds) 
   must(CVodeSetUserData(memory, r));
   must(CVodeSStolerances(memory, 1 / setting, m->atol / setting));
   must(CVodeSetMaxNumSteps(memory, 1000000));
-  must(CVodeSetStopTime(memory, end));
+  must(CVodeSetStopTime(memory, r->end));
   if (nonlinear) must(CVodeSetNonlinearSolver(memory, nonlinear));
   if (linear) must(CVodeSetLinearSolver(memory, linear, NULL));
   double begin = own();
-  int flag = CVode(memory, end, r->X, &t, CV_NORMAL);
+  int flag = CVode(memory, r->end, r->X, &t, CV_NORMAL);
   *seconds = own() - begin;
   CVodeFree(&memory);
   if (nonlinear) SUNNonlinSolFree(nonlinear);
@@ -207,11 +208,11 @@ static bool cvode(const method *m, double setting, program *r, double *seconds) 
 
 static void run_sundials(const method *m, const problem *q, double setting, outcome *out, double *x) {
   test_engine e;
-  program r = {.p = &q->p, .context = quiet_context()};
+  program r = {.p = &q->p, .end = q->end, .context = quiet_context()};
   size_t size = 6 * q->p.n;
   bool hooke = m->side == SUNDIALS_HOOKE;
   if (hooke) {
-    open_reference(&e, q->N, true, end);
+    open_reference(&e, q->N, true, q->end);
     test_run(&e);
     r.s = &e.run->dynamics.system;
   }

@@ -91,7 +91,7 @@ size_t force_matrices(const hk_instance *force, const hk_view *view, double *K, 
   double *block[2];
   for (size_t b = 0; b < count; b++) slot[b] = b;
   for (int m = 0; m < 2; m++) block[m] = calloc(9 * count + 1, sizeof *block[m]);
-  hk_blocks into = {slot, block[0], block[1], 0};
+  hk_blocks into = {.slot = slot, .K = block[0], .D = block[1]};
   assert_int_equal(force->plugin->force->jacobian(force->self, view, &into), HK_OK);
   expand(&list, block[0], 3 * view->n, K);
   expand(&list, block[1], 3 * view->n, D);

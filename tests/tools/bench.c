@@ -33,15 +33,24 @@ static void read_file(const char *name, char *into, size_t size) {
   if (file) fclose(file);
 }
 
-/* Runs `before` hooke bench SCENE ...; the scene is one of scripts/scenes unless it has a slash. */
-static void bench(const char *before, const char *scene, const char *arguments) {
-  char line[1024];
+/* The exit code of `before` hooke bench SCENE ...; the scene is one of scripts/scenes unless it has a slash. */
+static int try_bench(const char *before, const char *scene, const char *arguments, char line[1024]) {
   if (strchr(scene, '/'))
-    snprintf(line, sizeof line, "bench %s --out b --quiet --jobs 2 %s", scene, arguments);
+    snprintf(line, 1024, "bench %s --out b --quiet --jobs 2 %s", scene, arguments);
   else
-    snprintf(line, sizeof line, "bench %s/scripts/scenes/%s --out b --quiet --jobs 2 %s", HK_ROOT, scene, arguments);
+    snprintf(line, 1024, "bench %s/scripts/scenes/%s --out b --quiet --jobs 2 %s", HK_ROOT, scene, arguments);
   test_hooke(&r, before, line);
-  if (r.code != 0) fail_msg("%s: exit %d: %s%s", line, r.code, r.out, r.err);
+  return r.code;
+}
+
+static void bench(const char *before, const char *scene, const char *arguments) {
+  char line[1024], more[512];
+  int code = try_bench(before, scene, arguments, line);
+  if (code == 1 && strstr(r.err, "a larger --budget")) { /* the machine has other things to do: as it says itself */
+    snprintf(more, sizeof more, "%s --budget 200", arguments);
+    code = try_bench(before, scene, more, line);
+  }
+  if (code != 0) fail_msg("%s: exit %d: %s%s", line, code, r.out, r.err);
   read_file("b/bench.csv", csv, sizeof csv);
   read_file("b/bench.json", json, sizeof json);
 }

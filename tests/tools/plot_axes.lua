@@ -76,5 +76,20 @@ local first, second = text:match("'rises' at graph [%d.]+, first ([%d.]+).-'fall
 assert(first and first - second >= 0.04 * 1.56 - 1e-6 and text:find("unset key", 1, true), text)
 text = script { title = "fixed", y = { max = 1.2, fixed = true }, curves = curves }
 assert(text:find("fixed (2 points outside)", 1, true), text)
+text = script { title = "some have no logarithm", x = { log = true }, curves = { { points = { { 0, 1 }, { 1, 2 }, { 9, 3 } } } } }
+assert(text:find("some have no logarithm (1 point outside)", 1, true), text)
+local drawn, reason = plot.draw(folder, { x = { log = true, label = "limit" }, curves = { { points = { { 0, 1 } } } } })
+assert(not drawn and reason:find("no number of 'limit' is above 0, and its axis is logarithmic", 1, true), reason)
+
+-- ---- panels of validate: every error inside, also where they span less than a decade, and two ticks at least ----
+
+local panels = require("common.validate.panels")
+local panel = { title = "small span", label = "n", ticks = { { 0.5, "2" }, { 0.25, "4" } },
+  curves = { { name = "e", order = "1", points = { { 0.5, 0.004 }, { 0.25, 0.002 }, { 0.1, 0.003 } } } } }
+text = panels.script({ panel }, 1, 1, 1, "topic")
+assert(text:find("set ytics ('0.002' 0.002", 1, true), text)
+local from, to = text:match("set xrange %[([%d.e-]+):([%d.e-]+)%]")
+assert(tonumber(from) < 0.1 and tonumber(to) >= 0.5 * 1.25 - 1e-9, text) -- a level that is no tick is inside as well
+
 for _, ending in ipairs { ".gp", ".dat", ".png", ".svg" } do os.remove(folder .. ending) end
 print("passed")

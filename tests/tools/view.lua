@@ -19,46 +19,7 @@ end
 local folder = require("support.view.pages").write(root, build)
 local b = browser.open(960, 620)
 
-local function open(name)
-  b:go(("file://%s/%s.html"):format(folder, name))
-  b:wait("view.page && view.page.layers[0].frame")
-  b:eval("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-end
-
-local function silent(where)
-  local list = b:complaints()
-  assert(#list == 0, ("%s: the console has: %s"):format(where, table.concat(list, "\n")))
-end
-
--- Moves to frame k, and waits until it is shown.
-local function show(k)
-  b:eval(("view.page.clock.seek(%d)"):format(k))
-  b:wait(("view.page.layers[0].frame.k === %d"):format(k))
-end
-
--- Where particle i is on the page: x, y.
-local function place(i)
-  local p = b:eval(([[(() => {
-    const { stage, layers } = view.page, { frame } = layers[0], v = new THREE.Vector3(...frame.x.subarray(3 * %d, 3 * %d + 3));
-    stage.render();
-    v.applyMatrix4(layers[0].group.matrixWorld).project(stage.orbit.camera);
-    const box = stage.canvas.getBoundingClientRect();
-    return [box.left + (v.x + 1) / 2 * box.width, box.top + (1 - v.y) / 2 * box.height];
-  })()]]):format(i, i))
-  return math.floor(p[1] + 0.5), math.floor(p[2] + 0.5)
-end
-
--- Red, green, blue and opacity of the canvas there, 0 to 255.
-local function pixel(x, y)
-  return table.unpack(b:eval(([[(() => {
-    const { stage } = view.page, gl = stage.renderer.getContext(), box = stage.canvas.getBoundingClientRect();
-    stage.render();
-    const got = new Uint8Array(4);
-    gl.readPixels(Math.round(%d - box.left), Math.round(box.bottom - %d), 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, got);
-    return [...got];
-  })()]]):format(x, y)))
-end
-
+local open, silent, show, place, pixel = require("support.view.seen").of(b, folder)
 local tests = {}
 
 -- ---- a sheet that waves, z = 0.15 sin(4 x - 6 t) x: 16 x 16, 100 frames ----
@@ -109,6 +70,27 @@ function tests.a_press_in_a_plot_moves_all_cursors_and_the_picture()
   b:wait("Math.abs(view.page.clock.k - 49.5) <= 1") -- the middle of 100 frames, of which a pixel has 0.3
   local xs = b:eval("[...document.querySelectorAll('.cursor')].map((c) => Number(c.getAttribute('x1')))")
   assert(#xs == 2 and xs[1] == xs[2])
+end
+
+-- A run that has just begun has no times yet; its charts are drawn nevertheless, without a coordinate that is no number.
+function tests.a_chart_without_a_number_is_drawn()
+  assert(b:eval([[(() => {
+    const node = document.body.appendChild(document.createElement("div"));
+    const line = { name: "a", run: 0, times: [], values: [] };
+    const chart = view.plots.make(node, [{ title: "nothing", lines: [line] }], () => {});
+    const right = () => {
+      chart.draw();
+      chart.show(0.5, [0]);
+      return !!node.querySelector(".cursor")
+        && ![...node.querySelectorAll("*")].some((n) => [...n.attributes].some((a) => /NaN|Infinity|undefined/.test(a.value)));
+    };
+    const empty = right();
+    line.times.push(0.5);
+    line.values.push(null);
+    const unknown = right();
+    node.remove();
+    return empty && unknown;
+  })()]]))
 end
 
 function tests.a_press_on_a_particle_tells_what_is_known_of_it()
@@ -231,6 +213,7 @@ end
 
 local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_none",
   "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
+  "a_chart_without_a_number_is_drawn",
   "a_press_on_a_particle_tells_what_is_known_of_it", "colours_stand_for_numbers_and_have_a_legend",
   "the_camera_turns_and_comes_back", "another_size_of_the_window_is_followed",
   "the_diagram_of_bench_tells_the_dot_under_the_pointer", "two_runs_are_compared",

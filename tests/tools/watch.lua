@@ -122,6 +122,68 @@ function tests.the_run_is_the_same_as_without_a_page()
   end)
 end
 
+-- A line of JSON for every run, and nothing else.
+function tests.with_json_every_run_is_a_line()
+  with("--json --no-output n=6", function(w)
+    ended(w)
+    for run, n in ipairs { 7, 8 } do
+      w:ask { ["do"] = "start", values = { n = n } }
+      w:wait(function(s) return s.run == run + 1 and s.doing == "ended" end)
+    end
+    equal(w:interrupt(), 0, "exit code")
+    local particles = {}
+    for line in w:printed():gmatch("[^\n]+") do
+      table.insert(particles, assert(require("cjson.safe").decode(line), line).particles)
+    end
+    equal(#particles, 3, "lines")
+    for k = 1, 3 do equal(particles[k], 5 + k, "particles of run " .. k) end
+  end)
+end
+
+-- Of methods that ask for elements, and of forces whose elements are no edges, as of any: frames, strain and the bits.
+function tests.methods_with_elements_and_surfaces_are_watched()
+  for _, case in ipairs {
+    { 'scene:force("springs", { edges = sheet:edges(), k = 400 })', "xpbd" },
+    { 'scene:force("springs", { edges = sheet:edges(), k = 400 })', "local_global" },
+    { 'scene:force("membrane", { triangles = sheet:triangles(), stiffness = 50 })', "leapfrog" },
+    { 'scene:force("membrane", { triangles = sheet:triangles(), stiffness = 50 })', "xpbd" },
+  } do
+    local folder = watched.folder()
+    local file = assert(io.open(folder .. "/sheet.lua", "w"))
+    file:write(([[
+local scene = hooke.scene { duration = 0.5, integrator = "%s" }
+local sheet = scene:grid { nx = 6, ny = 6, width = 1, height = 1, mass = 0.2 }
+scene:pin { 1, 6 }
+scene:force("gravity")
+%s
+return scene
+]]):format(case[2], case[1]))
+    file:close()
+    local w = watched.start(folder, "sheet.lua --no-output --forces --state watched.csv --quiet")
+    local fine, why = xpcall(function()
+      local state = ended(w)
+      equal(state.summary.verdict, "ok", state.summary.reason)
+      local run, labels = require("cjson").decode(w:get("run/1")), {}
+      for k, f in ipairs(run.fields) do labels[k] = f.name end
+      local force = case[1]:match('force%("(%a+)"')
+      equal(table.concat(labels, ", "), ("velocity, strain, force gravity, force %s, force pull"):format(force), "fields")
+      -- behind 24 bytes of head: x and v, 36 x 3 each, the strain, and gravity, of which z is -9.81 m
+      local frame = w:get("frame/1/" .. math.tointeger(state.latest))
+      equal(#frame, 24 + 4 * 36 * (3 + 3 + 1 + 3 * 3), "bytes of a frame")
+      local most = 0
+      for i = 0, 35 do most = math.max(most, math.abs((string.unpack("<f", frame, 24 + 4 * 36 * 6 + 4 * i + 1)))) end
+      assert(most > 1e-3 and most < 1, "strain " .. most)
+      local weight = string.unpack("<f", frame, 24 + 4 * 36 * 7 + 4 * 2 + 1)
+      assert(math.abs(weight + 9.81 * 0.2 / 36) < 1e-6, "weight " .. weight)
+      equal(w:interrupt(), 0, "exit code")
+      assert(os.execute(("cd '%s' && '%s/hooke' run sheet.lua --state alone.csv --quiet --no-output && cmp watched.csv alone.csv")
+        :format(folder, build)), "the state is another one")
+    end, debug.traceback)
+    w:close()
+    if not fine then error(case[1] .. ", " .. case[2] .. ": " .. why, 0) end
+  end
+end
+
 function tests.pause_step_go_stop()
   with("--no-output --until 1000 --quiet", function(w)
     equal(w:ask { ["do"] = "pause" }, 204, "pause")
@@ -244,6 +306,8 @@ function tests.what_is_wrong_is_said_before_the_page_is_served()
   refused("chain.lua --nope", 1, "unknown option '--nope'")
   refused("chain.lua --port x", 1, "--port")
   refused("chain.lua --port 70000", 1, "--port")
+  local alone = io.popen(("cd '%s' && '%s/hooke' run chain.lua --forces 2>&1"):format(folder, build)):read("a")
+  assert(alone:find("--forces is of the page of --watch", 1, true), alone)
   os.execute(("rm -rf '%s'"):format(folder))
 end
 

@@ -24,6 +24,8 @@ scene:force("gravity", {})
 scene:force("springs", { edges = sheet:structural(), k = k, damping = 0.05, label = "structural" })
 scene:force("springs", { edges = sheet:shear(), k = k / 2, damping = 0.05, label = "shear" })
 scene:force("drag", { d = 0.002 })
+scene:force("wind", { on = "particles", d = 1e-9, velocity = { 0, 2, 0 }, label = "breeze" })
+scene:corrector("obstacle", { shape = "sphere", size = { 0.2, 0.2, 0.2 }, position = function(t) return { 3, t / 100, 0 } end })
 return scene
 ]]
 
@@ -31,7 +33,7 @@ local folder = watched.folder()
 local file = assert(io.open(folder .. "/sheet.lua", "w"))
 file:write(scene)
 file:close()
-local w = watched.start(folder, "sheet.lua --no-output")
+local w = watched.start(folder, "sheet.lua --no-output --forces")
 local b = browser.open(1200, 800)
 
 local function silent(where)
@@ -78,6 +80,19 @@ function tests.it_follows_the_run_without_a_complaint()
   silent("following")
 end
 
+function tests.it_shows_obstacles_and_the_wind()
+  local got = b:eval([[(() => { const { sources, layers } = view.page, { frame } = layers[0], [s] = sources;
+    return { kind: s.solids.map((one) => one.kind).join(), t: frame.t, y: frame.solids[1] + s.origin[1], radius: frame.solids[3],
+      marks: s.marks.map((m) => `${m.name} ${m.kind}`).join(), wind: [...frame.marks["mark 0"].vectors.subarray(0, 3)],
+      count: frame.marks["mark 0"].count, n: frame.n, drawn: layers[0].solids.parts.length }; })()]])
+  equal(got.kind, "sphere", "the obstacle")
+  equal(got.marks, "breeze wind,contact contact", "what there is to mark")
+  assert(math.abs(got.y - got.t / 100) < 1e-6 and math.abs(got.radius - 0.1) < 1e-6, "where it is, in single precision")
+  assert(got.wind[1] == 0 and got.wind[2] == 2 and got.wind[3] == 0 and got.count == got.n)
+  equal(got.drawn, 2, "the ball and its shadow")
+  silent("surroundings")
+end
+
 function tests.pause_single_frame_and_going_on()
   press("pause")
   w:wait(function(s) return s.doing == "paused" end)
@@ -100,6 +115,27 @@ function tests.an_earlier_frame_stays_while_the_run_goes_on()
   equal(shown(), 3, "the frame shown")
   b:eval("view.page.clock.seek(1e9)")
   b:wait("view.page.layers[0].frame.k > 20")
+end
+
+local function choose(name, value)
+  b:eval(([[(() => {
+    const s = [...document.querySelectorAll("#controls label")].find((n) => n.textContent.startsWith("%s")).querySelector("select");
+    s.value = "%s";
+    s.dispatchEvent(new Event("change"));
+  })()]]):format(name, value))
+end
+
+-- With --forces each force is a field: as arrows, which nothing has at first, and as colours.
+function tests.forces_are_shown_as_arrows_and_colours()
+  local drawn = "view.page.layers[0].arrows.geometry.instanceCount"
+  equal(b:eval(drawn), 0, "arrows that nobody asked for")
+  choose("Arrows", "force structural")
+  choose("Colour", "force structural")
+  b:wait(drawn .. " > 0")
+  b:wait("document.getElementById('legend').textContent.includes('force: structural, N')")
+  silent("forces")
+  choose("Arrows", "")
+  choose("Colour", "")
 end
 
 function tests.a_slider_begins_another_run_with_its_value()
@@ -165,8 +201,9 @@ function tests.ten_pages_at_once_and_their_end_do_no_harm()
   assert(w:printed():find("verdict +interrupted"), w:printed())
 end
 
-local order = { "it_follows_the_run_without_a_complaint", "pause_single_frame_and_going_on",
+local order = { "it_follows_the_run_without_a_complaint", "it_shows_obstacles_and_the_wind", "pause_single_frame_and_going_on",
   "an_earlier_frame_stays_while_the_run_goes_on", "a_slider_begins_another_run_with_its_value",
+  "forces_are_shown_as_arrows_and_colours",
   "the_hand_takes_a_particle_and_moves_it", "a_wrong_value_is_told_in_the_page_and_the_next_run_is_fine",
   "ten_pages_at_once_and_their_end_do_no_harm" }
 

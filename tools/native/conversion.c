@@ -1,10 +1,10 @@
 /* conversion: recordings (recording.c) as files of other formats, by the writers that the outputs use. */
-#include "plugins/common/recording/recorded_shot.h"
+#include "plugins/common/recording/recorded_frame.h"
 #include "plugins/common/recording/recording.h"
 #include "plugins/common/sequence/csv.h"
 #include "plugins/common/sequence/formats.h"
 #include "plugins/common/sequence/pc2.h"
-#include "plugins/common/shot/shooting.h"
+#include "plugins/common/frame_data/gatherer.h"
 
 #include <errno.h>
 #include <lauxlib.h>
@@ -13,7 +13,7 @@
 
 typedef struct conversion {
   hk_recording *recording;
-  hk_shooting shooting;
+  hk_gatherer gatherer;
   size_t from, to, every; /* frames from..to, from 0 */
   char why[512];
 } conversion;
@@ -25,7 +25,7 @@ static conversion *at(lua_State *L) { return luaL_checkudata(L, 1, type_name); }
 static int free_conversion(lua_State *L) {
   conversion *c = at(L);
   hk_recording_close(c->recording);
-  hk_shooting_free(&c->shooting);
+  hk_gatherer_free(&c->gatherer);
   *c = (conversion){0};
   return 0;
 }
@@ -41,13 +41,13 @@ static int answer(lua_State *L, conversion *c, bool fine, lua_Integer frames) {
 }
 
 static bool shoot(conversion *c, size_t k) {
-  if (hk_recording_shot(c->recording, k, &c->shooting)) return true;
+  if (hk_recording_frame_read(c->recording, k, &c->gatherer)) return true;
   snprintf(c->why, sizeof c->why, "frame %zu cannot be read: the file is damaged, or there is no memory", k + 1);
   return false;
 }
 
-/* Particles of which the shot has no other than those with these ids; the cells are void then. */
-static void keep(hk_shot *s, const uint32_t *ids, size_t count) {
+/* Particles of which the frame has no other than those with these ids; the cells are void then. */
+static void keep(hk_frame_data *s, const uint32_t *ids, size_t count) {
   size_t kept = 0;
   for (size_t i = 0; i < s->n; i++) {
     bool wanted = false;
@@ -58,7 +58,7 @@ static void keep(hk_shot *s, const uint32_t *ids, size_t count) {
     s->id[kept] = s->id[i], s->mass[kept] = s->mass[i], s->pin[kept] = s->pin[i];
     if (s->strain) s->strain[kept] = s->strain[i];
     for (size_t a = 0; a < s->arrays; a++) {
-      hk_shot_array *array = &s->array[a];
+      hk_frame_array *array = &s->array[a];
       memcpy(array->value + array->width * kept, array->value + array->width * i, array->width * sizeof(double));
     }
     kept++;
@@ -76,7 +76,7 @@ static int open_conversion(lua_State *L) {
   *c = (conversion){0};
   luaL_setmetatable(L, type_name);
   c->recording = hk_recording_open(path, c->why, sizeof c->why);
-  bool fine = c->recording && hk_recording_shot_open(c->recording, &c->shooting);
+  bool fine = c->recording && hk_recording_frame_open(c->recording, &c->gatherer);
   if (fine && (from < 1 || from > to || (size_t)from > c->recording->frames || every < 1)) {
     snprintf(c->why, sizeof c->why, "%s has the frames 1 to %zu", path, c->recording->frames);
     fine = false;
@@ -89,10 +89,10 @@ static int open_conversion(lua_State *L) {
 
 /* c:sequence(format, folder): files 000000.FORMAT and so on -> number of files; or nil, reason */
 static int sequence(lua_State *L) {
-  static const hk_shot_format *const formats[] = {&hk_shot_ply, &hk_shot_obj, &hk_shot_vtk};
+  static const hk_sequence_format *const formats[] = {&hk_sequence_ply, &hk_sequence_obj, &hk_sequence_vtk};
   static const char *const names[] = {"ply", "obj", "vtk", NULL};
   conversion *c = at(L);
-  const hk_shot_format *format = formats[luaL_checkoption(L, 2, NULL, names)];
+  const hk_sequence_format *format = formats[luaL_checkoption(L, 2, NULL, names)];
   const char *folder = luaL_checkstring(L, 3);
   lua_Integer written = 0;
   bool fine = true;
@@ -100,7 +100,7 @@ static int sequence(lua_State *L) {
     char path[4096], why[256] = "";
     snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
     fine = shoot(c, k);
-    if (fine && !hk_shot_write(format, &c->shooting.shot, path, why, sizeof why)) {
+    if (fine && !hk_sequence_write(format, &c->gatherer.data, path, why, sizeof why)) {
       snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
       fine = false;
     }
@@ -111,7 +111,7 @@ static int sequence(lua_State *L) {
 
 static bool end_file(conversion *c, FILE *file, const char *path) {
   char why[256] = "";
-  if (hk_shot_file_close(file, why, sizeof why)) return true;
+  if (hk_sequence_file_close(file, why, sizeof why)) return true;
   snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
   return false;
 }
@@ -126,15 +126,15 @@ static int table(lua_State *L) {
     lua_rawgeti(L, 3, (lua_Integer)k + 1);
     ids[k] = (uint32_t)lua_tointeger(L, -1);
   }
-  FILE *file = hk_shot_file(path, "w");
+  FILE *file = hk_sequence_file(path, "w");
   if (!file) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, strerror(errno));
   bool fine = file != NULL;
   lua_Integer written = 0;
   for (size_t k = c->from; k <= c->to && fine; k += c->every, written++) {
     fine = shoot(c, k);
-    if (fine && count) keep(&c->shooting.shot, ids, count);
-    if (fine && written == 0) hk_shot_csv_head(file, &c->shooting.shot);
-    if (fine) hk_shot_csv_rows(file, &c->shooting.shot);
+    if (fine && count) keep(&c->gatherer.data, ids, count);
+    if (fine && written == 0) hk_csv_head(file, &c->gatherer.data);
+    if (fine) hk_csv_rows(file, &c->gatherer.data);
   }
   if (file && !(fine ? end_file(c, file, path) : (fclose(file), false))) fine = false;
   return answer(L, c, fine, written);
@@ -143,15 +143,15 @@ static int table(lua_State *L) {
 static bool add_sample(conversion *c, hk_pc2 *cache, size_t k) {
   char why[256] = "";
   if (!shoot(c, k)) return false;
-  if (!hk_pc2_fits(cache, &c->shooting.shot)) {
+  if (!hk_pc2_fits(cache, &c->gatherer.data)) {
     snprintf(
         c->why, sizeof c->why,
         "particles were born or died before t = %g s: a point cache is of a mesh that stays the same; take ply, obj "
         "or vtk, or frames before (--to-frame %zu)",
-        c->shooting.shot.t, k);
+        c->gatherer.data.t, k);
     return false;
   }
-  if (hk_pc2_add(cache, &c->shooting.shot, why, sizeof why)) return true;
+  if (hk_pc2_add(cache, &c->gatherer.data, why, sizeof why)) return true;
   snprintf(c->why, sizeof c->why, "cannot write the point cache: %s", why);
   return false;
 }
@@ -164,8 +164,8 @@ static int point_cache(lua_State *L) {
   hk_pc2 cache = {0};
   lua_Integer written = 0;
   if (!shoot(c, c->from)) return answer(L, c, false, 0);
-  bool fine = hk_shot_write(&hk_shot_obj, &c->shooting.shot, mesh, why, sizeof why) &&
-              hk_pc2_open(&cache, path, &c->shooting.shot, why, sizeof why);
+  bool fine = hk_sequence_write(&hk_sequence_obj, &c->gatherer.data, mesh, why, sizeof why) &&
+              hk_pc2_open(&cache, path, &c->gatherer.data, why, sizeof why);
   if (!fine) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
   for (size_t k = c->from; k <= c->to && fine; k += c->every, written++) fine = add_sample(c, &cache, k);
   if (!hk_pc2_close(&cache, why, sizeof why) && fine) {
@@ -217,14 +217,14 @@ static int record(lua_State *L) {
   hk_recorder_setup setup = {.single = lua_toboolean(L, 4), .level = 1, .every = c->every * (size_t)r->every};
   if (!shoot(c, c->from)) return answer(L, c, false, 0);
   hk_frame frame = frame_of(r, c->from, names, values);
-  hk_recorder *recorder = hk_recorder_open(h5, xdmf, &setup, &c->shooting.shot, &frame, why, sizeof why);
+  hk_recorder *recorder = hk_recorder_open(h5, xdmf, &setup, &c->gatherer.data, &frame, why, sizeof why);
   lua_Integer written = 0;
   int64_t part = -1;
   bool fine = recorder != NULL, read = true;
   for (size_t k = c->from; k <= c->to && fine && read; k += c->every, written += fine && read) {
     read = shoot(c, k);
     frame = frame_of(r, k, names, values);
-    if (read) fine = hk_recorder_add(recorder, &c->shooting.shot, r->frame[k].part != part, &frame, why, sizeof why);
+    if (read) fine = hk_recorder_add(recorder, &c->gatherer.data, r->frame[k].part != part, &frame, why, sizeof why);
     part = r->frame[k].part;
   }
   if (recorder && !hk_recorder_close(recorder, fine && read ? r->verdict : NULL, why, sizeof why)) fine = false;

@@ -292,7 +292,7 @@ static int get_blocks(lua_State *L) {
   for (size_t b = 0; b < list.count; b++) ((size_t *)slots.at)[b] = list.count - 1 - b;
   hk_guard_allow(&slots, false);
   hk_subject_enter(s, "jacobian");
-  hk_blocks into = {slots.at, K, D, want};
+  hk_blocks into = {.slot = slots.at, .K = K, .D = D, .want = want};
   hk_status status = s->force->jacobian(s->instance->self, &s->view, &into);
   hk_subject_leave(s);
   for (size_t k = 0; k < 18 * list.count; k++) K[k] -= start;

@@ -152,6 +152,36 @@ static int topology_changed(lua_State *L) {
   return 1;
 }
 
+/* solid_places(k): 12 doubles for each of `solids`: the centre, then three axes from there to the surface. */
+static int solid_places(lua_State *L) {
+  const hk_recording *r = at(L);
+  luaL_Buffer b;
+  size_t k = frame_at(L, r, 2), bytes = r->solids.count * HK_SOLID_NUMBERS * sizeof(double);
+  double *to = (double *)(void *)luaL_buffinitsize(L, &b, bytes + 8);
+  return finish(L, &b, bytes, hk_recorded_solids_place(&r->solids, k, to), k);
+}
+
+/* marks_of(j, k) -> places, vectors: 3 doubles for each mark of list j in frame k; of how many they are a part. */
+static int marks_of(lua_State *L) {
+  const hk_recording *r = at(L);
+  lua_Integer j = luaL_checkinteger(L, 2);
+  luaL_argcheck(L, j >= 1 && (size_t)j <= r->marks.count, 2, "there is no such list");
+  size_t k = frame_at(L, r, 3);
+  const hk_recorded_marks *m = &r->marks.list[j - 1];
+  size_t count = (size_t)m->rows[k][1];
+  double *all = lua_newuserdatauv(L, (count * HK_MARK_NUMBERS + 1) * sizeof *all, 0);
+  if (!hk_recorded_marks_get(m, k, all))
+    return luaL_error(L, "frame %d cannot be read: the file is damaged", (int)k + 1);
+  for (size_t half = 0; half < HK_MARK_NUMBERS; half += 3) {
+    luaL_Buffer b;
+    double *to = (double *)(void *)luaL_buffinitsize(L, &b, 3 * count * sizeof *to + 8);
+    for (size_t i = 0; i < count; i++) memcpy(to + 3 * i, all + HK_MARK_NUMBERS * i + half, 3 * sizeof *to);
+    luaL_pushresultsize(&b, 3 * count * sizeof *to);
+  }
+  lua_pushinteger(L, m->rows[k][2]);
+  return 3;
+}
+
 static int close_recording(lua_State *L) {
   hk_recording **r = luaL_checkudata(L, 1, type_name);
   hk_recording_close(*r);
@@ -193,6 +223,36 @@ static void push_attributes(lua_State *L, const hk_recording *r) {
   lua_setfield(L, -2, "every");
 }
 
+static void push_solid(lua_State *L, const hk_solid *s) {
+  static const char *const kinds[] = {"plane", "sphere", "box", "cylinder", "capsule", "mesh"}; /* as hk_solid_kind */
+  lua_createtable(L, 0, 4);
+  set_text(L, "kind", kinds[s->kind]);
+  lua_pushboolean(L, s->hollow);
+  lua_setfield(L, -2, "hollow");
+  lua_pushlstring(L, s->vertices ? (const char *)s->vertex : "", s->vertices * 3 * sizeof *s->vertex);
+  lua_setfield(L, -2, "vertices");
+  lua_pushlstring(L, s->faces ? (const char *)s->face : "", s->faces * sizeof *s->face);
+  lua_setfield(L, -2, "faces");
+}
+
+static void push_solids(lua_State *L, const hk_recorded_solids *s) {
+  lua_createtable(L, (int)s->count, 0);
+  for (size_t k = 0; k < s->count; k++) {
+    push_solid(L, &s->solid[k]);
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
+static void push_marks(lua_State *L, const hk_recorded_mark_lists *m) {
+  lua_createtable(L, (int)m->count, 0);
+  for (size_t k = 0; k < m->count; k++) {
+    lua_createtable(L, 0, 2);
+    set_text(L, "name", m->list[k].name);
+    set_text(L, "kind", m->list[k].contact ? "contact" : "wind");
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+}
+
 static void push_fields(lua_State *L, const hk_recording *r) {
   lua_newtable(L);
   lua_pushinteger(L, (lua_Integer)r->frames);
@@ -210,6 +270,10 @@ static void push_fields(lua_State *L, const hk_recording *r) {
     lua_setfield(L, -2, r->serie[k].name);
   }
   lua_setfield(L, -2, "series");
+  push_solids(L, &r->solids);
+  lua_setfield(L, -2, "solids");
+  push_marks(L, &r->marks);
+  lua_setfield(L, -2, "marks");
   push_attributes(L, r);
   lua_setfield(L, -2, "attributes");
 }
@@ -261,6 +325,8 @@ int luaopen_recording(lua_State *L) {
                                      {"force", force},
                                      {"n", number},
                                      {"topology_changed", topology_changed},
+                                     {"solid_places", solid_places},
+                                     {"marks_of", marks_of},
                                      {"close", close_recording},
                                      {NULL, NULL}};
   static const luaL_Reg functions[] = {{"open", open_recording}, {NULL, NULL}};

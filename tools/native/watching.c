@@ -68,6 +68,16 @@ static hk_status no_force(const hk_frame *frame, size_t k, double *f) {
   return HK_OK;
 }
 
+static bool no_flow(const hk_frame *frame, size_t k, const double *x, size_t count, double *u) {
+  (void)frame, (void)k, (void)x, (void)count, (void)u;
+  return false;
+}
+
+static bool no_contact(const hk_frame *frame, const hk_contact_points *points) {
+  (void)frame, (void)points;
+  return false;
+}
+
 /* A view of n particles, at rest in a row, whose arrays are guarded. */
 static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_frame *frame) {
   static hk_guarded x, v, mass, inverse, id, group, pin, y;
@@ -100,6 +110,8 @@ static hk_view crowd(lua_State *L, hk_actor *a, size_t n, hk_model *model, hk_fr
   model->element_lists = model->join_lists = 0;
   *frame = hk_run_output_frame(a->run);
   frame->force = no_force;
+  frame->flow = no_flow;
+  frame->contact_points = no_contact;
   frame->run = model;
   hk_view view = a->view;
   view.n = view.acting = n;

@@ -8,7 +8,8 @@ view.app = (() => {
   class App {
     // sources: one or two; more: { difference: { times, rms, most, largest }, bench, title, note }
     constructor(sources, more = {}) {
-      Object.assign(this, { sources, more, paint: "", arrowsOf: "", pickedId: null, mode: "side", slow: 0, every: 1 });
+      Object.assign(this, { sources, more, paint: "", arrowsOf: "", pickedId: null, mode: "side", slow: 0, every: 1,
+        marked: { wind: true, contact: false } });
       this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.timeline && this.timeline.update());
       this.timeline = view.timeline.make($("timeline"), this.clock);
       view.timeline.keys(this.clock);
@@ -65,20 +66,27 @@ view.app = (() => {
     makeControls() {
       const { select, check, button, choice } = view.controls, fields = this.sources[0].fields, first = this.layers && this.layers[0];
       const vectors = fields.filter((f) => f.components === 3);
-      const nodes = [];
+      const nodes = [], marked = (kind) => this.sources.some((s) => s.marks.some((m) => m.kind === kind));
+      const mark = (kind, label, title) => marked(kind) ? check(label, title, this.marked[kind], (on) => {
+        this.marked[kind] = on;
+        this.refresh();
+      }) : null;
       if (this.sources.length > 1) nodes.push(choice("two runs", [["side", "side by side"], ["over", "in one picture"],
         ["difference", "difference"]], "side", (mode) => this.arrange(mode)));
       nodes.push(select("Colour", "what the colours stand for", [["", "none"], ...fields.map((f) => [f.name, f.painted || f.label])],
         "", (name) => { this.paint = name; this.refresh(); }));
       if (vectors.length) nodes.push(select("Arrows", "vectors of each particle", [["", "none"], ...vectors.map((f) => [f.name, f.label])],
         "", (name) => { this.arrowsOf = name; this.refresh(); }));
-      this.checks = { points: check("all particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
-        edges: check("all edges", "also those of surfaces", false, (on) => this.choose("edges", on)) };
+      this.checks = { points: check("particles", "also those of surfaces and edges", false, (on) => this.choose("points", on)),
+        edges: check("edges", "also those of surfaces", false, (on) => this.choose("edges", on)) };
       nodes.push(...Object.values(this.checks), check("shadows", "", true, (on) => this.choose("shadows", on)),
-        check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
+        this.sources.some((s) => s.solids.length) ? check("obstacles", "what particles bounce off", true,
+          (on) => this.choose("solids", on)) : null,
+        mark("wind", "wind", "the air's velocity at some of the particles"),
+        mark("contact", "contacts", "where surfaces, grains and obstacles touch"), check("floor", "", true, (on) => { this.stage.floorless = !on; this.stage.draw(); }),
         check("y up", "the scene's y points up", false, (on) => { this.stage.yUp = on; this.stage.place(); }),
         button("reset view", "the camera as at the start", () => this.stage.home()));
-      $("controls").append(...(first ? nodes : []));
+      $("controls").append(...(first ? nodes.filter(Boolean) : []));
     }
 
     makeReports() {
@@ -117,8 +125,10 @@ view.app = (() => {
 
     // Numbers of the particle's fields are unpacked when they are seen only.
     wanted(source) {
-      if (this.pickedId !== null) return source.fields.map((f) => f.name);
-      return [this.paint, this.arrowsOf].filter((name) => name && source.fields.some((f) => f.name === name));
+      const marks = source.marks.filter((m) => this.marked[m.kind]).map((m) => m.key);
+      const fields = source.fields.map((f) => f.name);
+      if (this.pickedId !== null) return [...marks, ...fields];
+      return [...marks, ...[this.paint, this.arrowsOf, view.points.RADIUS].filter((name) => fields.includes(name))];
     }
 
     refresh() { this.seek(this.clock.k); }
@@ -190,7 +200,9 @@ view.app = (() => {
     }
 
     synchronise() {
-      const { shown } = this.layers[0];
+      const { shown, frame } = this.layers[0];
+      this.checks.points.hidden = !frame.edges.length && !frame.triangles.length; // all are drawn
+      this.checks.edges.hidden = !frame.triangles.length;
       this.checks.points.querySelector("input").checked = shown.points;
       this.checks.edges.querySelector("input").checked = shown.edges;
     }
@@ -209,6 +221,7 @@ view.app = (() => {
       if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
       const speed = this.sources[0].fields.find((f) => f.name === "velocity");
       if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
+      for (const note of this.layers.flatMap((layer) => layer.told)) notes.push(note);
       if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${this.layers[0].balls} particles is drawn`);
       $("note").textContent = notes.join(" · ");
     }

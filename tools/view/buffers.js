@@ -24,5 +24,8 @@ view.buffers = (() => {
     return made;
   };
 
-  return { array, material, object };
+  // Of a simple shape, by the name that older and newer versions of three.js have for it.
+  const shape = (name) => THREE[`${name}BufferGeometry`] || THREE[`${name}Geometry`];
+
+  return { array, material, object, shape };
 })();

@@ -1,10 +1,12 @@
-// floor: a round plane below the motion with a fine grid, that fades into the background.
+// floor: a round plane with a fine grid, that fades into the background: below the motion, or an obstacle.
 "use strict";
 view.floor = (() => {
   const vertex = `
+    uniform float radius;
+    uniform vec2 centre;
     varying vec2 vAt;
     void main() {
-      vAt = (modelMatrix * vec4(position, 1.0)).xy;
+      vAt = position.xy * radius + centre;
       gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
     }`;
   const fragment = `
@@ -26,17 +28,23 @@ view.floor = (() => {
     constructor() {
       this.uniforms = { colour: { value: new THREE.Vector3() }, line: { value: new THREE.Vector3() }, cell: { value: 1 },
         radius: { value: 1 }, centre: { value: new THREE.Vector2() } };
-      this.mesh = new THREE.Mesh(new THREE.CircleBufferGeometry(1, 96), view.buffers.material(vertex, fragment,
+      this.mesh = new THREE.Mesh(new (view.buffers.shape("Circle"))(1, 96), view.buffers.material(vertex, fragment,
         this.uniforms, { transparent: true, depthWrite: false, side: THREE.DoubleSide, extensions: { derivatives: true } }));
       this.mesh.renderOrder = -1;
     }
 
-    place(x, y, height, radius) {
-      this.mesh.position.set(x, y, height);
+    // The grid goes through x = 0 and y = 0 in the plane, whose middle is there.
+    place(x, y, radius) {
       this.mesh.scale.set(radius, radius, 1);
       this.uniforms.centre.value.set(x, y);
       this.uniforms.radius.value = radius;
       this.uniforms.cell.value = view.numbers.step(radius, 24);
+    }
+
+    // The colours of the page.
+    paint(theme) {
+      this.uniforms.colour.value.fromArray(theme.floor);
+      this.uniforms.line.value.fromArray(theme.line);
     }
   }
 

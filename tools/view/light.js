@@ -24,5 +24,8 @@ view.light = (() => {
     uniform vec3 sunOfWorld;
     vec4 onFloor(vec4 p) { return vec4(p.xy - sunOfWorld.xy * (p.z - floor) / sunOfWorld.z, floor, 1.0); }`;
 
-  return { uniforms, glsl, cast, SUN };
+  // A shadow lies on the floor, and whatever is drawn after it is above.
+  const LAID = { depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
+
+  return { uniforms, glsl, cast, LAID, SUN };
 })();

@@ -59,10 +59,13 @@ view.plots = (() => {
       let low = Infinity, high = -Infinity, begin = Infinity, end = -Infinity;
       for (const line of this.group.lines) {
         for (const v of line.values) if (v !== null && Number.isFinite(v)) { low = Math.min(low, v); high = Math.max(high, v); }
-        begin = Math.min(begin, line.times[0]);
-        end = Math.max(end, line.times[line.times.length - 1]);
+        if (line.times.length) { // a run that has just begun may have none
+          begin = Math.min(begin, line.times[0]);
+          end = Math.max(end, line.times[line.times.length - 1]);
+        }
       }
       if (!(low <= high)) [low, high] = [0, 1];
+      if (!(begin <= end)) [begin, end] = [0, 1];
       const size = Math.max(Math.abs(low), Math.abs(high));
       if (high - low <= 1e-12 * size) { low -= size * 0.1 || 1; high += size * 0.1 || 1; } // a constant but for rounding
       const margin = 0.06 * (high - low);

@@ -1,11 +1,12 @@
-// points: particles as round balls, at least as large as `least` pixels.
+// points: particles as round balls, at least as large as `least` pixels. Grains, which have a channel `radius`, have theirs.
 "use strict";
 view.points = (() => {
   const { array, material, object } = view.buffers;
 
   const size = `
-    uniform float radius, least, scale;
-    float pixels(vec4 p) { return 2.0 * max(radius * scale / -p.z, least); }`;
+    attribute float size;
+    uniform float radius, least, scale, sized;
+    float pixels(vec4 p) { return 2.0 * max(mix(radius, size, sized) * scale / -p.z, least); }`;
   const vertex = `
     ${size}
     attribute vec3 colour;
@@ -33,29 +34,32 @@ view.points = (() => {
       gl_Position = projectionMatrix * p;
       gl_PointSize = pixels(p);
     }`;
+  // A circle on the floor is as flat as the eye is low.
   const shadowFragment = `
-    uniform vec3 shade;
+    uniform vec3 shade, up;
     void main() {
-      vec2 at = 2.0 * gl_PointCoord - 1.0;
+      vec2 at = (2.0 * gl_PointCoord - 1.0) / vec2(1.0, max(abs(up.z), 0.1));
       if (dot(at, at) > 1.0) discard;
       gl_FragColor = vec4(shade, 1.0);
     }`;
 
+  const RADIUS = "channel radius"; // the field
+
   class Points {
     constructor(uniforms, least) {
       this.geometry = new THREE.BufferGeometry();
-      this.own = Object.assign({ radius: { value: 0 }, least: { value: least } }, uniforms);
+      this.own = Object.assign({ radius: { value: 0 }, least: { value: least }, sized: { value: 0 } }, uniforms);
       this.mesh = object(THREE.Points, this.geometry, material(vertex, fragment, this.own));
       this.shadow = object(THREE.Points, this.geometry, material(shadowVertex, shadowFragment, this.own,
-        { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 }));
+        { ...view.light.LAID }));
     }
 
     // Particle list[k * every] for k below `count`, or particle k * every where list is null.
-    show(frame, list, count, colours, every = 1) {
+    show(frame, list, count, colours, { every = 1, radii } = {}) {
       this.mesh.visible = this.shadow.visible = count > 0;
       if (count === 0) return;
       const x = array(this.geometry, "position", 3, count), colour = array(this.geometry, "colour", 3, count);
-      if (!list && every === 1) {
+      if (!list && every === 1 && colours.length === frame.x.length) {
         x.set(frame.x);
         colour.set(colours);
       } else
@@ -66,9 +70,12 @@ view.points = (() => {
             colour[3 * k + c] = colours[own + c];
           }
         }
+      this.own.sized.value = radii ? 1 : 0;
+      const size = radii && array(this.geometry, "size", 1, count);
+      for (let k = 0; radii && k < count; k++) size[k] = radii[list ? list[k * every] : k * every];
       this.geometry.setDrawRange(0, count);
     }
   }
 
-  return { Points };
+  return { Points, RADIUS };
 })();

@@ -56,7 +56,7 @@ view.segments = (() => {
       this.own = Object.assign({ radius: { value: 0 }, least: { value: 0.7 }, taper: { value: taper ? 1 : 0 } }, uniforms);
       this.mesh = object(THREE.Mesh, this.geometry, material(vertex, fragment, this.own, { side: THREE.DoubleSide }));
       this.shadow = object(THREE.Mesh, this.geometry, material(shadowVertex, shadowFragment, this.own,
-        { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 }));
+        { side: THREE.DoubleSide, ...view.light.LAID }));
     }
 
     count(count) {

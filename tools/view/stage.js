@@ -42,11 +42,11 @@ view.stage = (() => {
         layer.group.position.copy(layer.offset || new THREE.Vector3());
         layer.group.updateMatrixWorld(true);
         const { low, high } = layer.source.bounds;
-        box.union(new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high)).applyMatrix4(layer.group.matrixWorld));
+        const own = new THREE.Box3(new THREE.Vector3(...low), new THREE.Vector3(...high));
+        box.union(view.solids.around(own, layer.source).applyMatrix4(layer.group.matrixWorld));
       }
       const middle = box.getCenter(new THREE.Vector3()), radius = box.getSize(new THREE.Vector3()).length() / 2 || 1;
-      this.floorHeight = box.min.z - 0.012 * radius;
-      for (const layer of this.layers) layer.floor.place(middle.x, middle.y, this.floorHeight, 4.2 * radius);
+      Object.assign(this, { middle, reach: 4.2 * radius, below: box.min.z - 0.012 * radius });
       const [first] = this.views();
       this.orbit.look(middle, corners(box), first.w / first.h || 1);
     }
@@ -80,10 +80,23 @@ view.stage = (() => {
         : [{ x: 0, w, h, layers: seen }];
     }
 
+    // The floor is below the motion, or a level plane that is an obstacle.
+    layFloor() {
+      const levels = this.layers.map((layer) => layer.solids.level(layer.group.matrixWorld, this.floorless));
+      this.floorHeight = levels.find((height) => height !== undefined);
+      if (this.floorHeight === undefined) this.floorHeight = this.below;
+      for (const { floor, solids } of this.layers) {
+        floor.mesh.position.set(this.middle.x, this.middle.y, this.floorHeight);
+        floor.place(this.middle.x, this.middle.y, this.reach);
+        solids.paint(this.reach, this.theme);
+      }
+    }
+
     render() {
       this.dirty = false;
       const { renderer, orbit } = this, { camera } = orbit;
       if (!this.layers.length) return;
+      this.layFloor();
       const above = !this.floorless && camera.position.z > this.floorHeight;
       renderer.setScissorTest(false);
       renderer.clear();

@@ -8,11 +8,27 @@ view.stream = (() => {
     ["Angular momentum", "kg m²/s", "y"], ["Angular momentum", "kg m²/s", "z"], ["Largest strain", "", "strain"],
     ["Step length", "s", "step"]];
 
+  const KINDS = ["plane", "sphere", "box", "cylinder", "capsule", "mesh"]; // as hk_solid_kind
+
+  // plugins/common/live/surroundings.h
+  const solidsOf = (buffer) => {
+    const [count] = new Uint32Array(buffer, 0, 1), head = new Uint32Array(buffer, 4, 4 * count), solids = [];
+    for (let k = 0; k < count; k++) {
+      const [kind, hollow, vertices, faces] = head.subarray(4 * k, 4 * k + 4);
+      solids.push({ kind: KINDS[kind], hollow: hollow > 0, vertices, faces });
+    }
+    let at = 4 + 16 * count;
+    const list = (Kind, length) => { const a = new Kind(buffer, at, length); at += 4 * length; return a; };
+    for (const s of solids) s.vertices = list(Float32Array, 3 * s.vertices);
+    for (const s of solids) s.faces = list(Uint32Array, 3 * s.faces);
+    return solids;
+  };
+
   const empty = (list) => { list.length = 0; };
 
   class Stream {
     constructor() {
-      Object.assign(this, { number: 0, times: [], series: [], fields: [], title: "", summary: null, busy: false, next: null,
+      Object.assign(this, { number: 0, solids: [], marks: [], times: [], series: [], fields: [], title: "", summary: null, busy: false, next: null,
         bounds: { low: [0, 0, 0], high: [0, 0, 0] }, origin: [0, 0, 0], error: { positions: 0, extent: 0 }, topologies: new Map() });
     }
 
@@ -21,9 +37,11 @@ view.stream = (() => {
 
     // True: what the run has to tell is other than before, so that the page is to be built again.
     async begin(number) {
-      const run = await view.link.json(`run/${number}`), shape = JSON.stringify([run.fields, run.measures]);
+      const run = await view.link.json(`run/${number}`), solids = solidsOf(await view.link.bytes(`solids/${number}`));
+      const shape = JSON.stringify([run.fields, run.measures, run.marks, solids.length > 0]);
       const other = this.shape !== undefined && this.shape !== shape;
-      Object.assign(this, { number, run, shape, title: run.title, summary: null, origin: run.origin });
+      Object.assign(this, { number, run, shape, title: run.title, summary: null, origin: run.origin, solids });
+      this.marks = run.marks.map((m, j) => ({ ...m, key: `mark ${j}`, largest: 0 }));
       if (!this.fields.length) this.fields = run.fields.map((f) => ({ ...f, least: 0, most: 0 }));
       if (!this.series.length) this.series = this.charts(run.measures);
       this.topologies.clear();
@@ -50,6 +68,8 @@ view.stream = (() => {
         }
       }
     }
+
+    solidsAt() { return this.places || new Float32Array(0); }
 
     // The frame nearest to k of those that the server keeps.
     kept(k) {
@@ -83,7 +103,7 @@ view.stream = (() => {
         for (let i = 0; i < numbers.length; i += f.components) {
           let square = 0;
           for (let c = 0; c < f.components; c++) square += numbers[i + c] ** 2;
-          if (square > f.most ** 2) f.most = Math.sqrt(square);
+          if (square > f.most ** 2) f.most = f.largest = Math.sqrt(square);
         }
         return;
       }
@@ -95,14 +115,25 @@ view.stream = (() => {
       const [index, topology, n] = new Uint32Array(buffer, 0, 4), t = new DataView(buffer).getFloat64(16, true);
       let at = 24;
       const list = (length) => { const a = new Float32Array(buffer, at, length); at += 4 * length; return a; };
-      const frame = { k: index, t, n, x: list(3 * n), values: {}, ...await this.topology(topology) };
+      const frame = { k: index, t, n, x: list(3 * n), values: {}, marks: {}, ...await this.topology(topology) };
       for (const f of this.fields) {
         const numbers = list(f.components * n);
         if (!wanted.includes(f.name)) continue;
         this.measureField(f, numbers);
         frame.values[f.name] = numbers;
       }
+      this.surround(frame, wanted, list, () => { const [v] = new Uint32Array(buffer, at, 1); at += 4; return v; });
       return frame;
+    }
+
+    // What comes behind the fields: list(n) and count() take the next numbers.
+    surround(frame, wanted, list, count) {
+      frame.solids = this.places = list(12 * this.solids.length);
+      for (const m of this.marks) {
+        const [n, total] = [count(), count()], places = list(3 * n), vectors = list(3 * n);
+        for (let i = 0; i < n; i++) m.largest = Math.max(m.largest, Math.hypot(vectors[3 * i], vectors[3 * i + 1], vectors[3 * i + 2]));
+        if (wanted.includes(m.key)) frame.marks[m.key] = { places, vectors, count: n, total };
+      }
     }
 
     // One frame at a time is on its way; of those asked for meanwhile the last is next.

@@ -51,7 +51,7 @@ view.surface = (() => {
       this.own = Object.assign({ backs: { value: 1 }, opacity: { value: 1 } }, uniforms);
       this.mesh = object(THREE.Mesh, this.geometry, material(vertex, fragment, this.own, { side: THREE.DoubleSide }));
       this.shadow = object(THREE.Mesh, this.geometry, material(shadowVertex, shadowFragment, uniforms,
-        { side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 }));
+        { side: THREE.DoubleSide, ...view.light.LAID }));
     }
 
     // colours: red, green, blue of each particle; plain: they are no numbers, and the backs may have a colour of their own

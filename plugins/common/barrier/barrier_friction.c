@@ -90,17 +90,10 @@ hk_status hk_friction_take(hk_barrier_friction *f, hk_barrier_contacts *c, const
   return c->host->resize(c->host, &f->touches, count);
 }
 
-/* The index of a particle; UINT32_MAX: it is dead. Ids rise. */
+/* The index of a particle; UINT32_MAX: it is dead. */
 static uint32_t index_of(const hk_model *model, uint32_t id) {
-  size_t low = 0, high = model->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (model->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < model->n && model->id[low] == id ? (uint32_t)low : UINT32_MAX;
+  size_t i = hk_model_find(model, id);
+  return i < model->n ? (uint32_t)i : UINT32_MAX;
 }
 
 hk_status hk_friction_renumber(hk_barrier_friction *f, const hk_view *view) {

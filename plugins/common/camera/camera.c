@@ -70,8 +70,9 @@ void hk_camera_aim(hk_camera *camera, const double low[3], const double high[3])
   }
 }
 
-void hk_fit_begin(hk_fit *fit, const hk_camera *camera, double share) {
-  double slope[2] = {share * camera->aspect * tan(camera->fov / 2), share * tan(camera->fov / 2)};
+void hk_fit_begin(hk_fit *fit, const hk_camera *camera, double wide) {
+  static const double high = 2. / 3;
+  double slope[2] = {wide * camera->aspect * tan(camera->fov / 2), high * tan(camera->fov / 2)};
   hk_camera_axes(camera, fit->axis[0], fit->axis[1], fit->axis[2]);
   for (int k = 0; k < 4; k++) {
     double angle = atan(slope[k / 2]), turn = k % 2 ? -1 : 1;

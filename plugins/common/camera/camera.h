@@ -11,6 +11,10 @@ typedef struct hk_camera {
   double near, far; /* distances between which objects are visible */
 } hk_camera;
 
+typedef struct hk_camera_place { /* where it stands and what it looks at */
+  double eye[3], target[3];
+} hk_camera_place;
+
 /* Matrices in column-major order, as in OpenGL. */
 typedef struct hk_lens {
   float view[16], projection[16], both[16]; /* both = projection view */
@@ -34,8 +38,8 @@ typedef struct hk_fit {
   double front, rear; /* extent along the line of sight */
 } hk_fit;
 
-/* The points will fill `share` (0..1) of the picture's width or height. */
-void hk_fit_begin(hk_fit *, const hk_camera *, double share);
+/* The points will fill two thirds of the picture's height or, where they are wide, `wide` (0..1) of its width. */
+void hk_fit_begin(hk_fit *, const hk_camera *, double wide);
 void hk_fit_add(hk_fit *, const float point[3], double radius);
 /* Moves eye and target; nothing happens when no point was added. */
 void hk_fit_end(const hk_fit *, hk_camera *);

@@ -95,13 +95,21 @@ static void choose_floor(const hk_framing *framing, const hk_snapshot3d *snapsho
   setup->offset[0] = origin[0], setup->offset[1] = origin[1];
 }
 
-static void set_camera(const hk_framing *framing, const double origin[3], hk_view_setup *setup) {
-  setup->camera.fov = framing->fov, setup->camera.aspect = framing->aspect;
-  hk_camera_aim(&setup->camera, setup->low, setup->high);
-  if (!isnan(framing->eye[0]))
-    for (int c = 0; c < 3; c++) setup->camera.eye[c] = framing->eye[c] - origin[c];
-  if (!isnan(framing->target[0]))
-    for (int c = 0; c < 3; c++) setup->camera.target[c] = framing->target[c] - origin[c];
+static void move_camera(hk_camera *camera, const hk_camera_place *to, const double origin[3]) {
+  for (int c = 0; c < 3; c++) {
+    if (!isnan(to->eye[c])) camera->eye[c] = to->eye[c] - origin[c];
+    if (!isnan(to->target[c])) camera->target[c] = to->target[c] - origin[c];
+  }
+}
+
+/* Where it is given, or in the direction from which it will be fitted. */
+static void aim_camera(const hk_framing *framing, hk_viewport *port, const double origin[3],
+                       const hk_view_setup *setup) {
+  hk_camera *camera = &port->camera;
+  *camera = (hk_camera){.fov = framing->fov, .aspect = framing->aspect};
+  hk_camera_aim(camera, setup->low, setup->high);
+  for (int c = 0; c < 3 && !port->own; c++) camera->eye[c] = camera->target[c] + port->direction[c];
+  move_camera(camera, &port->given, origin);
 }
 
 static double distance_between(const double a[3], const double b[3]) {
@@ -115,10 +123,11 @@ static void set_fog(hk_view_setup *setup, double distance) {
   setup->sprites.clear = fmax(distance - setup->size, 0), setup->sprites.thick = distance + setup->size;
 }
 
-/* Sets near and far: the depth buffer's 24 bits suffice for a ratio of some thousands. */
+/* Sets near and far: the depth buffer's 24 bits suffice for a ratio of some thousands. What is near need not belong to
+ * the motion: obstacles may be anywhere. */
 static void set_depths(hk_view_setup *setup) {
   double distance = distance_between(setup->camera.eye, setup->middle);
-  setup->camera.near = fmax(distance - 2 * setup->size, 0.01 * (distance + setup->size));
+  setup->camera.near = 0.01 * (distance + setup->size);
   setup->camera.far = distance + 12 * setup->size;
   set_fog(setup, distance);
 }
@@ -144,10 +153,12 @@ static void fit_particles(hk_fit *fit, const hk_snapshot3d *s, double radius, do
     if (!isnan(s->x[i][0])) hk_fit_add(fit, s->x[i], fmax(own ? (double)own[i] : radius, margin));
 }
 
+static bool is_fitted(const hk_viewport *port) { return isnan(port->given.eye[0]); }
+
 typedef struct survey { /* what needs every particle of every frame */
   double limit;         /* of the frames' reach */
-  bool fitted, trimmed;
-  hk_fit fit;
+  bool fitted, trimmed; /* fitted: cameras of some viewports; trimmed: to a sample of the points */
+  hk_fit fit[HK_VIEWPORTS];
   sample numbers;
   double largest;                     /* number of hk_look.sizes */
   double solid_low[3], solid_high[3]; /* low > high when there are none */
@@ -161,7 +172,8 @@ static hk_status look_at_frames(survey *v, const hk_framing *framing, const hk_f
     if ((double)spool->entry[k].reach > v->limit) continue;
     hk_status status = hk_frame_spool_read(spool, k, snapshot);
     if (status != HK_OK) return status;
-    if (fitted) fit_particles(&v->fit, snapshot, setup->bead, 0.02 * setup->size);
+    for (size_t p = 0; fitted && p < framing->viewports; p++)
+      if (is_fitted(framing->viewport + p)) fit_particles(v->fit + p, snapshot, setup->bead, 0.02 * setup->size);
     if (sampled) take_samples(&v->numbers, snapshot);
     if (sized) v->largest = fmax(v->largest, most(snapshot->extra[HK_EXTRA_SIZE], snapshot->n));
   }
@@ -223,22 +235,36 @@ static void choose_box(survey *v, const hk_framing *framing, const hk_frame_spoo
   end_box(setup);
   choose_radii(framing, n, lines, setup);
   choose_floor(framing, snapshot, triangles == 0, setup);
-  set_camera(framing, snapshot->origin, setup);
+}
+
+/* What does not take every particle of every frame. */
+static void begin_fits(survey *v, hk_framing *framing, const hk_frame_spool *spool, const double origin[3],
+                       const hk_view_setup *setup) {
+  for (size_t p = 0; p < framing->viewports; p++) {
+    hk_viewport *port = framing->viewport + p;
+    aim_camera(framing, port, origin, setup);
+    hk_fit_begin(v->fit + p, &port->camera, 5. / 6);
+    v->fitted |= is_fitted(port);
+    fit_solids(v, v->fit + p);
+    if (v->trimmed)
+      hk_trim_fit(&spool->points, framing->outliers, fmax(setup->bead, 0.02 * setup->size), v->numbers.number,
+                  v->fit + p);
+  }
+}
+
+static void end_fits(const survey *v, hk_framing *framing) {
+  for (size_t p = 0; p < framing->viewports; p++)
+    if (is_fitted(framing->viewport + p)) hk_fit_end(v->fit + p, &framing->viewport[p].camera);
 }
 
 static hk_status choose_all(survey *v, hk_framing *framing, const hk_frame_spool *spool, hk_snapshot3d *snapshot,
                             hk_view_setup *setup) {
   choose_box(v, framing, spool, snapshot, setup);
-  hk_fit_begin(&v->fit, &setup->camera, 0.84);
-  v->fitted = isnan(framing->eye[0]);
-  fit_solids(v, &v->fit);
-  if (v->trimmed)
-    hk_trim_fit(&spool->points, framing->outliers, fmax(setup->bead, 0.02 * setup->size), v->numbers.number, &v->fit);
+  begin_fits(v, framing, spool, snapshot->origin, setup);
   hk_status status = look_at_frames(v, framing, spool, snapshot, setup);
   if (status != HK_OK) return status;
-  if (v->fitted) hk_fit_end(&v->fit, &setup->camera);
+  end_fits(v, framing);
   choose_unit(snapshot->look, v->largest, setup);
-  set_depths(setup);
   if (framing->counted && isnan(framing->scale.low) &&
       !hk_range_choose(&framing->scale, v->numbers.number, v->numbers.count, framing->centred))
     spool->host->warn(spool->host, "color: there is no %snumber for a scale of colours",
@@ -274,7 +300,8 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
   add_box(setup, snapshot->low, snapshot->high);
   add_solid_box(setup, snapshot);
   end_box(setup);
-  if (first) set_camera(framing, snapshot->origin, setup);
+  if (first) aim_camera(framing, framing->viewport, snapshot->origin, setup);
+  if (first) setup->camera = framing->viewport[0].camera;
   double distance = distance_between(setup->camera.eye, setup->camera.target);
   setup->size = fmax(distance, 1e-9) * tan(framing->fov / 2);
   for (int c = 0; c < 3; c++) {
@@ -290,12 +317,10 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
   set_fog(setup, distance);
 }
 
-void hk_framing_move(const hk_snapshot3d *snapshot, hk_view_setup *setup) {
-  hk_camera moved = setup->camera;
-  for (int c = 0; c < 3; c++) {
-    if (!isnan(snapshot->eye[c])) moved.eye[c] = snapshot->eye[c] - snapshot->origin[c];
-    if (!isnan(snapshot->target[c])) moved.target[c] = snapshot->target[c] - snapshot->origin[c];
-  }
+void hk_framing_move(const hk_camera *camera, const hk_camera_place *place, const double origin[3],
+                     hk_view_setup *setup) {
+  hk_camera moved = *camera;
+  move_camera(&moved, place, origin);
   bool same = memcmp(moved.eye, setup->camera.eye, sizeof moved.eye) == 0 &&
               memcmp(moved.target, setup->camera.target, sizeof moved.target) == 0;
   if (same) return;

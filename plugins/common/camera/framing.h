@@ -5,9 +5,11 @@
 #include "plugins/common/colour/scale.h"
 #include "plugins/common/snapshot/frame_spool.h"
 #include "plugins/common/camera/view_setup.h"
+#include "plugins/common/camera/viewport.h"
 
 typedef struct hk_framing {
-  double eye[3], target[3]; /* in the scene's coordinates, z up; NAN: chosen */
+  hk_viewport viewport[HK_VIEWPORTS]; /* their cameras are chosen */
+  size_t viewports;                   /* at least 1 */
   double fov, aspect;
   bool floor;
   double height;   /* in the scene's coordinates; NAN: chosen */
@@ -19,15 +21,17 @@ typedef struct hk_framing {
   bool counted;    /* the snapshots' ink is numbers that need a scale */
 } hk_framing;
 
-/* Chooses the settings for all snapshots of the spool, at least one; fills the framing's scale. `snapshot` is scratch
- * memory for reading. `wild` > 1: frames that reach more than this many times farther than the median frame are ignored
- * (the run has diverged). */
+/* Chooses cameras and settings for all snapshots of the spool, at least one; fills the framing's scale. `snapshot` is
+ * scratch memory for reading. `wild` > 1: frames that reach more than this many times farther than the median frame are
+ * ignored (the run has diverged). */
 hk_status hk_framing_motion(hk_framing *, hk_frame_spool *spool, hk_snapshot3d *snapshot, double wild,
                             hk_view_setup *setup);
-/* For pictures that are drawn immediately with a given camera: the first call, on a zeroed setup, chooses the settings
- * by the first snapshot; later calls follow its box. */
+/* For pictures of one view that are drawn immediately with a given camera: the first call, on a zeroed setup, chooses
+ * the settings by the first snapshot; later calls follow its box. */
 void hk_framing_snapshot(hk_framing *, const hk_snapshot3d *snapshot, hk_view_setup *setup);
-/* Moves the camera to where the snapshot has it. */
-void hk_framing_move(const hk_snapshot3d *snapshot, hk_view_setup *setup);
+/* Makes it the setup's camera, at the place, in the scene's coordinates with z up; what is NAN there stays the
+ * camera's.
+ */
+void hk_framing_move(const hk_camera *, const hk_camera_place *, const double origin[3], hk_view_setup *setup);
 
 #endif

@@ -2,20 +2,7 @@
 
 #include <string.h>
 
-/* The position of an id in the rising list of ids; n: it is not there. */
-static size_t index_of(const hk_model *m, uint32_t id) {
-  size_t low = 0, high = m->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (m->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < m->n && m->id[low] == id ? low : m->n;
-}
-
-static bool lives(const hk_model *m, uint32_t id) { return index_of(m, id) < m->n; }
+static bool lives(const hk_model *m, uint32_t id) { return hk_model_find(m, id) < m->n; }
 
 static void forget_the_dead(hk_contact_history *h, const hk_model *m, bool others_die) {
   hk_touch *touch = h->touches.item;
@@ -38,7 +25,7 @@ hk_status hk_history_adapt(hk_contact_history *h, const hk_view *view, bool othe
   return HK_OK;
 }
 
-/* Ids rise with the index, as the touches do. */
+/* The touches are in the order of the particles, which births and deaths keep. */
 void hk_history_index(hk_contact_history *h, const hk_view *view) {
   const hk_touch *touch = h->touches.item;
   size_t k = 0, count = (size_t)h->count;

@@ -11,7 +11,7 @@
 #include "core/plugin.h"
 
 typedef struct hk_touch {
-  uint32_t self, other; /* ids, or the number of a wall; rising by self, then by other */
+  uint32_t self, other; /* ids, or the number of a wall; in the order of the particles, then of the others */
   double anchor[3];     /* m */
 } hk_touch;
 
@@ -30,11 +30,18 @@ hk_status hk_history_adapt(hk_contact_history *, const hk_view *view, bool other
 /* To be called before the rows are read: a checkpoint may have been. */
 void hk_history_index(hk_contact_history *, const hk_view *view);
 
-/* The touch of `other`, for rising ones: *at, from row[i] on, moves forward. NULL: there was none. */
+/* The touch of `other`. NULL: there was none. *at, from row[i] on, is where it is looked for first: others that come in
+ * the order of the touches are found at once. */
 static inline const hk_touch *hk_history_find(const hk_contact_history *h, size_t i, size_t *at, uint32_t other) {
   const hk_touch *touch = h->touches.item;
-  while (*at < h->row[i + 1] && touch[*at].other < other) ++*at;
-  return *at < h->row[i + 1] && touch[*at].other == other ? &touch[*at] : NULL;
+  size_t begin = h->row[i], end = h->row[i + 1], k = *at;
+  for (size_t seen = begin; seen < end; seen++, k++) {
+    if (k == end) k = begin;
+    if (touch[k].other != other) continue;
+    *at = k + 1;
+    return &touch[k];
+  }
+  return NULL;
 }
 
 /* Writing: the caller sets next_row[i + 1] to the number of touches of particle i; hk_history_reserve makes rows of

@@ -41,15 +41,3 @@ void hk_corner_sums_add(const hk_corner_sums *s, const hk_host *host, size_t n, 
   task t = {s, load, F};
   host->parallel_for(host, n, GRAIN, add_chunk, &t);
 }
-
-size_t hk_particle_of(const hk_view *view, uint32_t id) {
-  size_t low = 0, high = view->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (view->model->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < view->n && view->model->id[low] == id ? low : view->n;
-}

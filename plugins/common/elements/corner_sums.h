@@ -16,7 +16,4 @@ hk_status hk_corner_sums_sort(hk_corner_sums *, const hk_host *host, size_t n, c
 /* F (n x 3) += load, N, which has a row for every corner. */
 void hk_corner_sums_add(const hk_corner_sums *, const hk_host *host, size_t n, const double (*load)[3], double *F);
 
-/* The particle of an id, which rise with the index; view->n: it is no more. */
-size_t hk_particle_of(const hk_view *view, uint32_t id);
-
 #endif

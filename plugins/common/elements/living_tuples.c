@@ -24,19 +24,6 @@ hk_status hk_living_tuples_create(hk_living_tuples *l, const hk_view *view, cons
   return HK_OK;
 }
 
-/* The particle of an id, which rise with the index; view->n: it is no more. */
-static size_t particle_of(const hk_view *view, uint32_t id) {
-  size_t low = 0, high = view->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (view->model->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < view->n && view->model->id[low] == id ? low : view->n;
-}
-
 /* Sorts the members of the acting tuples by particle. */
 static hk_status sort_corners(hk_living_tuples *l, const hk_view *view) {
   const hk_host *host = view->host;
@@ -57,7 +44,7 @@ hk_status hk_living_tuples_find(hk_living_tuples *l, const hk_view *view) {
   for (size_t k = 0; k < l->count; k++) {
     bool acts = true;
     for (unsigned m = 0; m < arity; m++) {
-      size_t i = particle_of(view, l->id[arity * k + m]);
+      size_t i = hk_model_find(view->model, l->id[arity * k + m]);
       acts = acts && i < view->n && (!view->is_active || view->is_active[i]);
       index[arity * kept + m] = (uint32_t)i;
     }

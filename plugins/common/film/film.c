@@ -12,9 +12,9 @@
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
-  return f->stills > 0 || f->follow || isnan(f->setup.sprites.opacity) || isnan(framing->eye[0]) ||
-         (framing->floor && isnan(framing->height)) || f->look.sizes == HK_SIZE_MASS ||
-         (framing->counted && isnan(framing->scale.low));
+  return f->stills > 0 || f->follow || isnan(f->setup.sprites.opacity) || framing->viewports > 1 ||
+         !framing->viewport[0].own || isnan(f->own.eye[0]) || (framing->floor && isnan(framing->height)) ||
+         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
 }
 
 static hk_status make_solids(hk_film *f) {
@@ -27,11 +27,33 @@ static hk_status make_solids(hk_film *f) {
   return HK_OK;
 }
 
-static void draw_legend(hk_painter *painter, void *film) {
+static bool has_legend(const hk_film *f) { return f->legend && f->framing.counted; }
+
+/* The name of the view, and in the first the legend. */
+static void draw_overlay(hk_painter *painter, void *film) {
   hk_film *f = film;
+  hk_legend_name(painter, f->framing.viewport[f->view].name, hk_is_dark(f->setup.background));
+  if (f->view > 0 || f->bare || !has_legend(f)) return;
   hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
   if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
   hk_legend_draw(painter, &legend);
+}
+
+/* Between views a picture is white. */
+static hk_status open_views(hk_film *f) {
+  const hk_host *host = f->host;
+  size_t bytes = (size_t)f->width * (size_t)f->height * 4;
+  bool several = f->framing.viewports > 1;
+  f->mosaic = hk_mosaic_of(f->framing.viewports, f->width, f->height);
+  f->framing.aspect = (double)f->mosaic.width / f->mosaic.height;
+  hk_status status = hk_painter_open(&f->painter, host, f->mosaic.width, f->mosaic.height);
+  if (status != HK_OK) return status;
+  f->painter.overlay = draw_overlay, f->painter.overlay_context = f;
+  f->picture = host->allocate(host, bytes);
+  if (several) f->cell = host->allocate(host, (size_t)f->mosaic.width * (size_t)f->mosaic.height * 4);
+  if (!f->picture || (several && !f->cell)) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
+  memset(f->picture, 255, bytes);
+  return HK_OK;
 }
 
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
@@ -45,11 +67,8 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   hk_colormap_fill(f->map, f->reverse, f->table);
   f->gl = hk_gl_context_create(&why);
   if (!f->gl) return host->fail(host, HK_FAILED, "%s", why);
-  status = hk_painter_open(&f->painter, host, f->width, f->height);
+  status = open_views(f);
   if (status != HK_OK) return status;
-  if (f->legend && f->framing.counted) f->painter.overlay = draw_legend, f->painter.overlay_context = f;
-  f->picture = host->allocate(host, (size_t)f->width * (size_t)f->height * 4);
-  if (!f->picture) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
   f->waiting = has_to_wait(f);
   snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->reel.folder);
@@ -90,6 +109,19 @@ static void colour_particles(hk_film *f) {
   }
 }
 
+/* Places the camera of this view for picture k. */
+static void aim(hk_film *f, size_t k) {
+  const hk_viewport *port = f->framing.viewport + f->view;
+  hk_camera_place place = {{NAN, NAN, NAN}, {NAN, NAN, NAN}};
+  if (f->way)
+    place = f->way[f->view * f->spool.count + k];
+  else if (port->own) {
+    memcpy(place.eye, f->snapshot.eye, sizeof place.eye);
+    memcpy(place.target, f->snapshot.target, sizeof place.target);
+  }
+  hk_framing_move(f->waiting ? &port->camera : &f->setup.camera, &place, f->snapshot.origin, &f->setup);
+}
+
 /* Exposes for the frame with the most particles, the one in the middle if it is one of them. */
 static hk_status expose(hk_film *f) {
   const hk_frame_spool_entry *entry = f->spool.entry;
@@ -101,18 +133,28 @@ static hk_status expose(hk_film *f) {
   if (status == HK_OK) status = make_colours(f, f->snapshot.n);
   if (status != HK_OK) return status;
   colour_particles(f);
+  aim(f, best);
   return hk_painter_expose(&f->painter, &f->setup, &f->snapshot, f->colour);
 }
 
-static hk_status draw(hk_film *f) {
+static hk_status draw_view(hk_film *f, size_t k) {
+  bool several = f->framing.viewports > 1;
+  aim(f, k);
+  if (several) f->painter.kept = false; /* the surroundings are another view's */
+  hk_status status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
+  if (status == HK_OK) status = hk_painter_read(&f->painter, &f->setup, several ? f->cell : f->picture);
+  if (several) hk_mosaic_put(&f->mosaic, f->view, f->cell, f->picture);
+  return status;
+}
+
+/* Picture k. */
+static hk_status draw(hk_film *f, size_t k) {
   hk_status status = make_colours(f, f->snapshot.n);
   if (status != HK_OK) return status;
   colour_particles(f);
-  hk_framing_move(&f->snapshot, &f->setup);
-  status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
-  if (status != HK_OK) return status;
-  status = hk_painter_read(&f->painter, &f->setup, f->picture);
-  return status == HK_OK ? hk_reel_add(&f->reel, f->picture) : status;
+  for (f->view = 0; f->view < f->framing.viewports && status == HK_OK; f->view++) status = draw_view(f, k);
+  f->view = 0;
+  return status;
 }
 
 static hk_status use_context(hk_film *f) {
@@ -125,12 +167,54 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   if (status != HK_OK) return status;
   hk_ink_take(&f->snapshot, view, birth);
   if (f->obstacles) hk_obstacle_solids(f->obstacles, f->look.y_up, f->snapshot.solid + f->solids);
-  memcpy(f->snapshot.eye, f->framing.eye, sizeof f->snapshot.eye);
-  memcpy(f->snapshot.target, f->framing.target, sizeof f->snapshot.target);
+  memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
+  memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
+  for (size_t p = 0; p < f->framing.viewports; p++)
+    if (f->framing.viewport[p].own) f->framing.viewport[p].given = f->own;
   if (f->waiting) return hk_frame_spool_add(&f->spool, &f->snapshot);
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   status = use_context(f);
-  return status == HK_OK ? draw(f) : status;
+  if (status == HK_OK) status = draw(f, 0);
+  return status == HK_OK ? hk_reel_add(&f->reel, f->picture) : status;
+}
+
+static hk_status follow(hk_film *f) {
+  size_t count = f->framing.viewports, frames = f->spool.count;
+  f->way = f->host->allocate(f->host, count * frames * sizeof *f->way);
+  if (!f->way) return f->host->fail(f->host, HK_NO_MEMORY, "no memory for the ways of %zu cameras", count);
+  hk_status status = HK_OK;
+  for (size_t p = 0; p < count && status == HK_OK; p++)
+    status =
+        hk_follow(f->framing.viewport + p, &f->spool, f->snapshot.origin, f->reel.fps, &f->setup, f->way + p * frames);
+  return status;
+}
+
+/* Stills have one legend for all, below them, in the size that it has on a picture. */
+static hk_status take_still(hk_film *f, size_t k) {
+  hk_status status = HK_OK;
+  if (!hk_sheet_wants(&f->sheet, k)) return HK_OK;
+  if (f->sheet.strip) {
+    f->bare = true, f->painter.kept = false;
+    status = draw(f, k);
+    f->bare = false, f->painter.kept = false;
+  }
+  if (status == HK_OK) hk_sheet_take(&f->sheet, f->picture);
+  return status;
+}
+
+static hk_status finish_sheet(hk_film *f) {
+  if (f->sheet.strip && f->sheet.count) {
+    hk_snapshot3d nothing = f->snapshot;
+    hk_view_setup setup = f->setup;
+    unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
+    nothing.n = nothing.triangles = nothing.cloth = nothing.lines = nothing.solids = 0;
+    setup.floor = setup.shadows = f->painter.kept = false;
+    hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);
+    if (status == HK_OK) status = hk_painter_read(&f->painter, &setup, picture);
+    if (status != HK_OK) return status;
+    hk_sheet_fill_strip(&f->sheet, picture, f->mosaic.width);
+  }
+  return hk_sheet_write(&f->sheet, "sheet.png");
 }
 
 /* A frame that reaches five times (diverged) or a thousand times as far as the median frame is drawn as well, but
@@ -139,19 +223,20 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
   hk_status status = use_context(f);
   if (status == HK_OK)
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
-  if (status == HK_OK && f->follow)
-    status = hk_follow(&f->framing, &f->spool, f->snapshot.origin, f->reel.fps, &f->setup);
+  if (status == HK_OK && f->follow) status = follow(f);
   if (status == HK_OK) status = expose(f);
-  if (status == HK_OK) status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height);
+  int strip = has_legend(f) ? hk_legend_height(&f->painter) : 0;
+  if (status == HK_OK)
+    status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height, strip);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
     if (hk_reel_stopped(&f->reel))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
-    if (status == HK_OK) status = draw(f);
-    if (status == HK_OK) hk_sheet_take(&f->sheet, k, f->picture);
+    if (status == HK_OK) status = draw(f, k);
+    if (status == HK_OK) status = hk_reel_add(&f->reel, f->picture);
+    if (status == HK_OK) status = take_still(f, k);
   }
-  if (status == HK_OK) status = hk_sheet_write(&f->sheet, "sheet.png");
-  return status;
+  return status == HK_OK ? finish_sheet(f) : status;
 }
 
 hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {
@@ -168,6 +253,7 @@ void hk_film_free(hk_film *f) {
   hk_frame_spool_close(&f->spool);
   if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);
-  if (f->host) f->host->release(f->host, f->colour), f->host->release(f->host, f->picture);
-  f->colour = NULL, f->picture = NULL, f->colours = 0;
+  void *all[] = {f->colour, f->picture, f->cell, f->way};
+  for (size_t k = 0; k < sizeof all / sizeof *all && f->host; k++) f->host->release(f->host, all[k]);
+  f->colour = NULL, f->picture = f->cell = NULL, f->way = NULL, f->colours = 0;
 }

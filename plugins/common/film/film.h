@@ -5,6 +5,7 @@
 #define HK_FILM_H
 
 #include "plugins/common/colour/colormap.h"
+#include "plugins/common/film/mosaic.h"
 #include "plugins/common/film/reel.h"
 #include "plugins/common/film/sheet.h"
 #include "plugins/common/gl/gl_context.h"
@@ -26,8 +27,9 @@ typedef struct hk_film {
   const hk_solid *solid;            /* valid until hk_film_open returns; in coordinates with z up */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
   hk_look look;
-  hk_framing framing;  /* eye and target may be others for each picture */
-  bool follow;         /* the camera goes along with the particles */
+  hk_framing framing;  /* with the viewports of the pictures */
+  hk_camera_place own; /* of the scene's own camera, in the scene's coordinates, z up; may change before each picture */
+  bool follow;         /* the cameras go along with the particles */
   hk_view_setup setup; /* what is not chosen by the framing: background, sprites, streak */
 
   const hk_host *host;
@@ -36,10 +38,14 @@ typedef struct hk_film {
   hk_frame_spool spool;
   hk_sheet sheet;
   hk_gl_context *gl;
-  hk_painter painter;
+  hk_painter painter; /* of a view */
+  hk_mosaic mosaic;
+  size_t view;          /* the one that is drawn */
+  hk_camera_place *way; /* where cameras follow: views x frames */
+  bool bare;            /* the picture that is drawn has no legend */
   uint8_t (*colour)[4]; /* one per particle */
   size_t colours;
-  unsigned char *picture; /* width x height x 4 */
+  unsigned char *picture, *cell; /* width x height x 4; of a view, where there are several */
   uint8_t table[HK_MAP_SIZE][4];
   char text[96]; /* label and unit */
 } hk_film;

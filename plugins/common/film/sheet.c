@@ -8,14 +8,19 @@
 
 enum { GAP = 4 }; /* pixels between stills, white */
 
-hk_status hk_sheet_open(hk_sheet *s, const hk_host *host, size_t count, size_t frames, int width, int height) {
-  *s = (hk_sheet){.host = host, .count = count < frames ? count : frames, .frames = frames, .full_width = width};
+/* Where the lowest stills begin. */
+static int base_of(const hk_sheet *s) { return s->strip > 0 ? s->strip + GAP : 0; }
+
+hk_status hk_sheet_open(hk_sheet *s, const hk_host *host, size_t count, size_t frames, int width, int height,
+                        int strip) {
+  *s = (hk_sheet){
+      .host = host, .count = count < frames ? count : frames, .frames = frames, .full_width = width, .strip = strip};
   if (s->count == 0) return HK_OK;
   s->columns = (int)ceil(sqrt((double)s->count));
   s->rows = ((int)s->count + s->columns - 1) / s->columns;
   s->width = width / s->columns > 0 ? width / s->columns : 1;
   s->height = height / s->columns > 0 ? height / s->columns : 1;
-  s->out_width = s->columns * (s->width + GAP) - GAP, s->out_height = s->rows * (s->height + GAP) - GAP;
+  s->out_width = s->columns * (s->width + GAP) - GAP, s->out_height = base_of(s) + s->rows * (s->height + GAP) - GAP;
   size_t bytes = (size_t)s->out_width * (size_t)s->out_height * 4;
   s->rgba = host->allocate(host, bytes);
   if (!s->rgba) return host->fail(host, HK_NO_MEMORY, "no memory for a sheet of %zu stills", s->count);
@@ -42,11 +47,21 @@ static void shrink(const hk_sheet *s, const unsigned char *from, unsigned char *
       }
 }
 
-void hk_sheet_take(hk_sheet *s, size_t k, const unsigned char *rgba) {
-  if (s->taken == s->count || k != picture_of(s, s->taken)) return;
+bool hk_sheet_wants(const hk_sheet *s, size_t k) { return s->taken < s->count && k == picture_of(s, s->taken); }
+
+void hk_sheet_fill_strip(hk_sheet *s, const unsigned char *rgba, int width) {
+  for (int y = 0; y < s->strip; y++)
+    for (int x = 0; x < s->out_width; x++) {
+      int from = x < width ? x : width - 1;
+      memcpy(s->rgba + ((size_t)y * (size_t)s->out_width + (size_t)x) * 4,
+             rgba + ((size_t)y * (size_t)width + (size_t)from) * 4, 4);
+    }
+}
+
+void hk_sheet_take(hk_sheet *s, const unsigned char *rgba) {
   int column = (int)s->taken % s->columns, row = s->rows - 1 - (int)s->taken / s->columns;
   size_t at =
-      (size_t)row * (size_t)(s->height + GAP) * (size_t)s->out_width + (size_t)column * (size_t)(s->width + GAP);
+      (size_t)(base_of(s) + row * (s->height + GAP)) * (size_t)s->out_width + (size_t)column * (size_t)(s->width + GAP);
   shrink(s, rgba, s->rgba + 4 * at);
   s->taken++;
 }

@@ -85,6 +85,11 @@ static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   s->power[chunk] = power;
 }
 
+void hk_air_flow(const hk_air *air, double t, const double *x, size_t count, double *u) {
+  for (size_t k = 0; k < count; k += HK_AIR_BLOCK)
+    air->velocity(air->self, t, x + 3 * k, count - k < HK_AIR_BLOCK ? count - k : HK_AIR_BLOCK, u + 3 * k);
+}
+
 hk_status hk_air_add(const hk_air *air, const hk_view *view, double *F) {
   task s;
   size_t grain = view->acting / CHUNKS + 1; /* at most CHUNKS chunks */

@@ -37,6 +37,8 @@ enum { HK_AIR_BLOCK = 64 };
 
 hk_status hk_air_check(const hk_air_drag *, const hk_host *);              /* for `create` */
 double hk_air_coefficient(const hk_air_drag *, const hk_view *, size_t i); /* N s/m */
+/* u (count x 3) at any number of places, for pictures. */
+void hk_air_flow(const hk_air *, double t, const double *x, size_t count, double *u);
 hk_status hk_air_add(const hk_air *, const hk_view *, double *F);
 void hk_air_pattern(const hk_view *, hk_pattern *);
 hk_status hk_air_jacobian(const hk_air *, const hk_view *, const hk_blocks *into);

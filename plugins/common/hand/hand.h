@@ -24,17 +24,4 @@ typedef struct hk_hand {
   hk_grip (*grip)(const void *self, double t);
 } hk_hand;
 
-/* The index of the particle with that id; model->n: there is none. Ids rise with the index. */
-static inline size_t hk_hand_index(const hk_model *m, uint32_t id) {
-  size_t low = 0, high = m->n;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (m->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < m->n && m->id[low] == id ? low : m->n;
-}
-
 #endif

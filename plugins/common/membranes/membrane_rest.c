@@ -176,7 +176,7 @@ hk_status hk_membrane_topology(hk_membrane *m, const hk_view *view) {
         t->B[0], t->B[1], t->B[2], t->B[3], t->times_area.c11, t->times_area.c22, t->times_area.c12, t->times_area.c66};
     bool alive = true;
     for (size_t c = 0; c < 3; c++) {
-      size_t i = hk_particle_of(view, m->id[k][c]);
+      size_t i = hk_model_find(view->model, m->id[k][c]);
       alive = alive && i < view->n && (!view->is_active || view->is_active[i]);
       index[3 * kept + c] = (uint32_t)i;
     }

@@ -1,5 +1,6 @@
 /* "obstacles/1": all obstacles of a run, in the order in which they were entered. Particles that meet several of them
- * in one step do so in the order of time, which takes one search over all. */
+ * in one step do so in the order of time, which takes one search over all. Outputs show them, and those whose contact
+ * is a force. */
 #ifndef HK_OBSTACLES_SERVICE_H
 #define HK_OBSTACLES_SERVICE_H
 
@@ -13,6 +14,10 @@ typedef struct hk_obstacles {
    */
   hk_status (*enter)(void *self, hk_obstacle *);
   const hk_obstacle_set *set;
+  /* Called in `create`, for an obstacle that outputs alone need to know: of its shape and the end of its motion, where
+   * it is at the end of the last step. It stays the caller's and valid as long as the run. */
+  void (*show)(void *self, hk_obstacle *);
+  const hk_obstacle_set *shown; /* all that were entered or shown; complete when outputs are opened */
 } hk_obstacles;
 
 #endif

@@ -64,6 +64,12 @@ static void add_triangles(hk_painter *p, const hk_snapshot3d *s, const region *h
   }
 }
 
+/* Where particle i belongs to a strand with a radius of its own: not thinner than that. */
+static float at_least_strand(const hk_snapshot3d *s, size_t i, double radius) {
+  const float *own = s->extra[HK_EXTRA_TUBE];
+  return own ? fmaxf(own[i], (float)radius) : (float)radius;
+}
+
 /* Normalises a vector here, since squares of small areas would underflow in the shader. */
 static void normalize(float v[3]) {
   float most = fmaxf(fabsf(v[0]), fmaxf(fabsf(v[1]), fabsf(v[2])));
@@ -77,7 +83,7 @@ static void add_bead(hk_painter *p, const hk_view_setup *setup, const hk_snapsho
   hk_bead *bead = p->bead + p->beads++;
   memcpy(bead->centre, s->x[i], sizeof bead->centre);
   memcpy(bead->colour, colour, sizeof bead->colour);
-  bead->radius = (float)(size ? setup->bead_unit * (double)size[i] : setup->bead);
+  bead->radius = size ? (float)(setup->bead_unit * (double)size[i]) : at_least_strand(s, i, setup->bead);
   for (size_t c = 0; c < 3; c++) bead->tail[c] = v ? (float)(setup->streak * (double)v[3 * i + c]) : 0;
 }
 
@@ -128,7 +134,7 @@ static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_
 static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
   static const uint8_t colour[4] = {52, 58, 70, 255};
   hk_bead *bead = p->bead + p->beads++;
-  *bead = (hk_bead){.radius = (float)setup->pin};
+  *bead = (hk_bead){.radius = 1.1f * at_least_strand(s, i, setup->pin / 1.1)};
   memcpy(bead->centre, s->x[i], sizeof bead->centre);
   memcpy(bead->colour, colour, sizeof colour);
 }
@@ -154,11 +160,18 @@ static void add_tube(hk_painter *p, const hk_snapshot3d *s, const uint32_t end[2
   memcpy(tube->colour_b, colour[end[1]], sizeof tube->colour_b);
 }
 
+/* The mean of both ends, of those that have a radius. */
+static double tube_radius(const hk_view_setup *setup, const hk_snapshot3d *s, const uint32_t end[2]) {
+  const float *own = s->extra[HK_EXTRA_TUBE];
+  double a = own ? (double)own[end[0]] : 0, b = own ? (double)own[end[1]] : 0;
+  return a > 0 && b > 0 ? (a + b) / 2 : a + b > 0 ? a + b : setup->tube;
+}
+
 static void add_tubes(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
                       const region *here) {
   for (size_t k = 0; k < s->lines; k++)
     if (has_place(s->x[s->line[k][0]], here) && has_place(s->x[s->line[k][1]], here))
-      add_tube(p, s, s->line[k], setup->tube, colour);
+      add_tube(p, s, s->line[k], tube_radius(setup, s, s->line[k]), colour);
 }
 
 /* The rim between both sides of surfaces with a thickness is round. */

@@ -132,15 +132,43 @@ static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const d
   hk_painter_strokes(p, s->tube, s->count, thickness / 2);
 }
 
+static const uint8_t ink[2][4] = {{62, 68, 80, 255}, {206, 213, 222, 255}};
+
+static bool has_room(const hk_painter *p, int pixels) {
+  return p->canvas.width >= pixels && p->canvas.height >= pixels;
+}
+
+/* Small pictures have larger letters, as far as there is room: below 1.4 pixels between the points of a glyph they are
+ * hard to read. */
+static double unit_of(const hk_painter *p) {
+  double height = p->canvas.height;
+  return fmax(fmax(height / 420, fmin(height / 260, 1.4)), 1);
+}
+
+void hk_legend_name(hk_painter *p, const char *name, bool light) {
+  if (!*name || !has_room(p, 120)) return;
+  strokes s = {.ink = ink[light]};
+  double unit = unit_of(p), margin = 0.04 * p->canvas.height;
+  add_text(&s, name, margin, p->canvas.height - margin - 6 * unit, unit, 0);
+  hk_painter_strokes(p, s.tube, s.count, 0.42 * unit + 0.15);
+}
+
+static double bar_thickness(const hk_painter *p) { return fmax(0.013 * p->canvas.height, 5); }
+
+/* From below: a margin, the numbers, the bar, the label of 6 points. */
+int hk_legend_height(const hk_painter *p) {
+  double margin = 0.04 * p->canvas.height;
+  return has_room(p, 200) ? (int)ceil(2 * margin + (11 + 5 + 6) * unit_of(p) + bar_thickness(p)) : 0;
+}
+
 void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
-  static const uint8_t ink[2][4] = {{62, 68, 80, 255}, {206, 213, 222, 255}};
   int width = p->canvas.width, height = p->canvas.height;
-  if (height < 200 || width < 200) return;
+  if (!has_room(p, 200)) return;
   strokes s = {.ink = ink[legend->light]};
   hk_tick tick[HK_TICKS];
-  double unit = fmax(height / 420.0, 1), margin = 0.04 * height, advance = 6 * unit;
+  double unit = unit_of(p), margin = 0.04 * height, advance = 6 * unit;
   double length = fmax(fmin(0.3 * height, 0.3 * width), advance * hk_scale_least(&legend->scale));
-  double thickness = fmax(0.013 * height, 5), at[2] = {margin, margin + 11 * unit};
+  double thickness = bar_thickness(p), at[2] = {margin, margin + 11 * unit};
   size_t ticks = hk_scale_ticks(&legend->scale, length / advance, tick);
   draw_bar(p, &s, legend, at, length, thickness);
   s.count = 0;

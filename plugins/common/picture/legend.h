@@ -13,6 +13,10 @@ typedef struct hk_legend {
   bool light; /* text for a dark background */
 } hk_legend;
 
+/* Draws a view's name over the painter's picture, at its upper left, unless it is too small. */
+void hk_legend_name(hk_painter *, const char *name, bool light);
+/* Pixels from the lower edge of the picture that the legend takes, with a margin above it; 0: it would not be drawn. */
+int hk_legend_height(const hk_painter *);
 /* Draws over the painter's picture, at its lower left. Does nothing when the picture is too small. */
 void hk_legend_draw(hk_painter *, const hk_legend *);
 

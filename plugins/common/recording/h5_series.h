@@ -5,6 +5,7 @@
 #include <hdf5.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 typedef struct hk_h5_series {
   hid_t set, memory; /* the dataset; the type of the numbers in memory */
@@ -35,5 +36,10 @@ bool hk_h5_text(hid_t object, const char *name, const char *text);
 /* One that was made with this many characters or more. */
 bool hk_h5_text_again(hid_t object, const char *name, const char *text);
 bool hk_h5_number_again(hid_t object, const char *name, hid_t type, const void *value);
+
+/* Rows of a dataset of `width` numbers each; width 0: it has no second dimension. False: it has not so many. */
+bool hk_h5_get_rows(hid_t set, int64_t at, size_t rows, size_t width, hid_t type, void *to);
+/* Of an attribute of fixed length; what is longer than the room is cut. */
+bool hk_h5_get_text(hid_t object, const char *name, char *to, size_t size);
 
 #endif

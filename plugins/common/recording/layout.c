@@ -76,7 +76,7 @@ static bool make_moving(moving *m, hk_h5_series *s, const char *name, size_t wid
          also_named(m->r->steps, "PointOffsets", "PointDataOffsets", name);
 }
 
-static bool make_array(moving *m, hk_h5_series *s, const hk_shot_array *a) {
+static bool make_array(moving *m, hk_h5_series *s, const hk_frame_array *a) {
   char name[2 * HK_ARRAY_NAME];
   name_in(m->group, a->force ? "force " : "channel ", a->name, name, sizeof name);
   return make_moving(m, s, name, a->width) && hk_h5_text(s->set, "kind", a->force ? "force" : "channel") &&
@@ -90,7 +90,7 @@ static bool make_fixed(moving *m, hk_h5_series *s, const char *name, hid_t type)
          also_named(m->r->steps, "FixedDataOffsets", "PointDataOffsets", name);
 }
 
-static bool make_points(hk_recorder *r, const hk_recorder_setup *setup, const hk_shot *first) {
+static bool make_points(hk_recorder *r, const hk_recorder_setup *setup, const hk_frame_data *first) {
   moving m = {.r = r, .group = hk_h5_group(r->root, "PointData")};
   m.layout = (hk_h5_layout){.file = setup->single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE,
                             .memory = H5T_NATIVE_DOUBLE,
@@ -107,7 +107,7 @@ static bool make_points(hk_recorder *r, const hk_recorder_setup *setup, const hk
   return fine;
 }
 
-static bool make_cells(hk_recorder *r, const hk_recorder_setup *setup, const hk_shot *first) {
+static bool make_cells(hk_recorder *r, const hk_recorder_setup *setup, const hk_frame_data *first) {
   hid_t group = hk_h5_group(r->root, "CellData");
   hk_h5_layout l = {.chunk = chunk_for(hk_cell_count(&first->cells)), .level = setup->level};
   l.file = l.memory = H5T_NATIVE_UINT8;
@@ -156,13 +156,16 @@ static bool make_text(hid_t group, const char *name, const char *text) {
   return fine;
 }
 
-bool hk_recording_layout(hk_recorder *r, const hk_recorder_setup *setup, const hk_shot *first, const hk_frame *frame) {
+bool hk_recording_layout(hk_recorder *r, const hk_recorder_setup *setup, const hk_frame_data *first,
+                         const hk_frame *frame) {
   int64_t version[2] = {2, 0}, every = (int64_t)setup->every;
   r->root = hk_h5_group(hk_h5_id(r->file), "VTKHDF");
   r->own = hk_h5_group(hk_h5_id(r->file), "hooke");
   return r->root >= 0 && r->own >= 0 && hk_h5_attribute(r->root, "Version", H5T_NATIVE_INT64, 2, version) &&
          hk_h5_text(r->root, "Type", "UnstructuredGrid") && make_steps(r) && make_points(r, setup, first) &&
          make_cells(r, setup, first) && make_figures(r, frame) &&
+         hk_solid_series_create(&r->solids, r->own, first->solid, first->solids) &&
+         hk_mark_series_create(&r->marks, r->own, &first->marks, setup->level) &&
          hk_h5_attribute(r->own, "fps", H5T_NATIVE_DOUBLE, 1, &frame->fps) &&
          hk_h5_attribute(r->own, "every", H5T_NATIVE_INT64, 1, &every) &&
          hk_h5_text(r->own, "verdict", "not ended yet   ") &&

@@ -4,7 +4,9 @@
 
 #include "plugins/common/recording/h5_file.h"
 #include "plugins/common/recording/h5_series.h"
+#include "plugins/common/recording/mark_series.h"
 #include "plugins/common/recording/recording.h"
+#include "plugins/common/recording/solid_series.h"
 #include "plugins/common/recording/xdmf.h"
 
 enum { SCALARS = 6, FIGURES = 8 }; /* FieldData: single numbers, then vectors */
@@ -29,6 +31,8 @@ struct hk_recorder {
   hk_h5_series points, velocity, strain, id, mass, pin, *array;
   hk_h5_series types, connectivity, offsets, cell_strain, counts[3], kinds;
   hk_h5_series step[STEPS], figure[FIGURES], *measure;
+  hk_solid_series solids;
+  hk_mark_series marks;
   int cause;                                              /* errno of a failure that was not the HDF5 file's */
   hsize_t points_at, fixed_at, cells_at, connectivity_at; /* rows of the present part */
   int64_t *number;                                        /* scratch */
@@ -38,7 +42,7 @@ struct hk_recorder {
   size_t showns;
 };
 
-/* Makes all groups and datasets, for shots with the arrays of `first`. False: the library failed, or no memory. */
-bool hk_recording_layout(hk_recorder *, const hk_recorder_setup *, const hk_shot *first, const hk_frame *frame);
+/* Makes all groups and datasets, for frames with the arrays of `first`. False: the library failed, or no memory. */
+bool hk_recording_layout(hk_recorder *, const hk_recorder_setup *, const hk_frame_data *first, const hk_frame *frame);
 
 #endif

@@ -7,42 +7,9 @@
 
 /* ---- rows and attributes ---- */
 
-/* Rows of a dataset of `width` numbers each; width 0: it has no second dimension. */
-static bool get_rows(hid_t set, int64_t at, size_t rows, size_t width, hid_t type, void *to) {
-  hsize_t size[2] = {0, 1}, from[2] = {(hsize_t)at, 0}, count[2] = {rows, width};
-  if (rows == 0) return true;
-  if (set < 0 || at < 0) return false;
-  hid_t space = H5Dget_space(set);
-  int rank = H5Sget_simple_extent_ndims(space);
-  bool fine = rank == (width > 1 ? 2 : 1) && H5Sget_simple_extent_dims(space, size, NULL) == rank &&
-              from[0] <= size[0] && rows <= size[0] - from[0] && (rank == 1 || size[1] == width);
-  hid_t memory = fine ? H5Screate_simple(rank, count, NULL) : -1;
-  fine = fine && H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, count, NULL) >= 0 &&
-         H5Dread(set, type, memory, space, H5P_DEFAULT, to) >= 0;
-  if (memory >= 0) H5Sclose(memory);
-  H5Sclose(space);
-  return fine;
-}
-
 static bool get_number(hid_t object, const char *name, hid_t type, void *to) {
   hid_t attribute = H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
   bool fine = attribute >= 0 && H5Aget_storage_size(attribute) <= 8 && H5Aread(attribute, type, to) >= 0;
-  if (attribute >= 0) H5Aclose(attribute);
-  return fine;
-}
-
-/* Of fixed length; what is longer than the room is cut. */
-static bool get_text(hid_t object, const char *name, char *to, size_t size) {
-  hid_t attribute = H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
-  hid_t type = attribute >= 0 ? H5Aget_type(attribute) : -1;
-  size_t length =
-      type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 ? H5Tget_size(type) : 0;
-  char *text = length ? calloc(1, length + 1) : NULL;
-  bool fine = text && H5Aread(attribute, type, text) >= 0;
-  if (fine) snprintf(to, size, "%s", text);
-  for (size_t k = fine ? strlen(to) : 0; k > 0 && to[k - 1] == ' '; k--) to[k - 1] = 0;
-  free(text);
-  if (type >= 0) H5Tclose(type);
   if (attribute >= 0) H5Aclose(attribute);
   return fine;
 }
@@ -68,7 +35,7 @@ static hid_t open_set(hid_t file, const char *path) {
 /* A list of one number per frame or part. */
 static bool get_list(hid_t file, const char *path, size_t count, size_t width, hid_t type, void *to) {
   hid_t set = open_set(file, path);
-  bool fine = set >= 0 && get_rows(set, 0, count, width, type, to);
+  bool fine = set >= 0 && hk_h5_get_rows(set, 0, count, width, type, to);
   if (set >= 0) H5Dclose(set);
   return fine;
 }
@@ -137,7 +104,7 @@ static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, v
   char kind[16];
   (void)info;
   if (a.set < 0) return 0;
-  if (!get_text(a.set, "kind", kind, sizeof kind) || !get_text(a.set, "label", a.name, sizeof a.name)) {
+  if (!hk_h5_get_text(a.set, "kind", kind, sizeof kind) || !hk_h5_get_text(a.set, "label", a.name, sizeof a.name)) {
     H5Dclose(a.set);
     return 0;
   }
@@ -173,8 +140,8 @@ static herr_t add_series(hid_t group, const char *name, const H5L_info_t *info, 
   size_t width = vector ? 3 : 1;
   double *value = calloc(r->frames * width + 1, sizeof *value);
   char kind[16];
-  bool measure = set >= 0 && get_text(set, "kind", kind, sizeof kind);
-  bool fine = value && get_rows(set, 0, r->frames, vector ? 3 : 0, H5T_NATIVE_DOUBLE, value);
+  bool measure = set >= 0 && hk_h5_get_text(set, "kind", kind, sizeof kind);
+  bool fine = value && hk_h5_get_rows(set, 0, r->frames, vector ? 3 : 0, H5T_NATIVE_DOUBLE, value);
   (void)info;
   for (size_t c = 0; c < width && fine; c++) {
     char full[256];
@@ -201,8 +168,9 @@ static bool get_own(hk_recording *r) {
   int64_t frames = -1;
   bool fine = own >= 0 && steps >= 0 && get_number(steps, "NSteps", H5T_NATIVE_INT64, &frames) && frames >= 0 &&
               get_number(own, "fps", H5T_NATIVE_DOUBLE, &r->fps) &&
-              get_number(own, "every", H5T_NATIVE_INT64, &r->every) && get_text(own, "scene", scene, sizeof scene) &&
-              get_text(own, "verdict", r->verdict, sizeof r->verdict);
+              get_number(own, "every", H5T_NATIVE_INT64, &r->every) &&
+              hk_h5_get_text(own, "scene", scene, sizeof scene) &&
+              hk_h5_get_text(own, "verdict", r->verdict, sizeof r->verdict);
   if (fine) r->origin = get_long_text(own, "origin"), r->scene = malloc(strlen(scene) + 1);
   if (fine && r->scene) strcpy(r->scene, scene);
   if (own >= 0) H5Gclose(own);
@@ -224,7 +192,8 @@ static bool get_all(hk_recording *r) {
   r->connectivity = open_set(r->file, "/VTKHDF/Connectivity");
   r->cell_strain = open_set(r->file, "/VTKHDF/CellData/strain");
   return r->time && r->frame && get_frames(r) && get_parts(r) && for_each(r->file, "/VTKHDF/PointData", add_array, r) &&
-         for_each(r->file, "/VTKHDF/FieldData", add_series, r);
+         for_each(r->file, "/VTKHDF/FieldData", add_series, r) && hk_recorded_solids_open(&r->solids, r->file) &&
+         hk_recorded_marks_open(&r->marks, r->file, r->frames);
 }
 
 hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
@@ -237,7 +206,8 @@ hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
   r->file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (r->file >= 0 && get_all(r)) return r;
   snprintf(why, size,
-           r->file < 0 ? "%s: it is not there, or no whole HDF5 file" : "%s: it is no recording of hooke, or damaged", path);
+           r->file < 0 ? "%s: it is not there, or no whole HDF5 file" : "%s: it is no recording of hooke, or damaged",
+           path);
   hk_recording_close(r);
   return NULL;
 }
@@ -249,6 +219,8 @@ void hk_recording_close(hk_recording *r) {
     if (set[k] > 0) H5Dclose(set[k]);
   for (size_t k = 0; k < r->arrays; k++) H5Dclose(r->array[k].set);
   for (size_t k = 0; k < r->series; k++) free(r->serie[k].value);
+  hk_recorded_solids_close(&r->solids);
+  hk_recorded_marks_close(&r->marks);
   if (r->file >= 0) H5Fclose(r->file);
   void *const all[] = {r->array, r->serie, r->time, r->frame, r->part, r->scene, r->origin, r};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
@@ -257,11 +229,11 @@ void hk_recording_close(hk_recording *r) {
 /* ---- a frame ---- */
 
 bool hk_recording_moving(const hk_recording *r, hid_t set, size_t k, size_t width, double *to) {
-  return get_rows(set, r->frame[k].points, (size_t)hk_recorded_part_of(r, k)->n, width, H5T_NATIVE_DOUBLE, to);
+  return hk_h5_get_rows(set, r->frame[k].points, (size_t)hk_recorded_part_of(r, k)->n, width, H5T_NATIVE_DOUBLE, to);
 }
 
 bool hk_recording_fixed(const hk_recording *r, hid_t set, size_t k, hid_t type, void *to) {
-  return get_rows(set, r->frame[k].fixed, (size_t)hk_recorded_part_of(r, k)->n, 0, type, to);
+  return hk_h5_get_rows(set, r->frame[k].fixed, (size_t)hk_recorded_part_of(r, k)->n, 0, type, to);
 }
 
 /* Indices have to be those of particles. */
@@ -273,14 +245,14 @@ static bool within(const uint32_t *index, size_t count, int64_t n) {
 
 bool hk_recording_vertices(const hk_recording *r, size_t k, uint32_t *to) {
   const hk_recorded_part *p = hk_recorded_part_of(r, k);
-  return get_rows(r->connectivity, r->frame[k].connectivity, (size_t)p->vertices, 0, H5T_NATIVE_UINT32, to) &&
+  return hk_h5_get_rows(r->connectivity, r->frame[k].connectivity, (size_t)p->vertices, 0, H5T_NATIVE_UINT32, to) &&
          within(to, (size_t)p->vertices, p->n);
 }
 
 bool hk_recording_segments(const hk_recording *r, size_t k, uint32_t *to) {
   const hk_recorded_part *p = hk_recorded_part_of(r, k);
   size_t count = 2 * (size_t)p->segments;
-  return get_rows(r->connectivity, r->frame[k].connectivity + p->vertices, count, 0, H5T_NATIVE_UINT32, to) &&
+  return hk_h5_get_rows(r->connectivity, r->frame[k].connectivity + p->vertices, count, 0, H5T_NATIVE_UINT32, to) &&
          within(to, count, p->n);
 }
 
@@ -288,9 +260,9 @@ bool hk_recording_triangles(const hk_recording *r, size_t k, uint32_t *to) {
   const hk_recorded_part *p = hk_recorded_part_of(r, k);
   size_t count = 3 * (size_t)p->triangles;
   int64_t at = r->frame[k].connectivity + p->vertices + 2 * p->segments;
-  return get_rows(r->connectivity, at, count, 0, H5T_NATIVE_UINT32, to) && within(to, count, p->n);
+  return hk_h5_get_rows(r->connectivity, at, count, 0, H5T_NATIVE_UINT32, to) && within(to, count, p->n);
 }
 
 bool hk_recording_cell_strain(const hk_recording *r, size_t k, size_t first, size_t count, double *to) {
-  return get_rows(r->cell_strain, r->frame[k].strain + (int64_t)first, count, 0, H5T_NATIVE_DOUBLE, to);
+  return hk_h5_get_rows(r->cell_strain, r->frame[k].strain + (int64_t)first, count, 0, H5T_NATIVE_DOUBLE, to);
 }

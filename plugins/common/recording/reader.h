@@ -3,7 +3,9 @@
 #ifndef HK_RECORDING_READER_H
 #define HK_RECORDING_READER_H
 
-#include "plugins/common/shot/shot.h"
+#include "plugins/common/frame_data/frame_data.h"
+#include "plugins/common/recording/mark_series.h"
+#include "plugins/common/recording/solid_series.h"
 
 #include <hdf5.h>
 
@@ -45,6 +47,8 @@ typedef struct hk_recording {
   size_t series;
   hk_recorded_series *serie;
   hid_t points, velocity, strain, id, mass, pin, connectivity, cell_strain; /* negative: the file has none */
+  hk_recorded_solids solids;
+  hk_recorded_mark_lists marks;
 } hk_recording;
 
 /* NULL with a sentence in `why`. */

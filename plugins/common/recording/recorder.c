@@ -1,7 +1,7 @@
 /* The order in which a frame gets into a recording: its rows first, and, when these are on file, the number of frames.
  * A run that is killed between leaves rows to which nothing refers. */
 #include "plugins/common/recording/layout.h"
-#include "plugins/common/shot/room.h"
+#include "plugins/common/frame_data/room.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -44,18 +44,18 @@ static bool put_types(hk_recorder *r, const hk_cells *c) {
 }
 
 /* VTK takes Offsets from the row CellOffsets + PartOffsets on, since each part has one offset more than cells. */
-static bool put_part(hk_recorder *r, const hk_shot *shot) {
-  const hk_cells *c = &shot->cells;
-  int64_t count[3] = {(int64_t)shot->n, (int64_t)hk_cell_count(c),
+static bool put_part(hk_recorder *r, const hk_frame_data *data) {
+  const hk_cells *c = &data->cells;
+  int64_t count[3] = {(int64_t)data->n, (int64_t)hk_cell_count(c),
                       (int64_t)(c->vertices + 2 * c->segments + 3 * c->triangles)};
   int64_t kinds[3] = {(int64_t)c->vertices, (int64_t)c->segments, (int64_t)c->triangles};
   bool fine = put_connectivity(r, c) && put_types(r, c) && hk_h5_series_add(&r->kinds, 1, kinds);
   for (int k = 0; k < 3 && fine; k++) fine = hk_h5_series_add(&r->counts[k], 1, &count[k]);
   r->fixed_at = hk_h5_series_next(&r->id);
   r->parts++;
-  return fine && hk_h5_series_put(&r->id, r->fixed_at, shot->n, shot->id) &&
-         hk_h5_series_put(&r->mass, r->fixed_at, shot->n, shot->mass) &&
-         hk_h5_series_put(&r->pin, r->fixed_at, shot->n, shot->pin);
+  return fine && hk_h5_series_put(&r->id, r->fixed_at, data->n, data->id) &&
+         hk_h5_series_put(&r->mass, r->fixed_at, data->n, data->mass) &&
+         hk_h5_series_put(&r->pin, r->fixed_at, data->n, data->pin);
 }
 
 static bool put_figures(hk_recorder *r, const hk_frame *f) {
@@ -68,9 +68,9 @@ static bool put_figures(hk_recorder *r, const hk_frame *f) {
   return fine;
 }
 
-static bool put_frame(hk_recorder *r, const hk_shot *shot, const hk_frame *frame) {
+static bool put_frame(hk_recorder *r, const hk_frame_data *data, const hk_frame *frame) {
   hsize_t at = r->points_at = hk_h5_series_next(&r->points),
-          cells = shot->cell_strain ? hk_h5_series_next(&r->cell_strain) : 0;
+          cells = data->cell_strain ? hk_h5_series_next(&r->cell_strain) : 0;
   int64_t step[STEPS] = {[PART_OFFSETS] = (int64_t)r->parts - 1,
                          [NUMBER_OF_PARTS] = 1,
                          [POINT_OFFSETS] = (int64_t)at,
@@ -80,14 +80,15 @@ static bool put_frame(hk_recorder *r, const hk_shot *shot, const hk_frame *frame
                          [STRAIN_OFFSETS] = (int64_t)cells,
                          [ROW] = (int64_t)r->frames};
   bool fine =
-      hk_h5_series_put(&r->points, at, shot->n, shot->x) && hk_h5_series_put(&r->velocity, at, shot->n, shot->v) &&
-      (!shot->strain || hk_h5_series_put(&r->strain, at, shot->n, shot->strain)) &&
-      (!shot->cell_strain || hk_h5_series_put(&r->cell_strain, cells, hk_cell_count(&shot->cells), shot->cell_strain));
+      hk_h5_series_put(&r->points, at, data->n, data->x) && hk_h5_series_put(&r->velocity, at, data->n, data->v) &&
+      (!data->strain || hk_h5_series_put(&r->strain, at, data->n, data->strain)) &&
+      (!data->cell_strain || hk_h5_series_put(&r->cell_strain, cells, hk_cell_count(&data->cells), data->cell_strain));
   for (size_t k = 0; k < r->arrays && fine; k++)
-    fine = hk_h5_series_put(&r->array[k], at, shot->n, shot->array[k].value);
-  fine = fine && hk_h5_series_add(&r->step[VALUES], 1, &shot->t);
+    fine = hk_h5_series_put(&r->array[k], at, data->n, data->array[k].value);
+  fine = fine && hk_h5_series_add(&r->step[VALUES], 1, &data->t);
   for (int k = VALUES + 1; k < STEPS && fine; k++) fine = hk_h5_series_add(&r->step[k], 1, &step[k]);
-  return fine && put_figures(r, frame);
+  return fine && hk_solid_series_add(&r->solids, data->solid) && hk_mark_series_add(&r->marks, &data->marks) &&
+         put_figures(r, frame);
 }
 
 /* The frame counts from the moment in which the file says so. */
@@ -97,10 +98,10 @@ static bool count_frame(hk_recorder *r) {
 }
 
 /* Says in the XDMF file where the frame that was written last is. */
-static bool describe(hk_recorder *r, const hk_shot *shot) {
-  const hk_cells *c = &shot->cells;
-  hk_xdmf_frame f = {.t = shot->t,
-                     .n = shot->n,
+static bool describe(hk_recorder *r, const hk_frame_data *data) {
+  const hk_cells *c = &data->cells;
+  hk_xdmf_frame f = {.t = data->t,
+                     .n = data->n,
                      .points = r->points_at,
                      .fixed = r->fixed_at,
                      .connectivity = r->connectivity_at,
@@ -121,9 +122,10 @@ static bool failed(hk_recorder *r, char *why, size_t size) {
   return false;
 }
 
-bool hk_recorder_add(hk_recorder *r, const hk_shot *shot, bool changed, const hk_frame *frame, char *why, size_t size) {
-  bool fine = (!changed && r->parts > 0) || put_part(r, shot);
-  fine = fine && put_frame(r, shot, frame) && hk_h5_commit(r->file) && count_frame(r) && describe(r, shot);
+bool hk_recorder_add(hk_recorder *r, const hk_frame_data *data, bool changed, const hk_frame *frame, char *why,
+                     size_t size) {
+  bool fine = (!changed && r->parts > 0) || put_part(r, data);
+  fine = fine && put_frame(r, data, frame) && hk_h5_commit(r->file) && count_frame(r) && describe(r, data);
   return fine || failed(r, why, size);
 }
 
@@ -138,6 +140,8 @@ static void close_all(hk_recorder *r) {
   for (int k = 0; k < FIGURES; k++) hk_h5_series_close(&r->figure[k]);
   for (size_t k = 0; k < r->arrays; k++) hk_h5_series_close(&r->array[k]);
   for (size_t k = 0; k < r->measures; k++) hk_h5_series_close(&r->measure[k]);
+  hk_solid_series_close(&r->solids);
+  hk_mark_series_close(&r->marks);
   const hid_t group[] = {r->steps, r->own, r->root};
   for (int k = 0; k < 3; k++)
     if (group[k] > 0) H5Gclose(group[k]);
@@ -158,7 +162,7 @@ bool hk_recorder_close(hk_recorder *r, const char *verdict, char *why, size_t si
 }
 
 /* The arrays of the scene, and velocity, strain, id, mass and pin. */
-static bool make_room(hk_recorder *r, const hk_shot *first, const hk_frame *frame) {
+static bool make_room(hk_recorder *r, const hk_frame_data *first, const hk_frame *frame) {
   r->array = calloc(first->arrays + 1, sizeof *r->array);
   r->measure = calloc(frame->measures + 1, sizeof *r->measure);
   r->shown = calloc(first->arrays + 5, sizeof *r->shown);
@@ -174,8 +178,8 @@ static bool make_files(hk_recorder *r, const char *path, const char *xdmf, const
   return r->file && r->xdmf;
 }
 
-hk_recorder *hk_recorder_open(const char *path, const char *xdmf, const hk_recorder_setup *setup, const hk_shot *first,
-                              const hk_frame *frame, char *why, size_t size) {
+hk_recorder *hk_recorder_open(const char *path, const char *xdmf, const hk_recorder_setup *setup,
+                              const hk_frame_data *first, const hk_frame *frame, char *why, size_t size) {
   hk_recorder *r = calloc(1, sizeof *r);
   char ignored[8];
   if (r && make_room(r, first, frame) && make_files(r, path, xdmf, setup) &&

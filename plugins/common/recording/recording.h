@@ -6,6 +6,8 @@
  *   /VTKHDF/PointData/id, mass, pin  rows begin at Steps/PointDataOffsets/id
  *   /VTKHDF/Types, Connectivity, Offsets, NumberOf...  of each part; Steps/PartOffsets says which part a frame has
  *   /VTKHDF/FieldData/...            a row per frame: energies, momenta, the last step, measures
+ *   /hooke/solids                    what particles bounce off (solid_series.h)
+ *   /hooke/marks                     wind and points of contact (mark_series.h)
  *   /hooke                           what VTK does not ask for: scene, origin, fps, the numbers of cells of each kind
  *
  * PointData of a force or a channel has the attributes `kind` ("force", "channel") and `label`, its name in the scene.
@@ -13,7 +15,7 @@
 #ifndef HK_RECORDING_H
 #define HK_RECORDING_H
 
-#include "plugins/common/shot/shot.h"
+#include "plugins/common/frame_data/frame_data.h"
 
 typedef struct hk_recorder hk_recorder;
 
@@ -23,11 +25,11 @@ typedef struct hk_recorder_setup {
   size_t every; /* frames from one that is kept to the next */
 } hk_recorder_setup;
 
-/* Both files are made, for shots with the arrays of this one. NULL with a sentence in `why`. */
-hk_recorder *hk_recorder_open(const char *path, const char *xdmf, const hk_recorder_setup *, const hk_shot *first,
+/* Both files are made, for frames with the arrays of this one. NULL with a sentence in `why`. */
+hk_recorder *hk_recorder_open(const char *path, const char *xdmf, const hk_recorder_setup *, const hk_frame_data *first,
                               const hk_frame *frame, char *why, size_t size);
 /* Writes a frame, so that it is on file afterwards. `changed`: ids, masses, pins or cells are others than before. */
-bool hk_recorder_add(hk_recorder *, const hk_shot *, bool changed, const hk_frame *frame, char *why, size_t size);
+bool hk_recorder_add(hk_recorder *, const hk_frame_data *, bool changed, const hk_frame *frame, char *why, size_t size);
 /* Writes the verdict, "ok" and so on; NULL: it stays as it is. Frees the recorder. */
 bool hk_recorder_close(hk_recorder *, const char *verdict, char *why, size_t size);
 

@@ -3,7 +3,7 @@
 #define _GNU_SOURCE
 #include "plugins/common/recording/xdmf.h"
 
-#include "plugins/common/shot/room.h"
+#include "plugins/common/frame_data/room.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -4,7 +4,7 @@
 #ifndef HK_XDMF_H
 #define HK_XDMF_H
 
-#include "plugins/common/shot/shot.h"
+#include "plugins/common/frame_data/frame_data.h"
 
 typedef struct hk_xdmf_array {
   const char *name, *path; /* of the dataset, "VTKHDF/PointData/velocity" */

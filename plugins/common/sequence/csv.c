@@ -2,7 +2,7 @@
  */
 #include "plugins/common/sequence/csv.h"
 
-static void put_name(FILE *file, const hk_shot_array *a, size_t c) {
+static void put_name(FILE *file, const hk_frame_array *a, size_t c) {
   fputs(a->force ? ",\"force " : ",\"", file);
   for (const char *name = a->name; *name; name++) {
     if (*name == '"') putc('"', file);
@@ -12,7 +12,7 @@ static void put_name(FILE *file, const hk_shot_array *a, size_t c) {
   putc('"', file);
 }
 
-void hk_shot_csv_head(FILE *file, const hk_shot *s) {
+void hk_csv_head(FILE *file, const hk_frame_data *s) {
   fputs("t [s],id,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],mass [kg]", file);
   if (s->strain) fputs(",strain", file);
   for (size_t k = 0; k < s->arrays; k++)
@@ -20,7 +20,7 @@ void hk_shot_csv_head(FILE *file, const hk_shot *s) {
   putc('\n', file);
 }
 
-static void put_row(FILE *file, const hk_shot *s, size_t i) {
+static void put_row(FILE *file, const hk_frame_data *s, size_t i) {
   fprintf(file, "%.17g,%u", s->t, s->id[i]);
   for (size_t c = 0; c < 3; c++) fprintf(file, ",%.17g", s->x[3 * i + c]);
   for (size_t c = 0; c < 3; c++) fprintf(file, ",%.17g", s->v[3 * i + c]);
@@ -32,6 +32,6 @@ static void put_row(FILE *file, const hk_shot *s, size_t i) {
   putc('\n', file);
 }
 
-void hk_shot_csv_rows(FILE *file, const hk_shot *s) {
+void hk_csv_rows(FILE *file, const hk_frame_data *s) {
   for (size_t i = 0; i < s->n; i++) put_row(file, s, i);
 }

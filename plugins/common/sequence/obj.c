@@ -2,7 +2,7 @@
  * double. */
 #include "plugins/common/sequence/formats.h"
 
-static void write_obj(FILE *file, const hk_shot *s) {
+static void write_obj(FILE *file, const hk_frame_data *s) {
   const hk_cells *c = &s->cells;
   fprintf(file, "# t = %.17g s\n", s->t);
   for (size_t i = 0; i < s->n; i++)
@@ -15,4 +15,4 @@ static void write_obj(FILE *file, const hk_shot *s) {
             (size_t)c->triangle[k][2] + 1);
 }
 
-const hk_shot_format hk_shot_obj = {"obj", write_obj};
+const hk_sequence_format hk_sequence_obj = {"obj", write_obj};

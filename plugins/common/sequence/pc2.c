@@ -15,12 +15,12 @@ static bool failed(char *why, size_t size) {
   return false;
 }
 
-bool hk_pc2_open(hk_pc2 *p, const char *path, const hk_shot *first, char *why, size_t size) {
+bool hk_pc2_open(hk_pc2 *p, const char *path, const hk_frame_data *first, char *why, size_t size) {
   *p = (hk_pc2){.n = first->n, .id = malloc((first->n + 1) * sizeof *p->id)};
   if (!p->id) return failed(why, size);
   memcpy(p->id, first->id, first->n * sizeof *p->id);
   errno = 0;
-  p->file = hk_shot_file(path, "wb");
+  p->file = hk_sequence_file(path, "wb");
   if (!p->file) return failed(why, size);
   fwrite("POINTCACHE2", 1, 12, p->file);
   hk_put_little(p->file, 1, 4);
@@ -31,11 +31,11 @@ bool hk_pc2_open(hk_pc2 *p, const char *path, const hk_shot *first, char *why, s
   return fflush(p->file) == 0 || failed(why, size);
 }
 
-bool hk_pc2_fits(const hk_pc2 *p, const hk_shot *s) {
+bool hk_pc2_fits(const hk_pc2 *p, const hk_frame_data *s) {
   return s->n == p->n && memcmp(s->id, p->id, s->n * sizeof *p->id) == 0;
 }
 
-bool hk_pc2_add(hk_pc2 *p, const hk_shot *s, char *why, size_t size) {
+bool hk_pc2_add(hk_pc2 *p, const hk_frame_data *s, char *why, size_t size) {
   errno = 0;
   fseek(p->file, 0, SEEK_END);
   for (size_t k = 0; k < 3 * s->n; k++) hk_put_little(p->file, hk_bits_single((float)s->x[k]), 4);
@@ -46,7 +46,7 @@ bool hk_pc2_add(hk_pc2 *p, const hk_shot *s, char *why, size_t size) {
 }
 
 bool hk_pc2_close(hk_pc2 *p, char *why, size_t size) {
-  bool fine = !p->file || hk_shot_file_close(p->file, why, size);
+  bool fine = !p->file || hk_sequence_file_close(p->file, why, size);
   free(p->id);
   *p = (hk_pc2){0};
   return fine;

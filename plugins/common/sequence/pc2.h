@@ -5,7 +5,7 @@
 #ifndef HK_PC2_H
 #define HK_PC2_H
 
-#include "plugins/common/shot/shot.h"
+#include "plugins/common/frame_data/frame_data.h"
 
 #include <stdio.h>
 
@@ -15,12 +15,12 @@ typedef struct hk_pc2 {
   uint32_t *id; /* n: the particles have to stay the same */
 } hk_pc2;
 
-/* Whether the shot has the particles of the cache. */
-bool hk_pc2_fits(const hk_pc2 *, const hk_shot *);
-/* False with a sentence in `why`. `add` is for shots that fit. The file's head says how many frames are whole, after
+/* Whether the frame has the particles of the cache. */
+bool hk_pc2_fits(const hk_pc2 *, const hk_frame_data *);
+/* False with a sentence in `why`. `add` is for frames that fit. The file's head says how many frames are whole, after
  * each. */
-bool hk_pc2_open(hk_pc2 *, const char *path, const hk_shot *first, char *why, size_t size);
-bool hk_pc2_add(hk_pc2 *, const hk_shot *, char *why, size_t size);
+bool hk_pc2_open(hk_pc2 *, const char *path, const hk_frame_data *first, char *why, size_t size);
+bool hk_pc2_add(hk_pc2 *, const hk_frame_data *, char *why, size_t size);
 bool hk_pc2_close(hk_pc2 *, char *why, size_t size); /* a zeroed one is allowed */
 
 #endif

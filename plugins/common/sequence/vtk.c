@@ -35,7 +35,7 @@ static void put_cells(FILE *file, const hk_cells *c) {
   putc('\n', file);
 }
 
-static void put_particles(FILE *file, const hk_shot *s) {
+static void put_particles(FILE *file, const hk_frame_data *s) {
   fprintf(file, "POINT_DATA %zu\nFIELD particles %zu\n", s->n, 3 + (s->strain != NULL) + s->arrays);
   put_array(file, "", "velocity", s->v, 3, s->n);
   put_array(file, "", "mass", s->mass, 1, s->n);
@@ -47,7 +47,7 @@ static void put_particles(FILE *file, const hk_shot *s) {
     put_array(file, s->array[k].force ? "force_" : "", s->array[k].name, s->array[k].value, s->array[k].width, s->n);
 }
 
-static void write_vtk(FILE *file, const hk_shot *s) {
+static void write_vtk(FILE *file, const hk_frame_data *s) {
   fprintf(file, "# vtk DataFile Version 3.0\nhooke, t = %.17g s\nBINARY\nDATASET UNSTRUCTURED_GRID\n", s->t);
   fputs("FIELD frame 1\nTIME 1 1 double\n", file);
   put_doubles(file, &s->t, 1);
@@ -57,4 +57,4 @@ static void write_vtk(FILE *file, const hk_shot *s) {
   put_particles(file, s);
 }
 
-const hk_shot_format hk_shot_vtk = {"vtk", write_vtk};
+const hk_sequence_format hk_sequence_vtk = {"vtk", write_vtk};

@@ -111,7 +111,7 @@ hk_status hk_bending_topology(void *self, const hk_view *view) {
   for (size_t k = 0; k < b->count; k++) {
     bool alive = true;
     for (size_t m = 0; m < 4; m++) {
-      size_t i = hk_particle_of(view, b->id[k][m]);
+      size_t i = hk_model_find(view->model, b->id[k][m]);
       alive = alive && i < view->n && (!view->is_active || view->is_active[i]);
       index[4 * kept + m] = (uint32_t)i;
     }

@@ -74,6 +74,13 @@ static void take_sizes(hk_snapshot3d *s, const hk_view *view) {
   }
 }
 
+static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
+  const hk_look *look = s->look;
+  const double *radius = look->tube_radius ? *look->tube_radius : channel_of(view, look->tube_channel);
+  for (size_t i = 0; i < view->n; i++)
+    s->extra[HK_EXTRA_TUBE][i] = radius && isfinite(radius[i]) && radius[i] > 0 ? (float)radius[i] : 0;
+}
+
 static void take_fade(hk_snapshot3d *s, const hk_view *view) {
   const double *y = channel_of(view, s->look->fade_channel);
   for (size_t i = 0; i < view->n; i++) s->extra[HK_EXTRA_FADE][i] = (float)fmin(fmax(y[i], 0), 1);
@@ -97,6 +104,7 @@ void hk_ink_take(hk_snapshot3d *s, const hk_view *view, const double *birth) {
   else
     take_number(s, view, birth);
   if (s->look->sizes != HK_SIZE_SAME) take_sizes(s, view);
+  if (s->look->tubes) take_tubes(s, view);
   if (s->look->fades) take_fade(s, view);
   if (s->look->streak > 0) take_velocities(s, view);
 }

@@ -122,9 +122,26 @@ static hk_status choose_fade(hk_look *look, const hk_host *host, const hk_model 
   return check_number(host, m, "fade", look->fade_channel);
 }
 
+static const hk_publication *published(const hk_model *m, const char *name) {
+  for (size_t k = 0; k < m->publications; k++)
+    if (strcmp(m->published[k].name, name) == 0 && m->published[k].width == 1) return m->published + k;
+  return NULL;
+}
+
+static hk_status choose_tubes(hk_look *look, const hk_host *host, const hk_model *m, const char *tubes) {
+  const hk_publication *radii = tubes ? NULL : published(m, "strand_radius");
+  look->tubes = radii || (tubes && *tubes);
+  look->tube_radius = radii ? radii->values : NULL;
+  if (!look->tubes || radii) return HK_OK;
+  look->tube_channel = find_channel(m, tubes);
+  if (look->tube_channel == m->channels) return unknown(host, m, "tubes", tubes, NULL, 0);
+  return check_number(host, m, "tubes", look->tube_channel);
+}
+
 hk_status hk_look_choose(hk_look *look, const hk_host *host, const hk_model *m, const hk_look_names *names,
                          const char **label) {
   hk_status status = choose_paint(look, host, m, names->color, label);
   if (status == HK_OK) status = choose_sizes(look, host, m, names->size);
+  if (status == HK_OK) status = choose_tubes(look, host, m, names->tubes);
   return status == HK_OK ? choose_fade(look, host, m, names->fade) : status;
 }

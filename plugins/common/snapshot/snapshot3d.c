@@ -12,7 +12,7 @@ void hk_snapshot3d_open(hk_snapshot3d *s, const hk_host *host, const hk_look *lo
 }
 
 size_t hk_snapshot3d_extra_width(const hk_snapshot3d *s, int extra) {
-  bool wanted[HK_EXTRAS] = {s->look->sizes != HK_SIZE_SAME, s->look->fades, s->look->streak > 0};
+  bool wanted[HK_EXTRAS] = {s->look->sizes != HK_SIZE_SAME, s->look->fades, s->look->streak > 0, s->look->tubes};
   return wanted[extra] ? extra == HK_EXTRA_VELOCITY ? 3 : 1 : 0;
 }
 
@@ -52,7 +52,8 @@ hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, si
 
 void hk_snapshot3d_free(hk_snapshot3d *s) {
   if (!s->host) return;
-  void *all[] = {s->x, s->ink, s->mark, s->weight, s->triangle, s->line, s->extra[0], s->extra[1], s->extra[2]};
+  void *all[] = {s->x,    s->ink,      s->mark,     s->weight,   s->triangle,
+                 s->line, s->extra[0], s->extra[1], s->extra[2], s->extra[3]};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) s->host->release(s->host, all[k]);
   *s = (hk_snapshot3d){0};
 }

@@ -13,7 +13,7 @@ typedef union hk_ink { /* hk_snapshot3d.ink: by hk_look.paint */
 
 enum { HK_MARK_BEAD = 1, HK_MARK_PIN = 2, HK_MARK_BODY = 4 }; /* hk_snapshot3d.mark */
 
-enum { HK_EXTRA_SIZE, HK_EXTRA_FADE, HK_EXTRA_VELOCITY, HK_EXTRAS };
+enum { HK_EXTRA_SIZE, HK_EXTRA_FADE, HK_EXTRA_VELOCITY, HK_EXTRA_TUBE, HK_EXTRAS };
 
 /* z is up. Positions are relative to `origin`, m, and single precision; a particle without a finite position has NAN.
  */
@@ -27,7 +27,7 @@ typedef struct hk_snapshot3d {
   uint8_t *mark; /* n */
   float *weight; /* n, scratch */
   /* What the look asks for, otherwise NULL: by hk_look.sizes the cube root of the mass or the radius, n; opacity, n;
-   * velocity, n x 3. */
+   * velocity, n x 3; radius of the strand, m, 0: it has none of its own, n. */
   float *extra[HK_EXTRAS];
   size_t solids;
   hk_solid *solid; /* in the scene's coordinates, z up; the caller's, who may move them */

@@ -34,6 +34,17 @@ static void add_zero_length(const task *t, size_t e, double k, double L) {
   if (L == 0) add(t->into->K, t->into->slot + 4 * e, block);
 }
 
+/* k times the elongation that the last linearisation foretold. */
+static double foretold(const hk_blocks *into, size_t i, size_t j, double k, double L) {
+  double ll = 0, along = 0;
+  for (int a = 0; a < 3; a++) {
+    double d = into->linearised[j + a] - into->linearised[i + a];
+    ll += d * d;
+    along += d * (into->reached[j + a] - into->reached[i + a]);
+  }
+  return ll > 0 ? k * (along / sqrt(ll) - L) : 0;
+}
+
 static void spring(const task *t, size_t e) {
   const hk_spring_layout *s = t->s;
   size_t i = 3 * (size_t)s->pair[e][0], j = 3 * (size_t)s->pair[e][1];
@@ -50,7 +61,7 @@ static void spring(const task *t, size_t e) {
   }
   double r = 1 / sqrt(ll);
   for (int a = 0; a < 3; a++) un += u[a] * (n[a] *= r);
-  double b = k * (1 - L * r) + c * r * un;
+  double b = (t->into->linearised ? foretold(t->into, i, j, k, L) * r : k * (1 - L * r)) + c * r * un;
   if (b < 0 && t->into->want & HK_WANT_DEFINITE) b = 0;
   bool turning = !(t->into->want & HK_WANT_SYMMETRIC) && c != 0;
   for (int q = 0; q < 9; q++) {

@@ -3,7 +3,9 @@
  *     -df/dx = (k - b) n n^T + b I + (c/l) n (u - (u.n) n)^T,   b = k (1 - L/l) + (c/l) u.n,   -df/dv = c n n^T.
  * The last term of df/dx, due to the rotation of the damping's direction, is the only unsymmetric term:
  * HK_WANT_SYMMETRIC omits it. The other terms have the eigenvalues k, b, b; HK_WANT_DEFINITE replaces a negative b by
- * 0. At l = 0 there is no direction: the block is k I when L = 0, otherwise 0. */
+ * 0. In a method that linearises once a step the tension k (l - L) in b is the one that its last linearisation foretold
+ * (hk_blocks): the multiplier in place of k C, as in Tournier and others 2015, Stable constrained dynamics, ACM TOG 34.
+ * At l = 0 there is no direction: the block is k I when L = 0, otherwise 0. */
 #ifndef HK_SPRING_BLOCKS_H
 #define HK_SPRING_BLOCKS_H
 

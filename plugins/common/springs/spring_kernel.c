@@ -3,7 +3,7 @@
 #include "plugins/common/springs/spring_kernel.h"
 #include "plugins/common/springs/spring_path.h"
 
-enum { LANES = HK_SPRING_LANES, BLOCK = HK_SPRING_BLOCK };
+enum { LANES = HK_SPRING_LANES, WIDEST = HK_SPRING_WIDEST, BLOCK = HK_SPRING_BLOCK };
 
 static inline double scale(double l2, double w, double k, double c, double L, double *p) {
   double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
@@ -63,10 +63,10 @@ static double one_run(const task *t, const hk_spring_numbers *q, const hk_spring
 
 static void one_group(const task *t, size_t group) {
   const hk_spring_layout *s = t->layout;
-  double k[LANES], c[LANES], L[LANES], power = 0;
+  double k[WIDEST], c[WIDEST], L[WIDEST], power = 0;
   hk_spring_numbers q = {s->each_k ? s->k : k,       s->each_c ? s->c : c,       s->each_L ? s->L : L,
                          s->each_k ? ~(size_t)0 : 0, s->each_c ? ~(size_t)0 : 0, s->each_L ? ~(size_t)0 : 0};
-  for (int r = 0; r < LANES; r++) k[r] = *s->k, c[r] = *s->c, L[r] = *s->L;
+  for (int r = 0; r < WIDEST; r++) k[r] = *s->k, c[r] = *s->c, L[r] = *s->L;
   for (size_t r = s->group[group]; r < s->group[group + 1]; r++) power += one_run(t, &q, &s->run[r]);
   s->group_power[group] = power;
 }
@@ -77,10 +77,14 @@ static void groups(void *context, size_t begin, size_t end, size_t chunk) {
   for (size_t g = begin; g < end; g++) one_group(t, t->first_group + g);
 }
 
+static const hk_spring_path *widest_path(void) {
+  const hk_spring_path *wide8 = hk_spring_wide8(), *wide = wide8 ? wide8 : hk_spring_wide();
+  return wide ? wide : &hk_spring_narrow;
+}
+
 void hk_spring_forces(const hk_spring_layout *s, const hk_host *host, const double *x, const double *v, double *F,
                       double *power) {
-  const hk_spring_path *wide = hk_spring_wide();
-  task t = {s, wide ? wide : &hk_spring_narrow, x, v, F, 0};
+  task t = {s, widest_path(), x, v, F, 0};
   if (s->runs == 1 && s->run[0].kind == HK_SPRING_SINGLE) { /* a small scene: no threads, no vectors */
     double p = single(&t, 0, s->count);
     if (power) *power -= p;

@@ -1,5 +1,5 @@
-/* The inner loops of spring_kernel, once with vectors of four doubles and once with vectors of two. Both do the same
- * operations in the same order, so results are bitwise equal. Squared lengths below HK_SPRING_TINY (distances below
+/* The inner loops of spring_kernel, with vectors of two, four and eight doubles. All do the same operations in the same
+ * order, so results are bitwise equal. Squared lengths below HK_SPRING_TINY (distances below
  * 1e-145 m) count as zero, since their reciprocal exceeds the range of doubles. */
 #ifndef HK_SPRING_PATH_H
 #define HK_SPRING_PATH_H
@@ -10,17 +10,17 @@
 
 #define HK_SPRING_TINY 1e-290 /* m^2 */
 
-enum { HK_SPRING_LANES = 4, HK_SPRING_BLOCK = 256 };
+enum { HK_SPRING_LANES = 4, HK_SPRING_WIDEST = 8, HK_SPRING_BLOCK = 256 };
 
-/* `k + (e & each_k)` points to the coefficients of springs e .. e+3; `each` is 0 for a common coefficient (four equal
- * numbers), otherwise it has all bits set. */
+/* `k + (e & each_k)` points to the coefficients of spring e and those that follow; `each` is 0 for a common coefficient
+ * (HK_SPRING_WIDEST equal numbers), otherwise it has all bits set. */
 typedef struct hk_spring_numbers {
   const double *k, *c, *L;
   size_t each_k, each_c, each_L;
 } hk_spring_numbers;
 
-/* Each function adds the forces of n springs to F and returns the sum of c w^2/l^2, W. n is a multiple of
- * HK_SPRING_LANES. */
+/* Each function adds the forces of n springs to F and returns the sum of c w^2/l^2, W, in which springs e, e + 4, e + 8
+ * ... are summed first. n is a multiple of HK_SPRING_LANES. */
 typedef struct hk_spring_path {
   /* The springs (i+t, j+t): x, v and F point to the first particle of each end. The ends are further apart than n. */
   double (*far_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
@@ -35,5 +35,6 @@ typedef struct hk_spring_path {
 
 extern const hk_spring_path hk_spring_narrow; /* for every processor */
 const hk_spring_path *hk_spring_wide(void);   /* NULL where this processor has no vectors of four doubles */
+const hk_spring_path *hk_spring_wide8(void);  /* the same for eight */
 
 #endif

@@ -57,7 +57,7 @@ static void a_section_gives_stiffnesses(void **state) {
          (double[]){8e3 * pi, 4e9 * pi * 8 * rr / 4, 4e9 * pi * 2 * rr / 4, 2e9 * pi * 8 * rr / 5}, ROUNDING);
   expect("n = 5, radius = 1, E = 4 / math.pi", "s.EI, s.EI2", 2, (double[]){1, 1}, ROUNDING);
   test_refused("local scene = hooke.scene {}\nlocal s = scene:strand { n = 5, radius = 1e-3, E = 1 }\nprint(s.GJ)\n",
-               "", 1, "bad.lua:3: a handle has no 'GJ' here");
+               "", 1, "bad.lua:3: a handle has no 'GJ'");
 }
 
 static void ends_carry_half_cells(void **state) {

@@ -1,4 +1,4 @@
-/* What is said before a run, or in its first second: options without an effect, times before the start, how long it
+/* What is said before a run: options without an effect, times before the start, how long it
  * will take, and what would take less. */
 #include "tests/support/command.h"
 
@@ -34,7 +34,6 @@ static void a_stiff_scene_is_told_of_implicit_methods(void **state) {
   says("steps of 1.3e-06 s are to come, which take about "); /* 0.9 of 1.41e-6 s */
   says("the fastest swings, of 4.4e-06 s, are those of 'rod'");
   says("hooke: --integrator bdf2 would take about ");
-  says("hooke: the run will take about ");
   test_hooke(&r, "timeout --preserve-status -s INT 3 ", "run stiff.lua T=6000 --quiet");
   if (r.code != 130 || strstr(r.err, "take about")) fail_msg("%s", r.err);
 }
@@ -60,6 +59,20 @@ static void a_tolerance_without_effect_is_said(void **state) {
   if (*r.err) fail_msg("it said: %s", r.err);
 }
 
+static void a_folder_that_stays_empty_is_said(void **state) {
+  (void)state;
+  test_write("stiff.lua", stiff);
+  test_hooke(&r, NULL, "run stiff.lua k=1e3 --out pictures");
+  assert_int_equal(r.code, 0);
+  says("warning: --out pictures: nothing will be written there, since the scene has no output and no measure");
+  assert_false(test_exists("pictures"));
+  test_hooke(&r, NULL, "run stiff.lua k=1e3 --out pictures --no-output");
+  says("warning: --out pictures has no effect: --no-output turns outputs and measures.csv off");
+  test_hooke(&r, NULL, "run stiff.lua k=1e3 --out pictures --with output:table");
+  if (*r.err) fail_msg("it said: %s", r.err);
+  assert_true(test_exists("pictures"));
+}
+
 static void a_step_that_moves_no_time_is_refused(void **state) {
   (void)state;
   test_write("stiff.lua", stiff);
@@ -80,6 +93,7 @@ int main(void) {
       cmocka_unit_test(a_stiff_scene_is_told_of_implicit_methods),
       cmocka_unit_test(a_short_run_says_nothing),
       cmocka_unit_test(a_tolerance_without_effect_is_said),
+      cmocka_unit_test(a_folder_that_stays_empty_is_said),
       cmocka_unit_test(a_step_that_moves_no_time_is_refused),
       cmocka_unit_test(a_release_before_the_start_is_refused),
   };

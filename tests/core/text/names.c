@@ -19,6 +19,7 @@ static void the_nearest_name_is_a_few_letters_away(void **state) {
   assert_string_equal(hk_nearest_name("Drag", name_at, names), "drag");
   assert_string_equal(hk_nearest_name("K", name_at, names), "k"); /* a capital is nearer than another letter */
   assert_null(hk_nearest_name("universe", name_at, names));
+  assert_null(hk_nearest_name("z", name_at, names)); /* no letter is the same */
   assert_string_equal(hk_nearest_name("grav", name_at, names), "gravity"); /* the beginning of it */
 }
 

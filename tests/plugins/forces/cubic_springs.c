@@ -96,7 +96,7 @@ static void blocks(const hk_instance *springs, const hk_view *view, unsigned wan
   size_t slot[4 * S];
   for (size_t b = 0; b < 4 * S; b++) slot[b] = b;
   memset(K, 0, S * sizeof *K);
-  hk_blocks into = {slot, &K[0][0][0], &none[0][0][0], want};
+  hk_blocks into = {.slot = slot, .K = &K[0][0][0], .D = &none[0][0][0], .want = want};
   assert_int_equal(springs->plugin->force->jacobian(springs->self, view, &into), HK_OK);
 }
 

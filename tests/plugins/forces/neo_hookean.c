@@ -195,7 +195,7 @@ static void definite_blocks_are_definite(void **state) {
     blocks_named = 0;
     b.solid->plugin->force->pattern(b.solid->self, &b.view, &counter);
     assert_int_equal(blocks_named, 16 * TETRAHEDRA);
-    const hk_blocks into = {slot, part, part + 9 * 16 * TETRAHEDRA, HK_WANT_DEFINITE};
+    const hk_blocks into = {.slot = slot, .K = part, .D = part + 9 * 16 * TETRAHEDRA, .want = HK_WANT_DEFINITE};
     assert_int_equal(b.solid->plugin->force->jacobian(b.solid->self, &b.view, &into), HK_OK);
     for (size_t k = 0; k < 16 * TETRAHEDRA; k++)
       for (size_t e = 0; e < 9; e++) {

@@ -120,7 +120,8 @@ static void the_symmetric_part_is_definite(void **state) {
   for (int definite = 0; definite < 2; definite++) {
     memset(K, 0, sizeof K), memset(D, 0, sizeof D);
     for (size_t b = 0; b < 4 * S; b++) slot[b] = b;
-    hk_blocks into = {slot, &K[0][0], &D[0][0], definite ? HK_WANT_SYMMETRIC | HK_WANT_DEFINITE : 0};
+    hk_blocks into = {.slot = slot, .K = &K[0][0], .D = &D[0][0]};
+    into.want = definite ? HK_WANT_SYMMETRIC | HK_WANT_DEFINITE : 0;
     assert_int_equal(ropes->plugin->force->jacobian(ropes->self, &view, &into), HK_OK);
     for (int s = 0; s < 4 * S; s += 4)
       for (int q = 0; q < 9; q++) {

@@ -375,7 +375,7 @@ static void by_slots(const hk_instance *wind, const hk_view *view, size_t *slot,
     for (size_t b = 0; b < 9; b++) slot[9 * t + b] = hk_tuple(&view->model->triangles, t)[b / 3];
   memset(K, 0, 9 * MANY * sizeof *K);
   memset(D, 0, 9 * MANY * sizeof *D);
-  hk_blocks into = {slot, K, D, 0};
+  hk_blocks into = {.slot = slot, .K = K, .D = D};
   assert_int_equal(wind->plugin->force->jacobian(wind->self, view, &into), HK_OK);
 }
 

@@ -11,7 +11,7 @@ static const char scene[] =
     "scene:particle { position = { 0.3, 0, 0 }, mass = 1 }\n"
     "scene:source('" HK_BUILD "/tests/fixtures/spout.so', { every = 0.04, lifetime = 0.3 })\n"
     "scene:output('frames', { width = 160, height = 90, video = false, legend = false, color = color, map = 'grey',\n"
-    "  range = { 0, 1 }, radius = 0.06, camera = { 0, -3, 0.5 }, target = { 0, 0, 0.5 }, ground = false })\n"
+    "  range = { 0, 1 }, radius = 0.06, from = { 0, -3, 0.5 }, look_at = { 0, 0, 0.5 }, ground = false })\n"
     "if part == 'whole' then return scene end\n"
     "if part == 'second' then scene:start { file = 'half.checkpoint' } end\n"
     "local run = scene:run { to = part == 'first' and 0.5 or 1 }\n"

@@ -8,8 +8,8 @@ static const double distance = 4;
 static double scale(void) { return 45 / tan(15 * acos(-1) / 180) / distance; }
 
 static void look_along_y(world *w, double height) {
-  set_vector(w, "camera", 0, -distance, height);
-  set_vector(w, "target", 0, 0, height);
+  set_vector(w, "from", 0, -distance, height);
+  set_vector(w, "look_at", 0, 0, height);
   set_switch(w, "ground", false);
 }
 
@@ -128,7 +128,7 @@ static void frames_draw_what_is_pinned_as_a_whole_as_a_solid(void **state) {
     memset(w.pin, HK_PIN_FIXED, sizeof w.pin);
     w.pin[MOST / 2] = free_one ? HK_FREE : HK_PIN_FIXED;
     look_along_y(&w, 0);
-    set_vector(&w, "camera", 0, -0.1, 4);
+    set_vector(&w, "from", 0, -0.1, 4);
     draw_one(&w);
     picture p = look(&w, 0);
     int red = 0, dark = 0, grey = 0;
@@ -145,7 +145,7 @@ static void frames_draw_what_is_pinned_as_a_whole_as_a_solid(void **state) {
 }
 
 static hk_obstacle_set set;
-static hk_obstacles all = {.set = &set};
+static hk_obstacles all = {.shown = &set};
 
 static const void *serve_obstacles(const hk_host *host, const char *service) {
   (void)host;

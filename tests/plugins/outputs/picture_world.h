@@ -181,8 +181,8 @@ static inline picture draw_once(world *w) {
 
 /* A camera at (0, -10, 0) that looks along y, with a pixel a centimetre wide at the origin. */
 static inline void set_still_camera(world *w) {
-  set_vector(w, "camera", 0, -10, 0);
-  set_vector(w, "target", 0, 0, 0);
+  set_vector(w, "from", 0, -10, 0);
+  set_vector(w, "look_at", 0, 0, 0);
   set_number(w, "fov", 2 * atan(0.045) * 180 / acos(-1));
   set_switch(w, "ground", false);
   set_switch(w, "legend", false);

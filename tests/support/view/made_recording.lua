@@ -15,7 +15,8 @@ made.doubles = function(t) return in_pieces(doubles, t) end
 made.indices = function(t) return in_pieces(indices, t) end
 
 -- what: frames, fps, at(k) -> positions, velocities, ids, strain (tables); edges, triangles, pins (tables of indices);
--- series; forces { name -> function(k) -> table }
+-- series; forces { name -> function(k) -> table }; solids, places(k) -> string, marks,
+-- marks_of(j, k): as in the module
 function made.recording(what)
   local r = { frames = what.frames, fps = what.fps or 60, times = {}, channels = {}, forces = {}, series = what.series or {},
     attributes = {} }
@@ -44,6 +45,9 @@ function made.recording(what)
     for _, i in ipairs(what.pins or {}) do bytes[i + 1] = "\1" end
     return table.concat(bytes)
   end
+  r.solids, r.marks = what.solids, what.marks
+  function r.marks_of(_, j, k) return what.marks_of(j, k) end
+  function r.solid_places(_, k) return what.places(k) end
   return r
 end
 

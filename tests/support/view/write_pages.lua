@@ -29,6 +29,32 @@ page("sheet", { { recording = made.sheet(16, 100), title = "sheet", summary = su
 page("two", { { recording = made.sheet(8, 60), title = "first" }, { recording = made.sheet(8, 60, 0.1), title = "second" } },
   { title = "first and second" })
 
+-- ---- a ball that rolls, a box of triangles and a floor ----
+
+local box_vertices, box_faces = {}, { 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2,
+  1, 3, 7, 1, 7, 5 }
+for k = 0, 7 do
+  for c = 0, 2 do box_vertices[#box_vertices + 1] = (k >> c & 1) - 0.5 end
+end
+
+page("solids", { { title = "solids", recording = made.recording { frames = 20, at = function(k)
+  return { -1, 0, 0.05 * k, 3, 0, 1.2 }, { 0, 0, 0, 0, 0, 0 }, { 1, 2 }
+end, solids = { { kind = "plane", vertices = "", faces = "" }, { kind = "sphere", vertices = "", faces = "" },
+  { kind = "mesh", vertices = made.doubles(box_vertices), faces = made.indices(box_faces) } },
+marks = { { name = "breeze", kind = "wind" }, { name = "contact", kind = "contact" } },
+marks_of = function(j, k) -- the wind blows along y at first; from the 11th frame on 1000 points of 4000 at one place
+  if j == 1 then return made.doubles(k < 11 and { -1, 0, 1 } or {}), made.doubles(k < 11 and { 0, 5, 0 } or {}), 1 end
+  local x, n = {}, {}
+  for i = 1, k < 11 and 1 or 1000 do
+    for c, value in ipairs { 2, 1.2, 0.5 } do x[3 * i - 3 + c], n[3 * i - 3 + c] = value, c == 3 and 1 or 0 end
+  end
+  return made.doubles(x), made.doubles(n), k < 11 and 1 or 4000
+end,
+places = function(k)
+  return made.doubles { 0, 0, -0.5, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0.1 * k, 0, 0, 0.4, 0, 0, 0, 0.4, 0, 0, 0, 0.4,
+    3, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }
+end } } }, { title = "solids" })
+
 -- ---- births and deaths; numbers of any kind; names that would be markup ----
 
 -- A random motion of particles, of which some die and others are born.

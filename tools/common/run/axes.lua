@@ -15,6 +15,15 @@ function axes.extent(values, log)
   return low, high
 end
 
+-- How many of the finite numbers have no logarithm.
+function axes.without_logarithm(values)
+  local count = 0
+  for _, x in ipairs(values) do
+    if good(x) and x <= 0 then count = count + 1 end
+  end
+  return count
+end
+
 -- What the axis gives as `min` and `max`, moved outwards where a point would be outside, and by a margin further, so that
 -- its mark is whole. A side that is not given stays gnuplot's (nil), which shows all points. A range that the user fixed is
 -- kept; the third value is then the number of points outside of it.
@@ -35,21 +44,26 @@ function axes.range(axis, values)
   return min, max, 0
 end
 
--- Ticks of a logarithmic axis from low to high: powers of ten, and where fewer than two of these are inside, the multiples
--- 1, 2, 5 of them, or else five equal ratios.
-function axes.log_ticks(low, high)
-  local decades, fine, list = {}, {}, {}
+-- Multiples of powers of ten from low to high.
+local function multiples(low, high, factors)
+  local list = {}
   for power = math.floor(math.log(low, 10)), math.ceil(math.log(high, 10)) do
-    for _, factor in ipairs { 1, 2, 5 } do
+    for _, factor in ipairs(factors) do
       local x = factor * 10.0 ^ power
-      if x >= low * (1 - 1e-9) and x <= high * (1 + 1e-9) then
-        fine[#fine + 1] = x
-        if factor == 1 then decades[#decades + 1] = x end
-      end
+      if x >= low * (1 - 1e-9) and x <= high * (1 + 1e-9) then list[#list + 1] = x end
     end
   end
-  if #decades >= 2 then return decades end
-  if #fine >= 2 then return fine end
+  return list
+end
+
+-- Ticks of a logarithmic axis from low to high: powers of ten, and where fewer than two of these are inside, round
+-- multiples of them, or else five equal ratios.
+function axes.log_ticks(low, high)
+  for _, factors in ipairs { { 1 }, { 1, 2, 5 }, { 1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 } } do
+    local list = multiples(low, high, factors)
+    if #list >= 2 then return list end
+  end
+  local list = {}
   for k = 0, 4 do list[k + 1] = low * (high / low) ^ (k / 4) end
   return list
 end

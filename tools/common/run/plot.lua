@@ -67,7 +67,8 @@ function plot.log_ticks(letter, low, high)
   return ("set %stics (%s)"):format(letter, table.concat(parts, ", "))
 end
 
-local function column(curves, k)
+-- Number k of all points of the curves.
+function plot.column(curves, k)
   local values = {}
   for _, curve in ipairs(curves or {}) do
     for _, point in ipairs(curve.points) do values[#values + 1] = point[k] end
@@ -83,15 +84,22 @@ local function few_decades(a, values)
   return low, high
 end
 
-local function axis(letter, a, lines, values)
+-- Appends gnuplot's commands for an axis ("x", "y") whose points have these values; a.outside: how many are beyond a
+-- range that is fixed.
+function plot.axis(letter, a, lines, values)
   if not a then return end
   a.min, a.max, a.outside = axes.range(a, values)
+  if a.log then a.outside = a.outside + axes.without_logarithm(values) end
   if a.label then lines[#lines + 1] = ("set %slabel %s noenhanced"):format(letter, plot.quote(a.label)) end
   if a.log then
     lines[#lines + 1] = ("set logscale %s"):format(letter)
     lines[#lines + 1] = ("set format %s '10^{%%L}'"):format(letter)
     local low, high = few_decades(a, values)
-    if low then lines[#lines + 1] = plot.log_ticks(letter, low, high) end
+    if low then
+      lines[#lines + 1] = plot.log_ticks(letter, low, high)
+      local room = (high / low) ^ 0.06 -- gnuplot would go on to the next powers of ten
+      a.min, a.max = a.min or low / room, a.max or high * room
+    end
   end
   if a.min or a.max then
     lines[#lines + 1] = ("set %srange [%s:%s]"):format(letter, a.min and number(a.min) or "*",
@@ -149,8 +157,8 @@ end
 local function name_curves(figure, lines)
   local few = #(figure.curves or {}) >= 2 and #figure.curves <= most_named
   if not few or figure.more then return end
-  local up, back = scale_of(figure.y, column(figure.curves, 2))
-  local heights = ends(figure, (scale_of(figure.x, column(figure.curves, 1))), up)
+  local up, back = scale_of(figure.y, plot.column(figure.curves, 2))
+  local heights = ends(figure, (scale_of(figure.x, plot.column(figure.curves, 1))), up)
   if not heights then return end
   local longest = 0
   for k, y in ipairs(axes.spread(heights, line_height)) do
@@ -163,9 +171,10 @@ local function name_curves(figure, lines)
   lines[#lines + 1] = ("set rmargin %d"):format(longest + 4)
 end
 
-local function title_of(figure)
-  local outside = (figure.x and figure.x.outside or 0) + (figure.y and figure.y.outside or 0)
-  return outside == 0 and figure.title or ("%s (%d points outside)"):format(figure.title, outside)
+-- The title of a diagram with these axes, which says what is not seen.
+function plot.title(title, x, y)
+  local outside = (x and x.outside or 0) + (y and y.outside or 0)
+  return outside == 0 and title or ("%s (%d point%s outside)"):format(title, outside, outside == 1 and "" or "s")
 end
 
 local function settings(figure, lines)
@@ -173,9 +182,9 @@ local function settings(figure, lines)
   lines[#lines + 1] = "set border lw 1.2"
   lines[#lines + 1] = "set tics nomirror scale 0.8"
   lines[#lines + 1] = "set grid xtics ytics lc rgb '#DDDDDD' lt 1 lw 0.6"
-  axis("x", figure.x, lines, column(figure.curves, 1))
-  axis("y", figure.y, lines, column(figure.curves, 2))
-  if figure.title then lines[#lines + 1] = ("set title %s noenhanced"):format(plot.quote(title_of(figure))) end
+  plot.axis("x", figure.x, lines, plot.column(figure.curves, 1))
+  plot.axis("y", figure.y, lines, plot.column(figure.curves, 2))
+  if figure.title then lines[#lines + 1] = ("set title %s noenhanced"):format(plot.quote(plot.title(figure.title, figure.x, figure.y))) end
   for k = 1, #(figure.curves or {}) + 1 do lines[#lines + 1] = plot.style_line(k) end
   for _, curve in ipairs(figure.curves or {}) do
     if curve.style then lines[#lines + 1] = plot.style_line(curve.style) end
@@ -236,13 +245,23 @@ local function render(folder, name, figure)
   return plot.gnuplot(folder, table.concat(script, "\n"))
 end
 
+-- What no diagram can show: curves whose numbers on a logarithmic axis are all 0 or less.
+local function nothing_to_see(figure)
+  for k, a in ipairs { figure.x or {}, figure.y or {} } do
+    local values = plot.column(figure.curves, k)
+    if a.log and #values > 0 and not axes.extent(values, true) then
+      return ("no number of '%s' is above 0, and its axis is logarithmic"):format(a.label or "")
+    end
+  end
+end
+
 function plot.draw(path, figure)
   local folder, name = path:match("^(.*)/([^/]+)$")
   folder, name = folder or ".", name or path
   local fine, why = files.write(path .. ".dat", data_of(figure))
   if fine then fine, why = files.write(path .. ".gp", script_of(name, figure)) end
   if not fine then return nil, "the diagram: " .. why end
-  local failed = render(folder, name, figure)
+  local failed = nothing_to_see(figure) or render(folder, name, figure)
   if failed then return nil, ("no picture %s.png: %s; its script is %s.gp"):format(path, failed, path) end
   return true
 end

@@ -67,13 +67,20 @@ local function panel_items(the, results, figure, panel, blocks)
   return items
 end
 
-local function panel_commands(figure, panel)
-  local range = figure.range and figure.range[panel[1].values[figure.panels[1]]]
-  return {
-    ("set title %s noenhanced"):format(plot.quote(panel.label)), "set size ratio -1",
-    range and ("set xrange [%g:%g]; set yrange [%g:%g]"):format(table.unpack(range))
-      or "set xrange [*:*]; set yrange [*:*]",
-  }
+-- `blocks`: of this panel. A range that the figure fixes may leave points outside: the title says how many.
+local function panel_commands(figure, panel, blocks)
+  local range = figure.range and figure.range[panel[1].values[figure.panels[1]]] or {}
+  local letters, commands, axes = figure.axes or { "x", "y" }, { "set size ratio -1; set xrange [*:*]; set yrange [*:*]" }, {}
+  for k, letter in ipairs { "x", "y" } do
+    local values = {}
+    for _, block in ipairs(blocks) do
+      for _, row in ipairs(block.rows) do values[#values + 1] = row[column[letters[k]]] end
+    end
+    axes[k] = { min = range[2 * k - 1], max = range[2 * k], fixed = #range > 0 }
+    plot.axis(letter, axes[k], commands, values)
+  end
+  table.insert(commands, ("set title %s noenhanced"):format(plot.quote(plot.title(panel.label, axes[1], axes[2]))))
+  return commands
 end
 
 -- Orders panels by the first of the axes, then by the second, ..., independent of the order of the cases.
@@ -106,9 +113,11 @@ function paths.draw(the, results, figure, path)
   }
   local blocks, more = {}, nil
   for k, panel in ipairs(panels) do
+    local first = #blocks + 1
     local items = panel_items(the, results, figure, panel, blocks)
     if #items == 0 then items[1] = "NaN notitle" end
-    for _, command in ipairs(panel_commands(figure, panel)) do commands[#commands + 1] = command end
+    local own = table.move(blocks, first, #blocks, 1, {})
+    for _, command in ipairs(panel_commands(figure, panel, own)) do commands[#commands + 1] = command end
     if k == #panels then more = items
     else commands[#commands + 1] = "plot " .. table.concat(items, ", \\\n     ") .. "\nunset key" end
   end

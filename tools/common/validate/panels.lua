@@ -105,9 +105,13 @@ local function panel_script(panel, p)
   for _, tick in ipairs(panel.ticks) do low, high = math.min(low, tick[1]), math.max(high, tick[1]) end
   add("set title %s noenhanced", title_text(panel.title))
   add("set xlabel %s noenhanced offset 0,0.3", plot.words(panel.label))
-  add("set xtics (%s)", ticks_text(panel.ticks))
-  add("set xrange [%.9g:%.9g]", low / 1.25, high * 1.25)
   local g = panel.guide
+  local errors = plot.column(panel.curves, 2)
+  for _, x in ipairs(g and { low / 1.25, high * 1.25 } or {}) do table.insert(errors, g.error * (x / g.h) ^ g.order) end
+  add("set ytics auto; set yrange [*:*]") -- the panel before may have had others
+  plot.axis("y", { log = true }, text, errors)
+  plot.axis("x", { log = true, min = low / 1.25, max = high * 1.25 }, text, plot.column(panel.curves, 1))
+  add("set xtics (%s)", ticks_text(panel.ticks))
   if g then items[1] = ("%.9g*(x/%.9g)**%g with lines lc rgb '#BBBBBB' lw 1 dt 1 title 'order %g'"):format(g.error, g.h,
     g.order, g.order) end
   for c in ipairs(panel.curves) do
@@ -120,7 +124,7 @@ end
 
 -- Commands that draw panels first to last into a grid of `rows`.
 function panels.script(all, first, last, rows, title)
-  local text = { "set logscale xy", "set format y '10^{%L}'", "set tics nomirror scale 0.6", "set border 3 lw 0.8",
+  local text = { "set tics nomirror scale 0.6", "set border 3 lw 0.8",
     "set grid ytics lc rgb '#DDDDDD' lt 1 lw 0.5", "set samples 2", "set ylabel 'relative error' offset 1,0",
     "set key below left Left reverse samplen 2 spacing 1 maxcols 1",
     ("set multiplot layout %d,%d title %s noenhanced"):format(rows, columns, plot.words(title)) }

@@ -2,7 +2,9 @@
 -- (tools/native/view/motion_code.h), topology, ids, series.
 local page = require("page")
 local json_text = require("common.view.json_text")
+local marks = require("common.view.marks")
 local series = require("common.view.series")
+local solids = require("common.view.solids")
 
 local encode = {}
 
@@ -76,12 +78,13 @@ end
 
 -- ---- streams ----
 
-local function start_streams(r, fields)
+local function start_streams(r, fields, free)
   local streams = { { name = "position", components = 3, levels = LEVELS, get = function(k) return r:positions(k) end } }
   for _, f in ipairs(fields) do
     f.levels = COARSE[f.components] or COARSE[3]
     streams[#streams + 1] = f
   end
+  table.move(free, 1, #free, #streams + 1, streams)
   for _, s in ipairs(streams) do
     s.low, s.high, s.texts, s.size = {}, {}, json_text.list(), 0
     for k = 1, r.frames do widen(s, s.get(k), s.components) end
@@ -131,11 +134,19 @@ local function frames_of_block(r)
   return math.max(8, math.min(60, BLOCK // (3 * n)))
 end
 
+-- The origin of the page's positions, as recorded.js has it.
+local function middle_of(stream)
+  local middle = {}
+  for c = 1, 3 do middle[c] = (stream.low[c] + stream.high[c]) / 2 end
+  return middle
+end
+
 -- Writes the data of a recording to the page. The run as the page's story tells it; nil and the reason.
 -- more: title, summary (JSON text or nil), tick (a function called after each frame)
 function encode.run(r, out, more)
   if r.frames == 0 then return nil, "it has no frames" end
-  local streams, per_block = start_streams(r, fields_of(r, more)), frames_of_block(r)
+  local free = marks.streams(r)
+  local streams, per_block = start_streams(r, fields_of(r, more), free), frames_of_block(r)
   local run = { title = more.title, fps = r.fps, times = json_text.list(r.times), blocks = json_text.list(),
     populations = json_text.list(), topologies = json_text.list(), streams = json_text.list(),
     series = series.of(r.series or {}), summary = more.summary and json_text.raw(more.summary) }
@@ -154,12 +165,16 @@ function encode.run(r, out, more)
       table.insert(run.topologies, topology(r, out, k))
       pins = held
     end
-    for _, s in ipairs(streams) do s.encoder:add(s.get(k), now) end
+    for _, s in ipairs(streams) do s.encoder:add(s.get(k), not s.free and now or nil) end
     if more.tick then more.tick(k, r.frames) end
   end
   end_block(out, streams)
   run.ids = out:add(page.indices(table.concat(all_ids)))
-  for k, s in ipairs(streams) do run.streams[k] = told(r, s) end
+  for k, s in ipairs(streams) do
+    if not s.free then run.streams[k] = told(r, s) end
+  end
+  run.marks = marks.told(r, free)
+  run.solids = solids.of(r, out, middle_of(streams[1]))
   run.sizes = {}
   for _, s in ipairs(streams) do run.sizes[s.name] = s.size end
   return run

@@ -8,8 +8,8 @@ local template = {}
 
 -- In this order: a module uses those before it.
 template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "surface", "segments",
-  "points", "floor", "orbit", "topology", "layer", "stage", "clock", "timeline", "plots", "controls", "compare", "inspector", "report",
-  "bench", "app" }
+  "points", "floor", "solids", "orbit", "topology", "layer", "stage", "clock", "timeline", "plots", "controls", "compare",
+  "inspector", "report", "bench", "app" }
 
 -- Where three.js may be, with window.THREE (the older files) or as CommonJS.
 local places = { "/usr/share/javascript/three/", "/usr/share/nodejs/three/build/", "/usr/local/lib/node_modules/three/build/",

@@ -9,9 +9,14 @@ child.__index = child
 local LAST_WORDS = 4000 -- characters
 
 -- The words of the link, for descriptors 3, 4 and 5.
-local link = { "--with", "force:pull:by_hand=true", "--with", "output:live:messages=3,commands=4", "--summary", "/dev/fd/5" }
+local function link_of(forces)
+  return { "--with", "force:pull:by_hand=true", "--with", "output:live:messages=3,commands=4,forces=" .. tostring(forces),
+    "--summary", "/dev/fd/5" }
+end
 
-function child.start(words)
+-- forces: whether frames have each force by itself
+function child.start(words, forces)
+  local link = link_of(forces)
   local list = { "/proc/self/exe", "run" }
   table.move(words, 1, #words, 3, list)
   table.move(link, 1, #link, #list + 1, list)

@@ -1,6 +1,7 @@
 -- What a run has shown so far, as documents of the server. Of run r:
 --
---     run/r            the story: title, fps, origin, fields, measures (JSON)
+--     run/r            the story: title, fps, origin, fields, measures, marks (JSON)
+--     solids/r         S as it came: what particles bounce off
 --     topology/r/k     T as it came, number k; frame/r/k: F as it came, frame k
 --     numbers/r/c      the N of frames 512 c to 512 c + 511, one after the other (double)
 --
@@ -21,18 +22,21 @@ function history.new(server, number, title)
     chunk = {}, latest = -1 }, history)
 end
 
+local units = { velocity = "m/s", force = "N" }
+
 local function name_of(self, kind, k) return ("%s/%d/%d"):format(kind, self.number, k) end
 
 local function begin(self, body)
   local run = messages.run(body)
   local fields = json_text.list()
   for k, f in ipairs(run.fields) do
-    fields[k] = { name = f.kind == "channel" and "channel " .. f.name or f.name, label = f.name, components = f.components,
-      unit = f.kind == "velocity" and "m/s" or "", painted = f.kind == "velocity" and "speed" or nil,
+    local own = f.kind == "channel" or f.kind == "force" -- a name of the scene's
+    fields[k] = { name = own and f.kind .. " " .. f.name or f.name, label = f.kind == "force" and "force: " .. f.name or f.name,
+      components = f.components, unit = units[f.kind] or "", painted = f.kind == "velocity" and "speed" or nil,
       centred = f.kind == "strain" }
   end
   self.server:put(("run/%d"):format(self.number), JSON, json_text.encode({ title = self.title, fps = run.fps,
-    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures) }))
+    origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures), marks = json_text.list(run.marks) }))
 end
 
 local function forget(self, k)
@@ -78,6 +82,7 @@ local heard = {
     self.topologies = string.unpack("<I4", body)
     self.server:put(name_of(self, "topology", self.topologies), BINARY, body)
   end,
+  S = function(self, body) self.server:put(("solids/%d"):format(self.number), BINARY, body) end,
   N = note,
   F = keep,
 }
@@ -92,6 +97,7 @@ function history:drop()
   for k in pairs(self.kept) do forget(self, k) end
   for k = 1, self.topologies or 0 do self.server:drop(name_of(self, "topology", k)) end
   for c = 0, self.frames // CHUNK do self.server:drop(name_of(self, "numbers", c)) end
+  self.server:drop(("solids/%d"):format(self.number))
   self.server:drop(("run/%d"):format(self.number))
 end
 

@@ -1,9 +1,9 @@
 -- The words of the command line of `hooke run ... --watch`, of which the run gets what is its own.
 local words = {}
 
--- The run's words, and the port of the page.
+-- The run's words, the port of the page, and whether it shows each force by itself; nil and the reason.
 function words.split(list)
-  local own, port, k = {}, 0, 1
+  local own, port, forces, k = {}, 0, false, 1
   while list[k] do
     local word = list[k]
     local value = word:match("^%-%-port=(.*)$")
@@ -14,12 +14,14 @@ function words.split(list)
     if value then
       port = math.tointeger(tonumber(value))
       if not port or port < 0 or port > 65535 then return nil, ("--port: '%s' is not a number from 0 to 65535"):format(value) end
+    elseif word == "--forces" then
+      forces = true
     elseif word ~= "--watch" then
       own[#own + 1] = word
     end
     k = k + 1
   end
-  return own, port
+  return own, port, forces
 end
 
 -- The words with other values of parameters of the scene.

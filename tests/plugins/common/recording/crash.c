@@ -38,12 +38,13 @@ int ftruncate(int file, off_t length) { return next_call_fails() ? -1 : (int)sys
 static double x[3 * MOST], v[3 * MOST], mass[MOST], heat[MOST], strain[MOST];
 static uint32_t id[MOST], vertex[MOST], segment[MOST][2];
 static uint8_t pin[MOST];
-static hk_shot_array array = {.name = "heat", .width = 1, .value = heat};
+static hk_frame_array array = {.name = "heat", .width = 1, .value = heat};
 
 static size_t count_at(int k) { return k < 2 ? 20 : (size_t)(20 + 3 * (k / 2)); }
 
-static hk_shot shot_at(int k) {
-  hk_shot s = {.t = k / 10.0, .n = count_at(k), .x = x, .v = v, .mass = mass, .id = id, .pin = pin, .strain = strain};
+static hk_frame_data data_at(int k) {
+  hk_frame_data s = {
+      .t = k / 10.0, .n = count_at(k), .x = x, .v = v, .mass = mass, .id = id, .pin = pin, .strain = strain};
   for (size_t i = 0; i < s.n; i++) {
     for (size_t c = 0; c < 3; c++) x[3 * i + c] = sin((double)(i * 3 + c) + k), v[3 * i + c] = cos((double)i * k);
     mass[i] = 1 + (double)i, id[i] = (uint32_t)(i + 1 + (size_t)(k / 2)), heat[i] = k + 0.1 * (double)i;
@@ -63,13 +64,13 @@ static hk_frame frame_at(int k) {
 static char h5[64], xdmf[64];
 
 static bool record(char *why, size_t size) {
-  hk_shot first = shot_at(0);
+  hk_frame_data first = data_at(0);
   hk_frame frame = frame_at(0);
   hk_recorder_setup setup = {.level = 1, .every = 1};
   hk_recorder *r = hk_recorder_open(h5, xdmf, &setup, &first, &frame, why, size);
   bool fine = r != NULL;
   for (int k = 0; k < FRAMES && fine; k++) {
-    hk_shot s = shot_at(k);
+    hk_frame_data s = data_at(k);
     frame = frame_at(k);
     fine = hk_recorder_add(r, &s, k % 2 == 0, &frame, why, size);
   }
@@ -80,7 +81,7 @@ static bool record(char *why, size_t size) {
 static void check_frame(const hk_recording *r, int k) {
   double got[3 * MOST];
   uint32_t ids[MOST], pairs[2 * MOST];
-  hk_shot s = shot_at(k);
+  hk_frame_data s = data_at(k);
   const hk_recorded_part *p = hk_recorded_part_of(r, (size_t)k);
   assert_int_equal(p->n, s.n);
   assert_true(r->time[k] == s.t);
@@ -89,7 +90,7 @@ static void check_frame(const hk_recording *r, int k) {
   assert_true(hk_recording_moving(r, r->array[0].set, (size_t)k, 1, got));
   assert_memory_equal(got, heat, s.n * sizeof *got);
   assert_true(hk_recording_fixed(r, r->id, (size_t)k, H5T_NATIVE_UINT32, ids));
-  assert_memory_equal(ids, shot_at(k / 2 * 2).id, s.n * sizeof *ids);
+  assert_memory_equal(ids, data_at(k / 2 * 2).id, s.n * sizeof *ids);
   assert_true(hk_recording_segments(r, (size_t)k, pairs));
   assert_memory_equal(pairs, segment, sizeof segment[0] * 9);
 }

@@ -85,8 +85,11 @@ static void blocks_are_the_hessian_in_other_frames(void **state) {
   for (int w = 0; w < 2; w++) {
     double largest = 0;
     memset(K, 0, 36 * list.count * sizeof *K);
-    assert_int_equal(hk_bending_jacobian(force->self, &view, &(hk_blocks){slot, K, D, want[w]}), HK_OK);
-    assert_int_equal(force->plugin->force->jacobian(force->self, &view, &(hk_blocks){slot, L, E, want[w]}), HK_OK);
+    assert_int_equal(
+        hk_bending_jacobian(force->self, &view, &(hk_blocks){.slot = slot, .K = K, .D = D, .want = want[w]}), HK_OK);
+    assert_int_equal(
+        force->plugin->force->jacobian(force->self, &view, &(hk_blocks){.slot = slot, .K = L, .D = E, .want = want[w]}),
+        HK_OK);
     for (size_t k = 0; k < 9 * list.count; k++) largest = fmax(largest, fabs(K[k]));
     assert_true(largest > 10);
     for (size_t k = 0; k < 9 * list.count; k++)

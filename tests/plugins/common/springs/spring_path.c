@@ -29,37 +29,43 @@ static void fill(state *s) {
   memcpy(s->x + 3 * 300, s->x + 3 * 299, 3 * sizeof *s->x); /* a coincident pair of the near run */
 }
 
-/* Common coefficients when `each` is 0, or one per spring. */
-static void run(const hk_spring_path *path, const state *s, size_t each, bool damped, result out[3]) {
-  double k[HK_SPRING_LANES] = {70, 70, 70, 70}, c[HK_SPRING_LANES] = {2, 2, 2, 2}, L[HK_SPRING_LANES] = {0};
+/* n springs with common coefficients when `each` is 0, or one per spring. */
+static void run(const hk_spring_path *path, const state *s, size_t n, size_t each, bool damped, result out[3]) {
+  double k[HK_SPRING_WIDEST], c[HK_SPRING_WIDEST], L[HK_SPRING_WIDEST] = {0};
+  for (size_t r = 0; r < HK_SPRING_WIDEST; r++) k[r] = 70, c[r] = 2;
   hk_spring_numbers q = {each ? s->k : k, each ? s->c : c, each ? s->L : L, each, each, each};
   const double *xi = s->x + 3 * 100, *vi = s->v + 3 * 100;
   memset(out, 0, 3 * sizeof *out);
-  out[0].power =
-      path->far_run(&q, SPRINGS, xi, xi + 3 * 300, vi, vi + 3 * 300, out[0].F + 300, out[0].F + 1200, damped);
-  out[1].power = path->near_run(&q, SPRINGS, xi, xi + 3, vi, vi + 3, out[1].F + 300, out[1].F + 303, damped);
-  out[2].power = path->list(&q, SPRINGS, s->pair, s->x, s->v, out[2].F, damped);
+  out[0].power = path->far_run(&q, n, xi, xi + 3 * 300, vi, vi + 3 * 300, out[0].F + 300, out[0].F + 1200, damped);
+  out[1].power = path->near_run(&q, n, xi, xi + 3, vi, vi + 3, out[1].F + 300, out[1].F + 303, damped);
+  out[2].power = path->list(&q, n, s->pair, s->x, s->v, out[2].F, damped);
+}
+
+/* On variants of n springs: 1, coefficients per spring; 2, damped. */
+static void compare(const hk_spring_path *path, const state *s, size_t n) {
+  result *is = calloc(3, sizeof *is), *expected = calloc(3, sizeof *expected);
+  for (int variant = 0; variant < 4; variant++) {
+    run(path, s, n, variant & 1 ? ~(size_t)0 : 0, variant & 2, is);
+    run(&hk_spring_narrow, s, n, variant & 1 ? ~(size_t)0 : 0, variant & 2, expected);
+    for (int r = 0; r < 3; r++) {
+      assert_memory_equal(&is[r], &expected[r], sizeof *is);
+      double sum = 0;
+      for (size_t q = 0; q < 3 * PARTICLES; q++) sum += fabs(is[r].F[q]);
+      assert_true((is[r].power > 0) == (variant >= 2) && isfinite(sum) && sum > 100);
+    }
+  }
+  free(is);
+  free(expected);
 }
 
 static void paths_give_the_same_bits(void **unused) {
   (void)unused;
-  if (!hk_spring_wide()) return; /* this processor has one path only */
+  const hk_spring_path *path[] = {hk_spring_wide(), hk_spring_wide8()}; /* NULL where this processor has none */
   state *s = calloc(1, sizeof *s);
-  result *wide = calloc(3, sizeof *wide), *narrow = calloc(3, sizeof *narrow);
   fill(s);
-  for (int variant = 0; variant < 4; variant++) {
-    run(hk_spring_wide(), s, variant & 1 ? ~(size_t)0 : 0, variant & 2, wide);
-    run(&hk_spring_narrow, s, variant & 1 ? ~(size_t)0 : 0, variant & 2, narrow);
-    for (int r = 0; r < 3; r++) {
-      assert_memory_equal(&wide[r], &narrow[r], sizeof *wide);
-      double sum = 0;
-      for (size_t q = 0; q < 3 * PARTICLES; q++) sum += fabs(wide[r].F[q]);
-      assert_true((wide[r].power > 0) == (variant >= 2) && isfinite(sum) && sum > 100);
-    }
-  }
+  for (size_t p = 0; p < sizeof path / sizeof *path; p++)
+    for (size_t n = HK_SPRING_LANES; path[p] && n <= SPRINGS; n += HK_SPRING_LANES) compare(path[p], s, n);
   free(s);
-  free(wide);
-  free(narrow);
 }
 
 int main(void) {

@@ -1,0 +1,164 @@
+/* The particles that are shown are gathered from the view, with channels and forces. */
+#include "plugins/common/frame_data/gatherer.h"
+
+#include "plugins/common/frame_data/cells.h"
+#include "plugins/common/frame_data/room.h"
+#include "plugins/common/frame_data/strain.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void name_array(hk_frame_array *a, const char *name, bool force, size_t width) {
+  snprintf(a->name, sizeof a->name, "%s", name);
+  a->force = force;
+  a->width = width;
+}
+
+hk_status hk_gatherer_begin(hk_gatherer *s, const hk_view *view, const hk_frame *frame, bool forces) {
+  const hk_model *m = view->model;
+  size_t channels = m->channels, count = channels + (forces ? frame->forces : 0);
+  s->data.array = calloc(count + 1, sizeof *s->data.array);
+  if (!s->data.array) return HK_NO_MEMORY;
+  s->data.arrays = count;
+  for (size_t k = 0; k < channels; k++) name_array(&s->data.array[k], m->channel[k].name, false, m->channel[k].size);
+  for (size_t k = channels; k < count; k++) name_array(&s->data.array[k], frame->force_name[k - channels], true, 3);
+  s->dirty = true;
+  s->strained = m->element_lists > 0;
+  return HK_OK;
+}
+
+static bool reserve(hk_gatherer *s, size_t n) {
+  hk_frame_data *data = &s->data;
+  bool fine = hk_make_room(&s->kept, &s->room[HK_ROOM_KEPT], n, sizeof *s->kept) &&
+              hk_make_room(&s->place, &s->room[HK_ROOM_PLACE], n, sizeof *s->place) &&
+              hk_make_room(&data->x, &s->room[HK_ROOM_X], 3 * n, sizeof *data->x) &&
+              hk_make_room(&data->v, &s->room[HK_ROOM_V], 3 * n, sizeof *data->v) &&
+              hk_make_room(&data->mass, &s->room[HK_ROOM_MASS], n, sizeof *data->mass) &&
+              hk_make_room(&data->id, &s->room[HK_ROOM_ID], n, sizeof *data->id) &&
+              hk_make_room(&data->pin, &s->room[HK_ROOM_PIN], n, sizeof *data->pin) &&
+              hk_make_room(&s->every, &s->room[HK_ROOM_EVERY], 3 * n, sizeof *s->every) &&
+              (!s->strained || hk_make_room(&data->strain, &s->room[HK_ROOM_STRAIN], n, sizeof *data->strain));
+  for (size_t k = 0; k < data->arrays && fine; k++) {
+    double *grown = realloc(data->array[k].value, (data->array[k].width * n + 1) * sizeof *grown);
+    if (grown) data->array[k].value = grown;
+    fine = grown != NULL;
+  }
+  return fine;
+}
+
+/* Which particles are shown, in the order of their ids. */
+static void choose(hk_gatherer *s, const hk_view *view) {
+  const hk_model *m = view->model;
+  for (size_t i = 0; i < view->n; i++)
+    s->place[i] = s->only.count || (s->group != UINT32_MAX && m->group[i] != s->group) ? UINT32_MAX : 0;
+  for (size_t k = 0; k < s->only.count; k++) {
+    uint32_t i = s->only.index[k];
+    if (i < view->n && (s->group == UINT32_MAX || m->group[i] == s->group)) s->place[i] = 0;
+  }
+  s->data.n = 0;
+  for (size_t k = 0; k < view->n; k++) {
+    size_t i = hk_model_nth(m, k);
+    if (s->place[i] == 0) s->place[i] = (uint32_t)s->data.n, s->kept[s->data.n++] = (uint32_t)i;
+  }
+}
+
+/* Gathers `width` numbers of each particle shown. */
+static void gather(const hk_gatherer *s, const double *from, size_t width, double *to) {
+  for (size_t j = 0; j < s->data.n; j++) memcpy(to + width * j, from + width * s->kept[j], width * sizeof *to);
+}
+
+/* True: one of the particles, masses or pins is another one than in the frame before. */
+static bool gather_model(hk_gatherer *s, const hk_model *m, size_t n_before) {
+  hk_frame_data *data = &s->data;
+  bool other = data->n != n_before;
+  for (size_t j = 0; j < data->n; j++) {
+    size_t i = s->kept[j];
+    other = other || data->id[j] != m->id[i] || data->mass[j] != m->mass[i] || data->pin[j] != m->pin[i];
+    data->id[j] = m->id[i], data->mass[j] = m->mass[i], data->pin[j] = m->pin[i];
+  }
+  return other;
+}
+
+static hk_status gather_arrays(hk_gatherer *s, const hk_view *view, const hk_frame *frame) {
+  const hk_model *m = view->model;
+  for (size_t k = 0; k < m->channels; k++)
+    gather(s, view->y + m->channel[k].offset * view->n, m->channel[k].size, s->data.array[k].value);
+  for (size_t k = m->channels; k < s->data.arrays; k++) {
+    hk_status status = frame->force(frame, k - m->channels, s->every);
+    if (status != HK_OK) return status;
+    gather(s, s->every, 3, s->data.array[k].value);
+  }
+  return HK_OK;
+}
+
+/* Changes with the lists that cells are made of, even where nobody was told of a change. */
+static uint64_t signature(const hk_view *view) {
+  const hk_model *m = view->model;
+  uint64_t sum = view->n;
+  sum = sum * 31 + m->edges.count, sum = sum * 31 + m->triangles.count;
+  for (size_t k = 0; k < m->element_lists; k++) sum = sum * 31 + m->element_list[k].elements.node.count;
+  for (size_t k = 0; k < m->join_lists; k++) sum = sum * 31 + m->join[k]->count;
+  return sum;
+}
+
+hk_status hk_gatherer_take(hk_gatherer *s, const hk_view *view, const hk_frame *frame) {
+  size_t before = s->data.n;
+  if (!reserve(s, view->n)) return HK_NO_MEMORY;
+  s->data.t = view->t;
+  choose(s, view);
+  gather(s, view->x, 3, s->data.x);
+  gather(s, view->v, 3, s->data.v);
+  s->changed = gather_model(s, view->model, before) || s->dirty || signature(view) != s->signature;
+  hk_status status = s->changed ? hk_gatherer_find_cells(s, view) : HK_OK;
+  if (status != HK_OK) return status;
+  s->signature = signature(view);
+  s->dirty = false;
+  hk_gatherer_strain(s, view);
+  return gather_arrays(s, view, frame);
+}
+
+hk_status hk_gatherer_choose(hk_gatherer *s, const hk_host *host, const hk_model *m, const char *group) {
+  s->group = UINT32_MAX;
+  for (size_t g = 0; group && g < m->groups; g++)
+    if (strcmp(m->group_name[g], group) == 0) s->group = (uint32_t)g;
+  if (!group || s->group != UINT32_MAX) return HK_OK;
+  return host->fail(host, HK_BAD_PARAM, "group: no particle is in a group '%s'", group);
+}
+
+hk_status hk_gatherer_open(hk_gatherer *s, const hk_view *view, const hk_frame *frame, const hk_tuples *only,
+                           bool forces) {
+  const hk_host *host = view->host;
+  if (hk_gatherer_begin(s, view, frame, forces) != HK_OK)
+    return host->fail(host, HK_NO_MEMORY, "no memory for a frame");
+  return hk_gatherer_frame(s, view, frame, only);
+}
+
+hk_status hk_gatherer_frame(hk_gatherer *s, const hk_view *view, const hk_frame *frame, const hk_tuples *only) {
+  s->only = *only;
+  hk_status status = hk_gatherer_take(s, view, frame);
+  if (status != HK_NO_MEMORY) return status;
+  return view->host->fail(view->host, status, "no memory for %zu particles", view->n);
+}
+
+void hk_gatherer_free(hk_gatherer *s) {
+  hk_frame_data *data = &s->data;
+  void *const all[] = {s->kept,
+                       s->place,
+                       s->every,
+                       s->source,
+                       data->x,
+                       data->v,
+                       data->mass,
+                       data->id,
+                       data->pin,
+                       data->cell_strain,
+                       data->strain,
+                       data->cells.vertex,
+                       data->cells.segment,
+                       data->cells.triangle};
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
+  for (size_t k = 0; k < data->arrays; k++) free(data->array[k].value);
+  free(data->array);
+  *s = (hk_gatherer){0};
+}

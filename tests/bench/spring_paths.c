@@ -1,0 +1,76 @@
+/* The inner loops of the springs kernel, path by path, on particles that stay in the first-level cache: what they cost
+ * beside memory. The paths take turns, and each figure is the least of its repeats, in seconds of the processor. */
+#include "plugins/common/springs/spring_path.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { N = 640, SPRINGS = HK_SPRING_BLOCK, CALLS = 16, REPEATS = 400, PATHS = 3, CASES = 6, SHUFFLE = 600 };
+
+typedef struct data {
+  double x[3 * N + 8], v[3 * N + 8], F[3 * N + 8], k[SPRINGS], c[SPRINGS], L[SPRINGS];
+  uint32_t pair[SPRINGS][2];
+} data;
+
+typedef struct kind {
+  const char *name;
+  size_t apart; /* 0: a list */
+  size_t each;  /* coefficients per spring */
+} kind;
+
+static double now(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void fill(data *d) {
+  uint32_t state = 12345;
+  for (size_t q = 0; q < 3 * N; q++) d->x[q] = sin(1.3 * (double)q), d->v[q] = cos(2.1 * (double)q);
+  for (size_t e = 0; e < SPRINGS; e++) {
+    d->k[e] = 100 + (double)(e % 17), d->c[e] = 0.1 + 0.1 * (double)(e % 5), d->L[e] = 0.3 * (double)(e % 3);
+    for (int end = 0; end < 2; end++) {
+      state = state * 1664525 + 1013904223;
+      d->pair[e][end] = (uint32_t)(((uint64_t)state * SHUFFLE) >> 32);
+    }
+    if (d->pair[e][0] == d->pair[e][1]) d->pair[e][1]++;
+  }
+}
+
+static double call(const hk_spring_path *path, data *d, const kind *a, bool damped) {
+  size_t each = a->each ? ~(size_t)0 : 0, j = 3 * a->apart;
+  hk_spring_numbers q = {d->k, d->c, d->L, each, each, each};
+  double (*run)(const hk_spring_numbers *, size_t, const double *, const double *, const double *, const double *,
+                double *, double *, bool) = a->apart > SPRINGS ? path->far_run : path->near_run;
+  double start = now();
+  for (int r = 0; r < CALLS; r++)
+    if (a->apart)
+      run(&q, SPRINGS, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j, damped);
+    else
+      path->list(&q, SPRINGS, (const uint32_t(*)[2])d->pair, d->x, d->v, d->F, damped);
+  return (now() - start) / (CALLS * SPRINGS) * 1e9;
+}
+
+int main(void) {
+  static const kind kinds[CASES] = {{"run, ends 1 apart", 1, 0},        {"run, ends 2 apart", 2, 0},
+                                    {"run, ends 129 apart", 129, 0},    {"run, ends 300 apart", 300, 0},
+                                    {"run, 300, each its own", 300, 1}, {"list, each its own", 0, 1}};
+  const hk_spring_path *path[PATHS] = {&hk_spring_narrow, hk_spring_wide(), hk_spring_wide8()};
+  data *d = aligned_alloc(64, (sizeof *d + 63) / 64 * 64);
+  fill(d);
+  printf("ns a spring in the cache:        2 lanes: damped, undamped   4: damped, undamped   8: damped, undamped\n");
+  for (int k = 0; k < CASES; k++) {
+    double least[PATHS][2] = {{1e9, 1e9}, {1e9, 1e9}, {1e9, 1e9}};
+    for (int r = 0; r < REPEATS; r++)
+      for (int p = 0; p < PATHS; p++)
+        for (int damped = 0; damped < 2 && path[p]; damped++)
+          least[p][damped] = fmin(least[p][damped], call(path[p], d, &kinds[k], damped));
+    printf("%-30s", kinds[k].name);
+    for (int p = 0; p < PATHS; p++) printf(" %14.2f %8.2f", path[p] ? least[p][1] : NAN, path[p] ? least[p][0] : NAN);
+    printf("\n");
+  }
+  free(d);
+  return 0;
+}

@@ -1,0 +1,77 @@
+/* Pictures show what particles meet, wherever its contact is: in runs of hooke. */
+#include "tests/plugins/outputs/picture_world.h"
+
+#include "tests/support/command.h"
+
+/* A box of 0.2 m that moves along x by 0.4 m in the run, seen with 100 pixels a metre; the particle is above it, or far
+ * out of sight. */
+static const char scene[] =
+    "local kind, z = param('kind', 'none', ''), param('z', 0.35, '')\n"
+    "local scene = hooke.scene { duration = 1, fps = 1, integrator = 'leapfrog', dt = 0.01 }\n"
+    "scene:particle { position = { 0, 0, z }, mass = 1 }\n"
+    "local box = { shape = 'box', size = { 0.2, 0.2, 0.2 }, position = function(t) return 0.4 * t, 0, 0 end }\n"
+    "if kind == 'obstacle' then scene:corrector('obstacle', box) end\n"
+    "if kind == 'penalty' then scene:force('penalty', box) end\n"
+    "if kind == 'wall' then scene:force('soft_walls', { stiffness = 1, planes = { 0.6, -0.8, 0, -1 }, radius = 0.1 }) "
+    "end\n"
+    "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, from = { 0, "
+    "-10, 0 },\n"
+    "  look_at = { 0, 0, 0 }, fov = 5.1530, ground = false })\n"
+    "return scene\n";
+
+static test_result r;
+
+static void run(const char *kind, double z) {
+  char command[128];
+  test_write("obstacles.lua", scene);
+  snprintf(command, sizeof command, "run obstacles.lua --quiet kind=%s z=%g", kind, z);
+  test_hooke(&r, NULL, command);
+  if (r.code != 0) fail_msg("%s: %s", command, r.err);
+}
+
+static picture picture_of(int frame) {
+  char path[512];
+  snprintf(path, sizeof path, "%s/out/obstacles/frames/%06d.png", test_folder(), frame);
+  return read_picture(path);
+}
+
+/* Solids are brownish, the background is bluish. */
+static bool is_solid(const picture *p, int x, int y) { return at(p, x, y)[0] > at(p, x, y)[2]; }
+
+static void pictures_show_obstacles_of_correctors_and_forces_where_they_are(void **state) {
+  (void)state;
+  static const char *const kinds[] = {"none", "obstacle", "penalty"};
+  for (int k = 0; k < 6; k++) {
+    run(kinds[k % 3], k < 3 ? 0.35 : 90);
+    for (int frame = 0; frame < 2; frame++) {
+      picture p = picture_of(frame);
+      int middle = 80 + 40 * frame;
+      for (int x = 5; x < 160; x += 5) {
+        if (abs(abs(x - middle) - 10) <= 1) continue; /* its edge */
+        assert_int_equal(is_solid(&p, x, 45), k % 3 > 0 && abs(x - middle) < 10);
+      }
+      free(p.rgb);
+    }
+  }
+}
+
+/* A plane is seen from the side of its normal, with a colour that is not the background's. */
+static void pictures_show_the_planes_of_soft_walls(void **state) {
+  (void)state;
+  run("none", 0.35);
+  picture without = picture_of(0);
+  run("wall", 0.35);
+  picture with = picture_of(0);
+  int other = 0;
+  for (int k = 0; k < 160 * 90; k++) other += abs(with.rgb[3 * k] - without.rgb[3 * k]) > 8;
+  assert_true(other > 160 * 90 / 4);
+  free(without.rgb), free(with.rgb);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pictures_show_obstacles_of_correctors_and_forces_where_they_are),
+      cmocka_unit_test(pictures_show_the_planes_of_soft_walls),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}

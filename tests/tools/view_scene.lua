@@ -1,0 +1,121 @@
+-- What a page shows beside particles, in a real browser: obstacles where they are, at every frame, the floor among them.
+local root, build = assert(os.getenv("HK_ROOT"), "HK_ROOT"), assert(os.getenv("HK_BUILD"), "HK_BUILD")
+package.path = ("%s/tests/?.lua;%s"):format(root, package.path)
+local fine, browser = pcall(require, "support.view.browser")
+local page = io.open(build .. "/tools/page.so")
+local missing = not fine and "lua-cjson" or browser.missing() or not page and "zlib (for the build)"
+if missing then
+  print(("skipped: %s is not installed (tools/install-deps test)"):format(missing))
+  os.exit(77)
+end
+page:close()
+
+local folder = require("support.view.pages").write(root, build)
+local b = browser.open(960, 620)
+local open, silent, show, _, pixel = require("support.view.seen").of(b, folder)
+
+-- Where a point of the scene is on the page: x, y.
+local function at(x, y, z)
+  local p = b:eval(([[(() => {
+    const { stage, layers, sources } = view.page, o = sources[0].origin, v = new THREE.Vector3(%g - o[0], %g - o[1], %g - o[2]);
+    stage.render();
+    v.applyMatrix4(layers[0].group.matrixWorld).project(stage.orbit.camera);
+    const box = stage.canvas.getBoundingClientRect();
+    return [box.left + (v.x + 1) / 2 * box.width, box.top + (1 - v.y) / 2 * box.height];
+  })()]]):format(x, y, z))
+  return math.floor(p[1] + 0.5), math.floor(p[2] + 0.5)
+end
+
+local function switch(name)
+  b:eval(("[...document.querySelectorAll('#controls label')].find((l) => l.textContent === '%s').querySelector('input').click()")
+    :format(name))
+  b:eval("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+end
+
+-- Obstacles are a warm grey, which is opaque; behind them is the floor, colder, or nothing.
+local function is_solid(x, y, z)
+  local red, _, blue, alpha = pixel(at(x, y, z))
+  return alpha == 255 and red > blue
+end
+
+local tests = {}
+local function test(name, run) tests[#tests + 1] = { name, run } end
+
+-- A ball of 0.4 m at (0.1 k, 0, 0), a cube of 1 m at (3, 0, 0), a floor at z = -0.5; particles are at x = -1 and y = 1.2.
+
+test("obstacles are drawn where they are", function()
+  open("solids")
+  for _, k in ipairs { 0, 19 } do
+    show(k)
+    local middle = 0.1 * (k + 1)
+    assert(is_solid(middle, 0, 0) and is_solid(middle, 0, 0.36), "the ball")
+    assert(not is_solid(middle, 0, 0.5), "above the ball")
+    assert(is_solid(3, 0, 0) and is_solid(2.6, -0.4, 0.45) and not is_solid(3, 0, 0.7), "the cube")
+  end
+  show(0)
+  assert(not is_solid(2, 0, 0) , "the ball has not come there yet")
+  silent("solids")
+end)
+
+test("the floor is the level plane", function()
+  local height = b:eval("view.page.stage.floorHeight + view.page.sources[0].origin[2]")
+  assert(math.abs(height + 0.5) < 1e-6, height)
+  assert(b:eval("view.page.layers[0].solids.planes[0].disc.mesh.visible") == false, "a second one in its place")
+end)
+
+test("they can be switched off", function()
+  switch("obstacles")
+  assert(not is_solid(3, 0, 0.3))
+  switch("obstacles")
+  assert(is_solid(3, 0, 0.3))
+end)
+
+-- The colour there is much greener than red, or redder than green.
+local function is_green(x, y, z)
+  local red, green = pixel(at(x, y, z))
+  return green > 1.5 * red
+end
+
+local function is_red(x, y, z)
+  local red, green = pixel(at(x, y, z))
+  return red > 2 * green
+end
+
+test("the wind is an arrow", function()
+  show(5)
+  local length = 0.18 * b:eval("view.page.layers[0].size")
+  assert(is_green(-1, 0.3 * length, 1), "the arrow")
+  assert(not is_green(-1, -0.3 * length, 1), "behind its place")
+  switch("wind")
+  b:wait("!view.page.layers[0].wind.mesh.visible")
+  assert(not is_green(-1, 0.3 * length, 1), "switched off")
+  switch("wind")
+  b:wait("view.page.layers[0].wind.mesh.visible")
+  show(12)
+  assert(b:eval("view.page.layers[0].wind.mesh.visible") == false, "it does not blow any more")
+end)
+
+test("contacts are dots, and of many the page says how many it shows", function()
+  show(5)
+  assert(not is_red(2, 1.2, 0.5), "they are not asked for")
+  switch("contacts")
+  b:wait("view.page.layers[0].contacts.mesh.visible")
+  assert(is_red(2, 1.2, 0.5))
+  show(12)
+  b:wait("document.querySelector('#note').textContent.includes('1000 of 4000 contacts are shown')")
+  silent("marks")
+end)
+
+local failed = 0
+for _, one in ipairs(tests) do
+  local went, why = xpcall(one[2], debug.traceback)
+  if not went then
+    failed = failed + 1
+    b:screenshot(folder .. "/failed.png")
+    print(("FAILED %s: %s (%s/failed.png)"):format(one[1], why, folder))
+  end
+end
+b:close()
+if failed == 0 then os.execute(("rm -rf '%s'"):format(folder)) end
+print(failed == 0 and "passed" or failed .. " failed")
+os.exit(failed == 0)

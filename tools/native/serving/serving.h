@@ -1,0 +1,68 @@
+/* What the server of live pages is made of: a shelf of documents and commands, which pages wait at, and the answers to
+ * requests, which are given by a thread of libmicrohttpd's. */
+#ifndef HK_SERVING_H
+#define HK_SERVING_H
+
+#include <microhttpd.h>
+#include <pthread.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+  HK_TOKEN = 32,        /* hexadecimal digits */
+  HK_COMMAND = 4096,    /* bytes, the longest */
+  HK_COMMANDS = 256,    /* that wait to be taken; more are refused, as is a page that posts without end */
+  HK_CONNECTIONS = 128, /* ten pages hold some 60 */
+  HK_PATIENCE = 10      /* s, the longest wait for a new version */
+};
+
+/* ---- shelf.c: every function but those that open and close is called under the lock ---- */
+
+typedef struct hk_document {
+  char *name, *type;
+  void *data;
+  size_t size;
+  uint64_t version;
+} hk_document;
+
+typedef struct hk_shelf {
+  pthread_mutex_t lock;
+  hk_document *document;
+  size_t documents, room;
+  uint64_t version;
+  struct MHD_Connection *waiting[HK_CONNECTIONS];
+  double waits_until[HK_CONNECTIONS]; /* s */
+  size_t waits;
+  char *command[HK_COMMANDS];
+  size_t first, commands;
+  int bell[2]; /* a pipe that holds a byte while there are commands */
+  bool closing;
+} hk_shelf;
+
+bool hk_shelf_open(hk_shelf *); /* false: errno says why */
+void hk_shelf_close(hk_shelf *);
+const hk_document *hk_shelf_find(const hk_shelf *, const char *name); /* NULL: there is none */
+bool hk_shelf_put(hk_shelf *, const char *name, const char *type, const void *data, size_t size); /* false: no memory */
+void hk_shelf_drop(hk_shelf *, const char *name);
+/* Suspends the connection until something is put or the time has come, s. False: too many wait already. */
+bool hk_shelf_wait(hk_shelf *, struct MHD_Connection *, double until);
+void hk_shelf_resume(hk_shelf *, double t);          /* those that wait until t or before; INFINITY: all */
+bool hk_shelf_command(hk_shelf *, const char *text); /* false: too many wait, or there is no memory */
+char *hk_shelf_take(hk_shelf *);                     /* the next command in malloc's memory; NULL: none */
+double hk_serving_now(void);                         /* s */
+
+/* ---- answers.c ---- */
+
+typedef struct hk_answers {
+  struct MHD_Daemon *daemon; /* NULL: there is none */
+  hk_shelf *shelf;
+  const char *policy; /* of contents, in every answer */
+  char token[HK_TOKEN + 1], host[2][32];
+} hk_answers;
+
+/* Listens on 127.0.0.1; port 0: any that is free. False: errno says why. What `answers` names outlives it. */
+bool hk_answers_open(hk_answers *, uint16_t port);
+void hk_answers_close(hk_answers *);
+
+#endif
