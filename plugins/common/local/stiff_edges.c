@@ -74,10 +74,10 @@ static void find_stiffest(choice *c, void *context, const hk_elements *list, siz
 
 static void count(choice *c, void *context, const hk_elements *list, size_t e, double r) {
   double k = hk_tuple_value(&list->stiffness, e), damping = damping_of(list, e);
-  int class = class_of(c, r);
+  int octave = class_of(c, r);
   (void)context;
-  c->in[class]++;
-  if (damping > 0) c->damped[class] = fmax(c->damped[class], damping / k);
+  c->in[octave]++;
+  if (damping > 0) c->damped[octave] = fmax(c->damped[octave], damping / k);
   add_rates(c, c->all, list, e, r);
 }
 
@@ -88,10 +88,10 @@ static void add_class(choice *c, void *context, const hk_elements *list, size_t 
 /* Estimated class by class, two springs of a class to a particle; what parts the springs make decides in the end. */
 static double room_of(const choice *c, const cut *taken, double h) {
   double room = 1;
-  for (int class = 0; class < taken->classes; class ++) {
-    double stiffest = 2 * ldexp(c->stiffest, -class), retardation = c->damped[class];
+  for (int octave = 0; octave < taken->classes; octave++) {
+    double stiffest = 2 * ldexp(c->stiffest, -octave), retardation = c->damped[octave];
     const hk_local_modes modes = {stiffest, retardation * stiffest, retardation};
-    if (c->in[class]) room = fmin(room, hk_local_room(&modes, h));
+    if (c->in[octave]) room = fmin(room, hk_local_room(&modes, h));
   }
   return room;
 }
@@ -123,12 +123,12 @@ static cut best_cut(choice *c, size_t edges) {
   size_t taken = 0;
   cut best = weigh(c, 0, 0, whole);
   best.work *= worth;
-  for (int class = 0; class < CLASSES && 2 * taken < edges; class ++) {
-    if (c->in[class] == 0) continue;
-    if (c->damped[class] * sqrt(ldexp(c->stiffest, -class)) > 2 * most_damped) break;
-    each(c, &class, add_class);
-    taken += c->in[class];
-    cut next = weigh(c, class + 1, taken, whole);
+  for (int octave = 0; octave < CLASSES && 2 * taken < edges; octave++) {
+    if (c->in[octave] == 0) continue;
+    if (c->damped[octave] * sqrt(ldexp(c->stiffest, -octave)) > 2 * most_damped) break;
+    each(c, &octave, add_class);
+    taken += c->in[octave];
+    cut next = weigh(c, octave + 1, taken, whole);
     if (next.work < best.work) best = next;
   }
   return best;
@@ -151,7 +151,7 @@ static void collect(choice *c, void *context, const hk_elements *list, size_t e,
 
 static hk_status take(hk_stiff_edges *s, const hk_host *host, choice *c, const cut *best) {
   size_t taken = 0;
-  for (int class = 0; class < best->classes; class ++) taken += c->in[class];
+  for (int octave = 0; octave < best->classes; octave++) taken += c->in[octave];
   s->stiffest = best->stiff;
   if (taken == 0) return HK_OK;
   s->pair = host->allocate(host, taken * sizeof *s->pair);
@@ -171,7 +171,7 @@ hk_status hk_stiff_edges_choose(hk_stiff_edges *s, const hk_host *host, const hk
   c.stiff = c.all + 2 * model->n;
   each(&c, NULL, find_stiffest);
   each(&c, NULL, count);
-  for (int class = 0; class < CLASSES; class ++) s->edges += c.in[class];
+  for (int octave = 0; octave < CLASSES; octave++) s->edges += c.in[octave];
   cut best = best_cut(&c, s->edges);
   hk_status status = take(s, host, &c, &best);
   host->release(host, c.all);
