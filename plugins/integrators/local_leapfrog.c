@@ -121,8 +121,7 @@ static hk_status divide(void *self, hk_system *s) {
   const hk_host *host = s->host;
   m->looked = true;
   if (same(m, s->model)) return HK_OK;
-  m->divided = false;
-  m->primed = 0;
+  m->divided = false; /* a slope from a checkpoint stays; where forces have changed, the host calls reset */
   s->aside = NULL;
   hk_status status = remember(m, host, s->model);
   if (status == HK_OK) status = hk_stiff_edges_choose(&m->stiff, host, s->model);
