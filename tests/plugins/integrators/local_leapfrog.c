@@ -1,5 +1,6 @@
 /* local_leapfrog on linear networks: springs of rest length 0, each force k (x_j - x_i), of two kinds. Its own step is
  * driven, and the growth read off its matrix (tests/support/step_matrix.h). */
+#include "tests/support/engine.h"
 #include "tests/support/fake_system.h"
 #include "tests/support/step_matrix.h"
 
@@ -262,6 +263,68 @@ static void where_nothing_is_stiff_it_is_leapfrog(void **state) {
   assert_true(end_of("local_leapfrog", w, 100, X, false) == 0);
 }
 
+/* ---- in the engine: pins, damping, gravity, springs of a rest length ---- */
+
+enum { ROPE = 40 };
+
+/* A rope with stiff springs here and there, one of them on a slide, one of which gets another beside it at 0.3 s. */
+static void open_rope(test_engine *e, const char *method, double dt) {
+  static const double across[3] = {0, 1, 0};
+  uint32_t soft[ROPE][2], stiff[3][2] = {{12, 13}, {13, 14}, {30, 31}}, late[1][2] = {{13, 14}};
+  test_engine_open(e);
+  e->options.integrator = method;
+  e->options.dt = dt;
+  e->scene->duration = 0.4;
+  for (uint32_t i = 1; i <= ROPE; i++) {
+    test_particle(e, 0.025 * i, 0, 0.002 * (i % 3), 0.01);
+    if (i > 1) soft[i - 2][0] = i - 1, soft[i - 2][1] = i;
+  }
+  test_pin(e, HK_PIN_FIXED, 1, NULL);
+  test_pin(e, HK_PIN_PLANE, 12, across);
+  test_pin(e, HK_PIN_LINE, 31, (const double[3]){0, 0, 1});
+  test_plugin(e, HK_FORCE, "gravity");
+  hk_plugin_spec *springs[3] = {test_plugin(e, HK_FORCE, "springs"), test_plugin(e, HK_FORCE, "springs"),
+                                test_plugin(e, HK_FORCE, "springs")};
+  test_edges(e, springs[0], (const uint32_t(*)[2])soft, ROPE - 1);
+  test_edges(e, springs[1], (const uint32_t(*)[2])stiff, 3);
+  test_edges(e, springs[2], (const uint32_t(*)[2])late, 1);
+  for (int k = 0; k < 3; k++) {
+    test_number(e, springs[k], "k", k ? 2e6 : 500);
+    test_number(e, springs[k], "damping", 0.05);
+  }
+  springs[2]->from = 0.3;
+  test_run(e);
+}
+
+static void end_of_rope(const char *method, double dt, double x[3 * ROPE], double *step) {
+  test_engine e;
+  open_rope(&e, method, dt);
+  test_advance(&e, 0.4);
+  if (strcmp(method, "local_leapfrog") == 0) assert_non_null(e.run->dynamics.system.aside);
+  memcpy(x, e.run->state.X, 3 * ROPE * sizeof *x);
+  *step = e.run->step.dt;
+  test_engine_close(&e);
+}
+
+static double distance(const double a[3 * ROPE], const double b[3 * ROPE]) {
+  double sum = 0;
+  for (size_t c = 0; c < 3 * ROPE; c++) sum += (a[c] - b[c]) * (a[c] - b[c]);
+  return sqrt(sum / ROPE);
+}
+
+/* The chosen step is at least twenty times leapfrog's, and the error falls with its square. */
+static void pins_slides_and_forces_that_come_late(void **state) {
+  double exact[3 * ROPE], x[3][3 * ROPE], step[4], error[3];
+  (void)state;
+  end_of_rope("leapfrog", NAN, exact, &step[3]);
+  end_of_rope("local_leapfrog", NAN, x[0], &step[0]);
+  for (int k = 1; k < 3; k++) end_of_rope("local_leapfrog", step[0] / (k == 1 ? 2 : 4), x[k], &step[k]);
+  for (int k = 0; k < 3; k++) error[k] = distance(x[k], exact);
+  if (!(step[0] > 20 * step[3])) fail_msg("steps %g and %g s", step[0], step[3]);
+  double order = log2(error[0] / error[2]) / 2;
+  if (!(error[0] < 1e-3 && order > 1.7)) fail_msg("errors %g, %g, %g m", error[0], error[1], error[2]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(no_step_below_the_stated_limit_grows),
@@ -269,6 +332,7 @@ int main(void) {
       cmocka_unit_test(order_is_two_and_the_error_that_of_the_long_step),
       cmocka_unit_test(energy_stays_over_1e5_steps_and_momentum_to_rounding),
       cmocka_unit_test(where_nothing_is_stiff_it_is_leapfrog),
+      cmocka_unit_test(pins_slides_and_forces_that_come_late),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
