@@ -8,6 +8,7 @@
  * + h a once a long step.
  *
  * Which springs are stiff follows from stiffnesses and masses (stiff_edges.c): those for which short steps save work.
+ * Springs whose own damping ratio is above 0.06 are not taken: damped once a long step, they would leave it no room.
  * What is not plain edges (triangles, joints, contact) stays with the long step, whose length is what it allows. Where
  * nothing is worth short steps the method is leapfrog. */
 #include "plugins/common/local/local_filter.h"
