@@ -36,23 +36,48 @@ static void push_plugins(lua_State *L, const hk_run *run) {
   lua_setfield(L, -2, "plugins");
 }
 
+/* The stable step of a method that divides the scene: that of the rest. */
+static hk_stable divided_step(hk_run *run, const hk_plugin_spec *spec, hk_error *error) {
+  hk_stable stable = {.limit = NAN, .suggestion = NAN};
+  hk_system *s = &run->dynamics.system;
+  const hk_system kept = *s;
+  hk_spectrum rest;
+  const hk_integrator *method = spec->plugin->integrator;
+  hk_instance *instance = hk_instance_create(spec, &run->shared, error);
+  hk_status status = instance ? hk_instance_start(instance, &run->state.view, run->state.size, error) : HK_NO_MEMORY;
+  if (status == HK_OK) {
+    s->host = &instance->host;
+    s->aside = NULL;
+    status = method->divide(instance->self, s);
+  }
+  if (status == HK_OK) status = hk_spectrum_estimate(s, &rest, error);
+  if (status == HK_OK) stable = hk_stable_step(method, instance->self, &rest);
+  s->host = kept.host;
+  s->aside = kept.aside;
+  hk_instance_destroy(instance);
+  return stable;
+}
+
 /* The stable step of a method with its default parameters. */
-static hk_stable stable_step(const hk_plugin *plugin, const hk_spectrum *spectrum, hk_error *error) {
+static hk_stable stable_step(hk_run *run, const hk_plugin *plugin, const hk_spectrum *spectrum, hk_error *error) {
   hk_plugin_spec *spec = hk_spec_create(plugin, plugin->name, "", error);
   hk_stable stable = {.limit = NAN, .suggestion = NAN};
-  if (spec) stable = hk_stable_step(plugin->integrator, spec->values, spectrum);
+  if (spec && plugin->integrator->divide)
+    stable = divided_step(run, spec, error);
+  else if (spec)
+    stable = hk_stable_step(plugin->integrator, spec->values, spectrum);
   hk_spec_destroy(spec);
   return stable;
 }
 
-static void push_steps(lua_State *L, const hk_run *run) {
+static void push_steps(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   const hk_registry *registry = run->scene->registry;
   lua_newtable(L);
   for (size_t k = 0; k < registry->count; k++) {
     const hk_plugin *plugin = registry->item[k].plugin;
     if (!plugin || plugin->kind != HK_INTEGRATOR) continue;
     hk_error error = {0};
-    hk_stable stable = stable_step(plugin, &run->step.spectrum, &error);
+    hk_stable stable = stable_step(run, plugin, spectrum, &error);
     lua_newtable(L);
     hk_tool_set_text(L, "name", plugin->name);
     hk_tool_set_number(L, "limit", stable.limit);
@@ -99,7 +124,7 @@ static void push_solver(lua_State *L, const hk_run *run) {
   lua_setfield(L, -2, "warnings");
 }
 
-static void describe(lua_State *L, const hk_run *run) {
+static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   const hk_scene *scene = run->scene;
   size_t pinned = 0;
   for (size_t k = 0; k < run->pins.count; k++) pinned += run->pins.item[k].count;
@@ -117,8 +142,8 @@ static void describe(lua_State *L, const hk_run *run) {
   hk_tool_set_flag(L, "dt_chosen", run->step.chosen);
   push_plugins(L, run);
   push_solver(L, run);
-  push_spectrum(L, &run->step.spectrum);
-  push_steps(L, run);
+  push_spectrum(L, spectrum);
+  push_steps(L, run, spectrum);
 }
 
 /* The explicit symplectic and reversible method with the fewest stages, for a scene that names no integrator, since a
@@ -127,7 +152,7 @@ static const char *simplest_method(const hk_registry *registry) {
   const hk_plugin *found = NULL;
   for (size_t k = 0; k < registry->count; k++) {
     const hk_plugin *plugin = registry->item[k].plugin;
-    if (!plugin || plugin->kind != HK_INTEGRATOR) continue;
+    if (!plugin || plugin->kind != HK_INTEGRATOR || plugin->integrator->divide) continue;
     unsigned wanted = HK_SYMPLECTIC | HK_REVERSIBLE, flags = plugin->integrator->flags;
     if ((flags & (wanted | HK_IMPLICIT | HK_ADAPTIVE)) != wanted) continue;
     if (!found || plugin->integrator->stages < found->integrator->stages) found = plugin;
@@ -135,9 +160,15 @@ static const char *simplest_method(const hk_registry *registry) {
   return found ? found->name : NULL;
 }
 
-/* The spectrum is not known where forces are not finite: evaluating them leaves no sentence, the first step does. */
-static hk_status estimate(hk_run *run, hk_error *error) {
+/* Of the whole scene, whatever the run's method sets aside. The spectrum is not known where forces are not finite:
+ * evaluating them leaves no sentence, the first step does. */
+static hk_status estimate(hk_run *run, hk_spectrum *spectrum, hk_error *error) {
   hk_status status = hk_step_estimate(&run->step, &run->dynamics);
+  *spectrum = run->step.spectrum;
+  if (status == HK_OK && run->dynamics.system.aside) {
+    run->dynamics.system.aside = NULL;
+    status = hk_spectrum_estimate(&run->dynamics.system, spectrum, &run->error);
+  }
   if (status == HK_OK) return status;
   return hk_error_set(error, status, "%s",
                       *run->error.text
@@ -152,6 +183,7 @@ int hk_tool_explain(lua_State *L) {
   hk_error error = {0};
   hk_script *script = NULL;
   hk_run *run = NULL;
+  hk_spectrum spectrum;
   options.trust = false;
   if (lua_istable(L, 3)) {
     lua_getfield(L, 3, "trust");
@@ -169,9 +201,9 @@ int hk_tool_explain(lua_State *L) {
   if (status == HK_OK && hk_script_scene(script)->integrator_auto)
     run_options.integrator = simplest_method(options.registry);
   if (status == HK_OK) status = hk_run_open(hk_script_scene(script), &run_options, &run, &error);
-  if (status == HK_OK) status = estimate(run, &error);
+  if (status == HK_OK) status = estimate(run, &spectrum, &error);
   if (status == HK_OK)
-    describe(L, run);
+    describe(L, run, &spectrum);
   else
     lua_pushnil(L);
   hk_run_destroy(run);

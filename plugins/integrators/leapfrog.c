@@ -14,11 +14,9 @@
  * still symplectic, reversible and of order 2 (Andersen 1983; Leimkuhler and Skeel 1994). The slope that is kept, a' =
  * 2 (v' - v_m)/h, has the constraint forces in it, so that the next step begins near its end; velocity-dependent forces
  * see 2 v_m - v. */
-#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/common/integrate/leapfrog_growth.h"
 
 #include "core/plugin.h"
-
-#include <complex.h>
 
 typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
@@ -31,20 +29,14 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* The roots lambda = 1 + u of the step on (x, h v, h^2 a), a = -w^2 x - g v; without damping their product is 1. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-
-  double z = hw * hw;
-  if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
-  return hk_polynomial_growth(3, (const double[]){z, 2 * z + hg, 1 + z + 1.5 * hg, 1});
+  return hk_leapfrog_growth(hw, hg);
 }
 
 static double rotation(const void *self, double hw, double hg, double hb) {
   (void)self;
-  double z = hw * hw;
-  double complex d = hg + hb * I;
-  return hk_complex_polynomial_growth(3, (const double complex[]){z, 2 * z + d, 1 + z + 1.5 * d, 1});
+  return hk_leapfrog_turning_growth(hw, hg, hb);
 }
 
 static void reset(void *self, hk_reason why) {

@@ -8,6 +8,7 @@
  * + h a once a long step.
  *
  * Which springs are stiff follows from stiffnesses and masses (stiff_edges.c): those for which short steps save work.
+ * Springs whose own damping ratio is above 0.06 are not taken: damped once a long step, they would leave it no room.
  * What is not plain edges (triangles, joints, contact) stays with the long step, whose length is what it allows. Where
  * nothing is worth short steps the method is leapfrog. */
 #include "plugins/common/local/local_filter.h"
@@ -54,8 +55,7 @@ static double rotation(const void *self, double hw, double hg, double hb) {
 static double growth(const void *self, double h, double w, double g, double b) {
   const hk_short_steps *part = &((const local_leapfrog *)self)->part;
   double room = 1;
-  for (size_t k = 0; k < part->parts; k++)
-    room = fmin(room, hk_local_room(h, part->part[k].stiffest, part->part[k].retardation));
+  for (size_t k = 0; k < part->parts; k++) room = fmin(room, hk_local_room(&part->part[k].modes, h));
   if (!(room > 0)) return INFINITY;
   return b == 0 ? hk_leapfrog_growth(h * w / sqrt(room), h * g / room)
                 : hk_leapfrog_turning_growth(h * w / sqrt(room), h * g / room, h * b / room);
@@ -122,8 +122,7 @@ static hk_status divide(void *self, hk_system *s) {
   const hk_host *host = s->host;
   m->looked = true;
   if (same(m, s->model)) return HK_OK;
-  m->divided = false;
-  m->primed = 0;
+  m->divided = false; /* a slope from a checkpoint stays; where forces have changed, the host calls reset */
   s->aside = NULL;
   hk_status status = remember(m, host, s->model);
   if (status == HK_OK) status = hk_stiff_edges_choose(&m->stiff, host, s->model);

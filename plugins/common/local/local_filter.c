@@ -1,10 +1,10 @@
 /* With A what the short steps take (x being the eigenvalues of h^2 A), B and D the stiffness and damping of the rest, a
  * step is leapfrog's with
  *     h^2 K = psi(x) h^2 B + 2 (1 - c(x)),   h D = psi(x) h D + 2 eta (1 - c(x)),   psi(x) = 2 (1 - c(x)) / x,
- * which is similar to a symmetric matrix, as psi > 0; the last term bounds the damping of A, which is at most eta h A,
- * eta = retardation/h. Leapfrog is stable while h^2 K + 4 h D <= 4, that is, in the sense of symmetric matrices, for
- * all x psi ((h w)^2 + 4 h g) <= 2 (1 + c) - 8 eta (1 - c). The room is that over psi, and least for the fewest short
- * steps. */
+ * which is similar to a symmetric matrix, as psi > 0; the last term bounds the damping of A in the mode,
+ * which is at most eta h A with eta = min(retardation/h, h damping/x). Leapfrog is stable while h^2 K + 4 h D <= 4,
+ * that is, in the sense of symmetric matrices, for all x psi ((h w)^2 + 4 h g) <= 2 (1 + c) - 8 eta (1 - c). The room
+ * is that over psi, and least for the fewest short steps. */
 #include "plugins/common/local/local_filter.h"
 
 double hk_local_filter(int p, double x) {
@@ -19,8 +19,13 @@ static double ratio(double x) {
   return (1 + c) / (1 - c);
 }
 
-double hk_local_room(double h, double stiffest, double retardation) {
-  double least = 1, most = h * h * stiffest, eta = retardation / h;
-  for (double x = 0.25; x < fmin(most, 20); x += 0.25) least = fmin(least, (ratio(x) - 4 * eta) * x / 4);
-  return fmin(least, (ratio(most) - 4 * eta) * most / 4);
+static double room_at(const hk_local_modes *m, double h, double x) {
+  double eta = fmin(m->retardation / h, h * m->damping / x);
+  return (ratio(x) - 4 * eta) * x / 4;
+}
+
+double hk_local_room(const hk_local_modes *m, double h) {
+  double most = h * h * m->stiffest, least = fmin(1, room_at(m, h, most));
+  for (double x = 0.25; x < fmin(most, 20); x += 0.25) least = fmin(least, room_at(m, h, x));
+  return least;
 }

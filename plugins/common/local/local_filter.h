@@ -36,9 +36,15 @@ static inline int hk_local_count(double x) {
 /* c(x) for x within the range. */
 double hk_local_filter(int p, double x);
 
-/* What stiff modes with squared frequencies up to `stiffest` and a damping of at most `retardation` times their
- * stiffness leave of leapfrog's condition to the other modes: a step is stable while (h w)^2 + 4 h g <= 4 room. 0 or
+/* Bounds of stiff modes. */
+typedef struct hk_local_modes {
+  double stiffest;    /* 1/s^2, of the squared frequency */
+  double damping;     /* 1/s, of the damping rate, ... */
+  double retardation; /* s, ... and of the damping over the stiffness */
+} hk_local_modes;
+
+/* What such modes leave of leapfrog's condition to the others: a step is stable while (h w)^2 + 4 h g <= 4 room. 0 or
  * less: it is not stable at all. */
-double hk_local_room(double h, double stiffest, double retardation);
+double hk_local_room(const hk_local_modes *, double h);
 
 #endif

@@ -14,7 +14,7 @@ typedef struct builder {
   const hk_stiff_edges *edges;
   uint32_t *parent, *place; /* n each: trees of components; a particle's number within its part */
   int8_t *part;             /* n, NOT_STIFF: of no part */
-  double *bound;            /* n, 1/s^2: of a particle, then of the component at its root */
+  double *bound, *damping;  /* n each, 1/s^2, 1/s: of a particle, then of the component at its root */
 } builder;
 
 static uint32_t root_of(builder *b, uint32_t i) {
@@ -26,14 +26,19 @@ static void find_components(builder *b) {
   for (uint32_t i = 0; i < b->model->n; i++) b->parent[i] = i;
   for (size_t e = 0; e < b->edges->count; e++) {
     const uint32_t *pair = b->edges->pair[e];
-    double r = b->edges->k[e] * (b->model->inverse_mass[pair[0]] + b->model->inverse_mass[pair[1]]);
+    double w = b->model->inverse_mass[pair[0]] + b->model->inverse_mass[pair[1]];
     uint32_t p = root_of(b, pair[0]), q = root_of(b, pair[1]);
     b->parent[p > q ? p : q] = p > q ? q : p;
-    b->bound[pair[0]] += r;
-    b->bound[pair[1]] += r;
+    for (int end = 0; end < 2; end++) {
+      b->bound[pair[end]] += b->edges->k[e] * w;
+      b->damping[pair[end]] += b->edges->c[e] * w;
+    }
   }
-  for (uint32_t i = 0; i < b->model->n; i++) /* a root is never above its particles */
-    b->bound[root_of(b, i)] = fmax(b->bound[root_of(b, i)], b->bound[i]);
+  for (uint32_t i = 0; i < b->model->n; i++) { /* a root is never above its particles */
+    uint32_t root = root_of(b, i);
+    b->bound[root] = fmax(b->bound[root], b->bound[i]);
+    b->damping[root] = fmax(b->damping[root], b->damping[i]);
+  }
 }
 
 /* Parts by octaves below the stiffest component, numbered as they come. */
@@ -48,7 +53,8 @@ static void divide(builder *b) {
     int octave = (int)fmin(HK_SHORT_PARTS - 1, log2(b->edges->stiffest / bound) + 0.5);
     if (number[octave] == NOT_STIFF) number[octave] = (int8_t)s->parts++;
     hk_short_part *part = &s->part[b->part[i] = number[octave]];
-    part->stiffest = fmax(part->stiffest, bound);
+    part->modes.stiffest = fmax(part->modes.stiffest, bound);
+    part->modes.damping = fmax(part->modes.damping, b->damping[root_of(b, i)]);
     b->place[i] = (uint32_t)part->n++;
   }
   for (size_t k = 0; k < s->parts; k++) {
@@ -81,7 +87,7 @@ static hk_status lay_out(builder *b, hk_short_part *part, int8_t number, uint32_
     const uint32_t *ends = b->edges->pair[e];
     if (b->part[ends[0]] != number) continue;
     for (int c = 0; c < 2; c++) pair[count][c] = b->place[ends[c]];
-    part->retardation = fmax(part->retardation, b->edges->c[e] / b->edges->k[e]);
+    part->modes.retardation = fmax(part->modes.retardation, b->edges->c[e] / b->edges->k[e]);
     k[count] = b->edges->k[e];
     L[count++] = b->edges->L[e];
   }
@@ -128,11 +134,12 @@ hk_status hk_short_steps_build(hk_short_steps *s, hk_system *system, const hk_st
   if (edges->count == 0) return HK_OK;
   builder b = {.s = s, .host = host, .model = system->model, .edges = edges};
   b.parent = host->allocate(host, 2 * n * sizeof *b.parent);
-  b.bound = host->allocate(host, n * sizeof *b.bound);
+  b.bound = host->allocate(host, 2 * n * sizeof *b.bound);
   b.part = host->allocate(host, n);
   hk_status status = b.parent && b.bound && b.part ? HK_OK : HK_NO_MEMORY;
   if (status == HK_OK) {
     b.place = b.parent + n;
+    b.damping = b.bound + n;
     find_components(&b);
     divide(&b);
     status = reserve(&b);

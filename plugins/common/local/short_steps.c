@@ -5,7 +5,6 @@
  * evenly from rest, forwards and backwards in time, has no velocity in it. The forces of every short step sum to zero,
  * so that momentum is kept to rounding. */
 #include "plugins/common/local/short_steps.h"
-#include "plugins/common/local/local_filter.h"
 
 #include <string.h>
 
@@ -64,7 +63,7 @@ static void start_part(hk_short_steps *s, const hk_host *host, const hk_short_pa
 }
 
 static void take_part(hk_short_steps *s, const hk_host *host, const hk_short_part *part, double h) {
-  int p = hk_local_count(h * h * part->stiffest);
+  int p = hk_local_count(h * h * part->modes.stiffest);
   double delta = hk_local_delta(p), scale = 2 * h * h / hk_local_omega(p), before = delta, T = 1;
   start_part(s, host, part);
   for (int k = 0; k < p; k++) { /* as d is even, T_{-1} = T_1 and the first step is half of what the rule says */

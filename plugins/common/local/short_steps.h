@@ -2,6 +2,7 @@
 #ifndef HK_SHORT_STEPS_H
 #define HK_SHORT_STEPS_H
 
+#include "plugins/common/local/local_filter.h"
 #include "plugins/common/local/stiff_edges.h"
 #include "plugins/common/springs/spring_kernel.h"
 
@@ -9,9 +10,8 @@ enum { HK_SHORT_PARTS = 48 };
 
 /* Springs that take the same number of short steps, with no particle in common with those of other parts. */
 typedef struct hk_short_part {
-  size_t begin, n;         /* its particles in the arrays */
-  double stiffest;         /* 1/s^2, no squared frequency is higher */
-  double retardation;      /* s, largest damping over stiffness */
+  size_t begin, n; /* its particles in the arrays */
+  hk_local_modes modes;
   hk_spring_layout layout; /* without damping, on the particles 0 to n - 1 of the part */
 } hk_short_part;
 

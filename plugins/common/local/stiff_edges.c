@@ -14,6 +14,9 @@ enum { CLASSES = 40 };
 /* Work is counted in springs of a whole evaluation. Springs of a short step are scattered, but lie in the first cache;
  * each brings up to two particles, and a short step has calls of its own. */
 static const double work_of_evaluation = 100, work_of_spring = 2, work_of_call = 30;
+/* The largest damping ratio of a stiff spring. A mode that the long step just does not resolve is damped by up to
+ * 4 times its ratio of what leapfrog can bear, and leaves the less to others (local_filter.h). */
+static const double most_damped = 0.06;
 static const double worth = 0.8; /* part of leapfrog's work below which local steps are taken */
 
 typedef struct choice {
@@ -24,10 +27,10 @@ typedef struct choice {
   double *all, *stiff;    /* n x 2 each: sums over a particle's springs of r and of their own damping rates */
 } choice;
 
-/* Bounds of the springs taken and of the others: 1/s^2, s; 1/s^2, 1/s. */
+/* Bounds of the springs taken, 1/s^2, and of the others, 1/s^2 and 1/s. */
 typedef struct cut {
   int classes; /* taken; 0: none */
-  double work, stiff, retardation, rest, damped;
+  double work, stiff, rest, damped;
 } cut;
 
 static double damping_of(const hk_elements *list, size_t e) {
@@ -71,10 +74,10 @@ static void find_stiffest(choice *c, void *context, const hk_elements *list, siz
 
 static void count(choice *c, void *context, const hk_elements *list, size_t e, double r) {
   double k = hk_tuple_value(&list->stiffness, e), damping = damping_of(list, e);
-  int class = class_of(c, r);
+  int octave = class_of(c, r);
   (void)context;
-  c->in[class]++;
-  if (damping > 0) c->damped[class] = fmax(c->damped[class], damping / k);
+  c->in[octave]++;
+  if (damping > 0) c->damped[octave] = fmax(c->damped[octave], damping / k);
   add_rates(c, c->all, list, e, r);
 }
 
@@ -82,41 +85,50 @@ static void add_class(choice *c, void *context, const hk_elements *list, size_t 
   if (class_of(c, r) == *(const int *)context) add_rates(c, c->stiff, list, e, r);
 }
 
-/* s, the largest step at which (h w)^2 + 4 h g <= 4 room, to 3 %; 0: there is none within a tenth of that without
- * stiff springs. */
-static double step_of(const cut *c) {
-  double most = 2 / sqrt(c->rest);
-  for (double h = most; h > most / 10; h *= 0.97) {
-    double room = c->classes ? hk_local_room(h, c->stiff, c->retardation) : 1;
-    if (h * h * c->rest + 4 * h * c->damped <= 4 * room) return h;
+/* Estimated class by class, two springs of a class to a particle; what parts the springs make decides in the end. */
+static double room_of(const choice *c, const cut *taken, double h) {
+  double room = 1;
+  for (int octave = 0; octave < taken->classes; octave++) {
+    double stiffest = 2 * ldexp(c->stiffest, -octave), retardation = c->damped[octave];
+    const hk_local_modes modes = {stiffest, retardation * stiffest, retardation};
+    if (c->in[octave]) room = fmin(room, hk_local_room(&modes, h));
   }
+  return room;
+}
+
+/* s, the largest step at which (h w)^2 + 4 h g <= 4 room, to 3 %; 0: there is none within a twentieth of what the
+ * stiffness of the other springs alone would allow. */
+static double step_of(const choice *c, const cut *taken) {
+  double most = 2 / sqrt(taken->rest);
+  for (double h = most; h > most / 20; h *= 0.97)
+    if (h * h * taken->rest + 4 * h * taken->damped <= 4 * room_of(c, taken, h)) return h;
   return 0;
 }
 
 /* The work of a second, with all classes up to the last one added in short steps. */
-static cut weigh(const choice *c, int classes, size_t taken, double whole, double retardation) {
-  cut found = {.classes = classes, .work = INFINITY, .retardation = retardation};
+static cut weigh(const choice *c, int classes, size_t taken, double whole) {
+  cut found = {.classes = classes, .work = INFINITY};
   for (size_t i = 0; i < c->model->n; i++) {
     found.stiff = fmax(found.stiff, c->stiff[2 * i]);
     found.rest = fmax(found.rest, c->all[2 * i] - c->stiff[2 * i]);
     found.damped = fmax(found.damped, c->all[2 * i + 1] - c->stiff[2 * i + 1]);
   }
-  double h = found.rest > 0 ? step_of(&found) : 0, each = work_of_spring * (double)taken + work_of_call;
+  double h = found.rest > 0 ? step_of(c, &found) : 0, each = work_of_spring * (double)taken + work_of_call;
   if (h > 0) found.work = (whole + (classes ? hk_local_count(h * h * found.stiff) * each : 0)) / h;
   return found;
 }
 
 static cut best_cut(choice *c, size_t edges) {
-  double retardation = 0, whole = work_of_evaluation + (double)(edges + c->model->n);
+  double whole = work_of_evaluation + (double)(edges + c->model->n);
   size_t taken = 0;
-  cut best = weigh(c, 0, 0, whole, 0);
+  cut best = weigh(c, 0, 0, whole);
   best.work *= worth;
-  for (int class = 0; class < CLASSES && 2 * taken < edges; class ++) {
-    if (c->in[class] == 0) continue;
-    each(c, &class, add_class);
-    taken += c->in[class];
-    retardation = fmax(retardation, c->damped[class]);
-    cut next = weigh(c, class + 1, taken, whole, retardation);
+  for (int octave = 0; octave < CLASSES && 2 * taken < edges; octave++) {
+    if (c->in[octave] == 0) continue;
+    if (c->damped[octave] * sqrt(ldexp(c->stiffest, -octave)) > 2 * most_damped) break;
+    each(c, &octave, add_class);
+    taken += c->in[octave];
+    cut next = weigh(c, octave + 1, taken, whole);
     if (next.work < best.work) best = next;
   }
   return best;
@@ -139,7 +151,7 @@ static void collect(choice *c, void *context, const hk_elements *list, size_t e,
 
 static hk_status take(hk_stiff_edges *s, const hk_host *host, choice *c, const cut *best) {
   size_t taken = 0;
-  for (int class = 0; class < best->classes; class ++) taken += c->in[class];
+  for (int octave = 0; octave < best->classes; octave++) taken += c->in[octave];
   s->stiffest = best->stiff;
   if (taken == 0) return HK_OK;
   s->pair = host->allocate(host, taken * sizeof *s->pair);
@@ -159,7 +171,7 @@ hk_status hk_stiff_edges_choose(hk_stiff_edges *s, const hk_host *host, const hk
   c.stiff = c.all + 2 * model->n;
   each(&c, NULL, find_stiffest);
   each(&c, NULL, count);
-  for (int class = 0; class < CLASSES; class ++) s->edges += c.in[class];
+  for (int octave = 0; octave < CLASSES; octave++) s->edges += c.in[octave];
   cut best = best_cut(&c, s->edges);
   hk_status status = take(s, host, &c, &best);
   host->release(host, c.all);
