@@ -34,6 +34,7 @@ local function quoted(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
 local function run(o, folder)
   local words = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run" }
   for _, word in ipairs(o.what) do words[#words + 1] = quoted(word) end
+  words[#words + 1] = "--no-output" -- what the page shows is enough, and the scene's own pictures would take their time
   words[#words + 1] = "--with output:" .. (o.forces and "trajectory:forces=true" or "trajectory")
   words[#words + 1] = "--out " .. quoted(folder)
   if o.trust then words[#words + 1] = "--trust" end

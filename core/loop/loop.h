@@ -15,6 +15,7 @@ typedef struct hk_record {
   double dt_min, dt_max;
   double dt_beyond;              /* s, the longest step above the stable limit at its time; 0: none */
   double worst_error;            /* largest error estimate of accepted steps, relative to tol */
+  double step_taken, step_error; /* s, of the last step; largest estimate since a frame set it to 0 */
   double kinetic_max, hand_work; /* J; hand_work: of the user's hand */
   double kinetic_sum;            /* J, over the frames */
   double correction_work;        /* J, energy that correctors reported to have given */
@@ -121,11 +122,10 @@ typedef struct hk_loop {
   double fps;
   hk_piece piece;
   hk_population_change population;
-  double last_h;                 /* s; 0: no step yet */
-  double step_taken, step_error; /* s, of the last step; largest estimate since a frame set it to 0 */
-  bool between_steps;            /* it was interrupted there, with nothing half done */
-  bool emitted;                  /* the sources were called for the coming step */
-  double *X_before; /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
+  double last_h;      /* s; 0: no step yet */
+  bool between_steps; /* it was interrupted there, with nothing half done */
+  bool emitted;       /* the sources were called for the coming step */
+  double *X_before;   /* the state before a step for contact and correctors, or x alone for `moved`; NULL: not needed */
   size_t room_before;
   const char *rejected_by; /* who rejected a step last */
   double part;             /* of its length, in which the step is repeated next */

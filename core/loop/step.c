@@ -81,7 +81,7 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
   loop->emitted = false;
   hk_evaluations_accept(&loop->dynamics->evaluations, t);
   note_step(loop, h);
-  loop->step_taken = h, loop->step_error = fmax(loop->step_error, error);
+  loop->record->step_taken = h, loop->record->step_error = fmax(loop->record->step_error, error);
   if (error > loop->record->worst_error) loop->record->worst_error = error;
   if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
   if (status == HK_OK && loop->record->steps % CHECK_EVERY == 0) {

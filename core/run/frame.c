@@ -36,7 +36,7 @@ hk_status hk_run_frame(void *context) {
   for (size_t k = 0; k < run->outputs_open && status == HK_OK; k++)
     status = call_output(run, run->plugins.kind[HK_OUTPUT].item[k], &frame);
   if (status == HK_OK) status = hk_measures_write(run->measures, t, &run->judgement.last_frame, &run->error);
-  run->loop.step_error = 0;
+  run->loop.record->step_error = 0;
   if (run->options.kept) run->options.kept(run->options.kept_context, &run->judgement.last_good, &run->state);
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
   return status;

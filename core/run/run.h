@@ -145,7 +145,7 @@ hk_status hk_run_name_forces(hk_run *); /* once the plugins have been made */
 /* ---- leave.c: the last file ---- */
 
 /* After hk_run_close: where the run has written files, summary.json comes beside them, the summary as JSON (NULL: as it
- * is now), and the output folder is let go of. A second call does nothing. */
+ * is now), and the output folder is let go of. A second call writes it again, unless another run has begun there. */
 hk_status hk_run_leave(hk_run *, const hk_summary *, hk_error *error);
 
 /* ---- saving.c: the checkpoints that outputs ask for ---- */

@@ -55,8 +55,8 @@ static bool contact_points(const hk_frame *frame, const hk_contact_points *point
  * into a checkpoint. */
 hk_frame hk_run_output_frame(hk_run *run) {
   hk_frame frame = run->judgement.last_frame;
-  frame.step = run->loop.step_taken;
-  frame.error = run->step.method->flags & HK_ADAPTIVE ? run->loop.step_error : NAN;
+  frame.step = run->loop.record->step_taken;
+  frame.error = run->step.method->flags & HK_ADAPTIVE ? run->loop.record->step_error : NAN;
   frame.forces = run->plugins.kind[HK_FORCE].count;
   frame.force_name = run->force_name;
   frame.force = force;

@@ -24,6 +24,7 @@ struct hk_folder {
   size_t count;
   char **name; /* files of this run */
   char *scene;
+  struct timespec released; /* when the list was written last, at the release */
   char part[32]; /* subfolder of a run that goes on, "from-step-1200/"; "": none, and earlier files are removed */
 };
 
@@ -62,7 +63,9 @@ hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error) {
 }
 
 void hk_folder_release(hk_folder *f) {
+  struct stat info;
   if (!f) return;
+  if (f->list && fstat(fileno(f->list), &info) == 0) f->released = info.st_mtim;
   if (f->list) fclose(f->list);
   if (f->descriptor >= 0) close(f->descriptor);
   f->list = NULL;
@@ -236,6 +239,22 @@ static hk_status begin_list(hk_folder *f, hk_error *error) {
   if (old && *f->part) return keep_list(f, error);
   if (old) remove_listed(f, f->list);
   return clear_list(f, error);
+}
+
+/* The list is still that of this run: a new one writes it anew. */
+static bool is_ours(hk_folder *f) {
+  struct stat info;
+  return fstat(fileno(f->list), &info) == 0 && info.st_mtim.tv_sec == f->released.tv_sec &&
+         info.st_mtim.tv_nsec == f->released.tv_nsec && fseek(f->list, 0, SEEK_END) == 0;
+}
+
+bool hk_folder_take_back(hk_folder *f) {
+  hk_error ignored = {0};
+  if (!f || f->count == 0) return false;
+  if (f->list) return true;
+  if (open_place(f, &ignored) == HK_OK && lock_list(f, list_name, &ignored) == HK_OK && is_ours(f)) return true;
+  hk_folder_release(f);
+  return false;
 }
 
 static bool is_listed(const hk_folder *f, const char *name) {

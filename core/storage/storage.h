@@ -14,6 +14,8 @@ typedef struct hk_folder hk_folder;
 hk_folder *hk_folder_open(const char *out, const char *scene, hk_error *error); /* out NULL: "out/SCENE" */
 /* After the last file: other runs may write there. */
 void hk_folder_release(hk_folder *);
+/* Holds a folder again that was released. False: it has no files of this run, or another run has begun there since. */
+bool hk_folder_take_back(hk_folder *);
 bool hk_folder_held(const hk_folder *); /* it has files of this run, and is not released */
 void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */

@@ -1,5 +1,5 @@
 /* run:verify() of tools: loads the scene again for a second run, and returns the summary with the result of the check
- * and the error of the second run. */
+ * and the error of the second run, or of writing that to the run's summary.json. */
 #include "core/tools/tools.h"
 
 #include <lauxlib.h>
@@ -14,7 +14,10 @@ static int verify(lua_State *L) {
   hk_run_summary(run, &s);
   hk_status status = hk_script_verify(hk_script_path(owner), hk_script_asked(owner), hk_script_run_options(owner), true,
                                       run, &s, &error);
+  hk_error unwritten = {0};
+  hk_run_leave(run, &s, &unwritten); /* summary.json has the run's own verdict until now */
   hk_lua_push_summary(L, &s);
+  if (status == HK_OK && unwritten.status != HK_OK) status = unwritten.status, error = unwritten;
   if (status == HK_OK) return 1;
   lua_pushstring(L, error.text);
   return 2;

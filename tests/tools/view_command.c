@@ -59,6 +59,18 @@ static void a_scene_is_run_and_shown(void **state) {
   assert_false(holds("grep -q 'force springs' out/rope/page.html"));
 }
 
+static void outputs_of_the_scene_are_left_out(void **state) {
+  char chatty[1024];
+  (void)state;
+  skip_without_pages();
+  snprintf(chatty, sizeof chatty, "%.*sscene:output('table')\nscene:output('sequence')\nreturn scene\n",
+           (int)(strstr(rope, "return scene") - rope), rope);
+  test_write("chatty.lua", chatty);
+  view(NULL, "chatty.lua --quiet", 0, "wrote out/chatty/page.html");
+  assert_true(
+      holds("[ \"$(ls out/chatty | tr '\\n' ' ')\" = 'page.html summary.json trajectory.h5 trajectory.xdmf ' ]"));
+}
+
 static void options_of_run_follow_two_dashes(void **state) {
   (void)state;
   skip_without_pages();
@@ -118,6 +130,7 @@ static void a_full_disk_is_said_and_leaves_the_page_that_was_there(void **state)
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_scene_is_run_and_shown),
+      cmocka_unit_test(outputs_of_the_scene_are_left_out),
       cmocka_unit_test(options_of_run_follow_two_dashes),
       cmocka_unit_test(a_run_that_is_over_and_two_of_them),
       cmocka_unit_test(a_run_that_diverges_is_shown_with_its_code),

@@ -63,6 +63,17 @@ test("the floor is the level plane", function()
   assert(b:eval("view.page.layers[0].solids.planes[0].disc.mesh.visible") == false, "a second one in its place")
 end)
 
+test("they cast a shadow on the floor", function()
+  show(0)
+  -- The sun's direction is (-0.45, -0.55, 0.85): the middle of the ball, 0.5 m above the floor, is cast there.
+  local x, y = 0.1 + 0.5 * 0.45 / 0.85 + 0.25, 0.5 * 0.55 / 0.85 + 0.3 -- and a little farther, where the ball hides nothing
+  local shade = pixel(at(x, y, -0.5))
+  switch("shadows")
+  local light = pixel(at(x, y, -0.5))
+  assert(shade < light - 10, ("%d is not darker than %d"):format(shade, light))
+  switch("shadows")
+end)
+
 test("they can be switched off", function()
   switch("obstacles")
   assert(not is_solid(3, 0, 0.3))
@@ -104,6 +115,44 @@ test("contacts are dots, and of many the page says how many it shows", function(
   show(12)
   b:wait("document.querySelector('#note').textContent.includes('1000 of 4000 contacts are shown')")
   silent("marks")
+end)
+
+-- Pictures that come 100 ms after each other, by a clock of the test's own, while it plays.
+test("a slow machine draws fewer particles, and the page says so", function()
+  open("many")
+  local drawn = "view.page.layers[0].points.geometry.drawRange.count"
+  assert(b:eval(drawn) == 24000)
+  b:eval([[(() => {
+    const { page } = view, real = performance.now.bind(performance), frame = page.layers[0].frame;
+    let at = real();
+    performance.now = () => at += 100;
+    page.clock.playing = true;
+    for (let k = 0; k < 8; k++) page.show([frame]);
+    page.clock.playing = false;
+    performance.now = real;
+    page.show([frame]);
+  })()]])
+  assert(b:eval(drawn) == 12000, b:eval(drawn))
+  local note = b:eval("document.querySelector('#note').textContent")
+  assert(note:find("one of 2 particles is drawn, of 24000", 1, true), note)
+  silent("many")
+end)
+
+test("three.js as ES modules shows the same", function()
+  local there = io.open(folder .. "/modules.html")
+  if not there then return print("three.js is not here as ES modules: their part is left out") end
+  there:close()
+  local colours = {}
+  for _, name in ipairs { "sheet", "modules" } do
+    open(name)
+    show(30)
+    colours[name] = ""
+    for _, p in ipairs { { 0.5, 0.5, 0 }, { 0, 0, 0 }, { -0.5, 1, -0.15 } } do -- the sheet, a pin, the floor
+      colours[name] = colours[name] .. table.concat({ pixel(at(p[1], p[2], p[3])) }, " ") .. "; "
+    end
+    silent(name)
+  end
+  assert(colours.sheet == colours.modules, colours.sheet .. " and " .. colours.modules)
 end)
 
 local failed = 0

@@ -222,7 +222,7 @@ view.app = (() => {
       const speed = this.sources[0].fields.find((f) => f.name === "velocity");
       if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
       for (const note of this.layers.flatMap((layer) => layer.told)) notes.push(note);
-      if (this.every > 1) notes.push(`this machine draws too slowly for all: every ${this.every}th of ${this.layers[0].balls} particles is drawn`);
+      if (this.every > 1) notes.push(`this machine is too slow for all: one of ${this.every} particles is drawn, of ${this.layers[0].balls}`);
       $("note").textContent = notes.join(" · ");
     }
   }

@@ -62,7 +62,7 @@ view.layer = (() => {
       this.shadows = [this.surface, this.edges, this.points, this.solids].map((part) => part.shadow);
       this.group.add(...this.shadows);
       this.scene.add(this.group, this.floor.mesh);
-      for (const shadow of this.shadows) shadow.traverse((one) => { one.renderOrder = -0.5; });
+      for (const shadow of this.shadows) shadow.renderOrder = -0.5; // between the floor and all else
     }
 
     // Edges of a surface and particles at edges are drawn where somebody chooses that, or where they are few.

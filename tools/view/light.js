@@ -24,8 +24,8 @@ view.light = (() => {
     uniform vec3 sunOfWorld;
     vec4 onFloor(vec4 p) { return vec4(p.xy - sunOfWorld.xy * (p.z - floor) / sunOfWorld.z, floor, 1.0); }`;
 
-  // A shadow lies on the floor, and whatever is drawn after it is above.
-  const LAID = { depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
+  // A shadow is drawn after the floor, which is transparent at its rim, and hides nothing that is above.
+  const LAID = { transparent: true, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -1 };
 
   return { uniforms, glsl, cast, LAID, SUN };
 })();

@@ -51,25 +51,30 @@ view.points = (() => {
       this.own = Object.assign({ radius: { value: 0 }, least: { value: least }, sized: { value: 0 } }, uniforms);
       this.mesh = object(THREE.Points, this.geometry, material(vertex, fragment, this.own));
       this.shadow = object(THREE.Points, this.geometry, material(shadowVertex, shadowFragment, this.own,
-        { ...view.light.LAID }));
+        view.light.LAID));
+    }
+
+    place(x, list, count, every) {
+      const to = array(this.geometry, "position", 3, count);
+      if (!list && every === 1) return void to.set(x);
+      for (let k = 0, at = 0; k < count; k++)
+        for (let i = 3 * (list ? list[k * every] : k * every), end = i + 3; i < end; i++) to[at++] = x[i];
+    }
+
+    // Colours that stay are not given to the graphics card again.
+    paint(colours, list, count, every) {
+      Object.assign(this, { painted: colours, choice: list, count, every });
+      const to = array(this.geometry, "colour", 3, count), one = colours.length === 3;
+      for (let k = 0, at = 0; k < count; k++)
+        for (let i = one ? 0 : 3 * (list ? list[k * every] : k * every), end = i + 3; i < end; i++) to[at++] = colours[i];
     }
 
     // Particle list[k * every] for k below `count`, or particle k * every where list is null.
     show(frame, list, count, colours, { every = 1, radii } = {}) {
       this.mesh.visible = this.shadow.visible = count > 0;
       if (count === 0) return;
-      const x = array(this.geometry, "position", 3, count), colour = array(this.geometry, "colour", 3, count);
-      if (!list && every === 1 && colours.length === frame.x.length) {
-        x.set(frame.x);
-        colour.set(colours);
-      } else
-        for (let k = 0; k < count; k++) {
-          const i = 3 * (list ? list[k * every] : k * every), own = colours.length === 3 ? 0 : i;
-          for (let c = 0; c < 3; c++) {
-            x[3 * k + c] = frame.x[i + c];
-            colour[3 * k + c] = colours[own + c];
-          }
-        }
+      this.place(frame.x, list, count, every);
+      if (this.painted !== colours || this.choice !== list || this.count !== count || this.every !== every) this.paint(colours, list, count, every);
       this.own.sized.value = radii ? 1 : 0;
       const size = radii && array(this.geometry, "size", 1, count);
       for (let k = 0; radii && k < count; k++) size[k] = radii[list ? list[k * every] : k * every];

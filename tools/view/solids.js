@@ -84,7 +84,8 @@ view.solids = (() => {
 
   class Solids {
     constructor(source, uniforms) {
-      Object.assign(this, { source, uniforms, mesh: new THREE.Group(), shadow: new THREE.Group(), parts: [], planes: [] });
+      Object.assign(this, { source, uniforms, mesh: new THREE.Object3D(), shadow: new THREE.Object3D(), parts: [],
+        planes: [] }); // no groups of three.js, which would be drawn in an order of their own
     }
 
     // Another run may have other ones.
@@ -100,6 +101,7 @@ view.solids = (() => {
     }
 
     add(group, body, at) {
+      body.renderOrder = group.renderOrder;
       group.add(body);
       this.parts.push({ body, at });
     }

@@ -10,6 +10,8 @@ view.stage = (() => {
       Object.assign(this, { canvas, layers: [], side: false, dirty: true, yUp: false, drawn: 0 });
       this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
       this.renderer.autoClear = false;
+      // Colours are those of the page's style; newer versions of three.js would take them for others.
+      if (THREE.ColorManagement) THREE.ColorManagement.enabled = false;
       this.orbit = new view.orbit.Orbit(canvas, () => this.draw());
       new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
       matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.themed());

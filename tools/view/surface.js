@@ -60,7 +60,8 @@ view.surface = (() => {
       this.mesh.visible = this.shadow.visible = some;
       if (!some) return;
       array(this.geometry, "position", 3, frame.n).set(frame.x);
-      array(this.geometry, "colour", 3, frame.n).set(colours);
+      if (this.painted !== colours) array(this.geometry, "colour", 3, frame.n).set(colours);
+      this.painted = colours;
       normals(frame.x, frame.triangles, frame.n, array(this.geometry, "normal", 3, frame.n));
       if (this.triangles !== frame.triangles) {
         this.geometry.setIndex(new THREE.BufferAttribute(frame.triangles, 1));

@@ -138,6 +138,22 @@ static void a_blind_judge_does_not_see_the_exact_solution(void **state) {
               "assert(unseen.verify_difference == seen.verify_difference)\n");
 }
 
+/* What a check found stands in summary.json as well; but once another run has begun there, the file is that run's. */
+static void summary_json_has_what_the_check_found(void **state) {
+  (void)state;
+  tool(joined(oscillator, "scene:output('table')\n"),
+       "local function kept() return io.open(hooke.folder .. '/kept/summary.json'):read('a') end\n"
+       "local run = load({ accuracy = 1e-2, output = true, out = hooke.folder .. '/kept' }):run()\n"
+       "assert(kept():find('\"verify_difference\": ?null'), 'before')\n"
+       "run:verify()\n"
+       "assert(kept():find('\"verify_difference\": ?[%d.]+'), 'after')\n"
+       "local other = load({ output = true, out = hooke.folder .. '/kept' })\n"
+       "other:run()\n"
+       "local before = kept()\n"
+       "run:verify()\n"
+       "assert(kept() == before, 'another run')\n");
+}
+
 /* The force fails at its 150th evaluation: the run of 100 steps does not get there, and that of 201 does. */
 static void a_second_run_that_fails_is_no_agreement(void **state) {
   (void)state;
@@ -404,6 +420,7 @@ int main(void) {
       cmocka_unit_test(the_estimate_is_the_error_and_decides),
       cmocka_unit_test(nothing_asked_for_nothing_judged),
       cmocka_unit_test(a_balanced_start_is_found_out),
+      cmocka_unit_test(summary_json_has_what_the_check_found),
       cmocka_unit_test(a_blind_judge_does_not_see_the_exact_solution),
       cmocka_unit_test(a_second_run_that_fails_is_no_agreement),
       cmocka_unit_test(the_second_scene_is_opened_and_closed_once),

@@ -2,6 +2,7 @@
  * very bits of the run that was not: for every integrator of the folder, on scenes that between them have pins of all
  * kinds, timed forces, damping, channels, a corrector, a source, contact, neighbours and constraints, and whatever the
  * number of threads. */
+#include "tests/fixtures/looker.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
 
@@ -314,6 +315,40 @@ static bool go_on(const scene_case *scene, const char *method, const outcome *wh
   return true;
 }
 
+/* What outputs are told at the last frame of the run: its error and its last step. resume NULL: from the start. */
+static looker last_frame(size_t steps, const char *resume, size_t *taken) {
+  static const scene_case scene = {"pinned_and_timed", pinned_and_timed};
+  static looker seen;
+  char folder[512];
+  test_engine e;
+  snprintf(folder, sizeof folder, "%s/frames", test_folder());
+  open_engine(&e, &scene, "dopri5", folder);
+  const hk_plugin_spec *spec = test_plugin(&e, HK_OUTPUT, "fixture:looker");
+  e.options.resume = resume;
+  outcome o = run(&e, steps);
+  if (o.status != HK_OK && o.status != HK_INTERRUPTED) fail_msg("%s", o.error);
+  seen = *(const looker *)test_instance(&e, spec)->self;
+  *taken = o.steps;
+  test_engine_close(&e);
+  free(o.X);
+  return seen;
+}
+
+/* Interrupted between two frames, it still tells the largest estimate since the frame before. */
+static void frames_after_it_are_told_what_was_before_it(void **state) {
+  (void)state;
+  char file[600];
+  size_t steps, ignored;
+  looker whole = last_frame(0, NULL, &steps);
+  assert_true(whole.error > 0);
+  snprintf(file, sizeof file, "%s/frames/newest.checkpoint", test_folder());
+  for (size_t k = 1; k <= 3; k++) {
+    last_frame(steps - k, NULL, &ignored);
+    looker rest = last_frame(0, file, &ignored);
+    assert_true(rest.error == whole.error && rest.step == whole.step);
+  }
+}
+
 static void a_run_that_goes_on_ends_in_the_same_bits(void **state) {
   (void)state;
   static const int threads[] = {1, 2, 7};
@@ -339,6 +374,7 @@ static void a_run_that_goes_on_ends_in_the_same_bits(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_run_that_goes_on_ends_in_the_same_bits)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(frames_after_it_are_told_what_was_before_it),
+                                     cmocka_unit_test(a_run_that_goes_on_ends_in_the_same_bits)};
   return cmocka_run_group_tests(tests, list_methods, NULL);
 }

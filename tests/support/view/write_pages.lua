@@ -29,6 +29,30 @@ page("sheet", { { recording = made.sheet(16, 100), title = "sheet", summary = su
 page("two", { { recording = made.sheet(8, 60), title = "first" }, { recording = made.sheet(8, 60, 0.1), title = "second" } },
   { title = "first and second" })
 
+-- ---- the same by three.js as ES modules, where they are installed ----
+
+local three = require("common.view.three")
+for _, place in ipairs(three.places) do
+  local module = io.open(place .. "three.module.js", "rb")
+  if module then
+    local modules = folder .. "/modules/"
+    os.execute("mkdir -p " .. modules)
+    for _, name in ipairs { "three.module.js", "three.core.js" } do
+      local from = io.open(place .. name, "rb")
+      if from then
+        local to = assert(io.open(modules .. name, "wb"))
+        to:write((from:read("a")))
+        to:close()
+        from:close()
+      end
+    end
+    module:close()
+    page("modules", { { recording = made.sheet(16, 100), title = "sheet", summary = summary } },
+      { title = "sheet", three = { modules } })
+    break
+  end
+end
+
 -- ---- a ball that rolls, a box of triangles and a floor ----
 
 local box_vertices, box_faces = {}, { 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2,
@@ -54,6 +78,19 @@ places = function(k)
   return made.doubles { 0, 0, -0.5, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0.1 * k, 0, 0, 0.4, 0, 0, 0, 0.4, 0, 0, 0, 0.4,
     3, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }
 end } } }, { title = "solids" })
+
+-- ---- more particles than a slow machine draws: 24,000 that rise ----
+
+local many, ids, still = {}, {}, {}
+for i = 0, 23999 do
+  ids[i + 1] = i + 1
+  for c, value in ipairs { i % 155 / 155, i // 155 / 155, 0 } do many[3 * i + c], still[3 * i + c] = value, 0 end
+end
+page("many", { { title = "many", recording = made.recording { frames = 4, at = function(k)
+  local x = table.move(many, 1, #many, 1, {})
+  for i = 3, #x, 3 do x[i] = 0.02 * k end
+  return x, still, ids
+end } } }, { title = "many" })
 
 -- ---- births and deaths; numbers of any kind; names that would be markup ----
 

@@ -3,6 +3,7 @@
 -- network. Data come between `begin` and `finish`, so that a page of any size is never in memory.
 local lfs = require("lfs")
 local json_text = require("common.view.json_text")
+local three = require("common.view.three")
 
 local template = {}
 
@@ -11,46 +12,12 @@ template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", 
   "points", "floor", "solids", "orbit", "topology", "layer", "stage", "clock", "timeline", "plots", "controls", "compare",
   "inspector", "report", "bench", "app" }
 
--- Where three.js may be, with window.THREE (the older files) or as CommonJS.
-local places = { "/usr/share/javascript/three/", "/usr/share/nodejs/three/build/", "/usr/local/lib/node_modules/three/build/",
-  "/usr/lib/node_modules/three/build/", "node_modules/three/build/" }
-local names = { "three.min.js", "three.js", "three.cjs" }
-
-local licence = [[
-/* three.js, https://threejs.org. The MIT License. Copyright (c) 2010-2026 three.js authors.
-Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated documentation
-files (the "Software"), to deal in the Software without restriction, including without limitation the rights to use, copy,
-modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to permit persons to whom the
-Software is furnished to do so, subject to the following conditions: The above copyright notice and this permission notice
-shall be included in all copies or substantial portions of the Software.
-THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE
-WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR
-COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE,
-ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */
-]]
-
 local function read(path)
   local file, why = io.open(path, "rb")
   if not file then return nil, why end
   local text = file:read("a")
   file:close()
   return text
-end
-
--- The text of three.js; nil: the reason, and what to do.
-function template.three()
-  for _, place in ipairs(places) do
-    for _, name in ipairs(names) do
-      local text = lfs.attributes(place .. name, "mode") == "file" and read(place .. name)
-      if text and not text:find("</script", 1, true) then
-        local wrapped = name:find("%.cjs$") and ("window.THREE = {}; ((exports) => {%s\n})(window.THREE);"):gsub("%%s",
-          function() return text end) or text
-        return licence .. wrapped
-      end
-    end
-  end
-  return nil, "three.js, which draws the page's 3D view, is not found: tools/install-deps run gets it (Debian: libjs-three; "
-    .. "elsewhere: npm install three, here)"
 end
 
 local function nonce()
@@ -74,13 +41,14 @@ local function script(number_used_once, text)
 end
 
 -- The page's parts up to where data come, and from there: nil and the reason where a file is missing.
--- what: title, subtitle, policy (more of the Content-Security-Policy), modules (those behind them; the last opens the page)
+-- what: title, subtitle, policy (more of the Content-Security-Policy), modules (those behind them; the last opens the
+-- page), three (where three.js may be; left out: three.places)
 function template.parts(what)
   local folder = hooke.folder .. "/view/"
-  local three, why = template.three()
-  if not three then return nil, why end
+  local library, why = three.script(what.three)
+  if not library then return nil, why end
   local used = what.nonce or nonce()
-  local scripts = { script(used, three) }
+  local scripts = { script(used, library) }
   local modules = table.move(template.modules, 1, #template.modules, 1, {})
   table.move(what.modules or { "open" }, 1, #(what.modules or { "open" }), #modules + 1, modules)
   for _, name in ipairs(modules) do
