@@ -120,7 +120,7 @@ typedef struct hk_param {
   size_t offset; /* offsetof(instance, field) */
   unsigned flags;
   const char *text; /* HK_STRING: default or NULL; HK_CHOICE: the choices; HK_PER_TUPLE: the name of the list;
-                       HK_FUNCTION: "function(t, x, id) -> f", t first and a particle's id last */
+                       HK_FUNCTION: "function(t, x, id) -> f", t first and a particle's id last, or t alone */
 } hk_param;
 
 /* ---- Evolving state of a plugin -------------------------------------------------------------------------------- */

@@ -11,9 +11,9 @@ local source_graph = require("source_graph")
 -- ---- what is allowed ----
 
 -- An arrow goes from a room to itself or to one further up in this list.
-local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "matrix",
-  "dynamics", "population", "loop", "judge", "storage", "report", "run", "script", "meshes", "builders", "lua", "tools",
-  "process", "command" }
+local order = { "text", "plugin", "base", "contract", "host", "functions", "stability", "scene", "state", "parts",
+  "matrix", "dynamics", "population", "loop", "judge", "storage", "report", "run", "script", "meshes", "builders", "lua",
+  "tools", "process", "command" }
 local most_files = 20
 local small_core_below = 3500 -- lines
 local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/", "^core/dynamics/" }

@@ -49,8 +49,9 @@ local function read_given(plugin, texts)
   for _, p in ipairs(plugin.params) do known[#known + 1], known[p.name] = p.name, p end
   for name, text in pairs(texts) do
     if not known[name] then
-      return nil, ("%s has no parameter '%s'; did you mean '%s'?"):format(plugin.name, name,
-        hooke.nearest(name, known) or "")
+      local near = hooke.nearest(name, known)
+      return nil, ("%s has no parameter '%s'%s"):format(plugin.name, name,
+        near and ("; did you mean '%s'?"):format(near) or "; it has " .. table.concat(known, ", "))
     end
     local why
     given[name], why = value_of(known[name], text)

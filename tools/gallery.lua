@@ -139,7 +139,10 @@ if not o then return 1 end
 local list = o.list or hooke.library:gsub("/lib$", "") .. "/gallery.lua"
 local chunk, why = loadfile(list, "t", {})
 if not chunk then return fail(why) end
-local plan = chunk()
+local ran, plan = pcall(chunk)
+if not ran or type(plan) ~= "table" then
+  return fail(("%s is no list of scenes%s; see scripts/gallery.lua for one"):format(list, ran and "" or " (" .. tostring(plan) .. ")"))
+end
 local folder = list:match("^(.*)/[^/]*$") or "."
 local pictures, shown = stills(plan, o, folder)
 if not pictures then return fail(shown) end

@@ -91,6 +91,10 @@ for _, plugin in ipairs(list) do
   end
 end
 if found then return 0 end
+if name:find("/") or name:find("%.so$") then
+  return command_line.complain("plugins", ("'%s' is a file: hooke check %s tries the plugin in it"):format(name,
+    name:find("/") and name or "./" .. name))
+end
 local near = hooke.nearest(name, names)
 return command_line.complain("plugins", ("there is no plugin '%s'%s"):format(name,
   near and ("; did you mean '%s'?"):format(near) or "; see: hooke plugins"))

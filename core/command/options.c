@@ -192,6 +192,8 @@ hk_status hk_options_parse(hk_options *into, int argc, char **argv, hk_error *er
     hk_status status = HK_OK;
     if (argv[i][0] == '-' && argv[i][1])
       status = parse_option(into, argv[i], i + 1 < argc ? argv[i + 1] : NULL, &used, error);
+    else if (argv[i][0] == '=')
+      status = hk_error_set(error, HK_BAD_PARAM, "'%s': a parameter has a name, NAME=VALUE, without blanks", argv[i]);
     else if (strchr(argv[i], '=') && into->scene)
       keep_param(into, argv[i]);
     else if (!into->scene)

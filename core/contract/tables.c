@@ -86,6 +86,13 @@ static bool reserved(const hk_plugin *plugin, const char *name) {
   return false;
 }
 
+/* t first, and a particle's id last where there is more. */
+static bool tells_arguments(const char *text) {
+  if (!text) return false;
+  if (strncmp(text, "function(t) -> ", strlen("function(t) -> ")) == 0) return true;
+  return strncmp(text, "function(t, ", strlen("function(t, ")) == 0 && strstr(text, "id) -> ");
+}
+
 static bool text_of_param(const hk_plugin *plugin, const hk_param *p, hk_reason_text *reason) {
   if (p->text && !hk_loaded_text(p->text)) return hk_wrong(reason, "the text of the parameter '%s' is none", p->name);
   if (p->type == HK_CHOICE && (!p->text || !*p->text))
@@ -93,8 +100,10 @@ static bool text_of_param(const hk_plugin *plugin, const hk_param *p, hk_reason_
   if (p->type == HK_CHOICE && !(p->initial[0] >= 0 && p->initial[0] < (double)choices_of(p->text)))
     return hk_wrong(reason, "the default of the parameter '%s', %g, is none of its choices, %s", p->name, p->initial[0],
                     p->text);
-  if (p->type == HK_FUNCTION && (!p->text || strncmp(p->text, "function(t, ", 12) != 0 || !strstr(p->text, "id) -> ")))
-    return hk_wrong(reason, "the text of the parameter '%s' has to be like \"function(t, x, id) -> f\"", p->name);
+  if (p->type == HK_FUNCTION && !tells_arguments(p->text))
+    return hk_wrong(reason,
+                    "the text of the parameter '%s' has to be like \"function(t, x, id) -> f\" or \"function(t) -> f\"",
+                    p->name);
   if (p->type == HK_PER_TUPLE && !names_a_list(plugin, p))
     return hk_wrong(reason, "the parameter '%s' has a number per tuple of '%s', which is no list of its parameters",
                     p->name, p->text ? p->text : "");

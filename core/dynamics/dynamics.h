@@ -2,7 +2,7 @@
 #ifndef HK_DYNAMICS_H
 #define HK_DYNAMICS_H
 
-#include "core/state/state.h"
+#include "core/parts/parts.h"
 
 typedef struct hk_constraints hk_constraints;         /* constraints.h */
 typedef struct hk_implicit_matrix hk_implicit_matrix; /* implicit_matrix.h */
@@ -31,8 +31,8 @@ typedef struct hk_dynamics {
   hk_element_list *element_list;
   hk_elements *offered; /* room for the lists of one force */
   hk_publication *publication;
-  const hk_tuples **join;                 /* the parameters HK_EDGES of constraints */
-  uint64_t *chunk_bad;                    /* one word per chunk of particles: F is not finite there */
+  const hk_tuples **join; /* the parameters HK_EDGES of constraints */
+  hk_parts parts;
   double *unaccounted;                    /* n x 3, the F of one force alone; NULL: the host computes no force's work */
   bool updates, limits, listens, demands; /* a force has `update`, `step_limit`, `accepted`, `longest_step` */
   double *predicted; /* n x 3, predicted positions after the next step, scratch; NULL: no force has `update` or
@@ -64,6 +64,7 @@ void hk_dynamics_take_all(hk_dynamics *); /* evaluations include all forces agai
 
 /* ---- impose.c: imposes the pins and timed parameters of a time ---- */
 
+hk_status hk_dynamics_set_time(hk_dynamics *, double t); /* those of the time, which are not imposed yet */
 hk_status hk_dynamics_impose(hk_dynamics *, double t, double *x, double *v);
 
 /* ---- elements.c: the elements and published fields of forces, collected in the model ---- */
@@ -72,9 +73,6 @@ size_t hk_force_element_lists(const hk_force *); /* 0: it offers no elements */
 hk_status hk_elements_refresh(hk_dynamics *);    /* HK_FAILED: a list contradicts itself; the message names the force */
 /* The fields that plugins publish: before they start, and again when they have, for services come in between. */
 hk_status hk_publications_list(hk_dynamics *);
-/* Whether a force has no energy function or one that depends on time: the host then counts all of its power F.v as
- * work. */
-bool hk_work_unaccounted(const hk_instance *force);
 bool hk_force_acts_at(const hk_instance *, double t);
 /* view of force k at any X */
 hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *X, size_t n);
@@ -86,6 +84,8 @@ hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v,
 /* dy += the rate that the scene states for channel k of the particles from `first` on */
 hk_status hk_evaluate_rate(hk_dynamics *, size_t k, double t, const double *y, double *dy, size_t first);
 hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number of particles */
+hk_status hk_evaluate_pass(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy,
+                           const hk_pass *); /* see hk_system */
 
 /* ---- probe.c: energies, forces and blocks of one state, apart from the evaluation of f ---- */
 

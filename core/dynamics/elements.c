@@ -6,12 +6,6 @@
 
 bool hk_force_acts_at(const hk_instance *force, double t) { return t >= force->spec->from && t < force->spec->to; }
 
-/* Its work is computed from the F of that force alone. */
-bool hk_work_unaccounted(const hk_instance *force) {
-  const hk_force *functions = force->plugin->force;
-  return functions->energy ? force->spec->timed_count > 0 : !(functions->flags & HK_POWER);
-}
-
 hk_view hk_force_view_at(const hk_dynamics *d, size_t k, double t, const double *X, size_t n) {
   hk_view view = d->force_view[k];
   view.t = t;
@@ -120,5 +114,5 @@ hk_status hk_elements_refresh(hk_dynamics *d) {
   }
   d->state->model.element_lists = lists;
   d->state->model.element_list = d->element_list;
-  return status;
+  return status == HK_OK ? hk_parts_arrange(&d->parts, d->error) : status;
 }

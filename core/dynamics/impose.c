@@ -1,4 +1,4 @@
-/* Imposes the pins and the timed parameters of a time, at the start of every evaluation. */
+/* The pins and the timed parameters of a time, at the start of every evaluation. */
 #include "core/dynamics/dynamics.h"
 
 static hk_status set_timed(hk_dynamics *d, double t) {
@@ -11,8 +11,14 @@ static hk_status set_timed(hk_dynamics *d, double t) {
   return status;
 }
 
-hk_status hk_dynamics_impose(hk_dynamics *d, double t, double *x, double *v) {
+hk_status hk_dynamics_set_time(hk_dynamics *d, double t) {
   hk_evaluations_note(&d->evaluations, t);
-  hk_status status = hk_pins_impose(d->pins, t, x, v, d->error);
+  hk_status status = hk_pins_find(d->pins, t, d->error);
   return status == HK_OK && d->has_timed && t != d->timed_at ? set_timed(d, t) : status;
+}
+
+hk_status hk_dynamics_impose(hk_dynamics *d, double t, double *x, double *v) {
+  hk_status status = hk_dynamics_set_time(d, t);
+  if (status == HK_OK) hk_pins_impose(d->pins, 0, d->state->model.n, x, v);
+  return status;
 }

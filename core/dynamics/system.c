@@ -25,6 +25,13 @@ static void impose(hk_system *s, double t, double *x, double *v) { hk_dynamics_i
 
 static void filter(hk_system *s, double *vector) { hk_pins_filter(dynamics_of(s)->pins, vector); }
 
+static void exchange(hk_system *s) {
+  hk_state *state = dynamics_of(s)->state;
+  hk_state_exchange(state);
+  s->X = state->X;
+  s->spare = state->spare;
+}
+
 static void set_functions(hk_system *s) {
   s->accelerations = hk_evaluate_accelerations;
   s->rates = rates;
@@ -46,6 +53,8 @@ static void set_functions(hk_system *s) {
   s->product = hk_sweep_product;
   s->stiffness_bound = hk_sweep_stiffness;
   s->alone = hk_probe_alone;
+  s->pass = hk_evaluate_pass;
+  s->exchange = exchange;
   s->hold_positions = hk_constraints_hold_positions;
   s->hold_velocities = hk_constraints_hold_velocities;
 }
@@ -114,13 +123,26 @@ hk_status hk_dynamics_open(hk_dynamics *d, const hk_scene *scene, hk_state *stat
   d->timed_at = NAN;
   set_functions(&d->system);
   hk_status status = list_forces(d);
+  d->parts = (hk_parts){.state = state,
+                        .pins = pins,
+                        .shared = shared,
+                        .forces = &plugins->kind[HK_FORCE],
+                        .view = d->force_view,
+                        .acts = d->force_acts,
+                        .takes = d->takes};
+  if (status == HK_OK && !hk_parts_open(&d->parts))
+    status = hk_error_set(d->error, HK_NO_MEMORY, "no memory for the parts of forces");
   if (status == HK_OK) status = hk_publications_list(d);
   if (status != HK_OK) return status;
   set_flags(d);
   if (d->system.flags & HK_DEPENDS_ON_T && !hk_evaluations_open(&d->evaluations, scene->duration))
     return hk_error_set(d->error, HK_NO_MEMORY, "no memory for the times of evaluations");
+  const hk_instance *method = hk_plugins_one(plugins, HK_INTEGRATOR);
+  bool spare = method && method->plugin->integrator->flags & HK_USES_SPARE;
+  if (spare && !hk_state_open_spare(state)) return hk_error_set(d->error, HK_NO_MEMORY, "no memory for a new state");
   hk_dynamics_refresh(d);
-  return hk_evaluate_resize(d);
+  status = hk_parts_arrange(&d->parts, d->error);
+  return status == HK_OK ? hk_evaluate_resize(d) : status;
 }
 
 void hk_dynamics_take_all(hk_dynamics *d) {
@@ -133,6 +155,7 @@ static void refresh_system(hk_dynamics *d) {
   s->model = &d->state->model;
   s->t = d->state->t;
   s->X = d->state->X;
+  s->spare = d->state->spare;
   s->n = d->state->model.n;
   s->size = d->state->size;
 }
@@ -159,7 +182,8 @@ void hk_dynamics_close(hk_dynamics *d) {
   hk_constraints_close(d);
   hk_jacobian_close(d);
   hk_evaluations_close(&d->evaluations);
-  void *arrays[] = {d->force_view, d->force_acts,  d->takes, d->takes_kept, d->force_info,  d->element_list,
-                    d->offered,    d->publication, d->join,  d->chunk_bad,  d->unaccounted, d->predicted};
+  hk_parts_close(&d->parts);
+  void *arrays[] = {d->force_view, d->force_acts,  d->takes, d->takes_kept,  d->force_info, d->element_list,
+                    d->offered,    d->publication, d->join,  d->unaccounted, d->predicted};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }

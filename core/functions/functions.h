@@ -87,7 +87,8 @@ void hk_motion_open(hk_motion *, const hk_function *offset, const hk_function *r
                     const char *where, double end);
 hk_status hk_motion_find(hk_motion *, double t, hk_error *error);
 /* Position and velocity of what started at `origin`, at the time of hk_motion_find. */
-void hk_motion_place(hk_motion *, const double origin[3], double x[3], double v[3]);
+void hk_motion_reaches(hk_motion *, const double origin[3]); /* it will be asked to place what started there */
+void hk_motion_place(const hk_motion *, const double origin[3], double x[3], double v[3]);
 hk_status hk_motion_bend(hk_motion *, double t, hk_error *error); /* finds the accelerations at t */
 void hk_motion_acceleration(const hk_motion *, const double origin[3], double a[3]);
 void hk_rotation(const double r[3], double R[9]); /* exp([r]), by rows */

@@ -107,7 +107,13 @@ static void arm_of(const hk_motion *m, const double origin[3], double d[3]) {
   for (int c = 0; c < 3; c++) d[c] = dot(m->turn + 3 * c, p);
 }
 
-void hk_motion_place(hk_motion *m, const double origin[3], double x[3], double v[3]) {
+void hk_motion_reaches(hk_motion *m, const double origin[3]) {
+  double p[3];
+  for (int c = 0; c < 3; c++) p[c] = origin[c] - m->center[c];
+  m->reach = fmax(m->reach, sqrt(dot(p, p)));
+}
+
+void hk_motion_place(const hk_motion *m, const double origin[3], double x[3], double v[3]) {
   double d[3];
   for (int c = 0; c < 3; c++) x[c] = origin[c] + m->offset.value[c];
   memcpy(v, m->offset.value + HK_COLUMNS, 3 * sizeof *v);
@@ -115,7 +121,6 @@ void hk_motion_place(hk_motion *m, const double origin[3], double x[3], double v
   arm_of(m, origin, d);
   for (int c = 0; c < 3; c++) x[c] = m->center[c] + m->offset.value[c] + d[c];
   add_cross(v, 1, m->spin, d);
-  m->reach = fmax(m->reach, sqrt(dot(d, d)));
 }
 
 hk_status hk_motion_bend(hk_motion *m, double t, hk_error *error) {

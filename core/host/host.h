@@ -149,6 +149,9 @@ typedef struct hk_instance {
   size_t calls, sampled;
 } hk_instance;
 
+/* In a thread that works beside others in which another plugin is at work: who is in this one. NULL: see `acting`. */
+extern _Thread_local const hk_instance *hk_acting_here;
+
 /* Around every call into a plugin: `acting` names the innermost one. */
 static inline const hk_instance *hk_enter(const hk_instance *instance) {
   const hk_instance *volatile *acting = instance->shared->acting;

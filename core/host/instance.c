@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+_Thread_local const hk_instance *hk_acting_here;
+
 static uint64_t stream_of(const hk_instance *instance) {
   uint64_t hash = 1469598103934665603u ^ instance->shared->seed; /* FNV-1a of kind and label */
   hash = (hash ^ (uint64_t)instance->plugin->kind) * 1099511628211u;

@@ -67,7 +67,8 @@ hk_status hk_trajectory_note(hk_trajectory *a, const hk_state *s, size_t frame, 
   double *value = a->value + a->size;
   for (size_t k = 0; k < n; k++) value[k] = s->id[hk_model_nth(&s->model, k)];
   copy_in_order(value + n, s->X, 3, &s->model);
-  for (size_t c = 0; c < s->model.channels; c++)
+  if (!s->model.by_id) memcpy(value + 4 * n, s->X + 6 * n, s->width * n * sizeof *value);
+  for (size_t c = 0; s->model.by_id && c < s->model.channels; c++)
     copy_in_order(value + (4 + s->channel[c].offset) * n, s->X + (6 + s->channel[c].offset) * n, s->channel[c].size,
                   &s->model);
   a->moment[a->moments++] = (struct hk_moment){s->t, frame, n, a->size, size};

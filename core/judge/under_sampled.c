@@ -72,6 +72,7 @@ static void visit_state_function(search *s, const hk_instance *plugin, const hk_
   on_the_way at = {.function.call = call_on_the_way, .arguments = hk_function_arguments(p)};
   const hk_state *state = s->loop->state;
   size_t n = state->model.n, count;
+  if (at.arguments == 1) return; /* of time alone: the plugin has times of its own for it, which are not the steps' */
   const uint32_t *index = called_for(plugin, n, &count);
   at.of_state = *(const hk_function *const *)(const void *)((const char *)plugin->self + p->offset);
   at.trajectory = plugin->plugin->kind == HK_FORCE ? s->trajectory : NULL;

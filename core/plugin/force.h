@@ -5,6 +5,7 @@
 
 #include "core/plugin/contact.h"
 #include "core/plugin/model.h"
+#include "core/plugin/parts.h"
 
 enum { HK_ELEMENT_VALUES = 16 }; /* largest number of values C per tuple */
 
@@ -187,6 +188,15 @@ typedef struct hk_force {
   void (*flow)(const void *self, const hk_view *view, const double *x, size_t count, double *u);
   /* For contact of any kind: adds the places where something touches at `view`. As `flow`. NULL: nothing ever does. */
   void (*contact_points)(const void *self, const hk_view *view, const hk_contact_points *points);
+  /* For a force that is a sum over elements or particles: adds to F what belongs to one part (core/plugin/parts.h) of
+   * view->model->partition, and its power to *view->power. The parts in any order are `add`, up to rounding. It may be
+   * called by several threads at once, for parts without a common particle; it reads of x and v the particles of its
+   * part alone, since others may not have been computed yet, and calls no function of the host. Not for a force with
+   * `rates` or published fields: the host calls its `add`. NULL: the host always calls `add`. */
+  void (*add_part)(void *self, const hk_view *view, size_t part, double *F);
+  /* With add_part: notes all elements that act (hk_part_touch). Called when the force has been created and after every
+   * `topology`. NULL: it acts on each particle alone, so that part b < blocks is that of the particles of block b. */
+  void (*parts)(void *self, const hk_view *view, const hk_part_use *use);
 } hk_force;
 
 #endif

@@ -18,8 +18,9 @@ enum { /* hk_integrator.flags */
                                 constraints, whose acting equations depend on the whole sum */
        HK_LIMITS_MOVES = 128, /* reaches its new state by moves within hk_system.step_limit; the host checks the steps
                                of other methods, on the straight line, and halves those that are not safe */
-       HK_KEEPS_CONSTRAINTS = 256 /* in a holonomic scene its steps end on g = 0 and J v + g_t = 0, by hold_positions
-                                     and hold_velocities; the host does not project them */
+       HK_KEEPS_CONSTRAINTS = 256, /* in a holonomic scene its steps end on g = 0 and J v + g_t = 0, by hold_positions
+                                      and hold_velocities; the host does not project them */
+       HK_USES_SPARE = 512         /* uses hk_system.spare */
 };
 
 typedef enum hk_reason { /* the reason why the host calls `reset` */
@@ -76,6 +77,14 @@ typedef struct hk_aside {
   /* Takes its share out of the blocks of hk_system.stiffness_bound. */
   void (*remove_bound)(const void *self, const hk_system *, hk_stiffness_part part, double (*block)[6]);
 } hk_aside;
+/* What a method does with particles before and after an evaluation, while they are in the cache: see hk_system.pass.
+ * Both get the particles begin to end - 1, from several threads at once. They must not read or write the x and v of
+ * others. */
+typedef struct hk_pass {
+  void *context;
+  void (*prepare)(void *context, size_t begin, size_t end); /* writes x and v; may read a; NULL: they are there */
+  void (*finish)(void *context, size_t begin, size_t end);  /* a is complete, and no force reads x and v any more */
+} hk_pass;
 
 /* ---- The system ------------------------------------------------------------------------------------------------ */
 
@@ -172,6 +181,15 @@ struct hk_system {
   const hk_aside *aside;
   /* Given to the forces with `jacobian` (hk_blocks); a method that sets them sets them to NULL again after it. */
   const double *linearised, *reached;
+  /* `accelerations`, with what the method does before and after: block by block in one pass over the particles where
+   * the forces offer parts (core/plugin/parts.h), else in passes on all threads. y is complete when it is called. If it
+   * fails, a is void, and some particles may not have been prepared or finished. */
+  hk_status (*pass)(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy,
+                    const hk_pass *);
+  /* For methods with HK_USES_SPARE: size doubles that a method may use within a step. Exchanged with X by `exchange`
+   * when they are the new state, so that nothing is copied and X is as it was if the step fails. */
+  double *spare;
+  void (*exchange)(hk_system *);
 };
 
 #endif

@@ -49,6 +49,7 @@ struct hk_model {
   /* n: the indices of the particles in the order of their ids. NULL: ids rise with the index. The host may give
    * neighbours indices that are close to each other; what users see goes by the id. */
   const uint32_t *by_id;
+  const struct hk_partition *partition; /* core/plugin/parts.h; changes with n */
 };
 
 /* The index of the k-th particle in the order of ids, k < n. */

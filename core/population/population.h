@@ -3,6 +3,7 @@
 #define HK_POPULATION_H
 
 #include "core/dynamics/dynamics.h"
+#include "core/population/particle_set.h"
 
 typedef struct hk_newborn {
   hk_birth birth;

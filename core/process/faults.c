@@ -59,7 +59,7 @@ static void end(int code) {
 }
 
 static void crashed(int number) {
-  const hk_instance *plugin = acting;
+  const hk_instance *plugin = hk_acting_here ? hk_acting_here : acting;
   const char *file = loading->opening;
   int k = 0;
   if ((!plugin && !file) || getpid() != watched) {
@@ -75,7 +75,7 @@ static void crashed(int number) {
 }
 
 static void left(void) {
-  const hk_instance *plugin = acting;
+  const hk_instance *plugin = hk_acting_here ? hk_acting_here : acting;
   const char *file = loading->opening;
   if ((!plugin && !file) || getpid() != watched) return;
   name(plugin, file);

@@ -5,6 +5,9 @@
 
 #include <stdlib.h>
 #include <string.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <unistd.h>
 
 enum { RUN_FRAMES = 25 }; /* a run takes some 800 bytes a particle, a frame 32 */
@@ -254,6 +257,13 @@ static bool compares(const hk_run *run) {
          (double)scene->n * (RUN_FRAMES + scene->fps * run->asked.end) < small;
 }
 
+/* Memory that building has freed goes back to the system: glibc keeps what is below its threshold, up to 32 MB each. */
+static void give_back(void) {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+}
+
 hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **made, hk_error *error) {
   hk_run *run = calloc(1, sizeof *run);
   if (!run) return hk_error_set(error, HK_NO_MEMORY, "no memory for a run");
@@ -279,6 +289,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   }
   run->progress.begin = run->state.t;
   run->progress.steps = run->record.steps;
+  give_back();
   *made = run;
   return HK_OK;
 }

@@ -135,10 +135,13 @@ static uint32_t cell(const box *b, const double *x, int axis, double distance) {
 
 static spot *sort_spots(const hk_scene *scene, double distance) {
   const box b = box_of(scene);
+  bool flat = b.size[b.axis[2]] < distance; /* the slabs of a flat sheet are its rows */
+  int along = b.axis[flat ? 1 : 2];
   spot *list = malloc(scene->n * sizeof *list);
   for (size_t i = 0; list && i < scene->n; i++) {
     const double *x = scene->position + 3 * i;
-    list[i] = (spot){cell(&b, x, b.axis[0], distance), cell(&b, x, b.axis[1], distance), (uint32_t)i, x[b.axis[2]]};
+    uint32_t row = flat ? 0 : cell(&b, x, b.axis[1], distance);
+    list[i] = (spot){cell(&b, x, b.axis[0], distance), row, (uint32_t)i, x[along]};
   }
   if (list) qsort(list, scene->n, sizeof *list, by_spot);
   return list;

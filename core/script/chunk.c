@@ -36,6 +36,24 @@ void hk_lua_note_file(lua_State *L, const char *what, const char *path, const ch
     hk_lua_fail(L, HK_NO_MEMORY, "no memory for the list of files");
 }
 
+/* What is no text, or is not called .lua, is probably no script at all: says so behind the error on top of the stack.
+ */
+static void doubt(lua_State *L, const char *name, int first) {
+  enum { OBJECT = 0x7f }; /* the first byte of ELF */
+  size_t length = strlen(name);
+  bool script = length > 4 && strcmp(name + length - 4, ".lua") == 0;
+  if (first == OBJECT)
+    lua_pushfstring(L,
+                    "%s is a shared object and no script: hooke check ./%s tries a plugin, and a scene names it by its "
+                    "path",
+                    name, name);
+  else if (!script)
+    lua_pushfstring(L, "%s; a scene is a Lua script, NAME.lua", lua_tostring(L, -1));
+  else
+    return;
+  lua_replace(L, -2);
+}
+
 int hk_lua_load(lua_State *L, const char *path, const char *name, const char *const *within) {
   source from = {.file = hk_file_read(path, within)};
   if (!from.file) return LUA_ERRFILE;
@@ -47,6 +65,7 @@ int hk_lua_load(lua_State *L, const char *path, const char *name, const char *co
   int cause = ferror(from.file) ? errno : 0;
   fclose(from.file);
   lua_remove(L, -2);
+  if (code == LUA_ERRSYNTAX) doubt(L, name, first);
   if (!cause) hk_lua_note_file(L, "the script", path, name);
   if (!cause) return code;
   lua_pop(L, 1);

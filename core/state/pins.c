@@ -25,10 +25,25 @@ static hk_status open_pin(hk_pin_state *pin, const hk_scene *scene, hk_state *st
                           spec->id[k]);
     state->pin[i] = (uint8_t)spec->kind;
     pin->index[pin->count] = i;
+    if (spec->kind == HK_PIN_PATH) hk_motion_reaches(&pin->motion, scene->position + 3 * (spec->id[k] - 1));
     memcpy(pin->origin + 3 * pin->count++, scene->position + 3 * (spec->id[k] - 1), 3 * sizeof(double));
     if (spec->kind == HK_PIN_FIXED) memset(state->X + 3 * (state->model.n + i), 0, 3 * sizeof(double));
   }
   return HK_OK;
+}
+
+static int by_particle(const void *a, const void *b) {
+  const hk_pin_place *p = a, *q = b;
+  return (p->particle > q->particle) - (p->particle < q->particle);
+}
+
+/* What moves or slides, in the order of the particles. */
+static void list_places(hk_pins *pins) {
+  pins->places = 0;
+  for (uint32_t k = 0; k < pins->count; k++)
+    for (uint32_t j = 0; pins->item[k].spec->kind != HK_PIN_FIXED && j < pins->item[k].count; j++)
+      pins->place[pins->places++] = (hk_pin_place){pins->item[k].index[j], k, j};
+  qsort(pins->place, pins->places, sizeof *pins->place, by_particle);
 }
 
 hk_status hk_pins_open(hk_pins *pins, const hk_scene *scene, hk_state *state, hk_error *error) {
@@ -43,7 +58,25 @@ hk_status hk_pins_open(hk_pins *pins, const hk_scene *scene, hk_state *state, hk
     pins->has_slides |= pin->spec->kind == HK_PIN_LINE || pin->spec->kind == HK_PIN_PLANE;
   }
   hk_state_refresh(state); /* fixed and scripted particles get the inverse mass 0 */
+  size_t room = 0;
+  for (size_t k = 0; k < pins->count; k++) room += pins->item[k].count;
+  pins->place = malloc((room + 1) * sizeof *pins->place);
+  if (!pins->place) return hk_error_set(error, HK_NO_MEMORY, "no memory for the pins");
+  list_places(pins);
   return HK_OK;
+}
+
+/* The first place of particle i or one above it. */
+static size_t first_place(const hk_pins *pins, size_t i) {
+  size_t low = 0, high = pins->places;
+  while (low < high) {
+    size_t middle = (low + high) / 2;
+    if (pins->place[middle].particle < i)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low;
 }
 
 void hk_pins_close(hk_pins *pins) {
@@ -52,13 +85,7 @@ void hk_pins_close(hk_pins *pins) {
     free(pins->item[k].origin);
   }
   free(pins->item);
-}
-
-static hk_status impose_path(hk_pin_state *pin, double t, double *x, double *v, hk_error *error) {
-  hk_status status = hk_motion_find(&pin->motion, t, error);
-  for (size_t k = 0; status == HK_OK && k < pin->count; k++)
-    hk_motion_place(&pin->motion, pin->origin + 3 * k, x + 3 * pin->index[k], v + 3 * pin->index[k]);
-  return status;
+  free(pins->place);
 }
 
 /* Projects `vector` onto the directions that the pin allows. */
@@ -68,28 +95,42 @@ void hk_pin_project(const hk_pin_spec *spec, double vector[3]) {
   for (int c = 0; c < 3; c++) vector[c] = spec->kind == HK_PIN_LINE ? along * a[c] : vector[c] - along * a[c];
 }
 
-static void impose_slide(const hk_pin_state *pin, double *x, double *v) {
-  for (size_t k = 0; k < pin->count; k++) {
-    double *position = x + 3 * pin->index[k], offset[3];
-    for (int c = 0; c < 3; c++) offset[c] = position[c] - pin->origin[3 * k + c];
-    hk_pin_project(pin->spec, offset);
-    for (int c = 0; c < 3; c++) position[c] = pin->origin[3 * k + c] + offset[c];
-    hk_pin_project(pin->spec, v + 3 * pin->index[k]);
+static void impose_slide(const hk_pin_state *pin, const double origin[3], double position[3], double velocity[3]) {
+  double offset[3];
+  for (int c = 0; c < 3; c++) offset[c] = position[c] - origin[c];
+  hk_pin_project(pin->spec, offset);
+  for (int c = 0; c < 3; c++) position[c] = origin[c] + offset[c];
+  hk_pin_project(pin->spec, velocity);
+}
+
+hk_status hk_pins_find(const hk_pins *pins, double t, hk_error *error) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; pins->has_paths && k < pins->count && status == HK_OK; k++)
+    if (!pins->item[k].released && pins->item[k].spec->kind == HK_PIN_PATH)
+      status = hk_motion_find(&pins->item[k].motion, t, error);
+  return status;
+}
+
+void hk_pins_impose(const hk_pins *pins, size_t begin, size_t end, double *x, double *v) {
+  if (!pins->has_paths && !pins->has_slides) return;
+  for (size_t k = first_place(pins, begin); k < pins->places && pins->place[k].particle < end; k++) {
+    const hk_pin_state *pin = &pins->item[pins->place[k].pin];
+    size_t i = pins->place[k].particle;
+    const double *origin = pin->origin + 3 * (size_t)pins->place[k].member;
+    if (pin->released) continue;
+    if (pin->spec->kind == HK_PIN_PATH)
+      hk_motion_place(&pin->motion, origin, x + 3 * i, v + 3 * i);
+    else
+      impose_slide(pin, origin, x + 3 * i, v + 3 * i);
   }
 }
 
-hk_status hk_pins_impose(const hk_pins *pins, double t, double *x, double *v, hk_error *error) {
-  hk_status status = HK_OK;
-  if (!pins->has_paths && !pins->has_slides) return HK_OK;
-  for (size_t k = 0; k < pins->count && status == HK_OK; k++) {
-    hk_pin_state *pin = &pins->item[k];
-    if (pin->released) continue;
-    if (pin->spec->kind == HK_PIN_PATH)
-      status = impose_path(pin, t, x, v, error);
-    else if (pin->spec->kind != HK_PIN_FIXED)
-      impose_slide(pin, x, v);
+void hk_pins_slide(const hk_pins *pins, size_t begin, size_t end, double *vector) {
+  for (size_t k = first_place(pins, begin); k < pins->places && pins->place[k].particle < end; k++) {
+    const hk_pin_state *pin = &pins->item[pins->place[k].pin];
+    if (!pin->released && pin->spec->kind != HK_PIN_PATH)
+      hk_pin_project(pin->spec, vector + 3 * (size_t)pins->place[k].particle);
   }
-  return status;
 }
 
 void hk_pins_filter(const hk_pins *pins, double *vector) {
@@ -106,13 +147,13 @@ void hk_pins_filter(const hk_pins *pins, double *vector) {
   }
 }
 
-double hk_pins_power(const hk_pins *pins, const double *F, const double *v) {
+double hk_pins_power(const hk_pins *pins, size_t begin, size_t end, const double *F, const double *v) {
   double power = 0;
-  for (size_t k = 0; k < pins->count; k++) {
-    const hk_pin_state *pin = &pins->item[k];
+  for (size_t k = first_place(pins, begin); k < pins->places && pins->place[k].particle < end; k++) {
+    const hk_pin_state *pin = &pins->item[pins->place[k].pin];
+    size_t i = 3 * (size_t)pins->place[k].particle;
     if (pin->released || pin->spec->kind != HK_PIN_PATH) continue;
-    for (size_t j = 0; j < pin->count; j++)
-      for (int c = 0; c < 3; c++) power -= F[3 * pin->index[j] + c] * v[3 * pin->index[j] + c];
+    for (size_t c = i; c < i + 3; c++) power -= F[c] * v[c];
   }
   return power;
 }
@@ -128,6 +169,7 @@ void hk_pins_remap(hk_pins *pins, const uint32_t *map) {
     }
     pin->count = kept;
   }
+  list_places(pins);
 }
 
 double hk_pins_speed_error(const hk_pins *pins) {

@@ -8,6 +8,20 @@ static hk_status no_memory(const hk_state *s, hk_error *error) {
   return hk_error_set(error, HK_NO_MEMORY, "no memory for the state of %zu particles", s->model.n);
 }
 
+bool hk_state_open_spare(hk_state *s) {
+  s->spare = calloc(s->size, sizeof *s->spare);
+  return s->spare;
+}
+
+void hk_state_exchange(hk_state *s) {
+  double *X = s->spare;
+  s->spare = s->X;
+  s->X = X;
+  s->view.x = X;
+  s->view.v = X + 3 * s->model.n;
+  s->view.y = s->width ? X + 6 * s->model.n : NULL;
+}
+
 static bool movable(const hk_state *s, size_t i) {
   return s->pin[i] == HK_FREE || s->pin[i] == HK_PIN_LINE || s->pin[i] == HK_PIN_PLANE;
 }
@@ -17,10 +31,29 @@ void hk_state_refresh(hk_state *s) {
   hk_state_point(s);
 }
 
+/* A domain has at least so many blocks: with fewer, most particles lie beside another domain, and waking a thread takes
+ * longer than it saves. */
+enum { LEAST = 4, BITS = 10 };
+
+/* By the number of particles alone, so that results do not depend on that of threads. */
+static hk_partition partition_of(size_t n) {
+  hk_partition p = {.n = n, .bits = BITS, .blocks = n ? ((n - 1) >> BITS) + 1 : 1};
+  size_t wanted = p.blocks / LEAST;
+  wanted = wanted < 2            ? 1
+           : wanted > HK_DOMAINS ? HK_DOMAINS
+                                 : wanted / 2 * 2; /* even: as many for each of two threads */
+  p.width = (p.blocks + wanted - 1) / wanted;
+  p.domains = (p.blocks + p.width - 1) / p.width;
+  p.parts = p.blocks + p.domains * (p.domains - 1) / 2 + 1;
+  return p;
+}
+
 void hk_state_point(hk_state *s) {
   hk_model *m = &s->model;
   size_t n = m->n;
   s->size = (6 + s->width) * n + 1;
+  s->partition = partition_of(n);
+  m->partition = &s->partition;
   m->mass = s->mass;
   m->inverse_mass = s->inverse_mass;
   m->id = s->id;
@@ -101,8 +134,8 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->mass, s->inverse_mass, s->id,       s->group,   s->pin,
-                    s->X,    s->edge,         s->triangle, s->channel, s->by_id};
+  void *arrays[] = {s->mass, s->inverse_mass, s->id,      s->group, s->pin,  s->X,
+                    s->edge, s->triangle,     s->channel, s->by_id, s->spare};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }
 

@@ -10,10 +10,12 @@
 /* Deaths preserve the order of the other particles and births, whose ids increase, are appended. The particles of the
  * scene are in the order of their ids, or in a better one (scene/order.c). */
 typedef struct hk_state {
-  double t;  /* s */
-  double *X; /* size doubles, one allocation: x n x 3, v n x 3, the channels one after the other, the work in J */
+  double t;      /* s */
+  double *X;     /* size doubles, one allocation: x n x 3, v n x 3, the channels one after the other, the work in J */
+  double *spare; /* the same memory again, for methods with HK_USES_SPARE; NULL: not needed */
   size_t width, size; /* channel numbers per particle; size = (6 + width) n + 1 */
   hk_model model;     /* points to the arrays below */
+  hk_partition partition;
   double *mass, *inverse_mass;
   uint32_t *id, *group;
   uint8_t *pin;
@@ -29,35 +31,16 @@ typedef struct hk_state {
 
 hk_status hk_state_open(hk_state *, const hk_scene *, hk_error *error);
 void hk_state_close(hk_state *);
-void hk_state_refresh(hk_state *); /* updates model, size and view after t, n or an array changed */
-void hk_state_point(hk_state *);   /* the same, where the inverse masses are right */
+void hk_state_refresh(hk_state *);    /* updates model, size and view after t, n or an array changed */
+void hk_state_point(hk_state *);      /* the same, where the inverse masses are right */
+bool hk_state_open_spare(hk_state *); /* false: no memory */
+void hk_state_exchange(hk_state *);   /* `spare` is now X */
 bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no particle has this id at present */
 double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
 /* J, of the particles that are not fixed or scripted */
 double hk_state_kinetic(const hk_state *, const double *X);
 /* Refuses particles of mass 0 without a pin; to be called after hk_pins_open. */
 hk_status hk_state_check_masses(const hk_state *, hk_error *error);
-
-/* ---- particle_set.c: a set of particles that replaces those of the state, after births and deaths or from a file
- * ---- */
-
-typedef struct hk_particle_set {
-  size_t n;
-  double *X; /* (6 + width) n + 1 */
-  double *mass;
-  uint32_t *id; /* those of the state in its order, then others, increasing */
-  uint32_t *group;
-} hk_particle_set;
-
-/* false: no memory; the set must be freed all the same */
-bool hk_particle_set_allocate(hk_particle_set *, size_t n, size_t width);
-void hk_particle_set_free(hk_particle_set *);
-bool hk_state_reserve(hk_state *, size_t n); /* makes room for n particles; false: no memory, nothing has changed */
-/* Moves old index i to map[i] (UINT32_MAX: removed), in the same order, in a state of n particles for which there is
- * room. The caller sets the rest of them, and remaps the indices in pins, plugins and matrices. */
-void hk_state_move(hk_state *, const uint32_t *map, size_t n);
-/* Replaces the particles by those of the set, old index i by map[i], and frees the set's arrays, also when it fails. */
-hk_status hk_state_adopt(hk_state *, const uint32_t *map, hk_particle_set *, hk_error *error);
 
 /* ---- pins.c ---- */
 
@@ -70,20 +53,28 @@ typedef struct hk_pin_state {
   hk_motion motion; /* HK_PIN_PATH */
 } hk_pin_state;
 
+typedef struct hk_pin_place {
+  uint32_t particle, pin, member; /* the member-th particle of a pin */
+} hk_pin_place;
+
 typedef struct hk_pins {
   size_t count;
   hk_pin_state *item;
+  size_t places;
+  hk_pin_place *place;        /* the particles of paths and slides, rising */
   bool has_paths, has_slides; /* a pin that is not released has a path, or slides */
 } hk_pins;
 
 hk_status hk_pins_open(hk_pins *, const hk_scene *, hk_state *, hk_error *error);
 void hk_pins_close(hk_pins *);
 void hk_pin_project(const hk_pin_spec *, double vector[3]); /* projects onto the directions that a sliding pin allows */
-/* imposes paths and slides */
-hk_status hk_pins_impose(const hk_pins *, double t, double *x, double *v, hk_error *error);
-void hk_pins_filter(const hk_pins *, double *vector); /* n x 3 */
-/* W, power of the pins on scripted particles */
-double hk_pins_power(const hk_pins *, const double *F, const double *v);
+void hk_pins_filter(const hk_pins *, double *vector);       /* n x 3 */
+hk_status hk_pins_find(const hk_pins *, double t, hk_error *error); /* where paths are at t, for hk_pins_impose */
+/* Of the particles begin to end - 1: puts them on paths and slides; projects a vector (n x 3) onto the directions of
+ * slides; W, the power of the pins on scripted particles. */
+void hk_pins_impose(const hk_pins *, size_t begin, size_t end, double *x, double *v);
+void hk_pins_slide(const hk_pins *, size_t begin, size_t end, double *vector);
+double hk_pins_power(const hk_pins *, size_t begin, size_t end, const double *F, const double *v);
 void hk_pins_remap(hk_pins *, const uint32_t *map);
 double hk_pins_speed_error(const hk_pins *); /* m/s, the largest of all paths */
 bool hk_pins_due(const hk_pins *, double t); /* a pin is released at t */

@@ -6,6 +6,7 @@
  *
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
  * never negative and two lateral ones that are negative under compression; HK_WANT_DEFINITE replaces these by 0. */
+#include "plugins/common/parts/part_lists.h"
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
@@ -13,6 +14,7 @@
 typedef struct cubic_springs {
   hk_tuples edges;
   hk_per_tuple k, rest;
+  hk_part_lists lists;
 } cubic_springs;
 
 /* clang-format off */
@@ -26,24 +28,43 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
+static hk_status topology(void *self, const hk_view *view) {
+  cubic_springs *s = self;
+  return hk_part_lists_sort(&s->lists, view->host, view->model->partition, &s->edges, view->is_active);
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   cubic_springs *s = self;
-  return hk_edge_rest(host, view, &s->edges, &s->rest);
+  hk_status status = hk_edge_rest(host, view, &s->edges, &s->rest);
+  return status == HK_OK ? topology(self, view) : status;
+}
+
+static void pull(const cubic_springs *s, const hk_view *view, size_t e, double *F) {
+  const uint32_t *pair = hk_tuple(&s->edges, e);
+  double d[3], l = hk_edge_difference(view->x, pair, d), stretch = l - hk_tuple_value(&s->rest, e);
+  double f = l > 0 ? hk_tuple_value(&s->k, e) * stretch * stretch * stretch / l : 0;
+  for (int c = 0; c < 3; c++) {
+    F[3 * (size_t)pair[0] + c] += f * d[c];
+    F[3 * (size_t)pair[1] + c] -= f * d[c];
+  }
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   const cubic_springs *s = self;
-  for (size_t e = 0; e < s->edges.count; e++) {
-    const uint32_t *pair = hk_tuple(&s->edges, e);
-    if (!hk_edge_acts(view, pair)) continue;
-    double d[3], l = hk_edge_difference(view->x, pair, d), stretch = l - hk_tuple_value(&s->rest, e);
-    double f = l > 0 ? hk_tuple_value(&s->k, e) * stretch * stretch * stretch / l : 0;
-    for (int c = 0; c < 3; c++) {
-      F[3 * (size_t)pair[0] + c] += f * d[c];
-      F[3 * (size_t)pair[1] + c] -= f * d[c];
-    }
-  }
+  for (size_t e = 0; e < s->edges.count; e++)
+    if (hk_edge_acts(view, hk_tuple(&s->edges, e))) pull(s, view, e, F);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const cubic_springs *s = self;
+  for (size_t k = s->lists.first[part]; k < s->lists.first[part + 1]; k++) pull(s, view, s->lists.item[k], F);
+}
+
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const cubic_springs *s = self;
+  (void)view;
+  hk_part_lists_touch(&s->lists, &s->edges, use);
 }
 
 static double energy(void *self, const hk_view *view) {
@@ -112,6 +133,8 @@ static const hk_force force = {
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,
+    .add_part = add_part,
+    .parts = parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
@@ -123,5 +146,6 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(cubic_springs),
     .params = params,
     .create = create,
+    .topology = topology,
     .force = &force,
 };

@@ -116,13 +116,24 @@ __attribute__((target("avx2"))) static double add_wide(const drag *p, const hk_v
 #define ADD_FOURS add_narrow
 #endif
 
+/* On the particles begin to end - 1 of those that it acts on; returns the power. */
+static double add_range(const drag *p, const hk_view *view, size_t begin, size_t end, double *F) {
+  size_t fours = view->active ? begin : end - (end - begin) % LANES;
+  double power = ADD_FOURS(p, view, begin, fours, F);
+  for (size_t k = fours; k < end; k++) power += add_one(p, view, view->active ? view->active[k] : k, F);
+  return power;
+}
+
 static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   task *t = context;
-  const hk_view *view = t->view;
-  size_t fours = view->active ? begin : end - (end - begin) % LANES;
-  double power = ADD_FOURS(t->self, view, begin, fours, t->F);
-  for (size_t k = fours; k < end; k++) power += add_one(t->self, view, view->active ? view->active[k] : k, t->F);
-  t->power[chunk] = power;
+  t->power[chunk] = add_range(t->self, t->view, begin, end, t->F);
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  size_t begin, end;
+  hk_part_acting(view, part, &begin, &end);
+  double power = add_range(self, view, begin, end, F);
+  if (view->power) *view->power += power;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
@@ -182,7 +193,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .add = add,
                                .pattern = pattern,
                                .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound};
+                               .stiffness_bound = stiffness_bound,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -16,13 +16,11 @@ typedef struct task {
   double *F;
 } task;
 
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
-  const double *restrict m = t->view->model->mass;
-  double *restrict F = t->F;
-  double gx = t->self->g[0], gy = t->self->g[1], gz = t->self->g[2];
-  const uint32_t *active = t->view->active;
+/* On the particles begin to end - 1 of those that it acts on. */
+static void add_range(const gravity *s, const hk_view *view, size_t begin, size_t end, double *restrict F) {
+  const double *restrict m = view->model->mass;
+  double gx = s->g[0], gy = s->g[1], gz = s->g[2];
+  const uint32_t *active = view->active;
   for (size_t k = begin; k < end; k++) {
     size_t i = active ? active[k] : k;
     F[3 * i] += m[i] * gx;
@@ -31,10 +29,22 @@ static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   }
 }
 
+static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+  (void)chunk;
+  const task *t = context;
+  add_range(t->self, t->view, begin, end, t->F);
+}
+
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t = {self, view, F};
   view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  size_t begin, end;
+  hk_part_acting(view, part, &begin, &end);
+  add_range(self, view, begin, end, F);
 }
 
 static double energy(void *self, const hk_view *view) {
@@ -60,7 +70,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .add = add,
                                .energy = energy,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

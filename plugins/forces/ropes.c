@@ -8,6 +8,7 @@
  * definite. At s = 0 the stiffness is discontinuous: methods lose their order there, although the motion is continuous.
  *
  * No elements are offered: methods that work element by element would apply compression with them. */
+#include "plugins/common/parts/part_lists.h"
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
@@ -15,6 +16,7 @@
 typedef struct ropes {
   hk_tuples edges;
   hk_per_tuple k, damping, rest;
+  hk_part_lists lists;
 } ropes;
 
 /* clang-format off */
@@ -29,9 +31,15 @@ static const hk_param params[] = {
 };
 /* clang-format on */
 
+static hk_status topology(void *self, const hk_view *view) {
+  ropes *s = self;
+  return hk_part_lists_sort(&s->lists, view->host, view->model->partition, &s->edges, view->is_active);
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   ropes *s = self;
-  return hk_edge_rest(host, view, &s->edges, &s->rest);
+  hk_status status = hk_edge_rest(host, view, &s->edges, &s->rest);
+  return status == HK_OK ? topology(self, view) : status;
 }
 
 /* One taut rope with a tension above 0. */
@@ -54,19 +62,33 @@ static bool measure(const ropes *s, const hk_view *view, size_t e, taut *r) {
   return true;
 }
 
+static void pull(const ropes *s, const hk_view *view, size_t e, double *F) {
+  const uint32_t *pair = hk_tuple(&s->edges, e);
+  taut r;
+  if (!measure(s, view, e, &r)) return;
+  for (int c = 0; c < 3; c++) {
+    F[3 * (size_t)pair[0] + c] += r.T * r.n[c];
+    F[3 * (size_t)pair[1] + c] -= r.T * r.n[c];
+  }
+  if (view->power) *view->power -= (r.T - r.spring) * r.rate;
+}
+
 static hk_status add(void *self, const hk_view *view, double *F) {
   const ropes *s = self;
-  for (size_t e = 0; e < s->edges.count; e++) {
-    const uint32_t *pair = hk_tuple(&s->edges, e);
-    taut r;
-    if (!hk_edge_acts(view, pair) || !measure(s, view, e, &r)) continue;
-    for (int c = 0; c < 3; c++) {
-      F[3 * (size_t)pair[0] + c] += r.T * r.n[c];
-      F[3 * (size_t)pair[1] + c] -= r.T * r.n[c];
-    }
-    if (view->power) *view->power -= (r.T - r.spring) * r.rate;
-  }
+  for (size_t e = 0; e < s->edges.count; e++)
+    if (hk_edge_acts(view, hk_tuple(&s->edges, e))) pull(s, view, e, F);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const ropes *s = self;
+  for (size_t k = s->lists.first[part]; k < s->lists.first[part + 1]; k++) pull(s, view, s->lists.item[k], F);
+}
+
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const ropes *s = self;
+  (void)view;
+  hk_part_lists_touch(&s->lists, &s->edges, use);
 }
 
 static double energy(void *self, const hk_view *view) {
@@ -150,6 +172,8 @@ static const hk_force force = {
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,
+    .add_part = add_part,
+    .parts = parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
@@ -161,5 +185,6 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .instance_size = sizeof(ropes),
     .params = params,
     .create = create,
+    .topology = topology,
     .force = &force,
 };

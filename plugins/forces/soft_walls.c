@@ -5,6 +5,7 @@
  * A plane leaves free what lies on the side of its normal. The funnel is two cones about an upright axis that open up-
  * and downwards from a neck: free is what is nearer to the axis than neck + slope |z - z_neck|, and the neck is an
  * edge. With a slope of 0 it is a pipe. Parameters mean what they mean in soft_spheres. */
+#include "plugins/common/contact/funnel_mesh.h"
 #include "plugins/common/contact/grain_tables.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
@@ -19,6 +20,7 @@ typedef struct soft_walls {
   uint32_t walls, number; /* of all walls, of planes */
   double (*plane)[PLANE]; /* with normals of length 1 */
   hk_obstacle *shown;     /* number: the planes, for outputs */
+  hk_funnel_mesh *mesh;   /* for outputs */
   double *torque;         /* n x 3, N m, of the last evaluation */
   double *spin_then;      /* n x 3, rad/s, at the last accepted step */
   double *sums;           /* of a chunk */
@@ -280,9 +282,7 @@ static hk_status set_planes(soft_walls *s) {
   return status;
 }
 
-static hk_status show_planes(soft_walls *s) {
-  const hk_obstacles *all = s->host->query(s->host, HK_OBSTACLES_INTERFACE);
-  if (!all) return HK_FAILED;
+static hk_status show_planes(soft_walls *s, const hk_obstacles *all) {
   s->shown = s->host->allocate(s->host, (s->number + 1) * sizeof *s->shown);
   if (!s->shown) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the planes");
   for (uint32_t k = 0; k < s->number; k++) {
@@ -295,6 +295,30 @@ static hk_status show_planes(soft_walls *s) {
   return HK_OK;
 }
 
+/* A funnel has no ends: it is shown from the lowest particle, or the floor of these walls, to the highest. */
+static hk_status show_funnel(soft_walls *s, const hk_obstacles *all, const hk_view *view) {
+  const double *funnel = s->funnel.value;
+  if (!s->funnel.count) return HK_OK;
+  double low = funnel[2], high = funnel[2];
+  for (uint32_t k = 0; k < s->number; k++)
+    if (s->plane[k][2] > 0.999) low = fmin(low, s->plane[k][3]);
+  for (size_t i = 0; i < view->n; i++) {
+    double radius = hk_sphere_radius(&s->spheres, view, i);
+    low = fmin(low, view->x[3 * i + 2] - radius), high = fmax(high, view->x[3 * i + 2] + radius);
+  }
+  s->mesh = s->host->allocate(s->host, sizeof *s->mesh);
+  if (!s->mesh) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for the funnel");
+  hk_funnel_mesh_make(s->mesh, funnel, low, high);
+  all->show(all->self, &s->mesh->obstacle);
+  return HK_OK;
+}
+
+static hk_status show(soft_walls *s, const hk_view *view) {
+  const hk_obstacles *all = s->host->query(s->host, HK_OBSTACLES_INTERFACE);
+  hk_status status = all ? show_planes(s, all) : HK_FAILED;
+  return status == HK_OK ? show_funnel(s, all, view) : status;
+}
+
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   soft_walls *s = self;
   s->host = host;
@@ -305,7 +329,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   s->law.yielding = s->spheres.spin_channel ? 3.5 : 1;
   if (status == HK_OK) status = check_walls(s);
   if (status == HK_OK) status = set_planes(s);
-  if (status == HK_OK) status = show_planes(s);
+  if (status == HK_OK) status = show(s, view);
   return status == HK_OK ? topology(self, view) : status;
 }
 

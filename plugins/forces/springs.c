@@ -2,6 +2,7 @@
  * and u = v_j - v_i; i gets the opposite. A spring of length 0 has no direction and no force; for L = 0 that is also
  * the limit. The energy is 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
 #include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/edge_order.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "plugins/common/springs/spring_blocks.h"
 
@@ -9,6 +10,7 @@ typedef struct springs {
   hk_tuples edges;
   hk_per_tuple k, damping, rest;
   hk_spring_layout layout;
+  hk_elements acting; /* the springs that act, where the force acts on some particles only */
   const hk_host *host;
 } springs;
 
@@ -38,10 +40,54 @@ static const hk_param params[] = {
     {0},
 };
 
+static void drop_acting(springs *s) {
+  hk_elements *a = &s->acting;
+  s->host->release(s->host, (void *)(uintptr_t)a->node.index);
+  s->host->release(s->host, a->stiffness.value);
+  s->host->release(s->host, a->damping.value);
+  s->host->release(s->host, a->rest.value);
+  *a = (hk_elements){.node = {0, 2, NULL}};
+}
+
+static hk_status list_acting(springs *s, const hk_view *view) {
+  hk_elements *a = &s->acting;
+  size_t room = s->edges.count + 1;
+  drop_acting(s);
+  if (!view->is_active) return HK_OK;
+  uint32_t *index = s->host->allocate(s->host, 2 * room * sizeof *index);
+  a->node.index = index;
+  a->stiffness.value = s->host->allocate(s->host, room * sizeof(double));
+  a->damping.value = s->host->allocate(s->host, room * sizeof(double));
+  a->rest.value = s->host->allocate(s->host, room * sizeof(double));
+  if (!index || !a->stiffness.value || !a->damping.value || !a->rest.value)
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu springs", s->edges.count);
+  for (size_t e = 0; e < s->edges.count; e++) {
+    const uint32_t *pair = hk_tuple(&s->edges, e);
+    size_t k = a->node.count;
+    if (!hk_edge_acts(view, pair)) continue;
+    index[2 * k] = pair[0], index[2 * k + 1] = pair[1];
+    a->stiffness.value[k] = hk_tuple_value(&s->k, e);
+    a->damping.value[k] = hk_tuple_value(&s->damping, e);
+    a->rest.value[k] = hk_tuple_value(&s->rest, e);
+    a->node.count++;
+  }
+  a->stiffness.count = a->damping.count = a->rest.count = a->node.count;
+  return HK_OK;
+}
+
 static hk_status topology(void *self, const hk_view *view) {
   springs *s = self;
+  const hk_edge_order given = {s->edges, s->k, s->damping, s->rest};
+  hk_edge_order o = given;
   hk_spring_layout_free(&s->layout, s->host);
-  return hk_spring_layout_build(&s->layout, s->host, view->n, &s->edges, &s->k, &s->damping, &s->rest, view->is_active);
+  hk_status status = list_acting(s, view);
+  if (status != HK_OK) return status;
+  if (!hk_edge_order_improve(&o, s->host, view->n))
+    return s->host->fail(s->host, HK_NO_MEMORY, "no memory to sort %zu springs", s->edges.count);
+  status =
+      hk_spring_layout_build(&s->layout, s->host, view->model->partition, &o.edges, &o.k, &o.c, &o.L, view->is_active);
+  hk_edge_order_release(&o, s->host, &given);
+  return status;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -57,6 +103,17 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   return HK_OK;
 }
 
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const springs *s = self;
+  hk_spring_part(&s->layout, part, view->x, view->v, F, view->power);
+}
+
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const springs *s = self;
+  (void)view;
+  hk_spring_layout_touch(&s->layout, use);
+}
+
 static double energy(void *self, const hk_view *view) {
   const springs *s = self;
   double sum = 0, d[3];
@@ -68,17 +125,11 @@ static double energy(void *self, const hk_view *view) {
   return sum;
 }
 
-/* Where the force acts on some particles only, the layout contains the acting springs. */
 static void elements(void *self, const hk_view *view, hk_elements *out) {
   const springs *s = self;
-  const hk_spring_layout *a = &s->layout;
+  *out = s->acting;
   if (!view->is_active)
     *out = (hk_elements){.node = s->edges, .stiffness = s->k, .damping = s->damping, .rest = s->rest};
-  else
-    *out = (hk_elements){.node = {a->count, 2, a->count ? &a->pair[0][0] : NULL},
-                         .stiffness = {a->each_k ? a->count : 1, a->k},
-                         .damping = {a->each_c ? a->count : 1, a->c},
-                         .rest = {a->each_L ? a->count : 1, a->L}};
   out->values = 1;
 }
 
@@ -110,6 +161,8 @@ static const hk_force force = {
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,
+    .add_part = add_part,
+    .parts = parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -26,7 +26,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 8,
                                          .stages = 17,
-                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
+                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_USES_SPARE,
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step,

@@ -4,8 +4,9 @@
  * predicted v + h a, which keeps order 2 (the lagged v + h/2 a would give order 1) and limits the step to h w <= 2
  * (sqrt(1 + 4 xi^2) - 2 xi), xi = g/(2w), with damping rate g; for pure drag, h g <= 1. Channels and work y are
  * predicted and averaged in the same way. Without velocity-dependent forces it is symplectic and reversible. The
- * velocity is predicted even then, at the cost of one store, because the power of a force depends on it. The new state
- * is built in separate memory; X changes only after its evaluation succeeded.
+ * velocity is predicted even then, because the power of a force depends on it. As v + h/2 a = (v + (v + h a))/2, the
+ * end of a step does not need a any more, and a' takes its place. The new state is built apart, block by block with the
+ * evaluation; X changes only after that has succeeded.
  *
  * With constraints that are all equalities it is RATTLE: with F/m without constraint forces,
  *     v_m = v + h/2 (F/m + W J^T l),  x' = x + h v_m,  g(x') = 0,   J at x,
@@ -18,20 +19,15 @@
 #include "core/plugin.h"
 
 #include <complex.h>
-#include <string.h>
 
 typedef struct leapfrog {
-  int64_t primed;  /* whether the current slope is that of X */
-  int64_t current; /* which of the two slopes, 0 or 1 */
-  double *slope;   /* two of (a, dy) */
-  double *next;    /* shaped as X: the new x, predicted v and y */
+  int64_t primed; /* whether the slope is that of X */
+  double *slope;  /* a, dy */
 } leapfrog;
 
 static const hk_field fields[] = {
     {"primed", HK_FIELD_INTEGER, 1, offsetof(leapfrog, primed), 0},
-    {"current", HK_FIELD_INTEGER, 1, offsetof(leapfrog, current), 0},
-    {"slopes", HK_FIELD_STATE, 2, offsetof(leapfrog, slope), 0},
-    {"next", HK_FIELD_STATE, 1, offsetof(leapfrog, next), HK_SCRATCH},
+    {"slope", HK_FIELD_STATE, 1, offsetof(leapfrog, slope), 0},
     {0},
 };
 
@@ -56,14 +52,40 @@ static void reset(void *self, hk_reason why) {
   ((leapfrog *)self)->primed = 0;
 }
 
-static void predict(double *restrict x_next, double *restrict v_next, const double *restrict x,
-                    const double *restrict v, const double *restrict a, size_t count, double h) {
-  double half = h / 2;
-  for (size_t e = 0; e < count; e++) {
+/* Of the numbers begin to end - 1: value(s) of the state at the start of a step and at its end, and the slope. */
+typedef struct leap {
+  const double *x, *v;
+  double *x_next, *v_next, *a;
+  double h;
+} leap;
+
+static void predict(void *context, size_t begin, size_t end) {
+  const leap *l = context;
+  const double *restrict x = l->x, *restrict v = l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
+  double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
+  for (size_t e = 3 * begin; e < 3 * end; e++) {
     double kick = half * a[e], middle = v[e] + kick;
     x_next[e] = x[e] + h * middle;
     v_next[e] = middle + kick;
   }
+}
+
+static void kick(void *context, size_t begin, size_t end) {
+  const leap *l = context;
+  const double *restrict v = l->v, *restrict a = l->a, half = l->h / 2;
+  double *restrict v_next = l->v_next;
+  for (size_t e = 3 * begin; e < 3 * end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
+}
+
+/* Channels and work: predicted, and then with the mean of both rates. */
+static void predict_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,
+                         double h) {
+  for (size_t e = 0; e < count; e++) next[e] = y[e] + h * dy[e];
+}
+
+static void kick_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,
+                      double h) {
+  for (size_t e = 0; e < count; e++) next[e] = 0.5 * (y[e] + next[e]) + h / 2 * dy[e];
 }
 
 /* x_next = x + h v_middle, v_middle = v + h/2 a. */
@@ -76,78 +98,76 @@ static void drift(double *restrict x_next, double *restrict v_middle, const doub
   }
 }
 
-static void commit(double *restrict x, double *restrict v, const double *restrict x_next, const double *restrict a,
-                   const double *restrict a_next, size_t count, double half) {
+/* v = the velocity in the middle of the step is extrapolated to the end. */
+static void extrapolate(double *restrict v, const double *restrict before, size_t count) {
+  for (size_t e = 0; e < count; e++) v[e] += v[e] - before[e];
+}
+
+/* v = the end's velocity, extrapolated, becomes that with the forces at the end; `a` keeps the one in the middle. */
+static void kick_held(double *restrict v, const double *restrict before, double *restrict a, size_t count, double by) {
   for (size_t e = 0; e < count; e++) {
-    x[e] = x_next[e];
-    v[e] += half * (a[e] + a_next[e]);
+    double middle = 0.5 * (before[e] + v[e]);
+    v[e] = middle + by * a[e];
+    a[e] = middle;
   }
 }
 
-/* v = the velocity in the middle of the step, of which `middle` keeps a copy, is extrapolated to the end. */
-static void extrapolate(double *restrict v, double *restrict middle, const double *restrict before, size_t count) {
-  for (size_t e = 0; e < count; e++) {
-    middle[e] = v[e];
-    v[e] += v[e] - before[e];
-  }
-}
-
-static void kick(double *restrict v, const double *restrict middle, const double *restrict a, size_t count, double by) {
-  for (size_t e = 0; e < count; e++) v[e] = middle[e] + by * a[e];
+static hk_status prime(leapfrog *m, hk_system *s) {
+  size_t v = 3 * s->n;
+  hk_status status =
+      m->primed ? HK_OK : s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, m->slope, m->slope + v);
+  m->primed = 0; /* until the end of the step, which writes over the slope */
+  return status;
 }
 
 /* The step in a scene with constraints: RATTLE. */
 static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
   size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
-  double *X = s->X, *next = m->next, *a = m->slope + (m->current ? length : 0),
-         *a_next = m->slope + (m->current ? 0 : length), work = 0, given = 0;
+  double *X = s->X, *next = s->spare, *a = m->slope, work = 0, given = 0;
   s->takes_constraints = false;
-  hk_status status = m->primed ? HK_OK : s->accelerations(s, s->t, X, X + v, X + y, a, a + v);
-  m->primed = 0; /* a becomes the velocity in the middle of the step */
+  hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   drift(next, next + v, X, X + v, a, v, h);
   status = s->hold_positions(s, t_next, X, h, next, next + v, &work);
   if (status != HK_OK) return status;
-  for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  extrapolate(next + v, a, X + v, v);
-  status = s->accelerations(s, t_next, next, next + v, next + y, a_next, a_next + v);
-  kick(next + v, a, a_next, v, h / 2);
-  if (status == HK_OK) status = s->hold_velocities(s, t_next, next, h, next + v, &given);
+  predict_rest(next + y, X + y, a + v, s->size - y, h);
+  extrapolate(next + v, X + v, v);
+  status = s->accelerations(s, t_next, next, next + v, next + y, a, a + v);
   if (status != HK_OK) return status;
-  a_next[length - 1] += 2 / h * given; /* the power of constraint forces, as a_next has the forces */
-  for (size_t e = 0; e < v; e++) a_next[e] = 2 / h * (next[v + e] - a[e]);
-  memcpy(X, next, y * sizeof *X);
-  for (size_t e = y; e < s->size; e++) X[e] += h / 2 * (a[e - v] + a_next[e - v]);
-  X[s->size - 1] += work;
-  m->current = !m->current;
+  kick_held(next + v, X + v, a, v, h / 2);
+  status = s->hold_velocities(s, t_next, next, h, next + v, &given);
+  if (status != HK_OK) return status;
+  a[length - 1] += 2 / h * given; /* the power of constraint forces, as `a` has the forces */
+  for (size_t e = 0; e < v; e++) a[e] = 2 / h * (next[v + e] - a[e]);
+  kick_rest(next + y, X + y, a + v, s->size - y, h);
+  next[s->size - 1] += work;
+  s->exchange(s);
   m->primed = 1;
   return HK_OK;
 }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   leapfrog *m = self;
-  size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
-  double *X = s->X, *next = m->next, *a = m->slope + (m->current ? length : 0),
-         *a_next = m->slope + (m->current ? 0 : length), t_next = fmin(t_stop, s->t + h);
+  size_t v = 3 * s->n, y = 6 * s->n;
+  double *X = s->X, *next = s->spare, *a = m->slope, t_next = fmin(t_stop, s->t + h);
   (void)out;
   if (s->holonomic) return held_step(m, s, t_next, h);
-  hk_status status = m->primed ? HK_OK : s->accelerations(s, s->t, X, X + v, X + y, a, a + v);
-  m->primed = status == HK_OK;
+  hk_status status = prime(m, s);
   if (status != HK_OK) return status;
-  predict(next, next + v, X, X + v, a, v, h);
-  for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  status = s->accelerations(s, t_next, next, next + v, next + y, a_next, a_next + v);
+  leap l = {X, X + v, next, next + v, a, h};
+  predict_rest(next + y, X + y, a + v, s->size - y, h);
+  status = s->pass(s, t_next, next, next + v, next + y, a, a + v, &(hk_pass){&l, predict, kick});
   if (status != HK_OK) return status;
-  commit(X, X + v, next, a, a_next, v, h / 2);
-  for (size_t e = y; e < s->size; e++) X[e] += h / 2 * (a[e - v] + a_next[e - v]);
-  m->current = !m->current;
+  kick_rest(next + y, X + y, a + v, s->size - y, h);
+  s->exchange(s);
+  m->primed = 1;
   return HK_OK;
 }
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
-                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_KEEPS_CONSTRAINTS,
+                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_KEEPS_CONSTRAINTS | HK_USES_SPARE,
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step,

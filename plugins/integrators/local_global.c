@@ -128,7 +128,7 @@ static hk_status topology(void *self, const hk_view *view) {
 
 /* ---- The matrix ---- */
 
-static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
+static hk_status lay_out(local_global *m, const hk_host *host, const hk_partition *partition) {
   const hk_tuples edges = {m->edges.count, 2, m->edges.count ? &m->edges.pair[0][0] : NULL};
   double zero = 0;
   const hk_per_tuple none = {1, &zero}, k = {edges.count, m->edges.stiffness}, c = {edges.count, m->edges.damping},
@@ -136,11 +136,11 @@ static hk_status lay_out(local_global *m, const hk_host *host, size_t n) {
   hk_spring_layout_free(&m->springs, host);
   hk_spring_layout_free(&m->dampers, host);
   if (edges.count == 0) return HK_OK;
-  hk_status status = hk_spring_layout_build(&m->springs, host, n, &edges, &k, &none, &rest, NULL);
+  hk_status status = hk_spring_layout_build(&m->springs, host, partition, &edges, &k, &none, &rest, NULL);
   double damping = 0;
   for (size_t e = 0; e < edges.count; e++) damping = fmax(damping, m->edges.damping[e]);
   if (status != HK_OK || damping == 0) return status;
-  return hk_spring_layout_build(&m->dampers, host, n, &edges, &none, &c, &none, NULL);
+  return hk_spring_layout_build(&m->dampers, host, partition, &edges, &none, &c, &none, NULL);
 }
 
 /* The pairs of the matrix: springs, then the pairs of the elements' members. */
@@ -184,7 +184,7 @@ static hk_status rebuild(local_global *m, hk_system *s, bool fresh) {
   hk_status status = hk_slide_pins_build(&m->slides, m->host, &m->edges);
   if (status == HK_OK) status = weigh_elements(m, s, fresh);
   if (status == HK_OK) status = build_matrix(m, s->n);
-  if (status == HK_OK) status = lay_out(m, m->host, s->n);
+  if (status == HK_OK) status = lay_out(m, m->host, s->model->partition);
   if (status == HK_OK && m->acceleration == ANDERSON)
     status = hk_anderson_reserve(&m->anderson, m->host, 3 * s->n, (size_t)m->window);
   return status;

@@ -29,6 +29,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = ORDER,
                                          .stages = 1,
+                                         .flags = HK_USES_SPARE,
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step,

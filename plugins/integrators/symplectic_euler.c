@@ -29,41 +29,38 @@ static double rotation(const void *self, double hw, double hg, double hb) {
   return hk_complex_polynomial_growth(2, (const double complex[]){z, z + hg + hb * I, 1});
 }
 
-enum { GRAIN = 16384 }; /* numbers; below, one thread is faster */
-
 typedef struct advance {
-  double *x, *v;
-  const double *a;
+  const double *x, *v, *a;
+  double *x_next, *v_next;
   double h;
 } advance;
 
-static void advance_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+static void advance_range(void *context, size_t begin, size_t end) {
   const advance *all = context;
-  double *restrict x = all->x, *restrict v = all->v, h = all->h;
-  const double *restrict a = all->a;
-  (void)chunk;
-  for (size_t e = begin; e < end; e++) {
-    v[e] += h * a[e];
-    x[e] += h * v[e];
+  const double *restrict x = all->x, *restrict v = all->v, *restrict a = all->a, h = all->h;
+  double *restrict x_next = all->x_next, *restrict v_next = all->v_next;
+  for (size_t e = 3 * begin; e < 3 * end; e++) {
+    v_next[e] = v[e] + h * a[e];
+    x_next[e] = x[e] + h * v_next[e];
   }
 }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  double *a = ((symplectic_euler *)self)->slope, *X = s->X;
+  double *a = ((symplectic_euler *)self)->slope, *X = s->X, *next = s->spare;
   size_t v = 3 * s->n, y = 6 * s->n;
   (void)t_stop, (void)out;
-  hk_status status = s->accelerations(s, s->t, X, X + v, X + y, a, a + v);
+  advance all = {X, X + v, a, next, next + v, h};
+  hk_status status = s->pass(s, s->t, X, X + v, X + y, a, a + v, &(hk_pass){&all, NULL, advance_range});
   if (status != HK_OK) return status;
-  advance all = {X, X + v, a, h};
-  s->host->parallel_for(s->host, v, GRAIN, advance_chunk, &all);
-  for (size_t e = y; e < s->size; e++) X[e] += h * a[e - v];
+  for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
+  s->exchange(s);
   return HK_OK;
 }
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
-                                         .flags = HK_SYMPLECTIC,
+                                         .flags = HK_SYMPLECTIC | HK_USES_SPARE,
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step};

@@ -88,7 +88,8 @@ static const hk_param params[] = {
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
     {"tube", "m", "radius of drawn springs and strands; left out: of strands that of contact, else chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
-    {"tubes", "", "a channel with the radius of springs and strands at each particle, m, instead of tube",
+    {"tubes", "", "radii of springs and strands, m: of groups, \"rope 0.01, thread 0.002\", or a channel with that at each "
+     "particle",
      HK_STRING, {0}, 0, 0, offsetof(frames, names.tubes), 0, NULL},
     {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
@@ -108,7 +109,7 @@ static const hk_param params[] = {
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
      HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
-    {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, planes of soft_walls) where they are at each frame",
+    {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, obstacles), 0, NULL},
     {"shadows", "", "things cast shadows, on the floor and on each other",
      HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
@@ -212,8 +213,7 @@ static hk_status choose_look(frames *f, const hk_model *m) {
   bool one_size = !isnan(f->radius);
   if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
   if (!isnan(f->tube) && names.tubes)
-    return f->host->fail(f->host, HK_BAD_PARAM, "tube: the channel '%s' has the radii; leave one of the two out",
-                         names.tubes);
+    return f->host->fail(f->host, HK_BAD_PARAM, "tube: tubes has the radii; leave one of the two out");
   if (!isnan(f->tube)) names.tubes = "";
   hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
   if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)

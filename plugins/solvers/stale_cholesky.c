@@ -5,27 +5,24 @@
  * costs some tens of these. `factorize` therefore only takes the values. The factor is renewed
  *   - before a matrix, when the last one cost more than all since the last factorization did on average, that
  *     factorization included: from there on the average would rise (the minimum of (F + c_1 + .. + c_n)/n);
- *   - within a solution, when its iterations have cost as much as a factorization.
- * Costs are operations, those of an iteration counted SLOW times, since it is bound by the memory and the BLAS is not:
- * so results do not depend on the machine's load, and are the same for any number of threads.
+ *   - within a solution, when its iterations have cost as much as a factorization. Where that happens with the factor
+ * of the matrix just before, the next matrices are factorized at once: one, three, seven and so on, up to 31. Costs are
+ * operations, those of an iteration counted SLOW times, since it is bound by the memory and the BLAS is not: so results
+ * do not depend on the machine's load, and are the same for any number of threads.
  *
- * A matrix may be indefinite, where springs are compressed. The factor is then that of A + shift I, with the smallest
- * shift found by tens that makes it definite, and the gradients go on through negative curvature, where they are
- * Lanczos' method and find the stationary point; what stops is |r|, which is computed anew from b - A x at the end, so
- * that nothing wrong is returned. Vectors are summed in one fixed order. Hestenes and Stiefel 1952, J. Res. NBS 49;
- * Golub and Van Loan, Matrix Computations, 11.3 and 11.5; factors of earlier matrices: Knoll and Keyes 2004, J. Comput.
- * Phys. 193, section 3.2. Invariant: `upper` has the values of the matrix taken last, `factor` those of it or of one
- * before with the same pattern. */
+ * What stops is |r| together with its norm by the factor, in which soft modes count beside stiff ones; |b - A x| is
+ * computed anew at the end, so that nothing wrong is returned. Vectors are summed in one fixed order. Hestenes and
+ * Stiefel 1952, J. Res. NBS 49; Golub and Van Loan, Matrix Computations, 11.3 and 11.5; factors of earlier matrices:
+ * Knoll and Keyes 2004, J. Comput. Phys. 193, section 3.2. Invariant: `upper` has the values of the matrix taken last,
+ * `factor` those of it or of one before with the same pattern. */
 #include "plugins/common/cholesky/cholesky.h"
 #include "plugins/common/linear/upper_matrix.h"
 
 #include <string.h>
 
-enum { SPARE = 8, LANES = 8, TRIES = 10, LIMIT = 1000 };
+enum { SPARE = 8, LANES = 8, TRIES = 10, LIMIT = 1000, LONGEST = 5 };
 
-static const double slow = 3;           /* measured: CHOLMOD's solve 2.5, its factorization 7 Gflop/s (64 x 64 cloth) */
-static const double first_shift = 1e-9; /* of the largest number of the diagonal */
-static const double growth = 1e6;       /* of the residual: the gradients have met a curvature near 0 */
+static const double slow = 3; /* measured: CHOLMOD's solve 2.5, its factorization 7 Gflop/s (64 x 64 cloth) */
 
 typedef struct gradients {
   double tolerance;
@@ -35,10 +32,9 @@ typedef struct gradients {
   size_t unknowns;
   bool analyzed, taken, fresh; /* fresh: the factor is that of the matrix taken last */
   bool due;                    /* a new factor is to be made of the next matrix */
-  double shift;                /* of the last factorization, relative to `diagonal` */
-  double diagonal;             /* the largest of the matrix taken last */
   double spent, now;           /* operations since the last factorization, with it; of the present matrix */
   double matrices;             /* since the last factorization */
+  int failures, wait;          /* old factors that failed in a row; matrices that are to be factorized at once */
   double *vectors;             /* x, r, z, p, q, each of `unknowns` doubles and some padding */
   double *x, *r, *z, *p, *q;
 } gradients;
@@ -89,7 +85,6 @@ static hk_status analyze(void *self, const hk_matrix *A) {
   if (A->row_start[A->rows] >= UINT32_MAX)
     return host->fail(host, HK_FAILED, "%zu blocks are more than 32-bit numbers can count", A->row_start[A->rows]);
   s->unknowns = n;
-  s->shift = 0;
   hk_status status = hk_upper_analyze(&s->upper, host, A);
   if (status == HK_OK) s->vectors = host->allocate(host, 5 * stride * sizeof *s->vectors);
   if (!s->vectors) return host->fail(host, HK_NO_MEMORY, "no memory to store a matrix of %zu rows", n);
@@ -99,36 +94,15 @@ static hk_status analyze(void *self, const hk_matrix *A) {
   return status;
 }
 
-/* The largest number of the diagonal; NAN if one is. */
-static double largest_of(const hk_matrix *A) {
-  size_t b = A->block;
-  double most = 0;
-  for (size_t r = 0; r < A->rows; r++) {
-    size_t e = hk_upper_first(A, r);
-    if (e == A->row_start[r + 1] || A->column[e] != r) continue;
-    for (size_t k = 0; k < b; k++) {
-      double d = fabs(A->value[b * b * e + (b + 1) * k]);
-      if (!(d <= most)) most = d;
-    }
-  }
-  return most;
-}
-
-/* Makes a factor of the matrix taken last, of which a shift may be needed. */
+/* Makes a factor of the matrix taken last. */
 static hk_status renew(gradients *s) {
-  hk_status status = HK_NOT_CONVERGED;
-  for (int k = 0; k < TRIES && status == HK_NOT_CONVERGED; k++) {
-    double shift = s->shift < first_shift ? 0 : s->shift;
-    status = hk_cholesky_factorize(&s->factor, shift * s->diagonal);
-    if (status == HK_NOT_CONVERGED) s->shift = shift > 0 ? 10 * shift : first_shift;
-  }
+  hk_status status = hk_cholesky_factorize(&s->factor, 0);
   if (status != HK_OK) return status;
   s->fresh = true;
   s->due = false;
   s->spent = s->factor.flops;
   s->matrices = 0;
   s->now = 0;
-  s->shift /= 10; /* of the next one, which may do with less */
   return HK_OK;
 }
 
@@ -137,7 +111,8 @@ static void account(gradients *s) {
   if (!s->taken || !s->factor.ready) return;
   s->matrices++;
   s->spent += s->now;
-  s->due = s->matrices > 1 && s->now > s->spent / s->matrices;
+  s->due = s->now > s->spent / s->matrices || s->wait > 0;
+  if (s->wait > 0) s->wait--;
   s->now = 0;
 }
 
@@ -149,7 +124,6 @@ static hk_status factorize(void *self, const hk_matrix *A) {
   hk_status status = hk_cholesky_take(&s->factor, A);
   if (status != HK_OK) return status;
   hk_upper_fill(&s->upper, s->host, A);
-  s->diagonal = largest_of(A);
   if (!s->factor.ready || s->due) status = renew(s);
   s->taken = status == HK_OK;
   return status;
@@ -176,6 +150,21 @@ static hk_status stopped(gradients *s, double left, double tolerance, int iterat
       left, iterations, tolerance);
 }
 
+static hk_status bad_curvature(gradients *s, double curvature, int iterations) {
+  if (isnan(curvature)) return stopped(s, NAN, 0, iterations);
+  return s->host->fail(s->host, HK_NOT_CONVERGED,
+                       "the matrix is not positive definite, seen after %d iterations: p.(A p) = %.3g; the step is too "
+                       "long for a force that pushes apart, or the matrix is singular",
+                       iterations, curvature);
+}
+
+/* Whether old factors serve: one that failed was that of the matrix just before, or older. */
+static void judge(gradients *s) {
+  bool at_once = s->matrices <= 1;
+  s->failures = !at_once ? 0 : s->failures < LONGEST ? s->failures + 1 : LONGEST;
+  s->wait = (1 << s->failures) - 1;
+}
+
 typedef struct goal {
   double whole, part; /* |b|, and what |r| is to reach of it */
   double first;       /* sqrt(r.M^-1 r) at the start, of which the same part is to be reached */
@@ -194,11 +183,11 @@ static hk_status iterate(gradients *s, goal *g, int *iterations, bool *reached) 
     double next = dot(s->r, s->z, n), size = sqrt(dot(s->r, s->r, n));
     if (!(g->first > 0)) g->first = sqrt(next);
     *reached = size <= g->part * g->whole && sqrt(next) <= g->part * g->first;
-    if (*reached || !(next > 0) || !(size < growth * g->whole) || spent > g->most || *iterations >= LIMIT) return HK_OK;
+    if (*reached || !(next > 0) || spent > g->most || *iterations >= LIMIT) return HK_OK;
     double beta = first ? 0 : next / rz;
     for (size_t e = 0; e < n; e++) s->p[e] = s->z[e] + beta * s->p[e];
     double curvature = hk_upper_product(&s->upper, s->host, s->p, s->q);
-    if (curvature == 0 || !isfinite(curvature)) return HK_OK;
+    if (!(curvature > 0)) return bad_curvature(s, curvature, *iterations);
     ++*iterations;
     rz = next;
     double alpha = rz / curvature;
@@ -235,7 +224,10 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
     reached = reached && left <= 1.1 * g.part * g.whole;
     if (reached) break;
     if (s->fresh && !(left < last / 4)) break;
-    if (!s->fresh) status = renew(s);
+    if (!s->fresh) {
+      judge(s);
+      status = renew(s);
+    }
     if (status != HK_OK) return status;
     if (!(left <= g.whole)) memset(s->x, 0, n * sizeof *s->x), left = residual(s, b);
   }
@@ -252,7 +244,7 @@ static void describe(const void *self, char *text, size_t size) {
 }
 
 static const hk_solver solver = {.size = sizeof(hk_solver),
-                                 .flags = HK_ITERATIVE | HK_SOLVES_INDEFINITE,
+                                 .flags = HK_ITERATIVE,
                                  .analyze = analyze,
                                  .factorize = factorize,
                                  .solve = solve,

@@ -1,15 +1,16 @@
 /* Bears particles at a rate and in bursts, and takes them away when their lifetimes are over.
  *
- * Birth k of the rate is at the time from + k/rate exactly, so that the number of births by a time does not depend on
- * the steps. All that is random about a birth is drawn from the seed and its own number (draw.h). The emitter is called
- * after each step, for the births and deaths in it, in the order of their times; the host moves the newborn from their
- * births to the present (core/population/newborns.c), so that a jet has no stripes. Frames have the same particles,
- * with the same ids, for any length of the steps and any number of threads.
+ * The number of births by a time does not depend on the steps (flow.h). All that is random about a birth is drawn from
+ * the seed and its own number (draw.h). The emitter is called after each step, for the births and deaths in it, in the
+ * order of their times; the host moves the newborn from their births to the present (core/population/newborns.c), so
+ * that a jet has no stripes. Frames have the same particles, with the same ids, for any length of the steps and any
+ * number of threads.
  *
  * Means and spreads, both relative to the value: uniform in value (1 +- spread), or lognormal with the mean `value` and
  * the standard deviation spread value, exp(s z - s^2/2) with s^2 = ln(1 + spread^2), the usual distribution of drop
  * sizes (Lefebvre and McDonell, Atomization and Sprays, ch. 3). Reeves, Particle systems, ACM TOG 2 (1983), 91-108. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/emission/flow.h"
 #include "plugins/common/emission/outlet.h"
 
 #include <string.h>
@@ -25,7 +26,7 @@ typedef struct quantity {
 } quantity;
 
 typedef struct emitter {
-  double rate, from, to; /* 1/s, s, s; to NAN: no end */
+  hk_flow flow;
   int64_t burst, capacity;
   hk_numbers burst_at;
   hk_outlet outlet;
@@ -58,10 +59,14 @@ enum { BLOCK = 256 }; /* particles that are looked at together for deaths */
 
 /* clang-format off */
 static const hk_param params[] = {
-    {"rate", "1/s", "births per second", HK_NUMBER, {100}, 0, 1e9, offsetof(emitter, rate), 0, NULL},
-    {"from", "s", "time of the first birth", HK_NUMBER, {0}, 0, INFINITY, offsetof(emitter, from), 0, NULL},
+    {"rate", "1/s", "births per second", HK_NUMBER, {100}, 0, 1e9, offsetof(emitter, flow.rate), 0, NULL},
+    {"rate_of_time", "1/s", "births per second as a function of time, in the place of `rate`", HK_FUNCTION, {0}, 0, 0,
+     offsetof(emitter, flow.of_time), 0, "function(t) -> rate"},
+    {"rate_every", "s", "how often that function is asked: the rate is straight between, and a shorter pulse is missed", HK_NUMBER, {1e-3}, 1e-9, 1e9,
+     offsetof(emitter, flow.cell), 0, NULL},
+    {"from", "s", "time of the first birth", HK_NUMBER, {0}, 0, INFINITY, offsetof(emitter, flow.from), 0, NULL},
     {"to", "s", "time from which on the rate bears no more; left out: never", HK_NUMBER, {0}, 0, INFINITY,
-     offsetof(emitter, to), HK_OPTIONAL, NULL},
+     offsetof(emitter, flow.to), HK_OPTIONAL, NULL},
     {"burst", "", "births at once at each time of burst_at", HK_INTEGER, {0}, 0, 1e8, offsetof(emitter, burst), 0, NULL},
     {"burst_at", "s", "times of the bursts, increasing", HK_NUMBERS, {0}, 0, INFINITY, offsetof(emitter, burst_at),
      HK_OPTIONAL, NULL},
@@ -97,6 +102,11 @@ static const hk_param params[] = {
 
 static const hk_field fields[] = {
     {"seed", HK_FIELD_INTEGER, 1, offsetof(emitter, seed), 0},
+    {"asked", HK_FIELD_INTEGER, 1, offsetof(emitter, flow.asked), 0},
+    {"cells", HK_FIELD_INTEGER, 1, offsetof(emitter, flow.cells), 0},
+    {"born_before", HK_FIELD_NUMBER, 1, offsetof(emitter, flow.before), 0},
+    {"rate_at_begin", HK_FIELD_NUMBER, 1, offsetof(emitter, flow.begin), 0},
+    {"rate_at_end", HK_FIELD_NUMBER, 1, offsetof(emitter, flow.end), 0},
     {"borne", HK_FIELD_INTEGER, 1, offsetof(emitter, borne), 0},
     {"bursts", HK_FIELD_INTEGER, 1, offsetof(emitter, bursts), 0},
     {"oldest", HK_FIELD_INTEGER, 1, offsetof(emitter, oldest), 0},
@@ -118,18 +128,20 @@ static hk_status check_times(const emitter *e, const hk_host *host) {
                         e->burst_at.value[k], e->burst_at.value[k - 1]);
   if (e->burst > 0 && e->burst_at.count == 0)
     return host->fail(host, HK_BAD_PARAM, "burst: when? burst_at = { 0.5, 1 } says it, in s");
-  if (e->to <= e->from) return host->fail(host, HK_BAD_PARAM, "to: %g s is not after from: %g s", e->to, e->from);
+  if (e->flow.to <= e->flow.from)
+    return host->fail(host, HK_BAD_PARAM, "to: %g s is not after from: %g s", e->flow.to, e->flow.from);
   return HK_OK;
 }
 
 /* How many will be alive at a time, as far as that is known before the run. */
 static hk_status check_capacity(const emitter *e, const hk_host *host) {
-  double longest = isnan(e->to) ? INFINITY : e->to - e->from,
+  double longest = isnan(e->flow.to) ? INFINITY : e->flow.to - e->flow.from,
          life = isnan(e->lifetime.value) ? INFINITY : e->lifetime.value;
-  double alive = e->rate > 0 ? e->rate * fmin(longest, life) : 0;
+  if (e->flow.of_time) return HK_OK; /* it is said when it is reached */
+  double alive = e->flow.rate > 0 ? e->flow.rate * fmin(longest, life) : 0;
   if (isinf(alive) || alive <= (double)e->capacity) return HK_OK;
   return host->fail(host, HK_BAD_PARAM, "capacity: %lld particles are too few for %g/s that live %g s, which are %.0f",
-                    (long long)e->capacity, e->rate, fmin(longest, life), alive);
+                    (long long)e->capacity, e->flow.rate, fmin(longest, life), alive);
 }
 
 static hk_status check_radius(const emitter *e, const hk_host *host) {
@@ -275,23 +287,18 @@ static hk_birth draw_birth(const emitter *e, const hk_view *view, double age, ui
   return birth;
 }
 
-/* The time of the next birth of the rate, and of the next burst; INFINITY: there is none. */
-static double next_of_rate(const emitter *e) {
-  double t = e->rate > 0 ? e->from + (double)e->borne / e->rate : INFINITY;
-  return t >= e->to ? INFINITY : t;
-}
-
+/* The time of the next burst; INFINITY: there is none. */
 static double next_burst(const emitter *e) {
   size_t k = e->burst > 0 ? (size_t)(e->bursts / e->burst) : e->burst_at.count;
   return k < e->burst_at.count ? e->burst_at.value[k] : INFINITY;
 }
 
 /* Births due by t, or some more. */
-static double due(const emitter *e, double t) {
-  double end = t < e->to ? t : isnan(e->to) ? t : e->to, count = 0;
-  if (end >= e->from) count = fmax(0, (end - e->from) * e->rate - (double)e->borne + 2);
-  for (size_t k = 0; k < e->burst_at.count; k++) count += e->burst_at.value[k] <= t ? (double)e->burst : 0;
-  return count - (double)e->bursts;
+static hk_status due(const emitter *e, const hk_host *host, double t, double *count) {
+  hk_status status = hk_flow_due(&e->flow, host, e->borne, t, count);
+  for (size_t k = 0; k < e->burst_at.count; k++) *count += e->burst_at.value[k] <= t ? (double)e->burst : 0;
+  *count -= (double)e->bursts;
+  return status;
 }
 
 /* Makes room for all births of the step, to which pointers are given away. */
@@ -337,17 +344,23 @@ static void leave_out(emitter *e, const hk_host *host, double at) {
                (long long)e->capacity, at);
 }
 
-static hk_status bear_all(emitter *e, call *c) {
+/* At most `births`, for which there is room. */
+static hk_status bear_all(emitter *e, call *c, double births) {
+  const hk_host *host = c->view->host;
   hk_status status = HK_OK;
-  while (status == HK_OK) {
-    double of_rate = next_of_rate(e), of_burst = next_burst(e), at = fmin(of_rate, of_burst);
-    if (!(at <= c->view->t)) break;
+  for (double born = 0; status == HK_OK; born++) {
+    double of_rate, of_burst = next_burst(e);
+    status = hk_flow_next(&e->flow, host, e->borne, c->view->t, &of_rate);
+    double at = fmin(of_rate, of_burst);
+    if (status != HK_OK || !(at <= c->view->t)) break;
+    if (born >= births)
+      return host->fail(host, HK_BAD_PARAM, "rate_of_time: it gave another number when it was asked again for a time");
     uint64_t number = of_rate <= of_burst ? 2 * (uint64_t)e->borne++ : 2 * (uint64_t)e->bursts++ + 1;
     for (; c->gone < c->deaths && e->dying[c->gone] <= at; c->gone++) e->living--;
     if (e->living < e->capacity)
       status = bear(e, c, at, number);
     else
-      leave_out(e, c->view->host, at);
+      leave_out(e, host, at);
   }
   e->living -= (int64_t)(c->deaths - c->gone);
   return status;
@@ -355,13 +368,14 @@ static hk_status bear_all(emitter *e, call *c) {
 
 static hk_status emit(void *self, const hk_view *view, double h, hk_population *population) {
   emitter *e = self;
-  double births = due(e, view->t);
+  double births;
+  hk_status status = due(e, view->host, view->t, &births);
   call c = {.view = view, .population = population, .crowded = (double)e->living + births > (double)e->capacity};
   (void)h;
-  hk_status status = reserve(e, view->host, births);
+  if (status == HK_OK) status = reserve(e, view->host, births);
   if (status == HK_OK && c.crowded) status = open_dying(e, view->host, births);
   if (status == HK_OK) status = take_dead(e, &c);
-  return status == HK_OK ? bear_all(e, &c) : status;
+  return status == HK_OK ? bear_all(e, &c, births) : status;
 }
 
 static const hk_source source = {.size = sizeof(hk_source), .emit = emit, .flags = HK_AFTER_STEPS};

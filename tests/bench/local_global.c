@@ -37,8 +37,8 @@ static double local_steps(test_engine *e, const hk_host *host) {
   const hk_tuples edges = {all.count, 2, &all.pair[0][0]};
   const hk_per_tuple none = {1, &zero}, k = {all.count, all.stiffness}, c = {all.count, all.damping},
                      rest = {all.count, all.rest};
-  if (hk_spring_layout_build(&springs, host, s->n, &edges, &k, &none, &rest, NULL) != HK_OK) exit(1);
-  if (hk_spring_layout_build(&dampers, host, s->n, &edges, &none, &c, &none, NULL) != HK_OK) exit(1);
+  if (hk_spring_layout_build(&springs, host, s->model->partition, &edges, &k, &none, &rest, NULL) != HK_OK) exit(1);
+  if (hk_spring_layout_build(&dampers, host, s->model->partition, &edges, &none, &c, &none, NULL) != HK_OK) exit(1);
   for (int r = 0; r < 30; r++) {
     double begin = own();
     for (int q = 0; q < 10; q++) {

@@ -225,6 +225,38 @@ static void step(void) {
   close_cloth(&c);
 }
 
+/* s, CPU time of all threads. */
+static double spent(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* ns of a whole leapfrog step for each spring, on one thread and on two: CPU time of one, wall time of both. The minima
+ * of repeats taken in turn. */
+static void sizes(uint32_t N, bool shuffle) {
+  enum { REPEATS = 9 };
+  double best = INFINITY, wall[2] = {INFINITY, INFINITY}, t = 0;
+  cloth c[2];
+  for (int k = 0; k < 2; k++) open_cloth(&c[k], N, shuffle, k + 1);
+  int steps = N < 128 ? 200 : N < 512 ? 40 : 8;
+  for (int r = 0; r < REPEATS; r++) {
+    t += steps * 1e-5;
+    for (int k = 0; k < 2; k++) {
+      double t0 = now(), own = spent();
+      test_advance(&c[k].e, t);
+      wall[k] = fmin(wall[k], now() - t0);
+      if (k == 0) best = fmin(best, spent() - own);
+    }
+  }
+  bool same = memcmp(hk_run_view(c[0].e.run)->x, hk_run_view(c[1].e.run)->x, 3 * c[0].n * sizeof(double)) == 0;
+  double each = 1e9 / (double)steps / (double)c[0].count;
+  printf("%4u x %-4u%s leapfrog, ns a spring and step: CPU %5.2f, wall %5.2f; two threads %5.2f: %.2fx, results %s\n",
+         N, N, shuffle ? ", random ids, coefficients per spring," : "", best * each, wall[0] * each, wall[1] * each,
+         wall[0] / wall[1], same ? "bitwise equal" : "DIFFER");
+  for (int k = 0; k < 2; k++) close_cloth(&c[k]);
+}
+
 static void small(void) {
   test_engine e;
   test_engine_open(&e);
@@ -257,7 +289,16 @@ static void small(void) {
   test_engine_close(&e);
 }
 
-int main(void) {
+static void all_sizes(void) {
+  for (uint32_t N = 32; N <= 1024; N *= 2) sizes(N, false);
+  sizes(128, true);
+  sizes(512, true);
+}
+
+/* `springs sizes` makes that measurement alone. */
+int main(int arguments, char **argument) {
+  all_sizes();
+  if (arguments > 1 && strcmp(argument[1], "sizes") == 0) return 0;
   compare("128 x 128, grid order", 128, false);
   compare("128 x 128, shuffled, per edge", 128, true);
   compare("512 x 512, grid order", 512, false);

@@ -18,6 +18,7 @@ typedef struct fake_system {
   fake_problem problem;
   hk_host host;
   hk_model model;
+  hk_partition partition; /* one block */
   hk_channel channel;
   double *mass;
   uint32_t *id, *group;

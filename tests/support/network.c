@@ -89,6 +89,8 @@ spring_network *network_create(size_t n, size_t edges, bool channel) {
   for (size_t k = 6 * n; k < size; k++) w->X[k] = 3;
   w->channel = (hk_channel){"heat", 1, 0};
   w->model = (hk_model){.n = n, .mass = w->mass, .inverse_mass = w->inverse_mass, .pin = w->pin};
+  w->partition = (hk_partition){.n = n, .bits = 31, .blocks = 1, .width = 1, .domains = 1, .parts = 2};
+  w->model.partition = &w->partition;
   w->model.channels = channel ? 1 : 0;
   w->model.channel = &w->channel;
   w->model.element_list = &w->list;

@@ -7,6 +7,7 @@
 typedef struct spring_network {
   hk_system system; /* first member */
   hk_model model;
+  hk_partition partition; /* one block */
   hk_element_list list;
   hk_force_info force;
   size_t n, edges, capacity;

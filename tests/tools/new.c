@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -86,6 +87,9 @@ static void a_scene_runs_and_says_what_to_do_next(void **state) {
   says("new scene swing", 0, "hooke run swing.lua");
   says("run swing.lua N=5", 0, "verdict           ok");
   says("run swing.lua --help", 0, "stiffness of a spring");
+  shell(HK_BUILD "/hooke", "sed '/^-- scene:output/s/^-- //' swing.lua >drawn.lua && ! cmp -s swing.lua drawn.lua");
+  /* The line that is left out names an output and its parameters as they are. */
+  if (access(HK_BUILD "/plugins/outputs/frames.so", F_OK) == 0) says("explain drawn.lua", 0, "frames");
   says("new scene swing", 1, "swing.lua exists already; it is left as it is");
 }
 

@@ -330,6 +330,7 @@ int luaopen_inspect(lua_State *L) {
                                        {"set", set_state},
                                        {"force", get_force},
                                        {"bytes", get_bytes},
+                                       {"parts", hk_subject_parts},
                                        {"reverse", reverse},
                                        {"energy", get_energy},
                                        {"rates", get_rates},

@@ -364,7 +364,8 @@ static int flags(lua_State *L) {
                 {"step_limit", f->step_limit},
                 {"longest_step", f->longest_step},
                 {"accepted", f->accepted},
-                {"passages", f->passages}};
+                {"passages", f->passages},
+                {"add_part", f->add_part}};
   lua_pushinteger(L, f->flags);
   lua_newtable(L);
   for (size_t k = 0; k < sizeof member / sizeof *member; k++) {

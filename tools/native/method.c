@@ -21,7 +21,7 @@ static struct {
   bool within; /* one of the host's functions is at work and may call others */
   double time[TIMES];
   size_t times;
-  hk_guarded X;
+  hk_guarded X, spare;
 } probe;
 
 /* Whether this call is to fail; counts it. */
@@ -54,6 +54,21 @@ static void note(double t) {
 static hk_status accelerations(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy) {
   if (!probe.within) note(t);
   HOST(EVALUATIONS, probe.real.accelerations(s, t, x, v, y, a, dy));
+}
+
+static hk_status pass(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy,
+                      const hk_pass *work) {
+  if (!probe.within) note(t);
+  HOST(EVALUATIONS, probe.real.pass(s, t, x, v, y, a, dy, work));
+}
+
+/* X keeps its place between the guard pages. */
+static void exchange(hk_system *s) {
+  for (size_t e = 0; e < s->size; e++) {
+    double number = s->X[e];
+    s->X[e] = s->spare[e];
+    s->spare[e] = number;
+  }
 }
 
 static hk_status rates(hk_system *s, double t, double *X, double *dX) {
@@ -95,13 +110,18 @@ static hk_instance *method_of(lua_State *L) {
 /* Takes the run's system over; give_back undoes it. */
 static hk_system *take_over(lua_State *L, hk_run *run, hk_guard_side side) {
   hk_system *s = &run->dynamics.system;
-  if (!hk_guard_get(&probe.X, "the state X", s->size * sizeof(double), side)) luaL_error(L, "no memory");
+  if (!hk_guard_get(&probe.X, "the state X", s->size * sizeof(double), side) ||
+      !hk_guard_get(&probe.spare, "the spare memory", s->size * sizeof(double), side))
+    luaL_error(L, "no memory");
   memset(probe.count, 0, sizeof probe.count);
   probe.real = *s;
   probe.run = run;
   probe.times = 0;
   s->X = probe.X.at;
+  if (s->spare) s->spare = probe.spare.at;
   s->accelerations = accelerations;
+  s->pass = pass;
+  s->exchange = exchange;
   s->rates = rates;
   s->jacobian = jacobian;
   s->factorize = factorize;
@@ -126,6 +146,7 @@ static void fill_scratch(const hk_instance *m, size_t size, size_t n, int byte) 
     if (f->flags & HK_SCRATCH && (f->type == HK_FIELD_STATE || f->type == HK_FIELD_PER_PARTICLE))
       memset(*(double **)((char *)m->self + f->offset), byte, length * sizeof(double));
   }
+  if (byte >= 0) memset(probe.spare.at, byte, size * sizeof(double));
 }
 
 static double option(lua_State *L, const char *key, double otherwise) {

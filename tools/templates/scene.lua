@@ -10,5 +10,5 @@ scene:force("gravity")
 scene:force("springs", { edges = rope:edges(), k = k, damping = damping })
 
 scene:measure("height", function(state) return state:position(N)[3] end) -- of the free end, m: out/NAME/measures.csv
--- scene:output("frames", { size = { 1280, 720 } })  -- pictures and a film: hooke plugins frames
+-- scene:output("frames", { width = 1280, height = 720 }) -- pictures and a film: hooke plugins frames
 return scene

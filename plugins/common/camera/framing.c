@@ -51,8 +51,8 @@ static double median_reach(const hk_frame_spool *spool, float *scratch) {
 
 /* Chooses radii: beads on springs are a little thicker than the springs; the radius of beads without springs depends on
  * their number and the size. Discs that fade towards their edge are larger than spheres that look as large; what leaves
- * a streak is thin. */
-static void choose_radii(const hk_framing *framing, size_t n, size_t lines, hk_view_setup *setup) {
+ * a streak is thin. Pins have the size of beads, unless those are as large as each of them is heavy. */
+static void choose_radii(const hk_framing *framing, const hk_look *look, size_t n, size_t lines, hk_view_setup *setup) {
   static const double larger[] = {[HK_STYLE_SPHERE] = 1, [HK_STYLE_SOFT] = 1.8, [HK_STYLE_GLOW] = 2.6};
   double loose = fmin(fmax(0.34 / sqrt((double)n + 1), 0.004), 0.03);
   setup->tube = setup->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.006);
@@ -61,7 +61,7 @@ static void choose_radii(const hk_framing *framing, size_t n, size_t lines, hk_v
   setup->bead *= larger[setup->sprites.style] * (setup->streak > 0 ? 0.5 : 1);
   if (!isnan(framing->radius)) setup->bead = framing->radius;
   setup->pin = 0.0065 * setup->size;
-  if (lines) setup->pin = 1.25 * setup->bead;
+  if (lines) setup->pin = 1.25 * (look->sizes == HK_SIZE_SAME ? setup->bead : 1.9 * setup->tube);
 }
 
 /* Sets the radius that the snapshots' number 1 stands for. `largest`: of those numbers in the motion. */
@@ -233,7 +233,7 @@ static void choose_box(survey *v, const hk_framing *framing, const hk_frame_spoo
   v->numbers.stride = total / SAMPLES + 1;
   add_solids(v, setup, snapshot);
   end_box(setup);
-  choose_radii(framing, n, lines, setup);
+  choose_radii(framing, snapshot->look, n, lines, setup);
   choose_floor(framing, snapshot, triangles == 0, setup);
 }
 
@@ -310,7 +310,7 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
     setup->high[c] = fmin(setup->high[c], setup->middle[c] + 50 * setup->size);
   }
   if (!first) return;
-  choose_radii(framing, snapshot->n, snapshot->lines, setup);
+  choose_radii(framing, snapshot->look, snapshot->n, snapshot->lines, setup);
   choose_unit(snapshot->look, 0, setup);
   choose_floor(framing, snapshot, snapshot->triangles == 0, setup);
   setup->camera.near = 0.02 * distance, setup->camera.far = 60 * distance;

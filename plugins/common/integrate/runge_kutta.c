@@ -64,41 +64,86 @@ static void copy_drifted(double *restrict x_to, double *restrict v_to, const dou
   }
 }
 
-void hk_rk_combine(const hk_tableau *T, const hk_system *s, double h, double *k, const double *weight, int count,
-                   double total, const double *X, double *into) {
-  size_t m = 3 * s->n, tail = s->size - 2 * m;
-  blend b = weigh(T, s, h, k, weight, count, total);
-  for (size_t begin = 0; begin < m; begin += CHUNK) {
-    size_t length = m - begin < CHUNK ? m - begin : CHUNK;
+/* The numbers begin to end - 1 of x and of v; m = 3n. */
+static void combine_range(const blend *b, size_t m, const double *X, double *into, size_t begin, size_t end) {
+  for (; begin < end; begin += CHUNK) {
+    size_t length = end - begin < CHUNK ? end - begin : CHUNK;
     double *x = into + begin, *v = into + m + begin;
     if (into == X)
-      add(x, v, length, b.drift);
+      add(x, v, length, b->drift);
     else
-      copy_drifted(x, v, X + begin, X + m + begin, length, b.drift);
-    for (int j = 0; j < b.count; j++) {
-      add(x, b.k[j] + begin, length, b.x[j]);
-      add(v, b.k[j] + begin, length, b.v[j]);
+      copy_drifted(x, v, X + begin, X + m + begin, length, b->drift);
+    for (int j = 0; j < b->count; j++) {
+      add(x, b->k[j] + begin, length, b->x[j]);
+      add(v, b->k[j] + begin, length, b->v[j]);
     }
   }
+}
+
+/* Channels and work. */
+static void combine_rest(const blend *b, const hk_system *s, const double *X, double *into) {
+  size_t m = 3 * s->n, tail = s->size - 2 * m;
   if (into != X) memcpy(into + 2 * m, X + 2 * m, tail * sizeof *into);
-  for (int j = 0; j < b.count; j++) add(into + 2 * m, b.k[j] + m, tail, b.v[j]);
+  for (int j = 0; j < b->count; j++) add(into + 2 * m, b->k[j] + m, tail, b->v[j]);
+}
+
+void hk_rk_combine(const hk_tableau *T, const hk_system *s, double h, double *k, const double *weight, int count,
+                   double total, const double *X, double *into) {
+  blend b = weigh(T, s, h, k, weight, count, total);
+  combine_range(&b, 3 * s->n, X, into, 0, 3 * s->n);
+  combine_rest(&b, s, X, into);
+}
+
+/* What is done with the particles before a stage and after the last one. */
+typedef struct stage {
+  blend before, after;
+  size_t m;
+  const double *X;
+  double *state, *end; /* of the stage; of the step */
+} stage;
+
+static void prepare(void *context, size_t begin, size_t end) {
+  const stage *s = context;
+  combine_range(&s->before, s->m, s->X, s->state, 3 * begin, 3 * end);
+}
+
+static void finish(void *context, size_t begin, size_t end) {
+  const stage *s = context;
+  combine_range(&s->after, s->m, s->X, s->end, 3 * begin, 3 * end);
+}
+
+/* Stage i; `end`: where the new state is built with the last one, or NULL. A stage is a move, too: where there is
+ * contact, forces have to know all of it before. */
+static hk_status evaluate(const hk_tableau *T, hk_system *s, double h, double *k, int i, double *end) {
+  size_t m = 3 * s->n;
+  double *slope = hk_rk_slope(s, k, i);
+  stage at = {.m = m, .X = s->X, .state = i ? hk_rk_stage_state(T, s, k) : s->X, .end = end};
+  hk_pass pass = {&at, NULL, end && i + 1 == T->stages ? finish : NULL};
+  hk_status status = HK_OK;
+  if (i > 0) {
+    at.before = weigh(T, s, h, k, T->a[i], i, T->c[i]);
+    combine_rest(&at.before, s, s->X, at.state);
+    pass.prepare = s->contact ? NULL : prepare;
+    if (s->contact) prepare(&at, 0, s->n);
+    if (s->contact) status = s->update(s, s->t, s->X, at.state);
+  }
+  if (pass.finish) at.after = weigh(T, s, h, k, T->b, T->stages, 1);
+  if (status != HK_OK) return status;
+  status = s->pass(s, s->t + T->c[i] * h, at.state, at.state + m, at.state + 2 * m, slope, slope + m, &pass);
+  if (status == HK_OK && pass.finish) combine_rest(&at.after, s, s->X, end);
+  return status;
 }
 
 hk_status hk_rk_stages(const hk_tableau *T, hk_system *s, double h, double *k, int first) {
-  size_t m = 3 * s->n;
-  for (int i = first; i < T->stages; i++) {
-    double *X = i == 0 ? s->X : hk_rk_stage_state(T, s, k), *slope = hk_rk_slope(s, k, i);
-    if (i > 0) hk_rk_combine(T, s, h, k, T->a[i], i, T->c[i], s->X, X);
-    hk_status status = s->contact && i > 0 ? s->update(s, s->t, s->X, X) : HK_OK; /* a stage is a move, too */
-    if (status == HK_OK) status = s->accelerations(s, s->t + T->c[i] * h, X, X + m, X + 2 * m, slope, slope + m);
-    if (status != HK_OK) return status;
-  }
-  return HK_OK;
+  hk_status status = HK_OK;
+  for (int i = first; i < T->stages && status == HK_OK; i++) status = evaluate(T, s, h, k, i, NULL);
+  return status;
 }
 
 hk_status hk_rk_step(const hk_tableau *T, hk_system *s, double h, double *k) {
-  hk_status status = hk_rk_stages(T, s, h, k, 0);
-  if (status == HK_OK) hk_rk_combine(T, s, h, k, T->b, T->stages, 1, s->X, s->X);
+  hk_status status = HK_OK;
+  for (int i = 0; i < T->stages && status == HK_OK; i++) status = evaluate(T, s, h, k, i, s->spare);
+  if (status == HK_OK) s->exchange(s);
   return status;
 }
 

@@ -27,7 +27,7 @@ hk_status hk_rk_stages(const hk_tableau *, hk_system *s, double h, double *k, in
 /* into = X + h sum weight_i (slope i) over `count` stages; into may be X. The weights have the sum `total`. */
 void hk_rk_combine(const hk_tableau *, const hk_system *s, double h, double *k, const double *weight, int count,
                    double total, const double *X, double *into);
-/* A whole step of h from s->t: s->X changes only after all stages have succeeded. */
+/* A whole step of h from s->t, for methods with HK_USES_SPARE: s->X changes only after all stages have succeeded. */
 hk_status hk_rk_step(const hk_tableau *, hk_system *s, double h, double *k);
 /* The larger |R(z)| for the two eigenvalues z of h times the oscillator's matrix. */
 double hk_rk_amplification(const hk_tableau *, double hw, double hg);

@@ -7,7 +7,6 @@
 const hk_field hk_splitting_fields[] = {
     {"primed", HK_FIELD_INTEGER, 1, offsetof(hk_splitting, primed), 0},
     {"slope", HK_FIELD_STATE, 1, offsetof(hk_splitting, slope), 0},
-    {"stage", HK_FIELD_STATE, 1, offsetof(hk_splitting, stage), HK_SCRATCH},
     {"seen", HK_FIELD_STATE, 1, offsetof(hk_splitting, seen), HK_SCRATCH},
     {0},
 };
@@ -60,14 +59,35 @@ void hk_splitting_reset(void *self, hk_reason why) {
   ((hk_splitting *)self)->primed = 0;
 }
 
-/* A kick, a drift, and the velocity predicted for the next evaluation. */
-static void advance(double *restrict x, double *restrict v, double *restrict seen, const double *restrict a,
-                    size_t count, double kick, double drift, double predict) {
-  for (size_t e = 0; e < count; e++) {
-    v[e] += kick * a[e];
-    x[e] += drift * v[e];
-    seen[e] = v[e] + predict * a[e];
+/* What is done before and after an evaluation. */
+typedef struct stage {
+  const double *X;      /* the state before the step where this is the first stage, or NULL */
+  double *x, *v, *seen; /* n x 3; seen: the velocities that forces see */
+  const double *a;
+  double kick, drift, predict, last; /* last: the kick after the evaluation */
+  size_t n;
+} stage;
+
+/* A kick, a drift, and the velocity predicted for the evaluation. */
+static void advance(void *context, size_t begin, size_t end) {
+  const stage *s = context;
+  double *restrict x = s->x, *restrict v = s->v, *restrict seen = s->seen;
+  const double *restrict a = s->a;
+  size_t first = 3 * begin, count = 3 * (end - begin);
+  if (s->X) memcpy(x + first, s->X + first, count * sizeof *x);
+  if (s->X) memcpy(v + first, s->X + 3 * s->n + first, count * sizeof *v);
+  for (size_t e = first; e < first + count; e++) {
+    v[e] += s->kick * a[e];
+    x[e] += s->drift * v[e];
+    seen[e] = v[e] + s->predict * a[e];
   }
+}
+
+static void kick_last(void *context, size_t begin, size_t end) {
+  const stage *s = context;
+  double *restrict v = s->v;
+  const double *restrict a = s->a;
+  for (size_t e = 3 * begin; e < 3 * end; e++) v[e] += s->last * a[e];
 }
 
 static void kick_rates(double *restrict y, double *restrict seen, const double *restrict dy, size_t count, double kick,
@@ -80,21 +100,22 @@ static void kick_rates(double *restrict y, double *restrict seen, const double *
 
 hk_status hk_splitting_step(hk_splitting *m, const hk_splitting_method *f, hk_system *s, double t_stop, double h) {
   size_t v = 3 * s->n, y = 6 * s->n;
-  double *X = m->stage, *seen = m->seen, *a = m->slope, t = s->t;
+  double *X = s->spare, *seen = m->seen, *a = m->slope, t = s->t, last = h * f->kick[f->stages];
   hk_status status = HK_OK;
   if (!m->primed) status = s->accelerations(s, t, s->X, s->X + v, s->X + y, a, a + v);
   m->primed = 0;
-  memcpy(X, s->X, s->size * sizeof *X);
+  memcpy(X + y, s->X + y, (s->size - y) * sizeof *X);
   for (int i = 0; i < f->stages && status == HK_OK; i++) {
-    advance(X, X + v, seen + v, a, v, h * f->kick[i], h * f->drift[i], h * ahead(f, i + 1));
-    kick_rates(X + y, seen + y, a + v, s->size - y, h * f->kick[i], h * ahead(f, i + 1));
+    stage at = {i == 0 ? s->X : NULL, X,    X + v, seen + v, a, h * f->kick[i], h * f->drift[i],
+                h * ahead(f, i + 1),  last, s->n};
+    kick_rates(X + y, seen + y, a + v, s->size - y, at.kick, at.predict);
     t = i + 1 < f->stages ? t + h * f->drift[i] : fmin(t_stop, s->t + h);
-    status = s->accelerations(s, t, X, seen + v, seen + y, a, a + v);
+    hk_pass pass = {&at, advance, i + 1 < f->stages ? NULL : kick_last};
+    status = s->pass(s, t, X, seen + v, seen + y, a, a + v, &pass);
   }
   if (status != HK_OK) return status;
-  advance(X, X + v, seen + v, a, v, h * f->kick[f->stages], 0, 0);
-  kick_rates(X + y, seen + y, a + v, s->size - y, h * f->kick[f->stages], 0);
-  memcpy(s->X, X, s->size * sizeof *X);
+  kick_rates(X + y, seen + y, a + v, s->size - y, last, 0);
+  s->exchange(s);
   m->primed = 1;
   return HK_OK;
 }

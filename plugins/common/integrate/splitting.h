@@ -39,7 +39,6 @@ typedef struct hk_splitting_method {
 typedef struct hk_splitting {
   int64_t primed; /* whether `slope` is that of X */
   double *slope;  /* (a, dy) of the last kick */
-  double *stage;  /* shaped as X: the state between kicks */
   double *seen;   /* shaped as X: predicted v and y for the next evaluation */
 } hk_splitting;
 

@@ -62,32 +62,39 @@ static past recall(const hk_stoermer *m, const hk_system *s, const hk_stoermer_m
   return p;
 }
 
-/* Updates all arrays in one pass, because memory bandwidth limits a step. */
+typedef struct advance {
+  past p;
+  const double *x;
+  double *x_next, *v_next;
+  const double *d;
+  double *d_next, h;
+} advance;
+
+/* Updates all arrays at once, because memory bandwidth limits a step. */
 #define INLINE static inline __attribute__((always_inline))
-INLINE void sweep(double *restrict x, double *restrict v, double *restrict d, const past *p, size_t count, double h) {
-  const double *restrict a0 = p->slope[0], *restrict a1 = p->slope[1], *restrict a2 = p->slope[2],
-                         *restrict a3 = p->slope[3], *restrict a4 = p->slope[4];
-  const past q = *p;
-  for (size_t e = 0; e < count; e++) {
+INLINE void sweep(const advance *all, size_t begin, size_t end) {
+  const past q = all->p;
+  const double *restrict a0 = q.slope[0], *restrict a1 = q.slope[1], *restrict a2 = q.slope[2],
+                         *restrict a3 = q.slope[3], *restrict a4 = q.slope[4], *restrict x = all->x,
+                         *restrict d = all->d, h = all->h;
+  double *restrict x_next = all->x_next, *restrict v_next = all->v_next, *restrict d_next = all->d_next;
+  for (size_t e = begin; e < end; e++) {
     double change = q.change[0] * a0[e] + q.change[1] * a1[e] + q.change[2] * a2[e] + q.change[3] * a3[e];
     double lead = q.lead[0] * a0[e] + q.lead[1] * a1[e] + q.lead[2] * a2[e] + q.lead[3] * a3[e];
     double next = d[e] + (change + q.change[4] * a4[e]);
-    d[e] = next;
-    x[e] += h * next;
-    v[e] = next + lead; /* the last slope does not occur: `lead` has one difference less */
+    d_next[e] = next;
+    x_next[e] = x[e] + h * next;
+    v_next[e] = next + lead; /* the last slope does not occur: `lead` has one difference less */
   }
 }
 
-typedef void sweeping(double *x, double *v, double *d, const past *p, size_t count, double h);
+typedef void sweeping(void *context, size_t begin, size_t end);
 
-static void sweep_narrow(double *x, double *v, double *d, const past *p, size_t count, double h) {
-  sweep(x, v, d, p, count, h);
-}
+static void sweep_narrow(void *context, size_t begin, size_t end) { sweep(context, 3 * begin, 3 * end); }
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static void sweep_wide(double *x, double *v, double *d, const past *p, size_t count,
-                                                       double h) {
-  sweep(x, v, d, p, count, h);
+__attribute__((target("avx2"))) static void sweep_wide(void *context, size_t begin, size_t end) {
+  sweep(context, 3 * begin, 3 * end);
 }
 
 static sweeping *best(void) { return __builtin_cpu_supports("avx2") ? sweep_wide : sweep_narrow; }
@@ -95,47 +102,56 @@ static sweeping *best(void) { return __builtin_cpu_supports("avx2") ? sweep_wide
 static sweeping *best(void) { return sweep_narrow; }
 #endif
 
-static void advance(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double h) {
-  size_t v = 3 * s->n, y = 6 * s->n;
-  past p = recall(m, s, f, h);
-  best()(s->X, s->X + v, m->change, &p, v, h);
-  for (int j = 0; j < f->terms; j++)
-    for (size_t e = y; e < s->size; e++) s->X[e] += p.rate[j] * p.slope[j][e - v];
+static double *change_at(const hk_stoermer *m, const hk_system *s, int64_t place) {
+  return m->change + (place ? 3 * s->n : 0);
 }
 
-/* One Dormand-Prince step, whose first slope is known; d = v + h sum (b A)_l a_l is the change of x divided by h. */
-static hk_status start(hk_stoermer *m, hk_system *s, const double *slope, double h) {
+/* A step of the recurrence, with the slope `a` that is evaluated in it. */
+static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a, double h) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  advance all = {recall(m, s, f, h),           s->X, s->spare, s->spare + v, change_at(m, s, m->current),
+                 change_at(m, s, !m->current), h};
+  hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best()});
+  if (status != HK_OK) return status;
+  memcpy(s->spare + y, s->X + y, (s->size - y) * sizeof *s->X);
+  for (int j = 0; j < f->terms; j++)
+    for (size_t e = y; e < s->size; e++) s->spare[e] += all.p.rate[j] * all.p.slope[j][e - v];
+  s->exchange(s);
+  m->current = !m->current;
+  return HK_OK;
+}
+
+/* One Dormand-Prince step; d = v + h sum (b A)_l a_l is the change of x divided by h. */
+static hk_status start(hk_stoermer *m, hk_system *s, double *slope, double h) {
   hk_tableau T = hk_dormand_prince;
   T.stages = 6; /* the seventh is for the error estimate only */
   size_t v = 3 * s->n;
-  memcpy(m->start, slope, (s->size - v) * sizeof *slope);
-  hk_status status = hk_rk_stages(&T, s, h, m->start, 1);
+  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, slope, slope + v);
   if (status != HK_OK) return status;
-  memcpy(m->change, s->X + v, v * sizeof *slope);
+  memcpy(m->start, slope, (s->size - v) * sizeof *slope);
+  status = hk_rk_stages(&T, s, h, m->start, 1);
+  if (status != HK_OK) return status;
+  double *change = change_at(m, s, m->current);
+  memcpy(change, s->X + v, v * sizeof *slope);
   for (int l = 0; l < T.stages; l++) {
     double w = 0;
     for (int j = l + 1; j < T.stages; j++) w += h * T.b[j] * T.a[j][l];
     const double *a = hk_rk_slope(s, m->start, l);
-    for (size_t e = 0; e < v; e++) m->change[e] += w * a[e];
+    for (size_t e = 0; e < v; e++) change[e] += w * a[e];
   }
   hk_rk_combine(&T, s, h, m->start, T.b, T.stages, 1, s->X, s->X);
   return HK_OK;
 }
 
 hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
-  size_t v = 3 * s->n;
   double *a = ring(m, s, f->terms, m->head);
   if (h != m->h) m->known = 0;
-  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, a, a + v);
-  if (status != HK_OK) return status;
-  if (m->known < f->terms - 1)
-    status = start(m, s, a, h);
-  else
-    advance(m, s, f, h);
+  bool starts = m->known < f->terms - 1;
+  hk_status status = starts ? start(m, s, a, h) : recur(m, s, f, a, h);
   if (status != HK_OK) return status;
   m->h = h;
   m->head = (m->head + 1) % f->terms;
-  if (m->known < f->terms - 1) m->known++;
+  if (starts) m->known++;
   return HK_OK;
 }
 

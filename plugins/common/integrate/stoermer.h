@@ -14,12 +14,13 @@ typedef struct hk_stoermer_method {
 } hk_stoermer_method;
 
 typedef struct hk_stoermer {
-  int64_t known;  /* number of valid slopes of earlier steps, at most terms - 1 */
-  int64_t head;   /* position of the next slope */
-  double h;       /* s, length of the steps in the history */
-  double *slope;  /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
-  double *change; /* n x 3, m/s: (x - x before) / h */
-  double *start;  /* HK_FIELD_STATE of width HK_RK_STAGES, scratch */
+  int64_t known;   /* number of valid slopes of earlier steps, at most terms - 1 */
+  int64_t head;    /* position of the next slope */
+  double h;        /* s, length of the steps in the history */
+  double *slope;   /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
+  int64_t current; /* which of the two changes, 0 or 1, is that of the last step */
+  double *change;  /* two of n x 3, m/s: (x - x before) / h */
+  double *start;   /* HK_FIELD_STATE of width HK_RK_STAGES, scratch */
 } hk_stoermer;
 
 /* The fields of an instance that begins with hk_stoermer. */
@@ -28,7 +29,8 @@ typedef struct hk_stoermer {
       {"head", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, head), 0},                                                   \
       {"h", HK_FIELD_NUMBER, 1, offsetof(hk_stoermer, h), 0},                                                          \
       {"slopes", HK_FIELD_STATE, terms, offsetof(hk_stoermer, slope), 0},                                              \
-      {"change", HK_FIELD_PER_PARTICLE, 3, offsetof(hk_stoermer, change), 0},                                          \
+      {"current", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, current), 0},                                             \
+      {"change", HK_FIELD_PER_PARTICLE, 6, offsetof(hk_stoermer, change), 0},                                          \
       {"start", HK_FIELD_STATE, HK_RK_STAGES, offsetof(hk_stoermer, start), HK_SCRATCH}, {                             \
     0                                                                                                                  \
   }

@@ -87,7 +87,8 @@ static hk_status lay_out(builder *b, hk_short_part *part, int8_t number, uint32_
   }
   const hk_tuples list = {count, 2, &pair[0][0]};
   const hk_per_tuple stiffness = {count, k}, damping = {1, &none}, rest = {count, L};
-  return hk_spring_layout_build(&part->layout, b->host, part->n, &list, &stiffness, &damping, &rest, NULL);
+  const hk_partition undivided = hk_partition_undivided(part->n);
+  return hk_spring_layout_build(&part->layout, b->host, &undivided, &list, &stiffness, &damping, &rest, NULL);
 }
 
 static hk_status lay_out_all(builder *b) {

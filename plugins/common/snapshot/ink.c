@@ -74,8 +74,19 @@ static void take_sizes(hk_snapshot3d *s, const hk_view *view) {
   }
 }
 
+static double radius_of_group(const hk_look *look, uint32_t group) {
+  for (size_t k = 0; k < look->tube_groups; k++)
+    if (look->tube_group[k].group == group) return look->tube_group[k].radius;
+  return 0;
+}
+
 static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
   const hk_look *look = s->look;
+  if (look->tube_groups) {
+    for (size_t i = 0; i < view->n; i++)
+      s->extra[HK_EXTRA_TUBE][i] = (float)radius_of_group(look, view->model->group[i]);
+    return;
+  }
   const double *radius = look->tube_radius ? *look->tube_radius : channel_of(view, look->tube_channel);
   for (size_t i = 0; i < view->n; i++)
     s->extra[HK_EXTRA_TUBE][i] = radius && isfinite(radius[i]) && radius[i] > 0 ? (float)radius[i] : 0;

@@ -128,14 +128,38 @@ static const hk_publication *published(const hk_model *m, const char *name) {
   return NULL;
 }
 
+/* Reads "GROUP RADIUS" up to a comma or the end, and moves on behind it. */
+static hk_status read_tube(hk_look *look, const hk_host *host, const hk_model *m, const char **at) {
+  char name[64];
+  int used = 0;
+  double radius;
+  uint32_t group = 0;
+  if (sscanf(*at, " %63[^, ] %lf %n", name, &radius, &used) < 2 || !(radius > 0) || !strchr(",", (*at)[used]))
+    return host->fail(host, HK_BAD_PARAM,
+                      "tubes: expected a channel, or groups with radii above 0, \"rope 0.01, thread 0.002\"");
+  while (group < m->groups && strcmp(m->group_name[group], name) != 0) group++;
+  if (group == m->groups) return host->fail(host, HK_BAD_PARAM, "tubes: there is no group '%s'", name);
+  if (look->tube_groups == HK_TUBE_GROUPS)
+    return host->fail(host, HK_BAD_PARAM, "tubes: radii of %d groups at most; a channel has one for each particle",
+                      HK_TUBE_GROUPS);
+  look->tube_group[look->tube_groups].group = group;
+  look->tube_group[look->tube_groups++].radius = radius;
+  *at += used + ((*at)[used] == ',');
+  return HK_OK;
+}
+
 static hk_status choose_tubes(hk_look *look, const hk_host *host, const hk_model *m, const char *tubes) {
   const hk_publication *radii = tubes ? NULL : published(m, "strand_radius");
   look->tubes = radii || (tubes && *tubes);
   look->tube_radius = radii ? radii->values : NULL;
+  look->tube_groups = 0;
   if (!look->tubes || radii) return HK_OK;
   look->tube_channel = find_channel(m, tubes);
-  if (look->tube_channel == m->channels) return unknown(host, m, "tubes", tubes, NULL, 0);
-  return check_number(host, m, "tubes", look->tube_channel);
+  if (look->tube_channel < m->channels) return check_number(host, m, "tubes", look->tube_channel);
+  if (!strchr(tubes, ' ')) return unknown(host, m, "tubes", tubes, NULL, 0);
+  hk_status status = HK_OK;
+  while (*tubes && status == HK_OK) status = read_tube(look, host, m, &tubes);
+  return status;
 }
 
 hk_status hk_look_choose(hk_look *look, const hk_host *host, const hk_model *m, const hk_look_names *names,

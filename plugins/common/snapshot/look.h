@@ -25,15 +25,23 @@ typedef struct hk_look_names { /* as the script writes them */
   const char *color;           /* auto, none, strain, speed, group, age, mass, or a channel, which goes before those */
   const char *size;            /* auto: the channel radius if there is one; same, mass, or a channel */
   const char *fade;            /* a channel, or NULL */
-  const char *tubes;           /* a channel; NULL: what contact publishes; "": all are the same */
+  const char *tubes; /* a channel, or groups with radii, "rope 0.01, thread 0.002"; NULL: what contact publishes; "":
+                        all are the same */
 } hk_look_names;
+
+enum { HK_TUBE_GROUPS = 16 };
 
 typedef struct hk_look {
   hk_paint paint;
   hk_sizes sizes;
   bool fades, tubes;                                        /* tubes: strands have radii of their own */
   size_t channel, size_channel, fade_channel, tube_channel; /* positions in model->channel */
-  const double *const *tube_radius;                         /* *tube_radius: n, m; NULL: the channel has it */
+  const double *const *tube_radius; /* *tube_radius: n, m; NULL: groups or the channel have it */
+  size_t tube_groups;               /* 0: the channel has it */
+  struct {
+    uint32_t group;
+    double radius; /* m */
+  } tube_group[HK_TUBE_GROUPS];
   int springs, particles; /* 0 auto: those not shown by other objects; 1 all; 2 none */
   double streak;          /* s: particles leave a streak of this much of their way */
   bool y_up;

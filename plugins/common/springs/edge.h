@@ -16,7 +16,8 @@ static inline bool hk_edge_acts(const hk_view *view, const uint32_t pair[2]) {
   return !view->is_active || (view->is_active[pair[0]] && view->is_active[pair[1]]);
 }
 
-/* Sets rest lengths that the script does not give to the lengths at the start, m. HK_NO_MEMORY. */
+/* Sets rest lengths that the script does not give to the lengths at the start, m: to one for all, where they differ by
+ * the rounding of the positions alone. HK_NO_MEMORY. */
 hk_status hk_edge_rest(const hk_host *, const hk_view *view, const hk_tuples *edges, hk_per_tuple *rest);
 
 /* The edges as pairs. */

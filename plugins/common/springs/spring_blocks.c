@@ -3,20 +3,18 @@
 #include "plugins/common/springs/spring_blocks.h"
 
 void hk_spring_pattern(const hk_spring_layout *s, hk_pattern *p) {
-  for (size_t e = 0; e < s->count; e++) {
-    uint32_t i = s->pair[e][0], j = s->pair[e][1];
-    p->block(p, i, i);
-    p->block(p, i, j);
-    p->block(p, j, i);
-    p->block(p, j, j);
-  }
+  for (size_t r = 0; r < s->runs; r++)
+    for (size_t t = 0; t < s->run[r].count; t++) {
+      uint32_t end[2];
+      hk_spring_ends(s, &s->run[r], t, end);
+      for (int b = 0; b < 4; b++) p->block(p, end[b / 2], end[b % 2]);
+    }
 }
 
 typedef struct task {
   const hk_spring_layout *s;
   const double *x, *v;
   const hk_blocks *into;
-  size_t first_group;
 } task;
 
 static void add(double *into, const size_t slot[4], const double block[9]) {
@@ -45,9 +43,9 @@ static double foretold(const hk_blocks *into, size_t i, size_t j, double k, doub
   return ll > 0 ? k * (along / sqrt(ll) - L) : 0;
 }
 
-static void spring(const task *t, size_t e) {
+static void spring(const task *t, size_t e, const uint32_t end[2]) {
   const hk_spring_layout *s = t->s;
-  size_t i = 3 * (size_t)s->pair[e][0], j = 3 * (size_t)s->pair[e][1];
+  size_t i = 3 * (size_t)end[0], j = 3 * (size_t)end[1];
   double k = s->k[s->each_k ? e : 0], c = s->c[s->each_c ? e : 0], L = s->L[s->each_L ? e : 0];
   double n[3], u[3], K[9], D[9], ll = 0, un = 0;
   for (int a = 0; a < 3; a++) {
@@ -74,21 +72,18 @@ static void spring(const task *t, size_t e) {
   if (c != 0) add(t->into->D, t->into->slot + 4 * e, D);
 }
 
-static void add_groups(void *context, size_t begin, size_t end, size_t chunk) {
+static void add_part(const void *context, size_t part) {
   const task *t = context;
-  (void)chunk;
-  for (size_t g = t->first_group + begin; g < t->first_group + end; g++)
-    for (size_t r = t->s->group[g]; r < t->s->group[g + 1]; r++) {
-      const hk_spring_run *run = &t->s->run[r];
-      for (size_t e = run->begin; e < run->begin + run->count; e++) spring(t, e);
+  for (size_t r = t->s->part[part]; r < t->s->part[part + 1]; r++)
+    for (size_t q = 0; q < t->s->run[r].count; q++) {
+      uint32_t end[2];
+      hk_spring_ends(t->s, &t->s->run[r], q, end);
+      spring(t, t->s->run[r].begin + q, end);
     }
 }
 
 void hk_spring_blocks(const hk_spring_layout *s, const hk_host *host, const double *x, const double *v,
                       const hk_blocks *into) {
-  task t = {s, x, v, into, 0};
-  for (size_t round = 0; round < s->rounds; round++) {
-    t.first_group = s->round[round];
-    host->parallel_for(host, s->round[round + 1] - t.first_group, 1, add_groups, &t);
-  }
+  task t = {s, x, v, into};
+  hk_parts_each(host, &s->partition, s->part, add_part, &t);
 }

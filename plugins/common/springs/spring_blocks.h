@@ -13,7 +13,7 @@
 
 /* Names four blocks per spring, (i,i), (i,j), (j,i), (j,j), in the layout's order. */
 void hk_spring_pattern(const hk_spring_layout *, hk_pattern *pattern);
-/* Adds the blocks. Groups of a round run in parallel: they share no particle and thus no block. */
+/* Adds the blocks. Parts run in parallel where they share no particle and thus no block. */
 void hk_spring_blocks(const hk_spring_layout *, const hk_host *host, const double *x, const double *v,
                       const hk_blocks *into);
 

@@ -2,17 +2,15 @@
  *     s = k (1 - L/l) + c (u.d)/l^2,      i gets the force s d and j gets -s d.
  * At l = 0 both are zero (the threshold is HK_SPRING_TINY in spring_path.h); a spring with L = 0 is smooth there.
  *
- * The layout is made once per topology. Particles are divided into ranges, by index or, where joined particles have
- * distant indices (shuffled ids), by hk_particle_order. A group contains the springs between two ranges, and groups are
- * put into rounds so that no two of a round share a range: the groups of a round can run on several threads without
- * conflicts. The number of ranges depends on the number of springs only and sums have a fixed order, so results do not
- * depend on the number of threads. Inside a group, runs of springs (i+t, j+t) are found, whose particles are read and
- * written as contiguous vectors; the other springs are sorted by blocks of particles, so that their data are in the
- * cache. The loops over springs and the width of vectors are in spring_path.h. */
+ * The layout is made once per topology. Springs are sorted by the parts of a sum (core/plugin/parts.h), which run on
+ * several threads without conflicts; sums have a fixed order, so results do not depend on the number of threads. Inside
+ * a part, runs of springs (i+t, j+t) are found, whose particles are read and written as contiguous vectors and need no
+ * indices; the other springs are sorted by groups of particles, so that their data are in the cache. The loops over
+ * springs and the width of vectors are in spring_path.h. */
 #ifndef HK_SPRING_KERNEL_H
 #define HK_SPRING_KERNEL_H
 
-#include "core/plugin.h"
+#include "plugins/common/parts/part_lists.h"
 
 typedef enum hk_spring_kind {
   HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ... */
@@ -22,31 +20,43 @@ typedef enum hk_spring_kind {
 
 typedef struct hk_spring_run {
   hk_spring_kind kind;
+  uint32_t i, j;       /* of a run: its first pair */
   size_t begin, count; /* springs of the layout */
+  size_t pair;         /* of the others: position of the first one in `pair` */
 } hk_spring_run;
 
 typedef struct hk_spring_layout {
   size_t count;
-  uint32_t (*pair)[2];         /* count, in the layout's order */
-  double *k, *c, *L;           /* one number when common; otherwise count numbers, in the layout's order */
+  uint32_t (*pair)[2];         /* of the springs in no run */
+  double *k, *c, *L;           /* one number when all are equal; otherwise count numbers, in the layout's order */
   bool each_k, each_c, each_L; /* the coefficient differs from spring to spring */
   bool damped;                 /* some c > 0 */
-  size_t runs, groups, rounds;
+  hk_partition partition;
+  size_t runs;
   hk_spring_run *run;
-  size_t *group;       /* groups + 1: runs of a group */
-  size_t *round;       /* rounds + 1: groups of a round */
-  double *group_power; /* groups, W */
+  size_t *part;  /* partition.parts + 1: runs of a part */
+  double *power; /* partition.parts, W, of hk_spring_forces */
 } hk_spring_layout;
+
+/* The ends of spring t of a run. */
+static inline void hk_spring_ends(const hk_spring_layout *s, const hk_spring_run *run, size_t t, uint32_t end[2]) {
+  bool listed = run->kind != HK_SPRING_RUN;
+  end[0] = listed ? s->pair[run->pair + t][0] : run->i + (uint32_t)t;
+  end[1] = listed ? s->pair[run->pair + t][1] : run->j + (uint32_t)t;
+}
 
 /* From edges and coefficients (common or one per edge), in the host's memory. Springs with an end where `is_active` is
  * false are omitted (NULL: all particles are active). After HK_NO_MEMORY the layout can only be freed. */
-hk_status hk_spring_layout_build(hk_spring_layout *, const hk_host *host, size_t n, const hk_tuples *edges,
+hk_status hk_spring_layout_build(hk_spring_layout *, const hk_host *host, const hk_partition *, const hk_tuples *edges,
                                  const hk_per_tuple *k, const hk_per_tuple *c, const hk_per_tuple *L,
                                  const bool *is_active);
 void hk_spring_layout_free(hk_spring_layout *, const hk_host *host);
+void hk_spring_layout_touch(const hk_spring_layout *, const hk_part_use *use); /* what hk_force.parts has to do */
 
 /* F += the forces; *power += the power of the damping, -sum c (u.d)^2/l^2, when `power` is not NULL. */
 void hk_spring_forces(const hk_spring_layout *, const hk_host *host, const double *x, const double *v, double *F,
                       double *power);
+/* The same of one part. */
+void hk_spring_part(const hk_spring_layout *, size_t part, const double *x, const double *v, double *F, double *power);
 
 #endif

@@ -28,7 +28,7 @@ typedef struct hk_spring_path {
   /* The same for ends that overlap; n: at most HK_SPRING_BLOCK. */
   double (*near_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
                      const double *vj, double *Fi, double *Fj, bool damped);
-  /* Any pairs without the last particle: one number beyond a particle may be read. */
+  /* Any pairs without the last particle: one number beyond a particle may be read; n as for near_run. */
   double (*list)(const hk_spring_numbers *, size_t n, const uint32_t (*pair)[2], const double *x, const double *v,
                  double *F, bool damped);
 } hk_spring_path;

@@ -2,10 +2,11 @@
  * of eight numbers, in the layout of x. A number of springs that is not a multiple of eight ends with a step of four,
  * with the same operations on half of the lanes.
  *
- * Roots and reciprocals are the processor's own. An estimate (vrsqrt14pd) with two Newton steps by fused
- * multiply-add and a last correction can be made to give the same bits, but costs more than it saves: measured in the
- * first-level cache on Zen 5, 0.31 ns for a root and a reciprocal against 0.38 of the divider alone, which works beside
- * everything else, so that a damped spring cost 1.26 ns with the estimate and 1.09 without. */
+ * Roots and reciprocals are the processor's own. An estimate (vrsqrt14pd) with Newton steps by fused multiply-add and a
+ * last correction can be made to give the same bits, but costs more than it saves. Measured on Zen 5 with data in the
+ * first-level cache: root and reciprocal take 0.38 ns by the divider, which works beside everything else, 0.31 by
+ * estimates, 0.24 with an estimate for the root alone; but the multipliers are what a spring needs too, so that a
+ * damped one takes 1.26 ns with the estimated root and 1.09 without. */
 #include "plugins/common/springs/spring_path.h"
 
 #if defined(__x86_64__)

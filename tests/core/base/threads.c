@@ -1,11 +1,15 @@
 /* Loops on several threads: every chunk once, the same cut for any number of threads, loops within loops, and a pool
- * that two threads share. A loop that waits for itself would never return, so an alarm ends the program. */
+ * that two threads share, and a thread that stands still. A loop that waits for itself would never return, so an alarm
+ * ends the program. */
 #include "tests/support/engine.h"
 
 #include <pthread.h>
 #include <setjmp.h>
+#include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -17,6 +21,7 @@ typedef struct nest {
   double sum[OUTER][CHUNKS];
   size_t order[OUTER]; /* chunks of the inner loop so far */
   bool in_order[OUTER];
+  bool shared; /* another thread uses the pool, and leaves it at any time: order is not looked at */
 } nest;
 
 typedef struct inner {
@@ -26,7 +31,7 @@ typedef struct inner {
 
 static void add_up(void *context, size_t begin, size_t end, size_t chunk) {
   const inner *in = context;
-  in->nest->in_order[in->row] &= in->nest->order[in->row]++ == chunk;
+  if (!in->nest->shared) in->nest->in_order[in->row] &= in->nest->order[in->row]++ == chunk;
   for (size_t k = begin; k < end; k++) in->nest->sum[in->row][chunk] += 1.0 / (double)(1 + k + in->row);
 }
 
@@ -90,7 +95,7 @@ static void *again_and_again(void *argument) {
 
 static void two_threads_may_use_one_pool(void **state) {
   (void)state;
-  nest alone = nested(1), a = {.threads = hk_threads_create(3)}, b = {.threads = a.threads};
+  nest alone = nested(1), a = {.threads = hk_threads_create(3), .shared = true}, b = a;
   pthread_t other;
   assert_int_equal(pthread_create(&other, NULL, again_and_again, &a), 0);
   again_and_again(&b);
@@ -98,6 +103,77 @@ static void two_threads_may_use_one_pool(void **state) {
   hk_threads_destroy(a.threads);
   assert_memory_equal(alone.sum, a.sum, sizeof alone.sum);
   assert_memory_equal(alone.sum, b.sum, sizeof alone.sum);
+}
+
+/* ---- a worker that stands still, as when another process has its processor ---- */
+
+typedef struct meeting {
+  pthread_t caller, worker;
+  atomic_int here; /* threads in the loop */
+  double sum[INNER];
+} meeting;
+
+static atomic_bool held, let_go;
+
+static void stand_still(int number) {
+  const struct timespec a_while = {0, 100000};
+  (void)number;
+  atomic_store(&held, true);
+  while (!atomic_load(&let_go)) nanosleep(&a_while, NULL);
+}
+
+static void nap(void) { nanosleep(&(struct timespec){0, 100000}, NULL); }
+
+/* Two chunks, each of which waits for the other: one is the worker's. */
+static void meet(void *context, size_t begin, size_t end, size_t chunk) {
+  meeting *m = context;
+  (void)begin, (void)end, (void)chunk;
+  if (!pthread_equal(pthread_self(), m->caller)) m->worker = pthread_self();
+  for (atomic_fetch_add(&m->here, 1); atomic_load(&m->here) < 2;) nap();
+}
+
+static void count_up(void *context, size_t begin, size_t end, size_t chunk) {
+  meeting *m = context;
+  (void)chunk;
+  for (size_t k = begin; k < end; k++) m->sum[k] += 1;
+}
+
+static void a_loop_does_not_wait_for_a_thread_without_a_chunk(void **state) {
+  (void)state;
+  meeting m = {.caller = pthread_self()};
+  hk_threads *threads = hk_threads_create(2);
+  struct sigaction still = {.sa_handler = stand_still}, before;
+  sigaction(SIGUSR1, &still, &before);
+  hk_threads_for(threads, 2, 1, meet, &m);
+  assert_int_equal(pthread_kill(m.worker, SIGUSR1), 0);
+  while (!atomic_load(&held)) nap();
+  for (int loop = 0; loop < 100; loop++) hk_threads_for(threads, INNER, GRAIN, count_up, &m);
+  for (size_t k = 0; k < INNER; k++) assert_true(m.sum[k] == 100);
+  atomic_store(&let_go, true);
+  hk_threads_destroy(threads);
+  sigaction(SIGUSR1, &before, NULL);
+}
+
+static void take_long(void *context, size_t begin, size_t end, size_t chunk) {
+  count_up(context, begin, end, chunk);
+  meeting *m = context;
+  if (!pthread_equal(pthread_self(), m->caller)) atomic_fetch_add(&m->here, 1);
+  for (int k = 0; k < 10; k++) nap();
+}
+
+/* While loops are short a worker that sleeps comes too late, and is called less and less; a long one gets it again. */
+static void a_worker_that_comes_too_late_is_called_again(void **state) {
+  (void)state;
+  meeting m = {.caller = pthread_self()};
+  hk_threads *threads = hk_threads_create(2);
+  int loops = 300;
+  for (int k = 0; k < loops; k++) {
+    hk_threads_for(threads, INNER, INNER / 2, count_up, &m);
+    nap(), nap();
+  }
+  for (; atomic_load(&m.here) == 0; loops++) hk_threads_for(threads, INNER, INNER / 2, take_long, &m);
+  for (size_t k = 0; k < INNER; k++) assert_true(m.sum[k] == loops);
+  hk_threads_destroy(threads);
 }
 
 static void end_of_nester(int threads, double x[90]) {
@@ -129,6 +205,8 @@ int main(void) {
       cmocka_unit_test(a_loop_within_a_loop_runs_in_order_and_ends),
       cmocka_unit_test(loops_nest_to_any_depth),
       cmocka_unit_test(two_threads_may_use_one_pool),
+      cmocka_unit_test(a_loop_does_not_wait_for_a_thread_without_a_chunk),
+      cmocka_unit_test(a_worker_that_comes_too_late_is_called_again),
       cmocka_unit_test(a_force_may_nest_its_loops),
   };
   alarm(PATIENCE);

@@ -108,11 +108,29 @@ static void tools_take_what_people_mean(void **state) {
   expect("check spring", 1, "there is no file ./spring; did you mean the plugin 'springs'?");
 }
 
+/* A file of another kind where a scene, a name or a list is expected. */
+static void what_is_no_scene_is_said_to_be_none(void **state) {
+  (void)state;
+  test_write("code.c", "/* C */\nint x;\n");
+  test_write("object.so", "\x7f"
+                          "ELF\x02\x01");
+  test_write("scene.lua", "local k = param('k', 1)\nreturn hooke.scene {}\n");
+  expect("run code.c", 1, "code.c:1: unexpected symbol near '/'; a scene is a Lua script, NAME.lua");
+  expect("run object.so", 1, "object.so is a shared object and no script: hooke check ./object.so tries a plugin");
+  expect("plugins object.so", 1, "'object.so' is a file: hooke check ./object.so tries the plugin in it");
+  expect("gallery scene.lua", 1, "scene.lua is no list of scenes");
+  expect("run scene.lua =3", 1, "'=3': a parameter has a name, NAME=VALUE, without blanks");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_command_says_what_it_does),    cmocka_unit_test(every_command_has_help),
-      cmocka_unit_test(help_is_found_as_people_ask_for_it), cmocka_unit_test(words_of_run_are_explained),
-      cmocka_unit_test(tools_take_what_people_mean),        cmocka_unit_test(a_file_in_the_place_of_a_command_is_known),
+      cmocka_unit_test(every_command_says_what_it_does),
+      cmocka_unit_test(every_command_has_help),
+      cmocka_unit_test(help_is_found_as_people_ask_for_it),
+      cmocka_unit_test(words_of_run_are_explained),
+      cmocka_unit_test(tools_take_what_people_mean),
+      cmocka_unit_test(a_file_in_the_place_of_a_command_is_known),
+      cmocka_unit_test(what_is_no_scene_is_said_to_be_none),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -54,7 +54,9 @@ static const char *on_the_reference_blas(void) {
   char copy[2 * PATH_MAX];
   snprintf(copy, sizeof copy, "cp '%s/tests/fixtures/reference_blas.so' '%s/libblas.so.3'", HK_BUILD, test_folder());
   assert_int_equal(system(copy), 0);
-  snprintf(before, sizeof before, "ASAN_OPTIONS=verify_asan_link_order=0 LD_PRELOAD='%s/libblas.so.3'", test_folder());
+  snprintf(before, sizeof before,
+           "ASAN_OPTIONS=verify_asan_link_order=0:intercept_tls_get_addr=0 LD_PRELOAD='%s/libblas.so.3'",
+           test_folder());
   return before;
 }
 

@@ -14,6 +14,9 @@ static const char scene[] =
     "if kind == 'penalty' then scene:force('penalty', box) end\n"
     "if kind == 'wall' then scene:force('soft_walls', { stiffness = 1, planes = { 0.6, -0.8, 0, -1 }, radius = 0.1 }) "
     "end\n"
+    "if kind == 'funnel' then scene:force('soft_walls', { stiffness = 1, funnel = { 0, 0, 0, 0.05, 1 }, radius = 0.01 "
+    "}) "
+    "end\n"
     "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, from = { 0, "
     "-10, 0 },\n"
     "  look_at = { 0, 0, 0 }, fov = 5.1530, ground = false })\n"
@@ -68,10 +71,24 @@ static void pictures_show_the_planes_of_soft_walls(void **state) {
   free(without.rgb), free(with.rgb);
 }
 
+/* A cone from the neck, 0.1 m wide at z = 0, to the particle: at z = 0.2 its inside is 0.5 m wide; there is nothing
+ * below the neck, where no particle is. */
+static void pictures_show_the_funnel_of_soft_walls(void **state) {
+  (void)state;
+  run("funnel", 0.35);
+  picture p = picture_of(0);
+  for (int x = 5; x < 160; x += 5) {
+    if (abs(abs(x - 80) - 25) > 1) assert_int_equal(is_solid(&p, x, 25), abs(x - 80) < 25);
+    assert_false(is_solid(&p, x, 60));
+  }
+  free(p.rgb);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pictures_show_obstacles_of_correctors_and_forces_where_they_are),
       cmocka_unit_test(pictures_show_the_planes_of_soft_walls),
+      cmocka_unit_test(pictures_show_the_funnel_of_soft_walls),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

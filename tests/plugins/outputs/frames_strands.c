@@ -34,13 +34,51 @@ static void frames_draw_each_strand_with_its_radius(void **state) {
   assert_in_range(chosen, 1, 2); /* a pixel and a half: what there is to choose is smaller */
   free(p.rgb);
   fake_close(&w.f);
+}
+
+/* The same by groups: a rope of 0.06 m and a thread of 0.02 m across. */
+static void frames_draw_strands_with_the_radius_of_their_group(void **state) {
+  (void)state;
+  static const uint32_t pair[2][2] = {{0, 1}, {2, 3}};
+  static const char *const names[] = {"rope", "thread"};
+  world w;
+  world_open(&w, 4);
+  set_still_camera(&w);
+  for (int i = 0; i < 4; i++)
+    w.x[3 * i] = i % 2 ? 0.5 : -0.5, w.x[3 * i + 2] = i / 2 ? -0.2 : 0.2, w.group[i] = (uint32_t)i / 2;
+  hk_element_list list = {.force = "springs", .elements = {.node = {2, 2, &pair[0][0]}, .values = 1}};
+  w.model.element_list = &list, w.model.element_lists = 1;
+  w.model.groups = 2, w.model.group_name = names;
+  set_text(&w, "tubes", "rope 0.03, thread 1e-2");
+  set_switch(&w, "shadows", false);
+  picture p = draw_once(&w);
+  assert_in_range(thickness_at(&p, 80, 5, 45), 5, 7);
+  assert_in_range(thickness_at(&p, 80, 45, 85), 1, 3);
+  free(p.rgb);
+  fake_close(&w.f);
+  static const char *const wrong[][2] = {{"rope 0.03, cord 1", "tubes: there is no group 'cord'"},
+                                         {"rope -1", "tubes: expected a channel, or groups with radii above 0"},
+                                         {"rope 0.1 thread 1", "tubes: expected a channel, or groups with radii"}};
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    world_open(&w, 1);
+    w.model.groups = 2, w.model.group_name = names;
+    set_text(&w, "tubes", wrong[k][0]);
+    assert_int_equal(begin(&w), HK_BAD_PARAM);
+    assert_non_null(strstr(w.f.error, wrong[k][1]));
+    fake_close(&w.f);
+  }
+}
+
+static void frames_refuse_radii_that_are_none(void **state) {
+  (void)state;
+  world w;
   world_open(&w, 1);
   set_text(&w, "tubes", "thick");
   assert_int_equal(begin(&w), HK_BAD_PARAM);
   assert_non_null(strstr(w.f.error, "tubes: 'thick' is not one of paint"));
   set_number(&w, "tube", 1);
   assert_int_equal(w.f.plugin->create(w.f.self, &w.f.host, &w.view), HK_BAD_PARAM);
-  assert_string_equal(w.f.error, "tube: the channel 'thick' has the radii; leave one of the two out");
+  assert_string_equal(w.f.error, "tube: tubes has the radii; leave one of the two out");
   fake_close(&w.f);
 }
 
@@ -121,6 +159,8 @@ static void frames_draw_the_surface_of_a_soft_body(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_draw_each_strand_with_its_radius),
+      cmocka_unit_test(frames_draw_strands_with_the_radius_of_their_group),
+      cmocka_unit_test(frames_refuse_radii_that_are_none),
       cmocka_unit_test(frames_draw_strands_as_thick_as_contact_has_them),
       cmocka_unit_test(frames_draw_the_edges_of_tetrahedra),
       cmocka_unit_test(frames_draw_the_surface_of_a_soft_body),

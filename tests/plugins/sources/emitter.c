@@ -50,6 +50,71 @@ static void births_and_deaths_are_at_their_times(void **state) {
     }
 }
 
+/* ---- rates that change ---- */
+
+static double slope, asked_least, asked_most; /* 1/s^2; s, the times that the function was asked for */
+
+static hk_status rising(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
+                        size_t max_out, size_t *n_out, hk_error *error) {
+  (void)f, (void)caller, (void)n_in, (void)max_out, (void)error;
+  asked_least = fmin(asked_least, in[0]);
+  asked_most = fmax(asked_most, in[0]);
+  *out = slope > 0    ? fmax(0, slope * (in[0] - 1))
+         : slope == 0 ? 36.7
+                      : slope * in[0]; /* from 1 s on; constant; wrong */
+  *n_out = 1;
+  return HK_OK;
+}
+
+static hk_plugin_spec *open_rising(test_engine *e, double of_time, double cell, double dt) {
+  hk_plugin_spec *spec = open_scene(e, 5);
+  hk_value value = {.kind = HK_VALUE_FUNCTION, .function = {.call = rising}};
+  const hk_param *p = hk_spec_param(spec, "rate_of_time", &e->error);
+  assert_int_equal(hk_spec_set(spec, p, &value, 0, &e->error), HK_OK);
+  test_number(e, spec, "rate_every", cell);
+  e->options.dt = dt;
+  e->scene->duration = 3;
+  slope = of_time;
+  asked_least = INFINITY;
+  asked_most = -INFINITY;
+  return spec;
+}
+
+/* rate = a (t - 1) from 1 s on, which is straight where cells end at 1 s: births at 1 + sqrt(2 k/a), whatever the
+ * steps; and a function that is constant bears as `rate` does. */
+static void births_of_a_rate_that_changes_are_those_of_its_integral(void **state) {
+  (void)state;
+  static const double dts[] = {0.1, 0.03, 1.0 / 240}, slopes[] = {1.3, 91.7}, cells[] = {0.25, 1e-3, 1};
+  for (size_t d = 0; d < 3; d++)
+    for (size_t r = 0; r < 3; r++) {
+      test_engine e;
+      open_rising(&e, r < 2 ? slopes[r] : 0, cells[d], dts[d]);
+      test_run(&e);
+      for (int frame = 1; frame <= 30; frame++) {
+        size_t born = 0;
+        test_advance(&e, frame / 10.0);
+        for (int k = 0; k < 1000; k++) {
+          double at = r < 2 ? 1 + sqrt(2 * k / slopes[r]) : k / 36.7;
+          born += at <= frame / 10.0; /* no other birth is at a frame than the first */
+        }
+        assert_int_equal(view_of(&e)->n, born);
+      }
+      assert_true(asked_least == 0 && asked_most >= 3 - 1e-9 && asked_most <= 3 + 2 * cells[d] + 1e-9);
+      test_engine_close(&e);
+    }
+}
+
+static void a_rate_below_zero_is_refused(void **state) {
+  (void)state;
+  test_engine e;
+  open_rising(&e, -2, 0.1, 0.05);
+  test_run(&e);
+  assert_int_equal(hk_run_advance(e.run, 3, &e.error), HK_BAD_PARAM);
+  if (!strstr(e.error.text, "rate_of_time: -0.2 births a second at t = 0.1 s: it has to be 0 at least"))
+    fail_msg("%s", e.error.text);
+  test_engine_close(&e);
+}
+
 /* Everything random, two emitters that take turns, bursts: the same particles at every frame, to the last bit where
  * nothing acts on them but the rounding of their ages. */
 static void the_same_particles_for_any_step_method_and_threads(void **state) {
@@ -407,6 +472,8 @@ static void what_makes_no_sense_is_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(births_and_deaths_are_at_their_times),
+      cmocka_unit_test(births_of_a_rate_that_changes_are_those_of_its_integral),
+      cmocka_unit_test(a_rate_below_zero_is_refused),
       cmocka_unit_test(the_same_particles_for_any_step_method_and_threads),
       cmocka_unit_test(a_straight_jet_has_no_stripes),
       cmocka_unit_test(newborns_keep_the_order_of_the_method),

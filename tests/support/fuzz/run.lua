@@ -38,7 +38,7 @@ local function install_fixtures(place)
 end
 
 function run.open(place)
-  local options = "exitcode=99:allocator_may_return_null=1:abort_on_error=0"
+  local options = "exitcode=99:allocator_may_return_null=1:abort_on_error=0:intercept_tls_get_addr=0" -- tests/run has why
   local leaks = ("suppressions=%s/tests/leaks.txt:print_suppressions=0"):format(root)
   install_fixtures(place)
   run.before = ("export HOOKE_PLUGIN_PATH=%s/plugins XDG_CACHE_HOME=%s/cache ASAN_OPTIONS=%s UBSAN_OPTIONS=%s LSAN_OPTIONS=%s; ")

@@ -4,6 +4,9 @@ local functions = {}
 -- Smooth functions of all that they are given but the id, which births and deaths change; what has one result is taken
 -- to be an energy or an equation, and depends on the time only where `moving` says so.
 function functions.made(p, factor, moving)
+  if p.text:find("^function%(t%)") then -- of time alone: a positive number
+    return function(t) return factor * (20 + 10 * math.sin(3 * t)) end
+  end
   local _, arguments = p.text:match("%((.*), id%)"):gsub("[%w_]+", "")
   local _, results = p.text:match("%->(.*)"):gsub("[%w_]+", "")
   return function(...)

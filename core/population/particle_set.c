@@ -1,9 +1,7 @@
 /* Other particles in the state. After births and deaths those that live on are moved within its arrays, which have room
  * for some more; a set of particles from a file replaces the arrays. Surviving particles keep their pins, and edges and
  * triangles with dead particles are removed. */
-#include "core/state/state.h"
-
-#include "core/base/base.h"
+#include "core/population/particle_set.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -59,7 +57,9 @@ static bool grow(void *array, size_t bytes) {
 bool hk_state_reserve(hk_state *s, size_t n) {
   size_t room = n + n / 8;
   if (n <= s->room) return true;
-  bool fine = grow(&s->X, ((6 + s->width) * room + 1) * sizeof *s->X) && grow(&s->mass, (room + 1) * sizeof *s->mass) &&
+  size_t size = (6 + s->width) * room + 1;
+  bool fine = grow(&s->X, size * sizeof *s->X) && (!s->spare || grow(&s->spare, size * sizeof *s->spare)) &&
+              grow(&s->mass, (room + 1) * sizeof *s->mass) &&
               grow(&s->inverse_mass, (room + 1) * sizeof *s->inverse_mass) &&
               grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
               grow(&s->pin, (room + 1) * sizeof *s->pin) &&

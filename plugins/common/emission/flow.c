@@ -1,0 +1,70 @@
+#include "plugins/common/emission/flow.h"
+
+static hk_status ask(const hk_flow *f, const hk_host *host, int64_t cell, double *rate) {
+  double t = f->from + (double)cell * f->cell;
+  hk_status status = host->call(host, f->of_time, &t, 1, rate, 1);
+  if (status == HK_OK && *rate < 0)
+    return host->fail(host, HK_BAD_PARAM, "rate_of_time: %g births a second at t = %g s: it has to be 0 at least",
+                      *rate, t);
+  return status;
+}
+
+static hk_status begin(hk_flow *f, const hk_host *host) {
+  if (f->asked) return HK_OK;
+  f->asked = 1;
+  hk_status status = ask(f, host, 0, &f->begin);
+  return status == HK_OK ? ask(f, host, 1, &f->end) : status;
+}
+
+static double cell_starts(const hk_flow *f) { return f->from + (double)f->cells * f->cell; }
+static double born_in_cell(const hk_flow *f) { return (f->begin + f->end) / 2 * f->cell; }
+
+static hk_status go_on(hk_flow *f, const hk_host *host) {
+  f->before += born_in_cell(f);
+  f->begin = f->end;
+  f->cells++;
+  return ask(f, host, f->cells + 1, &f->end);
+}
+
+/* s from the start of the cell until `count` have been born in it: the root of a s^2 + b s = count that is not
+ * negative, in the form without a difference of like numbers. */
+static double when_in_cell(const hk_flow *f, double count) {
+  double a = (f->end - f->begin) / (2 * f->cell), b = f->begin;
+  double root = sqrt(fmax(b * b + 4 * a * count, 0));
+  return count > 0 ? 2 * count / (b + root) : 0;
+}
+
+static hk_status next_of_function(hk_flow *f, const hk_host *host, int64_t k, double t, double *at) {
+  hk_status status = begin(f, host);
+  while (status == HK_OK && f->before + born_in_cell(f) <= (double)k && cell_starts(f) + f->cell <= t)
+    status = go_on(f, host);
+  if (status == HK_OK && f->before + born_in_cell(f) > (double)k)
+    *at = cell_starts(f) + when_in_cell(f, (double)k - f->before);
+  return status;
+}
+
+hk_status hk_flow_next(hk_flow *f, const hk_host *host, int64_t k, double t, double *at) {
+  hk_status status = HK_OK;
+  *at = INFINITY;
+  if (f->of_time)
+    status = next_of_function(f, host, k, t, at);
+  else if (f->rate > 0)
+    *at = f->from + (double)k / f->rate;
+  if (*at >= f->to || *at > t) *at = INFINITY;
+  return status;
+}
+
+hk_status hk_flow_due(const hk_flow *f, const hk_host *host, int64_t k, double t, double *count) {
+  double end = t < f->to || isnan(f->to) ? t : f->to, whole = (end - f->from) * f->rate;
+  hk_flow ahead = *f;
+  hk_status status = HK_OK;
+  *count = 0;
+  if (!(end >= f->from)) return HK_OK;
+  if (f->of_time) {
+    status = begin(&ahead, host);
+    while (status == HK_OK && cell_starts(&ahead) + f->cell <= end) status = go_on(&ahead, host);
+    whole = ahead.before + born_in_cell(&ahead);
+  }
+  *count = fmax(0, whole - (double)k + 2);
+  return status;
+}

@@ -1,0 +1,120 @@
+/* The order in which a script or a mesh lists springs decides which runs (i+t, j+t) are found in it. Where few springs
+ * follow each other so, they are turned to have their lower end first, and sorted: runs of one difference j - i come
+ * first, then the others by their ends, so that the lists that are made of them read neighbours together. Two sorts by
+ * counting, of the ends and of the differences, are linear in springs and particles. */
+#include "plugins/common/springs/edge_order.h"
+
+#include <string.h>
+
+enum { RUN_MIN = 16 /* springs, as in spring_layout.c */ };
+
+typedef struct sorter {
+  const hk_host *host;
+  const hk_tuples *edges;
+  size_t count;
+  uint32_t *order, *scratch, *first; /* count, count, particles + 2 */
+} sorter;
+
+static uint32_t low_of(const sorter *s, uint32_t e) {
+  const uint32_t *pair = hk_tuple(s->edges, e);
+  return pair[0] < pair[1] ? pair[0] : pair[1];
+}
+
+static uint32_t high_of(const sorter *s, uint32_t e) {
+  const uint32_t *pair = hk_tuple(s->edges, e);
+  return pair[0] < pair[1] ? pair[1] : pair[0];
+}
+
+static uint32_t difference_of(const sorter *s, uint32_t e) { return high_of(s, e) - low_of(s, e); }
+
+static bool follows(const sorter *s, uint32_t e, uint32_t next) {
+  return low_of(s, next) == low_of(s, e) + 1 && high_of(s, next) == high_of(s, e) + 1;
+}
+
+/* Whether half of the springs follow the one before as they are. */
+static bool lines_up(const hk_tuples *edges) {
+  size_t following = 0;
+  for (size_t e = 1; e < edges->count; e++) {
+    const uint32_t *before = hk_tuple(edges, e - 1), *now = hk_tuple(edges, e);
+    following += now[0] == before[0] + 1 && now[1] == before[1] + 1;
+  }
+  return 2 * following >= edges->count;
+}
+
+/* A stable sort by counting. */
+static void sort(sorter *s, uint32_t *list, size_t count, size_t keys, uint32_t (*key)(const sorter *s, uint32_t e)) {
+  memset(s->first, 0, (keys + 1) * sizeof *s->first);
+  for (size_t k = 0; k < count; k++) s->first[key(s, list[k]) + 1]++;
+  for (size_t k = 0; k < keys; k++) s->first[k + 1] += s->first[k];
+  for (size_t k = 0; k < count; k++) s->scratch[s->first[key(s, list[k])]++] = list[k];
+  memcpy(list, s->scratch, count * sizeof *list);
+}
+
+/* Moves what is in runs to the front; returns how many springs that are. */
+static size_t take_runs(sorter *s) {
+  size_t taken = 0, rest = 0;
+  for (size_t k = 0, length; k < s->count; k += length) {
+    length = 1;
+    while (k + length < s->count && follows(s, s->order[k + length - 1], s->order[k + length])) length++;
+    bool run = length >= RUN_MIN;
+    memcpy(run ? s->scratch + taken : s->first + rest, s->order + k, length * sizeof *s->order);
+    *(run ? &taken : &rest) += length;
+  }
+  memcpy(s->order, s->scratch, taken * sizeof *s->order);
+  memcpy(s->order + taken, s->first, rest * sizeof *s->order);
+  return taken;
+}
+
+static void sort_all(sorter *s, size_t particles) {
+  for (size_t k = 0; k < s->count; k++) s->order[k] = (uint32_t)k;
+  sort(s, s->order, s->count, particles, low_of);
+  sort(s, s->order, s->count, particles, difference_of);
+  size_t runs = take_runs(s);
+  sort(s, s->order + runs, s->count - runs, particles, high_of);
+  sort(s, s->order + runs, s->count - runs, particles, low_of);
+}
+
+static bool copy_numbers(const sorter *s, hk_per_tuple *numbers) {
+  if (numbers->count <= 1) return true;
+  double *value = s->host->allocate(s->host, numbers->count * sizeof *value);
+  for (size_t k = 0; value && k < numbers->count; k++) value[k] = numbers->value[s->order[k]];
+  if (value) numbers->value = value;
+  return value;
+}
+
+static bool copy_edges(const sorter *s, hk_tuples *edges) {
+  uint32_t *pair = s->host->allocate(s->host, (2 * s->count + 1) * sizeof *pair);
+  for (size_t k = 0; pair && k < s->count; k++) {
+    pair[2 * k] = low_of(s, s->order[k]);
+    pair[2 * k + 1] = high_of(s, s->order[k]);
+  }
+  if (pair) edges->index = pair;
+  return pair;
+}
+
+void hk_edge_order_release(hk_edge_order *o, const hk_host *host, const hk_edge_order *given) {
+  if (o->edges.index != given->edges.index) host->release(host, (void *)(uintptr_t)o->edges.index);
+  if (o->k.value != given->k.value) host->release(host, o->k.value);
+  if (o->c.value != given->c.value) host->release(host, o->c.value);
+  if (o->L.value != given->L.value) host->release(host, o->L.value);
+  *o = *given;
+}
+
+bool hk_edge_order_improve(hk_edge_order *o, const hk_host *host, size_t particles) {
+  const hk_edge_order given = *o;
+  sorter s = {.host = host, .edges = &given.edges, .count = o->edges.count};
+  if (s.count < RUN_MIN || lines_up(&o->edges)) return true;
+  size_t keys = particles + 2 > s.count ? particles + 2 : s.count;
+  s.order = host->allocate(host, s.count * sizeof *s.order);
+  s.scratch = host->allocate(host, s.count * sizeof *s.scratch);
+  s.first = host->allocate(host, keys * sizeof *s.first);
+  bool fine = s.order && s.scratch && s.first;
+  if (fine) sort_all(&s, particles);
+  fine = fine && copy_edges(&s, &o->edges) && copy_numbers(&s, &o->k) && copy_numbers(&s, &o->c) &&
+         copy_numbers(&s, &o->L);
+  host->release(host, s.order);
+  host->release(host, s.scratch);
+  host->release(host, s.first);
+  if (!fine) hk_edge_order_release(o, host, &given);
+  return fine;
+}

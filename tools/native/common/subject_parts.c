@@ -1,0 +1,75 @@
+/* The parts of a force, one by one. While a part is added, positions and velocities of all blocks that it says it does
+ * not touch are NaN, as they may not have been computed yet in a run, and nothing may be added there. */
+#include "tools/native/common/subject.h"
+
+#include <string.h>
+
+typedef struct trial {
+  hk_subject *s;
+  hk_window window;
+  double *x, *v, *before; /* n x 3 */
+  size_t written;         /* a particle outside of its part that was written to; n: none */
+} trial;
+
+/* Whether part `part` touches block b. */
+static bool touches(const trial *t, size_t part, size_t b) {
+  const hk_window *w = &t->window;
+  if (part >= w->partition.blocks) return w->late[b];
+  return b == part || (w->lowest[part] <= b && b < part);
+}
+
+static void show(trial *t, size_t part) {
+  const hk_subject *s = t->s;
+  const double *x = s->x.at, *v = s->v.at;
+  for (size_t i = 0; i < s->n; i++) {
+    bool seen = touches(t, part, i >> t->window.partition.bits);
+    for (size_t c = 3 * i; c < 3 * i + 3; c++) {
+      t->x[c] = seen ? x[c] : NAN;
+      t->v[c] = seen ? v[c] : NAN;
+    }
+  }
+}
+
+static void look(trial *t, size_t part) {
+  const double *F = t->s->F.at;
+  for (size_t i = 0; i < t->s->n; i++)
+    if (!touches(t, part, i >> t->window.partition.bits) && memcmp(F + 3 * i, t->before + 3 * i, 3 * sizeof *F) != 0)
+      t->written = i;
+}
+
+static void add_all(trial *t, double *power) {
+  hk_subject *s = t->s;
+  hk_view view = s->view;
+  view.x = t->x, view.v = t->v, view.power = power;
+  size_t parts = s->force->parts ? t->window.partition.parts : t->window.partition.blocks;
+  for (size_t part = parts; part-- > 0;) {
+    show(t, part);
+    memcpy(t->before, s->F.at, s->size * sizeof *t->before);
+    hk_subject_enter(s, "add_part");
+    s->force->add_part(s->instance->self, &view, part, s->F.at);
+    hk_subject_leave(s);
+    look(t, part);
+  }
+}
+
+int hk_subject_parts(lua_State *L) {
+  hk_subject *s = hk_subject_at(L, 1);
+  trial t = {.s = s, .written = s->n};
+  double power = 0;
+  if (!s->force->add_part) return 0;
+  t.x = hk_table_memory(L, s->size);
+  t.v = hk_table_memory(L, s->size);
+  t.before = hk_table_memory(L, s->size);
+  if (!hk_window_begin(&t.window, s->view.model->partition)) return luaL_error(L, "no memory");
+  hk_part_use use = hk_window_use(&t.window);
+  hk_subject_enter(s, "parts");
+  if (s->force->parts) s->force->parts(s->instance->self, &s->view, &use);
+  hk_subject_leave(s);
+  memset(s->F.at, 0, s->F.bytes);
+  add_all(&t, &power);
+  hk_window_close(&t.window);
+  hk_table_push(L, s->F.at, s->size);
+  lua_pushnumber(L, power);
+  lua_pushinteger(L, t.written < s->n ? (lua_Integer)t.written + 1 : 0);
+  return 3;
+}
