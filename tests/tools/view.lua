@@ -66,7 +66,7 @@ end
 function tests.a_press_in_a_plot_moves_all_cursors_and_the_picture()
   local box = b:eval("(() => { const r = document.querySelector('.chart').getBoundingClientRect(); "
     .. "return [r.left, r.top, r.width, r.height] })()")
-  b:press(math.floor(box[1] + 52 + (box[3] - 62) / 2), math.floor(box[2] + box[4] / 2))
+  b:press(math.floor(box[1] + 60 + (box[3] - 70) / 2), math.floor(box[2] + box[4] / 2))
   b:wait("Math.abs(view.page.clock.k - 49.5) <= 1") -- the middle of 100 frames, of which a pixel has 0.3
   local xs = b:eval("[...document.querySelectorAll('.cursor')].map((c) => Number(c.getAttribute('x1')))")
   assert(#xs == 2 and xs[1] == xs[2])

@@ -4,7 +4,7 @@
 view.plots = (() => {
   const { el, svg, clear } = view.dom;
   const { within, ticks } = view.numbers;
-  const HEIGHT = 116, LEFT = 52, RIGHT = 10, TOP = 8, BOTTOM = 20;
+  const HEIGHT = 116, LEFT = 60, RIGHT = 10, TOP = 8, BOTTOM = 20;
 
   // The least and the largest of each pixel column, so that no peak is lost.
   const path = (times, values, x, y, width) => {

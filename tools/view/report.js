@@ -9,11 +9,14 @@ view.report = (() => {
   const with_ = (value, text) => value === null || value === undefined ? null : text(value);
   const row = (name, value, unit) => with_(value, (v) => [name, `${short(v)}${unit ? ` ${unit}` : ""}`]);
 
+  // Options of the command line are not broken in two.
+  const whole = (text) => text.split(/(--\w+ [\w.+-]+)/).map((part, k) => k % 2 ? el("span", { class: "option" }, part) : part);
+
   const verdict = (s) => {
     if (!s) return el("div", { class: "verdict unknown" }, el("strong", {}, "no verdict"),
       el("p", {}, "The run has not ended, or was ended from outside: there is no summary.json in its folder."));
     return el("div", { class: `verdict ${WORDS[s.verdict] || "unknown"}` }, el("strong", {}, s.verdict),
-      el("p", {}, s.reason || s.checked || ""));
+      el("p", {}, whole(s.reason || s.checked || "")));
   };
 
   const figures = (s) => rows([
