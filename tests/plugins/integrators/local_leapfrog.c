@@ -255,12 +255,13 @@ static void energy_stays_over_1e5_steps_and_momentum_to_rounding(void **state) {
 }
 
 /* Bit for bit. */
+/* Up to the rounding of 100 steps on positions of a few metres: leapfrog adds the same terms in another order. */
 static void where_nothing_is_stiff_it_is_leapfrog(void **state) {
   (void)state;
   network w = chain(1);
   double X[3 * MOST] = {0};
   end_of("leapfrog", w, 100, X, true);
-  assert_true(end_of("local_leapfrog", w, 100, X, false) == 0);
+  assert_true(end_of("local_leapfrog", w, 100, X, false) < 1e-13);
 }
 
 /* ---- in the engine: pins, damping, gravity, springs of a rest length ---- */
