@@ -85,7 +85,7 @@ static void frames_refuse_radii_that_are_none(void **state) {
 static const char scene[] =
     "local scene = hooke.scene { duration = 0.01, fps = 100, integrator = 'leapfrog', dt = 0.001 }\n"
     "local rope = scene:strand { from = { -0.5, 0, 0 }, to = { 0.5, 0, 0 }, n = 6, mass = 1 }\n"
-    "scene:force('springs', { edges = rope:edges(), k = 100 })\n"
+    "scene:force('springs', { edges = rope:edges(), k = 100 })\nscene:force('gravity')\n"
     "scene:corrector('contact', { radius = 0.05 })\n"
     "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, color = "
     "'none',\n"
