@@ -113,7 +113,7 @@ static void what_cannot_be_shown_is_refused_with_a_remedy(void **state) {
   view(NULL, "nowhere", 4, "there is no folder or script nowhere");
   view(NULL, "broken", 4, "broken/trajectory.h5");
   view(NULL, "bare bare bare", 1, "one or two folders");
-  view(NULL, "rope.lua j=1", 1, "did you mean 'k'");
+  view(NULL, "rope.lua K=1", 1, "did you mean 'k'");
   view(NULL, "rope.lua --fast", 1, "--fast");
   view(NULL, "", 1, "what");
 }
