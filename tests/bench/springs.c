@@ -251,8 +251,8 @@ static void sizes(uint32_t N, bool shuffle) {
   }
   bool same = memcmp(hk_run_view(c[0].e.run)->x, hk_run_view(c[1].e.run)->x, 3 * c[0].n * sizeof(double)) == 0;
   double each = 1e9 / (double)steps / (double)c[0].count;
-  printf("%4u x %-4u%s leapfrog, ns a spring and step: CPU %5.2f, wall %5.2f; two threads %5.2f: %.2fx, results %s\n",
-         N, N, shuffle ? ", random ids, coefficients per spring," : "", best * each, wall[0] * each, wall[1] * each,
+  printf("%4u x %-4u leapfrog%s, ns a spring and step: CPU %5.2f, wall %5.2f; two threads %5.2f: %.2fx, results %s\n",
+         N, N, shuffle ? ", random ids, coefficients per spring" : "", best * each, wall[0] * each, wall[1] * each,
          wall[0] / wall[1], same ? "bitwise equal" : "DIFFER");
   for (int k = 0; k < 2; k++) close_cloth(&c[k]);
 }
