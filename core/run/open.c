@@ -257,10 +257,13 @@ static bool compares(const hk_run *run) {
          (double)scene->n * (RUN_FRAMES + scene->fps * run->asked.end) < small;
 }
 
-/* Memory that building has freed goes back to the system: glibc keeps what is below its threshold, up to 32 MB each. */
-static void give_back(void) {
+/* Memory that building has freed goes back to the system: glibc keeps what is below its threshold, up to 32 MB each. Of
+ * small scenes that is little, and a look at all of the heap. */
+static void give_back(const hk_run *run) {
+  enum { SMALL = 20000 }; /* particles, with some 10 MB */
+  (void)run;
 #ifdef __GLIBC__
-  malloc_trim(0);
+  if (run->state.model.n > SMALL) malloc_trim(0);
 #endif
 }
 
@@ -289,7 +292,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
   }
   run->progress.begin = run->state.t;
   run->progress.steps = run->record.steps;
-  give_back();
+  give_back(run);
   *made = run;
   return HK_OK;
 }
