@@ -107,7 +107,8 @@ static hk_status reserve(hk_spectrum_work *s, const hk_system *system) {
   return HK_OK;
 }
 
-/* Makes room for a vector that only some scenes need. */
+/* Makes room for a vector that only some scenes need. Forces are evaluated into those of `memory` alone: one that writes
+ * next to them does no harm there, and hooke check names it. */
 static hk_status need(const hk_spectrum_work *s, double **vector) {
   if (!*vector) *vector = calloc(3 * s->n + 1, sizeof **vector);
   return *vector ? HK_OK : HK_NO_MEMORY;
@@ -306,13 +307,15 @@ static double velocity_noise(const hk_spectrum_work *s, const operation *o) {
 /* *whole: whether the skew part of D is that of single particles. */
 static hk_status check_turning(operation *o, bool *whole) {
   hk_spectrum_work *s = o->work;
-  double *p = s->damping.current, *q = s->damping.previous, *Dp = s->damping.image;
+  double *p = s->damping.current, *q = s->damping.previous, *D = s->damping.image;
   hk_status status = need(s, &s->spare);
   if (status != HK_OK) return status;
   hk_turning_pair(o->system, p, q);
-  status = apply(o, p, Dp);
-  if (status == HK_OK) status = apply(o, q, s->spare);
-  *whole = status == HK_OK && hk_turning_is_whole(s->n, s->turn, p, q, Dp, s->spare);
+  status = apply(o, p, D);
+  if (status != HK_OK) return status;
+  memcpy(s->spare, D, 3 * s->n * sizeof *D);
+  status = apply(o, q, D);
+  *whole = status == HK_OK && hk_turning_is_whole(s->n, s->turn, p, q, s->spare, D);
   return status;
 }
 
@@ -372,8 +375,9 @@ static hk_status apply_pencil(void *context, const double *in, double *out) {
   hk_spectrum_work *s = p->damping.work;
   hk_system *system = p->damping.system;
   p->stiffness.rest = velocities(s, system);
-  hk_status status = apply(&p->stiffness, in, s->spare);
+  hk_status status = apply(&p->stiffness, in, out);
   if (status != HK_OK) return status;
+  memcpy(s->spare, out, 3 * s->n * sizeof *out);
   p->damping.rest = rest(s, system->X);
   status = apply_unturned(&p->damping, in, out);
   for (size_t c = 0; c < 3 * s->n; c++) out[c] -= p->slope * s->spare[c];
