@@ -12,7 +12,9 @@ void hk_checked_add(hk_summary *s, const char *separator, const char *format, ..
   va_end(arguments);
 }
 
-double hk_energy_rounding(const hk_summary *s) { return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last)); }
+double hk_energy_rounding(const hk_summary *s) {
+  return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last)) + s->kinetic_rounding;
+}
 
 static const double balanced = 0.1; /* as in verdict.c */
 

@@ -188,8 +188,8 @@ typedef struct hk_summary {
   char step[128]; /* dt_min, dt_max and dt_limit in words; "" before the first step */
   double wall_s, step_wall_s, start_wall_s, steps_per_s;       /* start_wall_s: from opening to the first step */
   double energy_first, energy_last, energy_work, energy_drift; /* J, J, J, relative; NAN: not known */
-  double kinetic_max;
-  double kinetic_mean;         /* J, over the frames */
+  double kinetic_max, kinetic_rounding; /* J; the latter: of moves that are rounding errors of positions, in a step */
+  double kinetic_mean;                  /* J, over the frames */
   double momentum_drift;       /* relative to the largest sum of m |v|; NAN: the scene does not conserve momentum */
   double constraint_violation; /* m, of constraints and of what correctors keep */
   double max_strain;           /* NAN: no elements */

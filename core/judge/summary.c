@@ -71,6 +71,16 @@ static double momentum_drift(const hk_loop *loop, const hk_judgement *j) {
   return sqrt(sum) / r->momentum_scale;
 }
 
+/* J: what stands still trembles by the last digits of its positions, some of 1e-16, in every step. */
+static double kinetic_rounding(const hk_loop *loop) {
+  const hk_state *state = loop->state;
+  double mass = 0, far = 0, h = loop->record->steps ? loop->record->dt_min : INFINITY;
+  for (size_t i = 0; i < state->model.n; i++) mass += state->inverse_mass[i] > 0 ? state->mass[i] : 0;
+  for (size_t c = 0; c < 3 * state->model.n; c++) far = fmax(far, fabs(state->X[c]));
+  double speed = 1e-14 * far / h;
+  return mass * speed * speed / 2;
+}
+
 static void energies(hk_loop *loop, hk_summary *s) {
   const hk_state *state = loop->state;
   const hk_record *r = loop->record;
@@ -183,6 +193,7 @@ void hk_summary_take(hk_loop *loop, hk_judgement *j, const hk_asked *asked, hk_s
   steps(loop, s);
   wall_times(loop, asked, s);
   energies(loop, s);
+  s->kinetic_rounding = kinetic_rounding(loop);
   accuracy_figures(loop, j, asked, s);
   contact_figures(loop->record, s);
   plugin_times(loop, j, s);
