@@ -137,7 +137,9 @@ static int run_scene(hk_script *script, const hk_options *o, hk_registry *regist
   hk_error error = {0};
   hk_run *run;
   hk_scene *scene = hk_script_scene(script);
-  hk_status status = hk_run_open(scene, &o->run, &run, &error);
+  hk_run_options first = o->run;
+  first.only_run = true; /* the script is over; runs for comparisons are of scenes of their own */
+  hk_status status = hk_run_open(scene, &first, &run, &error);
   if (status != HK_OK) return complain(&error);
   hk_script_options options = script_options(o, registry, library);
   if (!o->trust) hk_script_foretell(o->scene, &options, &o->run, run); /* as in run_command: not run again unasked */
@@ -261,7 +263,6 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     o.run.acting = hk_faults_watch(registry);
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
-    o.run.only_run = true; /* others, for comparisons, are of scenes of their own */
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;
     if (!o.trust) o.run.caution = confine(&o, registry, p);
     hk_script_options options = script_options(&o, registry, library);

@@ -13,7 +13,7 @@ void hk_checked_add(hk_summary *s, const char *separator, const char *format, ..
 }
 
 double hk_energy_rounding(const hk_summary *s) {
-  return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last)) + s->kinetic_rounding;
+  return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max) + s->kinetic_rounding;
 }
 
 static const double balanced = 0.1; /* as in verdict.c */

@@ -41,6 +41,27 @@ static void rounding_is_no_energy(void **state) {
   assert_int_equal(verdict_of("leapfrog", 1e-3, 0), HK_VERDICT_OK);
 }
 
+/* Kinetic and potential energy that cancel: their sum is rounding of each. One frame, so that there is no mean. */
+static void what_cancels_is_rounding(void **state) {
+  hk_summary s;
+  test_engine e;
+  (void)state;
+  test_engine_open(&e);
+  test_particle(&e, 0, 0, 0, 1);
+  test_plugin(&e, HK_FORCE, "gravity");
+  e.options.integrator = "leapfrog";
+  e.options.dt = 0.01;
+  e.scene->fps = 10;
+  e.scene->duration = 0.1;
+  e.options.compare = HK_COMPARE_ASKED;
+  test_run(&e);
+  test_advance(&e, 0.05);
+  hk_run_close(e.run, &e.error);
+  hk_run_summary(e.run, &s);
+  if (s.verdict == HK_INACCURATE) fail_msg("%s; last %g J", s.reason, s.energy_last);
+  test_engine_close(&e);
+}
+
 /* Euler's method makes energy: 0.5 h w^2 of it a second, with w of some 200/s; also of a billionth of a metre. */
 static void little_energy_is_energy(void **state) {
   (void)state;
@@ -50,6 +71,7 @@ static void little_energy_is_energy(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(rounding_is_no_energy),
+                                     cmocka_unit_test(what_cancels_is_rounding),
                                      cmocka_unit_test(little_energy_is_energy)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

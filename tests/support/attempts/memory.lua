@@ -13,19 +13,19 @@ end
 local runs = "for i = 1, 2000 do s:particle { position = {i, 0, 0} } end s:run()"
 
 local list = {
-  { "a grid's structural called with memory as handle", says = "hooke.handle expected",
+  { "a grid's structural called with memory as handle", says = "functions of a handle are called with a colon",
     scene = chain .. 'h.structural(string.rep("\\0\\1\\2\\3AAAA", 100))' },
-  { "edges of a table", scene = chain .. "h.edges({})", says = "hooke.handle expected" },
-  { "edges of a number", scene = chain .. "h.edges(4096)", says = "hooke.handle expected" },
-  { "edges of nothing", scene = chain .. "h.edges()", says = "hooke.handle expected" },
-  { "flexion of a scene", scene = chain .. "h.flexion(s)", says = "hooke.handle expected" },
-  { "flexion of a function", scene = chain .. "h.flexion(print)", says = "hooke.handle expected" },
-  { "triangles of a text", scene = chain .. 'h.triangles("x")', says = "hooke.handle expected" },
+  { "edges of a table", scene = chain .. "h.edges({})", says = "functions of a handle are called with a colon" },
+  { "edges of a number", scene = chain .. "h.edges(4096)", says = "functions of a handle are called with a colon" },
+  { "edges of nothing", scene = chain .. "h.edges()", says = "functions of a handle are called with a colon" },
+  { "flexion of a scene", scene = chain .. "h.flexion(s)", says = "functions of a handle are called with a colon" },
+  { "flexion of a function", scene = chain .. "h.flexion(print)", says = "functions of a handle are called with a colon" },
+  { "triangles of a text", scene = chain .. 'h.triangles("x")', says = "functions of a handle are called with a colon" },
   { "structural of particles without edges", says = "particles have no edges of their own",
     scene = scene .. "local h = s:particles { positions = { {0, 0, 0} } }\nh:structural()" },
   { "a scene's method of a handle", scene = chain .. "s.force(h, 'gravity')", says = "called with a colon" },
-  { "a run's method of a scene", scene = ball .. "local r = s:run()\nr.state(s)", says = "hooke.run expected" },
-  { "a state's method of a run", says = "hooke.state expected", scene = ball .. "local r = s:run()\nr:state().position(r, 1)" },
+  { "a run's method of a scene", scene = ball .. "local r = s:run()\nr.state(s)", says = "functions of a run are called with a colon" },
+  { "a state's method of a run", says = "functions of a state are called with a colon", scene = ball .. "local r = s:run()\nr:state().position(r, 1)" },
   { "an edge's metamethod of a handle", scene = chain .. "return #h:edges() .. h", says = "hooke:" },
   { "the environment's __index of a number", scene = 'getmetatable(_G).__index(42, "x")', says = "hooke:" },
   { "param re-entered from __tostring", says = "hooke:", scene = [[
