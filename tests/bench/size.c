@@ -21,7 +21,7 @@ static double stable(uint32_t N) { return sqrt(0.15 / ((double)N * N) / (2 * 540
 /* A turn is a frame of the run. */
 static void open_sides(sides *s, uint32_t N) {
   size_t springs = 6 * (size_t)N * N;
-  *s = (sides){.h = stable(N), .steps = SPRINGS_A_TURN / springs + 2};
+  *s = (sides){.h = stable(N), .steps = SPRINGS_A_TURN / springs + 20};
   open_reference(&s->e, N, true, (double)s->steps * s->h);
   s->e.options.until = s->e.scene->duration = (TURNS + 1) * (double)s->steps * s->h;
   s->e.options.dt = s->h * (1 + 1e-9); /* so that rounding does not add a step */
