@@ -1,7 +1,8 @@
 -- hooke scaling SCENE.lua NAME=A,B,C [name=value ...]: what a particle costs, against how many there are.
 -- The first parameter with several values sets the size of the scene; every method runs each size for a few seconds. The
--- cost of a particle is the time of the time loop, over the particles and the simulated time, without the first frame,
--- which warms the machine up, where there are more. A method's step is the one that `hooke run` takes, or that of its
+-- cost of a particle is the time of the time loop, over the particles and the simulated time, without the first piece,
+-- which warms the machine up, where there are more. Pieces are frames, or where these have thousands of steps of an
+-- explicit method parts of them with some hundred. A method's step is the one that `hooke run` takes, or that of its
 -- settings (--dt; `name:parameter=value`): sizes are compared, not accuracies, for which there is `hooke bench`.
 local argparse = require("argparse")
 local case_process = require("common.run.case_process")
@@ -11,7 +12,8 @@ local lfs = require("lfs")
 local plot = require("common.run.plot")
 local progress = require("common.run.progress")
 
-local patience = 20 -- a frame that takes so many budgets is given up, and with it the method's larger sizes
+local patience = 20 -- what takes so many budgets is given up, and with it the method's larger sizes
+local piece = 100   -- steps
 
 local function complain(format, ...) return command_line.complain("scaling", format:format(...)) end
 
@@ -101,7 +103,13 @@ end
 
 -- ---- measuring ----
 
--- In a process of its own: frames, until they have taken the budget.
+-- The parts of a frame to measure by.
+local function parts_of(start)
+  local limit = tonumber(start.dt_limit)
+  return limit and limit > 0 and limit < math.huge and math.max(1, math.floor(1 / (start.fps * piece * limit))) or 1
+end
+
+-- In a process of its own: pieces, until they have taken the budget.
 local function measure(case)
   local scene, refused = hooke.load(case.scene, case.params, { integrator = case.integrator, dt = case.dt,
     threads = case.threads, trust = case.trust })
@@ -109,10 +117,10 @@ local function measure(case)
   local fine, run = pcall(scene.run, scene, { to = 0 })
   if not fine then return { failed = run } end
   local before = run:summary()
-  local warm, k, s = nil, 0
+  local warm, k, rate, s = nil, 0, before.fps * parts_of(before)
   repeat
     k = k + 1
-    fine, run = pcall(scene.run, scene, { to = math.min(k / before.fps, before["end"]) })
+    fine, run = pcall(scene.run, scene, { to = math.min(k / rate, before["end"]) })
     if not fine then return { failed = run } end
     s = run:summary()
     if k == 1 and s.step_wall_s < case.budget and s.t < before["end"] then warm = s end
