@@ -25,7 +25,8 @@ local list = {
     scene = scene .. "local h = s:particles { positions = { {0, 0, 0} } }\nh:structural()" },
   { "a scene's method of a handle", scene = chain .. "s.force(h, 'gravity')", says = "called with a colon" },
   { "a run's method of a scene", scene = ball .. "local r = s:run()\nr.state(s)", says = "functions of a run are called with a colon" },
-  { "a state's method of a run", says = "functions of a state are called with a colon", scene = ball .. "local r = s:run()\nr:state().position(r, 1)" },
+  { "a state's method of a run", says = "functions of a state are called with a colon",
+    scene = ball .. "local r = s:run()\nr:state().position(r, 1)" },
   { "an edge's metamethod of a handle", scene = chain .. "return #h:edges() .. h", says = "hooke:" },
   { "the environment's __index of a number", scene = 'getmetatable(_G).__index(42, "x")', says = "hooke:" },
   { "param re-entered from __tostring", says = "hooke:", scene = [[
