@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-enum { N = 100 };
+enum { N = 1000 }; /* so that a step takes several microseconds on any machine, and the runs minutes */
 
 /* A chain that hangs at one end, under gravity that changes in time. */
 static hk_status swaying(const hk_function *f, const void *caller, const double *in, size_t n_in, double *out,
