@@ -30,14 +30,9 @@ static const hk_field fields[] = {
     {0},
 };
 
-/* With u = lambda - 1 the recurrence (3 lambda^2 - 4 lambda + 1)/2 = z lambda^2, for x and v together, becomes
- * (u + 3/2 u^2)^2 + h g (u + 3/2 u^2) (1 + u)^2 + (h w)^2 (1 + u)^4 = 0. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-
-  double a = hg, b = hw * hw;
-  const double c[] = {b, a + 4 * b, 1 + 3.5 * a + 6 * b, 3 + 4 * a + 4 * b, 2.25 + 1.5 * a + b};
-  return hk_polynomial_growth(4, c);
+  return hk_bdf2_growth(hw, hg);
 }
 
 static void reset(void *self, hk_reason why) {

@@ -90,10 +90,7 @@ static const hk_field fields[] = {
 /* As bdf2's: of a linear equation one linearisation is exact. */
 static double amplification(const void *self, double hw, double hg) {
   (void)self;
-
-  double a = hg, b = hw * hw;
-  const double c[] = {b, a + 4 * b, 1 + 3.5 * a + 6 * b, 3 + 4 * a + 4 * b, 2.25 + 1.5 * a + b};
-  return hk_polynomial_growth(4, c);
+  return hk_bdf2_growth(hw, hg);
 }
 
 static void reset(void *self, hk_reason why) {

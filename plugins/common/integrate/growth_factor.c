@@ -73,6 +73,12 @@ double hk_polynomial_growth(int degree, const double *c) {
   return hk_complex_polynomial_growth(degree, copy);
 }
 
+double hk_bdf2_growth(double hw, double hg) {
+  double a = hg, b = hw * hw;
+  const double c[] = {b, a + 4 * b, 1 + 3.5 * a + 6 * b, 3 + 4 * a + 4 * b, 2.25 + 1.5 * a + b};
+  return hk_polynomial_growth(4, c);
+}
+
 void hk_oscillator_roots(double hw, double complex d, double complex root[2]) {
   double complex apart = csqrt(times(d, d) - 4 * hw * hw), plus = d + apart, minus = d - apart;
   root[0] = -(square(plus) > square(minus) ? plus : minus) / 2;
