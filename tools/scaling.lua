@@ -9,6 +9,7 @@ local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
 local files = require("common.run.file")
 local lfs = require("lfs")
+local split = require("common.bench.methods").split
 local plot = require("common.run.plot")
 local progress = require("common.run.progress")
 
@@ -38,12 +39,6 @@ end
 
 -- ---- the command line ----
 
-local function split(text)
-  local list = {}
-  for word in text:gmatch("[^,]+") do list[#list + 1] = word end
-  return list
-end
-
 -- The name of the parameter with several values, which leaves `given`, and the values; or nil and why there is none.
 local function take_sizes(given)
   local found
@@ -59,16 +54,10 @@ local function take_sizes(given)
   return found, values
 end
 
--- "a:x=1@0.01,b:y=2,z=3": settings have commas of their own, which a word with "=" and without ":" continues.
+-- "a:x=1,y=2@0.01,b" -> two methods, the first with a step of its own.
 local function methods_of(text)
   local list = {}
-  for _, word in ipairs(text and split(text) or {}) do
-    if #list > 0 and word:find("=", 1, true) and not word:find(":", 1, true) then
-      list[#list].integrator = list[#list].integrator .. "," .. word
-    else
-      list[#list + 1] = { integrator = word }
-    end
-  end
+  for k, word in ipairs(text and split(text) or {}) do list[k] = { integrator = word } end
   for _, method in ipairs(list) do
     local name, dt = method.integrator:match("^(.*)@([^@]*)$")
     method.label = method.integrator
