@@ -71,7 +71,7 @@ local function benchmark_end(o, explained)
   local tried = math.min(whole, least_frames * frame)
   local result = case_process.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
     timeout = 0.2 * o.budget, trust = o.trust }
-  local cost = (result.step_wall_s or 0.2 * o.budget) / tried -- wall seconds per simulated second
+  local cost = (result.step_s or 0.2 * o.budget) / tried -- wall seconds per simulated second
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
   if afford >= whole then return whole end
   return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)

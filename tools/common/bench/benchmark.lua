@@ -62,7 +62,7 @@ local function run_all(self, source, done, jobs)
     if result.verdict == "timeout" then result.patience = case.timeout end
     if self.record then self.record:put(key_of(case), result) end
     if jobs == 1 then
-      for _, time in ipairs(result.times or { result.step_wall_s }) do
+      for _, time in ipairs(result.times or { result.step_s }) do
         self.timed = self.timed + time + (result.start_wall_s or 0)
       end
       if result.verdict == "timeout" then self.timed = self.timed + case.timeout end

@@ -63,7 +63,7 @@ local function run(list, bench, timeout, wanted)
     if c.ended then return end
     c.motion = { states = result.states, measures = result.motion.measures, t = result.motion.t,
       exact = result.motion.exact }
-    c.case, c.time = case, result.step_wall_s
+    c.case, c.time = case, result.step_s
     c.first = c.first or { case = case, motion = c.motion, time = c.time, verdict = result.verdict }
   end)
 end
@@ -81,7 +81,7 @@ local function evaluation_time(bench)
   case["until"] = math.min(case["until"], 2 / bench.fps)
   bench.run({ case }, function(_, result)
     local count = result.force_evaluations or 0
-    seconds = count > 0 and not result.failed and result.step_wall_s / count or nil
+    seconds = count > 0 and not result.failed and result.step_s / count or nil
   end)
   return seconds
 end

@@ -20,8 +20,8 @@ end
 local function row_of(method, setting, case, result)
   local row = { method = method, integrator = method.label, setting = setting, case = case, result = result,
     verdict = result.verdict or "failed", reason = result.failed or result.reason,
-    times = result.times or { result.step_wall_s } }
-  if result.step_wall_s and #row.times > 0 then row.wall_s = median(row.times) end
+    times = result.times or { result.step_s } }
+  if result.step_s and #row.times > 0 then row.wall_s = median(row.times) end
   if result.error and not result.error.failed then row.errors = result.error end
   return row
 end
@@ -70,7 +70,7 @@ local function next_run(method, goal, share)
   if not setting then return nil, "the end of its ladder" end
   local last = method.rows[#method.rows]
   if not last then return setting end
-  local predicted = (last.result.step_wall_s or last.result.process_s) * methods.growth(method)
+  local predicted = (last.result.step_s or last.result.process_s) * methods.growth(method)
   local extra = last.error and last.error <= goal.finest -- further rows only show the order
   if predicted > (extra and 0.3 or 1) * share then return nil, "the next run would take too long" end
   return setting
@@ -149,7 +149,7 @@ function refinement.repeat_rows(rows, bench, count, seconds)
         local case = bench.case(row.case.varied)
         case.integrator, case.dt, case.tol = row.case.integrator, row.case.dt, row.case.tol
         case.timeout, case.turn = 4 * row.result.process_s + 1, turn
-        bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_wall_s end, 1)
+        bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_s end, 1)
         row.wall_s = median(row.times)
       end
     end

@@ -4,7 +4,9 @@
 --   motion         true: the result has `motion`, what compare() takes, and with keep = true the states come along
 --   against        a reference motion: the result has `error`, the differences from it
 --   repeats, repeat_s   largest number of further runs, without recording, while all runs together take less than
---                  repeat_s seconds: result.times lists step_wall_s of each run, the first one included
+--                  repeat_s seconds: result.times lists step_s of each run, the first one included
+-- The result's step_s is the time of the time loop, s, while the process had a processor: of a machine that other
+-- programs share, the wall time would measure these.
 --
 -- Errors: at a frame, the root mean square (and the largest) over all particles of the distance between the positions,
 -- and between the velocities; of these the root mean square (the largest) over the frames after the start. For a
@@ -89,11 +91,21 @@ local function errors(case, motion)
   return error
 end
 
+-- What `work` returns, and the part of its wall time, at most all, for which the process had a processor.
+local function with_share(work, ...)
+  local processor, wall = os.clock(), process.clock()
+  local result = table.pack(work(...))
+  wall = process.clock() - wall
+  return math.min((os.clock() - processor) / math.max(wall, 1e-9), 1), table.unpack(result, 1, result.n)
+end
+
 local function again(case)
   local options = { threads = case.threads or 1 }
   for _, key in ipairs { "integrator", "solver", "dt", "tol", "until", "seed", "trust" } do options[key] = case[key] end
   local scene = hooke.load(case.scene, case.params, options)
-  return scene:run():summary().step_wall_s
+  local run = scene:run { to = 0 }
+  local share = with_share(scene.run, scene)
+  return share * run:summary().step_wall_s
 end
 
 local function time(case, first)
@@ -119,8 +131,9 @@ function sampled_run.execute(case)
   local begun, first = pcall(scene.run, scene, { to = 0 })
   if not begun then return { failed = bare(first), fits = false } end
   local motion = { states = {}, t = {}, exact = {}, measures = {} }
-  local fine, message = pcall(advance, scene, case, motion)
+  local share, fine, message = with_share(pcall, advance, scene, case, motion)
   local result = first:summary()
+  result.step_s = share * result.step_wall_s
   if not fine then
     result.failed = bare(message)
     if result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
@@ -128,7 +141,7 @@ function sampled_run.execute(case)
   end
   if case.against then result.error = errors(case, motion) end
   if case.motion then result.motion = { t = motion.t, exact = motion.exact, measures = motion.measures } end
-  if case.repeats and result.verdict == "ok" then result.times = time(case, result.step_wall_s) end
+  if case.repeats and result.verdict == "ok" then result.times = time(case, result.step_s) end
   return result, motion.states
 end
 
