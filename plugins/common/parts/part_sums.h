@@ -18,7 +18,6 @@ typedef struct hk_part_sums {
 hk_status hk_part_sums_sort(hk_part_sums *, const hk_view *view, const hk_tuples *node, const bool *is_active);
 /* F += one part, as hk_force.add_part does it, or HK_ALL_PARTS, on several threads, as hk_force.add; view->power gets
  * their power. `force`: the argument of `body`. */
-#define HK_ALL_PARTS SIZE_MAX
 void hk_part_sums_add(const hk_part_sums *, const hk_view *view, size_t part, hk_part_body body, const void *force,
                       double *F);
 
