@@ -199,7 +199,7 @@ static void give(const int from[GIVEN]) {
     if (copy[k] >= 0 && dup2(copy[k], k) < 0) _exit(127);
 }
 
-/* In the child: a program of its own, which ends in order when its starter has ended. */
+/* In the child of a vfork, which only makes calls of the system: a program of its own, which ends in order when its starter has ended. */
 static void become(char *const *words, const int from[GIVEN]) {
   signal(SIGPIPE, SIG_DFL);
   setpgid(0, 0); /* an interrupt at the terminal is for the starter, who hands it on */
@@ -229,7 +229,7 @@ static int spawn(lua_State *L) {
   words[count] = NULL;
   for (int k = 0; k < GIVEN; k++, lua_pop(L, 1)) from[k] = lua_rawgeti(L, 2, k) ? (int)lua_tointeger(L, -1) : -1;
   fflush(NULL);
-  pid_t pid = fork();
+  pid_t pid = vfork(); /* no handlers of forks: other threads may hold what these would need */
   if (pid < 0) return refuse(L, "fork");
   if (pid == 0) become(words, from);
   lua_pushinteger(L, pid);
