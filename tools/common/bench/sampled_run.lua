@@ -5,15 +5,14 @@
 --   against        a reference motion: the result has `error`, the differences from it
 --   repeats, repeat_s   largest number of further runs, without recording, while all runs together take less than
 --                  repeat_s seconds: result.times lists step_s of each run, the first one included
--- The result's step_s is the time of the time loop, s, while the process had a processor: of a machine that other
--- programs share, the wall time would measure these.
+-- The result's step_s is the wall time of the time loop, s, or the processor time of the whole run where that is less:
+-- the machine then did something else in the meantime.
 --
 -- Errors: at a frame, the root mean square (and the largest) over all particles of the distance between the positions,
 -- and between the velocities; of these the root mean square (the largest) over the frames after the start. For a
 -- measure: the root mean square over the frames of the difference. Where the scene gives its exact solution, the error
 -- of the positions is against that; the exact solution gives neither the largest error nor velocities of several
 -- particles.
-local process = require("process")
 local states = require("states")
 
 local sampled_run = {}
@@ -91,12 +90,11 @@ local function errors(case, motion)
   return error
 end
 
--- What `work` returns, and the part of its wall time, at most all, for which the process had a processor.
-local function with_share(work, ...)
-  local processor, wall = os.clock(), process.clock()
+-- The processor time that `work` takes, and what it returns.
+local function timed(work, ...)
+  local begun = os.clock()
   local result = table.pack(work(...))
-  wall = process.clock() - wall
-  return math.min((os.clock() - processor) / math.max(wall, 1e-9), 1), table.unpack(result, 1, result.n)
+  return os.clock() - begun, table.unpack(result, 1, result.n)
 end
 
 local function again(case)
@@ -104,16 +102,16 @@ local function again(case)
   for _, key in ipairs { "integrator", "solver", "dt", "tol", "until", "seed", "trust" } do options[key] = case[key] end
   local scene = hooke.load(case.scene, case.params, options)
   local run = scene:run { to = 0 }
-  local share = with_share(scene.run, scene)
-  return share * run:summary().step_wall_s
+  local processor = timed(scene.run, scene)
+  return math.min(processor, run:summary().step_wall_s)
 end
 
 local function time(case, first)
   local times, total = { first }, first
   while #times <= (case.repeats or 0) and total < (case.repeat_s or math.huge) do
-    local begun = process.clock()
-    times[#times + 1] = again(case)
-    total = total + process.clock() - begun
+    local processor, seconds = timed(again, case)
+    times[#times + 1] = seconds
+    total = total + processor
   end
   return times
 end
@@ -131,9 +129,9 @@ function sampled_run.execute(case)
   local begun, first = pcall(scene.run, scene, { to = 0 })
   if not begun then return { failed = bare(first), fits = false } end
   local motion = { states = {}, t = {}, exact = {}, measures = {} }
-  local share, fine, message = with_share(pcall, advance, scene, case, motion)
+  local processor, fine, message = timed(pcall, advance, scene, case, motion)
   local result = first:summary()
-  result.step_s = share * result.step_wall_s
+  result.step_s = math.min(processor, result.step_wall_s)
   if not fine then
     result.failed = bare(message)
     if result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
