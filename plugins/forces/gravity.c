@@ -1,5 +1,5 @@
 /* Uniform gravity, F = m g; energy -m g.x. Any direction is allowed, such as upwards for smoke. */
-#include "core/plugin.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct gravity {
   double g[3];
@@ -10,14 +10,8 @@ static const hk_param params[] = {
     {0},
 };
 
-typedef struct task {
-  const gravity *self;
-  const hk_view *view;
-  double *F;
-} task;
-
-/* On the particles begin to end - 1 of those that it acts on. */
-static void add_range(const gravity *s, const hk_view *view, size_t begin, size_t end, double *restrict F) {
+static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *restrict F) {
+  const gravity *s = self;
   const double *restrict m = view->model->mass;
   double gx = s->g[0], gy = s->g[1], gz = s->g[2];
   const uint32_t *active = view->active;
@@ -27,24 +21,16 @@ static void add_range(const gravity *s, const hk_view *view, size_t begin, size_
     F[3 * i + 1] += m[i] * gy;
     F[3 * i + 2] += m[i] * gz;
   }
-}
-
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
-  add_range(t->self, t->view, begin, end, t->F);
+  return 0; /* of the conservative force no power is counted */
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {self, view, F};
-  view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
+  hk_particle_sums_add(view, HK_ALL_PARTS, push, self, F);
   return HK_OK;
 }
 
 static void add_part(void *self, const hk_view *view, size_t part, double *F) {
-  size_t begin, end;
-  hk_part_acting(view, part, &begin, &end);
-  add_range(self, view, begin, end, F);
+  hk_particle_sums_add(view, part, push, self, F);
 }
 
 static double energy(void *self, const hk_view *view) {

@@ -7,7 +7,7 @@ local process = require("process")
 
 local reference = {}
 
-reference.margin = 100 -- smallest ratio of an error to the reference's own
+reference.margin = 100 -- smallest ratio of an error to the reference's own, where the bench names none
 
 -- Start values: the tolerance, or the divisor of the stable step (of implicit methods: of a frame).
 local candidates = {
@@ -53,7 +53,7 @@ local function run(list, bench, timeout, wanted)
     local c = list[at]
     if not c or wanted and not wanted() then return nil end
     local case = case_of(c, c.level, bench)
-    case.owner, case.timeout = c, timeout
+    case.owner, case.allowance = c, timeout
     return case
   end
   bench.run(next_case, function(case, result)
@@ -63,7 +63,7 @@ local function run(list, bench, timeout, wanted)
     if c.ended then return end
     c.motion = { states = result.states, measures = result.motion.measures, t = result.motion.t,
       exact = result.motion.exact }
-    c.case, c.time = case, result.step_wall_s
+    c.case, c.time = case, result.step_s
     c.first = c.first or { case = case, motion = c.motion, time = c.time, verdict = result.verdict }
   end)
 end
@@ -77,24 +77,29 @@ end
 -- The time of one evaluation of f in s, from two frames of leapfrog; nil: it takes too long.
 local function evaluation_time(bench)
   local case, seconds = bench.case(), nil
-  case.integrator, case.timeout = "leapfrog", 1
+  case.integrator, case.allowance = "leapfrog", 1
   case["until"] = math.min(case["until"], 2 / bench.fps)
   bench.run({ case }, function(_, result)
     local count = result.force_evaluations or 0
-    seconds = count > 0 and not result.failed and result.step_wall_s / count or nil
+    seconds = count > 0 and not result.failed and result.step_s / count or nil
   end)
   return seconds
 end
 
--- Where runs are long, the time of explicit methods is estimated: those that fit into half the time run first.
+-- Where runs are long, or only the best method is looked for, the time of explicit methods is estimated: those that fit
+-- into half the time run first, the shortest first.
 local function start_with_known(list, bench, left)
-  local each, known = evaluation_time(bench), {}
+  local each, known, least = evaluation_time(bench), {}, bench.brief and 0 or patience_at_first / 2
   for _, c in ipairs(list) do
     local step = bench.step[c.name]
     local h = math.min(step.suggestion, 1 / bench.fps) / (c.shorter or 1)
     local seconds = each and not bench.implicit[c.name] and each * bench.stages[c.name] * bench.case()["until"] / h
-    if seconds and seconds > patience_at_first / 2 and seconds < left() / 4 then known[#known + 1] = c end
+    if seconds and seconds > least and seconds < left() / 4 then
+      known[#known + 1] = c
+      c.expected = seconds
+    end
   end
+  if bench.brief then table.sort(known, function(a, b) return a.expected < b.expected end) end
   if #known >= 2 then run(known, bench, left() / 2, function() return finished(list) < 2 end) end
 end
 
@@ -179,17 +184,17 @@ local function cheapest(list, motion)
 end
 
 -- bench: case() -> a new case; run(cases or next, done), many at a time; fps; metric; step = { [integrator] = of
--- hooke.explain }; stages and implicit = { [integrator] = of the catalogue }. aim: the largest allowed difference of
--- the two, in the metric's unit; they are refined further while it costs little. seconds: the time available. Returns
--- nil and the reason; or
+-- hooke.explain }; stages and implicit = { [integrator] = of the catalogue }; brief (true: no finer than `aim` asks for).
+-- aim: the largest allowed difference of the two, in the metric's unit; without `brief` they are refined further while
+-- it costs little. seconds: the time available. Returns nil and the reason; or
 --   motion         the solution; `other`: the second one
 --   error          of its own, as sampled_run.compare gives it; size: of the metric
 --   method         a cheap run with a roughly correct motion: { case, motion, time }
 --   words          what it is, in words
 --   frames         until which they agree to `aim`; late: more time might have taken them further
 function reference.compute(bench, aim, seconds)
-  local begun, list = process.clock(), {}
-  local function left() return seconds - (process.clock() - begun) end
+  local begun, list = process.processor_time(), {}
+  local function left() return seconds - (process.processor_time() - begun) end
   for _, c in ipairs(candidates) do
     if usable(c, bench) then
       list[#list + 1] = { name = c.name, settings = c.settings, tol = c.tol, shorter = c.shorter, level = 0 }
@@ -204,7 +209,7 @@ function reference.compute(bench, aim, seconds)
       .. "--until may help"
   end
   while stuck < 2 and pair.size > 0 and not (pair.one.ended and pair.other.ended) do
-    local cheap = process.clock() - begun < 0.15 * seconds -- then refine further, for smaller errors
+    local cheap = not bench.brief and process.processor_time() - begun < 0.15 * seconds -- then also for smaller errors
     if pair.size <= aim and not cheap then break end
     late = 2.5 * math.max(pair.one.time, pair.other.time) > left()
     if late then break end
