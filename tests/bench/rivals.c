@@ -5,7 +5,8 @@
  * build/bench/rivals [N]: the curtains up to N x N, 64 by default; with 256 it takes a quarter of an hour.
  *
  * Every method runs over a ladder of steps (from beyond its stability limit down) or tolerances; runs that cannot win
- * any more are not taken, or given up when they take longer than the best. Between the two rungs around a target the
+ * any more are not taken, or given up when they take longer than the best. SUNDIALS takes the same steps on either
+ * forces, so its ladders are climbed on hooke's alone. Between the two rungs around a target the
  * setting that just reaches it is interpolated (log-log). For each target the methods of every side that promise most
  * run again at that setting, in turn, and the median counts: the time loop alone, in the thread's own time. A run
  * counts when its error is at most the target, so where the stability limit gives less already, it is the cheapest
@@ -63,7 +64,8 @@ static const double goal[SIDES][TARGETS] = {[SUNDIALS_PLAIN] = {20, 20, 20}, [SU
       CVODE_TOL(side, "CVODE, BDF, GMRES", CV_BDF, 1e-3, shared)
 
 static const method methods[] = {
-    HOOKE_STEPS("stoermer_wide4", 1),
+    HOOKE_STEPS("stoermer_wide4", 0.9),
+    HOOKE_STEPS("stoermer_wide3", 0.9),
     HOOKE_STEPS("stoermer_wide2", 0.8),
     HOOKE_STEPS("leapfrog", 0.8),
     HOOKE_STEPS("symplectic_euler", 0.8),
@@ -300,7 +302,7 @@ static void print_evaluation(const problem *q) {
 
 static void print_ladders(const ladder *all) {
   for (const ladder *l = all; l < all + METHODS; l++) {
-    if (!l->m) continue;
+    if (!l->m || l->m->side == SUNDIALS_PLAIN) continue;
     printf("    %-25s %-34s", side_name[l->m->side], l->m->name);
     for (int k = 0; k < TARGETS; k++) {
       if (isfinite(l->promise[k]))
@@ -312,7 +314,7 @@ static void print_ladders(const ladder *all) {
   }
 }
 
-/* The smaller curtain tells which methods need not be tried on the larger one: those that were never within a third of
+/* The smaller curtain tells which methods need not be tried on the larger one: those that were never within a fifth of
  * their side's best. */
 static bool hopeless(const ladder *smaller, size_t l) {
   bool hopeless = true;
@@ -321,7 +323,7 @@ static bool hopeless(const ladder *smaller, size_t l) {
     double best = INFINITY;
     for (size_t o = 0; o < METHODS; o++)
       if (smaller[o].m && methods[o].side == methods[l].side) best = fmin(best, smaller[o].promise[k]);
-    hopeless &= !(smaller[l].promise[k] <= 1.33 * best) || isinf(best);
+    hopeless &= !(smaller[l].promise[k] <= 1.2 * best) || isinf(best);
   }
   return hopeless;
 }
@@ -333,10 +335,33 @@ static double first_setting(const method *m, const problem *q) {
 /* Frequencies grow with N: from below the fewest stable steps, by those of the smaller curtain. The larger one is
  * damped more, for which Runge-Kutta methods are stable with steps up to a third longer. */
 static double lowest(const ladder *smaller, size_t size) {
-  double more = 0.7 * sizes[size].N / sizes[size - 1].N * sizes[size].end / sizes[size - 1].end;
+  double more = 0.75 * sizes[size].N / sizes[size - 1].N * sizes[size].end / sizes[size - 1].end;
   size_t r = 0;
   while (r + 1 < smaller->count && smaller->rung[r].out.error > target[0]) r++;
   return smaller->rung[r].setting * (smaller->m->atol > 0 ? 1 : more);
+}
+
+/* The rungs of the same method on hooke's forces; its times are not those of this side. */
+static ladder twin_of(const ladder *all, const method *m) {
+  for (const ladder *l = all; l < all + METHODS; l++) {
+    if (!l->m || l->m->side != SUNDIALS_HOOKE || strcmp(l->m->name, m->name) != 0) continue;
+    ladder copy = *l;
+    copy.m = m;
+    return copy;
+  }
+  return (ladder){.m = NULL};
+}
+
+/* The ladders of a size, those of the one before being known (NULL: it is the first). */
+static void climb_all(ladder *all, const ladder *smaller, size_t size, problem *q) {
+  for (size_t l = 0; l < METHODS; l++) {
+    const method *m = &methods[l];
+    bool out = m->side == SUNDIALS_PLAIN || (smaller && hopeless(smaller, l));
+    all[l] = (ladder){.m = out ? NULL : m};
+    if (!out) climb(&all[l], smaller ? lowest(&smaller[l], size) : first_setting(m, q), q);
+  }
+  for (size_t l = 0; l < METHODS; l++)
+    if (methods[l].side == SUNDIALS_PLAIN) all[l] = twin_of(all, &methods[l]);
 }
 
 static void forget_the_best(problem *q) {
@@ -358,12 +383,7 @@ int main(int count, char **argument) {
     test_engine_close(&e);
     converge(&q, size);
     print_evaluation(&q);
-    for (size_t l = 0; l < METHODS; l++) {
-      const ladder *smaller = size ? ladders[size - 1] : NULL;
-      bool out = smaller && hopeless(smaller, l);
-      ladders[size][l] = (ladder){.m = out ? NULL : &methods[l]};
-      if (!out) climb(&ladders[size][l], smaller ? lowest(&smaller[l], size) : first_setting(&methods[l], &q), &q);
-    }
+    climb_all(ladders[size], size ? ladders[size - 1] : NULL, size, &q);
     printf("  a first run of each, ms at %g, %g and %g m:\n", target[0], target[1], target[2]);
     print_ladders(ladders[size]);
     printf("  the best of each side, medians of %d runs in turn:\n", REPEATS);

@@ -346,7 +346,7 @@ local theory = {
   stoermer = function() return { root(2) } end,
   stoermer_wide2 = recurrence(1, 1.376),
   stoermer_wide3 = recurrence(1 + 1 / 3 - 0.16, 2 * (2 + 5 / 3 - 8 * 0.66 + 16 * 0.17)),
-  stoermer_wide4 = at_ratios(function(x) return root(16 * x * x + 3) - 4 * x end), -- (h w)^2 + 4 h g = 3
+  stoermer_wide4 = recurrence(2 - 16 * 0.004 - 32 * 0.015, 2 * (5 + 5 / 3 - 16 * 0.67 + 32 * 0.18)),
   backward_euler = any,
   implicit_midpoint = any,
   implicit_trapezoid = any,
