@@ -21,8 +21,10 @@ local case_process = require("common.run.case_process")
 local margin = 1 / 4
 local reference_costs = 10                -- approximate cost of the reference, in runs of leapfrog
 local as_cheap = 1.2                      -- costs closer than this are the same, to what measuring can tell
+local doubt = 1.3                          -- what is extrapolated has to be so much cheaper
 local reference_margin = 10               -- errors this many times the reference's own tell methods apart
 local least_frames = 4
+local probe_part, start_seconds = 0.15, 0.2 -- of the budget; s, a bound of the start of a process
 
 local function parser()
   local p = argparse("hooke auto", "Chooses an integrator and its step by measuring.")
@@ -68,13 +70,24 @@ end
 
 -- ---- the length of the benchmark ----
 
+-- An explicit and an implicit method that show what a scene costs, stiff or not.
+local probes = { { integrator = "leapfrog" }, { integrator = "esdirk4", tol = 1e-3 } }
+
+-- Of the probes the least processor time per simulated second, from the first frames.
+local function cost_of_scene(o, tried)
+  local least = probe_part * o.budget
+  for _, probe in ipairs(probes) do
+    local result = case_process.run { scene = o.scene, params = o.params, integrator = probe.integrator, tol = probe.tol,
+      ["until"] = tried, allowance = least + start_seconds, trust = o.trust }
+    least = math.min(result.step_s or least, least)
+  end
+  return least / tried
+end
+
 local function benchmark_end(o, explained)
   local whole = o.until_ or explained.duration
   local frame = 1 / explained.fps
-  local tried = math.min(whole, least_frames * frame)
-  local result = case_process.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
-    timeout = 0.2 * o.budget, trust = o.trust }
-  local cost = (result.step_s or 0.2 * o.budget) / tried -- wall seconds per simulated second
+  local cost = cost_of_scene(o, math.min(whole, least_frames * frame))
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
   if afford >= whole then return whole end
   return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)
@@ -86,7 +99,8 @@ end
 local function ranking(b)
   local list = {}
   for _, method in ipairs(b.methods) do list[#list + 1] = at_target.cheapest(method, b.goal, b.goal.target) end
-  table.sort(list, function(a, c) return a.wall < c.wall end)
+  local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
+  table.sort(list, function(a, c) return cost(a) < cost(c) end)
   return list
 end
 

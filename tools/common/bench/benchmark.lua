@@ -76,10 +76,10 @@ end
 
 -- ---- the scene ----
 
--- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text), only_best
--- (methods that are slower than the best at the target are not refined further; a reference that is as good as its
--- margin asks for will do, and no perturbation is followed), margin (of errors to the reference's own). In the returned bench the caller may
--- set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
+-- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text),
+-- margin (of errors to the reference's own), only_best (methods that are slower than the best at the target are not
+-- refined further, a reference that is as good as its margin asks for will do, and no perturbation is followed). In the
+-- returned bench the caller may set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
   local explained, why = case_process.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
@@ -191,7 +191,8 @@ end
 -- shortened to the time until which they do.
 local function find_reference(self)
   local aim = self.options.finest / self.margin
-  local found, why = reference.compute(self, aim, part.reference * self.options.budget)
+  local found, why = reference.compute(self, aim, (part.reference + (self.brief and part.conditioning or 0))
+    * self.options.budget)
   if not found then return nil, why end
   local fine
   fine, why = check_metric(self, found.motion)

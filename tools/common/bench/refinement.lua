@@ -16,18 +16,11 @@ local most_first = 3      -- relative to its share: what the first run of a meth
 local most_settled = 2    -- runs to settle a method at the target
 local small = 0.01 -- relative to the motion's size: larger errors may still decrease
 
-local function median(list)
-  local sorted = table.move(list, 1, #list, 1, {})
-  table.sort(sorted)
-  local middle = #sorted // 2
-  return #sorted % 2 == 1 and sorted[middle + 1] or (sorted[middle] + sorted[middle + 1]) / 2
-end
-
 local function row_of(method, setting, case, result)
   local row = { method = method, integrator = method.label, setting = setting, case = case, result = result,
     verdict = result.verdict or "failed", reason = result.failed or result.reason,
     times = result.times or { result.step_s } }
-  if result.step_s and #row.times > 0 then row.wall_s = median(row.times) end
+  if result.step_s and #row.times > 0 then row.wall_s = math.min(table.unpack(row.times)) end
   if result.error and not result.error.failed then row.errors = result.error end
   return row
 end
@@ -209,7 +202,7 @@ function refinement.repeat_rows(rows, bench, count, seconds)
         case.integrator, case.dt, case.tol = row.case.integrator, row.case.dt, row.case.tol
         case.allowance, case.turn = 4 * (row.result.processor_s or 0) + 1, turn
         bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_s end, 1)
-        row.wall_s = median(row.times)
+        row.wall_s = math.min(table.unpack(row.times))
       end
     end
   end
