@@ -4,13 +4,15 @@
  * where d is the last change of x divided by h, so that rounding does not grow as in x' - 2x + x_before (Hairer,
  * Norsett and Wanner, Solving ODEs I, III.10). v' equals the result of the Adams-Bashforth method of the same order,
  * with coefficients gamma_j; computed from d' it cannot drift away from the change of x. The first steps use the
- * Dormand-Prince method of order 5, whose change of x initialises d without a subtraction.
+ * Dormand-Prince method of order 5, or extrapolation, whose change of x initialises d without a subtraction.
  *
  * The coefficients belong to the method: up to its order they are those of the series, and beyond it they are chosen
  * for a wide range of stable steps. */
 #include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/integrate/extrapolation.h"
 #include "plugins/common/integrate/growth_factor.h"
 
+#include <assert.h>
 #include <complex.h>
 #include <string.h>
 
@@ -134,14 +136,12 @@ static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f
 }
 
 /* One Dormand-Prince step; d = v + h sum (b A)_l a_l is the change of x divided by h. */
-static hk_status start(hk_stoermer *m, hk_system *s, double *slope, double h) {
+static hk_status dormand_prince(hk_stoermer *m, hk_system *s, const double *slope, double h) {
   hk_tableau T = hk_dormand_prince;
   T.stages = 6; /* the seventh is for the error estimate only */
   size_t v = 3 * s->n;
-  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, slope, slope + v);
-  if (status != HK_OK) return status;
   memcpy(m->start, slope, (s->size - v) * sizeof *slope);
-  status = hk_rk_stages(&T, s, h, m->start, 1);
+  hk_status status = hk_rk_stages(&T, s, h, m->start, 1);
   if (status != HK_OK) return status;
   double *change = change_at(m, s, m->current);
   memcpy(change, s->X + v, v * sizeof *slope);
@@ -155,11 +155,31 @@ static hk_status start(hk_stoermer *m, hk_system *s, double *slope, double h) {
   return HK_OK;
 }
 
+static_assert((int)HK_EXTRAPOLATION_STATES <= (int)HK_STOERMER_START, "the field is wide enough for both");
+
+static hk_status extrapolated(hk_stoermer *m, hk_system *s, const double *slope, double h) {
+  const double *by;
+  hk_status status = hk_extrapolated_change(s, h, slope, m->start, &by);
+  if (status != HK_OK) return status;
+  double *change = change_at(m, s, m->current);
+  for (size_t e = 0; e < 3 * s->n; e++) change[e] = by[e] / h;
+  for (size_t e = 0; e < s->size; e++) s->X[e] += by[e];
+  return HK_OK;
+}
+
+/* A first step, and the change of x in it. */
+static hk_status start(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *slope, double h) {
+  size_t v = 3 * s->n;
+  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, slope, slope + v);
+  if (status != HK_OK) return status;
+  return f->order > 5 ? extrapolated(m, s, slope, h) : dormand_prince(m, s, slope, h);
+}
+
 hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
   double *a = ring(m, s, f->terms, m->head);
   if (h != m->h) m->known = 0;
   bool starts = m->known < f->terms - 1;
-  hk_status status = starts ? start(m, s, a, h) : recur(m, s, f, a, h);
+  hk_status status = starts ? start(m, s, f, a, h) : recur(m, s, f, a, h);
   if (status != HK_OK) return status;
   m->h = h;
   m->head = (m->head + 1) % f->terms;
