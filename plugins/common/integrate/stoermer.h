@@ -4,13 +4,13 @@
 
 #include "plugins/common/integrate/runge_kutta.h"
 
-enum { HK_STOERMER_TERMS = 5 }; /* at most */
+enum { HK_STOERMER_TERMS = 8 }; /* at most */
 
 /* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. */
 typedef struct hk_stoermer_method {
   int terms;
-  double sigma[HK_STOERMER_TERMS]; /* for x; 1, 0, 1/12, 1/12, 19/240 */
-  double gamma[HK_STOERMER_TERMS]; /* for v and channels; 1, 1/2, 5/12, 3/8, 251/720 */
+  double sigma[HK_STOERMER_TERMS]; /* for x; 1, 0, 1/12, 1/12, 19/240, 3/40, 863/12096, 275/4032 */
+  double gamma[HK_STOERMER_TERMS]; /* for v and channels; 1, 1/2, 5/12, 3/8, 251/720, 95/288, ... */
 } hk_stoermer_method;
 
 typedef struct hk_stoermer {

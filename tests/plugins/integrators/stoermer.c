@@ -9,7 +9,7 @@
 #include <string.h>
 #include <cmocka.h>
 
-enum { METHODS = 4, TERMS = 5, N = 7, STEPS = 12 };
+enum { METHODS = 5, TERMS = 8, N = 7, STEPS = 12 };
 
 /* Stable while (h w)^2 + drag h g <= square, which is where the root -1 is reached. */
 static const struct family {
@@ -19,8 +19,19 @@ static const struct family {
 } families[METHODS] = {
     {"stoermer", 4, {1, 0, 1.0 / 12, 1.0 / 12}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8}, 2, 20.0 / 3},
     {"stoermer5", 5, {1, 0, 1.0 / 12, 1.0 / 12, 19.0 / 240}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, 251.0 / 720}, NAN, NAN},
-    {"stoermer_wide2", 3, {1, 0, 0}, {1, 1.0 / 2, -1.0 / 4}, 4, 2},
-    {"stoermer_wide4", 5, {1, 0, 1.0 / 12, 1.0 / 12, -1.0 / 24}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -1.0 / 4}, 3, 4},
+    {"stoermer_wide2", 4, {1, 0, 0, 0}, {1, 1.0 / 2, -0.62, 0.146}, 4, 1.376},
+    {"stoermer_wide3",
+     5,
+     {1, 0, 1.0 / 12, 0, -0.01},
+     {1, 1.0 / 2, 5.0 / 12, -0.66, 0.17},
+     4 / (1 + 1.0 / 3 - 0.16),
+     2 * (2 + 5.0 / 3 - 8 * 0.66 + 16 * 0.17) / (1 + 1.0 / 3 - 0.16)},
+    {"stoermer_wide4",
+     6,
+     {1, 0, 1.0 / 12, 1.0 / 12, -0.004, -0.015},
+     {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -0.67, 0.18},
+     4 / (2 - 16 * 0.004 - 32 * 0.015),
+     2 * (5 + 5.0 / 3 - 16 * 0.67 + 32 * 0.18) / (2 - 16 * 0.004 - 32 * 0.015)},
 };
 
 static void swing(const void *context, double t, const double *x, const double *v, const double *y, double *a,
