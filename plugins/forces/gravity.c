@@ -1,5 +1,5 @@
 /* Uniform gravity, F = m g; energy -m g.x. Any direction is allowed, such as upwards for smoke. */
-#include "core/plugin.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct gravity {
   double g[3];
@@ -9,12 +9,6 @@ static const hk_param params[] = {
     {"g", "m/s^2", "acceleration", HK_VECTOR, {0, 0, -9.81}, 0, 0, offsetof(gravity, g), HK_TIMED, NULL},
     {0},
 };
-
-typedef struct task {
-  const gravity *self;
-  const hk_view *view;
-  double *F;
-} task;
 
 enum { LANES = 4 };
 
@@ -41,8 +35,8 @@ __attribute__((target("avx2"))) static void add_wide(const gravity *s, const dou
 #define ADD_FOURS add_narrow
 #endif
 
-/* On the particles begin to end - 1 of those that it acts on. */
-static void add_range(const gravity *s, const hk_view *view, size_t begin, size_t end, double *F) {
+static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *restrict F) {
+  const gravity *s = self;
   const uint32_t *active = view->active;
   const double *m = view->model->mass;
   size_t fours = active ? begin : end - (end - begin) % LANES;
@@ -51,24 +45,16 @@ static void add_range(const gravity *s, const hk_view *view, size_t begin, size_
     size_t i = active ? active[k] : k;
     for (size_t c = 0; c < 3; c++) F[3 * i + c] += m[i] * s->g[c];
   }
-}
-
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
-  add_range(t->self, t->view, begin, end, t->F);
+  return 0; /* of the conservative force no power is counted */
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {self, view, F};
-  view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
+  hk_particle_sums_add(view, HK_ALL_PARTS, push, self, F);
   return HK_OK;
 }
 
 static void add_part(void *self, const hk_view *view, size_t part, double *F) {
-  size_t begin, end;
-  hk_part_acting(view, part, &begin, &end);
-  add_range(self, view, begin, end, F);
+  hk_particle_sums_add(view, part, push, self, F);
 }
 
 static double energy(void *self, const hk_view *view) {
