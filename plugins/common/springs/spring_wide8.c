@@ -77,6 +77,7 @@ typedef struct ends {
 INLINE void run_step(const hk_spring_numbers *q, const ends *at, size_t e, const lanes *m, bool damped, half *part,
                      vector f[3]) {
   vector w = _mm512_setzero_pd(), p[3];
+  hk_spring_fetch(q, e);
   for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) f[r] = load(at->xj + k, m->r[r]) - load(at->xi + k, m->r[r]);
   if (damped) {
     for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH)
@@ -167,6 +168,8 @@ INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (
   const hk_spring_numbers *q = s->q;
   const vector one = _mm512_set1_pd(1), tiny = _mm512_set1_pd(HK_SPRING_TINY);
   vector u[3], w = _mm512_setzero_pd();
+  __builtin_prefetch(pair + HK_SPRING_AHEAD);
+  hk_spring_fetch(q, e);
   columns(s->x, pair, 1, d);
   for (size_t r = 0; r < 3; r++) d[r] -= x[r];
   if (s->damped) {
