@@ -149,8 +149,22 @@ static void refer(hk_comparison *c, hk_reference want) {
   hk_trajectory_free(&reference.trajectory);
 }
 
+/* 1/s, the largest frequency that is known; of implicit runs, which need none, it is estimated here, since without it
+ * hopeless explicit references are tried up to the end of their steps. */
+static double frequency(const hk_comparison *c) {
+  hk_run *whole = c->whole;
+  hk_spectrum found = whole->step.spectrum;
+  double known = fmax(c->half.spectrum.w_reached, found.w_reached);
+  if (known > 0) return known;
+  hk_counts counts = whole->dynamics.count;
+  hk_status status = hk_spectrum_estimate(&whole->dynamics.system, &found, whole->dynamics.error);
+  if (status != HK_OK) hk_error_clear(whole->dynamics.error);
+  whole->dynamics.count = counts;
+  return status == HK_OK ? found.w_reached : 0;
+}
+
 void hk_comparison_refer(hk_comparison *c, hk_effort effort, bool coarse) {
-  if (!c->referred) refer(c, (hk_reference){strictest(c), INFINITY, c->half.spectrum.w_reached, effort, coarse});
+  if (!c->referred) refer(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse});
 }
 
 double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
