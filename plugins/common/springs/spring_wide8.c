@@ -104,6 +104,7 @@ INLINE step begin_step(const ends *at, size_t e, const lanes *m, bool damped) {
 /* Their forces on the first ends, which are added to these. */
 INLINE void end_step(const hk_spring_numbers *q, size_t e, const lanes *m, const step *of, double *Fi, half *part,
                      vector f[3]) {
+  hk_spring_fetch(q, e);
   vector s = scales(q, e, m->spring, &of->t, part);
   f[0] = of->d[0] * PICK(s, s, 0, 0, 0, 1, 1, 1, 2, 2);
   f[1] = of->d[1] * PICK(s, s, 2, 3, 3, 3, 4, 4, 4, 5);
@@ -213,6 +214,8 @@ INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (
                       const vector v[3], vector d[3], vector *part) {
   const hk_spring_numbers *q = s->q;
   vector u[3], w = _mm512_setzero_pd();
+  __builtin_prefetch(pair + HK_SPRING_AHEAD);
+  hk_spring_fetch(q, e);
   columns(s->x, pair, 1, d);
   for (size_t r = 0; r < 3; r++) d[r] -= x[r];
   if (s->damped) {
