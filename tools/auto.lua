@@ -21,8 +21,11 @@ local case_process = require("common.run.case_process")
 local margin = 1 / 4
 local reference_costs = 10                -- approximate cost of the reference, in runs of leapfrog
 local as_cheap = 1.2                      -- costs closer than this are the same, to what measuring can tell
+local doubt = 1.3                          -- what is extrapolated has to be so much cheaper
+local rule = 2                             -- to be raised when the choice is made in another way: what is on file is void
 local reference_margin = 10               -- errors this many times the reference's own tell methods apart
 local least_frames = 4
+local probe_part, start_seconds = 0.15, 0.2 -- of the budget; s, a bound of the start of a process
 
 local function parser()
   local p = argparse("hooke auto", "Chooses an integrator and its step by measuring.")
@@ -59,25 +62,39 @@ local function stored_choice(path)
   return fine and type(choice) == "table" and choice.integrator and choice or nil
 end
 
+-- Returns whether the choice is on file.
 local function store_choice(path, choice)
-  if not path then return end
+  if not path then return false end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
   local fine, why = files.write(path, journal.json.encode(choice) .. "\n")
   if not fine then complain("the choice is not kept: %s", why) end
+  return fine
 end
 
 -- ---- the length of the benchmark ----
 
+-- An explicit and an implicit method that show what a scene costs, stiff or not.
+local probes = { { integrator = "leapfrog" }, { integrator = "esdirk4", tol = 1e-3 } }
+
+-- Of the probes the least processor time per simulated second, from the first frames, and whether it is the implicit
+-- one's.
+local function cost_of_scene(o, tried)
+  local least, implicit = probe_part * o.budget, false
+  for _, probe in ipairs(probes) do
+    local result = case_process.run { scene = o.scene, params = o.params, integrator = probe.integrator, tol = probe.tol,
+      ["until"] = tried, allowance = least + start_seconds, trust = o.trust }
+    if (result.step_s or math.huge) < least then least, implicit = result.step_s, probe.tol ~= nil end
+  end
+  return least / tried, implicit
+end
+
 local function benchmark_end(o, explained)
   local whole = o.until_ or explained.duration
   local frame = 1 / explained.fps
-  local tried = math.min(whole, least_frames * frame)
-  local result = case_process.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
-    timeout = 0.2 * o.budget, trust = o.trust }
-  local cost = (result.step_s or 0.2 * o.budget) / tried -- wall seconds per simulated second
+  local cost, implicit = cost_of_scene(o, math.min(whole, least_frames * frame))
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
-  if afford >= whole then return whole end
-  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)
+  if afford >= whole then return whole, implicit end
+  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame), implicit
 end
 
 -- ---- from errors to a choice ----
@@ -86,7 +103,8 @@ end
 local function ranking(b)
   local list = {}
   for _, method in ipairs(b.methods) do list[#list + 1] = at_target.cheapest(method, b.goal, b.goal.target) end
-  table.sort(list, function(a, c) return a.wall < c.wall end)
+  local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
+  table.sort(list, function(a, c) return cost(a) < cost(c) end)
   return list
 end
 
@@ -124,12 +142,14 @@ end
 local function measure(o)
   local explained, why = hooke.explain(o.scene, o.params, { trust = o.trust })
   if not explained then return nil, why end
-  local whole, part = o.until_ or explained.duration, benchmark_end(o, explained)
+  local whole = o.until_ or explained.duration
+  local part, implicit = benchmark_end(o, explained)
   local target = o.accuracy * part / whole
   local b
   for _ = 1, 3 do
     b, why = benchmark.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = margin * target,
-      budget = o.budget, metric = "x", only_best = true, margin = reference_margin, trust = o.trust }
+      budget = o.budget, metric = "x", only_best = true, margin = reference_margin,
+      implicit_first = implicit, trust = o.trust }
     if not b then return nil, why end
     local fine
     fine, why = benchmark.measure(b, function() end)
@@ -174,20 +194,20 @@ local function main()
   end
   local place = folder()
   local path = place and ("%s/auto-%s.json"):format(place, journal.hash(journal.of_scene(o.scene, params)
-    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_ }))
+    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_, rule = rule }))
   local choice, begun = not o.again and stored_choice(path), process.clock()
-  local known = choice ~= nil and choice ~= false
+  local known, kept = choice ~= nil and choice ~= false, false
   if not known then
     local why
     choice, why = measure(o)
     if not choice then return complain("%s", why) end
     choice.scene, choice.accuracy, choice.seconds = o.scene, o.accuracy, process.clock() - begun
-    store_choice(path, choice)
+    kept = store_choice(path, choice)
   end
   if not o.quiet then
     io.stderr:write(("hooke: auto: %s\n"):format(choice.why))
     io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(path)
-      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, path and ", kept in " .. path or ""))
+      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, kept and ", kept in " .. path or ""))
   end
   if hooke.chosen then hooke.chosen(choice.integrator, choice.dt, choice.tol) end
   return 0

@@ -76,10 +76,11 @@ end
 
 -- ---- the scene ----
 
--- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text), only_best
--- (methods that are slower than the best at the target are not refined further; a reference that is as good as its
--- margin asks for will do, and no perturbation is followed), margin (of errors to the reference's own). In the returned bench the caller may
--- set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
+-- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text),
+-- margin (of errors to the reference's own), only_best (methods that are slower than the best at the target are not
+-- refined further, a reference that is as good as its margin asks for will do, and no perturbation is followed),
+-- implicit_first (these are likely to be the best). In the returned bench the caller may set `record`
+-- (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
   local explained, why = case_process.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
@@ -191,7 +192,8 @@ end
 -- shortened to the time until which they do.
 local function find_reference(self)
   local aim = self.options.finest / self.margin
-  local found, why = reference.compute(self, aim, part.reference * self.options.budget)
+  local found, why = reference.compute(self, aim, (part.reference + (self.brief and part.conditioning or 0))
+    * self.options.budget)
   if not found then return nil, why end
   local fine
   fine, why = check_metric(self, found.motion)
@@ -261,7 +263,7 @@ local function goal_of(self)
   local unit = metric == "x" and " m" or metric == "v" and " m/s" or ""
   local word = metric == "energy" and "energy drift" or metric == "x" and "error" or "error of " .. metric
   return { metric = metric, fps = self.fps, motion = self.reference.motion, finest = o.finest, target = o.target,
-    only_best = o.only_best, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
+    only_best = o.only_best, implicit_first = o.implicit_first, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
     scale = metric == "x" and self.scale > 0 and self.scale or math.huge }
 end
 

@@ -20,7 +20,8 @@ local candidates = {
   { name = "tr_bdf2", tol = 1e-6 },
 }
 local tightest = 1e-14
-local patience_at_first = 1 -- s, for the first runs of all
+local patience_at_first = 1   -- s, for the first runs of all
+local shortest_patience = 0.1 -- s, where only two are wanted
 
 local function case_of(c, level, bench)
   local case = bench.case()
@@ -86,21 +87,44 @@ local function evaluation_time(bench)
   return seconds
 end
 
--- Where runs are long, or only the best method is looked for, the time of explicit methods is estimated: those that fit
--- into half the time run first, the shortest first.
-local function start_with_known(list, bench, left)
-  local each, known, least = evaluation_time(bench), {}, bench.brief and 0 or patience_at_first / 2
+-- Sets c.expected, the time in s that an explicit method takes, of the longest stable steps or shorter ones.
+local function foretell(list, bench)
+  local each = evaluation_time(bench)
   for _, c in ipairs(list) do
     local step = bench.step[c.name]
     local h = math.min(step.suggestion, 1 / bench.fps) / (c.shorter or 1)
-    local seconds = each and not bench.implicit[c.name] and each * bench.stages[c.name] * bench.case()["until"] / h
-    if seconds and seconds > least and seconds < left() / 4 then
-      known[#known + 1] = c
-      c.expected = seconds
-    end
+    c.expected = each and not bench.implicit[c.name] and each * bench.stages[c.name] * bench.case()["until"] / h or nil
   end
-  if bench.brief then table.sort(known, function(a, b) return a.expected < b.expected end) end
+end
+
+-- Where runs are long, explicit methods that fit into half the time run first.
+local function start_with_known(list, bench, left)
+  local known = {}
+  foretell(list, bench)
+  for _, c in ipairs(list) do
+    if c.expected and c.expected > patience_at_first / 2 and c.expected < left() / 4 then known[#known + 1] = c end
+  end
   if #known >= 2 then run(known, bench, left() / 2, function() return finished(list) < 2 end) end
+end
+
+-- The two methods that are the first to come to the end: all have the same time, four times as much in every round, but
+-- explicit methods do not begin before they can be expected to finish.
+local function race(list, bench, left)
+  local patience = shortest_patience
+  local function wanted() return left() > 0 and finished(list) < 2 end
+  foretell(list, bench)
+  table.sort(list, function(a, b) return (a.expected or math.huge) < (b.expected or math.huge) end)
+  while wanted() do
+    local round, waiting = {}, 0
+    for _, c in ipairs(list) do
+      local open = not c.motion and (c.late or not c.ended)
+      waiting = waiting + (open and 1 or 0)
+      if open and (c.expected or 0) < patience then round[#round + 1] = c end
+    end
+    if waiting == 0 then return end
+    run(round, bench, math.min(2 * patience, math.max(left(), 0.1)), wanted)
+    patience = 4 * patience
+  end
 end
 
 -- Runs the first level of all methods, with increasing time for those that have not finished, until two have.
@@ -197,10 +221,12 @@ function reference.compute(bench, aim, seconds)
   local function left() return seconds - (process.processor_time() - begun) end
   for _, c in ipairs(candidates) do
     if usable(c, bench) then
-      list[#list + 1] = { name = c.name, settings = c.settings, tol = c.tol, shorter = c.shorter, level = 0 }
+      list[#list + 1] = { name = c.name, settings = c.settings, tol = c.tol, level = bench.brief and c.tol and -1 or 0,
+        shorter = bench.brief and 1 or c.shorter }
     end
   end
-  start(list, bench, left)
+  local begin = bench.brief and race or start
+  begin(list, bench, left)
   local pair, why = best_pair(list, bench.metric, aim)
   local stuck, late = 0, false
   if not pair and why then return nil, "no two methods can be compared: " .. why end

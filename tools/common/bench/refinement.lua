@@ -16,18 +16,11 @@ local most_first = 3      -- relative to its share: what the first run of a meth
 local most_settled = 2    -- runs to settle a method at the target
 local small = 0.01 -- relative to the motion's size: larger errors may still decrease
 
-local function median(list)
-  local sorted = table.move(list, 1, #list, 1, {})
-  table.sort(sorted)
-  local middle = #sorted // 2
-  return #sorted % 2 == 1 and sorted[middle + 1] or (sorted[middle] + sorted[middle + 1]) / 2
-end
-
 local function row_of(method, setting, case, result)
   local row = { method = method, integrator = method.label, setting = setting, case = case, result = result,
     verdict = result.verdict or "failed", reason = result.failed or result.reason,
     times = result.times or { result.step_s } }
-  if result.step_s and #row.times > 0 then row.wall_s = median(row.times) end
+  if result.step_s and #row.times > 0 then row.wall_s = math.min(table.unpack(row.times)) end
   if result.error and not result.error.failed then row.errors = result.error end
   return row
 end
@@ -118,8 +111,9 @@ local function take(method, setting, bench, goal, share)
 end
 
 -- The approximate cost of a method's first run relative to the others; methods that are sure to finish run first.
-local function relative_cost(method)
-  return (method.implicit and 1e9 or 0) + method.stages / math.min(method.longest, 1)
+local function relative_cost(method, implicit_first)
+  local late = method.implicit == not implicit_first
+  return (late and 1e9 or 0) + method.stages / math.min(method.longest, 1)
 end
 
 -- A row takes its place by its work.
@@ -142,13 +136,13 @@ local function cheapest_at_target(list, goal)
 end
 
 -- list: methods; bench as for reference.compute; goal: { metric, fps, motion (the reference), finest, support (errors
--- below it cannot be resolved), target, only_best (runs that are slower than the best at the target need not finish) };
+-- below it cannot be resolved), target, implicit_first, only_best (runs that are slower than the best at the target need not finish) };
 -- seconds for all. Sets method.rows, method.refused (the reason why it does not fit the scene) and method.ended (the
 -- reason why there are no more rows).
 function refinement.run(list, bench, goal, seconds)
   local begun, live = process.processor_time(), table.move(list, 1, #list, 1, {})
   table.sort(live, function(a, b)
-    local x, y = relative_cost(a), relative_cost(b)
+    local x, y = relative_cost(a, goal.implicit_first), relative_cost(b, goal.implicit_first)
     return x < y or x == y and a.label < b.label
   end)
   for _, method in ipairs(list) do method.level = 0 end
@@ -159,6 +153,9 @@ function refinement.run(list, bench, goal, seconds)
       local share = math.max(left, 0) / (#live - k + 1 + #going)
       if goal.only_best then share = math.min(share, cheapest_at_target(list, goal)) end
       local setting, why = next_run(method, list, goal, share)
+      if goal.only_best and left <= 0 and cheapest_at_target(list, goal) < math.huge then
+        setting, why = nil, "no time was left"
+      end
       local row
       if setting then row, why = take(method, setting, bench, goal, share) end
       if row then
@@ -209,7 +206,7 @@ function refinement.repeat_rows(rows, bench, count, seconds)
         case.integrator, case.dt, case.tol = row.case.integrator, row.case.dt, row.case.tol
         case.allowance, case.turn = 4 * (row.result.processor_s or 0) + 1, turn
         bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_s end, 1)
-        row.wall_s = median(row.times)
+        row.wall_s = math.min(table.unpack(row.times))
       end
     end
   end
