@@ -1,6 +1,6 @@
 /* Stoermer's multistep method of order 4: one evaluation per step, constant h, restarted by six-stage steps after
  * events. Stable up to h w = sqrt 2 without damping, and up to h k = 0.3 for decay at the rate k. */
-#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/multistep/stoermer.h"
 
 enum { ORDER = 4 };
 

@@ -2,7 +2,7 @@
  * events. It is meant for damped scenes: without damping, oscillations grow by 2e-5 per step at h w = 0.3 (order 4 has
  * no such growth), by 2e-3 at 0.74, so that without damping its step is kept below h w = 0.13. For decay at the rate k
  * it is stable up to h k = 0.163. */
-#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/multistep/stoermer.h"
 
 enum { ORDER = 5 };
 

@@ -3,7 +3,7 @@
  * and for decay at the rate k up to h k = 0.0244 only. The error at the same number of evaluations is far below that of
  * the compositions of order 6 and 8, which take 9 and 17 of them a step; they keep the energy over longer times than it
  * does. */
-#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/multistep/stoermer.h"
 
 enum { ORDER = 8 };
 

@@ -4,7 +4,7 @@
  * `symplectic_euler` (order 1) while (h w)^2 + 2 h g <= 4. At the damping ratio 0.137 of a curtain of 64 x 64 particles
  * the stable step is 19 % longer than leapfrog's, at 0.55, of 256 x 256, 79 %. Without damping the positions are those
  * of leapfrog, but the error of the velocities is larger, so leapfrog is the better choice. */
-#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/multistep/stoermer.h"
 
 enum { ORDER = 2, TERMS = 4 };
 

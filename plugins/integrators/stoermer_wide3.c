@@ -2,7 +2,7 @@
  * found by a search over oscillators of damping ratio 0 to 1. Stable while 1.1733 (h w)^2 + 2.2133 h g <= 4, where a
  * root reaches -1. Its errors are about a fifth of those of `stoermer_wide2` at nearly the same step: where the limit
  * of stability sets the step of either, it is the more accurate one. */
-#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/multistep/stoermer.h"
 
 enum { ORDER = 3, TERMS = 5 };
 

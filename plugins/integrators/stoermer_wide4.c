@@ -6,7 +6,7 @@
  *
  * On a curtain of 32 x 32 particles an error of 1e-7 m takes 2,380 evaluations (`stoermer`: 2,911, at its limit of
  * stability), on one of 64 x 64 it takes 4,400 (`stoermer`: 7,900). */
-#include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/multistep/stoermer.h"
 
 enum { ORDER = 4, TERMS = 6 };
 

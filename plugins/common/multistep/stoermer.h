@@ -35,7 +35,6 @@ typedef struct hk_stoermer {
       {"head", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, head), 0},                                                   \
       {"h", HK_FIELD_NUMBER, 1, offsetof(hk_stoermer, h), 0},                                                          \
       {"slopes", HK_FIELD_STATE, terms, offsetof(hk_stoermer, slope), 0},                                              \
-      {"change", HK_FIELD_PER_PARTICLE, 3, offsetof(hk_stoermer, change), 0},                                          \
       {"start", HK_FIELD_STATE, HK_STOERMER_START, offsetof(hk_stoermer, start), HK_SCRATCH}, {                        \
     0                                                                                                                  \
   }

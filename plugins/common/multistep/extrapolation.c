@@ -3,7 +3,7 @@
  * has an error in even powers of h/m for even m, so that its results for m = 2, 4, 6, 8 give one of order 8:
  *     d = sum w_m d_m,  w_m = product over the other numbers p of m^2/(m^2 - p^2).
  * Hairer, Norsett and Wanner, Solving ODEs I, II.8 and II.9. */
-#include "plugins/common/integrate/extrapolation.h"
+#include "plugins/common/multistep/extrapolation.h"
 
 #include <string.h>
 

@@ -3,13 +3,14 @@
  *     y' = y + h sum gamma_j D^j dy,
  * where d is the last change of x divided by h, so that rounding does not grow as in x' - 2x + x_before (Hairer,
  * Norsett and Wanner, Solving ODEs I, III.10). v' equals the result of the Adams-Bashforth method of the same order,
- * with coefficients gamma_j; computed from d' it cannot drift away from the change of x. The first steps use the
- * Dormand-Prince method of order 5, or extrapolation, whose change of x initialises d without a subtraction.
+ * with coefficients gamma_j; computed from d' it cannot drift away from the change of x. No d is stored: it is v less
+ * the sum that the step before has added. The first steps use the Dormand-Prince method of order 5, or extrapolation,
+ * whose change of x gives the first d without a subtraction; v is then made the method's own.
  *
  * The coefficients belong to the method: up to its order they are those of the series, and beyond it they are chosen
  * for a wide range of stable steps. */
-#include "plugins/common/integrate/stoermer.h"
-#include "plugins/common/integrate/extrapolation.h"
+#include "plugins/common/multistep/stoermer.h"
+#include "plugins/common/multistep/extrapolation.h"
 #include "plugins/common/integrate/growth_factor.h"
 
 #include <assert.h>
@@ -58,31 +59,30 @@ static void weigh(hk_stoermer_weights *w, const hk_stoermer_method *f, double h)
 
 typedef struct advance {
   const double *slope[HK_STOERMER_TERMS]; /* newest first; the newest in places that the method does not use */
-  const hk_stoermer_weights *w;
-  const double *x;
-  double *x_next, *v_next, *d, h;
+  double next[HK_STOERMER_TERMS], lead[HK_STOERMER_TERMS]; /* of the slopes, in d' - v and in v' - d' */
+  const double *x, *v;
+  double *x_next, *v_next, h;
 } advance;
 
 /* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 6 or 8, known
  * when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
 #define INLINE static inline __attribute__((always_inline))
-INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, double *restrict d,
-                   size_t begin, size_t end, int terms) {
-  const double *x = all->x, *const *a = all->slope, *w = all->w->change, *l = all->w->lead, h = all->h;
+INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
+                   int terms) {
+  const double *x = all->x, *v = all->v, *const *a = all->slope, *w = all->next, *l = all->lead, h = all->h;
   for (size_t e = begin; e < end; e++) {
     double change = w[0] * a[0][e] + w[1] * a[1][e] + w[2] * a[2][e] + w[3] * a[3][e];
     double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e] + l[3] * a[3][e];
     if (terms > 4) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
     if (terms > 6) change += w[6] * a[6][e] + w[7] * a[7][e], lead += l[6] * a[6][e] + l[7] * a[7][e];
-    double next = d[e] + change;
-    d[e] = next;
-    x_next[e] = x[e] + h * next;
-    v_next[e] = next + lead;
+    double d = v[e] + change;
+    x_next[e] = x[e] + h * d;
+    v_next[e] = d + lead;
   }
 }
 
 INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
-  update(all, all->x_next, all->v_next, all->d, 3 * begin, 3 * end, terms);
+  update(all, all->x_next, all->v_next, 3 * begin, 3 * end, terms);
 }
 
 typedef void sweeping(void *context, size_t begin, size_t end);
@@ -110,34 +110,36 @@ static sweeping *best(int terms) { return narrow[terms > 4 ? (terms - 3) / 2 : 0
 /* A step of the recurrence, with the slope `a` that is evaluated in it. */
 static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a, double h) {
   size_t v = 3 * s->n, y = 6 * s->n;
-  advance all = {{NULL}, &m->weights, s->X, s->spare, s->spare + v, m->change, h};
-  for (int j = 0; j < HK_STOERMER_TERMS; j++)
+  const hk_stoermer_weights *w = &m->weights;
+  advance all = {.x = s->X, .v = s->X + v, .x_next = s->spare, .v_next = s->spare + v, .h = h};
+  for (int j = 0; j < HK_STOERMER_TERMS; j++) {
     all.slope[j] = ring(m, s, f->terms, j < f->terms ? m->head + f->terms - j : m->head);
-  weigh(&m->weights, f, h);
+    all.next[j] = w->change[j] - (j > 0 ? w->lead[j - 1] : 0);
+    all.lead[j] = w->lead[j];
+  }
   hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms)});
   if (status != HK_OK) return status;
   memcpy(s->spare + y, s->X + y, (s->size - y) * sizeof *s->X);
   for (int j = 0; j < f->terms; j++)
-    for (size_t e = y; e < s->size; e++) s->spare[e] += m->weights.rate[j] * all.slope[j][e - v];
+    for (size_t e = y; e < s->size; e++) s->spare[e] += w->rate[j] * all.slope[j][e - v];
   s->exchange(s);
   return HK_OK;
 }
 
-/* One Dormand-Prince step; d = v + h sum (b A)_l a_l is the change of x divided by h. */
-static hk_status dormand_prince(hk_stoermer *m, hk_system *s, const double *slope, double h) {
+/* One Dormand-Prince step; d = v + h sum (b A)_l a_l (n x 3) is the change of x divided by h. */
+static hk_status dormand_prince(hk_stoermer *m, hk_system *s, const double *slope, double h, double *d) {
   hk_tableau T = hk_dormand_prince;
   T.stages = 6; /* the seventh is for the error estimate only */
   size_t v = 3 * s->n;
   memcpy(m->start, slope, (s->size - v) * sizeof *slope);
   hk_status status = hk_rk_stages(&T, s, h, m->start, 1);
   if (status != HK_OK) return status;
-  double *change = m->change;
-  memcpy(change, s->X + v, v * sizeof *slope);
+  memcpy(d, s->X + v, v * sizeof *slope);
   for (int l = 0; l < T.stages; l++) {
     double w = 0;
     for (int j = l + 1; j < T.stages; j++) w += h * T.b[j] * T.a[j][l];
     const double *a = hk_rk_slope(s, m->start, l);
-    for (size_t e = 0; e < v; e++) change[e] += w * a[e];
+    for (size_t e = 0; e < v; e++) d[e] += w * a[e];
   }
   hk_rk_combine(&T, s, h, m->start, T.b, T.stages, 1, s->X, s->X);
   return HK_OK;
@@ -145,33 +147,46 @@ static hk_status dormand_prince(hk_stoermer *m, hk_system *s, const double *slop
 
 static_assert((int)HK_EXTRAPOLATION_STATES <= (int)HK_STOERMER_START, "the field is wide enough for both");
 
-static hk_status extrapolated(hk_stoermer *m, hk_system *s, const double *slope, double h) {
+static hk_status extrapolated(hk_stoermer *m, hk_system *s, const double *slope, double h, double *d) {
   const double *by;
   hk_status status = hk_extrapolated_change(s, h, slope, m->start, &by);
   if (status != HK_OK) return status;
-  for (size_t e = 0; e < 3 * s->n; e++) m->change[e] = by[e] / h;
+  for (size_t e = 0; e < 3 * s->n; e++) d[e] = by[e] / h;
   for (size_t e = 0; e < s->size; e++) s->X[e] += by[e];
   return HK_OK;
 }
 
-/* A first step, and the change of x in it. */
-static hk_status start(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *slope, double h) {
+/* v of the method, which follows from d and the history. */
+static void own_velocity(const hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, const double *d) {
   size_t v = 3 * s->n;
+  memcpy(s->X + v, d, v * sizeof *d);
+  for (int i = 0; i + 1 < f->terms; i++) {
+    const double *a = ring(m, s, f->terms, m->head + f->terms - i), w = m->weights.lead[i];
+    for (size_t e = 0; e < v; e++) s->X[v + e] += w * a[e];
+  }
+}
+
+/* A first step; `slope` is the newest of the history. */
+static hk_status start(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *slope, double h, bool last) {
+  size_t v = 3 * s->n;
+  double *d = s->spare;
   hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, slope, slope + v);
   if (status != HK_OK) return status;
-  return f->order > 5 ? extrapolated(m, s, slope, h) : dormand_prince(m, s, slope, h);
+  status = f->order > 5 ? extrapolated(m, s, slope, h, d) : dormand_prince(m, s, slope, h, d);
+  if (status == HK_OK && last) own_velocity(m, s, f, d);
+  return status;
 }
 
 hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
   double *a = ring(m, s, f->terms, m->head);
-  int64_t known = h == m->h ? m->known : 0;
-  bool starts = known < f->terms - 1;
-  m->known = 0; /* until the step has succeeded, which writes over the history */
-  hk_status status = starts ? start(m, s, f, a, h) : recur(m, s, f, a, h);
+  if (h != m->h) m->known = 0;
+  bool starts = m->known < f->terms - 1;
+  weigh(&m->weights, f, h);
+  hk_status status = starts ? start(m, s, f, a, h, m->known == f->terms - 2) : recur(m, s, f, a, h);
   if (status != HK_OK) return status;
   m->h = h;
   m->head = (m->head + 1) % f->terms;
-  m->known = known + starts;
+  if (starts) m->known++;
   return HK_OK;
 }
 
