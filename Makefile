@@ -71,7 +71,7 @@ ifneq (,$(SUNDIALS))
 SUNDIALS_LIBS := $(if $(filter 6,$(SUNDIALS)),,-lsundials_core)
 else
 LEFT_OUT += plugins/integrators/cvode.c plugins/integrators/arkode.c $(wildcard plugins/common/sundials/*.c) \
-            tests/bench/sundials.c tests/bench/rivals.c
+            tests/bench/sundials.c tests/bench/rivals.c tests/bench/orbits.c
 endif
 # What pages hold is deflated.
 ZLIB := $(call exists,zlib)
@@ -214,7 +214,7 @@ $B/plugins/outputs/trajectory.so $B/tools/recording.so: LINK += -Wl,-z,nodelete
 $B/plugins/integrators/cvode.so: LIBS = -lsundials_cvode $(SUNDIALS_LIBS)
 $B/plugins/integrators/arkode.so: LIBS = -lsundials_arkode $(SUNDIALS_LIBS)
 $B/tools/server.so: LIBS = $(call libs,$(HTTPD))
-$B/bench/sundials $B/bench/rivals: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
+$B/bench/sundials $B/bench/rivals $B/bench/orbits: LIBS += -lsundials_cvode -lsundials_arkode $(SUNDIALS_LIBS)
 
 $B/hooke: $B/obj/core/command/main.o $B/core.a
 	$(link)

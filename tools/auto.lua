@@ -22,6 +22,7 @@ local margin = 1 / 4
 local reference_costs = 10                -- approximate cost of the reference, in runs of leapfrog
 local as_cheap = 1.2                      -- costs closer than this are the same, to what measuring can tell
 local doubt = 1.3                          -- what is extrapolated has to be so much cheaper
+local rule = 2                             -- to be raised when the choice is made in another way: what is on file is void
 local reference_margin = 10               -- errors this many times the reference's own tell methods apart
 local least_frames = 4
 local probe_part, start_seconds = 0.15, 0.2 -- of the budget; s, a bound of the start of a process
@@ -61,11 +62,13 @@ local function stored_choice(path)
   return fine and type(choice) == "table" and choice.integrator and choice or nil
 end
 
+-- Returns whether the choice is on file.
 local function store_choice(path, choice)
-  if not path then return end
+  if not path then return false end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
   local fine, why = files.write(path, journal.json.encode(choice) .. "\n")
   if not fine then complain("the choice is not kept: %s", why) end
+  return fine
 end
 
 -- ---- the length of the benchmark ----
@@ -95,12 +98,15 @@ end
 
 -- ---- from errors to a choice ----
 
+local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
+
+local function is_cheaper(a, b) return cost(a) < cost(b) end
+
 -- The methods by their cost at the target, each with the setting for it.
 local function ranking(b)
   local list = {}
   for _, method in ipairs(b.methods) do list[#list + 1] = at_target.cheapest(method, b.goal, b.goal.target) end
-  local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
-  table.sort(list, function(a, c) return cost(a) < cost(c) end)
+  table.sort(list, is_cheaper)
   return list
 end
 
@@ -116,7 +122,7 @@ local function best_two(b, o)
   end
   refinement.settle(methods_near, b, strict, 0.2 * o.budget)
   for k, s in ipairs(near) do near[k] = at_target.cheapest(s.method, strict, strict.target) or s end
-  table.sort(near, function(a, c) return a.wall < c.wall end)
+  table.sort(near, is_cheaper)
   return near[1], near[2] or list[2]
 end
 
@@ -188,20 +194,20 @@ local function main()
   end
   local place = folder()
   local path = place and ("%s/auto-%s.json"):format(place, journal.hash(journal.of_scene(o.scene, params)
-    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_ }))
+    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_, rule = rule }))
   local choice, begun = not o.again and stored_choice(path), process.clock()
-  local known = choice ~= nil and choice ~= false
+  local known, kept = choice ~= nil and choice ~= false, false
   if not known then
     local why
     choice, why = measure(o)
     if not choice then return complain("%s", why) end
     choice.scene, choice.accuracy, choice.seconds = o.scene, o.accuracy, process.clock() - begun
-    store_choice(path, choice)
+    kept = store_choice(path, choice)
   end
   if not o.quiet then
     io.stderr:write(("hooke: auto: %s\n"):format(choice.why))
     io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(path)
-      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, path and ", kept in " .. path or ""))
+      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, kept and ", kept in " .. path or ""))
   end
   if hooke.chosen then hooke.chosen(choice.integrator, choice.dt, choice.tol) end
   return 0

@@ -72,7 +72,7 @@ static double add_one(const drag *p, const hk_view *view, size_t i, double *rest
 }
 
 /* Four particles at a time, with a separate sum for each component: additions to a single sum would have to wait for
- * each other. */
+ * each other. One statement a loop: compilers make vectors of it then. */
 static inline __attribute__((always_inline)) double add_fours(const drag *p, const hk_view *view, size_t begin,
                                                               size_t end, double *restrict F) {
   const double *restrict by = p->channel ? view->y + p->channel->offset * view->n : view->model->mass,
@@ -83,14 +83,10 @@ static inline __attribute__((always_inline)) double add_fours(const drag *p, con
   double power[3 * LANES] = {0}, sum = 0;
   for (size_t i = begin; i < end; i += LANES) {
     const double *restrict v = view->v + 3 * i;
-    double d[3 * LANES];
-    for (size_t l = 0; l < 3 * LANES; l++) d[l] = each + times * by[i + l / 3];
-    double *restrict into = F + 3 * i;
-    for (size_t l = 0; l < 3 * LANES; l++) {
-      double f = d[l] * v[l];
-      into[l] -= f;
-      power[l] -= f * v[l];
-    }
+    double f[3 * LANES];
+    for (size_t l = 0; l < 3 * LANES; l++) f[l] = (each + times * by[i + l / 3]) * v[l];
+    for (size_t l = 0; l < 3 * LANES; l++) F[3 * i + l] -= f[l];
+    for (size_t l = 0; l < 3 * LANES; l++) power[l] -= f[l] * v[l];
   }
   for (size_t l = 0; l < 3 * LANES; l++) sum += power[l];
   return sum;

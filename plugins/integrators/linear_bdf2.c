@@ -29,7 +29,7 @@
  * matrix (steps half as long for the same tol, and up to 1000 iterations on 64 x 64).
  * Hairer, Norsett and Wanner, Solving ODEs I, III.5; Choi and Ko 2002, one linearisation; Tournier and others 2015,
  * tensions from the step before. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 #include "plugins/common/integrate/growth_factor.h"
 
 #include <float.h>

@@ -8,7 +8,7 @@
 
 enum { ORDER = 2, TERMS = 4 };
 
-static const hk_stoermer_method method = {TERMS, {1, 0, 0, 0}, {1, 1.0 / 2, -0.62, 0.146}};
+static const hk_stoermer_method method = {ORDER, TERMS, {1, 0, 0, 0}, {1, 1.0 / 2, -0.62, 0.146}};
 
 static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
 

@@ -6,7 +6,8 @@
 
 enum { ORDER = 3, TERMS = 5 };
 
-static const hk_stoermer_method method = {TERMS, {1, 0, 1.0 / 12, 0, -0.01}, {1, 1.0 / 2, 5.0 / 12, -0.66, 0.17}};
+static const hk_stoermer_method method = {
+    ORDER, TERMS, {1, 0, 1.0 / 12, 0, -0.01}, {1, 1.0 / 2, 5.0 / 12, -0.66, 0.17}};
 
 static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
 

@@ -11,7 +11,7 @@
 enum { ORDER = 4, TERMS = 6 };
 
 static const hk_stoermer_method method = {
-    TERMS, {1, 0, 1.0 / 12, 1.0 / 12, -0.004, -0.015}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -0.67, 0.18}};
+    ORDER, TERMS, {1, 0, 1.0 / 12, 1.0 / 12, -0.004, -0.015}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -0.67, 0.18}};
 
 static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
 

@@ -4,23 +4,29 @@
 
 #include "plugins/common/integrate/runge_kutta.h"
 
-enum { HK_STOERMER_TERMS = 8 }; /* at most */
+enum { HK_STOERMER_TERMS = 8, HK_STOERMER_START = HK_RK_STAGES }; /* at most; no fewer than extrapolation takes */
 
-/* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. */
+/* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. Above
+ * order 5 the first steps are extrapolated ones of order 8. */
 typedef struct hk_stoermer_method {
-  int terms;
+  int order, terms;
   double sigma[HK_STOERMER_TERMS]; /* for x; 1, 0, 1/12, 1/12, 19/240, 3/40, 863/12096, 275/4032 */
   double gamma[HK_STOERMER_TERMS]; /* for v and channels; 1, 1/2, 5/12, 3/8, 251/720, 95/288, ... */
 } hk_stoermer_method;
 
+/* Of the slopes, newest first, for a step of h; of terms that the method does not use: 0. */
+typedef struct hk_stoermer_weights {
+  double h, change[HK_STOERMER_TERMS], lead[HK_STOERMER_TERMS], rate[HK_STOERMER_TERMS];
+} hk_stoermer_weights;
+
 typedef struct hk_stoermer {
-  int64_t known;   /* number of valid slopes of earlier steps, at most terms - 1 */
-  int64_t head;    /* position of the next slope */
-  double h;        /* s, length of the steps in the history */
-  double *slope;   /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
-  int64_t current; /* which of the two changes, 0 or 1, is that of the last step */
-  double *change;  /* two of n x 3, m/s: (x - x before) / h */
-  double *start;   /* HK_FIELD_STATE of width HK_RK_STAGES, scratch */
+  int64_t known;               /* number of valid slopes of earlier steps, at most terms - 1 */
+  int64_t head;                /* position of the next slope */
+  double h;                    /* s, length of the steps in the history */
+  double *slope;               /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
+  double *change;              /* n x 3, m/s: (x - x before) / h */
+  double *start;               /* HK_FIELD_STATE of width HK_STOERMER_START, scratch */
+  hk_stoermer_weights weights; /* follow from h; no field */
 } hk_stoermer;
 
 /* The fields of an instance that begins with hk_stoermer. */
@@ -29,9 +35,8 @@ typedef struct hk_stoermer {
       {"head", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, head), 0},                                                   \
       {"h", HK_FIELD_NUMBER, 1, offsetof(hk_stoermer, h), 0},                                                          \
       {"slopes", HK_FIELD_STATE, terms, offsetof(hk_stoermer, slope), 0},                                              \
-      {"current", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, current), 0},                                             \
-      {"change", HK_FIELD_PER_PARTICLE, 6, offsetof(hk_stoermer, change), 0},                                          \
-      {"start", HK_FIELD_STATE, HK_RK_STAGES, offsetof(hk_stoermer, start), HK_SCRATCH}, {                             \
+      {"change", HK_FIELD_PER_PARTICLE, 3, offsetof(hk_stoermer, change), 0},                                          \
+      {"start", HK_FIELD_STATE, HK_STOERMER_START, offsetof(hk_stoermer, start), HK_SCRATCH}, {                        \
     0                                                                                                                  \
   }
 

@@ -173,10 +173,14 @@ local function finish(job)
   return result
 end
 
+-- Short allowances are looked at more often.
 local function watch(jobs)
-  local fds, ended = {}, {}
-  for fd in pairs(jobs) do fds[#fds + 1] = fd end
-  local ready = process.ready(fds, 0.1)
+  local fds, ended, interval = {}, {}, 0.1
+  for fd, job in pairs(jobs) do
+    fds[#fds + 1] = fd
+    interval = math.max(0.01, math.min(interval, (job.case.allowance or math.huge) / 8))
+  end
+  local ready = process.ready(fds, interval)
   for fd, job in pairs(jobs) do
     local text = ready[fd] and process.read(fd)
     if text and text ~= "" then
