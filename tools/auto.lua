@@ -8,8 +8,10 @@
 -- Where the runs of a method did not reach this error, its setting is extrapolated from its last two errors. The choice
 -- is stored under a hash of the scene's text, its parameters, the accuracy, the end and the plugins' contents.
 local argparse = require("argparse")
+local at_target = require("common.bench.at_target")
 local methods = require("common.bench.methods")
 local benchmark = require("common.bench.benchmark")
+local refinement = require("common.bench.refinement")
 local command_line = require("common.run.command_line")
 local files = require("common.run.file")
 local process = require("process")
@@ -17,9 +19,13 @@ local journal = require("common.bench.journal")
 local case_process = require("common.run.case_process")
 
 local margin = 1 / 4
-local most_doublings, most_decades = 5, 4 -- limits of the extrapolation
 local reference_costs = 10                -- approximate cost of the reference, in runs of leapfrog
+local as_cheap = 1.2                      -- costs closer than this are the same, to what measuring can tell
+local doubt = 1.3                          -- what is extrapolated has to be so much cheaper
+local rule = 2                             -- to be raised when the choice is made in another way: what is on file is void
+local reference_margin = 10               -- errors this many times the reference's own tell methods apart
 local least_frames = 4
+local probe_part, start_seconds = 0.15, 0.2 -- of the budget; s, a bound of the start of a process
 
 local function parser()
   local p = argparse("hooke auto", "Chooses an integrator and its step by measuring.")
@@ -56,100 +62,79 @@ local function stored_choice(path)
   return fine and type(choice) == "table" and choice.integrator and choice or nil
 end
 
+-- Returns whether the choice is on file.
 local function store_choice(path, choice)
-  if not path then return end
+  if not path then return false end
   os.execute("mkdir -p '" .. path:match("^(.*)/"):gsub("'", "'\\''") .. "'")
   local fine, why = files.write(path, journal.json.encode(choice) .. "\n")
   if not fine then complain("the choice is not kept: %s", why) end
+  return fine
 end
 
 -- ---- the length of the benchmark ----
 
+-- An explicit and an implicit method that show what a scene costs, stiff or not.
+local probes = { { integrator = "leapfrog" }, { integrator = "esdirk4", tol = 1e-3 } }
+
+-- Of the probes the least processor time per simulated second, from the first frames, and whether it is the implicit
+-- one's.
+local function cost_of_scene(o, tried)
+  local least, implicit = probe_part * o.budget, false
+  for _, probe in ipairs(probes) do
+    local result = case_process.run { scene = o.scene, params = o.params, integrator = probe.integrator, tol = probe.tol,
+      ["until"] = tried, allowance = least + start_seconds, trust = o.trust }
+    if (result.step_s or math.huge) < least then least, implicit = result.step_s, probe.tol ~= nil end
+  end
+  return least / tried, implicit
+end
+
 local function benchmark_end(o, explained)
   local whole = o.until_ or explained.duration
   local frame = 1 / explained.fps
-  local tried = math.min(whole, least_frames * frame)
-  local result = case_process.run { scene = o.scene, params = o.params, integrator = "leapfrog", ["until"] = tried,
-    timeout = 0.2 * o.budget, trust = o.trust }
-  local cost = (result.step_wall_s or 0.2 * o.budget) / tried -- wall seconds per simulated second
+  local cost, implicit = cost_of_scene(o, math.min(whole, least_frames * frame))
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
-  if afford >= whole then return whole end
-  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)
+  if afford >= whole then return whole, implicit end
+  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame), implicit
 end
 
--- ---- from errors to a setting ----
+-- ---- from errors to a choice ----
 
-local function last_two_rows(method)
-  local one, two
-  for _, row in ipairs(method.rows) do
-    if row.verdict == "ok" and row.error and row.error > 0 and row.wall_s
-      and (not two or row.result.steps ~= two.result.steps or row.setting.substeps) then one, two = two, row end
-  end
-  return one, two
-end
-
-local function extrapolated(method, row, extra)
-  local setting = {}
-  for key, value in pairs(row.setting) do setting[key] = value end
-  if setting.tol then
-    setting.tol = setting.tol / 10 ^ extra
-    return setting, row.wall_s * methods.growth(method) ^ extra
-  elseif setting.substeps then
-    setting.integrator = setting.integrator:gsub("substeps=%d+", ("substeps=%d"):format(setting.substeps << extra))
-    setting.substeps = setting.substeps << extra
-  else
-    setting.dt = setting.dt / 2 ^ extra
-  end
-  return setting, row.wall_s * 2 ^ extra
-end
-
--- The cheapest setting of a method for the target: a measured one, or one extrapolated from its last errors.
-local function best_setting(method, goal)
-  local best
-  for _, row in ipairs(method.rows) do
-    if row.verdict == "ok" and row.error and row.wall_s and math.max(row.error, goal.support) <= goal.target
-      and (not best or row.wall_s < best.wall) then
-      best = { method = method, setting = row.setting, wall = row.wall_s, row = row }
-      best.error = math.max(row.error, goal.support)
-    end
-  end
-  if best then return best end
-  local one, two = last_two_rows(method)
-  if not one or two.error > 0.7 * one.error or two.error <= goal.support then return nil end
-  local unit = two.setting.tol and math.log(one.setting.tol / two.setting.tol, 10) or 1
-  local fall = math.min((one.error / two.error) ^ (1 / unit), two.setting.tol and 10 or 2 ^ method.order)
-  local extra = math.ceil(math.log(two.error / goal.target) / math.log(fall))
-  if extra > (two.setting.tol and most_decades or most_doublings) then return nil end
-  local setting, wall = extrapolated(method, two, extra)
-  return { method = method, setting = setting, wall = wall, error = two.error / fall ^ extra, row = two, extrapolated = true }
-end
-
+-- The methods by their cost at the target, each with the setting for it.
 local function ranking(b)
   local list = {}
-  for _, method in ipairs(b.methods) do list[#list + 1] = best_setting(method, b.goal) end
-  table.sort(list, function(a, c) return a.wall < c.wall end)
+  for _, method in ipairs(b.methods) do list[#list + 1] = at_target.cheapest(method, b.goal, b.goal.target) end
+  local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
+  table.sort(list, function(a, c) return cost(a) < cost(c) end)
   return list
+end
+
+-- Of methods that cost as much at the target, the one that costs least with the margin, with the setting for that: the
+-- two first in this order. The runs that show it take some part of the budget.
+local function best_two(b, o)
+  local list, near, methods_near = ranking(b), {}, {}
+  local strict = setmetatable({ target = math.max(margin * b.goal.target, b.goal.support) }, { __index = b.goal })
+  for _, s in ipairs(list) do
+    if s.wall <= as_cheap * list[1].wall then
+      near[#near + 1], methods_near[#methods_near + 1], s.method.settled = s, s.method, 0
+    end
+  end
+  refinement.settle(methods_near, b, strict, 0.2 * o.budget)
+  for k, s in ipairs(near) do near[k] = at_target.cheapest(s.method, strict, strict.target) or s end
+  table.sort(near, function(a, c) return a.wall < c.wall end)
+  return near[1], near[2] or list[2]
 end
 
 -- ---- the choice ----
 
-local function orders_of_two(list)
-  local fit = {}
-  for _, method in ipairs(list) do
-    if method.order >= 2 then fit[#fit + 1] = method end
-  end
-  return fit
-end
-
 local function phrase(s, b)
   return ("%s, %s (%s %.1e m at %.2g s per simulated second)"):format(s.method.label, methods.setting_text(s.setting),
-    s.extrapolated and "expected" or "measured", s.error, s.wall / b.limit)
+    s.expected and "expected" or "measured", s.error, s.wall / b.limit)
 end
 
 -- The step of a setting. The first setting of an explicit method is the step that a run chooses itself, and shortens
 -- when the scene stiffens: no step is then given, unless the scene has its own dt.
 local function step_of(s, b)
-  local own = not s.extrapolated and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
+  local own = not s.expected and s.row == s.method.rows[1] and not s.method.implicit and s.method.by == "dt"
   if own and b.explained.dt_chosen then return nil end
   return s.setting.dt
 end
@@ -157,25 +142,25 @@ end
 local function measure(o)
   local explained, why = hooke.explain(o.scene, o.params, { trust = o.trust })
   if not explained then return nil, why end
-  local whole, part = o.until_ or explained.duration, benchmark_end(o, explained)
-  local target = margin * o.accuracy * part / whole
+  local whole = o.until_ or explained.duration
+  local part, implicit = benchmark_end(o, explained)
+  local target = o.accuracy * part / whole
   local b
   for _ = 1, 3 do
-    b, why = benchmark.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = target,
-      budget = o.budget, metric = "x", only_best = true, trust = o.trust }
+    b, why = benchmark.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = margin * target,
+      budget = o.budget, metric = "x", only_best = true, margin = reference_margin,
+      implicit_first = implicit, trust = o.trust }
     if not b then return nil, why end
-    b.methods = orders_of_two(b.methods)
     local fine
     fine, why = benchmark.measure(b, function() end)
     if fine then break end
     b, part = nil, math.max(part / 4, least_frames / explained.fps)
-    target = margin * o.accuracy * part / whole
+    target = o.accuracy * part / whole
   end
   if not b then return nil, why end
-  target = margin * o.accuracy * b.limit / whole -- the measured time may be shorter than planned
+  target = o.accuracy * b.limit / whole -- the measured time may be shorter than planned
   b.goal.target = math.max(target, b.goal.support)
-  local list = ranking(b)
-  local first, second = list[1], list[2]
+  local first, second = best_two(b, o)
   if not first then
     return nil, ("no integrator came to %.2g m in the first %.3g s, which %g m at %.4g s take: ask less, or name one")
       :format(b.goal.target, b.limit, o.accuracy, whole)
@@ -209,20 +194,20 @@ local function main()
   end
   local place = folder()
   local path = place and ("%s/auto-%s.json"):format(place, journal.hash(journal.of_scene(o.scene, params)
-    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_ }))
+    .. journal.canonical { accuracy = o.accuracy, until_ = o.until_, rule = rule }))
   local choice, begun = not o.again and stored_choice(path), process.clock()
-  local known = choice ~= nil and choice ~= false
+  local known, kept = choice ~= nil and choice ~= false, false
   if not known then
     local why
     choice, why = measure(o)
     if not choice then return complain("%s", why) end
     choice.scene, choice.accuracy, choice.seconds = o.scene, o.accuracy, process.clock() - begun
-    store_choice(path, choice)
+    kept = store_choice(path, choice)
   end
   if not o.quiet then
     io.stderr:write(("hooke: auto: %s\n"):format(choice.why))
     io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(path)
-      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, path and ", kept in " .. path or ""))
+      or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, kept and ", kept in " .. path or ""))
   end
   if hooke.chosen then hooke.chosen(choice.integrator, choice.dt, choice.tol) end
   return 0

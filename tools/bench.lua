@@ -5,7 +5,8 @@
 -- the root mean square over the frames after the start (m): error_x_rms of bench.csv, whose other columns are described
 -- in report.lua. v: the same for velocities (m/s). energy: the unaccounted
 -- change of energy over the largest kinetic energy. Of a measure: the root mean square over the frames. The cost is the
--- wall time of the time loop, the median of repeats, of which the first warms the machine up.
+-- wall time of the time loop, without what other programs took of the processor: of repeats the shortest, as nothing but
+-- such programs makes a run longer.
 local argparse = require("argparse")
 local benchmark = require("common.bench.benchmark")
 local command_line = require("common.run.command_line")

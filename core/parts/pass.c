@@ -85,7 +85,8 @@ static inline uint64_t not_finite(double value) {
 
 /* Divides by mass, four particles side by side; returns whether some F is not finite. F itself is checked, so that a
  * force on a fixed particle is included. */
-static uint64_t divide(const double *restrict inverse, double *F, size_t begin, size_t end) {
+static inline __attribute__((always_inline)) uint64_t divide_fours(const double *restrict inverse, double *F,
+                                                                   size_t begin, size_t end) {
   uint64_t bad[3 * LANES] = {0};
   size_t i = begin;
   for (; i + LANES <= end; i += LANES) {
@@ -104,12 +105,26 @@ static uint64_t divide(const double *restrict inverse, double *F, size_t begin, 
   return bad[0] >> 63;
 }
 
+static uint64_t divide_narrow(const double *inverse, double *F, size_t begin, size_t end) {
+  return divide_fours(inverse, F, begin, end);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static uint64_t divide_wide(const double *inverse, double *F, size_t begin,
+                                                            size_t end) {
+  return divide_fours(inverse, F, begin, end);
+}
+#define DIVIDE (__builtin_cpu_supports("avx2") ? divide_wide : divide_narrow)
+#else
+#define DIVIDE divide_narrow
+#endif
+
 static void finish(const task *t, size_t begin, size_t end, size_t at) {
   const hk_sweep *w = t->w;
   const hk_pins *pins = t->parts->pins;
   hk_pass_slot *slot = &t->parts->slot[at];
   if (pins->has_paths) slot->power += hk_pins_power(pins, begin, end, w->a, w->v);
-  slot->bad |= divide(t->parts->state->inverse_mass, w->a, begin, end);
+  slot->bad |= DIVIDE(t->parts->state->inverse_mass, w->a, begin, end);
   if (pins->has_slides) hk_pins_slide(pins, begin, end, w->a);
   if (w->pass && w->pass->finish && !w->unfinished) w->pass->finish(w->pass->context, begin, end);
 }

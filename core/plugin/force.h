@@ -76,7 +76,7 @@ enum { /* hk_force.flags */
        HK_OFFERS_DEFINITE = 512,  /* `jacobian` honours HK_WANT_DEFINITE; not needed where blocks are always definite */
        HK_STIFFENS = 1024,        /* may become much stiffer than at present (a slack rope, an open contact): its
                                      `stiffness_bound` determines the stable step, not its present stiffness; symplectic
-                                     methods, which do not damp the energy errors of switching, take half that step */
+                                     and reversible methods, which damp no energy of switching, take half that step */
        HK_STIFFER_BLOCKS = 2048 /* `jacobian` leaves out, or may leave out, what makes the force softer than its blocks,
                                    such as variables of its own that are always in equilibrium: u.K u is never below
                                    that of -dF/dx, and Newton's method converges more slowly */

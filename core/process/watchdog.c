@@ -6,7 +6,9 @@
  * use, is no standstill. */
 #include "core/process/process.h"
 
+#include <errno.h>
 #include <pthread.h>
+#include <semaphore.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -32,7 +34,8 @@ static void end(const char *why, int code) {
   _exit(code);
 }
 
-static void *watch(void *unused) {
+static void *watch(void *begun) {
+  sem_post(begun);
   const struct timespec pause = {.tv_nsec = 100000000};
   uint_fast64_t seen = 0;
   double since = 0, interrupted_at = 0;
@@ -56,19 +59,25 @@ static void *watch(void *unused) {
           "nothing was saved (a pattern that matches in too many ways? --trust lifts the limit)\n",
           1);
   }
-  return unused;
+  return NULL;
 }
 
+/* Returns when the thread has begun: a process that forked while its thread was still being set up would leave the
+ * child what a library had locked for that (the sanitizers' allocator, for one). */
 static void start(void) {
+  sem_t begun;
   pthread_t thread;
   pthread_attr_t attributes;
   sigset_t all, before;
   if (pthread_getcpuclockid(pthread_self(), &watched_clock) != 0 || pthread_attr_init(&attributes) != 0) return;
+  sem_init(&begun, 0, 0);
   sigfillset(&all);
   pthread_sigmask(SIG_SETMASK, &all, &before); /* signals are for the first thread */
   pthread_attr_setdetachstate(&attributes, PTHREAD_CREATE_DETACHED);
-  running = pthread_create(&thread, &attributes, watch, NULL) == 0;
+  running = pthread_create(&thread, &attributes, watch, &begun) == 0;
   pthread_sigmask(SIG_SETMASK, &before, NULL);
+  while (running && sem_wait(&begun) != 0 && errno == EINTR) continue;
+  sem_destroy(&begun);
   pthread_attr_destroy(&attributes);
 }
 

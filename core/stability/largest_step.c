@@ -15,10 +15,10 @@
  * fastest mode then grows by 3 % or 0.01 % a period.
  *
  * Where a force sets in and ceases (HK_STIFFENS) the modes of either state tell half of it: every change between the
- * two gives or takes energy, about (h w)^2/4 of it, and a symplectic method, which damps no mode, loses none of what it
- * gains. By experiment (chains of links that only pull, two symplectic methods of order 1 and 2, 10^4 steps) the energy
- * grows from h w = 0.96 on where h w = 2 is the limit of what always pulls; methods that damp fast modes hold to their
- * limit. Symplectic ones are therefore granted a part of it that is below that. */
+ * two gives or takes energy, about (h w)^2/4 of it, and a symplectic or reversible method, which damps no mode, loses
+ * none of what it gains. By experiment (chains of links that only pull, two symplectic methods of order 1 and 2, 10^4
+ * steps) the energy grows from h w = 0.96 on where h w = 2 is the limit of what always pulls; methods that damp fast
+ * modes hold to their limit. Those that damp nothing are therefore granted a part of it that is below that. */
 #include "core/stability/stability.h"
 
 static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7, switching_part = 0.45;
@@ -171,7 +171,7 @@ static double with_switching(const hk_integrator *method, const void *parameters
                              double limit, mode *which) {
   hk_spectrum taut = {.w_max = s->w_switching};
   mode own = {0, 0, 0};
-  if (!(s->w_switching > 0) || !(method->flags & HK_SYMPLECTIC)) return limit;
+  if (!(s->w_switching > 0) || !(method->flags & (HK_SYMPLECTIC | HK_REVERSIBLE))) return limit;
   double most_of = switching_part * limit_of(method, parameters, &taut, begin, s->w_switching, &own);
   if (!(most_of > 0 && most_of < limit)) return limit;
   *which = own;

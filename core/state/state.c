@@ -31,17 +31,16 @@ void hk_state_refresh(hk_state *s) {
   hk_state_point(s);
 }
 
-/* A domain has at least so many blocks: with fewer, most particles lie beside another domain, and waking a thread takes
- * longer than it saves. */
-enum { LEAST = 4, BITS = 10 };
+/* A domain has at least so many blocks, where there are more than two of them: with fewer, most particles lie beside
+ * another one. 2,000 particles of cloth are some 60 us of work, so that two threads gain from two blocks on. */
+enum { LEAST = 2, BITS = 10 };
 
 /* By the number of particles alone, so that results do not depend on that of threads. */
 static hk_partition partition_of(size_t n) {
   hk_partition p = {.n = n, .bits = BITS, .blocks = n ? ((n - 1) >> BITS) + 1 : 1};
   size_t wanted = p.blocks / LEAST;
-  wanted = wanted < 2            ? 1
-           : wanted > HK_DOMAINS ? HK_DOMAINS
-                                 : wanted / 2 * 2; /* even: as many for each of two threads */
+  if (wanted > HK_DOMAINS) wanted = HK_DOMAINS;
+  wanted = wanted > 1 ? wanted / 2 * 2 : p.blocks > 1 ? 2 : 1; /* even: as many for each of two threads */
   p.width = (p.blocks + wanted - 1) / wanted;
   p.domains = (p.blocks + p.width - 1) / p.width;
   p.parts = p.blocks + p.domains * (p.domains - 1) / 2 + 1;

@@ -76,7 +76,7 @@ static void evaluate(const void *self, const double *x, size_t begin, size_t end
 static hk_status topology(void *self, const hk_view *view) {
   angle_springs *s = self;
   hk_status status = hk_element_force_take(&s->list, view, &s->joints, &s->k, &s->damping, &s->rest);
-  return status == HK_OK ? hk_joint_layout_build(&s->layout, view->host, view->n, &s->list.acting) : status;
+  return status == HK_OK ? hk_joint_layout_build(&s->layout, view, &s->list.acting) : status;
 }
 
 static hk_status check(const angle_springs *s, const hk_host *host) {
@@ -113,10 +113,21 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? topology(self, view) : status;
 }
 
-static hk_status add(void *self, const hk_view *view, double *F) {
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
   const angle_springs *s = self;
-  hk_joint_forces(&s->layout, view, s->plane, F);
+  hk_joint_forces(&s->layout, view, s->plane, part, F);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  add_part(self, view, HK_ALL_PARTS, F);
   return HK_OK;
+}
+
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const hk_joint_layout *l = &((const angle_springs *)self)->layout;
+  const hk_tuples nodes = hk_joint_nodes(l);
+  (void)view;
+  hk_part_lists_touch(&l->sums.lists, &nodes, use);
 }
 
 static double energy(void *self, const hk_view *view) {
@@ -169,6 +180,8 @@ static const hk_force force = {
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,
+    .add_part = add_part,
+    .parts = parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

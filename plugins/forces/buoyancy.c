@@ -5,6 +5,7 @@
  * Modeling the motion of a hot, turbulent gas, SIGGRAPH 1997.) The force has no energy, since temperatures
  * change; its power is F.v. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct buoyancy {
   double g[3], beta, ambient; /* beta NAN: 1/ambient */
@@ -32,40 +33,29 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return hk_find_channel(host, view->model, b->channel, "channel", 1, &b->temperature);
 }
 
-enum { GRAIN = 4096, CHUNKS = 64 };
-
-typedef struct task {
-  const buoyancy *self;
-  const hk_view *view;
-  double *F;
-  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
-} task;
-
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  task *t = context;
-  const buoyancy *b = t->self;
-  const hk_view *view = t->view;
+static double lift(const void *self, const hk_view *view, size_t begin, size_t end, double *F) {
+  const buoyancy *b = self;
   const double *T = view->y + b->temperature->offset * view->n;
   double power = 0;
   for (size_t k = begin; k < end; k++) {
-    size_t i = view->active ? view->active[k] : k;
-    double lift = -view->model->mass[i] * b->beta * (T[i] - b->ambient);
+    size_t i = hk_acting_particle(view, k);
+    double up = -view->model->mass[i] * b->beta * (T[i] - b->ambient);
     for (size_t c = 0; c < 3; c++) {
-      double f = lift * b->g[c];
-      t->F[3 * i + c] += f;
+      double f = up * b->g[c];
+      F[3 * i + c] += f;
       power += f * view->v[3 * i + c];
     }
   }
-  t->power[chunk] = power;
+  return power;
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {.self = self, .view = view, .F = F};
-  size_t grain = view->acting / CHUNKS + 1; /* at most CHUNKS chunks */
-  if (grain < GRAIN) grain = GRAIN;
-  view->host->parallel_for(view->host, view->acting, grain, add_chunk, &t);
-  for (size_t c = 0; view->power && c * grain < view->acting; c++) *view->power += t.power[c];
+  hk_particle_sums_add(view, HK_ALL_PARTS, lift, self, F);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  hk_particle_sums_add(view, part, lift, self, F);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) { (void)self, (void)view, (void)p; }
@@ -79,7 +69,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
                                .add = add,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -9,6 +9,7 @@
  * is then the integral of s^power W from s to e, and 0 outside. Where s is below 1e-100 m the force is zero: this is
  * the limit for powers above 0 and a convention for the others, since Kepler's force would exceed the range of doubles.
  */
+#include "plugins/common/parts/particle_sums.h"
 #include "plugins/common/space/near_moves.h"
 
 #include "core/plugin.h"
@@ -124,26 +125,22 @@ static double scale(const central *p, double s2) {
   return in > 0 ? power_of(p, s2) * in * in : 0;
 }
 
-typedef struct task {
-  const central *self;
-  const hk_view *view;
-  double *F;
-} task;
-
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
+static double pull(const void *self, const hk_view *view, size_t begin, size_t end, double *F) {
   for (size_t k = begin; k < end; k++) {
-    size_t i = t->view->active ? t->view->active[k] : k;
-    double r[3], s2 = offset(t->self, t->view->x + 3 * i, r), f = weight(t->self, t->view, i) * scale(t->self, s2);
-    for (int c = 0; c < 3; c++) t->F[3 * i + c] -= f * r[c];
+    size_t i = hk_acting_particle(view, k);
+    double r[3], s2 = offset(self, view->x + 3 * i, r), f = weight(self, view, i) * scale(self, s2);
+    for (size_t c = 0; c < 3; c++) F[3 * i + c] -= f * r[c];
   }
+  return 0; /* of the conservative force no power is counted */
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {self, view, F};
-  view->host->parallel_for(view->host, view->acting, 1024, add_chunk, &t);
+  hk_particle_sums_add(view, HK_ALL_PARTS, pull, self, F);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  hk_particle_sums_add(view, part, pull, self, F);
 }
 
 /* The integral of s^q. */
@@ -267,7 +264,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .pattern = pattern,
                                .jacobian = jacobian,
                                .stiffness_bound = stiffness_bound,
-                               .passages = passages};
+                               .passages = passages,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

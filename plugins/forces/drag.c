@@ -2,6 +2,7 @@
  * fluid, Stokes' law F = -6 pi viscosity r v, with r of the particle's channel 'radius' or one for all (Stokes 1851;
  * Reynolds numbers below 1). No energy; power -d v^2. */
 #include "plugins/common/channels/find_channel.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct drag {
   double d, rate, viscosity, radius;
@@ -62,14 +63,7 @@ static double coefficient(const drag *p, const hk_view *view, size_t i) {
   return isnan(p->d) ? p->rate * view->model->mass[i] : p->d;
 }
 
-enum { GRAIN = 4096, CHUNKS = 64, LANES = 4 };
-
-typedef struct task {
-  const drag *self;
-  const hk_view *view;
-  double *F;
-  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
-} task;
+enum { GRAIN = 4096, LANES = 4 }; /* GRAIN: of a Jacobian */
 
 static double add_one(const drag *p, const hk_view *view, size_t i, double *restrict F) {
   const double *v = view->v + 3 * i, d = coefficient(p, view, i);
@@ -78,7 +72,7 @@ static double add_one(const drag *p, const hk_view *view, size_t i, double *rest
 }
 
 /* Four particles at a time, with a separate sum for each component: additions to a single sum would have to wait for
- * each other. */
+ * each other. One statement a loop: compilers make vectors of it then. */
 static inline __attribute__((always_inline)) double add_fours(const drag *p, const hk_view *view, size_t begin,
                                                               size_t end, double *restrict F) {
   const double *restrict by = p->channel ? view->y + p->channel->offset * view->n : view->model->mass,
@@ -89,14 +83,10 @@ static inline __attribute__((always_inline)) double add_fours(const drag *p, con
   double power[3 * LANES] = {0}, sum = 0;
   for (size_t i = begin; i < end; i += LANES) {
     const double *restrict v = view->v + 3 * i;
-    double d[3 * LANES];
-    for (size_t l = 0; l < 3 * LANES; l++) d[l] = each + times * by[i + l / 3];
-    double *restrict into = F + 3 * i;
-    for (size_t l = 0; l < 3 * LANES; l++) {
-      double f = d[l] * v[l];
-      into[l] -= f;
-      power[l] -= f * v[l];
-    }
+    double f[3 * LANES];
+    for (size_t l = 0; l < 3 * LANES; l++) f[l] = (each + times * by[i + l / 3]) * v[l];
+    for (size_t l = 0; l < 3 * LANES; l++) F[3 * i + l] -= f[l];
+    for (size_t l = 0; l < 3 * LANES; l++) power[l] -= f[l] * v[l];
   }
   for (size_t l = 0; l < 3 * LANES; l++) sum += power[l];
   return sum;
@@ -116,34 +106,20 @@ __attribute__((target("avx2"))) static double add_wide(const drag *p, const hk_v
 #define ADD_FOURS add_narrow
 #endif
 
-/* On the particles begin to end - 1 of those that it acts on; returns the power. */
-static double add_range(const drag *p, const hk_view *view, size_t begin, size_t end, double *F) {
+static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *F) {
   size_t fours = view->active ? begin : end - (end - begin) % LANES;
-  double power = ADD_FOURS(p, view, begin, fours, F);
-  for (size_t k = fours; k < end; k++) power += add_one(p, view, view->active ? view->active[k] : k, F);
+  double power = ADD_FOURS(self, view, begin, fours, F);
+  for (size_t k = fours; k < end; k++) power += add_one(self, view, hk_acting_particle(view, k), F);
   return power;
 }
 
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  task *t = context;
-  t->power[chunk] = add_range(t->self, t->view, begin, end, t->F);
+static hk_status add(void *self, const hk_view *view, double *F) {
+  hk_particle_sums_add(view, HK_ALL_PARTS, push, self, F);
+  return HK_OK;
 }
 
 static void add_part(void *self, const hk_view *view, size_t part, double *F) {
-  size_t begin, end;
-  hk_part_acting(view, part, &begin, &end);
-  double power = add_range(self, view, begin, end, F);
-  if (view->power) *view->power += power;
-}
-
-static hk_status add(void *self, const hk_view *view, double *F) {
-  task t;
-  size_t grain = view->acting / CHUNKS + 1; /* at most CHUNKS chunks */
-  if (grain < GRAIN) grain = GRAIN;
-  t.self = self, t.view = view, t.F = F;
-  view->host->parallel_for(view->host, view->acting, grain, add_chunk, &t);
-  for (size_t c = 0; view->power && c * grain < view->acting; c++) *view->power += t.power[c];
-  return HK_OK;
+  hk_particle_sums_add(view, part, push, self, F);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {

@@ -1,5 +1,5 @@
 /* Uniform gravity, F = m g; energy -m g.x. Any direction is allowed, such as upwards for smoke. */
-#include "core/plugin.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct gravity {
   double g[3];
@@ -10,41 +10,51 @@ static const hk_param params[] = {
     {0},
 };
 
-typedef struct task {
-  const gravity *self;
-  const hk_view *view;
-  double *F;
-} task;
+enum { LANES = 4 };
 
-/* On the particles begin to end - 1 of those that it acts on. */
-static void add_range(const gravity *s, const hk_view *view, size_t begin, size_t end, double *restrict F) {
-  const double *restrict m = view->model->mass;
-  double gx = s->g[0], gy = s->g[1], gz = s->g[2];
-  const uint32_t *active = view->active;
-  for (size_t k = begin; k < end; k++) {
-    size_t i = active ? active[k] : k;
-    F[3 * i] += m[i] * gx;
-    F[3 * i + 1] += m[i] * gy;
-    F[3 * i + 2] += m[i] * gz;
-  }
+/* Four particles side by side: the compiler makes three vectors of them. */
+static inline __attribute__((always_inline)) void add_fours(const gravity *s, const double *restrict m, size_t begin,
+                                                            size_t end, double *restrict F) {
+  double g[3 * LANES];
+  for (size_t l = 0; l < 3 * LANES; l++) g[l] = s->g[l % 3];
+  for (size_t i = begin; i < end; i += LANES)
+    for (size_t l = 0; l < 3 * LANES; l++) F[3 * i + l] += m[i + l / 3] * g[l];
 }
 
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
-  add_range(t->self, t->view, begin, end, t->F);
+static void add_narrow(const gravity *s, const double *m, size_t begin, size_t end, double *F) {
+  add_fours(s, m, begin, end, F);
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void add_wide(const gravity *s, const double *m, size_t begin, size_t end,
+                                                     double *F) {
+  add_fours(s, m, begin, end, F);
+}
+#define ADD_FOURS (__builtin_cpu_supports("avx2") ? add_wide : add_narrow)
+#else
+#define ADD_FOURS add_narrow
+#endif
+
+static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *restrict F) {
+  const gravity *s = self;
+  const uint32_t *active = view->active;
+  const double *m = view->model->mass;
+  size_t fours = active ? begin : end - (end - begin) % LANES;
+  ADD_FOURS(s, m, begin, fours, F);
+  for (size_t k = fours; k < end; k++) {
+    size_t i = active ? active[k] : k;
+    for (size_t c = 0; c < 3; c++) F[3 * i + c] += m[i] * s->g[c];
+  }
+  return 0; /* of the conservative force no power is counted */
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {self, view, F};
-  view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
+  hk_particle_sums_add(view, HK_ALL_PARTS, push, self, F);
   return HK_OK;
 }
 
 static void add_part(void *self, const hk_view *view, size_t part, double *F) {
-  size_t begin, end;
-  hk_part_acting(view, part, &begin, &end);
-  add_range(self, view, begin, end, F);
+  hk_particle_sums_add(view, part, push, self, F);
 }
 
 static double energy(void *self, const hk_view *view) {

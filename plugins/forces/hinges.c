@@ -77,8 +77,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   const hinges *h = self;
-  hk_hinge_forces(&h->bending, h->rest, h->turned.item, view, F);
+  hk_hinge_forces(&h->bending, h->rest, h->turned.item, view, HK_ALL_PARTS, F);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const hinges *h = self;
+  hk_hinge_forces(&h->bending, h->rest, h->turned.item, view, part, F);
 }
 
 static bool damped(const hinges *h) {
@@ -132,6 +137,8 @@ static const hk_force force = {
     .jacobian = jacobian,
     .stiffness_bound = hk_bending_stiffness_bound,
     .accepted = accepted,
+    .add_part = add_part,
+    .parts = hk_bending_parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

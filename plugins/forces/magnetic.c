@@ -3,7 +3,7 @@
  * force in a frame that rotates at W (the centrifugal force is `central` with an axis and strength -W^2).
  *
  * The Jacobian consists of -dF/dv only, which is antisymmetric, so a symmetric form is not offered: it would be 0. */
-#include "core/plugin.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct magnetic {
   double B[3], charge, ratio;
@@ -31,44 +31,40 @@ static double charge_of(const magnetic *p, const hk_view *view, size_t i) {
   return isnan(p->charge) ? p->ratio * view->model->mass[i] : p->charge;
 }
 
-static uint32_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : (uint32_t)k; }
-
-typedef struct task {
-  const magnetic *self;
-  const hk_view *view;
-  double *F;
-} task;
-
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
-  const double *B = t->self->B;
+static double turn(const void *self, const hk_view *view, size_t begin, size_t end, double *F) {
+  const magnetic *p = self;
+  const double *B = p->B;
   for (size_t k = begin; k < end; k++) {
-    size_t i = acting(t->view, k);
-    const double *v = t->view->v + 3 * i;
-    double q = charge_of(t->self, t->view, i);
+    size_t i = hk_acting_particle(view, k);
+    const double *v = view->v + 3 * i;
+    double q = charge_of(p, view, i);
     for (int c = 0; c < 3; c++) {
       int d = (c + 1) % 3, e = (c + 2) % 3;
-      t->F[3 * i + (size_t)c] += q * (v[d] * B[e] - v[e] * B[d]);
+      F[3 * i + (size_t)c] += q * (v[d] * B[e] - v[e] * B[d]);
     }
   }
+  return 0; /* v.(v x B) */
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  task t = {self, view, F};
-  view->host->parallel_for(view->host, view->acting, 4096, add_chunk, &t);
-  return HK_OK; /* the power v.(v x B) is 0 */
+  hk_particle_sums_add(view, HK_ALL_PARTS, turn, self, F);
+  return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  hk_particle_sums_add(view, part, turn, self, F);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
   (void)self;
-  for (size_t k = 0; k < view->acting; k++) p->block(p, acting(view, k), acting(view, k));
+  for (size_t k = 0; k < view->acting; k++)
+    p->block(p, (uint32_t)hk_acting_particle(view, k), (uint32_t)hk_acting_particle(view, k));
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const magnetic *p = self;
   for (size_t k = 0; k < view->acting; k++) {
-    double *D = into->D + 9 * into->slot[k], q = charge_of(p, view, acting(view, k));
+    double *D = into->D + 9 * into->slot[k], q = charge_of(p, view, hk_acting_particle(view, k));
     for (int c = 0; c < 3; c++) {
       int d = (c + 1) % 3, e = (c + 2) % 3;
       D[3 * c + d] -= q * p->B[e];
@@ -82,7 +78,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .flags = HK_DEPENDS_ON_V | HK_POWER,
                                .add = add,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -48,8 +48,18 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static hk_status topology(void *self, const hk_view *view) { return hk_membrane_topology(self, view); }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_membrane_forces(self, view, F);
+  hk_membrane_forces(self, view, HK_ALL_PARTS, F);
   return HK_OK;
+}
+
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  hk_membrane_forces(self, view, part, F);
+}
+
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const hk_membrane *m = self;
+  (void)view;
+  hk_part_lists_touch(&m->sums.lists, &m->node, use);
 }
 
 static double energy(void *self, const hk_view *view) { return hk_membrane_sum_energy(self, view); }
@@ -83,6 +93,8 @@ static const hk_force force = {
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,
+    .add_part = add_part,
+    .parts = parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

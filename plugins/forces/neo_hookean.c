@@ -36,9 +36,19 @@ static hk_status topology(void *self, const hk_view *view) {
   return hk_solid_topology(&((neo_hookean *)self)->body, view);
 }
 
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  hk_solid_add(&((neo_hookean *)self)->body, view, part, F);
+}
+
 static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_solid_add(&((neo_hookean *)self)->body, view, F);
+  add_part(self, view, HK_ALL_PARTS, F);
   return HK_OK;
+}
+
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const hk_solid *s = &((neo_hookean *)self)->body;
+  (void)view;
+  hk_part_lists_touch(&s->sums.lists, &s->tuples.acting, use);
 }
 
 static double energy(void *self, const hk_view *view) { return hk_solid_energy(&((neo_hookean *)self)->body, view); }
@@ -73,6 +83,8 @@ static const hk_force force = {
     .pattern = pattern,
     .jacobian = jacobian,
     .stiffness_bound = stiffness_bound,
+    .add_part = add_part,
+    .parts = parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

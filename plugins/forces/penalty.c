@@ -11,9 +11,8 @@
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/obstacles/parabola.h"
+#include "plugins/common/parts/particle_sums.h"
 #include "plugins/common/space/vector3.h"
-
-enum { GRAIN = 1024 };
 
 typedef struct penalty {
   hk_obstacle_params params;
@@ -45,11 +44,10 @@ typedef struct contact {
   const hk_view *view;
   hk_obstacle obstacle;
   hk_body_frame frame;
-  double *F;
 } contact;
 
-static contact contact_at(const penalty *s, const hk_view *view, double *F) {
-  contact c = {.self = s, .view = view, .obstacle = s->obstacle, .F = F};
+static contact contact_at(const penalty *s, const hk_view *view) {
+  contact c = {.self = s, .view = view, .obstacle = s->obstacle};
   hk_pose poses[HK_POSES], now = hk_obstacle_pose(&s->params, view->t);
   hk_motion motion;
   hk_motion_begin(poses, &now);
@@ -81,26 +79,16 @@ static double push(const contact *c, size_t i, const double x[3], const double v
   return depth;
 }
 
-static size_t particle(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
-
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
+static double add_range(const void *context, const hk_view *view, size_t begin, size_t end, double *F) {
   const contact *c = context;
-  double elastic[3], rest[3];
-  (void)chunk;
+  double elastic[3], rest[3], power = 0;
   for (size_t k = begin; k < end; k++) {
-    size_t i = particle(c->view, k);
-    if (!(push(c, i, c->view->x + 3 * i, c->view->v + 3 * i, elastic, rest) > 0)) continue;
-    for (int q = 0; q < 3; q++) c->F[3 * i + q] += elastic[q] + rest[q];
+    size_t i = hk_acting_particle(view, k);
+    if (!(push(c, i, view->x + 3 * i, view->v + 3 * i, elastic, rest) > 0)) continue;
+    for (size_t q = 0; q < 3; q++) F[3 * i + q] += elastic[q] + rest[q];
+    power += hk_dot(rest, view->v + 3 * i);
   }
-}
-
-static double dissipation(const contact *c) {
-  double sum = 0, elastic[3], rest[3];
-  for (size_t k = 0; k < c->view->acting; k++) {
-    size_t i = particle(c->view, k);
-    if (push(c, i, c->view->x + 3 * i, c->view->v + 3 * i, elastic, rest) > 0) sum += hk_dot(rest, c->view->v + 3 * i);
-  }
-  return sum;
+  return power;
 }
 
 /* Friction and damping act against the motion relative to the obstacle: its velocity has to be known. */
@@ -119,23 +107,24 @@ static hk_status check_velocity(const penalty *s, const hk_view *view) {
                           moved > 0 ? "velocity" : "spin", moved > 0 ? "position" : "rotation");
 }
 
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const contact c = contact_at(self, view);
+  hk_particle_sums_add(view, part, add_range, &c, F);
+}
+
+/* An obstacle that moves has parameters of time, so that all of its particles are summed here. */
 static hk_status add(void *self, const hk_view *view, double *F) {
-  const penalty *s = self;
-  hk_status status = check_velocity(s, view);
-  if (status != HK_OK) return status;
-  contact c = contact_at(s, view, F);
-  view->host->parallel_for(view->host, view->acting, GRAIN, add_chunk, &c);
-  bool loses = s->damping > 0 || s->params.friction > 0;
-  if (view->power && loses) *view->power += dissipation(&c);
-  return HK_OK;
+  hk_status status = check_velocity(self, view);
+  if (status == HK_OK) add_part(self, view, HK_ALL_PARTS, F);
+  return status;
 }
 
 static double energy(void *self, const hk_view *view) {
   const penalty *s = self;
-  contact c = contact_at(s, view, NULL);
+  contact c = contact_at(s, view);
   double sum = 0, elastic[3], rest[3];
   for (size_t k = 0; k < view->acting; k++) {
-    size_t i = particle(view, k);
+    size_t i = hk_acting_particle(view, k);
     double depth = push(&c, i, view->x + 3 * i, view->v + 3 * i, elastic, rest);
     sum += s->k / 2 * depth * depth;
   }
@@ -145,7 +134,7 @@ static double energy(void *self, const hk_view *view) {
 static void pattern(void *self, const hk_view *view, hk_pattern *pattern) {
   (void)self;
   for (size_t k = 0; k < view->acting; k++) {
-    uint32_t i = (uint32_t)particle(view, k);
+    uint32_t i = (uint32_t)hk_acting_particle(view, k);
     pattern->block(pattern, i, i);
   }
 }
@@ -177,9 +166,9 @@ static void blocks(const contact *c, size_t i, double *K, double *D) {
 }
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
-  contact c = contact_at(self, view, NULL);
+  contact c = contact_at(self, view);
   for (size_t k = 0; k < view->acting; k++)
-    blocks(&c, particle(view, k), into->K + 9 * into->slot[k], into->D + 9 * into->slot[k]);
+    blocks(&c, hk_acting_particle(view, k), into->K + 9 * into->slot[k], into->D + 9 * into->slot[k]);
   return HK_OK;
 }
 
@@ -193,9 +182,9 @@ static double size_of(const double block[9]) {
  * not may come to touch with k n n^T, on surfaces that do not curve inward. */
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const penalty *s = self;
-  contact c = contact_at(s, view, NULL);
+  contact c = contact_at(s, view);
   for (size_t k = 0; k < view->acting; k++) {
-    size_t i = particle(view, k);
+    size_t i = hk_acting_particle(view, k);
     double own[9] = {0};
     blocks(&c, i, part == HK_DAMPING_WHOLE ? NULL : own, part == HK_DAMPING_WHOLE ? own : NULL);
     double bound = fmax(size_of(own) * (1 + 1e-6), part == HK_DAMPING_WHOLE ? 0 : s->k);
@@ -270,8 +259,9 @@ static void add_passage(const contact *c, size_t i, const double *x_from, hk_pas
 static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
   const penalty *s = self;
   if (s->params.shape == HK_SHAPE_PLANE || s->params.hollow) return false;
-  contact c = contact_at(s, to, NULL);
-  for (size_t k = 0; k < to->acting; k++) add_passage(&c, particle(to, k), x_from + 3 * particle(to, k), into);
+  contact c = contact_at(s, to);
+  for (size_t k = 0; k < to->acting; k++)
+    add_passage(&c, hk_acting_particle(to, k), x_from + 3 * hk_acting_particle(to, k), into);
   return true;
 }
 
@@ -279,7 +269,7 @@ static bool passages(const void *self, const hk_view *to, const double *x_from, 
 static hk_status accepted(void *self, const hk_view *view, double h) {
   penalty *s = self;
   (void)h;
-  s->obstacle.motion.end = contact_at(s, view, NULL).frame;
+  s->obstacle.motion.end = contact_at(s, view).frame;
   return HK_OK;
 }
 
@@ -289,7 +279,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (status != HK_OK) return status;
   s->first = hk_obstacle_pose(&s->params, view->t);
   s->scale = s->params.shape == HK_SHAPE_PLANE ? 1 : hk_shape_size(&s->obstacle.shape);
-  s->obstacle.motion.end = contact_at(s, view, NULL).frame;
+  s->obstacle.motion.end = contact_at(s, view).frame;
   const hk_obstacles *all = host->query(host, HK_OBSTACLES_INTERFACE);
   if (!all) return HK_FAILED;
   all->show(all->self, &s->obstacle);
@@ -303,10 +293,10 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 }
 
 static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
-  contact c = contact_at(self, view, NULL);
+  contact c = contact_at(self, view);
   double n[3], at[3];
   for (size_t k = 0; k < view->acting; k++) {
-    size_t i = particle(view, k);
+    size_t i = hk_acting_particle(view, k);
     const double *x = view->x + 3 * i;
     if (!(hk_obstacle_gap(&c.obstacle, &c.frame, x, i, n) < 0)) continue;
     for (int q = 0; q < 3; q++) at[q] = x[q] - hk_obstacle_radius(&c.obstacle, i) * n[q];
@@ -324,7 +314,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .jacobian = jacobian,
                                .stiffness_bound = stiffness_bound,
                                .accepted = accepted,
-                               .passages = passages};
+                               .passages = passages,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

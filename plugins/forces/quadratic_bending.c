@@ -72,6 +72,8 @@ static const hk_force force = {
     .pattern = hk_bending_pattern,
     .jacobian = hk_bending_jacobian,
     .stiffness_bound = hk_bending_stiffness_bound,
+    .add_part = hk_bending_add_part,
+    .parts = hk_bending_parts,
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

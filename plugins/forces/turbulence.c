@@ -163,9 +163,14 @@ static hk_air air_of(const turbulence *p) { return (hk_air){&p->drag, p, velocit
 
 /* ---- the force ---- */
 
-static hk_status add(void *self, const hk_view *view, double *F) {
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
   hk_air air = air_of(self);
-  return hk_air_add(&air, view, F);
+  hk_air_add(&air, view, part, F);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  add_part(self, view, HK_ALL_PARTS, F);
+  return HK_OK;
 }
 
 static void flow(const void *self, const hk_view *view, const double *x, size_t count, double *u) {
@@ -202,7 +207,8 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .add = add,
                                .pattern = pattern,
                                .jacobian = jacobian,
-                               .longest_step = longest_step};
+                               .longest_step = longest_step,
+                               .add_part = add_part};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

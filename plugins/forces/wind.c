@@ -15,17 +15,13 @@
  * differentiable in u everywhere, and in N except at N = 0, where F is 0 and the Jacobian, which has no limit, is set
  * to 0. */
 #include "plugins/common/flow/air_drag.h"
+#include "plugins/common/parts/part_sums.h"
 
 #include "core/plugin.h"
 
 #include <string.h>
 
-enum {
-  LANES = 16,
-  GRAIN = 2048,
-  ROWS = 256,
-  CHUNKS = 64
-}; /* ROWS: grain of a Jacobian; CHUNKS: largest number of chunks */
+enum { LANES = 16, ROWS = 256 }; /* ROWS: grain of a Jacobian */
 
 static const double TINY = 1e-150; /* m^2, m/s */
 
@@ -39,9 +35,9 @@ typedef struct wind {
   const hk_host *host;
   size_t count;            /* acting triangles */
   uint32_t (*triangle)[3]; /* count */
-  size_t *first;           /* n + 2: the corners at particle i are corner[first[i]] ... corner[first[i + 1] - 1] */
-  uint32_t *corner;        /* 3 count: 3 t + r, increasing for each particle */
-  double (*load)[3];       /* count, N: force on each corner, in one evaluation */
+  hk_part_sums sums;
+  size_t *first;    /* n + 2: the corners at particle i are corner[first[i]] ... corner[first[i + 1] - 1] */
+  uint32_t *corner; /* 3 count: 3 t + r, increasing for each particle */
 } wind;
 
 /* clang-format off */
@@ -70,10 +66,12 @@ static bool acts(const hk_view *view, const uint32_t corner[3]) {
   return !is || (is[corner[0]] && is[corner[1]] && is[corner[2]]);
 }
 
+static hk_tuples triangles_of(const wind *w) { return (hk_tuples){w->count, 3, w->triangle ? w->triangle[0] : NULL}; }
+
 static void release(wind *w) {
-  void *const memory[] = {w->triangle, w->first, w->corner, w->load};
+  void *const memory[] = {w->triangle, w->first, w->corner};
   for (size_t k = 0; k < sizeof memory / sizeof *memory; k++) w->host->release(w->host, memory[k]);
-  w->triangle = NULL, w->first = NULL, w->corner = NULL, w->load = NULL;
+  w->triangle = NULL, w->first = NULL, w->corner = NULL;
   w->count = 0;
 }
 
@@ -97,12 +95,12 @@ static hk_status topology(void *self, const hk_view *view) {
   w->triangle = host->allocate(host, (count + 1) * sizeof *w->triangle);
   w->first = host->allocate(host, (view->n + 2) * sizeof *w->first);
   w->corner = host->allocate(host, (3 * count + 1) * sizeof *w->corner);
-  w->load = host->allocate(host, (count + 1) * sizeof *w->load);
-  if (!w->triangle || !w->first || !w->corner || !w->load)
+  if (!w->triangle || !w->first || !w->corner)
     return host->fail(host, HK_NO_MEMORY, "no memory for %zu triangles", count);
   w->count = count;
   fill(w, view);
-  return HK_OK;
+  const hk_tuples all = triangles_of(w);
+  return hk_part_sums_sort(&w->sums, view, &all, NULL);
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -178,16 +176,7 @@ static void slopes(const wind *w, const flow *f, double G[9], double H[9]) {
     }
 }
 
-/* ---- All triangles: loads are computed per triangle and summed per particle, so no two threads write to one particle.
- * ------ */
-
-typedef struct task {
-  const wind *self;
-  const hk_view *view;
-  double *F;
-  const hk_blocks *into;
-  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
-} task;
+/* ---- Many triangles ---------------------------------------------------------------------------------------------- */
 
 /* LANES triangles at a time, so that square roots and divisions use vectors. */
 typedef struct batch {
@@ -195,9 +184,10 @@ typedef struct batch {
   double load[3][LANES], power[LANES];
 } batch;
 
-static inline void gather(const hk_view *view, const uint32_t (*corner)[3], size_t count, batch *q) {
+static inline void gather(const wind *w, const hk_view *view, const uint32_t *item, size_t count, batch *q) {
   for (size_t t = 0; t < count; t++) {
-    size_t a = 3 * (size_t)corner[t][0], b = 3 * (size_t)corner[t][1], c = 3 * (size_t)corner[t][2];
+    const uint32_t *corner = w->triangle[item[t]];
+    size_t a = 3 * (size_t)corner[0], b = 3 * (size_t)corner[1], c = 3 * (size_t)corner[2];
     for (size_t k = 0; k < 3; k++) {
       q->ab[k][t] = view->x[b + k] - view->x[a + k];
       q->ac[k][t] = view->x[c + k] - view->x[a + k];
@@ -228,31 +218,20 @@ static void batch_loads(const wind *w, batch *q) {
   }
 }
 
-static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  task *t = context;
+static double push(const void *self, const hk_view *view, const uint32_t *item, size_t number, double *F) {
+  const wind *w = self;
   double power = 0;
   batch q = {0};
-  for (size_t k = begin; k < end; k += LANES) {
-    size_t count = end - k < LANES ? end - k : LANES;
-    gather(t->view, (const uint32_t(*)[3])t->self->triangle + k, count, &q);
-    batch_loads(t->self, &q);
-    for (size_t i = 0; i < count; i++) {
-      for (int c = 0; c < 3; c++) t->self->load[k + i][c] = q.load[c][i];
-      power += q.power[i];
+  for (size_t k = 0; k < number; k += LANES) {
+    size_t count = number - k < LANES ? number - k : LANES;
+    gather(w, view, item + k, count, &q);
+    batch_loads(w, &q);
+    for (size_t t = 0; t < count; t++) {
+      for (size_t m = 0; m < 9; m++) F[3 * (size_t)w->triangle[item[k + t]][m / 3] + m % 3] += q.load[m % 3][t];
+      power += q.power[t];
     }
   }
-  t->power[chunk] = power;
-}
-
-static void collect_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  (void)chunk;
-  const task *t = context;
-  const wind *w = t->self;
-  for (size_t i = begin; i < end; i++)
-    for (size_t k = w->first[i]; k < w->first[i + 1]; k++) {
-      const double *load = w->load[w->corner[k] / 3];
-      for (int c = 0; c < 3; c++) t->F[3 * i + c] += load[c];
-    }
+  return power;
 }
 
 /* ---- On particles --------------------------------------------------------------------------------------------------
@@ -269,18 +248,26 @@ static hk_air air_of(const wind *w) { return (hk_air){&w->point, w, uniform, NUL
 /* ---- The force -----------------------------------------------------------------------------------------------------
  */
 
-static hk_status add(void *self, const hk_view *view, double *F) {
-  wind *w = self;
+static void add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const wind *w = self;
   hk_air air = air_of(w);
-  task t;
-  if (w->on == PARTICLES) return hk_air_add(&air, view, F);
-  size_t grain = w->count / CHUNKS + 1; /* at most CHUNKS chunks */
-  if (grain < GRAIN) grain = GRAIN;
-  t.self = w, t.view = view, t.F = F;
-  view->host->parallel_for(view->host, w->count, grain, load_chunk, &t);
-  view->host->parallel_for(view->host, view->n, 2 * GRAIN, collect_chunk, &t);
-  for (size_t c = 0; view->power && c * grain < w->count; c++) *view->power += t.power[c];
+  if (w->on == PARTICLES)
+    hk_air_add(&air, view, part, F);
+  else
+    hk_part_sums_add(&w->sums, view, part, push, w, F);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  add_part(self, view, HK_ALL_PARTS, F);
   return HK_OK;
+}
+
+/* On particles there are no elements, and each has its own block. */
+static void parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const wind *w = self;
+  const hk_tuples all = triangles_of(w);
+  (void)view;
+  hk_part_lists_touch(&w->sums.lists, &all, use);
 }
 
 static void flow_at(const void *self, const hk_view *view, const double *x, size_t count, double *u) {
@@ -314,6 +301,12 @@ static void add_row(const wind *w, const hk_view *view, const hk_blocks *into, u
   }
 }
 
+typedef struct task {
+  const wind *self;
+  const hk_view *view;
+  const hk_blocks *into;
+} task;
+
 /* Computes block rows, one per particle: a triangle is evaluated three times, which costs less than storing G and H. */
 static void row_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   (void)chunk;
@@ -324,9 +317,8 @@ static void row_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 
 static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into) {
   const hk_air air = air_of(self);
-  task t;
+  task t = {self, view, into};
   if (((const wind *)self)->on == PARTICLES) return hk_air_jacobian(&air, view, into);
-  t.self = self, t.view = view, t.into = into;
   view->host->parallel_for(view->host, view->n, ROWS, row_chunk, &t);
   return HK_OK;
 }
@@ -336,7 +328,9 @@ static const hk_force force = {.size = sizeof(hk_force),
                                .flow = flow_at,
                                .add = add,
                                .pattern = pattern,
-                               .jacobian = jacobian};
+                               .jacobian = jacobian,
+                               .add_part = add_part,
+                               .parts = parts};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

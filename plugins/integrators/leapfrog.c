@@ -51,23 +51,40 @@ typedef struct leap {
   double h;
 } leap;
 
-static void predict(void *context, size_t begin, size_t end) {
-  const leap *l = context;
+static inline __attribute__((always_inline)) void predict_each(const leap *l, size_t begin, size_t end) {
   const double *restrict x = l->x, *restrict v = l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
   double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
-  for (size_t e = 3 * begin; e < 3 * end; e++) {
+  for (size_t e = begin; e < end; e++) {
     double kick = half * a[e], middle = v[e] + kick;
     x_next[e] = x[e] + h * middle;
     v_next[e] = middle + kick;
   }
 }
 
-static void kick(void *context, size_t begin, size_t end) {
-  const leap *l = context;
+static inline __attribute__((always_inline)) void kick_each(const leap *l, size_t begin, size_t end) {
   const double *restrict v = l->v, *restrict a = l->a, half = l->h / 2;
   double *restrict v_next = l->v_next;
-  for (size_t e = 3 * begin; e < 3 * end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
+  for (size_t e = begin; e < end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
 }
+
+static void predict_narrow(const leap *l, size_t begin, size_t end) { predict_each(l, begin, end); }
+static void kick_narrow(const leap *l, size_t begin, size_t end) { kick_each(l, begin, end); }
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) static void predict_wide(const leap *l, size_t begin, size_t end) {
+  predict_each(l, begin, end);
+}
+__attribute__((target("avx2"))) static void kick_wide(const leap *l, size_t begin, size_t end) {
+  kick_each(l, begin, end);
+}
+#define BEST(loop) (__builtin_cpu_supports("avx2") ? loop##_wide : loop##_narrow)
+#else
+#define BEST(loop) loop##_narrow
+#endif
+
+static void predict(void *context, size_t begin, size_t end) { BEST(predict)(context, 3 * begin, 3 * end); }
+
+static void kick(void *context, size_t begin, size_t end) { BEST(kick)(context, 3 * begin, 3 * end); }
 
 /* Channels and work: predicted, and then with the mean of both rates. */
 static void predict_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,

@@ -2,10 +2,11 @@
  * of all forces replaced by 2 (q(h) - x)/h^2,   q'' = a + M^-1 (F(q) - F(x)),   q(0) = x,   q'(0) = 0, where F are the
  * stiff springs alone and q is found by p short steps, which cost as much as these springs do. q is even in time, the
  * mean of the ways forwards and backwards, so that velocities are those of leapfrog, the mean over two steps. Order 2
- * and reversible; momentum is kept to rounding; symplectic where the springs are linear. The short steps are
- * Chebyshev's with a shift of the stiff modes, without which long steps in resonance with a stiff mode are unstable
- * (local_filter.h); nothing is damped by that. Damping, also that of stiff springs, acts with the predicted velocity v
- * + h a once a long step.
+ * and reversible; momentum is kept to rounding. No step is symplectic: 2 (q(h) - x)/h^2 is the gradient of an energy
+ * only in other coordinates, and where stiff springs turn in none; with linear ones a quadratic form near the energy is
+ * kept. The short steps are Chebyshev's with a shift of the stiff modes, without which long steps in resonance with a
+ * stiff mode are unstable (local_filter.h); nothing is damped by that. Damping, also that of stiff springs, acts with
+ * the predicted velocity v + h a once a long step.
  *
  * Which springs are stiff follows from stiffnesses and masses (stiff_edges.c): those for which short steps save work.
  * Springs whose own damping ratio is above 0.06 are not taken: damped once a long step, they would leave it no room.
@@ -204,7 +205,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
-                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE,
+                                         .flags = HK_REVERSIBLE,
                                          .amplification = amplification,
                                          .step = step,
                                          .reset = reset,

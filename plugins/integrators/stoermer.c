@@ -4,7 +4,7 @@
 
 enum { ORDER = 4 };
 
-static const hk_stoermer_method method = {ORDER, {1, 0, 1.0 / 12, 1.0 / 12}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8}};
+static const hk_stoermer_method method = {ORDER, ORDER, {1, 0, 1.0 / 12, 1.0 / 12}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8}};
 
 static const hk_field fields[] = {HK_STOERMER_FIELDS(ORDER)};
 

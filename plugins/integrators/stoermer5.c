@@ -7,7 +7,7 @@
 enum { ORDER = 5 };
 
 static const hk_stoermer_method method = {
-    ORDER, {1, 0, 1.0 / 12, 1.0 / 12, 19.0 / 240}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, 251.0 / 720}};
+    ORDER, ORDER, {1, 0, 1.0 / 12, 1.0 / 12, 19.0 / 240}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, 251.0 / 720}};
 
 static const hk_field fields[] = {HK_STOERMER_FIELDS(ORDER)};
 

@@ -2,21 +2,29 @@
  * particles, 0.5 s, and of 256 x 256, 0.1 s, one thread. hooke's explicit integrators; plain C with leapfrog and
  * Runge-Kutta 4; SUNDIALS' ERKStep and CVODE on a plain C right-hand side, and on hooke's forces.
  *
- * Every method runs over a ladder of steps (from beyond its stability limit down) or tolerances; runs that cannot win
- * any more are not taken. Between the two rungs around a target the setting that just reaches it is interpolated
- * (log-log). For each target the methods of every side that promise most run again at that setting, in turn, and the
- * median counts: the time loop alone, in the thread's own time. A run counts when its error is at most the
- * target, so where the stability limit gives less already, it is the cheapest stable run.
+ * build/bench/rivals [N]: the curtains up to N x N, 64 by default; with 256 it takes a quarter of an hour.
  *
- * The reference is Stoermer's method of order 5 on hooke's forces; Runge-Kutta 4 on the plain ones must agree with it
- * to a hundredth of the smallest target. */
+ * Every method runs over a ladder of steps (from beyond its stability limit down) or tolerances; runs that cannot win
+ * any more are not taken, or given up when they take longer than the best. SUNDIALS takes the same steps on either
+ * forces, so its ladders are climbed on hooke's alone. Between the two rungs around a target the
+ * setting that just reaches it is interpolated (log-log). For each target the methods of every side that promise most
+ * run again at that setting, in turn, and the median counts: the time loop alone, in the thread's own time. A run
+ * counts when its error is at most the target, so where the stability limit gives less already, it is the cheapest
+ * stable run.
+ *
+ * The reference is one of Stoermer's methods on hooke's forces; Runge-Kutta 4 on the plain ones must agree with it to a
+ * hundredth of the smallest target. */
 #include "tests/bench/rivals.h"
 
 enum { SIZES = 3, REPEATS = 3, SHORT_REPEATS = 4, CANDIDATES = 3, RUNGS = 40 };
 static const struct {
   uint32_t N;
   double end; /* s; the motion of the largest is determined to the smallest target for this time only */
-} sizes[SIZES] = {{32, 0.5}, {64, 0.5}, {256, 0.1}};
+  const char *reference;
+  double fine, other; /* steps of the reference, and of the other method, by those of leapfrog at its limit */
+} sizes[SIZES] = {{32, 0.5, "stoermer5", 4, 3.5},
+                  {64, 0.5, "stoermer5", 4, 3.5},
+                  {256, 0.1, "stoermer_wide4", 4, 1}}; /* damped too much for order 5 */
 static const double target[TARGETS] = {1e-3, 1e-5, 1e-7};
 
 static const char *const side_name[SIDES] = {"hooke", "plain C, leapfrog", "plain C, RK4", "SUNDIALS, plain C forces",
@@ -56,7 +64,8 @@ static const double goal[SIDES][TARGETS] = {[SUNDIALS_PLAIN] = {20, 20, 20}, [SU
       CVODE_TOL(side, "CVODE, BDF, GMRES", CV_BDF, 1e-3, shared)
 
 static const method methods[] = {
-    HOOKE_STEPS("stoermer_wide4", 1),
+    HOOKE_STEPS("stoermer_wide4", 0.9),
+    HOOKE_STEPS("stoermer_wide3", 0.9),
     HOOKE_STEPS("stoermer_wide2", 0.8),
     HOOKE_STEPS("leapfrog", 0.8),
     HOOKE_STEPS("symplectic_euler", 0.8),
@@ -89,6 +98,7 @@ typedef struct ladder {
 
 static void measure(const method *m, const problem *q, double setting, outcome *out) {
   double *x = memory(3 * q->p.n, sizeof *x);
+  *out = (outcome){.error = 0};
   m->run(m, q, setting, out, x);
   if (out->error == 0) out->error = rms(x, q->reference, q->p.n);
   if (!(out->error < 1)) out->error = INFINITY;
@@ -249,16 +259,18 @@ static void compare(const problem *q, const ladder *all) {
 }
 
 /* The reference, and how far another method on other forces is from it. */
-static void converge(problem *q) {
-  const method fine = HOOKE_STEPS("stoermer5", 0), other = PLAIN_STEPS(PLAIN_RK4);
-  double least = ceil(q->end / q->p.limit);
+static void converge(problem *q, size_t size) {
+  const char *name = sizes[size].reference;
+  const method fine = HOOKE_STEPS(name, 0), other = PLAIN_STEPS(PLAIN_RK4);
+  double least = ceil(q->end / q->p.limit), steps = ceil(sizes[size].fine * least),
+         others = ceil(sizes[size].other * least);
   outcome out;
   q->reference = memory(3 * q->p.n, sizeof *q->reference);
-  fine.run(&fine, q, 4 * least, &out, q->reference);
-  measure(&other, q, ceil(3.5 * least), &out);
+  fine.run(&fine, q, steps, &out, q->reference);
+  measure(&other, q, others, &out);
   q->uncertain = out.error;
-  printf("curtain(%u), %.1f s: stoermer5 of %.0f steps and RK4 of %.0f on plain forces end %.1e m apart\n", q->N,
-         q->end, 4 * least, ceil(3.5 * least), out.error);
+  printf("curtain(%u), %.1f s: %s of %.0f steps and RK4 of %.0f on plain forces end %.1e m apart\n", q->N, q->end, name,
+         steps, others, out.error);
   if (out.error <= target[TARGETS - 1] / 100) return;
   fprintf(stderr, "the reference does not support errors of %g m: shorten its steps\n", target[TARGETS - 1]);
   exit(1);
@@ -266,7 +278,7 @@ static void converge(problem *q) {
 
 /* us of one evaluation by hooke and by the plain loop, the best of REPEATS. */
 static void print_evaluation(const problem *q) {
-  enum { CALLS = 200 };
+  const int calls = q->N > 64 ? 20 : 200;
   test_engine e;
   open_reference(&e, q->N, true, q->end);
   test_run(&e);
@@ -274,23 +286,23 @@ static void print_evaluation(const problem *q) {
   double *a = memory(s->size, sizeof *a), ours = INFINITY, theirs = INFINITY;
   for (int r = 0; r < REPEATS; r++) {
     double begin = own();
-    for (int c = 0; c < CALLS; c++) s->accelerations(s, 0, s->X, s->X + 3 * s->n, s->X + 6 * s->n, a, a + 3 * s->n);
+    for (int c = 0; c < calls; c++) s->accelerations(s, 0, s->X, s->X + 3 * s->n, s->X + 6 * s->n, a, a + 3 * s->n);
     ours = fmin(ours, own() - begin);
     begin = own();
-    for (int c = 0; c < CALLS; c++) plain_accelerations(&q->p, s->X, s->X + 3 * s->n, a);
+    for (int c = 0; c < calls; c++) plain_accelerations(&q->p, s->X, s->X + 3 * s->n, a);
     theirs = fmin(theirs, own() - begin);
   }
   printf(
       "  an evaluation: %.1f us by hooke, %.1f by the plain loop (%zu springs); what a run costs above its evaluations "
       "is the method and the engine\n",
-      1e6 * ours / CALLS, 1e6 * theirs / CALLS, q->p.count);
+      1e6 * ours / calls, 1e6 * theirs / calls, q->p.count);
   free(a);
   test_engine_close(&e);
 }
 
 static void print_ladders(const ladder *all) {
   for (const ladder *l = all; l < all + METHODS; l++) {
-    if (!l->m) continue;
+    if (!l->m || l->m->side == SUNDIALS_PLAIN) continue;
     printf("    %-25s %-34s", side_name[l->m->side], l->m->name);
     for (int k = 0; k < TARGETS; k++) {
       if (isfinite(l->promise[k]))
@@ -302,8 +314,8 @@ static void print_ladders(const ladder *all) {
   }
 }
 
-/* The smaller curtain tells which methods need not be tried on the larger one: those that were
- * never within 15 % of their side's best. */
+/* The smaller curtain tells which methods need not be tried on the larger one: those that were never within a fifth of
+ * their side's best. */
 static bool hopeless(const ladder *smaller, size_t l) {
   bool hopeless = true;
   if (!smaller[l].m) return true;
@@ -311,7 +323,7 @@ static bool hopeless(const ladder *smaller, size_t l) {
     double best = INFINITY;
     for (size_t o = 0; o < METHODS; o++)
       if (smaller[o].m && methods[o].side == methods[l].side) best = fmin(best, smaller[o].promise[k]);
-    hopeless &= !(smaller[l].promise[k] <= 1.15 * best) || isinf(best);
+    hopeless &= !(smaller[l].promise[k] <= 1.2 * best) || isinf(best);
   }
   return hopeless;
 }
@@ -320,37 +332,62 @@ static double first_setting(const method *m, const problem *q) {
   return m->atol > 0 ? m->first : ceil(m->first * q->end / q->p.limit);
 }
 
-/* Frequencies grow with N: from a little below the fewest stable steps, by those of the smaller curtain. */
+/* Frequencies grow with N: from below the fewest stable steps, by those of the smaller curtain. The larger one is
+ * damped more, for which Runge-Kutta methods are stable with steps up to a third longer. */
 static double lowest(const ladder *smaller, size_t size) {
-  double more = 0.95 * sizes[size].N / sizes[size - 1].N * sizes[size].end / sizes[size - 1].end;
+  double more = 0.75 * sizes[size].N / sizes[size - 1].N * sizes[size].end / sizes[size - 1].end;
   size_t r = 0;
   while (r + 1 < smaller->count && smaller->rung[r].out.error > target[0]) r++;
   return smaller->rung[r].setting * (smaller->m->atol > 0 ? 1 : more);
 }
 
-int main(void) {
+/* The rungs of the same method on hooke's forces; its times are not those of this side. */
+static ladder twin_of(const ladder *all, const method *m) {
+  for (const ladder *l = all; l < all + METHODS; l++) {
+    if (!l->m || l->m->side != SUNDIALS_HOOKE || strcmp(l->m->name, m->name) != 0) continue;
+    ladder copy = *l;
+    copy.m = m;
+    return copy;
+  }
+  return (ladder){.m = NULL};
+}
+
+/* The ladders of a size, those of the one before being known (NULL: it is the first). */
+static void climb_all(ladder *all, const ladder *smaller, size_t size, problem *q) {
+  for (size_t l = 0; l < METHODS; l++) {
+    const method *m = &methods[l];
+    bool out = m->side == SUNDIALS_PLAIN || (smaller && hopeless(smaller, l));
+    all[l] = (ladder){.m = out ? NULL : m};
+    if (!out) climb(&all[l], smaller ? lowest(&smaller[l], size) : first_setting(m, q), q);
+  }
+  for (size_t l = 0; l < METHODS; l++)
+    if (methods[l].side == SUNDIALS_PLAIN) all[l] = twin_of(all, &methods[l]);
+}
+
+static void forget_the_best(problem *q) {
+  for (side s = 0; s < SIDES; s++)
+    for (int k = 0; k < TARGETS; k++) q->best[s][k] = INFINITY;
+}
+
+int main(int count, char **argument) {
   static ladder ladders[SIZES][METHODS];
+  uint32_t largest = count > 1 ? (uint32_t)atoi(argument[1]) : 64;
   setvbuf(stdout, NULL, _IOLBF, 0);
-  for (size_t size = 0; size < SIZES; size++) {
+  for (size_t size = 0; size < SIZES && sizes[size].N <= largest; size++) {
     test_engine e;
     problem q = {.N = sizes[size].N, .end = sizes[size].end};
-    for (side s = 0; s < SIDES; s++)
-      for (int k = 0; k < TARGETS; k++) q.best[s][k] = INFINITY;
+    forget_the_best(&q);
     open_reference(&e, q.N, true, q.end);
     test_run(&e);
     q.p = plain_of(&e);
     test_engine_close(&e);
-    converge(&q);
+    converge(&q, size);
     print_evaluation(&q);
-    for (size_t l = 0; l < METHODS; l++) {
-      const ladder *smaller = size ? ladders[size - 1] : NULL;
-      bool out = smaller && hopeless(smaller, l);
-      ladders[size][l] = (ladder){.m = out ? NULL : &methods[l]};
-      if (!out) climb(&ladders[size][l], smaller ? lowest(&smaller[l], size) : first_setting(&methods[l], &q), &q);
-    }
+    climb_all(ladders[size], size ? ladders[size - 1] : NULL, size, &q);
     printf("  a first run of each, ms at %g, %g and %g m:\n", target[0], target[1], target[2]);
     print_ladders(ladders[size]);
     printf("  the best of each side, medians of %d runs in turn:\n", REPEATS);
+    forget_the_best(&q); /* no run is given up any more */
     compare(&q, ladders[size]);
     free(q.reference);
     plain_free(&q.p);

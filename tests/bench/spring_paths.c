@@ -5,13 +5,16 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
-enum { N = 640, SPRINGS = HK_SPRING_BLOCK, CALLS = 16, REPEATS = 400, PATHS = 3, CASES = 6, SHUFFLE = 600 };
+enum { N = 640, SPRINGS = HK_SPRING_BLOCK, CALLS = 16, REPEATS = 400, PATHS = 3, CASES = 6 };
 
 typedef struct data {
-  double x[3 * N + 8], v[3 * N + 8], F[3 * N + 8], k[SPRINGS], c[SPRINGS], L[SPRINGS];
-  uint32_t pair[SPRINGS][2];
+  double x[3 * N + 8], v[3 * N + 8], F[3 * N + 8];
+  double k[SPRINGS + HK_SPRING_BUNDLES], c[SPRINGS + HK_SPRING_BUNDLES], L[SPRINGS + HK_SPRING_BUNDLES];
+  uint32_t pair[SPRINGS + HK_SPRING_BUNDLES][2];
+  uint8_t lanes[2 * SPRINGS];
 } data;
 
 typedef struct kind {
@@ -26,17 +29,24 @@ static double now(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static void fill(data *d) {
-  uint32_t state = 12345;
-  for (size_t q = 0; q < 3 * N; q++) d->x[q] = sin(1.3 * (double)q), d->v[q] = cos(2.1 * (double)q);
-  for (size_t e = 0; e < SPRINGS; e++) {
-    d->k[e] = 100 + (double)(e % 17), d->c[e] = 0.1 + 0.1 * (double)(e % 5), d->L[e] = 0.3 * (double)(e % 3);
-    for (int end = 0; end < 2; end++) {
-      state = state * 1664525 + 1013904223;
-      d->pair[e][end] = (uint32_t)(((uint64_t)state * SHUFFLE) >> 32);
-    }
-    if (d->pair[e][0] == d->pair[e][1]) d->pair[e][1]++;
+/* As in a mesh, every particle of the second half has three springs to others, anywhere in the first half. */
+static void fill_list(data *d) {
+  uint32_t state = 12345, given[SPRINGS][2], order[2 * SPRINGS];
+  const hk_tuples edges = {SPRINGS, 2, given[0]};
+  for (uint32_t e = 0; e < SPRINGS; e++) {
+    state = state * 1664525 + 1013904223;
+    given[e][0] = N / 2 + e / 3, given[e][1] = (uint32_t)(((uint64_t)state * (N / 2)) >> 32), order[e] = e;
   }
+  hk_spring_slices_sort(&edges, order, SPRINGS, d->lanes);
+  memset(d->pair, 0, sizeof d->pair);
+  for (uint32_t e = 0; e < SPRINGS; e++) memcpy(d->pair[e], given[order[e]], sizeof given[0]);
+}
+
+static void fill(data *d) {
+  for (size_t q = 0; q < 3 * N; q++) d->x[q] = sin(1.3 * (double)q), d->v[q] = cos(2.1 * (double)q);
+  for (size_t e = 0; e < SPRINGS + HK_SPRING_BUNDLES; e++)
+    d->k[e] = 100 + (double)(e % 17), d->c[e] = 0.1 + 0.1 * (double)(e % 5), d->L[e] = 0.3 * (double)(e % 3);
+  fill_list(d);
 }
 
 static double call(const hk_spring_path *path, data *d, const kind *a, bool damped) {
@@ -44,12 +54,13 @@ static double call(const hk_spring_path *path, data *d, const kind *a, bool damp
   hk_spring_numbers q = {d->k, d->c, d->L, each, each, each};
   double (*run)(const hk_spring_numbers *, size_t, const double *, const double *, const double *, const double *,
                 double *, double *, bool) = a->apart > SPRINGS ? path->far_run : path->near_run;
+  const hk_spring_list list = {SPRINGS, (const uint32_t(*)[2])d->pair, d->lanes};
   double start = now();
   for (int r = 0; r < CALLS; r++)
     if (a->apart)
       run(&q, SPRINGS, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j, damped);
     else
-      path->list(&q, SPRINGS, (const uint32_t(*)[2])d->pair, d->x, d->v, d->F, damped);
+      path->list(&q, &list, d->x, d->v, d->F, damped);
   return (now() - start) / (CALLS * SPRINGS) * 1e9;
 }
 

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 static const double allowed = 1.3;
 static const int wanted = 12;
@@ -35,6 +36,14 @@ static void name_of(const char *text, const char *end, char name[128]) {
   size_t length = strcspn(text, end);
   if (substeps && substeps < text + length) length = (size_t)(substeps - text);
   snprintf(name, 128, "%.*s", (int)length, text);
+}
+
+/* Processor time of all processes that have been started and have ended, s. */
+static double processor_time(void) {
+  struct rusage used;
+  getrusage(RUSAGE_CHILDREN, &used);
+  return (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+         1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
 }
 
 /* The method that auto takes; false: none. */
@@ -93,12 +102,14 @@ static bool compare(size_t k, const char *folder) {
       HK_BUILD, HK_ROOT, scenes[k].scene, scenes[k].parameters, scenes[k].end, scenes[k].accuracy, scenes[k].accuracy,
       folder);
   if (system(command) != 0) printf("%-16s the bench failed\n", scenes[k].scene);
+  double begin = processor_time();
   choose(k, folder, chosen);
+  double trial = processor_time() - begin;
   snprintf(path, sizeof path, "%s/bench.csv", folder);
   read_costs(path, scenes[k].accuracy, chosen, &c);
   bool fine = c.chosen <= allowed * c.best;
-  printf("%-16s %8.0e m  best %-22s %9.4f s   auto %-22s %9.4f s  %5.2f times %s\n", scenes[k].scene,
-         scenes[k].accuracy, c.best_name, c.best, chosen, c.chosen, c.chosen / c.best,
+  printf("%-16s %8.0e m  best %-22s %9.4f s   auto %-22s %9.4f s  %5.2f times, chosen in %4.1f s %s\n", scenes[k].scene,
+         scenes[k].accuracy, c.best_name, c.best, chosen, c.chosen, c.chosen / c.best, trial,
          fine ? "" : "(more than wanted)");
   return fine;
 }

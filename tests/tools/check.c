@@ -89,7 +89,7 @@ static void right_and_wrong(const char *name, size_t least) {
 
 static void faults_of_forces_are_named(void **state) {
   (void)state;
-  right_and_wrong("force", 59);
+  right_and_wrong("force", 66);
 }
 
 static void faults_of_contact_are_named(void **state) {

@@ -29,6 +29,27 @@ static int get_clock(lua_State *L) {
   return 1;
 }
 
+/* processor_time(pid) -> s, of a child that runs; nil: the system does not tell. processor_time() -> s, of this process
+ * and all its children that have ended. */
+static double used_by(int who) {
+  struct rusage used;
+  getrusage(who, &used);
+  return (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+         1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+}
+
+static int processor_time(lua_State *L) {
+  struct timespec t;
+  if (!lua_isnoneornil(L, 1)) {
+    clockid_t clock;
+    if (clock_getcpuclockid((pid_t)luaL_checkinteger(L, 1), &clock) != 0 || clock_gettime(clock, &t) != 0) return 0;
+    lua_pushnumber(L, (double)t.tv_sec + 1e-9 * (double)t.tv_nsec);
+    return 1;
+  }
+  lua_pushnumber(L, used_by(RUSAGE_SELF) + used_by(RUSAGE_CHILDREN));
+  return 1;
+}
+
 /* terminal(fd) -> whether fd is a terminal. processors() -> the number of processors available. */
 static int is_terminal(lua_State *L) {
   lua_pushboolean(L, isatty((int)luaL_checkinteger(L, 1)));
@@ -199,7 +220,7 @@ static void give(const int from[GIVEN]) {
     if (copy[k] >= 0 && dup2(copy[k], k) < 0) _exit(127);
 }
 
-/* In the child: a program of its own, which ends in order when its starter has ended. */
+/* In the child of a vfork, which only makes calls of the system: a program of its own, which ends in order when its starter has ended. */
 static void become(char *const *words, const int from[GIVEN]) {
   signal(SIGPIPE, SIG_DFL);
   setpgid(0, 0); /* an interrupt at the terminal is for the starter, who hands it on */
@@ -229,7 +250,7 @@ static int spawn(lua_State *L) {
   words[count] = NULL;
   for (int k = 0; k < GIVEN; k++, lua_pop(L, 1)) from[k] = lua_rawgeti(L, 2, k) ? (int)lua_tointeger(L, -1) : -1;
   fflush(NULL);
-  pid_t pid = fork();
+  pid_t pid = vfork(); /* no handlers of forks: other threads may hold what these would need */
   if (pid < 0) return refuse(L, "fork");
   if (pid == 0) become(words, from);
   lua_pushinteger(L, pid);
@@ -277,12 +298,27 @@ static int exit_now(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_process(lua_State *L);
 
 int luaopen_process(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"clock", get_clock},   {"terminal", is_terminal}, {"processors", processors}, {"fork", start},
-      {"write", write_all},   {"read", read_some},       {"close", close_fd},        {"ready", ready},
-      {"wait", wait_for},     {"kill", kill_process},    {"exit", exit_now},         {"capture", capture},
-      {"captured", captured}, {"confine", confine},      {"allow", allow},           {"pipe", make_pipe},
-      {"spawn", spawn},       {"interrupt", interrupt},  {"signals", catch_signals}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"clock", get_clock},
+                                       {"terminal", is_terminal},
+                                       {"processors", processors},
+                                       {"fork", start},
+                                       {"write", write_all},
+                                       {"read", read_some},
+                                       {"close", close_fd},
+                                       {"ready", ready},
+                                       {"wait", wait_for},
+                                       {"kill", kill_process},
+                                       {"exit", exit_now},
+                                       {"capture", capture},
+                                       {"captured", captured},
+                                       {"confine", confine},
+                                       {"allow", allow},
+                                       {"pipe", make_pipe},
+                                       {"spawn", spawn},
+                                       {"interrupt", interrupt},
+                                       {"signals", catch_signals},
+                                       {"processor_time", processor_time},
+                                       {NULL, NULL}};
   signal(SIGPIPE, SIG_IGN); /* write returns an error in a child whose parent has ended */
   luaL_newlib(L, functions);
   return 1;

@@ -8,9 +8,10 @@ view.app = (() => {
   class App {
     // sources: one or two; more: { difference: { times, rms, most, largest }, bench, title, note }
     constructor(sources, more = {}) {
-      Object.assign(this, { sources, more, paint: "", arrowsOf: "", pickedId: null, mode: "side", slow: 0, every: 1,
+      Object.assign(this, { sources, more, paint: "", arrowsOf: "", pickedId: null, mode: "side",
         marked: { wind: true, contact: false } });
-      this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.timeline && this.timeline.update());
+      this.economy = new view.economy.Economy(sources);
+      this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.told());
       this.timeline = view.timeline.make($("timeline"), this.clock);
       view.timeline.keys(this.clock);
       this.makeStage();
@@ -26,7 +27,7 @@ view.app = (() => {
 
     makeStage() {
       try {
-        this.stage = new view.stage.Stage($("canvas"), (found) => this.pick(found));
+        this.stage = new view.stage.Stage($("canvas"), this.economy.antialias, (found) => this.pick(found));
       } catch (error) {
         $("note").textContent = `There is no 3D picture: this browser gives no WebGL (${error.message}).`;
         return;
@@ -133,11 +134,18 @@ view.app = (() => {
 
     refresh() { this.seek(this.clock.k); }
 
+    // It plays, or no longer: then the charts' cursors are where the picture is.
+    told() {
+      if (!this.timeline) return;
+      this.timeline.update();
+      if (!this.clock.playing) this.plots.show(this.sources[0].time(this.clock.k), this.frames);
+    }
+
     seek(k) {
       const t = this.sources[0].time(k);
       this.frames = this.sources.map((source, j) => j === 0 ? k : view.compare.nearest(source, t));
       this.timeline.update();
-      this.plots.show(t, this.frames);
+      if (this.economy.plots(this.clock.playing)) this.plots.show(t, this.frames);
       if (!this.stage) return;
       const got = new Array(this.sources.length).fill(null);
       this.sources.forEach((source, j) => source.get(this.frames[j], this.wanted(source), (frame) => {
@@ -176,13 +184,15 @@ view.app = (() => {
         else if (s) numbers = this.numbers(frame, s.field);
         let colours = null;
         if (numbers) view.colours.paint(numbers, s.scale, colours = new Float32Array(3 * frame.n));
-        layer.every = this.every;
+        layer.every = this.economy.every;
+        layer.sparing = this.economy;
         layer.show(frame, colours, this.arrows(layer.source, frame), this.pickedId);
         if (j === 0) view.colours.legend($("legend"), s && s.title, s && s.scale);
       });
       this.showPicked(frames);
       this.synchronise();
-      this.pace();
+      this.economy.pace(this.clock.playing, this.layers);
+      this.tell();
       this.stage.draw();
     }
 
@@ -207,23 +217,17 @@ view.app = (() => {
       this.checks.edges.querySelector("input").checked = shown.edges;
     }
 
-    // While it plays below 30 pictures a second, fewer particles are drawn, and the page says so.
-    pace() {
-      const now = performance.now(), took = now - (this.lastShown || now);
-      this.lastShown = now;
-      this.slow = this.clock.playing && took > 1000 / 27 && took < 2000 ? this.slow + 1 : Math.max(this.slow - 1, 0);
-      if (this.slow > 4 && this.every < 16 && this.layers.some((layer) => layer.balls > 20000)) {
-        this.every *= 2;
-        this.slow = 0;
-      }
+    // Below the picture: how near its numbers are, and what it leaves out.
+    tell() {
       const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
       const notes = [];
       if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
       const speed = this.sources[0].fields.find((f) => f.name === "velocity");
       if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
       for (const note of this.layers.flatMap((layer) => layer.told)) notes.push(note);
-      if (this.every > 1) notes.push(`this machine is too slow for all: one of ${this.every} particles is drawn, of ${this.layers[0].balls}`);
-      $("note").textContent = notes.join(" · ");
+      notes.push(...this.economy.told(this.layers));
+      const note = notes.join(" · "), node = $("note");
+      if (node.textContent !== note) node.textContent = note; // to write it again would be to draw it again
     }
   }
 

@@ -49,6 +49,7 @@ view.layer = (() => {
       this.edges = new view.segments.Segments(this.uniforms, false);
       this.arrows = new view.segments.Segments(this.uniforms, true);
       this.points = new view.points.Points(this.uniforms, 1);
+      this.splats = new view.splats.Splats(this.points.own);
       this.pins = new view.points.Points(this.uniforms, 2.5);
       this.picked = new view.points.Points(this.uniforms, 5);
       this.solids = new view.solids.Solids(source, this.uniforms);
@@ -61,7 +62,7 @@ view.layer = (() => {
       for (const part of parts) this.group.add(part.mesh);
       this.shadows = [this.surface, this.edges, this.points, this.solids].map((part) => part.shadow);
       this.group.add(...this.shadows);
-      this.scene.add(this.group, this.floor.mesh);
+      this.scene.add(this.group, this.floor.mesh, this.splats.mesh);
       for (const shadow of this.shadows) shadow.renderOrder = -0.5; // between the floor and all else
     }
 
@@ -101,8 +102,7 @@ view.layer = (() => {
       const { edges, alone, pins } = view.topology.of(this.source, frame);
       this.edges.show(frame, s.edges ? frame.edges : edges, paint);
       this.balls = s.points || alone.length === frame.n ? frame.n : alone.length;
-      this.points.show(frame, this.balls === frame.n ? null : alone, Math.ceil(this.balls / this.every), paint,
-        { every: this.every, radii: frame.values[view.points.RADIUS] });
+      this.showBalls(frame, this.balls === frame.n ? null : alone, paint);
       this.pins.show(frame, pins, pins.length, PIN);
       this.showArrows(frame, arrows);
       this.solids.show(frame, s.solids);
@@ -111,6 +111,13 @@ view.layer = (() => {
       this.picked.show(frame, [k], k < 0 ? 0 : 1, PICKED);
       for (const shadow of this.shadows) shadow.visible = shadow.visible && s.shadows;
       this.sizes();
+    }
+
+    // By the graphics, or by the page itself where there is none.
+    showBalls(frame, list, paint) {
+      const count = Math.ceil(this.balls / this.every), by = this.sparing && this.sparing.splats(this.balls);
+      by ? this.points.hide() : this.splats.hide();
+      (by ? this.splats : this.points).show(frame, list, count, paint, { every: this.every, radii: frame.values[view.points.RADIUS] });
     }
 
     showMarks(frame) {
@@ -147,9 +154,9 @@ view.layer = (() => {
         }
     }
 
-    // The light, and colours of the page, for a camera and a height of the view in pixels; above: the camera is above
+    // The light, and colours of the page, for a camera and a width and height of the view in pixels; above: the camera is above
     // the floor, whose height is `floor`.
-    light(camera, pixels, floor, above, theme) {
+    light(camera, width, pixels, floor, above, theme) {
       for (const shadow of this.shadows) shadow.traverse((one) => { if (one.material) one.material.visible = above; });
       const u = this.uniforms;
       u.up.value.set(0, 0, 1).transformDirection(camera.matrixWorldInverse);
@@ -158,6 +165,7 @@ view.layer = (() => {
       u.shade.value.fromArray(theme.shade);
       u.sun.value.copy(view.light.SUN).transformDirection(camera.matrixWorldInverse);
       this.floor.paint(theme);
+      this.splats.draw(camera, this.group, width, pixels);
     }
   }
 

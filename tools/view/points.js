@@ -54,6 +54,8 @@ view.points = (() => {
         view.light.LAID));
     }
 
+    hide() { this.mesh.visible = this.shadow.visible = false; }
+
     place(x, list, count, every) {
       const to = array(this.geometry, "position", 3, count);
       if (!list && every === 1) return void to.set(x);

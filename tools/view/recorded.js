@@ -9,6 +9,7 @@
 //   source.bounds          { low, high } of all positions, relative to the origin; source.low: the least height
 //   source.solids          [{ kind, hollow, vertices, faces }], what particles bounce off (solids.js)
 //   source.marks           [{ key, name, kind: "wind" or "contact", largest }]: key may stand among the fields of get
+//   source.most            particles at once; left out where that is unknown
 //   source.title, source.summary, source.series, source.error
 //
 // and of a frame { k, t, n, ids, x (3n), edges, triangles, pins (indices), topology (a number that changes when the last
@@ -33,6 +34,7 @@ view.recorded = (() => {
     constructor(run) {
       this.run = run;
       this.count = run.times.length;
+      this.most = Math.max(...run.populations.map((p) => p.n));
       this.fields = run.streams.filter((s) => s.name !== "position");
       for (const key of ["title", "summary", "series", "fps"]) this[key] = run[key];
       const p = run.streams.find((s) => s.name === "position");

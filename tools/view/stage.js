@@ -6,9 +6,9 @@ view.stage = (() => {
     [min.z, max.z].map((z) => new THREE.Vector3(x, y, z))));
 
   class Stage {
-    constructor(canvas, picked) {
+    constructor(canvas, antialias, picked) {
       Object.assign(this, { canvas, layers: [], side: false, dirty: true, yUp: false, drawn: 0 });
-      this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true });
+      this.renderer = new THREE.WebGLRenderer({ canvas, antialias, alpha: true });
       this.renderer.autoClear = false;
       // Colours are those of the page's style; newer versions of three.js would take them for others.
       if (THREE.ColorManagement) THREE.ColorManagement.enabled = false;
@@ -110,7 +110,7 @@ view.stage = (() => {
         renderer.setScissor(v.x, 0, v.w, v.h);
         v.layers.forEach((layer, k) => {
           layer.floor.mesh.visible = above && k === 0;
-          layer.light(camera, v.h * renderer.getPixelRatio(), this.floorHeight, above, this.theme);
+          layer.light(camera, v.w * renderer.getPixelRatio(), v.h * renderer.getPixelRatio(), this.floorHeight, above, this.theme);
           renderer.render(layer.scene, camera);
         });
       }

@@ -16,12 +16,18 @@ hk_status hk_living_tuples_create(hk_living_tuples *l, const hk_view *view, cons
   l->count = node->count;
   l->id = host->allocate(host, (corners + 1) * sizeof *l->id);
   l->number = host->allocate(host, (node->count + 1) * sizeof *l->number);
-  l->load = host->allocate(host, (corners + 1) * sizeof *l->load);
-  l->corner = host->allocate(host, (corners + 1) * sizeof *l->corner);
   l->acting = (hk_tuples){0, node->arity, host->allocate(host, (corners + 1) * sizeof *l->id)};
-  if (!l->id || !l->number || !l->load || !l->corner || !l->acting.index) return no_memory(view, node->count, what);
+  if (!l->id || !l->number || !l->acting.index) return no_memory(view, node->count, what);
   for (size_t c = 0; c < corners; c++) l->id[c] = view->model->id[node->index[c]];
   return HK_OK;
+}
+
+hk_status hk_living_tuples_load(hk_living_tuples *l, const hk_view *view, const char *what) {
+  const hk_host *host = view->host;
+  size_t corners = l->count * l->acting.arity;
+  l->load = host->allocate(host, (corners + 1) * sizeof *l->load);
+  l->corner = host->allocate(host, (corners + 1) * sizeof *l->corner);
+  return l->load && l->corner ? HK_OK : no_memory(view, l->count, what);
 }
 
 /* Sorts the members of the acting tuples by particle. */
@@ -51,7 +57,7 @@ hk_status hk_living_tuples_find(hk_living_tuples *l, const hk_view *view) {
     if (acts) l->number[kept++] = (uint32_t)k;
   }
   l->acting.count = kept;
-  return sort_corners(l, view);
+  return l->load ? sort_corners(l, view) : HK_OK;
 }
 
 typedef struct task {

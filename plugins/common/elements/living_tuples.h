@@ -1,5 +1,5 @@
-/* Tuples that keep numbers of their own while particles are born and die, and their loads, computed by several threads
- * and summed in an order that does not depend on how many. */
+/* Tuples that keep numbers of their own while particles are born and die; and, where these are asked for, their loads,
+ * computed by several threads and summed in an order that does not depend on how many. */
 #ifndef HK_LIVING_TUPLES_H
 #define HK_LIVING_TUPLES_H
 
@@ -19,6 +19,8 @@ typedef struct hk_living_tuples {
 /* To be called in `create` with the tuples of a parameter, and hk_living_tuples_find after it; `what` names them in
  * messages. HK_NO_MEMORY. */
 hk_status hk_living_tuples_create(hk_living_tuples *, const hk_view *view, const hk_tuples *node, const char *what);
+/* Between the two, for tuples that have loads. HK_NO_MEMORY. */
+hk_status hk_living_tuples_load(hk_living_tuples *, const hk_view *view, const char *what);
 /* To be called in `topology` as well: the tuples whose members live and are active. HK_NO_MEMORY. */
 hk_status hk_living_tuples_find(hk_living_tuples *, const hk_view *view);
 /* F += loads */

@@ -51,7 +51,7 @@ static void last_line(hk_video *v, char *line, size_t size) {
   snprintf(line, size, "%s", start ? start + 1 : v->said);
 }
 
-/* In the child: ffmpeg, which ends with this process, however that ends. The end of `started` is closed by its start;
+/* In the child of a vfork, which only makes calls of the system: ffmpeg, which ends with this process, however that ends. The end of `started` is closed by its start;
  * where there is none the cause is written to it. */
 static void become(const char *const arguments[], pid_t parent, const int ends[3], int started) {
   sigset_t none;
@@ -80,7 +80,7 @@ static int start(const char *const arguments[], const int ends[3], pid_t *child)
   int started[2], cause = 0;
   pid_t parent = getpid();
   if (!open_pipe(started)) return errno;
-  *child = fork();
+  *child = vfork(); /* no handlers of forks: other threads may hold what these would need */
   if (*child == 0) become(arguments, parent, ends, started[1]);
   if (*child < 0) cause = errno;
   close(started[1]);

@@ -4,8 +4,6 @@
 
 #include <string.h>
 
-enum { GRAIN = 4096, CHUNKS = 64 };
-
 hk_status hk_air_check(const hk_air_drag *p, const hk_host *host) {
   if (isnan(p->d) == isnan(p->rate))
     return host->fail(host, HK_BAD_PARAM, "give either d (N s/m, per particle) or rate (1/s, per mass)");
@@ -49,40 +47,31 @@ __attribute__((target("avx2"))) static double add_wide(const hk_air_drag *p, con
 #define ADD_ROW add_narrow
 #endif
 
-typedef struct task {
-  const hk_air *air;
-  const hk_view *view;
-  double *F;
-  double power[CHUNKS]; /* summed in the order of the chunks, for any number of threads */
-} task;
-
 /* Particles of a selection, which do not lie in a row. */
-static double add_selected(const task *s, size_t begin, size_t count) {
-  const hk_view *view = s->view;
+static double add_selected(const hk_air *air, const hk_view *view, size_t begin, size_t count, double *F) {
   double x[3 * HK_AIR_BLOCK], u[3 * HK_AIR_BLOCK], power = 0;
   for (size_t k = 0; k < count; k++) memcpy(x + 3 * k, view->x + 3 * (size_t)view->active[begin + k], 3 * sizeof *x);
-  s->air->velocity(s->air->self, view->t, x, count, u);
+  air->velocity(air->self, view->t, x, count, u);
   for (size_t k = 0; k < count; k++) {
     size_t i = view->active[begin + k];
-    power += add_row(s->air->drag, view->model->mass + i, u + 3 * k, view->v + 3 * i, 1, s->F + 3 * i);
+    power += add_row(air->drag, view->model->mass + i, u + 3 * k, view->v + 3 * i, 1, F + 3 * i);
   }
   return power;
 }
 
-static void add_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  task *s = context;
-  const hk_view *view = s->view;
+static double add_range(const void *context, const hk_view *view, size_t begin, size_t end, double *F) {
+  const hk_air *air = context;
   double u[3 * HK_AIR_BLOCK], power = 0;
   for (size_t k = begin; k < end; k += HK_AIR_BLOCK) {
     size_t count = end - k < HK_AIR_BLOCK ? end - k : HK_AIR_BLOCK;
     if (view->active) {
-      power += add_selected(s, k, count);
+      power += add_selected(air, view, k, count, F);
       continue;
     }
-    s->air->velocity(s->air->self, view->t, view->x + 3 * k, count, u);
-    power += ADD_ROW(s->air->drag, view->model->mass + k, u, view->v + 3 * k, count, s->F + 3 * k);
+    air->velocity(air->self, view->t, view->x + 3 * k, count, u);
+    power += ADD_ROW(air->drag, view->model->mass + k, u, view->v + 3 * k, count, F + 3 * k);
   }
-  s->power[chunk] = power;
+  return power;
 }
 
 void hk_air_flow(const hk_air *air, double t, const double *x, size_t count, double *u) {
@@ -90,14 +79,8 @@ void hk_air_flow(const hk_air *air, double t, const double *x, size_t count, dou
     air->velocity(air->self, t, x + 3 * k, count - k < HK_AIR_BLOCK ? count - k : HK_AIR_BLOCK, u + 3 * k);
 }
 
-hk_status hk_air_add(const hk_air *air, const hk_view *view, double *F) {
-  task s;
-  size_t grain = view->acting / CHUNKS + 1; /* at most CHUNKS chunks */
-  if (grain < GRAIN) grain = GRAIN;
-  s.air = air, s.view = view, s.F = F;
-  view->host->parallel_for(view->host, view->acting, grain, add_chunk, &s);
-  for (size_t c = 0; view->power && c * grain < view->acting; c++) *view->power += s.power[c];
-  return HK_OK;
+void hk_air_add(const hk_air *air, const hk_view *view, size_t part, double *F) {
+  hk_particle_sums_add(view, part, add_range, air, F);
 }
 
 /* ---- -dF/dx = -d G, -dF/dv = d I ---- */

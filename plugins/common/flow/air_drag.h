@@ -7,6 +7,7 @@
 #define HK_FLOW_AIR_DRAG_H
 
 #include "core/plugin.h"
+#include "plugins/common/parts/particle_sums.h"
 
 typedef struct hk_air_drag { /* parameters of the force */
   double d, rate;            /* N s/m, 1/s; one of them is NAN */
@@ -39,7 +40,8 @@ hk_status hk_air_check(const hk_air_drag *, const hk_host *);              /* fo
 double hk_air_coefficient(const hk_air_drag *, const hk_view *, size_t i); /* N s/m */
 /* u (count x 3) at any number of places, for pictures. */
 void hk_air_flow(const hk_air *, double t, const double *x, size_t count, double *u);
-hk_status hk_air_add(const hk_air *, const hk_view *, double *F);
+/* One part, or HK_ALL_PARTS. */
+void hk_air_add(const hk_air *, const hk_view *, size_t part, double *F);
 void hk_air_pattern(const hk_view *, hk_pattern *);
 hk_status hk_air_jacobian(const hk_air *, const hk_view *, const hk_blocks *into);
 

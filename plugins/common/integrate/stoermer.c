@@ -4,13 +4,15 @@
  * where d is the last change of x divided by h, so that rounding does not grow as in x' - 2x + x_before (Hairer,
  * Norsett and Wanner, Solving ODEs I, III.10). v' equals the result of the Adams-Bashforth method of the same order,
  * with coefficients gamma_j; computed from d' it cannot drift away from the change of x. The first steps use the
- * Dormand-Prince method of order 5, whose change of x initialises d without a subtraction.
+ * Dormand-Prince method of order 5, or extrapolation, whose change of x initialises d without a subtraction.
  *
  * The coefficients belong to the method: up to its order they are those of the series, and beyond it they are chosen
  * for a wide range of stable steps. */
 #include "plugins/common/integrate/stoermer.h"
+#include "plugins/common/integrate/extrapolation.h"
 #include "plugins/common/integrate/growth_factor.h"
 
+#include <assert.h>
 #include <complex.h>
 #include <string.h>
 
@@ -70,36 +72,48 @@ typedef struct advance {
   double *d_next, h;
 } advance;
 
-/* Updates all arrays at once, because memory bandwidth limits a step. */
+/* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 6 or 8, known
+ * when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
 #define INLINE static inline __attribute__((always_inline))
-INLINE void sweep(const advance *all, size_t begin, size_t end) {
-  const past q = all->p;
-  const double *restrict a0 = q.slope[0], *restrict a1 = q.slope[1], *restrict a2 = q.slope[2],
-                         *restrict a3 = q.slope[3], *restrict a4 = q.slope[4], *restrict x = all->x,
-                         *restrict d = all->d, h = all->h;
-  double *restrict x_next = all->x_next, *restrict v_next = all->v_next, *restrict d_next = all->d_next;
+INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, double *restrict d_next,
+                   size_t begin, size_t end, int terms) {
+  const double *x = all->x, *d = all->d, *const *a = all->p.slope, *w = all->p.change, *l = all->p.lead, h = all->h;
   for (size_t e = begin; e < end; e++) {
-    double change = q.change[0] * a0[e] + q.change[1] * a1[e] + q.change[2] * a2[e] + q.change[3] * a3[e];
-    double lead = q.lead[0] * a0[e] + q.lead[1] * a1[e] + q.lead[2] * a2[e] + q.lead[3] * a3[e];
-    double next = d[e] + (change + q.change[4] * a4[e]);
+    double change = w[0] * a[0][e] + w[1] * a[1][e] + w[2] * a[2][e] + w[3] * a[3][e];
+    double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e] + l[3] * a[3][e];
+    if (terms > 4) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
+    if (terms > 6) change += w[6] * a[6][e] + w[7] * a[7][e], lead += l[6] * a[6][e] + l[7] * a[7][e];
+    double next = d[e] + change;
     d_next[e] = next;
     x_next[e] = x[e] + h * next;
-    v_next[e] = next + lead; /* the last slope does not occur: `lead` has one difference less */
+    v_next[e] = next + lead;
   }
+}
+
+INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
+  update(all, all->x_next, all->v_next, all->d_next, 3 * begin, 3 * end, terms);
 }
 
 typedef void sweeping(void *context, size_t begin, size_t end);
 
-static void sweep_narrow(void *context, size_t begin, size_t end) { sweep(context, 3 * begin, 3 * end); }
+static void sweep4(void *context, size_t begin, size_t end) { sweep(context, begin, end, 4); }
+static void sweep6(void *context, size_t begin, size_t end) { sweep(context, begin, end, 6); }
+static void sweep8(void *context, size_t begin, size_t end) { sweep(context, begin, end, 8); }
+static sweeping *const narrow[] = {sweep4, sweep6, sweep8};
 
 #if defined(__x86_64__)
-__attribute__((target("avx2"))) static void sweep_wide(void *context, size_t begin, size_t end) {
-  sweep(context, 3 * begin, 3 * end);
-}
+#define WIDE __attribute__((target("avx2"))) static void
+WIDE wide4(void *context, size_t begin, size_t end) { sweep(context, begin, end, 4); }
+WIDE wide6(void *context, size_t begin, size_t end) { sweep(context, begin, end, 6); }
+WIDE wide8(void *context, size_t begin, size_t end) { sweep(context, begin, end, 8); }
+static sweeping *const wide[] = {wide4, wide6, wide8};
 
-static sweeping *best(void) { return __builtin_cpu_supports("avx2") ? sweep_wide : sweep_narrow; }
+static sweeping *best(int terms) {
+  int of = terms > 4 ? (terms - 3) / 2 : 0;
+  return __builtin_cpu_supports("avx2") ? wide[of] : narrow[of];
+}
 #else
-static sweeping *best(void) { return sweep_narrow; }
+static sweeping *best(int terms) { return narrow[terms > 4 ? (terms - 3) / 2 : 0]; }
 #endif
 
 static double *change_at(const hk_stoermer *m, const hk_system *s, int64_t place) {
@@ -111,7 +125,7 @@ static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f
   size_t v = 3 * s->n, y = 6 * s->n;
   advance all = {recall(m, s, f, h),           s->X, s->spare, s->spare + v, change_at(m, s, m->current),
                  change_at(m, s, !m->current), h};
-  hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best()});
+  hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms)});
   if (status != HK_OK) return status;
   memcpy(s->spare + y, s->X + y, (s->size - y) * sizeof *s->X);
   for (int j = 0; j < f->terms; j++)
@@ -122,14 +136,12 @@ static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f
 }
 
 /* One Dormand-Prince step; d = v + h sum (b A)_l a_l is the change of x divided by h. */
-static hk_status start(hk_stoermer *m, hk_system *s, double *slope, double h) {
+static hk_status dormand_prince(hk_stoermer *m, hk_system *s, const double *slope, double h) {
   hk_tableau T = hk_dormand_prince;
   T.stages = 6; /* the seventh is for the error estimate only */
   size_t v = 3 * s->n;
-  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, slope, slope + v);
-  if (status != HK_OK) return status;
   memcpy(m->start, slope, (s->size - v) * sizeof *slope);
-  status = hk_rk_stages(&T, s, h, m->start, 1);
+  hk_status status = hk_rk_stages(&T, s, h, m->start, 1);
   if (status != HK_OK) return status;
   double *change = change_at(m, s, m->current);
   memcpy(change, s->X + v, v * sizeof *slope);
@@ -143,11 +155,31 @@ static hk_status start(hk_stoermer *m, hk_system *s, double *slope, double h) {
   return HK_OK;
 }
 
+static_assert((int)HK_EXTRAPOLATION_STATES <= (int)HK_STOERMER_START, "the field is wide enough for both");
+
+static hk_status extrapolated(hk_stoermer *m, hk_system *s, const double *slope, double h) {
+  const double *by;
+  hk_status status = hk_extrapolated_change(s, h, slope, m->start, &by);
+  if (status != HK_OK) return status;
+  double *change = change_at(m, s, m->current);
+  for (size_t e = 0; e < 3 * s->n; e++) change[e] = by[e] / h;
+  for (size_t e = 0; e < s->size; e++) s->X[e] += by[e];
+  return HK_OK;
+}
+
+/* A first step, and the change of x in it. */
+static hk_status start(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *slope, double h) {
+  size_t v = 3 * s->n;
+  hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, slope, slope + v);
+  if (status != HK_OK) return status;
+  return f->order > 5 ? extrapolated(m, s, slope, h) : dormand_prince(m, s, slope, h);
+}
+
 hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
   double *a = ring(m, s, f->terms, m->head);
   if (h != m->h) m->known = 0;
   bool starts = m->known < f->terms - 1;
-  hk_status status = starts ? start(m, s, a, h) : recur(m, s, f, a, h);
+  hk_status status = starts ? start(m, s, f, a, h) : recur(m, s, f, a, h);
   if (status != HK_OK) return status;
   m->h = h;
   m->head = (m->head + 1) % f->terms;

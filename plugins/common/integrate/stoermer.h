@@ -4,13 +4,14 @@
 
 #include "plugins/common/integrate/runge_kutta.h"
 
-enum { HK_STOERMER_TERMS = 5 }; /* at most */
+enum { HK_STOERMER_TERMS = 8, HK_STOERMER_START = HK_RK_STAGES }; /* at most; no fewer than extrapolation takes */
 
-/* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. */
+/* Coefficients of the backward differences of a; for order p the first p are those of the series, given here. Above
+ * order 5 the first steps are extrapolated ones of order 8. */
 typedef struct hk_stoermer_method {
-  int terms;
-  double sigma[HK_STOERMER_TERMS]; /* for x; 1, 0, 1/12, 1/12, 19/240 */
-  double gamma[HK_STOERMER_TERMS]; /* for v and channels; 1, 1/2, 5/12, 3/8, 251/720 */
+  int order, terms;
+  double sigma[HK_STOERMER_TERMS]; /* for x; 1, 0, 1/12, 1/12, 19/240, 3/40, 863/12096, 275/4032 */
+  double gamma[HK_STOERMER_TERMS]; /* for v and channels; 1, 1/2, 5/12, 3/8, 251/720, 95/288, ... */
 } hk_stoermer_method;
 
 typedef struct hk_stoermer {
@@ -20,7 +21,7 @@ typedef struct hk_stoermer {
   double *slope;   /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
   int64_t current; /* which of the two changes, 0 or 1, is that of the last step */
   double *change;  /* two of n x 3, m/s: (x - x before) / h */
-  double *start;   /* HK_FIELD_STATE of width HK_RK_STAGES, scratch */
+  double *start;   /* HK_FIELD_STATE of width HK_STOERMER_START, scratch */
 } hk_stoermer;
 
 /* The fields of an instance that begins with hk_stoermer. */
@@ -31,7 +32,7 @@ typedef struct hk_stoermer {
       {"slopes", HK_FIELD_STATE, terms, offsetof(hk_stoermer, slope), 0},                                              \
       {"current", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, current), 0},                                             \
       {"change", HK_FIELD_PER_PARTICLE, 6, offsetof(hk_stoermer, change), 0},                                          \
-      {"start", HK_FIELD_STATE, HK_RK_STAGES, offsetof(hk_stoermer, start), HK_SCRATCH}, {                             \
+      {"start", HK_FIELD_STATE, HK_STOERMER_START, offsetof(hk_stoermer, start), HK_SCRATCH}, {                        \
     0                                                                                                                  \
   }
 

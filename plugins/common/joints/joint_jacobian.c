@@ -213,22 +213,17 @@ static void one_block(const task *t, size_t begin, size_t count) {
   }
 }
 
-static void add_chunks(void *context, size_t begin, size_t end, size_t unused) {
+static void add_part(const void *context, size_t part) {
   const task *t = context;
-  (void)unused;
-  for (size_t chunk = begin; chunk < end; chunk++) {
-    size_t last = t->layout->first[chunk + 1];
-    for (size_t e = t->layout->first[chunk]; e < last && t->one_by_one; e++) add_joint(t, e);
-    for (size_t e = t->layout->first[chunk]; e < last && !t->one_by_one; e += BLOCK)
-      one_block(t, e, last - e < BLOCK ? last - e : BLOCK);
-  }
+  const size_t *first = t->layout->sums.lists.first + part;
+  for (size_t e = first[0]; e < first[1] && t->one_by_one; e++) add_joint(t, e);
+  for (size_t e = first[0]; e < first[1] && !t->one_by_one; e += BLOCK)
+    one_block(t, e, first[1] - e < BLOCK ? first[1] - e : BLOCK);
 }
 
-/* The chunks share no particles, and the joints that are left follow alone. */
 void hk_joint_jacobian(const hk_joint_layout *s, const hk_view *view, const double plane[3], const hk_blocks *into) {
   bool is_definite = into->want & HK_WANT_DEFINITE, turns = !is_definite && !(into->want & HK_WANT_SYMMETRIC);
   task t = {s, view, plane, into, is_definite, turns, plane || (turns && s->damped), COMPUTE};
   if (s->count == 0) return;
-  view->host->parallel_for(view->host, s->chunks, 1, add_chunks, &t);
-  add_chunks(&t, s->chunks, s->chunks + 1, 0);
+  hk_parts_each(view->host, &s->sums.lists.partition, s->sums.lists.first, add_part, &t);
 }

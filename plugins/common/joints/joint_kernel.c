@@ -13,7 +13,7 @@
 #include <float.h>
 #include <string.h>
 
-enum { BLOCK = 64, CHUNK = 1024 };
+enum { BLOCK = 64 };
 
 typedef struct block {
   double e[2][3][BLOCK], u[2][3][BLOCK]; /* edges, m, and their rates, m/s */
@@ -142,50 +142,21 @@ static double one_block(const task *t, size_t begin, size_t count) {
   return power;
 }
 
-static double one_chunk(const task *t, size_t chunk) {
+/* The joints of a part lie one after the other. */
+static double add_items(const void *context, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  task t = *(const task *)context;
   double power = 0;
-  size_t end = t->layout->first[chunk + 1];
-  for (size_t e = t->layout->first[chunk]; e < end; e += BLOCK)
-    power += one_block(t, e, end - e < BLOCK ? end - e : BLOCK);
+  t.view = view, t.F = F;
+  for (size_t e = 0; e < count; e += BLOCK) power -= one_block(&t, item[e], count - e < BLOCK ? count - e : BLOCK);
   return power;
 }
 
-static void chunks(void *context, size_t begin, size_t end, size_t unused) {
-  const task *t = context;
-  (void)unused;
-  for (size_t chunk = begin; chunk < end; chunk++) t->layout->power[chunk] = one_chunk(t, chunk);
-}
-
-void hk_joint_forces(const hk_joint_layout *s, const hk_view *view, const double plane[3], double *F) {
-  task t = {s, view, plane, F, COMPUTE};
-  if (s->count == 0) return;
-  view->host->parallel_for(view->host, s->chunks, 1, chunks, &t);
-  double power = one_chunk(&t, s->chunks);
-  for (size_t k = 0; k < s->chunks; k++) power += s->power[k];
-  if (view->power) *view->power -= power;
+void hk_joint_forces(const hk_joint_layout *s, const hk_view *view, const double plane[3], size_t part, double *F) {
+  const task t = {.layout = s, .plane = plane, .compute = COMPUTE};
+  hk_part_sums_add(&s->sums, view, part, add_items, &t, F);
 }
 
 /* ---- layout ---- */
-
-/* Per particle: the first chunk that touches it, and whether another one does. */
-typedef struct touched {
-  uint32_t chunk;
-  bool shared;
-} touched;
-
-static void touch(const hk_elements *from, touched *t) {
-  for (size_t e = 0; e < from->node.count; e++)
-    for (int m = 0; m < 3; m++) {
-      touched *p = t + hk_tuple(&from->node, e)[m];
-      if (p->chunk == UINT32_MAX) p->chunk = (uint32_t)(e / CHUNK);
-      p->shared = p->shared || p->chunk != e / CHUNK;
-    }
-}
-
-static bool alone(const hk_elements *from, const touched *t, size_t e) {
-  const uint32_t *node = hk_tuple(&from->node, e);
-  return !t[node[0]].shared && !t[node[1]].shared && !t[node[2]].shared;
-}
 
 static void copy(hk_joint_layout *s, const hk_elements *from, size_t e) {
   memcpy(s->node[s->count], hk_tuple(&from->node, e), sizeof *s->node);
@@ -197,37 +168,26 @@ static void copy(hk_joint_layout *s, const hk_elements *from, size_t e) {
   s->count++;
 }
 
-static void sort(hk_joint_layout *s, const hk_elements *from, const touched *t) {
-  for (size_t e = 0; e < from->node.count; e++) {
-    if (e % CHUNK == 0) s->first[e / CHUNK] = s->count;
-    if (alone(from, t, e)) copy(s, from, e);
-  }
-  s->first[s->chunks] = s->count;
-  for (size_t e = 0; e < from->node.count; e++)
-    if (!alone(from, t, e)) copy(s, from, e);
-  s->first[s->chunks + 1] = s->count;
-}
-
 static bool reserve(hk_joint_layout *s, const hk_host *host, size_t count) {
-  void *old[] = {s->first, s->node, s->element, s->k, s->c, s->rest, s->power};
+  void *old[] = {s->node, s->element, s->k, s->c, s->rest};
   for (size_t k = 0; k < sizeof old / sizeof *old; k++) host->release(host, old[k]);
-  *s = (hk_joint_layout){.chunks = (count + CHUNK - 1) / CHUNK};
-  s->first = host->allocate(host, (s->chunks + 2) * sizeof *s->first);
+  *s = (hk_joint_layout){.sums = s->sums};
   s->node = host->allocate(host, (count + 1) * sizeof *s->node);
   s->element = host->allocate(host, (count + 1) * sizeof *s->element);
   s->k = host->allocate(host, (count + 1) * sizeof *s->k);
   s->c = host->allocate(host, (count + 1) * sizeof *s->c);
   s->rest = host->allocate(host, (count + 1) * sizeof *s->rest);
-  s->power = host->allocate(host, (s->chunks + 1) * sizeof *s->power);
-  return s->first && s->node && s->element && s->k && s->c && s->rest && s->power;
+  return s->node && s->element && s->k && s->c && s->rest;
 }
 
-hk_status hk_joint_layout_build(hk_joint_layout *s, const hk_host *host, size_t n, const hk_elements *from) {
-  touched *t = host->allocate(host, (n + 1) * sizeof *t);
-  bool fine = reserve(s, host, from->node.count) && t;
-  for (size_t i = 0; fine && i < n; i++) t[i].chunk = UINT32_MAX;
-  if (fine) touch(from, t);
-  if (fine) sort(s, from, t);
-  host->release(host, t);
-  return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu joints", from->node.count);
+hk_status hk_joint_layout_build(hk_joint_layout *s, const hk_view *view, const hk_elements *from) {
+  const hk_host *host = view->host;
+  if (!reserve(s, host, from->node.count))
+    return host->fail(host, HK_NO_MEMORY, "no memory for %zu joints", from->node.count);
+  hk_status status = hk_part_sums_sort(&s->sums, view, &from->node, NULL);
+  for (uint32_t k = 0; status == HK_OK && k < s->sums.lists.count; k++) {
+    copy(s, from, s->sums.lists.item[k]);
+    s->sums.lists.item[k] = k;
+  }
+  return status;
 }

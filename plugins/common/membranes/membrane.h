@@ -5,8 +5,8 @@
 
 #include "core/plugin.h"
 #include "plugins/common/elements/chunk_rounds.h"
-#include "plugins/common/elements/corner_sums.h"
 #include "plugins/common/membranes/membrane_model.h"
+#include "plugins/common/parts/part_sums.h"
 
 enum { HK_MEMBRANE_GRAIN = 1024 }; /* triangles of a chunk, some 20 us */
 
@@ -49,10 +49,9 @@ typedef struct hk_membrane {
   hk_membrane_triangle *triangle; /* of the start */
   hk_tuples node;                 /* of the triangles whose corners all act */
   double *row[HK_MEMBRANE_ROWS];
-  hk_corner_sums sums;
+  hk_part_sums sums;
   hk_chunk_rounds rounds;
-  double (*load)[3][3]; /* N, on the corners in one evaluation */
-  double *power;        /* W or J, of the chunks */
+  double *energy;       /* J, of the chunks */
   double *creep, one;   /* damping times c11; the strain 1, for the elements */
   hk_elements elements; /* values 0: none */
 } hk_membrane;
@@ -70,9 +69,9 @@ static inline hk_elasticity hk_membrane_elasticity(const hk_membrane *m, size_t 
 void hk_membrane_deformation(const hk_membrane *, size_t k, const double *x, double f[2][3]);
 hk_metric hk_membrane_metric(const double f[2][3]);
 
-/* membrane_kernel.c: F += the forces, and their power to view->power. */
-void hk_membrane_forces(const hk_membrane *, const hk_view *view, double *F);
-void hk_membrane_forces_narrow(const hk_membrane *, const hk_view *view, double *F); /* as on every processor */
+/* membrane_kernel.c: F += the forces of one part or of HK_ALL_PARTS, and their power to view->power. */
+void hk_membrane_forces(const hk_membrane *, const hk_view *view, size_t part, double *F);
+void hk_membrane_forces_narrow(const hk_membrane *, const hk_view *view, double *F); /* all, as on every processor */
 double hk_membrane_sum_energy(const hk_membrane *, const hk_view *view);             /* J */
 
 /* membrane_conditions.c: the numbers C of triangles, and their gradients by the three corners, for hk_elements:

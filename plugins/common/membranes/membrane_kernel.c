@@ -1,5 +1,5 @@
 /* Forces and energy of membranes. Blocks of triangles are gathered, computed in loops that compilers turn into vectors,
- * and laid down as loads on their corners, which corner_sums.h adds up. The wide path and the narrow one do the same
+ * and scattered one after the other, part by part (part_sums.h). The wide path and the narrow one do the same
  * operations, so their results are bitwise equal. */
 #include "plugins/common/membranes/membrane.h"
 
@@ -95,73 +95,69 @@ static const path *best_path(void) { return &narrow; }
 
 typedef struct task {
   const hk_membrane *m;
-  const hk_view *view;
   const path *path;
 } task;
 
-/* The sides of triangles begin to begin + count of one array; lanes beyond get those of the first. */
-static void gather(const hk_tuples *node, const double *from, size_t begin, size_t count, double into[2][3][BLOCK]) {
+/* The sides of the triangles `item` of one array; lanes beyond get those of the first. */
+static void gather(const hk_tuples *node, const double *from, const uint32_t *item, size_t count,
+                   double into[2][3][BLOCK]) {
   for (size_t r = 0; r < BLOCK; r++) {
-    const uint32_t *corner = hk_tuple(node, begin + (r < count ? r : 0));
+    const uint32_t *corner = hk_tuple(node, item[r < count ? r : 0]);
     const double *o = from + 3 * (size_t)corner[0], *p = from + 3 * (size_t)corner[1],
                  *q = from + 3 * (size_t)corner[2];
     for (int c = 0; c < 3; c++) into[0][c][r] = p[c] - o[c], into[1][c][r] = q[c] - o[c];
   }
 }
 
-static void take(const hk_membrane *m, size_t begin, size_t count, block *q) {
+static void take(const hk_membrane *m, const uint32_t *item, size_t count, block *q) {
   for (size_t k = 0; k < HK_MEMBRANE_ROWS; k++)
-    for (size_t r = 0; r < BLOCK; r++) q->number[k][r] = m->row[k][begin + (r < count ? r : 0)];
+    for (size_t r = 0; r < BLOCK; r++) q->number[k][r] = m->row[k][item[r < count ? r : 0]];
 }
 
-static double one_block(const task *t, size_t begin, size_t count) {
+static void scatter(const hk_tuples *node, const block *q, const uint32_t *item, size_t count, double *F) {
+  for (size_t r = 0; r < count; r++) {
+    const uint32_t *corner = hk_tuple(node, item[r]);
+    double *a = F + 3 * (size_t)corner[0], *b = F + 3 * (size_t)corner[1], *d = F + 3 * (size_t)corner[2];
+    for (int c = 0; c < 3; c++) {
+      a[c] -= q->f[0][c][r] + q->f[1][c][r];
+      b[c] += q->f[0][c][r];
+      d[c] += q->f[1][c][r];
+    }
+  }
+}
+
+static double one_block(const task *t, const hk_view *view, const uint32_t *item, size_t count, double *F) {
   const hk_membrane *m = t->m;
   block q;
   double power = 0;
-  gather(&m->node, t->view->x, begin, count, q.d);
-  take(m, begin, count, &q);
-  if (m->damping > 0) gather(&m->node, t->view->v, begin, count, q.u);
+  gather(&m->node, view->x, item, count, q.d);
+  take(m, item, count, &q);
+  if (m->damping > 0) gather(&m->node, view->v, item, count, q.u);
   if (m->model == HK_NEO_HOOKEAN) {
     t->path->volumes(&q);
     for (size_t r = 0; r < BLOCK; r++) q.slope[r] = hk_volume_slope(q.slope[r], m->exponent);
   }
   t->path->compute(&q, m->model, m->damping);
-  for (size_t r = 0; r < count; r++) {
-    double(*into)[3] = m->load[begin + r];
-    for (int c = 0; c < 3; c++) {
-      into[0][c] = -(q.f[0][c][r] + q.f[1][c][r]);
-      into[1][c] = q.f[0][c][r];
-      into[2][c] = q.f[1][c][r];
-    }
-  }
+  scatter(&m->node, &q, item, count, F);
   for (size_t r = 0; r < count && m->damping > 0; r++) power -= q.power[r];
   return power;
 }
 
-static void force_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
+static double add_items(const void *context, const hk_view *view, const uint32_t *item, size_t count, double *F) {
   double power = 0;
-  for (size_t k = begin; k < end; k += BLOCK) power += one_block(t, k, end - k < BLOCK ? end - k : BLOCK);
-  t->m->power[chunk] = power;
+  for (size_t k = 0; k < count; k += BLOCK)
+    power += one_block(context, view, item + k, count - k < BLOCK ? count - k : BLOCK, F);
+  return power;
 }
 
-static double sum_chunks(const hk_membrane *m) {
-  double sum = 0;
-  for (size_t chunk = 0; chunk * HK_MEMBRANE_GRAIN < m->node.count; chunk++) sum += m->power[chunk];
-  return sum;
+void hk_membrane_forces(const hk_membrane *m, const hk_view *view, size_t part, double *F) {
+  const task t = {m, best_path()};
+  hk_part_sums_add(&m->sums, view, part, add_items, &t, F);
 }
-
-static void sum_forces(const hk_membrane *m, const hk_view *view, const path *by, double *F) {
-  task t = {m, view, by};
-  view->host->parallel_for(view->host, m->node.count, HK_MEMBRANE_GRAIN, force_chunk, &t);
-  hk_corner_sums_add(&m->sums, view->host, view->n, (const double(*)[3])m->load, F);
-  if (view->power) *view->power += sum_chunks(m);
-}
-
-void hk_membrane_forces(const hk_membrane *m, const hk_view *view, double *F) { sum_forces(m, view, best_path(), F); }
 
 void hk_membrane_forces_narrow(const hk_membrane *m, const hk_view *view, double *F) {
-  sum_forces(m, view, &narrow, F);
+  const task t = {m, &narrow};
+  hk_part_sums_add(&m->sums, view, HK_ALL_PARTS, add_items, &t, F);
 }
 
 /* ---- one triangle ------------------------------------------------------------------------------------------------ */
@@ -180,19 +176,26 @@ hk_metric hk_membrane_metric(const double f[2][3]) {
   return (hk_metric){hk_dot(f[0], f[0]), hk_dot(f[1], f[1]), hk_dot(f[0], f[1])};
 }
 
+typedef struct energy_task {
+  const hk_membrane *m;
+  const double *x;
+} energy_task;
+
 static void energy_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
+  const energy_task *t = context;
   double energy = 0, f[2][3];
   for (size_t k = begin; k < end; k++) {
-    hk_membrane_deformation(t->m, k, t->view->x, f);
+    hk_membrane_deformation(t->m, k, t->x, f);
     energy += hk_membrane_energy(t->m->model, hk_membrane_elasticity(t->m, k),
                                  hk_membrane_metric((const double(*)[3])f), t->m->exponent);
   }
-  t->m->power[chunk] = energy;
+  t->m->energy[chunk] = energy;
 }
 
 double hk_membrane_sum_energy(const hk_membrane *m, const hk_view *view) {
-  task t = {m, view, NULL};
+  energy_task t = {m, view->x};
+  double sum = 0;
   view->host->parallel_for(view->host, m->node.count, HK_MEMBRANE_GRAIN, energy_chunk, &t);
-  return sum_chunks(m);
+  for (size_t chunk = 0; chunk * HK_MEMBRANE_GRAIN < m->node.count; chunk++) sum += m->energy[chunk];
+  return sum;
 }

@@ -140,13 +140,12 @@ static hk_status reserve(hk_membrane *m, const hk_host *host, size_t count) {
   m->id = host->allocate(host, n * sizeof *m->id);
   m->triangle = host->allocate(host, n * sizeof *m->triangle);
   m->node = (hk_tuples){0, 3, host->allocate(host, n * sizeof *m->id)};
-  m->load = host->allocate(host, n * sizeof *m->load);
-  m->power = host->allocate(host, (n / HK_MEMBRANE_GRAIN + 2) * sizeof *m->power);
+  m->energy = host->allocate(host, (n / HK_MEMBRANE_GRAIN + 2) * sizeof *m->energy);
   double *rows = host->allocate(host, HK_MEMBRANE_ROWS * n * sizeof *rows);
   m->creep = host->allocate(host, n * sizeof *m->creep);
   m->one = 1;
   for (size_t r = 0; rows && r < HK_MEMBRANE_ROWS; r++) m->row[r] = rows + r * n;
-  if (m->id && m->triangle && m->node.index && m->load && m->power && m->creep && rows) return HK_OK;
+  if (m->id && m->triangle && m->node.index && m->energy && m->creep && rows) return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu triangles", count);
 }
 
@@ -193,6 +192,6 @@ hk_status hk_membrane_topology(hk_membrane *m, const hk_view *view) {
                               .rest = {1, &m->one},
                               .evaluate = hk_membrane_conditions,
                               .self = m};
-  hk_status status = hk_corner_sums_sort(&m->sums, view->host, view->n, &m->node);
+  hk_status status = hk_part_sums_sort(&m->sums, view, &m->node, NULL);
   return status == HK_OK ? hk_chunk_rounds_sort(&m->rounds, view->host, view->n, &m->node) : status;
 }

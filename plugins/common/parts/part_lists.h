@@ -4,6 +4,8 @@
 
 #include "core/plugin.h"
 
+#define HK_ALL_PARTS SIZE_MAX /* in place of the number of a part */
+
 /* Particles that are not the host's, as one block. */
 static inline hk_partition hk_partition_undivided(size_t n) {
   return (hk_partition){.n = n, .bits = 31, .blocks = 1, .width = 1, .domains = 1, .parts = 2};

@@ -42,10 +42,7 @@ static hk_status reserve(hk_bending *b, const hk_host *host) {
   a->node = (hk_tuples){0, 4, host->allocate(host, n * sizeof *b->id)};
   a->stiffness.value = host->allocate(host, n * sizeof(double));
   a->damping.value = host->allocate(host, n * sizeof(double));
-  b->load = host->allocate(host, n * sizeof *b->load);
-  b->power = host->allocate(host, (n / HK_BENDING_GRAIN + 2) * sizeof *b->power);
-  if (b->stiffness && b->damping && b->shape && b->number && a->node.index && a->stiffness.value && a->damping.value &&
-      b->load && b->power)
+  if (b->stiffness && b->damping && b->shape && b->number && a->node.index && a->stiffness.value && a->damping.value)
     return HK_OK;
   return host->fail(host, HK_NO_MEMORY, "no memory for %zu hinges", b->count);
 }
@@ -121,6 +118,6 @@ hk_status hk_bending_topology(void *self, const hk_view *view) {
     a->damping.value[kept++] = b->damping[k];
   }
   a->node.count = a->stiffness.count = a->damping.count = kept;
-  hk_status status = hk_corner_sums_sort(&b->sums, view->host, view->n, &a->node);
+  hk_status status = hk_part_sums_sort(&b->sums, view, &a->node, NULL);
   return status == HK_OK ? hk_chunk_rounds_sort(&b->rounds, view->host, view->n, &a->node) : status;
 }

@@ -4,8 +4,8 @@
 #define HK_BENDING_H
 
 #include "plugins/common/elements/chunk_rounds.h"
-#include "plugins/common/elements/corner_sums.h"
 #include "plugins/common/elements/element_force.h"
+#include "plugins/common/parts/part_sums.h"
 #include "plugins/common/shells/hinge.h"
 
 enum { HK_BENDING_GRAIN = 1024 }; /* elements of a chunk, some 50 us */
@@ -34,10 +34,8 @@ typedef struct hk_bending {
   hk_hinge_shape *shape;       /* at rest: of the start */
   uint32_t *number;            /* the element k is the hinge number[k] */
   hk_element_force element;    /* of the hinges all of whose members live */
-  double (*load)[4][3];        /* N, of the elements' members in one evaluation */
-  hk_corner_sums sums;
+  hk_part_sums sums;
   hk_chunk_rounds rounds;
-  double *power;       /* W, of the chunks of elements */
   double (*weight)[4]; /* 1/m, of the members of all hinges of the start: C = sum weight x, a vector; NULL: C is
                           none of that kind */
 } hk_bending;
@@ -46,10 +44,12 @@ typedef struct hk_bending {
  * element.acting.values, .evaluate, .self, element.hessian, and
  * sets weight afterwards. HK_BAD_PARAM names a hinge that cannot bend. */
 hk_status hk_bending_create(hk_bending *, const hk_view *view, const hk_bending_params *given);
-/* Functions of the plugin and of hk_force. The instance `self` begins with its hk_bending. Elements are evaluated by
- * several threads and summed in their order; `topology` drops the hinges of the dead. */
+/* Functions of the plugin and of hk_force. The instance `self` begins with its hk_bending. Elements are summed
+ * part by part; `topology` drops the hinges of the dead. */
 hk_status hk_bending_topology(void *self, const hk_view *view);
 hk_status hk_bending_add(void *self, const hk_view *view, double *F);
+void hk_bending_add_part(void *self, const hk_view *view, size_t part, double *F);
+void hk_bending_parts(void *self, const hk_view *view, const hk_part_use *use);
 double hk_bending_energy(void *self, const hk_view *view);
 void hk_bending_elements(void *self, const hk_view *view, hk_elements *out);
 void hk_bending_pattern(void *self, const hk_view *view, hk_pattern *pattern);

@@ -9,68 +9,64 @@
 
 #include "plugins/common/space/vector3.h"
 
-enum { BLOCK = 16, VALUES = 3 }; /* BLOCK: elements evaluated at a time */
+enum { VALUES = 3 };
 
 /* ---- forces ------------------------------------------------------------------------------------------------------ */
 
-typedef struct task {
-  const hk_bending *b;
-  const hk_view *view;
-} task;
-
-/* The load on the members of element k, of which C and dC are given; returns its power. */
-static double load(const task *t, size_t k, const double *C, const double (*dC)[3]) {
-  const hk_elements *a = &t->b->element.acting;
+/* Adds the force of element k, of which C and dC are given; returns its power. */
+static double add_one(const hk_elements *a, const hk_view *view, size_t k, const double *C, const double (*dC)[3],
+                      double *F) {
   const uint32_t *member = hk_tuple(&a->node, k);
-  double(*into)[3] = t->b->load[k], stiffness = a->stiffness.value[k], damping = a->damping.value[k], power = 0;
-  for (int m = 0; m < 4; m++)
-    for (int c = 0; c < 3; c++) into[m][c] = 0;
+  double stiffness = a->stiffness.value[k], damping = a->damping.value[k], power = 0;
   for (unsigned e = 0; e < a->values; e++, dC += 4) {
     double rate = 0;
-    for (int m = 0; m < 4 && damping != 0; m++) rate += hk_dot(dC[m], t->view->v + 3 * (size_t)member[m]);
-    for (int m = 0; m < 4; m++) hk_add_scaled(into[m], -(stiffness * C[e] + damping * rate), dC[m]);
+    for (int m = 0; m < 4 && damping != 0; m++) rate += hk_dot(dC[m], view->v + 3 * (size_t)member[m]);
+    for (int m = 0; m < 4; m++) hk_add_scaled(F + 3 * (size_t)member[m], -(stiffness * C[e] + damping * rate), dC[m]);
     power -= damping * rate * rate;
   }
   return power;
 }
 
-/* The same where C = sum weight x, which has no damping. */
-static void load_linear(const task *t, size_t k) {
-  const hk_elements *a = &t->b->element.acting;
-  const uint32_t *member = hk_tuple(&a->node, k);
-  const double *w = t->b->weight[t->b->number[k]], *x = t->view->x, *base = x + 3 * (size_t)member[0];
-  double(*into)[3] = t->b->load[k];
-  for (int c = 0; c < 3; c++) {
-    double C = 0;
-    for (int m = 1; m < 4; m++) C += w[m] * (x[3 * (size_t)member[m] + (size_t)c] - base[c]);
-    for (int m = 0; m < 4; m++) into[m][c] = -a->stiffness.value[k] * C * w[m];
+static double add_items(const void *context, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  const hk_elements *a = &((const hk_bending *)context)->element.acting;
+  double C[VALUES], dC[VALUES * 4][3], power = 0;
+  for (size_t k = 0; k < count; k++) {
+    a->evaluate(a->self, view->x, item[k], item[k] + (size_t)1, C, dC);
+    power += add_one(a, view, item[k], C, (const double(*)[3])dC, F);
   }
+  return power;
 }
 
-static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
-  const hk_elements *a = &t->b->element.acting;
-  double C[BLOCK * VALUES], dC[BLOCK * VALUES * 4][3], power = 0;
-  for (size_t k = begin; k < end && t->b->weight; k++) load_linear(t, k);
-  for (size_t k = begin, n; k < end && !t->b->weight; k += n) {
-    n = end - k < BLOCK ? end - k : BLOCK;
-    a->evaluate(a->self, t->view->x, k, k + n, C, dC);
-    for (size_t q = 0; q < n; q++)
-      power += load(t, k + q, C + a->values * q, (const double(*)[3])dC + 4 * a->values * q);
+/* The same where C = sum weight x, which has no damping. */
+static double add_linear(const void *context, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  const hk_bending *b = context;
+  const hk_elements *a = &b->element.acting;
+  for (size_t k = 0; k < count; k++) {
+    const uint32_t *member = hk_tuple(&a->node, item[k]);
+    const double *w = b->weight[b->number[item[k]]], *base = view->x + 3 * (size_t)member[0];
+    for (size_t c = 0; c < 3; c++) {
+      double C = 0;
+      for (int m = 1; m < 4; m++) C += w[m] * (view->x[3 * (size_t)member[m] + c] - base[c]);
+      for (int m = 0; m < 4; m++) F[3 * (size_t)member[m] + c] -= a->stiffness.value[item[k]] * C * w[m];
+    }
   }
-  t->b->power[chunk] = power;
+  return 0;
+}
+
+void hk_bending_add_part(void *self, const hk_view *view, size_t part, double *F) {
+  const hk_bending *b = self;
+  hk_part_sums_add(&b->sums, view, part, b->weight ? add_linear : add_items, b, F);
 }
 
 hk_status hk_bending_add(void *self, const hk_view *view, double *F) {
-  const hk_bending *b = self;
-  const hk_host *host = view->host;
-  size_t count = b->element.acting.node.count;
-  task t = {b, view};
-  if (count == 0) return HK_OK;
-  host->parallel_for(host, count, HK_BENDING_GRAIN, load_chunk, &t);
-  hk_corner_sums_add(&b->sums, host, view->n, (const double(*)[3])b->load, F);
-  for (size_t chunk = 0; chunk * HK_BENDING_GRAIN < count && view->power; chunk++) *view->power += b->power[chunk];
+  hk_bending_add_part(self, view, HK_ALL_PARTS, F);
   return HK_OK;
+}
+
+void hk_bending_parts(void *self, const hk_view *view, const hk_part_use *use) {
+  const hk_bending *b = self;
+  (void)view;
+  hk_part_lists_touch(&b->sums.lists, &b->element.acting.node, use);
 }
 
 double hk_bending_energy(void *self, const hk_view *view) {

@@ -1,6 +1,6 @@
-/* Blocks of hinges are gathered, computed in loops that compilers turn into vectors (hinge_lane.h), and laid down as
- * loads on their members, which corner_sums.h adds up. The wide path and the narrow one do the same operations, so
- * their results are bitwise equal. */
+/* Blocks of hinges are gathered, computed in loops that compilers turn into vectors (hinge_lane.h), and scattered one
+ * after the other, part by part (part_sums.h). The wide path and the narrow one do the same operations, so their
+ * results are bitwise equal. */
 #include "plugins/common/shells/hinge_kernel.h"
 #include "plugins/common/shells/hinge_lane.h"
 
@@ -51,69 +51,72 @@ __attribute__((target("avx2"))) static void compute_wide(block *o, bool damped) 
 
 typedef struct task {
   const hk_bending *b;
-  const hk_view *view;
   const double *rest, *turned;
   void (*compute)(block *, bool damped);
 } task;
 
 /* The differences from a, of one array; lanes beyond get those of the first. */
-static void gather(const hk_tuples *node, const double *from, size_t begin, size_t count, double into[3][3][BLOCK]) {
+static void gather(const hk_tuples *node, const double *from, const uint32_t *item, size_t count,
+                   double into[3][3][BLOCK]) {
   for (size_t r = 0; r < BLOCK; r++) {
-    const uint32_t *member = hk_tuple(node, begin + (r < count ? r : 0));
+    const uint32_t *member = hk_tuple(node, item[r < count ? r : 0]);
     const double *a = from + 3 * (size_t)member[0];
     for (int m = 0; m < 3; m++)
       for (int c = 0; c < 3; c++) into[m][c][r] = from[3 * (size_t)member[m + 1] + (size_t)c] - a[c];
   }
 }
 
-static double one_block(const task *t, size_t begin, size_t count) {
+/* Returns whether a hinge is damped. */
+static bool take(const task *t, const uint32_t *item, size_t count, block *o) {
   const hk_elements *a = &t->b->element.acting;
-  block o;
-  double power = 0;
   bool damped = false;
   for (size_t r = 0; r < BLOCK; r++) {
-    size_t k = begin + (r < count ? r : 0), q = t->b->number[k];
-    o.k[r] = a->stiffness.value[k], o.c[r] = a->damping.value[k];
-    o.rest[r] = t->rest[q], o.turned[r] = t->turned[q];
-    damped = damped || o.c[r] != 0;
+    size_t k = item[r < count ? r : 0], q = t->b->number[k];
+    o->k[r] = a->stiffness.value[k], o->c[r] = a->damping.value[k];
+    o->rest[r] = t->rest[q], o->turned[r] = t->turned[q];
+    damped = damped || o->c[r] != 0;
   }
-  gather(&a->node, t->view->x, begin, count, o.d);
-  if (damped) gather(&a->node, t->view->v, begin, count, o.u);
-  t->compute(&o, damped);
+  return damped;
+}
+
+static void scatter(const hk_tuples *node, const block *o, const uint32_t *item, size_t count, double *F) {
   for (size_t r = 0; r < count; r++) {
-    double(*into)[3] = t->b->load[begin + r];
-    for (int c = 0; c < 3; c++) {
-      into[0][c] = -(o.f[0][c][r] + o.f[1][c][r] + o.f[2][c][r]);
-      for (int m = 0; m < 3; m++) into[m + 1][c] = o.f[m][c][r];
+    const uint32_t *member = hk_tuple(node, item[r]);
+    for (size_t c = 0; c < 3; c++) {
+      F[3 * (size_t)member[0] + c] -= o->f[0][c][r] + o->f[1][c][r] + o->f[2][c][r];
+      for (size_t m = 0; m < 3; m++) F[3 * (size_t)member[m + 1] + c] += o->f[m][c][r];
     }
   }
+}
+
+static double one_block(const task *t, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  const hk_tuples *node = &t->b->element.acting.node;
+  block o;
+  double power = 0;
+  bool damped = take(t, item, count, &o);
+  gather(node, view->x, item, count, o.d);
+  if (damped) gather(node, view->v, item, count, o.u);
+  t->compute(&o, damped);
+  scatter(node, &o, item, count, F);
   for (size_t r = 0; r < count && damped; r++) power -= o.power[r];
   return power;
 }
 
-static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
+static double add_items(const void *context, const hk_view *view, const uint32_t *item, size_t count, double *F) {
   double power = 0;
-  for (size_t k = begin; k < end; k += BLOCK) power += one_block(t, k, end - k < BLOCK ? end - k : BLOCK);
-  t->b->power[chunk] = power;
+  for (size_t k = 0; k < count; k += BLOCK)
+    power += one_block(context, view, item + k, count - k < BLOCK ? count - k : BLOCK, F);
+  return power;
 }
 
-static void sum_forces(const task *t, double *F) {
-  const hk_host *host = t->view->host;
-  size_t count = t->b->element.acting.node.count;
-  host->parallel_for(host, count, HK_BENDING_GRAIN, load_chunk, (void *)(uintptr_t)t);
-  hk_corner_sums_add(&t->b->sums, host, t->view->n, (const double(*)[3])t->b->load, F);
-  for (size_t chunk = 0; chunk * HK_BENDING_GRAIN < count && t->view->power; chunk++)
-    *t->view->power += t->b->power[chunk];
-}
-
-void hk_hinge_forces(const hk_bending *b, const double *rest, const double *turned, const hk_view *view, double *F) {
-  const task t = {b, view, rest, turned, COMPUTE};
-  sum_forces(&t, F);
+void hk_hinge_forces(const hk_bending *b, const double *rest, const double *turned, const hk_view *view, size_t part,
+                     double *F) {
+  const task t = {b, rest, turned, COMPUTE};
+  hk_part_sums_add(&b->sums, view, part, add_items, &t, F);
 }
 
 void hk_hinge_forces_narrow(const hk_bending *b, const double *rest, const double *turned, const hk_view *view,
                             double *F) {
-  const task t = {b, view, rest, turned, compute_narrow};
-  sum_forces(&t, F);
+  const task t = {b, rest, turned, compute_narrow};
+  hk_part_sums_add(&b->sums, view, HK_ALL_PARTS, add_items, &t, F);
 }

@@ -112,7 +112,8 @@ static hk_status take(hk_cells *s, const hk_view *view, const hk_tuples *triangl
     for (size_t c = 0; c < 3; c++) list[3 * to + c] = hk_tuple(triangles, k)[c];
   }
   const hk_tuples sorted = {triangles->count, 3, list};
-  return hk_living_tuples_create(&s->triangles, view, &sorted, "triangles");
+  hk_status status = hk_living_tuples_create(&s->triangles, view, &sorted, "triangles");
+  return status == HK_OK ? hk_living_tuples_load(&s->triangles, view, "triangles") : status;
 }
 
 static double extent_of(const hk_cells *s, const hk_view *view, const hk_cell *cell) {

@@ -1,5 +1,5 @@
-/* Forces and energies of tetrahedra, on several threads; the sums are in an order of their own, so that results have
- * the same bits for any number of threads. */
+/* Forces and energies of tetrahedra, part by part and in chunks; their sums are in an order of their own, so that
+ * results have the same bits for any number of threads. */
 #include "plugins/common/solids/solid.h"
 
 /* Volume over the cube of the longest edge below which a tetrahedron is taken to be flat: its slopes would have fewer
@@ -68,47 +68,46 @@ hk_status hk_solid_topology(hk_solid *s, const hk_view *view) {
     s->weight[1][k] = p->shape.volume * 2 * p->viscous.mu;
     s->weight[2][k] = p->shape.volume * p->viscous.lambda;
   }
-  return status;
+  return status == HK_OK ? hk_part_sums_sort(&s->sums, view, &s->tuples.acting, NULL) : status;
 }
 
 /* ---- forces ------------------------------------------------------------------------------------------------------ */
+
+/* The load on the members of a tetrahedron; returns the power that it loses. */
+static double load_of(const hk_solid_part *p, const hk_view *view, const uint32_t *member, double load[4][3]) {
+  double F[9], rate[9], P[9], lost[9], power = 0;
+  hk_tetrahedron_gradient(&p->shape, view->x, member, F);
+  hk_neo_hookean_stress(p->elastic, F, P);
+  if (p->viscous.mu > 0) {
+    hk_tetrahedron_gradient(&p->shape, view->v, member, rate);
+    power = p->shape.volume * hk_viscosity_stress(p->viscous, F, rate, lost);
+    for (int e = 0; e < 9; e++) P[e] += lost[e];
+  }
+  hk_tetrahedron_load(&p->shape, P, load);
+  return power;
+}
+
+static double add_items(const void *context, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  const hk_solid *s = context;
+  double load[4][3], power = 0;
+  for (size_t k = 0; k < count; k++) {
+    const uint32_t *member = hk_tuple(&s->tuples.acting, item[k]);
+    power -= load_of(hk_solid_part_of(s, item[k]), view, member, load);
+    for (size_t e = 0; e < 12; e++) F[3 * (size_t)member[e / 3] + e % 3] += load[e / 3][e % 3];
+  }
+  return power;
+}
+
+void hk_solid_add(const hk_solid *s, const hk_view *view, size_t part, double *F) {
+  hk_part_sums_add(&s->sums, view, part, add_items, s, F);
+}
+
+/* ---- energy ------------------------------------------------------------------------------------------------------ */
 
 typedef struct task {
   hk_solid *s;
   const hk_view *view;
 } task;
-
-static void load_chunk(void *context, size_t begin, size_t end, size_t chunk) {
-  const task *t = context;
-  double F[9], rate[9], P[9], lost[9], power = 0;
-  for (size_t k = begin; k < end; k++) {
-    const hk_solid_part *p = hk_solid_part_of(t->s, k);
-    const uint32_t *member = hk_tuple(&t->s->tuples.acting, k);
-    hk_tetrahedron_gradient(&p->shape, t->view->x, member, F);
-    hk_neo_hookean_stress(p->elastic, F, P);
-    if (p->viscous.mu > 0) {
-      hk_tetrahedron_gradient(&p->shape, t->view->v, member, rate);
-      power -= p->shape.volume * hk_viscosity_stress(p->viscous, F, rate, lost);
-      for (int e = 0; e < 9; e++) P[e] += lost[e];
-    }
-    hk_tetrahedron_load(&p->shape, P, t->s->tuples.load + 4 * k);
-  }
-  t->s->sum[chunk] = power;
-}
-
-static double sum_of(const hk_solid *s) {
-  double sum = 0;
-  for (size_t chunk = 0; chunk * HK_SOLID_GRAIN < s->tuples.acting.count; chunk++) sum += s->sum[chunk];
-  return sum;
-}
-
-void hk_solid_add(hk_solid *s, const hk_view *view, double *F) {
-  task t = {s, view};
-  if (s->tuples.acting.count == 0) return;
-  view->host->parallel_for(view->host, s->tuples.acting.count, HK_SOLID_GRAIN, load_chunk, &t);
-  hk_living_tuples_gather(&s->tuples, view, F);
-  if (view->power) *view->power += sum_of(s);
-}
 
 static void energy_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const task *t = context;
@@ -123,7 +122,9 @@ static void energy_chunk(void *context, size_t begin, size_t end, size_t chunk) 
 
 double hk_solid_energy(hk_solid *s, const hk_view *view) {
   task t = {s, view};
+  double sum = 0;
   if (s->tuples.acting.count == 0) return 0;
   view->host->parallel_for(view->host, s->tuples.acting.count, HK_SOLID_GRAIN, energy_chunk, &t);
-  return sum_of(s);
+  for (size_t chunk = 0; chunk * HK_SOLID_GRAIN < s->tuples.acting.count; chunk++) sum += s->sum[chunk];
+  return sum;
 }

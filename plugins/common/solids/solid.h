@@ -4,6 +4,7 @@
 
 #include "core/plugin.h"
 #include "plugins/common/elements/living_tuples.h"
+#include "plugins/common/parts/part_sums.h"
 #include "plugins/common/solids/neo_hookean.h"
 #include "plugins/common/solids/tetrahedron.h"
 #include "plugins/common/solids/viscosity.h"
@@ -25,10 +26,11 @@ enum { HK_SOLID_LISTS = 3, HK_SOLID_GRAIN = 512 }; /* lists of elements; tetrahe
 /* To be zeroed before the first use. The memory belongs to the instance and is released with it. */
 typedef struct hk_solid {
   hk_living_tuples tuples;
+  hk_part_sums sums;
   hk_solid_part *part; /* of all tetrahedra of the start */
   bool damped;
   double *weight[HK_SOLID_LISTS]; /* of the acting ones: J, J s, J s per square of the lists' numbers */
-  double *sum;                    /* per chunk: energy or power */
+  double *sum;                    /* per chunk: energy */
   double (*matrix)[2][144];       /* K and D of the tetrahedra of a chunk */
 } hk_solid;
 
@@ -40,7 +42,7 @@ static inline const hk_solid_part *hk_solid_part_of(const hk_solid *s, size_t k)
 /* HK_BAD_PARAM names a tetrahedron that has no volume or is inside out. */
 hk_status hk_solid_create(hk_solid *, const hk_view *view, const hk_solid_params *given);
 hk_status hk_solid_topology(hk_solid *, const hk_view *view);
-void hk_solid_add(hk_solid *, const hk_view *view, double *F);
+void hk_solid_add(const hk_solid *, const hk_view *view, size_t part, double *F); /* one, or HK_ALL_PARTS */
 double hk_solid_energy(hk_solid *, const hk_view *view);
 /* The elastic energy as ten numbers C a tetrahedron, and the viscosity as rates of six and of one. */
 void hk_solid_elements(const hk_solid *, hk_elements out[HK_SOLID_LISTS]);

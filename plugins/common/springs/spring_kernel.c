@@ -42,22 +42,33 @@ static double single(const task *t, const hk_spring_run *run, size_t from, size_
   return sum;
 }
 
+static hk_spring_numbers numbers_from(const hk_spring_numbers *all, size_t e) {
+  return (hk_spring_numbers){all->k + (e & all->each_k),
+                             all->c + (e & all->each_c),
+                             all->L + (e & all->each_L),
+                             all->each_k,
+                             all->each_c,
+                             all->each_L};
+}
+
 /* n springs of a run from its t-th on. */
 static double one_block(const task *t, const hk_spring_numbers *all, const hk_spring_run *run, size_t from, size_t n) {
   const hk_spring_layout *s = t->layout;
-  size_t e = run->begin + from;
-  hk_spring_numbers q = *all;
-  q.k += e & q.each_k;
-  q.c += e & q.each_c;
-  q.L += e & q.each_L;
-  if (run->kind == HK_SPRING_LIST)
-    return t->path->list(&q, n, (const uint32_t(*)[2])s->pair + run->pair + from, t->x, t->v, t->F, s->damped);
+  const hk_spring_numbers q = numbers_from(all, run->begin + from);
   size_t i = 3 * (run->i + from), j = 3 * (run->j + from), apart = i < j ? j - i : i - j;
   return (apart > 3 * BLOCK ? t->path->far_run : t->path->near_run)(&q, n, t->x + i, t->x + j, t->v + i, t->v + j,
                                                                     t->F + i, t->F + j, s->damped);
 }
 
+static double one_list(const task *t, const hk_spring_numbers *all, const hk_spring_run *run) {
+  const hk_spring_layout *s = t->layout;
+  const hk_spring_numbers q = numbers_from(all, run->begin);
+  const hk_spring_list list = {run->count, (const uint32_t(*)[2])s->pair + run->pair, s->lanes + run->lanes};
+  return t->path->list(&q, &list, t->x, t->v, t->F, s->damped);
+}
+
 static double one_run(const task *t, const hk_spring_numbers *q, const hk_spring_run *run) {
+  if (run->kind == HK_SPRING_LIST) return one_list(t, q, run);
   size_t whole = run->kind == HK_SPRING_SINGLE ? 0 : run->count / LANES * LANES;
   double power = 0;
   for (size_t e = 0; e < whole; e += BLOCK) power += one_block(t, q, run, e, whole - e < BLOCK ? whole - e : BLOCK);

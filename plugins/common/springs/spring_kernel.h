@@ -5,16 +5,17 @@
  * The layout is made once per topology. Springs are sorted by the parts of a sum (core/plugin/parts.h), which run on
  * several threads without conflicts; sums have a fixed order, so results do not depend on the number of threads. Inside
  * a part, runs of springs (i+t, j+t) are found, whose particles are read and written as contiguous vectors and need no
- * indices; the other springs are sorted by groups of particles, so that their data are in the cache. The loops over
- * springs and the width of vectors are in spring_path.h. */
+ * indices; the other springs are put into slices (spring_slices.h). The loops over springs and the width of vectors are
+ * in spring_path.h. */
 #ifndef HK_SPRING_KERNEL_H
 #define HK_SPRING_KERNEL_H
 
 #include "plugins/common/parts/part_lists.h"
+#include "plugins/common/springs/spring_slices.h"
 
 typedef enum hk_spring_kind {
   HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ... */
-  HK_SPRING_LIST,  /* any pairs without the last particle (vector loads reach one number beyond a particle) */
+  HK_SPRING_LIST,  /* slices of any pairs without the last particle (vector loads reach one number beyond a particle) */
   HK_SPRING_SINGLE /* any pairs, one at a time */
 } hk_spring_kind;
 
@@ -22,12 +23,13 @@ typedef struct hk_spring_run {
   hk_spring_kind kind;
   uint32_t i, j;       /* of a run: its first pair */
   size_t begin, count; /* springs of the layout */
-  size_t pair;         /* of the others: position of the first one in `pair` */
+  size_t pair, lanes;  /* of the others: position of the first one in `pair`, of a list in `lanes` */
 } hk_spring_run;
 
 typedef struct hk_spring_layout {
   size_t count;
   uint32_t (*pair)[2];         /* of the springs in no run */
+  uint8_t *lanes;              /* see hk_spring_list */
   double *k, *c, *L;           /* one number when all are equal; otherwise count numbers, in the layout's order */
   bool each_k, each_c, each_L; /* the coefficient differs from spring to spring */
   bool damped;                 /* some c > 0 */

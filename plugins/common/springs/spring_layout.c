@@ -1,17 +1,16 @@
 /* The order in which springs are summed (see spring_kernel.h): by part, runs are found by a scan, and the other springs
- * are sorted by groups of particles. Everything is linear in the number of springs. */
+ * are put into slices. Everything is linear in the number of springs. */
 #include "plugins/common/springs/spring_kernel.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-  LANES = 4,      /* the length of a run is a multiple of this; the springs at its end beyond that join the list */
-  PIECE = 1024,   /* largest number of springs in a run, whose particles fit the second-level cache with those of other
-                     runs */
-  RUN_MIN = 16,   /* the call costs more than shorter runs save */
-  GROUP_BITS = 6, /* particles of a group, 64: 2^3 ... 2^7 are equally fast with shuffled ids, larger ones are slower */
-  SMALL = 8       /* up to this number springs are summed one at a time */
+  LANES = 4,    /* the length of a run is a multiple of this; the springs at its end beyond that join the list */
+  PIECE = 1024, /* largest number of springs in a run, whose particles fit the second-level cache with those of other
+                   runs */
+  RUN_MIN = 16, /* the call costs more than shorter runs save */
+  SMALL = 8     /* up to this number springs are summed one at a time */
 };
 
 typedef struct builder {
@@ -22,17 +21,14 @@ typedef struct builder {
   hk_part_lists by_part;
   uint32_t *order, *scratch; /* edges in the layout's order; room for all springs */
   size_t *count;             /* of keys */
-  size_t run_capacity, listed;
+  uint8_t *lanes;            /* room for those of any slices */
+  size_t run_capacity, listed, laned;
 } builder;
 
-static uint32_t low_group(const builder *b, uint32_t e) {
-  uint32_t i = hk_tuple(b->edges, e)[0], j = hk_tuple(b->edges, e)[1];
-  return (i < j ? i : j) >> GROUP_BITS;
-}
+static uint32_t owner(const builder *b, uint32_t e) { return hk_spring_owner(hk_tuple(b->edges, e)); }
 
-static uint32_t high_group(const builder *b, uint32_t e) {
-  uint32_t i = hk_tuple(b->edges, e)[0], j = hk_tuple(b->edges, e)[1];
-  return (i < j ? j : i) >> GROUP_BITS;
+static uint32_t other(const builder *b, uint32_t e) {
+  return hk_tuple(b->edges, e)[0] ^ hk_tuple(b->edges, e)[1] ^ owner(b, e);
 }
 
 /* A stable counting sort, of the keys that occur. */
@@ -69,7 +65,7 @@ static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count)
     b->run_capacity = capacity;
   }
   const uint32_t *first = hk_tuple(b->edges, b->order[begin]);
-  s->run[s->runs++] = (hk_spring_run){kind, first[0], first[1], begin, count, b->listed};
+  s->run[s->runs++] = (hk_spring_run){kind, first[0], first[1], begin, count, b->listed, b->laned};
   if (kind != HK_SPRING_RUN) b->listed += count;
   return true;
 }
@@ -121,6 +117,17 @@ static bool take_runs(builder *b, size_t begin, size_t count, uint32_t *others, 
   return true;
 }
 
+/* Adds `count` springs from `begin` on in slices. */
+static bool add_slices(builder *b, size_t begin, size_t count) {
+  sort(b, b->order + begin, count, other);
+  sort(b, b->order + begin, count, owner);
+  if (!add_run(b, HK_SPRING_LIST, begin, count)) return false;
+  memcpy(b->scratch, b->order + begin, count * sizeof *b->scratch);
+  b->laned += hk_spring_slices_sort(b->edges, b->scratch, count, b->lanes + b->laned);
+  memcpy(b->order + begin, b->scratch, count * sizeof *b->scratch);
+  return true;
+}
+
 /* Springs begin..end of the order are one part: runs first, then the list, then those of the last particle. */
 static bool arrange_part(builder *b, size_t begin, size_t end) {
   size_t first_run = b->layout->runs, count = end - begin, placed = 0, list = 0, singles = 0;
@@ -133,11 +140,8 @@ static bool arrange_part(builder *b, size_t begin, size_t end) {
     if (!touches_last(b, others[e])) order[list++] = others[e];
   for (size_t e = 0; e < rest; e++)
     if (touches_last(b, others[e])) order[list + singles++] = others[e];
-  sort(b, order, list, high_group);
-  sort(b, order, list, low_group);
-  bool small = count <= SMALL;
-  return add_run(b, small ? HK_SPRING_SINGLE : HK_SPRING_LIST, begin + placed, small ? rest : list) &&
-         add_run(b, HK_SPRING_SINGLE, begin + placed + list, small ? 0 : singles);
+  if (count <= SMALL) return add_run(b, HK_SPRING_SINGLE, begin + placed, rest);
+  return add_slices(b, begin + placed, list) && add_run(b, HK_SPRING_SINGLE, begin + placed + list, singles);
 }
 
 static bool arrange(builder *b) {
@@ -160,21 +164,30 @@ static bool all_equal(const hk_per_tuple *p) {
 static double *arrange_numbers(const builder *b, const hk_per_tuple *from, bool *each) {
   *each = !all_equal(from);
   size_t count = *each ? b->layout->count : 1;
-  double *list = b->host->allocate(b->host, (count + 1) * sizeof *list);
+  double *list = b->host->allocate(b->host, (count + HK_SPRING_BUNDLES) * sizeof *list);
   for (size_t e = 0; list && e < count && from->count; e++) list[e] = from->value[*each ? b->order[e] : 0];
   return list;
 }
 
+/* The ends of the springs in no run; those of slices have their owner first. */
+static void copy_pairs(builder *b, const hk_spring_run *run) {
+  for (size_t t = 0; run->kind != HK_SPRING_RUN && t < run->count; t++) {
+    uint32_t *pair = b->layout->pair[run->pair + t], e = b->order[run->begin + t];
+    memcpy(pair, hk_tuple(b->edges, e), sizeof *b->layout->pair);
+    if (run->kind == HK_SPRING_LIST) pair[0] = owner(b, e), pair[1] = other(b, e);
+  }
+}
+
 static bool copy_springs(builder *b, const hk_per_tuple *k, const hk_per_tuple *c, const hk_per_tuple *L) {
   hk_spring_layout *s = b->layout;
-  s->pair = b->host->allocate(b->host, (b->listed + 1) * sizeof *s->pair);
+  s->pair = b->host->allocate(b->host, (b->listed + HK_SPRING_BUNDLES) * sizeof *s->pair);
+  s->lanes = b->host->allocate(b->host, b->laned + 1);
   s->k = arrange_numbers(b, k, &s->each_k);
   s->c = arrange_numbers(b, c, &s->each_c);
   s->L = arrange_numbers(b, L, &s->each_L);
-  if (!s->pair || !s->k || !s->c || !s->L) return false;
-  for (size_t r = 0; r < s->runs; r++)
-    for (size_t t = 0; s->run[r].kind != HK_SPRING_RUN && t < s->run[r].count; t++)
-      memcpy(s->pair[s->run[r].pair + t], hk_tuple(b->edges, b->order[s->run[r].begin + t]), sizeof *s->pair);
+  if (!s->pair || !s->lanes || !s->k || !s->c || !s->L) return false;
+  for (size_t r = 0; r < s->runs; r++) copy_pairs(b, &s->run[r]);
+  memcpy(s->lanes, b->lanes, b->laned);
   for (size_t e = 0; e < (s->each_c ? s->count : 1); e++) s->damped |= s->c[e] > 0;
   return true;
 }
@@ -183,10 +196,11 @@ static bool allocate(builder *b) {
   const hk_host *host = b->host;
   hk_spring_layout *s = b->layout;
   b->scratch = host->allocate(host, 2 * (s->count + 1) * sizeof *b->scratch);
-  b->count = host->allocate(host, ((b->n >> GROUP_BITS) + 2) * sizeof *b->count);
+  b->lanes = host->allocate(host, 2 * (s->count + 1));
+  b->count = host->allocate(host, (b->n + 2) * sizeof *b->count);
   s->part = host->allocate(host, (s->partition.parts + 1) * sizeof *s->part);
   s->power = host->allocate(host, s->partition.parts * sizeof *s->power);
-  return b->scratch && b->count && s->part && s->power;
+  return b->scratch && b->lanes && b->count && s->part && s->power;
 }
 
 hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, const hk_partition *partition,
@@ -200,6 +214,7 @@ hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, const
   fine = fine && allocate(&b) && arrange(&b) && copy_springs(&b, k, c, L);
   hk_part_lists_free(&b.by_part, host);
   host->release(host, b.scratch);
+  host->release(host, b.lanes);
   host->release(host, b.count);
   return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu springs", edges->count);
 }
@@ -215,6 +230,7 @@ void hk_spring_layout_touch(const hk_spring_layout *s, const hk_part_use *use) {
 
 void hk_spring_layout_free(hk_spring_layout *s, const hk_host *host) {
   host->release(host, s->pair);
+  host->release(host, s->lanes);
   host->release(host, s->k);
   host->release(host, s->c);
   host->release(host, s->L);

@@ -4,6 +4,8 @@
 #ifndef HK_SPRING_PATH_H
 #define HK_SPRING_PATH_H
 
+#include "plugins/common/springs/spring_slices.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -20,7 +22,7 @@ typedef struct hk_spring_numbers {
 } hk_spring_numbers;
 
 /* Each function adds the forces of n springs to F and returns the sum of c w^2/l^2, W, in which springs e, e + 4, e + 8
- * ... are summed first. n is a multiple of HK_SPRING_LANES. */
+ * ... of a run are summed first. n is a multiple of HK_SPRING_LANES. */
 typedef struct hk_spring_path {
   /* The springs (i+t, j+t): x, v and F point to the first particle of each end. The ends are further apart than n. */
   double (*far_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
@@ -28,9 +30,10 @@ typedef struct hk_spring_path {
   /* The same for ends that overlap; n: at most HK_SPRING_BLOCK. */
   double (*near_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
                      const double *vj, double *Fi, double *Fj, bool damped);
-  /* Any pairs without the last particle: one number beyond a particle may be read; n as for near_run. */
-  double (*list)(const hk_spring_numbers *, size_t n, const uint32_t (*pair)[2], const double *x, const double *v,
-                 double *F, bool damped);
+  /* Slices of pairs without the last particle: one number beyond a particle may be read. In the sum those of the
+   * bundles r = 0 to 7 are summed first, then, as s, ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)). */
+  double (*list)(const hk_spring_numbers *, const hk_spring_list *, const double *x, const double *v, double *F,
+                 bool damped);
 } hk_spring_path;
 
 extern const hk_spring_path hk_spring_narrow; /* for every processor */

@@ -10,7 +10,6 @@
 
 typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
 typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
-typedef double half __attribute__((vector_size(16), aligned(8), may_alias));
 
 /* Macros, because vectors must not be passed between functions compiled for different instruction sets. */
 #define LOAD(p) (*(const vector *)(p))
@@ -97,48 +96,72 @@ WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-/* Transposes rows of three numbers (and an unused one) to columns. */
-#define COLUMNS(r, X, Y, Z)                                                                                            \
-  vector X, Y, Z;                                                                                                      \
+/* ---- lists ---- */
+
+/* The rows of four particles, three numbers and an unused one each, to columns; `end`: the first or the second of each
+ * pair. */
+#define COLUMNS(x, pair, end, X, Y, Z)                                                                                 \
   do {                                                                                                                 \
-    vector a_ = PICK(r[0], r[1], 0, 4, 2, 6), b_ = PICK(r[2], r[3], 0, 4, 2, 6);                                       \
-    vector c_ = PICK(r[0], r[1], 1, 5, 3, 7), d_ = PICK(r[2], r[3], 1, 5, 3, 7);                                       \
+    vector r_[4];                                                                                                      \
+    for (size_t k_ = 0; k_ < 4; k_++) r_[k_] = LOAD((x) + 3 * (size_t)(pair)[k_][end]);                                \
+    vector a_ = PICK(r_[0], r_[1], 0, 4, 2, 6), b_ = PICK(r_[2], r_[3], 0, 4, 2, 6);                                   \
+    vector c_ = PICK(r_[0], r_[1], 1, 5, 3, 7), d_ = PICK(r_[2], r_[3], 1, 5, 3, 7);                                   \
     X = PICK(a_, b_, 0, 1, 4, 5);                                                                                      \
     Z = PICK(a_, b_, 2, 3, 6, 7);                                                                                      \
     Y = PICK(c_, d_, 0, 1, 4, 5);                                                                                      \
   } while (0)
 
-/* Any springs. Forces are always added as x and y together and z alone: a wider store would overlap a neighbouring
- * particle, whose load would wait for it. */
-WIDE static double list(const hk_spring_numbers *q, size_t n, const uint32_t (*restrict pair)[2],
-                        const double *restrict x, const double *restrict v, double *restrict F, bool damped) {
-  vector part = {0};
-  for (size_t e = 0; e < n; e += HK_SPRING_LANES) {
-    vector d[HK_SPRING_LANES], u[HK_SPRING_LANES], l2, w = {0}, s;
-    size_t i[HK_SPRING_LANES], j[HK_SPRING_LANES];
-    for (size_t r = 0; r < HK_SPRING_LANES; r++) {
-      i[r] = 3 * (size_t)pair[e + r][0];
-      j[r] = 3 * (size_t)pair[e + r][1];
-      d[r] = LOAD(x + j[r]) - LOAD(x + i[r]);
-    }
-    COLUMNS(d, dx, dy, dz);
-    l2 = dx * dx + dy * dy + dz * dz;
+#define STORE_PULLS(xy, z, X, Y, Z)                                                                                    \
+  do {                                                                                                                 \
+    STORE((xy)[0], PICK(X, Y, 0, 4, 1, 5));                                                                            \
+    STORE((xy)[2], PICK(X, Y, 2, 6, 3, 7));                                                                            \
+    STORE(z, Z);                                                                                                       \
+  } while (0)
+
+#define KEEP(m, value) ((vector)((m) & (mask)(value)))
+
+/* The forces of the four bundles from number `at` on of a slice that begins at `pair`; e: its first spring. Lanes
+ * beyond a slot have any numbers, and none in the sums. */
+WIDE static inline void half_slice(const hk_spring_numbers *q, size_t e, size_t at, const uint32_t (*pair)[2],
+                                   const uint8_t *lanes, const double *x, const double *v, bool damped,
+                                   hk_spring_pulls *p, vector *part) {
+  vector xi, yi, zi, vxi = {0}, vyi = {0}, vzi = {0}, sx = {0}, sy = {0}, sz = {0};
+  COLUMNS(x, pair + at, 0, xi, yi, zi);
+  if (damped) COLUMNS(v, pair + at, 0, vxi, vyi, vzi);
+  for (size_t t = 0; lanes[t] > at; e += lanes[t], pair += lanes[t], t++) {
+    const int64_t n = lanes[t] - (int64_t)at;
+    const mask here = (mask){0, 1, 2, 3} < (mask){n, n, n, n};
+    vector dx, dy, dz, ux, uy, uz, s, w = {0}, power = {0};
+    COLUMNS(x, pair + at, 1, dx, dy, dz);
+    dx -= xi, dy -= yi, dz -= zi;
     if (damped) {
-      for (size_t r = 0; r < HK_SPRING_LANES; r++) u[r] = LOAD(v + j[r]) - LOAD(v + i[r]);
-      COLUMNS(u, ux, uy, uz);
+      COLUMNS(v, pair + at, 1, ux, uy, uz);
+      ux -= vxi, uy -= vyi, uz -= vzi;
       w = dx * ux + dy * uy + dz * uz;
     }
-    SCALES(s, part, l2, w, e, q);
+    vector l2 = dx * dx + dy * dy + dz * dz;
+    SCALES(s, power, l2, w, e + at, q);
+    *part += KEEP(here, power);
     dx *= s, dy *= s, dz *= s;
-    for (size_t r = 0; r < HK_SPRING_LANES; r++) {
-      half f = {dx[r], dy[r]};
-      *(half *)(F + i[r]) += f;
-      F[i[r] + 2] += dz[r];
-      *(half *)(F + j[r]) -= f;
-      F[j[r] + 2] -= dz[r];
-    }
+    sx += KEEP(here, dx), sy += KEEP(here, dy), sz += KEEP(here, dz);
+    STORE_PULLS(&p->xy[t][at], &p->z[t][at], dx, dy, dz);
   }
-  return (part[0] + part[1]) + (part[2] + part[3]);
+  STORE_PULLS(&p->sum_xy[at], &p->sum_z[at], sx, sy, sz);
+}
+
+WIDE static double list(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
+                        double *F, bool damped) {
+  const uint8_t *lanes = list->lanes;
+  vector part[2] = {{0}, {0}};
+  hk_spring_pulls p;
+  for (size_t e = 0; e < list->count; lanes++) {
+    const uint32_t(*pair)[2] = list->pair + e;
+    for (size_t h = 0; h < 2; h++) half_slice(q, e, 4 * h, pair, lanes, x, v, damped, &p, &part[h]);
+    hk_spring_pulls_add(&p, pair, lanes, F);
+    while (*lanes) e += *lanes++;
+  }
+  part[0] += part[1];
+  return (part[0][0] + part[0][1]) + (part[0][2] + part[0][3]);
 }
 
 const hk_spring_path *hk_spring_wide(void) {

@@ -17,7 +17,7 @@
 #define INLINE WIDE __attribute__((always_inline)) static inline
 
 typedef __m512d vector;
-typedef __m256d half; /* the coordinates of one particle and a number beyond; or one number of four springs */
+typedef __m256d half; /* one number of four springs */
 
 #define PICK __builtin_shufflevector
 
@@ -133,10 +133,13 @@ INLINE double near_springs(const hk_spring_numbers *q, size_t n, const double *x
 
 /* ---- lists ---- */
 
-/* Rows of three numbers, and an unused one, to columns. */
-INLINE void columns(const half row[WIDTH], vector column[3]) {
+/* The rows of eight particles, three numbers and an unused one each, to columns; end: the first or the second of each
+ * pair. */
+INLINE void columns(const double *x, const uint32_t (*pair)[2], int end, vector column[3]) {
   vector r[4];
-  for (size_t k = 0; k < 4; k++) r[k] = _mm512_insertf64x4(_mm512_castpd256_pd512(row[k]), row[k + 4], 1);
+  for (size_t k = 0; k < 4; k++)
+    r[k] = _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_loadu_pd(x + 3 * (size_t)pair[k][end])),
+                              _mm256_loadu_pd(x + 3 * (size_t)pair[k + 4][end]), 1);
   vector a = PICK(r[0], r[1], 0, 8, 2, 10, 4, 12, 6, 14), b = PICK(r[2], r[3], 0, 8, 2, 10, 4, 12, 6, 14);
   vector c = PICK(r[0], r[1], 1, 9, 3, 11, 5, 13, 7, 15), d = PICK(r[2], r[3], 1, 9, 3, 11, 5, 13, 7, 15);
   column[0] = PICK(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
@@ -144,54 +147,74 @@ INLINE void columns(const half row[WIDTH], vector column[3]) {
   column[2] = PICK(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-/* The forces on the first ends of a block of springs: x and y as a pair, z alone. */
-typedef struct pulls {
-  double xy[HK_SPRING_BLOCK + WIDTH][2], z[HK_SPRING_BLOCK + WIDTH];
-} __attribute__((aligned(64))) pulls;
+INLINE void store_pulls(double xy[WIDTH][2], double z[WIDTH], const vector f[3]) {
+  _mm512_store_pd(xy[0], PICK(f[0], f[1], 0, 8, 1, 9, 2, 10, 3, 11));
+  _mm512_store_pd(xy[4], PICK(f[0], f[1], 4, 12, 5, 13, 6, 14, 7, 15));
+  _mm512_store_pd(z, f[2]);
+}
 
-/* Lanes beyond `count` have the springs of the others again, and coefficients 0. */
-INLINE void list_step(const hk_spring_numbers *q, size_t e, size_t count, const uint32_t (*pair)[2], const double *x,
-                      const double *v, bool damped, pulls *f, half *part) {
-  vector d[3], u[3], w = _mm512_setzero_pd();
-  half dx[WIDTH], dv[WIDTH];
-  for (size_t r = 0; r < WIDTH; r++) {
-    size_t i = 3 * (size_t)pair[e + r % count][0], j = 3 * (size_t)pair[e + r % count][1];
-    dx[r] = _mm256_loadu_pd(x + j) - _mm256_loadu_pd(x + i);
-    if (damped) dv[r] = _mm256_loadu_pd(v + j) - _mm256_loadu_pd(v + i);
-  }
-  columns(dx, d);
-  if (damped) {
-    columns(dv, u);
+/* Where the springs of a call are read from. */
+typedef struct source {
+  const hk_spring_numbers *q;
+  const double *x, *v;
+  bool damped;
+} source;
+
+/* d: the forces on the first ends, at x and v, of the springs e.. of a slot, which begins at `pair`. Lanes beyond the
+ * slot have any numbers, and none in *part. */
+INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (*pair)[2], const vector x[3],
+                      const vector v[3], vector d[3], vector *part) {
+  const hk_spring_numbers *q = s->q;
+  const vector one = _mm512_set1_pd(1), tiny = _mm512_set1_pd(HK_SPRING_TINY);
+  vector u[3], w = _mm512_setzero_pd();
+  columns(s->x, pair, 1, d);
+  for (size_t r = 0; r < 3; r++) d[r] -= x[r];
+  if (s->damped) {
+    columns(s->v, pair, 1, u);
+    for (size_t r = 0; r < 3; r++) u[r] -= v[r];
     w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
   }
   vector l2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  vector s = scales(q, e, lanes_of(count).spring, l2, w, part);
-  for (size_t r = 0; r < 3; r++) d[r] *= s;
-  _mm512_storeu_pd(f->xy[e], PICK(d[0], d[1], 0, 8, 1, 9, 2, 10, 3, 11));
-  _mm512_storeu_pd(f->xy[e + 4], PICK(d[0], d[1], 4, 12, 5, 13, 6, 14, 7, 15));
-  _mm512_storeu_pd(f->z + e, d[2]);
+  vector safe = _mm512_mask_mov_pd(one, _mm512_cmp_pd_mask(l2, tiny, _CMP_GT_OQ), l2);
+  vector l = _mm512_sqrt_pd(safe), r = one / safe, cwr = load(q->c + (e & q->each_c), ALL) * w * r;
+  vector k = load(q->k + (e & q->each_k), ALL), L = load(q->L + (e & q->each_L), ALL);
+  *part += _mm512_maskz_mul_pd(here, cwr, w);
+  vector f = k * (l - L) * l * r + cwr;
+  for (size_t c = 0; c < 3; c++) d[c] *= f;
 }
 
-/* x and y together and z alone: a wider store would overlap a neighbouring particle, whose load would wait for it. */
-INLINE void pull(double *Fi, double *Fj, const pulls *f, size_t e) {
-  __m128d xy = _mm_loadu_pd(f->xy[e]), z = _mm_load_sd(f->z + e);
-  _mm_storeu_pd(Fi, _mm_loadu_pd(Fi) + xy);
-  _mm_store_sd(Fi + 2, _mm_load_sd(Fi + 2) + z);
-  _mm_storeu_pd(Fj, _mm_loadu_pd(Fj) - xy);
-  _mm_store_sd(Fj + 2, _mm_load_sd(Fj + 2) - z);
+/* All forces of the slice are known before the first one is added: a slot whose additions wait for those of the slot
+ * before would leave no room in the processor's queues for the next one. Returns the number of springs. */
+INLINE size_t slice_step(const source *s, size_t e, const uint32_t (*pair)[2], const uint8_t *slot, double *F,
+                         vector *part) {
+  const uint32_t(*own)[2] = pair;
+  hk_spring_pulls p;
+  vector x[3], v[3], sum[3], d[3];
+  columns(s->x, pair, 0, x);
+  if (s->damped) columns(s->v, pair, 0, v);
+  for (size_t r = 0; r < 3; r++) sum[r] = _mm512_setzero_pd();
+  for (size_t t = 0; slot[t]; t++) {
+    __mmask8 here = (__mmask8)(ALL >> (WIDTH - slot[t]));
+    slot_step(s, e, here, pair, x, v, d, part);
+    for (size_t r = 0; r < 3; r++) sum[r] = _mm512_mask_add_pd(sum[r], here, sum[r], d[r]);
+    store_pulls(p.xy[t], p.z[t], d);
+    e += slot[t], pair += slot[t];
+  }
+  store_pulls(p.sum_xy, p.sum_z, sum);
+  hk_spring_pulls_add(&p, own, slot, F);
+  return (size_t)(pair - own);
 }
 
-/* All forces of the block are known before the first one is added: a step whose additions wait for those of the step
- * before would leave no room in the processor's queues for the next one. */
-INLINE double list_springs(const hk_spring_numbers *q, size_t n, const uint32_t (*pair)[2], const double *x,
-                           const double *v, double *F, bool damped) {
-  half part = {0};
-  pulls f;
-  size_t e = 0;
-  for (; e + WIDTH <= n; e += WIDTH) list_step(q, e, WIDTH, pair, x, v, damped, &f, &part);
-  if (e < n) list_step(q, e, HK_SPRING_LANES, pair, x, v, damped, &f, &part);
-  for (e = 0; e < n; e++) pull(F + 3 * (size_t)pair[e][0], F + 3 * (size_t)pair[e][1], &f, e);
-  return total(part);
+INLINE double list_springs(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
+                           double *F, bool damped) {
+  const source s = {q, x, v, damped};
+  const uint8_t *slot = list->lanes;
+  vector part = _mm512_setzero_pd();
+  for (size_t e = 0; e < list->count; slot++) {
+    e += slice_step(&s, e, list->pair + e, slot, F, &part);
+    while (*slot) slot++;
+  }
+  return total(_mm512_castpd512_pd256(part) + _mm512_extractf64x4_pd(part, 1));
 }
 
 /* ---- each loop with and without damping ---- */
@@ -206,9 +229,9 @@ WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *
   return damped ? near_springs(q, n, xi, xj, vi, vj, Fi, Fj, true) : near_springs(q, n, xi, xj, vi, vj, Fi, Fj, false);
 }
 
-WIDE static double list(const hk_spring_numbers *q, size_t n, const uint32_t (*pair)[2], const double *x,
-                        const double *v, double *F, bool damped) {
-  return damped ? list_springs(q, n, pair, x, v, F, true) : list_springs(q, n, pair, x, v, F, false);
+WIDE static double list(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
+                        double *F, bool damped) {
+  return damped ? list_springs(q, list, x, v, F, true) : list_springs(q, list, x, v, F, false);
 }
 
 const hk_spring_path *hk_spring_wide8(void) {

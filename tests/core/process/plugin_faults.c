@@ -73,6 +73,49 @@ static void a_crash_in_a_plugin_names_it(void **state) {
   expect_fault("thread", "segv", "hooke: bad.lua:3: the force 'exiter' crashed (SIGSEGV");
 }
 
+/* ---- in a pass over the particles, beside other forces in other threads ---- */
+
+/* 20 blocks in 10 domains; what is at fault is the second of three forces. */
+static void write_pass(const char *how, int block) {
+  char scene[1024];
+  snprintf(scene, sizeof scene,
+           "local scene = hooke.scene { duration = 0.5, fps = 10, dt = 0.01, integrator = 'leapfrog' }\n"
+           "for i = 1, 20000 do scene:particle { position = { i, 0, 0 }, mass = 1 } end\n"
+           "scene:force('gravity')\n"
+           "scene:force('%s/tests/fixtures/part_exiter.so', { label = 'mine', how = '%s', block = %d, at = 0.255 })\n"
+           "scene:force('drag', { rate = 0.1 })\nreturn scene\n",
+           HK_BUILD, how, block);
+  test_write("bad.lua", scene);
+}
+
+static void a_fault_in_a_part_names_the_force(void **state) {
+  (void)state;
+  static const char *const say[][2] = {{"exit", "ended the process by exit()"}, {"segv", "crashed (SIGSEGV"}};
+#ifdef SANITIZED
+  enum { WAYS = 1 };
+#else
+  enum { WAYS = 2 };
+#endif
+  for (size_t k = 0; k < WAYS; k++)
+    for (int block = 0; block < 20; block += 19) {
+      write_pass(say[k][0], block);
+      test_hooke(&r, NULL, "run bad.lua --trust --quiet --threads 4 --state last.csv");
+      if (r.code != 2 || !strstr(r.err, "hooke: bad.lua:4: the force 'mine' of the plugin part_exiter ") ||
+          !strstr(r.err, say[k][1]) || !strstr(r.err, "the last good state, at t = 0.2 s, is in last.csv"))
+        fail_msg("%s in block %d: exit %d: %s", say[k][0], block, r.code, r.err);
+    }
+}
+
+/* By then the other threads have long done their parts, of forces that are not at fault. */
+static void a_part_that_does_not_return_is_named(void **state) {
+  (void)state;
+  write_pass("loop", 7);
+  test_write("twice.sh", "\"$@\" & p=$!\nsleep 1.5; kill -TERM $p; sleep 0.7; kill -TERM $p; wait $p\n");
+  test_hooke(&r, "timeout --preserve-status -s KILL 20 sh ./twice.sh", "run bad.lua --trust --quiet --threads 4");
+  if (r.code != 130 || !strstr(r.err, "bad.lua:4: the force 'mine' of the plugin part_exiter has not returned"))
+    fail_msg("exit %d: %s", r.code, r.err);
+}
+
 /* An integrator at fault is named after the forces that it called have come back. */
 static void the_innermost_plugin_is_the_one_named(void **state) {
   (void)state;
@@ -219,6 +262,8 @@ int main(void) {
       cmocka_unit_test(exit_in_a_plugin_is_an_error_wherever_it_is),
       cmocka_unit_test(abort_in_a_plugin_names_it),
       cmocka_unit_test(a_crash_in_a_plugin_names_it),
+      cmocka_unit_test(a_fault_in_a_part_names_the_force),
+      cmocka_unit_test(a_part_that_does_not_return_is_named),
       cmocka_unit_test(the_innermost_plugin_is_the_one_named),
       cmocka_unit_test(the_last_good_state_is_kept),
       cmocka_unit_test(a_fault_after_the_end_leaves_the_final_state),

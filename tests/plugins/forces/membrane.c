@@ -125,7 +125,7 @@ static void every_processor_has_the_same_bits(void **state) {
     crumpled *c = crumple(&MATERIAL[k], 13, 0.8);
     size_t size = 3 * c->s.particles;
     double *F = calloc(2 * size, sizeof *F), *G = F + size;
-    hk_membrane_forces(c->force->self, &c->view, F);
+    hk_membrane_forces(c->force->self, &c->view, HK_ALL_PARTS, F);
     hk_membrane_forces_narrow(c->force->self, &c->view, G);
     assert_memory_equal(F, G, size * sizeof *F);
     free(F);

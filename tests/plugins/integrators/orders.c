@@ -20,6 +20,9 @@ static const struct {
   int order;
 } lower[] = {{"blanes_moan", 2}, {"kahan_li6", 2}, {"kahan_li8", 2}};
 
+/* Not stable here with steps whose errors are above rounding: its order is measured in stoermer.c. */
+static bool measured_elsewhere(const char *name) { return strcmp(name, "stoermer8") == 0; }
+
 /* The solution: q_e = e/4 + sin((1 + e/10) t + e), r_i = 2 + cos(t + i), work t/2 + sin(2t)/4. */
 static double q(size_t e, double t) { return (double)e / 4 + sin((1 + (double)e / 10) * t + (double)e); }
 static double dq(size_t e, double t) { return (1 + (double)e / 10) * cos((1 + (double)e / 10) * t + (double)e); }
@@ -114,7 +117,7 @@ static void for_all(const fake_problem *problem, bool with_lower) {
     int order = m.plugin->integrator->order;
     for (size_t i = 0; with_lower && i < sizeof lower / sizeof *lower; i++)
       if (strcmp(lower[i].name, names[k]) == 0) order = lower[i].order;
-    if (fake_method_explicit(&m) || fake_method_implicit(&m))
+    if ((fake_method_explicit(&m) || fake_method_implicit(&m)) && !measured_elsewhere(names[k]))
       check(names[k], problem, order, m.plugin->integrator->stages);
     fake_method_close(&m);
     fake_system_destroy(f);

@@ -3,6 +3,7 @@
 --   reference     two methods refined until they agree; where they cannot, up to the horizon until which they do
 --   conditioning  the growth of perturbations, and the floor of errors that it sets
 --   ladders       runs of every method from cheap to accurate, one process at a time, with errors against the reference
+--   settling      runs of those that may be the best at the target, with settings that just reach it
 --   repeats       the settings that matter, timed again in turns
 local sensitivity = require("common.bench.sensitivity")
 local refinement = require("common.bench.refinement")
@@ -17,7 +18,8 @@ local case_process = require("common.run.case_process")
 
 local benchmark = {}
 
-local part = { reference = 0.3, conditioning = 0.1, refinement = 0.4 } -- fractions of the time; repeats get the rest
+-- Fractions of the time; repeats get the rest.
+local part = { reference = 0.3, conditioning = 0.1, refinement = 0.4, settling = 0.1 }
 local most_state_bytes = 64e6 -- size of the stored frames of the reference
 local energy_rounding = 2e-14 -- relative to the largest kinetic energy: a hundred rounding errors
 local exact_rounding = 2e-15  -- relative to the size of the motion: rounding errors of the exact solution's formula
@@ -35,7 +37,7 @@ local function key_of(case)
 end
 
 local function is_usable(result, case)
-  return result and (result.verdict ~= "timeout" or (result.patience or 0) >= 0.9 * (case.timeout or math.huge))
+  return result and (result.verdict ~= "timeout" or (result.patience or 0) >= 0.9 * (case.allowance or math.huge))
 end
 
 -- Runs the cases that next() returns (or a list), uses stored results, and passes each result to done(case, result).
@@ -59,13 +61,13 @@ local function run_all(self, source, done, jobs)
     end
   end
   case_process.each(jobs or self.jobs, fresh, function(case, result)
-    if result.verdict == "timeout" then result.patience = case.timeout end
+    if result.verdict == "timeout" then result.patience = case.allowance end
     if self.record then self.record:put(key_of(case), result) end
     if jobs == 1 then
-      for _, time in ipairs(result.times or { result.step_wall_s }) do
+      for _, time in ipairs(result.times or { result.step_s }) do
         self.timed = self.timed + time + (result.start_wall_s or 0)
       end
-      if result.verdict == "timeout" then self.timed = self.timed + case.timeout end
+      if result.verdict == "timeout" then self.timed = self.timed + case.allowance end
     end
     if self.each then self.each(case, result) end
     done(case, result)
@@ -74,9 +76,11 @@ end
 
 -- ---- the scene ----
 
--- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text), only_best
--- (methods that are slower than the best at the target are not refined further). In the returned bench the caller may
--- set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
+-- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text),
+-- margin (of errors to the reference's own), only_best (methods that are slower than the best at the target are not
+-- refined further, a reference that is as good as its margin asks for will do, and no perturbation is followed),
+-- implicit_first (these are likely to be the best). In the returned bench the caller may set `record`
+-- (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
   local explained, why = case_process.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
@@ -92,6 +96,7 @@ function benchmark.new(options)
   end
   local self = { options = options, explained = explained, methods = list, step = {}, fps = explained.fps, timed = 0,
     jobs = options.jobs or process.processors(), metric = options.metric or "x",
+    brief = options.only_best, margin = options.margin or reference.margin,
     limit = options.until_ or explained.duration }
   for _, s in ipairs(explained.steps) do self.step[s.name] = s end
   self.stages, self.implicit = {}, {}
@@ -186,15 +191,16 @@ end
 -- Finds the reference. Where the two methods do not agree to a hundredth of the target until the end, the bench is
 -- shortened to the time until which they do.
 local function find_reference(self)
-  local aim = self.options.finest / reference.margin
-  local found, why = reference.compute(self, aim, part.reference * self.options.budget)
+  local aim = self.options.finest / self.margin
+  local found, why = reference.compute(self, aim, (part.reference + (self.brief and part.conditioning or 0))
+    * self.options.budget)
   if not found then return nil, why end
   local fine
   fine, why = check_metric(self, found.motion)
   if not fine then return nil, why end
   self.scale, self.exact = scale_of(found.motion), exact_of(found.motion)
-  self.doubted = self.exact and self.exact > reference.margin * found.error.x_rms + exact_rounding * self.scale
-  if found.size * reference.margin > self.options.target and not (self.exact and self.metric == "x") then
+  self.doubted = self.exact and self.exact > self.margin * found.error.x_rms + exact_rounding * self.scale
+  if found.size * self.margin > self.options.target and not (self.exact and self.metric == "x") then
     self.cut_from = { t = self.limit, size = found.size, late = found.late }
     if found.frames < 1 then
       return nil, ("%s differ from the first frame on, by %.2g over all: an error cannot be told in this scene; "
@@ -236,8 +242,8 @@ end
 local function supports_of(self)
   local error, floor = self.reference.error, self.conditioning and self.conditioning.floor or 0
   local supports, metric = { measure = {} }, self.metric
-  for _, name in ipairs { "x_rms", "x_max", "v_rms", "v_max" } do supports[name] = reference.margin * error[name] end
-  for name, value in pairs(error.measure) do supports.measure[name] = reference.margin * value end
+  for _, name in ipairs { "x_rms", "x_max", "v_rms", "v_max" } do supports[name] = self.margin * error[name] end
+  for name, value in pairs(error.measure) do supports.measure[name] = self.margin * value end
   if self.exact then
     supports.x_rms = exact_rounding * self.scale
     if self.explained.particles == 1 then supports.x_max = supports.x_rms end
@@ -257,11 +263,22 @@ local function goal_of(self)
   local unit = metric == "x" and " m" or metric == "v" and " m/s" or ""
   local word = metric == "energy" and "energy drift" or metric == "x" and "error" or "error of " .. metric
   return { metric = metric, fps = self.fps, motion = self.reference.motion, finest = o.finest, target = o.target,
-    only_best = o.only_best, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
+    only_best = o.only_best, implicit_first = o.implicit_first, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
     scale = metric == "x" and self.scale > 0 and self.scale or math.huge }
 end
 
+local near_best = 1.5 -- relative to the cheapest at the target: where only the best is looked for, others are not timed again
+
+local function contenders(ranking)
+  local rows = {}
+  for _, entry in ipairs(ranking) do
+    if entry.reached and entry.row.wall_s <= near_best * ranking[1].row.wall_s then rows[#rows + 1] = entry.row end
+  end
+  return rows
+end
+
 local function rows_that_matter(self, ranking)
+  if self.goal.only_best then return contenders(ranking) end
   local rows, seen = {}, {}
   for _, entry in ipairs(ranking) do
     if entry.row then
@@ -284,24 +301,27 @@ end
 function benchmark.measure(self, say)
   local budget = self.options.budget
   say("reference")
-  local begun = process.clock()
+  local begun = process.processor_time()
   local fine, why = find_reference(self)
   if not fine then return nil, why end
-  say("conditioning")
-  condition(self)
-  self.reference_s, self.reference.other, self.reference.method = process.clock() - begun, nil, nil
+  if not self.brief then
+    say("conditioning")
+    condition(self)
+  end
+  self.reference_s, self.reference.other, self.reference.method = process.processor_time() - begun, nil, nil
   self.goal = goal_of(self)
   collectgarbage() -- frees the states of finished runs, which every process of a timed run would otherwise contain
   say("ladders")
-  local ladder_begun = process.clock()
+  local ladder_begun = process.processor_time()
   refinement.run(self.methods, self, self.goal, part.refinement * budget)
+  refinement.settle(self.methods, self, self.goal, part.settling * budget)
   for _, method in ipairs(self.methods) do method.observed = report.order(method, self.goal) end
   rank(self)
   say("repeats")
-  local left = budget - (process.clock() - begun)
+  local left = budget - (process.processor_time() - begun)
   refinement.repeat_rows(rows_that_matter(self, self.ranking), self, 3, math.min(left, 0.5 * budget))
   rank(self)
-  self.own_s = process.clock() - ladder_begun - self.timed
+  self.own_s = process.processor_time() - ladder_begun - self.timed
   self.recommended, self.recommendation = report.recommend(self.ranking, self.goal)
   return true
 end

@@ -114,18 +114,40 @@ local function pieces(method, fps)
   return math.max(n, 1)
 end
 
--- Value k (0, 1, ...) of the list: the options of the run, and `cost`, its approximate cost relative to value 0; nil:
--- no further value.
+local function with_substeps(method, count, fps)
+  local settings = ("substeps=%d"):format(count)
+  if method.settings then settings = method.settings .. "," .. settings end
+  return { integrator = text_of(method.plugin, settings), dt = 1 / fps, substeps = count }
+end
+
+local function with_steps(method, count, fps) -- of a frame
+  return { integrator = method.integrator, dt = 1 / (fps * count) }
+end
+
+-- Value k (0, 1, ...) of the list: the options of the run; nil: no further value.
 function methods.setting(method, k, fps)
   if method.by == "substeps" then
-    local settings = ("substeps=%d"):format(first_substeps << k)
-    if method.settings then settings = method.settings .. "," .. settings end
-    return { integrator = text_of(method.plugin, settings), dt = 1 / fps, substeps = first_substeps << k }
+    return with_substeps(method, first_substeps << k, fps)
   elseif method.by == "tol" then
     if first_tolerance - k < last_tolerance then return nil end
     return { integrator = method.integrator, tol = tonumber(("1e%d"):format(first_tolerance - k)) }
   end
-  return { integrator = method.integrator, dt = 1 / (fps * (pieces(method, fps) << k)) }
+  return with_steps(method, pieces(method, fps) << k, fps)
+end
+
+-- The logarithm of what the setting asks for: of 1/step, of the substeps, of 1/tolerance.
+function methods.work(setting)
+  return math.log(setting.substeps or 1 / (setting.tol or setting.dt))
+end
+
+-- The cheapest setting of at least this work, with whole numbers of steps in a frame.
+function methods.at_work(method, work, fps)
+  if method.by == "tol" then
+    return { integrator = method.integrator, tol = math.max(math.exp(-work), 10.0 ^ last_tolerance) }
+  end
+  local count = math.exp(work) / (method.by == "substeps" and 1 or fps)
+  local whole = math.max(math.ceil(count * (1 - 1e-12)), 1)
+  return method.by == "substeps" and with_substeps(method, whole, fps) or with_steps(method, whole, fps)
 end
 
 -- The approximate time of the next value relative to the last one's.
@@ -135,7 +157,7 @@ end
 
 function methods.setting_text(setting)
   if setting.substeps then return ("%d substeps"):format(setting.substeps) end
-  return setting.tol and ("tol %.0e"):format(setting.tol) or ("dt %.3g s"):format(setting.dt)
+  return setting.tol and ("tol %.2g"):format(setting.tol) or ("dt %.3g s"):format(setting.dt)
 end
 
 return methods

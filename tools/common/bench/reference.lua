@@ -7,7 +7,7 @@ local process = require("process")
 
 local reference = {}
 
-reference.margin = 100 -- smallest ratio of an error to the reference's own
+reference.margin = 100 -- smallest ratio of an error to the reference's own, where the bench names none
 
 -- Start values: the tolerance, or the divisor of the stable step (of implicit methods: of a frame).
 local candidates = {
@@ -20,7 +20,8 @@ local candidates = {
   { name = "tr_bdf2", tol = 1e-6 },
 }
 local tightest = 1e-14
-local patience_at_first = 1 -- s, for the first runs of all
+local patience_at_first = 1   -- s, for the first runs of all
+local shortest_patience = 0.1 -- s, where only two are wanted
 
 local function case_of(c, level, bench)
   local case = bench.case()
@@ -53,7 +54,7 @@ local function run(list, bench, timeout, wanted)
     local c = list[at]
     if not c or wanted and not wanted() then return nil end
     local case = case_of(c, c.level, bench)
-    case.owner, case.timeout = c, timeout
+    case.owner, case.allowance = c, timeout
     return case
   end
   bench.run(next_case, function(case, result)
@@ -63,7 +64,7 @@ local function run(list, bench, timeout, wanted)
     if c.ended then return end
     c.motion = { states = result.states, measures = result.motion.measures, t = result.motion.t,
       exact = result.motion.exact }
-    c.case, c.time = case, result.step_wall_s
+    c.case, c.time = case, result.step_s
     c.first = c.first or { case = case, motion = c.motion, time = c.time, verdict = result.verdict }
   end)
 end
@@ -77,25 +78,53 @@ end
 -- The time of one evaluation of f in s, from two frames of leapfrog; nil: it takes too long.
 local function evaluation_time(bench)
   local case, seconds = bench.case(), nil
-  case.integrator, case.timeout = "leapfrog", 1
+  case.integrator, case.allowance = "leapfrog", 1
   case["until"] = math.min(case["until"], 2 / bench.fps)
   bench.run({ case }, function(_, result)
     local count = result.force_evaluations or 0
-    seconds = count > 0 and not result.failed and result.step_wall_s / count or nil
+    seconds = count > 0 and not result.failed and result.step_s / count or nil
   end)
   return seconds
 end
 
--- Where runs are long, the time of explicit methods is estimated: those that fit into half the time run first.
-local function start_with_known(list, bench, left)
-  local each, known = evaluation_time(bench), {}
+-- Sets c.expected, the time in s that an explicit method takes, of the longest stable steps or shorter ones.
+local function foretell(list, bench)
+  local each = evaluation_time(bench)
   for _, c in ipairs(list) do
     local step = bench.step[c.name]
     local h = math.min(step.suggestion, 1 / bench.fps) / (c.shorter or 1)
-    local seconds = each and not bench.implicit[c.name] and each * bench.stages[c.name] * bench.case()["until"] / h
-    if seconds and seconds > patience_at_first / 2 and seconds < left() / 4 then known[#known + 1] = c end
+    c.expected = each and not bench.implicit[c.name] and each * bench.stages[c.name] * bench.case()["until"] / h or nil
+  end
+end
+
+-- Where runs are long, explicit methods that fit into half the time run first.
+local function start_with_known(list, bench, left)
+  local known = {}
+  foretell(list, bench)
+  for _, c in ipairs(list) do
+    if c.expected and c.expected > patience_at_first / 2 and c.expected < left() / 4 then known[#known + 1] = c end
   end
   if #known >= 2 then run(known, bench, left() / 2, function() return finished(list) < 2 end) end
+end
+
+-- The two methods that are the first to come to the end: all have the same time, four times as much in every round, but
+-- explicit methods do not begin before they can be expected to finish.
+local function race(list, bench, left)
+  local patience = shortest_patience
+  local function wanted() return left() > 0 and finished(list) < 2 end
+  foretell(list, bench)
+  table.sort(list, function(a, b) return (a.expected or math.huge) < (b.expected or math.huge) end)
+  while wanted() do
+    local round, waiting = {}, 0
+    for _, c in ipairs(list) do
+      local open = not c.motion and (c.late or not c.ended)
+      waiting = waiting + (open and 1 or 0)
+      if open and (c.expected or 0) < patience then round[#round + 1] = c end
+    end
+    if waiting == 0 then return end
+    run(round, bench, math.min(2 * patience, math.max(left(), 0.1)), wanted)
+    patience = 4 * patience
+  end
 end
 
 -- Runs the first level of all methods, with increasing time for those that have not finished, until two have.
@@ -179,23 +208,25 @@ local function cheapest(list, motion)
 end
 
 -- bench: case() -> a new case; run(cases or next, done), many at a time; fps; metric; step = { [integrator] = of
--- hooke.explain }; stages and implicit = { [integrator] = of the catalogue }. aim: the largest allowed difference of
--- the two, in the metric's unit; they are refined further while it costs little. seconds: the time available. Returns
--- nil and the reason; or
+-- hooke.explain }; stages and implicit = { [integrator] = of the catalogue }; brief (true: no finer than `aim` asks for).
+-- aim: the largest allowed difference of the two, in the metric's unit; without `brief` they are refined further while
+-- it costs little. seconds: the time available. Returns nil and the reason; or
 --   motion         the solution; `other`: the second one
 --   error          of its own, as sampled_run.compare gives it; size: of the metric
 --   method         a cheap run with a roughly correct motion: { case, motion, time }
 --   words          what it is, in words
 --   frames         until which they agree to `aim`; late: more time might have taken them further
 function reference.compute(bench, aim, seconds)
-  local begun, list = process.clock(), {}
-  local function left() return seconds - (process.clock() - begun) end
+  local begun, list = process.processor_time(), {}
+  local function left() return seconds - (process.processor_time() - begun) end
   for _, c in ipairs(candidates) do
     if usable(c, bench) then
-      list[#list + 1] = { name = c.name, settings = c.settings, tol = c.tol, shorter = c.shorter, level = 0 }
+      list[#list + 1] = { name = c.name, settings = c.settings, tol = c.tol, level = bench.brief and c.tol and -1 or 0,
+        shorter = bench.brief and 1 or c.shorter }
     end
   end
-  start(list, bench, left)
+  local begin = bench.brief and race or start
+  begin(list, bench, left)
   local pair, why = best_pair(list, bench.metric, aim)
   local stuck, late = 0, false
   if not pair and why then return nil, "no two methods can be compared: " .. why end
@@ -204,7 +235,7 @@ function reference.compute(bench, aim, seconds)
       .. "--until may help"
   end
   while stuck < 2 and pair.size > 0 and not (pair.one.ended and pair.other.ended) do
-    local cheap = process.clock() - begun < 0.15 * seconds -- then refine further, for smaller errors
+    local cheap = not bench.brief and process.processor_time() - begun < 0.15 * seconds -- then also for smaller errors
     if pair.size <= aim and not cheap then break end
     late = 2.5 * math.max(pair.one.time, pair.other.time) > left()
     if late then break end

@@ -1,27 +1,26 @@
 -- Runs the methods (tools/common/bench/methods.lua) with increasing accuracy, in turns, so that each gets its share of
 -- the time. A method ends when its errors are below the requested ones or no longer decrease, when its next run would
--- take longer than its share of the remaining time, or when it cannot run the scene.
+-- take longer than its share of the remaining time, or when it cannot run the scene. Then methods that may be the best at
+-- the target are run with settings that just reach it. All times are of the processor, so that what else the machine
+-- does changes nothing.
+local at_target = require("common.bench.at_target")
 local methods = require("common.bench.methods")
 local process = require("process")
 
 local refinement = {}
 
 local enough_rows, most_failures = 3, 5
-local start_seconds = 0.2 -- upper bound for the start of a process and its scene, where processors are shared
+local start_seconds = 0.2 -- upper bound for the start of a process and its scene, until one has been seen
+local may_win = 2         -- relative to the cheapest at the target: what is expected to cost more is not settled
+local most_first = 3      -- relative to its share: what the first run of a method is expected to cost at most
+local most_settled = 2    -- runs to settle a method at the target
 local small = 0.01 -- relative to the motion's size: larger errors may still decrease
-
-local function median(list)
-  local sorted = table.move(list, 1, #list, 1, {})
-  table.sort(sorted)
-  local middle = #sorted // 2
-  return #sorted % 2 == 1 and sorted[middle + 1] or (sorted[middle] + sorted[middle + 1]) / 2
-end
 
 local function row_of(method, setting, case, result)
   local row = { method = method, integrator = method.label, setting = setting, case = case, result = result,
     verdict = result.verdict or "failed", reason = result.failed or result.reason,
-    times = result.times or { result.step_wall_s } }
-  if result.step_wall_s and #row.times > 0 then row.wall_s = median(row.times) end
+    times = result.times or { result.step_s } }
+  if result.step_s and #row.times > 0 then row.wall_s = math.min(table.unpack(row.times)) end
   if result.error and not result.error.failed then row.errors = result.error end
   return row
 end
@@ -65,12 +64,29 @@ local function ended(method, row, goal)
   return stalled and "its errors no longer fall" or nil
 end
 
-local function next_run(method, goal, share)
-  local setting = methods.setting(method, #method.rows, goal.fps)
+-- The least cost of an explicit method's first run, by its evaluations, each as in the cheapest run so far; nil: not known.
+local function least_first(method, setting, list, seconds)
+  if method.implicit or not setting.dt or setting.substeps then return nil end
+  local each
+  for _, other in ipairs(list) do
+    local row = not other.implicit and other.rows[1]
+    if row and row.wall_s and (row.result.force_evaluations or 0) > 0 then
+      each = math.min(each or math.huge, row.wall_s / row.result.force_evaluations)
+    end
+  end
+  return each and each * method.stages * seconds / setting.dt
+end
+
+local function next_run(method, list, goal, share)
+  local setting = methods.setting(method, method.level, goal.fps)
   if not setting then return nil, "the end of its ladder" end
   local last = method.rows[#method.rows]
-  if not last then return setting end
-  local predicted = (last.result.step_wall_s or last.result.process_s) * methods.growth(method)
+  if not last then
+    local least = least_first(method, setting, list, goal.seconds)
+    if least and least > most_first * share then return nil, "its stable steps would take too long" end
+    return setting
+  end
+  local predicted = (last.result.step_s or last.result.process_s) * methods.growth(method)
   local extra = last.error and last.error <= goal.finest -- further rows only show the order
   if predicted > (extra and 0.3 or 1) * share then return nil, "the next run would take too long" end
   return setting
@@ -80,19 +96,31 @@ local function take(method, setting, bench, goal, share)
   local case = bench.case(method.params)
   case.integrator, case.dt, case.tol = setting.integrator, setting.dt, setting.tol
   case.against, case.repeats, case.repeat_s = goal.motion, 6, math.min(0.05, 0.1 * share)
-  case.timeout = 1.2 * share + start_seconds
+  case.allowance = 1.2 * share + (bench.start_s or start_seconds)
   local result
   bench.run({ case }, function(_, r) result = r end, 1)
   if result.fits == false then return nil, result.failed end
   local row = row_of(method, setting, case, result)
   row.error = error_of(row, goal.metric)
-  method.rows[#method.rows + 1] = row
+  if result.processor_s and result.times then
+    local timed = 0
+    for _, time in ipairs(result.times) do timed = timed + time end
+    bench.start_s = math.max(bench.start_s or 0, 2 * (result.processor_s - timed))
+  end
   return row
 end
 
 -- The approximate cost of a method's first run relative to the others; methods that are sure to finish run first.
-local function relative_cost(method)
-  return (method.implicit and 1e9 or 0) + method.stages / math.min(method.longest, 1)
+local function relative_cost(method, implicit_first)
+  local late = method.implicit == not implicit_first
+  return (late and 1e9 or 0) + method.stages / math.min(method.longest, 1)
+end
+
+-- A row takes its place by its work.
+local function insert(method, row)
+  local at = #method.rows + 1
+  while at > 1 and methods.work(method.rows[at - 1].setting) > methods.work(row.setting) do at = at - 1 end
+  table.insert(method.rows, at, row)
 end
 
 local function cheapest_at_target(list, goal)
@@ -108,25 +136,30 @@ local function cheapest_at_target(list, goal)
 end
 
 -- list: methods; bench as for reference.compute; goal: { metric, fps, motion (the reference), finest, support (errors
--- below it cannot be resolved), target, only_best (runs that are slower than the best at the target need not finish) };
+-- below it cannot be resolved), target, implicit_first, only_best (runs that are slower than the best at the target need not finish) };
 -- seconds for all. Sets method.rows, method.refused (the reason why it does not fit the scene) and method.ended (the
 -- reason why there are no more rows).
 function refinement.run(list, bench, goal, seconds)
-  local begun, live = process.clock(), table.move(list, 1, #list, 1, {})
+  local begun, live = process.processor_time(), table.move(list, 1, #list, 1, {})
   table.sort(live, function(a, b)
-    local x, y = relative_cost(a), relative_cost(b)
+    local x, y = relative_cost(a, goal.implicit_first), relative_cost(b, goal.implicit_first)
     return x < y or x == y and a.label < b.label
   end)
+  for _, method in ipairs(list) do method.level = 0 end
   while #live > 0 do
     local going = {}
     for k, method in ipairs(live) do
-      local left = seconds - (process.clock() - begun)
+      local left = seconds - (process.processor_time() - begun)
       local share = math.max(left, 0) / (#live - k + 1 + #going)
       if goal.only_best then share = math.min(share, cheapest_at_target(list, goal)) end
-      local setting, why = next_run(method, goal, share)
+      local setting, why = next_run(method, list, goal, share)
+      if goal.only_best and left <= 0 and cheapest_at_target(list, goal) < math.huge then
+        setting, why = nil, "no time was left"
+      end
       local row
       if setting then row, why = take(method, setting, bench, goal, share) end
       if row then
+        method.rows[#method.rows + 1], method.level = row, method.level + 1
         method.ended = row.verdict == "timeout" and "it takes too long" or ended(method, row, goal)
       elseif #method.rows == 0 then
         method.refused = why
@@ -139,18 +172,41 @@ function refinement.run(list, bench, goal, seconds)
   end
 end
 
+-- The method of the list that is expected to be the cheapest at the target with a setting that was not run.
+local function next_to_settle(list, goal)
+  local best, cheapest = nil, cheapest_at_target(list, goal)
+  for _, method in ipairs(list) do
+    local s = (method.settled or 0) < most_settled and at_target.cheapest(method, goal, math.max(goal.target, goal.support))
+    if s and s.expected and s.wall < may_win * cheapest and (not best or s.wall < best.wall) then best = s end
+  end
+  return best
+end
+
+-- Runs methods of the list with settings that are expected to just reach the target, for so many seconds.
+function refinement.settle(list, bench, goal, seconds)
+  local begun = process.processor_time()
+  while true do
+    local left = seconds - (process.processor_time() - begun)
+    local s = next_to_settle(list, goal)
+    if not s or 1.5 * s.wall > left then return end
+    local row = take(s.method, s.setting, bench, goal, 2 * s.wall)
+    s.method.settled = (s.method.settled or 0) + 1
+    if row then insert(s.method, row) end
+  end
+end
+
 -- Repeats the timing of rows, in turns, until each has `count` times or the seconds are over.
 function refinement.repeat_rows(rows, bench, count, seconds)
-  local begun = process.clock()
+  local begun = process.processor_time()
   for turn = 2, count do
     for _, row in ipairs(rows) do
-      local left = seconds - (process.clock() - begun)
-      if #row.times < turn and row.result.process_s < left then
+      local left = seconds - (process.processor_time() - begun)
+      if #row.times < turn and (row.result.processor_s or 0) < left then
         local case = bench.case(row.case.varied)
         case.integrator, case.dt, case.tol = row.case.integrator, row.case.dt, row.case.tol
-        case.timeout, case.turn = 4 * row.result.process_s + 1, turn
-        bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_wall_s end, 1)
-        row.wall_s = median(row.times)
+        case.allowance, case.turn = 4 * (row.result.processor_s or 0) + 1, turn
+        bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_s end, 1)
+        row.wall_s = math.min(table.unpack(row.times))
       end
     end
   end

@@ -56,13 +56,13 @@ end
 -- (at the end, the worst of the smaller size), sizes = { { size, growth, worst, count } }, seeds, extent (m), floor,
 -- floor_single (m), by_frame (growth at each frame after the start) }
 function sensitivity.measure(bench, plain, seconds)
-  local begun, runs, at = process.clock(), {}, 0
+  local begun, runs, at = process.processor_time(), {}, 0
   local cases = cases_of(bench, plain.case)
   local function next_case()
     at = at + 1
-    if at > #sensitivity.sizes and process.clock() - begun + plain.time > seconds then return nil end
+    if at > #sensitivity.sizes and process.processor_time() - begun + plain.time > seconds then return nil end
     local case = cases[at]
-    if case then case.timeout = math.max(seconds, 4 * plain.time + 1) end
+    if case then case.allowance = math.max(seconds, 4 * plain.time + 1) end
     return case
   end
   local squares, ended = 0, 0

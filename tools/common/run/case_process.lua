@@ -9,6 +9,8 @@
 --                             as in hooke run and core/run/run.h
 --   verify                    true: checked by a second run (hooke run --verify; always, where the scene asks for accuracy)
 --   timeout                   s, of wall time; the process is then ended
+--   allowance                 s, of processor time, a bound that does not depend on what else the machine does; the process
+--                             is then ended
 --   frames                    true: `finish` gets the states of all frames, packed (tools/native/states.c)
 --   finish                    function(result, states) called in the process after the run: adds to the result
 --   keep                      true: result.states comes back, too
@@ -130,8 +132,7 @@ local function start(case)
   if not case.execute then case_process.warm(case) end
   local pid, fd = process.fork()
   if pid == 0 then child(case, fd) end
-  local now = process.clock()
-  return { case = case, pid = pid, fd = fd, parts = {}, begun = now, deadline = now + (case.timeout or math.huge) }
+  return { case = case, pid = pid, fd = fd, parts = {}, begun = process.clock() }
 end
 
 local function unpack_result(text, keep)
@@ -145,31 +146,48 @@ local function unpack_result(text, keep)
   return result
 end
 
+-- An allowance bounds the wall time too, for a process that waits for something.
+local most_idle = 30 -- wall s in a second of processor time, and beside
+
+local function is_late(job)
+  local case, wall = job.case, process.clock() - job.begun
+  if wall > (case.timeout or math.huge) then return true end
+  if not case.allowance then return false end
+  local used = process.processor_time(job.pid)
+  return (used or wall) > case.allowance or wall > most_idle * (1 + case.allowance)
+end
+
 local function finish(job)
   process.close(job.fd)
+  local before = process.processor_time()
   local how, code = process.wait(job.pid)
+  local used = process.processor_time() - before
   local result = unpack_result(table.concat(job.parts), job.case.keep)
   if job.late then
-    result = { failed = ("ended after %g s"):format(job.case.timeout), verdict = "timeout" }
+    result = { failed = ("ended after %.3g s"):format(job.case.allowance or job.case.timeout), verdict = "timeout" }
   elseif not result then
     result = { failed = ("the process crashed (%s %d)"):format(how == "signal" and how or "exit code", code),
       verdict = "crashed" }
   end
-  result.process_s = process.clock() - job.begun
+  result.process_s, result.processor_s = process.clock() - job.begun, used
   return result
 end
 
+-- Short allowances are looked at more often.
 local function watch(jobs)
-  local fds, ended = {}, {}
-  for fd in pairs(jobs) do fds[#fds + 1] = fd end
-  local ready = process.ready(fds, 0.1)
+  local fds, ended, interval = {}, {}, 0.1
+  for fd, job in pairs(jobs) do
+    fds[#fds + 1] = fd
+    interval = math.max(0.01, math.min(interval, (job.case.allowance or math.huge) / 8))
+  end
+  local ready = process.ready(fds, interval)
   for fd, job in pairs(jobs) do
     local text = ready[fd] and process.read(fd)
     if text and text ~= "" then
       job.parts[#job.parts + 1] = text
     elseif text then
       ended[#ended + 1] = job
-    elseif process.clock() > job.deadline then
+    elseif is_late(job) then
       process.kill(job.pid)
       job.late = true
       ended[#ended + 1] = job

@@ -322,13 +322,18 @@ local function at_ratios(f)
   end
 end
 
+-- s (h w)^2 + d h g = 4
+local function recurrence(s, d)
+  return at_ratios(function(x) return (math.sqrt(d * d * x * x + 4 * s) - d * x) / s end)
+end
+
 local any = at_ratios(function() return math.huge end)
 local root = math.sqrt
 local dormand_prince = runge_kutta { 1, 1, 1 / 2, 1 / 6, 1 / 24, 1 / 120, 1 / 600 }
 
 -- Closed forms: Hairer and Wanner, Solving ODEs II, IV.2 and IV.3 (one-step methods, by their stability functions),
 -- V.1 (BDF); the recurrences of leapfrog (with the velocity predicted, v + h a) and symplectic Euler at the root -1;
--- Hairer, Norsett and Wanner, Solving ODEs I, III.10 (Stoermer), at -1: 4 = (h w)^2 sum sigma_j 2^j.
+-- Hairer, Norsett and Wanner, Solving ODEs I, III.10 (Stoermer), at -1: 4 = (h w)^2 sum sigma_j 2^j + 2 h g sum gamma_j 2^j.
 local theory = {
   euler = at_ratios(function(x) return x < 1 and 2 * x or 2 / (x + root(x * x - 1)) end),
   symplectic_euler = at_ratios(function(x) return 2 * (root(1 + x * x) - x) end),
@@ -339,8 +344,9 @@ local theory = {
   dopri5 = dormand_prince,
   arkode = dormand_prince,
   stoermer = function() return { root(2) } end,
-  stoermer_wide2 = at_ratios(function(x) return 2 * (root(1 + x * x) - x) end), -- (h w)^2 + 2 h g = 4
-  stoermer_wide4 = at_ratios(function(x) return root(16 * x * x + 3) - 4 * x end), -- (h w)^2 + 4 h g = 3
+  stoermer_wide2 = recurrence(1, 1.376),
+  stoermer_wide3 = recurrence(1 + 1 / 3 - 0.16, 2 * (2 + 5 / 3 - 8 * 0.66 + 16 * 0.17)),
+  stoermer_wide4 = recurrence(2 - 16 * 0.004 - 32 * 0.015, 2 * (5 + 5 / 3 - 16 * 0.67 + 32 * 0.18)),
   backward_euler = any,
   implicit_midpoint = any,
   implicit_trapezoid = any,

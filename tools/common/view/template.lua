@@ -9,8 +9,8 @@ local template = {}
 
 -- In this order: a module uses those before it.
 template.modules = { "begin", "dom", "numbers", "codec", "recorded", "colours", "light", "buffers", "surface", "segments",
-  "points", "floor", "solids", "orbit", "topology", "layer", "stage", "clock", "timeline", "plots", "controls", "compare",
-  "inspector", "report", "bench", "app" }
+  "points", "splats", "floor", "solids", "orbit", "topology", "layer", "stage", "economy", "clock", "timeline", "plots",
+  "controls", "compare", "inspector", "report", "bench", "app" }
 
 local function read(path)
   local file, why = io.open(path, "rb")

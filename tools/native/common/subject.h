@@ -32,8 +32,8 @@ void hk_subject_leave(hk_subject *);
 /* F += force, with what is there; returns the power that it added to `power`. With NAN the view has no power. */
 double hk_subject_add(hk_subject *, double power);
 double hk_subject_energy(hk_subject *);
-/* parts(subject) -> F summed part by part, its power, a particle that was written to by a part that does not have it,
- * or 0; nil: it has no add_part. */
+/* parts(subject) -> F summed part by part, its power, a particle that was written to by a part that does not have it, a
+ * particle whose force a part computed from one that it does not have, or 0; nil: it has no add_part. */
 int hk_subject_parts(lua_State *L);
 
 /* From now on the instance's parallel_for takes the chunks one by one from the last to the first: what depends on the

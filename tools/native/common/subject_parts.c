@@ -9,6 +9,7 @@ typedef struct trial {
   hk_window window;
   double *x, *v, *before; /* n x 3 */
   size_t written;         /* a particle outside of its part that was written to; n: none */
+  size_t used;            /* one whose force is not finite, as others were used for it that a part has not; n: none */
 } trial;
 
 /* Whether part `part` touches block b. */
@@ -30,11 +31,15 @@ static void show(trial *t, size_t part) {
   }
 }
 
+static bool is_finite(const double f[3]) { return isfinite(f[0]) && isfinite(f[1]) && isfinite(f[2]); }
+
 static void look(trial *t, size_t part) {
   const double *F = t->s->F.at;
-  for (size_t i = 0; i < t->s->n; i++)
-    if (!touches(t, part, i >> t->window.partition.bits) && memcmp(F + 3 * i, t->before + 3 * i, 3 * sizeof *F) != 0)
-      t->written = i;
+  for (size_t i = 0; i < t->s->n; i++) {
+    bool has = touches(t, part, i >> t->window.partition.bits);
+    if (!has && memcmp(F + 3 * i, t->before + 3 * i, 3 * sizeof *F) != 0) t->written = i;
+    if (has && !is_finite(F + 3 * i) && is_finite(t->before + 3 * i)) t->used = i;
+  }
 }
 
 static void add_all(trial *t, double *power) {
@@ -54,7 +59,7 @@ static void add_all(trial *t, double *power) {
 
 int hk_subject_parts(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
-  trial t = {.s = s, .written = s->n};
+  trial t = {.s = s, .written = s->n, .used = s->n};
   double power = 0;
   if (!s->force->add_part) return 0;
   t.x = hk_table_memory(L, s->size);
@@ -71,5 +76,6 @@ int hk_subject_parts(lua_State *L) {
   hk_table_push(L, s->F.at, s->size);
   lua_pushnumber(L, power);
   lua_pushinteger(L, t.written < s->n ? (lua_Integer)t.written + 1 : 0);
-  return 3;
+  lua_pushinteger(L, t.used < s->n ? (lua_Integer)t.used + 1 : 0);
+  return 4;
 }

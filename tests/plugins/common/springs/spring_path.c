@@ -9,10 +9,11 @@
 
 #include <cmocka.h>
 
-enum { PARTICLES = 700, SPRINGS = HK_SPRING_BLOCK };
+enum { PARTICLES = 700, SPRINGS = HK_SPRING_BLOCK, HUB = 2 * HK_SPRING_SLOTS + 3 };
 
 typedef struct state {
-  double x[3 * PARTICLES + 1], v[3 * PARTICLES + 1], k[SPRINGS], c[SPRINGS], L[SPRINGS];
+  double x[3 * PARTICLES + 1], v[3 * PARTICLES + 1];
+  double k[SPRINGS + HK_SPRING_BUNDLES], c[SPRINGS + HK_SPRING_BUNDLES], L[SPRINGS + HK_SPRING_BUNDLES];
   uint32_t pair[SPRINGS][2];
 } state;
 
@@ -26,7 +27,21 @@ static void fill(state *s) {
     s->k[e] = 100 + (double)(e % 17), s->c[e] = 0.1 * (double)(e % 5), s->L[e] = 0.3 * (double)(e % 3);
     s->pair[e][0] = (uint32_t)(e * e % 601), s->pair[e][1] = s->pair[e][0] + 1 + (uint32_t)(e % 7);
   }
-  memcpy(s->x + 3 * 300, s->x + 3 * 299, 3 * sizeof *s->x); /* a coincident pair of the near run */
+  for (size_t e = 0; e < HUB; e++) s->pair[e][0] = 5, s->pair[e][1] = 700 - 2; /* more than a slice has slots */
+  memcpy(s->x + 3 * 300, s->x + 3 * 299, 3 * sizeof *s->x);                    /* a coincident pair of the near run */
+}
+
+/* The first n pairs in slices, with coefficients as they come. */
+static hk_spring_list slices(const state *s, size_t n, uint32_t pair[][2], uint8_t *lanes) {
+  uint32_t order[2 * SPRINGS];
+  const hk_tuples edges = {n, 2, s->pair[0]};
+  for (uint32_t e = 0; e < n; e++) order[e] = e;
+  hk_spring_slices_sort(&edges, order, n, lanes);
+  for (size_t e = 0; e < n; e++) {
+    pair[e][0] = hk_spring_owner(s->pair[order[e]]);
+    pair[e][1] = s->pair[order[e]][0] ^ s->pair[order[e]][1] ^ pair[e][0];
+  }
+  return (hk_spring_list){n, (const uint32_t(*)[2])pair, lanes};
 }
 
 /* n springs with common coefficients when `each` is 0, or one per spring. */
@@ -38,7 +53,10 @@ static void run(const hk_spring_path *path, const state *s, size_t n, size_t eac
   memset(out, 0, 3 * sizeof *out);
   out[0].power = path->far_run(&q, n, xi, xi + 3 * 300, vi, vi + 3 * 300, out[0].F + 300, out[0].F + 1200, damped);
   out[1].power = path->near_run(&q, n, xi, xi + 3, vi, vi + 3, out[1].F + 300, out[1].F + 303, damped);
-  out[2].power = path->list(&q, n, s->pair, s->x, s->v, out[2].F, damped);
+  uint32_t pair[SPRINGS + HK_SPRING_BUNDLES][2] = {{0}};
+  uint8_t lanes[2 * SPRINGS];
+  const hk_spring_list list = slices(s, n, pair, lanes);
+  out[2].power = path->list(&q, &list, s->x, s->v, out[2].F, damped);
 }
 
 /* On variants of n springs: 1, coefficients per spring; 2, damped. */

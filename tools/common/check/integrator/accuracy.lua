@@ -97,9 +97,10 @@ end
 -- ---- stability ----
 
 -- Below its limit a motion of a linear oscillator is bounded (by 1/sqrt(1 - 0.97^2) = 4 for leapfrog); above, it grows
--- by the declared factor per step: in the number of steps for which this factor gives 1e12, it must grow by a hundred
--- at least, since the growing mode may be a small part of the start.
-local BOUNDED, TOTAL_GROWTH, LEAST_GROWTH, MOST_STEPS = 30, 1e12, 100, 50000
+-- by the declared factor per step: in the number of steps for which this factor gives 1e20, it must grow by a hundred
+-- at least, since the growing mode may be as small a part of the start as rounding, where a method of many steps begins
+-- accurately.
+local BOUNDED, TOTAL_GROWTH, LEAST_GROWTH, MOST_STEPS = 30, 1e20, 100, 50000
 
 -- The growth of a perturbation over `steps` steps of h w.
 local function growth(plugin, hw, damping, steps)

@@ -315,14 +315,16 @@ local function keeps_constraints(plugin, lines)
   end
 end
 
+local FIRST_STEPS = 8 -- in which a method of many steps makes its history
+
 local function is_what_its_flags_say(plugin, lines)
   local function remedy(flag) return ("the flags of hk_integrator: %s"):format(flag) end
   lines:at("the scene 'swing'")
   local run, why = scenes.open(plugin, scenes.swing)
   if not run then error(why, 0) end
-  local first = method.run(run, plugin.adaptive and { h = H, stop = 2 * H } or { h = H, steps = 4 })
+  local first = method.run(run, plugin.adaptive and { h = H, stop = 2 * H } or { h = H, steps = FIRST_STEPS })
   local later = method.run(run, plugin.adaptive and { X = first.X, t = 2 * H, h = H, stop = 6 * H }
-    or { X = first.X, t = 4 * H, h = H, steps = 10 })
+    or { X = first.X, t = FIRST_STEPS * H, h = H, steps = 10 })
   local solved = first.factorizations + first.solves + later.factorizations + later.solves
   local jacobians = first.jacobians + later.jacobians
   if jacobians > 0 and not plugin.needs_jacobian then
@@ -336,7 +338,7 @@ local function is_what_its_flags_say(plugin, lines)
   if not plugin.implicit and not plugin.adaptive then
     local per_step = later.evaluations / later.taken
     lines:add(per_step == plugin.stages, ("%d evaluations a step"):format(plugin.stages), ("%.3g"):format(per_step), nil,
-      "`stages` is the number of evaluations of f per step, those of the first step apart")
+      "`stages` is the number of evaluations of f per step, those of the first steps apart")
   elseif later.evaluations == 0 then
     lines:wrong("it takes steps without an evaluation of f", "see hk_system.accelerations")
   end

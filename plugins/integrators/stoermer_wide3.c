@@ -1,0 +1,49 @@
+/* Stoermer's multistep method of order 3 with two more differences, whose coefficients keep the longest steps stable,
+ * found by a search over oscillators of damping ratio 0 to 1. Stable while 1.1733 (h w)^2 + 2.2133 h g <= 4, where a
+ * root reaches -1. Its errors are about a fifth of those of `stoermer_wide2` at nearly the same step: where the limit
+ * of stability sets the step of either, it is the more accurate one. */
+#include "plugins/common/integrate/stoermer.h"
+
+enum { ORDER = 3, TERMS = 5 };
+
+static const hk_stoermer_method method = {
+    ORDER, TERMS, {1, 0, 1.0 / 12, 0, -0.01}, {1, 1.0 / 2, 5.0 / 12, -0.66, 0.17}};
+
+static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
+
+static double amplification(const void *self, double hw, double hg) {
+  (void)self;
+  return hk_stoermer_amplification(&method, hw, hg);
+}
+
+static double rotation(const void *self, double hw, double hg, double hb) {
+  (void)self;
+  return hk_stoermer_rotation(&method, hw, hg, hb);
+}
+
+static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+  (void)t_stop, (void)out;
+  return hk_stoermer_step(self, &method, s, h);
+}
+
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = ORDER,
+                                         .stages = 1,
+                                         .flags = HK_USES_SPARE,
+                                         .amplification = amplification,
+                                         .rotation = rotation,
+                                         .step = step,
+                                         .reset = hk_stoermer_reset};
+
+HK_EXPORT const hk_plugin hk_plugin_main = {
+    .abi = HK_ABI,
+    .kind = HK_INTEGRATOR,
+    .name = "stoermer_wide3",
+    .summary = "Stoermer's explicit multistep method with two more differences that widen the range of stable steps; "
+               "order 3, one evaluation a step",
+    .reference = "Stoermer 1907; Hairer, Norsett and Wanner, Solving ODEs I, (III.10.9); the last two coefficients are "
+                 "hooke's own",
+    .instance_size = sizeof(hk_stoermer),
+    .fields = fields,
+    .integrator = &integrator,
+};
