@@ -27,8 +27,9 @@
  * for a number of factorizations is the same); extrapolated guesses (with the tensions at x^ they diverge at 2 ms, with
  * those foretold they change nothing up to 2 ms and fail at 4); further corrections by the same matrix (they diverge,
  * as the stiff directions turn with the guess); gradients through the negative curvature of the exact matrix (steps
- * half as long for the same tol, and up to 1000 iterations on 64 x 64). Hairer, Norsett and Wanner, Solving ODEs I,
- * III.5; Choi and Ko 2002, one linearisation; Tournier and others 2015, tensions from the step before. */
+ * half as long for the same tol, and up to 1000 iterations on 64 x 64).
+ * Hairer, Norsett and Wanner, Solving ODEs I, III.5; Choi and Ko 2002, one linearisation; Tournier and others 2015,
+ * tensions from the step before. */
 #include "plugins/common/implicit/dirk.h"
 #include "plugins/common/integrate/growth_factor.h"
 
