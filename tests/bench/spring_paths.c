@@ -52,13 +52,15 @@ static void fill(data *d) {
 static double call(const hk_spring_path *path, data *d, const kind *a, bool damped) {
   size_t each = a->each ? ~(size_t)0 : 0, j = 3 * a->apart;
   hk_spring_numbers q = {d->k, d->c, d->L, each, each, each};
-  double (*run)(const hk_spring_numbers *, size_t, const double *, const double *, const double *, const double *,
-                double *, double *, bool) = a->apart >= HK_SPRING_FAR ? path->far_run : path->near_run;
+  double (*run)(const hk_spring_numbers *, size_t, const uint8_t *, const double *, const double *, const double *,
+                const double *, double *, double *, bool) = a->apart >= HK_SPRING_FAR ? path->far_run : path->near_run;
   const hk_spring_list list = {SPRINGS, (const uint32_t(*)[2])d->pair, d->lanes};
+  uint8_t present[SPRINGS / 8];
+  memset(present, 0xff, sizeof present);
   double start = now();
   for (int r = 0; r < CALLS; r++)
     if (a->apart)
-      run(&q, SPRINGS, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j, damped);
+      run(&q, SPRINGS, present, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j, damped);
     else
       path->list(&q, &list, d->x, d->v, d->F, damped);
   return (now() - start) / (CALLS * SPRINGS) * 1e9;

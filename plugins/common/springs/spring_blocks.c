@@ -6,9 +6,9 @@
 
 void hk_spring_pattern(const hk_spring_layout *s, hk_pattern *p) {
   for (size_t r = 0; r < s->runs; r++)
-    for (size_t t = 0; t < s->run[r].count; t++) {
+    for (size_t t = 0; t < s->run[r].places; t++) {
       uint32_t end[2];
-      hk_spring_ends(s, &s->run[r], t, end);
+      if (!hk_spring_ends(s, &s->run[r], t, end)) continue;
       for (int b = 0; b < 4; b++) p->block(p, end[b / 2], end[b % 2]);
     }
 }
@@ -45,10 +45,11 @@ static double foretold(const hk_blocks *into, size_t i, size_t j, double k, doub
   return ll > 0 ? k * (along / sqrt(ll) - L) : 0;
 }
 
-static void spring(const task *t, size_t e, const uint32_t end[2]) {
+/* Spring e of the layout; `place`: of its coefficients. */
+static void spring(const task *t, size_t e, size_t place, const uint32_t end[2]) {
   const hk_spring_layout *s = t->s;
   size_t i = 3 * (size_t)end[0], j = 3 * (size_t)end[1];
-  double k = s->k[s->each_k ? e : 0], c = s->c[s->each_c ? e : 0], L = s->L[s->each_L ? e : 0];
+  double k = s->k[s->each_k ? place : 0], c = s->c[s->each_c ? place : 0], L = s->L[s->each_L ? place : 0];
   double n[3], u[3], K[9], D[9], ll = 0, un = 0;
   for (int a = 0; a < 3; a++) {
     n[a] = t->x[j + a] - t->x[i + a];
@@ -76,12 +77,14 @@ static void spring(const task *t, size_t e, const uint32_t end[2]) {
 
 static void add_part(const void *context, size_t part) {
   const task *t = context;
-  for (size_t r = t->s->part[part]; r < t->s->part[part + 1]; r++)
-    for (size_t q = 0; q < t->s->run[r].count; q++) {
+  for (size_t r = t->s->part[part]; r < t->s->part[part + 1]; r++) {
+    const hk_spring_run *run = &t->s->run[r];
+    size_t e = run->begin;
+    for (size_t q = 0; q < run->places; q++) {
       uint32_t end[2];
-      hk_spring_ends(t->s, &t->s->run[r], q, end);
-      spring(t, t->s->run[r].begin + q, end);
+      if (hk_spring_ends(t->s, run, q, end)) spring(t, e++, run->place + q, end);
     }
+  }
 }
 
 void hk_spring_blocks(const hk_spring_layout *s, const hk_host *host, const double *x, const double *v,

@@ -3,7 +3,7 @@
 #include "plugins/common/springs/spring_kernel.h"
 #include "plugins/common/springs/spring_path.h"
 
-enum { LANES = HK_SPRING_LANES, WIDEST = HK_SPRING_WIDEST, BLOCK = HK_SPRING_BLOCK, FAR = HK_SPRING_FAR };
+enum { WIDEST = HK_SPRING_WIDEST, BLOCK = HK_SPRING_BLOCK, FAR = HK_SPRING_FAR };
 
 static inline double scale(double l2, double w, double k, double c, double L, double *p) {
   double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
@@ -18,14 +18,13 @@ typedef struct task {
   double *F;
 } task;
 
-/* `count` springs of a run from its t-th on. */
-static double single(const task *t, const hk_spring_run *run, size_t from, size_t count) {
+static double single(const task *t, const hk_spring_run *run) {
   const hk_spring_layout *s = t->layout;
   double sum = 0;
-  for (size_t q = from; q < from + count; q++) {
+  for (size_t q = 0; q < run->count; q++) {
     uint32_t end[2];
     hk_spring_ends(s, run, q, end);
-    size_t i = 3 * (size_t)end[0], j = 3 * (size_t)end[1], e = run->begin + q;
+    size_t i = 3 * (size_t)end[0], j = 3 * (size_t)end[1], e = run->place + q;
     const double *xi = t->x + i, *xj = t->x + j, *vi = t->v + i, *vj = t->v + j;
     double *Fi = t->F + i, *Fj = t->F + j;
     double dx = xj[0] - xi[0], dy = xj[1] - xi[1], dz = xj[2] - xi[2];
@@ -51,28 +50,29 @@ static hk_spring_numbers numbers_from(const hk_spring_numbers *all, size_t e) {
                              all->each_L};
 }
 
-/* n springs of a run from its t-th on. */
+/* n places of a run from its t-th on. */
 static double one_block(const task *t, const hk_spring_numbers *all, const hk_spring_run *run, size_t from, size_t n) {
   const hk_spring_layout *s = t->layout;
-  const hk_spring_numbers q = numbers_from(all, run->begin + from);
+  const hk_spring_numbers q = numbers_from(all, run->place + from);
   size_t i = 3 * (run->i + from), j = 3 * (run->j + from), apart = i < j ? j - i : i - j;
-  return (apart >= 3 * FAR ? t->path->far_run : t->path->near_run)(&q, n, t->x + i, t->x + j, t->v + i, t->v + j,
-                                                                   t->F + i, t->F + j, s->damped);
+  return (apart >= 3 * FAR ? t->path->far_run : t->path->near_run)(
+      &q, n, s->present + run->bits + from / 8, t->x + i, t->x + j, t->v + i, t->v + j, t->F + i, t->F + j, s->damped);
 }
 
 static double one_list(const task *t, const hk_spring_numbers *all, const hk_spring_run *run) {
   const hk_spring_layout *s = t->layout;
-  const hk_spring_numbers q = numbers_from(all, run->begin);
+  const hk_spring_numbers q = numbers_from(all, run->place);
   const hk_spring_list list = {run->count, (const uint32_t(*)[2])s->pair + run->pair, s->lanes + run->lanes};
   return t->path->list(&q, &list, t->x, t->v, t->F, s->damped);
 }
 
 static double one_run(const task *t, const hk_spring_numbers *q, const hk_spring_run *run) {
-  if (run->kind == HK_SPRING_LIST) return one_list(t, q, run);
-  size_t whole = run->kind == HK_SPRING_SINGLE ? 0 : run->count / LANES * LANES;
   double power = 0;
-  for (size_t e = 0; e < whole; e += BLOCK) power += one_block(t, q, run, e, whole - e < BLOCK ? whole - e : BLOCK);
-  return power + single(t, run, whole, run->count - whole);
+  if (run->kind == HK_SPRING_LIST) return one_list(t, q, run);
+  if (run->kind == HK_SPRING_SINGLE) return single(t, run);
+  for (size_t e = 0; e < run->places; e += BLOCK)
+    power += one_block(t, q, run, e, run->places - e < BLOCK ? run->places - e : BLOCK);
+  return power;
 }
 
 static double one_part(const task *t, size_t part) {

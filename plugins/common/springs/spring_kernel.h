@@ -5,7 +5,8 @@
  * The layout is made once per topology. Springs are sorted by the parts of a sum (core/plugin/parts.h), which run on
  * several threads without conflicts; sums have a fixed order, so results do not depend on the number of threads. Inside
  * a part, runs of springs (i+t, j+t) are found, whose particles are read and written as contiguous vectors and need no
- * indices; the other springs are put into slices (spring_slices.h). The loops over springs and the width of vectors are
+ * indices; a few may be missing in one, so that the rows of a grid, or the strands of a hair, are one run. The other
+ * springs are put into slices (spring_slices.h). The loops over springs and the width of vectors are
  * in spring_path.h. */
 #ifndef HK_SPRING_KERNEL_H
 #define HK_SPRING_KERNEL_H
@@ -14,23 +15,26 @@
 #include "plugins/common/springs/spring_slices.h"
 
 typedef enum hk_spring_kind {
-  HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ... */
+  HK_SPRING_RUN,   /* (i+t, j+t), t = 0, 1, ..., but for a few t: as in a grid, whose rows follow each other */
   HK_SPRING_LIST,  /* slices of any pairs without the last particle (vector loads reach one number beyond a particle) */
   HK_SPRING_SINGLE /* any pairs, one at a time */
 } hk_spring_kind;
 
 typedef struct hk_spring_run {
   hk_spring_kind kind;
-  uint32_t i, j;       /* of a run: its first pair */
-  size_t begin, count; /* springs of the layout */
-  size_t pair, lanes;  /* of the others: position of the first one in `pair`, of a list in `lanes` */
+  uint32_t i, j;        /* of a run: its first pair */
+  size_t begin, count;  /* springs of the layout */
+  size_t place, places; /* their coefficients; a run has places for springs that are missing in it as well */
+  size_t bits;          /* of a run: position in `present` */
+  size_t pair, lanes;   /* of the others: position of the first one in `pair`, of a list in `lanes` */
 } hk_spring_run;
 
 typedef struct hk_spring_layout {
-  size_t count;
+  size_t count, places;
   uint32_t (*pair)[2];         /* of the springs in no run */
   uint8_t *lanes;              /* see hk_spring_list */
-  double *k, *c, *L;           /* one number when all are equal; otherwise count numbers, in the layout's order */
+  uint8_t *present;            /* a bit for each place of a run, the lowest of a byte first; a run begins with a byte */
+  double *k, *c, *L;           /* one number when all are equal; otherwise one for each place */
   bool each_k, each_c, each_L; /* the coefficient differs from spring to spring */
   bool damped;                 /* some c > 0 */
   hk_partition partition;
@@ -40,11 +44,12 @@ typedef struct hk_spring_layout {
   double *power; /* partition.parts, W, of hk_spring_forces */
 } hk_spring_layout;
 
-/* The ends of spring t of a run. */
-static inline void hk_spring_ends(const hk_spring_layout *s, const hk_spring_run *run, size_t t, uint32_t end[2]) {
+/* The ends of the spring at place t of a run; false: there is none. */
+static inline bool hk_spring_ends(const hk_spring_layout *s, const hk_spring_run *run, size_t t, uint32_t end[2]) {
   bool listed = run->kind != HK_SPRING_RUN;
   end[0] = listed ? s->pair[run->pair + t][0] : run->i + (uint32_t)t;
   end[1] = listed ? s->pair[run->pair + t][1] : run->j + (uint32_t)t;
+  return listed || s->present[run->bits + t / 8] >> t % 8 & 1;
 }
 
 /* From edges and coefficients (common or one per edge), in the host's memory. Springs with an end where `is_active` is

@@ -6,10 +6,11 @@
 #include <string.h>
 
 enum {
-  LANES = 4,    /* the length of a run is a multiple of this; the springs at its end beyond that join the list */
-  PIECE = 1024, /* largest number of springs in a run, whose particles fit the second-level cache with those of other
+  LANES = 4,    /* the places of a run are a multiple of this; the springs at its end beyond that join the list */
+  PIECE = 1024, /* largest number of places in a run, whose particles fit the second-level cache with those of other
                    runs */
   RUN_MIN = 16, /* the call costs more than shorter runs save */
+  GAP = 8,      /* places without a spring that a run goes on over: a vector's */
   SMALL = 8     /* up to this number springs are summed one at a time */
 };
 
@@ -21,8 +22,8 @@ typedef struct builder {
   hk_part_lists by_part;
   uint32_t *order, *scratch; /* edges in the layout's order; room for all springs */
   size_t *count;             /* of keys */
-  uint8_t *lanes;            /* room for those of any slices */
-  size_t run_capacity, listed, laned;
+  uint8_t *lanes, *present;  /* room for those of any slices, and any runs */
+  size_t run_capacity, listed, laned, bytes;
 } builder;
 
 static uint32_t owner(const builder *b, uint32_t e) { return hk_spring_owner(hk_tuple(b->edges, e)); }
@@ -47,9 +48,10 @@ static void sort(builder *b, uint32_t *list, size_t count, uint32_t (*key)(const
   memcpy(list, b->scratch, count * sizeof *list);
 }
 
-static bool follows(const builder *b, uint32_t e, uint32_t next) {
-  return hk_tuple(b->edges, next)[0] == hk_tuple(b->edges, e)[0] + 1 &&
-         hk_tuple(b->edges, next)[1] == hk_tuple(b->edges, e)[1] + 1;
+/* How many places after spring e of a run another one is; 0: in no run with it. */
+static size_t distance(const builder *b, uint32_t e, uint32_t next) {
+  const uint32_t *p = hk_tuple(b->edges, e), *q = hk_tuple(b->edges, next);
+  return q[0] > p[0] && q[0] - p[0] == q[1] - p[1] ? q[0] - p[0] : 0;
 }
 
 static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count) {
@@ -65,7 +67,7 @@ static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count)
     b->run_capacity = capacity;
   }
   const uint32_t *first = hk_tuple(b->edges, b->order[begin]);
-  s->run[s->runs++] = (hk_spring_run){kind, first[0], first[1], begin, count, b->listed, b->laned};
+  s->run[s->runs++] = (hk_spring_run){kind, first[0], first[1], begin, count, 0, count, 0, b->listed, b->laned};
   if (kind != HK_SPRING_RUN) b->listed += count;
   return true;
 }
@@ -96,19 +98,64 @@ static void sort_runs(builder *b, size_t first_run, size_t begin) {
   memcpy(b->order + begin, b->scratch, placed * sizeof *b->scratch);
 }
 
-/* Takes the runs out of `count` springs from `begin` on, which leaves `rest` others; returns how many runs have. */
+/* A run of `count` springs from `begin` on, which is a piece of one whose first spring has the ends p. */
+static bool add_piece(builder *b, const uint32_t p[2], size_t from, size_t places, size_t begin, size_t count) {
+  if (count == 0) return true; /* nothing but a gap */
+  if (!add_run(b, HK_SPRING_RUN, begin, count)) return false;
+  hk_spring_run *run = &b->layout->run[b->layout->runs - 1];
+  run->i = p[0] + (uint32_t)from, run->j = p[1] + (uint32_t)from;
+  run->places = places;
+  run->bits = b->bytes;
+  for (size_t e = begin; e < begin + count; e++) {
+    size_t t = hk_tuple(b->edges, b->order[e])[0] - run->i;
+    b->present[b->bytes + t / 8] |= (uint8_t)(1u << t % 8);
+  }
+  b->bytes += (places + 7) / 8;
+  return true;
+}
+
+/* `count` springs from `begin` on of one run, in pieces. */
+static bool add_pieces(builder *b, size_t begin, size_t count, size_t places) {
+  const uint32_t *first = hk_tuple(b->edges, b->order[begin]);
+  size_t end = begin + count;
+  for (size_t from = 0; from < places; from += PIECE) {
+    size_t length = places - from < PIECE ? places - from : PIECE, after = begin;
+    while (after < end && hk_tuple(b->edges, b->order[after])[0] - first[0] < from + length) after++;
+    if (!add_piece(b, first, from, length, begin, after - begin)) return false;
+    begin = after;
+  }
+  return true;
+}
+
+/* How many of `count` springs form a run that begins with the first, without gaps that are longer than what is before
+ * them; with them it has *places. */
+static size_t run_length(const builder *b, const uint32_t *order, size_t count, size_t *places) {
+  size_t length = 1, together = 1, step;
+  for (*places = 1; length < count; length++, *places += step) {
+    step = distance(b, order[length - 1], order[length]);
+    if (step == 0 || step > GAP + 1 || step > together + 1) break;
+    together = step == 1 ? together + 1 : 1;
+  }
+  return length;
+}
+
+/* Of `length` springs those in the first `places` of their run. */
+static size_t within(const builder *b, const uint32_t *order, size_t length, size_t places) {
+  while (length > 0 && hk_tuple(b->edges, order[length - 1])[0] - hk_tuple(b->edges, order[0])[0] >= places) length--;
+  return length;
+}
+
+/* Takes the runs out of `count` springs from `begin` on, which leaves others; *taken: how many springs runs have. */
 static bool take_runs(builder *b, size_t begin, size_t count, uint32_t *others, size_t *taken) {
   uint32_t *order = b->order + begin;
   size_t placed = 0, rest = 0;
   for (size_t e = 0; e < count;) {
-    size_t length = 1;
-    while (e + length < count && follows(b, order[e + length - 1], order[e + length])) length++;
-    size_t whole = length >= RUN_MIN ? length - length % LANES : 0;
+    size_t places, length = run_length(b, order + e, count - e, &places);
+    places -= places % LANES;
+    size_t whole = places >= RUN_MIN ? within(b, order + e, length, places) : 0;
     memcpy(others + rest, order + e + whole, (length - whole) * sizeof *order);
     memmove(order + placed, order + e, whole * sizeof *order); /* placed <= e */
-    for (size_t piece = 0; piece < whole; piece += PIECE)
-      if (!add_run(b, HK_SPRING_RUN, begin + placed + piece, whole - piece < PIECE ? whole - piece : PIECE))
-        return false;
+    if (whole > 0 && !add_pieces(b, begin + placed, whole, places)) return false;
     placed += whole;
     rest += length - whole;
     e += length;
@@ -161,12 +208,27 @@ static bool all_equal(const hk_per_tuple *p) {
   return true;
 }
 
-/* The coefficients in the layout's order, or the common coefficient. */
+/* Where the coefficients of each run are. */
+static void number_places(hk_spring_layout *s) {
+  for (size_t r = 0; r < s->runs; r++) {
+    s->run[r].place = s->places;
+    s->places += s->run[r].places;
+  }
+}
+
+/* The coefficients by places, or the common coefficient. */
 static double *arrange_numbers(const builder *b, const hk_per_tuple *from, bool *each) {
+  const hk_spring_layout *s = b->layout;
   *each = !all_equal(from);
-  size_t count = *each ? b->layout->count : 1;
-  double *list = b->host->allocate(b->host, (count + HK_SPRING_BUNDLES) * sizeof *list);
-  for (size_t e = 0; list && e < count && from->count; e++) list[e] = from->value[*each ? b->order[e] : 0];
+  double *list = b->host->allocate(b->host, ((*each ? s->places : 1) + HK_SPRING_BUNDLES) * sizeof *list);
+  if (list && !*each && from->count) list[0] = from->value[0];
+  for (size_t r = 0; list && *each && r < s->runs; r++) {
+    const hk_spring_run *run = &s->run[r];
+    size_t e = run->begin;
+    uint32_t end[2];
+    for (size_t t = 0; t < run->places; t++)
+      if (hk_spring_ends(s, run, t, end)) list[run->place + t] = from->value[b->order[e++]];
+  }
   return list;
 }
 
@@ -183,13 +245,17 @@ static bool copy_springs(builder *b, const hk_per_tuple *k, const hk_per_tuple *
   hk_spring_layout *s = b->layout;
   s->pair = b->host->allocate(b->host, (b->listed + 1) * sizeof *s->pair);
   s->lanes = b->host->allocate(b->host, b->laned + 1);
+  s->present = b->host->allocate(b->host, b->bytes + 1);
+  if (!s->pair || !s->lanes || !s->present) return false;
+  for (size_t r = 0; r < s->runs; r++) copy_pairs(b, &s->run[r]);
+  memcpy(s->lanes, b->lanes, b->laned);
+  memcpy(s->present, b->present, b->bytes);
+  number_places(s);
   s->k = arrange_numbers(b, k, &s->each_k);
   s->c = arrange_numbers(b, c, &s->each_c);
   s->L = arrange_numbers(b, L, &s->each_L);
-  if (!s->pair || !s->lanes || !s->k || !s->c || !s->L) return false;
-  for (size_t r = 0; r < s->runs; r++) copy_pairs(b, &s->run[r]);
-  memcpy(s->lanes, b->lanes, b->laned);
-  for (size_t e = 0; e < (s->each_c ? s->count : 1); e++) s->damped |= s->c[e] > 0;
+  if (!s->k || !s->c || !s->L) return false;
+  for (size_t e = 0; e < (s->each_c ? s->places : 1); e++) s->damped |= s->c[e] > 0;
   return true;
 }
 
@@ -198,10 +264,11 @@ static bool allocate(builder *b) {
   hk_spring_layout *s = b->layout;
   b->scratch = host->allocate(host, 2 * (s->count + 1) * sizeof *b->scratch);
   b->lanes = host->allocate(host, 2 * (s->count + 1));
+  b->present = host->allocate(host, s->count + 1); /* half of the places have springs, and a run has at least 16 */
   b->count = host->allocate(host, (b->n + 2) * sizeof *b->count);
   s->part = host->allocate(host, (s->partition.parts + 1) * sizeof *s->part);
   s->power = host->allocate(host, s->partition.parts * sizeof *s->power);
-  return b->scratch && b->lanes && b->count && s->part && s->power;
+  return b->scratch && b->lanes && b->present && b->count && s->part && s->power;
 }
 
 hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, const hk_partition *partition,
@@ -216,22 +283,23 @@ hk_status hk_spring_layout_build(hk_spring_layout *s, const hk_host *host, const
   hk_part_lists_free(&b.by_part, host);
   host->release(host, b.scratch);
   host->release(host, b.lanes);
+  host->release(host, b.present);
   host->release(host, b.count);
   return fine ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for %zu springs", edges->count);
 }
 
 void hk_spring_layout_touch(const hk_spring_layout *s, const hk_part_use *use) {
   for (size_t r = 0; r < s->runs; r++)
-    for (size_t t = 0; t < s->run[r].count; t++) {
+    for (size_t t = 0; t < s->run[r].places; t++) {
       uint32_t end[2];
-      hk_spring_ends(s, &s->run[r], t, end);
-      hk_part_touch(use, end, 2);
+      if (hk_spring_ends(s, &s->run[r], t, end)) hk_part_touch(use, end, 2);
     }
 }
 
 void hk_spring_layout_free(hk_spring_layout *s, const hk_host *host) {
   host->release(host, s->pair);
   host->release(host, s->lanes);
+  host->release(host, s->present);
   host->release(host, s->k);
   host->release(host, s->c);
   host->release(host, s->L);

@@ -16,9 +16,11 @@ enum { LANES = HK_SPRING_LANES, PAIRS = LANES / 2 };
 /* The coefficients of springs e and e+1, in lanes `at` and at+1 of four. */
 static inline half number(const double *list, size_t each, size_t e, size_t at) { return LOAD(list + (e & each) + at); }
 
-static inline half scales(const hk_spring_numbers *q, size_t e, size_t at, half l2, half w, half *part) {
+static const mask two_bits[4] = {{0, 0}, {-1, 0}, {0, -1}, {-1, -1}}; /* all bits where a bit of the index is set */
+
+static inline half scales(const hk_spring_numbers *q, size_t e, size_t at, mask here, half l2, half w, half *part) {
   const half one = {1, 1};
-  mask m = (mask)(l2 > HK_SPRING_TINY);
+  mask m = (mask)(l2 > HK_SPRING_TINY) & here;
   half safe = (half)((m & (mask)l2) | (~m & (mask)one)), l = {sqrt(safe[0]), sqrt(safe[1])}, r = 1 / safe;
   half cwr = number(q->c, q->each_c, e, at) * w * r;
   *part += cwr * w;
@@ -29,8 +31,8 @@ static inline half scales(const hk_spring_numbers *q, size_t e, size_t at, half 
 static inline half sum3(half a, half b, half c) { return PICK(a, b, 0, 3) + PICK(a, c, 1, 2) + PICK(b, c, 0, 3); }
 
 /* d: the forces on the first ends of two springs of a run, in the layout of x. */
-static inline void run_pair(const hk_spring_numbers *q, size_t e, size_t at, const double *xi, const double *xj,
-                            const double *vi, const double *vj, bool damped, half *part, half d[3]) {
+static inline void run_pair(const hk_spring_numbers *q, size_t e, size_t at, const uint8_t *present, const double *xi,
+                            const double *xj, const double *vi, const double *vj, bool damped, half *part, half d[3]) {
   half l2, w = {0, 0}, u[3];
   if (at == 0) hk_spring_fetch(q, e);
   size_t first = 3 * (e + at);
@@ -40,31 +42,35 @@ static inline void run_pair(const hk_spring_numbers *q, size_t e, size_t at, con
     for (size_t r = 0; r < 3; r++) u[r] = LOAD(vj + first + 2 * r) - LOAD(vi + first + 2 * r);
     w = sum3(d[0] * u[0], d[1] * u[1], d[2] * u[2]);
   }
-  half s = scales(q, e, at, l2, w, part);
+  mask here = two_bits[present[(e + at) / 8] >> (e + at) % 8 & 3];
+  half s = scales(q, e, at, here, l2, (half)((mask)w & here), part);
+  s = (half)((mask)s & here);
   d[0] *= PICK(s, s, 0, 0);
   d[1] *= s;
   d[2] *= PICK(s, s, 1, 1);
 }
 
-static double far_run(const hk_spring_numbers *q, size_t n, const double *restrict xi, const double *restrict xj,
-                      const double *restrict vi, const double *restrict vj, double *Fi, double *Fj, bool damped) {
+static double far_run(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *restrict xi,
+                      const double *restrict xj, const double *restrict vi, const double *restrict vj, double *Fi,
+                      double *Fj, bool damped) {
   half part[PAIRS] = {{0, 0}, {0, 0}}, f[3];
   for (size_t e = 0; e < n; e += LANES)
     for (size_t p = 0; p < PAIRS; p++) {
-      run_pair(q, e, 2 * p, xi, xj, vi, vj, damped, &part[p], f);
+      run_pair(q, e, 2 * p, present, xi, xj, vi, vj, damped, &part[p], f);
       for (size_t r = 0; r < 3; r++) ADD(Fi + 3 * e + 6 * p + 2 * r, f[r]);
       for (size_t r = 0; r < 3; r++) SUBTRACT(Fj + 3 * e + 6 * p + 2 * r, f[r]);
     }
   return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
 }
 
-static double near_run(const hk_spring_numbers *q, size_t n, const double *restrict xi, const double *restrict xj,
-                       const double *restrict vi, const double *restrict vj, double *Fi, double *Fj, bool damped) {
+static double near_run(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *restrict xi,
+                       const double *restrict xj, const double *restrict vi, const double *restrict vj, double *Fi,
+                       double *Fj, bool damped) {
   half part[PAIRS] = {{0, 0}, {0, 0}}, f[3 * HK_SPRING_BLOCK / 2];
   for (size_t e = 0; e < n; e += LANES)
     for (size_t p = 0; p < PAIRS; p++) {
       half *at = f + 3 * e / 2 + 3 * p;
-      run_pair(q, e, 2 * p, xi, xj, vi, vj, damped, &part[p], at);
+      run_pair(q, e, 2 * p, present, xi, xj, vi, vj, damped, &part[p], at);
       for (size_t r = 0; r < 3; r++) ADD(Fi + 3 * e + 6 * p + 2 * r, at[r]);
     }
   for (size_t r = 0; r < 3 * n / 2; r++) SUBTRACT(Fj + 2 * r, f[r]);
@@ -93,7 +99,7 @@ static inline __attribute__((always_inline)) half list_pair(const hk_spring_numb
     half uz = {v[j0 + 2] - v[i0 + 2], v[j1 + 2] - v[i1 + 2]};
     w = dx * PICK(g, h, 0, 2) + dy * PICK(g, h, 1, 3) + dz * uz;
   }
-  half s = scales(q, e, at, dx * dx + dy * dy + dz * dz, w, &power);
+  half s = scales(q, e, at, two_bits[3], dx * dx + dy * dy + dz * dz, w, &power);
   a *= s[0], b *= s[1], dz *= s;
   b = (half)((mask){here[1], here[1]} & (mask)b), dz = (half)(here & (mask)dz);
   own->sum[0] += a, own->sum[1] += b, own->sum[2] += dz;

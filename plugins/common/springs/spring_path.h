@@ -34,15 +34,16 @@ static inline __attribute__((always_inline)) void hk_spring_fetch(const hk_sprin
 }
 
 /* Each function adds the forces of n springs to F and returns the sum of c w^2/l^2, W, in which springs e, e + 4, e + 8
- * ... of a run are summed first. n is a multiple of HK_SPRING_LANES. */
+ * ... of a run are summed first. n is a multiple of HK_SPRING_LANES. `present` has a bit for each spring of a run, the
+ * lowest of a byte first: where it is 0 there is none, and F gets zeros, unless the particles' distance overflows. */
 typedef struct hk_spring_path {
   /* The springs (i+t, j+t): x, v and F point to the first particle of each end, which are HK_SPRING_FAR or more apart.
    */
-  double (*far_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
-                    const double *vj, double *Fi, double *Fj, bool damped);
+  double (*far_run)(const hk_spring_numbers *, size_t n, const uint8_t *present, const double *xi, const double *xj,
+                    const double *vi, const double *vj, double *Fi, double *Fj, bool damped);
   /* The same for ends that are nearer; n: at most HK_SPRING_BLOCK. */
-  double (*near_run)(const hk_spring_numbers *, size_t n, const double *xi, const double *xj, const double *vi,
-                     const double *vj, double *Fi, double *Fj, bool damped);
+  double (*near_run)(const hk_spring_numbers *, size_t n, const uint8_t *present, const double *xi, const double *xj,
+                     const double *vi, const double *vj, double *Fi, double *Fj, bool damped);
   /* Slices of pairs without the last particle: one number beyond a particle may be read. In the sum those of the
    * bundles r = 0 to 7 are summed first, then, as s, ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)). */
   double (*list)(const hk_spring_numbers *, const hk_spring_list *, const double *x, const double *v, double *F,

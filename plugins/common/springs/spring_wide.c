@@ -26,11 +26,20 @@ typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
     into = x_ + y_ + z_;                                                                                               \
   } while (0)
 
+/* All bits where a bit of the index is set. */
+static const int64_t four_bits[16][4] = {
+#define ROW(b)                                                                                                         \
+  { -((b)&1), -((b) >> 1 & 1), -((b) >> 2 & 1), -((b) >> 3 & 1) }
+    ROW(0), ROW(1),  ROW(2),  ROW(3),  ROW(4),  ROW(5),  ROW(6), ROW(7), ROW(8),
+    ROW(9), ROW(10), ROW(11), ROW(12), ROW(13), ROW(14), ROW(15)
+#undef ROW
+};
+
 /* s from l2 = d.d and w = u.d of springs e..e+3; adds c w^2/l^2 to `part`. The other paths do the same operations. */
-#define SCALES(s, part, l2, w, e, q)                                                                                   \
+#define SCALES(s, part, l2, w, e, q, here)                                                                             \
   do {                                                                                                                 \
     const vector one_ = {1, 1, 1, 1};                                                                                  \
-    mask m_ = (mask)(l2 > HK_SPRING_TINY);                                                                             \
+    mask m_ = (mask)(l2 > HK_SPRING_TINY) & here;                                                                      \
     vector safe_ = (vector)((m_ & (mask)l2) | (~m_ & (mask)one_));                                                     \
     vector l_ = {sqrt(safe_[0]), sqrt(safe_[1]), sqrt(safe_[2]), sqrt(safe_[3])}, r_ = 1 / safe_;                      \
     vector cwr_ = LOAD((q)->c + ((e) & (q)->each_c)) * w * r_;                                                         \
@@ -38,7 +47,7 @@ typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
     s = LOAD((q)->k + ((e) & (q)->each_k)) * (l_ - LOAD((q)->L + ((e) & (q)->each_L))) * l_ * r_ + cwr_;               \
   } while (0)
 
-#define RUN_SPRINGS(q, e, s, part, d0, d1, d2)                                                                         \
+#define RUN_SPRINGS(q, e, present, s, part, d0, d1, d2)                                                                \
   do {                                                                                                                 \
     hk_spring_fetch(q, e);                                                                                             \
     size_t at_ = 3 * (e);                                                                                              \
@@ -54,7 +63,10 @@ typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
       q2_ = d2 * (LOAD(vj + at_ + 8) - LOAD(vi + at_ + 8));                                                            \
       SUM3(w_, q0_, q1_, q2_);                                                                                         \
     }                                                                                                                  \
-    SCALES(s, part, l2_, w_, e, q);                                                                                    \
+    mask here_ = *(const mask *)four_bits[present[(e) / 8] >> (e) % 8 & 15];                                           \
+    w_ = (vector)((mask)w_ & here_);                                                                                   \
+    SCALES(s, part, l2_, w_, e, q, here_);                                                                             \
+    s = (vector)((mask)s & here_);                                                                                     \
     d0 *= PICK(s, s, 0, 0, 0, 1);                                                                                      \
     d1 *= PICK(s, s, 1, 1, 2, 2);                                                                                      \
     d2 *= PICK(s, s, 2, 3, 3, 3);                                                                                      \
@@ -63,12 +75,13 @@ typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
 #define ADD(p, value) STORE(p, LOAD(p) + (value))
 
 /* A run whose ends are far apart: stores to one end are complete long before the other end loads these particles. */
-WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *restrict xi, const double *restrict xj,
-                           const double *restrict vi, const double *restrict vj, double *Fi, double *Fj, bool damped) {
+WIDE static double far_run(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *restrict xi,
+                           const double *restrict xj, const double *restrict vi, const double *restrict vj, double *Fi,
+                           double *Fj, bool damped) {
   vector part = {0};
   for (size_t e = 0; e < n; e += HK_SPRING_LANES) {
     vector s, d0, d1, d2;
-    RUN_SPRINGS(q, e, s, part, d0, d1, d2);
+    RUN_SPRINGS(q, e, present, s, part, d0, d1, d2);
     ADD(Fi + 3 * e, d0);
     ADD(Fi + 3 * e + 4, d1);
     ADD(Fi + 3 * e + 8, d2);
@@ -80,13 +93,14 @@ WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *r
 }
 
 /* A run whose ends overlap: forces are stored in a buffer and added to one end after the other. */
-WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *restrict xi, const double *restrict xj,
-                            const double *restrict vi, const double *restrict vj, double *Fi, double *Fj, bool damped) {
+WIDE static double near_run(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *restrict xi,
+                            const double *restrict xj, const double *restrict vi, const double *restrict vj, double *Fi,
+                            double *Fj, bool damped) {
   vector part = {0};
   double f[3 * HK_SPRING_BLOCK] __attribute__((aligned(64)));
   for (size_t e = 0; e < n; e += HK_SPRING_LANES) {
     vector s, d0, d1, d2;
-    RUN_SPRINGS(q, e, s, part, d0, d1, d2);
+    RUN_SPRINGS(q, e, present, s, part, d0, d1, d2);
     STORE(f + 3 * e, d0);
     STORE(f + 3 * e + 4, d1);
     STORE(f + 3 * e + 8, d2);
@@ -145,7 +159,7 @@ INLINE void half_slice(const hk_spring_numbers *q, size_t e, size_t at, const ui
       w = dx * ux + dy * uy + dz * uz;
     }
     vector l2 = dx * dx + dy * dy + dz * dz;
-    SCALES(s, power, l2, w, e + at, q);
+    SCALES(s, power, l2, w, e + at, q, here);
     *part += KEEP(here, power);
     dx *= s, dy *= s, dz *= s;
     sx += KEEP(here, dx), sy += KEEP(here, dy), sz += KEEP(here, dz);

@@ -49,18 +49,21 @@ typedef struct stretch {
   vector w, l, r; /* u.d, l, 1/l^2 */
 } stretch;
 
-INLINE stretch stretch_of(vector l2, vector w) {
+/* Those that are not `here` count as of length 0. */
+INLINE stretch stretch_of(vector l2, vector w, __mmask8 here) {
   const vector one = _mm512_set1_pd(1), tiny = _mm512_set1_pd(HK_SPRING_TINY);
-  vector safe = _mm512_mask_mov_pd(one, _mm512_cmp_pd_mask(l2, tiny, _CMP_GT_OQ), l2);
+  vector safe = _mm512_mask_mov_pd(one, _mm512_mask_cmp_pd_mask(here, l2, tiny, _CMP_GT_OQ), l2);
   return (stretch){w, _mm512_sqrt_pd(safe), one / safe};
 }
 
 /* s of springs e..; adds c w^2/l^2 to *part, four springs after four. */
-INLINE vector scales(const hk_spring_numbers *q, size_t e, __mmask8 springs, const stretch *t, half *part) {
+INLINE vector scales(const hk_spring_numbers *q, size_t e, __mmask8 springs, __mmask8 here, const stretch *t,
+                     half *part) {
   vector cwr = load(q->c + (e & q->each_c), springs) * t->w * t->r, p = cwr * t->w;
   *part += _mm512_castpd512_pd256(p);
   *part += _mm512_extractf64x4_pd(p, 1);
-  return load(q->k + (e & q->each_k), springs) * (t->l - load(q->L + (e & q->each_L), springs)) * t->l * t->r + cwr;
+  vector elastic = load(q->k + (e & q->each_k), springs) * (t->l - load(q->L + (e & q->each_L), springs)) * t->l * t->r;
+  return _mm512_maskz_add_pd(here, elastic, cwr);
 }
 
 INLINE double total(half part) { return (part[0] + part[1]) + (part[2] + part[3]); }
@@ -79,12 +82,14 @@ INLINE vector sum3(const vector q[3]) {
 
 typedef struct ends {
   const double *xi, *xj, *vi, *vj;
+  const uint8_t *present;
 } ends;
 
 /* Springs e.. of a run on their way: d in the layout of x, and their roots and reciprocals. */
 typedef struct step {
   vector d[3];
   stretch t;
+  __mmask8 here;
 } step;
 
 INLINE step begin_step(const ends *at, size_t e, const lanes *m, bool damped) {
@@ -97,7 +102,8 @@ INLINE step begin_step(const ends *at, size_t e, const lanes *m, bool damped) {
     w = sum3(p);
   }
   for (size_t r = 0; r < 3; r++) p[r] = s.d[r] * s.d[r];
-  s.t = stretch_of(sum3(p), w);
+  s.here = at->present[e / WIDTH];
+  s.t = stretch_of(sum3(p), _mm512_maskz_mov_pd(s.here, w), s.here);
   return s;
 }
 
@@ -105,7 +111,7 @@ INLINE step begin_step(const ends *at, size_t e, const lanes *m, bool damped) {
 INLINE void end_step(const hk_spring_numbers *q, size_t e, const lanes *m, const step *of, double *Fi, half *part,
                      vector f[3]) {
   hk_spring_fetch(q, e);
-  vector s = scales(q, e, m->spring, &of->t, part);
+  vector s = scales(q, e, m->spring, of->here, &of->t, part);
   f[0] = of->d[0] * PICK(s, s, 0, 0, 0, 1, 1, 1, 2, 2);
   f[1] = of->d[1] * PICK(s, s, 2, 3, 3, 3, 4, 4, 4, 5);
   f[2] = of->d[2] * PICK(s, s, 5, 5, 6, 6, 6, 7, 7, 7);
@@ -122,9 +128,9 @@ INLINE void end_far(const hk_spring_numbers *q, size_t e, size_t count, const st
 
 /* A step begins before the one ahead of it ends: the processor does not see far enough ahead to find work while it
  * waits for roots and reciprocals. */
-INLINE double far_springs(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
-                          const double *vj, double *Fi, double *Fj, bool damped) {
-  const ends at = {xi, xj, vi, vj};
+INLINE double far_springs(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *xi,
+                          const double *xj, const double *vi, const double *vj, double *Fi, double *Fj, bool damped) {
+  const ends at = {xi, xj, vi, vj, present};
   const lanes all = lanes_of(WIDTH), some = lanes_of(HK_SPRING_LANES);
   half part = {0};
   size_t e = 0;
@@ -153,9 +159,9 @@ INLINE void end_near(const hk_spring_numbers *q, size_t e, size_t count, const s
   for (size_t r = 0; r < 3; r++) _mm512_storeu_pd(buffer + 3 * e + WIDTH * r, f[r]);
 }
 
-INLINE double near_springs(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
-                           const double *vj, double *Fi, double *Fj, bool damped) {
-  const ends at = {xi, xj, vi, vj};
+INLINE double near_springs(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *xi,
+                           const double *xj, const double *vi, const double *vj, double *Fi, double *Fj, bool damped) {
+  const ends at = {xi, xj, vi, vj, present};
   const lanes all = lanes_of(WIDTH), some = lanes_of(HK_SPRING_LANES);
   half part = {0};
   double f[3 * (HK_SPRING_BLOCK + WIDTH)] __attribute__((aligned(64)));
@@ -224,7 +230,7 @@ INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (
     w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
   }
   vector l2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  stretch b = stretch_of(l2, w);
+  stretch b = stretch_of(l2, w, ALL);
   vector cwr = load(q->c + (e & q->each_c), ALL) * w * b.r;
   vector k = load(q->k + (e & q->each_k), ALL), L = load(q->L + (e & q->each_L), ALL);
   *part += _mm512_maskz_mul_pd(here, cwr, w);
@@ -268,14 +274,16 @@ INLINE double list_springs(const hk_spring_numbers *q, const hk_spring_list *lis
 
 /* ---- each loop with and without damping ---- */
 
-WIDE static double far_run(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
-                           const double *vj, double *Fi, double *Fj, bool damped) {
-  return damped ? far_springs(q, n, xi, xj, vi, vj, Fi, Fj, true) : far_springs(q, n, xi, xj, vi, vj, Fi, Fj, false);
+WIDE static double far_run(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *xi,
+                           const double *xj, const double *vi, const double *vj, double *Fi, double *Fj, bool damped) {
+  return damped ? far_springs(q, n, present, xi, xj, vi, vj, Fi, Fj, true)
+                : far_springs(q, n, present, xi, xj, vi, vj, Fi, Fj, false);
 }
 
-WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
-                            const double *vj, double *Fi, double *Fj, bool damped) {
-  return damped ? near_springs(q, n, xi, xj, vi, vj, Fi, Fj, true) : near_springs(q, n, xi, xj, vi, vj, Fi, Fj, false);
+WIDE static double near_run(const hk_spring_numbers *q, size_t n, const uint8_t *present, const double *xi,
+                            const double *xj, const double *vi, const double *vj, double *Fi, double *Fj, bool damped) {
+  return damped ? near_springs(q, n, present, xi, xj, vi, vj, Fi, Fj, true)
+                : near_springs(q, n, present, xi, xj, vi, vj, Fi, Fj, false);
 }
 
 WIDE static double list(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
