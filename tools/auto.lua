@@ -76,35 +76,37 @@ end
 -- An explicit and an implicit method that show what a scene costs, stiff or not.
 local probes = { { integrator = "leapfrog" }, { integrator = "esdirk4", tol = 1e-3 } }
 
--- Of the probes the least processor time per simulated second, from the first frames, and whether it is the implicit
--- one's.
+-- Of the probes the least processor time per simulated second, from the first frames.
 local function cost_of_scene(o, tried)
-  local least, implicit = probe_part * o.budget, false
+  local least = probe_part * o.budget
   for _, probe in ipairs(probes) do
     local result = case_process.run { scene = o.scene, params = o.params, integrator = probe.integrator, tol = probe.tol,
       ["until"] = tried, allowance = least + start_seconds, trust = o.trust }
-    if (result.step_s or math.huge) < least then least, implicit = result.step_s, probe.tol ~= nil end
+    least = math.min(result.step_s or least, least)
   end
-  return least / tried, implicit
+  return least / tried
 end
 
 local function benchmark_end(o, explained)
   local whole = o.until_ or explained.duration
   local frame = 1 / explained.fps
-  local cost, implicit = cost_of_scene(o, math.min(whole, least_frames * frame))
+  local cost = cost_of_scene(o, math.min(whole, least_frames * frame))
   local afford = 0.3 * o.budget / (reference_costs * math.max(cost, 1e-9))
-  if afford >= whole then return whole, implicit end
-  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame), implicit
+  if afford >= whole then return whole end
+  return math.min(whole, math.max(least_frames, math.floor(afford * explained.fps)) * frame)
 end
 
 -- ---- from errors to a choice ----
+
+local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
+
+local function is_cheaper(a, b) return cost(a) < cost(b) end
 
 -- The methods by their cost at the target, each with the setting for it.
 local function ranking(b)
   local list = {}
   for _, method in ipairs(b.methods) do list[#list + 1] = at_target.cheapest(method, b.goal, b.goal.target) end
-  local function cost(s) return s.extrapolated and doubt * s.wall or s.wall end
-  table.sort(list, function(a, c) return cost(a) < cost(c) end)
+  table.sort(list, is_cheaper)
   return list
 end
 
@@ -120,7 +122,7 @@ local function best_two(b, o)
   end
   refinement.settle(methods_near, b, strict, 0.2 * o.budget)
   for k, s in ipairs(near) do near[k] = at_target.cheapest(s.method, strict, strict.target) or s end
-  table.sort(near, function(a, c) return a.wall < c.wall end)
+  table.sort(near, is_cheaper)
   return near[1], near[2] or list[2]
 end
 
@@ -142,14 +144,12 @@ end
 local function measure(o)
   local explained, why = hooke.explain(o.scene, o.params, { trust = o.trust })
   if not explained then return nil, why end
-  local whole = o.until_ or explained.duration
-  local part, implicit = benchmark_end(o, explained)
+  local whole, part = o.until_ or explained.duration, benchmark_end(o, explained)
   local target = o.accuracy * part / whole
   local b
   for _ = 1, 3 do
     b, why = benchmark.new { scene = o.scene, params = o.params, until_ = part, target = target, finest = margin * target,
-      budget = o.budget, metric = "x", only_best = true, margin = reference_margin,
-      implicit_first = implicit, trust = o.trust }
+      budget = o.budget, metric = "x", only_best = true, margin = reference_margin, trust = o.trust }
     if not b then return nil, why end
     local fine
     fine, why = benchmark.measure(b, function() end)

@@ -10,6 +10,7 @@
 local argparse = require("argparse")
 local benchmark = require("common.bench.benchmark")
 local command_line = require("common.run.command_line")
+local files = require("common.run.file")
 local process = require("process")
 local progress = require("common.run.progress")
 local journal = require("common.bench.journal")
@@ -56,11 +57,6 @@ local function params_of(list)
     params[name] = value
   end
   return params
-end
-
-local function make_folder(path)
-  local fine = os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'")
-  return fine
 end
 
 -- ---- printing ----
@@ -202,7 +198,7 @@ local function main()
   if not b then return complain("%s", why) end
   local name = o.scene:match("([^/]+)%.lua$") or o.scene
   local out = o.out or "out/bench/" .. name
-  if not make_folder(out) then return refuse_file(("the folder %s cannot be made"):format(out)) end
+  if not files.make_folder(out) then return refuse_file(("the folder %s cannot be made"):format(out)) end
   b.record, why = journal.open(out .. "/bench.state.jsonl", fingerprint(o))
   if not b.record then return refuse_file(why) end
   local bar, phase = progress.new { what = "bench " .. name, quiet = o.quiet }, nil

@@ -55,6 +55,20 @@ local function make_folder(path)
   return made, ("cannot create the folder %s: %s"):format(path, why)
 end
 
+-- What is not converted, by name: what particles bounce off, and what is felt at places of a frame.
+local function left_out(file)
+  local r = require("recording").open(file)
+  if not r then return {} end
+  local list, kinds = {}, {}
+  for _, solid in ipairs(r.solids) do kinds[#kinds + 1] = solid.kind end
+  if #kinds > 0 then list[1] = ("obstacles (%s)"):format(table.concat(kinds, ", ")) end
+  for _, mark in ipairs(r.marks) do
+    list[#list + 1] = mark.kind == "wind" and ("the wind of '%s'"):format(mark.name) or "points of contact"
+  end
+  r:close()
+  return list
+end
+
 -- What was written, in words.
 local files = { csv = "%s.csv", pc2 = "%s.pc2 and its mesh .obj", xdmf = "%s.xdmf and .h5", vtkhdf = "%s.h5 and .xdmf" }
 
@@ -98,4 +112,6 @@ if not frames then
   return 4
 end
 print(("%d frames: %s"):format(frames, (files[o.to] or ("%s/000000." .. o.to .. " and so on")):format(base)))
+local missing = left_out(file)
+if #missing > 0 then print("left out: " .. table.concat(missing, "; ")) end
 return 0

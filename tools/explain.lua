@@ -2,6 +2,7 @@
 -- With --cost: the cost and the effect of each force, constraint, corrector and source (common/cost/cost.lua).
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
+local files = require("common.run.file")
 local json = require("cjson").new()
 json.encode_invalid_numbers("null")
 
@@ -16,12 +17,13 @@ local function parser_of()
   p:option("--integrator", "with --cost: in place of the scene's")
   p:option("--until", "with --cost: end of the runs, s"):target("until_"):convert(command_line.positive("--until"))
   p:option("--repeats", "with --cost: runs of each, of which the median counts"):convert(command_line.whole("--repeats"))
+  p:option("--out", "with --cost: the folder of the diagram (out/cost/SCENE)")
   p:flag("--json", "as one JSON object")
   p:flag("--trust", "the scene is trusted")
   return p
 end
 
-local needs_cost = { integrator = "--integrator", until_ = "--until", repeats = "--repeats" }
+local needs_cost = { integrator = "--integrator", until_ = "--until", repeats = "--repeats", out = "--out" }
 
 -- nil: what is wrong has been said.
 local function parse()
@@ -104,20 +106,56 @@ local function progress()
   end
 end
 
-local function explain_cost(o)
+-- Prints what was found -> the study as plain data; nil: what is wrong has been said.
+local function study_of(o)
   local report = require("common.cost.cost_report")
   local study, message = require("common.cost.cost").study { scene = o.path, params = o.given, integrator = o.integrator,
     ["until"] = o.until_, trust = o.trust, repeats = o.repeats, tick = progress() }
-  if not study then return fail(message) end
+  if not study then return fail(message) and nil end
+  if not o.json then report.print(study) end
+  return report.plain(study)
+end
+
+-- Says where the diagram is, or why there is none.
+local function draw(o, study)
+  local out = o.out or "out/cost/" .. o.path:match("([^/]+)$"):gsub("%.lua$", "")
+  if not files.make_folder(out) then return fail(("the folder %s cannot be made"):format(out)) end
+  local absent, why = require("common.cost.cost_diagram").draw(out .. "/cost", study)
+  if not absent then return fail(why) end
+  print(("\nwrote %s/cost.png and cost.svg%s"):format(out,
+    #absent > 0 and "; without what did not run to an end: " .. table.concat(absent, ", ") or ""))
+end
+
+-- In a process of its own, which the scene cannot leave; what draws is a program beside it.
+local function explain_cost(o)
+  local process = require("process")
+  io.stdout:flush()
+  local pid, fd = process.fork()
+  if pid == 0 then
+    if not o.trust then hooke.confine(o.path) end
+    local study = study_of(o)
+    io.stdout:flush()
+    if study then process.write(fd, json.encode(study)) end
+    process.exit(study and 0 or 1)
+  end
+  local parts = {}
+  repeat
+    parts[#parts + 1] = process.read(fd)
+  until parts[#parts] == ""
+  process.close(fd)
+  process.wait(pid)
+  local text = table.concat(parts)
+  if text == "" then return 1 end
   if o.json then
-    print(json.encode(report.plain(study)))
+    print(text)
   else
-    report.print(study)
+    draw(o, json.decode(text))
   end
   return 0
 end
 
 local o = parse()
 if not o then return 1 end
+if o.cost then return explain_cost(o) end
 if not o.trust then hooke.confine(o.path) end
-return (o.cost and explain_cost or explain)(o)
+return explain(o)

@@ -8,7 +8,6 @@ local argparse = require("argparse")
 local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
 local files = require("common.run.file")
-local lfs = require("lfs")
 local split = require("common.bench.methods").split
 local plot = require("common.run.plot")
 local progress = require("common.run.progress")
@@ -227,17 +226,13 @@ local function options()
   return o
 end
 
-local function make_folder(path)
-  return os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'") or lfs.attributes(path, "mode") == "directory"
-end
-
 local function main()
   local o, why = options()
   if not o then return why and complain("%s", why) or 1 end
   local fine
   fine, why = read_others(o)
   if not fine then return refuse_file(why) end
-  if not make_folder(o.out) then return refuse_file("cannot make the folder " .. o.out) end
+  if not files.make_folder(o.out) then return refuse_file("cannot make the folder " .. o.out) end
   local rows = measure_all(o)
   print_rows(o, rows)
   for _, row in ipairs(rows) do

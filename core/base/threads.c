@@ -2,20 +2,22 @@
  * one; the loop is over when all are finished. So a thread that comes late, or that another process keeps from its
  * processor, delays a loop only by the one chunk that it may hold. Who finds nothing to take looks again for some
  * microseconds, because the loops of one step follow each other closely, and then sleeps: a processor without work gets
- * one of the threads that wait for theirs. Workers that sleep are woken less often while they come too late to take a
- * chunk, which is counted in loops. A loop that is asked for while the pool is at work, by a body or by another thread,
- * runs in the caller, chunk by chunk in order. Invariant: when hk_threads_for returns, no thread touches the body or
- * its context. */
+ * one of the threads that wait for theirs. A worker that looks for work gives way to other processes: who is taken from
+ * the processor then holds no chunk, and the loop goes on without it. Workers that sleep are woken less often while
+ * they come too late to take a chunk, which is counted in loops. A loop that is asked for while the pool is at work, by
+ * a body or by another thread, runs in the caller, chunk by chunk in order. Invariant: when hk_threads_for returns, no
+ * thread touches the body or its context. */
 #include "core/base/base.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <semaphore.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <time.h>
 
-enum { SPIN = 4000, NAP = 50000 /* ns */, LINE = 64 /* bytes */, IN_VAIN_MOST = 15 /* loops */ };
+enum { SPIN = 4000, YIELD = 64, NAP = 50000 /* ns */, LINE = 64 /* bytes */, IN_VAIN_MOST = 15 /* loops */ };
 
 typedef void (*loop_body)(void *context, size_t begin, size_t end, size_t chunk);
 
@@ -66,7 +68,7 @@ static void wake(hk_threads *t) {
 static bool has_work(hk_threads *t) { return atomic_load(&t->left) > 0 || atomic_load(&t->stop); }
 
 static void wait_for_work(hk_threads *t) {
-  for (int i = 0; i < SPIN && !has_work(t); i++) relax();
+  for (int i = 0; i < SPIN && !has_work(t); i++) i % YIELD ? relax() : (void)sched_yield();
   if (has_work(t)) return;
   atomic_fetch_add(&t->asleep, 1);
   if (has_work(t)) wake(t); /* it came before this thread was seen to sleep */

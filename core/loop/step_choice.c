@@ -48,14 +48,14 @@ static hk_status divide(hk_step_choice *c, hk_dynamics *d) {
   return hk_leave_with(c->integrator, outer, "divide", c->method->divide(c->integrator->self, &d->system));
 }
 
-/* `method`: the one whose step is wanted; NULL: all is estimated. The evaluations and sampled times of an estimate are
- * not added to those of the run. */
-static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method) {
+/* `method`: the one whose step is wanted, or that is given one; NULL: all is estimated. The evaluations and sampled
+ * times of an estimate are not added to those of the run. */
+static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator *method, double given) {
   hk_counts before = d->count;
   hk_spectrum last = c->spectrum;
   hk_status status = divide(c, d);
   if (status != HK_OK) return status;
-  status = hk_spectrum_estimate_for(&d->system, method, c->parameters, &c->spectrum, d->error);
+  status = hk_spectrum_estimate_for(&d->system, method, c->parameters, given, &c->spectrum, d->error);
   c->estimate_cost = status == HK_OK ? c->spectrum.evaluations : d->count.evaluations - before.evaluations;
   d->count = before;
   c->estimated_at = before.evaluations;
@@ -67,7 +67,7 @@ static hk_status estimate(hk_step_choice *c, hk_dynamics *d, const hk_integrator
   return HK_OK;
 }
 
-hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(c, d, NULL); }
+hk_status hk_step_estimate(hk_step_choice *c, hk_dynamics *d) { return estimate(c, d, NULL, NAN); }
 
 /* s, a quarter of the time in which the fastest function of time changes of which that is known: eight steps a period.
  */
@@ -127,7 +127,7 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
       c->dt = given;
     return HK_OK;
   }
-  hk_status status = estimate(c, d, c->method);
+  hk_status status = estimate(c, d, c->method, given);
   if (status == HK_NOT_FINITE) { /* not caused by the step size: the first evaluation of the run reports the error */
     *d->error = (hk_error){0};
     c->dt_limit = c->limit_now = NAN;
@@ -160,7 +160,7 @@ hk_status hk_step_reestimate(hk_step_choice *c, hk_dynamics *d, bool event) {
   if (!event && d->count.evaluations - c->estimated_at < every * c->estimate_cost) return HK_OK;
   double old = c->dt_limit;
   bool expected = c->growth_expected;
-  hk_status status = estimate(c, d, c->method);
+  hk_status status = estimate(c, d, c->method, c->chosen ? NAN : c->dt);
   if (status != HK_OK) return status == HK_NOT_FINITE ? HK_OK : status;
   keep_least(c, old, expected, c->dt_estimated);
   c->dt_estimated = c->dt;

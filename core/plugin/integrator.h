@@ -67,6 +67,8 @@ typedef struct hk_integrator {
   /* As `rotation` in a step of h, of the rest's modes (1/s) with the part set aside beside them, if they lower the
    * limit. NULL: they do not. */
   double (*growth)(const void *self, double h, double w, double g, double b);
+  /* hk_system.tol of an adaptive method where nobody asks for one: what its order makes worth while. 0: 1e-6. */
+  double tolerance;
 } hk_integrator;
 
 /* The part of the forces that a method has set aside (hk_integrator.divide). */

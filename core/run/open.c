@@ -128,6 +128,13 @@ static void connect_parts(hk_run *run) {
   }
 }
 
+/* What is asked for on the command line, by the scene, or else what suits the method. */
+static double tolerance(const hk_run *run, const hk_integrator *method) {
+  if (!isnan(run->options.tol)) return run->options.tol;
+  if (!isnan(run->scene->tol)) return run->scene->tol;
+  return method->tolerance > 0 ? method->tolerance : 1e-6;
+}
+
 static void set_method(hk_run *run) {
   const hk_instance *integrator = hk_plugins_one(&run->plugins, HK_INTEGRATOR);
   run->step.method = integrator->plugin->integrator;
@@ -137,7 +144,7 @@ static void set_method(hk_run *run) {
   run->step.fps = run->scene->fps;
   run->step.dt_limit = run->step.limit_now = NAN;
   run->dynamics.system.host = &integrator->host;
-  run->dynamics.system.tol = isnan(run->options.tol) ? run->scene->tol : run->options.tol;
+  run->dynamics.system.tol = tolerance(run, run->step.method);
 }
 
 /* ---- the start ---- */

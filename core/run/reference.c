@@ -6,10 +6,10 @@
 
 enum { LEAST_ORDER = 4 };
 
-/* What an implicit step costs, in evaluations: a Jacobian; its factors, of a cloth of 32 x 32 as much as 500 evaluations
- * and of 64 x 64 some 700, since those of a surface take n^(3/2) operations (George 1973); in each stage some
- * iterations. */
-static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0.5, factor_per_root = 16,
+/* What an implicit step costs, in evaluations: a Jacobian; its factors, of a cloth of 32 x 32 as much as 300
+ * evaluations and of 64 x 64 some 590, since those of a surface take n^(3/2) operations (George 1973); in each stage
+ * some iterations. */
+static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0.5, factor_per_root = 9,
                     implicit_stage = 8;
 
 /* What a reference may cost: a share of the run's evaluations, and `free` evaluations of a scene of a few particles;
@@ -69,6 +69,10 @@ static double least_steps(const hk_run *whole, const hk_reference *want, const h
   return fmax((double)whole->record.frames, stable);
 }
 
+static double tolerance(const hk_reference *want, const struct strictness *strict) {
+  return fmax(finest, fmin(coarsest, want->relative * strict->part));
+}
+
 static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const hk_run *whole, const hk_reference *want,
                     const struct strictness *strict, bool implicit, hk_rerun *found) {
   wish w = {implicit, whole->plugins.kind[HK_CONSTRAINT].count > 0};
@@ -80,7 +84,7 @@ static bool attempt(const hk_reopen *reopen, const hk_run_options *first, const 
   hk_run_options o = hk_rerun_options(first, 2);
   o.integrator = plugin->name;
   o.dt = INFINITY;
-  o.tol = fmax(finest, fmin(coarsest, want->relative * strict->part));
+  o.tol = tolerance(want, strict);
   o.refine = 0;
   o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
   o.step_limit = (size_t)steps;
@@ -107,6 +111,7 @@ bool hk_reference_take(const hk_reopen *reopen, const hk_run_options *first, con
   if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
   if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
   for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
+    if (k > 0 && !(tolerance(want, &strictnesses[k]) > tolerance(want, &strictnesses[k - 1]))) break; /* the same run */
     if (attempt(reopen, first, whole, want, &strictnesses[k], false, found)) return true;
     if (!is_explicit(whole) && attempt(reopen, first, whole, want, &strictnesses[k], true, found)) return true;
   }

@@ -29,7 +29,7 @@ hk_scene *hk_scene_create(const char *script, hk_registry *registry) {
   scene->duration = 1;
   scene->fps = 60;
   scene->dt = NAN;
-  scene->tol = 1e-6;
+  scene->tol = NAN;
   scene->accuracy = NAN;
   uint32_t group;
   if (!scene->name || !scene->script || hk_scene_add_group(scene, "default", &group, NULL) != HK_OK) {

@@ -53,7 +53,7 @@ typedef struct hk_scene {
   double duration;      /* s, default 1 */
   double fps;           /* default 60 */
   double dt;            /* s; NAN: chosen by the run */
-  double tol;           /* default 1e-6 */
+  double tol;           /* relative, of adaptive integrators; NAN: the method's own */
   double accuracy;      /* m, accuracy asked for the positions (RMS over the particles); NAN: none */
   bool accuracy_at_end; /* it holds at the end only, not at every frame */
   uint64_t seed;

@@ -38,8 +38,9 @@ hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_erro
 
 /* The same as far as the largest stable step of a method depends on it: where the fastest and most strongly damped of
  * all modes sets that step, `damping_slope` is not looked for, which saves most of the evaluations. `parameters` is the
- * method's instance memory. */
-hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters,
+ * method's instance memory. `step`: NAN, or a step that is given: where a scene is large and what its forces state of
+ * their stiffness allows that step, w_max is from that alone, and w_reached is not known and as large. */
+hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters, double step,
                                    hk_spectrum *spectrum, hk_error *error);
 
 /* The same in three parts, for repeated estimates: the work memory of some 9 times x (and four times y) is kept. */

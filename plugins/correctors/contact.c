@@ -13,7 +13,7 @@
  * Beside it, the force `contact` pushes before surfaces touch: methods of high order keep their accuracy with it, and
  * this corrector the last word. By itself the corrector is accurate to order 1 while contact lasts, as positions are
  * brought back at the ends of steps, and of order 2 in impacts that are apart. */
-#include "plugins/common/collision/contact_point.h"
+#include "plugins/common/impacts/closed_points.h"
 #include "plugins/common/impacts/contact_account.h"
 #include "plugins/common/impacts/contact_params.h"
 #include "plugins/common/impacts/meetings.h"
@@ -183,12 +183,7 @@ static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
 /* Pairs whose gap is closed, but for what the end of a step may leave on either side. */
 static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
   const contact *s = self;
-  double x[12];
-  for (size_t d = 0; d < s->nearby.dues; d++) {
-    const hk_surface_pair *pair = &s->nearby.pair[s->nearby.index[d]];
-    hk_pair_gather(x, pair, view->x);
-    hk_contact_point_of_pair(pair->kind, x, (1 + slack) * pair->offset, points);
-  }
+  hk_closed_points(&s->nearby, view->x, slack, points);
 }
 
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),

@@ -8,6 +8,7 @@
  *      has already.
  * Collisions are searched by the certificate of meetings.h; the paper's has a tolerance instead. A step whose zones
  * hold pinned particles that do not move as one rigid body is taken back. */
+#include "plugins/common/impacts/closed_points.h"
 #include "plugins/common/impacts/contact_account.h"
 #include "plugins/common/impacts/contact_params.h"
 #include "plugins/common/impacts/meetings.h"
@@ -180,10 +181,17 @@ static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
   return hk_contact_account_report(&s->account, s->surfaces, view, out);
 }
 
+/* What the next step's repulsion would act on. */
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const impact_zones *s = self;
+  hk_closed_points(&s->nearby, view->x, 0, points);
+}
+
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
                                        .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
                                        .correct = correct,
-                                       .contacts = contacts};
+                                       .contacts = contacts,
+                                       .contact_points = contact_points};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -6,6 +6,7 @@
  *
  * Vertices between two bodies that leave no room for them stick to both (flypaper.h). Contact leaves alone what is
  * tangled or sticks. */
+#include "plugins/common/untangling/crossing_points.h"
 #include "plugins/common/untangling/flypaper.h"
 #include "plugins/common/untangling/untangler.h"
 
@@ -157,8 +158,17 @@ static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
   return surfaces->report(surfaces->self, view, out) == HK_OK;
 }
 
-static const hk_corrector corrector = {
-    .size = sizeof(hk_corrector), .flags = HK_WANTS_BEFORE, .correct = correct, .contacts = contacts};
+/* Where surfaces pass through each other, of what the last look found. */
+static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
+  const untangle *s = self;
+  hk_crossing_points(&s->work.contours, s->work.surfaces->mesh(s->work.surfaces->self), view->x, points);
+}
+
+static const hk_corrector corrector = {.size = sizeof(hk_corrector),
+                                       .flags = HK_WANTS_BEFORE,
+                                       .correct = correct,
+                                       .contacts = contacts,
+                                       .contact_points = contact_points};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -239,7 +239,9 @@ static void bound_pair(const contact *s, const hk_view *view, hk_stiffness_part 
   double K[144] = {0}, D[144] = {0}, least[4] = {0};
   hk_repelled p;
   if (!gather(s, view, pair, &p)) return;
-  bool damping = part == HK_DAMPING_WHOLE, near = hk_repulsion_blocks(&s->law, &p, HK_WANT_SYMMETRIC, K, D);
+  bool damping = part == HK_DAMPING_WHOLE;
+  /* Friction grows with the dashpot's push: that part of D is not symmetric, and counts in u.D u. */
+  bool near = hk_repulsion_blocks(&s->law, &p, damping ? 0 : HK_WANT_SYMMETRIC, K, D);
   hk_nearest nearest = hk_nearest_of_pair(p.kind, p.x);
   for (int i = 0; i < 4 && !damping; i++) least[i] = 2 * s->law.stiffness * fabs(nearest.w[i]);
   if (near || !damping) add_row_sums(pair, damping ? D : K, least, block);

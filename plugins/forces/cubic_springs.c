@@ -6,7 +6,7 @@
  *
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
  * never negative and two lateral ones that are negative under compression; HK_WANT_DEFINITE replaces these by 0. */
-#include "plugins/common/parts/part_lists.h"
+#include "plugins/common/parts/part_sums.h"
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
@@ -14,7 +14,7 @@
 typedef struct cubic_springs {
   hk_tuples edges;
   hk_per_tuple k, rest;
-  hk_part_lists lists;
+  hk_part_sums sums;
 } cubic_springs;
 
 /* clang-format off */
@@ -30,7 +30,7 @@ static const hk_param params[] = {
 
 static hk_status topology(void *self, const hk_view *view) {
   cubic_springs *s = self;
-  return hk_part_lists_sort(&s->lists, view->host, view->model->partition, &s->edges, view->is_active);
+  return hk_part_sums_sort(&s->sums, view, &s->edges, view->is_active);
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -49,22 +49,25 @@ static void pull(const cubic_springs *s, const hk_view *view, size_t e, double *
   }
 }
 
-static hk_status add(void *self, const hk_view *view, double *F) {
-  const cubic_springs *s = self;
-  for (size_t e = 0; e < s->edges.count; e++)
-    if (hk_edge_acts(view, hk_tuple(&s->edges, e))) pull(s, view, e, F);
-  return HK_OK;
+static double pull_all(const void *self, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  for (size_t k = 0; k < count; k++) pull(self, view, item[k], F);
+  return 0; /* of the conservative force no power is counted */
 }
 
 static void add_part(void *self, const hk_view *view, size_t part, double *F) {
   const cubic_springs *s = self;
-  for (size_t k = s->lists.first[part]; k < s->lists.first[part + 1]; k++) pull(s, view, s->lists.item[k], F);
+  hk_part_sums_add(&s->sums, view, part, pull_all, s, F);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  add_part(self, view, HK_ALL_PARTS, F);
+  return HK_OK;
 }
 
 static void parts(void *self, const hk_view *view, const hk_part_use *use) {
   const cubic_springs *s = self;
   (void)view;
-  hk_part_lists_touch(&s->lists, &s->edges, use);
+  hk_part_lists_touch(&s->sums.lists, &s->edges, use);
 }
 
 static double energy(void *self, const hk_view *view) {

@@ -8,7 +8,7 @@
  * definite. At s = 0 the stiffness is discontinuous: methods lose their order there, although the motion is continuous.
  *
  * No elements are offered: methods that work element by element would apply compression with them. */
-#include "plugins/common/parts/part_lists.h"
+#include "plugins/common/parts/part_sums.h"
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_stiffness.h"
 #include "core/plugin.h"
@@ -16,7 +16,7 @@
 typedef struct ropes {
   hk_tuples edges;
   hk_per_tuple k, damping, rest;
-  hk_part_lists lists;
+  hk_part_sums sums;
 } ropes;
 
 /* clang-format off */
@@ -33,7 +33,7 @@ static const hk_param params[] = {
 
 static hk_status topology(void *self, const hk_view *view) {
   ropes *s = self;
-  return hk_part_lists_sort(&s->lists, view->host, view->model->partition, &s->edges, view->is_active);
+  return hk_part_sums_sort(&s->sums, view, &s->edges, view->is_active);
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
@@ -62,33 +62,38 @@ static bool measure(const ropes *s, const hk_view *view, size_t e, taut *r) {
   return true;
 }
 
-static void pull(const ropes *s, const hk_view *view, size_t e, double *F) {
+/* Returns the power. */
+static double pull(const ropes *s, const hk_view *view, size_t e, double *F) {
   const uint32_t *pair = hk_tuple(&s->edges, e);
   taut r;
-  if (!measure(s, view, e, &r)) return;
+  if (!measure(s, view, e, &r)) return 0;
   for (int c = 0; c < 3; c++) {
     F[3 * (size_t)pair[0] + c] += r.T * r.n[c];
     F[3 * (size_t)pair[1] + c] -= r.T * r.n[c];
   }
-  if (view->power) *view->power -= (r.T - r.spring) * r.rate;
+  return -(r.T - r.spring) * r.rate;
 }
 
-static hk_status add(void *self, const hk_view *view, double *F) {
-  const ropes *s = self;
-  for (size_t e = 0; e < s->edges.count; e++)
-    if (hk_edge_acts(view, hk_tuple(&s->edges, e))) pull(s, view, e, F);
-  return HK_OK;
+static double pull_all(const void *self, const hk_view *view, const uint32_t *item, size_t count, double *F) {
+  double power = 0;
+  for (size_t k = 0; k < count; k++) power += pull(self, view, item[k], F);
+  return power;
 }
 
 static void add_part(void *self, const hk_view *view, size_t part, double *F) {
   const ropes *s = self;
-  for (size_t k = s->lists.first[part]; k < s->lists.first[part + 1]; k++) pull(s, view, s->lists.item[k], F);
+  hk_part_sums_add(&s->sums, view, part, pull_all, s, F);
+}
+
+static hk_status add(void *self, const hk_view *view, double *F) {
+  add_part(self, view, HK_ALL_PARTS, F);
+  return HK_OK;
 }
 
 static void parts(void *self, const hk_view *view, const hk_part_use *use) {
   const ropes *s = self;
   (void)view;
-  hk_part_lists_touch(&s->lists, &s->edges, use);
+  hk_part_lists_touch(&s->sums.lists, &s->edges, use);
 }
 
 static double energy(void *self, const hk_view *view) {

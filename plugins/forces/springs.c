@@ -3,7 +3,6 @@
  * the limit. The energy is 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
 #include "plugins/common/springs/edge.h"
 #include "plugins/common/springs/edge_order.h"
-#include "plugins/common/springs/edge_stiffness.h"
 #include "plugins/common/springs/spring_blocks.h"
 
 typedef struct springs {
@@ -116,13 +115,7 @@ static void parts(void *self, const hk_view *view, const hk_part_use *use) {
 
 static double energy(void *self, const hk_view *view) {
   const springs *s = self;
-  double sum = 0, d[3];
-  for (size_t e = 0; e < s->edges.count; e++) {
-    if (!hk_edge_acts(view, hk_tuple(&s->edges, e))) continue;
-    double stretch = hk_edge_difference(view->x, hk_tuple(&s->edges, e), d) - hk_tuple_value(&s->rest, e);
-    sum += hk_tuple_value(&s->k, e) * stretch * stretch / 2;
-  }
-  return sum;
+  return hk_spring_energy(&s->layout, view->x);
 }
 
 static void elements(void *self, const hk_view *view, hk_elements *out) {
@@ -135,8 +128,7 @@ static void elements(void *self, const hk_view *view, hk_elements *out) {
 
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   const springs *s = self;
-  const hk_edge_stiffness of = {&s->edges, &s->k, &s->damping, &s->rest, false};
-  hk_edge_stiffness_bound(&of, view, part, block);
+  hk_spring_stiffness_bound(&s->layout, view, part, block);
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {

@@ -1,6 +1,6 @@
 /* Backward Euler, X' = X + h f(t + h, X'), solved by Newton's method to its tolerance. Order 1; it damps fast motion:
  * |R| = (1 + (h w)^2)^(-1/2) on an undamped oscillator. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 
 static const hk_dirk_tableau tableau = {.stages = 1, .c = {1}, .a = {{1}}, .b = {1}};
 

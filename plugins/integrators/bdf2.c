@@ -5,7 +5,7 @@
  * After an impact the history has the velocities from before it, and extrapolating them makes energy; so does the
  * explicit stage of a first step that starts within the reach of a barrier. In a scene with contact a step that gains
  * energy is repeated with backward Euler, which has no history. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 #include "plugins/common/integrate/growth_factor.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* The implicit part of Kennedy and Carpenter's ARK4(3)6L[2]SA: order 4 with an embedded method of order 3, L-stable,
  * stage order 2, five implicit stages with the same matrix. The method chooses its steps. Where h w is large and the
  * forces are nonlinear, the order decreases towards the stage order. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 
 /* On an oscillator of frequency w the method's error is 3.6 h w times its distance from the authors' embedded method,
  * whose own constant is small by chance; four times that distance, also to a method of order 3, is above it up to h w

@@ -5,7 +5,7 @@
  * default, those that depend on positions and provide a symmetric Jacobian: springs, not wind or drag. Channels are
  * explicit. Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6. The partition in space of
  * Boxerman and Ascher 2004 is not implemented. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 
 #include <string.h>
 

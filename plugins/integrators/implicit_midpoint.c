@@ -1,7 +1,7 @@
 /* The implicit midpoint rule, X' = X + h f(t + h/2, (X + X')/2): order 2, symplectic, reversible; it conserves momenta
  * and quadratic invariants. It damps nothing, so stiff motion that the step does not resolve continues to oscillate, at
  * the wrong frequency (2/h) atan(h w/2). */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 
 static const hk_dirk_tableau tableau = {.stages = 1, .c = {0.5}, .a = {{0.5}}, .b = {1}};
 

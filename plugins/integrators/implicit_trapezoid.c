@@ -1,6 +1,6 @@
 /* The implicit trapezoidal rule, X' = X + h/2 (f(t, X) + f(t + h, X')): order 2, A-stable, without damping. The slope
  * at the start is that of the end of the previous step. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 
 static const hk_dirk_tableau tableau = {.stages = 2, .c = {0, 1}, .a = {{0}, {0.5, 0.5}}, .b = {0.5, 0.5}};
 

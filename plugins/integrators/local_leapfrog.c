@@ -21,10 +21,8 @@
 #include <string.h>
 
 typedef struct local_leapfrog {
-  int64_t primed;  /* whether the current slope is that of X */
-  int64_t current; /* which of the two slopes, 0 or 1 */
-  double *slope;   /* two of (a, dy) */
-  double *next;    /* shaped as X: the new x, predicted v and y */
+  int64_t primed; /* whether the slope is that of X */
+  double *slope;  /* (a, dy) */
   hk_stiff_edges stiff;
   hk_short_steps part;
   hk_aside aside;
@@ -36,9 +34,7 @@ typedef struct local_leapfrog {
 
 static const hk_field fields[] = {
     {"primed", HK_FIELD_INTEGER, 1, offsetof(local_leapfrog, primed), 0},
-    {"current", HK_FIELD_INTEGER, 1, offsetof(local_leapfrog, current), 0},
-    {"slopes", HK_FIELD_STATE, 2, offsetof(local_leapfrog, slope), 0},
-    {"next", HK_FIELD_STATE, 1, offsetof(local_leapfrog, next), HK_SCRATCH},
+    {"slope", HK_FIELD_STATE, 1, offsetof(local_leapfrog, slope), 0},
     {0},
 };
 
@@ -127,7 +123,7 @@ static hk_status divide(void *self, hk_system *s) {
   s->aside = NULL;
   hk_status status = remember(m, host, s->model);
   if (status == HK_OK) status = hk_stiff_edges_choose(&m->stiff, host, s->model);
-  if (status == HK_OK) status = hk_short_steps_build(&m->part, s, &m->stiff, m->next);
+  if (status == HK_OK) status = hk_short_steps_build(&m->part, s, &m->stiff, s->spare);
   if (status != HK_OK) {
     hk_stiff_edges_free(&m->stiff, host);
     return host->fail(host, status, "no memory for the short steps of stiff springs");
@@ -155,57 +151,80 @@ static void reset(void *self, hk_reason why) {
 
 /* ---- the step ---- */
 
-/* The acceleration for a long step, at (t, x), v being predicted; x and v get the pins of t. */
-static hk_status accelerate(local_leapfrog *m, hk_system *s, double t, double *x, double *y, double h, double *a) {
-  size_t v = 3 * s->n;
-  hk_status status = s->accelerations(s, t, x, x + v, y, a, a + v);
-  if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, x, h, a);
-  return status;
-}
+/* Of the numbers begin to end - 1: value(s) of the state at the start of a step and at its end, and the slope. */
+typedef struct leap {
+  const double *x, *v;
+  double *x_next, *v_next, *a;
+  double h;
+} leap;
 
-static void predict(double *restrict x_next, double *restrict v_next, const double *restrict x,
-                    const double *restrict v, const double *restrict a, size_t count, double h) {
-  double half = h / 2;
-  for (size_t e = 0; e < count; e++) {
+static void predict(void *context, size_t begin, size_t end) {
+  const leap *l = context;
+  const double *restrict x = l->x, *restrict v = l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
+  double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
+  for (size_t e = 3 * begin; e < 3 * end; e++) {
     double kick = half * a[e], middle = v[e] + kick;
     x_next[e] = x[e] + h * middle;
     v_next[e] = middle + kick;
   }
 }
 
-static void commit(double *restrict x, double *restrict v, const double *restrict x_next, const double *restrict a,
-                   const double *restrict a_next, size_t count, double half) {
-  for (size_t e = 0; e < count; e++) {
-    x[e] = x_next[e];
-    v[e] += half * (a[e] + a_next[e]);
+/* With the accelerations of all forces: right for those that no stiff spring joins. */
+static void kick(void *context, size_t begin, size_t end) {
+  const leap *l = context;
+  const double *restrict v = l->v, *restrict a = l->a, half = l->h / 2;
+  double *restrict v_next = l->v_next;
+  for (size_t e = 3 * begin; e < 3 * end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
+}
+
+static void kick_stiff(const local_leapfrog *m, const leap *l, double by) {
+  for (size_t k = 0; k < m->part.n; k++)
+    for (size_t e = 3 * (size_t)m->part.index[k]; e < 3 * ((size_t)m->part.index[k] + 1); e++)
+      l->v_next[e] += by * l->a[e];
+}
+
+/* The short steps turn the accelerations into those of a long step, and the others' kick into theirs. */
+static void take_short_steps(local_leapfrog *m, const hk_system *s, const leap *l) {
+  if (m->stiff.count == 0) return;
+  kick_stiff(m, l, -l->h / 2);
+  hk_short_steps_take(&m->part, s->host, l->x_next, l->h, l->a);
+  kick_stiff(m, l, l->h / 2);
+}
+
+static hk_status prime(local_leapfrog *m, hk_system *s, double h) {
+  size_t v = 3 * s->n;
+  hk_status status = m->looked ? HK_OK : divide(m, s);
+  if (status != HK_OK) return status;
+  if (!m->primed) {
+    status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, m->slope, m->slope + v);
+    if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, s->X, h, m->slope);
   }
+  m->primed = 0; /* until the end of the step, which writes over the slope */
+  return status;
 }
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   local_leapfrog *m = self;
-  size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
+  size_t v = 3 * s->n, y = 6 * s->n;
+  double *X = s->X, *next = s->spare, *a = m->slope;
   (void)out;
-  hk_status status = m->looked ? HK_OK : divide(m, s);
+  hk_status status = prime(m, s, h);
   if (status != HK_OK) return status;
-  double *X = s->X, *next = m->next, *a = m->slope + (m->current ? length : 0),
-         *a_next = m->slope + (m->current ? 0 : length);
-  if (!m->primed) status = accelerate(m, s, s->t, X, X + y, h, a);
-  m->primed = status == HK_OK;
-  if (status != HK_OK) return status;
-  predict(next, next + v, X, X + v, a, v, h);
+  leap l = {X, X + v, next, next + v, a, h};
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  status = accelerate(m, s, fmin(t_stop, s->t + h), next, next + y, h, a_next);
+  status = s->pass(s, fmin(t_stop, s->t + h), next, next + v, next + y, a, a + v, &(hk_pass){&l, predict, kick});
   if (status != HK_OK) return status;
-  commit(X, X + v, next, a, a_next, v, h / 2);
-  for (size_t e = y; e < s->size; e++) X[e] += h / 2 * (a[e - v] + a_next[e - v]);
-  m->current = !m->current;
+  take_short_steps(m, s, &l);
+  for (size_t e = y; e < s->size; e++) next[e] = 0.5 * (X[e] + next[e]) + h / 2 * a[e - v];
+  s->exchange(s);
+  m->primed = 1;
   return HK_OK;
 }
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
-                                         .flags = HK_REVERSIBLE,
+                                         .flags = HK_REVERSIBLE | HK_USES_SPARE,
                                          .amplification = amplification,
                                          .step = step,
                                          .reset = reset,

@@ -1,6 +1,6 @@
 /* TR-BDF2: the trapezoidal rule to t + (2 - sqrt 2) h, then the backward difference formula of order 2 to t + h, both
  * with the same matrix. Order 2, L-stable, with an error estimate and its own choice of the step. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 
 static double amplification(const void *self, double hw, double hg) {
   (void)self;

@@ -53,7 +53,7 @@ static double call(const hk_spring_path *path, data *d, const kind *a, bool damp
   size_t each = a->each ? ~(size_t)0 : 0, j = 3 * a->apart;
   hk_spring_numbers q = {d->k, d->c, d->L, each, each, each};
   double (*run)(const hk_spring_numbers *, size_t, const double *, const double *, const double *, const double *,
-                double *, double *, bool) = a->apart > SPRINGS ? path->far_run : path->near_run;
+                double *, double *, bool) = a->apart >= HK_SPRING_FAR ? path->far_run : path->near_run;
   const hk_spring_list list = {SPRINGS, (const uint32_t(*)[2])d->pair, d->lanes};
   double start = now();
   for (int r = 0; r < CALLS; r++)

@@ -103,10 +103,14 @@ int main(int count, char **argument) {
   static const struct {
     const char *method, *list, *options;
   } settings[] = {
-      {"linear_bdf2", "", "--tol 1e-1"},
-      {"linear_bdf2", "", "--tol 5e-2"},
-      {"linear_bdf2", "", "--tol 3e-2"},
-      {"linear_bdf2", "", "--tol 5e-2 --solver stale_cholesky"},
+      {"linear_bdf2", "", ""}, /* what a user gets who gives nothing else */
+      {"linear_bdf2", "", "--tol 3e-3"},
+      {"linear_bdf2", "", "--tol 2e-3"},
+      {"linear_bdf2", "", "--tol 5e-4"},
+      {"linear_bdf2", "", "--solver stale_cholesky"},
+      {"linear_bdf2", "", "fps=180 --tol 10"}, /* equal steps, one a frame */
+      {"linear_bdf2", "", "fps=240 --tol 10"},
+      {"linear_bdf2", "", "fps=300 --tol 10"},
       {"bdf2", "tolerance=5e-3 iterations=150 krylov=0", "--dt 0.0167"},
       {"bdf2", "tolerance=5e-3 iterations=150 krylov=0", "--dt 0.00834"},
       {"bdf2", "tolerance=5e-3 iterations=150 krylov=0", "--dt 0.00417"},

@@ -89,7 +89,12 @@ static void right_and_wrong(const char *name, size_t least) {
 
 static void faults_of_forces_are_named(void **state) {
   (void)state;
-  right_and_wrong("force", 66);
+  right_and_wrong("force", 59);
+}
+
+static void faults_of_parts_are_named(void **state) {
+  (void)state;
+  right_and_wrong("parts", 7);
 }
 
 static void faults_of_contact_are_named(void **state) {
@@ -142,6 +147,7 @@ int main(void) {
       cmocka_unit_test(every_force_passes),
       cmocka_unit_test(every_integrator_passes),
       cmocka_unit_test(faults_of_forces_are_named),
+      cmocka_unit_test(faults_of_parts_are_named),
       cmocka_unit_test(faults_of_contact_are_named),
       cmocka_unit_test(faults_of_explicit_methods_are_named),
       cmocka_unit_test(faults_of_histories_are_named),

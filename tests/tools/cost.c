@@ -191,6 +191,17 @@ static void wrong_use_is_refused(void **state) {
   }
 }
 
+/* The scene is untrusted: the program that draws runs outside of what confines it. */
+static void what_was_found_is_drawn(void **state) {
+  (void)state;
+  test_write("drawn.lua", "local scene = hooke.scene { duration = 0.2 }\n"
+                          "scene:particle { position = {0, 0, 1}, velocity = {1, 0, 0}, mass = 1 }\n"
+                          "scene:force('gravity')\nscene:force('drag', { rate = 1 })\nreturn scene\n");
+  explain(NULL, "drawn.lua --out drawn");
+  assert_non_null(strstr(r.out, "wrote drawn/cost.png and cost.svg"));
+  assert_true(test_exists("drawn/cost.dat") && test_exists("drawn/cost.png") && test_exists("drawn/cost.svg"));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_part_is_worth_what_the_closed_forms_differ_by),
@@ -198,6 +209,7 @@ int main(void) {
       cmocka_unit_test(chaos_is_not_taken_for_worth),
       cmocka_unit_test(what_a_scene_cannot_do_without_is_named),
       cmocka_unit_test(every_kind_is_switched_off),
+      cmocka_unit_test(what_was_found_is_drawn),
       cmocka_unit_test(wrong_use_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -28,5 +28,7 @@ double hk_contact_damping(double restitution) {
 hk_contact_bound hk_contact_stiffness(const hk_contact_law *law, hk_stiffness_part part, double mass) {
   double k = law->stiffness, across = law->tangential, q = law->yielding;
   if (part != HK_DAMPING_WHOLE) return (hk_contact_bound){k, q * across};
-  return (hk_contact_bound){2 * law->damping * sqrt(k * mass), q * 2 * law->damping * sqrt(across * mass / q)};
+  /* What slips is pushed across by mu times the dashpot along: u.D u has mu c u_n u_t <= mu c (u_n^2 + u_t^2)/2. */
+  double c = 2 * law->damping * sqrt(k * mass), coupling = law->friction * c / 2;
+  return (hk_contact_bound){c + coupling, fmax(q * 2 * law->damping * sqrt(across * mass / q), coupling)};
 }

@@ -23,10 +23,9 @@ static void add_block(double *block, double factor, double along, double across,
 static double value_of(const hk_per_tuple *p, size_t e) { return p->count ? hk_tuple_value(p, e) : 0; }
 
 /* Stiffness across the spring. At length 0 there is no direction: the result is the limit k for L = 0, otherwise 0. */
-static double across_of(const hk_edge_stiffness *s, size_t e, double l) {
-  double k = value_of(s->k, e), L = value_of(s->rest, e);
-  if (s->drawn || L == 0) return k;
-  return l > 0 ? fmax(0, k * (1 - L / l)) : 0;
+static double across_of(hk_edge_numbers q, bool drawn, double l) {
+  if (drawn || q.rest == 0) return q.k;
+  return l > 0 ? fmax(0, q.k * (1 - q.rest / l)) : 0;
 }
 
 void hk_edge_stiffness_add(const hk_view *view, const uint32_t pair[2], const double n[3], double along, double across,
@@ -37,18 +36,23 @@ void hk_edge_stiffness_add(const hk_view *view, const uint32_t pair[2], const do
   if (wj > 0) add_block(block[pair[1]], wi > 0 ? 1 + 1 / s : 1, along, across, n);
 }
 
+void hk_edge_stiffness_one(const hk_view *view, const uint32_t pair[2], hk_edge_numbers q, bool drawn,
+                           hk_stiffness_part part, double (*block)[6]) {
+  double n[3], l = hk_edge_difference(view->x, pair, n), along = 0, across = 0;
+  for (int c = 0; c < 3; c++) n[c] = l > 0 ? n[c] / l : 0;
+  if (part == HK_DAMPING_WHOLE)
+    along = q.damping, across = drawn ? along : 0; /* the direction is not known */
+  else
+    across = across_of(q, drawn, l);
+  if (part == HK_STIFFNESS_WHOLE) along = q.k;
+  hk_edge_stiffness_add(view, pair, n, along, across, block);
+}
+
 void hk_edge_stiffness_bound(const hk_edge_stiffness *s, const hk_view *view, hk_stiffness_part part,
                              double (*block)[6]) {
   for (size_t e = 0; e < s->edges->count; e++) {
+    const hk_edge_numbers q = {value_of(s->k, e), value_of(s->damping, e), value_of(s->rest, e)};
     const uint32_t *pair = hk_tuple(s->edges, e);
-    if (!hk_edge_acts(view, pair)) continue;
-    double n[3], l = hk_edge_difference(view->x, pair, n), along = 0, across = 0;
-    for (int c = 0; c < 3; c++) n[c] = l > 0 ? n[c] / l : 0;
-    if (part == HK_DAMPING_WHOLE)
-      along = value_of(s->damping, e), across = s->drawn ? along : 0; /* the direction is not known */
-    else
-      across = across_of(s, e, l);
-    if (part == HK_STIFFNESS_WHOLE) along = value_of(s->k, e);
-    hk_edge_stiffness_add(view, pair, n, along, across, block);
+    if (hk_edge_acts(view, pair)) hk_edge_stiffness_one(view, pair, q, s->drawn, part, block);
   }
 }

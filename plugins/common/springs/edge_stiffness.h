@@ -15,6 +15,14 @@ typedef struct hk_edge_stiffness {
 void hk_edge_stiffness_add(const hk_view *, const uint32_t pair[2], const double n[3], double along, double across,
                            double (*block)[6]);
 
+typedef struct hk_edge_numbers {
+  double k, damping, rest; /* N/m, N s/m, m */
+} hk_edge_numbers;
+
+/* Adds the share of one spring to what the function below has to sum; `drawn` as above. */
+void hk_edge_stiffness_one(const hk_view *, const uint32_t pair[2], hk_edge_numbers, bool drawn, hk_stiffness_part,
+                           double (*block)[6]);
+
 /* As hk_force.stiffness_bound, for all u that are 0 at particles without inverse mass: those have no share. */
 void hk_edge_stiffness_bound(const hk_edge_stiffness *, const hk_view *, hk_stiffness_part, double (*block)[6]);
 

@@ -1,6 +1,8 @@
 /* See spring_blocks.h. Each spring takes one square root and adds nine numbers to four blocks; springs are added to a
  * block in the order of the layout, for any number of threads. */
 #include "plugins/common/springs/spring_blocks.h"
+#include "plugins/common/springs/edge.h"
+#include "plugins/common/springs/edge_stiffness.h"
 
 void hk_spring_pattern(const hk_spring_layout *s, hk_pattern *p) {
   for (size_t r = 0; r < s->runs; r++)
@@ -86,4 +88,33 @@ void hk_spring_blocks(const hk_spring_layout *s, const hk_host *host, const doub
                       const hk_blocks *into) {
   task t = {s, x, v, into};
   hk_parts_each(host, &s->partition, s->part, add_part, &t);
+}
+
+/* ---- the energy and the bound ---- */
+
+static hk_edge_numbers numbers(const hk_spring_layout *s, size_t e) {
+  return (hk_edge_numbers){s->k[s->each_k ? e : 0], s->c[s->each_c ? e : 0], s->L[s->each_L ? e : 0]};
+}
+
+double hk_spring_energy(const hk_spring_layout *s, const double *x) {
+  double sum = 0, d[3];
+  for (size_t r = 0; r < s->runs; r++)
+    for (size_t t = 0; t < s->run[r].count; t++) {
+      uint32_t end[2];
+      hk_spring_ends(s, &s->run[r], t, end);
+      const hk_edge_numbers q = numbers(s, s->run[r].begin + t);
+      double stretch = hk_edge_difference(x, end, d) - q.rest;
+      sum += q.k * stretch * stretch / 2;
+    }
+  return sum;
+}
+
+void hk_spring_stiffness_bound(const hk_spring_layout *s, const hk_view *view, hk_stiffness_part part,
+                               double (*block)[6]) {
+  for (size_t r = 0; r < s->runs; r++)
+    for (size_t t = 0; t < s->run[r].count; t++) {
+      uint32_t end[2];
+      hk_spring_ends(s, &s->run[r], t, end);
+      hk_edge_stiffness_one(view, end, numbers(s, s->run[r].begin + t), false, part, block);
+    }
 }

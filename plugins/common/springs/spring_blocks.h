@@ -17,4 +17,9 @@ void hk_spring_pattern(const hk_spring_layout *, hk_pattern *pattern);
 void hk_spring_blocks(const hk_spring_layout *, const hk_host *host, const double *x, const double *v,
                       const hk_blocks *into);
 
+/* J, 1/2 k (l - L)^2, summed in the layout's order, like the bound: neighbours are near in memory. */
+double hk_spring_energy(const hk_spring_layout *, const double *x);
+/* As hk_force.stiffness_bound, see edge_stiffness.c. */
+void hk_spring_stiffness_bound(const hk_spring_layout *, const hk_view *, hk_stiffness_part, double (*block)[6]);
+
 #endif

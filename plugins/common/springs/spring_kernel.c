@@ -3,7 +3,7 @@
 #include "plugins/common/springs/spring_kernel.h"
 #include "plugins/common/springs/spring_path.h"
 
-enum { LANES = HK_SPRING_LANES, WIDEST = HK_SPRING_WIDEST, BLOCK = HK_SPRING_BLOCK };
+enum { LANES = HK_SPRING_LANES, WIDEST = HK_SPRING_WIDEST, BLOCK = HK_SPRING_BLOCK, FAR = HK_SPRING_FAR };
 
 static inline double scale(double l2, double w, double k, double c, double L, double *p) {
   double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
@@ -56,8 +56,8 @@ static double one_block(const task *t, const hk_spring_numbers *all, const hk_sp
   const hk_spring_layout *s = t->layout;
   const hk_spring_numbers q = numbers_from(all, run->begin + from);
   size_t i = 3 * (run->i + from), j = 3 * (run->j + from), apart = i < j ? j - i : i - j;
-  return (apart > 3 * BLOCK ? t->path->far_run : t->path->near_run)(&q, n, t->x + i, t->x + j, t->v + i, t->v + j,
-                                                                    t->F + i, t->F + j, s->damped);
+  return (apart >= 3 * FAR ? t->path->far_run : t->path->near_run)(&q, n, t->x + i, t->x + j, t->v + i, t->v + j,
+                                                                   t->F + i, t->F + j, s->damped);
 }
 
 static double one_list(const task *t, const hk_spring_numbers *all, const hk_spring_run *run) {

@@ -122,6 +122,7 @@ static bool add_slices(builder *b, size_t begin, size_t count) {
   sort(b, b->order + begin, count, other);
   sort(b, b->order + begin, count, owner);
   if (!add_run(b, HK_SPRING_LIST, begin, count)) return false;
+  b->listed += HK_SPRING_BUNDLES; /* pairs (0, 0), which are read beside those of the last slot, but not used */
   memcpy(b->scratch, b->order + begin, count * sizeof *b->scratch);
   b->laned += hk_spring_slices_sort(b->edges, b->scratch, count, b->lanes + b->laned);
   memcpy(b->order + begin, b->scratch, count * sizeof *b->scratch);
@@ -180,7 +181,7 @@ static void copy_pairs(builder *b, const hk_spring_run *run) {
 
 static bool copy_springs(builder *b, const hk_per_tuple *k, const hk_per_tuple *c, const hk_per_tuple *L) {
   hk_spring_layout *s = b->layout;
-  s->pair = b->host->allocate(b->host, (b->listed + HK_SPRING_BUNDLES) * sizeof *s->pair);
+  s->pair = b->host->allocate(b->host, (b->listed + 1) * sizeof *s->pair);
   s->lanes = b->host->allocate(b->host, b->laned + 1);
   s->k = arrange_numbers(b, k, &s->each_k);
   s->c = arrange_numbers(b, c, &s->each_c);

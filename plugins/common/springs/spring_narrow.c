@@ -32,6 +32,7 @@ static inline half sum3(half a, half b, half c) { return PICK(a, b, 0, 3) + PICK
 static inline void run_pair(const hk_spring_numbers *q, size_t e, size_t at, const double *xi, const double *xj,
                             const double *vi, const double *vj, bool damped, half *part, half d[3]) {
   half l2, w = {0, 0}, u[3];
+  if (at == 0) hk_spring_fetch(q, e);
   size_t first = 3 * (e + at);
   for (size_t r = 0; r < 3; r++) d[r] = LOAD(xj + first + 2 * r) - LOAD(xi + first + 2 * r);
   l2 = sum3(d[0] * d[0], d[1] * d[1], d[2] * d[2]);
@@ -72,69 +73,64 @@ static double near_run(const hk_spring_numbers *q, size_t n, const double *restr
 
 /* ---- lists ---- */
 
-/* Rows of two particles to columns; `end`: the first or the second of each pair. */
-static inline void columns(const double *x, const uint32_t (*pair)[2], int end, half column[3]) {
-  const double *p = x + 3 * (size_t)pair[0][end], *q = x + 3 * (size_t)pair[1][end];
-  half a = LOAD(p), b = LOAD(q);
-  column[0] = PICK(a, b, 0, 2);
-  column[1] = PICK(a, b, 1, 3);
-  column[2] = (half){p[2], q[2]};
-}
+/* The sums of two bundles of a slice: x and y of the first, of the second, z of both. */
+typedef struct twins {
+  half sum[3];
+} twins;
 
-static inline void store_pulls(double xy[2][2], double z[2], const half f[3]) {
-  *(half *)xy[0] = PICK(f[0], f[1], 0, 2);
-  *(half *)xy[1] = PICK(f[0], f[1], 1, 3);
-  *(half *)z = f[2];
-}
-
-static inline half keep(mask m, half value) { return (half)(m & (mask)value); }
-
-/* d: the forces on the first ends, at x and v, of springs e + at and the one after, of a slot that begins at `pair`. */
-static inline half slot_pair(const hk_spring_numbers *q, size_t e, size_t at, const uint32_t (*pair)[2],
-                             const double *all_x, const double *all_v, const half x[3], const half v[3], bool damped,
-                             half d[3]) {
-  half u[3], w = {0, 0}, power = {0, 0};
-  columns(all_x, pair + at, 1, d);
-  for (size_t r = 0; r < 3; r++) d[r] -= x[r];
+/* Springs e + at and the one after of a slot that begins at `pair`. There is only the first one where the slot ends;
+ * the other lane then has any numbers, and none in the sums. Returns c w^2/l^2. */
+static inline __attribute__((always_inline)) half list_pair(const hk_spring_numbers *q, size_t e, size_t at,
+                                                            const uint32_t (*pair)[2], bool both, const double *x,
+                                                            const double *v, double *F, bool damped, twins *own) {
+  const mask here = {-1, both ? -1 : 0};
+  size_t i0 = 3 * (size_t)pair[at][0], j0 = 3 * (size_t)pair[at][1];
+  size_t i1 = 3 * (size_t)pair[at + 1][0], j1 = 3 * (size_t)pair[at + 1][1];
+  half a = LOAD(x + j0) - LOAD(x + i0), b = LOAD(x + j1) - LOAD(x + i1), w = {0, 0}, power = {0, 0};
+  half dx = PICK(a, b, 0, 2), dy = PICK(a, b, 1, 3), dz = {x[j0 + 2] - x[i0 + 2], x[j1 + 2] - x[i1 + 2]};
   if (damped) {
-    columns(all_v, pair + at, 1, u);
-    for (size_t r = 0; r < 3; r++) u[r] -= v[r];
-    w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
+    half g = LOAD(v + j0) - LOAD(v + i0), h = LOAD(v + j1) - LOAD(v + i1);
+    half uz = {v[j0 + 2] - v[i0 + 2], v[j1 + 2] - v[i1 + 2]};
+    w = dx * PICK(g, h, 0, 2) + dy * PICK(g, h, 1, 3) + dz * uz;
   }
-  half s = scales(q, e, at, d[0] * d[0] + d[1] * d[1] + d[2] * d[2], w, &power);
-  for (size_t r = 0; r < 3; r++) d[r] *= s;
-  return power;
+  half s = scales(q, e, at, dx * dx + dy * dy + dz * dz, w, &power);
+  a *= s[0], b *= s[1], dz *= s;
+  b = (half)((mask){here[1], here[1]} & (mask)b), dz = (half)(here & (mask)dz);
+  own->sum[0] += a, own->sum[1] += b, own->sum[2] += dz;
+  SUBTRACT(F + j0, a), F[j0 + 2] -= dz[0];
+  if (both) SUBTRACT(F + j1, b), F[j1 + 2] -= dz[1];
+  return (half)(here & (mask)power);
 }
 
-/* The forces of the bundles `at` and at + 1 of a slice that begins at `pair`; e: its first spring. Lanes beyond a slot
- * have any numbers, and none in the sums. */
-static void slice_pair(const hk_spring_numbers *q, size_t e, size_t at, const uint32_t (*pair)[2], const uint8_t *lanes,
-                       const double *x, const double *v, bool damped, hk_spring_pulls *p, half *part) {
-  half xi[3], vi[3] = {{0}, {0}, {0}}, d[3], sum[3] = {{0}, {0}, {0}};
-  columns(x, pair + at, 0, xi);
-  if (damped) columns(v, pair + at, 0, vi);
-  for (size_t t = 0; lanes[t] > at; e += lanes[t], pair += lanes[t], t++) {
-    const mask here = {-1, lanes[t] > at + 1 ? -1 : 0};
-    *part += keep(here, slot_pair(q, e, at, pair, x, v, xi, vi, damped, d));
-    for (size_t r = 0; r < 3; r++) sum[r] += keep(here, d[r]);
-    store_pulls(&p->xy[t][at], &p->z[t][at], d);
+static inline __attribute__((always_inline)) double list_springs(const hk_spring_numbers *q, const hk_spring_list *list,
+                                                                 const double *restrict x, const double *restrict v,
+                                                                 double *restrict F, bool damped) {
+  const uint8_t *lanes = list->lanes;
+  half part[HK_SPRING_BUNDLES / 2] = {{0}, {0}, {0}, {0}};
+  for (size_t e = 0; e < list->count; lanes++) {
+    const uint32_t(*own)[2] = list->pair + e;
+    const size_t bundles = *lanes;
+    twins sum[HK_SPRING_BUNDLES / 2] = {0};
+    for (; *lanes; e += *lanes++) {
+      hk_spring_fetch(q, e);
+      __builtin_prefetch(list->pair + e + HK_SPRING_AHEAD);
+      size_t at = 0;
+      for (; at + 1 < *lanes; at += 2)
+        part[at / 2] += list_pair(q, e, at, list->pair + e, true, x, v, F, damped, &sum[at / 2]);
+      if (at < *lanes) part[at / 2] += list_pair(q, e, at, list->pair + e, false, x, v, F, damped, &sum[at / 2]);
+    }
+    for (size_t r = 0; r < bundles; r++) {
+      ADD(F + 3 * (size_t)own[r][0], sum[r / 2].sum[r % 2]);
+      F[3 * (size_t)own[r][0] + 2] += sum[r / 2].sum[2][r % 2];
+    }
   }
-  store_pulls(&p->sum_xy[at], &p->sum_z[at], sum);
+  part[0] += part[2], part[1] += part[3];
+  return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
 }
 
 static double list(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v, double *F,
                    bool damped) {
-  const uint8_t *lanes = list->lanes;
-  half part[4] = {{0}, {0}, {0}, {0}};
-  hk_spring_pulls p;
-  for (size_t e = 0; e < list->count; lanes++) {
-    const uint32_t(*pair)[2] = list->pair + e;
-    for (size_t h = 0; h < 4; h++) slice_pair(q, e, 2 * h, pair, lanes, x, v, damped, &p, &part[h]);
-    hk_spring_pulls_add(&p, pair, lanes, F);
-    while (*lanes) e += *lanes++;
-  }
-  part[0] += part[2], part[1] += part[3];
-  return (part[0][0] + part[0][1]) + (part[1][0] + part[1][1]);
+  return damped ? list_springs(q, list, x, v, F, true) : list_springs(q, list, x, v, F, false);
 }
 
 const hk_spring_path hk_spring_narrow = {far_run, near_run, list};

@@ -21,7 +21,7 @@ enum {
   HK_SPRING_SLOTS = 16   /* of a slice, at most; a particle with more springs has several bundles */
 };
 
-/* Eight pairs can be read from any of the list. */
+/* Eight pairs can be read from any of the list on, and the coordinates of their particles with one number beyond. */
 typedef struct hk_spring_list {
   size_t count;              /* springs */
   const uint32_t (*pair)[2]; /* count: a bundle's particle first */

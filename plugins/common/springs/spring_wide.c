@@ -7,6 +7,7 @@
 #if defined(__x86_64__)
 
 #define WIDE __attribute__((target("avx2")))
+#define INLINE WIDE __attribute__((always_inline)) static inline
 
 typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
 typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
@@ -39,6 +40,7 @@ typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
 
 #define RUN_SPRINGS(q, e, s, part, d0, d1, d2)                                                                         \
   do {                                                                                                                 \
+    hk_spring_fetch(q, e);                                                                                             \
     size_t at_ = 3 * (e);                                                                                              \
     vector l2_, w_ = {0};                                                                                              \
     d0 = LOAD(xj + at_) - LOAD(xi + at_);                                                                              \
@@ -122,9 +124,8 @@ WIDE static double near_run(const hk_spring_numbers *q, size_t n, const double *
 
 /* The forces of the four bundles from number `at` on of a slice that begins at `pair`; e: its first spring. Lanes
  * beyond a slot have any numbers, and none in the sums. */
-WIDE static inline void half_slice(const hk_spring_numbers *q, size_t e, size_t at, const uint32_t (*pair)[2],
-                                   const uint8_t *lanes, const double *x, const double *v, bool damped,
-                                   hk_spring_pulls *p, vector *part) {
+INLINE void half_slice(const hk_spring_numbers *q, size_t e, size_t at, const uint32_t (*pair)[2], const uint8_t *lanes,
+                       const double *x, const double *v, bool damped, hk_spring_pulls *p, vector *part) {
   vector xi, yi, zi, vxi = {0}, vyi = {0}, vzi = {0}, sx = {0}, sy = {0}, sz = {0};
   COLUMNS(x, pair + at, 0, xi, yi, zi);
   if (damped) COLUMNS(v, pair + at, 0, vxi, vyi, vzi);
@@ -132,6 +133,10 @@ WIDE static inline void half_slice(const hk_spring_numbers *q, size_t e, size_t 
     const int64_t n = lanes[t] - (int64_t)at;
     const mask here = (mask){0, 1, 2, 3} < (mask){n, n, n, n};
     vector dx, dy, dz, ux, uy, uz, s, w = {0}, power = {0};
+    if (at == 0) {
+      __builtin_prefetch(pair + HK_SPRING_AHEAD);
+      hk_spring_fetch(q, e);
+    }
     COLUMNS(x, pair + at, 1, dx, dy, dz);
     dx -= xi, dy -= yi, dz -= zi;
     if (damped) {
@@ -149,8 +154,8 @@ WIDE static inline void half_slice(const hk_spring_numbers *q, size_t e, size_t 
   STORE_PULLS(&p->sum_xy[at], &p->sum_z[at], sx, sy, sz);
 }
 
-WIDE static double list(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
-                        double *F, bool damped) {
+INLINE double list_springs(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
+                           double *F, bool damped) {
   const uint8_t *lanes = list->lanes;
   vector part[2] = {{0}, {0}};
   hk_spring_pulls p;
@@ -162,6 +167,11 @@ WIDE static double list(const hk_spring_numbers *q, const hk_spring_list *list, 
   }
   part[0] += part[1];
   return (part[0][0] + part[0][1]) + (part[0][2] + part[0][3]);
+}
+
+WIDE static double list(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,
+                        double *F, bool damped) {
+  return damped ? list_springs(q, list, x, v, F, true) : list_springs(q, list, x, v, F, false);
 }
 
 const hk_spring_path *hk_spring_wide(void) {

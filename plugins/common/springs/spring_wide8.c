@@ -44,15 +44,23 @@ INLINE lanes lanes_of(size_t count) {
   return count == WIDTH ? (lanes){ALL, {ALL, ALL, ALL}} : (lanes){LOW_HALF, {ALL, LOW_HALF, 0}};
 }
 
-/* s from l2 = d.d and w = u.d of springs e.. ; adds c w^2/l^2 to *part, four springs after four. */
-INLINE vector scales(const hk_spring_numbers *q, size_t e, __mmask8 springs, vector l2, vector w, half *part) {
+/* What a spring's scale is made of. */
+typedef struct stretch {
+  vector w, l, r; /* u.d, l, 1/l^2 */
+} stretch;
+
+INLINE stretch stretch_of(vector l2, vector w) {
   const vector one = _mm512_set1_pd(1), tiny = _mm512_set1_pd(HK_SPRING_TINY);
   vector safe = _mm512_mask_mov_pd(one, _mm512_cmp_pd_mask(l2, tiny, _CMP_GT_OQ), l2);
-  vector l = _mm512_sqrt_pd(safe), r = one / safe;
-  vector cwr = load(q->c + (e & q->each_c), springs) * w * r, p = cwr * w;
+  return (stretch){w, _mm512_sqrt_pd(safe), one / safe};
+}
+
+/* s of springs e..; adds c w^2/l^2 to *part, four springs after four. */
+INLINE vector scales(const hk_spring_numbers *q, size_t e, __mmask8 springs, const stretch *t, half *part) {
+  vector cwr = load(q->c + (e & q->each_c), springs) * t->w * t->r, p = cwr * t->w;
   *part += _mm512_castpd512_pd256(p);
   *part += _mm512_extractf64x4_pd(p, 1);
-  return load(q->k + (e & q->each_k), springs) * (l - load(q->L + (e & q->each_L), springs)) * l * r + cwr;
+  return load(q->k + (e & q->each_k), springs) * (t->l - load(q->L + (e & q->each_L), springs)) * t->l * t->r + cwr;
 }
 
 INLINE double total(half part) { return (part[0] + part[1]) + (part[2] + part[3]); }
@@ -73,59 +81,99 @@ typedef struct ends {
   const double *xi, *xj, *vi, *vj;
 } ends;
 
-/* f: the forces on the first ends of springs e.. of a run. */
-INLINE void run_step(const hk_spring_numbers *q, const ends *at, size_t e, const lanes *m, bool damped, half *part,
-                     vector f[3]) {
+/* Springs e.. of a run on their way: d in the layout of x, and their roots and reciprocals. */
+typedef struct step {
+  vector d[3];
+  stretch t;
+} step;
+
+INLINE step begin_step(const ends *at, size_t e, const lanes *m, bool damped) {
+  step s;
   vector w = _mm512_setzero_pd(), p[3];
-  for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) f[r] = load(at->xj + k, m->r[r]) - load(at->xi + k, m->r[r]);
+  for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH) s.d[r] = load(at->xj + k, m->r[r]) - load(at->xi + k, m->r[r]);
   if (damped) {
     for (size_t r = 0, k = 3 * e; r < 3; r++, k += WIDTH)
-      p[r] = f[r] * (load(at->vj + k, m->r[r]) - load(at->vi + k, m->r[r]));
+      p[r] = s.d[r] * (load(at->vj + k, m->r[r]) - load(at->vi + k, m->r[r]));
     w = sum3(p);
   }
-  for (size_t r = 0; r < 3; r++) p[r] = f[r] * f[r];
-  vector s = scales(q, e, m->spring, sum3(p), w, part);
-  f[0] *= PICK(s, s, 0, 0, 0, 1, 1, 1, 2, 2);
-  f[1] *= PICK(s, s, 2, 3, 3, 3, 4, 4, 4, 5);
-  f[2] *= PICK(s, s, 5, 5, 6, 6, 6, 7, 7, 7);
+  for (size_t r = 0; r < 3; r++) p[r] = s.d[r] * s.d[r];
+  s.t = stretch_of(sum3(p), w);
+  return s;
 }
 
-INLINE void far_step(const hk_spring_numbers *q, const ends *at, size_t e, size_t count, double *Fi, double *Fj,
-                     bool damped, half *part) {
+/* Their forces on the first ends, which are added to these. */
+INLINE void end_step(const hk_spring_numbers *q, size_t e, const lanes *m, const step *of, double *Fi, half *part,
+                     vector f[3]) {
+  hk_spring_fetch(q, e);
+  vector s = scales(q, e, m->spring, &of->t, part);
+  f[0] = of->d[0] * PICK(s, s, 0, 0, 0, 1, 1, 1, 2, 2);
+  f[1] = of->d[1] * PICK(s, s, 2, 3, 3, 3, 4, 4, 4, 5);
+  f[2] = of->d[2] * PICK(s, s, 5, 5, 6, 6, 6, 7, 7, 7);
+  for (size_t r = 0; r < 3; r++) add(Fi + 3 * e + WIDTH * r, m->r[r], f[r]);
+}
+
+INLINE void end_far(const hk_spring_numbers *q, size_t e, size_t count, const step *of, double *Fi, double *Fj,
+                    half *part) {
   const lanes m = lanes_of(count);
   vector f[3];
-  run_step(q, at, e, &m, damped, part, f);
-  for (size_t r = 0; r < 3; r++) add(Fi + 3 * e + WIDTH * r, m.r[r], f[r]);
+  end_step(q, e, &m, of, Fi, part, f);
   for (size_t r = 0; r < 3; r++) add(Fj + 3 * e + WIDTH * r, m.r[r], -f[r]);
 }
 
+/* A step begins before the one ahead of it ends: the processor does not see far enough ahead to find work while it
+ * waits for roots and reciprocals. */
 INLINE double far_springs(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
                           const double *vj, double *Fi, double *Fj, bool damped) {
   const ends at = {xi, xj, vi, vj};
+  const lanes all = lanes_of(WIDTH), some = lanes_of(HK_SPRING_LANES);
   half part = {0};
   size_t e = 0;
-  for (; e + WIDTH <= n; e += WIDTH) far_step(q, &at, e, WIDTH, Fi, Fj, damped, &part);
-  if (e < n) far_step(q, &at, e, n - e, Fi, Fj, damped, &part);
+  if (n >= WIDTH) {
+    step next = begin_step(&at, 0, &all, damped);
+    for (; e + 2 * WIDTH <= n; e += WIDTH) {
+      const step now = next;
+      next = begin_step(&at, e + WIDTH, &all, damped);
+      end_far(q, e, WIDTH, &now, Fi, Fj, &part);
+    }
+    end_far(q, e, WIDTH, &next, Fi, Fj, &part);
+    e += WIDTH;
+  }
+  if (e < n) {
+    step last = begin_step(&at, e, &some, damped);
+    end_far(q, e, HK_SPRING_LANES, &last, Fi, Fj, &part);
+  }
   return total(part);
 }
 
-INLINE void near_step(const hk_spring_numbers *q, const ends *at, size_t e, size_t count, double *Fi, double *buffer,
-                      bool damped, half *part) {
+INLINE void end_near(const hk_spring_numbers *q, size_t e, size_t count, const step *of, double *Fi, double *buffer,
+                     half *part) {
   const lanes m = lanes_of(count);
   vector f[3];
-  run_step(q, at, e, &m, damped, part, f);
+  end_step(q, e, &m, of, Fi, part, f);
   for (size_t r = 0; r < 3; r++) _mm512_storeu_pd(buffer + 3 * e + WIDTH * r, f[r]);
-  for (size_t r = 0; r < 3; r++) add(Fi + 3 * e + WIDTH * r, m.r[r], f[r]);
 }
 
 INLINE double near_springs(const hk_spring_numbers *q, size_t n, const double *xi, const double *xj, const double *vi,
                            const double *vj, double *Fi, double *Fj, bool damped) {
   const ends at = {xi, xj, vi, vj};
+  const lanes all = lanes_of(WIDTH), some = lanes_of(HK_SPRING_LANES);
   half part = {0};
   double f[3 * (HK_SPRING_BLOCK + WIDTH)] __attribute__((aligned(64)));
   size_t e = 0, k = 0;
-  for (; e + WIDTH <= n; e += WIDTH) near_step(q, &at, e, WIDTH, Fi, f, damped, &part);
-  if (e < n) near_step(q, &at, e, n - e, Fi, f, damped, &part);
+  if (n >= WIDTH) {
+    step next = begin_step(&at, 0, &all, damped);
+    for (; e + 2 * WIDTH <= n; e += WIDTH) {
+      const step now = next;
+      next = begin_step(&at, e + WIDTH, &all, damped);
+      end_near(q, e, WIDTH, &now, Fi, f, &part);
+    }
+    end_near(q, e, WIDTH, &next, Fi, f, &part);
+    e += WIDTH;
+  }
+  if (e < n) {
+    step last = begin_step(&at, e, &some, damped);
+    end_near(q, e, HK_SPRING_LANES, &last, Fi, f, &part);
+  }
   for (; k + WIDTH <= 3 * n; k += WIDTH) add(Fj + k, ALL, -load(f + k, ALL));
   if (k < 3 * n) add(Fj + k, LOW_HALF, -load(f + k, LOW_HALF));
   return total(part);
@@ -165,8 +213,9 @@ typedef struct source {
 INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (*pair)[2], const vector x[3],
                       const vector v[3], vector d[3], vector *part) {
   const hk_spring_numbers *q = s->q;
-  const vector one = _mm512_set1_pd(1), tiny = _mm512_set1_pd(HK_SPRING_TINY);
   vector u[3], w = _mm512_setzero_pd();
+  __builtin_prefetch(pair + HK_SPRING_AHEAD);
+  hk_spring_fetch(q, e);
   columns(s->x, pair, 1, d);
   for (size_t r = 0; r < 3; r++) d[r] -= x[r];
   if (s->damped) {
@@ -175,11 +224,11 @@ INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (
     w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
   }
   vector l2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  vector safe = _mm512_mask_mov_pd(one, _mm512_cmp_pd_mask(l2, tiny, _CMP_GT_OQ), l2);
-  vector l = _mm512_sqrt_pd(safe), r = one / safe, cwr = load(q->c + (e & q->each_c), ALL) * w * r;
+  stretch b = stretch_of(l2, w);
+  vector cwr = load(q->c + (e & q->each_c), ALL) * w * b.r;
   vector k = load(q->k + (e & q->each_k), ALL), L = load(q->L + (e & q->each_L), ALL);
   *part += _mm512_maskz_mul_pd(here, cwr, w);
-  vector f = k * (l - L) * l * r + cwr;
+  vector f = k * (b.l - L) * b.l * b.r + cwr;
   for (size_t c = 0; c < 3; c++) d[c] *= f;
 }
 

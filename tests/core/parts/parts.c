@@ -140,6 +140,30 @@ static void parts_follow_deaths(void **state) {
   test_engine_close(&e);
 }
 
+/* Two threads have something to share from two blocks on; every block is in a domain. */
+static void particles_are_divided_by_their_number(void **state) {
+  (void)state;
+  static const struct {
+    size_t n, blocks, domains;
+  } expected[] = {{1, 1, 1}, {1024, 1, 1}, {1025, 2, 2}, {4096, 4, 2}, {4097, 5, 2}, {8192, 8, 4}, {40000, 40, 14}};
+  double *x = calloc(3 * 40000, sizeof *x);
+  for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
+    test_engine e;
+    uint32_t first;
+    test_engine_open(&e);
+    assert_int_equal(hk_scene_add_particles(e.scene, expected[k].n, x, NULL, NULL, 1, 0, &first, &e.error), HK_OK);
+    e.options.dt = 1;
+    test_run(&e);
+    const hk_partition *p = &e.run->state.partition;
+    assert_int_equal(p->n, expected[k].n);
+    assert_int_equal(p->blocks, expected[k].blocks);
+    assert_int_equal(p->domains, expected[k].domains);
+    assert_true(p->width * p->domains >= p->blocks && p->width * (p->domains - 1) < p->blocks);
+    test_engine_close(&e);
+  }
+  free(x);
+}
+
 /* The bits of a run do not depend on the number of threads. */
 static void threads_leave_no_trace(void **state) {
   (void)state;
@@ -217,6 +241,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sum_by_parts_is_the_sum_of_forces),
       cmocka_unit_test(parts_follow_deaths),
+      cmocka_unit_test(particles_are_divided_by_their_number),
       cmocka_unit_test(threads_leave_no_trace),
       cmocka_unit_test(every_particle_is_prepared_and_finished_once),
       cmocka_unit_test(a_force_that_is_not_finite_fails_the_pass),

@@ -268,6 +268,31 @@ static void strongly_damped_modes_are_below_a_line(void **state) {
   }
 }
 
+static double stable_to_two(const void *self, double hw, double hg) {
+  (void)self, (void)hg;
+  return hw <= 2 ? 1 : hw;
+}
+
+/* As leapfrog: a step of 1.9/w of what the springs state is allowed by that alone, one of 2.1/w is looked at. */
+static void a_given_step_that_forces_allow_costs_nothing(void **state) {
+  (void)state;
+  const hk_integrator method = {.size = sizeof method, .order = 2, .amplification = stable_to_two};
+  spring_network *w = lattice(65, 1, 1, 0, false);
+  hk_error error = {0};
+  hk_spectrum near, given, above;
+  w->covered = true;
+  w->system.flags &= ~(unsigned)HK_DEPENDS_ON_V;
+  assert_int_equal(hk_spectrum_estimate_for(&w->system, &method, NULL, NAN, &near, &error), HK_OK);
+  assert_int_equal(hk_spectrum_estimate_for(&w->system, &method, NULL, 1e-6, &given, &error), HK_OK);
+  assert_true(near.evaluations > 2 && given.evaluations == 1);
+  assert_true(given.w_max >= near.w_max && given.rigorous);
+  assert_int_equal(hk_spectrum_estimate_for(&w->system, &method, NULL, 1.9 / given.w_max, &above, &error), HK_OK);
+  assert_true(above.evaluations == 1);
+  assert_int_equal(hk_spectrum_estimate_for(&w->system, &method, NULL, 2.1 / given.w_max, &above, &error), HK_OK);
+  assert_true(above.evaluations > 2 && above.w_max == near.w_max);
+  network_destroy(w);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(bounds_hold_on_lattices),
@@ -282,6 +307,7 @@ int main(void) {
       cmocka_unit_test(the_state_is_not_touched_and_failures_change_nothing),
       cmocka_unit_test(updates_follow_the_scene),
       cmocka_unit_test(strongly_damped_modes_are_below_a_line),
+      cmocka_unit_test(a_given_step_that_forces_allow_costs_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -252,6 +252,17 @@ files.write(at("group.lua"), scene:gsub("forces = true", "group = 'nobody'"))
 refused("group: no particle is in a group 'nobody'", "run group.lua --out x --quiet")
 files.write(at("full.lua"), scene:gsub("forces = true", "file = '../x'"))
 refused("is not a file name inside the output folder", "run full.lua --out x --quiet")
+files.write(at("felt.lua"), [[
+local scene = hooke.scene { duration = 0.1, fps = 20, dt = 1e-3 }
+scene:particle { position = { 0, 0, 1 }, mass = 1 }
+scene:force("wind", { label = "breeze", on = "particles", d = 0.1 })
+scene:corrector("obstacle", { shape = "sphere", radius = 0.1, position = { 0, 0, 0 } })
+scene:output("trajectory")
+return scene
+]])
+must("run felt.lua --out felt --quiet")
+assert(must("convert felt --to vtk"):find("left out: obstacles (sphere); the wind of 'breeze'; points of contact", 1, true))
+assert(not must("convert all --to ply"):find("left out", 1, true))
 refused("has no trajectory.h5", "convert %s --to ply", folder)
 refused("no whole HDF5 file", "convert damaged.h5 --to ply", files.write(at("damaged.h5"),
   files.read(at("sheet/trajectory.h5")):sub(1, 20000)))

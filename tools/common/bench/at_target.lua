@@ -59,20 +59,39 @@ local function cost(method, row, work, other)
   return row.wall_s * math.exp(exponent * work)
 end
 
+-- A run that was ended, with no more work, says that this one takes longer.
+local function not_less_than_ended(method, s)
+  for _, row in ipairs(method.rows) do
+    if row.verdict == "timeout" and methods.work(row.setting) <= methods.work(s.setting) + 1e-9 then
+      s.wall = math.max(s.wall, row.case.allowance)
+    end
+  end
+  return s
+end
+
+local function was_run(method, setting)
+  for _, row in ipairs(method.rows) do
+    if has_error(row) and math.abs(methods.work(row.setting) - methods.work(setting)) < 1e-9 then return true end
+  end
+  return false
+end
+
 local function between(method, goal, target, above, below)
   local u, v = methods.work(above.setting), methods.work(below.setting)
   local part = math.log(above.error / (aim * target)) / math.log(above.error / math.max(below.error, goal.support, 1e-300))
   local work = u + (v - u) * math.min(math.max(part, 0), 1)
   local setting = methods.at_work(method, work, goal.fps)
-  if not (methods.work(setting) > u and methods.work(setting) < v - 1e-9) then return nil end
-  return { method = method, setting = setting, wall = cost(method, above, methods.work(setting) - u, below), row = below,
-    error = aim * target, expected = true }
+  if not (methods.work(setting) > u and methods.work(setting) < v - 1e-9) or was_run(method, setting) then return nil end
+  return not_less_than_ended(method, { method = method, setting = setting, row = below, error = aim * target,
+    wall = cost(method, above, methods.work(setting) - u, below), expected = true })
 end
 
 local function beyond(method, goal, target)
   local rows = falling(method)
   local one, two = rows[#rows - 1], rows[#rows]
-  if not two or one and one.error < least_fall * two.error or two.error <= goal.support then return nil end
+  if not two or one and one.error < least_fall * two.error or two.error <= math.max(goal.support, aim * target) then
+    return nil -- it reaches the error, but something else is wrong with the run
+  end
   local slope = two.setting.tol and 1 or method.order
   if one then
     local apart = methods.work(two.setting) - methods.work(one.setting)
@@ -81,8 +100,9 @@ local function beyond(method, goal, target)
   local work = math.log(two.error / (aim * target)) / slope
   if work > (two.setting.tol and most_decades * math.log(10) or math.log(most_further)) then return nil end
   local setting = methods.at_work(method, methods.work(two.setting) + work, goal.fps)
-  return { method = method, setting = setting, wall = cost(method, two, methods.work(setting) - methods.work(two.setting)),
-    row = two, error = aim * target, expected = true, extrapolated = true }
+  local more = methods.work(setting) - methods.work(two.setting)
+  return not_less_than_ended(method, { method = method, setting = setting, row = two, error = aim * target,
+    wall = cost(method, two, more), expected = true, extrapolated = true })
 end
 
 -- The cheapest setting of a method for an error: { method, setting, wall (s), error, row (the nearest one measured),

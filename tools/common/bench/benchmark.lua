@@ -78,9 +78,8 @@ end
 
 -- options: scene, params, until_, threads, trust, metric, target, finest, budget, jobs, integrators (text), vary (text),
 -- margin (of errors to the reference's own), only_best (methods that are slower than the best at the target are not
--- refined further, a reference that is as good as its margin asks for will do, and no perturbation is followed),
--- implicit_first (these are likely to be the best). In the returned bench the caller may set `record`
--- (tools/common/bench/journal.lua), each(case, result) and tick().
+-- refined further, a reference that is as good as its margin asks for will do, and no perturbation is followed). In the
+-- returned bench the caller may set `record` (tools/common/bench/journal.lua), each(case, result) and tick().
 function benchmark.new(options)
   local explained, why = case_process.explain(options.scene, options.params, { trust = options.trust })
   if not explained then return nil, why end
@@ -188,12 +187,18 @@ local function exact_of(motion)
   return math.sqrt(sum / math.max(#motion.exact - 1, 1))
 end
 
+-- s of the processor. Of a bench two runs go on at once, each with the time; a choice counts all that it takes.
+local function time_for_reference(self)
+  local budget = self.options.budget
+  if self.brief then return (part.reference + part.conditioning) * budget end
+  return math.min(self.jobs, 2) * part.reference * budget
+end
+
 -- Finds the reference. Where the two methods do not agree to a hundredth of the target until the end, the bench is
 -- shortened to the time until which they do.
 local function find_reference(self)
   local aim = self.options.finest / self.margin
-  local found, why = reference.compute(self, aim, (part.reference + (self.brief and part.conditioning or 0))
-    * self.options.budget)
+  local found, why = reference.compute(self, aim, time_for_reference(self))
   if not found then return nil, why end
   local fine
   fine, why = check_metric(self, found.motion)
@@ -263,7 +268,7 @@ local function goal_of(self)
   local unit = metric == "x" and " m" or metric == "v" and " m/s" or ""
   local word = metric == "energy" and "energy drift" or metric == "x" and "error" or "error of " .. metric
   return { metric = metric, fps = self.fps, motion = self.reference.motion, finest = o.finest, target = o.target,
-    only_best = o.only_best, implicit_first = o.implicit_first, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
+    only_best = o.only_best, support = support, supports = supports, seconds = self.limit, unit = unit, word = word,
     scale = metric == "x" and self.scale > 0 and self.scale or math.huge }
 end
 
@@ -313,7 +318,7 @@ function benchmark.measure(self, say)
   collectgarbage() -- frees the states of finished runs, which every process of a timed run would otherwise contain
   say("ladders")
   local ladder_begun = process.processor_time()
-  refinement.run(self.methods, self, self.goal, part.refinement * budget)
+  refinement.run(self.methods, self, self.goal, part.refinement * budget * (self.brief and 1.5 or 1))
   refinement.settle(self.methods, self, self.goal, part.settling * budget)
   for _, method in ipairs(self.methods) do method.observed = report.order(method, self.goal) end
   rank(self)

@@ -4,7 +4,7 @@
 local methods = {}
 
 local variants = {
-  arkode = { { settings = "method=erk", order = 5 }, { settings = "method=dirk", order = 5 } },
+  arkode = { { settings = "method=erk", order = 5 }, { settings = "method=dirk", order = 5, implicit = true } },
   cvode = { { settings = "method=bdf" }, { settings = "method=adams" } },
   local_global = { { settings = "iterations=10" }, { settings = "iterations=100" } },
   xpbd = { { by = "substeps" }, { settings = "bdf=2", by = "substeps", order = 2 } },
@@ -19,12 +19,12 @@ end
 
 local function method_of(plugin, variant, step)
   local by = variant.by or plugin.adaptive and "tol" or "dt"
-  local text = text_of(plugin.name, variant.settings)
+  local text, implicit = text_of(plugin.name, variant.settings), variant.implicit or plugin.implicit
   return { plugin = plugin.name, label = text, integrator = text, settings = variant.settings, by = by,
-    implicit = plugin.implicit, adaptive = plugin.adaptive, stages = plugin.stages,
+    implicit = implicit, adaptive = plugin.adaptive, stages = plugin.stages,
     order = variant.order or plugin.order,
     varies = plugin.name == "cvode", -- it chooses its order itself
-    longest = not plugin.implicit and step and step.suggestion or math.huge, rows = {} }
+    longest = not implicit and step and step.suggestion or math.huge, rows = {} }
 end
 
 -- All methods of the catalogue; `steps` are those of hooke.explain.
@@ -83,7 +83,8 @@ function methods.chosen(catalogue, steps, text)
         if variant.settings and settings:find(variant.settings, 1, true) then base = variant end
       end
       local by = base.by == "substeps" and settings:find("substeps=", 1, true) and "dt" or base.by
-      list[#list + 1] = method_of(by_name[name], { settings = settings, by = by, order = base.order }, step[name])
+      list[#list + 1] = method_of(by_name[name], { settings = settings, by = by, order = base.order,
+        implicit = base.implicit }, step[name])
     end
   end
   return list

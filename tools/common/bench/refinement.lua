@@ -66,7 +66,8 @@ end
 
 -- The least cost of an explicit method's first run, by its evaluations, each as in the cheapest run so far; nil: not known.
 local function least_first(method, setting, list, seconds)
-  if method.implicit or not setting.dt or setting.substeps then return nil end
+  local h = setting.dt or method.longest -- an adaptive method's steps are no longer than stable ones
+  if method.implicit or setting.substeps or h == math.huge then return nil end
   local each
   for _, other in ipairs(list) do
     local row = not other.implicit and other.rows[1]
@@ -74,7 +75,7 @@ local function least_first(method, setting, list, seconds)
       each = math.min(each or math.huge, row.wall_s / row.result.force_evaluations)
     end
   end
-  return each and each * method.stages * seconds / setting.dt
+  return each and each * method.stages * seconds / h
 end
 
 local function next_run(method, list, goal, share)
@@ -110,10 +111,25 @@ local function take(method, setting, bench, goal, share)
   return row
 end
 
--- The approximate cost of a method's first run relative to the others; methods that are sure to finish run first.
-local function relative_cost(method, implicit_first)
-  local late = method.implicit == not implicit_first
-  return (late and 1e9 or 0) + method.stages / math.min(method.longest, 1)
+-- The approximate cost of a method's first run relative to the others of its kind.
+local function relative_cost(method) return method.stages / math.min(method.longest, 1) end
+
+-- The methods in the order of their first runs. Explicit ones are sure to finish and come first; where only the best is
+-- looked for, explicit and implicit ones take turns, so that neither kind is left out when the time is over.
+local function in_order(list, goal)
+  local order, turn = table.move(list, 1, #list, 1, {}), {}
+  table.sort(order, function(a, b)
+    local x, y = relative_cost(a), relative_cost(b)
+    return x < y or x == y and a.label < b.label
+  end)
+  local count = { [true] = 0, [false] = 0 }
+  for _, method in ipairs(order) do
+    local implicit = not not method.implicit
+    count[implicit] = count[implicit] + 1
+    turn[method] = goal.only_best and 2 * count[implicit] + (implicit and 1 or 0) or (implicit and #list or 0) + count[implicit]
+  end
+  table.sort(order, function(a, b) return turn[a] < turn[b] end)
+  return order
 end
 
 -- A row takes its place by its work.
@@ -136,15 +152,11 @@ local function cheapest_at_target(list, goal)
 end
 
 -- list: methods; bench as for reference.compute; goal: { metric, fps, motion (the reference), finest, support (errors
--- below it cannot be resolved), target, implicit_first, only_best (runs that are slower than the best at the target need not finish) };
+-- below it cannot be resolved), target, only_best (runs that are slower than the best at the target need not finish) };
 -- seconds for all. Sets method.rows, method.refused (the reason why it does not fit the scene) and method.ended (the
 -- reason why there are no more rows).
 function refinement.run(list, bench, goal, seconds)
-  local begun, live = process.processor_time(), table.move(list, 1, #list, 1, {})
-  table.sort(live, function(a, b)
-    local x, y = relative_cost(a, goal.implicit_first), relative_cost(b, goal.implicit_first)
-    return x < y or x == y and a.label < b.label
-  end)
+  local begun, live = process.processor_time(), in_order(list, goal)
   for _, method in ipairs(list) do method.level = 0 end
   while #live > 0 do
     local going = {}
@@ -204,8 +216,8 @@ function refinement.repeat_rows(rows, bench, count, seconds)
       if #row.times < turn and (row.result.processor_s or 0) < left then
         local case = bench.case(row.case.varied)
         case.integrator, case.dt, case.tol = row.case.integrator, row.case.dt, row.case.tol
-        case.allowance, case.turn = 4 * (row.result.processor_s or 0) + 1, turn
-        bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.step_s end, 1)
+        case.allowance, case.turn, case.repeats = 4 * (row.result.processor_s or 0) + 1, turn, 1
+        bench.run({ case }, function(_, r) row.times[#row.times + 1] = r.times and r.times[1] or r.step_s end, 1)
         row.wall_s = math.min(table.unpack(row.times))
       end
     end

@@ -3,8 +3,9 @@
 --   every          record every k-th frame (1), and the last one
 --   motion         true: the result has `motion`, what compare() takes, and with keep = true the states come along
 --   against        a reference motion: the result has `error`, the differences from it
---   repeats, repeat_s   largest number of further runs, without recording, while all runs together take less than
---                  repeat_s seconds: result.times lists step_s of each run, the first one included
+--   repeats, repeat_s   largest number of further runs, without recording, one at least and then while all runs together
+--                  take less than repeat_s seconds, as far as the case's allowance goes: result.times lists their step_s;
+--                  of the recorded run alone, which stops at every frame, where there is no time for others
 -- The result's step_s is the wall time of the time loop, s, or the processor time of the whole run where that is less:
 -- the machine then did something else in the meantime.
 --
@@ -107,13 +108,14 @@ local function again(case)
 end
 
 local function time(case, first)
-  local times, total = { first }, first
-  while #times <= (case.repeats or 0) and total < (case.repeat_s or math.huge) do
+  local times, total = {}, first
+  local function affordable() return os.clock() + 1.5 * first < (case.allowance or math.huge) end
+  while #times < case.repeats and (#times == 0 or total < (case.repeat_s or math.huge)) and affordable() do
     local processor, seconds = timed(again, case)
     times[#times + 1] = seconds
     total = total + processor
   end
-  return times
+  return #times > 0 and times or { first }
 end
 
 -- The engine's message without the line of this file that Lua puts before it.

@@ -24,4 +24,9 @@ function file.write(path, text)
   return nil, ("cannot write %s: %s"):format(path, why:sub(1, #part + 2) == part .. ": " and why:sub(#part + 3) or why)
 end
 
+-- Makes the folder and those above it; whether it is there.
+function file.make_folder(path)
+  return os.execute("mkdir -p '" .. path:gsub("'", "'\\''") .. "'") or lfs.attributes(path, "mode") == "directory"
+end
+
 return file

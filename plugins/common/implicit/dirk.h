@@ -6,7 +6,7 @@
 #ifndef HK_DIRK_H
 #define HK_DIRK_H
 
-#include "plugins/common/integrate/newton.h"
+#include "plugins/common/implicit/newton.h"
 #include "plugins/common/integrate/step_control.h"
 
 enum { HK_DIRK_STAGES = 6, HK_DIRK_STATES = HK_DIRK_STAGES + 2 };

@@ -1,5 +1,5 @@
 /* See dirk.h. A step that fails leaves X unchanged: stages are computed in scratch memory and copied after success. */
-#include "plugins/common/integrate/dirk.h"
+#include "plugins/common/implicit/dirk.h"
 #include "plugins/common/integrate/growth_factor.h"
 #include "plugins/common/moves/safe_move.h"
 

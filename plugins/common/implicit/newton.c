@@ -1,6 +1,6 @@
 /* See newton.h. Invariant of the iteration: R is the filtered residual at the X of the stage, so every direction is
  * computed from the last evaluation, and an iteration costs one evaluation. */
-#include "plugins/common/integrate/newton.h"
+#include "plugins/common/implicit/newton.h"
 #include "plugins/common/moves/carry_pins.h"
 #include "plugins/common/moves/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
