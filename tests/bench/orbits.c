@@ -21,7 +21,7 @@
 #define ERK(name) ERKStep##name
 #endif
 
-enum { TARGETS = 3, REPEATS = 3, RUNGS = 40, MOST = 512 };
+enum { TARGETS = 3, REPEATS = 2, RUNGS = 40, MOST = 512 };
 typedef enum side { HOOKE, PLAIN, SHARED, SIDES } side;
 static const char *const side_name[SIDES] = {"hooke", "SUNDIALS, plain C forces", "SUNDIALS, hooke's forces"};
 
