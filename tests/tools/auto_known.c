@@ -29,11 +29,15 @@ static choice ask(const char *arguments) {
   return c;
 }
 
-static void expect_one_of(const choice *c, const char *names) {
+static bool is_one_of(const choice *c, const char *names) {
   char name[80], list[512];
   snprintf(name, sizeof name, " %s ", c->name);
   snprintf(list, sizeof list, " %s ", names);
-  if (!strstr(list, name)) fail_msg("%s is none of '%s': %s", c->name, names, c->said);
+  return strstr(list, name) != NULL;
+}
+
+static void expect_one_of(const choice *c, const char *names) {
+  if (!is_one_of(c, names)) fail_msg("%s is none of '%s': %s", c->name, names, c->said);
 }
 
 static const char implicit[] =
@@ -41,15 +45,19 @@ static const char implicit[] =
     "arkode imex baraff_witkin local_global xpbd";
 static const char second_order[] = "leapfrog local_leapfrog symplectic_euler stoermer_wide2 midpoint trapezoid";
 
-/* A hundred turns to 1e-9 m: order 2 needs some 1e5 steps for each. */
+static const char low_order[] =
+    "euler backward_euler desbrun baraff_witkin local_global xpbd imex bdf2 linear_bdf2 tr_bdf2 "
+    "implicit_midpoint implicit_trapezoid leapfrog local_leapfrog symplectic_euler "
+    "stoermer_wide2 midpoint trapezoid";
+
+/* Nine turns to 1e-9 m: order 2 needs some 1e5 steps for each. */
 static void an_orbit_to_nine_digits_takes_a_high_order(void **state) {
   (void)state;
   test_write("orbit.lua", "local scene = hooke.scene { duration = 10, fps = 10 }\n"
                           "scene:particle { position = { 1, 0, 0 }, velocity = { 0, 5, 0 }, mass = 1 }\n"
                           "scene:force('central', { strength = 30 })\nreturn scene\n");
   choice c = ask("orbit.lua --accuracy 1e-9");
-  expect_one_of(&c,
-                "stoermer stoermer5 stoermer_wide4 blanes_moan rk4 dopri5 kahan_li6 kahan_li8 cvode arkode esdirk4");
+  if (is_one_of(&c, low_order)) fail_msg("%s is of low order: %s", c.name, c.said);
 }
 
 /* A rope of springs so stiff that a leapfrog step is 3e-7 s, which swings in 1 s. */

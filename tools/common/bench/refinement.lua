@@ -12,6 +12,7 @@ local refinement = {}
 local enough_rows, most_failures = 3, 5
 local start_seconds = 0.2 -- upper bound for the start of a process and its scene, until one has been seen
 local may_win = 2         -- relative to the cheapest at the target: what is expected to cost more is not settled
+local short_repeats = 0.02 -- s, for the repeats of short runs: less than what a process takes to start
 local most_first = 3      -- relative to its share: what the first run of a method is expected to cost at most
 local most_settled = 2    -- runs to settle a method at the target
 local small = 0.01 -- relative to the motion's size: larger errors may still decrease
@@ -96,7 +97,7 @@ end
 local function take(method, setting, bench, goal, share)
   local case = bench.case(method.params)
   case.integrator, case.dt, case.tol = setting.integrator, setting.dt, setting.tol
-  case.against, case.repeats, case.repeat_s = goal.motion, 6, math.min(0.05, 0.1 * share)
+  case.against, case.repeats, case.repeat_s = goal.motion, 6, math.max(math.min(0.05, 0.1 * share), short_repeats)
   case.allowance = 1.2 * share + (bench.start_s or start_seconds)
   local result
   bench.run({ case }, function(_, r) result = r end, 1)

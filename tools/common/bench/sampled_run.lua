@@ -3,7 +3,7 @@
 --   every          record every k-th frame (1), and the last one
 --   motion         true: the result has `motion`, what compare() takes, and with keep = true the states come along
 --   against        a reference motion: the result has `error`, the differences from it
---   repeats, repeat_s   largest number of further runs, without recording, one at least and then while all runs together
+--   repeats, repeat_s   largest number of further runs, without recording, one at least and then while they together
 --                  take less than repeat_s seconds, as far as the case's allowance goes: result.times lists their step_s;
 --                  of the recorded run alone, which stops at every frame, where there is no time for others
 -- The result's step_s is the wall time of the time loop, s, or the processor time of the whole run where that is less:
@@ -108,8 +108,8 @@ local function again(case)
 end
 
 local function time(case, first)
-  local times, total = {}, first
-  local function affordable() return os.clock() + 1.5 * first < (case.allowance or math.huge) end
+  local times, total = {}, 0
+  local function affordable() return os.clock() + 1.5 * (times[1] or first) < (case.allowance or math.huge) end
   while #times < case.repeats and (#times == 0 or total < (case.repeat_s or math.huge)) and affordable() do
     local processor, seconds = timed(again, case)
     times[#times + 1] = seconds
