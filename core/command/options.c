@@ -84,7 +84,7 @@ static hk_status unknown(const char *word, hk_error *error) {
 
 static hk_status bad_value(const option *o, const char *value, hk_error *error) {
   static const char *const wanted[] = {
-      "", "", "a positive number", "a number not below 0", "a whole number from 1 to 1024", "a whole number", ""};
+      "", "", "a positive number", "a number from 0 on", "a whole number from 1 to 1024", "a whole number", ""};
   return hk_error_set(error, HK_BAD_PARAM, "%s: '%s' is not %s: %s %s", o->name, value, wanted[o->type], o->name,
                       o->value);
 }

@@ -167,10 +167,10 @@ static void print_tuple(char *text, size_t size, const uint32_t *tuple, unsigned
 
 static hk_status no_particle(const setting *s, const uint32_t *tuple, unsigned arity, unsigned member,
                              size_t position) {
-  char text[64];
+  char text[64], known[64];
   print_tuple(text, sizeof text, tuple, arity);
-  return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu] = %s: there is no particle %u (ids are 1 to %zu)",
-                      s->spec->label, s->p->name, position, text, tuple[member], s->n);
+  return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu] = %s: there is no particle %u (%s)", s->spec->label,
+                      s->p->name, position, text, tuple[member], hk_known_ids(known, s->n));
 }
 
 static hk_status check_tuple(const setting *s, const uint32_t *tuple, unsigned arity, size_t position) {
@@ -187,11 +187,12 @@ static hk_status check_tuple(const setting *s, const uint32_t *tuple, unsigned a
 static hk_status set_particles(const setting *s) {
   const hk_value *value = s->value;
   if (value->kind != HK_VALUE_LIST) return wrong_type(s, "a list of particle ids");
+  char known[64];
   for (size_t i = 0; i < value->count; i++) {
     double id = value->list[i];
     if (!(id >= 1 && id <= (double)s->n && floor(id) == id))
-      return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu]: there is no particle %.15g (ids are 1 to %zu)",
-                          s->spec->label, s->p->name, i + 1, id, s->n);
+      return hk_error_set(s->error, HK_BAD_PARAM, "%s: %s[%zu]: there is no particle %.15g (%s)", s->spec->label,
+                          s->p->name, i + 1, id, hk_known_ids(known, s->n));
   }
   uint32_t *copy = hk_memory_get(&s->spec->blocks, value->count * sizeof *copy);
   if (!copy) return no_memory(s);

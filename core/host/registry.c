@@ -160,16 +160,19 @@ static hk_status find_file(const hk_registry *registry, hk_kind kind, const char
   return HK_OK;
 }
 
-static const char *synonym(const hk_registry *registry, const char *word, hk_name_at *name, const void *context) {
+typedef const char *look_up(const char *file, const char *word, hk_name_at *, const void *context);
+
+static const char *synonym(const hk_registry *registry, look_up *look, const char *word, hk_name_at *name,
+                           const void *context) {
   char file[PATH_MAX];
-  return snprintf(file, sizeof file, "%s/synonyms", registry->root) < (int)sizeof file
-             ? hk_synonym(file, word, name, context)
-             : NULL;
+  int length = snprintf(file, sizeof file, "%s/synonyms", registry->root);
+  return length < (int)sizeof file ? look(file, word, name, context) : NULL;
 }
 
 const char *hk_registry_meant(const hk_registry *registry, const char *wrong, hk_name_at *name, const void *context) {
-  const char *same = synonym(registry, wrong, name, context);
-  return same ? same : hk_nearest_name(wrong, name, context);
+  const char *same = synonym(registry, hk_synonym, wrong, name, context);
+  if (!same) same = hk_nearest_name(wrong, name, context);
+  return same ? same : synonym(registry, hk_near_synonym, wrong, name, context);
 }
 
 /* A synonym of this kind or of another counts for more than a name that looks alike. */
@@ -181,12 +184,13 @@ static hk_status unknown(const hk_registry *registry, hk_kind kind, const char *
     its = (hk_kind)(((int)kind + k) % HK_KINDS);
     free_names(&list);
     list = collect(registry, its);
-    near = synonym(registry, name, name_at, &list);
+    near = synonym(registry, hk_synonym, name, name_at, &list);
   }
   if (!near) {
     free_names(&list);
     list = collect(registry, its = kind);
     near = hk_nearest_name(name, name_at, &list);
+    if (!near) near = synonym(registry, hk_near_synonym, name, name_at, &list);
   }
   if (near && its != kind)
     hk_error_set(error, HK_BAD_PARAM, "there is no %s '%s'; did you mean the %s '%s'?", kind_name[kind], name,

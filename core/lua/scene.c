@@ -235,10 +235,12 @@ static int pin(lua_State *L) {
   const double *ids = hk_lua_to_ids(L, 2, &spec.count);
   if (!ids) return hk_lua_fail(L, HK_BAD_PARAM, "pin: expected particle ids, scene:pin { 1, 2 }");
   spec.id = lua_newuserdatauv(L, (spec.count + 1) * sizeof *spec.id, 0);
+  char known[64];
   for (size_t k = 0; k < spec.count; k++) {
     bool fine = ids[k] >= 1 && ids[k] <= (double)target->n && floor(ids[k]) == ids[k];
     if (!fine)
-      return hk_lua_fail(L, HK_BAD_PARAM, "pin: there is no particle %.15g (ids are 1 to %zu)", ids[k], target->n);
+      return hk_lua_fail(L, HK_BAD_PARAM, "pin: there is no particle %.15g (%s)", ids[k],
+                         hk_known_ids(known, target->n));
     spec.id[k] = (uint32_t)ids[k];
   }
   if (lua_istable(L, 3)) pin_options(L, &spec);

@@ -211,7 +211,8 @@ static const char *channel_name(const void *context, size_t k) {
 
 static hk_status check_id(const hk_scene *scene, uint32_t id, const char *what, hk_error *error) {
   if (id >= 1 && id <= scene->n) return HK_OK;
-  return hk_error_set(error, HK_BAD_PARAM, "%s: there is no particle %u (ids are 1 to %zu)", what, id, scene->n);
+  char known[64];
+  return hk_error_set(error, HK_BAD_PARAM, "%s: there is no particle %u (%s)", what, id, hk_known_ids(known, scene->n));
 }
 
 hk_status hk_scene_set_channel(hk_scene *scene, const char *name, uint32_t id, const double *value, size_t count,

@@ -209,13 +209,14 @@ static int by_index(const void *a, const void *b) {
 }
 
 static void set_only(lua_State *L, const hk_scene *scene, hk_plugin_spec *spec) {
+  char known[64];
   size_t count, kept = 0;
   const double *ids = hk_lua_to_ids(L, -1, &count);
   if (!ids) hk_lua_fail(L, HK_BAD_PARAM, "%s: only: expected a list of particle ids", spec->label);
   for (size_t k = 0; k < count; k++)
     if (!(ids[k] >= 1 && ids[k] <= (double)scene->n && floor(ids[k]) == ids[k]))
-      hk_lua_fail(L, HK_BAD_PARAM, "%s: only[%d]: there is no particle %g (ids are 1 to %d)", spec->label, (int)k + 1,
-                  ids[k], (int)scene->n);
+      hk_lua_fail(L, HK_BAD_PARAM, "%s: only[%d]: there is no particle %g (%s)", spec->label, (int)k + 1, ids[k],
+                  hk_known_ids(known, scene->n));
   hk_limits_take(L, (count + 1) * sizeof *spec->only);
   spec->only = malloc((count + 1) * sizeof *spec->only);
   if (!spec->only) hk_lua_fail(L, HK_NO_MEMORY, "%s: no memory for the selection", spec->label);

@@ -68,17 +68,34 @@ static const char *find(const char *word, hk_name_at *name, const void *context)
   return NULL;
 }
 
-const char *hk_synonym(const char *file, const char *wrong, hk_name_at *name, const void *context) {
+/* One letter is wrong, in a word that is long enough for that to mean something. */
+static bool nearly_same_word(const char *a, const char *b) {
+  enum { SHORTEST = 5 };
+  return strlen(b) >= SHORTEST && edit_distance(b, a) <= CHANGE;
+}
+
+/* What the first line stands for whose word fits and that has a name which is known. */
+static const char *look_up(const char *file, const char *wrong, bool (*fits)(const char *, const char *),
+                           hk_name_at *name, const void *context) {
   char line[512], *rest = NULL;
-  const char *found = find(wrong, name, context);
+  const char *found = NULL;
   FILE *list = fopen(file, "r");
   while (list && !found && fgets(line, sizeof line, list)) {
     char *word = strtok_r(line, " \n", &rest);
-    if (!word || *word == '#' || !same_word(word, wrong)) continue;
+    if (!word || *word == '#' || !fits(word, wrong)) continue;
     while (!found && (word = strtok_r(NULL, " \n", &rest)) != NULL) found = find(word, name, context);
   }
   if (list) fclose(list);
   return found;
+}
+
+const char *hk_synonym(const char *file, const char *wrong, hk_name_at *name, const void *context) {
+  const char *known = find(wrong, name, context);
+  return known ? known : look_up(file, wrong, same_word, name, context);
+}
+
+const char *hk_near_synonym(const char *file, const char *wrong, hk_name_at *name, const void *context) {
+  return look_up(file, wrong, nearly_same_word, name, context);
 }
 
 bool hk_begins_with_words(const char *text, const char *words) {

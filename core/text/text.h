@@ -28,6 +28,10 @@ const char *hk_nearest_name(const char *wrong, hk_name_at *, const void *context
 /* `wrong` itself where there is this name, or the name that stands for it in the file of synonyms, lines of "WORD NAME
  * [NAME ...]"; or NULL. */
 const char *hk_synonym(const char *file, const char *wrong, hk_name_at *, const void *context);
+/* The same where `wrong` is a word of that file with one wrong letter, such as vertlet for verlet. */
+const char *hk_near_synonym(const char *file, const char *wrong, hk_name_at *, const void *context);
+/* "ids are 1 to N", or that there are no particles yet; in `text`, which is returned. */
+const char *hk_known_ids(char text[64], size_t n);
 /* Whether the text begins with these words, such as "rest length" with rest_length. */
 bool hk_begins_with_words(const char *text, const char *words);
 

@@ -143,6 +143,10 @@ static void command_lines_get_them(void **state) {
   (void)state;
   static test_result r;
   test_refused(SCENE END, "--integrator verlet", 1, "there is no integrator 'verlet'; did you mean 'leapfrog'?");
+  test_refused(SCENE END, "--integrator vertlet", 1, "there is no integrator 'vertlet'; did you mean 'leapfrog'?");
+  test_refused(
+      "local scene = hooke.scene { duration = 1 }\nscene:force('springs', { edges = { { 1, 2 } }, k = 1 })\n" END, "",
+      1, "there is no particle 1 (the scene has none yet)");
   test_refused(SCENE END, "--integrator RK45", 1, "did you mean 'dopri5'?");
   test_refused(SCENE END, "--integrator crank-nicolson", 1, "did you mean 'implicit_trapezoid'?");
   test_refused(SCENE END, "--integrator bdf2:max_iterations=3", 1, "did you mean 'iterations'?");

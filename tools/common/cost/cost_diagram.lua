@@ -52,7 +52,8 @@ function diagram.draw(path, study)
   local curves, spreads, absent = points_of(study, floor)
   if #curves == 0 then return nil, "no part of the scene has both a time and an end of its own" end
   local commands = { "set arrow from 0, graph 0 to 0, graph 1 nohead lc rgb '#7F7F7F'" }
-  if type(study.chance) == "table" and known(study.chance.x) and study.chance.x > floor then across(commands, study.chance.x, "what a disturbance of the start may change") end
+  local chance = type(study.chance) == "table" and known(study.chance.x) and study.chance.x or 0
+  if chance > floor then across(commands, chance, "what a disturbance of the start may change") end
   if known(study.accuracy) then across(commands, study.accuracy, "the accuracy asked") end
   local drawn, why = plot.draw(path, { title = ("%s: what its parts cost, and what they are worth"):format(study.whole.scene),
     x = { label = "time that the run takes less without it, %" }, curves = curves, commands = commands,
