@@ -220,7 +220,8 @@ static void give(const int from[GIVEN]) {
     if (copy[k] >= 0 && dup2(copy[k], k) < 0) _exit(127);
 }
 
-/* In the child of a vfork, which only makes calls of the system: a program of its own, which ends in order when its starter has ended. */
+/* In the child of a vfork, which only makes calls of the system: a program of its own, which ends in order when its
+ * starter has ended. */
 static void become(char *const *words, const int from[GIVEN]) {
   signal(SIGPIPE, SIG_DFL);
   setpgid(0, 0); /* an interrupt at the terminal is for the starter, who hands it on */

@@ -51,8 +51,8 @@ static void last_line(hk_video *v, char *line, size_t size) {
   snprintf(line, size, "%s", start ? start + 1 : v->said);
 }
 
-/* In the child of a vfork, which only makes calls of the system: ffmpeg, which ends with this process, however that ends. The end of `started` is closed by its start;
- * where there is none the cause is written to it. */
+/* In the child of a vfork, which only makes calls of the system: ffmpeg, which ends with this process, however that
+ * ends. The end of `started` is closed by its start; where there is none the cause is written to it. */
 static void become(const char *const arguments[], pid_t parent, const int ends[3], int started) {
   sigset_t none;
   sigemptyset(&none);
