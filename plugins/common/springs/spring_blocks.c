@@ -95,29 +95,48 @@ void hk_spring_blocks(const hk_spring_layout *s, const hk_host *host, const doub
 
 /* ---- the energy and the bound ---- */
 
-static hk_edge_numbers numbers(const hk_spring_layout *s, size_t e) {
-  return (hk_edge_numbers){s->k[s->each_k ? e : 0], s->c[s->each_c ? e : 0], s->L[s->each_L ? e : 0]};
+/* Calls use(context, ends, numbers) for every spring, in the order of the layout. */
+static void each_spring(const hk_spring_layout *s, void *context,
+                        void (*use)(void *context, const uint32_t end[2], hk_edge_numbers q)) {
+  for (size_t r = 0; r < s->runs; r++)
+    for (size_t t = 0; t < s->run[r].places; t++) {
+      uint32_t end[2];
+      size_t p = s->run[r].place + t;
+      if (hk_spring_ends(s, &s->run[r], t, end))
+        use(context, end, (hk_edge_numbers){s->k[s->each_k ? p : 0], s->c[s->each_c ? p : 0], s->L[s->each_L ? p : 0]});
+    }
+}
+
+typedef struct sum {
+  const double *x;
+  double energy;
+} sum;
+
+static void add_energy(void *context, const uint32_t end[2], hk_edge_numbers q) {
+  sum *of = context;
+  double d[3], stretch = hk_edge_difference(of->x, end, d) - q.rest;
+  of->energy += q.k * stretch * stretch / 2;
 }
 
 double hk_spring_energy(const hk_spring_layout *s, const double *x) {
-  double sum = 0, d[3];
-  for (size_t r = 0; r < s->runs; r++)
-    for (size_t t = 0; t < s->run[r].count; t++) {
-      uint32_t end[2];
-      hk_spring_ends(s, &s->run[r], t, end);
-      const hk_edge_numbers q = numbers(s, s->run[r].begin + t);
-      double stretch = hk_edge_difference(x, end, d) - q.rest;
-      sum += q.k * stretch * stretch / 2;
-    }
-  return sum;
+  sum of = {x, 0};
+  each_spring(s, &of, add_energy);
+  return of.energy;
+}
+
+typedef struct bound {
+  const hk_view *view;
+  hk_stiffness_part part;
+  double (*block)[6];
+} bound;
+
+static void add_bound(void *context, const uint32_t end[2], hk_edge_numbers q) {
+  const bound *of = context;
+  hk_edge_stiffness_one(of->view, end, q, false, of->part, of->block);
 }
 
 void hk_spring_stiffness_bound(const hk_spring_layout *s, const hk_view *view, hk_stiffness_part part,
                                double (*block)[6]) {
-  for (size_t r = 0; r < s->runs; r++)
-    for (size_t t = 0; t < s->run[r].count; t++) {
-      uint32_t end[2];
-      hk_spring_ends(s, &s->run[r], t, end);
-      hk_edge_stiffness_one(view, end, numbers(s, s->run[r].begin + t), false, part, block);
-    }
+  bound of = {view, part, block};
+  each_spring(s, &of, add_bound);
 }

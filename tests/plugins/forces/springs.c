@@ -120,6 +120,29 @@ static void agree(graph *g) {
   free(F);
 }
 
+/* The energy, and the trace of the bound of K: a spring adds 2 (k + 2 max(0, k (1 - L/l))) to each of two equal ends,
+ * k along it and the rest in two directions across. All terms are positive, so the sums are off by at most count
+ * roundings of them. */
+static void sums_agree(graph *g) {
+  const hk_view *view = hk_run_view(g->e.run);
+  const hk_force *force = g->springs->plugin->force;
+  double(*block)[6] = calloc(g->n, sizeof *block), energy = 0, trace = 0, bound = 0;
+  for (size_t e = 0; e < g->count; e++) {
+    size_t i = 3 * (g->edge[e][0] - 1u), j = 3 * (g->edge[e][1] - 1u);
+    double l = 0;
+    for (size_t c = 0; c < 3; c++) l += pow(view->x[j + c] - view->x[i + c], 2);
+    l = sqrt(l);
+    energy += g->k[e] * pow(l - g->L[e], 2) / 2;
+    trace += 4 * (g->k[e] + 2 * fmax(0, l > 0 ? g->k[e] * (1 - g->L[e] / l) : 0));
+  }
+  force->stiffness_bound(g->springs->self, view, HK_STIFFNESS_WHOLE, block);
+  for (size_t i = 0; i < g->n; i++) bound += block[i][0] + block[i][3] + block[i][5];
+  free(block);
+  double found = force->energy(g->springs->self, view), most = 1.2e-16 * (4 + (double)g->count);
+  if (!(fabs(found - energy) <= most * energy)) fail_msg("energy %.17g instead of %.17g", found, energy);
+  if (!(fabs(bound - trace) <= 12 * most * trace)) fail_msg("bound %.17g instead of %.17g", bound, trace);
+}
+
 static void grid(graph *g, size_t side, bool shuffle) {
   uint32_t *at = malloc(side * side * sizeof *at);
   open_graph(g, side * side, 4 * side * side);
@@ -148,6 +171,7 @@ static void every_path_equals_the_plain_loop(void **state) {
       grid(&g, sides[s], kind & 1);
       start(&g, kind & 2, 1);
       agree(&g);
+      sums_agree(&g);
       close_graph(&g);
     }
 }
@@ -161,6 +185,7 @@ static void random_graphs_with_doubled_edges_agree(void **state) {
     if (g.count) {
       start(&g, true, 1);
       agree(&g);
+      sums_agree(&g);
     }
     close_graph(&g);
   }
