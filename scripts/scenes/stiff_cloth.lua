@@ -6,7 +6,7 @@ local N = param("N", 32, "particles along one side", { min = 3, max = 2048 })
 local k = param("k", 1e5, "structural stiffness, N/m", { min = 0 })
 local c = math.sqrt(k / 1000)
 
-local scene = hooke.scene { duration = 1.5, fps = 60, integrator = "bdf2" }
+local scene = hooke.scene { duration = 1.5, fps = 60, integrator = "linear_bdf2" }
 
 local cloth = scene:grid { nx = N, ny = N, width = 1, height = 1, mass = 0.15 }
 local row = {}
