@@ -37,12 +37,11 @@ __attribute__((target("avx2"))) static void add_wide(const gravity *s, const dou
 
 static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *restrict F) {
   const gravity *s = self;
-  const uint32_t *active = view->active;
   const double *m = view->model->mass;
-  size_t fours = active ? begin : end - (end - begin) % LANES;
+  size_t fours = view->active ? begin : end - (end - begin) % LANES;
   ADD_FOURS(s, m, begin, fours, F);
   for (size_t k = fours; k < end; k++) {
-    size_t i = active ? active[k] : k;
+    size_t i = hk_acting_particle(view, k);
     for (size_t c = 0; c < 3; c++) F[3 * i + c] += m[i] * s->g[c];
   }
   return 0; /* of the conservative force no power is counted */
@@ -61,7 +60,7 @@ static double energy(void *self, const hk_view *view) {
   const gravity *g = self;
   double sum = 0;
   for (size_t k = 0; k < view->acting; k++) {
-    size_t i = view->active ? view->active[k] : k;
+    size_t i = hk_acting_particle(view, k);
     const double *x = view->x + 3 * i;
     sum -= view->model->mass[i] * (g->g[0] * x[0] + g->g[1] * x[1] + g->g[2] * x[2]);
   }

@@ -13,31 +13,7 @@ static const hk_stoermer_method method = {
     {1, 0, 1.0 / 12, 1.0 / 12, 19.0 / 240, 3.0 / 40, 863.0 / 12096, 275.0 / 4032},
     {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, 251.0 / 720, 95.0 / 288, 19087.0 / 60480, 5257.0 / 17280}};
 
-static const hk_field fields[] = {HK_STOERMER_FIELDS(ORDER)};
-
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_stoermer_amplification(&method, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_stoermer_rotation(&method, hw, hg, hb);
-}
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  (void)t_stop, (void)out;
-  return hk_stoermer_step(self, &method, s, h);
-}
-
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = ORDER,
-                                         .stages = 1,
-                                         .flags = HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = hk_stoermer_reset};
+HK_STOERMER_INTEGRATOR(ORDER);
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

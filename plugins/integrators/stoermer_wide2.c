@@ -10,31 +10,7 @@ enum { ORDER = 2, TERMS = 4 };
 
 static const hk_stoermer_method method = {ORDER, TERMS, {1, 0, 0, 0}, {1, 1.0 / 2, -0.62, 0.146}};
 
-static const hk_field fields[] = {HK_STOERMER_FIELDS(TERMS)};
-
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_stoermer_amplification(&method, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_stoermer_rotation(&method, hw, hg, hb);
-}
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  (void)t_stop, (void)out;
-  return hk_stoermer_step(self, &method, s, h);
-}
-
-static const hk_integrator integrator = {.size = sizeof(hk_integrator),
-                                         .order = ORDER,
-                                         .stages = 1,
-                                         .flags = HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = hk_stoermer_reset};
+HK_STOERMER_INTEGRATOR(TERMS);
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -44,4 +44,29 @@ double hk_stoermer_rotation(const hk_stoermer_method *, double hw, double hg, do
 hk_status hk_stoermer_step(hk_stoermer *, const hk_stoermer_method *, hk_system *s, double h);
 void hk_stoermer_reset(void *self, hk_reason why);
 
+/* The table `integrator` and the table `fields` of a method of `terms` terms, which is defined
+ * before as `method`, with its order as the constant ORDER. */
+#define HK_STOERMER_INTEGRATOR(terms)                                                                                  \
+  static const hk_field fields[] = {HK_STOERMER_FIELDS(terms)};                                                        \
+  static double amplification(const void *self, double hw, double hg) {                                                \
+    (void)self;                                                                                                        \
+    return hk_stoermer_amplification(&method, hw, hg);                                                                 \
+  }                                                                                                                    \
+  static double rotation(const void *self, double hw, double hg, double hb) {                                          \
+    (void)self;                                                                                                        \
+    return hk_stoermer_rotation(&method, hw, hg, hb);                                                                  \
+  }                                                                                                                    \
+  static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {                             \
+    (void)t_stop, (void)out;                                                                                           \
+    return hk_stoermer_step(self, &method, s, h);                                                                      \
+  }                                                                                                                    \
+  static const hk_integrator integrator = {.size = sizeof(hk_integrator),                                              \
+                                           .order = ORDER,                                                             \
+                                           .stages = 1,                                                                \
+                                           .flags = HK_USES_SPARE,                                                     \
+                                           .amplification = amplification,                                             \
+                                           .rotation = rotation,                                                       \
+                                           .step = step,                                                               \
+                                           .reset = hk_stoermer_reset}
+
 #endif
