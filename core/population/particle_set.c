@@ -58,11 +58,12 @@ bool hk_state_reserve(hk_state *s, size_t n) {
   size_t room = n + n / 8;
   if (n <= s->room) return true;
   size_t size = (6 + s->width) * room + 1;
-  bool fine =
-      grow(&s->X, size * sizeof *s->X) && (!s->spare || grow(&s->spare, size * sizeof *s->spare)) &&
-      grow(&s->mass, (room + 1) * sizeof *s->mass) && grow(&s->inverse_mass, (room + 1) * sizeof *s->inverse_mass) &&
-      grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
-      grow(&s->pin, (room + 1) * sizeof *s->pin) && (!s->by_id || grow(&s->by_id, (room + 1) * sizeof *s->by_id));
+  bool fine = grow(&s->X, size * sizeof *s->X) && (!s->spare || grow(&s->spare, size * sizeof *s->spare)) &&
+              (!s->third || grow(&s->third, size * sizeof *s->third)) && grow(&s->mass, (room + 1) * sizeof *s->mass) &&
+              grow(&s->inverse_mass, (room + 1) * sizeof *s->inverse_mass) &&
+              grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
+              grow(&s->pin, (room + 1) * sizeof *s->pin) &&
+              (!s->by_id || grow(&s->by_id, (room + 1) * sizeof *s->by_id));
   if (fine) s->room = room;
   hk_state_point(s); /* some arrays may have moved even so */
   return fine;

@@ -13,9 +13,9 @@ bool hk_state_open_spare(hk_state *s) {
   return s->spare;
 }
 
-void hk_state_exchange(hk_state *s) {
-  double *X = s->spare;
-  s->spare = s->X;
+void hk_state_exchange(hk_state *s, double **room) {
+  double *X = *room;
+  *room = s->X;
   s->X = X;
   s->view.x = X;
   s->view.v = X + 3 * s->model.n;
@@ -133,8 +133,8 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->mass, s->inverse_mass, s->id,      s->group, s->pin,  s->X,
-                    s->edge, s->triangle,     s->channel, s->by_id, s->spare};
+  void *arrays[] = {s->mass, s->inverse_mass, s->id,      s->group, s->pin,   s->X,
+                    s->edge, s->triangle,     s->channel, s->by_id, s->spare, s->third};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
 }
 
