@@ -13,7 +13,7 @@
 static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
 
 /* One evaluation in SAMPLE is timed. A wave pays from so many steps on that can be under way at once. */
-enum { SAMPLE = 64, DEPTH = 8 };
+enum { SAMPLE = 64, DEPTH = 4 };
 
 static bool is_sampled(const hk_dynamics *d) { return d->count.evaluations % SAMPLE == 0; }
 

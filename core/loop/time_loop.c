@@ -116,10 +116,9 @@ static hk_status check_length(const hk_loop *loop, double dt, double at) {
 /* The next steps of the piece; *length: how many. */
 static hk_status piece_steps(hk_loop *loop, const hk_piece *p, size_t *length) {
   const hk_loop_hooks *hooks = p->i == p->n ? &loop->hooks : NULL;
-  size_t at_once = hk_march_length(loop, p);
-  *length = at_once ? at_once : 1;
   periodic_hook(loop);
-  if (at_once) return hk_march(loop, p, at_once);
+  if ((*length = hk_march_length(loop, p)) > 0) return hk_march(loop, p, length);
+  *length = 1;
   if (hooks && !(hooks->before_sample && hooks->after_sample)) hooks = NULL;
   if (hooks) hooks->before_sample(hooks->context);
   hk_status status = hk_step_fixed(loop, p->i == p->n ? p->stop : p->begin + (double)p->i * p->h, p->h);

@@ -88,6 +88,8 @@ bool hk_wave_arrange(hk_wave *w, const hk_window *window, const hk_window *reach
 
 /* ---- a wave ---- */
 
+enum { WIDEST = 8 };
+
 /* A band of steps is taken by one thread, which goes through the items of its first step and takes the others along. */
 typedef struct band {
   atomic_size_t complete; /* items of its last step */
@@ -181,10 +183,16 @@ static void begin_levels(wave *w, hk_level *level, size_t sampled) {
     w->parts->seconds[k * HK_SLOTS + sampled] = 0;
 }
 
+/* Steps of a band. In a wide one more steps share the data that one thread has in its cache; more and narrower ones let
+ * threads begin and end together. Measured on sheets of 1e4 to 1e6 particles; results do not depend on it. */
+static size_t band_width(const hk_parts *p, size_t count) {
+  size_t most = count < p->wave.depth ? count : p->wave.depth;
+  size_t width = most / (4 * (size_t)hk_threads_count(p->shared->threads));
+  return width < 1 ? 1 : width < WIDEST ? width : WIDEST;
+}
+
 hk_status hk_wave_run(hk_parts *p, hk_level *level, size_t count, size_t sampled) {
-  static size_t W = 0;
-  if (!W) W = getenv("WAVE") ? (size_t)atoi(getenv("WAVE")) : 4;
-  wave w = {.parts = p, .levels = count, .width = W};
+  wave w = {.parts = p, .levels = count, .width = band_width(p, count)};
   double begin = sampled < count ? hk_clock() : 0;
   uint64_t bad = 0;
   begin_levels(&w, level, sampled);

@@ -10,7 +10,8 @@
 /* Deaths preserve the order of the other particles and births, whose ids increase, are appended. The particles of the
  * scene are in the order of their ids, or in a better one (scene/order.c). */
 typedef struct hk_state {
-  double t;      /* s */
+  double t;          /* s */
+  hk_block *numbers; /* memory of X, spare, third, masses: loops are slower where it is not aligned to cache lines */
   double *X;     /* size doubles, one allocation: x n x 3, v n x 3, the channels one after the other, the work in J */
   double *spare; /* the same memory again, for methods with HK_USES_SPARE; NULL: not needed */
   double *third; /* and once more, for steps that are taken at once; NULL: there were none */

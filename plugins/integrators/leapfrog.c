@@ -173,7 +173,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static hk_status march(void *self, hk_system *s, const double *t, double h, size_t count, double *const *X) {
+static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X) {
   leapfrog *m = self;
   size_t v = 3 * s->n, y = 6 * s->n;
   double *a = m->slope;
@@ -181,14 +181,14 @@ static hk_status march(void *self, hk_system *s, const double *t, double h, size
   hk_level level[HK_LEVELS];
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < count; k++) {
+  for (size_t k = 0; k < *count; k++) {
     double *next = X[k + 1];
     leaps[k] = (leap){X[k], X[k] + v, next, next + v, a, h};
     level[k] = (hk_level){t[k], next, next + v, a, {&leaps[k], predict, kick}, 0};
   }
-  status = s->wave(s, level, count);
+  status = s->wave(s, level, *count);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < count; k++) { /* the work */
+  for (size_t k = 0; k < *count; k++) { /* the work */
     predict_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
     a[v] = level[k].power;
     kick_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
