@@ -54,12 +54,21 @@ static bool grow(void *array, size_t bytes) {
   return grown;
 }
 
+static bool grow_numbers(double **array, size_t kept, size_t count) {
+  double *grown = *array ? hk_numbers_create(count) : NULL;
+  if (!grown) return !*array;
+  memcpy(grown, *array, kept * sizeof *grown);
+  free(*array);
+  *array = grown;
+  return true;
+}
+
 bool hk_state_reserve(hk_state *s, size_t n) {
   size_t room = n + n / 8;
   if (n <= s->room) return true;
   size_t size = (6 + s->width) * room + 1;
   bool fine =
-      grow(&s->X, size * sizeof *s->X) && (!s->spare || grow(&s->spare, size * sizeof *s->spare)) &&
+      grow_numbers(&s->X, s->size, size) && grow_numbers(&s->spare, s->size, size) &&
       grow(&s->mass, (room + 1) * sizeof *s->mass) && grow(&s->inverse_mass, (room + 1) * sizeof *s->inverse_mass) &&
       grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
       grow(&s->pin, (room + 1) * sizeof *s->pin) && (!s->by_id || grow(&s->by_id, (room + 1) * sizeof *s->by_id));

@@ -9,7 +9,7 @@ static hk_status no_memory(const hk_state *s, hk_error *error) {
 }
 
 bool hk_state_open_spare(hk_state *s) {
-  s->spare = calloc(s->size, sizeof *s->spare);
+  s->spare = hk_numbers_create(s->size);
   return s->spare;
 }
 
@@ -84,7 +84,7 @@ static hk_status allocate(hk_state *s, const hk_scene *scene, hk_error *error) {
   s->id = malloc((n + 1) * sizeof *s->id);
   s->group = malloc((n + 1) * sizeof *s->group);
   s->pin = calloc(n + 1, sizeof *s->pin);
-  s->X = calloc((6 + s->width) * n + 1, sizeof *s->X);
+  s->X = hk_numbers_create((6 + s->width) * n + 1);
   s->edge = malloc((scene->edges + 1) * sizeof *s->edge);
   s->triangle = malloc((scene->triangles + 1) * sizeof *s->triangle);
   bool fine = s->mass && s->inverse_mass && s->id && s->group && s->pin && s->X && s->edge && s->triangle;

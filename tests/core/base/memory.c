@@ -1,5 +1,6 @@
 /* hk_array_move against the straightforward loop on a copy: random deaths, to memory apart, in place, and to a place
- * that overlaps further down or further up, where some items move down and others up. */
+ * that overlaps further down or further up, where some items move down and others up. Numbers
+ * are zero and aligned. */
 #include "core/base/base.h"
 
 #include <setjmp.h>
@@ -44,7 +45,19 @@ static void moves_are_those_of_the_plain_loop(void **state) {
   }
 }
 
+static void numbers_are_zero_and_aligned(void **state) {
+  (void)state;
+  for (size_t count = 0; count < 40; count++) {
+    double *numbers = hk_numbers_create(count);
+    assert_non_null(numbers);
+    assert_int_equal((uintptr_t)numbers % 64, 0);
+    for (size_t e = 0; e < count; e++) assert_true(numbers[e] == 0);
+    free(numbers);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(moves_are_those_of_the_plain_loop)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(moves_are_those_of_the_plain_loop),
+                                     cmocka_unit_test(numbers_are_zero_and_aligned)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
