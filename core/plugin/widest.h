@@ -13,10 +13,12 @@
 #define HK_INLINE static inline __attribute__((always_inline))
 
 #if defined(__x86_64__)
+#define HK_TARGET_4 __attribute__((target("avx2")))
+#define HK_TARGET_8 __attribute__((target("avx512f,avx512vl,avx512dq")))
 #define HK_VERSIONS(result, name, parameters, ...)                                                                     \
   result name##_2 parameters { __VA_ARGS__; }                                                                          \
-  __attribute__((target("avx2"))) result name##_4 parameters { __VA_ARGS__; }                                          \
-  __attribute__((target("avx512f,avx512vl,avx512dq"))) result name##_8 parameters { __VA_ARGS__; }
+  HK_TARGET_4 result name##_4 parameters { __VA_ARGS__; }                                                              \
+  HK_TARGET_8 result name##_8 parameters { __VA_ARGS__; }
 #define HK_WIDEST(name)                                                                                                \
   (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq")       \
        ? name##_8                                                                                                      \

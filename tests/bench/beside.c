@@ -2,7 +2,7 @@
  * gravity and drag alone, by integrator; nanoseconds for each particle and step, on one thread, in the thread's own
  * time. The two take turns, and the least of the turns counts; the motion is that of the first instants.
  *
- *     beside [N ...]: curtains of N x N particles, 32 and 64 by default. */
+ *     beside [N [INTEGRATOR ...]]: N x N particles, 32 by default. */
 #include "tests/bench/plain.h"
 
 enum { TURNS = 60, PARTICLES_A_TURN = 400000 };
@@ -48,10 +48,8 @@ static void measure(uint32_t N, const char *method) {
 }
 
 int main(int argc, char **argv) {
-  static const uint32_t sides[] = {32, 64};
-  size_t count = argc > 1 ? (size_t)argc - 1 : sizeof sides / sizeof *sides;
-  for (size_t k = 0; k < count; k++)
-    for (size_t m = 0; m < sizeof methods / sizeof *methods; m++)
-      measure(argc > 1 ? (uint32_t)atoi(argv[k + 1]) : sides[k], methods[m]);
+  const uint32_t N = argc > 1 ? (uint32_t)atoi(argv[1]) : 32;
+  size_t count = argc > 2 ? (size_t)argc - 2 : sizeof methods / sizeof *methods;
+  for (size_t m = 0; m < count; m++) measure(N, argc > 2 ? argv[m + 2] : methods[m]);
   return 0;
 }
