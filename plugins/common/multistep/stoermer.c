@@ -13,6 +13,8 @@
 #include "plugins/common/multistep/extrapolation.h"
 #include "plugins/common/integrate/growth_factor.h"
 
+#include "core/plugin/widest.h"
+
 #include <assert.h>
 #include <complex.h>
 #include <string.h>
@@ -41,8 +43,12 @@ double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double 
   return hk_stoermer_rotation(f, hw, hg, 0);
 }
 
+enum { LINE = 8 }; /* numbers of a cache line */
+
+/* A slope has size - 3 n numbers. They begin with a cache line, where the field has room for that. */
 static double *ring(const hk_stoermer *m, const hk_system *s, int terms, int64_t place) {
-  return m->slope + (size_t)(place % terms) * (s->size - 3 * s->n);
+  size_t length = s->size - 3 * s->n, whole = (length + LINE - 1) / LINE * LINE;
+  return m->slope + (size_t)(place % terms) * (whole < s->size ? whole : length);
 }
 
 static void weigh(hk_stoermer_weights *w, const hk_stoermer_method *f, double h) {
@@ -64,16 +70,16 @@ typedef struct advance {
   double *x_next, *v_next, h;
 } advance;
 
-/* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 6 or 8, known
- * when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
-#define INLINE static inline __attribute__((always_inline))
-INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
-                   int terms) {
+/* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 5, 6 or 8,
+ * known when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
+HK_INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
+                      int terms) {
   const double *x = all->x, *v = all->v, *const *a = all->slope, *w = all->next, *l = all->lead, h = all->h;
   for (size_t e = begin; e < end; e++) {
     double change = w[0] * a[0][e] + w[1] * a[1][e] + w[2] * a[2][e] + w[3] * a[3][e];
     double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e] + l[3] * a[3][e];
-    if (terms > 4) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
+    if (terms == 5) change += w[4] * a[4][e], lead += l[4] * a[4][e];
+    if (terms > 5) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
     if (terms > 6) change += w[6] * a[6][e] + w[7] * a[7][e], lead += l[6] * a[6][e] + l[7] * a[7][e];
     double d = v[e] + change;
     x_next[e] = x[e] + h * d;
@@ -81,31 +87,25 @@ INLINE void update(const advance *all, double *restrict x_next, double *restrict
   }
 }
 
-INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
+HK_INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
   update(all, all->x_next, all->v_next, 3 * begin, 3 * end, terms);
 }
 
+#define SWEEPS(terms)                                                                                                  \
+  HK_VERSIONS(static void, sweep##terms, (void *context, size_t begin, size_t end), sweep(context, begin, end, terms))
+SWEEPS(4)
+SWEEPS(5)
+SWEEPS(6)
+SWEEPS(8)
+
 typedef void sweeping(void *context, size_t begin, size_t end);
 
-static void sweep4(void *context, size_t begin, size_t end) { sweep(context, begin, end, 4); }
-static void sweep6(void *context, size_t begin, size_t end) { sweep(context, begin, end, 6); }
-static void sweep8(void *context, size_t begin, size_t end) { sweep(context, begin, end, 8); }
-static sweeping *const narrow[] = {sweep4, sweep6, sweep8};
-
-#if defined(__x86_64__)
-#define WIDE __attribute__((target("avx2"))) static void
-WIDE wide4(void *context, size_t begin, size_t end) { sweep(context, begin, end, 4); }
-WIDE wide6(void *context, size_t begin, size_t end) { sweep(context, begin, end, 6); }
-WIDE wide8(void *context, size_t begin, size_t end) { sweep(context, begin, end, 8); }
-static sweeping *const wide[] = {wide4, wide6, wide8};
-
 static sweeping *best(int terms) {
-  int of = terms > 4 ? (terms - 3) / 2 : 0;
-  return __builtin_cpu_supports("avx2") ? wide[of] : narrow[of];
+  return terms > 6   ? HK_WIDEST(sweep8)
+         : terms > 5 ? HK_WIDEST(sweep6)
+         : terms > 4 ? HK_WIDEST(sweep5)
+                     : HK_WIDEST(sweep4);
 }
-#else
-static sweeping *best(int terms) { return narrow[terms > 4 ? (terms - 3) / 2 : 0]; }
-#endif
 
 /* A step of the recurrence, with the slope `a` that is evaluated in it. */
 static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a, double h) {
