@@ -169,7 +169,7 @@ static hk_status march(void *self, hk_system *s, const double *t, double h, size
   for (size_t k = 0; k < *count; k++) {
     double *next = X[k + 1];
     leaps[k] = (leap){X[k], X[k] + v, next, next + v, a, h};
-    level[k] = (hk_level){t[k], next, next + v, a, {&leaps[k], predict, kick}, 0};
+    level[k] = (hk_level){t[k], next, next + v, a, {&leaps[k], HK_WIDEST(predict), HK_WIDEST(kick)}, 0};
   }
   status = s->wave(s, level, *count);
   if (status != HK_OK) return status;
