@@ -22,6 +22,8 @@ hk_status hk_supernodal_open(hk_supernodal *s, const hk_host *host, bool single)
   return HK_OK;
 }
 
+bool hk_supernodal_is_single(const hk_supernodal *s) { return s->path->number == sizeof(float); }
+
 static void forget(hk_supernodal *s) {
   void **all[] = {&s->L, &s->inverse, &s->update, &s->vector, &s->front};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) {
@@ -208,7 +210,7 @@ static void down(void *context, size_t begin, size_t end, size_t chunk) {
 
 static double scale_of(const hk_supernodal *s, const double *b) {
   double most = 0;
-  if (s->path->number == sizeof(double)) return 1;
+  if (!hk_supernodal_is_single(s)) return 1;
   for (size_t k = 0; k < unknowns(s); k++) most = fmax(most, fabs(b[k]));
   return most > DBL_MIN ? 1 / most : 1;
 }

@@ -26,6 +26,7 @@ typedef struct hk_supernodal {
 } hk_supernodal;
 
 hk_status hk_supernodal_open(hk_supernodal *, const hk_host *, bool single);
+bool hk_supernodal_is_single(const hk_supernodal *);
 void hk_supernodal_close(hk_supernodal *);
 hk_status hk_supernodal_analyze(hk_supernodal *, const hk_matrix *A, int ordering);
 /* HK_NOT_CONVERGED: the matrix is not positive definite, and there is no factor. */
