@@ -14,7 +14,7 @@
  * fastest mode that is damped passes such a band unharmed, slower ones, damped less, do not. So every h w at which the
  * undamped oscillator grows is followed through all steps, with the damping that the mode of that frequency has at
  * least (below_bands). Where the modes of a scene lie is not known, and moves with it: no step is granted that a band
- * could spoil. (A chain of 2,000 springs in 7,000 steps of 0.9 of 5.03: its energy grows by 10^13.)
+ * could spoil. (A chain of 2,000 links in 7,000 steps of 0.9 of 5.03: its energy grows by 10^13.)
  *
  * "Grows" is by more than 2e-7 a step: less cannot be told from rounding and from defective matrices, whose spectral
  * radius plugins/common/integrate/growth_factor.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis

@@ -20,9 +20,6 @@
  *
  * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
  * ends the run with the particle's number. */
-#include "plugins/common/rods/rod_blocks.h"
-#include "plugins/common/rods/rod_damping.h"
-#include "plugins/common/rods/rod_shape.h"
 #include "plugins/common/rods/rods.h"
 
 /* clang-format off */
@@ -46,8 +43,8 @@ static const hk_param params[] = {
      HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
     {"turn", "rad", "angle by which the last clamp of a rod is turned about it, or a ring's ends against each other",
      HK_NUMBER, {0}, 0, 0, offsetof(hk_rods, turn), HK_TIMED, NULL},
-    {"retardation", "s", "damping as a time (Kelvin and Voigt): moments are EI (k + retardation dk/dt) and in twist the same; "
-     "a mode of frequency w is damped at the rate retardation w^2; above 0 rods have no elements (xpbd, local_global)",
+    {"retardation", "s", "damping as a time (Kelvin and Voigt): moments are EI (k + retardation dk/dt), and so in twist: "
+     "a mode of frequency w is damped at the rate retardation w^2; above 0 there are no elements (xpbd, local_global)",
      HK_NUMBER, {0}, 0, INFINITY, offsetof(hk_rods, retardation), 0, NULL},
     {"spins", "", "particles that are the angles of sections, one for each edge, which slide along x; left out: "
      "quasi-static twist",

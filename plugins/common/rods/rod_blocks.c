@@ -13,8 +13,7 @@
  * The damping is the retardation times the first two terms, with the stiffness against rates of twist, less what its
  * sections' turning softens (rod_damping.c): its blocks, too, are never softer than it. How it changes with the
  * positions is left out of K. */
-#include "plugins/common/rods/rod_blocks.h"
-#include "plugins/common/rods/rod_damping.h"
+#include "plugins/common/rods/rods.h"
 #include "plugins/common/rods/rod_joint.h"
 #include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/space/vector3.h"
@@ -161,7 +160,7 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
         hk_rod_joint_at(r, b, lane, k, &j);
         add_joint(&j, t->into->want & HK_WANT_DEFINITE, slot, t->into->K);
         if (!(r->retardation > 0)) continue;
-        hk_rod_damping_joint(r, (b->first + k) * LANES + lane, &j);
+        hk_rod_joint_damping(r, (b->first + k) * LANES + lane, &j);
         add_joint(&j, true, slot, t->into->D);
       }
   }
@@ -209,7 +208,7 @@ void hk_rod_blocks_bound(const hk_rods *r, const hk_view *view, hk_stiffness_par
         nodes_of(r, &r->batch[q], lane, k, node);
         hk_rod_joint_at(r, &r->batch[q], lane, k, &j);
         bool damping = part == HK_DAMPING_WHOLE;
-        if (damping) hk_rod_damping_joint(r, (r->batch[q].first + k) * LANES + lane, &j);
+        if (damping) hk_rod_joint_damping(r, (r->batch[q].first + k) * LANES + lane, &j);
         hessian(&j, damping, H);
         for (int c = 0; c < 9; c++) {
           if (view->model->inverse_mass[node[c / 3]] == 0 || view->model->inverse_mass[node[c % 3]] == 0) continue;

@@ -11,8 +11,8 @@
  * bending.
  *
  * A rod of stiffness EI that bends in its modes of frequencies w has the damping rates retardation w^2. */
-#include "plugins/common/rods/rod_damping.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/common/rods/rod_joint.h"
+#include "plugins/common/rods/rods.h"
 
 enum { LANES = HK_ROD_LANES, GRAIN = 8 };
 
@@ -20,22 +20,12 @@ static const double POOR = 1e-12; /* of a pivot, relative to the largest diagona
 
 /* One joint and its rates while no section turns beside its edge. */
 typedef struct motion {
-  hk_rod_joint joint;
-  double g[2][6], m[6];      /* of edge vectors */
-  double twist, bend[2], of; /* J; 1/s: rates of k_1, k_2, and of the twist */
-  size_t at[2];              /* rows of its edges */
-  size_t node[3];            /* rows of its nodes */
+  hk_rod_joint joint;    /* bend and twist: those of the damping, J s */
+  double g[2][6], m[6];  /* of edge vectors */
+  double bend[2], twist; /* 1/s: rates of k_1, k_2, and of the twist */
+  size_t at[2];          /* rows of its edges */
+  size_t node[3];        /* rows of its nodes */
 } motion;
-
-/* The stiffness against rates of twist, J. */
-static double twist_of(const hk_rods *r, size_t row, const hk_rod_joint *j) {
-  return r->rows.twist[row] > 0 ? r->rows.twist[row] : (j->bend[0] + j->bend[1]) / 2;
-}
-
-void hk_rod_damping_joint(const hk_rods *r, size_t row, hk_rod_joint *j) {
-  j->twist = r->retardation * twist_of(r, row, j);
-  for (int c = 0; c < 2; c++) j->bend[c] *= r->retardation;
-}
 
 static void find_motion(const hk_rods *r, const hk_view *view, const hk_rod_batch *b, size_t lane, size_t k,
                         motion *q) {
@@ -44,28 +34,28 @@ static void find_motion(const hk_rods *r, const hk_view *view, const hk_rod_batc
   for (size_t c = 0; c < 3; c++) q->node[c] = node + (b->ring ? (k + c) % count : k + c) * LANES;
   hk_rod_joint_at(r, b, lane, k, &q->joint);
   hk_rod_joint_gradients(&q->joint, q->g, q->m);
-  q->twist = twist_of(r, q->at[0], &q->joint);
-  q->bend[0] = q->bend[1] = q->of = 0;
+  hk_rod_joint_damping(r, q->at[0], &q->joint);
+  q->bend[0] = q->bend[1] = q->twist = 0;
   for (size_t c = 0; c < 6; c++) {
     const uint32_t *particle = r->rows.node;
     double rate = view->v[3 * (size_t)particle[q->node[c / 3 + 1]] + c % 3] -
                   view->v[3 * (size_t)particle[q->node[c / 3]] + c % 3];
-    q->bend[0] += q->g[0][c] * rate, q->bend[1] += q->g[1][c] * rate, q->of += q->m[c] * rate;
+    q->bend[0] += q->g[0][c] * rate, q->bend[1] += q->g[1][c] * rate, q->twist += q->m[c] * rate;
   }
 }
 
 static void turn_sections(motion *q, double s0, double s1) {
   q->bend[0] += q->joint.k[1] * (s0 + s1) / 2;
   q->bend[1] -= q->joint.k[0] * (s0 + s1) / 2;
-  q->of += s1 - s0;
+  q->twist += s1 - s0;
 }
 
-/* dR/ds of its two sections, over the retardation. */
+/* dR/ds of its two sections. */
 static void torques_of(const motion *q, double torque[2]) {
   const hk_rod_joint *j = &q->joint;
   double half = (j->bend[0] * q->bend[0] * j->k[1] - j->bend[1] * q->bend[1] * j->k[0]) / 2;
-  torque[0] = half - q->twist * q->of;
-  torque[1] = half + q->twist * q->of;
+  torque[0] = half - j->twist * q->twist;
+  torque[1] = half + j->twist * q->twist;
 }
 
 /* ---- the rates of the sections, in `right` ---- */
@@ -90,8 +80,8 @@ static void assemble(const hk_rods *r, const hk_view *view, const hk_rod_batch *
     torques_of(&q, torque);
     const hk_rod_joint *j = &q.joint;
     double h = (j->bend[0] * j->k[1] * j->k[1] + j->bend[1] * j->k[0] * j->k[0]) / 4;
-    for (int e = 0; e < 2; e++) w->pivot[q.at[e]] += h + q.twist, w->right[q.at[e]] -= torque[e];
-    w->lower[q.at[0]] += h - q.twist;
+    for (int e = 0; e < 2; e++) w->pivot[q.at[e]] += h + j->twist, w->right[q.at[e]] -= torque[e];
+    w->lower[q.at[0]] += h - j->twist;
   }
   for (size_t at = first; at < end; at += LANES) {
     if (!is_clamp(r, view, at)) continue;
@@ -148,9 +138,9 @@ static void add_force(const hk_rods *r, const motion *q) {
   const hk_rod_joint *j = &q->joint;
   for (size_t c = 0; c < 6; c++) {
     double slope =
-        j->bend[0] * q->bend[0] * q->g[0][c] + j->bend[1] * q->bend[1] * q->g[1][c] + q->twist * q->of * q->m[c];
-    r->rows.f[c % 3][q->node[c / 3]] += r->retardation * slope;
-    r->rows.f[c % 3][q->node[c / 3 + 1]] -= r->retardation * slope;
+        j->bend[0] * q->bend[0] * q->g[0][c] + j->bend[1] * q->bend[1] * q->g[1][c] + j->twist * q->twist * q->m[c];
+    r->rows.f[c % 3][q->node[c / 3]] += slope;
+    r->rows.f[c % 3][q->node[c / 3 + 1]] -= slope;
   }
 }
 
@@ -166,9 +156,9 @@ static double damp(const hk_rods *r, const hk_view *view, const hk_rod_batch *b,
     turn_sections(&q, w->right[q.at[0]], w->right[q.at[1]]);
     torques_of(&q, torque);
     add_force(r, &q);
-    for (int e = 0; e < 2; e++) w->column[q.at[e]] -= r->retardation * torque[e];
-    power -= r->retardation * (q.joint.bend[0] * q.bend[0] * q.bend[0] + q.joint.bend[1] * q.bend[1] * q.bend[1] +
-                               q.twist * q.of * q.of);
+    for (int e = 0; e < 2; e++) w->column[q.at[e]] -= torque[e];
+    power -= (q.joint.bend[0] * q.bend[0] * q.bend[0] + q.joint.bend[1] * q.bend[1] * q.bend[1] +
+              q.joint.twist * q.twist * q.twist);
   }
   return power;
 }

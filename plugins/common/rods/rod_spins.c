@@ -1,7 +1,6 @@
 /* With the angle of an edge's section s/radius, s the x of its particle, a joint adds d^2E/(ds ds') of its two edges,
  * and d^2E/(ds dx) of them and its three nodes: those of rod_relaxed.c over the radius. */
 #include "plugins/common/rods/rod_angles.h"
-#include "plugins/common/rods/rod_damping.h"
 #include "plugins/common/rods/rod_joint.h"
 
 enum { LANES = HK_ROD_LANES, SPIN_BLOCKS = 16 /* of a joint */ };
@@ -58,7 +57,7 @@ void hk_rod_spins_add(const hk_rods *r, size_t joints, const hk_blocks *into) {
         hk_rod_joint_at(r, &r->batch[q], lane, k, &j);
         add_joint(r, &j, into->want & HK_WANT_DEFINITE, slot, into->K);
         if (!(r->retardation > 0)) continue;
-        hk_rod_damping_joint(r, (r->batch[q].first + k) * LANES + lane, &j);
+        hk_rod_joint_damping(r, (r->batch[q].first + k) * LANES + lane, &j);
         add_joint(r, &j, true, slot, into->D);
       }
 }
