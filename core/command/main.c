@@ -213,7 +213,8 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
   size_t length = strlen(name);
   if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
-  bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output && name[0] != '.';
+  bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output;
+  fine = fine && strcmp(output, "out/.") != 0 && strcmp(output, "out/..") != 0; /* as the folder itself: nameless */
   surroundings here = {registry, p};
   hk_confinement c = needs_of(&here, o->scene, native);
   c.programs = getenv("PATH");
