@@ -28,6 +28,8 @@ hk_status hk_folder_path(hk_folder *, const char *owner, const char *name, char 
 /* ---- targets.c: whether what `option` names can be written, before a run. HK_IO and HK_BAD_PARAM say why not ---- */
 
 hk_status hk_target_file(const char *option, const char *path, hk_error *error);
+/* Refuses to write over a file that the run reads. Either may be NULL, and need not exist. */
+hk_status hk_target_spares(const char *option, const char *path, const char *source, hk_error *error);
 /* A folder, or one that can be made; looks, and makes nothing. */
 hk_status hk_target_folder(const char *option, const char *path, hk_error *error);
 /* ---- write_file.c ---- */
