@@ -183,6 +183,10 @@ static hk_channel_spec *find_channel(const hk_scene *scene, const char *name) {
 hk_status hk_scene_add_channel(hk_scene *scene, const char *name, size_t size, const double *initial, double decay,
                                const hk_function *rate, hk_error *error) {
   if (find_channel(scene, name)) return hk_error_set(error, HK_BAD_PARAM, "there is already a channel '%s'", name);
+  if (*name == 0 || strpbrk(name, ",\"\r\n"))
+    return hk_error_set(error, HK_BAD_PARAM,
+                        "channel '%s': the name goes into the heads of tables: one without comma, quote and line break",
+                        name);
   if (size < 1) return hk_error_set(error, HK_BAD_PARAM, "channel '%s': size must be at least 1", name);
   for (size_t k = 0; initial && k < size; k++)
     if (!isfinite(initial[k]))
