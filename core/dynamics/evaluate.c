@@ -135,9 +135,8 @@ hk_status hk_evaluate_accelerations(hk_system *s, double t, double *x, double *v
 
 bool hk_evaluate_waves(const hk_dynamics *d) {
   const hk_system *s = &d->system;
-  bool plain = !d->constraints && !s->contact && !d->listens && !d->demands && s->size == 6 * s->n + 1;
-  return plain && !(s->flags & HK_DEPENDS_ON_T) && !d->pins->has_slides && !has_whole(d) &&
-         d->parts.wave.depth >= DEPTH;
+  if (d->constraints || s->contact || d->listens || d->demands || s->size > 6 * s->n + 1) return false;
+  return !(s->flags & HK_DEPENDS_ON_T) && !d->pins->has_slides && !has_whole(d) && d->parts.wave.depth >= DEPTH;
 }
 
 hk_status hk_evaluate_wave(hk_system *s, hk_level *level, size_t count) {

@@ -152,8 +152,7 @@ hk_status hk_step_accept(hk_loop *, double h, double error, hk_status status);
 
 /* ---- march.c ---- */
 
-/* So many of the next steps can be taken at once; 0: one has to be taken as any other. */
-size_t hk_march_length(const hk_loop *, const hk_piece *);
+size_t hk_march_length(const hk_loop *, const hk_piece *);       /* so many steps can be taken at once; 0: none */
 hk_status hk_march(hk_loop *, const hk_piece *, size_t *length); /* *length, or fewer */
 
 /* ---- reset.c ---- */
