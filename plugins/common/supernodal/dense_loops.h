@@ -6,9 +6,7 @@
 #include <string.h>
 
 #define LANES (BYTES / sizeof(REAL))
-#define PARTS                                                                                                          \
-  (HK_FRONT_VECTOR / BYTES) /* sums are of 64 bytes on every processor, so that they have the same order               \
-                             */
+#define PARTS (HK_FRONT_VECTOR / BYTES)
 #define VECTOR NAME(vector)
 
 typedef REAL VECTOR __attribute__((vector_size(BYTES), aligned(BYTES), may_alias));
@@ -38,7 +36,7 @@ INLINE void NAME(store_tile)(const VECTOR *c, REAL *C, size_t ld, size_t T, size
 }
 
 /* X L^T = C for the triangle of W columns. */
-INLINE void NAME(divide)(VECTOR *c, const REAL *triangle, const REAL *inverse, size_t T, size_t W) {
+INLINE void NAME(divide_tile)(VECTOR *c, const REAL *triangle, const REAL *inverse, size_t T, size_t W) {
   for (size_t j = 0; j < W; j++) {
     for (size_t k = 0; k < j; k++)
       for (size_t i = 0; i < T; i++) c[T * j + i] = FMA(c[T * k + i], (VECTOR){0} - triangle[W * j + k], c[T * j + i]);
@@ -75,7 +73,7 @@ INLINE void NAME(finish_tile)(REAL *C, const REAL *A, const REAL *B, size_t ld, 
   VECTOR c[TALL * WIDE];
   NAME(load_tile)(c, C, ld, T, W);
   NAME(multiply)(c, A, B, ld, depth, T, W);
-  NAME(divide)(c, triangle, inverse, T, W);
+  NAME(divide_tile)(c, triangle, inverse, T, W);
   NAME(store_tile)(c, C, ld, T, W);
 }
 
@@ -95,38 +93,68 @@ INLINE size_t NAME(triangle)(const REAL *C, size_t ld, REAL *triangle, REAL *inv
   return W;
 }
 
-/* W columns of a panel, from column j on: subtracts the products of those before, and divides by the triangle. */
-INLINE size_t NAME(strip)(REAL *panel, size_t ld, size_t top, size_t j, REAL *inverse, size_t W) {
+/* Rows [r, end) of the W columns from column j on: subtracts the products of those before, and divides. */
+INLINE void NAME(finish)(REAL *panel, size_t ld, size_t diagonal, size_t j, size_t r, size_t end, const REAL *triangle,
+                         const REAL *inverse, size_t W) {
+  REAL *C = panel + ld * j;
+  const REAL *B = panel + diagonal;
+  for (; r + TALL * LANES <= end; r += TALL * LANES)
+    NAME(finish_tile)(C + r, panel + r, B, ld, j, triangle, inverse + j, TALL, W);
+  for (; r < end; r += LANES) NAME(finish_tile)(C + r, panel + r, B, ld, j, triangle, inverse + j, 1, W);
+}
+
+/* W columns of the triangle, from column j on, with the rows to `end`. Returns the number of columns with good pivots.
+ */
+INLINE size_t NAME(strip)(REAL *panel, size_t ld, size_t top, size_t end, size_t j, REAL *inverse, size_t W) {
   REAL triangle[WIDE * WIDE], *C = panel + ld * j;
   size_t diagonal = top + j, first = diagonal / LANES * LANES, last = (diagonal + W + LANES - 1) / LANES * LANES;
-  const REAL *B = panel + diagonal;
-  for (size_t r = first; r < last; r += LANES) NAME(subtract_tile)(C + r, ld, panel + r, B, ld, j, 1, W);
+  for (size_t r = first; r < last; r += LANES) NAME(subtract_tile)(C + r, ld, panel + r, panel + diagonal, ld, j, 1, W);
   size_t good = NAME(triangle)(C + diagonal, ld, triangle, inverse + j, W);
   if (good < W) return j + good;
-  size_t r = first;
-  for (; r < last; r += LANES) NAME(finish_tile)(C + r, panel + r, B, ld, 0, triangle, inverse + j, 1, W);
-  for (; r + TALL * LANES <= ld; r += TALL * LANES)
-    NAME(finish_tile)(C + r, panel + r, B, ld, j, triangle, inverse + j, TALL, W);
-  for (; r < ld; r += LANES) NAME(finish_tile)(C + r, panel + r, B, ld, j, triangle, inverse + j, 1, W);
+  for (size_t r = first; r < last; r += LANES)
+    NAME(finish_tile)(C + r, panel + r, panel + diagonal, ld, 0, triangle, inverse + j, 1, W);
+  NAME(finish)(panel, ld, diagonal, j, last, end, triangle, inverse, W);
   for (size_t k = 0; k < W; k++)
     for (size_t i = k; i < W; i++) C[ld * k + diagonal + i] = triangle[W * i + k];
   return j + W;
 }
 
+/* Columns that are worked on together where so many are left. */
+INLINE size_t NAME(width)(size_t left) { return left >= WIDE ? WIDE : left >= 3 ? 3 : 1; }
+
 TARGET static size_t NAME(factorize)(void *panel, size_t ld, size_t top, size_t columns, void *inverse) {
-  size_t j = 0, next = 0;
-  while (j < columns) {
-    size_t left = columns - j;
-    if (left >= WIDE)
-      next = NAME(strip)(panel, ld, top, j, inverse, WIDE);
-    else if (left >= 3)
-      next = NAME(strip)(panel, ld, top, j, inverse, 3);
+  size_t j = 0, next = 0, W;
+  for (; j < columns && next == j; j += W) {
+    W = NAME(width)(columns - j);
+    if (W == WIDE)
+      next = NAME(strip)(panel, ld, top, top + columns, j, inverse, WIDE);
+    else if (W == 3)
+      next = NAME(strip)(panel, ld, top, top + columns, j, inverse, 3);
     else
-      next = NAME(strip)(panel, ld, top, j, inverse, 1);
-    if (next < j + (left >= WIDE ? WIDE : left >= 3 ? 3 : 1)) break;
-    j = next;
+      next = NAME(strip)(panel, ld, top, top + columns, j, inverse, 1);
   }
   return next;
+}
+
+INLINE void NAME(divide_strip)(REAL *panel, size_t ld, size_t top, size_t j, size_t begin, size_t end,
+                               const REAL *inverse, size_t W) {
+  REAL triangle[WIDE * WIDE];
+  for (size_t i = 0; i < W; i++)
+    for (size_t k = 0; k < i; k++) triangle[W * i + k] = panel[ld * (j + k) + top + j + i];
+  NAME(finish)(panel, ld, top + j, j, begin, end, triangle, inverse, W);
+}
+
+TARGET static void NAME(divide)(void *panel, size_t ld, size_t top, size_t columns, const void *inverse, size_t begin,
+                                size_t end) {
+  for (size_t j = 0, W; j < columns; j += W) {
+    W = NAME(width)(columns - j);
+    if (W == WIDE)
+      NAME(divide_strip)(panel, ld, top, j, begin, end, inverse, WIDE);
+    else if (W == 3)
+      NAME(divide_strip)(panel, ld, top, j, begin, end, inverse, 3);
+    else
+      NAME(divide_strip)(panel, ld, top, j, begin, end, inverse, 1);
+  }
 }
 
 TARGET static void NAME(update)(void *U, size_t ldu, size_t begin, size_t end, const void *L, size_t ld,
@@ -135,7 +163,7 @@ TARGET static void NAME(update)(void *U, size_t ldu, size_t begin, size_t end, c
     size_t first = j / LANES * LANES, rows = ldu - first;
     REAL *C = (REAL *)U + ldu * j + first;
     const REAL *A = (const REAL *)L + first, *B = (const REAL *)L + j;
-    W = end - j >= WIDE ? WIDE : end - j >= 3 ? 3 : 1;
+    W = NAME(width)(end - j);
     if (W == WIDE)
       NAME(product)(C, ldu, A, B, ld, rows, columns, WIDE);
     else if (W == 3)
@@ -185,11 +213,14 @@ TARGET static void NAME(extend_update)(const hk_supernodes *s, const hk_supernod
   const hk_run *end = s->run + child->run_end, *run = s->run + child->run;
   size_t inner = s->block * n->columns;
   while (run < end && run->to < n->columns) run++;
-  for (; run < end; run++) NAME(extend_run)
-  (run, end, s->block, from, child->ldu, (REAL *)update + n->ldu * (s->block * run->to - inner) - inner, n->ldu);
+  for (; run < end; run++) {
+    size_t column = s->block * run->to - inner;
+    NAME(extend_run)(run, end, s->block, from, child->ldu, (REAL *)update + n->ldu * column - inner, n->ldu);
+  }
 }
 
-/* ---- Substitution, by strips of DEEP columns ---- */
+/* ---- Substitution, by strips of DEEP columns: as many sums of a strip backward fit the registers of every path.
+ * Sums are of 64 bytes on every processor, in PARTS vectors, so that they have the same order. ---- */
 
 enum { NAME(DEEP) = 6 };
 
@@ -301,9 +332,9 @@ TARGET static void NAME(pass_on)(const hk_supernodes *s, const hk_supernode *n, 
     }
 }
 
-static const hk_dense_path NAME(path) = {NAME_OF_PATH, sizeof(REAL),       NAME(factorize),     NAME(update),
-                                         NAME(begin),  NAME(extend_panel), NAME(extend_update), NAME(load),
-                                         NAME(store),  NAME(forward),      NAME(backward),      NAME(pass_on)};
+static const hk_dense_path NAME(path) = {
+    NAME_OF_PATH,        sizeof(REAL), NAME(factorize), NAME(divide),  NAME(update),   NAME(begin),  NAME(extend_panel),
+    NAME(extend_update), NAME(load),   NAME(store),     NAME(forward), NAME(backward), NAME(pass_on)};
 
 #undef VECTOR
 #undef LANES

@@ -12,10 +12,12 @@
 typedef struct hk_dense_path {
   const char *name;
   size_t number; /* bytes: of a double or a float */
-  /* Cholesky's factorization of the panel's first `columns` columns, whose diagonal begins in row `top`, less than a
-   * vector; below it there are rows to ld. 1/diagonal goes to `inverse`. Returns the number of columns before the first
-   * pivot that is not positive: `columns` if all are. */
+  /* Cholesky's factorization of the square of the panel's `columns` columns, whose diagonal begins in row `top` and
+   * ends with a vector. 1/diagonal goes to `inverse`. Returns the number of columns before the first pivot that is not
+   * positive: `columns` if all are. */
   size_t (*factorize)(void *panel, size_t ld, size_t top, size_t columns, void *inverse);
+  /* Rows [begin, end) below it, whole vectors, divided by the square's transpose. */
+  void (*divide)(void *panel, size_t ld, size_t top, size_t columns, const void *inverse, size_t begin, size_t end);
   /* Columns [begin, end) of U = -L L^T, on and below the diagonal. U has `ldu` rows, as L, whose columns have `ld`. */
   void (*update)(void *U, size_t ldu, size_t begin, size_t end, const void *L, size_t ld, size_t columns);
   /* A supernode's panel with the blocks of A, and what a child's update adds to it and to the update. */

@@ -1,7 +1,8 @@
 /* See supernodal.h. A supernode's front is the dense matrix of its columns and the rows below: the blocks of A there,
  * and what the updates of its children add. Its columns are factorized by dense loops (dense_loops.h), and the rest is
- * its own update for its parent. Branches of the tree (supernodes.h) are worked on by several threads, the top by one;
- * every front adds its children in their order: the same bits for any number of threads.
+ * its own update for its parent. Branches of the tree (supernodes.h) are worked on by several threads, and so
+ * are rows and columns of the fronts at the top; every front adds its children in their order: the same bits for any
+ * number of threads.
  *
  * Substitution goes forward through the branches, each with a vector of its own, from which the top takes the rows
  * above the branches in their order; and back from the top. Invariant: the rows of a branch's vector above it are zero
@@ -11,6 +12,9 @@
 #include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* Of fronts at the top, whole tiles of every path: a chunk is some 10 us or more with 100 columns. */
+enum { GRAIN_VECTORS = 8, GRAIN_COLUMNS = 24 };
 
 hk_status hk_supernodal_open(hk_supernodal *s, const hk_host *host, bool single) {
   s->host = host;
@@ -78,31 +82,73 @@ static void *at(const hk_supernodal *s, void *numbers, size_t position) {
 
 /* ---- Factorization ---- */
 
+typedef struct dense_front {
+  hk_supernodal *s;
+  const hk_supernode *n;
+  void *panel, *update;
+} dense_front;
+
+static size_t columns_of(const dense_front *f) { return f->s->nodes.block * f->n->columns; }
+
+static void *inverse_of(const dense_front *f) { return at(f->s, f->s->inverse, f->s->nodes.block * f->n->first); }
+
+static void divide(void *context, size_t begin, size_t end, size_t chunk) {
+  const dense_front *f = context;
+  const hk_supernode *n = f->n;
+  size_t vector = HK_FRONT_VECTOR / f->s->path->number, first = n->top + columns_of(f);
+  (void)chunk;
+  f->s->path->divide(f->panel, n->ld, n->top, columns_of(f), inverse_of(f), first + vector * begin,
+                     first + vector * end);
+}
+
+static void update(void *context, size_t begin, size_t end, size_t chunk) {
+  const dense_front *f = context;
+  const hk_supernode *n = f->n;
+  size_t columns = columns_of(f);
+  (void)chunk;
+  f->s->path->update(f->update, n->ldu, begin, end, at(f->s, f->panel, n->top + columns), n->ld, columns);
+}
+
+/* The part of every child in the panel, or in the update. */
+static void extend(const dense_front *f, bool panel) {
+  const hk_supernodes *nodes = &f->s->nodes;
+  for (size_t c = f->n->child; c < f->n->child_end; c++) {
+    const hk_supernode *child = &nodes->node[nodes->child[c]];
+    const void *from = at(f->s, f->s->update, child->update);
+    if (panel)
+      f->s->path->extend_panel(nodes, child, from, f->n, f->panel);
+    else
+      f->s->path->extend_update(nodes, child, from, f->n, f->update);
+  }
+}
+
 /* Returns the row of the pivot that is not positive, or SIZE_MAX. */
-static size_t factorize_front(hk_supernodal *s, const hk_supernode *n) {
-  const hk_supernodes *nodes = &s->nodes;
-  size_t b = nodes->block, columns = b * n->columns;
-  void *panel = at(s, s->L, n->panel), *update = at(s, s->update, n->update);
-  s->path->begin(nodes, n, s->value, panel);
-  for (size_t c = n->child; c < n->child_end; c++) {
-    const hk_supernode *child = &nodes->node[nodes->child[c]];
-    s->path->extend_panel(nodes, child, at(s, s->update, child->update), n, panel);
+static size_t factorize_front(hk_supernodal *s, const hk_supernode *n, bool on_all_threads) {
+  dense_front f = {s, n, at(s, s->L, n->panel), at(s, s->update, n->update)};
+  const hk_host *host = s->host;
+  size_t b = s->nodes.block, columns = columns_of(&f);
+  size_t vectors = (n->ld - n->top - columns) / (HK_FRONT_VECTOR / s->path->number);
+  s->path->begin(&s->nodes, n, s->value, f.panel);
+  extend(&f, true);
+  size_t good = s->path->factorize(f.panel, n->ld, n->top, columns, inverse_of(&f));
+  if (good < columns) return b * s->nodes.order[n->first + good / b] + good % b;
+  if (on_all_threads) {
+    host->parallel_for(host, vectors, GRAIN_VECTORS, divide, &f);
+    host->parallel_for(host, b * n->rows, GRAIN_COLUMNS, update, &f);
+  } else {
+    divide(&f, 0, vectors, 0);
+    update(&f, 0, b * n->rows, 0);
   }
-  size_t good = s->path->factorize(panel, n->ld, n->top, columns, at(s, s->inverse, b * n->first));
-  if (good < columns) return b * nodes->order[n->first + good / b] + good % b;
-  s->path->update(update, n->ldu, 0, b * n->rows, at(s, panel, n->top + columns), n->ld, columns);
-  for (size_t c = n->child; c < n->child_end; c++) {
-    const hk_supernode *child = &nodes->node[nodes->child[c]];
-    s->path->extend_update(nodes, child, at(s, s->update, child->update), n, update);
-  }
+  extend(&f, false);
   return SIZE_MAX;
 }
 
 static void factorize_branch(hk_supernodal *s, size_t branch) {
   hk_branch range = s->nodes.branch[branch];
+  bool top = branch + 1 == s->nodes.branches;
   s->bad[branch] = SIZE_MAX;
   for (uint32_t k = range.begin; k < range.end && s->bad[branch] == SIZE_MAX; k++)
-    s->bad[branch] = factorize_front(s, nth(s, branch, k));
+    s->bad[branch] = factorize_front(s, nth(s, branch, k), top);
 }
 
 static void factorize_branches(void *context, size_t begin, size_t end, size_t chunk) {

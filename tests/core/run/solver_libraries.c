@@ -123,13 +123,19 @@ static void the_reference_blas_is_warned_of_once_and_with_the_remedy(void **stat
 static void explain_names_the_blas_of_an_implicit_method_and_warns(void **state) {
   (void)state;
   const char *before = on_the_reference_blas();
+  char named[sizeof star + 64];
   test_write("chain.lua", chain);
   test_write("star.lua", star);
+  snprintf(named, sizeof named, "%.*sscene:solver('cholmod')\nreturn scene\n", (int)(strstr(star, "return") - star),
+           star);
+  test_write("named.lua", named);
   run(NULL, "explain star.lua");
   says(r.out, "linear systems\n  CHOLMOD ");
   run(NULL, "explain star.lua --json");
   says(r.out, "\"solver_libraries\":\"CHOLMOD ");
-  run(before, "explain star.lua");
+  run(before, "explain star.lua"); /* needs it for the order of rows alone */
+  assert_null(strstr(r.out, "reference BLAS"));
+  run(before, "explain named.lua");
   says(r.out, ", reference BLAS (slow: install OpenBLAS)\n");
   says(r.out, "\nwarning: cholmod: CHOLMOD runs on the reference BLAS");
   says(r.out, "tools/install-deps run");

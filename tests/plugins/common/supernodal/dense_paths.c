@@ -75,8 +75,13 @@ static void close_front(front *f) {
 
 static void run(const hk_dense_path *path, front *f) {
   assert_int_equal(path->factorize(f->panel, f->ld, f->top, f->inner, f->inverse), f->inner);
+  size_t vector = HK_FRONT_VECTOR / path->number, first = f->top + f->inner,
+         middle = first + (f->ld - first) / vector / 2 * vector;
+  path->divide(f->panel, f->ld, f->top, f->inner, f->inverse, first, middle);
+  path->divide(f->panel, f->ld, f->top, f->inner, f->inverse, middle, f->ld);
   const void *rows = (char *)f->panel + (f->top + f->inner) * path->number;
-  path->update(f->update, f->ldu, 0, f->below, rows, f->ld, f->inner);
+  path->update(f->update, f->ldu, 0, f->below / 2, rows, f->ld, f->inner);
+  path->update(f->update, f->ldu, f->below / 2, f->below, rows, f->ld, f->inner);
 }
 
 /* Rounding of one number is eps, of sums of up to MOST products of numbers below 1 some MOST eps. */
