@@ -13,8 +13,8 @@ double hk_local_filter(int p, double s, double x) {
   return c / cosh(s);
 }
 
-/* Beyond the first swing of c, whose least is all that counts, c is taken to be its least, and so it is beyond the range
- * of p, where components take more short steps. */
+/* Beyond the first swing of c, whose least is all that counts, c is taken to be its least, and so it is beyond the
+ * range of p, where components take more short steps. */
 enum { SWING = 20 };
 
 static double room_at(const hk_local_modes *m, int p, double s, double h, double x) {

@@ -15,6 +15,10 @@ enum { CLASSES = 40, GROUPS = 40, SHIFTS = sizeof hk_local_shifts / sizeof *hk_l
 /* Work is counted in springs of a whole evaluation, of 1.6 ns on Zen 5. A spring is gathered once a long step; each
  * brings up to two particles. Groups have calls of their own. */
 static const double work_of_evaluation = 100, work_of_spring = 2, work_of_gathering = 6, work_of_call = 30;
+/* The largest damping ratio of a spring taken. Damped once a long step, springs of more leave no room to the others in
+ * steps that all but resolve them, x = 2 to 20 (local_filter.h): longer steps would be stable, and some shorter ones
+ * not. */
+static const double most_damped = 0.06;
 static const double worth = 0.8; /* part of leapfrog's work below which local steps are taken */
 
 /* A particle, and, at the root of its tree, the component of the springs taken so far. */
@@ -26,9 +30,10 @@ typedef struct node {
 
 typedef struct choice {
   const hk_model *model;
-  double stiffest;    /* 1/s^2 */
-  size_t in[CLASSES]; /* springs of a class */
-  node *node;         /* n */
+  double stiffest;        /* 1/s^2 */
+  size_t in[CLASSES];     /* springs of a class */
+  double damped[CLASSES]; /* s, their largest damping over stiffness */
+  node *node;             /* n */
 } choice;
 
 /* Components, by octaves of their bounds. */
@@ -85,8 +90,11 @@ static void find_stiffest(choice *c, void *context, const hk_elements *list, siz
 
 static void count(choice *c, void *context, const hk_elements *list, size_t e, double r) {
   const uint32_t *pair = hk_tuple(&list->node, e);
+  double damping = damping_of(list, e);
+  int octave = class_of(c, r);
   (void)context;
-  c->in[class_of(c, r)]++;
+  c->in[octave]++;
+  if (damping > 0) c->damped[octave] = fmax(c->damped[octave], damping / hk_tuple_value(&list->stiffness, e));
   for (int end = 0; end < 2; end++) {
     c->node[pair[end]].all += r;
     c->node[pair[end]].all_damping += damping_rate(c->model, list, e);
@@ -197,6 +205,7 @@ static offer best_offer(choice *c, size_t edges) {
   best.work *= worth;
   for (int octave = 0; octave < CLASSES && 2 * taken < edges; octave++) {
     if (c->in[octave] == 0) continue;
+    if (c->damped[octave] * sqrt(ldexp(c->stiffest, -octave)) > 2 * most_damped) break;
     each(c, &octave, add_class);
     taken += c->in[octave];
     found = (cut){.classes = octave + 1};
