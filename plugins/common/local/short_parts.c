@@ -88,7 +88,9 @@ static void divide(builder *b) {
     s->n += s->part[k].n;
   }
   for (size_t e = 0; e < b->edges->count; e++) {
-    hk_local_modes *modes = &s->part[b->node[b->edges->pair[e][0]].part].modes;
+    const int8_t in = b->node[b->edges->pair[e][0]].part;
+    if (in == NOT_STIFF) continue; /* between pinned particles */
+    hk_local_modes *modes = &s->part[in].modes;
     modes->retardation = fmax(modes->retardation, b->edges->c[e] / b->edges->k[e]);
   }
 }
@@ -155,7 +157,8 @@ static hk_status take_small(builder *b) {
     bound[i] = b->node[i].bound;
   }
   for (uint32_t e = 0; e < b->edges->count && status == HK_OK; e++)
-    if (is_small(&b->node[root[b->edges->pair[e][0]]])) edge[count++] = e;
+    if (b->node[b->edges->pair[e][0]].part != NOT_STIFF && is_small(&b->node[root[b->edges->pair[e][0]]]))
+      edge[count++] = e;
   if (status == HK_OK)
     status = hk_short_lanes_build(&b->s->lanes, b->host, b->model, b->edges, edge, count, root, bound);
   b->host->release(b->host, edge);
