@@ -191,8 +191,8 @@ struct hk_host {
                        void (*body)(void *context, size_t begin, size_t end, size_t chunk), void *context);
   /* Uniform in [0, 1), 53 bits, from the instance's own stream (seeded by --seed, kind and label; in checkpoints). */
   double (*random)(const hk_host *);
-  /* Outputs: the path of a file of this run, under its output folder; folders in `name` are created, and the file is
-   * listed as a file of this run. HK_IO when that fails, HK_BAD_PARAM when `name` is absolute or has "..". */
+  /* Outputs: the path of a file of this run, below its output folder, where folders in `name` are created. HK_IO when
+   * that fails, HK_BAD_PARAM when `name` is absolute, has "..", or is another output's: ask early, in `open`. */
   hk_status (*path)(const hk_host *, const char *name, char *buffer, size_t size);
   /* A table of further services by versioned name, "neighbours/1" (core/plugin/service.h); to be queried in `create`,
    * valid as long as the run. NULL: no service has this name. */

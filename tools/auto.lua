@@ -56,10 +56,22 @@ local function folder()
   return base and base .. "/hooke"
 end
 
+local function is_setting(x) return x == nil or type(x) == "number" and x > 0 and x < math.huge end
+
+local function is_integrator(name)
+  for _, p in ipairs((hooke.catalogue())) do
+    if p.kind == "integrator" and p.name == name then return true end
+  end
+  return false
+end
+
+-- What is damaged, or names what there is no more, is measured again.
 local function stored_choice(path)
   local text = path and journal.read(path)
   local fine, choice = pcall(journal.json.decode, text or "")
-  return fine and type(choice) == "table" and choice.integrator and choice or nil
+  fine = fine and type(choice) == "table" and type(choice.integrator) == "string" and type(choice.why) == "string"
+    and is_setting(choice.dt) and is_setting(choice.tol) and is_integrator(choice.integrator:match("^[^:]*"))
+  return fine and choice or nil
 end
 
 -- Returns whether the choice is on file.
@@ -205,7 +217,7 @@ local function main()
     kept = store_choice(path, choice)
   end
   if not o.quiet then
-    io.stderr:write(("hooke: auto: %s\n"):format(choice.why))
+    io.stderr:write(("hooke: auto: %s\n"):format(hooke.plain(choice.why)))
     io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(path)
       or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, kept and ", kept in " .. path or ""))
   end

@@ -213,7 +213,8 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
   const char *slash = strrchr(o->scene, '/'), *name = slash ? slash + 1 : o->scene;
   size_t length = strlen(name);
   if (length > 4 && strcmp(name + length - 4, ".lua") == 0) length -= 4;
-  bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output && name[0] != '.';
+  bool fine = snprintf(output, sizeof output, "out/%.*s", (int)length, name) < (int)sizeof output;
+  fine = fine && strcmp(output, "out/.") != 0 && strcmp(output, "out/..") != 0; /* as the folder itself: nameless */
   surroundings here = {registry, p};
   hk_confinement c = needs_of(&here, o->scene, native);
   c.programs = getenv("PATH");
@@ -230,7 +231,11 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
 
 /* Before the scene's script, which may take its time. */
 static hk_status try_targets(const hk_options *o, hk_error *error) {
+  const char *const written[][2] = {{"--state", o->state}, {"--summary", o->summary}};
+  const char *const read[] = {o->scene, o->run.resume};
   hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
+  for (size_t k = 0; k < 4 && status == HK_OK; k++)
+    status = hk_target_spares(written[k / 2][0], written[k / 2][1], read[k % 2], error);
   bool writes = o->run.out && !o->run.no_output && !o->help;
   return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
 }

@@ -46,7 +46,7 @@ static const option options[] = {
     {"--with", "KIND:NAME",
      "a plugin beside those of the scene, KIND:NAME:parameter=value,... sets its parameters; may be repeated; an "
      "output that the scene has is not doubled",
-     LIST, AT(run.with), false},
+     LIST, AT(run.with), true},
     {"--draft", NULL, "pictures of half the size, for a quick look", FLAG, AT(run.draft), false},
     {"--no-output", NULL, "switch the scene's outputs off", FLAG, AT(run.no_output), false},
     {"--verify", NULL, "run again with half the step and print the largest difference of all frames", FLAG, AT(verify),

@@ -1,6 +1,6 @@
-/* See resume.h. Options for where files go, what is printed, threads and rights are not kept: they are the user's, each
- * time, and a checkpoint from somebody else must not choose them. Where it lies is the user's word, though: in the
- * output folder of a run of that scene, the run goes on there. */
+/* See resume.h. Options for where files go, what is printed, outputs, threads and rights are not kept: they are the
+ * user's, each time, and a checkpoint from somebody else must not choose them. Where it lies is the user's word,
+ * though: in the output folder of a run of that scene, the run goes on there. */
 #include "core/command/resume.h"
 
 #include <dirent.h>
@@ -34,6 +34,13 @@ static char *append(char *to, const char *word) {
   return to + length;
 }
 
+/* Of what --with adds, all but outputs is part of the motion. */
+static bool adds_output(char **word, int count) {
+  static const char with[] = "--with", output[] = "output:";
+  const char *equals = strchr(word[0], '='), *value = count == 2 ? word[1] : equals ? equals + 1 : "";
+  return strncmp(word[0], with, sizeof with - 1) == 0 && strncmp(value, output, sizeof output - 1) == 0;
+}
+
 char *hk_resume_words(int argc, char **argv) {
   char scene[PATH_MAX];
   int at = find_scene(argc, argv, false);
@@ -47,6 +54,7 @@ char *hk_resume_words(int argc, char **argv) {
   for (int i = 0, count; i < argc; i += count) {
     count = words_of(argc, argv, i, &kept);
     bool parameter = argv[i][0] != '-' && i != at;
+    kept = kept && !adds_output(argv + i, count);
     for (int k = i; k < i + count && (kept || parameter); k++)
       if (*argv[k]) end = append(end, argv[k]);
   }

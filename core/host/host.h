@@ -122,7 +122,8 @@ typedef struct hk_shared {
   hk_error *error; /* host->fail writes its message here */
   hk_warnings *warnings;
   uint64_t seed;
-  hk_status (*path)(void *context, const char *name, char *buffer, size_t size); /* NULL: no output folder */
+  /* NULL: no output folder. `owner` is the label of the instance that asks. */
+  hk_status (*path)(void *context, const char *owner, const char *name, char *buffer, size_t size);
   const void *(*query)(void *context, const char *service);
   void *context;                              /* of path and query */
   const struct hk_instance *volatile *acting; /* who is at work, for whoever has to say why the process ends; NULL */

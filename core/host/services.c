@@ -73,7 +73,7 @@ static double host_random(const hk_host *host) { return hk_random_uniform(instan
 static hk_status host_path(const hk_host *host, const char *name, char *buffer, size_t size) {
   hk_shared *shared = instance_of(host)->shared;
   if (!shared->path) return host->fail(host, HK_IO, "'%s': this run has no output folder", name);
-  return shared->path(shared->context, name, buffer, size);
+  return shared->path(shared->context, instance_of(host)->label, name, buffer, size);
 }
 
 static const void *host_query(const hk_host *host, const char *service) {

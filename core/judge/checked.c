@@ -30,13 +30,22 @@ static void describe_energy(hk_summary *s) {
     hk_checked_add(s, ", ", "energy balance not known");
 }
 
+static void describe_stability(const hk_loop *loop, hk_summary *s) {
+  if (loop->step->growth_expected)
+    hk_checked_add(s, ", ", "not stable at any step");
+  else if (loop->record->dt_beyond > 0)
+    hk_checked_add(s, ", ", "with steps above the stable limit, which the positions do not show");
+  else
+    hk_checked_add(s, ", ", "stable");
+}
+
 /* An accuracy that is worth asking for: the power of ten nearest to a thousandth of the scene's extent. */
 static double worthwhile(const hk_loop *loop) { return pow(10, round(log10(hk_state_extent(loop->state)) - 3)); }
 
 void hk_checked_describe(const hk_loop *loop, const hk_judgement *j, const hk_asked *asked, hk_summary *s) {
   unsigned flags = loop->step->method->flags;
   *s->checked = 0;
-  if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) hk_checked_add(s, ", ", "stable");
+  if (!(flags & (HK_ADAPTIVE | HK_IMPLICIT)) && isfinite(s->dt_limit)) describe_stability(loop, s);
   if (flags & HK_ADAPTIVE && loop->record->worst_error > 0) hk_checked_add(s, ", ", "each step within its tolerance");
   describe_energy(s);
   if (loop->record->by_hand)

@@ -88,7 +88,7 @@ hk_status hk_figures_take(hk_loop *loop, hk_judgement *j, const void *caller) {
   return status == HK_OK ? measure(loop, j, caller) : status;
 }
 
-/* RMS over the particles whose positions the scene's `exact` gives. */
+/* RMS over the particles whose positions the scene's `exact` gives, the first ones; none: it is not known then. */
 hk_status hk_figures_exact(hk_loop *loop, double *error, hk_error *cause) {
   const hk_function *exact = &loop->scene->exact;
   size_t room = 3 * loop->state->model.n, got = 0;
@@ -96,6 +96,9 @@ hk_status hk_figures_exact(hk_loop *loop, double *error, hk_error *cause) {
   *error = NAN;
   if (!known) return HK_OK;
   hk_status status = exact->call(exact, NULL, &t, 1, known, room, &got, cause);
+  if (status == HK_OK && got % 3 != 0)
+    status = hk_error_set(cause, HK_BAD_PARAM,
+                          "exact gave %zu numbers at t = %g s, which are not x, y, z of whole particles", got, t);
   for (size_t k = 0; k < got; k++) {
     double off = loop->state->X[3 * hk_model_nth(&loop->state->model, k / 3) + k % 3] - known[k];
     sum += off * off;

@@ -128,10 +128,13 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
     return HK_OK;
   }
   hk_status status = estimate(c, d, c->method, given);
-  if (status == HK_NOT_FINITE) { /* not caused by the step size: the first evaluation of the run reports the error */
+  if (status == HK_NOT_FINITE) { /* not caused by the step size: where F is not finite, the first evaluation says so */
     *d->error = (hk_error){0};
     c->dt_limit = c->limit_now = NAN;
-    c->dt = isnan(given) ? 1 / c->fps : given;
+    c->chosen = isnan(given);
+    c->dt = c->dt_estimated = c->chosen ? 1 / c->fps : given;
+    hk_warn(d->shared->warnings,
+            "the largest stable step is not known: close to the start forces are not finite; steps are of %g s", c->dt);
     return HK_OK;
   }
   if (status != HK_OK) return status;

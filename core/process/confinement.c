@@ -326,9 +326,21 @@ static void make_output(const char *folder, bool named) {
   }
 }
 
+/* Private, as the folders of a user's caches are meant to be; where it cannot be made, auto says that nothing is kept.
+ */
+static void make_cache(const char *folder) {
+  char path[PATH_MAX];
+  if (snprintf(path, sizeof path, "%s/", folder) >= (int)sizeof path) return;
+  for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+    *slash = 0;
+    mkdir(path, 0700);
+    *slash = '/';
+  }
+}
+
 const char *hk_confine(const hk_confinement *c) {
   if (c->output) make_output(c->output, c->named);
-  if (c->cache) mkdir(c->cache, 0777);
+  if (c->cache) make_cache(c->cache);
   if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return "the scene's process is not confined: this kernel is too old";
   bool files = close_files(c), calls = close_calls(files);
   if (files && calls) return NULL;

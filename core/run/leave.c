@@ -13,7 +13,7 @@ hk_status hk_run_leave(hk_run *run, const hk_summary *summary, hk_error *error) 
   hk_summary now;
   if (!hk_folder_take_back(run->folder)) return HK_OK;
   if (!summary) hk_run_summary(run, &now);
-  hk_status status = hk_folder_path(run->folder, "summary.json", path, sizeof path, error);
+  hk_status status = hk_folder_path(run->folder, NULL, "summary.json", path, sizeof path, error);
   if (status == HK_OK) status = hk_write_file(path, write_summary, summary ? summary : &now, error);
   hk_folder_release(run->folder);
   return status;

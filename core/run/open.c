@@ -15,9 +15,9 @@ static const double golden = 0.61803398874989485;
 
 /* ---- what all plugins share ---- */
 
-static hk_status path_of(void *context, const char *name, char *buffer, size_t size) {
+static hk_status path_of(void *context, const char *owner, const char *name, char *buffer, size_t size) {
   hk_run *run = context;
-  return hk_folder_path(run->folder, name, buffer, size, &run->error);
+  return hk_folder_path(run->folder, owner, name, buffer, size, &run->error);
 }
 
 static hk_status open_shared(hk_run *run) {

@@ -1,6 +1,7 @@
 /* The start state of a run: random offsets where the run is compared with another one, pins, constraints. */
 #include "core/run/run.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,11 +65,28 @@ static hk_status keep_constraints(hk_run *run) {
   return status;
 }
 
+/* The pins of a checkpoint have been imposed. A projection onto an inclined line changes last digits each time, so that
+ * only what another script's pins move by more than rounding is taken. */
+static hk_status impose_again(hk_run *run) {
+  const double rounding = 64 * DBL_EPSILON; /* some operations on each number */
+  hk_state *s = &run->state;
+  size_t n = s->model.n;
+  double *imposed = malloc((6 * n + 1) * sizeof *imposed), size = largest(s->X, 3 * n);
+  double speed = largest(s->X + 3 * n, 3 * n);
+  if (!imposed) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the start");
+  memcpy(imposed, s->X, 6 * n * sizeof *imposed);
+  hk_status status = hk_dynamics_impose(&run->dynamics, s->t, imposed, imposed + 3 * n);
+  for (size_t e = 0; e < 6 * n && status == HK_OK; e++)
+    if (fabs(imposed[e] - s->X[e]) > rounding * (e < 3 * n ? size : speed)) s->X[e] = imposed[e];
+  free(imposed);
+  return status;
+}
+
 hk_status hk_run_impose_start(hk_run *run) {
   hk_state *s = &run->state;
   double *x = s->X, *v = s->X + 3 * s->model.n;
   if (run->options.perturb > 0) perturb(s, run->options.perturb * hk_state_extent(s), run->options.perturb_seed);
-  hk_status status = hk_dynamics_impose(&run->dynamics, s->t, x, v);
+  hk_status status = run->resumed ? impose_again(run) : hk_dynamics_impose(&run->dynamics, s->t, x, v);
   if (status == HK_OK && run->dynamics.constraints && !run->resumed) status = keep_constraints(run);
   if (status == HK_OK) status = hk_constraints_review(&run->dynamics);
   hk_constraints_jumped(&run->dynamics); /* nobody has a history yet, or it is the checkpoint's */

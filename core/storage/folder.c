@@ -16,13 +16,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+typedef struct listed {
+  char *name, *owner; /* owner NULL: the run itself, or an earlier part of it */
+  uint64_t hash;      /* of the name: a film has a hundred thousand */
+} listed;
+
 struct hk_folder {
   char path[PATH_MAX / 2];
   bool named;     /* by the user */
   int descriptor; /* of the folder; -1 until the first file is requested */
   FILE *list;     /* NULL until the first file is requested */
   size_t count;
-  char **name; /* files of this run */
+  struct listed *file; /* of this run */
   char *scene;
   struct timespec released; /* when the list was written last, at the release */
   char part[32]; /* subfolder of a run that goes on, "from-step-1200/"; "": none, and earlier files are removed */
@@ -77,8 +82,11 @@ bool hk_folder_held(const hk_folder *f) { return f && f->list; }
 void hk_folder_close(hk_folder *f) {
   if (!f) return;
   hk_folder_release(f);
-  for (size_t k = 0; k < f->count; k++) free(f->name[k]);
-  free(f->name);
+  for (size_t k = 0; k < f->count; k++) {
+    free(f->file[k].name);
+    free(f->file[k].owner);
+  }
+  free(f->file);
   free(f->scene);
   free(f);
 }
@@ -174,14 +182,23 @@ static hk_status open_place(hk_folder *f, hk_error *error) {
   return io_error(error, "create the folder", f->path);
 }
 
-static bool remember(hk_folder *f, const char *name) {
-  char **grown = realloc(f->name, (f->count + 1) * sizeof *grown), *copy = hk_string_copy(name);
-  if (grown) f->name = grown;
-  if (grown && copy)
-    f->name[f->count++] = copy;
+static uint64_t hash_of(const char *name) { /* FNV-1a */
+  uint64_t hash = 1469598103934665603u;
+  for (; *name; name++) hash = (hash ^ (unsigned char)*name) * 1099511628211u;
+  return hash;
+}
+
+static bool remember(hk_folder *f, const char *name, const char *owner) {
+  listed *grown = realloc(f->file, (f->count + 1) * sizeof *grown);
+  listed new = {.name = hk_string_copy(name), .hash = hash_of(name)};
+  if (owner) new.owner = hk_string_copy(owner);
+  if (grown) f->file = grown;
+  bool fine = grown && new.name && (new.owner || !owner);
+  if (fine)
+    f->file[f->count++] = new;
   else
-    free(copy);
-  return grown && copy;
+    free(new.name), free(new.owner);
+  return fine;
 }
 
 /* The files of an earlier part of this run, which are its own too. */
@@ -190,7 +207,7 @@ static bool remember_listed(hk_folder *f) {
   bool fine = true;
   while (fine && fgets(line, sizeof line, f->list)) {
     line[strcspn(line, "\n")] = 0;
-    fine = remember(f, line);
+    fine = remember(f, line, NULL);
   }
   return fine;
 }
@@ -257,14 +274,26 @@ bool hk_folder_take_back(hk_folder *f) {
   return false;
 }
 
-static bool is_listed(const hk_folder *f, const char *name) {
+static const listed *find_listed(const hk_folder *f, const char *name) {
+  uint64_t hash = hash_of(name);
   for (size_t k = f->count; k-- > 0;)
-    if (strcmp(f->name[k], name) == 0) return true;
-  return false;
+    if (f->file[k].hash == hash && strcmp(f->file[k].name, name) == 0) return &f->file[k];
+  return NULL;
 }
 
-static hk_status add_to_list(hk_folder *f, const char *name, hk_error *error) {
-  if (!remember(f, name)) return hk_error_set(error, HK_NO_MEMORY, "no memory for the list of files");
+/* One file, one writer: of two, the second would write over what the first has written. */
+static hk_status check_owner(const listed *file, const char *given, const char *owner, hk_error *error) {
+  static const char *const own[] = {"summary.json", "measures.csv"};
+  for (size_t k = 0; owner && k < sizeof own / sizeof *own; k++)
+    if (strcmp(given, own[k]) == 0)
+      return hk_error_set(error, HK_BAD_PARAM, "'%s': hooke itself writes %s: name another file", owner, given);
+  if (!file || !file->owner || !owner || strcmp(file->owner, owner) == 0) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM, "'%s': the output '%s' writes %s as well: give one of them another name",
+                      owner, file->owner, given);
+}
+
+static hk_status add_to_list(hk_folder *f, const char *name, const char *owner, hk_error *error) {
+  if (!remember(f, name, owner)) return hk_error_set(error, HK_NO_MEMORY, "no memory for the list of files");
   if (fprintf(f->list, "%s\n", name) < 0 || fflush(f->list) != 0) return io_error(error, "write", list_name);
   return HK_OK;
 }
@@ -273,7 +302,8 @@ const char *hk_folder_place(const hk_folder *f) { return f ? f->path : NULL; }
 
 void hk_folder_go_on(hk_folder *f, size_t step) { snprintf(f->part, sizeof f->part, "from-step-%zu/", step); }
 
-hk_status hk_folder_path(hk_folder *f, const char *given, char *buffer, size_t size, hk_error *error) {
+hk_status hk_folder_path(hk_folder *f, const char *owner, const char *given, char *buffer, size_t size,
+                         hk_error *error) {
   char name[PATH_MAX / 2];
   struct stat info;
   if (!safe_name(given) || snprintf(name, sizeof name, "%s%s", f->part, given) >= (int)sizeof name)
@@ -284,14 +314,15 @@ hk_status hk_folder_path(hk_folder *f, const char *given, char *buffer, size_t s
   if (snprintf(buffer, size, "%s/%s", f->path, name) >= (int)size)
     return hk_error_set(error, HK_IO, "the path %s/%s is too long", f->path, name);
   const char *last;
+  const listed *file = find_listed(f, name);
+  status = check_owner(file, given, owner, error);
+  if (status != HK_OK) return status;
   int parent = open_parent(f->descriptor, name, true, &last);
   if (parent < 0) return io_error(error, "create the folder of", buffer);
   bool exists = fstatat(parent, last, &info, AT_SYMLINK_NOFOLLOW) == 0;
   close(parent);
-  if (exists) {
-    if (is_listed(f, name)) return HK_OK;
+  if (exists && !file)
     return hk_error_set(error, HK_IO, "%s is not from a run of this scene: move it, or name another folder with --out",
                         buffer);
-  }
-  return add_to_list(f, name, error);
+  return file ? HK_OK : add_to_list(f, name, owner, error);
 }

@@ -24,7 +24,7 @@ static void write_field(FILE *file, const char *text) {
 hk_status hk_measures_open(hk_folder *folder, const hk_scene *scene, FILE **file, hk_error *error) {
   char path[PATH_MAX];
   if (scene->measures == 0) return HK_OK;
-  hk_status status = hk_folder_path(folder, "measures.csv", path, sizeof path, error);
+  hk_status status = hk_folder_path(folder, NULL, "measures.csv", path, sizeof path, error);
   if (status != HK_OK) return status;
   int descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
   *file = descriptor < 0 ? NULL : fdopen(descriptor, "w");

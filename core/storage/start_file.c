@@ -30,10 +30,9 @@ hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *ou
   else if (origin || strncmp(line, hk_checkpoint_magic, strlen(hk_checkpoint_magic) - 2) == 0) {
     status = hk_checkpoint_read(loop, j, path, origin);
     *resumed = status == HK_OK;
-  } else if (strncmp(line, "id,x,", 5) == 0) {
-    line[strcspn(line, "\r\n")] = 0;
+  } else if (strncmp(line, "id,x,", 5) == 0)
     status = hk_state_table_read(loop, file, line, path);
-  } else
+  else
     status = hk_error_set(loop->error, HK_IO,
                           "%s is neither a checkpoint nor a table that begins with id,x,y,z,vx,vy,vz,mass", path);
   fclose(file);

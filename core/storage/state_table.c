@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LINE = 4096 };
+enum { NUMBER = 512 }; /* characters at most of a number with its comma, also where another program wrote it */
 
 static const char head[] = "id,x,y,z,vx,vy,vz,mass";
 
@@ -20,20 +20,12 @@ typedef struct table {
   row *row; /* by rising id; NULL: that is their order */
 } table;
 
-/* ",heat,dye[1],dye[2]", cut at `size`. */
-static void name_channels(const hk_model *m, char *text, size_t size) {
-  size_t used = 0;
-  *text = 0;
-  for (size_t k = 0; k < m->channels; k++)
-    for (size_t c = 0; c < m->channel[k].size && used < size; c++)
-      used += (size_t)snprintf(text + used, size - used, m->channel[k].size > 1 ? ",%s[%zu]" : ",%s",
-                               m->channel[k].name, c + 1);
-}
-
+/* "id,x,y,z,vx,vy,vz,mass,heat,dye[1],dye[2]" */
 static void write_head(FILE *file, const hk_model *m) {
-  char names[LINE];
-  name_channels(m, names, sizeof names);
-  fprintf(file, "%s%s\n", head, names);
+  fputs(head, file);
+  for (size_t k = 0; k < m->channels; k++)
+    for (size_t c = 0; c < m->channel[k].size; c++)
+      fprintf(file, m->channel[k].size > 1 ? ",%s[%zu]" : ",%s", m->channel[k].name, c + 1);
 }
 
 static void write_row(FILE *file, const hk_snapshot *s, const hk_model *m, size_t i) {
@@ -49,6 +41,7 @@ static void write_row(FILE *file, const hk_snapshot *s, const hk_model *m, size_
 static bool body(FILE *file, const void *what) {
   const table *t = what;
   write_head(file, &t->state->model);
+  fputc('\n', file);
   for (size_t i = 0; i < t->snapshot->n; i++)
     write_row(file, t->snapshot, &t->state->model, t->row ? t->row[i].index : i);
   return fflush(file) == 0 && !ferror(file);
@@ -78,6 +71,8 @@ hk_status hk_state_table_write(const hk_snapshot *s, const hk_state *state, cons
 /* ---- reading ---- */
 
 typedef struct rows {
+  char *head, *line; /* what the first line has to be; the line that is read, of `room` characters at most */
+  size_t room;
   size_t count, capacity, width; /* width: numbers of a row after the id, 7 and those of channels */
   uint32_t *id;
   double *number; /* count x width */
@@ -85,6 +80,8 @@ typedef struct rows {
 } rows;
 
 static void free_rows(rows *r) {
+  free(r->head);
+  free(r->line);
   free(r->id);
   free(r->number);
   free(r->order);
@@ -117,12 +114,11 @@ static bool parse_row(rows *r, const char *line) {
 }
 
 static hk_status read_rows(hk_loop *loop, FILE *file, const char *path, rows *r) {
-  char line[LINE];
-  while (fgets(line, sizeof line, file)) {
+  while (fgets(r->line, (int)r->room, file)) {
     if (r->count == loop->scene->n)
       return hk_error_set(loop->error, HK_BAD_PARAM, "%s: it has more particles than the scene", path);
     if (!grow(r)) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
-    if (!parse_row(r, line))
+    if (!parse_row(r, r->line))
       return hk_error_set(loop->error, HK_IO, "%s:%zu: expected %s%s with finite numbers", path, r->count + 2, head,
                           r->width > 7 ? " and channels" : "");
     r->count++;
@@ -215,16 +211,32 @@ static void warn_of_gaps(hk_loop *loop, const rows *r, const char *path) {
             path);
 }
 
-hk_status hk_state_table_read(hk_loop *loop, FILE *file, const char *first_line, const char *path) {
-  size_t columns = 1;
-  char names[LINE];
-  for (const char *c = first_line; *c; c++) columns += *c == ',';
-  rows r = {.width = columns - 1};
-  name_channels(&loop->state->model, names, sizeof names);
-  bool fits = strncmp(first_line, head, strlen(head)) == 0;
-  fits = fits && (r.width == 7 || strcmp(first_line + strlen(head), names) == 0);
-  if (!fits) return hk_error_set(loop->error, HK_BAD_PARAM, "%s: its columns are not %s%s", path, head, names);
-  hk_status status = read_rows(loop, file, path, &r);
+static bool allocate_lines(rows *r, const hk_state *s) {
+  size_t length = 0;
+  FILE *text = open_memstream(&r->head, &length);
+  if (text) write_head(text, &s->model);
+  bool fine = text && fclose(text) == 0;
+  r->room = length + NUMBER * (8 + s->width) + 1;
+  return fine && (r->line = malloc(r->room));
+}
+
+/* The first line, of which `begun` is the beginning, is that of a table of this scene, with its channels or without. */
+static hk_status check_head(hk_loop *loop, FILE *file, const char *begun, const char *path, rows *r) {
+  if (!allocate_lines(r, loop->state)) return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the start state");
+  size_t used = (size_t)snprintf(r->line, r->room, "%s", begun);
+  if (!strchr(begun, '\n') && used + 1 < r->room && !fgets(r->line + used, (int)(r->room - used), file))
+    r->line[used] = 0;
+  r->line[strcspn(r->line, "\r\n")] = 0;
+  bool bare = strcmp(r->line, head) == 0;
+  r->width = bare ? 7 : 7 + loop->state->width;
+  if (bare || strcmp(r->line, r->head) == 0) return HK_OK;
+  return hk_error_set(loop->error, HK_BAD_PARAM, "%s: its columns are not %s", path, r->head);
+}
+
+hk_status hk_state_table_read(hk_loop *loop, FILE *file, const char *begun, const char *path) {
+  rows r = {0};
+  hk_status status = check_head(loop, file, begun, path, &r);
+  if (status == HK_OK) status = read_rows(loop, file, path, &r);
   if (status == HK_OK) status = check_ids(loop, &r, path);
   if (status == HK_OK) status = install(loop, &r);
   if (status == HK_OK) warn_of_gaps(loop, &r, path);

@@ -21,12 +21,15 @@ void hk_folder_close(hk_folder *);
 const char *hk_folder_place(const hk_folder *); /* its path; NULL when there is no folder */
 /* Before the first file: the run goes on after so many steps, and its files come beside those of the part before. */
 void hk_folder_go_on(hk_folder *, size_t step);
-/* Where a file of that name is to be written; the folders on the way exist then, and are no links. */
-hk_status hk_folder_path(hk_folder *, const char *name, char *buffer, size_t size, hk_error *error);
+/* Where a file of that name is to be written; the folders on the way exist then, and are no links. `owner` is the label
+ * of the output that asks, NULL the run itself: HK_BAD_PARAM for a file that another one writes. */
+hk_status hk_folder_path(hk_folder *, const char *owner, const char *name, char *buffer, size_t size, hk_error *error);
 
 /* ---- targets.c: whether what `option` names can be written, before a run. HK_IO and HK_BAD_PARAM say why not ---- */
 
 hk_status hk_target_file(const char *option, const char *path, hk_error *error);
+/* Refuses to write over a file that the run reads. Either may be NULL, and need not exist. */
+hk_status hk_target_spares(const char *option, const char *path, const char *source, hk_error *error);
 /* A folder, or one that can be made; looks, and makes nothing. */
 hk_status hk_target_folder(const char *option, const char *path, hk_error *error);
 /* ---- write_file.c ---- */

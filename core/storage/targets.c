@@ -38,6 +38,13 @@ hk_status hk_target_file(const char *option, const char *path, hk_error *error) 
                       errno == ENOENT ? "; make its folder first" : "; name another file");
 }
 
+hk_status hk_target_spares(const char *option, const char *path, const char *source, hk_error *error) {
+  struct stat target, read;
+  if (!path || !source || stat(path, &target) != 0 || stat(source, &read) != 0) return HK_OK;
+  if (target.st_dev != read.st_dev || target.st_ino != read.st_ino || !S_ISREG(target.st_mode)) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s is what is to be run; name another file", option, path);
+}
+
 /* The path is cut to the part that exists. */
 static bool existing_part(char *path, struct stat *info) {
   while (stat(path, info) != 0) {

@@ -64,7 +64,7 @@ static hk_status try_to_write(const checkpoint *c) {
   struct stat info = {0};
   errno = 0;
   FILE *file = fopen(c->newest, "wb");
-  bool fine = file && fputs(c->newest, file) >= 0 && fflush(file) == 0 && fstat(fileno(file), &info) == 0;
+  bool fine = file && fstat(fileno(file), &info) == 0 && fputs(c->newest, file) >= 0 && fflush(file) == 0;
   int cause = errno;
   if (file && fclose(file) != 0 && fine) fine = false, cause = errno;
   if (S_ISREG(info.st_mode)) remove(c->newest);

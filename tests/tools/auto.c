@@ -49,6 +49,29 @@ static void the_choice_is_kept_for_scene_parameters_and_accuracy(void **state) {
   assert_true(r.code == 0 && !*r.err && !*r.out);
 }
 
+/* A user's first run may have to make the folders, before the process gives up files. */
+static void the_choice_is_kept_where_there_was_no_cache(void **state) {
+  (void)state;
+  static const char line[] = "run " SCENES "sine.lua k=5 --integrator auto --accuracy 1e-3 --no-output";
+  test_hooke(&r, "XDG_CACHE_HOME=not/yet", line);
+  expect(0, "kept in not/yet/hooke/auto-");
+  test_hooke(&r, "XDG_CACHE_HOME=not/yet", line);
+  expect(0, "chosen before");
+}
+
+static void a_damaged_choice_is_made_anew(void **state) {
+  (void)state;
+  static const char *const damaged[] = {"{\"integrator\": \"leapfrog\", \"why\": \"it is fast\", \"dt\": -1}",
+                                        "{\"integrator\": \"none_such\", \"why\": \"it was there\"}", "{"};
+  test_hooke(&r, "XDG_CACHE_HOME=bad", "auto " SCENES "sine.lua k=5 --accuracy 1e-3 --budget 1");
+  for (size_t k = 0; k < sizeof damaged / sizeof *damaged; k++) {
+    char before[256];
+    snprintf(before, sizeof before, "for f in bad/hooke/*; do echo '%s' > $f; done; XDG_CACHE_HOME=bad", damaged[k]);
+    test_hooke(&r, before, "auto " SCENES "sine.lua k=5 --accuracy 1e-3 --budget 1");
+    expect(0, "measured in");
+  }
+}
+
 /* A module beside the scene belongs to it. */
 static void the_choice_is_made_anew_when_a_module_changes(void **state) {
   (void)state;
@@ -100,6 +123,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_choice_reaches_the_accuracy_and_says_why),
       cmocka_unit_test(the_choice_is_kept_for_scene_parameters_and_accuracy),
+      cmocka_unit_test(the_choice_is_kept_where_there_was_no_cache),
+      cmocka_unit_test(a_damaged_choice_is_made_anew),
       cmocka_unit_test(the_choice_is_made_anew_when_a_module_changes),
       cmocka_unit_test(a_scene_asks_for_it_itself),
       cmocka_unit_test(a_cloth_is_right_to_the_accuracy_in_the_end),

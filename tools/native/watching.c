@@ -13,8 +13,8 @@ static hk_status refusal;
 static bool is_folder;
 static lua_Integer asked; /* how often it asked for one, since `into` */
 
-static hk_status path_of(void *context, const char *name, char *buffer, size_t size) {
-  (void)context;
+static hk_status path_of(void *context, const char *owner, const char *name, char *buffer, size_t size) {
+  (void)context, (void)owner;
   asked++;
   if (refusal != HK_OK) return refusal;
   if (!is_folder) return snprintf(buffer, size, "%s", place) < (int)size ? HK_OK : HK_IO;

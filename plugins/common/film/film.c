@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
+static const char sheet_name[] = "sheet.png";
+
 /* Is there anything to choose by the whole motion? */
 static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
@@ -56,13 +58,22 @@ static hk_status open_views(hk_film *f) {
   return HK_OK;
 }
 
+/* What is written at the end is asked for at the start: no other output may have it. */
+static hk_status claim_files(const hk_film *f) {
+  char path[PATH_MAX];
+  const hk_reel *reel = &f->reel;
+  hk_status status = reel->possible ? f->host->path(f->host, reel->file, path, sizeof path) : HK_OK;
+  return status == HK_OK && f->stills ? f->host->path(f->host, sheet_name, path, sizeof path) : status;
+}
+
 hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
   f->host = host;
   hk_snapshot3d_open(&f->snapshot, host, &f->look);
   hk_reel_open(&f->reel, host, f->width, f->height);
-  hk_status status = make_solids(f);
+  hk_status status = claim_files(f);
+  if (status == HK_OK) status = make_solids(f);
   if (status != HK_OK) return status;
   hk_colormap_fill(f->map, f->reverse, f->table);
   f->gl = hk_gl_context_create(&why);
@@ -214,7 +225,7 @@ static hk_status finish_sheet(hk_film *f) {
     if (status != HK_OK) return status;
     hk_sheet_fill_strip(&f->sheet, picture, f->mosaic.width);
   }
-  return hk_sheet_write(&f->sheet, "sheet.png");
+  return hk_sheet_write(&f->sheet, sheet_name);
 }
 
 /* A frame that reaches five times (diverged) or a thousand times as far as the median frame is drawn as well, but

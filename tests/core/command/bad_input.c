@@ -179,6 +179,26 @@ static void files_that_cannot_be_written_are_named(void **state) {
   assert_int_equal(r.code, 4);
 }
 
+/* By its own name, or another one. */
+static void a_run_writes_over_nothing_that_it_reads(void **state) {
+  (void)state;
+  test_write("ball.lua", BALL "scene:output('checkpoint', { every = 1 })\n" END);
+  expect("run ball.lua --quiet --summary ./ball.lua", 1, "--summary: ./ball.lua is what is to be run");
+  expect("run ball.lua --quiet --state ball.lua", 1, "--state: ball.lua is what is to be run");
+  expect("run ball.lua --quiet --out kept", 0, "");
+  expect("run --resume kept/newest.checkpoint --quiet --state kept/newest.checkpoint", 1, "is what is to be run");
+}
+
+/* Its output folder is hidden as well; the names that stand for folders are refused. */
+static void a_scene_may_have_a_hidden_name(void **state) {
+  (void)state;
+  test_write(".ball.lua", BALL "scene:output('table')\n" END);
+  test_write("..lua", BALL "scene:output('table')\n" END);
+  expect("run .ball.lua --quiet", 0, "");
+  assert_true(test_exists("out/.ball/table.csv"));
+  expect("run ..lua --quiet", 1, "names no output folder");
+}
+
 static void files_of_others_are_never_touched(void **state) {
   (void)state;
   test_write("ball.lua", BALL "scene:measure('z', function(s) return s:position(p)[3] end)\n" END);
@@ -254,6 +274,8 @@ int main(void) {
       cmocka_unit_test(files_are_tried_before_the_run),
       cmocka_unit_test(files_that_cannot_be_written_are_named),
       cmocka_unit_test(files_of_others_are_never_touched),
+      cmocka_unit_test(a_run_writes_over_nothing_that_it_reads),
+      cmocka_unit_test(a_scene_may_have_a_hidden_name),
       cmocka_unit_test(a_run_that_diverges_says_where_and_keeps_the_last_good_state),
       cmocka_unit_test(an_interrupted_run_keeps_its_state_and_closes_outputs),
       cmocka_unit_test(two_particles_at_one_point_make_no_nan),

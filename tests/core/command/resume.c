@@ -68,6 +68,25 @@ static void it_goes_on_with_scene_parameters_and_options(void **state) {
   }
 }
 
+/* What --with adds to the motion is part of it; outputs are for each part to choose. */
+static void plugins_of_the_command_line_go_on(void **state) {
+  (void)state;
+  static test_result r;
+  const char *words = "--with force:drag:d=0.01 --with=force:central:strength=3 --with output:csv";
+  char arguments[512];
+  write_scene();
+  snprintf(arguments, sizeof arguments, "run rope.lua --quiet --out whole --state whole.csv %s", words);
+  test_hooke(&r, NULL, arguments);
+  assert_int_equal(r.code, 0);
+  snprintf(arguments, sizeof arguments, "run rope.lua --until 0.55 --out part --quiet %s", words);
+  test_hooke(&r, NULL, arguments);
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run --resume part/newest.checkpoint --until 0.9 --quiet --state rest.csv");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  test_hooke(&r, "cmp whole.csv rest.csv && test ! -e part/from-step-*/particles.csv || exit 9;", "--version");
+  assert_int_equal(r.code, 0);
+}
+
 static void the_files_of_the_first_part_stay(void **state) {
   (void)state;
   static test_result r;
@@ -225,6 +244,7 @@ static void a_checkpoint_may_lie_anywhere(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(it_goes_on_with_scene_parameters_and_options),
+      cmocka_unit_test(plugins_of_the_command_line_go_on),
       cmocka_unit_test(the_files_of_the_first_part_stay),
       cmocka_unit_test(it_goes_on_in_its_own_folder),
       cmocka_unit_test(a_damaged_point_names_the_one_before),

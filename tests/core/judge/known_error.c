@@ -95,11 +95,29 @@ static void a_scene_at_rest_is_ok(void **state) {
   if (r.code != 0) fail_msg("%s", r.out);
 }
 
+/* With a z forgotten, all numbers behind it would be those of other coordinates, or nothing be compared. */
+static void numbers_that_are_no_positions_are_refused(void **state) {
+  (void)state;
+  static const char *const given[] = {"t, 0", "t, 0, 0, 1"};
+  for (size_t k = 0; k < 2; k++) {
+    char scene[512];
+    snprintf(scene, sizeof scene,
+             "local scene = hooke.scene { duration = 1, fps = 10 }\n"
+             "scene:particle { velocity = {1, 0, 0}, mass = 1 }\nscene:particle { position = {1, 0, 0}, mass = 1 }\n"
+             "scene:exact(function(t) return %s end)\nreturn scene\n",
+             given[k]);
+    test_write("short.lua", scene);
+    test_hooke(&r, NULL, "run short.lua --quiet");
+    if (r.code != 1 || !strstr(r.err, "which are not x, y, z of whole particles")) fail_msg("%d: %s", r.code, r.err);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_error_above_a_tenth_of_the_motion_is_inaccurate),
       cmocka_unit_test(a_right_run_is_ok),
       cmocka_unit_test(an_accuracy_that_is_asked_for_is_the_measure),
+      cmocka_unit_test(numbers_that_are_no_positions_are_refused),
       cmocka_unit_test(tools_may_judge_without_it),
       cmocka_unit_test(a_scene_at_rest_is_ok),
   };

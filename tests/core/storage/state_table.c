@@ -112,7 +112,7 @@ static void missing_rows_are_refused_unless_particles_may_die(void **state) {
   test_write("none.csv", HEAD "\n");
   write_scene("none.lua", "none.csv", "");
   run("run none.lua --quiet --out f", 1);
-  test_write("sourced.lua", "local scene = hooke.scene { duration = 0.1, fps = 10 }\n"
+  test_write("sourced.lua", "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.001 }\n"
                             "scene:particle { mass = 1 }\nscene:particle { position = {1, 0, 0}, mass = 2 }\n"
                             "scene:source(" FIXTURE("sower") ", { every = 5 })\n"
                                                              "scene:measure('n', function(s) return s.n end)\n"
@@ -121,9 +121,41 @@ static void missing_rows_are_refused_unless_particles_may_die(void **state) {
   assert_true(test_json(r.out, "n") == 1);
 }
 
+/* 16 channels of 16 numbers, with names that make a head of more than 4096 characters. */
+static void wide_tables_come_back(void **state) {
+  (void)state;
+  static const char wide[] = "local scene = hooke.scene { duration = 0.1, fps = 10, dt = 0.001 }\n"
+                             "scene:particle { mass = 1 }\n"
+                             "local list = {} for c = 1, 16 do list[c] = c / 3 end\n"
+                             "for k = 1, 16 do scene:channel('a_quantity_with_a_long_name_' .. k, { size = 16, initial "
+                             "= list, rate = -k }) end\n"
+                             "local file = param('file', '') if file ~= '' then scene:start { file = file } end\n"
+                             "return scene\n";
+  test_write("wide.lua", wide);
+  run("run wide.lua --quiet --state wide.csv", 0);
+  test_hooke(&r, NULL, "run wide.lua file=wide.csv --until 0 --quiet --state again.csv");
+  if (r.code != 0) fail_msg("%s", r.err);
+  test_hooke(&r, "cmp wide.csv again.csv &&", "--version");
+  if (r.code != 0) fail_msg("the table changed: %s", r.out);
+}
+
+static void names_that_would_break_a_head_are_refused(void **state) {
+  (void)state;
+  static const char *const names[] = {"a,b", "a\\nb", "a\\\"b", ""};
+  for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+    char line[128];
+    snprintf(line, sizeof line, "scene:channel(\"%s\", { initial = 1 })\n", names[k]);
+    write_scene("broken.lua", "", line);
+    run("run broken.lua --quiet --no-output", 1);
+    assert_non_null(strstr(r.err, "the heads of tables"));
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(channels_are_written_and_read_back),
+      cmocka_unit_test(wide_tables_come_back),
+      cmocka_unit_test(names_that_would_break_a_head_are_refused),
       cmocka_unit_test(a_table_without_channels_is_said_to_have_none),
       cmocka_unit_test(a_table_with_other_channels_is_refused),
       cmocka_unit_test(a_scene_of_time_is_said_to_begin_at_zero),
