@@ -53,7 +53,7 @@ static double rotation(const void *self, double hw, double hg, double hb) {
 static double growth(const void *self, double h, double w, double g, double b) {
   const hk_short_steps *part = &((const local_leapfrog *)self)->part;
   double room = 1;
-  for (size_t k = 0; k < part->parts; k++) room = fmin(room, hk_local_room(&part->part[k].modes, h));
+  for (size_t k = 0; k < part->parts; k++) room = fmin(room, hk_local_room(&part->part[k].modes, part->shift, h));
   if (!(room > 0)) return INFINITY;
   return b == 0 ? hk_leapfrog_growth(h * w / sqrt(room), h * g / room)
                 : hk_leapfrog_turning_growth(h * w / sqrt(room), h * g / room, h * b / room);

@@ -11,30 +11,29 @@
 
 #include <math.h>
 
-/* cosh(2.5) = 6.1. The longest step grows with s, as room() says, from 0.77 of that without stiff modes at s = 1.4 to
- * 0.93 at s = 3; the short steps needed grow as sqrt(s), from 1.26 p to 1.73 p. With some hundredths of a step's work
- * in a short one the sum of both is least, and flat, from 2 to 3. */
-static const double hk_local_damping = 2.5;
+/* s of what follows. The longest step grows with s, as room() says, from 0.77 of that without stiff modes at s = 2 to
+ * 0.97 at 5; the short steps needed grow as sqrt(s/tanh(s)), from 1.44 to 2.24 times those of leapfrog. */
+static const double hk_local_shifts[] = {2, 2.5, 3, 3.5, 4, 5};
 
 /* Fewer short steps than 4 leave less room. */
 enum { HK_LOCAL_LEAST = 4 };
 
-static inline double hk_local_delta(int p) { return cosh(hk_local_damping / p); }
+static inline double hk_local_delta(int p, double s) { return cosh(s / p); }
 
-static inline double hk_local_omega(int p) { return 2 * p * tanh(hk_local_damping) / sinh(hk_local_damping / p); }
+static inline double hk_local_omega(int p, double s) { return 2 * p * tanh(s) / sinh(s / p); }
 
 /* The largest x that p short steps can take. */
-static inline double hk_local_range(int p) { return hk_local_omega(p) * (hk_local_delta(p) + 1); }
+static inline double hk_local_range(int p, double s) { return hk_local_omega(p, s) * (hk_local_delta(p, s) + 1); }
 
 /* The number of short steps for modes up to x. */
-static inline int hk_local_count(double x) {
-  int p = (int)fmax(HK_LOCAL_LEAST, floor(sqrt(x * hk_local_damping / (4 * tanh(hk_local_damping)))));
-  while (hk_local_range(p) < x) p++;
+static inline int hk_local_count(double x, double s) {
+  int p = (int)fmax(HK_LOCAL_LEAST, floor(sqrt(x * s / (4 * tanh(s)))));
+  while (hk_local_range(p, s) < x) p++;
   return p;
 }
 
 /* c(x) for x within the range. */
-double hk_local_filter(int p, double x);
+double hk_local_filter(int p, double s, double x);
 
 /* How the displacements d from rest go on in the short steps of a step:
  *     d_1 = g_0 a_0,   d_{k+1} = d_k + f_k (d_k - d_{k-1}) + g_k a_k,
@@ -49,9 +48,9 @@ typedef struct hk_local_step {
   double f, g, T, next; /* T_k, T_{k+1} */
 } hk_local_step;
 
-static inline hk_local_rule hk_local_rule_of(double stiffest, double h) {
-  int p = hk_local_count(h * h * stiffest);
-  return (hk_local_rule){p, hk_local_delta(p), 2 * h * h / hk_local_omega(p)};
+static inline hk_local_rule hk_local_rule_of(double stiffest, double s, double h) {
+  int p = hk_local_count(h * h * stiffest, s);
+  return (hk_local_rule){p, hk_local_delta(p, s), 2 * h * h / hk_local_omega(p, s)};
 }
 
 static inline hk_local_step hk_local_first(const hk_local_rule *r) {
@@ -63,15 +62,16 @@ static inline void hk_local_next(const hk_local_rule *r, hk_local_step *s) {
   *s = (hk_local_step){s->T / after, r->scale * s->next / after, s->next, after};
 }
 
-/* Bounds of stiff modes. */
+/* Bounds of the stiff modes of some components. */
 typedef struct hk_local_modes {
-  double stiffest;    /* 1/s^2, of the squared frequency */
+  double stiffest;    /* 1/s^2, of the squared frequency, ... */
+  double softest;     /* 1/s^2, ... the least of a component */
   double damping;     /* 1/s, of the damping rate, ... */
   double retardation; /* s, ... and of the damping over the stiffness */
 } hk_local_modes;
 
 /* What such modes leave of leapfrog's condition to the others: a step is stable while (h w)^2 + 4 h g <= 4 room. 0 or
  * less: it is not stable at all. */
-double hk_local_room(const hk_local_modes *, double h);
+double hk_local_room(const hk_local_modes *, double s, double h);
 
 #endif

@@ -126,7 +126,8 @@ static void take_some(void *context, size_t begin, size_t end, size_t chunk) {
 }
 
 void hk_short_lanes_take(hk_short_lanes *s, const hk_host *host, const double *x, double h, double *a, double *v) {
-  for (size_t k = 0; k < s->batches && s->h != h; k++) s->batch[k].rule = hk_local_rule_of(s->batch[k].stiffest, h);
+  for (size_t k = 0; k < s->batches && s->h != h; k++)
+    s->batch[k].rule = hk_local_rule_of(s->batch[k].stiffest, s->shift, h);
   s->h = h;
   if (s->batches) host->parallel_for(host, s->batches, GRAIN, take_some, &(task){s, x, a, v, h});
 }

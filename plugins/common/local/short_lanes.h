@@ -39,7 +39,8 @@ typedef struct hk_short_lanes {
   hk_short_batch *batch;
   hk_short_row *rows; /* the numbers of all batches */
   uint32_t (*indices)[HK_SHORT_LANES];
-  double h; /* s, for which the rules are made */
+  double shift; /* s of local_filter.h */
+  double h;     /* s, for which the rules are made */
 } hk_short_lanes;
 
 /* Springs of one component have the same number in `root` (of particles; `count` of them are given), which has the

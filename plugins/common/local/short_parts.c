@@ -67,13 +67,16 @@ static bool is_small(const node *root) {
 static void divide(builder *b) {
   int8_t number[HK_SHORT_PARTS];
   hk_short_steps *s = b->s;
+  double most = 0;
   memset(number, NOT_STIFF, sizeof number);
+  for (uint32_t i = 0; i < b->model->n; i++) most = fmax(most, b->node[i].bound);
   for (uint32_t i = 0; i < b->model->n; i++) {
     const node *root = &b->node[root_of(b, i)];
     if (!(root->bound > 0)) continue;
-    int octave = (int)fmin(HK_SHORT_PARTS - 1, log2(b->edges->stiffest / root->bound) + 0.5);
+    int octave = (int)fmin(HK_SHORT_PARTS - 1, log2(most / root->bound));
     if (number[octave] == NOT_STIFF) number[octave] = (int8_t)s->parts++;
     hk_short_part *part = &s->part[b->node[i].part = number[octave]];
+    part->modes.softest = part->modes.stiffest > 0 ? fmin(part->modes.softest, root->bound) : root->bound;
     part->modes.stiffest = fmax(part->modes.stiffest, root->bound);
     part->modes.damping = fmax(part->modes.damping, root->damping);
     if (is_small(root)) continue;
@@ -85,7 +88,9 @@ static void divide(builder *b) {
     s->n += s->part[k].n;
   }
   for (size_t e = 0; e < b->edges->count; e++) {
-    hk_local_modes *modes = &s->part[b->node[b->edges->pair[e][0]].part].modes;
+    const int8_t in = b->node[b->edges->pair[e][0]].part;
+    if (in == NOT_STIFF) continue; /* between pinned particles */
+    hk_local_modes *modes = &s->part[in].modes;
     modes->retardation = fmax(modes->retardation, b->edges->c[e] / b->edges->k[e]);
   }
 }
@@ -152,7 +157,8 @@ static hk_status take_small(builder *b) {
     bound[i] = b->node[i].bound;
   }
   for (uint32_t e = 0; e < b->edges->count && status == HK_OK; e++)
-    if (is_small(&b->node[root[b->edges->pair[e][0]]])) edge[count++] = e;
+    if (b->node[b->edges->pair[e][0]].part != NOT_STIFF && is_small(&b->node[root[b->edges->pair[e][0]]]))
+      edge[count++] = e;
   if (status == HK_OK)
     status = hk_short_lanes_build(&b->s->lanes, b->host, b->model, b->edges, edge, count, root, bound);
   b->host->release(b->host, edge);
@@ -181,6 +187,7 @@ hk_status hk_short_steps_build(hk_short_steps *s, hk_system *system, const hk_st
   const hk_host *host = system->host;
   hk_short_steps_free(s, host);
   if (edges->count == 0) return HK_OK;
+  s->shift = edges->shift;
   builder b = {.s = s, .host = host, .model = system->model, .edges = edges};
   b.node = host->allocate(host, system->model->n * sizeof *b.node);
   hk_status status = b.node ? HK_OK : HK_NO_MEMORY;

@@ -173,6 +173,7 @@ hk_status hk_short_lanes_build(hk_short_lanes *s, const hk_host *host, const hk_
                                const hk_stiff_edges *edges, const uint32_t *edge, size_t count, const uint32_t *root,
                                const double *bound) {
   hk_short_lanes_free(s, host);
+  s->shift = edges->shift;
   if (count == 0) return HK_OK;
   member *m = host->allocate(host, count * sizeof *m);
   component *list = host->allocate(host, count * sizeof *list);

@@ -65,7 +65,7 @@ static void start_part(hk_short_steps *s, const hk_host *host, const hk_short_pa
 }
 
 static void take_part(hk_short_steps *s, const hk_host *host, const hk_short_part *part, double h) {
-  const hk_local_rule rule = hk_local_rule_of(part->stiffest, h);
+  const hk_local_rule rule = hk_local_rule_of(part->stiffest, s->shift, h);
   hk_local_step step = hk_local_first(&rule);
   start_part(s, host, part);
   for (int k = 0; k < rule.count; k++) {

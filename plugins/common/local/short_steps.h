@@ -18,6 +18,7 @@ typedef struct hk_short_part {
 /* Zeroed before the first use; all memory is the instance's. */
 typedef struct hk_short_steps {
   hk_short_lanes lanes; /* the small components */
+  double shift;         /* s of local_filter.h */
   size_t parts, n;      /* n: particles of large components, in the arrays */
   hk_short_part part[HK_SHORT_PARTS];
   uint32_t *index;                               /* n: their indices in the scene */

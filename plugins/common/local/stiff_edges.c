@@ -1,55 +1,71 @@
 /* Springs are put into classes by their own squared frequency r = k (1/m_i + 1/m_j), an octave each, and for every
- * class the work is foretold of taking it and all stiffer ones in short steps; the least is chosen.
+ * class the work is foretold of taking it and all stiffer ones in short steps, with every shift of the filter
+ * (local_filter.h); the least is chosen.
  *
  * For all u and any positions, u.K u <= sum_e r_e (m_i u_i^2 + m_j u_j^2): no squared frequency of a set of springs is
- * above the largest sum of r over the springs of one particle. That bounds the stiff part (and gives the number of
- * short steps) and estimates what is left (whose limit the host then measures). */
+ * above the largest sum of r over the springs of one particle. That bounds the stiff part, component by component (and
+ * gives the numbers of short steps), and estimates what is left (whose limit the host then measures). */
 #include "plugins/common/local/stiff_edges.h"
 #include "plugins/common/local/local_filter.h"
 
 #include <string.h>
 
-enum { CLASSES = 40 };
+enum { CLASSES = 40, GROUPS = 40, SHIFTS = sizeof hk_local_shifts / sizeof *hk_local_shifts };
 
-/* Work is counted in springs of a whole evaluation. Springs of a short step are scattered, but lie in the first cache;
- * each brings up to two particles, and a short step has calls of its own. */
-static const double work_of_evaluation = 100, work_of_spring = 2, work_of_call = 30;
-/* The largest damping ratio of a stiff spring. A mode that the long step just does not resolve is damped by up to
- * 4 times its ratio of what leapfrog can bear, and leaves the less to others (local_filter.h). */
+/* Work is counted in springs of a whole evaluation, of 1.6 ns on Zen 5. A spring is gathered once a long step; each
+ * brings up to two particles. Groups have calls of their own. */
+static const double work_of_evaluation = 100, work_of_spring = 2, work_of_gathering = 6, work_of_call = 30;
+/* The largest damping ratio of a spring taken. Damped once a long step, springs of more leave no room to the others in
+ * steps that all but resolve them, x = 2 to 20 (local_filter.h): longer steps would be stable, and some shorter ones
+ * not. */
 static const double most_damped = 0.06;
 static const double worth = 0.8; /* part of leapfrog's work below which local steps are taken */
+
+/* A particle, and, at the root of its tree, the component of the springs taken so far. */
+typedef struct node {
+  uint32_t parent, springs;
+  double all, all_damping, stiff, damping; /* sums over its springs of r and of their damping rates; of those taken */
+  double bound, rate, retardation;         /* of the component, as hk_local_modes */
+} node;
 
 typedef struct choice {
   const hk_model *model;
   double stiffest;        /* 1/s^2 */
   size_t in[CLASSES];     /* springs of a class */
   double damped[CLASSES]; /* s, their largest damping over stiffness */
-  double *all, *stiff;    /* n x 2 each: sums over a particle's springs of r and of their own damping rates */
+  node *node;             /* n */
 } choice;
 
-/* Bounds of the springs taken, 1/s^2, and of the others, 1/s^2 and 1/s. */
+/* Components, by octaves of their bounds. */
+typedef struct group {
+  hk_local_modes modes;
+  size_t springs;
+} group;
+
+/* The groups of the springs taken, and bounds of the others, 1/s^2 and 1/s. */
 typedef struct cut {
   int classes; /* taken; 0: none */
-  double work, stiff, rest, damped;
+  group group[GROUPS];
+  double rest, damped;
 } cut;
+
+typedef struct offer {
+  double work, shift;
+  int classes;
+} offer;
 
 static double damping_of(const hk_elements *list, size_t e) {
   return list->damping.count ? hk_tuple_value(&list->damping, e) : 0;
 }
 
-/* To `sum` of both ends of a spring: r, and its damping rate. */
-static void add_rates(const choice *c, double *sum, const hk_elements *list, size_t e, double r) {
-  const uint32_t *pair = hk_tuple(&list->node, e);
-  double g = damping_of(list, e) * (c->model->inverse_mass[pair[0]] + c->model->inverse_mass[pair[1]]);
-  for (int end = 0; end < 2; end++) {
-    sum[2 * (size_t)pair[end]] += r;
-    sum[2 * (size_t)pair[end] + 1] += g;
-  }
-}
-
 static double rate(const hk_model *model, const hk_elements *list, size_t e) {
   const uint32_t *pair = hk_tuple(&list->node, e);
   return hk_tuple_value(&list->stiffness, e) * (model->inverse_mass[pair[0]] + model->inverse_mass[pair[1]]);
+}
+
+static double damping_rate(const hk_model *model, const hk_elements *list, size_t e) {
+  const uint32_t *pair = hk_tuple(&list->node, e);
+  return damping_of(list, e) * (model->inverse_mass[pair[0]] + model->inverse_mass[pair[1]]);
 }
 
 static int class_of(const choice *c, double r) {
@@ -73,62 +89,128 @@ static void find_stiffest(choice *c, void *context, const hk_elements *list, siz
 }
 
 static void count(choice *c, void *context, const hk_elements *list, size_t e, double r) {
-  double k = hk_tuple_value(&list->stiffness, e), damping = damping_of(list, e);
+  const uint32_t *pair = hk_tuple(&list->node, e);
+  double damping = damping_of(list, e);
   int octave = class_of(c, r);
   (void)context;
   c->in[octave]++;
-  if (damping > 0) c->damped[octave] = fmax(c->damped[octave], damping / k);
-  add_rates(c, c->all, list, e, r);
+  if (damping > 0) c->damped[octave] = fmax(c->damped[octave], damping / hk_tuple_value(&list->stiffness, e));
+  for (int end = 0; end < 2; end++) {
+    c->node[pair[end]].all += r;
+    c->node[pair[end]].all_damping += damping_rate(c->model, list, e);
+  }
+}
+
+static uint32_t root_of(const choice *c, uint32_t i) {
+  node *all = c->node;
+  while (all[i].parent != i) i = all[i].parent = all[all[i].parent].parent;
+  return i;
 }
 
 static void add_class(choice *c, void *context, const hk_elements *list, size_t e, double r) {
-  if (class_of(c, r) == *(const int *)context) add_rates(c, c->stiff, list, e, r);
+  if (class_of(c, r) != *(const int *)context) return;
+  const uint32_t *pair = hk_tuple(&list->node, e);
+  for (int end = 0; end < 2; end++) {
+    c->node[pair[end]].stiff += r;
+    c->node[pair[end]].damping += damping_rate(c->model, list, e);
+  }
+  uint32_t p = root_of(c, pair[0]), q = root_of(c, pair[1]);
+  node *root = &c->node[p], *other = &c->node[q];
+  double damping = damping_of(list, e), k = hk_tuple_value(&list->stiffness, e);
+  root->springs++;
+  root->retardation = fmax(root->retardation, damping > 0 ? damping / k : 0);
+  if (p == q) return;
+  other->parent = p;
+  root->springs += other->springs;
+  root->retardation = fmax(root->retardation, other->retardation);
 }
 
-/* Estimated class by class, two springs of a class to a particle; what parts the springs make decides in the end. */
-static double room_of(const choice *c, const cut *taken, double h) {
-  double room = 1;
-  for (int octave = 0; octave < taken->classes; octave++) {
-    double stiffest = 2 * ldexp(c->stiffest, -octave), retardation = c->damped[octave];
-    const hk_local_modes modes = {stiffest, retardation * stiffest, retardation};
-    if (c->in[octave]) room = fmin(room, hk_local_room(&modes, h));
+/* ---- the work ---- */
+
+/* Bounds of the components, and of what is not taken; the largest bound of a component. */
+static double bound_all(choice *c, cut *found) {
+  double most = 0;
+  for (size_t i = 0; i < c->model->n; i++) c->node[i].bound = c->node[i].rate = 0;
+  for (uint32_t i = 0; i < c->model->n; i++) {
+    const node *p = &c->node[i];
+    node *root = &c->node[root_of(c, i)];
+    root->bound = fmax(root->bound, p->stiff);
+    root->rate = fmax(root->rate, p->damping);
+    most = fmax(most, p->stiff);
+    found->rest = fmax(found->rest, p->all - p->stiff);
+    found->damped = fmax(found->damped, p->all_damping - p->damping);
   }
+  return most;
+}
+
+static void find_groups(choice *c, cut *found) {
+  double most = bound_all(c, found);
+  for (uint32_t i = 0; i < c->model->n; i++) {
+    const node *p = &c->node[i];
+    if (p->parent != i || p->springs == 0) continue;
+    group *g = &found->group[p->bound > 0 ? (int)fmin(GROUPS - 1, log2(most / p->bound)) : GROUPS - 1];
+    hk_local_modes *m = &g->modes;
+    m->softest = g->springs ? fmin(m->softest, p->bound) : p->bound;
+    m->stiffest = fmax(m->stiffest, p->bound);
+    m->damping = fmax(m->damping, p->rate);
+    m->retardation = fmax(m->retardation, p->retardation);
+    g->springs += p->springs;
+  }
+}
+
+static double room_of(const cut *taken, double shift, double h) {
+  double room = 1;
+  for (int k = 0; k < GROUPS; k++)
+    if (taken->group[k].springs) room = fmin(room, hk_local_room(&taken->group[k].modes, shift, h));
   return room;
 }
 
-/* s, the largest step at which (h w)^2 + 4 h g <= 4 room, to 3 %; 0: there is none within a twentieth of what the
- * stiffness of the other springs alone would allow. */
-static double step_of(const choice *c, const cut *taken) {
-  double most = 2 / sqrt(taken->rest);
-  for (double h = most; h > most / 20; h *= 0.97)
-    if (h * h * taken->rest + 4 * h * taken->damped <= 4 * room_of(c, taken, h)) return h;
+/* s, the largest step at which (h w)^2 + 4 h g <= 4 room, by iteration from above, as shorter steps have less room; 0:
+ * there is none within a twentieth of what the other springs alone would allow. */
+static double step_of(const cut *taken, double shift) {
+  double w2 = taken->rest, g = taken->damped, room = 1, most = 0;
+  for (int turn = 0; turn < 20; turn++) {
+    double h = 2 * room / (g + sqrt(g * g + w2 * room));
+    most = fmax(most, h);
+    double now = room_of(taken, shift, h);
+    if (!(now > 0) || h < most / 20) return 0;
+    if (now > 0.99 * room) return h;
+    room = now;
+  }
   return 0;
 }
 
-/* The work of a second, with all classes up to the last one added in short steps. */
-static cut weigh(const choice *c, int classes, size_t taken, double whole) {
-  cut found = {.classes = classes, .work = INFINITY};
-  for (size_t i = 0; i < c->model->n; i++) {
-    found.stiff = fmax(found.stiff, c->stiff[2 * i]);
-    found.rest = fmax(found.rest, c->all[2 * i] - c->stiff[2 * i]);
-    found.damped = fmax(found.damped, c->all[2 * i + 1] - c->stiff[2 * i + 1]);
+/* The work of a second, with the best shift. */
+static offer weigh(const cut *taken, double whole) {
+  offer best = {.work = INFINITY, .shift = *hk_local_shifts, .classes = taken->classes};
+  for (size_t k = 0; k < SHIFTS && taken->rest > 0; k++) {
+    double shift = hk_local_shifts[k], h = step_of(taken, shift), work = whole;
+    for (int j = 0; j < GROUPS && h > 0; j++) {
+      const group *g = &taken->group[j];
+      if (g->springs == 0) continue;
+      double p = hk_local_count(h * h * g->modes.stiffest, shift);
+      work += p * work_of_call + (double)g->springs * (p * work_of_spring + work_of_gathering);
+    }
+    if (h > 0 && work / h < best.work) best.work = work / h, best.shift = shift;
   }
-  double h = found.rest > 0 ? step_of(c, &found) : 0, each = work_of_spring * (double)taken + work_of_call;
-  if (h > 0) found.work = (whole + (classes ? hk_local_count(h * h * found.stiff) * each : 0)) / h;
-  return found;
+  return best;
 }
 
-static cut best_cut(choice *c, size_t edges) {
+static offer best_offer(choice *c, size_t edges) {
   double whole = work_of_evaluation + (double)(edges + c->model->n);
   size_t taken = 0;
-  cut best = weigh(c, 0, 0, whole);
+  cut found = {0};
+  find_groups(c, &found);
+  offer best = weigh(&found, whole);
   best.work *= worth;
   for (int octave = 0; octave < CLASSES && 2 * taken < edges; octave++) {
     if (c->in[octave] == 0) continue;
     if (c->damped[octave] * sqrt(ldexp(c->stiffest, -octave)) > 2 * most_damped) break;
     each(c, &octave, add_class);
     taken += c->in[octave];
-    cut next = weigh(c, octave + 1, taken, whole);
+    found = (cut){.classes = octave + 1};
+    find_groups(c, &found);
+    offer next = weigh(&found, whole);
     if (next.work < best.work) best = next;
   }
   return best;
@@ -149,10 +231,10 @@ static void collect(choice *c, void *context, const hk_elements *list, size_t e,
   s->L[s->count++] = list->rest.count ? hk_tuple_value(&list->rest, e) : 0;
 }
 
-static hk_status take(hk_stiff_edges *s, const hk_host *host, choice *c, const cut *best) {
+static hk_status take(hk_stiff_edges *s, const hk_host *host, choice *c, const offer *best) {
   size_t taken = 0;
   for (int octave = 0; octave < best->classes; octave++) taken += c->in[octave];
-  s->stiffest = best->stiff;
+  s->shift = best->shift;
   if (taken == 0) return HK_OK;
   s->pair = host->allocate(host, taken * sizeof *s->pair);
   s->k = host->allocate(host, 3 * taken * sizeof *s->k);
@@ -166,15 +248,15 @@ static hk_status take(hk_stiff_edges *s, const hk_host *host, choice *c, const c
 hk_status hk_stiff_edges_choose(hk_stiff_edges *s, const hk_host *host, const hk_model *model) {
   choice c = {.model = model};
   hk_stiff_edges_free(s, host);
-  c.all = host->allocate(host, 4 * (model->n + 1) * sizeof *c.all);
-  if (!c.all) return HK_NO_MEMORY;
-  c.stiff = c.all + 2 * model->n;
+  c.node = host->allocate(host, (model->n + 1) * sizeof *c.node);
+  if (!c.node) return HK_NO_MEMORY;
+  for (uint32_t i = 0; i < model->n; i++) c.node[i].parent = i;
   each(&c, NULL, find_stiffest);
   each(&c, NULL, count);
   for (int octave = 0; octave < CLASSES; octave++) s->edges += c.in[octave];
-  cut best = best_cut(&c, s->edges);
+  offer best = best_offer(&c, s->edges);
   hk_status status = take(s, host, &c, &best);
-  host->release(host, c.all);
+  host->release(host, c.node);
   return status;
 }
 

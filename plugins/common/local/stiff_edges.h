@@ -9,7 +9,7 @@ typedef struct hk_stiff_edges {
   size_t count;        /* 0: none is worth it */
   uint32_t (*pair)[2]; /* count */
   double *k, *c, *L;   /* count each: N/m, N s/m, m */
-  double stiffest;     /* 1/s^2, no squared frequency of these springs alone is higher */
+  double shift;        /* s of local_filter.h */
   size_t edges;        /* springs of the scene that act */
 } hk_stiff_edges;
 

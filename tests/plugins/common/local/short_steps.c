@@ -79,7 +79,7 @@ static void open_scene(scene *s) {
   for (size_t c = 0; c < 3 * s->n; c++) s->f->system.X[c] = uniform();
   for (uint32_t i = 0; i < s->n; i++) {
     order[i] = i;
-    s->f->mass[i] = i % 11 == 0 ? 0 : 0.5 + uniform(); /* what the model has as the inverse mass */
+    s->f->mass[i] = i % 4 == 0 ? 0 : 0.5 + uniform(); /* what the model has as the inverse mass */
     if (slides(i)) s->f->pin[i] = HK_PIN_PLANE;
   }
   shuffle(order, s->n);
@@ -87,7 +87,7 @@ static void open_scene(scene *s) {
     size = uniform() < 0.6 ? 2 : uniform() < 0.9 ? 3 + (size_t)(6 * uniform()) : 9 + (size_t)(20 * uniform());
     component(s, order + at, size);
   }
-  s->edges.stiffest = 1e6; /* sets the scale of the parts alone */
+  s->edges.shift = 2.5;
 }
 
 static void add_forces(scene *s, const double *x, const double *d, double *F) {
@@ -110,11 +110,11 @@ static void add_forces(scene *s, const double *x, const double *d, double *F) {
 /* Displacements of all particles by p short steps, with T_k as cosh(k s/p). */
 static void take_plainly(scene *s, const double *a, double h, int p, double *d) {
   static double at_rest[3 * MOST], F[3 * MOST], before[3 * MOST];
-  const double *x = s->f->system.X, *w = s->f->model.inverse_mass, turn = hk_local_damping / p;
+  const double *x = s->f->system.X, *w = s->f->model.inverse_mass, turn = s->edges.shift / p;
   memset(d, 0, 3 * s->n * sizeof *d);
   add_forces(s, x, d, at_rest);
   for (int k = 0; k < p; k++) {
-    double g = 2 * h * h / hk_local_omega(p) * cosh(k * turn) / cosh((k + 1) * turn);
+    double g = 2 * h * h / hk_local_omega(p, s->edges.shift) * cosh(k * turn) / cosh((k + 1) * turn);
     double f = cosh((k - 1) * turn) / cosh((k + 1) * turn);
     add_forces(s, x, d, F);
     for (size_t c = 0; c < 3 * s->n; c++) {
@@ -146,7 +146,7 @@ static void compare(scene *s, const hk_short_steps *built, const double *a, cons
   for (size_t k = 0; k < built->parts; k++) {
     const hk_short_part *part = &built->part[k];
     if (part->n == 0) continue;
-    take_plainly(s, a, h, hk_local_rule_of(part->stiffest, h).count, d);
+    take_plainly(s, a, h, hk_local_rule_of(part->stiffest, s->edges.shift, h).count, d);
     for (size_t i = part->begin; i < part->begin + part->n; i++)
       for (size_t c = 0; c < 3; c++) {
         size_t at = 3 * (size_t)built->index[i] + c;
@@ -174,7 +174,7 @@ static void components_move_by_the_rule(void **state) {
   for (size_t c = 0; c < 3 * s.n; c++) assert_float_equal(v[c], h / 2 * (result[c] - a[c]), 1e-15);
   for (size_t k = 0; k < built.lanes.batches; k++) lanes += built.lanes.batch[k].filled;
   for (size_t k = 0; k < built.parts; k++) large += built.part[k].n;
-  if (!(lanes > 60 && large > 20)) fail_msg("%zu small components, %zu particles of large ones", lanes, large);
+  if (!(lanes > 40 && large > 20)) fail_msg("%zu small components, %zu particles of large ones", lanes, large);
   hk_short_steps_free(&built, &s.f->host);
   close_scene(&s);
 }
