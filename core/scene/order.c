@@ -4,9 +4,11 @@
  *
  * Particles are put into slabs across the longest side of their bounding box, those of a slab into rows across the
  * second, those of a row in the order of the third. The index of a neighbour is then off by the particles of a slab at
- * most: sqrt(n) in a sheet, n^(2/3) in a body, and a grid with shuffled ids gets its rows back. The choice is made by
- * counts: an order is looked for where the mean difference of joined indices is far above sqrt(n), and taken where it
- * is four times less then. */
+ * most: sqrt(n) in a sheet, n^(2/3) in a body, and a grid with shuffled ids gets its rows back. Of some widths of rows
+ * that is taken with which most joined particles follow each other: in an unstructured mesh of triangles nearly all
+ * that are neighbours in rows of 1.25 times the mean distance, which makes a third of the edges, and two thirds of them
+ * in rows half as wide. The choice is made by counts: an order is looked for where the mean difference of joined
+ * indices is far above sqrt(n), and taken where it is four times less then. */
 #include "core/scene/scene.h"
 
 #include <stdlib.h>
@@ -42,13 +44,15 @@ static void visit_pairs(const hk_scene *scene, visit *each, void *context) {
 typedef struct spread {
   const uint32_t *place; /* of particles; NULL: their own index */
   double sum;
-  size_t pairs;
+  size_t pairs, following; /* how many, and those with a difference of 1 */
 } spread;
 
 static void add_spread(void *context, uint32_t a, uint32_t b) {
   spread *s = context;
   uint32_t i = s->place ? s->place[a] : a, j = s->place ? s->place[b] : b;
-  s->sum += i < j ? j - i : i - j;
+  uint32_t apart = i < j ? j - i : i - j;
+  s->sum += apart;
+  s->following += apart == 1;
   s->pairs++;
 }
 
@@ -156,17 +160,30 @@ static uint32_t *find_places(const hk_scene *scene, double distance) {
   return place;
 }
 
+/* The places in rows of the best width; NULL: no memory. *best: what is known of them. */
+static uint32_t *best_places(const hk_scene *scene, double distance, spread *best) {
+  static const double width[] = {1, 1.5, 2}; /* times the distance */
+  uint32_t *place = NULL;
+  for (size_t k = 0; k < sizeof width / sizeof *width; k++) {
+    uint32_t *tried = find_places(scene, width[k] * distance);
+    spread found = {.place = tried};
+    if (!tried) continue;
+    visit_pairs(scene, add_spread, &found);
+    bool better = !place || found.following > best->following;
+    free(better ? place : tried);
+    if (better) place = tried, *best = found;
+  }
+  return place;
+}
+
 uint32_t *hk_scene_places(const hk_scene *scene) {
   spread now = {0}, then = {0};
   if (scene->n < LEAST) return NULL;
   visit_pairs(scene, add_spread, &now);
   if (now.sum <= FAR * sqrt((double)scene->n) * (double)now.pairs) return NULL;
   double distance = distance_of_rows(scene, now.pairs);
-  uint32_t *place = distance > 0 ? find_places(scene, distance) : NULL;
-  if (!place) return NULL; /* the order that there is will do */
-  then.place = place;
-  visit_pairs(scene, add_spread, &then);
-  if (GAIN * then.sum <= now.sum) return place;
-  free(place);
+  uint32_t *place = distance > 0 ? best_places(scene, distance, &then) : NULL;
+  if (!place || GAIN * then.sum <= now.sum) return place;
+  free(place); /* the order that there is will do */
   return NULL;
 }

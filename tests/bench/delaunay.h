@@ -2,7 +2,8 @@
  * cell of a grid, so that the particles have from 3 to some 12 neighbours and no direction is preferred. Points are
  * inserted one by one into the triangle that holds them, which a walk from the last one finds, and edges are flipped
  * until no circle has a point in it (Lawson 1977, Software for C1 surface interpolation). A triangle around the square
- * is the start; what touches its corners is left out at the end. */
+ * is the start; what touches its corners is left out at the end. The points of the border lie on it, as those of a mesh
+ * generator do: strewn in their cells as well, they would be joined by slivers with edges of forty cells. */
 #ifndef HK_BENCH_DELAUNAY_H
 #define HK_BENCH_DELAUNAY_H
 
@@ -99,6 +100,12 @@ static inline void delaunay_insert(delaunay *d, uint32_t p) {
   d->last = t;
 }
 
+/* In cell k of N along a side; in the first and the last one at the border. */
+static inline double delaunay_place(uint32_t k, uint32_t N, uint32_t *state) {
+  double place = (k + delaunay_random(state)) / N;
+  return k == 0 ? 0 : k == N - 1 ? 1 : place;
+}
+
 /* N x N points; row after row, in turn from the left and from the right, so that walks are short. */
 static inline delaunay delaunay_mesh(uint32_t N) {
   delaunay d = {.n = (size_t)N * N, .triangles = 1};
@@ -112,8 +119,8 @@ static inline delaunay delaunay_mesh(uint32_t N) {
   d.triangle[0] = (triangle){{corner, corner + 1, corner + 2}, {UINT32_MAX, UINT32_MAX, UINT32_MAX}};
   for (uint32_t p = 0; p < d.n; p++) {
     uint32_t row = p / N, column = row % 2 ? N - 1 - p % N : p % N;
-    d.x[p][0] = (column + delaunay_random(&state)) / N;
-    d.x[p][1] = (row + delaunay_random(&state)) / N;
+    d.x[p][0] = delaunay_place(column, N, &state);
+    d.x[p][1] = delaunay_place(row, N, &state);
     delaunay_insert(&d, p);
   }
   return d;

@@ -1,35 +1,40 @@
 /* The order in which a script or a mesh lists springs decides which runs (i+t, j+t) are found in it. Where few springs
  * follow each other so, they are turned to have their lower end first, and sorted: runs of one difference j - i come
  * first, then the others by their ends, so that the lists that are made of them read neighbours together. Two sorts by
- * counting, of the ends and of the differences, are linear in springs and particles. */
+ * counting, of the ends and of the differences, are linear in springs and particles. A few springs may be missing in a
+ * run: in rows of an unstructured mesh one in twenty is. */
 #include "plugins/common/springs/edge_order.h"
 
 #include <string.h>
 
-enum { RUN_MIN = 16 /* springs, as in spring_layout.c */ };
+/* How many places after spring e of a run another one is; 0: in no run with it. */
+static size_t distance(const hk_tuples *edges, uint32_t e, uint32_t next) {
+  const uint32_t *p = hk_tuple(edges, e), *q = hk_tuple(edges, next);
+  return q[0] > p[0] && q[0] - p[0] == q[1] - p[1] ? q[0] - p[0] : 0;
+}
+
+size_t hk_edge_run(const hk_tuples *edges, const uint32_t *order, size_t count, size_t *places) {
+  size_t length = 1, together = 1, step;
+  for (*places = 1; length < count; length++, *places += step) {
+    step = distance(edges, order[length - 1], order[length]);
+    if (step == 0 || step > HK_RUN_GAP + 1 || step > together + 1 || 2 * (*places + step) > 3 * (length + 1)) break;
+    together = step == 1 ? together + 1 : 1;
+  }
+  return length;
+}
 
 typedef struct sorter {
   const hk_host *host;
-  const hk_tuples *edges;
+  const hk_tuples *edges; /* the lower end first */
   size_t count;
   uint32_t *order, *scratch, *first; /* count, count, particles + 2 */
 } sorter;
 
-static uint32_t low_of(const sorter *s, uint32_t e) {
-  const uint32_t *pair = hk_tuple(s->edges, e);
-  return pair[0] < pair[1] ? pair[0] : pair[1];
-}
+static uint32_t low_of(const sorter *s, uint32_t e) { return hk_tuple(s->edges, e)[0]; }
 
-static uint32_t high_of(const sorter *s, uint32_t e) {
-  const uint32_t *pair = hk_tuple(s->edges, e);
-  return pair[0] < pair[1] ? pair[1] : pair[0];
-}
+static uint32_t high_of(const sorter *s, uint32_t e) { return hk_tuple(s->edges, e)[1]; }
 
 static uint32_t difference_of(const sorter *s, uint32_t e) { return high_of(s, e) - low_of(s, e); }
-
-static bool follows(const sorter *s, uint32_t e, uint32_t next) {
-  return low_of(s, next) == low_of(s, e) + 1 && high_of(s, next) == high_of(s, e) + 1;
-}
 
 /* Whether half of the springs follow the one before as they are. */
 static bool lines_up(const hk_tuples *edges) {
@@ -53,10 +58,9 @@ static void sort(sorter *s, uint32_t *list, size_t count, size_t keys, uint32_t 
 /* Moves what is in runs to the front; returns how many springs that are. */
 static size_t take_runs(sorter *s) {
   size_t taken = 0, rest = 0;
-  for (size_t k = 0, length; k < s->count; k += length) {
-    length = 1;
-    while (k + length < s->count && follows(s, s->order[k + length - 1], s->order[k + length])) length++;
-    bool run = length >= RUN_MIN;
+  for (size_t k = 0, length, places; k < s->count; k += length) {
+    length = hk_edge_run(s->edges, s->order + k, s->count - k, &places);
+    bool run = places >= HK_RUN_MIN;
     memcpy(run ? s->scratch + taken : s->first + rest, s->order + k, length * sizeof *s->order);
     *(run ? &taken : &rest) += length;
   }
@@ -82,13 +86,22 @@ static bool copy_numbers(const sorter *s, hk_per_tuple *numbers) {
   return value;
 }
 
+/* In the new order. */
 static bool copy_edges(const sorter *s, hk_tuples *edges) {
   uint32_t *pair = s->host->allocate(s->host, (2 * s->count + 1) * sizeof *pair);
-  for (size_t k = 0; pair && k < s->count; k++) {
-    pair[2 * k] = low_of(s, s->order[k]);
-    pair[2 * k + 1] = high_of(s, s->order[k]);
-  }
+  for (size_t k = 0; pair && k < s->count; k++) memcpy(pair + 2 * k, hk_tuple(s->edges, s->order[k]), 2 * sizeof *pair);
   if (pair) edges->index = pair;
+  return pair;
+}
+
+/* In the given order, the lower end first. NULL: no memory. */
+static uint32_t *turn(const hk_host *host, const hk_tuples *edges) {
+  uint32_t *pair = host->allocate(host, (2 * edges->count + 1) * sizeof *pair);
+  for (size_t e = 0; pair && e < edges->count; e++) {
+    const uint32_t *end = hk_tuple(edges, e);
+    pair[2 * e] = end[0] < end[1] ? end[0] : end[1];
+    pair[2 * e + 1] = end[0] < end[1] ? end[1] : end[0];
+  }
   return pair;
 }
 
@@ -102,16 +115,18 @@ void hk_edge_order_release(hk_edge_order *o, const hk_host *host, const hk_edge_
 
 bool hk_edge_order_improve(hk_edge_order *o, const hk_host *host, size_t particles) {
   const hk_edge_order given = *o;
-  sorter s = {.host = host, .edges = &given.edges, .count = o->edges.count};
-  if (s.count < RUN_MIN || lines_up(&o->edges)) return true;
-  size_t keys = particles + 2 > s.count ? particles + 2 : s.count;
-  s.order = host->allocate(host, s.count * sizeof *s.order);
-  s.scratch = host->allocate(host, s.count * sizeof *s.scratch);
+  const size_t count = o->edges.count, keys = particles + 2 > count ? particles + 2 : count;
+  if (count < HK_RUN_MIN || lines_up(&o->edges)) return true;
+  const hk_tuples turned = {count, 2, turn(host, &o->edges)};
+  sorter s = {.host = host, .edges = &turned, .count = count};
+  s.order = host->allocate(host, count * sizeof *s.order);
+  s.scratch = host->allocate(host, count * sizeof *s.scratch);
   s.first = host->allocate(host, keys * sizeof *s.first);
-  bool fine = s.order && s.scratch && s.first;
+  bool fine = turned.index && s.order && s.scratch && s.first;
   if (fine) sort_all(&s, particles);
   fine = fine && copy_edges(&s, &o->edges) && copy_numbers(&s, &o->k) && copy_numbers(&s, &o->c) &&
          copy_numbers(&s, &o->L);
+  host->release(host, (void *)(uintptr_t)turned.index);
   host->release(host, s.order);
   host->release(host, s.scratch);
   host->release(host, s.first);

@@ -1,5 +1,6 @@
 /* The order in which springs are summed (see spring_kernel.h): by part, runs are found by a scan, and the other springs
  * are put into slices. Everything is linear in the number of springs. */
+#include "plugins/common/springs/edge_order.h"
 #include "plugins/common/springs/spring_kernel.h"
 
 #include <stdlib.h>
@@ -9,8 +10,6 @@ enum {
   LANES = 4,    /* the places of a run are a multiple of this; the springs at its end beyond that join the list */
   PIECE = 1024, /* largest number of places in a run, whose particles fit the second-level cache with those of other
                    runs */
-  RUN_MIN = 16, /* the call costs more than shorter runs save */
-  GAP = 8,      /* places without a spring that a run goes on over: a vector's */
   SMALL = 8     /* up to this number springs are summed one at a time */
 };
 
@@ -46,12 +45,6 @@ static void sort(builder *b, uint32_t *list, size_t count, uint32_t (*key)(const
   for (size_t k = 0; k < most - least; k++) b->count[k + 1] += b->count[k];
   for (size_t e = 0; e < count; e++) b->scratch[b->count[key(b, list[e]) - least]++] = list[e];
   memcpy(list, b->scratch, count * sizeof *list);
-}
-
-/* How many places after spring e of a run another one is; 0: in no run with it. */
-static size_t distance(const builder *b, uint32_t e, uint32_t next) {
-  const uint32_t *p = hk_tuple(b->edges, e), *q = hk_tuple(b->edges, next);
-  return q[0] > p[0] && q[0] - p[0] == q[1] - p[1] ? q[0] - p[0] : 0;
 }
 
 static bool add_run(builder *b, hk_spring_kind kind, size_t begin, size_t count) {
@@ -127,18 +120,6 @@ static bool add_pieces(builder *b, size_t begin, size_t count, size_t places) {
   return true;
 }
 
-/* How many of `count` springs form a run that begins with the first, without gaps that are longer than what is before
- * them; with them it has *places. */
-static size_t run_length(const builder *b, const uint32_t *order, size_t count, size_t *places) {
-  size_t length = 1, together = 1, step;
-  for (*places = 1; length < count; length++, *places += step) {
-    step = distance(b, order[length - 1], order[length]);
-    if (step == 0 || step > GAP + 1 || step > together + 1) break;
-    together = step == 1 ? together + 1 : 1;
-  }
-  return length;
-}
-
 /* Of `length` springs those in the first `places` of their run. */
 static size_t within(const builder *b, const uint32_t *order, size_t length, size_t places) {
   while (length > 0 && hk_tuple(b->edges, order[length - 1])[0] - hk_tuple(b->edges, order[0])[0] >= places) length--;
@@ -150,9 +131,9 @@ static bool take_runs(builder *b, size_t begin, size_t count, uint32_t *others, 
   uint32_t *order = b->order + begin;
   size_t placed = 0, rest = 0;
   for (size_t e = 0; e < count;) {
-    size_t places, length = run_length(b, order + e, count - e, &places);
+    size_t places, length = hk_edge_run(b->edges, order + e, count - e, &places);
     places -= places % LANES;
-    size_t whole = places >= RUN_MIN ? within(b, order + e, length, places) : 0;
+    size_t whole = places >= HK_RUN_MIN ? within(b, order + e, length, places) : 0;
     memcpy(others + rest, order + e + whole, (length - whole) * sizeof *order);
     memmove(order + placed, order + e, whole * sizeof *order); /* placed <= e */
     if (whole > 0 && !add_pieces(b, begin + placed, whole, places)) return false;

@@ -1,6 +1,7 @@
 /* A cloth whose ids are shuffled gets the indices of its rows back, and nobody sees it: by id, everything is as in the
  * same cloth with ids in order, bit by bit, since sums have the same order. Also with births and deaths, from a
  * checkpoint, from a state table and in files. */
+#include "tests/bench/delaunay.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
 
@@ -156,11 +157,44 @@ static void tables_have_the_order_of_ids(void **state) {
   test_engine_close(&second);
 }
 
+/* Most neighbours in a row of an unstructured mesh are joined, a third of all edges, where rows are about as wide as
+ * the mean distance of particles; and no edge is longer than some rows of sqrt(n). */
+static void rows_of_an_unstructured_mesh_follow_its_edges(void **state) {
+  enum { N = 60, STEP = 1009 /* no divisor in common with N^2 */ };
+  (void)state;
+  delaunay d = delaunay_mesh(N);
+  uint32_t(*pair)[2] = malloc(3 * d.n * sizeof *pair), first;
+  size_t count = delaunay_pairs(&d, 0, pair), following = 0, reach = 0;
+  double(*x)[3] = calloc(d.n, sizeof *x), *mass = malloc(d.n * sizeof *mass);
+  test_engine e;
+  test_engine_open(&e);
+  for (size_t k = 0; k < d.n; k++) memcpy(x[k * STEP % d.n], d.x[k], sizeof d.x[k]), mass[k] = 1;
+  assert_int_equal(hk_scene_add_particles(e.scene, d.n, x[0], NULL, mass, 0, 0, &first, &e.error), HK_OK);
+  for (size_t s = 0; s < count; s++)
+    for (int c = 0; c < 2; c++) pair[s][c] = (uint32_t)(pair[s][c] * STEP % d.n) + first;
+  hk_plugin_spec *springs = test_plugin(&e, HK_FORCE, "springs");
+  test_edges(&e, springs, (const uint32_t(*)[2])pair, count);
+  test_number(&e, springs, "k", 100);
+  uint32_t *place = hk_scene_places(e.scene);
+  assert_non_null(place);
+  for (size_t s = 0; s < count; s++) {
+    uint32_t a = place[pair[s][0] - first], b = place[pair[s][1] - first], apart = a < b ? b - a : a - b;
+    following += apart == 1;
+    reach = apart > reach ? apart : reach;
+  }
+  if (10 * following < 3 * count || reach > 5 * N)
+    fail_msg("%zu of %zu edges follow the rows, reach %zu", following, count, reach);
+  test_engine_close(&e);
+  delaunay_free(&d);
+  free(place), free(pair), free(x), free(mass);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(shuffled_ids_change_nothing),
       cmocka_unit_test(a_run_goes_on_from_its_checkpoint),
       cmocka_unit_test(tables_have_the_order_of_ids),
+      cmocka_unit_test(rows_of_an_unstructured_mesh_follow_its_edges),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
