@@ -29,8 +29,6 @@ void *hk_memory_get(hk_block **list, size_t bytes); /* NULL: no memory */
 void hk_memory_put(hk_block **list, void *memory);  /* NULL is allowed */
 size_t hk_memory_size(const void *memory);          /* bytes that were asked for; 0 for NULL */
 void hk_memory_clear(hk_block **list);
-/* Numbers that are 0, aligned in the same way but in no list; for free(). NULL: no memory. */
-double *hk_numbers_create(size_t count);
 
 /* Grows an array to hold at least `wanted` items of `size` bytes, doubling. Returns 0, or -1 without changing the
  * array. */

@@ -49,12 +49,6 @@ void hk_memory_clear(hk_block **list) {
   }
 }
 
-double *hk_numbers_create(size_t count) {
-  size_t bytes = (count * sizeof(double) / HEADER + 1) * HEADER;
-  double *numbers = aligned_alloc(HEADER, bytes);
-  return numbers ? memset(numbers, 0, bytes) : NULL;
-}
-
 int hk_array_reserve(void **array, size_t *capacity, size_t wanted, size_t size) {
   if (wanted <= *capacity) return 0;
   size_t grown = *capacity > SIZE_MAX / 2 / size ? wanted : 2 * *capacity;

@@ -158,6 +158,30 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
+static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X) {
+  leapfrog *m = self;
+  size_t v = 3 * s->n, y = 6 * s->n;
+  double *a = m->slope;
+  leap leaps[HK_LEVELS];
+  hk_level level[HK_LEVELS];
+  hk_status status = prime(m, s);
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < *count; k++) {
+    double *next = X[k + 1];
+    leaps[k] = (leap){X[k], X[k] + v, next, next + v, a, h};
+    level[k] = (hk_level){t[k], next, next + v, a, {&leaps[k], HK_WIDEST(predict), HK_WIDEST(kick)}, 0};
+  }
+  status = s->wave(s, level, *count);
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < *count; k++) { /* the work */
+    predict_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
+    a[v] = level[k].power;
+    kick_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
+  }
+  m->primed = 1;
+  return HK_OK;
+}
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
@@ -165,7 +189,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step,
-                                         .reset = reset};
+                                         .reset = reset,
+                                         .march = march};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

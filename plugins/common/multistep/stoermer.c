@@ -107,22 +107,60 @@ static sweeping *best(int terms) {
                      : HK_WIDEST(sweep4);
 }
 
-/* A step of the recurrence, with the slope `a` that is evaluated in it. */
-static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a, double h) {
-  size_t v = 3 * s->n, y = 6 * s->n;
+/* The step from `from` to `to` whose slope is at position `head` of the ring. */
+static advance advance_of(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, int64_t head,
+                          const double *from, double *to) {
   const hk_stoermer_weights *w = &m->weights;
-  advance all = {.x = s->X, .v = s->X + v, .x_next = s->spare, .v_next = s->spare + v, .h = h};
+  size_t v = 3 * s->n;
+  advance all = {.x = from, .v = from + v, .x_next = to, .v_next = to + v, .h = w->h};
   for (int j = 0; j < HK_STOERMER_TERMS; j++) {
-    all.slope[j] = ring(m, s, f->terms, j < f->terms ? m->head + f->terms - j : m->head);
+    all.slope[j] = ring(m, s, f->terms, j < f->terms ? head + f->terms - j : head);
     all.next[j] = w->change[j] - (j > 0 ? w->lead[j - 1] : 0);
     all.lead[j] = w->lead[j];
   }
+  return all;
+}
+
+/* Channels and work. */
+static void advance_rest(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, const advance *all,
+                         const double *from, double *to) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  memcpy(to + y, from + y, (s->size - y) * sizeof *to);
+  for (int j = 0; j < f->terms; j++)
+    for (size_t e = y; e < s->size; e++) to[e] += m->weights.rate[j] * all->slope[j][e - v];
+}
+
+/* A step of the recurrence, with the slope `a` that is evaluated in it. */
+static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  advance all = advance_of(m, s, f, m->head, s->X, s->spare);
   hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms)});
   if (status != HK_OK) return status;
-  memcpy(s->spare + y, s->X + y, (s->size - y) * sizeof *s->X);
-  for (int j = 0; j < f->terms; j++)
-    for (size_t e = y; e < s->size; e++) s->spare[e] += w->rate[j] * all.slope[j][e - v];
+  advance_rest(m, s, f, &all, s->X, s->spare);
   s->exchange(s);
+  return HK_OK;
+}
+
+hk_status hk_stoermer_march(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, const double *t, double h,
+                            size_t *count, double *const *X) {
+  size_t v = 3 * s->n;
+  advance all[HK_LEVELS];
+  hk_level level[HK_LEVELS];
+  if (h != m->h || m->known < f->terms - 1) *count = 0; /* no history yet */
+  weigh(&m->weights, f, h);
+  for (size_t k = 0; k < *count; k++) {
+    int64_t head = (m->head + (int64_t)k) % f->terms;
+    all[k] = advance_of(m, s, f, head, X[k], X[k + 1]);
+    level[k] =
+        (hk_level){k ? t[k - 1] : s->t, X[k], X[k] + v, ring(m, s, f->terms, head), {&all[k], NULL, best(f->terms)}, 0};
+  }
+  hk_status status = *count ? s->wave(s, level, *count) : HK_OK;
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < *count; k++) {
+    level[k].a[v] = level[k].power;
+    advance_rest(m, s, f, &all[k], X[k], X[k + 1]);
+  }
+  m->head = (m->head + (int64_t)*count) % f->terms;
   return HK_OK;
 }
 
@@ -182,7 +220,7 @@ hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_syste
   if (h != m->h) m->known = 0;
   bool starts = m->known < f->terms - 1;
   weigh(&m->weights, f, h);
-  hk_status status = starts ? start(m, s, f, a, h, m->known == f->terms - 2) : recur(m, s, f, a, h);
+  hk_status status = starts ? start(m, s, f, a, h, m->known == f->terms - 2) : recur(m, s, f, a);
   if (status != HK_OK) return status;
   m->h = h;
   m->head = (m->head + 1) % f->terms;

@@ -1,6 +1,5 @@
 /* hk_array_move against the straightforward loop on a copy: random deaths, to memory apart, in place, and to a place
- * that overlaps further down or further up, where some items move down and others up. Numbers
- * are zero and aligned. */
+ * that overlaps further down or further up, where some items move down and others up. */
 #include "core/base/base.h"
 
 #include <setjmp.h>
@@ -45,19 +44,7 @@ static void moves_are_those_of_the_plain_loop(void **state) {
   }
 }
 
-static void numbers_are_zero_and_aligned(void **state) {
-  (void)state;
-  for (size_t count = 0; count < 40; count++) {
-    double *numbers = hk_numbers_create(count);
-    assert_non_null(numbers);
-    assert_int_equal((uintptr_t)numbers % 64, 0);
-    for (size_t e = 0; e < count; e++) assert_true(numbers[e] == 0);
-    free(numbers);
-  }
-}
-
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(moves_are_those_of_the_plain_loop),
-                                     cmocka_unit_test(numbers_are_zero_and_aligned)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(moves_are_those_of_the_plain_loop)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
