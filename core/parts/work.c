@@ -1,9 +1,8 @@
 /* What a pass does with one block of particles or one part of the forces. */
 #include "core/parts/work.h"
+#include "core/parts/divide.h"
 
 #include <string.h>
-
-enum { LANES = 4 };
 
 /* ---- before and after the forces ---- */
 
@@ -14,55 +13,12 @@ void hk_part_prepare(const hk_part_work *t, size_t begin, size_t end) {
   memset(w->a + 3 * begin, 0, 3 * (end - begin) * sizeof *w->a);
 }
 
-/* The top bit of (exponent + 1) is set by an exponent of all ones, NaN or infinity. */
-static inline uint64_t not_finite(double value) {
-  uint64_t bits;
-  memcpy(&bits, &value, sizeof bits);
-  return (bits & 0x7ff0000000000000u) + 0x0010000000000000u;
-}
-
-/* Divides by mass, four particles side by side; returns whether some F is not finite. F itself is checked, so that a
- * force on a fixed particle is included. */
-static inline __attribute__((always_inline)) uint64_t divide_fours(const double *restrict inverse, double *F,
-                                                                   size_t begin, size_t end) {
-  uint64_t bad[3 * LANES] = {0};
-  size_t i = begin;
-  for (; i + LANES <= end; i += LANES) {
-    double *restrict a = F + 3 * i, w[3 * LANES];
-    for (size_t l = 0; l < 3 * LANES; l++) w[l] = inverse[i + l / 3];
-    for (size_t l = 0; l < 3 * LANES; l++) {
-      bad[l] |= not_finite(a[l]);
-      a[l] *= w[l];
-    }
-  }
-  for (size_t c = 3 * i; c < 3 * end; c++) {
-    bad[0] |= not_finite(F[c]);
-    F[c] *= inverse[c / 3];
-  }
-  for (size_t l = 1; l < 3 * LANES; l++) bad[0] |= bad[l];
-  return bad[0] >> 63;
-}
-
-static uint64_t divide_narrow(const double *inverse, double *F, size_t begin, size_t end) {
-  return divide_fours(inverse, F, begin, end);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static uint64_t divide_wide(const double *inverse, double *F, size_t begin,
-                                                            size_t end) {
-  return divide_fours(inverse, F, begin, end);
-}
-#define DIVIDE (__builtin_cpu_supports("avx2") ? divide_wide : divide_narrow)
-#else
-#define DIVIDE divide_narrow
-#endif
-
 void hk_part_finish(const hk_part_work *t, size_t begin, size_t end, size_t at) {
   const hk_sweep *w = t->w;
   const hk_pins *pins = t->parts->pins;
   hk_pass_slot *slot = &t->parts->slot[at];
   if (pins->has_paths) slot->power += hk_pins_power(pins, begin, end, w->a, w->v);
-  slot->bad |= DIVIDE(t->parts->state->inverse_mass, w->a, begin, end);
+  slot->bad |= !hk_part_divide(t->parts->state->inverse_mass, w->a, begin, end);
   if (pins->has_slides) hk_pins_slide(pins, begin, end, w->a);
   if (w->pass && w->pass->finish && !w->unfinished) w->pass->finish(w->pass->context, begin, end);
 }

@@ -166,6 +166,17 @@ static double first_setting(const method *m, const problem *q) {
   return m->atol > 0 ? m->first : ceil(m->first * q->end / q->p.limit);
 }
 
+/* hooke knows the largest stable step of its own methods. */
+static double below_limit(const method *m, const problem *q) {
+  test_engine e;
+  open_reference(&e, q->N, true, q->end);
+  test_plugin(&e, HK_INTEGRATOR, m->plugin);
+  test_run(&e);
+  double steps = q->end / e.run->step.dt_limit;
+  test_engine_close(&e);
+  return ceil(0.9 * steps);
+}
+
 /* Frequencies grow with N: from below the fewest stable steps, by those of the smaller curtain. The larger one is
  * damped more, for which Runge-Kutta methods are stable with steps up to a third longer. */
 static double lowest(const ladder *smaller, const problem *before, const problem *q) {
@@ -188,7 +199,9 @@ static void climb_all(ladder *all, const ladder *smaller, const problem *before,
     const method *m = &methods[l];
     bool out = m->side == SUNDIALS_PLAIN || (smaller && hopeless(smaller, l));
     all[l] = (ladder){.m = out ? NULL : m};
-    if (!out) climb(&all[l], smaller ? lowest(&smaller[l], before, q) : first_setting(m, q), q);
+    if (out) continue;
+    bool known = m->side == HOOKE && m->atol == 0;
+    climb(&all[l], known ? below_limit(m, q) : smaller ? lowest(&smaller[l], before, q) : first_setting(m, q), q);
   }
 }
 
