@@ -36,14 +36,15 @@ function tests.it_loads_without_a_complaint()
   silent("sheet")
 end
 
-function tests.the_sheet_has_its_colour_and_the_background_none()
+function tests.the_sheet_has_its_colour_and_the_background_that_of_the_page()
   local red, green, blue, alpha = pixel(place(119)) -- in the middle of the sheet
   assert(blue > green and green > red and alpha == 255, ("%d %d %d"):format(red, green, blue))
   local x, y = place(0) -- pinned: a ball of another colour
   red, green, blue = pixel(x, y)
   assert(red > green and green > blue, ("%d %d %d"):format(red, green, blue))
   red, green, blue, alpha = pixel(20, 100) -- the sky
-  assert(alpha == 0, ("%d %d %d %d"):format(red, green, blue, alpha))
+  local paper = b:eval("getComputedStyle(document.body).backgroundColor")
+  assert(alpha == 255 and ("rgb(%d, %d, %d)"):format(red, green, blue) == paper, ("%d %d %d, %s"):format(red, green, blue, paper))
 end
 
 function tests.the_picture_moves_with_the_timeline()
@@ -211,7 +212,7 @@ function tests.names_of_a_scene_are_text_and_nothing_in_the_page_reaches_out()
     .. "i.src = 'data:image/gif;base64,R0lGODlhAQABAAAAACw=' })"))
 end
 
-local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_none",
+local order = { "it_loads_without_a_complaint", "the_sheet_has_its_colour_and_the_background_that_of_the_page",
   "the_picture_moves_with_the_timeline", "a_press_in_a_plot_moves_all_cursors_and_the_picture",
   "a_chart_without_a_number_is_drawn",
   "a_press_on_a_particle_tells_what_is_known_of_it", "colours_stand_for_numbers_and_have_a_legend",

@@ -144,8 +144,10 @@ view.app = (() => {
     seek(k) {
       const t = this.sources[0].time(k);
       this.frames = this.sources.map((source, j) => j === 0 ? k : view.compare.nearest(source, t));
-      this.timeline.update();
-      if (this.economy.plots(this.clock.playing)) this.plots.show(t, this.frames);
+      if (this.economy.cursors(this.clock.playing)) {
+        this.timeline.update();
+        this.plots.show(t, this.frames);
+      }
       if (!this.stage) return;
       const got = new Array(this.sources.length).fill(null);
       this.sources.forEach((source, j) => source.get(this.frames[j], this.wanted(source), (frame) => {

@@ -1,10 +1,12 @@
 // economy: what the page does with less work where it is too slow otherwise, and says so. Without a graphics card the
-// browser draws by software: then the charts' cursors follow a motion some times a second, and many particles are drawn by
-// the page itself (splats.js). Where pictures still come too slowly, every second, fourth ... particle is drawn.
+// browser draws by software: then the slider and the charts' cursors follow a motion some times a second, and many particles
+// are drawn by the page itself (splats.js). Where pictures still come too slowly, every second, fourth ... particle is drawn.
 "use strict";
 view.economy = (() => {
   const MANY = 5000; // particles: by software, points with shadows take 10 ms then
-  const PLOTS = 250; // ms between two moves of the charts' cursors, while it plays by software
+  // ms between two moves of the slider and the charts' cursors, while it plays by software: to draw those again takes as
+  // long as a picture of 100,000 particles
+  const CURSORS = 250;
   const SAID = 2000; // ms between two words on the rate: they are to be drawn, too
   const SLOW = 1000 / 27, PAUSE = 2000; // ms between two pictures: below 30 a second, and nothing that was played
 
@@ -20,7 +22,7 @@ view.economy = (() => {
 
   class Economy {
     constructor(sources) {
-      Object.assign(this, { software: software(), every: 1, slow: 0, lastShown: 0, lastPlots: 0 });
+      Object.assign(this, { software: software(), every: 1, slow: 0, lastShown: 0, lastCursors: 0 });
       this.many = sources.some((s) => s.most > MANY);
     }
 
@@ -29,11 +31,11 @@ view.economy = (() => {
 
     splats(balls) { return this.software && this.many && balls > MANY; }
 
-    // Whether charts may be drawn again.
-    plots(playing) {
+    // Whether the slider and the charts may be drawn again.
+    cursors(playing) {
       const now = performance.now();
-      if (this.software && playing && now - this.lastPlots < PLOTS) return false;
-      this.lastPlots = now;
+      if (this.software && playing && now - this.lastCursors < CURSORS) return false;
+      this.lastCursors = now;
       return true;
     }
 

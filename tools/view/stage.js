@@ -8,7 +8,8 @@ view.stage = (() => {
   class Stage {
     constructor(canvas, antialias, picked) {
       Object.assign(this, { canvas, layers: [], side: false, dirty: true, yUp: false, drawn: 0 });
-      this.renderer = new THREE.WebGLRenderer({ canvas, antialias, alpha: true });
+      // It fills its part of the page itself: to blend it with what is behind takes a quarter of a picture by software.
+      this.renderer = new THREE.WebGLRenderer({ canvas, antialias, alpha: false });
       this.renderer.autoClear = false;
       // Colours are those of the page's style; newer versions of three.js would take them for others.
       if (THREE.ColorManagement) THREE.ColorManagement.enabled = false;
@@ -27,6 +28,7 @@ view.stage = (() => {
     themed() {
       const style = getComputedStyle(document.documentElement);
       const colour = (name) => new THREE.Color(style.getPropertyValue(name).trim()).toArray();
+      this.renderer.setClearColor(new THREE.Color(style.getPropertyValue("--paper").trim()), 1);
       this.theme = { floor: colour("--floor"), line: colour("--floor-line"), shade: colour("--floor-shade") };
       this.draw();
     }

@@ -19,13 +19,19 @@ view.timeline = (() => {
     node.append(button, step(-1, "‹", "one frame back (left arrow)"), step(1, "›", "one frame on (right arrow)"), slider, time,
       speed, el("label", { class: "loop" }, loop, "loop"));
 
+    let pressed = null;
+    const press = () => {
+      if (pressed === clock.playing) return; // a new icon would be laid out and drawn again, with every picture
+      pressed = clock.playing;
+      button.replaceChildren(icon(pressed ? PAUSE : PLAY));
+      button.setAttribute("aria-pressed", pressed);
+    };
     const update = () => {
       slider.max = clock.end;
       slider.value = clock.k;
       slider.style.setProperty("--done", `${100 * clock.k / Math.max(clock.end, 1)}%`);
       time.textContent = `${clock.source.time(clock.k).toFixed(3)} s · frame ${clock.k}`;
-      button.replaceChildren(icon(clock.playing ? PAUSE : PLAY));
-      button.setAttribute("aria-pressed", clock.playing);
+      press();
     };
     update();
     return { update };
