@@ -92,9 +92,18 @@ static void show_progress(void *context) {
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
 }
 
+/* s, 0: no limit. A dt that is asked for is the longest step of an adaptive method, too; that of a scene, which is
+ * meant for its own method, is where one begins. */
+static double longest_step(const hk_run *run) {
+  const hk_run_options *o = &run->options;
+  bool given = run->step.method->flags & HK_ADAPTIVE && o->refine == 0 && isfinite(o->dt);
+  if (!given) return o->dt_most;
+  return o->dt_most > 0 ? fmin(o->dt_most, o->dt) : o->dt;
+}
+
 static hk_schedule schedule_of(const hk_run *run) {
   const hk_run_options *o = &run->options;
-  hk_schedule s = {.refine = o->refine, .dt_most = o->dt_most, .step_limit = o->step_limit};
+  hk_schedule s = {.refine = o->refine, .dt_most = longest_step(run), .step_limit = o->step_limit};
   s.cut = o->cut;
   s.cuts = o->cuts;
   s.interrupted = o->interrupted;
