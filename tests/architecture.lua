@@ -20,7 +20,7 @@ local small_core = { "^core/base/", "^core/host/", "^core/state/", "^core/loop/"
 -- Not of it are matrices and multipliers, contact, how long a step may be, and what is asked of forces beside F: energies,
 -- elements, bounds.
 local not_small_core = { "/constraint", "/active_set", "/saddle", "/jacobian", "/implicit_matrix",
-  "/linear_system", "/probe", "/elements", "/sweep", "/contact", "/step_choice" }
+  "/linear_system", "/probe", "/elements", "/sweep", "/contact", "/step_choice", "/march" }
 
 -- Headers beside a room's one header that other rooms may include: the commands' own, for their tests.
 local further_headers = {}

@@ -70,12 +70,15 @@ local function json_in(path)
   return text and pcall(require("cjson").decode, text) and text or nil
 end
 
--- "out/a/b" and "out/a/c" are told apart as b and c.
-local function titles(folders)
-  local list = {}
-  for k, folder in ipairs(folders) do list[k] = folder:gsub("/+$", ""):match("[^/]+$") or folder end
-  if #list == 2 and list[1] == list[2] then return folders end
-  return list
+-- A run is called by its scene, two runs of one scene by their folders: "out/a/b" and "out/a/c" are told apart as b and c.
+local function titles(folders, recordings)
+  local scenes, names = {}, {}
+  for k, folder in ipairs(folders) do
+    names[k] = folder:gsub("/+$", ""):match("[^/]+$") or folder
+    scenes[k] = recordings[k].attributes.scene:gsub("%.lua$", ""):match("[^/]+$") or names[k]
+  end
+  if scenes[1] ~= scenes[2] then return scenes end
+  return names[1] == names[2] and folders or names
 end
 
 local function open_runs(folders)
@@ -86,15 +89,17 @@ local function open_runs(folders)
   if not pcall(require, "page") then
     return nil, "pages cannot be made: hooke was built without zlib; tools/install-deps run gets it, then run make"
   end
-  local runs, names = {}, titles(folders)
+  local runs, recordings = {}, {}
   for k, folder in ipairs(folders) do
     local path, place = trajectory_in(folder)
     if not path then return nil, place end
     local r, why = recording.open(path)
     if not r then return nil, why end
-    runs[k] = { recording = r, file = path, title = names[k], summary = json_in(place .. "/summary.json"),
+    recordings[k] = r
+    runs[k] = { recording = r, file = path, summary = json_in(place .. "/summary.json"),
       bench = json_in(place .. "/bench.json") }
   end
+  for k, title in ipairs(titles(folders, recordings)) do runs[k].title = title end
   return runs
 end
 

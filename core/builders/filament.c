@@ -78,6 +78,13 @@ void hk_lua_share_mass(const hk_lua_material *m, uint32_t n, bool wall, double l
     mass[k] = m->there ? all / segments * (k == first || k == n - 1 ? 0.5 : 1) : all / (n - first);
 }
 
+void hk_lua_keep_section(lua_State *L, hk_scene *scene, const hk_lua_material *m, uint32_t first, size_t count) {
+  hk_error error = {0};
+  hk_limits_take(L, sizeof(hk_strand));
+  if (m->there && hk_scene_add_strand(scene, first, count, m->section.half_axis, &error) != HK_OK)
+    hk_lua_raise(L, &error);
+}
+
 static void set(lua_State *L, const char *key, double value) {
   if (isnan(value)) return;
   lua_pushnumber(L, value);

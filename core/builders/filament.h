@@ -22,6 +22,8 @@ hk_lua_material hk_lua_read_material(lua_State *L, int table, const char *what);
 /* The masses of n particles of a chain `length` long. With a section the ends carry half of what the others do; a first
  * segment in a wall has none. */
 void hk_lua_share_mass(const hk_lua_material *, uint32_t n, bool wall, double length, double *mass);
+/* Keeps the section, if one is given, of the particles that were added last. */
+void hk_lua_keep_section(lua_State *L, hk_scene *scene, const hk_lua_material *, uint32_t first, size_t count);
 /* What handle.EA, .EI, .EI2, .GJ, .stiffness, .length and .segment are, for chains with segments of l, m. */
 void hk_lua_set_numbers(lua_State *L, int handle, const hk_lua_material *, double length, double l);
 void hk_lua_pin_roots(lua_State *L, hk_scene *scene, const hk_lua_handle *, const char *what); /* fixed */

@@ -217,6 +217,7 @@ int hk_build_hair(lua_State *L) {
   handle.roots = h.wall ? 2 : 1;
   handle.first =
       hk_lua_add(L, scene, "hair", particles, &h.x[0][0], NULL, h.mass, 0, hk_lua_group(L, scene, 2, "hair"));
+  hk_lua_keep_section(L, scene, &h.material, handle.first, particles);
   hk_lua_push_structural(L, &handle);
   hk_lua_add_edges(L, scene);
   if (h.wall && hk_lua_flag(L, 2, "hair", "pin", true)) hk_lua_pin_roots(L, scene, &handle, "hair");

@@ -150,6 +150,7 @@ int hk_build_strand(lua_State *L) {
   hk_lua_share_mass(&s.material, s.n, s.wall, s.length, s.mass);
   hk_lua_handle h = {.count = s.n, .nx = s.n, .ny = 1, .chain = true, .roots = s.wall ? 2 : 1};
   h.first = hk_lua_add(L, scene, "strand", s.n, &s.x[0][0], NULL, s.mass, 0, hk_lua_group(L, scene, 2, "strand"));
+  hk_lua_keep_section(L, scene, &s.material, h.first, s.n);
   hk_lua_push_structural(L, &h);
   hk_lua_add_edges(L, scene);
   if (s.wall && hk_lua_flag(L, 2, "strand", "pin", true)) hk_lua_pin_roots(L, scene, &h, "strand");

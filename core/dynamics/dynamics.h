@@ -85,7 +85,9 @@ hk_status hk_evaluate_accelerations(hk_system *, double t, double *x, double *v,
 hk_status hk_evaluate_rate(hk_dynamics *, size_t k, double t, const double *y, double *dy, size_t first);
 hk_status hk_evaluate_resize(hk_dynamics *); /* adapts the memory to the number of particles */
 hk_status hk_evaluate_pass(hk_system *, double t, double *x, double *v, const double *y, double *a, double *dy,
-                           const hk_pass *); /* see hk_system */
+                           const hk_pass *);                       /* see hk_system */
+hk_status hk_evaluate_wave(hk_system *, hk_level *, size_t count); /* see hk_system */
+bool hk_evaluate_waves(const hk_dynamics *); /* whether waves are possible at present, and worth while */
 
 /* ---- probe.c: energies, forces and blocks of one state, apart from the evaluation of f ---- */
 

@@ -12,7 +12,10 @@
 
 static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
 
-static bool is_sampled(const hk_dynamics *d) { return d->count.evaluations % 64 == 0; }
+/* One evaluation in SAMPLE is timed. A wave pays from so many steps on that can be under way at once. */
+enum { SAMPLE = 64, DEPTH = 4 };
+
+static bool is_sampled(const hk_dynamics *d) { return d->count.evaluations % SAMPLE == 0; }
 
 hk_status hk_evaluate_rate(hk_dynamics *d, size_t k, double t, const double *y, double *dy, size_t first) {
   const hk_channel_spec *spec = &d->scene->channel[k];
@@ -128,6 +131,20 @@ hk_status hk_evaluate_pass(hk_system *s, double t, double *x, double *v, const d
 hk_status hk_evaluate_accelerations(hk_system *s, double t, double *x, double *v, const double *y, double *a,
                                     double *dy) {
   return hk_evaluate_pass(s, t, x, v, y, a, dy, NULL);
+}
+
+bool hk_evaluate_waves(const hk_dynamics *d) {
+  const hk_system *s = &d->system;
+  if (d->constraints || s->contact || d->listens || d->demands || s->size > 6 * s->n + 1) return false;
+  return !(s->flags & HK_DEPENDS_ON_T) && !d->pins->has_slides && !has_whole(d) && d->parts.wave.depth >= DEPTH;
+}
+
+hk_status hk_evaluate_wave(hk_system *s, hk_level *level, size_t count) {
+  hk_dynamics *d = dynamics_of(s);
+  size_t before = d->count.evaluations % SAMPLE;
+  hk_status status = hk_wave_run(&d->parts, level, count, before ? SAMPLE - before : 0);
+  d->count.evaluations += count;
+  return status == HK_OK ? HK_OK : hk_error_set(d->error, status, "the forces are not finite");
 }
 
 hk_status hk_evaluate_resize(hk_dynamics *d) {

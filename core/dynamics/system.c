@@ -27,7 +27,7 @@ static void filter(hk_system *s, double *vector) { hk_pins_filter(dynamics_of(s)
 
 static void exchange(hk_system *s) {
   hk_state *state = dynamics_of(s)->state;
-  hk_state_exchange(state);
+  hk_state_exchange(state, &state->spare);
   s->X = state->X;
   s->spare = state->spare;
 }
@@ -54,6 +54,7 @@ static void set_functions(hk_system *s) {
   s->stiffness_bound = hk_sweep_stiffness;
   s->alone = hk_probe_alone;
   s->pass = hk_evaluate_pass;
+  s->wave = hk_evaluate_wave;
   s->exchange = exchange;
   s->hold_positions = hk_constraints_hold_positions;
   s->hold_velocities = hk_constraints_hold_velocities;

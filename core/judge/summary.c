@@ -27,25 +27,50 @@ static double seconds_of(const hk_instance *instance) {
   return instance->seconds * (sampled ? (double)instance->calls / (double)instance->sampled : 1);
 }
 
-/* The integrator's time is the time of the steps less that of the forces; that of services is also in their clients'.
- */
+/* The time of all plugins of a kind. */
+static double seconds_of_kind(const hk_loop *loop, hk_kind kind) {
+  const hk_instances *all = &loop->plugins->kind[kind];
+  double seconds = 0;
+  for (size_t k = 0; k < all->count; k++)
+    if (all->item[k]->started) seconds += seconds_of(all->item[k]);
+  return seconds;
+}
+
+/* What the steps took is shared among forces and constraints, of which samples are measured, correctors and sources,
+ * and the integrator, which has the rest; so these add up to it. On a machine that others use, samples may have waited
+ * more than the rest of the run: they are worth no more than there is, and the integrator then has nothing. The times
+ * of solvers and services are also in those of their clients. */
+typedef struct shares {
+  double of_samples; /* at most 1: what they are worth */
+  double integrator; /* s */
+} shares;
+
+static shares shares_of(const hk_loop *loop) {
+  double samples = seconds_of_kind(loop, HK_FORCE) + seconds_of_kind(loop, HK_CONSTRAINT);
+  double left = fmax(0, loop->seconds - seconds_of_kind(loop, HK_CORRECTOR) - seconds_of_kind(loop, HK_SOURCE));
+  return (shares){samples > left ? left / samples : 1, fmax(0, left - samples)};
+}
+
+static double share_of(const hk_instance *instance, const shares *s) {
+  hk_kind kind = instance->plugin->kind;
+  if (kind == HK_INTEGRATOR) return s->integrator;
+  return seconds_of(instance) * (kind == HK_FORCE || kind == HK_CONSTRAINT ? s->of_samples : 1);
+}
+
 static void plugin_times(const hk_loop *loop, hk_judgement *j, hk_summary *s) {
   static const hk_kind order[] = {HK_FORCE,  HK_CONSTRAINT, HK_CORRECTOR, HK_SOURCE,
                                   HK_OUTPUT, HK_INTEGRATOR, HK_SOLVER,    HK_SERVICE};
+  const shares of = shares_of(loop);
   size_t room = 0;
-  double forces = 0;
   for (int kind = 0; kind < HK_KINDS; kind++) room += loop->plugins->kind[kind].count;
   free(j->plugin_time);
   j->plugin_time = calloc(room + 1, sizeof *j->plugin_time);
   for (size_t o = 0; j->plugin_time && o < sizeof order / sizeof *order; o++)
     for (size_t k = 0; k < loop->plugins->kind[order[o]].count; k++) {
       const hk_instance *instance = loop->plugins->kind[order[o]].item[k];
-      double seconds = seconds_of(instance);
       if (!instance->started) continue;
-      if (order[o] == HK_FORCE) forces += seconds;
-      if (order[o] == HK_INTEGRATOR) seconds = fmax(0, loop->seconds - forces);
       j->plugin_time[s->plugins++] =
-          (hk_plugin_time){hk_kind_name(order[o]), instance->plugin->name, instance->label, seconds};
+          (hk_plugin_time){hk_kind_name(order[o]), instance->plugin->name, instance->label, share_of(instance, &of)};
     }
   s->plugin = j->plugin_time;
 }

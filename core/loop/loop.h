@@ -146,6 +146,15 @@ hk_status hk_step_fixed(hk_loop *, double t_end, double h);
 hk_status hk_step_adaptive(hk_loop *, double stop, double h);
 hk_status hk_step_check(const hk_loop *); /* HK_NOT_FINITE where a number of the state is not */
 
+void hk_step_set_time(hk_loop *, double t);
+/* After a step, of the state after it: record, `accepted`, and now and then whether it is finite. */
+hk_status hk_step_accept(hk_loop *, double h, double error, hk_status status);
+
+/* ---- march.c ---- */
+
+size_t hk_march_length(const hk_loop *, const hk_piece *);       /* so many steps can be taken at once; 0: none */
+hk_status hk_march(hk_loop *, const hk_piece *, size_t *length); /* *length, or fewer */
+
 /* ---- reset.c ---- */
 
 void hk_step_reset(hk_loop *, hk_reason why);

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHECK_EVERY = 32, HALVINGS = 12 };
+enum { HALVINGS = 12 };
 
 static hk_status interrupted(const hk_loop *loop) {
   const hk_schedule *s = &loop->schedule;
@@ -49,10 +49,25 @@ static void note_step(hk_loop *loop, double h) {
   if (loop->pins->has_paths) r->path_speed_error = fmax(r->path_speed_error, hk_pins_speed_error(loop->pins));
 }
 
-static void set_time(hk_loop *loop, double t) {
+void hk_step_set_time(hk_loop *loop, double t) {
   loop->state->t = t;
   loop->state->view.t = t;
   loop->dynamics->system.t = t;
+}
+
+hk_status hk_step_accept(hk_loop *loop, double h, double error, hk_status status) {
+  hk_state *s = loop->state;
+  loop->emitted = false;
+  hk_evaluations_accept(&loop->dynamics->evaluations, s->t);
+  note_step(loop, h);
+  loop->record->step_taken = h, loop->record->step_error = fmax(loop->record->step_error, error);
+  if (error > loop->record->worst_error) loop->record->worst_error = error;
+  if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
+  if (status == HK_OK && loop->record->steps % HK_LEVELS == 0) {
+    status = hk_step_check(loop); /* the kinetic energy may be zero at every frame */
+    loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
+  }
+  return status;
 }
 
 /* The parts of a step after the integrator. `t` is the new time, `error` the integrator's estimate. *rejected: the step
@@ -63,7 +78,7 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
   const hk_record kept = *loop->record;
   hk_status status = HK_OK;
   *rejected = false;
-  set_time(loop, t);
+  hk_step_set_time(loop, t);
   if (loop->pins->has_paths || loop->pins->has_slides) status = hk_dynamics_impose(loop->dynamics, t, x, v);
   bool held = loop->step->method->flags & HK_KEEPS_CONSTRAINTS && loop->dynamics->system.holonomic;
   if (status == HK_OK && loop->dynamics->constraints && !held) status = hk_constraints_project(loop->dynamics, t, x, v);
@@ -75,20 +90,10 @@ static hk_status finish(hk_loop *loop, double t, double h, double error, bool *r
   if (*rejected) {
     *loop->record = kept;
     loop->record->rejected++;
-    set_time(loop, before);
+    hk_step_set_time(loop, before);
     return status;
   }
-  loop->emitted = false;
-  hk_evaluations_accept(&loop->dynamics->evaluations, t);
-  note_step(loop, h);
-  loop->record->step_taken = h, loop->record->step_error = fmax(loop->record->step_error, error);
-  if (error > loop->record->worst_error) loop->record->worst_error = error;
-  if (status == HK_OK && loop->dynamics->listens) status = hk_sweep_accepted(loop->dynamics, h);
-  if (status == HK_OK && loop->record->steps % CHECK_EVERY == 0) {
-    status = hk_step_check(loop); /* the kinetic energy may be zero at every frame */
-    loop->record->kinetic_max = fmax(loop->record->kinetic_max, hk_state_kinetic(s, s->X));
-  }
-  return status;
+  return hk_step_accept(loop, h, error, status);
 }
 
 static hk_status refuse_report(const hk_loop *loop, const char *what) {

@@ -113,10 +113,13 @@ static hk_status check_length(const hk_loop *loop, double dt, double at) {
                       demanded > least ? "dt" : "a force", fmin(dt, demanded), loop->state->t, least);
 }
 
-static hk_status piece_step(hk_loop *loop, const hk_piece *p) {
+/* The next steps of the piece; *length: how many. */
+static hk_status piece_steps(hk_loop *loop, const hk_piece *p, size_t *length) {
   const hk_loop_hooks *hooks = p->i == p->n ? &loop->hooks : NULL;
-  if (hooks && !(hooks->before_sample && hooks->after_sample)) hooks = NULL;
   periodic_hook(loop);
+  if ((*length = hk_march_length(loop, p)) > 0) return hk_march(loop, p, length);
+  *length = 1;
+  if (hooks && !(hooks->before_sample && hooks->after_sample)) hooks = NULL;
   if (hooks) hooks->before_sample(hooks->context);
   hk_status status = hk_step_fixed(loop, p->i == p->n ? p->stop : p->begin + (double)p->i * p->h, p->h);
   if (status == HK_OK && hooks) hooks->after_sample(hooks->context, p->h);
@@ -130,11 +133,11 @@ static hk_status fixed_segment(hk_loop *loop, double stop) {
     if (status != HK_OK) return status;
     divide(loop, stop);
   }
-  for (; p->i <= p->n; p->i++) {
+  for (size_t length = 1; p->i <= p->n; p->i += length) {
     hk_status status = hk_step_begin(loop, p->h);
     if (status == HK_OK) status = hk_step_watch(loop->step, loop->dynamics);
     if (status == HK_OK && too_long(loop, p)) break;
-    if (status == HK_OK) status = piece_step(loop, p);
+    if (status == HK_OK) status = piece_steps(loop, p, &length);
     if (status == HK_OK) status = hk_sources_emit(loop, p->h, HK_AFTER_STEPS);
     if (status != HK_OK) return status;
   }

@@ -25,6 +25,29 @@ hk_part_use hk_window_use(hk_window *); /* where forces note their elements */
 void hk_window_end(hk_window *);        /* the order for what has been noted */
 void hk_window_close(hk_window *);
 
+/* ---- wave.c: several steps at once ---- */
+
+typedef struct hk_wave_item {
+  uint32_t part;
+  uint32_t block; /* the highest that it touches */
+  uint32_t done;  /* so many blocks are complete after it */
+  uint32_t after; /* the item of the step before that has to be complete before it */
+} hk_wave_item;
+
+typedef struct hk_wave {
+  size_t items;
+  hk_wave_item *item; /* in the order of a step */
+  size_t depth;       /* so many steps can be under way at once; 0: there can be no wave */
+} hk_wave;
+
+/* `reach`: where the forces have noted their elements as if all blocks were of one domain. false: no memory. */
+bool hk_wave_arrange(hk_wave *, const hk_window *window, const hk_window *reach);
+void hk_wave_close(hk_wave *);
+/* The evaluations of all levels, and their powers; computing time is measured in level `sampled`, if there is one.
+ * HK_NOT_FINITE: some F is not finite. */
+struct hk_parts;
+hk_status hk_wave_run(struct hk_parts *, hk_level *, size_t count, size_t sampled);
+
 /* ---- pass.c: block by block ---- */
 
 /* What is summed at one place of an evaluation's order: a domain, a part across domains, or what is left of a domain.
@@ -47,6 +70,7 @@ typedef struct hk_parts {
   const bool *acts, *takes; /* one per force: it acts at present; it is to be included */
   bool *chosen;             /* one per force: it adds by parts */
   hk_window window;
+  hk_wave wave;
   hk_pass_slot *slot; /* HK_SLOTS */
   double *seconds;    /* (forces + 1) x HK_SLOTS: sampled time; last the host's and the method's */
 } hk_parts;

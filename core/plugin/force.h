@@ -79,7 +79,8 @@ enum { /* hk_force.flags */
                                      and reversible methods, which damp no energy of switching, take half that step */
        HK_STIFFER_BLOCKS = 2048 /* `jacobian` leaves out, or may leave out, what makes the force softer than its blocks,
                                    such as variables of its own that are always in equilibrium: u.K u is never below
-                                   that of -dF/dx, and Newton's method converges more slowly */
+                                   that of -dF/dx at rest, u.D u never below that of -dF/dv, and Newton's method
+                                   converges more slowly. K may leave out how a damping changes with the positions */
 };
 
 /* The quantity that `stiffness_bound` bounds. */

@@ -69,6 +69,12 @@ typedef struct hk_integrator {
   double (*growth)(const void *self, double h, double w, double g, double b);
   /* hk_system.tol of an adaptive method where nobody asks for one: what its order makes worth while. 0: 1e-6. */
   double tolerance;
+  /* For methods of fixed steps with one evaluation each: takes *count steps of h at once by hk_system.wave, as `step`
+   * would one after another, and leaves the new state in X[*count]; or sets *count to 0 where it cannot at present.
+   * t[k]: s, the end of step k. X[k], k >= 1: room for the state at its start, the same for every second k; X[0] is
+   * s->X and must not be changed. If it fails, `reset` is called. The host calls it where nobody needs the states
+   * between the steps; there are then neither channels nor constraints. NULL: the host calls `step`. */
+  hk_status (*march)(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X);
 } hk_integrator;
 
 /* The part of the forces that a method has set aside (hk_integrator.divide). */
@@ -87,6 +93,16 @@ typedef struct hk_pass {
   void (*prepare)(void *context, size_t begin, size_t end); /* writes x and v; may read a; NULL: they are there */
   void (*finish)(void *context, size_t begin, size_t end);  /* a is complete, and no force reads x and v any more */
 } hk_pass;
+
+/* One of several steps that are taken at once: an evaluation as `pass` makes it. */
+typedef struct hk_level {
+  double t;
+  double *x, *v, *a; /* n x 3 */
+  hk_pass pass;
+  double power; /* W, of pins and forces whose work is counted: the rate of the last entry of X; set by the host */
+} hk_level;
+
+enum { HK_LEVELS = 32 }; /* at most */
 
 /* ---- The system ------------------------------------------------------------------------------------------------ */
 
@@ -192,6 +208,9 @@ struct hk_system {
    * when they are the new state, so that nothing is copied and X is as it was if the step fails. */
   double *spare;
   void (*exchange)(hk_system *);
+  /* For `march`: the evaluations of `count` levels, at most HK_LEVELS, as if they were made by `pass` one after
+   * another. Block by block level k prepares what level k - 1 has finished. If it fails, all are void. */
+  hk_status (*wave)(hk_system *, hk_level *level, size_t count);
 };
 
 #endif

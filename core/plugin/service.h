@@ -55,6 +55,20 @@ typedef struct hk_interruption {
 /* Whether the user wants a quick look: pictures of half the size. */
 typedef bool hk_draft;
 
+/* ---- "strands/1", which the host serves itself ------------------------------------------------------------------- */
+
+/* Particles with the ids first, first + 1, ..., first + count - 1: strands or hairs of one section. */
+typedef struct hk_strand {
+  uint32_t first, count;
+  double radius; /* m; of an ellipse that of the circle with its area */
+} hk_strand;
+
+/* Those whose radius the script gives, with rising ids. */
+typedef struct hk_strands {
+  size_t count;
+  hk_strand *item;
+} hk_strands;
+
 /* ---- "checkpoint/1", which the host serves itself ---------------------------------------------------------------- */
 
 /* Points from which the run can go on, bit by bit as if it had not stopped (hooke run --resume). */

@@ -51,7 +51,8 @@ static void print_times(FILE *out, const hk_summary *s) {
     if (s->plugin[k].seconds > 0) {
       fprintf(out, "    %-11s ", s->plugin[k].kind);
       print_text(out, "%-18s ", s->plugin[k].label);
-      bool shared = strcmp(s->plugin[k].kind, hk_kind_name(HK_SERVICE)) == 0;
+      const char *kind = s->plugin[k].kind;
+      bool shared = strcmp(kind, hk_kind_name(HK_SERVICE)) == 0 || strcmp(kind, hk_kind_name(HK_SOLVER)) == 0;
       fprintf(out, "%9.4f s%s\n", s->plugin[k].seconds, shared ? ", in the time of those who ask it" : "");
     }
 }

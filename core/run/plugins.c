@@ -122,6 +122,7 @@ const void *hk_run_query(void *context, const char *wanted) {
   if (strcmp(wanted, "checkpoint/1") == 0) return hk_run_checkpoints(run);
   if (strcmp(wanted, "interruption/1") == 0) return &run->interruption;
   if (strcmp(wanted, "draft/1") == 0) return &run->options.draft;
+  if (strcmp(wanted, "strands/1") == 0) return &run->scene->strands;
   const hk_instances *services = &run->plugins.kind[HK_SERVICE];
   for (size_t k = 0; k < services->count; k++)
     if (serves(services->item[k]->plugin, wanted)) return table_of(services->item[k]);

@@ -80,6 +80,7 @@ void hk_scene_destroy(hk_scene *scene) {
   destroy_lists(scene);
   for (int kind = 0; kind < HK_KINDS; kind++) destroy_specs(&scene->plugin[kind]);
   free(scene->group_name);
+  free(scene->strands.item);
   free(scene->channel);
   free(scene->pin);
   free(scene->measure);
@@ -282,6 +283,14 @@ hk_status hk_scene_add_edges(hk_scene *scene, size_t count, const uint32_t (*edg
   if (resize(&scene->edge, scene->edges + count, sizeof *edge) != HK_OK) return no_memory(error, "the edges");
   memcpy(scene->edge + scene->edges, edge, count * sizeof *edge);
   scene->edges += count;
+  return HK_OK;
+}
+
+hk_status hk_scene_add_strand(hk_scene *scene, uint32_t first_id, size_t count, const double half_axis[2],
+                              hk_error *error) {
+  hk_strands *all = &scene->strands;
+  if (resize(&all->item, all->count + 1, sizeof *all->item) != HK_OK) return no_memory(error, "the strand");
+  all->item[all->count++] = (hk_strand){first_id, (uint32_t)count, sqrt(half_axis[0] * half_axis[1])};
   return HK_OK;
 }
 

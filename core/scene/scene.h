@@ -70,6 +70,7 @@ typedef struct hk_scene {
   size_t edges, triangles;
   uint32_t (*edge)[2];     /* ids */
   uint32_t (*triangle)[3]; /* ids */
+  hk_strands strands;
   size_t pins;
   hk_pin_spec *pin;
   hk_specs plugin[HK_KINDS]; /* at most one integrator and one solver; without one the default is used */
@@ -108,6 +109,8 @@ hk_status hk_scene_set_channel(hk_scene *, const char *name, uint32_t id, const 
 hk_status hk_scene_add_pin(hk_scene *, const hk_pin_spec *spec, hk_error *error);
 hk_status hk_scene_add_edges(hk_scene *, size_t count, const uint32_t (*edge)[2], hk_error *error);
 hk_status hk_scene_add_triangles(hk_scene *, size_t count, const uint32_t (*triangle)[3], hk_error *error);
+/* Of the particles added last, whose section has these half axes, m. */
+hk_status hk_scene_add_strand(hk_scene *, uint32_t first_id, size_t count, const double half_axis[2], hk_error *error);
 hk_status hk_scene_add_measure(hk_scene *, const char *name, const char *where, const hk_function *value,
                                hk_error *error);
 

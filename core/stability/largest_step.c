@@ -8,6 +8,14 @@
  * slow modes may be undamped. A grid mode that grows joins the corners, and the search is repeated until none grows.
  * This takes some 1000 amplification factors, a few milliseconds at most.
  *
+ * Symmetric methods of high order grow in narrow bands of h w far below the end of their domain, near multiples of pi,
+ * where the trace of their matrix just passes 2: Kahan and Li's of order 8, whose domain ends at 5.85, from 3.096 to
+ * 3.140 by up to 2.3 % a step, and Blanes and Moan's, which ends at 5.03, from 3.1635 to 3.1685 by up to 0.24 %. A
+ * fastest mode that is damped passes such a band unharmed, slower ones, damped less, do not. So every h w at which the
+ * undamped oscillator grows is followed through all steps, with the damping that the mode of that frequency has at
+ * least (below_bands). Where the modes of a scene lie is not known, and moves with it: no step is granted that a band
+ * could spoil. (A chain of 2,000 links in 7,000 steps of 0.9 of 5.03: its energy grows by 10^13.)
+ *
  * "Grows" is by more than 2e-7 a step: less cannot be told from rounding and from defective matrices, whose spectral
  * radius plugins/common/integrate/growth_factor.c gives to 7e-8. Methods that are stable nowhere on the imaginary axis
  * (euler, 1 + z^2/2; Heun and midpoint, 1 + z^4/8; z = h w) would so be granted a small step. A limit below z = 0.01
@@ -21,6 +29,8 @@
  * modes hold to their limit. Those that damp nothing are therefore granted a part of it that is below that. */
 #include "core/stability/stability.h"
 
+/* Bands are looked for at h w from this one on, in steps of a third of the narrowest that is known. */
+static const double band_from = 1, band_step = 1.0005;
 static const double tolerance = 2e-7, most = 1e6, safety = 0.9, precision = 1e-7, switching_part = 0.45;
 /* Below h w = 1e-6 the roots of a mode cannot be told from a double root at 1. */
 static const double distinct = 1e-6;
@@ -92,17 +102,17 @@ static double growth_of(const hk_integrator *method, const void *parameters, mod
   return method->amplification(parameters, h * m.w, h * m.g);
 }
 
-static bool mode_grows(const mode_set *set, mode m, double h) {
+static bool mode_grows(const hk_integrator *method, const void *parameters, mode m, double h) {
   double z = h * fmax(m.w, fmax(m.g, m.b));
   if (z < distinct) return false;
-  return !(growth_of(set->method, set->parameters, m, h) <=
+  return !(growth_of(method, parameters, m, h) <=
            1 + tolerance + 1e-16 * z * z); /* rounding of a matrix with entries of size z^2 */
 }
 
 /* *which: the first mode that grows at h. */
 static bool grows(const mode_set *set, double h, mode *which) {
   for (int i = 0; i < set->count; i++)
-    if (mode_grows(set, set->point[i], h)) {
+    if (mode_grows(set->method, set->parameters, set->point[i], h)) {
       *which = set->point[i];
       return true;
     }
@@ -153,6 +163,29 @@ static double limit_of(const hk_integrator *method, const void *parameters, cons
   return limit;
 }
 
+/* A step up to `limit` below which no mode of this h w grows, within 2 % of the first at which one does. */
+static double below_band(const hk_integrator *method, const void *parameters, const hk_spectrum *s, double hw,
+                         double limit, mode *which) {
+  double low = hw / s->w_max; /* no mode is faster */
+  for (double h = low; h < limit; low = h, h *= 1.02) {
+    mode m = {hw / h, floor_of(s, hw / h), 0};
+    if (!mode_grows(method, parameters, m, h)) continue;
+    while (mode_grows(method, parameters, m, low)) low /= band_step;
+    *which = m;
+    return low;
+  }
+  return limit;
+}
+
+static double below_bands(const hk_integrator *method, const void *parameters, const hk_spectrum *s, double limit,
+                          mode *which) {
+  if (method->growth || !(s->w_max > 0) || !isfinite(limit)) return limit;
+  for (double hw = band_from; hw < limit * s->w_max; hw *= band_step)
+    if (mode_grows(method, parameters, (mode){hw, 0, 0}, 1))
+      limit = below_band(method, parameters, s, hw, limit, which);
+  return limit;
+}
+
 double hk_stable_growth(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum, double h) {
   mode_set grid = grid_of(method, parameters, spectrum);
   double growth = 1;
@@ -191,6 +224,7 @@ hk_stable hk_stable_step(const hk_integrator *method, const void *parameters, co
   double begin = (method->order < 2 ? 0.01 : 0.05) / rate;
   if (s->b_max > 0 && !method->rotation) return accurate(begin);
   double limit = limit_of(method, parameters, s, begin, rate, &m);
+  limit = below_bands(method, parameters, s, limit, &m);
   limit = with_switching(method, parameters, s, begin, limit, &m);
   if (!isfinite(limit)) return (hk_stable){INFINITY, INFINITY, 0, 0, 0, 0, "the method is stable at any step"};
   if (limit > 0) return (hk_stable){limit, safety * limit, 0, m.w, m.g, m.b, limiting_rate(s, m)};

@@ -19,18 +19,21 @@ void hk_symmetric_eigenvalues(const double a[6], double value[3]) {
   value[1] = 3 * mean - value[0] - value[2];
 }
 
-/* No eigenvalue of a 3x3 matrix is above the mean plus sqrt(2/3) of the norm of the rest: most blocks need no more. */
-static bool is_smaller(const double a[6], double largest) {
-  double mean = (a[0] + a[3] + a[5]) / 3, x = a[0] - mean, y = a[3] - mean, z = a[5] - mean;
-  double square = x * x + y * y + z * z + 2 * (a[1] * a[1] + a[2] * a[2] + a[4] * a[4]), rest = largest - mean;
-  return rest > 0 && rest * rest > 2.0 / 3 * square;
+/* Whether all eigenvalues are below `most`: then the leading minors of most I - a are positive (Sylvester). Most blocks
+ * need no more than that. */
+static bool is_below(const double a[6], double most) {
+  double x = most - a[0], y = most - a[3], z = most - a[5], xy = a[1], xz = a[2], yz = a[4], minor = x * y - xy * xy;
+  return x > 0 && minor > 0 && minor * z > x * yz * yz + xz * (2 * xy * yz + y * xz);
 }
+
+/* Blocks of equal eigenvalues are common, in a flat sheet: one that is larger by this much is not looked for. */
+static const double alike = 1e-9;
 
 static double largest_block(const hk_model *model, double (*block)[6]) {
   double largest = 0, value[3];
   for (size_t i = 0; i < model->n; i++) {
     double w = model->inverse_mass[i];
-    if (!(w > 0) || is_smaller(block[i], largest / w)) continue;
+    if (!(w > 0) || is_below(block[i], (1 + alike) * largest / w)) continue;
     hk_symmetric_eigenvalues(block[i], value);
     largest = fmax(largest, w * value[2]);
   }

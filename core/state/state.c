@@ -9,13 +9,12 @@ static hk_status no_memory(const hk_state *s, hk_error *error) {
 }
 
 bool hk_state_open_spare(hk_state *s) {
-  s->spare = calloc(s->size, sizeof *s->spare);
-  return s->spare;
+  return (s->spare = hk_memory_get(&s->numbers, s->size * sizeof *s->spare)) != NULL;
 }
 
-void hk_state_exchange(hk_state *s) {
-  double *X = s->spare;
-  s->spare = s->X;
+void hk_state_exchange(hk_state *s, double **room) {
+  double *X = *room;
+  *room = s->X;
   s->X = X;
   s->view.x = X;
   s->view.v = X + 3 * s->model.n;
@@ -79,12 +78,12 @@ static hk_status open_channels(hk_state *s, const hk_scene *scene, hk_error *err
 
 static hk_status allocate(hk_state *s, const hk_scene *scene, hk_error *error) {
   size_t n = scene->n;
-  s->mass = malloc((n + 1) * sizeof *s->mass);
-  s->inverse_mass = malloc((n + 1) * sizeof *s->inverse_mass);
+  s->mass = hk_memory_get(&s->numbers, (n + 1) * sizeof *s->mass);
+  s->inverse_mass = hk_memory_get(&s->numbers, (n + 1) * sizeof *s->inverse_mass);
   s->id = malloc((n + 1) * sizeof *s->id);
   s->group = malloc((n + 1) * sizeof *s->group);
   s->pin = calloc(n + 1, sizeof *s->pin);
-  s->X = calloc((6 + s->width) * n + 1, sizeof *s->X);
+  s->X = hk_memory_get(&s->numbers, ((6 + s->width) * n + 1) * sizeof *s->X);
   s->edge = malloc((scene->edges + 1) * sizeof *s->edge);
   s->triangle = malloc((scene->triangles + 1) * sizeof *s->triangle);
   bool fine = s->mass && s->inverse_mass && s->id && s->group && s->pin && s->X && s->edge && s->triangle;
@@ -133,9 +132,9 @@ hk_status hk_state_open(hk_state *s, const hk_scene *scene, hk_error *error) {
 }
 
 void hk_state_close(hk_state *s) {
-  void *arrays[] = {s->mass, s->inverse_mass, s->id,      s->group, s->pin,  s->X,
-                    s->edge, s->triangle,     s->channel, s->by_id, s->spare};
+  void *arrays[] = {s->id, s->group, s->pin, s->edge, s->triangle, s->channel, s->by_id};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) free(arrays[k]);
+  hk_memory_clear(&s->numbers);
 }
 
 hk_status hk_state_check_masses(const hk_state *s, hk_error *error) {

@@ -2,7 +2,7 @@
  * fluid, Stokes' law F = -6 pi viscosity r v, with r of the particle's channel 'radius' or one for all (Stokes 1851;
  * Reynolds numbers below 1). No energy; power -d v^2. */
 #include "plugins/common/channels/find_channel.h"
-#include "plugins/common/parts/particle_sums.h"
+#include "plugins/common/parts/scaled_sums.h"
 
 typedef struct drag {
   double d, rate, viscosity, radius;
@@ -63,54 +63,18 @@ static double coefficient(const drag *p, const hk_view *view, size_t i) {
   return isnan(p->d) ? p->rate * view->model->mass[i] : p->d;
 }
 
-enum { GRAIN = 4096, LANES = 4 }; /* GRAIN: of a Jacobian */
-
-static double add_one(const drag *p, const hk_view *view, size_t i, double *restrict F) {
-  const double *v = view->v + 3 * i, d = coefficient(p, view, i);
-  for (int c = 0; c < 3; c++) F[3 * i + c] -= d * v[c];
-  return -d * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-/* Four particles at a time, with a separate sum for each component: additions to a single sum would have to wait for
- * each other. One statement a loop: compilers make vectors of it then. */
-static inline __attribute__((always_inline)) double add_fours(const drag *p, const hk_view *view, size_t begin,
-                                                              size_t end, double *restrict F) {
-  const double *restrict by = p->channel ? view->y + p->channel->offset * view->n : view->model->mass,
-                         each = isnan(p->d) ? 0 : p->d,
-                         times = p->channel    ? six_pi * p->viscosity
-                                 : isnan(p->d) ? p->rate
-                                               : 0;
-  double power[3 * LANES] = {0}, sum = 0;
-  for (size_t i = begin; i < end; i += LANES) {
-    const double *restrict v = view->v + 3 * i;
-    double f[3 * LANES];
-    for (size_t l = 0; l < 3 * LANES; l++) f[l] = (each + times * by[i + l / 3]) * v[l];
-    for (size_t l = 0; l < 3 * LANES; l++) F[3 * i + l] -= f[l];
-    for (size_t l = 0; l < 3 * LANES; l++) power[l] -= f[l] * v[l];
-  }
-  for (size_t l = 0; l < 3 * LANES; l++) sum += power[l];
-  return sum;
-}
-
-static double add_narrow(const drag *p, const hk_view *view, size_t begin, size_t end, double *F) {
-  return add_fours(p, view, begin, end, F);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static double add_wide(const drag *p, const hk_view *view, size_t begin, size_t end,
-                                                       double *F) {
-  return add_fours(p, view, begin, end, F);
-}
-#define ADD_FOURS (__builtin_cpu_supports("avx2") ? add_wide : add_narrow)
-#else
-#define ADD_FOURS add_narrow
-#endif
+enum { GRAIN = 4096 }; /* of a Jacobian */
 
 static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *F) {
-  size_t fours = view->active ? begin : end - (end - begin) % LANES;
-  double power = ADD_FOURS(self, view, begin, fours, F);
-  for (size_t k = fours; k < end; k++) power += add_one(self, view, hk_acting_particle(view, k), F);
-  return power;
+  const drag *p = self;
+  hk_scaled f = {.by = view->model->mass, .u = view->v};
+  if (p->channel)
+    f.by = view->y + p->channel->offset * view->n, f.times = -six_pi * p->viscosity;
+  else if (isnan(p->d))
+    f.times = -p->rate;
+  else
+    f.each = -p->d;
+  return hk_scaled_sums_add(&f, view, begin, end, F);
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {

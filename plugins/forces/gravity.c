@@ -1,5 +1,5 @@
 /* Uniform gravity, F = m g; energy -m g.x. Any direction is allowed, such as upwards for smoke. */
-#include "plugins/common/parts/particle_sums.h"
+#include "plugins/common/parts/scaled_sums.h"
 
 typedef struct gravity {
   double g[3];
@@ -10,41 +10,10 @@ static const hk_param params[] = {
     {0},
 };
 
-enum { LANES = 4 };
-
-/* Four particles side by side: the compiler makes three vectors of them. */
-static inline __attribute__((always_inline)) void add_fours(const gravity *s, const double *restrict m, size_t begin,
-                                                            size_t end, double *restrict F) {
-  double g[3 * LANES];
-  for (size_t l = 0; l < 3 * LANES; l++) g[l] = s->g[l % 3];
-  for (size_t i = begin; i < end; i += LANES)
-    for (size_t l = 0; l < 3 * LANES; l++) F[3 * i + l] += m[i + l / 3] * g[l];
-}
-
-static void add_narrow(const gravity *s, const double *m, size_t begin, size_t end, double *F) {
-  add_fours(s, m, begin, end, F);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void add_wide(const gravity *s, const double *m, size_t begin, size_t end,
-                                                     double *F) {
-  add_fours(s, m, begin, end, F);
-}
-#define ADD_FOURS (__builtin_cpu_supports("avx2") ? add_wide : add_narrow)
-#else
-#define ADD_FOURS add_narrow
-#endif
-
-static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *restrict F) {
+static double push(const void *self, const hk_view *view, size_t begin, size_t end, double *F) {
   const gravity *s = self;
-  const double *m = view->model->mass;
-  size_t fours = view->active ? begin : end - (end - begin) % LANES;
-  ADD_FOURS(s, m, begin, fours, F);
-  for (size_t k = fours; k < end; k++) {
-    size_t i = hk_acting_particle(view, k);
-    for (size_t c = 0; c < 3; c++) F[3 * i + c] += m[i] * s->g[c];
-  }
-  return 0; /* of the conservative force no power is counted */
+  const hk_scaled weight = {.times = 1, .by = view->model->mass, .common = {s->g[0], s->g[1], s->g[2]}};
+  return hk_scaled_sums_add(&weight, view, begin, end, F); /* 0: of the conservative force no power is counted */
 }
 
 static hk_status add(void *self, const hk_view *view, double *F) {

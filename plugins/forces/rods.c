@@ -13,13 +13,13 @@
  * clamp, which holds its section as well; `turn` turns the last clamp of a rod, or the ends of a ring against each
  * other, by any number of turns.
  *
+ * With `retardation` moments follow the rates of curvature and twist, too (common/rods/rod_damping.c).
+ *
  * A free rod that is straight, but not at rest, can curl in any direction: it is infinitely stiff there against turning
  * that direction. Clamp an end, or start it curved.
  *
  * A joint that is folded to within 1.4e-3 rad has an infinite curvature: forces stay finite, and a step that ends there
  * ends the run with the particle's number. */
-#include "plugins/common/rods/rod_blocks.h"
-#include "plugins/common/rods/rod_shape.h"
 #include "plugins/common/rods/rods.h"
 
 /* clang-format off */
@@ -43,6 +43,9 @@ static const hk_param params[] = {
      HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
     {"turn", "rad", "angle by which the last clamp of a rod is turned about it, or a ring's ends against each other",
      HK_NUMBER, {0}, 0, 0, offsetof(hk_rods, turn), HK_TIMED, NULL},
+    {"retardation", "s", "damping as a time (Kelvin and Voigt): moments are EI (k + retardation dk/dt), and so in twist: "
+     "a mode of frequency w is damped at the rate retardation w^2; above 0 there are no elements (xpbd, local_global)",
+     HK_NUMBER, {0}, 0, INFINITY, offsetof(hk_rods, retardation), 0, NULL},
     {"spins", "", "particles that are the angles of sections, one for each edge, which slide along x; left out: "
      "quasi-static twist",
      HK_PARTICLES, {0}, 0, 0, offsetof(hk_rods, spins), HK_OPTIONAL, NULL},
@@ -67,9 +70,14 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) { 
 static hk_status topology(void *self, const hk_view *view) { return hk_rods_follow(self, view); }
 
 static hk_status add(void *self, const hk_view *view, double *F) {
-  hk_status status = hk_rods_evaluate(self, view, NULL);
-  if (status == HK_OK) hk_rods_scatter(self, view->host, F);
-  return status;
+  hk_rods *r = self;
+  hk_status status = hk_rods_evaluate(r, view, NULL);
+  if (status != HK_OK) return status;
+  double power = r->retardation > 0 ? hk_rod_damping_add(r, view) : 0;
+  hk_rods_scatter(r, view->host, F);
+  if (r->retardation > 0) hk_rod_damping_turn(r, F);
+  if (view->power) *view->power += power;
+  return HK_OK;
 }
 
 static double energy(void *self, const hk_view *view) {
@@ -81,6 +89,7 @@ static void elements(void *self, const hk_view *view, hk_elements *out) {
   const hk_rods *r = self;
   (void)view;
   hk_rod_elements_offer(&r->elements, r->batch, r->batches, out);
+  if (r->retardation > 0) out->values = 0; /* the damping of a joint belongs to the whole rod */
 }
 
 static void pattern(void *self, const hk_view *view, hk_pattern *p) {
@@ -95,9 +104,10 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 }
 
 static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
-  if (part == HK_DAMPING_WHOLE) return;
+  const hk_rods *r = self;
+  if (part == HK_DAMPING_WHOLE && !(r->retardation > 0)) return;
   if (hk_rods_evaluate(self, view, NULL) == HK_OK)
-    hk_rod_blocks_bound(self, view, block);
+    hk_rod_blocks_bound(self, view, part, block);
   else
     for (size_t k = 0; k < view->acting; k++) block[view->active ? view->active[k] : k][0] = INFINITY;
 }
@@ -109,8 +119,8 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
 
 static const hk_force force = {
     .size = sizeof(hk_force),
-    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
-             HK_OFFERS_DEFINITE | HK_STIFFER_BLOCKS,
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
+             HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE | HK_STIFFER_BLOCKS,
     .add = add,
     .energy = energy,
     .elements = elements,

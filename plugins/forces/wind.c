@@ -1,18 +1,18 @@
-/* Wind on the scene's triangles, or on its particles (on = "particles": linear drag, F = d (w - v), in
- * common/flow/air_drag.h). With w the air's velocity, v_T the mean velocity of the corners, u = w - v_T the
- * relative wind, n the unit normal, A the area and alpha the angle of attack (sin alpha = |u.n|/|u|), a triangle feels
- *     drag 1/2 rho A |u|^2 (drag sin^2 alpha + friction cos^2 alpha) along u,
- *     lift 1/2 rho A |u|^2 lift sin 2 alpha, perpendicular to u in the plane of u and n, and
- *     linear A (u.n) n,
+/* Wind on the scene's triangles, or on its particles (on = "particles": linear drag, F = d (u - v), in
+ * common/flow/air_drag.h). With u the air's velocity, v_T the mean velocity of the corners, r = u - v_T the
+ * relative wind, n the unit normal, A the area and alpha the angle of attack (sin alpha = |r.n|/|r|), a triangle feels
+ *     drag 1/2 rho A |r|^2 (drag sin^2 alpha + friction cos^2 alpha) along r,
+ *     lift 1/2 rho A |r|^2 lift sin 2 alpha, perpendicular to r in the plane of r and n, and
+ *     linear A (r.n) n,
  * a third on each corner. The first two are the translational forces on a plate of Andersen, Pesavento and Wang, J.
  * Fluid Mech. 541 (2005): a drag coefficient A - B cos 2 alpha (drag = A + B, friction = A - B) and a circulation that
  * makes the lift coefficient proportional to sin 2 alpha. drag = 2 lift and friction = 0 give a force along the normal
  * only. The third is the fluid force of Provot, Graphics Interface 1995, per area instead of per particle.
  *
- * In N = 2 A n and q = N.u all of this is polynomial but for 1/|N| and 1/|u|:
- *     F = rho/4 (friction |N| |u| + b q^2 / (|N| |u|)) u + (rho/2 lift |u| + linear/2) q / |N| N,
+ * In N = 2 A n and q = N.r all of this is polynomial but for 1/|N| and 1/|r|:
+ *     F = rho/4 (friction |N| |r| + b q^2 / (|N| |r|)) r + (rho/2 lift |r| + linear/2) q / |N| N,
  * b = drag - friction - 2 lift. Invariants: F does not depend on the orientation of a triangle; F is continuously
- * differentiable in u everywhere, and in N except at N = 0, where F is 0 and the Jacobian, which has no limit, is set
+ * differentiable in r everywhere, and in N except at N = 0, where F is 0 and the Jacobian, which has no limit, is set
  * to 0. */
 #include "plugins/common/flow/air_drag.h"
 #include "plugins/common/parts/part_sums.h"
@@ -132,10 +132,10 @@ static inline void cross(const double a[3], const double b[3], double out[3]) {
 }
 
 typedef struct flow {
-  double N[3], u[3];          /* m^2, m/s */
-  double area, speed;         /* |N|, |u| */
+  double N[3], r[3];          /* m^2, m/s */
+  double area, speed;         /* |N|, |r| */
   double per_area, per_speed; /* their inverses, or 0 */
-  double q;                   /* N.u */
+  double q;                   /* N.r */
 } flow;
 
 static inline double inverse(double length) { return length > TINY ? 1 / length : 0; }
@@ -148,30 +148,30 @@ static inline void measure(const wind *w, const hk_view *view, const uint32_t co
   for (int k = 0; k < 3; k++) {
     ab[k] = b[k] - a[k];
     ac[k] = c[k] - a[k];
-    f->u[k] = w->velocity[k] - (va[k] + vb[k] + vc[k]) / 3;
+    f->r[k] = w->velocity[k] - (va[k] + vb[k] + vc[k]) / 3;
   }
   cross(ab, ac, f->N);
   f->area = sqrt(dot(f->N, f->N));
-  f->speed = sqrt(dot(f->u, f->u));
+  f->speed = sqrt(dot(f->r, f->r));
   f->per_area = inverse(f->area);
   f->per_speed = inverse(f->speed);
-  f->q = dot(f->N, f->u);
+  f->q = dot(f->N, f->r);
 }
 
-/* G = dF/dN and H = dF/du. With m = N/|N|, e = u/|u|, p = m.u, s = |u|, L = rho/2 lift and c = L s + linear/2:
- *   G = rho/4 (friction s u m^T + b e (2 p u - p^2 m)^T) + c (m u^T + p (I - m m^T)),
- *   H = |N| (rho/4 (friction (s I + u e^T) + b (2 p e m^T + p^2 (I - e e^T)/s)) + L p m e^T + c m m^T). */
+/* G = dF/dN and H = dF/dr. With m = N/|N|, e = r/|r|, p = m.r, s = |r|, L = rho/2 lift and c = L s + linear/2:
+ *   G = rho/4 (friction s r m^T + b e (2 p r - p^2 m)^T) + c (m r^T + p (I - m m^T)),
+ *   H = |N| (rho/4 (friction (s I + r e^T) + b (2 p e m^T + p^2 (I - e e^T)/s)) + L p m e^T + c m m^T). */
 static void slopes(const wind *w, const flow *f, double G[9], double H[9]) {
   double rho = w->density / 4, a = rho * w->friction, b = rho * (w->drag - w->friction - 2 * w->lift);
   double L = 2 * rho * w->lift, c = L * f->speed + w->linear / 2, p = f->q * f->per_area, m[3], e[3];
-  double bent = b * p * p * f->per_speed; /* factor of b p^2 de/du */
-  for (int k = 0; k < 3; k++) m[k] = f->N[k] * f->per_area, e[k] = f->u[k] * f->per_speed;
+  double bent = b * p * p * f->per_speed; /* factor of b p^2 de/dr */
+  for (int k = 0; k < 3; k++) m[k] = f->N[k] * f->per_area, e[k] = f->r[k] * f->per_speed;
   for (int i = 0; i < 3; i++)
     for (int j = 0; j < 3; j++) {
       double one = i == j;
-      G[3 * i + j] = a * f->speed * f->u[i] * m[j] + b * e[i] * p * (2 * f->u[j] - p * m[j]) +
-                     c * (m[i] * f->u[j] + p * (one - m[i] * m[j]));
-      H[3 * i + j] = f->area * (a * (f->speed * one + f->u[i] * e[j]) + 2 * b * p * e[i] * m[j] +
+      G[3 * i + j] = a * f->speed * f->r[i] * m[j] + b * e[i] * p * (2 * f->r[j] - p * m[j]) +
+                     c * (m[i] * f->r[j] + p * (one - m[i] * m[j]));
+      H[3 * i + j] = f->area * (a * (f->speed * one + f->r[i] * e[j]) + 2 * b * p * e[i] * m[j] +
                                 bent * (one - e[i] * e[j]) + L * p * m[i] * e[j] + c * m[i] * m[j]);
     }
 }
@@ -206,14 +206,14 @@ static void batch_loads(const wind *w, batch *q) {
     double ny = q->ab[2][t] * q->ac[0][t] - q->ab[0][t] * q->ac[2][t];
     double nz = q->ab[0][t] * q->ac[1][t] - q->ab[1][t] * q->ac[0][t];
     double vx = q->v[0][t] / 3, vy = q->v[1][t] / 3, vz = q->v[2][t] / 3;
-    double ux = wx - vx, uy = wy - vy, uz = wz - vz, flux = nx * ux + ny * uy + nz * uz;
-    double area = sqrt(nx * nx + ny * ny + nz * nz), speed = sqrt(ux * ux + uy * uy + uz * uz);
+    double rx = wx - vx, ry = wy - vy, rz = wz - vz, flux = nx * rx + ny * ry + nz * rz;
+    double area = sqrt(nx * nx + ny * ny + nz * nz), speed = sqrt(rx * rx + ry * ry + rz * rz);
     double p = flux * (1 / (area > TINY ? area : INFINITY));
     double along = (friction * area * speed + b * p * flux * (1 / (speed > TINY ? speed : INFINITY))) / 3;
     double across = (lift * speed + linear) * p / 3;
-    q->load[0][t] = along * ux + across * nx;
-    q->load[1][t] = along * uy + across * ny;
-    q->load[2][t] = along * uz + across * nz;
+    q->load[0][t] = along * rx + across * nx;
+    q->load[1][t] = along * ry + across * ny;
+    q->load[2][t] = along * rz + across * nz;
     q->power[t] = 3 * (q->load[0][t] * vx + q->load[1][t] * vy + q->load[2][t] * vz);
   }
 }
@@ -337,8 +337,8 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_FORCE,
     .name = "wind",
     .summary =
-        "drag and lift of moving air on triangles, 1/2 rho A |u|^2 (drag sin^2 a + friction cos^2 a, lift sin 2a), or "
-        "drag on particles, F = d (w - v)",
+        "drag and lift of moving air on triangles, 1/2 rho A |u - v|^2 (drag sin^2 a + friction cos^2 a, lift sin 2a), "
+        "or drag on particles, F = d (u - v); u: velocity of the air",
     .reference = "Andersen, Pesavento and Wang, J. Fluid Mech. 541 (2005), translational forces; linear: Provot 1995",
     .instance_size = sizeof(wind),
     .params = params,

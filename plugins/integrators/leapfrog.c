@@ -17,6 +17,7 @@
 #include "plugins/common/integrate/leapfrog_growth.h"
 
 #include "core/plugin.h"
+#include "core/plugin/widest.h"
 
 typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
@@ -51,7 +52,7 @@ typedef struct leap {
   double h;
 } leap;
 
-static inline __attribute__((always_inline)) void predict_each(const leap *l, size_t begin, size_t end) {
+HK_INLINE void predict_each(const leap *l, size_t begin, size_t end) {
   const double *restrict x = l->x, *restrict v = l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
   double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
   for (size_t e = begin; e < end; e++) {
@@ -61,30 +62,14 @@ static inline __attribute__((always_inline)) void predict_each(const leap *l, si
   }
 }
 
-static inline __attribute__((always_inline)) void kick_each(const leap *l, size_t begin, size_t end) {
+HK_INLINE void kick_each(const leap *l, size_t begin, size_t end) {
   const double *restrict v = l->v, *restrict a = l->a, half = l->h / 2;
   double *restrict v_next = l->v_next;
   for (size_t e = begin; e < end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
 }
 
-static void predict_narrow(const leap *l, size_t begin, size_t end) { predict_each(l, begin, end); }
-static void kick_narrow(const leap *l, size_t begin, size_t end) { kick_each(l, begin, end); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void predict_wide(const leap *l, size_t begin, size_t end) {
-  predict_each(l, begin, end);
-}
-__attribute__((target("avx2"))) static void kick_wide(const leap *l, size_t begin, size_t end) {
-  kick_each(l, begin, end);
-}
-#define BEST(loop) (__builtin_cpu_supports("avx2") ? loop##_wide : loop##_narrow)
-#else
-#define BEST(loop) loop##_narrow
-#endif
-
-static void predict(void *context, size_t begin, size_t end) { BEST(predict)(context, 3 * begin, 3 * end); }
-
-static void kick(void *context, size_t begin, size_t end) { BEST(kick)(context, 3 * begin, 3 * end); }
+HK_VERSIONS(static void, predict, (void *context, size_t begin, size_t end), predict_each(context, 3 * begin, 3 * end))
+HK_VERSIONS(static void, kick, (void *context, size_t begin, size_t end), kick_each(context, 3 * begin, 3 * end))
 
 /* Channels and work: predicted, and then with the mean of both rates. */
 static void predict_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,
@@ -165,10 +150,34 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   if (status != HK_OK) return status;
   leap l = {X, X + v, next, next + v, a, h};
   predict_rest(next + y, X + y, a + v, s->size - y, h);
-  status = s->pass(s, t_next, next, next + v, next + y, a, a + v, &(hk_pass){&l, predict, kick});
+  status = s->pass(s, t_next, next, next + v, next + y, a, a + v, &(hk_pass){&l, HK_WIDEST(predict), HK_WIDEST(kick)});
   if (status != HK_OK) return status;
   kick_rest(next + y, X + y, a + v, s->size - y, h);
   s->exchange(s);
+  m->primed = 1;
+  return HK_OK;
+}
+
+static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X) {
+  leapfrog *m = self;
+  size_t v = 3 * s->n, y = 6 * s->n;
+  double *a = m->slope;
+  leap leaps[HK_LEVELS];
+  hk_level level[HK_LEVELS];
+  hk_status status = prime(m, s);
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < *count; k++) {
+    double *next = X[k + 1];
+    leaps[k] = (leap){X[k], X[k] + v, next, next + v, a, h};
+    level[k] = (hk_level){t[k], next, next + v, a, {&leaps[k], HK_WIDEST(predict), HK_WIDEST(kick)}, 0};
+  }
+  status = s->wave(s, level, *count);
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < *count; k++) { /* the work */
+    predict_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
+    a[v] = level[k].power;
+    kick_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
+  }
   m->primed = 1;
   return HK_OK;
 }
@@ -180,7 +189,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .amplification = amplification,
                                          .rotation = rotation,
                                          .step = step,
-                                         .reset = reset};
+                                         .reset = reset,
+                                         .march = march};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -16,6 +16,7 @@
 #include "plugins/common/local/short_steps.h"
 #include "plugins/common/local/stiff_edges.h"
 #include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/common/integrate/leap.h"
 #include "plugins/common/integrate/leapfrog_growth.h"
 
 #include <string.h>
@@ -151,53 +152,13 @@ static void reset(void *self, hk_reason why) {
 
 /* ---- the step ---- */
 
-/* Of the numbers begin to end - 1: value(s) of the state at the start of a step and at its end, and the slope. */
-typedef struct leap {
-  const double *x, *v;
-  double *x_next, *v_next, *a;
-  double h;
-} leap;
-
-static void predict(void *context, size_t begin, size_t end) {
-  const leap *l = context;
-  const double *restrict x = l->x, *restrict v = l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
-  double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
-  for (size_t e = 3 * begin; e < 3 * end; e++) {
-    double kick = half * a[e], middle = v[e] + kick;
-    x_next[e] = x[e] + h * middle;
-    v_next[e] = middle + kick;
-  }
-}
-
-/* With the accelerations of all forces: right for those that no stiff spring joins. */
-static void kick(void *context, size_t begin, size_t end) {
-  const leap *l = context;
-  const double *restrict v = l->v, *restrict a = l->a, half = l->h / 2;
-  double *restrict v_next = l->v_next;
-  for (size_t e = 3 * begin; e < 3 * end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
-}
-
-static void kick_stiff(const local_leapfrog *m, const leap *l, double by) {
-  for (size_t k = 0; k < m->part.n; k++)
-    for (size_t e = 3 * (size_t)m->part.index[k]; e < 3 * ((size_t)m->part.index[k] + 1); e++)
-      l->v_next[e] += by * l->a[e];
-}
-
-/* The short steps turn the accelerations into those of a long step, and the others' kick into theirs. */
-static void take_short_steps(local_leapfrog *m, const hk_system *s, const leap *l) {
-  if (m->stiff.count == 0) return;
-  kick_stiff(m, l, -l->h / 2);
-  hk_short_steps_take(&m->part, s->host, l->x_next, l->h, l->a);
-  kick_stiff(m, l, l->h / 2);
-}
-
 static hk_status prime(local_leapfrog *m, hk_system *s, double h) {
   size_t v = 3 * s->n;
   hk_status status = m->looked ? HK_OK : divide(m, s);
   if (status != HK_OK) return status;
   if (!m->primed) {
     status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, m->slope, m->slope + v);
-    if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, s->X, h, m->slope);
+    if (status == HK_OK && m->stiff.count) hk_short_steps_take(&m->part, s->host, s->X, h, m->slope, NULL);
   }
   m->primed = 0; /* until the end of the step, which writes over the slope */
   return status;
@@ -210,11 +171,12 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   (void)out;
   hk_status status = prime(m, s, h);
   if (status != HK_OK) return status;
-  leap l = {X, X + v, next, next + v, a, h};
+  hk_leap l = {X, X + v, next, next + v, a, h};
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  status = s->pass(s, fmin(t_stop, s->t + h), next, next + v, next + y, a, a + v, &(hk_pass){&l, predict, kick});
+  status = s->pass(s, fmin(t_stop, s->t + h), next, next + v, next + y, a, a + v,
+                   &(hk_pass){&l, hk_leap_predict, hk_leap_kick});
   if (status != HK_OK) return status;
-  take_short_steps(m, s, &l);
+  if (m->stiff.count) hk_short_steps_take(&m->part, s->host, next, h, a, next + v);
   for (size_t e = y; e < s->size; e++) next[e] = 0.5 * (X[e] + next[e]) + h / 2 * a[e - v];
   s->exchange(s);
   m->primed = 1;

@@ -2,6 +2,7 @@
 #include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
+#include "core/plugin/widest.h"
 
 #include <complex.h>
 
@@ -35,22 +36,24 @@ typedef struct advance {
   double h;
 } advance;
 
-static void advance_range(void *context, size_t begin, size_t end) {
-  const advance *all = context;
+HK_INLINE void advance_each(const advance *all, size_t begin, size_t end) {
   const double *restrict x = all->x, *restrict v = all->v, *restrict a = all->a, h = all->h;
   double *restrict x_next = all->x_next, *restrict v_next = all->v_next;
-  for (size_t e = 3 * begin; e < 3 * end; e++) {
+  for (size_t e = begin; e < end; e++) {
     v_next[e] = v[e] + h * a[e];
     x_next[e] = x[e] + h * v_next[e];
   }
 }
+
+HK_VERSIONS(static void, advance_range, (void *context, size_t begin, size_t end),
+            advance_each(context, 3 * begin, 3 * end))
 
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   double *a = ((symplectic_euler *)self)->slope, *X = s->X, *next = s->spare;
   size_t v = 3 * s->n, y = 6 * s->n;
   (void)t_stop, (void)out;
   advance all = {X, X + v, a, next, next + v, h};
-  hk_status status = s->pass(s, s->t, X, X + v, X + y, a, a + v, &(hk_pass){&all, NULL, advance_range});
+  hk_status status = s->pass(s, s->t, X, X + v, X + y, a, a + v, &(hk_pass){&all, NULL, HK_WIDEST(advance_range)});
   if (status != HK_OK) return status;
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
   s->exchange(s);

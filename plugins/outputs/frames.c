@@ -86,7 +86,7 @@ static const hk_param params[] = {
      HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
-    {"tube", "m", "radius of drawn springs and strands; left out: of strands that of contact, else chosen",
+    {"tube", "m", "radius of drawn springs and strands; left out: that of contact, else of the strand, else chosen",
      HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
     {"tubes", "", "radii of springs and strands, m: of groups, \"rope 0.01, thread 0.002\", or a channel with that at each "
      "particle",

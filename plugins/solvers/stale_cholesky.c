@@ -2,33 +2,37 @@
  *
  * The matrices of successive steps differ by little, and a factor of one of them, used as the preconditioner of the
  * others, gives a solution in a few iterations, each of which costs two substitutions and a product; a factorization
- * costs some tens of these. `factorize` therefore only takes the values. The factor is renewed
+ * costs some of these. `factorize` therefore only takes the values. The factor is in floats, which halves its time and
+ * its memory, until one fails for want of digits, and in doubles from there on. It is renewed
  *   - before a matrix, when the last one cost more than all since the last factorization did on average, that
  *     factorization included: from there on the average would rise (the minimum of (F + c_1 + .. + c_n)/n);
  *   - within a solution, when its iterations have cost as much as a factorization. Where that happens with the factor
  * of the matrix just before, the next matrices are factorized at once: one, three, seven and so on, up to 31. Costs are
- * operations, those of an iteration counted SLOW times, since it is bound by the memory and the BLAS is not: so results
- * do not depend on the machine's load, and are the same for any number of threads.
+ * operations, those of an iteration counted SLOW times, since it is bound by the memory and a factorization is not: so
+ * results do not depend on the machine's load, and are the same for any number of threads.
  *
  * What stops is |r| together with its norm by the factor, in which soft modes count beside stiff ones; |b - A x| is
  * computed anew at the end, so that nothing wrong is returned. Vectors are summed in one fixed order. Hestenes and
  * Stiefel 1952, J. Res. NBS 49; Golub and Van Loan, Matrix Computations, 11.3 and 11.5; factors of earlier matrices:
  * Knoll and Keyes 2004, J. Comput. Phys. 193, section 3.2. Invariant: `upper` has the values of the matrix taken last,
  * `factor` those of it or of one before with the same pattern. */
-#include "plugins/common/cholesky/cholesky.h"
+#include "plugins/common/cholesky/block_order.h"
 #include "plugins/common/linear/upper_matrix.h"
+#include "plugins/common/supernodal/supernodal.h"
 
 #include <string.h>
 
 enum { SPARE = 8, LANES = 8, TRIES = 10, LIMIT = 1000, LONGEST = 5 };
 
-static const double slow = 3; /* measured: CHOLMOD's solve 2.5, its factorization 7 Gflop/s (64 x 64 cloth) */
+/* Measured, in floats: substitutions 6, factorizations 80 Gflop/s (cloth of 64 x 64), 7 and 145 (256 x 256). */
+static const double slow = 12;
 
 typedef struct gradients {
   double tolerance;
   const hk_host *host;
-  hk_cholesky factor;
+  hk_supernodal factor;
   hk_upper upper;
+  hk_matrix matrix; /* the one taken last, for a factor that is made later, with values of its own */
   size_t unknowns;
   bool analyzed, taken, fresh; /* fresh: the factor is that of the matrix taken last */
   bool due;                    /* a new factor is to be made of the next matrix */
@@ -57,15 +61,14 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   gradients *s = self;
   (void)view;
   s->host = host;
-  s->factor.ordering = HK_ORDER_BEST;
-  s->factor.threads = 1;
-  return hk_cholesky_open(&s->factor, host);
+  return hk_supernodal_open(&s->factor, host, true);
 }
 
 static void forget(gradients *s) {
   hk_upper_free(&s->upper, s->host);
   s->host->release(s->host, s->vectors);
-  s->vectors = NULL;
+  s->host->release(s->host, s->matrix.value);
+  s->vectors = s->matrix.value = NULL;
   s->analyzed = s->taken = false;
 }
 
@@ -74,8 +77,10 @@ static void destroy(void *self, const hk_host *host) {
   s->host = host;
   if (!s->factor.started) return;
   forget(s);
-  hk_cholesky_close(&s->factor);
+  hk_supernodal_close(&s->factor);
 }
+
+static size_t numbers_of(const hk_matrix *A) { return A->row_start[A->rows] * A->block * A->block; }
 
 static hk_status analyze(void *self, const hk_matrix *A) {
   gradients *s = self;
@@ -87,20 +92,32 @@ static hk_status analyze(void *self, const hk_matrix *A) {
   s->unknowns = n;
   hk_status status = hk_upper_analyze(&s->upper, host, A);
   if (status == HK_OK) s->vectors = host->allocate(host, 5 * stride * sizeof *s->vectors);
-  if (!s->vectors) return host->fail(host, HK_NO_MEMORY, "no memory to store a matrix of %zu rows", n);
+  if (s->vectors) s->matrix.value = host->allocate(host, (numbers_of(A) + 1) * sizeof *A->value);
+  if (!s->matrix.value) return host->fail(host, HK_NO_MEMORY, "no memory to store a matrix of %zu rows", n);
   s->x = s->vectors, s->r = s->x + stride, s->z = s->r + stride, s->p = s->z + stride, s->q = s->p + stride;
-  status = hk_cholesky_analyze(&s->factor, A);
+  status = hk_supernodal_analyze(&s->factor, A, HK_ORDER_BEST);
   s->analyzed = status == HK_OK;
   return status;
 }
 
+/* From now on in doubles. */
+static hk_status widen(gradients *s) {
+  hk_supernodal_close(&s->factor);
+  hk_status status = hk_supernodal_open(&s->factor, s->host, false);
+  return status == HK_OK ? hk_supernodal_analyze(&s->factor, &s->matrix, HK_ORDER_BEST) : status;
+}
+
 /* Makes a factor of the matrix taken last. */
 static hk_status renew(gradients *s) {
-  hk_status status = hk_cholesky_factorize(&s->factor, 0);
+  hk_status status = hk_supernodal_factorize(&s->factor, &s->matrix);
+  if (status == HK_NOT_CONVERGED && hk_supernodal_is_single(&s->factor)) {
+    status = widen(s);
+    if (status == HK_OK) status = hk_supernodal_factorize(&s->factor, &s->matrix);
+  }
   if (status != HK_OK) return status;
   s->fresh = true;
   s->due = false;
-  s->spent = s->factor.flops;
+  s->spent = s->factor.nodes.flops;
   s->matrices = 0;
   s->now = 0;
   return HK_OK;
@@ -121,8 +138,10 @@ static hk_status factorize(void *self, const hk_matrix *A) {
   if (!s->analyzed) return s->host->fail(s->host, HK_FAILED, "the pattern of the matrix was not analysed");
   account(s);
   s->taken = s->fresh = false;
-  hk_status status = hk_cholesky_take(&s->factor, A);
-  if (status != HK_OK) return status;
+  double *own = s->matrix.value;
+  s->matrix = *A;
+  s->matrix.value = memcpy(own, A->value, numbers_of(A) * sizeof *own);
+  hk_status status = HK_OK;
   hk_upper_fill(&s->upper, s->host, A);
   if (!s->factor.ready || s->due) status = renew(s);
   s->taken = status == HK_OK;
@@ -174,11 +193,10 @@ typedef struct goal {
 /* Iterates from x = s->x with its residual s->r. *reached: both norms of the residual are small enough. */
 static hk_status iterate(gradients *s, goal *g, int *iterations, bool *reached) {
   size_t n = s->unknowns;
-  double rz = 0, cost = slow * (4 * s->factor.entries + 4 * (double)s->factor.A->nzmax), spent = 0;
+  double rz = 0, cost = slow * (4 * s->factor.nodes.entries + 2 * (double)numbers_of(&s->matrix)), spent = 0;
   *reached = false;
   for (bool first = true;; first = false) {
-    hk_status status = hk_cholesky_solve(&s->factor, s->r, s->z);
-    if (status != HK_OK) return status;
+    hk_supernodal_solve(&s->factor, s->r, s->z);
     s->now += cost, spent += cost;
     double next = dot(s->r, s->z, n), size = sqrt(dot(s->r, s->r, n));
     if (!(g->first > 0)) g->first = sqrt(next);
@@ -216,7 +234,7 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   double left = residual(s, b);
   g.whole = left;
   for (int tries = 0; left > 0 && !reached && isfinite(left) && tries < TRIES; tries++) {
-    g.most = s->fresh ? INFINITY : s->factor.flops;
+    g.most = s->fresh ? INFINITY : s->factor.nodes.flops;
     hk_status status = iterate(s, &g, &iterations, &reached);
     if (status != HK_OK) return status;
     double last = left;
@@ -238,17 +256,8 @@ static hk_status solve(void *self, const double *b, double *x, hk_solve_info *in
   return HK_OK;
 }
 
-static void describe(const void *self, char *text, size_t size) {
-  (void)self;
-  hk_cholesky_describe(text, size);
-}
-
-static const hk_solver solver = {.size = sizeof(hk_solver),
-                                 .flags = HK_ITERATIVE,
-                                 .analyze = analyze,
-                                 .factorize = factorize,
-                                 .solve = solve,
-                                 .describe = describe};
+static const hk_solver solver = {
+    .size = sizeof(hk_solver), .flags = HK_ITERATIVE, .analyze = analyze, .factorize = factorize, .solve = solve};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
@@ -257,8 +266,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .summary = "conjugate gradients preconditioned by the Cholesky factor of an earlier matrix, for symmetric matrices "
                "that change little from step to step",
     .reference =
-        "Hestenes and Stiefel 1952; Knoll and Keyes 2004, J. Comput. Phys. 193, section 3.2; Chen, Davis, Hager "
-        "and Rajamanickam 2008 (CHOLMOD)",
+        "Hestenes and Stiefel 1952; Knoll and Keyes 2004, J. Comput. Phys. 193, section 3.2; Duff and Reid 1983",
     .instance_size = sizeof(gradients),
     .params = params,
     .create = create,

@@ -1,14 +1,26 @@
-/* A curtain of 128 x 128 particles, one in a hundred of its springs 1,000 times stiffer, at random or in a patch, with
- * the damping of the others or sqrt(1000) times it: leapfrog, whose step the stiffest spring sets, and local_leapfrog.
- * CPU seconds of one thread for the same time of motion, the least of three runs in turns. The errors are RMS distances
- * at the end to leapfrog at a quarter of its step.
- *     build/bench/local_leapfrog [side] [seconds] */
+/* A curtain of 128 x 128 particles of whose springs some are stiffer: leapfrog, whose step the stiffest spring sets,
+ * and local_leapfrog. Stiff springs have the damping of the others or sqrt(stiffness ratio) times it, which is the same
+ * damping ratio. CPU seconds of one thread for the same time of motion, the least of three runs in turns. The errors
+ * are RMS distances at the end to leapfrog at a quarter of its step. build/bench/local_leapfrog [side] [seconds]
+ * [scene] Scenes: random, one spring in a hundred, 1,000 times stiffer; patch, a square of a hundredth of the area;
+ * mixed, one in a hundred, a third each 100, 1,000 and 10,000 times; stripes, every 16th row, in turns of the same
+ * three; field, every spring stiffer by 1,000^u^16, u uniform in [0, 1): of many degrees, and hanging together. */
 #include "tests/bench/cloth.h"
 
 #include <string.h>
 
 enum { REPEATS = 3 };
-static const double factor = 1000, part = 0.01;
+enum { STRIPE = 16 }; /* rows */
+static const double part = 0.01;
+
+typedef enum layout { RANDOM, PATCH, MIXED, STRIPES, FIELD, LAYOUTS } layout;
+static const char *const layout_name[] = {"random", "patch", "mixed", "stripes", "field"};
+
+typedef struct sheet {
+  uint32_t N;
+  layout layout;
+  bool damped; /* stiff springs by sqrt(ratio) */
+} sheet;
 
 typedef struct result {
   double cpu, dt, *x;
@@ -34,22 +46,31 @@ static bool in_patch(uint32_t N, uint32_t i, uint32_t j) {
   return i >= low && i < high && j >= low && j < high;
 }
 
-static void add_mixed(test_engine *e, uint32_t N, bool patch, const int offset[2][2], double k, double c,
-                      double stiffer) {
-  uint32_t(*edge)[2] = malloc(2 * (size_t)N * N * sizeof *edge);
+/* How much stiffer a spring between two particles is; `number` tells it from all others. */
+static double ratio_of(const sheet *s, const uint32_t p[2], const uint32_t q[2], uint64_t number) {
+  static const double degree[3] = {100, 1000, 10000};
+  double u = uniform(number);
+  if (s->layout == RANDOM) return u < part ? 1000 : 1;
+  if (s->layout == MIXED) return u < part ? degree[(int)(3 * u / part)] : 1;
+  if (s->layout == FIELD) return pow(1000, pow(u, 16));
+  if (s->layout == PATCH) return in_patch(s->N, p[0], p[1]) && in_patch(s->N, q[0], q[1]) ? 1000 : 1;
+  return p[1] == q[1] && p[1] % STRIPE == STRIPE / 2 ? degree[p[1] / STRIPE % 3] : 1;
+}
+
+static void add_mixed(test_engine *e, const sheet *s, const int offset[2][2], double k, double c) {
+  uint32_t N = s->N, (*edge)[2] = malloc(2 * (size_t)N * N * sizeof *edge);
   double *values = malloc(4 * (size_t)N * N * sizeof *values), *dampings = values + 2 * (size_t)N * N;
   size_t count = 0;
   for (int o = 0; o < 2; o++)
     for (uint32_t j = 0; j + (uint32_t)offset[o][1] < N; j++)
       for (uint32_t i = 0; i < N; i++) {
-        int64_t other = (int64_t)i + offset[o][0];
-        if (other < 0 || other >= N) continue;
-        bool stiff = patch ? in_patch(N, i, j) && in_patch(N, (uint32_t)other, j + (uint32_t)offset[o][1])
-                           : uniform(count + (uint64_t)(1e6 * k)) < part;
-        values[count] = stiff ? factor * k : k;
-        dampings[count] = stiff ? stiffer * c : c;
-        edge[count][0] = j * N + i + 1;
-        edge[count++][1] = (j + (uint32_t)offset[o][1]) * N + (uint32_t)other + 1;
+        uint32_t p[2] = {i, j}, q[2] = {i + (uint32_t)offset[o][0], j + (uint32_t)offset[o][1]};
+        if (q[0] >= N) continue; /* also where it is below 0 */
+        double ratio = ratio_of(s, p, q, count + (uint64_t)(1e6 * k));
+        values[count] = ratio * k;
+        dampings[count] = s->damped ? sqrt(ratio) * c : c;
+        edge[count][0] = p[1] * N + p[0] + 1;
+        edge[count++][1] = q[1] * N + q[0] + 1;
       }
   hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, (const uint32_t(*)[2])edge, count);
@@ -59,7 +80,8 @@ static void add_mixed(test_engine *e, uint32_t N, bool patch, const int offset[2
   free(values);
 }
 
-static void open_mixed(test_engine *e, uint32_t N, bool patch, double stiffer) {
+static void open_mixed(test_engine *e, const sheet *s) {
+  const uint32_t N = s->N;
   static const int structural[2][2] = {{1, 0}, {0, 1}}, shear[2][2] = {{1, 1}, {-1, 1}},
                    flexion[2][2] = {{2, 0}, {0, 2}};
   test_engine_open(e);
@@ -69,15 +91,15 @@ static void open_mixed(test_engine *e, uint32_t N, bool patch, double stiffer) {
   for (uint32_t i = 1; i <= N; i++) test_pin(e, HK_PIN_FIXED, N * (N - 1) + i, NULL);
   test_plugin(e, HK_FORCE, "gravity");
   test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", 0.02);
-  add_mixed(e, N, patch, structural, 1000, 0.02, stiffer);
-  add_mixed(e, N, patch, shear, 300, 0.01, stiffer);
-  add_mixed(e, N, patch, flexion, 50, 0.005, stiffer);
+  add_mixed(e, s, structural, 1000, 0.02);
+  add_mixed(e, s, shear, 300, 0.01);
+  add_mixed(e, s, flexion, 50, 0.005);
 }
 
 /* dt 0: chosen. Keeps the least time. */
-static void measure(result *r, const char *method, uint32_t N, bool patch, double stiffer, double dt, double until) {
+static void measure(result *r, const char *method, const sheet *s, double dt, double until) {
   test_engine e;
-  open_mixed(&e, N, patch, stiffer);
+  open_mixed(&e, s);
   e.options.integrator = method;
   if (dt > 0) e.options.dt = dt;
   e.scene->duration = until;
@@ -87,8 +109,8 @@ static void measure(result *r, const char *method, uint32_t N, bool patch, doubl
   r->cpu = fmin(r->x ? r->cpu : INFINITY, cpu() - begin);
   r->dt = e.run->step.dt;
   r->steps = e.run->record.steps;
-  if (!r->x) r->x = malloc(3 * (size_t)N * N * sizeof *r->x);
-  memcpy(r->x, e.run->state.X, 3 * (size_t)N * N * sizeof *r->x);
+  if (!r->x) r->x = malloc(3 * (size_t)s->N * s->N * sizeof *r->x);
+  memcpy(r->x, e.run->state.X, 3 * (size_t)s->N * s->N * sizeof *r->x);
   test_engine_close(&e);
 }
 
@@ -103,25 +125,28 @@ static void print(const char *name, const result *r, const result *reference, ui
          distance(r, reference, N));
 }
 
-static void compare(uint32_t N, bool patch, double stiffer, double until) {
+static void compare(const sheet *s, double until) {
   result plain = {0}, local = {0}, reference = {0};
-  printf("%s, damping times %.3g:\n", patch ? "a patch" : "at random", stiffer);
+  printf("%s, damping %s:\n", layout_name[s->layout], s->damped ? "of the same ratio" : "of the other springs");
   for (int k = 0; k < REPEATS; k++) {
-    measure(&plain, "leapfrog", N, patch, stiffer, 0, until);
-    measure(&local, "local_leapfrog", N, patch, stiffer, 0, until);
+    measure(&plain, "leapfrog", s, 0, until);
+    measure(&local, "local_leapfrog", s, 0, until);
   }
-  measure(&reference, "leapfrog", N, patch, stiffer, plain.dt / 4, until);
-  print("leapfrog", &plain, &reference, N);
-  print("local_leapfrog", &local, &reference, N);
+  measure(&reference, "leapfrog", s, plain.dt / 4, until);
+  print("leapfrog", &plain, &reference, s->N);
+  print("local_leapfrog", &local, &reference, s->N);
   printf("  %.1f times faster\n", plain.cpu / local.cpu);
   free(plain.x), free(local.x), free(reference.x);
 }
 
 int main(int count, char **argument) {
   setvbuf(stdout, NULL, _IOLBF, 0);
-  uint32_t N = count > 1 ? (uint32_t)atoi(argument[1]) : 128;
-  double until = count > 2 ? atof(argument[2]) : 0.05;
+  sheet s = {.N = count > 1 ? (uint32_t)atoi(argument[1]) : 128};
+  double until = count > 2 ? atof(argument[2]) : 0.02;
   for (int damped = 0; damped < 2; damped++)
-    for (int patch = 0; patch < 2; patch++) compare(N, patch, damped ? sqrt(factor) : 1, until);
+    for (s.layout = RANDOM; s.layout < LAYOUTS; s.layout++) {
+      s.damped = damped;
+      if (count < 4 || strcmp(argument[3], layout_name[s.layout]) == 0) compare(&s, until);
+    }
   return 0;
 }

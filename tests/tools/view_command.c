@@ -76,6 +76,7 @@ static void options_of_run_follow_two_dashes(void **state) {
   skip_without_pages();
   view(NULL, "rope.lua --quiet --forces --out bdf -- --integrator bdf2 --until 0.2", 0, "wrote bdf/page.html");
   assert_true(holds("grep -q '\"integrator\":\"bdf2\"' bdf/page.html"));
+  assert_true(holds("grep -q '<title>rope</title>' bdf/page.html")); /* of the scene, wherever the page lies */
   assert_true(holds("grep -q '\"force springs\"' bdf/page.html"));
 }
 

@@ -71,6 +71,10 @@ static void exchange(hk_system *s) {
   }
 }
 
+static hk_status wave(hk_system *s, hk_level *level, size_t count) {
+  HOST(EVALUATIONS, probe.real.wave(s, level, count));
+}
+
 static hk_status rates(hk_system *s, double t, double *X, double *dX) {
   if (!probe.within) note(t);
   HOST(EVALUATIONS, probe.real.rates(s, t, X, dX));
@@ -121,6 +125,7 @@ static hk_system *take_over(lua_State *L, hk_run *run, hk_guard_side side) {
   if (s->spare) s->spare = probe.spare.at;
   s->accelerations = accelerations;
   s->pass = pass;
+  s->wave = wave;
   s->exchange = exchange;
   s->rates = rates;
   s->jacobian = jacobian;
@@ -230,6 +235,57 @@ static int run_steps(lua_State *L) {
   return 1;
 }
 
+/* The rooms of a march, each between guard pages. */
+static void open_rooms(lua_State *L, hk_guarded room[2], size_t size) {
+  for (int k = 0; k < 2; k++)
+    if (!hk_guard_get(&room[k], "the room X of `march`", size * sizeof(double), HK_GUARD_BEHIND))
+      luaL_error(L, "no memory");
+}
+
+/* march(run, { t =, h =, steps =, at_once = }) -> X after steps of h from the run's state, at most so many of them at
+ * once; how many were taken at once in all; whether X[0] was changed; status. */
+static int march(lua_State *L) {
+  hk_run *run = hk_lua_run(L);
+  hk_instance *m = method_of(L);
+  const hk_integrator *method = m->plugin->integrator;
+  hk_system *s = take_over(L, run, HK_GUARD_BEHIND);
+  static hk_guarded room[2];
+  size_t steps = (size_t)option(L, "steps", 1), at_once = (size_t)option(L, "at_once", 1), size = s->size, marched = 0;
+  double h = option(L, "h", 0.01), t0 = option(L, "t", 0), *kept = hk_table_memory(L, size);
+  bool changed = false;
+  hk_status status = HK_OK;
+  open_rooms(L, room, size);
+  probe.fail_at = 0;
+  memcpy(probe.X.at, run->state.X, size * sizeof(double));
+  for (size_t k = 0; k < steps && status == HK_OK;) {
+    double t[HK_LEVELS], *X[HK_LEVELS + 1] = {s->X};
+    size_t count = steps - k < at_once ? steps - k : at_once;
+    s->t = t0 + (double)k * h;
+    memcpy(kept, s->X, size * sizeof *kept);
+    for (size_t i = 0; i < count; i++) t[i] = t0 + (double)(k + i + 1) * h, X[i + 1] = room[i % 2].at;
+    hk_guard_enter("march");
+    status = method->march(m->self, s, t, h, &count, X);
+    hk_guard_enter(NULL);
+    changed |= memcmp(kept, s->X, size * sizeof *kept) != 0;
+    if (count == 0) {
+      hk_step out = {h, NAN, NAN};
+      hk_guard_enter("step");
+      status = method->step(m->self, s, t[0], h, &out);
+      hk_guard_enter(NULL);
+    } else {
+      memcpy(s->X, X[count], size * sizeof *kept);
+    }
+    marched += count;
+    k += count ? count : 1;
+  }
+  hk_table_push(L, probe.X.at, size);
+  lua_pushinteger(L, (lua_Integer)marched);
+  lua_pushboolean(L, changed);
+  lua_pushinteger(L, status);
+  give_back(s);
+  return 4;
+}
+
 /* reset(run, "particles", "state" or "step") */
 static int reset(lua_State *L) {
   static const char *const reasons[] = {"particles", "state", "step", NULL};
@@ -242,7 +298,7 @@ static int reset(lua_State *L) {
 }
 
 /* state(run) -> X, n. flags(run) -> hk_integrator.flags, whether it has `rotation`, `amplification`, whether it can be
- * used with constraints. */
+ * used with constraints, whether it has `march`. */
 static int state(lua_State *L) {
   const hk_run *run = hk_lua_run(L);
   hk_table_push(L, run->state.X, run->state.size);
@@ -256,7 +312,8 @@ static int flags(lua_State *L) {
   lua_pushboolean(L, m->rotation != NULL);
   lua_pushboolean(L, m->amplification != NULL);
   lua_pushboolean(L, !m->without_constraints);
-  return 4;
+  lua_pushboolean(L, m->march != NULL);
+  return 5;
 }
 
 /* growth(run, hw, hg [, hb]) -> what the method states, with the parameters of the run: `rotation` where hb is given.
@@ -286,8 +343,9 @@ static int watch(lua_State *L) {
 __attribute__((visibility("default"))) int luaopen_method(lua_State *L);
 
 int luaopen_method(lua_State *L) {
-  static const luaL_Reg functions[] = {{"run", run_steps}, {"reset", reset}, {"state", state},     {"flags", flags},
-                                       {"growth", growth}, {"watch", watch}, {"reverse", reverse}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"run", run_steps},   {"reset", reset},   {"state", state},
+                                       {"flags", flags},     {"growth", growth}, {"watch", watch},
+                                       {"reverse", reverse}, {"march", march},   {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

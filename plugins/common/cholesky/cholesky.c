@@ -9,8 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double metis_pays = 1e9; /* operations of a factorization with AMD's order, above which METIS is tried */
-
 static void free_matrix(hk_cholesky *s) {
   cholmod_l_free_factor(&s->L, &s->common);
   cholmod_l_free_sparse(&s->A, &s->common);
@@ -49,17 +47,10 @@ static hk_status failed(hk_cholesky *s, const char *what) {
                        s->rows * s->block, status == CHOLMOD_TOO_LARGE ? "it is too large" : "invalid input", status);
 }
 
-/* Blocks up to the diagonal in block row r. */
-static size_t upper_blocks(const hk_matrix *A, size_t r) {
-  size_t e = A->row_start[r];
-  while (e < A->row_start[r + 1] && A->column[e] <= r) e++;
-  return e - A->row_start[r];
-}
-
 static size_t upper_count(const hk_matrix *A) {
   size_t b = A->block, count = 0;
   for (size_t r = 0; r < A->rows; r++) {
-    size_t blocks = upper_blocks(A, r);
+    size_t blocks = hk_upper_blocks(A, r);
     bool diagonal = blocks && A->column[A->row_start[r] + blocks - 1] == r;
     count += blocks * b * b - (diagonal ? b * (b - 1) / 2 : 0);
   }
@@ -70,7 +61,7 @@ static size_t upper_count(const hk_matrix *A) {
 static void fill_upper(const hk_matrix *A, int64_t *start, int64_t *row, double *value) {
   size_t b = A->block, at = 0, column = 0;
   for (size_t r = 0; r < A->rows; r++) {
-    size_t begin = A->row_start[r], end = begin + upper_blocks(A, r);
+    size_t begin = A->row_start[r], end = begin + hk_upper_blocks(A, r);
     for (size_t k = 0; k < b; k++, column++) {
       if (start) start[column] = (int64_t)at;
       for (size_t e = begin; e < end; e++) {
@@ -85,55 +76,14 @@ static void fill_upper(const hk_matrix *A, int64_t *start, int64_t *row, double 
   if (start) start[column] = (int64_t)at;
 }
 
-/* The graph of blocks is ordered, which keeps the unknowns of a particle together and is 9 times smaller. */
-static cholmod_sparse *graph_of(hk_cholesky *s, const hk_matrix *A) {
-  size_t n = A->rows, count = 0;
-  for (size_t r = 0; r < n; r++) count += upper_blocks(A, r);
-  cholmod_sparse *graph = cholmod_l_allocate_sparse(n, n, count, 1, 1, 1, CHOLMOD_PATTERN, &s->common);
-  int64_t *start = graph ? graph->p : NULL;
-  for (size_t r = 0; graph && r < n; r++) {
-    start[r + 1] = start[r] + (int64_t)upper_blocks(A, r);
-    for (int64_t e = 0; e < start[r + 1] - start[r]; e++)
-      ((int64_t *)graph->i)[start[r] + e] = A->column[A->row_start[r] + (size_t)e];
-  }
-  return graph;
-}
-
-static cholmod_factor *order_by(hk_cholesky *s, cholmod_sparse *graph, int ordering, double *flops) {
-  s->common.nmethods = 1;
-  s->common.method[0].ordering = ordering;
-  s->common.postorder = 1;
-  cholmod_factor *L = cholmod_l_analyze(graph, &s->common);
-  *flops = s->common.fl * pow((double)s->block, 3);
-  return L;
-}
-
-/* METIS takes some ten times as long as AMD, so it is tried where the factorization takes at least as long as METIS;
- * the order with fewer operations is used. */
-static cholmod_factor *order_graph(hk_cholesky *s, cholmod_sparse *graph) {
-  double flops, other;
-  if (s->ordering == HK_ORDER_METIS) return order_by(s, graph, CHOLMOD_METIS, &flops);
-  cholmod_factor *L = order_by(s, graph, CHOLMOD_AMD, &flops);
-  if (!L || s->ordering == HK_ORDER_AMD || flops < metis_pays) return L;
-  cholmod_factor *second = order_by(s, graph, CHOLMOD_METIS, &other);
-  if (second && other < flops) {
-    cholmod_l_free_factor(&L, &s->common);
-    return second;
-  }
-  cholmod_l_free_factor(&second, &s->common);
-  return L;
-}
-
 /* The order of the matrix's rows from the order of its blocks; NULL: the ordering failed. */
 static int64_t *order_rows(hk_cholesky *s, const hk_matrix *A) {
   size_t n = A->rows, b = A->block;
-  cholmod_sparse *graph = graph_of(s, A);
-  cholmod_factor *L = graph ? order_graph(s, graph) : NULL;
+  cholmod_factor *L = hk_block_order(&s->common, A, s->ordering);
   int64_t *order = L ? s->host->allocate(s->host, (n * b + 1) * sizeof *order) : NULL;
   if (L && !order) s->common.status = CHOLMOD_OUT_OF_MEMORY;
   for (size_t k = 0; order && k < n * b; k++) order[k] = (int64_t)b * ((int64_t *)L->Perm)[k / b] + (int64_t)(k % b);
   cholmod_l_free_factor(&L, &s->common);
-  cholmod_l_free_sparse(&graph, &s->common);
   return order;
 }
 

@@ -4,11 +4,7 @@
 #ifndef HK_CHOLESKY_H
 #define HK_CHOLESKY_H
 
-#include "core/plugin.h"
-
-#include <cholmod.h>
-
-enum { HK_ORDER_BEST, HK_ORDER_AMD, HK_ORDER_METIS };
+#include "plugins/common/cholesky/block_order.h"
 
 /* Zeroed before `open`, except for the parameters. */
 typedef struct hk_cholesky {

@@ -17,8 +17,8 @@ typedef struct hk_air_drag { /* parameters of the force */
 /* clang-format off */
 /* The rows of a parameter table for the member `drag` of `type`. */
 #define HK_AIR_DRAG_PARAMS(type, drag)                                                                                 \
-  {"d", "N s/m", "drag coefficient of a particle, F = d (u - v)", HK_NUMBER, {0}, 0, INFINITY,                         \
-   offsetof(type, drag.d), HK_OPTIONAL, NULL},                                                                         \
+  {"d", "N s/m", "drag coefficient of a particle, F = d (u - v); u: velocity of the air",                              \
+   HK_NUMBER, {0}, 0, INFINITY, offsetof(type, drag.d), HK_OPTIONAL, NULL},                                            \
   {"rate", "1/s", "drag rate, F = rate m (u - v)", HK_NUMBER, {0}, 0, INFINITY, offsetof(type, drag.rate),             \
    HK_OPTIONAL, NULL},                                                                                                 \
   {"relative", "", "false: F = d u, for air whose drag another force of the same d has", HK_BOOLEAN, {1}, 0, 0,        \

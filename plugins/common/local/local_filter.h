@@ -36,6 +36,33 @@ static inline int hk_local_count(double x) {
 /* c(x) for x within the range. */
 double hk_local_filter(int p, double x);
 
+/* How the displacements d from rest go on in the short steps of a step:
+ *     d_1 = g_0 a_0,   d_{k+1} = d_k + f_k (d_k - d_{k-1}) + g_k a_k,
+ *     f_k = T_{k-1}/T_{k+1},   g_k = 2 h^2 T_k/(omega T_{k+1}),   T_k = T_k(delta) = cosh(k s/p),
+ * a_k being the acceleration at d_k. As d is even in time, T_{-1} = T_1, and g_0 is half of what the rule says. */
+typedef struct hk_local_rule {
+  int count; /* p */
+  double delta, scale;
+} hk_local_rule;
+
+typedef struct hk_local_step {
+  double f, g, T, next; /* T_k, T_{k+1} */
+} hk_local_step;
+
+static inline hk_local_rule hk_local_rule_of(double stiffest, double h) {
+  int p = hk_local_count(h * h * stiffest);
+  return (hk_local_rule){p, hk_local_delta(p), 2 * h * h / hk_local_omega(p)};
+}
+
+static inline hk_local_step hk_local_first(const hk_local_rule *r) {
+  return (hk_local_step){0, 0.5 * r->scale / r->delta, 1, r->delta};
+}
+
+static inline void hk_local_next(const hk_local_rule *r, hk_local_step *s) {
+  double after = 2 * r->delta * s->next - s->T;
+  *s = (hk_local_step){s->T / after, r->scale * s->next / after, s->next, after};
+}
+
 /* Bounds of stiff modes. */
 typedef struct hk_local_modes {
   double stiffest;    /* 1/s^2, of the squared frequency */

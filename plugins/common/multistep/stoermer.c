@@ -13,6 +13,8 @@
 #include "plugins/common/multistep/extrapolation.h"
 #include "plugins/common/integrate/growth_factor.h"
 
+#include "core/plugin/widest.h"
+
 #include <assert.h>
 #include <complex.h>
 #include <string.h>
@@ -41,8 +43,12 @@ double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double 
   return hk_stoermer_rotation(f, hw, hg, 0);
 }
 
+enum { LINE = 8 }; /* numbers of a cache line */
+
+/* A slope has size - 3 n numbers. They begin with a cache line, where the field has room for that. */
 static double *ring(const hk_stoermer *m, const hk_system *s, int terms, int64_t place) {
-  return m->slope + (size_t)(place % terms) * (s->size - 3 * s->n);
+  size_t length = s->size - 3 * s->n, whole = (length + LINE - 1) / LINE * LINE;
+  return m->slope + (size_t)(place % terms) * (whole < s->size ? whole : length);
 }
 
 static void weigh(hk_stoermer_weights *w, const hk_stoermer_method *f, double h) {
@@ -64,16 +70,16 @@ typedef struct advance {
   double *x_next, *v_next, h;
 } advance;
 
-/* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 6 or 8, known
- * when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
-#define INLINE static inline __attribute__((always_inline))
-INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
-                   int terms) {
+/* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 5, 6 or 8,
+ * known when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
+HK_INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
+                      int terms) {
   const double *x = all->x, *v = all->v, *const *a = all->slope, *w = all->next, *l = all->lead, h = all->h;
   for (size_t e = begin; e < end; e++) {
     double change = w[0] * a[0][e] + w[1] * a[1][e] + w[2] * a[2][e] + w[3] * a[3][e];
     double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e] + l[3] * a[3][e];
-    if (terms > 4) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
+    if (terms == 5) change += w[4] * a[4][e], lead += l[4] * a[4][e];
+    if (terms > 5) change += w[4] * a[4][e] + w[5] * a[5][e], lead += l[4] * a[4][e] + l[5] * a[5][e];
     if (terms > 6) change += w[6] * a[6][e] + w[7] * a[7][e], lead += l[6] * a[6][e] + l[7] * a[7][e];
     double d = v[e] + change;
     x_next[e] = x[e] + h * d;
@@ -81,48 +87,80 @@ INLINE void update(const advance *all, double *restrict x_next, double *restrict
   }
 }
 
-INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
+HK_INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
   update(all, all->x_next, all->v_next, 3 * begin, 3 * end, terms);
 }
 
+#define SWEEPS(terms)                                                                                                  \
+  HK_VERSIONS(static void, sweep##terms, (void *context, size_t begin, size_t end), sweep(context, begin, end, terms))
+SWEEPS(4)
+SWEEPS(5)
+SWEEPS(6)
+SWEEPS(8)
+
 typedef void sweeping(void *context, size_t begin, size_t end);
 
-static void sweep4(void *context, size_t begin, size_t end) { sweep(context, begin, end, 4); }
-static void sweep6(void *context, size_t begin, size_t end) { sweep(context, begin, end, 6); }
-static void sweep8(void *context, size_t begin, size_t end) { sweep(context, begin, end, 8); }
-static sweeping *const narrow[] = {sweep4, sweep6, sweep8};
-
-#if defined(__x86_64__)
-#define WIDE __attribute__((target("avx2"))) static void
-WIDE wide4(void *context, size_t begin, size_t end) { sweep(context, begin, end, 4); }
-WIDE wide6(void *context, size_t begin, size_t end) { sweep(context, begin, end, 6); }
-WIDE wide8(void *context, size_t begin, size_t end) { sweep(context, begin, end, 8); }
-static sweeping *const wide[] = {wide4, wide6, wide8};
-
 static sweeping *best(int terms) {
-  int of = terms > 4 ? (terms - 3) / 2 : 0;
-  return __builtin_cpu_supports("avx2") ? wide[of] : narrow[of];
+  return terms > 6   ? HK_WIDEST(sweep8)
+         : terms > 5 ? HK_WIDEST(sweep6)
+         : terms > 4 ? HK_WIDEST(sweep5)
+                     : HK_WIDEST(sweep4);
 }
-#else
-static sweeping *best(int terms) { return narrow[terms > 4 ? (terms - 3) / 2 : 0]; }
-#endif
 
-/* A step of the recurrence, with the slope `a` that is evaluated in it. */
-static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a, double h) {
-  size_t v = 3 * s->n, y = 6 * s->n;
+/* The step from `from` to `to` whose slope is at position `head` of the ring. */
+static advance advance_of(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, int64_t head,
+                          const double *from, double *to) {
   const hk_stoermer_weights *w = &m->weights;
-  advance all = {.x = s->X, .v = s->X + v, .x_next = s->spare, .v_next = s->spare + v, .h = h};
+  size_t v = 3 * s->n;
+  advance all = {.x = from, .v = from + v, .x_next = to, .v_next = to + v, .h = w->h};
   for (int j = 0; j < HK_STOERMER_TERMS; j++) {
-    all.slope[j] = ring(m, s, f->terms, j < f->terms ? m->head + f->terms - j : m->head);
+    all.slope[j] = ring(m, s, f->terms, j < f->terms ? head + f->terms - j : head);
     all.next[j] = w->change[j] - (j > 0 ? w->lead[j - 1] : 0);
     all.lead[j] = w->lead[j];
   }
+  return all;
+}
+
+/* Channels and work. */
+static void advance_rest(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, const advance *all,
+                         const double *from, double *to) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  memcpy(to + y, from + y, (s->size - y) * sizeof *to);
+  for (int j = 0; j < f->terms; j++)
+    for (size_t e = y; e < s->size; e++) to[e] += m->weights.rate[j] * all->slope[j][e - v];
+}
+
+/* A step of the recurrence, with the slope `a` that is evaluated in it. */
+static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a) {
+  size_t v = 3 * s->n, y = 6 * s->n;
+  advance all = advance_of(m, s, f, m->head, s->X, s->spare);
   hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms)});
   if (status != HK_OK) return status;
-  memcpy(s->spare + y, s->X + y, (s->size - y) * sizeof *s->X);
-  for (int j = 0; j < f->terms; j++)
-    for (size_t e = y; e < s->size; e++) s->spare[e] += w->rate[j] * all.slope[j][e - v];
+  advance_rest(m, s, f, &all, s->X, s->spare);
   s->exchange(s);
+  return HK_OK;
+}
+
+hk_status hk_stoermer_march(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, const double *t, double h,
+                            size_t *count, double *const *X) {
+  size_t v = 3 * s->n;
+  advance all[HK_LEVELS];
+  hk_level level[HK_LEVELS];
+  if (h != m->h || m->known < f->terms - 1) *count = 0; /* no history yet */
+  weigh(&m->weights, f, h);
+  for (size_t k = 0; k < *count; k++) {
+    int64_t head = (m->head + (int64_t)k) % f->terms;
+    all[k] = advance_of(m, s, f, head, X[k], X[k + 1]);
+    level[k] =
+        (hk_level){k ? t[k - 1] : s->t, X[k], X[k] + v, ring(m, s, f->terms, head), {&all[k], NULL, best(f->terms)}, 0};
+  }
+  hk_status status = *count ? s->wave(s, level, *count) : HK_OK;
+  if (status != HK_OK) return status;
+  for (size_t k = 0; k < *count; k++) {
+    level[k].a[v] = level[k].power;
+    advance_rest(m, s, f, &all[k], X[k], X[k + 1]);
+  }
+  m->head = (m->head + (int64_t)*count) % f->terms;
   return HK_OK;
 }
 
@@ -182,7 +220,7 @@ hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_syste
   if (h != m->h) m->known = 0;
   bool starts = m->known < f->terms - 1;
   weigh(&m->weights, f, h);
-  hk_status status = starts ? start(m, s, f, a, h, m->known == f->terms - 2) : recur(m, s, f, a, h);
+  hk_status status = starts ? start(m, s, f, a, h, m->known == f->terms - 2) : recur(m, s, f, a);
   if (status != HK_OK) return status;
   m->h = h;
   m->head = (m->head + 1) % f->terms;

@@ -42,6 +42,8 @@ typedef struct hk_stoermer {
 double hk_stoermer_amplification(const hk_stoermer_method *, double hw, double hg);
 double hk_stoermer_rotation(const hk_stoermer_method *, double hw, double hg, double hb);
 hk_status hk_stoermer_step(hk_stoermer *, const hk_stoermer_method *, hk_system *s, double h);
+hk_status hk_stoermer_march(hk_stoermer *, const hk_stoermer_method *, hk_system *s, const double *t, double h,
+                            size_t *count, double *const *X); /* hk_integrator.march */
 void hk_stoermer_reset(void *self, hk_reason why);
 
 /* The table `integrator` and the table `fields` of a method of `terms` terms, which is defined
@@ -60,6 +62,9 @@ void hk_stoermer_reset(void *self, hk_reason why);
     (void)t_stop, (void)out;                                                                                           \
     return hk_stoermer_step(self, &method, s, h);                                                                      \
   }                                                                                                                    \
+  static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X) {       \
+    return hk_stoermer_march(self, &method, s, t, h, count, X);                                                        \
+  }                                                                                                                    \
   static const hk_integrator integrator = {.size = sizeof(hk_integrator),                                              \
                                            .order = ORDER,                                                             \
                                            .stages = 1,                                                                \
@@ -67,6 +72,7 @@ void hk_stoermer_reset(void *self, hk_reason why);
                                            .amplification = amplification,                                             \
                                            .rotation = rotation,                                                       \
                                            .step = step,                                                               \
-                                           .reset = hk_stoermer_reset}
+                                           .reset = hk_stoermer_reset,                                                 \
+                                           .march = march}
 
 #endif

@@ -8,8 +8,12 @@
  *
  * The angles of the sections follow the positions, which softens the rod: u.Hu is never below the second derivative of
  * the energy of least angles, and is equal to it where no directions of sections matter. What is left out joins all
- * particles of a rod with each other. */
-#include "plugins/common/rods/rod_blocks.h"
+ * particles of a rod with each other.
+ *
+ * The damping is the retardation times the first two terms, with the stiffness against rates of twist, less what its
+ * sections' turning softens (rod_damping.c): its blocks, too, are never softer than it. How it changes with the
+ * positions is left out of K. */
+#include "plugins/common/rods/rods.h"
 #include "plugins/common/rods/rod_joint.h"
 #include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/space/vector3.h"
@@ -134,6 +138,14 @@ typedef struct task {
   const hk_blocks *into;
 } task;
 
+/* The second derivatives of a joint to the blocks of its nodes. */
+static void add_joint(const hk_rod_joint *j, bool definite, const size_t *slot, double *to) {
+  double H[36];
+  hessian(j, definite, H);
+  for (int c = 0; c < 9; c++)
+    for (int e = 0; e < 9; e++) to[9 * slot[c] + (size_t)e] += of_nodes(H, c / 3, c % 3, e);
+}
+
 /* Slots follow the pattern: every lane of a batch has room for its joints in order. */
 static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
@@ -145,11 +157,11 @@ static void add_chunk(void *context, size_t first, size_t end, size_t chunk) {
     for (size_t lane = 0; lane < LANES; lane++)
       for (size_t k = 0; k < hk_rod_joints(b, lane); k++, slot += 9) {
         hk_rod_joint j;
-        double H[36];
         hk_rod_joint_at(r, b, lane, k, &j);
-        hessian(&j, t->into->want & HK_WANT_DEFINITE, H);
-        for (int c = 0; c < 9; c++)
-          for (int e = 0; e < 9; e++) t->into->K[9 * slot[c] + (size_t)e] += of_nodes(H, c / 3, c % 3, e);
+        add_joint(&j, t->into->want & HK_WANT_DEFINITE, slot, t->into->K);
+        if (!(r->retardation > 0)) continue;
+        hk_rod_joint_damping(r, (b->first + k) * LANES + lane, &j);
+        add_joint(&j, true, slot, t->into->D);
       }
   }
 }
@@ -186,7 +198,7 @@ static double norm_of(const double H[36], int i, int k) {
 
 /* u.K u <= sum_ik |u_i| |u_k| |K_ik| <= sum_i u_i^2 sum_k |K_ik|, over particles that move. On a straight uniform rod
  * that is reached, up to what the norm is too large in directions across the axes. */
-void hk_rod_blocks_bound(const hk_rods *r, const hk_view *view, double (*block)[6]) {
+void hk_rod_blocks_bound(const hk_rods *r, const hk_view *view, hk_stiffness_part part, double (*block)[6]) {
   for (size_t q = 0; q < r->batches; q++)
     for (size_t lane = 0; lane < LANES; lane++)
       for (size_t k = 0; k < hk_rod_joints(&r->batch[q], lane); k++) {
@@ -195,7 +207,9 @@ void hk_rod_blocks_bound(const hk_rods *r, const hk_view *view, double (*block)[
         uint32_t node[3];
         nodes_of(r, &r->batch[q], lane, k, node);
         hk_rod_joint_at(r, &r->batch[q], lane, k, &j);
-        hessian(&j, false, H);
+        bool damping = part == HK_DAMPING_WHOLE;
+        if (damping) hk_rod_joint_damping(r, (r->batch[q].first + k) * LANES + lane, &j);
+        hessian(&j, damping, H);
         for (int c = 0; c < 9; c++) {
           if (view->model->inverse_mass[node[c / 3]] == 0 || view->model->inverse_mass[node[c % 3]] == 0) continue;
           double most = norm_of(H, c / 3, c % 3);

@@ -61,6 +61,12 @@ void hk_rod_joint_at(const hk_rods *r, const hk_rod_batch *b, size_t lane, size_
   j->torque = j->twist * (angle1 - angle0 - w->rest_twist[at]);
 }
 
+void hk_rod_joint_damping(const hk_rods *r, size_t row, hk_rod_joint *j) {
+  double twist = r->rows.twist[row] > 0 ? r->rows.twist[row] : (j->bend[0] + j->bend[1]) / 2;
+  j->twist = r->retardation * twist;
+  for (int c = 0; c < 2; c++) j->bend[c] *= r->retardation;
+}
+
 /* The derivatives of k_c and of the twist. */
 void hk_rod_joint_gradients(const hk_rod_joint *j, double g[2][6], double m[6]) {
   for (int c = 0; c < 2; c++) {

@@ -17,6 +17,9 @@ static inline size_t hk_rod_joints(const hk_rod_batch *b, size_t lane) {
 
 /* Joint k of the rod in a lane. */
 void hk_rod_joint_at(const hk_rods *, const hk_rod_batch *, size_t lane, size_t k, hk_rod_joint *);
+/* Makes the joint at a row one whose derivatives of squares are those of the damping: bend and twist become J s. Where
+ * there is no stiffness in twist, that against rates of twist is the one of bending. */
+void hk_rod_joint_damping(const hk_rods *, size_t row, hk_rod_joint *);
 /* The derivatives of the two components of curvature and of the twist, (e0, e1). */
 void hk_rod_joint_gradients(const hk_rod_joint *, double g[2][6], double m[6]);
 

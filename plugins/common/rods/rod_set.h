@@ -30,7 +30,8 @@ typedef struct hk_rods {
   hk_tuples spins; /* one particle for each edge, whose x is `radius` times the angle; none: quasi-static */
   double radius;
   int rest, jacobian;
-  double turn; /* rad */
+  double turn;        /* rad */
+  double retardation; /* s */
   /* ---- fields ---- */
   hk_array frames; /* hk_rod_frame, one for each edge of the list */
   double turned;   /* rad, `turn` at the last accepted step */

@@ -1,7 +1,7 @@
 /* Joints and rest shapes of rods, made once at the start, and how they follow births and deaths: joints belong to pairs
  * of edges that have particles' ids, so that what remains of a rod, or of a ring that was opened, keeps its rest shape
  * and its frames. */
-#include "plugins/common/rods/rod_shape.h"
+#include "plugins/common/rods/rods.h"
 #include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_rows.h"
 #include "plugins/common/space/vector3.h"

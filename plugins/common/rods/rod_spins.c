@@ -56,5 +56,8 @@ void hk_rod_spins_add(const hk_rods *r, size_t joints, const hk_blocks *into) {
         hk_rod_joint j;
         hk_rod_joint_at(r, &r->batch[q], lane, k, &j);
         add_joint(r, &j, into->want & HK_WANT_DEFINITE, slot, into->K);
+        if (!(r->retardation > 0)) continue;
+        hk_rod_joint_damping(r, (r->batch[q].first + k) * LANES + lane, &j);
+        add_joint(r, &j, true, slot, into->D);
       }
 }

@@ -80,6 +80,28 @@ static double radius_of_group(const hk_look *look, uint32_t group) {
   return 0;
 }
 
+/* Of the strand that the particle with this id is of; 0: of none. */
+static double radius_of_strand(const hk_strands *all, uint32_t id) {
+  size_t low = 0, high = all ? all->count : 0;
+  while (low < high) {
+    size_t middle = low + (high - low) / 2;
+    if (all->item[middle].first <= id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  const hk_strand *last = low > 0 ? all->item + low - 1 : NULL; /* the last that begins at or before it */
+  return last && id - last->first < last->count ? last->radius : 0;
+}
+
+/* What contact says of it; where that says nothing, its strand's. */
+static void take_own_tubes(hk_snapshot3d *s, const hk_view *view) {
+  const double *contact = s->look->tube_radius ? *s->look->tube_radius : NULL;
+  for (size_t i = 0; i < view->n; i++)
+    s->extra[HK_EXTRA_TUBE][i] =
+        contact && contact[i] > 0 ? (float)contact[i] : (float)radius_of_strand(s->look->strands, view->model->id[i]);
+}
+
 static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
   const hk_look *look = s->look;
   if (look->tube_groups) {
@@ -87,7 +109,11 @@ static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
       s->extra[HK_EXTRA_TUBE][i] = (float)radius_of_group(look, view->model->group[i]);
     return;
   }
-  const double *radius = look->tube_radius ? *look->tube_radius : channel_of(view, look->tube_channel);
+  if (look->tube_radius || look->strands) {
+    take_own_tubes(s, view);
+    return;
+  }
+  const double *radius = channel_of(view, look->tube_channel);
   for (size_t i = 0; i < view->n; i++)
     s->extra[HK_EXTRA_TUBE][i] = radius && isfinite(radius[i]) && radius[i] > 0 ? (float)radius[i] : 0;
 }

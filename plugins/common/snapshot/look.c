@@ -150,10 +150,11 @@ static hk_status read_tube(hk_look *look, const hk_host *host, const hk_model *m
 
 static hk_status choose_tubes(hk_look *look, const hk_host *host, const hk_model *m, const char *tubes) {
   const hk_publication *radii = tubes ? NULL : published(m, "strand_radius");
-  look->tubes = radii || (tubes && *tubes);
   look->tube_radius = radii ? radii->values : NULL;
+  look->strands = tubes ? NULL : host->query(host, "strands/1");
   look->tube_groups = 0;
-  if (!look->tubes || radii) return HK_OK;
+  look->tubes = tubes ? *tubes : radii || (look->strands && look->strands->count);
+  if (!tubes || !*tubes) return HK_OK;
   look->tube_channel = find_channel(m, tubes);
   if (look->tube_channel < m->channels) return check_number(host, m, "tubes", look->tube_channel);
   if (!strchr(tubes, ' ')) return unknown(host, m, "tubes", tubes, NULL, 0);

@@ -25,8 +25,8 @@ typedef struct hk_look_names { /* as the script writes them */
   const char *color;           /* auto, none, strain, speed, group, age, mass, or a channel, which goes before those */
   const char *size;            /* auto: the channel radius if there is one; same, mass, or a channel */
   const char *fade;            /* a channel, or NULL */
-  const char *tubes; /* a channel, or groups with radii, "rope 0.01, thread 0.002"; NULL: what contact publishes; "":
-                        all are the same */
+  const char *tubes; /* a channel, or groups with radii, "rope 0.01, thread 0.002"; NULL: what contact publishes, and
+                        elsewhere the strands' own; "": all are the same */
 } hk_look_names;
 
 enum { HK_TUBE_GROUPS = 16 };
@@ -36,8 +36,10 @@ typedef struct hk_look {
   hk_sizes sizes;
   bool fades, tubes;                                        /* tubes: strands have radii of their own */
   size_t channel, size_channel, fade_channel, tube_channel; /* positions in model->channel */
-  const double *const *tube_radius; /* *tube_radius: n, m; NULL: groups or the channel have it */
-  size_t tube_groups;               /* 0: the channel has it */
+  const double *const
+      *tube_radius;          /* *tube_radius: n, m, of contact; NULL: there is none, or another radius is wanted */
+  const hk_strands *strands; /* as tube_radius */
+  size_t tube_groups;        /* 0: the channel has it, or those have */
   struct {
     uint32_t group;
     double radius; /* m */

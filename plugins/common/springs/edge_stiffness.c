@@ -22,10 +22,12 @@ static void add_block(double *block, double factor, double along, double across,
 
 static double value_of(const hk_per_tuple *p, size_t e) { return p->count ? hk_tuple_value(p, e) : 0; }
 
-/* Stiffness across the spring. At length 0 there is no direction: the result is the limit k for L = 0, otherwise 0. */
-static double across_of(hk_edge_numbers q, bool drawn, double l) {
+/* Stiffness across a spring of length 1/r. At length 0 (r = 0, too) there is no direction: the result is the limit k for
+ * L = 0, otherwise 0. */
+static double across_of(hk_edge_numbers q, bool drawn, double r) {
   if (drawn || q.rest == 0) return q.k;
-  return l > 0 ? fmax(0, q.k * (1 - q.rest / l)) : 0;
+  double tension = r > 0 ? 1 - q.rest * r : 0;
+  return tension > 0 ? q.k * tension : 0;
 }
 
 void hk_edge_stiffness_add(const hk_view *view, const uint32_t pair[2], const double n[3], double along, double across,
@@ -39,11 +41,12 @@ void hk_edge_stiffness_add(const hk_view *view, const uint32_t pair[2], const do
 void hk_edge_stiffness_one(const hk_view *view, const uint32_t pair[2], hk_edge_numbers q, bool drawn,
                            hk_stiffness_part part, double (*block)[6]) {
   double n[3], l = hk_edge_difference(view->x, pair, n), along = 0, across = 0;
-  for (int c = 0; c < 3; c++) n[c] = l > 0 ? n[c] / l : 0;
+  double r = l > 0 ? 1 / l : 0;
+  for (int c = 0; c < 3; c++) n[c] *= r;
   if (part == HK_DAMPING_WHOLE)
     along = q.damping, across = drawn ? along : 0; /* the direction is not known */
   else
-    across = across_of(q, drawn, l);
+    across = across_of(q, drawn, r);
   if (part == HK_STIFFNESS_WHOLE) along = q.k;
   hk_edge_stiffness_add(view, pair, n, along, across, block);
 }

@@ -19,13 +19,11 @@ typedef struct task {
   const hk_blocks *into;
 } task;
 
-static void add(double *into, const size_t slot[4], const double block[9]) {
-  double *ii = into + 9 * slot[0], *ij = into + 9 * slot[1], *ji = into + 9 * slot[2], *jj = into + 9 * slot[3];
-  for (int q = 0; q < 9; q++) {
-    ii[q] += block[q];
-    ij[q] -= block[q];
-    ji[q] -= block[q];
-    jj[q] += block[q];
+/* The numbers of one block at a time, so that they are added as vectors: two of the blocks may be one. */
+static void add(double *into, const size_t slot[4], const double block[restrict 9]) {
+  for (int b = 0; b < 4; b++) {
+    double *restrict to = into + 9 * slot[b], sign = b == 0 || b == 3 ? 1 : -1;
+    for (int q = 0; q < 9; q++) to[q] += sign * block[q];
   }
 }
 

@@ -201,10 +201,15 @@ INLINE void columns(const double *x, const uint32_t (*pair)[2], int end, vector 
   column[2] = PICK(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
 }
 
-INLINE void store_pulls(double xy[WIDTH][2], double z[WIDTH], const vector f[3]) {
-  _mm512_store_pd(xy[0], PICK(f[0], f[1], 0, 8, 1, 9, 2, 10, 3, 11));
-  _mm512_store_pd(xy[4], PICK(f[0], f[1], 4, 12, 5, 13, 6, 14, 7, 15));
-  _mm512_store_pd(z, f[2]);
+/* The forces of eight springs, x and y as a pair, z alone. */
+typedef struct pulls {
+  double xy[WIDTH][2], z[WIDTH];
+} __attribute__((aligned(64))) pulls;
+
+INLINE void store_pulls(pulls *p, const vector f[3]) {
+  _mm512_store_pd(p->xy[0], PICK(f[0], f[1], 0, 8, 1, 9, 2, 10, 3, 11));
+  _mm512_store_pd(p->xy[4], PICK(f[0], f[1], 4, 12, 5, 13, 6, 14, 7, 15));
+  _mm512_store_pd(p->z, f[2]);
 }
 
 /* Where the springs of a call are read from. */
@@ -214,50 +219,72 @@ typedef struct source {
   bool damped;
 } source;
 
-/* d: the forces on the first ends, at x and v, of the springs e.. of a slot, which begins at `pair`. Lanes beyond the
- * slot have any numbers, and none in *part. */
-INLINE void slot_step(const source *s, size_t e, __mmask8 here, const uint32_t (*pair)[2], const vector x[3],
-                      const vector v[3], vector d[3], vector *part) {
-  const hk_spring_numbers *q = s->q;
+/* The springs of a slot on their way: d from the first to the second ends, and their roots and reciprocals. */
+typedef struct slot_step {
+  vector d[3];
+  stretch t;
+} slot_step;
+
+/* Of the slot that begins at `pair`, whose first ends are at x and v. Lanes beyond the slot have any numbers. */
+INLINE slot_step begin_slot(const source *s, const uint32_t (*pair)[2], const vector x[3], const vector v[3]) {
+  slot_step o;
   vector u[3], w = _mm512_setzero_pd();
-  __builtin_prefetch(pair + HK_SPRING_AHEAD);
-  hk_spring_fetch(q, e);
-  columns(s->x, pair, 1, d);
-  for (size_t r = 0; r < 3; r++) d[r] -= x[r];
+  columns(s->x, pair, 1, o.d);
+  for (size_t r = 0; r < 3; r++) o.d[r] -= x[r];
   if (s->damped) {
     columns(s->v, pair, 1, u);
     for (size_t r = 0; r < 3; r++) u[r] -= v[r];
-    w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
+    w = o.d[0] * u[0] + o.d[1] * u[1] + o.d[2] * u[2];
   }
-  vector l2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  stretch b = stretch_of(l2, w, ALL);
-  vector cwr = load(q->c + (e & q->each_c), ALL) * w * b.r;
-  vector k = load(q->k + (e & q->each_k), ALL), L = load(q->L + (e & q->each_L), ALL);
-  *part += _mm512_maskz_mul_pd(here, cwr, w);
-  vector f = k * (b.l - L) * b.l * b.r + cwr;
-  for (size_t c = 0; c < 3; c++) d[c] *= f;
+  o.t = stretch_of(o.d[0] * o.d[0] + o.d[1] * o.d[1] + o.d[2] * o.d[2], w, ALL);
+  return o;
 }
 
-/* All forces of the slice are known before the first one is added: a slot whose additions wait for those of the slot
- * before would leave no room in the processor's queues for the next one. Returns the number of springs. */
+/* The forces of its `count` springs e, ...: subtracted from those on the second ends, added to sum[], and c w^2/l^2 to
+ * *part. */
+INLINE void end_slot(const source *s, size_t e, const uint32_t (*pair)[2], size_t count, const slot_step *of, double *F,
+                     vector sum[3], vector *part) {
+  const __mmask8 here = (__mmask8)(ALL >> (WIDTH - count));
+  const hk_spring_numbers *q = s->q;
+  const stretch *b = &of->t;
+  pulls p;
+  vector f[3];
+  __builtin_prefetch(pair + HK_SPRING_AHEAD);
+  hk_spring_fetch(q, e);
+  vector cwr = load(q->c + (e & q->each_c), ALL) * b->w * b->r;
+  vector k = load(q->k + (e & q->each_k), ALL), L = load(q->L + (e & q->each_L), ALL);
+  vector scale = k * (b->l - L) * b->l * b->r + cwr;
+  *part += _mm512_maskz_mul_pd(here, cwr, b->w);
+  for (size_t r = 0; r < 3; r++) f[r] = of->d[r] * scale;
+  for (size_t r = 0; r < 3; r++) sum[r] = _mm512_mask_add_pd(sum[r], here, sum[r], f[r]);
+  store_pulls(&p, f);
+  if (count == WIDTH) /* an own loop: the compiler knows its length */
+    for (size_t r = 0; r < WIDTH; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p.xy[r], p.z[r]);
+  else
+    for (size_t r = 0; r < count; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p.xy[r], p.z[r]);
+}
+
+/* As in a run, a slot begins before the one ahead of it ends: the processor then adds the forces of this one while it
+ * waits for the roots of that. Returns the number of springs. */
 INLINE size_t slice_step(const source *s, size_t e, const uint32_t (*pair)[2], const uint8_t *slot, double *F,
                          vector *part) {
   const uint32_t(*own)[2] = pair;
-  hk_spring_pulls p;
-  vector x[3], v[3], sum[3], d[3];
+  const size_t bundles = slot[0];
+  pulls p;
+  vector x[3], v[3], sum[3];
   columns(s->x, pair, 0, x);
   if (s->damped) columns(s->v, pair, 0, v);
   for (size_t r = 0; r < 3; r++) sum[r] = _mm512_setzero_pd();
-  for (size_t t = 0; slot[t]; t++) {
-    __mmask8 here = (__mmask8)(ALL >> (WIDTH - slot[t]));
-    slot_step(s, e, here, pair, x, v, d, part);
-    for (size_t r = 0; r < 3; r++) sum[r] = _mm512_mask_add_pd(sum[r], here, sum[r], d[r]);
-    store_pulls(p.xy[t], p.z[t], d);
-    e += slot[t], pair += slot[t];
+  slot_step next = begin_slot(s, pair, x, v);
+  for (; slot[1]; e += *slot, pair += *slot, slot++) {
+    const slot_step now = next;
+    next = begin_slot(s, pair + slot[0], x, v);
+    end_slot(s, e, pair, slot[0], &now, F, sum, part);
   }
-  store_pulls(p.sum_xy, p.sum_z, sum);
-  hk_spring_pulls_add(&p, own, slot, F);
-  return (size_t)(pair - own);
+  end_slot(s, e, pair, slot[0], &next, F, sum, part);
+  store_pulls(&p, sum);
+  for (size_t r = 0; r < bundles; r++) hk_spring_pull(F + 3 * (size_t)own[r][0], p.xy[r], p.z[r]);
+  return (size_t)(pair - own) + slot[0];
 }
 
 INLINE double list_springs(const hk_spring_numbers *q, const hk_spring_list *list, const double *x, const double *v,

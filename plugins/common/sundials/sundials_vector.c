@@ -147,13 +147,19 @@ static void destroy(N_Vector x) {
   free(f);
 }
 
+/* Aligned as the state is, for forces in vectors of eight numbers; for free(). */
+static double *numbers(size_t count) {
+  enum { LINE = 64 };
+  return aligned_alloc(LINE, (count * sizeof(double) / LINE + 1) * LINE);
+}
+
 /* A vector over `data`, or over memory of its own; NULL: no memory. */
 static N_Vector make(sunindextype length, double *data, SUNContext context, family *f) {
   N_Vector x = N_VNewEmpty(context);
   if (!x) return NULL;
   content *c = x->content = calloc(1, sizeof *c);
   if (c) *c = (content){.serial = {.length = length, .data = data, .own_data = !data}, .family = f};
-  if (c && !data) c->serial.data = malloc((size_t)(length + 1) * sizeof *data);
+  if (c && !data) c->serial.data = numbers((size_t)length);
   if (c && c->serial.data) return x;
   release(x);
   return NULL;

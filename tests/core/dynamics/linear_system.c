@@ -40,7 +40,7 @@ static void strands_have_the_solver_for_bands_and_cloth_another(void **state) {
     open(&e, "backward_euler", grid);
     test_run(&e);
     assert_int_equal(hk_run_advance(e.run, 0.1, &e.error), HK_OK);
-    assert_string_equal(in_use(&e), grid ? "cholmod" : "banded");
+    assert_string_equal(in_use(&e), grid ? "supernodal" : "banded");
     test_engine_close(&e);
   }
 }
@@ -64,7 +64,7 @@ static void methods_hear_of_the_solver_that_will_solve(void **state) {
   for (int grid = 0; grid < 2; grid++) {
     open(&e, "backward_euler", grid);
     test_run(&e);
-    assert_string_equal(in_use(&e), grid ? "cholmod" : "banded");
+    assert_string_equal(in_use(&e), grid ? "supernodal" : "banded");
     assert_int_equal(e.run->dynamics.count.factorizations, 0);
     assert_int_equal(e.run->dynamics.solver != NULL, grid);
     test_engine_close(&e);
@@ -85,7 +85,7 @@ static void bars_of_a_chain_have_it_whatever_the_forces(void **state) {
 /* Ring, full matrix, ring: three patterns of one system. */
 static void every_new_pattern_decides_anew(void **state) {
   (void)state;
-  static const char *const expected[] = {"banded", "cholmod", "banded"};
+  static const char *const expected[] = {"banded", "supernodal", "banded"};
   enum { ROWS = 40 };
   double b[ROWS], x[ROWS];
   test_engine e;

@@ -244,11 +244,11 @@ static void judge(const char *name, tally *t, double least) {
   if (median < least) fail_msg("%s is foretold too short a step", name);
 }
 
-/* Kahan and Li's method of order 8 grows in a narrow band of h w, of which the lower end is foretold: scenes without
- * damping, of which no mode lies in the band, could take about twice as long a step. */
+/* Two methods grow in narrow bands of h w near pi, of which the lower end is foretold: scenes without damping, of which
+ * none of the few modes lies in the band, could go on to 5.63 and 5.03. */
 static double least_median(const char *name, const char *sharp) {
   if (sharp && !strstr(sharp, name)) return 0;
-  return strcmp(name, "kahan_li8") == 0 ? 0.5 : 0.8;
+  return strcmp(name, "kahan_li8") == 0 ? 0.5 : strcmp(name, "blanes_moan") == 0 ? 0.6 : 0.8;
 }
 
 /* `sharp`: the methods for which the median of foretold over true is to be at least 0.8; NULL: all. */

@@ -192,6 +192,30 @@ static void the_first_gap_ends_the_search(void **state) {
   assert_true(found.limit * 10 <= 0.5 * (1 + near));
 }
 
+/* A band far narrower than the search's steps, 3 < hw < 3.03, that damping of 0.02 a step and more closes, below a
+ * limit of 6. Of damping that grows with the frequency, g = beta w^2, the fastest mode is the first to pass it
+ * unharmed, and with the step the damping of those that lie in it falls: at no step up to the limit may one of 10^4
+ * modes grow. */
+static double banded(const void *self, double hw, double hg) {
+  (void)self;
+  return hw > 6 || (hw > 3 && hw < 3.03 && hg < 0.02) ? 1.1 : 1;
+}
+
+static void no_mode_falls_into_a_narrow_band(void **state) {
+  (void)state;
+  hk_integrator method = {.size = sizeof(hk_integrator), .order = 2, .amplification = banded};
+  for (double beta = 1e-5; beta < 3e-3; beta *= 1.5) {
+    hk_spectrum s = {.w_max = 100, .w_reached = 100, .g_max = 1e4 * beta, .beta = beta};
+    double limit = hk_stable_step(&method, NULL, &s).limit, z = 3.015;
+    /* beta w^2 h < 0.02 at w = z/h from h = beta z^2/0.02 on; but no sooner than the fastest mode is in the band. */
+    double first = fmin(0.06, fmax(3 / s.w_max, beta * z * z / 0.02));
+    print_message("beta %.3g: %.6g of %.6g\n", beta, limit, first);
+    assert_true(limit <= first * 1.01 && limit >= 0.95 * first); /* 1.01: z is 3 to 3.03; 0.95: two steps of 2 % */
+    for (double h = limit; h > 0.5 * limit; h *= 0.99)
+      for (int k = 1; k <= 10000; k++) assert_true(banded(NULL, h * k * 0.01, h * beta * k * k * 1e-4) == 1);
+  }
+}
+
 /* The whole chain on scenes: 0.9 of the limit found is at most the true one, and at least 0.8 of it. True limits are
  * those of the exact largest eigenvalues. The extremes of w and g belong to one mode here, but for the mass ratio. */
 static void suggestions_are_within_a_fifth_of_the_truth(void **state) {
@@ -237,6 +261,7 @@ int main(void) {
       cmocka_unit_test(turning_limits_the_step),
       cmocka_unit_test(an_unstated_rotation_gives_an_accurate_step),
       cmocka_unit_test(the_first_gap_ends_the_search),
+      cmocka_unit_test(no_mode_falls_into_a_narrow_band),
       cmocka_unit_test(suggestions_are_within_a_fifth_of_the_truth),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -20,7 +20,7 @@ static hk_plugin_spec *open_wind(test_engine *e, const char *name, double value)
   return wind;
 }
 
-/* w - v is (3, -1, 2) and (4, -4, 0); all exact in binary. */
+/* u - v is (3, -1, 2) and (4, -4, 0); all exact in binary. */
 static void wind_per_particle_and_per_mass_by_hand(void **state) {
   (void)state;
   static const double apart[6] = {3, -1, 2, 4, -4, 0}, v[6] = {1, 0, -2, 0, 3, 0};
@@ -45,7 +45,7 @@ static void wind_per_particle_and_per_mass_by_hand(void **state) {
   }
 }
 
-/* x = w t + (v - w) (1 - e^(-r t))/r. rk4 with 1,000 steps leaves (h r)^4/120 of it: 1e-13. */
+/* x = u t + (v - u) (1 - e^(-r t))/r. rk4 with 1,000 steps leaves (h r)^4/120 of it: 1e-13. */
 static void path_in_steady_wind_is_its_closed_form(void **state) {
   (void)state;
   const double rate = 2, w[3] = {4, -1, 0}, v[3] = {1, 0, -2};
@@ -60,7 +60,7 @@ static void path_in_steady_wind_is_its_closed_form(void **state) {
   test_engine_close(&e);
 }
 
-/* Of two airs of one drag the second gives d u alone: F = d (w + u - v), here with u = 0 on the vortex' axis and its
+/* Of two airs of one drag the second gives d u alone: F = d (u_1 + u_2 - v), here with u_2 = 0 on the vortex' axis and its
  * speed of 6/(2 pi 2) at 2 m from it. */
 static void airs_are_summed(void **state) {
   (void)state;
@@ -94,12 +94,30 @@ static void nonsense_is_refused(void **state) {
   }
 }
 
+/* The summary and the help of the coefficients state one formula in the same letters. */
+static void formula_is_stated_once(void **state) {
+  (void)state;
+  test_engine e;
+  const hk_plugin *wind = open_wind(&e, NULL, 0)->plugin;
+  const char *d = NULL, *rate = NULL;
+  for (const hk_param *p = wind->params; p->name; p++)
+    if (strcmp(p->name, "d") == 0)
+      d = p->help;
+    else if (strcmp(p->name, "rate") == 0)
+      rate = p->help;
+  assert_non_null(strstr(wind->summary, "F = d (u - v); u: velocity of the air"));
+  assert_true(d && strstr(d, "F = d (u - v); u: velocity of the air"));
+  assert_true(rate && strstr(rate, "F = rate m (u - v)"));
+  test_engine_close(&e);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(wind_per_particle_and_per_mass_by_hand),
       cmocka_unit_test(path_in_steady_wind_is_its_closed_form),
       cmocka_unit_test(airs_are_summed),
       cmocka_unit_test(nonsense_is_refused),
+      cmocka_unit_test(formula_is_stated_once),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -106,6 +106,43 @@ static void frames_draw_strands_as_thick_as_contact_has_them(void **state) {
   free(p.rgb);
 }
 
+/* Of 100 pixels a metre, without contact: a rope of 0.05 m, one of an ellipse as large as the circle of 0.03 m, and one
+ * whose radius the script does not say, which is as thin as what there is to choose. */
+static const char sections[] =
+    "local scene = hooke.scene { duration = 0.01, fps = 100, integrator = 'leapfrog', dt = 0.001 }\n"
+    "for k, radius in ipairs { 0.05, { 0.09, 0.01 }, 0 } do\n"
+    "  local rope = scene:strand { from = { -0.5, 0, 0.5 - k / 4 }, to = { 0.5, 0, 0.5 - k / 4 }, n = 6,\n"
+    "    radius = radius ~= 0 and radius or nil }\n"
+    "  scene:force('springs', { edges = rope:edges(), k = 100, label = 'rope' .. k })\n"
+    "end\n"
+    "scene:output('frames', { width = 160, height = 90, video = false, legend = false, shadows = false, color = "
+    "'none',\n"
+    "  plain = { 1, 0, 0 }, particles = 'off', from = { 0, -10, 0 }, look_at = { 0, 0, 0 }, fov = 5.1530, %s\n"
+    "  ground = false })\n"
+    "return scene\n";
+
+static void draw_sections(const char *more, const int most[3]) {
+  static const int rows[4] = {5, 35, 60, 85};
+  static test_result r;
+  char text[1500], path[512];
+  snprintf(text, sizeof text, sections, more);
+  test_write("sections.lua", text);
+  test_hooke(&r, NULL, "run sections.lua --quiet");
+  if (r.code != 0) fail_msg("%s", r.err);
+  snprintf(path, sizeof path, "%s/out/sections/frames/000000.png", test_folder());
+  picture p = read_picture(path);
+  for (int x = 40; x <= 120; x += 10)
+    for (int k = 0; k < 3; k++)
+      assert_in_range(thickness_at(&p, x, rows[k], rows[k + 1]), most[k] > 2 ? most[k] - 2 : 1, most[k]);
+  free(p.rgb);
+}
+
+static void frames_draw_strands_as_thick_as_their_section(void **state) {
+  (void)state;
+  draw_sections("", (int[]){11, 7, 2});
+  draw_sections("tube = 0.02,", (int[]){5, 5, 5}); /* what the output is told goes before */
+}
+
 /* Of four particles that nothing but a force on tetrahedra joins, the middle of each edge is drawn, that of a face is
  * not. */
 static void frames_draw_the_edges_of_tetrahedra(void **state) {
@@ -162,6 +199,7 @@ int main(void) {
       cmocka_unit_test(frames_draw_strands_with_the_radius_of_their_group),
       cmocka_unit_test(frames_refuse_radii_that_are_none),
       cmocka_unit_test(frames_draw_strands_as_thick_as_contact_has_them),
+      cmocka_unit_test(frames_draw_strands_as_thick_as_their_section),
       cmocka_unit_test(frames_draw_the_edges_of_tetrahedra),
       cmocka_unit_test(frames_draw_the_surface_of_a_soft_body),
   };

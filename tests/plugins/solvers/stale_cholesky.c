@@ -55,10 +55,11 @@ static void solve_all(outcome *o, int threads, double rate, double tolerance) {
   test_solver_close(&s);
 }
 
-/* Matrices solved by a factor of their own: one iteration, but for rounding. */
+/* Matrices solved by a factor of their own: in floats, whose rounding is 6e-8, two iterations for a residual of 1e-9.
+ */
 static int factorized(const outcome *o) {
   int count = 0;
-  for (int k = 0; k < MATRICES; k++) count += o->iterations[k] <= 1;
+  for (int k = 0; k < MATRICES; k++) count += o->iterations[k] <= 2;
   return count;
 }
 
@@ -70,6 +71,28 @@ static void old_factors_serve_while_they_are_near(void **state) {
   assert_true(o.iterations[MATRICES - 1] <= 3);
   solve_all(&o, 1, 0.5, 1e-9);
   assert_true(factorized(&o) >= MATRICES - 8); /* tries after 1, 3, 7, 15, 31 and every 31 matrices */
+}
+
+/* Two particles joined by a spring 1e9 times as stiff as what holds them, as neighbours in a row: floats lose the mass
+ * and cannot be factorized, doubles can. */
+static void what_floats_cannot_hold_is_factorized_in_doubles(void **state) {
+  (void)state;
+  test_solver s;
+  double b[UNKNOWNS], x[UNKNOWNS];
+  open_grid(&s, 1);
+  memset(s.A.value, 0, 9 * s.A.row_start[ROWS] * sizeof(double));
+  for (size_t i = 0; i < ROWS; i++)
+    for (size_t c = 0; c < 3; c++) {
+      double k = 1e9, joined = (double)(i % SIDE > 0) + (double)(i % SIDE < SIDE - 1);
+      test_matrix_block(&s, i, i)[4 * c] = 1 + k * joined;
+      if (i % SIDE) test_matrix_block(&s, i, i - 1)[4 * c] = test_matrix_block(&s, i - 1, i)[4 * c] = -k;
+    }
+  for (size_t e = 0; e < UNKNOWNS; e++) b[e] = (double)(e % 11) - 5;
+  assert_int_equal(test_solver_factorize(&s), HK_OK);
+  hk_solve_info info = {.tolerance = 1e-6};
+  assert_int_equal(test_solver_solve(&s, b, x, &info), HK_OK);
+  assert_true(test_matrix_residual(&s.A, b, x) <= 1.2e-6);
+  test_solver_close(&s);
 }
 
 static void bits_do_not_depend_on_threads(void **state) {
@@ -97,6 +120,7 @@ static void what_is_not_definite_is_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(old_factors_serve_while_they_are_near),
+      cmocka_unit_test(what_floats_cannot_hold_is_factorized_in_doubles),
       cmocka_unit_test(bits_do_not_depend_on_threads),
       cmocka_unit_test(what_is_not_definite_is_refused),
   };

@@ -14,8 +14,8 @@ local function starts(plugin, lines)
   lines:at("the scene 'swing'")
   local run, why = scenes.open(plugin, scenes.swing)
   if not run then error(why, 0) end
-  local flags, rotates, amplifies, constrained = method.flags(run)
-  lines:value { flags = flags, rotates = rotates, amplifies = amplifies, constrained = constrained }
+  local flags, rotates, amplifies, constrained, marches = method.flags(run)
+  lines:value { flags = flags, rotates = rotates, amplifies = amplifies, constrained = constrained, marches = marches }
 end
 
 -- Checks the integrator that hooke.describe described; `path` and `given` are also fields of it.
@@ -33,7 +33,7 @@ return function(plugin, report)
   plugin.needs_jacobian, plugin.needs_solver = flags & NEEDS_JACOBIAN ~= 0, flags & NEEDS_SOLVER ~= 0
   plugin.splits, plugin.limits_moves = flags & SPLITS ~= 0, flags & LIMITS_MOVES ~= 0
   plugin.keeps_constraints = flags & KEEPS_CONSTRAINTS ~= 0
-  plugin.constrained = found[1].constrained
+  plugin.constrained, plugin.marches = found[1].constrained, found[1].marches
   plugin.states_growth, plugin.states_rotation = found[1].amplifies, found[1].rotates
   for _, property in ipairs(habits.list) do
     report:try(property[1], function(lines) property[2](plugin, lines) end)

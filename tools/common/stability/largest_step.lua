@@ -16,6 +16,9 @@
 -- by about (h w)^4/8 per step: runs do not detect the beginning of this growth, so a much smaller estimate is not an
 -- error ("slow").
 --
+-- Some methods grow in a narrow band of h w and are stable again beyond it. The estimate ends where the band begins, since
+-- a mode may lie in it at any time; a scene of which none does can go on, and that is no error either ("banded").
+--
 -- A motion may stiffen the scene: the smallest estimate of the run is compared.
 local json = require("cjson").new()
 local plot = require("common.run.plot")
@@ -141,6 +144,19 @@ local function needs_damping(plugin)
   return stated ~= nil and stated(0.3, 0) > 1 + 1e-9
 end
 
+-- Whether a method grows somewhere in 1 <= h w <= most without damping, and no longer at most. The spacing is a third of the
+-- narrowest band that is known, as in core/stability/largest_step.c.
+local function banded(plugin, most)
+  local stated = stability_region.stated(plugin)
+  if not stated or stated(most, 0) > 1 + 1e-6 then return false end
+  local hw = 1
+  while hw < most do
+    if stated(hw, 0) > 1 + 1e-6 then return true end
+    hw = hw * 1.0005
+  end
+  return false
+end
+
 -- The scene as given, and with every value of every list in turn: tasks with the estimate of each integrator. Those
 -- without a useful step are omitted. Or nil and the reason.
 function largest_step.tasks(path, given, ladders, plugins)
@@ -160,7 +176,7 @@ function largest_step.tasks(path, given, ladders, plugins)
       if wanted[step.name] and step.limit > 0 and step.limit < math.huge then
         tasks[#tasks + 1] = { scene = path, params = variant.params, name = variant.name, value = variant.value,
           integrator = step.name, estimate = step.limit, suggestion = step.suggestion, w = e.spectrum.w_max,
-          g = e.spectrum.g_max, particles = e.particles, slow = needs_damping(wanted[step.name]) }
+          g = e.spectrum.g_max, particles = e.particles, slow = needs_damping(wanted[step.name]), plugin = wanted[step.name] }
       end
     end
   end
@@ -177,7 +193,9 @@ local function take(task, text)
   if not task.low then return end
   task.counts = math.min(task.estimate, task.later or math.huge)
   task.above = task.counts >= task.high
-  task.below = not task.slow and task.counts < largest_step.least * task.low
+  local short = task.counts < largest_step.least * task.low
+  task.banded = short and not task.slow and banded(task.plugin, task.w * task.low)
+  task.below = short and not task.slow and not task.banded
 end
 
 local function work(task, fd)
@@ -235,7 +253,8 @@ end
 local function cell(task)
   if not task then return "-" end
   if not task.low then return "?" end
-  return ("%.2f%s"):format(task.counts / task.low, task.above and "!" or task.below and "<" or task.slow and "~" or "")
+  local mark = task.above and "!" or task.below and "<" or task.banded and "|" or task.slow and "~" or ""
+  return ("%.2f%s"):format(task.counts / task.low, mark)
 end
 
 -- Variants by integrators: the estimate over the measured limit.
@@ -264,7 +283,8 @@ function largest_step.table(tasks)
     lines[#lines + 1] = table.concat(line)
   end
   lines[#lines + 1] = ("\n!: above the limit, which must not be   <: below %g of it   ?: not measured   -: no step of use\n"
-    .. "~: stable by damping alone; beyond the limit it grows too slowly to be measured sharply")
+    .. "~: stable by damping alone; beyond the limit it grows too slowly to be measured sharply\n"
+    .. "|: the method grows in a narrow band of frequencies, in which no mode happened to lie")
     :format(largest_step.least)
   return table.concat(lines, "\n")
 end

@@ -145,20 +145,32 @@ local function jacobian_error(subject, A, length, z)
   end)
 end
 
--- 1 where K is softer than -dF/dx in some direction, by more than a millionth of its size; for HK_STIFFER_BLOCKS.
-local function softness(subject, K, length)
-  local size, most = #inspect.state(subject).x, worst.largest(K)
+-- 1 where the block A is softer than the differences in some direction, by more than a millionth of its size; for
+-- HK_STIFFER_BLOCKS.
+local function softness(subject, A, length, z)
+  local size, most = #inspect.state(subject).x, worst.largest(A)
   return best(length, function(h)
-    local slopes, more = inspect.slopes(subject, "x", h), {}
-    for k = 1, size * size do more[k] = K[k] - slopes[k] end
+    local slopes, more = inspect.slopes(subject, z or "x", h), {}
+    for k = 1, size * size do more[k] = A[k] - slopes[k] end
     return definite(more, size, 1e3 * most) and 0 or 1, "softer in some direction"
   end)
+end
+
+-- At rest: how a damping turns with the positions is no part of what is claimed.
+local function softness_at_rest(subject, length, v)
+  local rest = {}
+  for k = 1, #v do rest[k] = 0 end
+  inspect.set(subject, { v = rest })
+  local K = inspect.blocks(subject, 0)
+  local figure, text = softness(subject, K, length)
+  inspect.set(subject, { v = v })
+  return figure, text
 end
 
 -- Pairs and clouds are small enough for full matrices.
 local function jacobians_are_the_derivatives(plugin, lines)
   local K_found, D_found, adds, stale, fine = worst.new(), worst.new(), worst.new(), nil, true
-  at_random_states(plugin, lines, function(subject, case, x)
+  at_random_states(plugin, lines, function(subject, case, x, v)
     if not fine then return end
     fine = names_fitting_blocks(lines, subject)
     if not fine then return end
@@ -167,10 +179,11 @@ local function jacobians_are_the_derivatives(plugin, lines)
       fine = false
       return lines:wrong("its `jacobian` fails at a random state", "return HK_OK, or host->fail with the cause")
     end
-    local of_K = plugin.stiffer_blocks and softness or jacobian_error
-    local figure, text = of_K(subject, K, case.length)
+    local stiffer, figure, text = plugin.stiffer_blocks, nil, nil
+    if stiffer then figure, text = softness_at_rest(subject, case.length, v) end
+    if not stiffer then figure, text = jacobian_error(subject, K, case.length) end
     K_found:take(figure, at(case, text))
-    figure, text = jacobian_error(subject, D, 1, "v")
+    figure, text = (stiffer and softness or jacobian_error)(subject, D, 1, "v")
     D_found:take(figure, at(case, text))
     local K_on, D_on = inspect.blocks(subject, 0, 1)
     local size = math.max(1, worst.largest(K), worst.largest(D))
@@ -186,10 +199,11 @@ local function jacobians_are_the_derivatives(plugin, lines)
     if worst.difference(K_now, K) > ROUNDING or worst.difference(D_now, D) > ROUNDING then stale = stale or case.name end
   end)
   if not fine then return end
-  lines:most(plugin.stiffer_blocks and "K is nowhere softer than -dF/dx, as claimed" or "K = -dF/dx (central differences)",
+  local claims = plugin.stiffer_blocks
+  lines:most(claims and "K is nowhere softer than -dF/dx at rest, as claimed" or "K = -dF/dx (central differences)",
     K_found.figure, DIFFERENCES,
     "K is minus the derivative of F; look at the signs and at the terms across the direction", K_found.where)
-  lines:most("D = -dF/dv (central differences)", D_found.figure, DIFFERENCES,
+  lines:most(claims and "D is nowhere softer than -dF/dv, as claimed" or "D = -dF/dv (central differences)", D_found.figure, DIFFERENCES,
     "D is minus the derivative of F with respect to the velocities", D_found.where)
   lines:most("it adds to the blocks (K += ..., D += ...)", adds.figure, 1e-14 * 64, -- a block has up to 64 summands here
     "write K[9*slot + q] += ..., never =: forces share the blocks", adds.where)

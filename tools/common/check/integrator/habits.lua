@@ -352,12 +352,38 @@ local function is_what_its_flags_say(plugin, lines)
   end
 end
 
+-- 30 steps by `march`, at most so many at once, and by `step`; both sum the same numbers in the same order.
+local function marches_as_it_steps(plugin, lines)
+  if not plugin.marches then return end
+  local STEPS_MARCHED <const>, told = 30, false
+  for _, name in ipairs { "swing", "damped" } do
+    lines:at("the scene '%s'", name)
+    local stepped = method.run(scenes.open(plugin, scenes[name]), { h = H, steps = STEPS_MARCHED }).X
+    for _, at_once in ipairs { 1, 3, STEPS_MARCHED } do
+      local X, marched, changed, status =
+        method.march(scenes.open(plugin, scenes[name]), { h = H, steps = STEPS_MARCHED, at_once = at_once })
+      local off = 0
+      for k = 1, #X do off = math.max(off, math.abs(X[k] - stepped[k])) end
+      local wrong = status ~= 0 and ("`march` fails with status %d"):format(status)
+        or changed and "`march` changes X[0], which it needs if it fails"
+        or marched == 0 and "`march` never takes a step"
+        or (off ~= off or off >= 1e-12) and ("%d steps by `march`, at most %d at once, differ by %.2g from those by `step`"):format(
+          STEPS_MARCHED, at_once, off)
+      if wrong and not told then
+        told = true
+        lines:wrong(wrong, "level k goes from X[k] to X[k + 1], with t[k] at its end, as `step` does; the history goes along")
+      end
+    end
+  end
+end
+
 habits.list = {
   { "it stays within the state", stays_within_its_arrays },
   { "it says what it did", says_what_it_did },
   { "it is what its flags say", is_what_its_flags_say },
   { "it passes on failures", passes_on_failures },
   { "it advances all of X", advances_everything },
+  { "steps at once are its steps", marches_as_it_steps },
   { "it reads no memory that was not written", reads_what_was_written },
   { "it allocates nothing in a step and leaks nothing", allocates_nothing },
   { "it keeps nothing outside its instance", keeps_to_its_instance },

@@ -1,0 +1,67 @@
+/* Steps at once (hk_integrator.march), where nobody needs the states between them: no corrector, source, constraint,
+ * contact or moving pin does something at every step, and all forces come by parts. Whether it is done, and in which
+ * order forces are summed, follows from the scene, not from the number of threads or of steps. */
+#include "core/loop/loop.h"
+
+static size_t lesser(size_t a, size_t b) { return a < b ? a : b; }
+
+static bool is_watched(const hk_loop *loop) {
+  const hk_instances *kind = loop->plugins->kind;
+  return kind[HK_CORRECTOR].count || kind[HK_SOURCE].count || loop->hooks.moved || loop->hooks.before_sample ||
+         loop->integrator->spec->timed_count;
+}
+
+size_t hk_march_length(const hk_loop *loop, const hk_piece *p) {
+  if (!loop->step->method->march || is_watched(loop) || !hk_evaluate_waves(loop->dynamics)) return 0;
+  size_t steps = loop->record->steps, now = loop->dynamics->count.evaluations, look = loop->step->watch.next;
+  size_t length = lesser(p->n - p->i + 1, HK_LEVELS - steps % HK_LEVELS);
+  if (loop->schedule.step_limit) length = lesser(length, loop->schedule.step_limit - steps);
+  return look > now ? lesser(length, look - now) : length;
+}
+
+/* s, the end of step i of the piece. */
+static double end_of(const hk_piece *p, size_t i) { return i == p->n ? p->stop : p->begin + (double)i * p->h; }
+
+/* *length steps from step i of the piece, or none; the state changes only if they succeed. */
+static hk_status advance(hk_loop *loop, const hk_piece *p, size_t i, size_t *length) {
+  hk_state *s = loop->state;
+  hk_instance *integrator = loop->integrator;
+  double t[HK_LEVELS], *X[HK_LEVELS + 1] = {s->X};
+  if (!s->third && !(s->third = hk_memory_get(&s->numbers, s->size * sizeof *s->third)))
+    return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the states of steps that are taken at once");
+  for (size_t k = 0; k < *length; k++) {
+    t[k] = end_of(p, i + k);
+    X[k + 1] = k % 2 ? s->third : s->spare;
+  }
+  const hk_instance *outer = hk_enter(integrator);
+  hk_status status = loop->step->method->march(integrator->self, &loop->dynamics->system, t, p->h, length, X);
+  status = hk_leave_with(integrator, outer, "march", status);
+  if (status != HK_OK || *length == 0) return status;
+  hk_state_exchange(s, *length % 2 ? &s->spare : &s->third);
+  loop->dynamics->system.X = s->X, loop->dynamics->system.spare = s->spare;
+  for (size_t k = 0; k < *length && status == HK_OK; k++) {
+    hk_step_set_time(loop, t[k]);
+    status = hk_step_accept(loop, p->h, NAN, HK_OK);
+  }
+  return status;
+}
+
+static hk_status advance_one(hk_loop *loop, const hk_piece *p, size_t i) {
+  size_t length = 1;
+  hk_status status = advance(loop, p, i, &length);
+  return status == HK_OK && length == 0 ? hk_step_fixed(loop, end_of(p, i), p->h) : status;
+}
+
+/* Steps that fail together are repeated one by one, so that the state is that before the one which fails. */
+hk_status hk_march(hk_loop *loop, const hk_piece *p, size_t *length) {
+  size_t wanted = *length, steps = loop->record->steps;
+  hk_status status = advance(loop, p, p->i, length);
+  if (status == HK_OK && *length > 0) return HK_OK;
+  *length = status == HK_OK ? 1 : wanted;
+  if (loop->record->steps > steps) return status; /* the state after them is not finite */
+  if (status != HK_OK) hk_step_reset(loop, HK_STATE_CHANGED);
+  hk_error_clear(loop->error);
+  status = HK_OK;
+  for (size_t k = 0; k < *length && status == HK_OK; k++) status = advance_one(loop, p, p->i + k);
+  return status;
+}
