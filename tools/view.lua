@@ -96,7 +96,8 @@ local function open_runs(folders)
     local r, why = recording.open(path)
     if not r then return nil, why end
     recordings[k] = r
-    runs[k] = { recording = r, summary = json_in(place .. "/summary.json"), bench = json_in(place .. "/bench.json") }
+    runs[k] = { recording = r, file = path, summary = json_in(place .. "/summary.json"),
+      bench = json_in(place .. "/bench.json") }
   end
   for k, title in ipairs(titles(folders, recordings)) do runs[k].title = title end
   return runs
@@ -114,10 +115,18 @@ local function subtitle_of(runs)
   return #runs == 1 and text or text .. " · two runs"
 end
 
+local function is_same(one, other)
+  local a, b = lfs.attributes(one), lfs.attributes(other)
+  return a and b and a.dev == b.dev and a.ino == b.ino
+end
+
 local function make_page(o, folders)
   local runs, why = open_runs(folders)
   if not runs then return refuse_file(why) end
   local path = o.page or (folders[1]:gsub("%.h5$", "") .. (folders[1]:find("%.h5$") and ".html" or "/page.html"))
+  for _, one in ipairs(runs) do
+    if is_same(path, one.file) then return complain("--page: %s is what is to be shown; name another file", path) end
+  end
   local frames = 0
   for _, one in ipairs(runs) do frames = frames + one.recording.frames end
   local bar = progress.new { what = "view", total = frames, quiet = o.quiet }

@@ -90,7 +90,6 @@ static double resolving(const hk_dynamics *d) {
 static void choose(hk_step_choice *c, const hk_dynamics *d) {
   hk_warnings *warnings = d->shared->warnings;
   double frame = 1 / c->fps, most = resolving(d);
-  c->chosen = true;
   c->dt = c->dt_estimated = fmin(most, c->method->flags & HK_IMPLICIT ? frame / 2 : fmin(c->dt_suggested, frame));
   if (c->growth_expected)
     hk_warn(warnings,
@@ -115,9 +114,9 @@ static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) 
 }
 
 hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
+  c->chosen = isnan(given); /* a checkpoint's may have been */
   if (c->method->flags & HK_ADAPTIVE) {
     c->dt = isnan(given) ? INFINITY : given;
-    c->chosen = isnan(given);
     return HK_OK;
   }
   if (c->method->flags & HK_IMPLICIT) {
@@ -131,7 +130,6 @@ hk_status hk_step_choose(hk_step_choice *c, hk_dynamics *d, double given) {
   if (status == HK_NOT_FINITE) { /* not caused by the step size: where F is not finite, the first evaluation says so */
     *d->error = (hk_error){0};
     c->dt_limit = c->limit_now = NAN;
-    c->chosen = isnan(given);
     c->dt = c->dt_estimated = c->chosen ? 1 / c->fps : given;
     hk_warn(d->shared->warnings,
             "the largest stable step is not known: close to the start forces are not finite; steps are of %g s", c->dt);

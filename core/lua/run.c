@@ -162,6 +162,16 @@ static size_t run_bytes(const hk_scene *scene) {
   return BASE + PLUGIN * plugins + VECTORS * width * scene->n * sizeof(double);
 }
 
+/* A run does not go back: its state would be that of another time than the script thinks. */
+static void check_end(lua_State *L, const hk_lua_slot *slot, double to) {
+  const double rounding = 1e-9 / slot->scene->fps, now = slot->run ? hk_run_view(slot->run)->t : 0;
+  if (to < INFINITY && to > slot->scene->duration)
+    hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, slot->scene->duration);
+  if (to < now - rounding)
+    hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is before the run's present time, %g s, and it goes forwards only", to,
+                now);
+}
+
 int hk_lua_scene_run(lua_State *L) {
   static const char *const keys[] = {"to", NULL};
   hk_script *s = hk_lua_script(L);
@@ -174,8 +184,7 @@ int hk_lua_scene_run(lua_State *L) {
     hk_lua_check_keys(L, 2, "run", keys);
     to = hk_lua_field_number(L, 2, "run", "to", INFINITY);
   }
-  if (to < INFINITY && to > slot->scene->duration)
-    return hk_lua_fail(L, HK_BAD_PARAM, "run: to: %g s is after the scene's duration, %g s", to, slot->scene->duration);
+  check_end(L, slot, to);
   to = snapped(slot->scene, to);
   if (s->finished || s->driving)
     return hk_lua_fail(L, HK_SCRIPT, "a scene is run by the script itself, not by a function that the run calls");

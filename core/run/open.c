@@ -92,9 +92,18 @@ static void show_progress(void *context) {
   hk_progress_show(&run->progress, &run->loop, &run->judgement.last_frame);
 }
 
+/* s, 0: no limit. A dt that is asked for is the longest step of an adaptive method, too; that of a scene, which is
+ * meant for its own method, is where one begins. */
+static double longest_step(const hk_run *run) {
+  const hk_run_options *o = &run->options;
+  bool given = run->step.method->flags & HK_ADAPTIVE && o->refine == 0 && isfinite(o->dt);
+  if (!given) return o->dt_most;
+  return o->dt_most > 0 ? fmin(o->dt_most, o->dt) : o->dt;
+}
+
 static hk_schedule schedule_of(const hk_run *run) {
   const hk_run_options *o = &run->options;
-  hk_schedule s = {.refine = o->refine, .dt_most = o->dt_most, .step_limit = o->step_limit};
+  hk_schedule s = {.refine = o->refine, .dt_most = longest_step(run), .step_limit = o->step_limit};
   s.cut = o->cut;
   s.cuts = o->cuts;
   s.interrupted = o->interrupted;
@@ -179,6 +188,13 @@ static bool goes_on_with_its_step(const hk_run *run, double given) {
   return isnan(given) ? step->chosen : !step->chosen && given == step->dt;
 }
 
+/* A run does not go back: its end would be taken for the state of an earlier time. */
+static hk_status check_time(hk_run *run, const char *file) {
+  if (run->state.t <= run->asked.end + 1e-9 / run->scene->fps) return HK_OK;
+  return hk_error_set(&run->error, HK_BAD_PARAM, "%s is of t = %g s, after the end that is asked for, %g s", file,
+                      run->state.t, run->asked.end);
+}
+
 static hk_status start(hk_run *run) {
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
   double given = isnan(run->options.dt) ? run->scene->dt : isinf(run->options.dt) ? NAN : run->options.dt;
@@ -186,6 +202,7 @@ static hk_status start(hk_run *run) {
   const char *file = run->options.resume ? run->options.resume : run->scene->start_file;
   const char *origin = run->options.resume ? run->saving.origin : NULL;
   if (file) status = hk_start_file_read(&run->loop, &run->judgement, run->folder, file, origin, &run->resumed);
+  if (status == HK_OK && run->resumed) status = check_time(run, file);
   if (status != HK_OK) return status;
   if (run->options.resume) hk_folder_go_on(run->folder, run->record.steps);
   for (size_t k = 0; k < forces->count; k++)

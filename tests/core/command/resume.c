@@ -87,6 +87,30 @@ static void plugins_of_the_command_line_go_on(void **state) {
   assert_int_equal(r.code, 0);
 }
 
+/* The first part has chosen its step, of 1/140 s or so. */
+static void a_step_that_is_given_now_is_kept(void **state) {
+  (void)state;
+  static test_result r;
+  write_scene();
+  test_hooke(&r, NULL, "run rope.lua --until 0.55 --out part --quiet --integrator leapfrog");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run --resume part/newest.checkpoint --until 0.9 --dt 0.0005 --json --quiet");
+  if (r.code != 0) fail_msg("code %d: %s", r.code, r.err);
+  assert_non_null(strstr(r.out, "(given"));
+  assert_true(test_json(r.out, "dt_min") <= 0.0005);
+  assert_true(test_json(r.out, "steps") >= 1000); /* 0.5 s of them */
+}
+
+static void a_run_does_not_go_back(void **state) {
+  (void)state;
+  static test_result r;
+  write_scene();
+  test_hooke(&r, NULL, "run rope.lua --until 0.55 --out part --quiet");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, NULL, "run --resume part/newest.checkpoint --until 0.1 --quiet");
+  if (r.code != 1 || !strstr(r.err, "after the end that is asked for, 0.1 s")) fail_msg("%d: %s", r.code, r.err);
+}
+
 static void the_files_of_the_first_part_stay(void **state) {
   (void)state;
   static test_result r;
@@ -245,6 +269,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(it_goes_on_with_scene_parameters_and_options),
       cmocka_unit_test(plugins_of_the_command_line_go_on),
+      cmocka_unit_test(a_step_that_is_given_now_is_kept),
+      cmocka_unit_test(a_run_does_not_go_back),
       cmocka_unit_test(the_files_of_the_first_part_stay),
       cmocka_unit_test(it_goes_on_in_its_own_folder),
       cmocka_unit_test(a_damaged_point_names_the_one_before),

@@ -202,6 +202,10 @@ static void driving_goes_on_and_ends_with_a_verdict(void **state) {
   good(BALL "coroutine.wrap(function()\n  scene:measure('one', function() return 1 end)\n"
             "  assert(scene:run {}:summary().measures.one == 1)\nend)()");
   expect(BALL "scene:run { to = 3 }", HK_BAD_PARAM, "t.lua:4: run: to: 3 s is after the scene's duration, 0.1 s");
+  expect(BALL "scene:run { to = -1 }", HK_BAD_PARAM, "t.lua:4: run: to: -1 s is before the run's present time, 0 s");
+  expect(BALL "scene:run { to = 0.08 } scene:run { to = 0.02 }", HK_BAD_PARAM,
+         "t.lua:4: run: to: 0.02 s is before the run's present time, 0.08 s");
+  good(BALL "for k = 1, 3 do scene:run { to = 0.1 * 3 / 10 } end scene:run { to = 0.03 }");
   expect(BALL "scene:measure('m', function() scene:run {} return 1 end)\nscene:run {}", HK_SCRIPT,
          "t.lua:4: a scene is run by the script itself");
   expect(BALL "scene:measure('m', function() scene:run {} return 1 end)\nreturn scene", HK_SCRIPT,
