@@ -126,14 +126,19 @@ static void take_item(wave *w, size_t level) {
     hk_part_note_time(t, w->parts->forces->count, level, clock);
   }
   hk_part_add(t, item->part, level);
+  w->parts->slot[level].at_work = NULL;
   finish_until(w, level, item->done);
 }
 
-/* Until the last step of the band before is far enough for item i. */
+/* Until the last step of the band before is far enough for item i. Who is still at work there is named meanwhile. */
 static void wait_for(const wave *w, size_t b, size_t i) {
   if (b == 0) return;
-  while (atomic_load_explicit(&w->band[b - 1].complete, memory_order_acquire) <= w->parts->wave.item[i].after)
-    sched_yield();
+  size_t after = w->parts->wave.item[i].after;
+  for (bool first = true; atomic_load_explicit(&w->band[b - 1].complete, memory_order_acquire) <= after; first = false)
+    if (first)
+      hk_part_leave(&w->work[b * w->width], b * w->width);
+    else
+      sched_yield();
 }
 
 static void take_band(wave *w, size_t b) {
