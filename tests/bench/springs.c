@@ -239,7 +239,7 @@ static void sizes(uint32_t N, bool shuffle) {
   double best = INFINITY, wall[2] = {INFINITY, INFINITY}, t = 0;
   cloth c[2];
   for (int k = 0; k < 2; k++) open_cloth(&c[k], N, shuffle, k + 1);
-  int steps = N < 128 ? 200 : N < 512 ? 40 : 8;
+  int steps = N < 128 ? 256 : N < 512 ? 128 : 64; /* whole waves */
   for (int r = 0; r < REPEATS; r++) {
     t += steps * 1e-5;
     for (int k = 0; k < 2; k++) {
