@@ -27,7 +27,7 @@ static void filter(hk_system *s, double *vector) { hk_pins_filter(dynamics_of(s)
 
 static void exchange(hk_system *s) {
   hk_state *state = dynamics_of(s)->state;
-  hk_state_exchange(state, &state->spare);
+  hk_state_exchange(state);
   s->X = state->X;
   s->spare = state->spare;
 }

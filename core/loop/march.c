@@ -24,21 +24,15 @@ static double end_of(const hk_piece *p, size_t i) { return i == p->n ? p->stop :
 
 /* *length steps from step i of the piece, or none; the state changes only if they succeed. */
 static hk_status advance(hk_loop *loop, const hk_piece *p, size_t i, size_t *length) {
-  hk_state *s = loop->state;
+  hk_system *s = &loop->dynamics->system;
   hk_instance *integrator = loop->integrator;
-  double t[HK_LEVELS], *X[HK_LEVELS + 1] = {s->X};
-  if (!s->third && !(s->third = hk_memory_get(&s->numbers, s->size * sizeof *s->third)))
-    return hk_error_set(loop->error, HK_NO_MEMORY, "no memory for the states of steps that are taken at once");
-  for (size_t k = 0; k < *length; k++) {
-    t[k] = end_of(p, i + k);
-    X[k + 1] = k % 2 ? s->third : s->spare;
-  }
+  double t[HK_LEVELS];
+  for (size_t k = 0; k < *length; k++) t[k] = end_of(p, i + k);
   const hk_instance *outer = hk_enter(integrator);
-  hk_status status = loop->step->method->march(integrator->self, &loop->dynamics->system, t, p->h, length, X);
+  hk_status status = loop->step->method->march(integrator->self, s, t, p->h, length);
   status = hk_leave_with(integrator, outer, "march", status);
   if (status != HK_OK || *length == 0) return status;
-  hk_state_exchange(s, *length % 2 ? &s->spare : &s->third);
-  loop->dynamics->system.X = s->X, loop->dynamics->system.spare = s->spare;
+  s->exchange(s);
   for (size_t k = 0; k < *length && status == HK_OK; k++) {
     hk_step_set_time(loop, t[k]);
     status = hk_step_accept(loop, p->h, NAN, HK_OK);

@@ -69,12 +69,12 @@ typedef struct hk_integrator {
   double (*growth)(const void *self, double h, double w, double g, double b);
   /* hk_system.tol of an adaptive method where nobody asks for one: what its order makes worth while. 0: 1e-6. */
   double tolerance;
-  /* For methods of fixed steps with one evaluation each: takes *count steps of h at once by hk_system.wave, as `step`
-   * would one after another, and leaves the new state in X[*count]; or sets *count to 0 where it cannot at present.
-   * t[k]: s, the end of step k. X[k], k >= 1: room for the state at its start, the same for every second k; X[0] is
-   * s->X and must not be changed. If it fails, `reset` is called. The host calls it where nobody needs the states
-   * between the steps; there are then neither channels nor constraints. NULL: the host calls `step`. */
-  hk_status (*march)(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X);
+  /* For methods of fixed steps with one evaluation each and HK_USES_SPARE: takes *count steps of h at once by
+   * hk_system.wave, as `step` would one after another; or sets *count to 0 where it cannot at present. t[k]: s, the end
+   * of step k. The first step goes from s->X, which must not be changed, to s->spare, the others work there in place;
+   * the host makes it X. If it fails, `reset` is called. The host calls it where nobody needs the states between the
+   * steps; there are then neither channels nor constraints. NULL: the host calls `step`. */
+  hk_status (*march)(void *self, hk_system *s, const double *t, double h, size_t *count);
 } hk_integrator;
 
 /* The part of the forces that a method has set aside (hk_integrator.divide). */

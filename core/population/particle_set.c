@@ -67,10 +67,9 @@ bool hk_state_reserve(hk_state *s, size_t n) {
   size_t room = n + n / 8;
   if (n <= s->room) return true;
   size_t size = (6 + s->width) * room + 1;
-  bool fine = grow_numbers(s, &s->X, size) && grow_numbers(s, &s->spare, size) && grow_numbers(s, &s->third, size) &&
-              grow_numbers(s, &s->mass, room + 1) && grow_numbers(s, &s->inverse_mass, room + 1) &&
-              grow(&s->id, (room + 1) * sizeof *s->id) && grow(&s->group, (room + 1) * sizeof *s->group) &&
-              grow(&s->pin, (room + 1) * sizeof *s->pin) &&
+  bool fine = grow_numbers(s, &s->X, size) && grow_numbers(s, &s->spare, size) && grow_numbers(s, &s->mass, room + 1) &&
+              grow_numbers(s, &s->inverse_mass, room + 1) && grow(&s->id, (room + 1) * sizeof *s->id) &&
+              grow(&s->group, (room + 1) * sizeof *s->group) && grow(&s->pin, (room + 1) * sizeof *s->pin) &&
               (!s->by_id || grow(&s->by_id, (room + 1) * sizeof *s->by_id));
   if (fine) s->room = room;
   hk_state_point(s); /* some arrays may have moved even so */

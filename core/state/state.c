@@ -12,9 +12,9 @@ bool hk_state_open_spare(hk_state *s) {
   return (s->spare = hk_memory_get(&s->numbers, s->size * sizeof *s->spare)) != NULL;
 }
 
-void hk_state_exchange(hk_state *s, double **room) {
-  double *X = *room;
-  *room = s->X;
+void hk_state_exchange(hk_state *s) {
+  double *X = s->spare;
+  s->spare = s->X;
   s->X = X;
   s->view.x = X;
   s->view.v = X + 3 * s->model.n;

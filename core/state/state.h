@@ -11,10 +11,9 @@
  * scene are in the order of their ids, or in a better one (scene/order.c). */
 typedef struct hk_state {
   double t;          /* s */
-  hk_block *numbers; /* memory of X, spare, third, masses: loops are slower where it is not aligned to cache lines */
+  hk_block *numbers; /* memory of X, spare, masses: loops are slower where it is not aligned to cache lines */
   double *X;     /* size doubles, one allocation: x n x 3, v n x 3, the channels one after the other, the work in J */
   double *spare; /* the same memory again, for methods with HK_USES_SPARE; NULL: not needed */
-  double *third; /* and once more, for steps that are taken at once; NULL: there were none */
   size_t width, size; /* channel numbers per particle; size = (6 + width) n + 1 */
   hk_model model;     /* points to the arrays below */
   hk_partition partition;
@@ -33,10 +32,10 @@ typedef struct hk_state {
 
 hk_status hk_state_open(hk_state *, const hk_scene *, hk_error *error);
 void hk_state_close(hk_state *);
-void hk_state_refresh(hk_state *);                 /* updates model, size and view after t, n or an array changed */
-void hk_state_point(hk_state *);                   /* the same, where the inverse masses are right */
-bool hk_state_open_spare(hk_state *);              /* false: no memory */
-void hk_state_exchange(hk_state *, double **room); /* *room, of size doubles, is now X */
+void hk_state_refresh(hk_state *);    /* updates model, size and view after t, n or an array changed */
+void hk_state_point(hk_state *);      /* the same, where the inverse masses are right */
+bool hk_state_open_spare(hk_state *); /* false: no memory */
+void hk_state_exchange(hk_state *);   /* `spare` is now X */
 bool hk_state_index(const hk_state *, uint32_t id, uint32_t *index); /* false: no particle has this id at present */
 double hk_state_extent(const hk_state *); /* m, longest side of the bounding box of the particles; 1 when that is 0 */
 /* J, of the particles that are not fixed or scripted */

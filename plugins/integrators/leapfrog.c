@@ -4,9 +4,8 @@
  * predicted v + h a, which keeps order 2 (the lagged v + h/2 a would give order 1) and limits the step to h w <= 2
  * (sqrt(1 + 4 xi^2) - 2 xi), xi = g/(2w), with damping rate g; for pure drag, h g <= 1. Channels and work y are
  * predicted and averaged in the same way. Without velocity-dependent forces it is symplectic and reversible. The
- * velocity is predicted even then, because the power of a force depends on it. As v + h/2 a = (v + (v + h a))/2, the
- * end of a step does not need a any more, and a' takes its place. The new state is built apart, block by block with the
- * evaluation; X changes only after that has succeeded.
+ * velocity is predicted even then, because the power of a force depends on it; at the end h/2 (a' - a) is added to it.
+ * The new state is built apart, block by block with the evaluation; X changes only after that has succeeded.
  *
  * With constraints that are all equalities it is RATTLE: with F/m without constraint forces,
  *     v_m = v + h/2 (F/m + W J^T l),  x' = x + h v_m,  g(x') = 0,   J at x,
@@ -21,11 +20,13 @@
 
 typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
-  double *slope;  /* a, dy */
+  int64_t newest; /* which of the two a it is */
+  double *slope;  /* a twice, n x 3 each, and dy */
 } leapfrog;
 
 static const hk_field fields[] = {
     {"primed", HK_FIELD_INTEGER, 1, offsetof(leapfrog, primed), 0},
+    {"newest", HK_FIELD_INTEGER, 1, offsetof(leapfrog, newest), 0},
     {"slope", HK_FIELD_STATE, 1, offsetof(leapfrog, slope), 0},
     {0},
 };
@@ -45,16 +46,18 @@ static void reset(void *self, hk_reason why) {
   ((leapfrog *)self)->primed = 0;
 }
 
-/* Of the numbers begin to end - 1: value(s) of the state at the start of a step and at its end, and the slope. */
+/* A step of a block: the state at its start, and at its end; the slopes there. */
 typedef struct leap {
-  const double *x, *v;
-  double *x_next, *v_next, *a;
+  const double *x, *v, *a;
+  double *x_next, *v_next;
+  const double *a_next;
   double h;
 } leap;
 
-HK_INLINE void predict_each(const leap *l, size_t begin, size_t end) {
-  const double *restrict x = l->x, *restrict v = l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
+/* `here`: in place. */
+HK_INLINE void predict_each(const leap *l, size_t begin, size_t end, bool here) {
   double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
+  const double *x = here ? x_next : l->x, *v = here ? v_next : l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
   for (size_t e = begin; e < end; e++) {
     double kick = half * a[e], middle = v[e] + kick;
     x_next[e] = x[e] + h * middle;
@@ -63,13 +66,15 @@ HK_INLINE void predict_each(const leap *l, size_t begin, size_t end) {
 }
 
 HK_INLINE void kick_each(const leap *l, size_t begin, size_t end) {
-  const double *restrict v = l->v, *restrict a = l->a, half = l->h / 2;
+  const double *restrict a = l->a, *restrict a_next = l->a_next, half = l->h / 2;
   double *restrict v_next = l->v_next;
-  for (size_t e = begin; e < end; e++) v_next[e] = 0.5 * (v[e] + v_next[e]) + half * a[e];
+  for (size_t e = begin; e < end; e++) v_next[e] += half * (a_next[e] - a[e]);
 }
 
-HK_VERSIONS(static void, predict, (void *context, size_t begin, size_t end), predict_each(context, 3 * begin, 3 * end))
-HK_VERSIONS(static void, kick, (void *context, size_t begin, size_t end), kick_each(context, 3 * begin, 3 * end))
+#define PARAMETERS (void *context, size_t begin, size_t end)
+HK_VERSIONS(static void, predict, PARAMETERS, predict_each(context, 3 * begin, 3 * end, false))
+HK_VERSIONS(static void, predict_here, PARAMETERS, predict_each(context, 3 * begin, 3 * end, true))
+HK_VERSIONS(static void, kick, PARAMETERS, kick_each(context, 3 * begin, 3 * end))
 
 /* Channels and work: predicted, and then with the mean of both rates. */
 static void predict_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,
@@ -106,34 +111,41 @@ static void kick_held(double *restrict v, const double *restrict before, double 
   }
 }
 
+/* The two slopes a, and dy behind them. */
+static double *slope_of(const leapfrog *m, const hk_system *s, int64_t which) {
+  return m->slope + (which % 2 ? 3 * s->n : 0);
+}
+
+static double *rates_of(const leapfrog *m, const hk_system *s) { return m->slope + 6 * s->n; }
+
 static hk_status prime(leapfrog *m, hk_system *s) {
   size_t v = 3 * s->n;
-  hk_status status =
-      m->primed ? HK_OK : s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, m->slope, m->slope + v);
-  m->primed = 0; /* until the end of the step, which writes over the slope */
+  double *a = slope_of(m, s, m->newest);
+  hk_status status = m->primed ? HK_OK : s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, a, rates_of(m, s));
+  m->primed = 0; /* until the end of the step, which writes over the rates */
   return status;
 }
 
 /* The step in a scene with constraints: RATTLE. */
 static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
-  size_t v = 3 * s->n, y = 6 * s->n, length = s->size - v;
-  double *X = s->X, *next = s->spare, *a = m->slope, work = 0, given = 0;
+  size_t v = 3 * s->n, y = 6 * s->n, rest = s->size - y;
+  double *X = s->X, *next = s->spare, *a = slope_of(m, s, m->newest), *dy = rates_of(m, s), work = 0, given = 0;
   s->takes_constraints = false;
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   drift(next, next + v, X, X + v, a, v, h);
   status = s->hold_positions(s, t_next, X, h, next, next + v, &work);
   if (status != HK_OK) return status;
-  predict_rest(next + y, X + y, a + v, s->size - y, h);
+  predict_rest(next + y, X + y, dy, rest, h);
   extrapolate(next + v, X + v, v);
-  status = s->accelerations(s, t_next, next, next + v, next + y, a, a + v);
+  status = s->accelerations(s, t_next, next, next + v, next + y, a, dy);
   if (status != HK_OK) return status;
   kick_held(next + v, X + v, a, v, h / 2);
   status = s->hold_velocities(s, t_next, next, h, next + v, &given);
   if (status != HK_OK) return status;
-  a[length - 1] += 2 / h * given; /* the power of constraint forces, as `a` has the forces */
+  dy[rest - 1] += 2 / h * given; /* the power of constraint forces, as `a` has the forces */
   for (size_t e = 0; e < v; e++) a[e] = 2 / h * (next[v + e] - a[e]);
-  kick_rest(next + y, X + y, a + v, s->size - y, h);
+  kick_rest(next + y, X + y, dy, rest, h);
   next[s->size - 1] += work;
   s->exchange(s);
   m->primed = 1;
@@ -143,42 +155,49 @@ static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
 static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
   leapfrog *m = self;
   size_t v = 3 * s->n, y = 6 * s->n;
-  double *X = s->X, *next = s->spare, *a = m->slope, t_next = fmin(t_stop, s->t + h);
+  double *X = s->X, *next = s->spare, *dy = rates_of(m, s), t_next = fmin(t_stop, s->t + h);
   (void)out;
   if (s->holonomic) return held_step(m, s, t_next, h);
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
-  leap l = {X, X + v, next, next + v, a, h};
-  predict_rest(next + y, X + y, a + v, s->size - y, h);
-  status = s->pass(s, t_next, next, next + v, next + y, a, a + v, &(hk_pass){&l, HK_WIDEST(predict), HK_WIDEST(kick)});
+  double *a_next = slope_of(m, s, m->newest + 1);
+  leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h};
+  predict_rest(next + y, X + y, dy, s->size - y, h);
+  status =
+      s->pass(s, t_next, next, next + v, next + y, a_next, dy, &(hk_pass){&l, HK_WIDEST(predict), HK_WIDEST(kick)});
   if (status != HK_OK) return status;
-  kick_rest(next + y, X + y, a + v, s->size - y, h);
+  kick_rest(next + y, X + y, dy, s->size - y, h);
   s->exchange(s);
   m->primed = 1;
+  m->newest = !m->newest;
   return HK_OK;
 }
 
-static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X) {
+static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count) {
   leapfrog *m = self;
-  size_t v = 3 * s->n, y = 6 * s->n;
-  double *a = m->slope;
+  size_t v = 3 * s->n, work = 6 * s->n;
+  double *X = s->X, *next = s->spare, *power = rates_of(m, s);
   leap leaps[HK_LEVELS];
   hk_level level[HK_LEVELS];
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < *count; k++) {
-    double *next = X[k + 1];
-    leaps[k] = (leap){X[k], X[k] + v, next, next + v, a, h};
-    level[k] = (hk_level){t[k], next, next + v, a, {&leaps[k], HK_WIDEST(predict), HK_WIDEST(kick)}, 0};
+    double *a_next = slope_of(m, s, m->newest + (int64_t)k + 1);
+    leaps[k] = (leap){X, X + v, slope_of(m, s, m->newest + (int64_t)k), next, next + v, a_next, h};
+    hk_pass pass = {&leaps[k], k ? HK_WIDEST(predict_here) : HK_WIDEST(predict), HK_WIDEST(kick)};
+    level[k] = (hk_level){t[k], next, next + v, a_next, pass, 0};
   }
   status = s->wave(s, level, *count);
   if (status != HK_OK) return status;
-  for (size_t k = 0; k < *count; k++) { /* the work */
-    predict_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
-    a[v] = level[k].power;
-    kick_rest(X[k + 1] + y, X[k] + y, a + v, 1, h);
+  next[work] = X[work];
+  for (size_t k = 0; k < *count; k++) {
+    double before = next[work];
+    predict_rest(next + work, &before, power, 1, h);
+    *power = level[k].power;
+    kick_rest(next + work, &before, power, 1, h);
   }
   m->primed = 1;
+  m->newest = (m->newest + (int64_t)*count) % 2;
   return HK_OK;
 }
 

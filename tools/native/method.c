@@ -235,36 +235,27 @@ static int run_steps(lua_State *L) {
   return 1;
 }
 
-/* The rooms of a march, each between guard pages. */
-static void open_rooms(lua_State *L, hk_guarded room[2], size_t size) {
-  for (int k = 0; k < 2; k++)
-    if (!hk_guard_get(&room[k], "the room X of `march`", size * sizeof(double), HK_GUARD_BEHIND))
-      luaL_error(L, "no memory");
-}
-
 /* march(run, { t =, h =, steps =, at_once = }) -> X after steps of h from the run's state, at most so many of them at
- * once; how many were taken at once in all; whether X[0] was changed; status. */
+ * once; how many were taken at once in all; whether X was changed before its end; status. */
 static int march(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   hk_instance *m = method_of(L);
   const hk_integrator *method = m->plugin->integrator;
   hk_system *s = take_over(L, run, HK_GUARD_BEHIND);
-  static hk_guarded room[2];
   size_t steps = (size_t)option(L, "steps", 1), at_once = (size_t)option(L, "at_once", 1), size = s->size, marched = 0;
   double h = option(L, "h", 0.01), t0 = option(L, "t", 0), *kept = hk_table_memory(L, size);
   bool changed = false;
   hk_status status = HK_OK;
-  open_rooms(L, room, size);
   probe.fail_at = 0;
   memcpy(probe.X.at, run->state.X, size * sizeof(double));
   for (size_t k = 0; k < steps && status == HK_OK;) {
-    double t[HK_LEVELS], *X[HK_LEVELS + 1] = {s->X};
+    double t[HK_LEVELS];
     size_t count = steps - k < at_once ? steps - k : at_once;
     s->t = t0 + (double)k * h;
     memcpy(kept, s->X, size * sizeof *kept);
-    for (size_t i = 0; i < count; i++) t[i] = t0 + (double)(k + i + 1) * h, X[i + 1] = room[i % 2].at;
+    for (size_t i = 0; i < count; i++) t[i] = t0 + (double)(k + i + 1) * h;
     hk_guard_enter("march");
-    status = method->march(m->self, s, t, h, &count, X);
+    status = method->march(m->self, s, t, h, &count);
     hk_guard_enter(NULL);
     changed |= memcmp(kept, s->X, size * sizeof *kept) != 0;
     if (count == 0) {
@@ -273,7 +264,7 @@ static int march(lua_State *L) {
       status = method->step(m->self, s, t[0], h, &out);
       hk_guard_enter(NULL);
     } else {
-      memcpy(s->X, X[count], size * sizeof *kept);
+      memcpy(s->X, s->spare, size * sizeof *kept);
     }
     marched += count;
     k += count ? count : 1;

@@ -71,10 +71,12 @@ typedef struct advance {
 } advance;
 
 /* Updates all arrays at once, because memory bandwidth limits a step. The first `terms` slopes count: 4, 5, 6 or 8,
- * known when it is compiled. What is written has no other name, or the loop would not become one of vectors. */
+ * known when it is compiled. What is written has no other name, or the loop would not become one of vectors. `here`: in
+ * place. */
 HK_INLINE void update(const advance *all, double *restrict x_next, double *restrict v_next, size_t begin, size_t end,
-                      int terms) {
-  const double *x = all->x, *v = all->v, *const *a = all->slope, *w = all->next, *l = all->lead, h = all->h;
+                      int terms, bool here) {
+  const double *x = here ? x_next : all->x, *v = here ? v_next : all->v, *const *a = all->slope, *w = all->next,
+               *l = all->lead, h = all->h;
   for (size_t e = begin; e < end; e++) {
     double change = w[0] * a[0][e] + w[1] * a[1][e] + w[2] * a[2][e] + w[3] * a[3][e];
     double lead = l[0] * a[0][e] + l[1] * a[1][e] + l[2] * a[2][e] + l[3] * a[3][e];
@@ -87,12 +89,14 @@ HK_INLINE void update(const advance *all, double *restrict x_next, double *restr
   }
 }
 
-HK_INLINE void sweep(const advance *all, size_t begin, size_t end, int terms) {
-  update(all, all->x_next, all->v_next, 3 * begin, 3 * end, terms);
+HK_INLINE void sweep(const advance *all, size_t begin, size_t end, int terms, bool here) {
+  update(all, all->x_next, all->v_next, 3 * begin, 3 * end, terms, here);
 }
 
+#define PARAMETERS (void *context, size_t begin, size_t end)
 #define SWEEPS(terms)                                                                                                  \
-  HK_VERSIONS(static void, sweep##terms, (void *context, size_t begin, size_t end), sweep(context, begin, end, terms))
+  HK_VERSIONS(static void, sweep##terms, PARAMETERS, sweep(context, begin, end, terms, false))                         \
+  HK_VERSIONS(static void, sweep_here##terms, PARAMETERS, sweep(context, begin, end, terms, true))
 SWEEPS(4)
 SWEEPS(5)
 SWEEPS(6)
@@ -100,12 +104,13 @@ SWEEPS(8)
 
 typedef void sweeping(void *context, size_t begin, size_t end);
 
-static sweeping *best(int terms) {
-  return terms > 6   ? HK_WIDEST(sweep8)
-         : terms > 5 ? HK_WIDEST(sweep6)
-         : terms > 4 ? HK_WIDEST(sweep5)
-                     : HK_WIDEST(sweep4);
-}
+#define BEST(name, terms)                                                                                              \
+  ((terms) > 6   ? HK_WIDEST(name##8)                                                                                  \
+   : (terms) > 5 ? HK_WIDEST(name##6)                                                                                  \
+   : (terms) > 4 ? HK_WIDEST(name##5)                                                                                  \
+                 : HK_WIDEST(name##4))
+
+static sweeping *best(int terms, bool here) { return here ? BEST(sweep_here, terms) : BEST(sweep, terms); }
 
 /* The step from `from` to `to` whose slope is at position `head` of the ring. */
 static advance advance_of(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, int64_t head,
@@ -125,7 +130,7 @@ static advance advance_of(const hk_stoermer *m, const hk_system *s, const hk_sto
 static void advance_rest(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, const advance *all,
                          const double *from, double *to) {
   size_t v = 3 * s->n, y = 6 * s->n;
-  memcpy(to + y, from + y, (s->size - y) * sizeof *to);
+  memmove(to + y, from + y, (s->size - y) * sizeof *to);
   for (int j = 0; j < f->terms; j++)
     for (size_t e = y; e < s->size; e++) to[e] += m->weights.rate[j] * all->slope[j][e - v];
 }
@@ -134,7 +139,8 @@ static void advance_rest(const hk_stoermer *m, const hk_system *s, const hk_stoe
 static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a) {
   size_t v = 3 * s->n, y = 6 * s->n;
   advance all = advance_of(m, s, f, m->head, s->X, s->spare);
-  hk_status status = s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms)});
+  hk_status status =
+      s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms, false)});
   if (status != HK_OK) return status;
   advance_rest(m, s, f, &all, s->X, s->spare);
   s->exchange(s);
@@ -142,23 +148,24 @@ static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f
 }
 
 hk_status hk_stoermer_march(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, const double *t, double h,
-                            size_t *count, double *const *X) {
+                            size_t *count) {
   size_t v = 3 * s->n;
+  double *next = s->spare;
   advance all[HK_LEVELS];
   hk_level level[HK_LEVELS];
   if (h != m->h || m->known < f->terms - 1) *count = 0; /* no history yet */
-  weigh(&m->weights, f, h);
   for (size_t k = 0; k < *count; k++) {
     int64_t head = (m->head + (int64_t)k) % f->terms;
-    all[k] = advance_of(m, s, f, head, X[k], X[k + 1]);
-    level[k] =
-        (hk_level){k ? t[k - 1] : s->t, X[k], X[k] + v, ring(m, s, f->terms, head), {&all[k], NULL, best(f->terms)}, 0};
+    double *from = k ? next : s->X;
+    all[k] = advance_of(m, s, f, head, from, next);
+    hk_pass pass = {&all[k], NULL, best(f->terms, k > 0)};
+    level[k] = (hk_level){k ? t[k - 1] : s->t, from, from + v, ring(m, s, f->terms, head), pass, 0};
   }
   hk_status status = *count ? s->wave(s, level, *count) : HK_OK;
   if (status != HK_OK) return status;
   for (size_t k = 0; k < *count; k++) {
     level[k].a[v] = level[k].power;
-    advance_rest(m, s, f, &all[k], X[k], X[k + 1]);
+    advance_rest(m, s, f, &all[k], k ? next : s->X, next);
   }
   m->head = (m->head + (int64_t)*count) % f->terms;
   return HK_OK;

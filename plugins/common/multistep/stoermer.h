@@ -43,7 +43,7 @@ double hk_stoermer_amplification(const hk_stoermer_method *, double hw, double h
 double hk_stoermer_rotation(const hk_stoermer_method *, double hw, double hg, double hb);
 hk_status hk_stoermer_step(hk_stoermer *, const hk_stoermer_method *, hk_system *s, double h);
 hk_status hk_stoermer_march(hk_stoermer *, const hk_stoermer_method *, hk_system *s, const double *t, double h,
-                            size_t *count, double *const *X); /* hk_integrator.march */
+                            size_t *count); /* hk_integrator.march */
 void hk_stoermer_reset(void *self, hk_reason why);
 
 /* The table `integrator` and the table `fields` of a method of `terms` terms, which is defined
@@ -62,8 +62,8 @@ void hk_stoermer_reset(void *self, hk_reason why);
     (void)t_stop, (void)out;                                                                                           \
     return hk_stoermer_step(self, &method, s, h);                                                                      \
   }                                                                                                                    \
-  static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count, double *const *X) {       \
-    return hk_stoermer_march(self, &method, s, t, h, count, X);                                                        \
+  static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count) {                         \
+    return hk_stoermer_march(self, &method, s, t, h, count);                                                           \
   }                                                                                                                    \
   static const hk_integrator integrator = {.size = sizeof(hk_integrator),                                              \
                                            .order = ORDER,                                                             \

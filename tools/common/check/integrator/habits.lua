@@ -365,13 +365,13 @@ local function marches_as_it_steps(plugin, lines)
       local off = 0
       for k = 1, #X do off = math.max(off, math.abs(X[k] - stepped[k])) end
       local wrong = status ~= 0 and ("`march` fails with status %d"):format(status)
-        or changed and "`march` changes X[0], which it needs if it fails"
+        or changed and "`march` changes X, which its host needs if it fails"
         or marched == 0 and "`march` never takes a step"
         or (off ~= off or off >= 1e-12) and ("%d steps by `march`, at most %d at once, differ by %.2g from those by `step`"):format(
           STEPS_MARCHED, at_once, off)
       if wrong and not told then
         told = true
-        lines:wrong(wrong, "level k goes from X[k] to X[k + 1], with t[k] at its end, as `step` does; the history goes along")
+        lines:wrong(wrong, "the first level goes from X to `spare`, the others in place, with t[k] at their ends; the history goes along")
       end
     end
   end
