@@ -22,10 +22,8 @@ typedef struct hk_supernode {
   size_t child, child_end; /* into child: those whose parent it is, in their order */
 } hk_supernode;
 
-enum {
-  HK_NO_PARENT = UINT32_MAX,
-  HK_FRONT_VECTOR = 64 /* bytes; begins of matrices and lengths of their columns are multiples of it */
-};
+#define HK_NO_PARENT UINT32_MAX
+enum { HK_FRONT_VECTOR = 64 }; /* bytes; begins of matrices and lengths of their columns are multiples of it */
 
 typedef struct hk_run { /* rows that follow each other in both fronts; `to` counts from the parent's first column */
   uint32_t from, to, count;
