@@ -8,7 +8,7 @@ local bytes = require("fuzz.bytes")
 local basis, prime = 1469598103934665603, 1099511628211
 local checksum = {}
 
-checksum["5"] = function(text)
+checksum["6"] = function(text)
   local lane, sum, whole = {}, basis, #text - #text % 64
   for l = 0, 7 do lane[l] = basis + l end
   for k = 1, whole, 8 do
