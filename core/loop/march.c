@@ -5,10 +5,15 @@
 
 static size_t lesser(size_t a, size_t b) { return a < b ? a : b; }
 
+/* Whether somebody may look at every step. A force that states its passages counts as one even where nobody asks it:
+ * whether a run is compared with another must not change its bits. */
 static bool is_watched(const hk_loop *loop) {
   const hk_instances *kind = loop->plugins->kind;
-  return kind[HK_CORRECTOR].count || kind[HK_SOURCE].count || loop->hooks.moved || loop->hooks.before_sample ||
-         loop->integrator->spec->timed_count;
+  bool passed_by = false;
+  for (size_t k = 0; k < kind[HK_FORCE].count; k++)
+    passed_by |= kind[HK_FORCE].item[k]->plugin->force->passages != NULL;
+  return passed_by || kind[HK_CORRECTOR].count || kind[HK_SOURCE].count || loop->hooks.moved ||
+         loop->hooks.before_sample || loop->integrator->spec->timed_count;
 }
 
 size_t hk_march_length(const hk_loop *loop, const hk_piece *p) {

@@ -163,6 +163,22 @@ static void without_an_order_there_is_no_wave(void **state) {
   test_engine_close(&e);
 }
 
+/* Whether steps are taken at once does not depend on whether the run is compared with another. */
+static void a_force_that_can_be_passed_by_is_looked_at_in_every_step(void **state) {
+  (void)state;
+  for (int compared = 0; compared < 2; compared++) {
+    test_engine e;
+    open_net(&e, "leapfrog", 2, NEAR);
+    test_plugin(&e, HK_FORCE, "central");
+    test_run(&e);
+    if (compared) e.run->loop.hooks.moved = do_nothing;
+    assert_true(makes_waves(&e));
+    const hk_piece piece = {.i = 1, .n = STEPS, .h = h};
+    assert_int_equal(hk_march_length(&e.run->loop, &piece), 0);
+    test_engine_close(&e);
+  }
+}
+
 /* m/s, of the fastest particle after 50 steps. */
 static double speed_after_50(void) {
   test_engine e;
@@ -206,6 +222,7 @@ int main(void) {
       cmocka_unit_test(threads_do_not_change_a_bit),
       cmocka_unit_test(waves_of_any_length_are_the_same),
       cmocka_unit_test(without_an_order_there_is_no_wave),
+      cmocka_unit_test(a_force_that_can_be_passed_by_is_looked_at_in_every_step),
       cmocka_unit_test(a_step_fails_in_a_wave),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
