@@ -3,7 +3,7 @@
  * Runge-Kutta 4; SUNDIALS' ERKStep and CVODE on a plain C right-hand side, and on hooke's forces.
  *
  *     rivals [LARGEST [SMALLEST]]: the curtains up to LARGEST, 64 by default; of those below SMALLEST, 32 by default,
- *     the ladders alone, which the next curtain needs. With 256 it takes five minutes.
+ *     the ladders alone, which the next curtain needs. With 256 it takes six minutes.
  *
  * Every method runs over a ladder of steps (from beyond its stability limit down) or tolerances. Runs that cannot win
  * any more are not taken, or given up: those that take longer than their side's best, or ten times as long as hooke's.
