@@ -10,6 +10,9 @@
  *
  * Which springs are stiff follows from stiffnesses and masses (stiff_edges.c): those for which short steps save work.
  * Springs whose own damping ratio is above 0.06 are not taken: damped once a long step, they would leave it no room.
+ * Tried for them: explicit damping beyond that ratio, whose stable steps are no interval, so that shorter steps may
+ * grow where longer ones do not; and the exponential of the damping for half a step before and after, with which 355 of
+ * 3,000 random networks of springs grew, by up to 1.3 % a step, as it is no contraction in the form that a step keeps.
  * What is not plain edges (triangles, joints, contact) stays with the long step, whose length is what it allows. Where
  * nothing is worth short steps the method is leapfrog. */
 #include "plugins/common/local/local_filter.h"
