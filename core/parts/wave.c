@@ -17,12 +17,10 @@
 
 /* ---- the order ---- */
 
-static void close_order(hk_wave *w) {
+void hk_wave_close(hk_wave *w) {
   free(w->item);
   *w = (hk_wave){0};
 }
-
-void hk_wave_close(hk_wave *w) { close_order(w); }
 
 /* The highest block of a domain with an element that reaches below `first`; `first` where there is none. */
 static size_t highest_across(const hk_window *reach, size_t first, size_t last) {
@@ -76,7 +74,7 @@ static void find_after(hk_wave *w) {
 
 bool hk_wave_arrange(hk_wave *w, const hk_window *window, const hk_window *reach) {
   const hk_partition *p = &window->partition;
-  close_order(w);
+  hk_wave_close(w);
   if (window->lowest[p->parts - 1] != UINT32_MAX) return true; /* elements of more than two domains: no wave */
   w->item = malloc(p->parts * sizeof *w->item);
   if (!w->item) return false;

@@ -4,6 +4,7 @@
 
 #include "core/plugin/force.h"
 #include "core/plugin/solver.h"
+#include "core/plugin/widest.h"
 
 typedef struct hk_system hk_system;
 

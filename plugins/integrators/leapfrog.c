@@ -13,10 +13,10 @@
  * still symplectic, reversible and of order 2 (Andersen 1983; Leimkuhler and Skeel 1994). The slope that is kept, a' =
  * 2 (v' - v_m)/h, has the constraint forces in it, so that the next step begins near its end; velocity-dependent forces
  * see 2 v_m - v. */
+#include "plugins/common/integrate/leap.h"
 #include "plugins/common/integrate/leapfrog_growth.h"
 
 #include "core/plugin.h"
-#include "core/plugin/widest.h"
 
 typedef struct leapfrog {
   int64_t primed; /* whether the slope is that of X */
@@ -45,36 +45,6 @@ static void reset(void *self, hk_reason why) {
   (void)why;
   ((leapfrog *)self)->primed = 0;
 }
-
-/* A step of a block: the state at its start, and at its end; the slopes there. */
-typedef struct leap {
-  const double *x, *v, *a;
-  double *x_next, *v_next;
-  const double *a_next;
-  double h;
-} leap;
-
-/* `here`: in place. */
-HK_INLINE void predict_each(const leap *l, size_t begin, size_t end, bool here) {
-  double *restrict x_next = l->x_next, *restrict v_next = l->v_next;
-  const double *x = here ? x_next : l->x, *v = here ? v_next : l->v, *restrict a = l->a, h = l->h, half = l->h / 2;
-  for (size_t e = begin; e < end; e++) {
-    double kick = half * a[e], middle = v[e] + kick;
-    x_next[e] = x[e] + h * middle;
-    v_next[e] = middle + kick;
-  }
-}
-
-HK_INLINE void kick_each(const leap *l, size_t begin, size_t end) {
-  const double *restrict a = l->a, *restrict a_next = l->a_next, half = l->h / 2;
-  double *restrict v_next = l->v_next;
-  for (size_t e = begin; e < end; e++) v_next[e] += half * (a_next[e] - a[e]);
-}
-
-#define PARAMETERS (void *context, size_t begin, size_t end)
-HK_VERSIONS(static void, predict, PARAMETERS, predict_each(context, 3 * begin, 3 * end, false))
-HK_VERSIONS(static void, predict_here, PARAMETERS, predict_each(context, 3 * begin, 3 * end, true))
-HK_VERSIONS(static void, kick, PARAMETERS, kick_each(context, 3 * begin, 3 * end))
 
 /* Channels and work: predicted, and then with the mean of both rates. */
 static void predict_rest(double *restrict next, const double *restrict y, const double *restrict dy, size_t count,
@@ -161,10 +131,9 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   double *a_next = slope_of(m, s, m->newest + 1);
-  leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h};
+  hk_leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h};
   predict_rest(next + y, X + y, dy, s->size - y, h);
-  status =
-      s->pass(s, t_next, next, next + v, next + y, a_next, dy, &(hk_pass){&l, HK_WIDEST(predict), HK_WIDEST(kick)});
+  status = s->pass(s, t_next, next, next + v, next + y, a_next, dy, &(hk_pass){&l, hk_leap_predict, hk_leap_correct});
   if (status != HK_OK) return status;
   kick_rest(next + y, X + y, dy, s->size - y, h);
   s->exchange(s);
@@ -177,14 +146,14 @@ static hk_status march(void *self, hk_system *s, const double *t, double h, size
   leapfrog *m = self;
   size_t v = 3 * s->n, work = 6 * s->n;
   double *X = s->X, *next = s->spare, *power = rates_of(m, s);
-  leap leaps[HK_LEVELS];
+  hk_leap leaps[HK_LEVELS];
   hk_level level[HK_LEVELS];
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < *count; k++) {
     double *a_next = slope_of(m, s, m->newest + (int64_t)k + 1);
-    leaps[k] = (leap){X, X + v, slope_of(m, s, m->newest + (int64_t)k), next, next + v, a_next, h};
-    hk_pass pass = {&leaps[k], k ? HK_WIDEST(predict_here) : HK_WIDEST(predict), HK_WIDEST(kick)};
+    leaps[k] = (hk_leap){X, X + v, slope_of(m, s, m->newest + (int64_t)k), next, next + v, a_next, h};
+    hk_pass pass = {&leaps[k], k ? hk_leap_predict_here : hk_leap_predict, hk_leap_correct};
     level[k] = (hk_level){t[k], next, next + v, a_next, pass, 0};
   }
   status = s->wave(s, level, *count);

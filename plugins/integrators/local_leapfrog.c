@@ -174,7 +174,7 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   (void)out;
   hk_status status = prime(m, s, h);
   if (status != HK_OK) return status;
-  hk_leap l = {X, X + v, next, next + v, a, h};
+  hk_leap l = {X, X + v, a, next, next + v, a, h};
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
   status = s->pass(s, fmin(t_stop, s->t + h), next, next + v, next + y, a, a + v,
                    &(hk_pass){&l, hk_leap_predict, hk_leap_kick});

@@ -2,7 +2,6 @@
 #include "plugins/common/integrate/growth_factor.h"
 
 #include "core/plugin.h"
-#include "core/plugin/widest.h"
 
 #include <complex.h>
 

@@ -13,8 +13,6 @@
 #include "plugins/common/multistep/extrapolation.h"
 #include "plugins/common/integrate/growth_factor.h"
 
-#include "core/plugin/widest.h"
-
 #include <assert.h>
 #include <complex.h>
 #include <string.h>
