@@ -4,11 +4,11 @@
 --
 -- A short bench (tools/common/bench/benchmark.lua) of the first part of the scene, as much as a few seconds allow, with
 -- the methods of order 2 and more. Errors accumulate: a fraction of the duration may have this fraction of the error,
--- and of it a quarter, since the run is judged (core/run/verify.c) at all frames, and in doubt by a bound of its error.
+-- and of it a quarter, since the run is judged (core/run/run/verify.c) at all frames, and in doubt by a bound of its error.
 -- Where the runs of a method did not reach this error, its setting is extrapolated from its last two errors. The choice
 -- is stored under a hash of the scene's text, its parameters, the accuracy, the end and the plugins' contents.
 local argparse = require("argparse")
-local at_target = require("common.bench.at_target")
+local accuracy_search = require("common.bench.accuracy_search")
 local methods = require("common.bench.methods")
 local benchmark = require("common.bench.benchmark")
 local refinement = require("common.bench.refinement")
@@ -117,7 +117,7 @@ local function is_cheaper(a, b) return cost(a) < cost(b) end
 -- The methods by their cost at the target, each with the setting for it.
 local function ranking(b)
   local list = {}
-  for _, method in ipairs(b.methods) do list[#list + 1] = at_target.cheapest(method, b.goal, b.goal.target) end
+  for _, method in ipairs(b.methods) do list[#list + 1] = accuracy_search.cheapest(method, b.goal, b.goal.target) end
   table.sort(list, is_cheaper)
   return list
 end
@@ -133,7 +133,7 @@ local function best_two(b, o)
     end
   end
   refinement.settle(methods_near, b, strict, 0.2 * o.budget)
-  for k, s in ipairs(near) do near[k] = at_target.cheapest(s.method, strict, strict.target) or s end
+  for k, s in ipairs(near) do near[k] = accuracy_search.cheapest(s.method, strict, strict.target) or s end
   table.sort(near, is_cheaper)
   return near[1], near[2] or list[2]
 end

@@ -64,9 +64,9 @@ end
 local function print_reference(b)
   local r = b.reference
   if b.exact then
-    print(("reference     the scene's exact solution; beside it %s, %.1e m off it"):format(r.words, b.exact))
+    print(("reference     the scene's exact solution; beside it %s, %.1e m off it"):format(r.description, b.exact))
   else
-    print(("reference     %s; they differ by %.1e%s"):format(r.words, r.size, b.goal.unit))
+    print(("reference     %s; they differ by %.1e%s"):format(r.description, r.size, b.goal.unit))
   end
   if b.doubted then
     print("warning: these two methods agree far better with one another than with the scene's exact solution: "
@@ -149,7 +149,7 @@ local function more_of(b, o)
     scene = b.explained.scene, params = o.params, metric = b.metric, target = o.target, finest = o.finest,
     until_s = b.limit, fps = b.fps, particles = b.explained.particles, horizon_s = b.horizon,
     error_definition = "RMS over the particles at each frame, then RMS (max: largest) over the frames after the start",
-    reference = { methods = r.words, error = r.size, exact = b.exact ~= nil, exact_error = b.exact,
+    reference = { methods = r.description, error = r.size, exact = b.exact ~= nil, exact_error = b.exact,
       supports_errors_above = b.goal.support },
     conditioning = c and { growth = c.growth, floor = c.floor, floor_single = c.floor_single, extent = c.extent,
       seeds = c.seeds, sizes = c.sizes },

@@ -97,6 +97,7 @@ if loads then
   if not plugin.given then return fail(why) end
   plugin.scene = asked.scene
   print(("%s '%s': %s"):format(plugin.kind, plugin.name, plugin.summary))
+  if plugin.facets ~= "" then print("  its facets: " .. plugin.facets) end
   require("common.check." .. plugin.kind)(plugin, report)
   if report.tried == 0 and report.failed == 0 then
     return fail(asked.only and ("no property has '%s' in its name"):format(asked.only) or "nothing was tried")

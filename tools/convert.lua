@@ -56,8 +56,8 @@ local function make_folder(path)
 end
 
 -- What is not converted, by name: what particles bounce off, and what is felt at places of a frame.
-local function left_out(file)
-  local r = require("recording").open(file)
+local function left_out(recording, file)
+  local r = recording.open(file)
   if not r then return {} end
   local list, kinds = {}, {}
   for _, solid in ipairs(r.solids) do kinds[#kinds + 1] = solid.kind end
@@ -77,8 +77,6 @@ local function convert(c, o, base)
   if o.to == "csv" then return c:table(base .. ".csv", o.ids) end
   if o.to == "pc2" then return c:point_cache(base .. ".pc2", base .. ".obj") end
   if not is_sequence(o.to) then return c:recording(base .. ".h5", base .. ".xdmf", o.single) end
-  local made, why = make_folder(base)
-  if not made then return nil, why end
   return c:sequence(o.to, base)
 end
 
@@ -101,6 +99,21 @@ local base = target(o, folder)
 if lfs.attributes(base .. ".h5", "ino") == lfs.attributes(file, "ino") then
   return complain(("--out: %s.h5 is what is to be converted; name another file"):format(base))
 end
+-- From here on the process can do no more than read the recording and write beside the target: it may be a stranger's.
+local beside = is_sequence(o.to) and base or base:match("^(.*)/[^/]*$") or "."
+if is_sequence(o.to) then
+  if not o.out and lfs.symlinkattributes(base, "mode") == "link" then
+    return complain(("%s is a link: remove it, or name a folder with --out"):format(base))
+  end
+  fine, why = make_folder(base)
+  if not fine then
+    complain(why)
+    return 4
+  end
+end
+local recording = require("recording")
+local open = hooke.confine(file, nil, beside == "" and "/" or beside)
+if open then io.stderr:write("hooke convert: ", open, "\n") end
 local c, frames
 c, why = conversion.open(file, o.from_frame, o.to_frame, o.every)
 if c then
@@ -112,6 +125,6 @@ if not frames then
   return 4
 end
 print(("%d frames: %s"):format(frames, (files[o.to] or ("%s/000000." .. o.to .. " and so on")):format(base)))
-local missing = left_out(file)
+local missing = left_out(recording, file)
 if #missing > 0 then print("left out: " .. table.concat(missing, "; ")) end
 return 0

@@ -57,8 +57,8 @@ local function run(item, o, folder, draft)
 end
 
 -- Runs ffmpeg; nil, or what it says.
-local function ffmpeg(words)
-  local pipe = io.popen("ffmpeg -hide_banner -loglevel error -nostdin -y " .. words .. " 2>&1")
+local function ffmpeg(arguments)
+  local pipe = io.popen("ffmpeg -hide_banner -loglevel error -nostdin -y " .. arguments .. " 2>&1")
   local said = pipe:read("a")
   local fine, _, code = pipe:close()
   if fine then return nil end

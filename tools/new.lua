@@ -32,7 +32,7 @@ wrote NAME.lua. Run it, look at its parameters, and at what it will load:
   hooke explain NAME.lua]],
   plugin = [[
 wrote NAME.c and NAME.lua. Build it, try it, test it:
-  cc -O2 -shared -fPIC $(hooke --cflags) NAME.c -o NAME.so
+  cc -O3 -shared -fPIC $(hooke --cflags) NAME.c -o NAME.so
   hooke check ./NAME.so
   hooke run --trust NAME.lua]],
 }

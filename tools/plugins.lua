@@ -41,6 +41,7 @@ local function show(plugin)
     print(("  order       %d, %d evaluations of f a step%s%s%s"):format(plugin.order, plugin.stages,
       plugin.symplectic and ", symplectic" or "", plugin.adaptive and ", adaptive" or "", plugin.implicit and ", implicit" or ""))
   end
+  if plugin.facets ~= "" then print("  facets      " .. plugin.facets) end
   print("  file        " .. plugin.path)
   for _, p in ipairs(plugin.params) do
     print(("  %-11s %-12s %-9s default %-14s %s"):format(p.name, p.unit, p.type, default(p), p.help))

@@ -32,26 +32,18 @@ local function quoted(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
 
 -- Runs it as `hooke run` does, with that command's confinement; its exit code.
 local function run(o, folder)
-  local words = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run" }
-  for _, word in ipairs(o.what) do words[#words + 1] = quoted(word) end
-  words[#words + 1] = "--no-output" -- what the page shows is enough, and the scene's own pictures would take their time
-  words[#words + 1] = "--with output:" .. (o.forces and "trajectory:forces=true" or "trajectory")
-  words[#words + 1] = "--out " .. quoted(folder)
-  if o.trust then words[#words + 1] = "--trust" end
-  if o.quiet then words[#words + 1] = "--quiet" end
-  local _, how, code = os.execute(table.concat(words, " "))
+  local arguments = { quoted(lfs.symlinkattributes("/proc/self/exe", "target")), "run" }
+  for _, word in ipairs(o.what) do arguments[#arguments + 1] = quoted(word) end
+  arguments[#arguments + 1] = "--no-output" -- what the page shows is enough, and the scene's own pictures would take their time
+  arguments[#arguments + 1] = "--with output:" .. (o.forces and "trajectory:forces=true" or "trajectory")
+  arguments[#arguments + 1] = "--out " .. quoted(folder)
+  if o.trust then arguments[#arguments + 1] = "--trust" end
+  if o.quiet then arguments[#arguments + 1] = "--quiet" end
+  local _, how, code = os.execute(table.concat(arguments, " "))
   return how == "signal" and 128 + code or code
 end
 
 -- ---- a folder ----
-
-local function read(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local text = file:read("a")
-  file:close()
-  return text
-end
 
 local function trajectory_in(folder)
   if lfs.attributes(folder, "mode") == "file" then return folder, folder:match("^(.*)/[^/]*$") or "." end
@@ -64,9 +56,9 @@ local function trajectory_in(folder)
     .. "with --with output:trajectory"):format(folder)
 end
 
--- Text that is JSON; what is not is as if it was not there.
-local function json_in(path)
-  local text = read(path)
+-- Text of a file in the folder that is JSON; what is not, nor a plain file, is as if it was not there.
+local function json_in(folder, name)
+  local text = hooke.read(folder .. "/" .. name, folder)
   return text and pcall(require("cjson").decode, text) and text or nil
 end
 
@@ -81,7 +73,7 @@ local function titles(folders, recordings)
   return names[1] == names[2] and folders or names
 end
 
-local function open_runs(folders)
+local function modules()
   local fine, recording = pcall(require, "recording")
   if not fine then
     return nil, "trajectories cannot be read: hooke was built without HDF5; tools/install-deps run gets it, then run make"
@@ -89,15 +81,29 @@ local function open_runs(folders)
   if not pcall(require, "page") then
     return nil, "pages cannot be made: hooke was built without zlib; tools/install-deps run gets it, then run make"
   end
-  local runs, recordings = {}, {}
+  return recording
+end
+
+-- The files of the recordings and their folders.
+local function find(folders)
+  local found = {}
   for k, folder in ipairs(folders) do
     local path, place = trajectory_in(folder)
     if not path then return nil, place end
-    local r, why = recording.open(path)
+    found[k] = { path = path, place = place }
+  end
+  return found
+end
+
+-- In a process that can do no more than read them and write the page: recordings may be a stranger's.
+local function open_runs(recording, folders, found)
+  local runs, recordings = {}, {}
+  for k, one in ipairs(found) do
+    local r, why = recording.open(one.path)
     if not r then return nil, why end
     recordings[k] = r
-    runs[k] = { recording = r, file = path, summary = json_in(place .. "/summary.json"),
-      bench = json_in(place .. "/bench.json") }
+    runs[k] = { recording = r, file = one.path, summary = json_in(one.place, "summary.json"),
+      bench = json_in(one.place, "bench.json") }
   end
   for k, title in ipairs(titles(folders, recordings)) do runs[k].title = title end
   return runs
@@ -120,10 +126,31 @@ local function is_same(one, other)
   return a and b and a.dev == b.dev and a.ino == b.ino
 end
 
+local function folder_of(path) return path:match("^(.*)/[^/]*$") or "." end
+
+-- Whether the page can be written; before a scene is run for it.
+local function has_place(path)
+  local folder = folder_of(path)
+  if lfs.attributes(folder == "" and "/" or folder, "mode") == "directory" then return true end
+  return nil, ("--page: there is no folder %s for %s: create it first"):format(folder, path)
+end
+
 local function make_page(o, folders)
-  local runs, why = open_runs(folders)
-  if not runs then return refuse_file(why) end
+  local recording, found, why, runs
+  recording, why = modules()
+  if not recording then return refuse_file(why) end
+  found, why = find(folders)
+  if not found then return refuse_file(why) end
   local path = o.page or (folders[1]:gsub("%.h5$", "") .. (folders[1]:find("%.h5$") and ".html" or "/page.html"))
+  local mode = lfs.attributes(path, "mode")
+  if not o.page and mode and mode ~= "file" then
+    return refuse_file(("%s is no plain file: remove it, or name a file with --page"):format(path))
+  end
+  local pages = require("common.view.make")
+  local open = hooke.confine(found[1].path, found[2] and found[2].place, folder_of(path))
+  if open then io.stderr:write("hooke view: ", open, "\n") end
+  runs, why = open_runs(recording, folders, found)
+  if not runs then return refuse_file(why) end
   for _, one in ipairs(runs) do
     if is_same(path, one.file) then return complain("--page: %s is what is to be shown; name another file", path) end
   end
@@ -131,7 +158,7 @@ local function make_page(o, folders)
   for _, one in ipairs(runs) do frames = frames + one.recording.frames end
   local bar = progress.new { what = "view", total = frames, quiet = o.quiet }
   local made
-  made, why = require("common.view.make").page(path, runs, { title = #runs == 2 and runs[1].title .. " and " .. runs[2].title
+  made, why = pages.page(path, runs, { title = #runs == 2 and runs[1].title .. " and " .. runs[2].title
     or runs[1].title, subtitle = subtitle_of(runs), bench = runs[1].bench, tick = function() bar:add() end })
   bar:finish()
   if not made then return refuse_file(why) end
@@ -151,6 +178,10 @@ local function main()
   if not o then return 1 end
   local scene = o.what[1]:find("%.lua$")
   if not scene and #o.what > 2 then return complain("'%s': one or two folders of runs, or a scene", o.what[3]) end
+  if o.page then
+    local fine, why = has_place(o.page)
+    if not fine then return refuse_file(why) end
+  end
   if not scene then return make_page(o, o.what) end
   local folder = o.out or "out/" .. (o.what[1]:match("([^/]+)%.lua$"))
   local code = run(o, folder)

@@ -8,14 +8,14 @@ local fine, server = pcall(require, "server")
 local process = require("process")
 local cjson = require("cjson.safe")
 local json_text = require("common.view.json_text")
-local encode = require("common.view.encode")
+local shared = require("common.view.shared")
 local template = require("common.view.template")
 local child = require("common.watch.child")
 local history = require("common.watch.history")
-local orders = require("common.watch.orders")
-local words = require("common.watch.words")
+local commands = require("common.watch.commands")
+local command_line = require("common.watch.command_line")
 
-local TELL = 0.03 -- s, the least time between two versions of the state: 30 a second
+local PUBLISH_EVERY = 0.03 -- s, the least time between two versions of the state: 30 a second
 local LONGEST = 5 -- s, that a run may take to end in order; then it is ended at once
 
 local function complain(text)
@@ -47,13 +47,13 @@ local session = {}
 session.__index = session
 
 -- state: what all pages show, as the document "state".
-function session:tell(always)
+function session:publish(always)
   local now = process.clock()
-  if not always and now - self.told < TELL then return end
-  self.told = now
+  if not always and now - self.published < PUBLISH_EVERY then return end
+  self.published = now
   if not (always or self.dirty) then return end
   self.dirty = false
-  self.history:tell()
+  self.history:publish()
   local known = self.history:known()
   self.server:put("state", "application/json", json_text.encode({ run = self.number, doing = self.doing, frames = known.frames,
     stride = known.stride, latest = known.latest, pace = self.pace, error = self.error, values = self.values,
@@ -65,10 +65,10 @@ function session:begin()
   self.before = self.history -- pages may still be asking for it
   self.number = self.number + 1
   self.history = history.new(self.server, self.number, self.title)
-  self.child = child.start(words.with(self.words, self.values), self.forces)
+  self.child = child.start(command_line.with(self.arguments, self.values), self.forces)
   self.child:command(("pace %.9g"):format(self.pace))
   self.doing, self.error, self.summary, self.wanted, self.deadline = "running", nil, nil, nil, nil
-  self:tell(true)
+  self:publish(true)
 end
 
 function session:finish()
@@ -77,7 +77,7 @@ function session:finish()
   self.summary, self.error = summary, not summary and (self.child:complaint() or "the run ended without a word") or nil
   if self.code ~= 0 and self.code ~= 5 and self.code ~= 130 then self.error = self.child:complaint() or self.error end
   self.child, self.doing = nil, "ended"
-  self:tell(true)
+  self:publish(true)
   if self.wanted then self:begin() end
 end
 
@@ -89,27 +89,27 @@ function session:stop()
 end
 
 function session:obey(text)
-  local order = orders.read(text, self.declared)
-  if not order then return end
-  if order.name == "start" then
-    for name, value in pairs(order.values) do self.values[name] = value end
+  local asked = commands.read(text, self.declared)
+  if not asked then return end
+  if asked.name == "start" then
+    for name, value in pairs(asked.values) do self.values[name] = value end
     self.wanted = true
     if self.child then self:stop() else self:begin() end
-  elseif order.name == "stop" then
+  elseif asked.name == "stop" then
     self:stop()
   else
-    if order.pace then self.pace = order.pace end
-    if self.child then self.child:command(order.line) end
-    if self.child and (order.name == "pause" or order.name == "step") then self.doing = "paused" end
-    if self.child and order.name == "go" then self.doing = "running" end
-    self:tell(true)
+    if asked.pace then self.pace = asked.pace end
+    if self.child then self.child:command(asked.line) end
+    if self.child and (asked.name == "pause" or asked.name == "step") then self.doing = "paused" end
+    if self.child and asked.name == "go" then self.doing = "running" end
+    self:publish(true)
   end
 end
 
 function session:wait()
   local list = { self.server:descriptor(), self.signals }
   if self.child then table.move(self.child:descriptors(), 1, 8, #list + 1, list) end
-  return process.ready(list, self.dirty and TELL or 0.5)
+  return process.ready(list, self.dirty and PUBLISH_EVERY or 0.5)
 end
 
 -- One turn of the loop; false: the user has ended it all.
@@ -132,13 +132,13 @@ function session:turn()
   end
   if self.child and self.deadline and process.clock() > self.deadline then process.kill(self.child.pid) end
   self.server:tick()
-  self:tell()
+  self:publish()
   return not (self.leaving and not self.child)
 end
 
 -- ---- the command ----
 
--- The page of a run under way: it has no data but the colours.
+-- The page of a run under way: it has no data but what all pages share.
 local function page_of(title)
   local before, after = template.parts({ title = title, subtitle = "live", policy = "; connect-src 'self'",
     modules = { "link", "stream", "hand", "drive", "live" } })
@@ -148,8 +148,8 @@ local function page_of(title)
     parts[#parts + 1] = ('<script type="text/plain" id="d%d">%s</script>\n'):format(#parts, packed)
     return ("d%d"):format(#parts - 1)
   end }
-  local story = json_text.encode({ colours = encode.colours(out) })
-  return table.concat(parts) .. '<script type="application/json" id="story">' .. story .. "</script>\n" .. after
+  local page_data = json_text.encode({ shared = shared.page_data(out) })
+  return table.concat(parts) .. '<script type="application/json" id="page-data">' .. page_data .. "</script>\n" .. after
 end
 
 local usage = [[
@@ -180,7 +180,7 @@ local function run()
     return complain("--watch needs hooke's server of live pages, which was not built without libmicrohttpd: "
       .. "tools/install-deps run gets it, then make")
   end
-  local own, port, forces = words.split(table.move(arg, 1, #arg, 1, {}))
+  local own, port, forces = command_line.split(table.move(arg, 1, #arg, 1, {}))
   if not own then return complain(port) end
   local declared, code = parameters_of(own)
   if not declared then return code end
@@ -197,8 +197,8 @@ local function run()
     if p.min == cjson.null then p.min = nil end
     if p.max == cjson.null then p.max = nil end
   end
-  local self = setmetatable({ server = s, words = own, forces = forces, title = title, declared = by_name, values = {},
-    pace = 0, number = 0, declared_list = json_text.list(declared), signals = process.signals(), told = 0, code = 0 }, session)
+  local self = setmetatable({ server = s, arguments = own, forces = forces, title = title, declared = by_name, values = {},
+    pace = 0, number = 0, declared_list = json_text.list(declared), signals = process.signals(), published = 0, code = 0 }, session)
   io.stderr:write("hooke: watch it at ", s:url(), " (Ctrl-C ends)\n")
   self:begin()
   while self:turn() do end

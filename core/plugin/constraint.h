@@ -2,7 +2,7 @@
 #ifndef HK_PLUGIN_CONSTRAINT_H
 #define HK_PLUGIN_CONSTRAINT_H
 
-#include "core/plugin/force.h"
+#include "core/plugin/facets/implicit.h"
 
 enum {                  /* hk_constraint.flags */
        HK_ONE_SIDED = 1 /* g >= 0: the multiplier only pushes; an equation is inactive while g > 0 */

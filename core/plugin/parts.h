@@ -64,21 +64,4 @@ static inline void hk_part_acting(const hk_view *view, size_t part, size_t *begi
   *end = hk_part_rank(view, *end);
 }
 
-/* What the elements of all parts touch, for the host, which fills it with "nothing" before it asks. */
-typedef struct hk_part_use {
-  const hk_partition *partition;
-  uint32_t *lowest; /* parts: the lowest block that it touches; UINT32_MAX: it has no elements */
-  bool *late;       /* blocks: touched by an element across domains */
-} hk_part_use;
-
-/* Notes an element. */
-static inline void hk_part_touch(const hk_part_use *u, const uint32_t *index, size_t arity) {
-  size_t part = hk_part_of(u->partition, index, arity);
-  for (size_t c = 0; c < arity; c++) {
-    uint32_t block = index[c] >> u->partition->bits;
-    if (block < u->lowest[part]) u->lowest[part] = block;
-    if (part >= u->partition->blocks) u->late[block] = true;
-  }
-}
-
 #endif

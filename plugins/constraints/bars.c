@@ -3,14 +3,12 @@
  * once, which are the forces in them, positive in tension. */
 #include "plugins/common/lengths/lengths.h"
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(hk_lengths, edges), HK_REQUIRED, NULL},
-    {"length", "m", "length; left out: the initial distance", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(hk_lengths, length), HK_OPTIONAL, NULL},
+    {"edges", "", "pairs of particles to join", .edges = HK_AT(hk_lengths, edges), .flags = HK_REQUIRED},
+    {"length", "m", "length; left out: the initial distance", .per_tuple = HK_AT(hk_lengths, length),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   hk_lengths *b = self;

@@ -1,16 +1,14 @@
 /* Cables that do not stretch: |x_j - x_i| <= L, as g = L - |x_j - x_i| >= 0. A slack cable has no force; where it
  * becomes taut the velocity along it ends (an inelastic impact), and while it is taut it only pulls. The equation and
- * its derivatives are in plugins/common/lengths, what one-sided means in core/dynamics/active_set.c. */
+ * its derivatives are in plugins/common/lengths, what one-sided means in core/numerics/constraints/active_set.c. */
 #include "plugins/common/lengths/lengths.h"
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(hk_lengths, edges), HK_REQUIRED, NULL},
-    {"length", "m", "largest distance; left out: the initial distance", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(hk_lengths, length), HK_OPTIONAL, NULL},
+    {"edges", "", "pairs of particles to join", .edges = HK_AT(hk_lengths, edges), .flags = HK_REQUIRED},
+    {"length", "m", "largest distance; left out: the initial distance", .per_tuple = HK_AT(hk_lengths, length),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return hk_lengths_start(self, host, view,

@@ -15,7 +15,7 @@
  * by all constraints, and hooke says so. To keep particles on one side of a shape is the corrector `obstacle`'s task.
  */
 #include "plugins/common/implicit/script_equation.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 #include "core/plugin.h"
 
 enum { SPHERE, PLANE, CYLINDER, CIRCLE, LINE };
@@ -33,33 +33,30 @@ typedef struct surface {
   const hk_host *host;
 } surface;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"particles", "", "those that stay on it", HK_PARTICLES, {0}, 0, 0, offsetof(surface, particles), HK_REQUIRED, NULL},
-    {"shape", "", "of the surface or curve, unless g states it", HK_CHOICE, {SPHERE}, 0, 0, offsetof(surface, shape), 0,
-     "sphere|plane|cylinder|circle|line"},
-    {"position", "m", "middle of the shape; of a plane and a line: a point of it", HK_VECTOR, {0}, 0, 0,
-     offsetof(surface, position), 0, NULL},
-    {"axis", "", "normal of a plane and a circle, axis of a cylinder, direction of a line", HK_VECTOR, {0, 0, 1}, 0, 0,
-     offsetof(surface, axis), 0, NULL},
-    {"radius", "m", "of a sphere, a cylinder, a circle", HK_NUMBER, {1}, 0, INFINITY, offsetof(surface, radius),
-     HK_ABOVE_MIN, NULL},
-    {"g", "", "instead of a shape: what is 0 on the surface, in any unit", HK_FUNCTION, {0}, 0, 0,
-     offsetof(surface, g[0]), 0, "function(t, x, y, z, id) -> g"},
-    {"g_gradient", "", "dg/dx, dg/dy, dg/dz; left out: differences, which take 12 calls of g", HK_FUNCTION, {0}, 0, 0,
-     offsetof(surface, gradient[0]), 0, "function(t, x, y, z, id) -> gx, gy, gz"},
-    {"h", "", "what is 0 as well: a curve is where two surfaces meet", HK_FUNCTION, {0}, 0, 0, offsetof(surface, g[1]), 0,
-     "function(t, x, y, z, id) -> h"},
-    {"h_gradient", "", "dh/dx, dh/dy, dh/dz", HK_FUNCTION, {0}, 0, 0, offsetof(surface, gradient[1]), 0,
-     "function(t, x, y, z, id) -> hx, hy, hz"},
-    {"length", "m", "over which g and h change, for their differences", HK_NUMBER, {1}, 0, INFINITY,
-     offsetof(surface, length), HK_ABOVE_MIN, NULL},
+    {"particles", "", "those that stay on it", .particles = HK_AT(surface, particles), .flags = HK_REQUIRED},
+    {"shape", "", "of the surface or curve, unless g states it", .choice = HK_AT(surface, shape), .initial = {SPHERE},
+     .choices = "sphere|plane|cylinder|circle|line"},
+    {"position", "m", "middle of the shape; of a plane and a line: a point of it", .vector = HK_AT(surface, position)},
+    {"axis", "", "normal of a plane and a circle, axis of a cylinder, direction of a line",
+     .vector = HK_AT(surface, axis), .initial = {0, 0, 1}},
+    {"radius", "m", "of a sphere, a cylinder, a circle", .number = HK_AT(surface, radius), .initial = {1},
+     .limits = HK_ABOVE(0)},
+    {"g", "", "instead of a shape: what is 0 on the surface, in any unit", .function = HK_AT(surface, g[0]),
+     .signature = "function(t, x, y, z, id) -> g"},
+    {"g_gradient", "", "dg/dx, dg/dy, dg/dz; left out: differences, which take 12 calls of g",
+     .function = HK_AT(surface, gradient[0]), .signature = "function(t, x, y, z, id) -> gx, gy, gz"},
+    {"h", "", "what is 0 as well: a curve is where two surfaces meet", .function = HK_AT(surface, g[1]),
+     .signature = "function(t, x, y, z, id) -> h"},
+    {"h_gradient", "", "dh/dx, dh/dy, dh/dz", .function = HK_AT(surface, gradient[1]),
+     .signature = "function(t, x, y, z, id) -> hx, hy, hz"},
+    {"length", "m", "over which g and h change, for their differences", .number = HK_AT(surface, length),
+     .initial = {1}, .limits = HK_ABOVE(0)},
     {0},
 };
-/* clang-format on */
 
 static const hk_field fields[] = {
-    {"scale", HK_FIELD_PER_PARTICLE, MOST, offsetof(surface, scale), 0},
+    {"scale", .per_particle = HK_AT(surface, scale), .width = MOST},
     {0},
 };
 

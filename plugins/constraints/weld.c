@@ -14,16 +14,14 @@ typedef struct weld {
   hk_per_tuple d[3]; /* m */
 } weld;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to weld", HK_EDGES, {0}, 0, 0, offsetof(weld, edges), HK_REQUIRED, NULL},
-    {"dx", "m", "x of the second minus x of the first; left out: as they start", HK_PER_TUPLE, {0}, 0, 0,
-     offsetof(weld, d[0]), HK_OPTIONAL, NULL},
-    {"dy", "m", "the same of y", HK_PER_TUPLE, {0}, 0, 0, offsetof(weld, d[1]), HK_OPTIONAL, NULL},
-    {"dz", "m", "the same of z", HK_PER_TUPLE, {0}, 0, 0, offsetof(weld, d[2]), HK_OPTIONAL, NULL},
+    {"edges", "", "pairs of particles to weld", .edges = HK_AT(weld, edges), .flags = HK_REQUIRED},
+    {"dx", "m", "x of the second minus x of the first; left out: as they start", .per_tuple = HK_AT(weld, d[0]),
+     .flags = HK_OPTIONAL},
+    {"dy", "m", "the same of y", .per_tuple = HK_AT(weld, d[1]), .flags = HK_OPTIONAL},
+    {"dz", "m", "the same of z", .per_tuple = HK_AT(weld, d[2]), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static double difference(const double *x, const uint32_t *pair, int c) {
   return x[3 * (size_t)pair[1] + c] - x[3 * (size_t)pair[0] + c];

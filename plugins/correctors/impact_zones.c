@@ -6,73 +6,61 @@
  *   4. what still collides moves as rigid bodies, which grow until nothing does (section 7.3);
  *   5. x_1 = x_0 + h u, and v_1 changes as u did: the half step of forces that follows in the paper is the one that v_1
  *      has already.
- * Collisions are searched by the certificate of meetings.h; the paper's has a tolerance instead. A step whose zones
- * hold pinned particles that do not move as one rigid body is taken back. */
-#include "plugins/common/impacts/closed_points.h"
-#include "plugins/common/impacts/contact_account.h"
-#include "plugins/common/impacts/contact_params.h"
-#include "plugins/common/impacts/meetings.h"
-#include "plugins/common/impacts/proximity.h"
-#include "plugins/common/impacts/zones.h"
+ * Collisions are those of the narrow phase, which is proved; the paper's has a tolerance instead. A step whose
+ * zones hold pinned particles that do not move as one rigid body is taken back.
+ *
+ * Beside `contact` it takes 1.3 times as long and makes three times the energy in the sheet that is wound up
+ * (contact.c): 1.58 of the largest kinetic energy, where that makes 0.50.
+ */
+#include "plugins/common/contact/impulses/impulse_contact.h"
+#include "plugins/common/contact/impulses/proximity.h"
+#include "plugins/common/contact/impulses/zones.h"
 
 #include <string.h>
 
 enum { MOST_GROWTHS = 200 /* of the zones in a step */ };
 
 typedef struct impact_zones {
-  hk_contact_params params;
-  double restitution, stiffness;
-  int64_t sweeps;
-  hk_contact_account account;
-  hk_nearby nearby;
-  hk_meetings meetings;
+  hk_impulse_contact base;
+  double stiffness;
   hk_zones zones;
-  const hk_surfaces *surfaces;
   double *u;     /* n x 3, m/s: mean velocities */
   double *x, *v; /* n x 3: the end without zones */
-  const hk_host *host;
 } impact_zones;
 
-/* clang-format off */
 static const hk_param params[] = {
-    HK_CONTACT_PARAM_ROWS(impact_zones),
+    HK_CONTACT_PARAM_ROWS(hk_impulse_contact),
     {"restitution", "", "e, the part of the normal speed that a collision leaves",
-     HK_NUMBER, {0}, 0, 1, offsetof(impact_zones, restitution), 0, NULL},
-    {"stiffness", "N/m", "k, of the repulsion of what is nearer than its thickness; the paper takes that of the stretch springs",
-     HK_NUMBER, {1e3}, 0, 1e30, offsetof(impact_zones, stiffness), 0, NULL},
+     .number = HK_AT(hk_impulse_contact, restitution), .limits = HK_WITHIN(0, 1)},
+    {"stiffness", "N/m",
+     "k, of the repulsion of what is nearer than its thickness; the paper takes that of the stretch springs",
+     .number = HK_AT(impact_zones, stiffness), .initial = {1e3}, .limits = HK_WITHIN(0, 1e30)},
     {"sweeps", "", "of impulses over the collisions of a step, each after a new search, before zones become rigid",
-     HK_INTEGER, {5}, 0, 1e6, offsetof(impact_zones, sweeps), 0, NULL},
+     .integer = HK_AT(hk_impulse_contact, sweeps), .initial = {5}, .limits = HK_WITHIN(0, 1e6)},
     {0},
 };
 
 static const hk_field fields[] = {
-    HK_CONTACT_ACCOUNT_ROWS(impact_zones, account),
+    HK_IMPULSE_CONTACT_FIELDS,
     {0},
 };
-/* clang-format on */
 
 static hk_status topology(void *self, const hk_view *view) {
   impact_zones *s = self;
-  size_t size = (3 * view->n + 1) * sizeof(double);
+  const hk_host *host = s->base.host;
   double **room[] = {&s->u, &s->x, &s->v};
   for (int k = 0; k < 3; k++) {
-    s->host->release(s->host, *room[k]);
-    *room[k] = s->host->allocate(s->host, size);
-    if (!*room[k]) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
+    host->release(host, *room[k]);
+    *room[k] = host->allocate(host, (3 * view->n + 1) * sizeof **room[k]);
+    if (!*room[k]) return host->fail(host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   }
-  hk_status status = hk_contact_account_open(&s->account, s->host, view->n);
-  if (status == HK_OK) status = hk_zones_open(&s->zones, s->host, view->n);
-  if (status != HK_OK) return status;
-  return hk_nearby_open(&s->nearby, s->host, view, s->surfaces, hk_contact_skin(&s->params));
+  hk_status status = hk_zones_open(&s->zones, host, view->n);
+  return status == HK_OK ? hk_impulse_contact_topology(&s->base, view) : status;
 }
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   impact_zones *s = self;
-  hk_status status;
-  s->host = host;
-  hk_contact_account_begin(&s->account, view->t);
-  s->surfaces = hk_contact_join(&s->params, host, view, &status);
-  s->meetings.nearby = &s->nearby;
+  hk_status status = hk_impulse_contact_create(&s->base, host, view);
   return status == HK_OK ? topology(self, view) : status;
 }
 
@@ -94,33 +82,33 @@ static void find_end(const step *p) {
   }
 }
 
-static hk_status look(const step *p) {
-  hk_status status = hk_nearby_reach(&p->s->nearby, p->move.x_from, p->move.x);
-  return status == HK_OK ? hk_meetings_look(&p->s->meetings, &p->move) : status;
+static hk_status find_candidates(const step *p) {
+  hk_status status = hk_pair_cache_find(&p->s->base.cache, p->move.x_from, p->move.x);
+  return status == HK_OK ? hk_contact_candidates_find(&p->s->base.candidates, &p->move) : status;
 }
 
 static hk_status repel(const step *p) {
-  hk_impacts closed = {0};
-  hk_status status = hk_meetings_impacts(&p->s->meetings, &p->move, HK_MEETINGS_CLOSED, &closed);
+  hk_contact_solver closed = {0};
+  hk_status status = hk_contact_candidates_impacts(&p->s->base.candidates, &p->move, HK_CANDIDATES_CLOSED, &closed);
   if (status != HK_OK || closed.count == 0) return status;
   double impulse = hk_proximity_repel(&p->law, &closed, p->s->u);
   if (impulse == 0) return HK_OK;
-  p->s->account.last.impulse += impulse;
+  p->s->base.last.impulse += impulse;
   p->c->changed = true;
   find_end(p);
-  return look(p);
+  return find_candidates(p);
 }
 
 static hk_status collide(const step *p) {
   hk_status status = HK_OK;
-  hk_impacts unsafe = {0};
-  for (int64_t k = 0; k < p->s->sweeps && p->s->meetings.unsafe > 0 && status == HK_OK; k++) {
-    status = hk_meetings_impacts(&p->s->meetings, &p->move, HK_MEETINGS_UNSAFE, &unsafe);
+  hk_contact_solver unsafe = {0};
+  for (int64_t k = 0; k < p->s->base.sweeps && p->s->base.candidates.unsafe > 0 && status == HK_OK; k++) {
+    status = hk_contact_candidates_impacts(&p->s->base.candidates, &p->move, HK_CANDIDATES_UNSAFE, &unsafe);
     if (status != HK_OK) return status;
-    p->s->account.last.impulse += hk_proximity_collide(&p->law, &unsafe, p->s->u);
+    p->s->base.last.impulse += hk_proximity_collide(&p->law, &unsafe, p->s->u);
     p->c->changed = true;
     find_end(p);
-    status = look(p);
+    status = find_candidates(p);
   }
   return status;
 }
@@ -130,16 +118,16 @@ static hk_status make_rigid(const step *p, const hk_view *view) {
   impact_zones *s = p->s;
   hk_status status = HK_OK;
   hk_zones_move move = {p->c->h, view->model->mass, p->c->x_before, s->x, s->v, view->model->inverse_mass};
-  hk_impacts unsafe = {0};
+  hk_contact_solver unsafe = {0};
   hk_zones_clear(&s->zones);
-  for (int k = 0; k < MOST_GROWTHS && s->meetings.unsafe > 0 && status == HK_OK; k++) {
-    status = hk_meetings_impacts(&s->meetings, &p->move, HK_MEETINGS_UNSAFE, &unsafe);
+  for (int k = 0; k < MOST_GROWTHS && s->base.candidates.unsafe > 0 && status == HK_OK; k++) {
+    status = hk_contact_candidates_impacts(&s->base.candidates, &p->move, HK_CANDIDATES_UNSAFE, &unsafe);
     if (status != HK_OK) return status;
     hk_zones_merge(&s->zones, &unsafe);
     p->c->changed = true;
     find_end(p);
     if (!hk_zones_apply(&s->zones, &move)) return HK_OK;
-    status = look(p);
+    status = find_candidates(p);
   }
   return status;
 }
@@ -148,10 +136,10 @@ static hk_status run_pipeline(const step *p, const hk_view *view) {
   impact_zones *s = p->s;
   for (size_t i = 0; i < 3 * p->n; i++) s->u[i] = (p->c->x[i] - p->c->x_before[i]) / p->c->h;
   find_end(p);
-  hk_status status = look(p);
+  hk_status status = find_candidates(p);
   if (status == HK_OK) status = repel(p);
   if (status == HK_OK) status = collide(p);
-  return status == HK_OK && s->meetings.unsafe > 0 ? make_rigid(p, view) : status;
+  return status == HK_OK && s->base.candidates.unsafe > 0 ? make_rigid(p, view) : status;
 }
 
 static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
@@ -159,38 +147,30 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   const double *inverse_mass = view->model->inverse_mass;
   step p = {.s = s, .c = c, .n = view->n};
   p.move = (hk_step_move){c->h, c->x_before, c->v_before, s->x, s->v, inverse_mass};
-  p.law = (hk_proximity){c->h, s->stiffness, s->params.friction, s->restitution, inverse_mass};
-  hk_contact_account_step(&s->account, view->t, c->h);
-  hk_nearby_begin(&s->nearby, c->x_before);
-  hk_meetings_begin(&s->meetings);
+  p.law = (hk_proximity){c->h, s->stiffness, s->base.params.friction, s->base.restitution, inverse_mass};
+  hk_impulse_contact_begin(&s->base, view, c);
   hk_status status = run_pipeline(&p, view);
   if (status != HK_OK) return status;
-  c->reject = s->meetings.unsafe > 0;
-  hk_nearby_end(&s->nearby, s->x);
-  s->account.last.closest = s->meetings.closest;
-  if (!c->changed) return HK_OK;
-  hk_contact_account_free(&s->account, view, c);
-  memcpy(c->x, s->x, 3 * view->n * sizeof *c->x);
-  memcpy(c->v, s->v, 3 * view->n * sizeof *c->v);
-  hk_contact_account_work(&s->account, view, c);
+  c->reject = s->base.candidates.unsafe > 0;
+  if (c->changed) {
+    hk_impulse_contact_keep_free(&s->base, view, c);
+    memcpy(c->x, s->x, 3 * view->n * sizeof *c->x);
+    memcpy(c->v, s->v, 3 * view->n * sizeof *c->v);
+  }
+  hk_impulse_contact_end(&s->base, view, c, s->x);
   return HK_OK;
-}
-
-static bool contacts(void *self, const hk_view *view, hk_contact_report *out) {
-  impact_zones *s = self;
-  return hk_contact_account_report(&s->account, s->surfaces, view, out);
 }
 
 /* What the next step's repulsion would act on. */
 static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
   const impact_zones *s = self;
-  hk_closed_points(&s->nearby, view->x, 0, points);
+  hk_pair_cache_points(&s->base.cache, view->x, 0, points);
 }
 
 static const hk_corrector corrector = {.size = sizeof(hk_corrector),
                                        .flags = HK_WANTS_BEFORE | HK_REPORTS_WORK | HK_MAY_REJECT,
                                        .correct = correct,
-                                       .contacts = contacts,
+                                       .contacts = hk_impulse_contact_report,
                                        .contact_points = contact_points};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -43,26 +43,25 @@ typedef struct obstacle {
   const hk_host *host;
 } obstacle;
 
-/* clang-format off */
 static const hk_param params[] = {
     HK_OBSTACLE_PARAM_ROWS(obstacle),
-    {"restitution", "", "e, the part of the normal speed that an impact leaves",
-     HK_NUMBER, {0}, 0, 1, offsetof(obstacle, restitution), 0, NULL},
-    {"divide", "", "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
+    {"restitution", "", "e, the part of the normal speed that an impact leaves", .number = HK_AT(obstacle, restitution),
+     .limits = HK_WITHIN(0, 1)},
+    {"divide", "",
+     "a step in which at most so many particles land is divided at the landing, so that forces are evaluated "
      "anew after it; with more, they are taken from the path before, of order 1 where they change with the velocity",
-     HK_INTEGER, {4}, 0, 1e9, offsetof(obstacle, divide), 0, NULL},
+     .integer = HK_AT(obstacle, divide), .initial = {4}, .limits = HK_WITHIN(0, 1e9)},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"history", HK_FIELD_ARRAY, sizeof(hk_pose), offsetof(obstacle, history), 0},
-    {"warned", HK_FIELD_INTEGER, 1, offsetof(obstacle, warned), 0},
-    {"divisions", HK_FIELD_INTEGER, 1, offsetof(obstacle, divisions), 0},
-    {"divided", HK_FIELD_NUMBER, 1, offsetof(obstacle, divided), 0},
-    {"whole", HK_FIELD_NUMBER, 1, offsetof(obstacle, whole), 0},
+    {"history", .array = HK_AT(obstacle, history), .width = sizeof(hk_pose)},
+    {"warned", .integer = HK_AT(obstacle, warned)},
+    {"divisions", .integer = HK_AT(obstacle, divisions)},
+    {"divided", .number = HK_AT(obstacle, divided)},
+    {"whole", .number = HK_AT(obstacle, whole)},
     {0},
 };
-/* clang-format on */
 
 static void warn_of_start(const obstacle *s, const hk_view *view) {
   hk_inside found = hk_obstacle_inside(&s->obstacle, view);
@@ -196,7 +195,7 @@ static hk_status correct(void *self, const hk_view *view, hk_correction *c) {
   hk_pose now = hk_obstacle_pose(&s->params, view->t);
   hk_motion_advance(s->history.item, view->t - c->h, &now);
   hk_motion_of(&s->obstacle.motion, s->history.item);
-  hk_obstacle_look(&s->obstacle, &s->params, view);
+  hk_obstacle_take_radii(&s->obstacle, &s->params, view);
   if (set->member[set->count - 1] != &s->obstacle) return HK_OK;
   task t = {s, view, c};
   s->host->parallel_for(s->host, view->n, GRAIN, meet_chunk, &t);

@@ -9,7 +9,7 @@
  * momentum and angular momentum; as the step goes to zero the run then converges to springs that cannot be drawn out
  * further than their limit. Where sweeps come to no end and would gain energy, as between pins that are too far apart,
  * and from the pins outwards, impulses take what leads beyond the limits, and no more. */
-#include "plugins/common/springs/edge.h"
+#include "plugins/kit/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
 
 typedef struct strain_limit {
@@ -27,33 +27,34 @@ typedef struct strain_limit {
 
 enum { KEPT = 1 }; /* of `velocity` */
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles whose distance is limited", HK_EDGES, {0}, 0, 0, offsetof(strain_limit, edges),
-     HK_REQUIRED, NULL},
-    {"rest", "m", "rest length L; left out: the initial length", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(strain_limit, rest), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
-    {"limit", "", "tau_c: edges are at most (1 + tau_c) L long", HK_PER_TUPLE, {0.1}, 0, INFINITY,
-     offsetof(strain_limit, limit), 0, NULL},
-    {"compression", "", "edges are at least (1 - compression) L long; left out: of any length", HK_PER_TUPLE, {0}, 0, 1,
-     offsetof(strain_limit, compression), HK_OPTIONAL, NULL},
-    {"order", "", "of a sweep: as the edges are given; from the pins outwards, where only the end that is farther from a "
-     "pin moves; the most strained first", HK_CHOICE, {0}, 0, 0, offsetof(strain_limit, order), 0,
-     "given|outwards|sorted"},
-    {"sweeps", "", "at most in a step; fewer where no edge is left beyond its limit", HK_INTEGER, {1000}, 1, 1e9,
-     offsetof(strain_limit, sweeps), 0, NULL},
-    {"tolerance", "", "part of its limit by which an edge may be beyond it without a correction", HK_NUMBER, {1e-7}, 0, 1,
-     offsetof(strain_limit, tolerance), 0, NULL},
-    {"velocity", "", "corrected with the positions, by impulses along the edges that leave no speed beyond a limit; or "
-     "kept as it is, as in the paper", HK_CHOICE, {0}, 0, 0, offsetof(strain_limit, velocity), 0, "corrected|kept"},
+    {"edges", "", "pairs of particles whose distance is limited", .edges = HK_AT(strain_limit, edges),
+     .flags = HK_REQUIRED},
+    {"rest", "m", "rest length L; left out: the initial length", .per_tuple = HK_AT(strain_limit, rest),
+     .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+    {"limit", "", "tau_c: edges are at most (1 + tau_c) L long", .per_tuple = HK_AT(strain_limit, limit),
+     .initial = {0.1}, .limits = HK_AT_LEAST(0)},
+    {"compression", "", "edges are at least (1 - compression) L long; left out: of any length",
+     .per_tuple = HK_AT(strain_limit, compression), .limits = HK_WITHIN(0, 1), .flags = HK_OPTIONAL},
+    {"order", "",
+     "of a sweep: as the edges are given; from the pins outwards, where only the end that is farther from a "
+     "pin moves; the most strained first",
+     .choice = HK_AT(strain_limit, order), .choices = "given|outwards|sorted"},
+    {"sweeps", "", "at most in a step; fewer where no edge is left beyond its limit",
+     .integer = HK_AT(strain_limit, sweeps), .initial = {1000}, .limits = HK_WITHIN(1, 1e9)},
+    {"tolerance", "", "part of its limit by which an edge may be beyond it without a correction",
+     .number = HK_AT(strain_limit, tolerance), .initial = {1e-7}, .limits = HK_WITHIN(0, 1)},
+    {"velocity", "",
+     "corrected with the positions, by impulses along the edges that leave no speed beyond a limit; or "
+     "kept as it is, as in the paper",
+     .choice = HK_AT(strain_limit, velocity), .choices = "corrected|kept"},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"said", HK_FIELD_NUMBER, 1, offsetof(strain_limit, said), 0},
+    {"said", .number = HK_AT(strain_limit, said)},
     {0},
 };
-/* clang-format on */
 
 /* Of a length computed from three squares and a root, and again from moved ends. */
 static const double rounding = 1e-14;

@@ -1,14 +1,15 @@
 /* Frees cloth that intersects itself, other cloth or bodies, at the start or during a run, without knowing how it came
- * about: global intersection analysis (Baraff, Witkin and Kass 2003, plugins/common/untangling). Curves along which
- * surfaces intersect are traced, what a closed curve encloses on both, or cuts off from the border of one, is drawn
- * back through the other, and curves that do neither become shorter. Positions move at once, with no work that could be
- * accounted for; velocities lose what drives surfaces further into each other. Intersections do not become more.
+ * about: global intersection analysis (Baraff, Witkin and Kass 2003, plugins/common/contact/untangling). Curves along
+ * which surfaces intersect are traced, what a closed curve encloses on both, or cuts off from the border of one, is
+ * drawn back through the other, and curves that do neither become shorter. Positions move at once, with no work that
+ * could be accounted for; velocities lose what drives surfaces further into each other. Intersections do not become
+ * more.
  *
  * Vertices between two bodies that leave no room for them stick to both (flypaper.h). Contact leaves alone what is
  * tangled or sticks. */
-#include "plugins/common/untangling/crossing_points.h"
-#include "plugins/common/untangling/flypaper.h"
-#include "plugins/common/untangling/untangler.h"
+#include "plugins/common/contact/untangling/crossing_points.h"
+#include "plugins/common/contact/untangling/flypaper.h"
+#include "plugins/common/contact/untangling/untangler.h"
 
 typedef struct untangle {
   double thickness, body_thickness, radius, clearance;
@@ -27,34 +28,35 @@ typedef struct untangle {
 
 enum { TELLS = 2 };
 
-/* clang-format off */
 static const hk_param params[] = {
     {"thickness", "m", "of cloth and soft bodies; the other plugins of contact have to have the same",
-     HK_NUMBER, {1e-3}, 0, 1e6, offsetof(untangle, thickness), 0, NULL},
+     .number = HK_AT(untangle, thickness), .initial = {1e-3}, .limits = HK_WITHIN(0, 1e6)},
     {"body_thickness", "m", "of obstacles, surfaces that are pinned as a whole; half of it is outside",
-     HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, body_thickness), 0, NULL},
-    {"radius", "m", "of strands and lone particles", HK_NUMBER, {5e-4}, 0, 1e6, offsetof(untangle, radius), 0, NULL},
-    {"leave", "", "particles that have no part in contact", HK_PARTICLES, {0}, 0, 0, offsetof(untangle, leave), HK_OPTIONAL, NULL},
-    {"clearance", "m", "how much further than their thickness surfaces are moved apart; by default a hundredth of the mean edge",
-     HK_NUMBER, {0}, 0, 1e6, offsetof(untangle, clearance), HK_OPTIONAL, NULL},
+     .number = HK_AT(untangle, body_thickness), .limits = HK_WITHIN(0, 1e6)},
+    {"radius", "m", "of strands and isolated particles", .number = HK_AT(untangle, radius), .initial = {5e-4},
+     .limits = HK_WITHIN(0, 1e6)},
+    {"leave", "", "particles that have no part in contact", .particles = HK_AT(untangle, leave), .flags = HK_OPTIONAL},
+    {"clearance", "m",
+     "how much further than their thickness surfaces are moved apart; by default a hundredth of the mean edge",
+     .number = HK_AT(untangle, clearance), .limits = HK_WITHIN(0, 1e6), .flags = HK_OPTIONAL},
     {"interval", "s", "time between two looks, while nothing intersects, or a look has not helped",
-     HK_NUMBER, {0.01}, 0, 1e6, offsetof(untangle, interval), 0, NULL},
-    {"rounds", "", "moves that are tried after a step, at most", HK_INTEGER, {100}, 1, 1e6, offsetof(untangle, rounds), 0, NULL},
-    {"flypaper", "", "whether vertices stick to two bodies between which there is no room for them", HK_BOOLEAN, {1}, 0, 0,
-     offsetof(untangle, flypaper), 0, NULL},
+     .number = HK_AT(untangle, interval), .initial = {0.01}, .limits = HK_WITHIN(0, 1e6)},
+    {"rounds", "", "moves that are tried after a step, at most", .integer = HK_AT(untangle, rounds), .initial = {100},
+     .limits = HK_WITHIN(1, 1e6)},
+    {"flypaper", "", "whether vertices stick to two bodies between which there is no room for them",
+     .boolean = HK_AT(untangle, flypaper), .initial = {1}},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"mark", HK_FIELD_PER_PARTICLE, 1, offsetof(untangle, mark), 0},
-    {"next", HK_FIELD_NUMBER, 1, offsetof(untangle, next), 0},
-    {"at_first", HK_FIELD_INTEGER, 1, offsetof(untangle, at_first), 0},
-    {"at_last", HK_FIELD_INTEGER, 1, offsetof(untangle, at_last), 0},
-    {"told", HK_FIELD_INTEGER, 1, offsetof(untangle, told), 0},
-    {"stuck", HK_FIELD_INTEGER, 1, offsetof(untangle, stuck), 0},
+    {"mark", .per_particle = HK_AT(untangle, mark), .width = 1},
+    {"next", .number = HK_AT(untangle, next)},
+    {"at_first", .integer = HK_AT(untangle, at_first)},
+    {"at_last", .integer = HK_AT(untangle, at_last)},
+    {"told", .integer = HK_AT(untangle, told)},
+    {"stuck", .integer = HK_AT(untangle, stuck)},
     {0},
 };
-/* clang-format on */
 
 static double mean_edge(const hk_surface_mesh *m, const double *x) {
   double sum = 0;
@@ -78,7 +80,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (status != HK_OK) return status;
   const hk_surface_mesh *mesh = surfaces->mesh(surfaces->self);
   s->work.clearance = isnan(s->clearance) ? 0.01 * mean_edge(mesh, view->x) : s->clearance;
-  status = hk_untangler_look(&s->work, view->model, view->x);
+  status = hk_untangler_analyse(&s->work, view->model, view->x);
   if (status != HK_OK) return status;
   hk_untangler_mark(&s->work, view->n, s->mark);
   s->at_first = s->at_last = (int64_t)s->work.intersections;

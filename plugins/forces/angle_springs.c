@@ -13,7 +13,7 @@
 #include "plugins/common/joints/joint_jacobian.h"
 #include "plugins/common/joints/joint_kernel.h"
 #include "plugins/common/joints/joint_list.h"
-#include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/kit/springs/edge_stiffness.h"
 
 typedef struct angle_springs {
   hk_tuples edges, joints;
@@ -24,27 +24,26 @@ typedef struct angle_springs {
   hk_joint_layout layout;
 } angle_springs;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"joints", "", "triples of particles i, j, k, which bend at j", HK_TRIANGLES, {0}, 0, 0, offsetof(angle_springs, joints), 0, NULL},
-    {"edges", "", "pairs of particles; where one shares an end with the one before there is a joint", HK_EDGES, {0}, 0, 0,
-     offsetof(angle_springs, edges), 0, NULL},
+    {"joints", "", "triples of particles i, j, k, which bend at j", .triangles = HK_AT(angle_springs, joints)},
+    {"edges", "", "pairs of particles; where one shares an end with the one before there is a joint",
+     .edges = HK_AT(angle_springs, edges)},
     {"EI", "N m^2", "bending stiffness of the rod: k = EI/l, l half the length of both edges; of each edge, or of all",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(angle_springs, EI), 0, "edges"},
-    {"k", "N m/rad", "stiffness of a joint, in addition to EI/l", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(angle_springs, k), 0,
-     "joints"},
-    {"damping", "N m s/rad", "damping of a joint", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(angle_springs, damping), 0, "joints"},
-    {"retardation", "s", "damping as a time, c = retardation k (Kelvin and Voigt), in addition to `damping`", HK_NUMBER, {0},
-     0, INFINITY, offsetof(angle_springs, retardation), 0, NULL},
-    {"rest", "rad", "angle at rest; left out: the initial angle", HK_PER_TUPLE, {0}, -3.14159265358979323846,
-     3.14159265358979323846, offsetof(angle_springs, rest), HK_OPTIONAL, "joints"},
-    {"curvature", "1/m", "curvature at rest, instead of `rest`", HK_NUMBER, {0}, -INFINITY, INFINITY,
-     offsetof(angle_springs, curvature), HK_OPTIONAL, NULL},
-    {"normal", "", "of the plane in which angles are measured, with a sign; left out: in space", HK_VECTOR, {0}, 0, 0,
-     offsetof(angle_springs, normal), HK_OPTIONAL, NULL},
+     .per_tuple = HK_AT(angle_springs, EI), .limits = HK_AT_LEAST(0), .list = "edges"},
+    {"k", "N m/rad", "stiffness of a joint, in addition to EI/l", .per_tuple = HK_AT(angle_springs, k),
+     .limits = HK_AT_LEAST(0), .list = "joints"},
+    {"damping", "N m s/rad", "damping of a joint", .per_tuple = HK_AT(angle_springs, damping), .limits = HK_AT_LEAST(0),
+     .list = "joints"},
+    {"retardation", "s", "damping as a time, c = retardation k (Kelvin and Voigt), in addition to `damping`",
+     .number = HK_AT(angle_springs, retardation), .limits = HK_AT_LEAST(0)},
+    {"rest", "rad", "angle at rest; left out: the initial angle", .per_tuple = HK_AT(angle_springs, rest),
+     .limits = HK_WITHIN(-3.14159265358979323846, 3.14159265358979323846), .flags = HK_OPTIONAL, .list = "joints"},
+    {"curvature", "1/m", "curvature at rest, instead of `rest`", .number = HK_AT(angle_springs, curvature),
+     .flags = HK_OPTIONAL},
+    {"normal", "", "of the plane in which angles are measured, with a sign; left out: in space",
+     .vector = HK_AT(angle_springs, normal), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static void measure(const angle_springs *s, const double *x, size_t k, hk_joint *joint) {
   const hk_elements *a = &s->list.acting;
@@ -160,7 +159,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
     const uint32_t *node = s->layout.node[e];
     double along[2], across[2];
     hk_joint_state now;
-    hk_joint_look(&s->layout, view, s->plane, e, &now);
+    hk_joint_evaluate(&s->layout, view, s->plane, e, &now);
     if (part == HK_DAMPING_WHOLE)
       hk_joint_bound(&now.joint, now.c, 0, true, along, across);
     else
@@ -170,18 +169,16 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
 }
 
 static const hk_force force = {
-    .size = sizeof(hk_force),
-    /* The moment of momentum is kept by angles in space, not by those in a plane when a chain leaves it. */
+    .size = sizeof(hk_force), /* The moment of momentum is kept by angles in space, not by those in a plane when a chain
+                                 leaves it. */
     .flags =
         HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_POWER | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
     .add_part = add_part,
-    .parts = parts,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+                        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

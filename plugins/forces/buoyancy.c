@@ -5,7 +5,7 @@
  * Modeling the motion of a hot, turbulent gas, SIGGRAPH 1997.) The force has no energy, since temperatures
  * change; its power is F.v. */
 #include "plugins/common/channels/find_channel.h"
-#include "plugins/common/parts/particle_sums.h"
+#include "plugins/kit/parts/particle_sums.h"
 
 typedef struct buoyancy {
   double g[3], beta, ambient; /* beta NAN: 1/ambient */
@@ -13,19 +13,17 @@ typedef struct buoyancy {
   const hk_channel *temperature;
 } buoyancy;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"g", "m/s^2", "acceleration of gravity; hot particles rise against it", HK_VECTOR, {0, 0, -9.81}, 0, 0,
-     offsetof(buoyancy, g), HK_TIMED, NULL},
-    {"ambient", "K", "temperature T0 of the air around", HK_NUMBER, {293.15}, 0, INFINITY, offsetof(buoyancy, ambient),
-     HK_ABOVE_MIN, NULL},
-    {"beta", "1/K", "thermal expansion; left out: 1/ambient, an ideal gas", HK_NUMBER, {0}, 0, INFINITY,
-     offsetof(buoyancy, beta), HK_OPTIONAL, NULL},
-    {"channel", "", "the channel of temperatures, of size 1", HK_STRING, {0}, 0, 0, offsetof(buoyancy, channel), 0,
-     "temperature"},
+    {"g", "m/s^2", "acceleration of gravity; hot particles rise against it", .vector = HK_AT(buoyancy, g),
+     .initial = {0, 0, -9.81}, .flags = HK_TIMED},
+    {"ambient", "K", "temperature T0 of the air around", .number = HK_AT(buoyancy, ambient), .initial = {293.15},
+     .limits = HK_ABOVE(0)},
+    {"beta", "1/K", "thermal expansion; left out: 1/ambient, an ideal gas", .number = HK_AT(buoyancy, beta),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"channel", "", "the channel of temperatures, of size 1", .string = HK_AT(buoyancy, channel),
+     .text = "temperature"},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   buoyancy *b = self;
@@ -65,12 +63,13 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
+    .add = add,
+    .add_part = add_part,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -9,7 +9,7 @@
  * is then the integral of s^power W from s to e, and 0 outside. Where s is below 1e-100 m the force is zero: this is
  * the limit for powers above 0 and a convention for the others, since Kepler's force would exceed the range of doubles.
  */
-#include "plugins/common/parts/particle_sums.h"
+#include "plugins/kit/parts/particle_sums.h"
 #include "plugins/common/space/near_moves.h"
 
 #include "core/plugin.h"
@@ -22,67 +22,18 @@ typedef struct central {
 } central;
 
 static const hk_param params[] = {
-    {"center",
-     "m",
-     "the point, or a point of the line",
-     HK_VECTOR,
-     {0, 0, 0},
-     0,
-     0,
-     offsetof(central, center),
-     HK_TIMED,
-     NULL},
-    {"axis",
-     "",
-     "direction of the line; left out: a point",
-     HK_VECTOR,
-     {0, 0, 0},
-     0,
-     0,
-     offsetof(central, axis),
-     0,
-     NULL},
-    {"strength",
-     "m^(1-p)/s^2",
-     "acceleration at distance 1 (per mass) or force (per particle); positive attracts",
-     HK_NUMBER,
-     {0},
-     0,
-     0,
-     offsetof(central, strength),
-     HK_TIMED | HK_REQUIRED,
-     NULL},
-    {"power", "", "power p of the distance", HK_NUMBER, {1}, -20, 20, offsetof(central, power), 0, NULL},
-    {"softening",
-     "m",
-     "added to the distance in quadrature",
-     HK_NUMBER,
-     {0},
-     0,
-     INFINITY,
-     offsetof(central, softening),
-     0,
-     NULL},
-    {"range",
-     "m",
-     "distance at which the force has ended, smoothly; left out: it does not end",
-     HK_NUMBER,
-     {0},
-     0,
-     0,
-     offsetof(central, range),
-     HK_OPTIONAL | HK_ABOVE_MIN,
-     NULL},
-    {"per",
-     "",
-     "whether strength is per mass or per particle",
-     HK_CHOICE,
-     {0},
-     0,
-     0,
-     offsetof(central, per),
-     0,
-     "mass|particle"},
+    {"center", "m", "the point, or a point of the line", .vector = HK_AT(central, center), .flags = HK_TIMED},
+    {"axis", "", "direction of the line; left out: a point", .vector = HK_AT(central, axis)},
+    {"strength", "m^(1-p)/s^2", "acceleration at distance 1 (per mass) or force (per particle); positive attracts",
+     .number = HK_AT(central, strength), .flags = HK_TIMED | HK_REQUIRED},
+    {"power", "", "power p of the distance", .number = HK_AT(central, power), .initial = {1},
+     .limits = HK_WITHIN(-20, 20)},
+    {"softening", "m", "added to the distance in quadrature", .number = HK_AT(central, softening),
+     .limits = HK_AT_LEAST(0)},
+    {"range", "m", "distance at which the force has ended, smoothly; left out: it does not end",
+     .number = HK_AT(central, range), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+    {"per", "", "whether strength is per mass or per particle", .choice = HK_AT(central, per),
+     .choices = "mass|particle"},
     {0},
 };
 
@@ -229,15 +180,15 @@ static void law_at(const void *self, const double r[3], double F[3]) {
 typedef struct collection {
   const central *self;
   const hk_view *to;
-  hk_passages *into;
+  hk_encounters *into;
 } collection;
 
 /* Its range is s/(1 - power), with the fall of r/s, and of the end a quarter: half of W's fall. */
-static void add_passage(void *context, uint32_t i, const double r[3], const double dr[3]) {
+static void add_encounter(void *context, uint32_t i, const double r[3], const double dr[3]) {
   const collection *c = context;
   const central *p = c->self;
   double s2 = hk_nearest_square(r, dr) + p->softening * p->softening;
-  hk_passage way = {.i = i, .other = i, .r = {r[0], r[1], r[2]}, .dr = {dr[0], dr[1], dr[2]}};
+  hk_encounter way = {.i = i, .other = i, .r = {r[0], r[1], r[2]}, .dr = {dr[0], dr[1], dr[2]}};
   law l = {p, weight(p, c->to, i)};
   if (!(s2 < p->end2)) return;
   way.range = fmin(p->power < 0 ? sqrt(s2) / (1 - p->power) : INFINITY, sqrt(p->end2) / 4);
@@ -247,25 +198,25 @@ static void add_passage(void *context, uint32_t i, const double r[3], const doub
 /* Only a force that falls with the distance, or ends, is stronger on the way than at its ends. At a distance R after a
  * move of length l the particle was never nearer than R - l, so that R >= l (1 + (1 - power)/4) leaves 4 ranges; R >= 2
  * l leaves the end behind, or l is within 4 quarters of it. */
-static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+static bool encounters(const void *self, const hk_view *to, const double *x_from, hk_encounters *into) {
   const central *p = self;
   double ways = fmax(p->power < 0 ? 1 + (1 - p->power) / 4 : 0, p->end2 < INFINITY ? 2 : 0);
   if (ways == 0) return false;
   collection c = {p, to, into};
   hk_near_moves moves = {p->center, p->axis, ways, to, x_from};
-  hk_near_moves_visit(&moves, add_passage, &c);
+  hk_near_moves_visit(&moves, add_encounter, &c);
   return true;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
-                               .add = add,
-                               .energy = energy,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound,
-                               .passages = passages,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_SYMMETRIC_JACOBIAN,
+    .add = add,
+    .add_part = add_part,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ENCOUNTERS_FACET(.find = encounters)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

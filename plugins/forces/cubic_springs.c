@@ -6,9 +6,9 @@
  *
  * -df/dx for x = x_j - x_i is 3 k s^2 n n^T + (k s^3 / l) (I - n n^T): symmetric, with an axial eigenvalue that is
  * never negative and two lateral ones that are negative under compression; HK_WANT_DEFINITE replaces these by 0. */
-#include "plugins/common/parts/part_sums.h"
-#include "plugins/common/springs/edge.h"
-#include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/kit/parts/part_sums.h"
+#include "plugins/kit/springs/edge.h"
+#include "plugins/kit/springs/edge_stiffness.h"
 #include "core/plugin.h"
 
 typedef struct cubic_springs {
@@ -17,16 +17,14 @@ typedef struct cubic_springs {
   hk_part_sums sums;
 } cubic_springs;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(cubic_springs, edges), HK_REQUIRED, NULL},
-    {"k", "N/m^3", "force over the cube of the stretch",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(cubic_springs, k), HK_REQUIRED, NULL},
-    {"rest", "m", "rest length; left out: the initial length",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(cubic_springs, rest), HK_OPTIONAL, NULL},
+    {"edges", "", "pairs of particles to join", .edges = HK_AT(cubic_springs, edges), .flags = HK_REQUIRED},
+    {"k", "N/m^3", "force over the cube of the stretch", .per_tuple = HK_AT(cubic_springs, k), .limits = HK_AT_LEAST(0),
+     .flags = HK_REQUIRED},
+    {"rest", "m", "rest length; left out: the initial length", .per_tuple = HK_AT(cubic_springs, rest),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static hk_status topology(void *self, const hk_view *view) {
   cubic_springs *s = self;
@@ -132,12 +130,10 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
              HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = energy,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
     .add_part = add_part,
-    .parts = parts,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

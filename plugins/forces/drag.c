@@ -2,7 +2,7 @@
  * fluid, Stokes' law F = -6 pi viscosity r v, with r of the particle's channel 'radius' or one for all (Stokes 1851;
  * Reynolds numbers below 1). No energy; power -d v^2. */
 #include "plugins/common/channels/find_channel.h"
-#include "plugins/common/parts/scaled_sums.h"
+#include "plugins/kit/parts/scaled_sums.h"
 
 typedef struct drag {
   double d, rate, viscosity, radius;
@@ -12,37 +12,14 @@ typedef struct drag {
 static const double six_pi = 18.84955592153876;
 
 static const hk_param params[] = {
-    {"d",
-     "N s/m",
-     "drag coefficient of a particle, F = -d v",
-     HK_NUMBER,
-     {0},
-     0,
-     INFINITY,
-     offsetof(drag, d),
-     HK_OPTIONAL,
-     NULL},
-    {"rate", "1/s", "drag rate, F = -rate m v", HK_NUMBER, {0}, 0, INFINITY, offsetof(drag, rate), HK_OPTIONAL, NULL},
-    {"viscosity",
-     "Pa s",
-     "of the fluid, F = -6 pi viscosity radius v; of air 1.8e-5, of water 1e-3",
-     HK_NUMBER,
-     {0},
-     0,
-     INFINITY,
-     offsetof(drag, viscosity),
-     HK_OPTIONAL,
-     NULL},
-    {"radius",
-     "m",
-     "of all particles; left out: their channel 'radius'",
-     HK_NUMBER,
-     {0},
-     0,
-     INFINITY,
-     offsetof(drag, radius),
-     HK_OPTIONAL,
-     NULL},
+    {"d", "N s/m", "drag coefficient of a particle, F = -d v", .number = HK_AT(drag, d), .limits = HK_AT_LEAST(0),
+     .flags = HK_OPTIONAL},
+    {"rate", "1/s", "drag rate, F = -rate m v", .number = HK_AT(drag, rate), .limits = HK_AT_LEAST(0),
+     .flags = HK_OPTIONAL},
+    {"viscosity", "Pa s", "of the fluid, F = -6 pi viscosity radius v; of air 1.8e-5, of water 1e-3",
+     .number = HK_AT(drag, viscosity), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"radius", "m", "of all particles; left out: their channel 'radius'", .number = HK_AT(drag, radius),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {0},
 };
 
@@ -128,13 +105,14 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   }
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN | HK_POWER,
+    .add = add,
+    .add_part = add_part,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

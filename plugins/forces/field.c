@@ -16,17 +16,15 @@ typedef struct field {
   double length;
 } field;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"f", "N", "the force on a particle; a call takes some 0.1 us, twenty times what C takes", HK_FUNCTION, {0},
-     0, 0, offsetof(field, f), 0, "function(t, x, y, z, vx, vy, vz, id) -> fx, fy, fz"},
-    {"potential", "J", "or its potential energy, whose gradient takes 6 calls, and 2 more for its power", HK_FUNCTION,
-     {0}, 0, 0, offsetof(field, potential), 0, "function(t, x, y, z, id) -> energy"},
-    {"length", "m", "over which the force changes: no step moves a particle by more than half of it", HK_NUMBER, {0}, 0, 0,
-     offsetof(field, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
+    {"f", "N", "the force on a particle; a call takes some 0.1 us, twenty times what C takes",
+     .function = HK_AT(field, f), .signature = "function(t, x, y, z, vx, vy, vz, id) -> fx, fy, fz"},
+    {"potential", "J", "or its potential energy, whose gradient takes 6 calls, and 2 more for its power",
+     .function = HK_AT(field, potential), .signature = "function(t, x, y, z, id) -> energy"},
+    {"length", "m", "over which the force changes: no step moves a particle by more than half of it",
+     .number = HK_AT(field, length), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static const double part = 1e-5, wide = 12, /* of the length, and times that for second differences */
     exact = 128 * 2.2e-16,                  /* of a coordinate: shorter differences are mostly its rounding */
@@ -195,13 +193,14 @@ static double longest_step(void *self, const hk_view *view) {
   return most > 0 ? p->length / 2 / sqrt(most) : INFINITY;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER,
-                               .add = add,
-                               .energy = energy,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .longest_step = longest_step};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER,
+    .add = add,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.longest_step = longest_step)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -5,7 +5,7 @@
  *
  * -dF/dx_j = dF/dx_i = -(f/|d|) (I - n n^T) only in the rows of the ends on which it acts, so it is not symmetric: a
  * loaded column flutters where a weight would only buckle it. Beck, ZAMP 3 (1952). */
-#include "plugins/common/springs/edge.h"
+#include "plugins/kit/springs/edge.h"
 #include "core/plugin.h"
 
 enum { SECOND, FIRST, BOTH };
@@ -16,17 +16,15 @@ typedef struct follower {
   int on;
 } follower;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles that give the direction, from the first to the second", HK_EDGES, {0}, 0, 0,
-     offsetof(follower, edges), HK_REQUIRED, NULL},
-    {"f", "N", "size of the force; negative: towards the first end", HK_PER_TUPLE, {0}, 0, 0, offsetof(follower, f),
-     HK_REQUIRED, NULL},
-    {"on", "", "the end it acts on; both: half on each", HK_CHOICE, {SECOND}, 0, 0, offsetof(follower, on), 0,
-     "second|first|both"},
+    {"edges", "", "pairs of particles that give the direction, from the first to the second",
+     .edges = HK_AT(follower, edges), .flags = HK_REQUIRED},
+    {"f", "N", "size of the force; negative: towards the first end", .per_tuple = HK_AT(follower, f),
+     .flags = HK_REQUIRED},
+    {"on", "", "the end it acts on; both: half on each", .choice = HK_AT(follower, on), .initial = {SECOND},
+     .choices = "second|first|both"},
     {0},
 };
-/* clang-format on */
 
 /* The part of f on end 0 (first) or 1 (second). */
 static double share(const follower *p, int end) { return p->on == BOTH ? 0.5 : end == (p->on == SECOND); }
@@ -85,11 +83,12 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_POWER,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_POWER,
+    .add = add,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

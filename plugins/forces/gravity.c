@@ -1,12 +1,12 @@
 /* Uniform gravity, F = m g; energy -m g.x. Any direction is allowed, such as upwards for smoke. */
-#include "plugins/common/parts/scaled_sums.h"
+#include "plugins/kit/parts/scaled_sums.h"
 
 typedef struct gravity {
   double g[3];
 } gravity;
 
 static const hk_param params[] = {
-    {"g", "m/s^2", "acceleration", HK_VECTOR, {0, 0, -9.81}, 0, 0, offsetof(gravity, g), HK_TIMED, NULL},
+    {"g", "m/s^2", "acceleration", .vector = HK_AT(gravity, g), .initial = {0, 0, -9.81}, .flags = HK_TIMED},
     {0},
 };
 
@@ -43,13 +43,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_SYMMETRIC_JACOBIAN,
-                               .add = add,
-                               .energy = energy,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_SYMMETRIC_JACOBIAN,
+    .add = add,
+    .add_part = add_part,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

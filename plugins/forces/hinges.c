@@ -19,19 +19,17 @@ typedef struct hinges {
   hk_array turned;
 } hinges;
 
-/* clang-format off */
 static const hk_param params[] = {
     HK_BENDING_PARAMS(hinges, given),
     {"damping", "N m s", "the same for the rate of bending: B times the time in which the material creeps",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hinges, given.damping), 0, "hinges"},
-    {"rest", "rad", "angle at rest, 0: flat; left out: the initial angle",
-     HK_PER_TUPLE, {0}, 0, 0, offsetof(hinges, given.rest), HK_OPTIONAL, "hinges"},
+     .per_tuple = HK_AT(hinges, given.damping), .limits = HK_AT_LEAST(0), .list = "hinges"},
+    {"rest", "rad", "angle at rest, 0: flat; left out: the initial angle", .per_tuple = HK_AT(hinges, given.rest),
+     .flags = HK_OPTIONAL, .list = "hinges"},
     {0},
 };
-/* clang-format on */
 
 static const hk_field fields[] = {
-    {"turned", HK_FIELD_ARRAY, sizeof(double), offsetof(hinges, turned), 0},
+    {"turned", .array = HK_AT(hinges, turned), .width = sizeof(double)},
     {0},
 };
 
@@ -131,14 +129,12 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = hk_bending_energy,
-    .elements = hk_bending_elements,
-    .pattern = hk_bending_pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = hk_bending_stiffness_bound,
-    .accepted = accepted,
     .add_part = add_part,
-    .parts = hk_bending_parts,
+    .energy = hk_bending_energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = hk_bending_stiffness_bound),
+                        HK_ELEMENTS_FACET(.list = hk_bending_elements), HK_PARTS_FACET(.touch = hk_bending_parts),
+                        HK_STEPS_FACET(.accepted = accepted)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -8,7 +8,7 @@
  *
  * A particle that goes far in a step would pass the core of another without a trace. The core rises as r^-13, by its
  * own size within r/13; steps are therefore asked for in which nobody goes further than sigma/8, so that no pair comes
- * nearer by more than 4 such lengths at r = 0.8 sigma, and there are no passages to tell of (core/plugin/force.h). */
+ * nearer by more than 4 such lengths at r = 0.8 sigma, and there are no encounters to tell of (core/plugin/force.h). */
 #include "plugins/common/pairs/lj_pair.h"
 
 #include "core/plugin.h"
@@ -36,21 +36,17 @@ typedef struct lennard_jones {
 
 enum { IS_FIRST = 1, IS_SECOND = 2 };
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"epsilon", "J", "depth of the well",
-     HK_NUMBER, {1}, 0, INFINITY, offsetof(lennard_jones, law.epsilon), 0, NULL},
-    {"sigma", "m", "distance at which V is 0",
-     HK_NUMBER, {1}, 0, INFINITY, offsetof(lennard_jones, law.sigma), HK_ABOVE_MIN, NULL},
-    {"cutoff", "m", "distance at which the force ends; left out: 2.5 sigma",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(lennard_jones, law.cutoff), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
-    {"first", "", "group of the one particle of a pair; left out: any",
-     HK_STRING, {0}, 0, 0, offsetof(lennard_jones, first), 0, NULL},
-    {"second", "", "group of the other particle; left out: any",
-     HK_STRING, {0}, 0, 0, offsetof(lennard_jones, second), 0, NULL},
+    {"epsilon", "J", "depth of the well", .number = HK_AT(lennard_jones, law.epsilon), .initial = {1},
+     .limits = HK_AT_LEAST(0)},
+    {"sigma", "m", "distance at which V is 0", .number = HK_AT(lennard_jones, law.sigma), .initial = {1},
+     .limits = HK_ABOVE(0)},
+    {"cutoff", "m", "distance at which the force ends; left out: 2.5 sigma", .number = HK_AT(lennard_jones, law.cutoff),
+     .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+    {"first", "", "group of the one particle of a pair; left out: any", .string = HK_AT(lennard_jones, first)},
+    {"second", "", "group of the other particle; left out: any", .string = HK_AT(lennard_jones, second)},
     {0},
 };
-/* clang-format on */
 
 static double difference(const double *x, size_t i, size_t j, double d[3]) {
   for (size_t c = 0; c < 3; c++) d[c] = x[3 * j + c] - x[3 * i + c];
@@ -314,17 +310,16 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? topology(self, view) : status;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
-                                        HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE,
-                               .add = add,
-                               .energy = energy,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound,
-                               .update = update,
-                               .longest_step = longest_step,
-                               .accepted = accepted};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+             HK_OFFERS_DEFINITE,
+    .add = add,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+                        HK_STEPS_FACET(.update = update, .accepted = accepted)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -3,21 +3,18 @@
  * force in a frame that rotates at W (the centrifugal force is `central` with an axis and strength -W^2).
  *
  * The Jacobian consists of -dF/dv only, which is antisymmetric, so a symmetric form is not offered: it would be 0. */
-#include "plugins/common/parts/particle_sums.h"
+#include "plugins/kit/parts/particle_sums.h"
 
 typedef struct magnetic {
   double B[3], charge, ratio;
 } magnetic;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"B", "T", "the field", HK_VECTOR, {0, 0, 1}, 0, 0, offsetof(magnetic, B), HK_TIMED | HK_REQUIRED, NULL},
-    {"charge", "C", "charge q of a particle", HK_NUMBER, {0}, 0, 0, offsetof(magnetic, charge), HK_OPTIONAL, NULL},
-    {"ratio", "C/kg", "charge over mass, q = ratio m", HK_NUMBER, {0}, 0, 0, offsetof(magnetic, ratio), HK_OPTIONAL,
-     NULL},
+    {"B", "T", "the field", .vector = HK_AT(magnetic, B), .initial = {0, 0, 1}, .flags = HK_TIMED | HK_REQUIRED},
+    {"charge", "C", "charge q of a particle", .number = HK_AT(magnetic, charge), .flags = HK_OPTIONAL},
+    {"ratio", "C/kg", "charge over mass, q = ratio m", .number = HK_AT(magnetic, ratio), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)view;
@@ -74,12 +71,13 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_V | HK_POWER,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_V | HK_POWER,
+    .add = add,
+    .add_part = add_part,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

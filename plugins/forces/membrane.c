@@ -13,31 +13,29 @@ typedef struct membrane {
   hk_membrane_params given;
 } membrane;
 
-/* clang-format off */
 static const hk_param params[] = {
     {"triangles", "", "of the sheet; left out: those of the scene's grids and meshes",
-     HK_TRIANGLES, {0}, 0, 0, offsetof(membrane, given.triangles), HK_OPTIONAL, NULL},
+     .triangles = HK_AT(membrane, given.triangles), .flags = HK_OPTIONAL},
     {"model", "", "of the energy: conditions of stretch and shear, Green's strains, rubber",
-     HK_CHOICE, {0}, 0, 0, offsetof(membrane, given.model), 0, "baraff_witkin|stvk|neo_hookean"},
+     .choice = HK_AT(membrane, given.model), .choices = "baraff_witkin|stvk|neo_hookean"},
     {"stiffness", "N/m", "membrane stiffness along the warp: Young's modulus times thickness",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(membrane, given.stiffness), HK_REQUIRED | HK_ABOVE_MIN, "triangles"},
+     .per_tuple = HK_AT(membrane, given.stiffness), .limits = HK_ABOVE(0), .flags = HK_REQUIRED, .list = "triangles"},
     {"weft", "N/m", "the same along the weft, across the warp; left out: as along the warp",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(membrane, given.weft), HK_OPTIONAL | HK_ABOVE_MIN, "triangles"},
+     .per_tuple = HK_AT(membrane, given.weft), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL, .list = "triangles"},
     {"shear", "N/m", "stiffness against shear between them; left out: sqrt(stiffness weft)/(2 (1 + nu))",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(membrane, given.shear), HK_OPTIONAL, "triangles"},
+     .per_tuple = HK_AT(membrane, given.shear), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL, .list = "triangles"},
     {"nu", "", "Poisson's ratio: how much it narrows along the weft when pulled along the warp; baraff_witkin: 0",
-     HK_NUMBER, {0}, 0, 0.999, offsetof(membrane, given.nu), 0, NULL},
+     .number = HK_AT(membrane, given.nu), .limits = HK_WITHIN(0, 0.999)},
     {"damping", "s", "viscous stress is this times the elasticity at rest times the rate of strain",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(membrane, given.damping), 0, NULL},
+     .number = HK_AT(membrane, given.damping), .limits = HK_AT_LEAST(0)},
     {"warp", "", "direction of the warp, laid onto each triangle; left out: x, or y on triangles across x",
-     HK_VECTOR, {0}, 0, 0, offsetof(membrane, given.warp), HK_OPTIONAL, NULL},
+     .vector = HK_AT(membrane, given.warp), .flags = HK_OPTIONAL},
     {"uv", "m", "in its place the pattern: u, v of the three corners of each of `triangles`, u along the warp",
-     HK_NUMBERS, {0}, 0, 0, offsetof(membrane, given.uv), HK_OPTIONAL, NULL},
+     .numbers = HK_AT(membrane, given.uv), .flags = HK_OPTIONAL},
     {"rest", "", "scale of the shape at rest, which is that of the start or of the pattern",
-     HK_NUMBER, {1}, 0, INFINITY, offsetof(membrane, given.rest), HK_ABOVE_MIN, NULL},
+     .number = HK_AT(membrane, given.rest), .initial = {1}, .limits = HK_ABOVE(0)},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   membrane *m = self;
@@ -88,13 +86,11 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
     .add_part = add_part,
-    .parts = parts,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+                        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -5,7 +5,6 @@
 #include "plugins/common/gravity/flybys.h"
 #include "plugins/common/gravity/pair_blocks.h"
 #include "plugins/common/gravity/tree_errors.h"
-#include "plugins/common/gravity_single/single_sum.h"
 
 #include <string.h>
 
@@ -16,34 +15,35 @@ typedef struct nbody {
   bool chosen;     /* there are sources, whose last one may have died */
   bool *is_source; /* n */
   double *pull;    /* n, of stiffness_bound */
-  int method, precision;
+  int method;
   hk_tree_accuracy accuracy;
   hk_gravity_bodies bodies;
   hk_gravity_tree tree;
-  hk_single_sum single;
   const hk_octrees *octrees;
   const hk_host *host;
 } nbody;
 
 enum { AUTO, DIRECT, TREE };
-enum { DOUBLE, SINGLE };
 
 /* Where nothing is said: the number of bodies from which on the tree is faster (tests/bench/nbody.c). */
 enum { TREE_FROM = 8192 };
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"G", "m^3/(kg s^2)", "gravitational constant", HK_NUMBER, {6.67430e-11}, 0, INFINITY, offsetof(nbody, G), 0, NULL},
-    {"softening", "m", "added to distances in quadrature; 0: point masses", HK_NUMBER, {0}, 0, 1e150, offsetof(nbody, softening), 0, NULL},
-    {"sources", "", "only pairs with one of these or two act; left out: all pairs", HK_PARTICLES, {0}, 0, 0, offsetof(nbody, sources), HK_OPTIONAL, NULL},
-    {"among", "", "whether the sources attract each other as well", HK_BOOLEAN, {1}, 0, 0, offsetof(nbody, among), 0, NULL},
-    {"method", "", "sum over all pairs, or an octree; auto: by the number of bodies", HK_CHOICE, {0}, 0, 0, offsetof(nbody, method), 0, "auto|direct|tree"},
-    {"precision", "", "of the forces of method direct; single: errors of some 1e-7, in half the time", HK_CHOICE, {0}, 0, 0, offsetof(nbody, precision), 0, "double|single"},
-    {"alpha", "", "of the tree: error that a cell may have, as a part of the body's acceleration", HK_NUMBER, {0.005}, 0, 1, offsetof(nbody, accuracy.alpha), 0, NULL},
-    {"opening_angle", "rad", "of the tree, instead of alpha: the angle below which a cell is taken whole", HK_NUMBER, {0}, 0, 1, offsetof(nbody, accuracy.angle), HK_OPTIONAL, NULL},
+    {"G", "m^3/(kg s^2)", "gravitational constant", .number = HK_AT(nbody, G), .initial = {6.67430e-11},
+     .limits = HK_AT_LEAST(0)},
+    {"softening", "m", "added to distances in quadrature; 0: point masses", .number = HK_AT(nbody, softening),
+     .limits = HK_WITHIN(0, 1e150)},
+    {"sources", "", "only pairs with one of these or two act; left out: all pairs", .particles = HK_AT(nbody, sources),
+     .flags = HK_OPTIONAL},
+    {"among", "", "whether the sources attract each other as well", .boolean = HK_AT(nbody, among), .initial = {1}},
+    {"method", "", "sum over all pairs, or an octree; auto: by the number of bodies", .choice = HK_AT(nbody, method),
+     .choices = "auto|direct|tree"},
+    {"alpha", "", "of the tree: error that a cell may have, as a part of the body's acceleration",
+     .number = HK_AT(nbody, accuracy.alpha), .initial = {0.005}, .limits = HK_WITHIN(0, 1)},
+    {"opening_angle", "rad", "of the tree, instead of alpha: the angle below which a cell is taken whole",
+     .number = HK_AT(nbody, accuracy.angle), .limits = HK_WITHIN(0, 1), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 /* ---- the bodies ---- */
 
@@ -58,8 +58,7 @@ static hk_status topology(void *self, const hk_view *view) {
   p->is_source = p->host->allocate(p->host, view->n * sizeof *p->is_source);
   p->pull = p->host->allocate(p->host, view->n * sizeof *p->pull);
   if (!p->is_source || !p->pull || hk_gravity_reserve(&p->bodies, p->host, view->n) != HK_OK ||
-      (uses_tree(p, view) && hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK) ||
-      (p->precision == SINGLE && hk_single_reserve(&p->single, p->host, view->n) != HK_OK))
+      (uses_tree(p, view) && hk_tree_reserve(&p->tree, p->host, view->n) != HK_OK))
     return p->host->fail(p->host, HK_NO_MEMORY, "no memory for %zu bodies", view->n);
   for (size_t k = 0; k < p->sources.count; k++) p->is_source[p->sources.index[k]] = true;
   return HK_OK;
@@ -72,9 +71,6 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (p->chosen && p->method == TREE)
     return host->fail(host, HK_BAD_PARAM,
                       "method: a tree sums over all pairs, and `sources` chooses some: use \"direct\"");
-  if (p->precision == SINGLE && p->method != DIRECT)
-    return host->fail(host, HK_BAD_PARAM,
-                      "precision: \"single\" is one of the sum over all pairs: set method = \"direct\" as well");
   p->octrees = host->query(host, "octree/1");
   if (!p->octrees)
     return host->fail(host, HK_FAILED,
@@ -86,7 +82,6 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 static void destroy(void *self, const hk_host *host) {
   hk_gravity_release(&((nbody *)self)->bodies);
   hk_tree_release(&((nbody *)self)->tree, host);
-  hk_single_release(&((nbody *)self)->single);
 }
 
 static uint32_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : (uint32_t)k; }
@@ -137,9 +132,8 @@ static hk_status add(void *self, const hk_view *view, double *F) {
   nbody *p = self;
   hk_status status = gather(p, view);
   if (status != HK_OK) return status;
-  bool apart = uses_tree(p, view)       ? hk_tree_forces(&p->tree, &p->bodies, &p->accuracy, p->G, F)
-               : p->precision == SINGLE ? hk_single_forces(&p->single, &p->bodies, p->G, F)
-                                        : hk_direct_forces(&p->bodies, p->G, F);
+  bool apart = uses_tree(p, view) ? hk_tree_forces(&p->tree, &p->bodies, &p->accuracy, p->G, F)
+                                  : hk_direct_forces(&p->bodies, p->G, F);
   return apart ? HK_OK : fail_coincident(p, view);
 }
 
@@ -150,23 +144,18 @@ static double energy(void *self, const hk_view *view) {
                             : hk_direct_energy(&p->bodies, p->G);
 }
 
-/* ---- errors of the tree and of single precision ---- */
+/* ---- errors of the tree ---- */
 
 static bool errors(void *self, const hk_view *view, hk_force_errors *out) {
   nbody *p = self;
-  bool tree = uses_tree(p, view);
-  if (!(tree || p->precision == SINGLE) || view->acting == 0 || gather(p, view) != HK_OK) return false;
-  if (tree)
-    hk_tree_errors(&p->tree, &p->bodies, &p->accuracy, p->G, view->v, out);
-  else
-    hk_single_errors(&p->single, &p->bodies, p->G, view->v, out);
+  if (!uses_tree(p, view) || view->acting == 0 || gather(p, view) != HK_OK) return false;
+  hk_tree_errors(&p->tree, &p->bodies, &p->accuracy, p->G, view->v, out);
   return true;
 }
 
 /* Errors of Plummer spheres of 1e4 bodies go as alpha to the power of 0.58 (below 0.002) to 0.75, and as the third
- * power of the angle. Single precision has no accuracy to choose: it becomes double. */
+ * power of the angle. */
 static void sharpen(void *self, double part) {
-  if (part < 1) ((nbody *)self)->precision = DOUBLE;
   hk_tree_accuracy *a = &((nbody *)self)->accuracy;
   a->alpha *= pow(part, 1 / 0.58);
   a->angle *= sqrt(part);
@@ -216,7 +205,7 @@ static bool acts(const void *self, uint32_t i, uint32_t j) {
   return p->among ? p->is_source[i] || p->is_source[j] : p->is_source[i] != p->is_source[j];
 }
 
-static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+static bool encounters(const void *self, const hk_view *to, const double *x_from, hk_encounters *into) {
   const nbody *p = self;
   hk_octree tree;
   hk_flybys f = {p->G, p->softening, to, x_from, into, acts, self};
@@ -225,17 +214,16 @@ static bool passages(const void *self, const hk_view *to, const double *x_from, 
   return true;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
-                                        HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE,
-                               .add = add,
-                               .energy = energy,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound,
-                               .passages = passages,
-                               .errors = errors,
-                               .sharpen = sharpen};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_SYMMETRIC_JACOBIAN |
+             HK_OFFERS_DEFINITE,
+    .add = add,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ENCOUNTERS_FACET(.find = encounters),
+                        HK_APPROXIMATION_FACET(.errors = errors, .sharpen = sharpen)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -14,17 +14,17 @@ typedef struct neo_hookean {
   hk_solid_params given;
 } neo_hookean;
 
-/* clang-format off */
 static const hk_param params[] = {
     {"tetrahedra", "", "quadruples of particles: three edges from the first one are right-handed",
-     HK_TETRAHEDRA, {0}, 0, 0, offsetof(neo_hookean, given.tetrahedra), HK_REQUIRED, NULL},
-    {"E", "Pa", "Young's modulus", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(neo_hookean, given.E), HK_REQUIRED | HK_ABOVE_MIN, NULL},
-    {"nu", "", "Poisson's ratio, below 0.5", HK_PER_TUPLE, {0.3}, 0, 0.5, offsetof(neo_hookean, given.nu), 0, NULL},
+     .tetrahedra = HK_AT(neo_hookean, given.tetrahedra), .flags = HK_REQUIRED},
+    {"E", "Pa", "Young's modulus", .per_tuple = HK_AT(neo_hookean, given.E), .limits = HK_ABOVE(0),
+     .flags = HK_REQUIRED},
+    {"nu", "", "Poisson's ratio, below 0.5", .per_tuple = HK_AT(neo_hookean, given.nu), .initial = {0.3},
+     .limits = HK_WITHIN(0, 0.5)},
     {"damping", "Pa s", "the same as E for the rate of strain: E times the time in which the material creeps",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(neo_hookean, given.damping), 0, NULL},
+     .per_tuple = HK_AT(neo_hookean, given.damping), .limits = HK_AT_LEAST(0)},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   neo_hookean *s = self;
@@ -77,14 +77,11 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = energy,
-    .elements = elements,
-    .element_lists = HK_SOLID_LISTS,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
     .add_part = add_part,
-    .parts = parts,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound),
+                        HK_ELEMENTS_FACET(.lists = HK_SOLID_LISTS, .list = elements), HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

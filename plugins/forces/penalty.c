@@ -11,8 +11,8 @@
 #include "plugins/common/obstacles/obstacle_params.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/obstacles/parabola.h"
-#include "plugins/common/parts/particle_sums.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/parts/particle_sums.h"
+#include "plugins/kit/vector3.h"
 
 typedef struct penalty {
   hk_obstacle_params params;
@@ -24,19 +24,19 @@ typedef struct penalty {
   double scale; /* m, for differences */
 } penalty;
 
-/* clang-format off */
 static const hk_param params[] = {
     HK_OBSTACLE_PARAM_ROWS(penalty),
-    {"k", "N/m", "stiffness of the contact", HK_NUMBER, {1e4}, 0, 1e30, offsetof(penalty, k), HK_TIMED, NULL},
+    {"k", "N/m", "stiffness of the contact", .number = HK_AT(penalty, k), .initial = {1e4},
+     .limits = HK_WITHIN(0, 1e30), .flags = HK_TIMED},
     {"damping", "s/m", "b, of the normal speed; 1.5 (1 - e)/v for a restitution e at the speed v",
-     HK_NUMBER, {0}, 0, 1e6, offsetof(penalty, damping), 0, NULL},
-    {"slip", "m/s", "s, the speed below which friction is smooth",
-     HK_NUMBER, {1e-3}, 0, 1e6, offsetof(penalty, slip), HK_ABOVE_MIN, NULL},
-    {"velocity", "m/s", "of the obstacle, where `position` moves it", HK_VECTOR, {0}, 0, 0, offsetof(penalty, velocity), HK_TIMED, NULL},
-    {"spin", "rad/s", "of the obstacle, where `rotation` turns it", HK_VECTOR, {0}, 0, 0, offsetof(penalty, spin), HK_TIMED, NULL},
+     .number = HK_AT(penalty, damping), .limits = HK_WITHIN(0, 1e6)},
+    {"slip", "m/s", "s, the speed below which friction is smooth", .number = HK_AT(penalty, slip), .initial = {1e-3},
+     .limits = HK_ABOVE_TO(0, 1e6)},
+    {"velocity", "m/s", "of the obstacle, where `position` moves it", .vector = HK_AT(penalty, velocity),
+     .flags = HK_TIMED},
+    {"spin", "rad/s", "of the obstacle, where `rotation` turns it", .vector = HK_AT(penalty, spin), .flags = HK_TIMED},
     {0},
 };
-/* clang-format on */
 
 /* The obstacle of this evaluation, on the caller's stack: nothing of an evaluation outlives it. */
 typedef struct contact {
@@ -55,7 +55,7 @@ static contact contact_at(const penalty *s, const hk_view *view) {
   c.frame = motion.end;
   hk_copy(c.frame.velocity, s->velocity);
   hk_copy(c.frame.spin, s->spin);
-  hk_obstacle_look(&c.obstacle, &s->params, view);
+  hk_obstacle_take_radii(&c.obstacle, &s->params, view);
   return c;
 }
 
@@ -237,9 +237,9 @@ static bool crosses(const contact *c, size_t i, const double p[3], const double 
   return part[0] > 0 && part[1] > 0 && part[0] + part[1] < 1;
 }
 
-static void add_passage(const contact *c, size_t i, const double *x_from, hk_passages *into) {
+static void add_encounter(const contact *c, size_t i, const double *x_from, hk_encounters *into) {
   double p[3], q[3], part[2], n[3];
-  hk_passage way = {.i = (uint32_t)i, .other = (uint32_t)i};
+  hk_encounter way = {.i = (uint32_t)i, .other = (uint32_t)i};
   law l = {.c = c, .i = i};
   hk_body_point(&c->frame, x_from, p);
   hk_body_point(&c->frame, c->view->x + 3 * i, q);
@@ -256,12 +256,12 @@ static void add_passage(const contact *c, size_t i, const double *x_from, hk_pas
 }
 
 /* What has passed a plane is inside, and pushed back. */
-static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+static bool encounters(const void *self, const hk_view *to, const double *x_from, hk_encounters *into) {
   const penalty *s = self;
   if (s->params.shape == HK_SHAPE_PLANE || s->params.hollow) return false;
   contact c = contact_at(s, to);
   for (size_t k = 0; k < to->acting; k++)
-    add_passage(&c, hk_acting_particle(to, k), x_from + 3 * hk_acting_particle(to, k), into);
+    add_encounter(&c, hk_acting_particle(to, k), x_from + 3 * hk_acting_particle(to, k), into);
   return true;
 }
 
@@ -304,18 +304,16 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   }
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags =
-                                   HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_POWER | HK_STIFFENS,
-                               .contact_points = contact_points,
-                               .add = add,
-                               .energy = energy,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound,
-                               .accepted = accepted,
-                               .passages = passages,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_CHANNELS | HK_POWER | HK_STIFFENS,
+    .add = add,
+    .add_part = add_part,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_STEPS_FACET(.accepted = accepted),
+                        HK_ENCOUNTERS_FACET(.find = encounters), HK_PICTURES_FACET(.contact_points = contact_points)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

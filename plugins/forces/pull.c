@@ -28,27 +28,25 @@ typedef struct pull {
   int64_t touched;     /* whether the hand ever held something */
 } pull;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"particles", "", "ids of the particles that are pulled; left out: all on which the force acts; not with by_hand", HK_PARTICLES, {0}, 0, 0,
-     offsetof(pull, particles), HK_OPTIONAL, NULL},
-    {"target", "m", "the point that they are pulled to; not with by_hand", HK_VECTOR, {0}, 0, 0, offsetof(pull, target),
-     HK_TIMED, NULL},
-    {"k", "N/m", "stiffness; required without by_hand, and else chosen for the particle that is held", HK_NUMBER, {0},
-     0, INFINITY, offsetof(pull, k), HK_OPTIONAL, NULL},
-    {"damping", "N s/m", "of the particle's velocity; left out: none, or by_hand as is good for the particle", HK_NUMBER,
-     {0}, 0, INFINITY, offsetof(pull, damping), HK_OPTIONAL, NULL},
-    {"by_hand", "", "the particle and the point are those of the user's hand (hooke run --watch)", HK_BOOLEAN, {0}, 0, 0,
-     offsetof(pull, by_hand), 0, NULL},
+    {"particles", "", "ids of the particles that are pulled; left out: all on which the force acts; not with by_hand",
+     .particles = HK_AT(pull, particles), .flags = HK_OPTIONAL},
+    {"target", "m", "the point that they are pulled to; not with by_hand", .vector = HK_AT(pull, target),
+     .flags = HK_TIMED},
+    {"k", "N/m", "stiffness; required without by_hand, and else chosen for the particle that is held",
+     .number = HK_AT(pull, k), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"damping", "N s/m", "of the particle's velocity; left out: none, or by_hand as is good for the particle",
+     .number = HK_AT(pull, damping), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"by_hand", "", "the particle and the point are those of the user's hand (hooke run --watch)",
+     .boolean = HK_AT(pull, by_hand)},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"work", HK_FIELD_NUMBER, 1, offsetof(pull, work), 0},
-    {"touched", HK_FIELD_INTEGER, 1, offsetof(pull, touched), 0},
+    {"work", .number = HK_AT(pull, work)},
+    {"touched", .integer = HK_AT(pull, touched)},
     {0},
 };
-/* clang-format on */
 
 static void weigh(pull *p, const hk_view *view) {
   p->free_mass = 0;
@@ -208,22 +206,20 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   return HK_OK;
 }
 
-static bool by_hand(const void *self, double *work) {
+static bool moved(const void *self, double *work) {
   const pull *p = self;
   *work = p->work;
   return p->touched != 0;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER |
-                                        HK_SYMMETRIC_JACOBIAN,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .stiffness_bound = stiffness_bound,
-                               .longest_step = longest_step,
-                               .accepted = accepted,
-                               .by_hand = by_hand};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER | HK_SYMMETRIC_JACOBIAN,
+    .add = add,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+                        HK_STEPS_FACET(.accepted = accepted), HK_BY_HAND_FACET(.moved = moved)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -67,13 +67,11 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_SYMMETRIC_JACOBIAN,
     .add = hk_bending_add,
-    .energy = hk_bending_energy,
-    .elements = hk_bending_elements,
-    .pattern = hk_bending_pattern,
-    .jacobian = hk_bending_jacobian,
-    .stiffness_bound = hk_bending_stiffness_bound,
     .add_part = hk_bending_add_part,
-    .parts = hk_bending_parts,
+    .energy = hk_bending_energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = hk_bending_pattern, .jacobian = hk_bending_jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = hk_bending_stiffness_bound),
+                        HK_ELEMENTS_FACET(.list = hk_bending_elements), HK_PARTS_FACET(.touch = hk_bending_parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

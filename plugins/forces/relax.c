@@ -14,22 +14,19 @@ typedef struct relax {
   const hk_channel *channel;
 } relax;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"channel", "", "the channel that changes", HK_STRING, {0}, 0, 0, offsetof(relax, name), HK_REQUIRED, NULL},
-    {"rate", "1/s", "at which the channel approaches its target", HK_NUMBER, {0}, 0, INFINITY, offsetof(relax, rate),
-     HK_TIMED, NULL},
-    {"target", "", "what it approaches: one number, or one for each of the channel's; left out: 0", HK_NUMBERS, {0}, 0, 0,
-     offsetof(relax, target), HK_OPTIONAL, NULL},
-    {"power", "", "of the difference: 1, exponential; 4, as by radiation", HK_NUMBER, {1}, 1, 16, offsetof(relax, power),
-     0, NULL},
-    {"scale", "", "the difference for which `rate` is meant, where power is not 1", HK_NUMBER, {1}, 0, INFINITY,
-     offsetof(relax, scale), HK_ABOVE_MIN, NULL},
-    {"growth", "1/s", "what is added to each number per second", HK_NUMBER, {0}, 0, 0, offsetof(relax, growth), HK_TIMED,
-     NULL},
+    {"channel", "", "the channel that changes", .string = HK_AT(relax, name), .flags = HK_REQUIRED},
+    {"rate", "1/s", "at which the channel approaches its target", .number = HK_AT(relax, rate),
+     .limits = HK_AT_LEAST(0), .flags = HK_TIMED},
+    {"target", "", "what it approaches: one number, or one for each of the channel's; left out: 0",
+     .numbers = HK_AT(relax, target), .flags = HK_OPTIONAL},
+    {"power", "", "of the difference: 1, exponential; 4, as by radiation", .number = HK_AT(relax, power),
+     .initial = {1}, .limits = HK_WITHIN(1, 16)},
+    {"scale", "", "the difference for which `rate` is meant, where power is not 1", .number = HK_AT(relax, scale),
+     .initial = {1}, .limits = HK_ABOVE(0)},
+    {"growth", "1/s", "what is added to each number per second", .number = HK_AT(relax, growth), .flags = HK_TIMED},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   relax *r = self;
@@ -96,13 +93,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN,
-                               .add = add,
-                               .energy = energy,
-                               .rates = rates,
-                               .pattern = pattern,
-                               .jacobian = jacobian};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_CHANNELS | HK_SYMMETRIC_JACOBIAN,
+    .add = add,
+    .energy = energy,
+    .rates = rates,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

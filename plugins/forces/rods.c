@@ -22,48 +22,49 @@
  * ends the run with the particle's number. */
 #include "plugins/common/rods/rods.h"
 
-/* clang-format off */
 static const hk_param params[] = {
     {"edges", "", "the edges of rods, each from the end of the one before; a rod that ends where it began is a ring",
-     HK_EDGES, {0}, 0, 0, offsetof(hk_rods, edges), HK_REQUIRED, NULL},
+     .edges = HK_AT(hk_rods, edges), .flags = HK_REQUIRED},
     {"EI", "N m^2", "stiffness of bending; with EI2, of bending towards the first axis",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, EI), HK_REQUIRED, NULL},
-    {"EI2", "N m^2", "stiffness of bending towards the second axis; left out: EI",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, EI2), HK_OPTIONAL, NULL},
-    {"GJ", "N m^2", "stiffness in twist", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, GJ), 0, NULL},
+     .per_tuple = HK_AT(hk_rods, EI), .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+    {"EI2", "N m^2", "stiffness of bending towards the second axis; left out: EI", .per_tuple = HK_AT(hk_rods, EI2),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"GJ", "N m^2", "stiffness in twist", .per_tuple = HK_AT(hk_rods, GJ), .limits = HK_AT_LEAST(0)},
     {"axis", "", "direction of the first axis on the first edge of each rod; left out: any",
-     HK_VECTOR, {0}, 0, 0, offsetof(hk_rods, axis), HK_OPTIONAL, NULL},
-    {"rest", "", "shape without energy, where curvature and torsion do not say it",
-     HK_CHOICE, {0}, 0, 0, offsetof(hk_rods, rest), 0, "initial|straight"},
-    {"curvature", "1/m", "of the shape without energy, towards the first axis",
-     HK_PER_TUPLE, {0}, 0, 0, offsetof(hk_rods, curvature), HK_OPTIONAL, NULL},
-    {"torsion", "rad/m", "of the shape without energy",
-     HK_PER_TUPLE, {0}, 0, 0, offsetof(hk_rods, torsion), HK_OPTIONAL, NULL},
-    {"length", "m", "of an edge without strain; left out: the initial length",
-     HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(hk_rods, length), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
+     .vector = HK_AT(hk_rods, axis), .flags = HK_OPTIONAL},
+    {"rest", "", "shape without energy, where curvature and torsion do not say it", .choice = HK_AT(hk_rods, rest),
+     .choices = "initial|straight"},
+    {"curvature", "1/m", "of the shape without energy, towards the first axis", .per_tuple = HK_AT(hk_rods, curvature),
+     .flags = HK_OPTIONAL},
+    {"torsion", "rad/m", "of the shape without energy", .per_tuple = HK_AT(hk_rods, torsion), .flags = HK_OPTIONAL},
+    {"length", "m", "of an edge without strain; left out: the initial length", .per_tuple = HK_AT(hk_rods, length),
+     .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
     {"turn", "rad", "angle by which the last clamp of a rod is turned about it, or a ring's ends against each other",
-     HK_NUMBER, {0}, 0, 0, offsetof(hk_rods, turn), HK_TIMED, NULL},
-    {"retardation", "s", "damping as a time (Kelvin and Voigt): moments are EI (k + retardation dk/dt), and so in twist: "
+     .number = HK_AT(hk_rods, turn), .flags = HK_TIMED},
+    {"retardation", "s",
+     "damping as a time (Kelvin and Voigt): moments are EI (k + retardation dk/dt), and so in twist: "
      "a mode of frequency w is damped at the rate retardation w^2; above 0 there are no elements (xpbd, local_global)",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(hk_rods, retardation), 0, NULL},
-    {"spins", "", "particles that are the angles of sections, one for each edge, which slide along x; left out: "
+     .number = HK_AT(hk_rods, retardation), .limits = HK_AT_LEAST(0)},
+    {"spins", "",
+     "particles that are the angles of sections, one for each edge, which slide along x; left out: "
      "quasi-static twist",
-     HK_PARTICLES, {0}, 0, 0, offsetof(hk_rods, spins), HK_OPTIONAL, NULL},
-    {"radius", "m", "x of a particle of spins over the angle of its section: its mass is the section's moment of inertia "
+     .particles = HK_AT(hk_rods, spins), .flags = HK_OPTIONAL},
+    {"radius", "m",
+     "x of a particle of spins over the angle of its section: its mass is the section's moment of inertia "
      "over the square of this",
-     HK_NUMBER, {1}, 0, INFINITY, offsetof(hk_rods, radius), HK_ABOVE_MIN, NULL},
-    {"jacobian", "", "blocks for implicit methods: of joints only, without what the twist that follows softens, or exact, "
+     .number = HK_AT(hk_rods, radius), .initial = {1}, .limits = HK_ABOVE(0)},
+    {"jacobian", "",
+     "blocks for implicit methods: of joints only, without what the twist that follows softens, or exact, "
      "which joins all particles of a rod with sides or twist",
-     HK_CHOICE, {0}, 0, 0, offsetof(hk_rods, jacobian), 0, "banded|exact"},
+     .choice = HK_AT(hk_rods, jacobian), .choices = "banded|exact"},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"frames", HK_FIELD_ARRAY, sizeof(hk_rod_frame), offsetof(hk_rods, frames), 0},
-    {"turned", HK_FIELD_NUMBER, 1, offsetof(hk_rods, turned), 0},
+    {"frames", .array = HK_AT(hk_rods, frames), .width = sizeof(hk_rod_frame)},
+    {"turned", .number = HK_AT(hk_rods, turned)},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) { return hk_rods_open(self, host, view); }
 
@@ -123,11 +124,9 @@ static const hk_force force = {
              HK_SYMMETRIC_JACOBIAN | HK_OFFERS_DEFINITE | HK_STIFFER_BLOCKS,
     .add = add,
     .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
-    .accepted = accepted,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+                        HK_STEPS_FACET(.accepted = accepted)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -8,9 +8,9 @@
  * definite. At s = 0 the stiffness is discontinuous: methods lose their order there, although the motion is continuous.
  *
  * No elements are offered: methods that work element by element would apply compression with them. */
-#include "plugins/common/parts/part_sums.h"
-#include "plugins/common/springs/edge.h"
-#include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/kit/parts/part_sums.h"
+#include "plugins/kit/springs/edge.h"
+#include "plugins/kit/springs/edge_stiffness.h"
 #include "core/plugin.h"
 
 typedef struct ropes {
@@ -19,17 +19,15 @@ typedef struct ropes {
   hk_part_sums sums;
 } ropes;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(ropes, edges), HK_REQUIRED, NULL},
-    {"k", "N/m", "stiffness where taut", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(ropes, k), HK_REQUIRED, NULL},
-    {"damping", "N s/m", "damping along the rope where taut", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(ropes, damping),
-     0, NULL},
-    {"rest", "m", "length up to which it is slack; left out: the initial length", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(ropes, rest), HK_OPTIONAL, NULL},
+    {"edges", "", "pairs of particles to join", .edges = HK_AT(ropes, edges), .flags = HK_REQUIRED},
+    {"k", "N/m", "stiffness where taut", .per_tuple = HK_AT(ropes, k), .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+    {"damping", "N s/m", "damping along the rope where taut", .per_tuple = HK_AT(ropes, damping),
+     .limits = HK_AT_LEAST(0)},
+    {"rest", "m", "length up to which it is slack; left out: the initial length", .per_tuple = HK_AT(ropes, rest),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {0},
 };
-/* clang-format on */
 
 static hk_status topology(void *self, const hk_view *view) {
   ropes *s = self;
@@ -173,12 +171,10 @@ static const hk_force force = {
     .flags = HK_STIFFENS | HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM |
              HK_POWER | HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = energy,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
     .add_part = add_part,
-    .parts = parts,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

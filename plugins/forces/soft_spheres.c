@@ -1,5 +1,5 @@
 /* Sand: spheres that push each other apart where they overlap, damped and with friction (the discrete element method of
- * Cundall and Strack 1979, Geotechnique 29). The law of a contact is in plugins/common/contact/contact_law.h; its
+ * Cundall and Strack 1979, Geotechnique 29). The law of a contact is in plugins/common/grains/grain_law.h; its
  * dashpot is chosen by the coefficient of restitution of two spheres that meet head-on.
  *
  * Pairs come from the service neighbours/1, and each particle sums over its own row in rising order, so that threads
@@ -13,16 +13,16 @@
  *
  * The stable step follows from the contacts that a sphere can have, overlapping a little, as derived in crowd.c, or
  * from those that it has now, if they are more. */
-#include "plugins/common/contact/crowd.h"
-#include "plugins/common/contact/grain_tables.h"
+#include "plugins/common/grains/crowd.h"
+#include "plugins/common/grains/grain_tables.h"
 
 enum { GRAIN = 256 };
 
 typedef struct soft_spheres {
   hk_spheres spheres;
   double restitution, tangential; /* tangential: k_t/k */
-  hk_contact_law law;
-  hk_contact_history history;
+  hk_grain_law law;
+  hk_grain_history history;
   double *torque;    /* n x 3, N m, of the last evaluation */
   double *spin_then; /* n x 3, rad/s, at the last accepted step */
   double *sums;      /* of a chunk */
@@ -54,7 +54,7 @@ typedef struct task {
 
 static hk_status begin(task *t, soft_spheres *s, const hk_view *view) {
   *t = (task){.self = s, .view = view};
-  hk_history_index(&s->history, view);
+  hk_grain_history_index(&s->history, view);
   return s->service->rows(s->service->self, view, view->x, &t->rows);
 }
 
@@ -72,7 +72,8 @@ static double overlap(const task *t, size_t i, size_t j, double r[3], double *di
 }
 
 /* u -= (l_i w_i + l_j w_j) x n, and the slip with it, by the mean of the spins then and now. */
-static void roll(const task *t, size_t i, size_t j, double lever_i, double lever_j, bool remembered, hk_contact *c) {
+static void roll(const task *t, size_t i, size_t j, double lever_i, double lever_j, bool remembered,
+                 hk_grain_contact *c) {
   const soft_spheres *s = t->self;
   const double *wi = hk_sphere_spin(&s->spheres, t->view, i), *wj = hk_sphere_spin(&s->spheres, t->view, j);
   double now[3], then[3], u[3], du[3], passed = remembered ? (t->view->t - s->history.t) / 2 : 0;
@@ -80,17 +81,17 @@ static void roll(const task *t, size_t i, size_t j, double lever_i, double lever
     now[a] = lever_i * wi[a] + lever_j * wj[a];
     then[a] = now[a] + lever_i * s->spin_then[3 * i + a] + lever_j * s->spin_then[3 * j + a];
   }
-  hk_cross(now, c->normal, u);
-  hk_cross(then, c->normal, du);
+  hk_cross(u, now, c->normal);
+  hk_cross(du, then, c->normal);
   for (int a = 0; a < 3; a++) c->u[a] -= u[a], c->slip[a] -= passed * du[a];
 }
 
 /* Spheres in one place have no direction: they push each other nowhere, and `accepted` ends the run. */
 static void contact_of(const task *t, size_t i, size_t j, double d, const double r[3], double distance,
-                       const hk_touch *touch, hk_contact *c) {
+                       const hk_grain_touch *touch, hk_grain_contact *c) {
   const soft_spheres *s = t->self;
   const double *m = t->view->model->mass, *v = t->view->v;
-  *c = (hk_contact){.overlap = d, .mass = m[i] * m[j] / (m[i] + m[j])};
+  *c = (hk_grain_contact){.overlap = d, .mass = m[i] * m[j] / (m[i] + m[j])};
   for (size_t a = 0; a < 3; a++) {
     c->normal[a] = distance > 0 ? r[a] / distance : 0;
     c->u[a] = v[3 * i + a] - v[3 * j + a];
@@ -101,7 +102,7 @@ static void contact_of(const task *t, size_t i, size_t j, double d, const double
   if (s->spheres.spin_channel)
     roll(t, i, j, hk_sphere_radius(&s->spheres, t->view, i) - d / 2, hk_sphere_radius(&s->spheres, t->view, j) - d / 2,
          touch, c);
-  hk_contact_force(&s->law, c);
+  hk_grain_force(&s->law, c);
 }
 
 /* ---- force and energy ---- */
@@ -114,9 +115,9 @@ static double add_one(const task *t, size_t i) {
     size_t j = t->rows.other[e];
     double d = overlap(t, i, j, r, &distance), moment[3];
     if (!(d > 0)) continue;
-    hk_contact c;
-    contact_of(t, i, j, d, r, distance, hk_history_find(&s->history, i, &at, t->view->model->id[j]), &c);
-    hk_cross(c.normal, c.across, moment);
+    hk_grain_contact c;
+    contact_of(t, i, j, d, r, distance, hk_grain_history_find(&s->history, i, &at, t->view->model->id[j]), &c);
+    hk_cross(moment, c.normal, c.across);
     for (int a = 0; a < 3; a++) force[a] += c.force[a], torque[a] -= (R - d / 2) * moment[a];
     power += c.power / 2;
   }
@@ -194,9 +195,9 @@ static void count_chunk(void *context, size_t first, size_t end, size_t chunk) {
 
 /* False: another sphere is in the same place. */
 static bool remember_one(const task *t, size_t i) {
-  const hk_contact_history *h = &t->self->history;
+  const hk_grain_history *h = &t->self->history;
   const uint32_t *id = t->view->model->id;
-  hk_touch *into = (hk_touch *)h->next.item + h->next_row[i];
+  hk_grain_touch *into = (hk_grain_touch *)h->next.item + h->next_row[i];
   double r[3], distance = 0;
   size_t at = h->row[i];
   bool apart = true;
@@ -204,10 +205,10 @@ static bool remember_one(const task *t, size_t i) {
     size_t j = t->rows.other[e];
     double d = overlap(t, i, j, r, &distance);
     if (!(d > 0)) continue;
-    const hk_touch *touch = hk_history_find(h, i, &at, id[j]);
-    hk_contact c;
+    const hk_grain_touch *touch = hk_grain_history_find(h, i, &at, id[j]);
+    hk_grain_contact c;
     contact_of(t, i, j, d, r, distance, t->fresh ? NULL : touch, &c);
-    *into = (hk_touch){id[i], id[j], {0}};
+    *into = (hk_grain_touch){id[i], id[j], {0}};
     for (int a = 0; a < 3; a++) into->anchor[a] = r[a] - c.slip[a];
     into++;
     apart &= distance > 0;
@@ -250,10 +251,10 @@ static hk_status accepted(void *self, const hk_view *view, double h) {
   if (status != HK_OK) return status;
   t.fresh = fabs(view->t - h - s->history.t) > h / 2; /* it did not act in the step before */
   view->host->parallel_for(view->host, view->n, GRAIN, count_chunk, &t);
-  status = hk_history_reserve(&s->history, view);
+  status = hk_grain_history_reserve(&s->history, view);
   if (status != HK_OK) return status;
   view->host->parallel_for(view->host, view->acting, GRAIN, remember_chunk, &t);
-  hk_history_commit(&s->history, view->n, view->t);
+  hk_grain_history_commit(&s->history, view->n, view->t);
   hk_spheres_keep_spin(&s->spheres, view, s->spin_then);
   return check_places(s, view);
 }
@@ -284,7 +285,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
     size_t i = acting(view, k);
     double m = view->model->mass[i];
     hk_crowd around = hk_crowd_of(hk_sphere_radius(&s->spheres, view, i), smallest);
-    hk_contact_bound one = hk_contact_stiffness(&s->law, part, m * heaviest / (m + heaviest));
+    hk_grain_bound one = hk_grain_stiffness(&s->law, part, m * heaviest / (m + heaviest));
     double sum = one.across * around.number + fmax(0, one.along - one.across) * around.along;
     double now = fmax(one.along, one.across) * (double)touching(&t, i);
     sum = known ? 2 * fmax(sum, now) : INFINITY;
@@ -304,7 +305,7 @@ static hk_status topology(void *self, const hk_view *view) {
   s->sums = s->host->allocate(s->host, (view->n / GRAIN + 1) * sizeof *s->sums);
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_spheres_check(&s->spheres, view);
-  if (status == HK_OK) status = hk_history_adapt(&s->history, view, true);
+  if (status == HK_OK) status = hk_grain_history_adapt(&s->history, view, true);
   return status == HK_OK ? s->service->reach(s->service->self, 2 * hk_spheres_measure(&s->spheres, view).largest)
                          : status;
 }
@@ -317,7 +318,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_FAILED,
                       "it needs the service 'neighbours/1', and no plugin of that name is installed in services/; see: "
                       "hooke plugins");
-  s->law.damping = hk_contact_damping(s->restitution);
+  s->law.damping = hk_grain_damping(s->restitution);
   s->law.tangential = s->tangential * s->law.stiffness;
   s->history.t = view->t;
   hk_status status = hk_spheres_open(&s->spheres, view);
@@ -325,25 +326,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return status == HK_OK ? topology(self, view) : status;
 }
 
-static size_t index_of(const hk_view *view, uint32_t id) {
-  size_t low = 0, high = view->n;
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    if (view->model->id[middle] < id)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 /* Those that are remembered, each of them once. */
 static void contact_points(const void *self, const hk_view *view, const hk_contact_points *points) {
   const soft_spheres *s = self;
-  const hk_touch *touch = s->history.touches.item;
+  const hk_grain_touch *touch = s->history.touches.item;
   for (int64_t k = 0; k < s->history.count; k++) {
     if (touch[k].self >= touch[k].other) continue;
-    size_t i = index_of(view, touch[k].self), j = index_of(view, touch[k].other);
+    size_t i = hk_model_find(view->model, touch[k].self), j = hk_model_find(view->model, touch[k].other);
     double R = hk_sphere_radius(&s->spheres, view, i), at[3], n[3];
     for (size_t c = 0; c < 3; c++) n[c] = view->x[3 * i + c] - view->x[3 * j + c];
     double length = sqrt(hk_dot(n, n));
@@ -352,17 +341,17 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   }
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS |
-                                        HK_CONSERVES_MOMENTUM | HK_POWER | HK_STIFFENS,
-                               .contact_points = contact_points,
-                               .add = add,
-                               .energy = energy,
-                               .rates = rates,
-                               .stiffness_bound = stiffness_bound,
-                               .update = update,
-                               .longest_step = longest_step,
-                               .accepted = accepted};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS | HK_CONSERVES_MOMENTUM |
+             HK_POWER | HK_STIFFENS,
+    .add = add,
+    .energy = energy,
+    .rates = rates,
+    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+                        HK_STEPS_FACET(.update = update, .accepted = accepted),
+                        HK_PICTURES_FACET(.contact_points = contact_points)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

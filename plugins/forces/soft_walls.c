@@ -1,12 +1,12 @@
-/* Walls for soft_spheres: planes and a funnel, with the same law of contact (plugins/common/contact/contact_law.h); a
+/* Walls for soft_spheres: planes and a funnel, with the same law of contact (plugins/common/grains/grain_law.h); a
  * wall has no end to its mass. A sphere touches each wall in its nearest point, and remembers the slip as between
  * spheres (contact_history.h).
  *
  * A plane leaves free what lies on the side of its normal. The funnel is two cones about an upright axis that open up-
  * and downwards from a neck: free is what is nearer to the axis than neck + slope |z - z_neck|, and the neck is an
  * edge. With a slope of 0 it is a pipe. Parameters mean what they mean in soft_spheres. */
-#include "plugins/common/contact/funnel_mesh.h"
-#include "plugins/common/contact/grain_tables.h"
+#include "plugins/common/grains/funnel_mesh.h"
+#include "plugins/common/grains/grain_tables.h"
 #include "plugins/common/obstacles/obstacles_service.h"
 
 enum { GRAIN = 256, PLANE = 4, FUNNEL = 5 /* numbers of one */ };
@@ -15,8 +15,8 @@ typedef struct soft_walls {
   hk_spheres spheres;
   hk_numbers planes, funnel;
   double restitution, tangential; /* tangential: k_t/k */
-  hk_contact_law law;
-  hk_contact_history history;
+  hk_grain_law law;
+  hk_grain_history history;
   uint32_t walls, number; /* of all walls, of planes */
   double (*plane)[PLANE]; /* with normals of length 1 */
   hk_obstacle *shown;     /* number: the planes, for outputs */
@@ -27,12 +27,12 @@ typedef struct soft_walls {
   const hk_host *host;
 } soft_walls;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"planes", "m", "four numbers each: x, y, z of the normal, distance from the origin; left out: the floor, if no funnel",
-     HK_NUMBERS, {0}, 0, 0, offsetof(soft_walls, planes), HK_OPTIONAL, NULL},
+    {"planes", "m",
+     "four numbers each: x, y, z of the normal, distance from the origin; left out: the floor, if no funnel",
+     .numbers = HK_AT(soft_walls, planes), .flags = HK_OPTIONAL},
     {"funnel", "m", "x, y and z of the middle of the neck, its radius, slope (m/m); left out: none",
-     HK_NUMBERS, {0}, 0, 0, offsetof(soft_walls, funnel), HK_OPTIONAL, NULL},
+     .numbers = HK_AT(soft_walls, funnel), .flags = HK_OPTIONAL},
     HK_GRAIN_PARAMS(soft_walls),
     {0},
 };
@@ -41,7 +41,6 @@ static const hk_field fields[] = {
     HK_GRAIN_FIELDS(soft_walls),
     {0},
 };
-/* clang-format on */
 
 /* ---- where walls are ---- */
 
@@ -82,11 +81,11 @@ typedef struct task {
 static size_t acting(const hk_view *view, size_t k) { return view->active ? view->active[k] : k; }
 
 /* Fills the contact of particle i with a wall; false: they do not touch. */
-static bool contact_of(const task *t, size_t i, uint32_t wall, const hk_touch *touch, hk_contact *c) {
+static bool contact_of(const task *t, size_t i, uint32_t wall, const hk_grain_touch *touch, hk_grain_contact *c) {
   const soft_walls *s = t->self;
   const double *x = t->view->x + 3 * i, *w = hk_sphere_spin(&s->spheres, t->view, i);
   double R = hk_sphere_radius(&s->spheres, t->view, i), rolled[3], then[3];
-  *c = (hk_contact){.mass = t->view->model->mass[i]};
+  *c = (hk_grain_contact){.mass = t->view->model->mass[i]};
   c->overlap = R - from_wall(s, wall, x, c->normal);
   if (!(c->overlap > 0)) return false;
   for (size_t a = 0; a < 3; a++) {
@@ -97,14 +96,14 @@ static bool contact_of(const task *t, size_t i, uint32_t wall, const hk_touch *t
   for (int a = 0; a < 3; a++) c->slip[a] -= along * c->normal[a];
   if (w) {
     double passed = touch ? (t->view->t - s->history.t) / 2 : 0;
-    hk_cross(w, c->normal, rolled);
-    hk_cross(s->spin_then + 3 * i, c->normal, then);
+    hk_cross(rolled, w, c->normal);
+    hk_cross(then, s->spin_then + 3 * i, c->normal);
     for (int a = 0; a < 3; a++) {
       c->u[a] -= lever * rolled[a];
       c->slip[a] -= passed * lever * (rolled[a] + then[a]);
     }
   }
-  hk_contact_force(&s->law, c);
+  hk_grain_force(&s->law, c);
   return true;
 }
 
@@ -115,9 +114,9 @@ static double add_one(const task *t, size_t i) {
   double torque[3] = {0}, moment[3], power = 0, R = hk_sphere_radius(&s->spheres, t->view, i);
   size_t at = s->history.row[i];
   for (uint32_t wall = 0; wall < s->walls; wall++) {
-    hk_contact c;
-    if (!contact_of(t, i, wall, hk_history_find(&s->history, i, &at, wall), &c)) continue;
-    hk_cross(c.normal, c.across, moment);
+    hk_grain_contact c;
+    if (!contact_of(t, i, wall, hk_grain_history_find(&s->history, i, &at, wall), &c)) continue;
+    hk_cross(moment, c.normal, c.across);
     for (size_t a = 0; a < 3; a++) {
       t->F[3 * i + a] += c.force[a];
       torque[a] -= (R - c.overlap / 2) * moment[a];
@@ -143,7 +142,7 @@ static double sum_of(const soft_walls *s, const hk_view *view) {
 
 static hk_status add(void *self, const hk_view *view, double *F) {
   task t = {.self = self, .view = view, .F = F};
-  hk_history_index(&t.self->history, view);
+  hk_grain_history_index(&t.self->history, view);
   view->host->parallel_for(view->host, view->acting, GRAIN, add_chunk, &t);
   if (view->power) *view->power += sum_of(self, view);
   return HK_OK;
@@ -186,16 +185,16 @@ static void count_chunk(void *context, size_t first, size_t end, size_t chunk) {
 
 static void remember_chunk(void *context, size_t first, size_t end, size_t chunk) {
   const task *t = context;
-  const hk_contact_history *h = &t->self->history;
+  const hk_grain_history *h = &t->self->history;
   (void)chunk;
   for (size_t k = first; k < end; k++) {
     size_t i = acting(t->view, k), at = h->row[i];
-    hk_touch *into = (hk_touch *)h->next.item + h->next_row[i];
+    hk_grain_touch *into = (hk_grain_touch *)h->next.item + h->next_row[i];
     for (uint32_t wall = 0; wall < t->self->walls; wall++) {
-      const hk_touch *touch = hk_history_find(h, i, &at, wall);
-      hk_contact c;
+      const hk_grain_touch *touch = hk_grain_history_find(h, i, &at, wall);
+      hk_grain_contact c;
       if (!contact_of(t, i, wall, t->fresh ? NULL : touch, &c)) continue;
-      *into = (hk_touch){t->view->model->id[i], wall, {0}};
+      *into = (hk_grain_touch){t->view->model->id[i], wall, {0}};
       for (size_t a = 0; a < 3; a++) into->anchor[a] = t->view->x[3 * i + a] - c.slip[a];
       into++;
     }
@@ -205,12 +204,12 @@ static void remember_chunk(void *context, size_t first, size_t end, size_t chunk
 static hk_status accepted(void *self, const hk_view *view, double h) {
   soft_walls *s = self;
   task t = {.self = s, .view = view, .fresh = fabs(view->t - h - s->history.t) > h / 2};
-  hk_history_index(&s->history, view);
+  hk_grain_history_index(&s->history, view);
   view->host->parallel_for(view->host, view->n, GRAIN, count_chunk, &t);
-  hk_status status = hk_history_reserve(&s->history, view);
+  hk_status status = hk_grain_history_reserve(&s->history, view);
   if (status != HK_OK) return status;
   view->host->parallel_for(view->host, view->acting, GRAIN, remember_chunk, &t);
-  hk_history_commit(&s->history, view->n, view->t);
+  hk_grain_history_commit(&s->history, view->n, view->t);
   hk_spheres_keep_spin(&s->spheres, view, s->spin_then);
   return HK_OK;
 }
@@ -222,7 +221,7 @@ static void stiffness_bound(void *self, const hk_view *view, hk_stiffness_part p
   const soft_walls *s = self;
   for (size_t k = 0; k < view->acting; k++) {
     size_t i = acting(view, k);
-    hk_contact_bound one = hk_contact_stiffness(&s->law, part, view->model->mass[i]);
+    hk_grain_bound one = hk_grain_stiffness(&s->law, part, view->model->mass[i]);
     for (int c = 0; c < 6; c += c < 3 ? 3 : 2) block[i][c] += s->walls * fmax(one.along, one.across);
   }
 }
@@ -244,7 +243,7 @@ static hk_status topology(void *self, const hk_view *view) {
   s->sums = s->host->allocate(s->host, (view->n / GRAIN + 1) * sizeof *s->sums);
   if (!s->sums) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu particles", view->n);
   hk_status status = hk_spheres_check(&s->spheres, view);
-  return status == HK_OK ? hk_history_adapt(&s->history, view, false) : status;
+  return status == HK_OK ? hk_grain_history_adapt(&s->history, view, false) : status;
 }
 
 static hk_status check_walls(const soft_walls *s) {
@@ -322,7 +321,7 @@ static hk_status show(soft_walls *s, const hk_view *view) {
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   soft_walls *s = self;
   s->host = host;
-  s->law.damping = hk_contact_damping(s->restitution);
+  s->law.damping = hk_grain_damping(s->restitution);
   s->law.tangential = s->tangential * s->law.stiffness;
   s->history.t = view->t;
   hk_status status = hk_spheres_open(&s->spheres, view);
@@ -348,17 +347,16 @@ static void contact_points(const void *self, const hk_view *view, const hk_conta
   }
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS |
-                                        HK_POWER | HK_STIFFENS,
-                               .contact_points = contact_points,
-                               .add = add,
-                               .energy = energy,
-                               .rates = rates,
-                               .stiffness_bound = stiffness_bound,
-                               .update = update,
-                               .longest_step = longest_step,
-                               .accepted = accepted};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_DEPENDS_ON_CHANNELS | HK_POWER | HK_STIFFENS,
+    .add = add,
+    .energy = energy,
+    .rates = rates,
+    .facets = HK_FACETS(HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound, .longest_step = longest_step),
+                        HK_STEPS_FACET(.update = update, .accepted = accepted),
+                        HK_PICTURES_FACET(.contact_points = contact_points)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

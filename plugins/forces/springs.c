@@ -1,9 +1,9 @@
 /* Hooke's springs, damped along the spring: the force on j is -(k (l - L) + c (u.d)/l) d/l, with d = x_j - x_i, l = |d|
  * and u = v_j - v_i; i gets the opposite. A spring of length 0 has no direction and no force; for L = 0 that is also
  * the limit. The energy is 1/2 k (l - L)^2; the damping's power is -c (u.d)^2/l^2. */
-#include "plugins/common/springs/edge.h"
-#include "plugins/common/springs/edge_order.h"
-#include "plugins/common/springs/spring_blocks.h"
+#include "plugins/kit/springs/edge.h"
+#include "plugins/kit/springs/edge_order.h"
+#include "plugins/kit/springs/spring_blocks.h"
 
 typedef struct springs {
   hk_tuples edges;
@@ -14,28 +14,11 @@ typedef struct springs {
 } springs;
 
 static const hk_param params[] = {
-    {"edges", "", "pairs of particles to join", HK_EDGES, {0}, 0, 0, offsetof(springs, edges), HK_REQUIRED, NULL},
-    {"k", "N/m", "stiffness", HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(springs, k), HK_REQUIRED, NULL},
-    {"damping",
-     "N s/m",
-     "damping along the spring",
-     HK_PER_TUPLE,
-     {0},
-     0,
-     INFINITY,
-     offsetof(springs, damping),
-     0,
-     NULL},
-    {"rest",
-     "m",
-     "rest length; left out: the initial length",
-     HK_PER_TUPLE,
-     {0},
-     0,
-     INFINITY,
-     offsetof(springs, rest),
-     HK_OPTIONAL,
-     NULL},
+    {"edges", "", "pairs of particles to join", .edges = HK_AT(springs, edges), .flags = HK_REQUIRED},
+    {"k", "N/m", "stiffness", .per_tuple = HK_AT(springs, k), .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED},
+    {"damping", "N s/m", "damping along the spring", .per_tuple = HK_AT(springs, damping), .limits = HK_AT_LEAST(0)},
+    {"rest", "m", "rest length; left out: the initial length", .per_tuple = HK_AT(springs, rest),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
     {0},
 };
 
@@ -148,13 +131,11 @@ static const hk_force force = {
     .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_CONSERVES_MOMENTUM | HK_CONSERVES_ANGULAR_MOMENTUM | HK_POWER |
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
-    .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
     .add_part = add_part,
-    .parts = parts,
+    .energy = energy,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements),
+                        HK_PARTS_FACET(.touch = parts)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

@@ -23,28 +23,25 @@ typedef struct turbulence {
   double speed, largest, smallest, evolution, drift[3];
   int64_t waves, seed;
   hk_air_drag drag;
-
+  int lanes;
   wave wave[MOST_WAVES];
 } turbulence;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"speed", "m/s", "RMS of the air's velocity", HK_NUMBER, {1}, 0, INFINITY, offsetof(turbulence, speed), 0, NULL},
-    {"largest", "m", "longest wavelength", HK_NUMBER, {1}, 0, INFINITY, offsetof(turbulence, largest), HK_ABOVE_MIN,
-     NULL},
-    {"smallest", "m", "shortest wavelength", HK_NUMBER, {0.1}, 0, INFINITY, offsetof(turbulence, smallest),
-     HK_ABOVE_MIN, NULL},
-    {"evolution", "", "how fast eddies change, in turnovers of their own; 0: frozen", HK_NUMBER, {1}, 0, INFINITY,
-     offsetof(turbulence, evolution), 0, NULL},
-    {"drift", "m/s", "velocity with which the wind carries the pattern", HK_VECTOR, {0, 0, 0}, 0, 0,
-     offsetof(turbulence, drift), 0, NULL},
-    {"waves", "", "number of waves; the cost is proportional to it", HK_INTEGER, {48}, 1, MOST_WAVES,
-     offsetof(turbulence, waves), 0, NULL},
-    {"seed", "", "another number, another turbulence", HK_INTEGER, {1}, 0, 0, offsetof(turbulence, seed), 0, NULL},
+    {"speed", "m/s", "RMS of the air's velocity", .number = HK_AT(turbulence, speed), .initial = {1},
+     .limits = HK_AT_LEAST(0)},
+    {"largest", "m", "longest wavelength", .number = HK_AT(turbulence, largest), .initial = {1}, .limits = HK_ABOVE(0)},
+    {"smallest", "m", "shortest wavelength", .number = HK_AT(turbulence, smallest), .initial = {0.1},
+     .limits = HK_ABOVE(0)},
+    {"evolution", "", "how fast eddies change, in turnovers of their own; 0: frozen",
+     .number = HK_AT(turbulence, evolution), .initial = {1}, .limits = HK_AT_LEAST(0)},
+    {"drift", "m/s", "velocity with which the wind carries the pattern", .vector = HK_AT(turbulence, drift)},
+    {"waves", "", "number of waves; the cost is proportional to it", .integer = HK_AT(turbulence, waves),
+     .initial = {48}, .limits = HK_WITHIN(1, MOST_WAVES)},
+    {"seed", "", "another number, another turbulence", .integer = HK_AT(turbulence, seed), .initial = {1}},
     HK_AIR_DRAG_PARAMS(turbulence, drag),
     {0},
 };
-/* clang-format on */
 
 /* ---- the waves ---- */
 
@@ -95,6 +92,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (p->smallest > p->largest)
     return host->fail(host, HK_BAD_PARAM, "smallest: %g m is longer than largest, %g m", p->smallest, p->largest);
   hk_status status = hk_air_check(&p->drag, host);
+  p->lanes = host->lanes;
   if (status == HK_OK) make_waves(p);
   return status;
 }
@@ -103,7 +101,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
 
 /* cos(2 pi r) to 2e-16 without a branch, so that the loop uses vectors: r is brought to [-1/2, 1/2] by the rounding of
  * a large number, and |r| to s = 1/4 - |r|; then the Taylor series of sin(2 pi s), whose next term is 2.6e-16. */
-static inline __attribute__((always_inline)) double cosine(double r) {
+HK_INLINE double cosine(double r) {
   static const double c[] = {6.283185307179586,   -41.341702240399755,  81.60524927607504,  -76.70585975306136,
                              42.058693944897634,  -15.094642576822984,  3.8199525848482803, -0.7181223017785001,
                              0.10422916220813978, -0.012031585942120619};
@@ -114,8 +112,7 @@ static inline __attribute__((always_inline)) double cosine(double r) {
 }
 
 /* The waves at `count` places, with the components of x and u apart. */
-static inline __attribute__((always_inline)) void add_waves(const turbulence *p, double t, double x[3][HK_AIR_BLOCK],
-                                                            double u[3][HK_AIR_BLOCK]) {
+HK_INLINE void add_waves(const turbulence *p, double t, double x[3][HK_AIR_BLOCK], double u[3][HK_AIR_BLOCK]) {
   for (int64_t m = 0; m < p->waves; m++) {
     const wave w = p->wave[m];
     const double at = w.n * t + w.p, start = at - floor(at);
@@ -126,24 +123,14 @@ static inline __attribute__((always_inline)) void add_waves(const turbulence *p,
   }
 }
 
-static void add_narrow(const turbulence *p, double t, double x[3][HK_AIR_BLOCK], double u[3][HK_AIR_BLOCK]) {
-  add_waves(p, t, x, u);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void add_wide(const turbulence *p, double t, double x[3][HK_AIR_BLOCK],
-                                                     double u[3][HK_AIR_BLOCK]) {
-  add_waves(p, t, x, u);
-}
-#define ADD_WAVES (__builtin_cpu_supports("avx2") ? add_wide : add_narrow)
-#else
-#define ADD_WAVES add_narrow
-#endif
+HK_VERSIONS(static void, add_all, (const turbulence *p, double t, double x[3][HK_AIR_BLOCK], double u[3][HK_AIR_BLOCK]),
+            add_waves(p, t, x, u))
 
 static void velocity(const void *self, double t, const double *x, size_t count, double *u) {
+  const turbulence *p = self;
   double places[3][HK_AIR_BLOCK] = {{0}}, sums[3][HK_AIR_BLOCK] = {{0}};
   for (size_t e = 0; e < 3 * count; e++) places[e % 3][e / 3] = x[e];
-  ADD_WAVES(self, t, places, sums);
+  HK_WIDEST(p->lanes, add_all)(p, t, places, sums);
   for (size_t e = 0; e < 3 * count; e++) u[e] = sums[e % 3][e / 3];
 }
 
@@ -201,14 +188,14 @@ static double longest_step(void *self, const hk_view *view) {
   return most > 0 ? p->smallest / 4 / sqrt(most) : INFINITY;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER,
-                               .flow = flow,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .longest_step = longest_step,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_DEPENDS_ON_T | HK_POWER,
+    .add = add,
+    .add_part = add_part,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.longest_step = longest_step), HK_PICTURES_FACET(.flow = flow)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -21,21 +21,19 @@ typedef struct volume {
   hk_elements element;   /* of tetrahedra; values 0 for surfaces */
 } volume;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"triangles", "", "closed surfaces, each piece of which keeps its volume",
-     HK_TRIANGLES, {0}, 0, 0, offsetof(volume, triangles), HK_OPTIONAL, NULL},
-    {"tetrahedra", "", "in their place: each keeps its volume",
-     HK_TETRAHEDRA, {0}, 0, 0, offsetof(volume, tetrahedra), HK_OPTIONAL, NULL},
-    {"k", "Pa", "bulk modulus of what is enclosed; of tetrahedra one number or one each", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(volume, k), HK_REQUIRED, "tetrahedra"},
-    {"damping", "Pa s", "the same for the rate of the volume", HK_PER_TUPLE, {0}, 0, INFINITY,
-     offsetof(volume, damping), 0, "tetrahedra"},
-    {"inflation", "", "volume at rest in parts of the initial one", HK_NUMBER, {1}, 0, 1e6, offsetof(volume, inflation),
-     HK_TIMED | HK_ABOVE_MIN, NULL},
+    {"triangles", "", "closed surfaces, each piece of which keeps its volume", .triangles = HK_AT(volume, triangles),
+     .flags = HK_OPTIONAL},
+    {"tetrahedra", "", "in their place: each keeps its volume", .tetrahedra = HK_AT(volume, tetrahedra),
+     .flags = HK_OPTIONAL},
+    {"k", "Pa", "bulk modulus of what is enclosed; of tetrahedra one number or one each", .per_tuple = HK_AT(volume, k),
+     .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED, .list = "tetrahedra"},
+    {"damping", "Pa s", "the same for the rate of the volume", .per_tuple = HK_AT(volume, damping),
+     .limits = HK_AT_LEAST(0), .list = "tetrahedra"},
+    {"inflation", "", "volume at rest in parts of the initial one", .number = HK_AT(volume, inflation), .initial = {1},
+     .limits = HK_ABOVE_TO(0, 1e6), .flags = HK_TIMED},
     {0},
 };
-/* clang-format on */
 
 /* ---- elements of tetrahedra: C = (V - V_0)/sqrt(V_0) --------------------------------------------------------------
  */
@@ -186,10 +184,8 @@ static const hk_force force = {
              HK_OFFERS_SYMMETRIC | HK_OFFERS_DEFINITE,
     .add = add,
     .energy = energy,
-    .elements = elements,
-    .pattern = pattern,
-    .jacobian = jacobian,
-    .stiffness_bound = stiffness_bound,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_BOUNDS_FACET(.stiffness_bound = stiffness_bound), HK_ELEMENTS_FACET(.list = elements)),
 };
 
 HK_EXPORT const hk_plugin hk_plugin_main = {

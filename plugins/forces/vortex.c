@@ -18,21 +18,20 @@ typedef struct vortex {
   double center[3], axis[3], strength, core;
   int profile;
   hk_air_drag drag;
+  int lanes;
 } vortex;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"strength", "m^2/s", "circulation; positive: right-handed about the axis", HK_NUMBER, {0}, 0, 0,
-     offsetof(vortex, strength), HK_TIMED | HK_REQUIRED, NULL},
-    {"core", "m", "radius of the core", HK_NUMBER, {0.1}, 0, 0, offsetof(vortex, core), HK_ABOVE_MIN, NULL},
-    {"profile", "", "speed over the distance from the axis", HK_CHOICE, {LAMB_OSEEN}, 0, 0, offsetof(vortex, profile),
-     0, "lamb_oseen|rankine"},
-    {"center", "m", "a point of the axis", HK_VECTOR, {0, 0, 0}, 0, 0, offsetof(vortex, center), HK_TIMED, NULL},
-    {"axis", "", "direction of the axis", HK_VECTOR, {0, 0, 1}, 0, 0, offsetof(vortex, axis), 0, NULL},
+    {"strength", "m^2/s", "circulation; positive: right-handed about the axis", .number = HK_AT(vortex, strength),
+     .flags = HK_TIMED | HK_REQUIRED},
+    {"core", "m", "radius of the core", .number = HK_AT(vortex, core), .initial = {0.1}, .limits = HK_ABOVE(0)},
+    {"profile", "", "speed over the distance from the axis", .choice = HK_AT(vortex, profile), .initial = {LAMB_OSEEN},
+     .choices = "lamb_oseen|rankine"},
+    {"center", "m", "a point of the axis", .vector = HK_AT(vortex, center), .flags = HK_TIMED},
+    {"axis", "", "direction of the axis", .vector = HK_AT(vortex, axis), .initial = {0, 0, 1}},
     HK_AIR_DRAG_PARAMS(vortex, drag),
     {0},
 };
-/* clang-format on */
 
 static const double two_pi = 6.283185307179586;
 
@@ -42,12 +41,13 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   (void)view;
   if (!(length > 0)) return host->fail(host, HK_BAD_PARAM, "axis: it has no direction");
   for (int c = 0; c < 3; c++) a[c] /= length;
+  p->lanes = host->lanes;
   return hk_air_check(&p->drag, host);
 }
 
 /* ---- the air ---- */
 
-static inline __attribute__((always_inline)) double polynomial(const double *c, int degree, double x) {
+HK_INLINE double polynomial(const double *c, int degree, double x) {
   double sum = c[degree];
   for (int k = degree - 1; k >= 0; k--) sum = sum * x + c[k];
   return sum;
@@ -56,7 +56,7 @@ static inline __attribute__((always_inline)) double polynomial(const double *c, 
 /* exp(-q) for 0 <= q <= 40 to 3e-16, without a branch, so that loops use vectors: with the whole number n nearest to
  * q/ln 2, 2^-n exp(-(q - n ln 2)) by Taylor's series, whose next term is 4e-18. Adding 1.5 2^52 leaves 1023 - n in the
  * last bits, and a shift makes it the exponent. */
-static inline __attribute__((always_inline)) double exp_minus(double q) {
+HK_INLINE double exp_minus(double q) {
   static const double c[] = {1.0,
                              -1.0,
                              0.5,
@@ -82,7 +82,7 @@ static inline __attribute__((always_inline)) double exp_minus(double q) {
 }
 
 /* (1 - exp(-q))/q for q = (r/core)^2; below 1/2 by its series, whose next term is 5e-17, beyond 40 without exp. */
-static inline __attribute__((always_inline)) double lamb_oseen(double q) {
+HK_INLINE double lamb_oseen(double q) {
   static const double c[] = {1.0,
                              -0.5,
                              0.16666666666666666,
@@ -124,7 +124,7 @@ static void velocity_at(const vortex *p, const double r[3], double u[3]) {
 }
 
 /* As velocity_at for `count` places, the components apart. */
-static inline __attribute__((always_inline)) void turn_all(const vortex *p, double r[3][HK_AIR_BLOCK], bool smooth) {
+HK_INLINE void turn_all(const vortex *p, double r[3][HK_AIR_BLOCK], bool smooth) {
   const double a2 = p->core * p->core, unit = p->strength / (two_pi * a2), *a = p->axis;
   for (size_t i = 0; i < HK_AIR_BLOCK; i++) {
     const double x = r[0][i], y = r[1][i], z = r[2][i], q = (x * x + y * y + z * z) / a2;
@@ -135,23 +135,14 @@ static inline __attribute__((always_inline)) void turn_all(const vortex *p, doub
   }
 }
 
-static inline __attribute__((always_inline)) void turn_by_profile(const vortex *p, double r[3][HK_AIR_BLOCK]) {
+HK_INLINE void turn_by_profile(const vortex *p, double r[3][HK_AIR_BLOCK]) {
   if (p->profile == LAMB_OSEEN)
     turn_all(p, r, true);
   else
     turn_all(p, r, false);
 }
 
-static void turn_narrow(const vortex *p, double r[3][HK_AIR_BLOCK]) { turn_by_profile(p, r); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void turn_wide(const vortex *p, double r[3][HK_AIR_BLOCK]) {
-  turn_by_profile(p, r);
-}
-#define TURN (__builtin_cpu_supports("avx2") ? turn_wide : turn_narrow)
-#else
-#define TURN turn_narrow
-#endif
+HK_VERSIONS(static void, turn_block, (const vortex *p, double r[3][HK_AIR_BLOCK]), turn_by_profile(p, r))
 
 static void velocity(const void *self, double t, const double *x, size_t count, double *u) {
   const vortex *p = self;
@@ -162,7 +153,7 @@ static void velocity(const void *self, double t, const double *x, size_t count, 
     hk_from_line(p->center, p->axis, x + 3 * i, r);
     for (int c = 0; c < 3; c++) parts[c][i] = r[c];
   }
-  TURN(p, parts);
+  HK_WIDEST(p->lanes, turn_block)(p, parts);
   for (size_t e = 0; e < 3 * count; e++) u[e] = parts[e % 3][e / 3];
 }
 
@@ -218,7 +209,7 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
 typedef struct collection {
   const vortex *self;
   const hk_view *to;
-  hk_passages *into;
+  hk_encounters *into;
 } collection;
 
 /* The drag of the air's velocity on one particle. */
@@ -233,32 +224,32 @@ static void law_at(const void *self, const double r[3], double F[3]) {
   for (int c = 0; c < 3; c++) F[c] *= l->d;
 }
 
-static void add_passage(void *context, uint32_t i, const double r[3], const double dr[3]) {
+static void add_encounter(void *context, uint32_t i, const double r[3], const double dr[3]) {
   const collection *c = context;
   const vortex *p = c->self;
-  hk_passage way = {.i = i, .other = i, .r = {r[0], r[1], r[2]}, .dr = {dr[0], dr[1], dr[2]}};
+  hk_encounter way = {.i = i, .other = i, .r = {r[0], r[1], r[2]}, .dr = {dr[0], dr[1], dr[2]}};
   law l = {p, hk_air_coefficient(&p->drag, c->to, i)};
   way.range = sqrt(hk_nearest_square(r, dr) + p->core * p->core) / 2;
   c->into->add(c->into, &way, law_at, &l);
 }
 
 /* At a distance R after a move of length l the particle was never nearer than R - l: R >= 3/2 l leaves 4 ranges. */
-static bool passages(const void *self, const hk_view *to, const double *x_from, hk_passages *into) {
+static bool encounters(const void *self, const hk_view *to, const double *x_from, hk_encounters *into) {
   const vortex *p = self;
   collection c = {p, to, into};
   hk_near_moves moves = {p->center, p->axis, 1.5, to, x_from};
-  hk_near_moves_visit(&moves, add_passage, &c);
+  hk_near_moves_visit(&moves, add_encounter, &c);
   return true;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
-                               .flow = flow,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .passages = passages,
-                               .add_part = add_part};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
+    .add = add,
+    .add_part = add_part,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian),
+                        HK_ENCOUNTERS_FACET(.find = encounters), HK_PICTURES_FACET(.flow = flow)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -15,7 +15,7 @@
  * differentiable in r everywhere, and in N except at N = 0, where F is 0 and the Jacobian, which has no limit, is set
  * to 0. */
 #include "plugins/common/flow/air_drag.h"
-#include "plugins/common/parts/part_sums.h"
+#include "plugins/kit/parts/part_sums.h"
 
 #include "core/plugin.h"
 
@@ -40,24 +40,22 @@ typedef struct wind {
   uint32_t *corner; /* 3 count: 3 t + r, increasing for each particle */
 } wind;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"velocity", "m/s", "of the air", HK_VECTOR, {5, 0, 0}, 0, 0, offsetof(wind, velocity), HK_TIMED, NULL},
-    {"density", "kg/m^3", "of the air", HK_NUMBER, {1.2}, 0, INFINITY, offsetof(wind, density), 0, NULL},
-    {"drag", "", "drag coefficient of a triangle that faces the wind",
-     HK_NUMBER, {1.2}, 0, INFINITY, offsetof(wind, drag), 0, NULL},
-    {"lift", "", "lift coefficient at 45 degrees, where it is largest",
-     HK_NUMBER, {0.6}, 0, INFINITY, offsetof(wind, lift), 0, NULL},
-    {"friction", "", "drag coefficient of a triangle edge-on to the wind",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(wind, friction), 0, NULL},
-    {"linear", "N s/m^3", "drag in proportion to the normal wind, per area",
-     HK_NUMBER, {0}, 0, INFINITY, offsetof(wind, linear), 0, NULL},
-    {"on", "", "what it blows on; particles take d or rate, triangles the other numbers", HK_CHOICE, {TRIANGLES}, 0, 0,
-     offsetof(wind, on), 0, "triangles|particles"},
+    {"velocity", "m/s", "of the air", .vector = HK_AT(wind, velocity), .initial = {5, 0, 0}, .flags = HK_TIMED},
+    {"density", "kg/m^3", "of the air", .number = HK_AT(wind, density), .initial = {1.2}, .limits = HK_AT_LEAST(0)},
+    {"drag", "", "drag coefficient of a triangle that faces the wind", .number = HK_AT(wind, drag), .initial = {1.2},
+     .limits = HK_AT_LEAST(0)},
+    {"lift", "", "lift coefficient at 45 degrees, where it is largest", .number = HK_AT(wind, lift), .initial = {0.6},
+     .limits = HK_AT_LEAST(0)},
+    {"friction", "", "drag coefficient of a triangle edge-on to the wind", .number = HK_AT(wind, friction),
+     .limits = HK_AT_LEAST(0)},
+    {"linear", "N s/m^3", "drag in proportion to the normal wind, per area", .number = HK_AT(wind, linear),
+     .limits = HK_AT_LEAST(0)},
+    {"on", "", "what it blows on; particles take d or rate, triangles the other numbers", .choice = HK_AT(wind, on),
+     .initial = {TRIANGLES}, .choices = "triangles|particles"},
     HK_AIR_DRAG_PARAMS(wind, point),
     {0},
 };
-/* clang-format on */
 
 /* ---- The triangles that act, and the corners at each particle ---------------------------------------------------- */
 
@@ -323,14 +321,14 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
-                               .flow = flow_at,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian,
-                               .add_part = add_part,
-                               .parts = parts};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V | HK_POWER,
+    .add = add,
+    .add_part = add_part,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian), HK_PARTS_FACET(.touch = parts),
+                        HK_PICTURES_FACET(.flow = flow_at)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

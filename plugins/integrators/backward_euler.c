@@ -1,34 +1,22 @@
 /* Backward Euler, X' = X + h f(t + h, X'), solved by Newton's method to its tolerance. Order 1; it damps fast motion:
- * |R| = (1 + (h w)^2)^(-1/2) on an undamped oscillator. */
+ * |R| = (1 + (h w)^2)^(-1/2) on an undamped oscillator.
+ *
+ * Where motion is to be damped rather than right: cloth of 8 x 8 particles to 1e-2 m takes it 138 evaluations and 33
+ * factorizations, baraff_witkin, which solves once a step, 38 and 38, bdf2 101 and 21 for a fifth of the error,
+ * linear_bdf2 51 and 24 (hooke bench scripts/scenes/stiff_cloth.lua N=8 k=1e6 --until 0.15 --target 1e-2).
+ */
 #include "plugins/common/implicit/dirk.h"
 
 static const hk_dirk_tableau tableau = {.stages = 1, .c = {1}, .a = {{1}}, .b = {1}};
-
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_dirk_amplification(&tableau, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_dirk_rotation(&tableau, hw, hg, hb);
-}
-
-static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  (void)out;
-  return hk_dirk_step(self, &tableau, s, t_stop, h);
-}
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = reset};
+                                         .method = &tableau,
+                                         .step = hk_dirk_step,
+                                         .reset = hk_dirk_reset,
+                                         .growth = hk_dirk_growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -11,10 +11,14 @@
  * accepted steps the length is doubled, up to a frame or `dt`. The matrix may be indefinite where springs are
  * compressed; the step is then repeated with semi-definite blocks. Constraint forces are those of the start of the step
  * plus those that keep dv consistent with the constraints. Channels are explicit. Baraff and Witkin 1998, equations
- * (6), (16) and (18), sections 5 and 6. */
+ * (6), (16) and (18), sections 5 and 6.
+ *
+ * Beside backward_euler it solves once a step: cloth of 8 x 8 particles takes it 38 evaluations, backward_euler 138
+ * (the command is there). linear_bdf2, of order 2, takes 51 for a sixth of the error.
+ */
 #include "core/plugin.h"
-#include "plugins/common/integrate/growth_factor.h"
-#include "plugins/common/moves/safe_move.h"
+#include "plugins/kit/integrate/growth_factor.h"
+#include "plugins/common/implicit/safe_move.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/filtered_gradients.h"
 
@@ -34,63 +38,30 @@ typedef struct baraff_witkin {
 enum { STATES = 8, FILTERED = 1 };
 
 static const hk_param params[] = {
-    {"stretch",
-     "",
-     "largest change in a step of the strain of a spring, (l - L)/L, or of a triangle",
-     HK_NUMBER,
-     {0.1},
-     0,
-     INFINITY,
-     offsetof(baraff_witkin, stretch),
-     HK_ABOVE_MIN,
-     NULL},
-    {"patience",
-     "",
-     "steps that must go well before a longer one is tried",
-     HK_INTEGER,
-     {4},
-     1,
-     1000000,
-     offsetof(baraff_witkin, patience),
-     0,
-     NULL},
-    {"solve",
-     "",
-     "by the scene's solver, or by the paper's filtered conjugate gradients",
-     HK_CHOICE,
-     {0},
-     0,
-     0,
-     offsetof(baraff_witkin, solve),
-     0,
-     "solver|filtered"},
-    {"tolerance",
-     "",
-     "residual of the filtered gradients that will do, relative to the right-hand side",
-     HK_NUMBER,
-     {1e-9},
-     0,
-     1,
-     offsetof(baraff_witkin, tolerance),
-     HK_ABOVE_MIN,
-     NULL},
+    {"stretch", "", "largest change in a step of the strain of a spring, (l - L)/L, or of a triangle",
+     .number = HK_AT(baraff_witkin, stretch), .initial = {0.1}, .limits = HK_ABOVE(0)},
+    {"patience", "", "steps that must go well before a longer one is tried", .integer = HK_AT(baraff_witkin, patience),
+     .initial = {4}, .limits = HK_WITHIN(1, 1000000)},
+    {"solve", "", "by the scene's solver, or by the paper's filtered conjugate gradients",
+     .choice = HK_AT(baraff_witkin, solve), .choices = "solver|filtered"},
+    {"tolerance", "", "residual of the filtered gradients that will do, relative to the right-hand side",
+     .number = HK_AT(baraff_witkin, tolerance), .initial = {1e-9}, .limits = HK_ABOVE_TO(0, 1)},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"length", HK_FIELD_NUMBER, 1, offsetof(baraff_witkin, length), 0},
-    {"good", HK_FIELD_INTEGER, 1, offsetof(baraff_witkin, good), 0},
-    {"memory", HK_FIELD_STATE, STATES, offsetof(baraff_witkin, memory), HK_SCRATCH},
+    {"length", .number = HK_AT(baraff_witkin, length)},
+    {"good", .integer = HK_AT(baraff_witkin, good)},
+    {"memory", .state = HK_AT(baraff_witkin, memory), .width = STATES, .flags = HK_SCRATCH},
     {0},
 };
 
 /* For a linear equation one linearisation is exact, so the roots are those of backward Euler; with u = lambda - 1,
  * (1 + h g + (h w)^2) u^2 + (h g + 2 (h w)^2) u + (h w)^2 = 0. */
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
+  (void)self, (void)method;
   const double z = hw * hw, c[] = {z, hg + 2 * z, 1 + hg + z};
-  return hk_polynomial_growth(2, c);
+  return hb == 0 ? hk_polynomial_growth(2, c) : NAN;
 }
 
 static double length_of(const double *x, const uint32_t pair[2]) {
@@ -182,10 +153,11 @@ static hk_status solve_by_solver(hk_system *s, double h, const hk_matrix *K, con
   for (size_t e = 0; e < m; e++) w->b[e] -= h * w->q[e];
   s->filter(s, w->b);
   for (size_t e = 0; e < m; e++) w->q[e] = h * w->a[e];
-  hk_status status = s->combine(s, 1, h, h * h, &A);
-  if (status == HK_OK) status = s->factorize(s, &A);
+  hk_status status = s->linear->combine(s, 1, h, h * h, &A);
+  if (status == HK_OK) status = s->linear->factorize(s, &A);
   if (status == HK_OK)
-    status = s->equations ? s->solve_along(s, w->b, w->q, w->dv, NULL) : s->solve(s, w->b, w->dv, NULL);
+    status = hk_system_equations(s) ? s->linear->solve_along(s, w->b, w->q, w->dv, NULL)
+                                    : s->linear->solve(s, w->b, w->dv, NULL);
   if (status != HK_OK) return status;
   s->filter(s, w->dv);
   for (size_t e = 0; e < m; e++) w->dv[e] += w->z[e];
@@ -205,7 +177,7 @@ static void advance(hk_system *s, double h, trial *w) {
 
 static hk_status linearise(const baraff_witkin *m, hk_system *s, double h, unsigned want, bool filtered, trial *w) {
   hk_matrix K, D;
-  hk_status status = s->jacobian(s, s->t, s->X, want, &K, &D);
+  hk_status status = s->linear->jacobian(s, s->t, s->X, want, &K, &D);
   if (status != HK_OK) return status;
   prescribe(s, h, w);
   right_hand_side(s, &K, h, w);
@@ -221,9 +193,9 @@ static trial begin(const baraff_witkin *m, const hk_system *s) {
 }
 
 static hk_status try_step(const baraff_witkin *m, hk_system *s, double h, trial *w) {
-  bool filtered = m->solve == FILTERED && s->equations == 0;
+  bool filtered = m->solve == FILTERED && hk_system_equations(s) == 0;
   unsigned flags = 0;
-  hk_status status = filtered ? HK_OK : s->solver_flags(s, &flags);
+  hk_status status = filtered ? HK_OK : s->linear->solver_flags(s, &flags);
   unsigned want = flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
   if (status == HK_OK) status = linearise(m, s, h, want, filtered, w);
   return status == HK_NOT_CONVERGED ? linearise(m, s, h, want | HK_WANT_DEFINITE, filtered, w) : status;
@@ -242,11 +214,12 @@ static hk_status judge(const baraff_witkin *m, hk_system *s, double h, const tri
   return status;
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   baraff_witkin *m = self;
   size_t v = 3 * s->n;
   double span = t_stop - s->t, asked = h, whole = fmin(h, span), moved = 0;
   trial w = begin(m, s);
+  (void)method;
   hk_status status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, w.a, w.a + v);
   if (status != HK_OK) return status;
   double length = m->length > 0 ? m->length : span, pieces = ceil(fmin(whole, span) / length * (1 - 1e-9));
@@ -278,8 +251,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_ADAPTIVE | HK_NEEDS_JACOBIAN,
-                                         .amplification = amplification,
-                                         .step = step};
+                                         .step = step,
+                                         .growth = growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,4 +1,7 @@
-/* Blanes and Moan's splitting SRKN(6, 4): six evaluations a step, order 4 for forces F(x, t) (splitting.h). */
+/* Blanes and Moan's splitting SRKN(6, 4): six evaluations a step, order 4 for forces F(x, t) (splitting.h).
+ *
+ * Its place is undamped motion over long times, kahan_li8.c has the figures; with damping it has order 2 (rk4.c).
+ */
 #include "plugins/common/integrate/splitting.h"
 
 /* b_1 a_1 b_2 ... a_6 b_7, Blanes and Moan 2002, table 3, SRKN_6^b. */
@@ -10,29 +13,14 @@
 static const hk_splitting_method method = {
     6, {B1, B2, B3, 1 - 2 * (B1 + B2 + B3), B3, B2, B1}, {A1, A2, 0.5 - (A1 + A2), 0.5 - (A1 + A2), A2, A1}};
 
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_splitting_amplification(&method, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_splitting_rotation(&method, hw, hg, hb);
-}
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  (void)out;
-  return hk_splitting_step(self, &method, s, t_stop, h);
-}
-
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 4,
                                          .stages = 6,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = hk_splitting_reset};
+                                         .method = &method,
+                                         .step = hk_splitting_step,
+                                         .reset = hk_splitting_reset,
+                                         .growth = hk_splitting_growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -20,10 +20,14 @@
  *
  * The strain limit that the paper applies after each step is left to a corrector. Channels and work are integrated by
  * Euler's rule. Desbrun, Schroeder and Barr 1999, Interactive animation of structured deformable objects, sections 3
- * and 4. */
+ * and 4.
+ *
+ * For steps of the length of a frame, as its authors use it, and not for accuracy: stiff cloth to 1e-2 m
+ * takes it 589,824 steps where backward_euler takes 138 evaluations (the command is there).
+ */
 #include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
-#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/kit/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 
@@ -56,35 +60,26 @@ typedef struct desbrun {
 } desbrun;
 
 static const hk_param params[] = {
-    {"correction",
-     "",
-     "keep the angular momentum that the filter would change",
-     HK_BOOLEAN,
-     {1},
-     0,
-     0,
-     offsetof(desbrun, correction),
-     0,
-     NULL},
+    {"correction", "", "keep the angular momentum that the filter would change", .boolean = HK_AT(desbrun, correction),
+     .initial = {1}},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"next", HK_FIELD_STATE, 1, offsetof(desbrun, next), HK_SCRATCH},
-    {"slope", HK_FIELD_STATE, 1, offsetof(desbrun, slope), HK_SCRATCH},
-    {"imposed", HK_FIELD_STATE, 1, offsetof(desbrun, imposed), HK_SCRATCH},
-    {"force", HK_FIELD_STATE, 1, offsetof(desbrun, force), HK_SCRATCH},
-    {"scratch", HK_FIELD_STATE, 1, offsetof(desbrun, scratch), HK_SCRATCH},
+    {"next", .state = HK_AT(desbrun, next), .width = 1, .flags = HK_SCRATCH},
+    {"slope", .state = HK_AT(desbrun, slope), .width = 1, .flags = HK_SCRATCH},
+    {"imposed", .state = HK_AT(desbrun, imposed), .width = 1, .flags = HK_SCRATCH},
+    {"force", .state = HK_AT(desbrun, force), .width = 1, .flags = HK_SCRATCH},
+    {"scratch", .state = HK_AT(desbrun, scratch), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
 
 /* For the oscillation of a spring: a = -(z x/h + (hg + z) v)/h/(1 + z) with z = (h w)^2, v' = v + h a, x' = x + h v',
  * lambda = 1 + u, so that (1 + z) u^2 + (hg + 2z) u + z = 0. Without damping it is backward Euler. */
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
+  (void)self, (void)method;
   double z = hw * hw;
-  return hk_polynomial_growth(2, (const double[]){z, hg + 2 * z, 1 + z});
+  return hb == 0 ? hk_polynomial_growth(2, (const double[]){z, hg + 2 * z, 1 + z}) : NAN;
 }
 
 /* ---- bodies ---- */
@@ -211,9 +206,10 @@ static void diagonalize(double S[3][3], double V[3][3]) {
 
 /* A = I^-1 torque, about the axes with inertia. */
 static void turn_freely(body *b) {
-  const double *I = b->inertia;
-  double S[3][3] = {{I[0], I[1], I[2]}, {I[1], I[3], I[4]}, {I[2], I[4], I[5]}};
-  double V[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, trace = I[0] + I[3] + I[5];
+  const double *tensor = b->inertia;
+  double S[3][3] = {
+      {tensor[0], tensor[1], tensor[2]}, {tensor[1], tensor[3], tensor[4]}, {tensor[2], tensor[4], tensor[5]}};
+  double V[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, trace = tensor[0] + tensor[3] + tensor[5];
   diagonalize(S, V);
   for (int k = 0; k < 3; k++)
     for (int c = 0; c < 3 && S[k][k] > SMALL * trace; c++) b->turn[c] += V[k][c] * dot(V[k], b->torque) / S[k][k];
@@ -221,13 +217,13 @@ static void turn_freely(body *b) {
 
 static void turn_about(body *b, const double *x) {
   double e[3], I_e[3];
-  const double *I = b->inertia;
+  const double *tensor = b->inertia;
   from_centre(b, x + 3 * b->far, e);
   for (int c = 0; c < 3; c++) e[c] /= sqrt(b->far2);
-  I_e[0] = I[0] * e[0] + I[1] * e[1] + I[2] * e[2];
-  I_e[1] = I[1] * e[0] + I[3] * e[1] + I[4] * e[2];
-  I_e[2] = I[2] * e[0] + I[4] * e[1] + I[5] * e[2];
-  double inertia = dot(e, I_e), trace = I[0] + I[3] + I[5];
+  I_e[0] = tensor[0] * e[0] + tensor[1] * e[1] + tensor[2] * e[2];
+  I_e[1] = tensor[1] * e[0] + tensor[3] * e[1] + tensor[4] * e[2];
+  I_e[2] = tensor[2] * e[0] + tensor[4] * e[1] + tensor[5] * e[2];
+  double inertia = dot(e, I_e), trace = tensor[0] + tensor[3] + tensor[5];
   for (int c = 0; c < 3 && inertia > SMALL * trace; c++) b->turn[c] = e[c] * dot(e, b->torque) / inertia;
 }
 
@@ -286,7 +282,7 @@ static hk_status factorize(desbrun *m, hk_system *s, double h) {
   m->h = 0;
   for (size_t q = 0; q < m->edges.count; q++) m->weight[q] = h * h * m->edges.stiffness[q];
   hk_laplacian_fill(&m->laplacian, s->model->mass, s->model->inverse_mass, m->weight);
-  hk_status status = s->factorize(s, &m->laplacian.matrix);
+  hk_status status = s->linear->factorize(s, &m->laplacian.matrix);
   if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->force, m->force + 3 * s->n);
   if (status == HK_OK) m->h = h;
   return status;
@@ -294,7 +290,7 @@ static hk_status factorize(desbrun *m, hk_system *s, double h) {
 
 static hk_status prepare(desbrun *m, hk_system *s, double h) {
   bool fresh = !m->edges.valid, changed;
-  hk_status status = hk_element_edges_alone(s);
+  hk_status status = hk_element_edges_uncoupled(s);
   if (status == HK_OK) status = hk_element_edges_take(&m->edges, s, m->imposed, &changed);
   if (status == HK_OK && changed) status = arrange(m, s, fresh);
   if (status == HK_OK && (changed || h != m->h)) status = factorize(m, s, h);
@@ -346,7 +342,7 @@ static double path_power(const desbrun *m, const double *F, const double *a, con
 /* a = (M - h^2 H)^-1 F among the motions that pins allow. Pinned particles have separate equations, whose solution is
  * discarded. */
 static hk_status filter_forces(desbrun *m, hk_system *s, const double *F, double *a) {
-  hk_status status = s->solve_columns(s, F, a, 3);
+  hk_status status = s->linear->solve_columns(s, F, a, 3);
   if (status == HK_OK) status = hk_slide_pins_correct(&m->slides, s, a, m->scratch, m->scratch + 3 * s->n);
   if (status == HK_OK) s->filter(s, a);
   return status;
@@ -372,11 +368,11 @@ static void advance(const desbrun *m, double *x, double *v, const double *extern
   }
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   desbrun *m = self;
   size_t v = 3 * s->n, y = 6 * s->n;
   double *X = m->next, *external = m->slope, *dy = m->slope + v, *F = m->force, *a = m->force + v;
-  (void)out;
+  (void)method, (void)out;
   hk_status status = prepare(m, s, h);
   memcpy(X, s->X, s->size * sizeof *X);
   if (status == HK_OK) status = s->accelerations(s, s->t, X, X + v, X + y, external, dy);
@@ -406,14 +402,18 @@ static void reset(void *self, hk_reason why) {
   if (why == HK_CHECKPOINT) ((desbrun *)self)->h = 0;
 }
 
+static const hk_constrained_facet constrained = {.size = sizeof constrained,
+                                                 .refused = "its filtered forces know no multipliers"};
+static const hk_facet facets[] = {{HK_CONSTRAINED_ID, &constrained}, {0}};
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_NEEDS_SOLVER,
-                                         .without_constraints = "its filtered forces know no multipliers",
-                                         .amplification = amplification,
                                          .step = step,
-                                         .reset = reset};
+                                         .reset = reset,
+                                         .growth = growth,
+                                         .facets = facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,6 +1,10 @@
 /* The implicit part of Kennedy and Carpenter's ARK4(3)6L[2]SA: order 4 with an embedded method of order 3, L-stable,
  * stage order 2, five implicit stages with the same matrix. The method chooses its steps. Where h w is large and the
- * forces are nonlinear, the order decreases towards the stage order. */
+ * forces are nonlinear, the order decreases towards the stage order.
+ *
+ * For many digits: cloth of 8 x 8 particles, k = 1e4 N/m, 0.1 s to 1e-6 m takes it 159 evaluations, tr_bdf2 459,
+ * implicit_midpoint 491, bdf2 578 (hooke bench scripts/scenes/stiff_cloth.lua N=8 k=1e4 --until 0.1 --target 1e-6).
+ */
 #include "plugins/common/implicit/dirk.h"
 
 /* On an oscillator of frequency w the method's error is 3.6 h w times its distance from the authors' embedded method,
@@ -25,30 +29,14 @@ static const hk_dirk_tableau tableau = {
     .error_order = 3,
 };
 
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_dirk_amplification(&tableau, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_dirk_rotation(&tableau, hw, hg, hb);
-}
-
-static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  return hk_dirk_adaptive_step(self, &tableau, s, t_stop, h, out);
-}
-
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 4,
                                          .stages = 5,
                                          .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = reset};
+                                         .method = &tableau,
+                                         .step = hk_dirk_adaptive_step,
+                                         .reset = hk_dirk_reset,
+                                         .growth = hk_dirk_growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,40 +1,22 @@
-/* Explicit Euler. The amplitude of an undamped oscillator grows by the factor sqrt(1 + h^2 w^2) per step. */
+/* Explicit Euler. The amplitude of an undamped oscillator grows by the factor sqrt(1 + h^2 w^2) per step.
+ *
+ * The first method of every textbook, to compare: a curtain of 8 x 8 particles, 0.2 s to 1e-3 m, takes it 22,224
+ * evaluations, symplectic_euler 180, leapfrog 181 (hooke bench scripts/scenes/curtain.lua N=8 --until 0.2 --target
+ * 1e-3).
+ */
 #include "plugins/common/integrate/runge_kutta.h"
 
 static const hk_tableau tableau = {.stages = 1, .b = {1}};
 
-typedef struct euler {
-  double *k; /* slopes and the state of a stage */
-} euler;
-
-static const hk_field fields[] = {
-    {"stages", HK_FIELD_STATE, 1 + 1, offsetof(euler, k), HK_SCRATCH},
-    {0},
-};
-
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_rk_amplification(&tableau, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_rk_rotation(&tableau, hw, hg, hb);
-}
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  const euler *m = self;
-  (void)t_stop, (void)out;
-  return hk_rk_step(&tableau, s, h, m->k);
-}
+static const hk_field fields[] = HK_RK_FIELDS(1);
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step};
+                                         .method = &tableau,
+                                         .step = hk_rk_step,
+                                         .growth = hk_rk_growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
@@ -42,7 +24,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .name = "euler",
     .summary = "explicit Euler, X + h f(X); order 1, unstable without damping",
     .reference = "Euler 1768, Institutionum calculi integralis I, II.7",
-    .instance_size = sizeof(euler),
+    .instance_size = sizeof(hk_runge_kutta),
     .fields = fields,
     .integrator = &integrator,
 };

@@ -4,7 +4,11 @@
  * Both stages have the same matrix, that of the implicit part. The implicit forces are those that `implicit` names; by
  * default, those that depend on positions and provide a symmetric Jacobian: springs, not wind or drag. Channels are
  * explicit. Ascher, Ruuth and Spiteri 1997, Applied Numerical Mathematics 25, section 2.6. The partition in space of
- * Boxerman and Ascher 2004 is not implemented. */
+ * Boxerman and Ascher 2004 is not implemented.
+ *
+ * Better than bdf2 where wind or drag, without a symmetric Jacobian, would cost every step an unsymmetric solution;
+ * with springs alone it takes 138 evaluations where bdf2 takes 101 (linear_bdf2.c).
+ */
 #include "plugins/common/implicit/dirk.h"
 
 #include <string.h>
@@ -22,38 +26,28 @@ static const double g_ = 0.29289321881345248, d_ = -0.70710678118654752;
 static const hk_param params[] = {
     HK_NEWTON_PARAMS(imex, 1e-6, "algebraic error of a step's velocities, relative to the largest RMS speed so far", 30,
                      "of Newton's method in a stage, at most; then the step is halved"),
-    {"implicit",
-     "",
-     "labels of the forces to take implicitly, with spaces between",
-     HK_STRING,
-     {0},
-     0,
-     0,
-     offsetof(imex, names),
-     0,
-     NULL},
+    {"implicit", "", "labels of the forces to take implicitly, with spaces between", .string = HK_AT(imex, names)},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"newton_speed", HK_FIELD_NUMBER, 1, offsetof(imex, newton.speed), 0},
-    {"memory", HK_FIELD_STATE, STATES, offsetof(imex, memory), HK_SCRATCH},
-    {"newton", HK_FIELD_STATE, HK_NEWTON_STATES, offsetof(imex, newton.memory), HK_SCRATCH},
+    {"newton_speed", .number = HK_AT(imex, newton.speed)},
+    {"memory", .state = HK_AT(imex, memory), .width = STATES, .flags = HK_SCRATCH},
+    {"newton", .state = HK_AT(imex, newton.memory), .width = HK_NEWTON_STATES, .flags = HK_SCRATCH},
     {0},
 };
 
 /* The factor of the implicit part, applied to the whole oscillator. The stable step of the method is that of the
  * explicit forces alone, which the linear oscillator does not determine. */
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
+  (void)self, (void)method;
   static const hk_dirk_tableau implicit = {
       .stages = 2,
       .c = {0.29289321881345248, 1},
       .a = {{0.29289321881345248}, {0.70710678118654752, 0.29289321881345248}},
       .b = {0.70710678118654752, 0.29289321881345248},
   };
-  return hk_dirk_amplification(&implicit, hw, hg);
+  return hb == 0 ? hk_dirk_growth(NULL, &implicit, hw, hg, 0) : NAN;
 }
 
 static bool named(const char *names, const char *label) {
@@ -70,21 +64,21 @@ static bool is_stiff(const imex *m, const hk_force_info *force) {
 }
 
 static hk_status check_forces(const imex *m, hk_system *s) {
-  for (size_t k = 0; k < s->forces; k++)
-    if (is_stiff(m, &s->force[k]) && !s->force[k].jacobian)
-      return s->host->fail(s->host, HK_BAD_PARAM, "implicit: force '%s' has no Jacobian", s->force[k].label);
+  for (size_t k = 0; k < s->split->forces; k++)
+    if (is_stiff(m, &s->split->force[k]) && !s->split->force[k].jacobian)
+      return s->host->fail(s->host, HK_BAD_PARAM, "implicit: force '%s' has no Jacobian", s->split->force[k].label);
   return HK_OK;
 }
 
 static void take(const imex *m, hk_system *s, bool implicit) {
-  for (size_t k = 0; k < s->forces; k++) s->takes[k] = is_stiff(m, &s->force[k]) == implicit;
-  s->takes_channels = !implicit;
+  for (size_t k = 0; k < s->split->forces; k++) s->split->takes[k] = is_stiff(m, &s->split->force[k]) == implicit;
+  s->split->takes_channels = !implicit;
 }
 
 static double *vector(const imex *m, const hk_system *s, int which) { return m->memory + (size_t)which * s->size; }
 
 /* The slope of the explicit part; its entries for x are 0. */
-static hk_status look(const imex *m, hk_system *s, double t, double *X, double *slope) {
+static hk_status explicit_slope(const imex *m, hk_system *s, double t, double *X, double *slope) {
   size_t v = 3 * s->n;
   take(m, s, false);
   memset(slope, 0, v * sizeof *slope);
@@ -109,27 +103,27 @@ static hk_status solve(imex *m, hk_system *s, double t, double g) {
 static hk_status leave_motion(const imex *m, hk_system *s, double t, double *X, double *slope) {
   size_t v = 3 * s->n;
   double *none = vector(m, s, IMPLICIT);
-  if (s->equations == 0) return HK_OK;
-  for (size_t k = 0; k < s->forces; k++) s->takes[k] = false;
-  s->takes_channels = false;
+  if (hk_system_equations(s) == 0) return HK_OK;
+  for (size_t k = 0; k < s->split->forces; k++) s->split->takes[k] = false;
+  s->split->takes_channels = false;
   hk_status status = s->accelerations(s, t, X, X + v, X + 2 * v, none + v, none + 2 * v);
   for (size_t e = v; e < s->size; e++) slope[e] -= none[e];
   return status;
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   imex *m = self;
   double *base = vector(m, s, BASE), *X = vector(m, s, STATE), *E = vector(m, s, EXPLICIT),
          *E2 = vector(m, s, EXPLICIT_2), *I = vector(m, s, IMPLICIT), g = g_ * h;
-  (void)t_stop, (void)out;
+  (void)method, (void)t_stop, (void)out;
   hk_status status = check_forces(m, s);
-  if (status == HK_OK) status = look(m, s, s->t, s->X, E);
+  if (status == HK_OK) status = explicit_slope(m, s, s->t, s->X, E);
   if (status == HK_OK) status = leave_motion(m, s, s->t, s->X, E);
   if (status != HK_OK) return status;
   memcpy(base, s->X, s->size * sizeof *base);
   add(base, E, s->size, g);
   status = solve(m, s, s->t + g, g);
-  if (status == HK_OK) status = look(m, s, s->t + g, X, E2);
+  if (status == HK_OK) status = explicit_slope(m, s, s->t + g, X, E2);
   if (status == HK_OK) status = leave_motion(m, s, s->t + g, X, E2);
   if (status != HK_OK) return status;
   for (size_t e = 0; e < s->size; e++) I[e] = (X[e] - base[e]) / g;
@@ -152,9 +146,9 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 2,
                                          .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_SPLITS_FORCES,
-                                         .amplification = amplification,
                                          .step = step,
-                                         .reset = reset};
+                                         .reset = reset,
+                                         .growth = growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

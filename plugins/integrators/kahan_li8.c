@@ -1,5 +1,11 @@
 /* Kahan and Li's composition of seventeen leapfrog steps, some of them backwards in time: order 8 for forces F(x, t)
- * (splitting.h), for orbits and other undamped motion to ten digits and more. */
+ * (splitting.h), for orbits and other undamped motion to ten digits and more.
+ *
+ * It keeps the energy for any time, which stoermer8 does not, for more evaluations: 1,701 against 512 for the outer
+ * planets over 20,000 days, at 2.5e-8 and 1.2e-8 of the earth's distance. blanes_moan takes 4,801 to 5e-10, this 3,401.
+ * Their composition of order 6, s9odr6a, took 1,801 where blanes_moan took 1,201 to 3e-7, and 7,201 to 3e-10: it is
+ * left out.
+ */
 #include "plugins/common/integrate/splitting.h"
 
 /* Kahan and Li 1997, table 2, s17odr8a. */
@@ -8,29 +14,14 @@ static const hk_splitting_method method =
                    0.15884190655515560089621075, -0.39590389413323757733623154, 0.18453964097831570709183254,
                    0.25837438768632204729397911, 0.29501172360931029887096624, -0.60550853383003451169892108);
 
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_splitting_amplification(&method, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_splitting_rotation(&method, hw, hg, hb);
-}
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  (void)out;
-  return hk_splitting_step(self, &method, s, t_stop, h);
-}
-
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 8,
                                          .stages = 17,
                                          .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = hk_splitting_reset};
+                                         .method = &method,
+                                         .step = hk_splitting_step,
+                                         .reset = hk_splitting_reset,
+                                         .growth = hk_splitting_growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

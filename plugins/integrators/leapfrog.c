@@ -13,8 +13,8 @@
  * still symplectic, reversible and of order 2 (Andersen 1983; Leimkuhler and Skeel 1994). The slope that is kept, a' =
  * 2 (v' - v_m)/h, has the constraint forces in it, so that the next step begins near its end; velocity-dependent forces
  * see 2 v_m - v. */
-#include "plugins/common/integrate/leap.h"
-#include "plugins/common/integrate/leapfrog_growth.h"
+#include "plugins/kit/integrate/leap.h"
+#include "plugins/kit/integrate/leapfrog_growth.h"
 
 #include "core/plugin.h"
 
@@ -25,20 +25,15 @@ typedef struct leapfrog {
 } leapfrog;
 
 static const hk_field fields[] = {
-    {"primed", HK_FIELD_INTEGER, 1, offsetof(leapfrog, primed), 0},
-    {"newest", HK_FIELD_INTEGER, 1, offsetof(leapfrog, newest), 0},
-    {"slope", HK_FIELD_STATE, 1, offsetof(leapfrog, slope), 0},
+    {"primed", .integer = HK_AT(leapfrog, primed)},
+    {"newest", .integer = HK_AT(leapfrog, newest)},
+    {"slope", .state = HK_AT(leapfrog, slope), .width = 1},
     {0},
 };
 
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_leapfrog_growth(hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_leapfrog_turning_growth(hw, hg, hb);
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
+  (void)self, (void)method;
+  return hk_leapfrog_growth(hw, hg, hb);
 }
 
 static void reset(void *self, hk_reason why) {
@@ -73,7 +68,8 @@ static void extrapolate(double *restrict v, const double *restrict before, size_
 }
 
 /* v = the end's velocity, extrapolated, becomes that with the forces at the end; `a` keeps the one in the middle. */
-static void kick_held(double *restrict v, const double *restrict before, double *restrict a, size_t count, double by) {
+static void kick_constrained(double *restrict v, const double *restrict before, double *restrict a, size_t count,
+                             double by) {
   for (size_t e = 0; e < count; e++) {
     double middle = 0.5 * (before[e] + v[e]);
     v[e] = middle + by * a[e];
@@ -97,21 +93,21 @@ static hk_status prime(leapfrog *m, hk_system *s) {
 }
 
 /* The step in a scene with constraints: RATTLE. */
-static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
+static hk_status constrained_step(leapfrog *m, hk_system *s, double t_next, double h) {
   size_t v = 3 * s->n, y = 6 * s->n, rest = s->size - y;
   double *X = s->X, *next = s->spare, *a = slope_of(m, s, m->newest), *dy = rates_of(m, s), work = 0, given = 0;
-  s->takes_constraints = false;
+  s->constraint->takes_constraints = false;
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   drift(next, next + v, X, X + v, a, v, h);
-  status = s->hold_positions(s, t_next, X, h, next, next + v, &work);
+  status = s->constraint->shake(s, t_next, X, h, next, next + v, &work);
   if (status != HK_OK) return status;
   predict_rest(next + y, X + y, dy, rest, h);
   extrapolate(next + v, X + v, v);
   status = s->accelerations(s, t_next, next, next + v, next + y, a, dy);
   if (status != HK_OK) return status;
-  kick_held(next + v, X + v, a, v, h / 2);
-  status = s->hold_velocities(s, t_next, next, h, next + v, &given);
+  kick_constrained(next + v, X + v, a, v, h / 2);
+  status = s->constraint->rattle(s, t_next, next, h, next + v, &given);
   if (status != HK_OK) return status;
   dy[rest - 1] += 2 / h * given; /* the power of constraint forces, as `a` has the forces */
   for (size_t e = 0; e < v; e++) a[e] = 2 / h * (next[v + e] - a[e]);
@@ -122,18 +118,18 @@ static hk_status held_step(leapfrog *m, hk_system *s, double t_next, double h) {
   return HK_OK;
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   leapfrog *m = self;
   size_t v = 3 * s->n, y = 6 * s->n;
   double *X = s->X, *next = s->spare, *dy = rates_of(m, s), t_next = fmin(t_stop, s->t + h);
-  (void)out;
-  if (s->holonomic) return held_step(m, s, t_next, h);
+  (void)method, (void)out;
+  if (s->constraint && s->constraint->holonomic) return constrained_step(m, s, t_next, h);
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   double *a_next = slope_of(m, s, m->newest + 1);
-  hk_leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h};
+  hk_leap l = {X, X + v, slope_of(m, s, m->newest), next, next + v, a_next, h, s->host->lanes};
   predict_rest(next + y, X + y, dy, s->size - y, h);
-  status = s->pass(s, t_next, next, next + v, next + y, a_next, dy, &(hk_pass){&l, hk_leap_predict, hk_leap_correct});
+  status = s->fused(s, t_next, next, next + v, next + y, a_next, dy, &(hk_fused){&l, hk_leap_predict, hk_leap_correct});
   if (status != HK_OK) return status;
   kick_rest(next + y, X + y, dy, s->size - y, h);
   s->exchange(s);
@@ -142,27 +138,28 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
-static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count) {
+static hk_status tile(void *self, const void *method, hk_system *s, const double *t, double h, size_t *count) {
   leapfrog *m = self;
   size_t v = 3 * s->n, work = 6 * s->n;
   double *X = s->X, *next = s->spare, *power = rates_of(m, s);
-  hk_leap leaps[HK_LEVELS];
-  hk_level level[HK_LEVELS];
+  hk_leap leaps[HK_TILE_STEPS];
+  hk_tile_step step[HK_TILE_STEPS];
+  (void)method;
   hk_status status = prime(m, s);
   if (status != HK_OK) return status;
   for (size_t k = 0; k < *count; k++) {
     double *a_next = slope_of(m, s, m->newest + (int64_t)k + 1);
-    leaps[k] = (hk_leap){X, X + v, slope_of(m, s, m->newest + (int64_t)k), next, next + v, a_next, h};
-    hk_pass pass = {&leaps[k], k ? hk_leap_predict_here : hk_leap_predict, hk_leap_correct};
-    level[k] = (hk_level){t[k], next, next + v, a_next, pass, 0};
+    leaps[k] = (hk_leap){X, X + v, slope_of(m, s, m->newest + (int64_t)k), next, next + v, a_next, h, s->host->lanes};
+    hk_fused fused = {&leaps[k], k ? hk_leap_predict_here : hk_leap_predict, hk_leap_correct};
+    step[k] = (hk_tile_step){t[k], next, next + v, a_next, fused, 0};
   }
-  status = s->wave(s, level, *count);
+  status = s->tile(s, step, *count);
   if (status != HK_OK) return status;
   next[work] = X[work];
   for (size_t k = 0; k < *count; k++) {
     double before = next[work];
     predict_rest(next + work, &before, power, 1, h);
-    *power = level[k].power;
+    *power = step[k].power;
     kick_rest(next + work, &before, power, 1, h);
   }
   m->primed = 1;
@@ -170,15 +167,18 @@ static hk_status march(void *self, hk_system *s, const double *t, double h, size
   return HK_OK;
 }
 
+static const hk_tile_facet tiles = {.size = sizeof tiles, .steps = tile};
+static const hk_constrained_facet constrained = {.size = sizeof constrained, .keeps = true};
+static const hk_facet facets[] = {{HK_TILE_ID, &tiles}, {HK_CONSTRAINED_ID, &constrained}, {0}};
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
-                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_KEEPS_CONSTRAINTS | HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
+                                         .flags = HK_SYMPLECTIC | HK_REVERSIBLE | HK_USES_SPARE,
                                          .step = step,
                                          .reset = reset,
-                                         .march = march};
+                                         .growth = growth,
+                                         .facets = facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -26,14 +26,19 @@
  * when h, the springs or the pins change.
  * Liu, Bouaziz and Kavan, Quasi-Newton methods for real-time simulation of hyperelastic materials, ACM TOG 36 (2017);
  * Liu, Bargteil, O'Brien and Kavan, Fast simulation of mass-spring systems, ACM TOG 32 (2013); acceleration: Peng and
- * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018). */
+ * others, Anderson acceleration for geometry optimization and physics simulation, ACM TOG 37 (2018).
+ *
+ * For a fixed price a step, whatever happens: one factorization for the whole run. For a given error others are
+ * cheaper: cloth of 8 x 8 particles, k = 1e6 N/m, to 1e-2 m takes it 1,152 evaluations and 46 ms, backward_euler 138
+ * and 12 ms (the command is there).
+ */
 #include "plugins/common/linear/anderson.h"
 #include "plugins/common/elements/element_energy.h"
 #include "plugins/common/springs/element_edges.h"
 #include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
 #include "plugins/common/integrate/step_control.h"
-#include "plugins/common/springs/spring_kernel.h"
+#include "plugins/kit/springs/spring_kernel.h"
 
 #include <float.h>
 #include <string.h>
@@ -71,43 +76,42 @@ typedef struct local_global {
   double *next, *slope; /* shaped as X: the new state; (a, dy) */
 } local_global;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"iterations", "", "local and global iterations a step",
-     HK_INTEGER, {10}, 1, 1e6, offsetof(local_global, iterations), 0, NULL},
-    {"tolerance", "", "stops when an iteration moves positions by less than this part of what the step does; not "
-                      "reached, the step is halved. 0: all iterations, whatever they leave",
-     HK_NUMBER, {0}, 0, 1, offsetof(local_global, tolerance), 0, NULL},
-    {"acceleration", "", "of the iteration",
-     HK_CHOICE, {PLAIN}, 0, 0, offsetof(local_global, acceleration), 0, "none|anderson"},
-    {"window", "", "iterations that anderson looks back",
-     HK_INTEGER, {5}, 1, HK_ANDERSON_MOST, offsetof(local_global, window), 0, NULL},
+    {"iterations", "", "local and global iterations a step", .integer = HK_AT(local_global, iterations),
+     .initial = {10}, .limits = HK_WITHIN(1, 1e6)},
+    {"tolerance", "",
+     "stops when an iteration moves positions by less than this part of what the step does; not "
+     "reached, the step is halved. 0: all iterations, whatever they leave",
+     .number = HK_AT(local_global, tolerance), .limits = HK_WITHIN(0, 1)},
+    {"acceleration", "", "of the iteration", .choice = HK_AT(local_global, acceleration), .initial = {PLAIN},
+     .choices = "none|anderson"},
+    {"window", "", "iterations that anderson looks back", .integer = HK_AT(local_global, window), .initial = {5},
+     .limits = HK_WITHIN(1, HK_ANDERSON_MOST)},
     {0},
 };
-/* clang-format on */
 
 static const hk_field fields[] = {
-    {"warned", HK_FIELD_INTEGER, 1, offsetof(local_global, warned), 0},
-    {"steepness", HK_FIELD_ARRAY, sizeof(double), offsetof(local_global, steepness), 0},
-    {"change", HK_FIELD_NUMBER, 1, offsetof(local_global, change), 0},
-    {"displacement", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, d), HK_SCRATCH},
-    {"from", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, from), HK_SCRATCH},
-    {"inertia", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, y), HK_SCRATCH},
-    {"force", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, F), HK_SCRATCH},
-    {"gradient", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, r), HK_SCRATCH},
-    {"correction", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, dx), HK_SCRATCH},
-    {"scratch", HK_FIELD_PER_PARTICLE, 3, offsetof(local_global, scratch), HK_SCRATCH},
-    {"next", HK_FIELD_STATE, 1, offsetof(local_global, next), HK_SCRATCH},
-    {"slope", HK_FIELD_STATE, 1, offsetof(local_global, slope), HK_SCRATCH},
+    {"warned", .integer = HK_AT(local_global, warned)},
+    {"steepness", .array = HK_AT(local_global, steepness), .width = sizeof(double)},
+    {"change", .number = HK_AT(local_global, change)},
+    {"displacement", .per_particle = HK_AT(local_global, d), .width = 3, .flags = HK_SCRATCH},
+    {"from", .per_particle = HK_AT(local_global, from), .width = 3, .flags = HK_SCRATCH},
+    {"inertia", .per_particle = HK_AT(local_global, y), .width = 3, .flags = HK_SCRATCH},
+    {"force", .per_particle = HK_AT(local_global, F), .width = 3, .flags = HK_SCRATCH},
+    {"gradient", .per_particle = HK_AT(local_global, r), .width = 3, .flags = HK_SCRATCH},
+    {"correction", .per_particle = HK_AT(local_global, dx), .width = 3, .flags = HK_SCRATCH},
+    {"scratch", .per_particle = HK_AT(local_global, scratch), .width = 3, .flags = HK_SCRATCH},
+    {"next", .state = HK_AT(local_global, next), .width = 1, .flags = HK_SCRATCH},
+    {"slope", .state = HK_AT(local_global, slope), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
 
 /* The largest modulus of the roots of (1 + z^2 + hg) lambda^2 - (2 + hg) lambda + 1, z = hw, for the damping of
  * springs. */
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
+  (void)self, (void)method;
   double z = 2 * hw, leading = 1 + hw * hw + hg;
+  if (hb != 0) return NAN;
   if (hg < z) return 1 / sqrt(leading);
   return fmin(1, (2 + hg + sqrt((hg - z) * (hg + z))) / (2 * leading));
 }
@@ -197,7 +201,7 @@ static hk_status make_matrix(local_global *m, hk_system *s, double h) {
   hk_element_energy_weights(&m->elements, h, m->weight + edges, m->diagonal);
   hk_laplacian_fill(&m->laplacian, m->diagonal, s->model->inverse_mass, m->weight);
   m->h = 0;
-  hk_status status = s->factorize(s, &m->laplacian.matrix);
+  hk_status status = s->linear->factorize(s, &m->laplacian.matrix);
   if (status == HK_OK) status = hk_slide_pins_factorize(&m->slides, s, m->r, m->dx);
   if (status == HK_OK) m->h = h;
   return status;
@@ -221,7 +225,8 @@ static hk_status prepare(local_global *m, hk_system *s, double h) {
  * and refuses the step for h g > 2, where explicit steps on v' = -g v are unstable. */
 static hk_status check_rate(local_global *m, hk_system *s, double h) {
   bool depends = false;
-  for (size_t k = 0; k < s->forces; k++) depends |= s->takes[k] && s->force[k].flags & HK_DEPENDS_ON_V;
+  for (size_t k = 0; k < s->split->forces; k++)
+    depends |= s->split->takes[k] && s->split->force[k].flags & HK_DEPENDS_ON_V;
   if (!depends) return HK_OK;
   size_t n = 3 * s->n;
   double *x = m->next, *v = m->next + n, *a = m->slope, *other = m->F, whole = 0, part = 0;
@@ -391,7 +396,7 @@ static double relative_change(const local_global *m, const hk_system *s, double 
 static hk_status correction(local_global *m, hk_system *s, double h) {
   forces(m, s, h, NULL);
   residual(m, s, h);
-  hk_status status = s->solve_columns(s, m->r, m->dx, 3);
+  hk_status status = s->linear->solve_columns(s, m->r, m->dx, 3);
   return status == HK_OK ? hk_slide_pins_correct(&m->slides, s, m->dx, m->F, m->scratch) : status;
 }
 
@@ -494,9 +499,10 @@ static void finish(local_global *m, hk_system *s, double h, double t_next) {
   memcpy(s->X, m->next, 2 * n * sizeof *v);
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   local_global *m = self;
   double t_next = fmin(t_stop, s->t + h);
+  (void)method;
   hk_status status = prepare(m, s, h);
   if (status == HK_OK) hk_element_energy_start(&m->elements, m->host, s->X);
   if (status == HK_OK) status = predict(m, s, h, t_next);
@@ -511,14 +517,18 @@ static void reset(void *self, hk_reason why) {
   if (why == HK_CHECKPOINT) ((local_global *)self)->h = 0;
 }
 
+static const hk_constrained_facet constrained = {.size = sizeof constrained,
+                                                 .refused = "its constant matrix has no multipliers"};
+static const hk_facet facets[] = {{HK_CONSTRAINED_ID, &constrained}, {0}};
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_IMPLICIT | HK_NEEDS_SOLVER,
-                                         .without_constraints = "its constant matrix has no multipliers",
-                                         .amplification = amplification,
                                          .step = step,
-                                         .reset = reset};
+                                         .reset = reset,
+                                         .growth = growth,
+                                         .facets = facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

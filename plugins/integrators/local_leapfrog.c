@@ -18,9 +18,9 @@
 #include "plugins/common/local/local_filter.h"
 #include "plugins/common/local/short_steps.h"
 #include "plugins/common/local/stiff_edges.h"
-#include "plugins/common/springs/edge_stiffness.h"
-#include "plugins/common/integrate/leap.h"
-#include "plugins/common/integrate/leapfrog_growth.h"
+#include "plugins/kit/springs/edge_stiffness.h"
+#include "plugins/kit/integrate/leap.h"
+#include "plugins/kit/integrate/leapfrog_growth.h"
 
 #include <string.h>
 
@@ -29,37 +29,31 @@ typedef struct local_leapfrog {
   double *slope;  /* (a, dy) */
   hk_stiff_edges stiff;
   hk_short_steps part;
-  hk_aside aside;
-  bool divided, looked; /* `stiff` is that of the topology; also of the present masses and forces */
-  double *inverse_mass; /* n, of the division */
-  bool *acts;           /* element lists, of the division */
+  hk_fast_subset fast;
+  bool selected, looked; /* `stiff` is that of the topology; also of the present masses and forces */
+  double *inverse_mass;  /* n, of the selection */
+  bool *acts;            /* element lists, of the selection */
   size_t n, lists;
 } local_leapfrog;
 
 static const hk_field fields[] = {
-    {"primed", HK_FIELD_INTEGER, 1, offsetof(local_leapfrog, primed), 0},
-    {"slope", HK_FIELD_STATE, 1, offsetof(local_leapfrog, slope), 0},
+    {"primed", .integer = HK_AT(local_leapfrog, primed)},
+    {"slope", .state = HK_AT(local_leapfrog, slope), .width = 1},
     {0},
 };
 
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_leapfrog_growth(hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_leapfrog_turning_growth(hw, hg, hb);
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
+  (void)self, (void)method;
+  return hk_leapfrog_growth(hw, hg, hb);
 }
 
 /* Leapfrog's, of a mode for which stiff ones leave that much room: the limit is the true one for the worst of them. */
-static double growth(const void *self, double h, double w, double g, double b) {
+static double coupled_growth(const void *self, double h, double w, double g, double b) {
   const hk_short_steps *part = &((const local_leapfrog *)self)->part;
   double room = 1;
   for (size_t k = 0; k < part->parts; k++) room = fmin(room, hk_local_room(&part->part[k].modes, part->shift, h));
   if (!(room > 0)) return INFINITY;
-  return b == 0 ? hk_leapfrog_growth(h * w / sqrt(room), h * g / room)
-                : hk_leapfrog_turning_growth(h * w / sqrt(room), h * g / room, h * b / room);
+  return hk_leapfrog_growth(h * w / sqrt(room), h * g / room, h * b / room);
 }
 
 /* ---- what is stiff ---- */
@@ -100,7 +94,7 @@ static void remove_bound(const void *self, const hk_system *s, hk_stiffness_part
 }
 
 static bool same(const local_leapfrog *m, const hk_model *model) {
-  bool same = m->divided && m->n == model->n && m->lists == model->element_lists;
+  bool same = m->selected && m->n == model->n && m->lists == model->element_lists;
   for (size_t k = 0; same && k < m->lists; k++) same = m->acts[k] == model->element_list[k].acts;
   return same && memcmp(m->inverse_mass, model->inverse_mass, m->n * sizeof *m->inverse_mass) == 0;
 }
@@ -118,13 +112,13 @@ static hk_status remember(local_leapfrog *m, const hk_host *host, const hk_model
   return HK_OK;
 }
 
-static hk_status divide(void *self, hk_system *s) {
+static hk_status select_fast(void *self, hk_system *s) {
   local_leapfrog *m = self;
   const hk_host *host = s->host;
   m->looked = true;
   if (same(m, s->model)) return HK_OK;
-  m->divided = false; /* a slope from a checkpoint stays; where forces have changed, the host calls reset */
-  s->aside = NULL;
+  m->selected = false; /* a slope from a checkpoint stays; where forces have changed, the host calls reset */
+  s->split->fast = NULL;
   hk_status status = remember(m, host, s->model);
   if (status == HK_OK) status = hk_stiff_edges_choose(&m->stiff, host, s->model);
   if (status == HK_OK) status = hk_short_steps_build(&m->part, s, &m->stiff, s->spare);
@@ -132,9 +126,9 @@ static hk_status divide(void *self, hk_system *s) {
     hk_stiff_edges_free(&m->stiff, host);
     return host->fail(host, status, "no memory for the short steps of stiff springs");
   }
-  m->divided = true;
-  m->aside = (hk_aside){m, remove_forces, remove_bound};
-  if (m->stiff.count) s->aside = &m->aside;
+  m->selected = true;
+  m->fast = (hk_fast_subset){m, remove_forces, remove_bound};
+  if (m->stiff.count) s->split->fast = &m->fast;
   if (!m->stiff.count)
     host->warn(host, "short steps would save nothing here, so all steps are leapfrog's: no springs are few and stiff");
   return HK_OK;
@@ -143,7 +137,7 @@ static hk_status divide(void *self, hk_system *s) {
 static hk_status topology(void *self, const hk_view *view) {
   local_leapfrog *m = self;
   (void)view;
-  m->divided = m->looked = false;
+  m->selected = m->looked = false;
   return HK_OK;
 }
 
@@ -157,7 +151,7 @@ static void reset(void *self, hk_reason why) {
 
 static hk_status prime(local_leapfrog *m, hk_system *s, double h) {
   size_t v = 3 * s->n;
-  hk_status status = m->looked ? HK_OK : divide(m, s);
+  hk_status status = m->looked ? HK_OK : select_fast(m, s);
   if (status != HK_OK) return status;
   if (!m->primed) {
     status = s->accelerations(s, s->t, s->X, s->X + v, s->X + 2 * v, m->slope, m->slope + v);
@@ -167,17 +161,17 @@ static hk_status prime(local_leapfrog *m, hk_system *s, double h) {
   return status;
 }
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   local_leapfrog *m = self;
   size_t v = 3 * s->n, y = 6 * s->n;
   double *X = s->X, *next = s->spare, *a = m->slope;
-  (void)out;
+  (void)method, (void)out;
   hk_status status = prime(m, s, h);
   if (status != HK_OK) return status;
-  hk_leap l = {X, X + v, a, next, next + v, a, h};
+  hk_leap l = {X, X + v, a, next, next + v, a, h, s->host->lanes};
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
-  status = s->pass(s, fmin(t_stop, s->t + h), next, next + v, next + y, a, a + v,
-                   &(hk_pass){&l, hk_leap_predict, hk_leap_kick});
+  status = s->fused(s, fmin(t_stop, s->t + h), next, next + v, next + y, a, a + v,
+                    &(hk_fused){&l, hk_leap_predict, hk_leap_kick});
   if (status != HK_OK) return status;
   if (m->stiff.count) hk_short_steps_take(&m->part, s->host, next, h, a, next + v);
   for (size_t e = y; e < s->size; e++) next[e] = 0.5 * (X[e] + next[e]) + h / 2 * a[e - v];
@@ -186,18 +180,20 @@ static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step
   return HK_OK;
 }
 
+static const hk_split_facet split = {
+    .size = sizeof split, .select_fast = select_fast, .coupled_growth = coupled_growth};
+static const hk_constrained_facet constrained = {
+    .size = sizeof constrained, .refused = "its short steps know nothing of constraints: leapfrog keeps them"};
+static const hk_facet facets[] = {{HK_SPLIT_ID, &split}, {HK_CONSTRAINED_ID, &constrained}, {0}};
+
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 1,
                                          .flags = HK_REVERSIBLE | HK_USES_SPARE,
-                                         .amplification = amplification,
                                          .step = step,
                                          .reset = reset,
-                                         .without_constraints =
-                                             "its short steps know nothing of constraints: leapfrog keeps them",
-                                         .rotation = rotation,
-                                         .divide = divide,
-                                         .growth = growth};
+                                         .growth = growth,
+                                         .facets = facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

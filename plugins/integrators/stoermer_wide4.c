@@ -13,7 +13,17 @@ enum { ORDER = 4, TERMS = 6 };
 static const hk_stoermer_method method = {
     ORDER, TERMS, {1, 0, 1.0 / 12, 1.0 / 12, -0.004, -0.015}, {1, 1.0 / 2, 5.0 / 12, 3.0 / 8, -0.67, 0.18}};
 
-HK_STOERMER_INTEGRATOR(TERMS);
+static const hk_field fields[] = HK_STOERMER_FIELDS(TERMS);
+
+static const hk_integrator integrator = {.size = sizeof(hk_integrator),
+                                         .order = ORDER,
+                                         .stages = 1,
+                                         .flags = HK_USES_SPARE,
+                                         .method = &method,
+                                         .step = hk_stoermer_step,
+                                         .reset = hk_stoermer_reset,
+                                         .growth = hk_stoermer_growth,
+                                         .facets = hk_stoermer_facets};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,5 +1,9 @@
-/* Symplectic Euler: v is advanced first, then x with the new v. Order 1; stable up to h w = 2 without damping. */
-#include "plugins/common/integrate/growth_factor.h"
+/* Symplectic Euler: v is advanced first, then x with the new v. Order 1; stable up to h w = 2 without damping.
+ *
+ * Beside leapfrog it has no history and its velocities are those of half a step: order 1. On a curtain (euler.c) as
+ * many steps, 180, leave 6.0e-4 m, leapfrog 8.6e-7.
+ */
+#include "plugins/kit/integrate/growth_factor.h"
 
 #include "core/plugin.h"
 
@@ -10,23 +14,17 @@ typedef struct symplectic_euler {
 } symplectic_euler;
 
 static const hk_field fields[] = {
-    {"slope", HK_FIELD_STATE, 1, offsetof(symplectic_euler, slope), HK_SCRATCH},
+    {"slope", .state = HK_AT(symplectic_euler, slope), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
 
 /* The roots lambda = 1 + u of v' = v - h w^2 x - h g v, x' = x + h v'; without damping their product is 1. */
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-
+static double growth(const void *self, const void *method, double hw, double hg, double hb) {
   double z = hw * hw;
+  (void)self, (void)method;
+  if (hb != 0) return hk_complex_polynomial_growth(2, (const double complex[]){z, z + hg + hb * I, 1});
   if (hg == 0) return hw <= 2 ? 1 : z / 2 - 1 + sqrt(z * (z / 4 - 1));
   return hk_polynomial_growth(2, (const double[]){z, z + hg, 1});
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  double z = hw * hw;
-  return hk_complex_polynomial_growth(2, (const double complex[]){z, z + hg + hb * I, 1});
 }
 
 typedef struct advance {
@@ -47,12 +45,13 @@ HK_INLINE void advance_each(const advance *all, size_t begin, size_t end) {
 HK_VERSIONS(static void, advance_range, (void *context, size_t begin, size_t end),
             advance_each(context, 3 * begin, 3 * end))
 
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
+static hk_status step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
   double *a = ((symplectic_euler *)self)->slope, *X = s->X, *next = s->spare;
   size_t v = 3 * s->n, y = 6 * s->n;
-  (void)t_stop, (void)out;
+  (void)method, (void)t_stop, (void)out;
   advance all = {X, X + v, a, next, next + v, h};
-  hk_status status = s->pass(s, s->t, X, X + v, X + y, a, a + v, &(hk_pass){&all, NULL, HK_WIDEST(advance_range)});
+  hk_status status =
+      s->fused(s, s->t, X, X + v, X + y, a, a + v, &(hk_fused){&all, NULL, HK_WIDEST(s->host->lanes, advance_range)});
   if (status != HK_OK) return status;
   for (size_t e = y; e < s->size; e++) next[e] = X[e] + h * a[e - v];
   s->exchange(s);
@@ -63,9 +62,8 @@ static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 1,
                                          .stages = 1,
                                          .flags = HK_SYMPLECTIC | HK_USES_SPARE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step};
+                                         .step = step,
+                                         .growth = growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

@@ -1,31 +1,19 @@
 /* TR-BDF2: the trapezoidal rule to t + (2 - sqrt 2) h, then the backward difference formula of order 2 to t + h, both
- * with the same matrix. Order 2, L-stable, with an error estimate and its own choice of the step. */
+ * with the same matrix. Order 2, L-stable, with an error estimate and its own choice of the step.
+ *
+ * For few digits: cloth with k = 1e6 N/m to 1e-3 m takes it 265 evaluations, off by 1.4e-4 m, esdirk4 289 at 1.7e-4
+ * (the command is in linear_bdf2.c). It is the first step of bdf2.
+ */
 #include "plugins/common/implicit/dirk.h"
-
-static double amplification(const void *self, double hw, double hg) {
-  (void)self;
-  return hk_dirk_amplification(&hk_tr_bdf2, hw, hg);
-}
-
-static double rotation(const void *self, double hw, double hg, double hb) {
-  (void)self;
-  return hk_dirk_rotation(&hk_tr_bdf2, hw, hg, hb);
-}
-
-static void reset(void *self, hk_reason why) { hk_dirk_reset(self, why); }
-
-static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {
-  return hk_dirk_adaptive_step(self, &hk_tr_bdf2, s, t_stop, h, out);
-}
 
 static const hk_integrator integrator = {.size = sizeof(hk_integrator),
                                          .order = 2,
                                          .stages = 2,
                                          .flags = HK_LIMITS_MOVES | HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_ADAPTIVE,
-                                         .amplification = amplification,
-                                         .rotation = rotation,
-                                         .step = step,
-                                         .reset = reset};
+                                         .method = &hk_tr_bdf2,
+                                         .step = hk_dirk_adaptive_step,
+                                         .reset = hk_dirk_reset,
+                                         .growth = hk_dirk_growth};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

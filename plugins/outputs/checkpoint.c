@@ -21,27 +21,13 @@ typedef struct checkpoint {
 } checkpoint;
 
 static const hk_param params[] = {
-    {"every",
-     "frames",
+    {"every", "frames",
      "a point from which the run can go on, every so many frames; methods that keep factors or a history renew them "
      "there",
-     HK_INTEGER,
-     {60},
-     1,
-     1e9,
-     offsetof(checkpoint, every),
-     0,
-     NULL},
-    {"seconds",
-     "s",
+     .integer = HK_AT(checkpoint, every), .initial = {60}, .limits = HK_WITHIN(1, 1e9)},
+    {"seconds", "s",
      "wall time after which such a point is written to the file; until then it is kept in memory. 0: every one",
-     HK_NUMBER,
-     {0},
-     0,
-     1e9,
-     offsetof(checkpoint, seconds),
-     0,
-     NULL},
+     .number = HK_AT(checkpoint, seconds), .limits = HK_WITHIN(0, 1e9)},
     {0},
 };
 

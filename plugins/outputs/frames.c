@@ -10,13 +10,13 @@
 
 typedef struct frames {
   int64_t width, height, every, sheet;
-  hk_look_names names;
+  hk_appearance_names names;
   const char *unit, *folder, *video_file, *views;
   double from[3], look_at[3], fov, outliers, radius, tube, thickness, least, opacity, fog, streak, ground_height,
       background[3], plain[3];
   hk_numbers range, keyframes, cameras;
   hk_solid_numbers solids;
-  hk_solid *solid;
+  hk_frame_solid *solid;
   size_t solid_count;
   int map, up, springs, particles, style, light;
   bool reverse, log, ground, shadows, obstacles, legend, pictures, video, follow;
@@ -32,116 +32,112 @@ typedef struct frames {
 enum { Z_UP, Y_UP };
 enum { AUTO_LIGHT, DAY, NIGHT };
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"width", "pixels", "width of the pictures",
-     HK_INTEGER, {1280}, 16, 8192, offsetof(frames, width), 0, NULL},
-    {"height", "pixels", "height of the pictures",
-     HK_INTEGER, {720}, 16, 8192, offsetof(frames, height), 0, NULL},
-    {"every", "frames", "draw every so many frames",
-     HK_INTEGER, {1}, 1, 1e9, offsetof(frames, every), 0, NULL},
+    {"width", "pixels", "width of the pictures", .integer = HK_AT(frames, width), .initial = {1280},
+     .limits = HK_WITHIN(16, 8192)},
+    {"height", "pixels", "height of the pictures", .integer = HK_AT(frames, height), .initial = {720},
+     .limits = HK_WITHIN(16, 8192)},
+    {"every", "frames", "draw every so many frames", .integer = HK_AT(frames, every), .initial = {1},
+     .limits = HK_WITHIN(1, 1e9)},
     {"color", "", "auto, none, strain, speed, age, mass, group, or a channel (of three numbers: red, green, blue)",
-     HK_STRING, {0}, 0, 0, offsetof(frames, names.color), 0, "auto"},
+     .string = HK_AT(frames, names.color), .text = "auto"},
     {"plain", "", "red, green and blue of everything with color = \"none\", 0 to 1; left out: blue",
-     HK_VECTOR, {0}, 0, 1, offsetof(frames, plain), HK_OPTIONAL, NULL},
+     .vector = HK_AT(frames, plain), .limits = HK_WITHIN(0, 1), .flags = HK_OPTIONAL},
     {"map", "", "colours of numbers; auto: diverging for strain, inferno for glow, else viridis",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, map), 0, "auto|" HK_MAP_NAMES},
-    {"reverse", "", "the colours from end to end: what is small gets the last",
-     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, reverse), 0, NULL},
+     .choice = HK_AT(frames, map), .choices = "auto|" HK_MAP_NAMES},
+    {"reverse", "", "the colours from end to end: what is small gets the last", .boolean = HK_AT(frames, reverse)},
     {"range", "", "smallest and largest number of the colours; left out: chosen from the whole motion",
-     HK_NUMBERS, {0}, 0, 0, offsetof(frames, range), HK_OPTIONAL, NULL},
-    {"log", "", "colours by the logarithm of the numbers",
-     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, log), 0, NULL},
-    {"unit", "", "unit of a channel, for the legend",
-     HK_STRING, {0}, 0, 0, offsetof(frames, unit), 0, NULL},
-    {"from", "m", "camera: where it stands; left out: where it sees the whole motion",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, from), HK_OPTIONAL | HK_TIMED, NULL},
+     .numbers = HK_AT(frames, range), .flags = HK_OPTIONAL},
+    {"log", "", "colours by the logarithm of the numbers", .boolean = HK_AT(frames, log)},
+    {"unit", "", "unit of a channel, for the legend", .string = HK_AT(frames, unit)},
+    {"from", "m", "camera: where it stands; left out: where it sees the whole motion", .vector = HK_AT(frames, from),
+     .flags = HK_OPTIONAL | HK_TIMED},
     {"look_at", "m", "target of the camera: what is in the middle of the picture; left out: the middle of the motion",
-     HK_VECTOR, {0}, 0, 0, offsetof(frames, look_at), HK_OPTIONAL | HK_TIMED, NULL},
-    {"keyframes", "", "the camera's way: t, x, y, z of where it stands and x, y, z of what it looks at, of each; between "
+     .vector = HK_AT(frames, look_at), .flags = HK_OPTIONAL | HK_TIMED},
+    {"keyframes", "",
+     "the camera's way: t, x, y, z of where it stands and x, y, z of what it looks at, of each; between "
      "them it moves smoothly",
-     HK_NUMBERS, {0}, 0, 0, offsetof(frames, keyframes), HK_OPTIONAL, NULL},
-    {"views", "", "several in each picture: camera (by from, look_at), front, back, left, right, top, bottom, camera2 ...; "
+     .numbers = HK_AT(frames, keyframes), .flags = HK_OPTIONAL},
+    {"views", "",
+     "several in each picture: camera (by from, look_at), front, back, left, right, top, bottom, camera2 ...; "
      "left out: camera",
-     HK_STRING, {0}, 0, 0, offsetof(frames, views), 0, NULL},
-    {"cameras", "m", "further ones for views, camera2, camera3 ...: x, y, z of where it stands and x, y, z of what it looks "
+     .string = HK_AT(frames, views)},
+    {"cameras", "m",
+     "further ones for views, camera2, camera3 ...: x, y, z of where it stands and x, y, z of what it looks "
      "at, of each",
-     HK_NUMBERS, {0}, 0, 0, offsetof(frames, cameras), HK_OPTIONAL, NULL},
+     .numbers = HK_AT(frames, cameras), .flags = HK_OPTIONAL},
     {"follow", "", "cameras go along with the particles, which fill two thirds of the picture",
-     HK_BOOLEAN, {0}, 0, 0, offsetof(frames, follow), 0, NULL},
-    {"fov", "degrees", "angle from the bottom to the top of the picture",
-     HK_NUMBER, {30}, 1, 150, offsetof(frames, fov), 0, NULL},
-    {"up", "", "the axis that points up",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, up), 0, "z|y"},
-    {"outliers", "", "share of the particles that a chosen camera may leave out on each side, where they would make "
+     .boolean = HK_AT(frames, follow)},
+    {"fov", "degrees", "angle from the bottom to the top of the picture", .number = HK_AT(frames, fov), .initial = {30},
+     .limits = HK_WITHIN(1, 150)},
+    {"up", "", "the axis that points up", .choice = HK_AT(frames, up), .choices = "z|y"},
+    {"outliers", "",
+     "share of the particles that a chosen camera may leave out on each side, where they would make "
      "the others small",
-     HK_NUMBER, {0.005}, 0, 0.2, offsetof(frames, outliers), 0, NULL},
-    {"springs", "", "draw springs; auto: those with an end outside all triangles",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, springs), 0, "auto|on|off"},
-    {"particles", "", "draw particles; auto: those outside all triangles, and pins",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, particles), 0, "auto|on|off"},
+     .number = HK_AT(frames, outliers), .initial = {0.005}, .limits = HK_WITHIN(0, 0.2)},
+    {"springs", "", "draw springs; auto: those with an end outside all triangles", .choice = HK_AT(frames, springs),
+     .choices = "auto|on|off"},
+    {"particles", "", "draw particles; auto: those outside all triangles, and pins", .choice = HK_AT(frames, particles),
+     .choices = "auto|on|off"},
     {"style", "", "lit spheres, soft discs (smoke) or lights that add up (fire, stars); auto: spheres, soft streaks",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, style), 0, "auto|sphere|soft|glow"},
+     .choice = HK_AT(frames, style), .choices = "auto|sphere|soft|glow"},
     {"size", "", "auto, same, mass (radii as cube roots) or a channel of radii; auto: the channel radius if no radius",
-     HK_STRING, {0}, 0, 0, offsetof(frames, names.size), 0, "auto"},
+     .string = HK_AT(frames, names.size), .text = "auto"},
     {"radius", "m", "radius of drawn particles, with size = \"mass\" of the heaviest; left out: chosen",
-     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, radius), HK_OPTIONAL, NULL},
+     .number = HK_AT(frames, radius), .limits = HK_WITHIN(0, 1e30), .flags = HK_OPTIONAL},
     {"tube", "m", "radius of drawn springs and strands; left out: that of contact, else of the strand, else chosen",
-     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, tube), HK_OPTIONAL, NULL},
-    {"tubes", "", "radii of springs and strands, m: of groups, \"rope 0.01, thread 0.002\", or a channel with that at each "
+     .number = HK_AT(frames, tube), .limits = HK_WITHIN(0, 1e30), .flags = HK_OPTIONAL},
+    {"tubes", "",
+     "radii of springs and strands, m: of groups, \"rope 0.01, thread 0.002\", or a channel with that at each "
      "particle",
-     HK_STRING, {0}, 0, 0, offsetof(frames, names.tubes), 0, NULL},
+     .string = HK_AT(frames, names.tubes)},
     {"thickness", "m", "of cloth: its sides are drawn on both sides of the particles, half of it away",
-     HK_NUMBER, {0}, 0, 1e30, offsetof(frames, thickness), 0, NULL},
-    {"least", "pixels", "smallest radius of a particle on the picture",
-     HK_NUMBER, {1}, 0.25, 100, offsetof(frames, least), 0, NULL},
+     .number = HK_AT(frames, thickness), .limits = HK_WITHIN(0, 1e30)},
+    {"least", "pixels", "smallest radius of a particle on the picture", .number = HK_AT(frames, least), .initial = {1},
+     .limits = HK_WITHIN(0.25, 100)},
     {"opacity", "", "of particles, of lights their strength; left out: 1, for glow by how bright they are together",
-     HK_NUMBER, {0}, 0, 1e6, offsetof(frames, opacity), HK_OPTIONAL, NULL},
+     .number = HK_AT(frames, opacity), .limits = HK_WITHIN(0, 1e6), .flags = HK_OPTIONAL},
     {"fade", "", "a channel that makes particles fainter, from 1 down to 0, which is not seen",
-     HK_STRING, {0}, 0, 0, offsetof(frames, names.fade), 0, NULL},
+     .string = HK_AT(frames, names.fade)},
     {"streak", "s", "soft and glowing particles leave a streak of this much of their way",
-     HK_NUMBER, {0}, 0, 1e9, offsetof(frames, streak), 0, NULL},
-    {"fog", "", "share of the background in the colour of the farthest particles",
-     HK_NUMBER, {0}, 0, 1, offsetof(frames, fog), 0, NULL},
+     .number = HK_AT(frames, streak), .limits = HK_WITHIN(0, 1e9)},
+    {"fog", "", "share of the background in the colour of the farthest particles", .number = HK_AT(frames, fog),
+     .limits = HK_WITHIN(0, 1)},
     {"spheres", "m", "solids to draw: x, y, z and radius of each, one after the other",
-     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.spheres), HK_OPTIONAL, NULL},
+     .numbers = HK_AT(frames, solids.spheres), .flags = HK_OPTIONAL},
     {"boxes", "m", "solids to draw: middle and extents of each, x, y, z, a, b, c",
-     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.boxes), HK_OPTIONAL, NULL},
+     .numbers = HK_AT(frames, solids.boxes), .flags = HK_OPTIONAL},
     {"planes", "m", "planes to draw: a point of each and a vector normal to it, x, y, z, a, b, c",
-     HK_NUMBERS, {0}, 0, 0, offsetof(frames, solids.planes), HK_OPTIONAL, NULL},
+     .numbers = HK_AT(frames, solids.planes), .flags = HK_OPTIONAL},
     {"obstacles", "", "draw the scene's obstacles (the corrector, penalty, soft_walls) where they are at each frame",
-     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, obstacles), 0, NULL},
-    {"shadows", "", "things cast shadows, on the floor and on each other",
-     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, shadows), 0, NULL},
-    {"ground", "", "draw the floor with its grid",
-     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, ground), 0, NULL},
+     .boolean = HK_AT(frames, obstacles), .initial = {1}},
+    {"shadows", "", "things cast shadows, on the floor and on each other", .boolean = HK_AT(frames, shadows),
+     .initial = {1}},
+    {"ground", "", "draw the floor with its grid", .boolean = HK_AT(frames, ground), .initial = {1}},
     {"ground_height", "m", "height of the floor; left out: 0 or just below the motion",
-     HK_NUMBER, {0}, 0, 0, offsetof(frames, ground_height), HK_OPTIONAL, NULL},
-    {"light", "", "day, or night: a dark background; auto: night for glow",
-     HK_CHOICE, {0}, 0, 0, offsetof(frames, light), 0, "auto|day|night"},
+     .number = HK_AT(frames, ground_height), .flags = HK_OPTIONAL},
+    {"light", "", "day, or night: a dark background; auto: night for glow", .choice = HK_AT(frames, light),
+     .choices = "auto|day|night"},
     {"background", "", "red, green and blue of the background, 0 to 1; left out: by the light",
-     HK_VECTOR, {0}, 0, 1, offsetof(frames, background), HK_OPTIONAL, NULL},
-    {"legend", "", "draw the bar of colours",
-     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, legend), 0, NULL},
+     .vector = HK_AT(frames, background), .limits = HK_WITHIN(0, 1), .flags = HK_OPTIONAL},
+    {"legend", "", "draw the bar of colours", .boolean = HK_AT(frames, legend), .initial = {1}},
     {"sheet", "", "so many stills, evenly spaced in time, side by side in sheet.png; 0: none",
-     HK_INTEGER, {0}, 0, 400, offsetof(frames, sheet), 0, NULL},
-    {"pictures", "", "write a PNG file of each picture; off: the video alone",
-     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, pictures), 0, NULL},
-    {"video", "", "make a video of the pictures, with ffmpeg",
-     HK_BOOLEAN, {1}, 0, 0, offsetof(frames, video), 0, NULL},
-    {"folder", "", "folder of the pictures, inside the output folder",
-     HK_STRING, {0}, 0, 0, offsetof(frames, folder), 0, "frames"},
-    {"video_file", "", "name of the video, inside the output folder",
-     HK_STRING, {0}, 0, 0, offsetof(frames, video_file), 0, "video.mp4"},
+     .integer = HK_AT(frames, sheet), .limits = HK_WITHIN(0, 400)},
+    {"pictures", "", "write a PNG file of each picture; off: the video alone", .boolean = HK_AT(frames, pictures),
+     .initial = {1}},
+    {"video", "", "make a video of the pictures, with ffmpeg", .boolean = HK_AT(frames, video), .initial = {1}},
+    {"folder", "", "folder of the pictures, inside the output folder", .string = HK_AT(frames, folder),
+     .text = "frames"},
+    {"video_file", "", "name of the video, inside the output folder", .string = HK_AT(frames, video_file),
+     .text = "video.mp4"},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"seen", HK_FIELD_PER_PARTICLE, 1, offsetof(frames, seen), 0},
-    {"birth", HK_FIELD_PER_PARTICLE, 1, offsetof(frames, birth), 0},
+    {"seen", .per_particle = HK_AT(frames, seen), .width = 1},
+    {"birth", .per_particle = HK_AT(frames, birth), .width = 1},
     {0},
 };
-/* clang-format on */
 
 static hk_style style_of(const frames *f) {
   if (f->style) return (hk_style)(f->style - 1);
@@ -150,7 +146,7 @@ static hk_style style_of(const frames *f) {
 
 static void plan_colours(frames *f) {
   hk_film *film = &f->film;
-  hk_paint paint = film->look.paint;
+  hk_paint paint = film->appearance.paint;
   film->map = f->map                         ? (hk_colormap)(f->map - 1)
               : paint == HK_PAINT_STRAIN     ? HK_MAP_DIVERGING
               : style_of(f) == HK_STYLE_GLOW ? HK_MAP_INFERNO
@@ -167,8 +163,8 @@ static void place_camera(frames *f, double t) {
   double from[3], look_at[3];
   memcpy(from, f->from, sizeof from), memcpy(look_at, f->look_at, sizeof look_at);
   if (f->keyframes.count) hk_keyframes_at(&f->keyframes, t, from, look_at);
-  hk_look_turn(f->up == Y_UP, from, f->film.own.eye);
-  hk_look_turn(f->up == Y_UP, look_at, f->film.own.target);
+  hk_to_z_up(f->up == Y_UP, from, f->film.own.eye);
+  hk_to_z_up(f->up == Y_UP, look_at, f->film.own.target);
 }
 
 static void plan_camera(frames *f, double t) {
@@ -206,17 +202,17 @@ static void make_plan(frames *f, double t) {
 }
 
 static hk_status choose_look(frames *f, const hk_model *m) {
-  hk_look *look = &f->film.look;
-  look->springs = f->springs, look->particles = f->particles;
-  look->streak = f->streak, look->y_up = f->up == Y_UP;
-  hk_look_names names = f->names;
+  hk_appearance *appearance = &f->film.appearance;
+  appearance->springs = f->springs, appearance->particles = f->particles;
+  appearance->streak = f->streak, appearance->y_up = f->up == Y_UP;
+  hk_appearance_names names = f->names;
   bool one_size = !isnan(f->radius);
   if (one_size && strcmp(names.size, "auto") == 0) names.size = "same";
   if (!isnan(f->tube) && names.tubes)
     return f->host->fail(f->host, HK_BAD_PARAM, "tube: tubes has the radii; leave one of the two out");
   if (!isnan(f->tube)) names.tubes = "";
-  hk_status status = hk_look_choose(look, f->host, m, &names, &f->film.label);
-  if (status == HK_OK && one_size && look->sizes == HK_SIZE_CHANNEL)
+  hk_status status = hk_appearance_choose(appearance, f->host, m, &names, &f->film.label);
+  if (status == HK_OK && one_size && appearance->sizes == HK_SIZE_CHANNEL)
     return f->host->fail(f->host, HK_BAD_PARAM, "radius: the channel '%s' has the radii; leave one of the two out",
                          names.size);
   return status;
@@ -256,14 +252,15 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
     return host->fail(host, HK_BAD_PARAM, "streak: spheres leave none; set style = \"soft\" or \"glow\"");
   if (f->opacity > 1 && style_of(f) != HK_STYLE_GLOW)
     return host->fail(host, HK_BAD_PARAM, "opacity: %g is above 1; only style = \"glow\" can be stronger", f->opacity);
-  f->film.reel = (hk_reel){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
+  f->film.files =
+      (hk_film_files){.folder = f->folder, .file = f->video ? f->video_file : NULL, .pictures = f->pictures};
   hk_status status = check_camera(f);
-  if (status == HK_OK) status = hk_reel_check(&f->film.reel, host, (int)f->width, (int)f->height);
+  if (status == HK_OK) status = hk_film_files_check(&f->film.files, host, (int)f->width, (int)f->height);
   if (!f->pictures && !f->video && !f->sheet)
     host->warn(host, "pictures, video and sheet are all off: nothing is written");
   if (status == HK_OK) status = hk_solid_list_make(host, &f->solids, f->up == Y_UP, &f->solid, &f->solid_count);
   if (status == HK_OK) status = choose_look(f, view->model);
-  if (status == HK_OK && f->unit && f->film.look.paint != HK_PAINT_CHANNEL)
+  if (status == HK_OK && f->unit && f->film.appearance.paint != HK_PAINT_CHANNEL)
     return host->fail(host, HK_BAD_PARAM, "unit: only the numbers of a channel have none of their own");
   return status;
 }
@@ -280,7 +277,7 @@ static size_t note_births(frames *f, const hk_view *view, double born) {
 /* Where a run goes on, births before that are known only as far as the checkpoint has this output's fields. */
 static void note_first(frames *f, const hk_view *view) {
   size_t count = note_births(f, view, 0);
-  if (count && view->t > 0 && f->film.look.paint == HK_PAINT_AGE)
+  if (count && view->t > 0 && f->film.appearance.paint == HK_PAINT_AGE)
     f->host->warn(
         f->host,
         "age: %zu particles were born before t = %g s, nobody noted when: they are shown as old as the run; a "
@@ -294,7 +291,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (status != HK_OK) return status;
   make_plan(f, view->t);
   note_first(f, view);
-  f->film.reel.fps = frame->fps / (double)f->every;
+  f->film.files.fps = frame->fps / (double)f->every;
   f->changed = true;
   return hk_film_open(&f->film, view->host);
 }

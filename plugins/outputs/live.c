@@ -11,11 +11,10 @@
  *     pace X                     at most X s of the run in a second of the clock; 0: as fast as it can
  *     hold ID X Y Z STRENGTH     the user's hand holds a particle and draws it there (m); release: it lets go
  * A pipe that is closed at its other end is no failure: the run goes on alone. */
-#include "plugins/common/film/obstacle_solids.h"
+#include "plugins/common/frame_data/gatherer.h"
 #include "plugins/common/hand/hand.h"
 #include "plugins/common/live/commands.h"
 #include "plugins/common/live/messages.h"
-#include "plugins/common/obstacles/obstacles_service.h"
 
 #include <sys/stat.h>
 #include <time.h>
@@ -27,27 +26,22 @@ typedef struct live {
   const hk_host *host;
   const hk_hand *hand;
   const hk_interruption *interruption;
-  const hk_obstacles *all;
-  hk_solid *solid;
-  hk_mark_lists marks;
+  hk_gatherer gatherer;
   hk_live_messages out;
   hk_live_commands in;
-  bool told;                /* the topology as it is */
   double began_wall, began; /* s: clock and run, where the pace was set last */
   double pace;
 } live;
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"messages", "", "descriptor of the pipe to which the messages are written; 0: none are", HK_INTEGER, {0}, 0, 1 << 20,
-     offsetof(live, messages_fd), 0, NULL},
-    {"commands", "", "descriptor of the pipe from which the commands are read; 0: none are", HK_INTEGER, {0}, 0, 1 << 20,
-     offsetof(live, commands_fd), 0, NULL},
-    {"forces", "", "whether frames have each force by itself, which costs an evaluation of it", HK_BOOLEAN, {0}, 0, 0,
-     offsetof(live, forces), 0, NULL},
+    {"messages", "", "descriptor of the pipe to which the messages are written; 0: none are",
+     .integer = HK_AT(live, messages_fd), .limits = HK_WITHIN(0, 1 << 20)},
+    {"commands", "", "descriptor of the pipe from which the commands are read; 0: none are",
+     .integer = HK_AT(live, commands_fd), .limits = HK_WITHIN(0, 1 << 20)},
+    {"forces", "", "whether frames have each force by itself, which costs an evaluation of it",
+     .boolean = HK_AT(live, forces)},
     {0},
 };
-/* clang-format on */
 
 static double wall(void) {
   struct timespec t;
@@ -57,12 +51,10 @@ static double wall(void) {
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   live *l = self;
-  (void)view;
   l->host = host;
   l->hand = host->query(host, HK_HAND_INTERFACE);
   l->interruption = host->query(host, "interruption/1");
-  l->all = host->query(host, HK_OBSTACLES_INTERFACE);
-  return l->hand && l->all ? HK_OK : HK_FAILED;
+  return l->hand ? hk_gatherer_choose(&l->gatherer, host, view->model, NULL) : HK_FAILED;
 }
 
 /* A scene may name this output, too: it must not reach the run's own files. */
@@ -71,22 +63,15 @@ static bool is_pipe(int64_t fd) {
   return fd == 0 || (fstat((int)fd, &info) == 0 && S_ISFIFO(info.st_mode));
 }
 
-/* All obstacles are known when outputs are opened. */
-static hk_status find_surroundings(live *l, const hk_frame *frame) {
-  size_t solids = l->all->shown->count;
-  l->solid = l->host->allocate(l->host, (solids + 1) * sizeof *l->solid);
-  if (!l->solid) return l->host->fail(l->host, HK_NO_MEMORY, "no memory for %zu obstacles", solids);
-  hk_obstacle_solids(l->all->shown, false, l->solid);
-  l->out.around = (hk_live_surroundings){solids, l->solid, &l->marks};
-  return hk_marks_open(&l->marks, l->host, frame);
-}
-
+/* Forces are evaluated for a frame that will be sent. */
 static hk_status tell_frame(live *l, const hk_view *view, const hk_frame *frame) {
-  if (!l->told) hk_live_tell_topology(&l->out, view);
-  l->told = true;
-  hk_obstacle_solids(l->all->shown, false, l->solid);
-  hk_status status = hk_marks_take(&l->marks, view, frame);
-  if (status == HK_OK) hk_live_tell_frame(&l->out, view, frame);
+  if (l->out.queue.broken) return HK_OK;
+  hk_status status = hk_gatherer_frame(&l->gatherer, view, frame, &(hk_tuples){0});
+  if (status != HK_OK) return status;
+  if (l->gatherer.changed) hk_live_send_topology(&l->out, &l->gatherer.data);
+  if (!hk_live_send_numbers(&l->out, &l->gatherer.data, frame)) return HK_OK;
+  status = hk_gatherer_forces(&l->gatherer, view, frame);
+  if (status == HK_OK) hk_live_send_state(&l->out, &l->gatherer.data, frame);
   return status;
 }
 
@@ -98,15 +83,16 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   if (l->messages_fd == 0) return HK_OK;
   if (!hk_live_open(&l->out, (int)l->messages_fd))
     return l->host->fail(l->host, HK_NO_MEMORY, "no memory, or no thread, for the messages");
-  hk_status status = find_surroundings(l, frame);
-  if (status == HK_OK) hk_live_tell_run(&l->out, view, frame, l->forces);
+  hk_status status = hk_gatherer_open(&l->gatherer, view, frame, &(hk_tuples){0}, l->forces);
+  if (status == HK_OK) hk_live_send_run(&l->out, &l->gatherer.data, frame);
+  l->gatherer.dirty = true; /* its topology is told with its first frame */
   return status;
 }
 
 static hk_status topology(void *self, const hk_view *view) {
   live *l = self;
   (void)view;
-  l->told = false;
+  l->gatherer.dirty = true;
   return HK_OK;
 }
 
@@ -152,9 +138,9 @@ static hk_status close(void *self, hk_verdict verdict) {
 
 static void destroy(void *self, const hk_host *host) {
   live *l = self;
+  (void)host;
   hk_live_close(&l->out);
-  hk_marks_free(&l->marks);
-  host->release(host, l->solid);
+  hk_gatherer_free(&l->gatherer);
 }
 
 static const hk_output output = {.size = sizeof(hk_output), .open = open, .frame = frame, .close = close};

@@ -17,17 +17,9 @@ typedef struct table {
 } table;
 
 static const hk_param params[] = {
-    {"file",
-     "",
-     "name of the table, inside the output folder",
-     HK_STRING,
-     {0},
-     0,
-     0,
-     offsetof(table, name),
-     0,
-     "table.csv"},
-    {"every", "frames", "a line every so many frames", HK_INTEGER, {1}, 1, 1e9, offsetof(table, every), 0, NULL},
+    {"file", "", "name of the table, inside the output folder", .string = HK_AT(table, name), .text = "table.csv"},
+    {"every", "frames", "a line every so many frames", .integer = HK_AT(table, every), .initial = {1},
+     .limits = HK_WITHIN(1, 1e9)},
     {0},
 };
 

@@ -1,9 +1,7 @@
 /* The whole motion in one file, trajectory.h5: HDF5 in the layout of VTKHDF 2.0, which ParaView 5.12 and h5py read, and
  * beside it trajectory.xdmf, for programs that do not know this layout. Every frame is on file before the next step,
- * and the file can be read at any time, whatever ends the run (plugins/common/recording/h5_file.h). A run that goes on
+ * and the file can be read at any time, whatever ends the run (plugins/common/hdf5/h5_file.h). A run that goes on
  * from a checkpoint writes a file of its own, in the folder of that part. */
-#include "plugins/common/film/obstacle_solids.h"
-#include "plugins/common/obstacles/obstacles_service.h"
 #include "plugins/common/recording/recording.h"
 #include "plugins/common/frame_data/gatherer.h"
 
@@ -18,7 +16,6 @@ typedef struct trajectory {
   hk_tuples only;
 
   const hk_host *host;
-  const hk_obstacles *all;
   hk_gatherer gatherer;
   hk_recorder *recorder;
   char path[PATH_MAX], xdmf[PATH_MAX];
@@ -26,26 +23,25 @@ typedef struct trajectory {
 
 enum { DOUBLE, SINGLE };
 
-/* clang-format off */
 static const hk_param params[] = {
-    {"file", "", "name of the file without its ending, inside the output folder",
-     HK_STRING, {0}, 0, 0, offsetof(trajectory, file), 0, "trajectory"},
-    HK_GATHERER_ROWS(trajectory),
+    {"file", "", "name of the file without its ending, inside the output folder", .string = HK_AT(trajectory, file),
+     .text = "trajectory"},
+    {"every", "frames", "a frame is kept every so many", .integer = HK_AT(trajectory, every), .initial = {1},
+     .limits = HK_WITHIN(1, 1e9)},
+    {"only", "", "particles to keep; left out: all", .particles = HK_AT(trajectory, only), .flags = HK_OPTIONAL},
+    {"group", "", "keep the particles of this group; left out: of all groups", .string = HK_AT(trajectory, group)},
     {"forces", "", "keep the force of every plugin on every particle: an evaluation more per frame",
-     HK_BOOLEAN, {0}, 0, 0, offsetof(trajectory, forces), 0, NULL},
-    {"precision", "", "of the numbers of particles: 64 or 32 bits",
-     HK_CHOICE, {DOUBLE}, 0, 0, offsetof(trajectory, precision), 0, "double|single"},
-    {"compression", "", "effort of deflate; 0: none",
-     HK_INTEGER, {1}, 0, 9, offsetof(trajectory, level), 0, NULL},
+     .boolean = HK_AT(trajectory, forces)},
+    {"precision", "", "of the numbers of particles: 64 or 32 bits", .choice = HK_AT(trajectory, precision),
+     .initial = {DOUBLE}, .choices = "double|single"},
+    {"compression", "", "effort of deflate; 0: none", .integer = HK_AT(trajectory, level), .initial = {1},
+     .limits = HK_WITHIN(0, 9)},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   trajectory *t = self;
   t->host = host;
-  t->all = host->query(host, HK_OBSTACLES_INTERFACE);
-  if (!t->all) return HK_FAILED;
   return hk_gatherer_choose(&t->gatherer, host, view->model, t->group);
 }
 
@@ -62,24 +58,12 @@ static hk_status find_paths(trajectory *t) {
   return status == HK_OK ? t->host->path(t->host, name, t->path, sizeof t->path) : status;
 }
 
-/* All obstacles are known when outputs are opened. */
-static hk_status make_solids(trajectory *t) {
-  hk_frame_data *data = &t->gatherer.data;
-  data->solids = t->all->shown->count;
-  data->solid = t->host->allocate(t->host, (data->solids + 1) * sizeof *data->solid);
-  if (!data->solid) return t->host->fail(t->host, HK_NO_MEMORY, "no memory for %zu obstacles", data->solids);
-  hk_obstacle_solids(t->all->shown, false, data->solid);
-  return HK_OK;
-}
-
 static hk_status open(void *self, const hk_view *view, const hk_frame *now) {
   trajectory *t = self;
   char why[256] = "";
   hk_recorder_setup setup = {.single = t->precision == SINGLE, .level = (int)t->level, .every = (size_t)t->every};
   hk_status status = find_paths(t);
   if (status == HK_OK) status = hk_gatherer_open(&t->gatherer, view, now, &t->only, t->forces);
-  if (status == HK_OK) status = make_solids(t);
-  if (status == HK_OK) status = hk_marks_open(&t->gatherer.data.marks, t->host, now);
   if (status != HK_OK) return status;
   t->recorder = hk_recorder_open(t->path, t->xdmf, &setup, &t->gatherer.data, now, why, sizeof why);
   return t->recorder ? HK_OK : io_error(t, why);
@@ -90,9 +74,7 @@ static hk_status frame(void *self, const hk_view *view, const hk_frame *now) {
   char why[256] = "";
   if (now->index % (size_t)t->every != 0) return HK_OK;
   hk_status status = hk_gatherer_frame(&t->gatherer, view, now, &t->only);
-  if (status != HK_OK) return status;
-  hk_obstacle_solids(t->all->shown, false, t->gatherer.data.solid);
-  status = hk_marks_take(&t->gatherer.data.marks, view, now);
+  if (status == HK_OK) status = hk_gatherer_forces(&t->gatherer, view, now);
   if (status != HK_OK) return status;
   bool written = hk_recorder_add(t->recorder, &t->gatherer.data, t->gatherer.changed, now, why, sizeof why);
   return written ? HK_OK : io_error(t, why);
@@ -111,8 +93,7 @@ static void destroy(void *self, const hk_host *host) {
   trajectory *t = self;
   char why[256];
   hk_recorder_close(t->recorder, NULL, why, sizeof why);
-  host->release(host, t->gatherer.data.solid);
-  hk_marks_free(&t->gatherer.data.marks);
+  (void)host;
   hk_gatherer_free(&t->gatherer);
 }
 

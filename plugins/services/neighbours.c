@@ -36,24 +36,16 @@ typedef struct neighbours {
  * 672, 659, 718, 773 and 812 ns a particle with 0.05, 0.1, 0.15, 0.2 and 0.4 of 10,648 particles, 830, 788, 884, 919
  * and 936 ns of 97,336 (tests/bench/neighbours.c). Rows are then found at every fifth step. */
 static const hk_param params[] = {
-    {"skin",
-     "",
-     "how much further than the radius rows reach, as a part of it",
-     HK_NUMBER,
-     {0.1},
-     0,
-     10,
-     offsetof(neighbours, skin),
-     0,
-     NULL},
+    {"skin", "", "how much further than the radius rows reach, as a part of it", .number = HK_AT(neighbours, skin),
+     .initial = {0.1}, .limits = HK_WITHIN(0, 10)},
     {0},
 };
 
 static const hk_field fields[] = {
-    {"found_at", HK_FIELD_PER_PARTICLE, 3, offsetof(neighbours, found_at), 0},
-    {"found_reach", HK_FIELD_NUMBER, 1, offsetof(neighbours, found_reach), 0},
-    {"found", HK_FIELD_INTEGER, 1, offsetof(neighbours, found), 0},
-    {"number", HK_FIELD_INTEGER, 1, offsetof(neighbours, number), 0},
+    {"found_at", .per_particle = HK_AT(neighbours, found_at), .width = 3},
+    {"found_reach", .number = HK_AT(neighbours, found_reach)},
+    {"found", .integer = HK_AT(neighbours, found)},
+    {"number", .integer = HK_AT(neighbours, number)},
     {0},
 };
 
@@ -137,7 +129,7 @@ static hk_status find_again(neighbours *s, const hk_view *view, const double *x,
   return list_rows(s, view->n);
 }
 
-static hk_status look(neighbours *s, const hk_view *view, const double *x, hk_neighbour_rows *out) {
+static hk_status rows_at(neighbours *s, const hk_view *view, const double *x, hk_neighbour_rows *out) {
   double reach = s->radius * (1 + s->skin) * (1 + margin);
   bool good = s->found && s->found_reach == reach && !has_moved(s, x, view->n);
   hk_status status = !good ? find_again(s, view, x, reach) : s->listed ? HK_OK : list_rows(s, view->n);
@@ -155,7 +147,7 @@ static double now(void) {
 static hk_status rows(void *self, const hk_view *view, const double *x, hk_neighbour_rows *out) {
   neighbours *s = self;
   double begin = now();
-  hk_status status = look(s, view, x, out);
+  hk_status status = rows_at(s, view, x, out);
   s->seconds += now() - begin;
   return status;
 }

@@ -1,6 +1,6 @@
 /* Octrees for all plugins of a run: of gravitation, and of whoever looks for what is near (boxes of cells that do not
  * touch are passed over whole). A tree is a function of the places alone; that of the last call is kept, since at the
- * same places there are often several questions: force, energy, passages. */
+ * same places there are often several questions: force, energy, encounters. */
 #include "plugins/common/space/octree_builder.h"
 
 #include <string.h>

@@ -1,6 +1,7 @@
-/* The surfaces of a run (plugins/common/surfaces/surfaces.h), shared by all contact of it. */
-#include "plugins/common/surfaces/surface_patches.h"
-#include "plugins/common/surfaces/surface_thickness.h"
+/* The surfaces of a run (plugins/common/contact/surfaces/surfaces.h), shared by all contact of it. */
+#include "plugins/common/contact/surfaces/surface_patches.h"
+#include "plugins/common/contact/candidates/start_check.h"
+#include "plugins/common/space/reserve.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,7 +15,7 @@ typedef struct surfaces {
   size_t left_count;
   bool *left; /* n */
   hk_surface_lists lists;
-  hk_surface_search search;
+  hk_broad_phase search;
   hk_surface_patch_set patches;
   hk_gather pairs, crossings, near;
   size_t *near_start; /* near_room: of what `between` found */
@@ -31,7 +32,7 @@ typedef struct surfaces {
 } surfaces;
 
 static const hk_field fields[] = {
-    {"strand_radius", HK_FIELD_PER_PARTICLE, 1, offsetof(surfaces, strand_radius), HK_SCRATCH | HK_PUBLISHED},
+    {"strand_radius", .per_particle = HK_AT(surfaces, strand_radius), .width = 1, .flags = HK_SCRATCH | HK_PUBLISHED},
     {0},
 };
 
@@ -67,7 +68,7 @@ static hk_status list(surfaces *s, const hk_view *view) {
   s->lists.mesh.number = s->number;
   for (size_t i = 0; i < view->n && status == HK_OK; i++)
     s->strand_radius[i] = s->lists.in_triangle[i] || s->left[i] ? 0 : s->request.radius;
-  if (status == HK_OK) status = hk_surface_search_open(&s->search, s->host, &s->lists, s->model);
+  if (status == HK_OK) status = hk_broad_phase_open(&s->search, s->host, &s->lists, s->model);
   return status == HK_OK ? hk_surface_patches_open(&s->patches, s->host, &s->search) : status;
 }
 
@@ -127,7 +128,7 @@ static hk_status join(void *self, const hk_surface_request *request, const hk_vi
   s->request = *request;
   status = keep_left(s, request->leave);
   if (status == HK_OK) status = list(s, view);
-  if (status == HK_OK) status = hk_surface_thickness_check(&s->search, s->host, view, &s->request, &s->pairs);
+  if (status == HK_OK) status = hk_start_check(&s->search, s->host, view, &s->request, &s->pairs);
   s->joined = status == HK_OK;
   return status;
 }
@@ -154,14 +155,14 @@ static hk_status not_joined(const surfaces *s) {
   return s->host->fail(s->host, HK_FAILED, "the surfaces were asked before a plugin had joined them");
 }
 
-static hk_status pairs(void *self, const double *x_from, const double *x_to, double reach, hk_surface_pairs *out) {
+static hk_status pairs(void *self, const double *x_from, const double *x_to, double reach, hk_feature_pairs *out) {
   surfaces *s = self;
   double begin = now();
   if (!s->joined) return not_joined(s);
   hk_surface_move move = {.x_from = x_from, .x_to = x_to, .reach = reach};
-  hk_status status = hk_surface_pairs_find(&s->search, s->host, &move, &s->pairs);
+  hk_status status = hk_feature_pairs_find(&s->search, s->host, &move, &s->pairs);
   if (status == HK_NOT_FINITE && name_lost(s, x_from) == HK_OK) name_lost(s, x_to);
-  *out = (hk_surface_pairs){status == HK_OK ? s->pairs.count : 0, s->pairs.record};
+  *out = (hk_feature_pairs){status == HK_OK ? s->pairs.count : 0, s->pairs.record};
   s->seconds += now() - begin;
   return status;
 }
@@ -169,36 +170,31 @@ static hk_status pairs(void *self, const double *x_from, const double *x_to, dou
 static const hk_surface_patches *patches(void *self) { return &((surfaces *)self)->patches.table; }
 
 static hk_status list_starts(surfaces *s, size_t count) {
-  if (count + 1 > s->near_room) {
-    s->host->release(s->host, s->near_start);
-    s->near_room = 0;
-    s->near_start = s->host->allocate(s->host, 2 * (count + 1) * sizeof *s->near_start);
-    if (!s->near_start) return s->host->fail(s->host, HK_NO_MEMORY, "no memory for %zu pairs of patches", count);
-    s->near_room = 2 * (count + 1);
-  }
+  hk_status status = hk_reserve(s->host, &s->near_start, &s->near_room, count + 1, sizeof *s->near_start);
+  if (status != HK_OK) return status;
   for (size_t k = 0; k < count; k++) s->near_start[k] = s->near.row[k].at;
   s->near_start[count] = s->near.count;
   return HK_OK;
 }
 
 static hk_status between(void *self, const double *x_from, const double *x_to, double reach, const hk_patch_pair *pair,
-                         size_t count, hk_near_pairs *out) {
+                         size_t count, hk_patch_feature_pairs *out) {
   surfaces *s = self;
   double begin = now();
-  *out = (hk_near_pairs){0};
+  *out = (hk_patch_feature_pairs){0};
   if (!s->joined) return not_joined(s);
   hk_surface_move move = {.x_from = x_from, .x_to = x_to, .reach = reach};
-  hk_status status = hk_surface_between(&s->search, &s->patches, s->host, &move, pair, count, &s->near);
+  hk_status status = hk_patch_pairs_find(&s->search, &s->patches, s->host, &move, pair, count, &s->near);
   if (status == HK_NOT_FINITE && name_lost(s, x_from) == HK_OK) name_lost(s, x_to);
   if (status == HK_OK) status = hk_gather_join(&s->near, s->host);
   if (status == HK_OK) status = list_starts(s, count);
-  if (status == HK_OK) *out = (hk_near_pairs){s->near_start, s->near.record};
+  if (status == HK_OK) *out = (hk_patch_feature_pairs){s->near_start, s->near.record};
   s->seconds += now() - begin;
   return status;
 }
 
 static bool is_counted(const surfaces *s, const double *x) {
-  return s->counted && hk_surface_search_pins_kept(&s->search) &&
+  return s->counted && hk_broad_phase_pins_kept(&s->search) &&
          (s->model->n == 0 || memcmp(s->counted_at, x, 3 * s->model->n * sizeof *x) == 0);
 }
 
@@ -206,7 +202,7 @@ static hk_status count(surfaces *s, const double *x) {
   if (!s->joined) return not_joined(s);
   if (is_counted(s, x)) return HK_OK;
   s->counted = false;
-  hk_status status = hk_surface_crossings_find(&s->search, s->host, x, &s->crossings);
+  hk_status status = hk_crossings_find(&s->search, s->host, x, &s->crossings);
   if (status == HK_NOT_FINITE) name_lost(s, x);
   if (status != HK_OK) return status;
   if (s->model->n) memcpy(s->counted_at, x, 3 * s->model->n * sizeof *x);
@@ -239,7 +235,7 @@ static hk_status report(void *self, const hk_view *view, hk_contact_report *out)
 }
 
 /* What of the members from `begin` to `end` are marked, together, and whether all are pinned. */
-static unsigned marks_of(const surfaces *s, const hk_surface_pair *p, int begin, int end, bool *pinned) {
+static unsigned marks_of(const surfaces *s, const hk_feature_pair *p, int begin, int end, bool *pinned) {
   unsigned marks = 0;
   *pinned = true;
   for (int k = begin; k < end; k++) {
@@ -249,7 +245,7 @@ static unsigned marks_of(const surfaces *s, const hk_surface_pair *p, int begin,
   return marks;
 }
 
-static bool leaves(void *self, const hk_surface_pair *p) {
+static bool leaves(void *self, const hk_feature_pair *p) {
   const surfaces *s = self;
   if (!s->mark) return false;
   int second = p->kind == HK_POINT_TRIANGLE ? 1 : 2;
@@ -271,9 +267,9 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   surfaces *s = self;
   s->host = host;
   s->model = view->model;
-  s->pairs.record_size = sizeof(hk_surface_pair);
+  s->pairs.record_size = sizeof(hk_feature_pair);
   s->crossings.record_size = 2 * sizeof(uint32_t);
-  s->near.record_size = sizeof(hk_near_pair);
+  s->near.record_size = sizeof(hk_feature_pair);
   s->table = (hk_surfaces){self, join, mesh, pairs, intersections, report, keep, leaves, patches, between};
   return HK_OK;
 }
@@ -289,7 +285,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,
     .kind = HK_SERVICE,
     .name = "surfaces",
-    .summary = "surfaces that contact keeps apart: which features may meet in a move, and which intersect, exactly",
+    .summary = "surfaces that contact keeps apart: candidate pairs of features in a move, and intersections, exactly",
     .reference = "Curtis, Tamstorf, Manocha 2008, Fast collision detection for deformable models, I3D; Ericson 2005, "
                  "Real-Time Collision Detection, chapter 6",
     .instance_size = sizeof(surfaces),

@@ -8,7 +8,11 @@
  *
  * A matrix whose factor would take more than `most_updates` products of blocks per row, such as that of a large cloth,
  * is refused when it is analysed. The residual is not computed: it is that of a Cholesky factorization, rounding times
- * the size of A and x (Higham 2002, Accuracy and stability of numerical algorithms, theorem 10.4). */
+ * the size of A and x (Higham 2002, Accuracy and stability of numerical algorithms, theorem 10.4).
+ *
+ * Hair of 40 strands in six steps: 0.016 s in the solver, 0.23 by supernodal, 0.22 by cholmod (hooke run
+ * scripts/scenes/hair.lua strands=40 --until 0.1 --solver NAME).
+ */
 #include "core/plugin.h"
 #include "plugins/common/elimination/factor.h"
 
@@ -197,7 +201,8 @@ static hk_status analyze(void *self, const hk_matrix *A) {
 static void factorize_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   banded *s = context;
   (void)chunk;
-  for (size_t k = begin; k < end; k++) s->fault[k] = !hk_bundle_factorize(&s->bundle[k], s->block, s->from);
+  for (size_t k = begin; k < end; k++)
+    s->fault[k] = !hk_bundle_factorize(&s->bundle[k], s->host->lanes, s->block, s->from);
 }
 
 static const hk_bundle *first_fault(const banded *s) {
@@ -236,7 +241,8 @@ static hk_status factorize(void *self, const hk_matrix *A) {
 static void solve_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   banded *s = context;
   (void)chunk;
-  for (size_t k = begin; k < end; k++) s->fault[k] = !hk_bundle_solve(&s->bundle[k], s->block, s->from, s->to);
+  for (size_t k = begin; k < end; k++)
+    s->fault[k] = !hk_bundle_solve(&s->bundle[k], s->host->lanes, s->block, s->from, s->to);
 }
 
 static hk_status solve(void *self, const double *b, double *x, hk_solve_info *info) {

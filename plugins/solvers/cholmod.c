@@ -2,9 +2,13 @@
  *
  * The factor is that of plugins/common/cholesky. One thread is the default: the order of sums in a threaded BLAS, and
  * with it the last digit of results, depends on the machine. Several right-hand sides are solved by
- * plugins/common/linear/triangular.c, which copies L at the first such solve of a factorization. Invariant: between calls
- * `copied` says that `columns` has the numbers of the factor. Chen, Davis, Hager and Rajamanickam, Algorithm 887:
- * CHOLMOD, ACM TOMS 35 (2008). */
+ * plugins/common/linear/triangular.c, which copies L at the first such solve of a factorization. Invariant: between
+ * calls `copied` says that `columns` has the numbers of the factor. Chen, Davis, Hager and Rajamanickam, Algorithm 887:
+ * CHOLMOD, ACM TOMS 35 (2008).
+ *
+ * For patterns of which nothing is known, and as the yardstick: `supernodal`, for blocks of three, takes 0.64 s where
+ * this takes 0.98 (32 x 32 particles, 1e6 N/m, 24 steps of bdf2), `banded` a fourteenth on hair.
+ */
 #include "plugins/common/cholesky/cholesky.h"
 #include "plugins/common/linear/triangular.h"
 
@@ -18,17 +22,15 @@ typedef struct cholesky {
   int64_t *shape;         /* index arrays of the factor view of L */
 } cholesky;
 
-/* clang-format off */
 static const hk_param params[] = {
     {"ordering", "",
      "fill-reducing ordering; best: AMD, or METIS where the factorization is long and METIS makes it shorter",
-     HK_CHOICE, {HK_ORDER_BEST}, 0, 0, offsetof(cholesky, ordering), 0, "best|amd|metis"},
+     .choice = HK_AT(cholesky, ordering), .initial = {HK_ORDER_BEST}, .choices = "best|amd|metis"},
     {"threads", "",
      "threads of CHOLMOD and of an OpenBLAS, for the whole process; more than 1 may change the last digit",
-     HK_INTEGER, {1}, 1, 1024, offsetof(cholesky, threads), 0, NULL},
+     .integer = HK_AT(cholesky, threads), .initial = {1}, .limits = HK_WITHIN(1, 1024)},
     {0},
 };
-/* clang-format on */
 
 static void free_columns(cholesky *s) {
   hk_triangular_free(s->columns, s->host);

@@ -5,6 +5,9 @@
  * 0.52 against 1.06 s, one thread of a Zen 5 with OpenBLAS 0.3.21), since rows are found by blocks, fronts are
  * multiplied in tiles made for columns by threes, and updates are stored, not added to zeros. Duff and Reid, ACM TOMS 9
  * (1983); Liu, SIAM Review 34 (1992); Chen, Davis, Hager and Rajamanickam, Algorithm 887: CHOLMOD, ACM TOMS 35 (2008).
+ *
+ * Gradients preconditioned by the factor of an earlier matrix, in floats, were slower in short steps as well: a cloth
+ * of 96 x 96 particles, k = 1e5 N/m, 34 steps of bdf2 of 0.5 ms, 19.2 s of the processor beside 7.9; they are left out.
  */
 #include "plugins/common/cholesky/block_order.h"
 #include "plugins/common/supernodal/supernodal.h"
@@ -16,14 +19,12 @@ typedef struct multifrontal {
   int ordering;
 } multifrontal;
 
-/* clang-format off */
 static const hk_param params[] = {
     {"ordering", "",
      "fill-reducing ordering; best: AMD, or METIS where the factorization is long and METIS makes it shorter",
-     HK_CHOICE, {HK_ORDER_BEST}, 0, 0, offsetof(multifrontal, ordering), 0, "best|amd|metis"},
+     .choice = HK_AT(multifrontal, ordering), .initial = {HK_ORDER_BEST}, .choices = "best|amd|metis"},
     {0},
 };
-/* clang-format on */
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   multifrontal *s = self;

@@ -7,7 +7,11 @@
  * at rounding level relative to its column, with the rows scaled as by UMFPACK, so that units and ratios of masses do
  * not matter. The BLAS uses one thread, since the order of sums in a threaded BLAS depends on the machine. Invariant:
  * `symbolic` fits start and row; `numeric` is not NULL only if the numbers in `value` were factorized. Davis, Algorithm
- * 832: UMFPACK V4.3, ACM TOMS 30 (2004). */
+ * 832: UMFPACK V4.3, ACM TOMS 30 (2004).
+ *
+ * For unsymmetric matrices alone: on a symmetric one it takes fifteen times as long as `supernodal` (9.5 and 0.64 s, as
+ * in cholmod.c).
+ */
 #include "core/plugin.h"
 #include "plugins/common/linear/blas.h"
 #include "plugins/common/linear/blas_name.h"

@@ -1,10 +1,10 @@
-/* Bears particles at a rate and in bursts, and takes them away when their lifetimes are over.
+/* Emits particles at a rate and in bursts, and takes them away when their lifetimes are over.
  *
  * The number of births by a time does not depend on the steps (flow.h). All that is random about a birth is drawn from
  * the seed and its own number (draw.h). The emitter is called after each step, for the births and deaths in it, in the
- * order of their times; the host moves the newborn from their births to the present (core/population/newborns.c), so
- * that a jet has no stripes. Frames have the same particles, with the same ids, for any length of the steps and any
- * number of threads.
+ * order of their times; the host moves the newborn from their births to the present
+ * (core/numerics/population/newborns.c), so that a jet has no stripes. Frames have the same particles, with the same
+ * ids, for any length of the steps and any number of threads.
  *
  * Means and spreads, both relative to the value: uniform in value (1 +- spread), or lognormal with the mean `value` and
  * the standard deviation spread value, exp(s z - s^2/2) with s^2 = ln(1 + spread^2), the usual distribution of drop
@@ -51,69 +51,71 @@ enum { UNIFORM, LOGNORMAL };
 
 enum { BLOCK = 256 }; /* particles that are looked at together for deaths */
 
-#define QUANTITY(name, unit, help, initial, least, flags)                                                              \
-  {#name, unit, help, HK_NUMBER, {initial}, least, INFINITY, offsetof(emitter, name.value), flags, NULL}, {            \
-#name "_spread", "", "spread of " #name ", relative", HK_NUMBER,                                                   \
-        {0 }, 0, 1, offsetof(emitter, name.spread), 0, NULL                                                            \
-  }
-
 /* clang-format off */
-static const hk_param params[] = {
-    {"rate", "1/s", "births per second", HK_NUMBER, {100}, 0, 1e9, offsetof(emitter, flow.rate), 0, NULL},
-    {"rate_of_time", "1/s", "births per second as a function of time, in the place of `rate`", HK_FUNCTION, {0}, 0, 0,
-     offsetof(emitter, flow.of_time), 0, "function(t) -> rate"},
-    {"rate_every", "s", "how often that function is asked: the rate is straight between, and a shorter pulse is missed", HK_NUMBER, {1e-3}, 1e-9, 1e9,
-     offsetof(emitter, flow.cell), 0, NULL},
-    {"from", "s", "time of the first birth", HK_NUMBER, {0}, 0, INFINITY, offsetof(emitter, flow.from), 0, NULL},
-    {"to", "s", "time from which on the rate bears no more; left out: never", HK_NUMBER, {0}, 0, INFINITY,
-     offsetof(emitter, flow.to), HK_OPTIONAL, NULL},
-    {"burst", "", "births at once at each time of burst_at", HK_INTEGER, {0}, 0, 1e8, offsetof(emitter, burst), 0, NULL},
-    {"burst_at", "s", "times of the bursts, increasing", HK_NUMBERS, {0}, 0, INFINITY, offsetof(emitter, burst_at),
-     HK_OPTIONAL, NULL},
-    {"shape", "", "where: at a point, on a line, disc (across the direction) or sphere, in a ball, on triangles", HK_CHOICE,
-     {HK_OUTLET_POINT}, 0, 0, offsetof(emitter, outlet.shape), 0, "point|line|disc|sphere|ball|triangles"},
-    {"position", "m", "the point, one end of the line, or the centre", HK_VECTOR, {0}, 0, 0,
-     offsetof(emitter, outlet.position), 0, NULL},
-    {"end", "m", "other end of the line", HK_VECTOR, {1, 0, 0}, 0, 0, offsetof(emitter, outlet.end), 0, NULL},
-    {"extent", "m", "radius of disc, sphere and ball", HK_NUMBER, {0.1}, 0, INFINITY, offsetof(emitter, outlet.radius),
-     0, NULL},
-    {"triangles", "", "triangles of the scene to bear from, uniformly by area", HK_TRIANGLES, {0}, 0, 0,
-     offsetof(emitter, outlet.triangles), HK_OPTIONAL, NULL},
-    {"direction", "", "in which particles leave; on spheres and triangles they leave along the normal", HK_VECTOR,
-     {0, 0, 1}, 0, 0, offsetof(emitter, outlet.direction), 0, NULL},
-    {"cone", "degrees", "largest angle about that direction, uniform by solid angle", HK_NUMBER, {0}, 0, 180,
-     offsetof(emitter, outlet.cone), 0, NULL},
-    {"distribution", "", "of spreads: uniform within value (1 +- spread), or lognormal, spread being the deviation",
-     HK_CHOICE, {UNIFORM}, 0, 0, offsetof(emitter, distribution), 0, "uniform|lognormal"},
-    QUANTITY(speed, "m/s", "of a newborn, relative to its triangle", 1, 0, 0),
-    QUANTITY(mass, "kg", "of a newborn", 1e-3, 0, HK_ABOVE_MIN),
-    QUANTITY(radius, "m", "of a newborn, in the channel 'radius'; left out: none", 0, 0, HK_OPTIONAL | HK_ABOVE_MIN),
-    {"density", "kg/m^3", "of a newborn, 4/3 pi radius^3 density being its mass; left out: mass is", HK_NUMBER, {0}, 0,
-     INFINITY, offsetof(emitter, density), HK_OPTIONAL | HK_ABOVE_MIN, NULL},
-    QUANTITY(lifetime, "s", "of a particle; left out: for ever", 0, 0, HK_OPTIONAL | HK_ABOVE_MIN),
-    {"channel", "", "a channel of size 1 that newborns have an amount of, such as 'temperature'", HK_STRING, {0}, 0, 0,
-     offsetof(emitter, channel), 0, NULL},
-    QUANTITY(amount, "", "of a newborn in that channel", 1, -INFINITY, 0),
-    {"capacity", "", "particles of this emitter alive at a time, at most", HK_INTEGER, {1000000}, 1, 1e9,
-     offsetof(emitter, capacity), 0, NULL},
-    {0},
-};
+#define QUANTITY(name, unit, help, initially, ...)                                                                     \
+  {#name, unit, help, .number = HK_AT(emitter, name.value), .initial = {initially}, __VA_ARGS__},                      \
+  {#name "_spread", "", "spread of " #name ", relative", .number = HK_AT(emitter, name.spread),                        \
+   .limits = HK_WITHIN(0, 1)}
 /* clang-format on */
 
+static const hk_param params[] = {
+    {"rate", "1/s", "births per second", .number = HK_AT(emitter, flow.rate), .initial = {100},
+     .limits = HK_WITHIN(0, 1e9)},
+    {"rate_of_time", "1/s", "births per second as a function of time, in the place of `rate`",
+     .function = HK_AT(emitter, flow.of_time), .signature = "function(t) -> rate"},
+    {"rate_every", "s", "how often that function is asked: the rate is straight between, and a shorter pulse is missed",
+     .number = HK_AT(emitter, flow.cell), .initial = {1e-3}, .limits = HK_WITHIN(1e-9, 1e9)},
+    {"from", "s", "time of the first birth", .number = HK_AT(emitter, flow.from), .limits = HK_AT_LEAST(0)},
+    {"to", "s", "time from which on the rate emits no more; left out: never", .number = HK_AT(emitter, flow.to),
+     .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},
+    {"burst", "", "births at once at each time of burst_at", .integer = HK_AT(emitter, burst),
+     .limits = HK_WITHIN(0, 1e8)},
+    {"burst_at", "s", "times of the bursts, increasing", .numbers = HK_AT(emitter, burst_at), .limits = HK_AT_LEAST(0),
+     .flags = HK_OPTIONAL},
+    {"shape", "", "where: at a point, on a line, disc (across the direction) or sphere, in a ball, on triangles",
+     .choice = HK_AT(emitter, outlet.shape), .initial = {HK_OUTLET_POINT},
+     .choices = "point|line|disc|sphere|ball|triangles"},
+    {"position", "m", "the point, one end of the line, or the centre", .vector = HK_AT(emitter, outlet.position)},
+    {"end", "m", "other end of the line", .vector = HK_AT(emitter, outlet.end), .initial = {1, 0, 0}},
+    {"extent", "m", "radius of disc, sphere and ball", .number = HK_AT(emitter, outlet.radius), .initial = {0.1},
+     .limits = HK_AT_LEAST(0)},
+    {"triangles", "", "triangles of the scene to emit from, uniformly by area",
+     .triangles = HK_AT(emitter, outlet.triangles), .flags = HK_OPTIONAL},
+    {"direction", "", "in which particles leave; on spheres and triangles they leave along the normal",
+     .vector = HK_AT(emitter, outlet.direction), .initial = {0, 0, 1}},
+    {"cone", "degrees", "largest angle about that direction, uniform by solid angle",
+     .number = HK_AT(emitter, outlet.cone), .limits = HK_WITHIN(0, 180)},
+    {"distribution", "", "of spreads: uniform within value (1 +- spread), or lognormal, spread being the deviation",
+     .choice = HK_AT(emitter, distribution), .initial = {UNIFORM}, .choices = "uniform|lognormal"},
+    QUANTITY(speed, "m/s", "of a newborn, relative to its triangle", 1, .limits = HK_AT_LEAST(0)),
+    QUANTITY(mass, "kg", "of a newborn", 1e-3, .limits = HK_ABOVE(0)),
+    QUANTITY(radius, "m", "of a newborn, in the channel 'radius'; left out: none", 0, .limits = HK_ABOVE(0),
+             .flags = HK_OPTIONAL),
+    {"density", "kg/m^3", "of a newborn, 4/3 pi radius^3 density being its mass; left out: mass is",
+     .number = HK_AT(emitter, density), .limits = HK_ABOVE(0), .flags = HK_OPTIONAL},
+    QUANTITY(lifetime, "s", "of a particle; left out: for ever", 0, .limits = HK_ABOVE(0), .flags = HK_OPTIONAL),
+    {"channel", "", "a channel of size 1 that newborns have an amount of, such as 'temperature'",
+     .string = HK_AT(emitter, channel)},
+    QUANTITY(amount, "", "of a newborn in that channel", 1, .flags = 0),
+    {"capacity", "", "particles of this emitter alive at a time, at most", .integer = HK_AT(emitter, capacity),
+     .initial = {1000000}, .limits = HK_WITHIN(1, 1e9)},
+    {0},
+};
+
 static const hk_field fields[] = {
-    {"seed", HK_FIELD_INTEGER, 1, offsetof(emitter, seed), 0},
-    {"asked", HK_FIELD_INTEGER, 1, offsetof(emitter, flow.asked), 0},
-    {"cells", HK_FIELD_INTEGER, 1, offsetof(emitter, flow.cells), 0},
-    {"born_before", HK_FIELD_NUMBER, 1, offsetof(emitter, flow.before), 0},
-    {"rate_at_begin", HK_FIELD_NUMBER, 1, offsetof(emitter, flow.begin), 0},
-    {"rate_at_end", HK_FIELD_NUMBER, 1, offsetof(emitter, flow.end), 0},
-    {"borne", HK_FIELD_INTEGER, 1, offsetof(emitter, borne), 0},
-    {"bursts", HK_FIELD_INTEGER, 1, offsetof(emitter, bursts), 0},
-    {"oldest", HK_FIELD_INTEGER, 1, offsetof(emitter, oldest), 0},
-    {"kept", HK_FIELD_INTEGER, 1, offsetof(emitter, kept), 0},
-    {"living", HK_FIELD_INTEGER, 1, offsetof(emitter, living), 0},
-    {"left_out", HK_FIELD_INTEGER, 1, offsetof(emitter, left_out), 0},
-    {"list", HK_FIELD_ARRAY, sizeof(particle), offsetof(emitter, list), 0},
+    {"seed", .integer = HK_AT(emitter, seed)},
+    {"asked", .integer = HK_AT(emitter, flow.asked)},
+    {"cells", .integer = HK_AT(emitter, flow.cells)},
+    {"born_before", .number = HK_AT(emitter, flow.before)},
+    {"rate_at_begin", .number = HK_AT(emitter, flow.begin)},
+    {"rate_at_end", .number = HK_AT(emitter, flow.end)},
+    {"borne", .integer = HK_AT(emitter, borne)},
+    {"bursts", .integer = HK_AT(emitter, bursts)},
+    {"oldest", .integer = HK_AT(emitter, oldest)},
+    {"kept", .integer = HK_AT(emitter, kept)},
+    {"living", .integer = HK_AT(emitter, living)},
+    {"left_out", .integer = HK_AT(emitter, left_out)},
+    {"list", .array = HK_AT(emitter, list), .width = sizeof(particle)},
     {0},
 };
 
@@ -293,9 +295,9 @@ static double next_burst(const emitter *e) {
   return k < e->burst_at.count ? e->burst_at.value[k] : INFINITY;
 }
 
-/* Births due by t, or some more. */
-static hk_status due(const emitter *e, const hk_host *host, double t, double *count) {
-  hk_status status = hk_flow_due(&e->flow, host, e->borne, t, count);
+/* Births by t behind those that were, or some more. */
+static hk_status births_by(const emitter *e, const hk_host *host, double t, double *count) {
+  hk_status status = hk_flow_births(&e->flow, host, e->borne, t, count);
   for (size_t k = 0; k < e->burst_at.count; k++) *count += e->burst_at.value[k] <= t ? (double)e->burst : 0;
   *count -= (double)e->bursts;
   return status;
@@ -322,7 +324,7 @@ static hk_status open_dying(emitter *e, const hk_host *host, double births) {
   return e->dying ? HK_OK : host->fail(host, HK_NO_MEMORY, "no memory for the deaths of %zu particles", wanted);
 }
 
-static hk_status bear(emitter *e, call *c, double at, uint64_t number) {
+static hk_status emit_birth(emitter *e, call *c, double at, uint64_t number) {
   double lifetime, age = c->view->t - at;
   hk_birth birth = draw_birth(e, c->view, age, number, &lifetime);
   bool dead = at + lifetime <= c->view->t;
@@ -358,7 +360,7 @@ static hk_status bear_all(emitter *e, call *c, double births) {
     uint64_t number = of_rate <= of_burst ? 2 * (uint64_t)e->borne++ : 2 * (uint64_t)e->bursts++ + 1;
     for (; c->gone < c->deaths && e->dying[c->gone] <= at; c->gone++) e->living--;
     if (e->living < e->capacity)
-      status = bear(e, c, at, number);
+      status = emit_birth(e, c, at, number);
     else
       leave_out(e, host, at);
   }
@@ -369,7 +371,7 @@ static hk_status bear_all(emitter *e, call *c, double births) {
 static hk_status emit(void *self, const hk_view *view, double h, hk_population *population) {
   emitter *e = self;
   double births;
-  hk_status status = due(e, view->host, view->t, &births);
+  hk_status status = births_by(e, view->host, view->t, &births);
   call c = {.view = view, .population = population, .crowded = (double)e->living + births > (double)e->capacity};
   (void)h;
   if (status == HK_OK) status = reserve(e, view->host, births);
@@ -385,7 +387,7 @@ HK_EXPORT const hk_plugin hk_plugin_main = {
     .kind = HK_SOURCE,
     .name = "emitter",
     .summary =
-        "bears particles at a rate and in bursts, from points, lines, discs, spheres or triangles; they live for a "
+        "emits particles at a rate and in bursts, from points, lines, discs, spheres or triangles; they live for a "
         "time",
     .reference = "Reeves, Particle systems, ACM TOG 2, 1983; Steele, Lea and Flood, OOPSLA 2014 (random numbers)",
     .instance_size = sizeof(emitter),

@@ -119,7 +119,8 @@ static void blocks(const char *what, double damping, unsigned want) {
   for (size_t k = 0; k < 9 * count; k++) slot[k] = 5 * (k / 9 + k % 9 / 3) + (k % 3 + 2) - k % 9 / 3;
   for (int r = 0; r < REPEATS / 4; r++) {
     double t0 = now();
-    force->plugin->force->jacobian(force->self, &view, &(hk_blocks){.slot = slot, .K = K, .D = D, .want = want});
+    hk_force_of(force->plugin)
+        ->implicit.jacobian(force->self, &view, &(hk_blocks){.slot = slot, .K = K, .D = D, .want = want});
     best = fmin(best, now() - t0);
   }
   printf("%-24s %6.0f ns a joint\n", what, best / (double)count * 1e9);

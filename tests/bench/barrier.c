@@ -88,7 +88,7 @@ typedef enum part { SEARCH, UPDATE, LIMIT, ENERGY, FORCE, PATTERN, BLOCKS, ACCEP
 static const char *const names[PARTS] = {"search", "update", "limit", "energy", "force", "names", "blocks", "accepted"};
 
 typedef struct bench {
-  const hk_force *force;
+  const hk_force_tables *force;
   void *self;
   hk_view view;
   double *far, *near, *dx, *F;
@@ -99,14 +99,14 @@ typedef struct bench {
 static void call(bench *b, part which) {
   bool changed = false;
   b->blocks.count = 0;
-  if (which == SEARCH) b->force->update(b->self, &b->view, b->far, &changed);
-  if (which == UPDATE) b->force->update(b->self, &b->view, b->near, &changed);
-  if (which == LIMIT) b->force->step_limit(b->self, &b->view, b->dx);
-  if (which == ENERGY) b->force->energy(b->self, &b->view);
-  if (which == FORCE) b->force->add(b->self, &b->view, b->F);
-  if (which == PATTERN) b->force->pattern(b->self, &b->view, &b->blocks.pattern);
-  if (which == BLOCKS) b->force->jacobian(b->self, &b->view, &b->into);
-  if (which == ACCEPTED) b->force->accepted(b->self, &b->view, 1e-3);
+  if (which == SEARCH) b->force->steps.update(b->self, &b->view, b->far, &changed);
+  if (which == UPDATE) b->force->steps.update(b->self, &b->view, b->near, &changed);
+  if (which == LIMIT) b->force->surfaces.step_limit(b->self, &b->view, b->dx);
+  if (which == ENERGY) b->force->own.energy(b->self, &b->view);
+  if (which == FORCE) b->force->own.add(b->self, &b->view, b->F);
+  if (which == PATTERN) b->force->implicit.pattern(b->self, &b->view, &b->blocks.pattern);
+  if (which == BLOCKS) b->force->implicit.jacobian(b->self, &b->view, &b->into);
+  if (which == ACCEPTED) b->force->steps.accepted(b->self, &b->view, 1e-3);
 }
 
 static double least(bench *b, part which) {
@@ -125,7 +125,7 @@ static void functions_of(uint32_t n) {
   test_engine e;
   hk_plugin_spec *spec = open_stack(&e, n, 1);
   hk_instance *instance = test_instance(&e, spec);
-  bench b = {.force = instance->plugin->force, .self = instance->self, .view = force_view(&e, instance)};
+  bench b = {.force = hk_force_of(instance->plugin), .self = instance->self, .view = force_view(&e, instance)};
   size_t m = 3 * b.view.n, sheet = m / LAYERS;
   b.far = memory(m, sizeof *b.far), b.near = memory(m, sizeof *b.near), b.dx = memory(m, sizeof *b.dx);
   b.F = memory(m, sizeof *b.F);

@@ -2,7 +2,7 @@
  * the time per bar and step; a truss of 10,000 bars: the time of the start with its only symbolic analysis, of a
  * factorization, and of a step. A chain is 1 m long and starts straight, 30 degrees from the vertical; h w = 0.5 for
  * its fastest wave, of w = 2 sqrt(g N/a). Least times of some repeats. */
-#include "core/dynamics/constraints.h"
+#include "core/numerics/constraints/constraints.h"
 #include "tests/support/engine.h"
 
 #include <stdio.h>

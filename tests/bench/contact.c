@@ -105,7 +105,7 @@ static void add_ball(test_engine *e) {
       double a = pi * i / RINGS, b = pi * j / RINGS;
       test_particle(e, ball * sin(a) * cos(b), ball * sin(a) * sin(b), ball * cos(a), 1);
     }
-  for (uint32_t id = SIDE * SIDE + 1; id <= e->scene->n; id++) test_pin(e, HK_PIN_FIXED, id, NULL);
+  for (uint32_t id = SIDE * SIDE + 1; id <= e->scene->particles.n; id++) test_pin(e, HK_PIN_FIXED, id, NULL);
   for (int i = 0; i < RINGS; i++)
     for (int j = 0; j < 2 * RINGS; j++) {
       if (i > 0)
@@ -128,7 +128,7 @@ static hk_plugin_spec *open_world(test_engine *e, hk_kind kind, cloth of, int th
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, 0, -9.81);
   test_number(e, test_plugin(e, HK_FORCE, "drag"), "rate", 0.5);
   if (kind == HK_KINDS) return NULL;
-  hk_plugin_spec *contact = test_plugin(e, kind, "contact");
+  hk_plugin_spec *contact = test_plugin(e, kind, kind == HK_FORCE ? "repulsion" : "contact");
   test_number(e, contact, "thickness", thickness);
   test_number(e, contact, "friction", 0.3);
   if (kind == HK_FORCE) {
@@ -141,19 +141,19 @@ static hk_plugin_spec *open_world(test_engine *e, hk_kind kind, cloth of, int th
 /* ---- the corrector's own times ---- */
 
 enum { TIMES = 5 };
-static const char *const time_name[TIMES] = {"seconds", "seconds_of_pairs", "seconds_of_searches", "seconds_of_looks",
-                                             "seconds_of_impulses"};
+static const char *const time_name[TIMES] = {"seconds", "seconds_of_pairs", "seconds_of_searches",
+                                             "seconds_of_narrow_phase", "seconds_of_impulses"};
 
 static void read_times(const hk_instance *i, double out[TIMES]) {
   for (const hk_field *f = i->plugin->fields; f->name; f++)
     for (int k = 0; k < TIMES; k++)
-      if (strcmp(f->name, time_name[k]) == 0) memcpy(&out[k], (const char *)i->self + f->offset, sizeof *out);
+      if (strcmp(f->name, time_name[k]) == 0) memcpy(&out[k], hk_field_in(f, i->self), sizeof *out);
 }
 
 static void print_split(const double before[TIMES], const double after[TIMES], double steps, double taken) {
   double t[TIMES];
   for (int k = 0; k < TIMES; k++) t[k] = 1e3 * (after[k] - before[k]) / steps;
-  printf("; contact %2.0f %%, ms: searches %.2f, budgets %.2f, looks %.2f, impulses %.2f, rest %.2f",
+  printf("; contact %2.0f %%, ms: searches %.2f, budgets %.2f, narrow phase %.2f, impulses %.2f, rest %.2f",
          100 * t[0] * steps / (1e3 * taken), t[2], t[1] - t[2], t[3], t[4], t[0] - t[1] - t[3] - t[4]);
 }
 

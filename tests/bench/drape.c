@@ -73,7 +73,7 @@ static void add_ball(test_engine *e) {
       double a = pi * i / RINGS, b = pi * j / RINGS;
       test_particle(e, ball * sin(a) * cos(b), ball * sin(a) * sin(b), ball * cos(a), 1);
     }
-  for (uint32_t id = SIDE * SIDE + 1; id <= e->scene->n; id++) test_pin(e, HK_PIN_FIXED, id, NULL);
+  for (uint32_t id = SIDE * SIDE + 1; id <= e->scene->particles.n; id++) test_pin(e, HK_PIN_FIXED, id, NULL);
   for (int i = 0; i < RINGS; i++)
     for (int j = 0; j < 2 * RINGS; j++) {
       if (i > 0)

@@ -1,7 +1,7 @@
 /* What births and deaths cost at a million particles: 250,000 are born and as many die per second, about a thousand in
  * a step of 1/240 s. Beside the times of the emitter alone and of the emitter with what the host does for births and
  * deaths, the step of the same particles without a source. Least of several parts of the runs, which take turns. */
-#include "core/base/base.h"
+#include "core/engine/base/base.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

@@ -2,7 +2,7 @@
  * the thread's own time, which others on the machine disturb less. To reach: 18 ms, 15 to aim for (Liu and others 2013:
  * 50 ms). */
 #include "plugins/common/springs/element_edges.h"
-#include "plugins/common/springs/spring_kernel.h"
+#include "plugins/kit/springs/spring_kernel.h"
 #include "tests/bench/cloth.h"
 
 #include <string.h>
@@ -48,7 +48,7 @@ static double local_steps(test_engine *e, const hk_host *host) {
     }
     best = fmin(best, own() - begin);
   }
-  for (size_t f = 0; f < s->forces; f++) s->takes[f] = true;
+  for (size_t f = 0; f < s->split->forces; f++) s->split->takes[f] = true;
   free(scratch);
   return best;
 }
@@ -63,7 +63,7 @@ static void frames(double k, const char *acceleration, bool damped) {
       test_number(&e, e.scene->plugin[HK_FORCE].item[f], "damping", 0);
   hk_plugin_spec *method = test_plugin(&e, HK_INTEGRATOR, "local_global");
   const hk_param *p = hk_spec_param(method, "acceleration", &e.error);
-  hk_spec_set(method, p, &(hk_value){.kind = HK_VALUE_STRING, .text = acceleration}, e.scene->n, &e.error);
+  hk_spec_set(method, p, &(hk_value){.kind = HK_VALUE_STRING, .text = acceleration}, e.scene->particles.n, &e.error);
   e.scene->fps = 30;
   e.options.dt = 1.0 / 30;
   e.options.until = 10;
@@ -71,8 +71,8 @@ static void frames(double k, const char *acceleration, bool damped) {
   double opened = own();
   test_advance(&e, 1.0 / 30);
   double first = own() - opened;
-  original = e.run->dynamics.system.solve_columns;
-  e.run->dynamics.system.solve_columns = timed;
+  original = e.run->dynamics.linear.solve_columns;
+  e.run->dynamics.linear.solve_columns = timed;
   for (int f = 0; f < FRAMES + WARM; f++) {
     double begin = own();
     solving = 0;

@@ -107,7 +107,7 @@ static void measure(result *r, const char *method, const sheet *s, double dt, do
   double begin = cpu();
   test_advance(&e, until);
   r->cpu = fmin(r->x ? r->cpu : INFINITY, cpu() - begin);
-  r->dt = e.run->step.dt;
+  r->dt = e.run->step.length.dt;
   r->steps = e.run->record.steps;
   if (!r->x) r->x = malloc(3 * (size_t)s->N * s->N * sizeof *r->x);
   memcpy(r->x, e.run->state.X, 3 * (size_t)s->N * s->N * sizeof *r->x);

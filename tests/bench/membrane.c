@@ -47,7 +47,7 @@ static int compare(const void *a, const void *b) {
 
 static void make_slots(subject *s) {
   names list = {.pattern = {name}, .pair = malloc(40 * TRIANGLES * sizeof *list.pair)};
-  s->instance->plugin->force->pattern(s->instance->self, &s->view, &list.pattern);
+  hk_force_of(s->instance->plugin)->implicit.pattern(s->instance->self, &s->view, &list.pattern);
   uint64_t *sorted = malloc(list.count * sizeof *sorted);
   size_t kept = 0;
   memcpy(sorted, list.pair, list.count * sizeof *sorted);
@@ -89,13 +89,13 @@ static void open_subject(subject *s) {
 }
 
 static void measure(subject *s) {
-  const hk_force *force = s->instance->plugin->force;
+  const hk_force_tables *force = hk_force_of(s->instance->plugin);
   hk_blocks into = {.slot = s->slot, .K = s->K, .D = s->D, .want = s->want};
   double start = now();
   for (int q = 0; q < 5; q++)
-    if (force->add(s->instance->self, &s->view, s->F) != HK_OK) exit(1);
+    if (force->own.add(s->instance->self, &s->view, s->F) != HK_OK) exit(1);
   double middle = now();
-  if (force->jacobian(s->instance->self, &s->view, &into) != HK_OK) exit(1);
+  if (force->implicit.jacobian(s->instance->self, &s->view, &into) != HK_OK) exit(1);
   s->force_least = fmin(s->force_least, (middle - start) / 5);
   s->blocks_least = fmin(s->blocks_least, now() - middle);
 }

@@ -10,7 +10,6 @@
  *
  * build/bench/nbody [bodies]: with a number, the largest of the growth, 1e6 by default. */
 #include "plugins/common/gravity/tree_sum.h"
-#include "plugins/common/gravity_single/single_path.h"
 #include "plugins/common/space/octree_builder.h"
 #include "tests/support/nbody_scenes.h"
 
@@ -128,39 +127,12 @@ static void kernel(const hk_gravity_path *path, double eps2) {
   free_sphere(&s);
 }
 
-/* The same in floats; their errors are in the table of scenes. */
-static void single_kernel(const hk_single_path *path) {
-  enum { N = 4096 };
-  sphere s = sphere_of(N);
-  hk_single_body *body = memory(N, sizeof *body);
-  double best = INFINITY;
-  for (size_t k = 0; k < N; k++) {
-    for (size_t c = 0; c < 3; c++) body[k].high[c] = (float)s.x[3 * k + c];
-    body[k].m = (float)s.m[k];
-  }
-  for (int r = 0; r < 4 * REPEATS; r++) {
-    double begin = own();
-    for (size_t i = 0; i < 1024; i += HK_SINGLE_BLOCK) {
-      hk_single_targets t = {0};
-      hk_single_pull sum = {0};
-      for (size_t l = 0; l < HK_SINGLE_BLOCK; l++)
-        for (size_t c = 0; c < 3; c++) t.high[c][l] = body[i + l].high[c];
-      path->pull(body, 0, N, &t, (float)(softening * softening), &sum);
-    }
-    best = fmin(best, own() - begin);
-  }
-  printf("  %-24s softening %-6.2g %6.3f ns per ordered pair\n", path->name, softening, 1e9 * best / (1024.0 * N));
-  free(body);
-  free_sphere(&s);
-}
-
 /* ---- forces in a scene ---- */
 
 typedef struct setting {
   const char *method, *parameter;
   double value;
   int threads;
-  const char *precision; /* NULL: as it comes */
 } setting;
 
 typedef struct outcome {
@@ -205,7 +177,6 @@ static outcome measure(const sphere *s, const setting *how, int repeats, const d
   test_number(&e, spec, "G", 1);
   test_number(&e, spec, "softening", softening);
   test_text(&e, spec, "method", how->method);
-  if (how->precision) test_text(&e, spec, "precision", how->precision);
   if (how->parameter) test_number(&e, spec, how->parameter, how->value);
   test_run(&e);
   hk_instance *force = test_instance(&e, spec);
@@ -290,7 +261,7 @@ static void in_turn(const hk_host *host, size_t count, size_t grain, void (*body
 }
 
 static outcome package_errors(const sphere *s, double angle, const double *exact, size_t stride) {
-  const hk_host host = {.allocate = take, .release = give, .parallel_for = in_turn};
+  const hk_host host = {.lanes = hk_processor_lanes(), .allocate = take, .release = give, .parallel_for = in_turn};
   hk_octree_builder builder = {0};
   hk_octree t;
   uint32_t flawed;
@@ -329,7 +300,7 @@ static void against(const sphere *s, double angle, double package, const double 
   snprintf(name, sizeof name, "package, angle %g (scaled)", angle);
   print_tree(name, &theirs, 0);
   for (size_t k = 0; k < sizeof alphas / sizeof *alphas; k++) {
-    setting how = {"tree", "alpha", alphas[k], 1, NULL};
+    setting how = {"tree", "alpha", alphas[k], 1};
     outcome ours = measure(s, &how, REPEATS, exact, stride);
     snprintf(name, sizeof name, "tree, alpha %g", alphas[k]);
     if (!(ours.p99 <= theirs.p99 && ours.largest <= theirs.largest)) continue;
@@ -348,26 +319,18 @@ static void trees(size_t n, double scale, double half, double wide) {
          stride);
   against(&s, 0.5, half * scale, exact, stride);
   against(&s, 0.7, wide * scale, exact, stride);
-  setting usual = {"tree", NULL, 0, 1, NULL};
+  setting usual = {"tree", NULL, 0, 1};
   outcome o = measure(&s, &usual, REPEATS, exact, stride);
   print_tree("tree, as it comes", &o, 0);
   free(exact);
   free_sphere(&s);
 }
 
-static void precisions(size_t n) {
+static void direct(size_t n) {
   sphere s = sphere_of(n);
-  size_t stride = n / SAMPLES + 1;
-  double *exact = memory(3 * n, sizeof *exact);
-  const char *names[] = {"double", "single"};
-  for (size_t i = 0; i < n; i += stride) plain_pull(&s, i, exact + 3 * i);
-  for (int p = 0; p < 2; p++) {
-    setting how = {"direct", NULL, 0, 1, names[p]};
-    outcome o = measure(&s, &how, REPEATS, exact, stride);
-    printf("  %s  %zu bodies: %.4f s, %.3f ns per ordered pair, off by %.1e RMS, %.1e at most\n", names[p], n,
-           o.seconds, 1e9 * o.seconds / ((double)n * (double)n), o.rms, o.largest);
-  }
-  free(exact);
+  setting how = {"direct", NULL, 0, 1};
+  outcome o = measure(&s, &how, REPEATS, NULL, 1);
+  printf("  %zu bodies: %.4f s, %.3f ns per ordered pair\n", n, o.seconds, 1e9 * o.seconds / ((double)n * (double)n));
   free_sphere(&s);
 }
 
@@ -375,7 +338,7 @@ static void growth(size_t most) {
   puts("growth, one thread: s for forces, us per body and per body and log2 n, the process's memory");
   for (size_t n = 1000; n <= most; n *= 10) {
     sphere s = sphere_of(n);
-    setting tree = {"tree", NULL, 0, 1, NULL};
+    setting tree = {"tree", NULL, 0, 1};
     outcome o = measure(&s, &tree, n < 1000000 ? REPEATS : 2, NULL, 1);
     printf("  %8zu bodies %9.4f s  %7.3f us  %7.4f us  %6.2f GB\n", n, o.seconds, 1e6 * o.seconds / (double)n,
            1e6 * o.seconds / (double)n / log2((double)n), o.resident);
@@ -390,7 +353,7 @@ static void threads(void) {
     double best[2] = {INFINITY, INFINITY};
     for (int r = 0; r < 3; r++)
       for (int t = 0; t < 2; t++) {
-        setting how = {methods[m], NULL, 0, t + 1, NULL};
+        setting how = {methods[m], NULL, 0, t + 1};
         best[t] = fmin(best[t], measure(&s, &how, 3, NULL, 1).wall);
       }
     printf("  %-6s 20000 bodies: %.4f s with one thread, %.4f s with two: %.2f times\n", methods[m], best[0], best[1],
@@ -403,14 +366,11 @@ int main(int count, char **argument) {
   setvbuf(stdout, NULL, _IOLBF, 0); /* minutes: whoever waits sees how far it is */
   double plain = plain_time(), scale = plain * 1e8 / package_direct;
   printf("plain loop: %.3f ns per ordered pair; the package's times are scaled by %.2f\n", 1e9 * plain, scale);
-  const hk_gravity_path *paths[] = {&hk_gravity_narrow, hk_gravity_wide4(), hk_gravity_wide8()};
-  for (int p = 0; p < 3; p++)
-    for (int soft = 0; soft < 2 && paths[p]; soft++) kernel(paths[p], soft ? softening * softening : 0);
-  const hk_single_path *singles[] = {&hk_single_narrow, hk_single_wide8(), hk_single_wide16()};
-  for (int p = 0; p < 3; p++)
-    if (singles[p]) single_kernel(singles[p]);
+  const hk_gravity_path *paths[] = {hk_gravity_path_of(2), hk_gravity_path_of(4), hk_gravity_path_of(8)};
+  for (int p = 0; p < 3 && 2 << p <= hk_processor_lanes(); p++)
+    for (int soft = 0; soft < 2; soft++) kernel(paths[p], soft ? softening * softening : 0);
   puts("method direct in a scene, one thread");
-  precisions(10000);
+  direct(10000);
   puts("threads, wall time");
   threads();
   trees(10000, scale, 0.165, 0.077);

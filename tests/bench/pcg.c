@@ -1,8 +1,8 @@
 /* The product with a symmetric block matrix beside streaming its numbers once, at 512 x 512; and both preconditioners
  * on the matrix of a stiff cloth of 128 x 128, M + h^2 K with k = 1e5 N/m and h = 1/60 s, curtain's masses and pins.
  * Times are medians of repeats taken in turn, so that both sides see the same machine. */
-#include "core/matrix/matrix.h"
-#include "core/base/base.h"
+#include "core/numerics/matrix/matrix.h"
+#include "core/engine/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/upper_matrix.h"
 #include "tests/support/engine.h"
@@ -124,7 +124,8 @@ typedef struct bench_solver {
 static hk_instance *open_solver(bench_solver *b, const char *preconditioner, int threads) {
   test_engine *e = &b->e;
   test_engine_open(e);
-  b->shared = (hk_shared){.error = &e->error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  b->shared = (hk_shared){
+      .error = &e->error, .threads = hk_threads_create(threads), .allocations_left = -1, .lanes = hk_processor_lanes()};
   hk_plugin_spec *solver = test_plugin(e, HK_SOLVER, "pcg");
   hk_value value = {.kind = HK_VALUE_STRING, .text = preconditioner};
   const hk_param *param = hk_spec_param(solver, "preconditioner", &e->error);

@@ -56,7 +56,7 @@ static void open_subject(subject *s) {
   s->x = malloc(3 * s->view.n * sizeof *s->x);
   s->F = calloc(3 * s->view.n, sizeof *s->F);
   memcpy(s->x, s->view.x, 3 * s->view.n * sizeof *s->x);
-  if (s->rods->plugin->force->accepted(s->rods->self, &s->view, 1e-5) != HK_OK) exit(1);
+  if (hk_force_of(s->rods->plugin)->steps.accepted(s->rods->self, &s->view, 1e-5) != HK_OK) exit(1);
   for (size_t k = 0; k < 3 * s->view.n; k++) s->x[k] += s->moved * sin((double)k);
   s->view.x = s->x;
   s->least = INFINITY;

@@ -3,7 +3,7 @@
  * in turn, each as its least of REPEATS. Then the search for the neighbours of a million grains, in the order of a
  * lattice and in a random one. */
 #include "tests/support/engine.h"
-#include "plugins/common/contact/contact_law.h"
+#include "plugins/common/grains/grain_law.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -107,21 +107,21 @@ static void list_pairs(plain *p, const box *b, const double *x) {
       if (rows.other[k] > i) p->pair[p->pairs][0] = (uint32_t)i, p->pair[p->pairs++][1] = rows.other[k];
 }
 
-static size_t plain_sweep(const plain *p, const hk_contact_law *law, const double *x, const double *v, double *F) {
+static size_t plain_sweep(const plain *p, const hk_grain_law *law, const double *x, const double *v, double *F) {
   size_t contacts = 0;
   for (size_t k = 0; k < p->pairs; k++) {
     size_t i = p->pair[k][0], j = p->pair[k][1];
     double r[3], r2 = 0, along = 0;
     for (size_t c = 0; c < 3; c++) r[c] = x[3 * i + c] - x[3 * j + c], r2 += r[c] * r[c];
     if (!(r2 < 4 * R * R)) continue;
-    hk_contact c = {.overlap = 2 * R - sqrt(r2), .mass = 0.5};
+    hk_grain_contact c = {.overlap = 2 * R - sqrt(r2), .mass = 0.5};
     for (size_t a = 0; a < 3; a++) {
       c.normal[a] = r[a] / sqrt(r2), c.u[a] = v[3 * i + a] - v[3 * j + a];
       c.slip[a] = p->slip[k][a] + dt * c.u[a];
       along += c.slip[a] * c.normal[a];
     }
     for (int a = 0; a < 3; a++) c.slip[a] -= along * c.normal[a];
-    hk_contact_force(law, &c);
+    hk_grain_force(law, &c);
     for (size_t a = 0; a < 3; a++) {
       F[3 * i + a] += c.force[a], F[3 * j + a] -= c.force[a];
       p->slip[k][a] = c.slip[a];
@@ -144,7 +144,7 @@ static void contacts(size_t side, int threads) {
   test_advance(&b.e, 2 * dt);
   hk_instance *force = test_instance(&b.e, b.grains);
   double *F = memory(3 * b.n, sizeof *F);
-  hk_contact_law law = {K, 2. / 7 * K, friction, hk_contact_damping(0.8), 1};
+  hk_grain_law law = {K, 2. / 7 * K, friction, hk_grain_damping(0.8), 1};
   hk_view view = view_of(&b, force);
   list_pairs(&p, &b, view.x);
   for (int r = 0; r < REPEATS; r++) {
@@ -152,7 +152,7 @@ static void contacts(size_t side, int threads) {
     double t0 = own();
     if (force->plugin->force->add(force->self, &view, F) != HK_OK) exit(1);
     double t1 = own();
-    if (force->plugin->force->accepted(force->self, &view, 0) != HK_OK) exit(1);
+    if (hk_force_of(force->plugin)->steps.accepted(force->self, &view, 0) != HK_OK) exit(1);
     double t2 = own();
     touching = plain_sweep(&p, &law, view.x, view.v, F);
     by_hand = least(by_hand, own() - t2);

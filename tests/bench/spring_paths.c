@@ -1,6 +1,8 @@
-/* The inner loops of the springs kernel, path by path, on particles that stay in the first-level cache: what they cost
- * beside memory. The paths take turns, and each figure is the least of its repeats, in seconds of the processor. */
-#include "plugins/common/springs/spring_path.h"
+/* The inner loops of the springs kernel, width by width, on particles that stay in the first-level cache: what they
+ * cost beside memory. The widths take turns, and each figure is the least of its repeats, in seconds of the processor.
+ */
+#include "core/engine/base/base.h"
+#include "plugins/kit/springs/spring_kernel.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -49,28 +51,29 @@ static void fill(data *d) {
   fill_list(d);
 }
 
-static double call(const hk_spring_path *path, data *d, const kind *a, bool damped) {
+static double call(int lanes, data *d, const kind *a, bool damped) {
   size_t each = a->each ? ~(size_t)0 : 0, j = 3 * a->apart;
-  hk_spring_numbers q = {d->k, d->c, d->L, each, each, each};
-  double (*run)(const hk_spring_numbers *, size_t, const uint8_t *, const double *, const double *, const double *,
-                const double *, double *, double *, bool) = a->apart >= HK_SPRING_FAR ? path->far_run : path->near_run;
   const hk_spring_list list = {SPRINGS, (const uint32_t(*)[2])d->pair, d->lanes};
   uint8_t present[SPRINGS / 8];
+  const hk_spring_ways at = {
+      {d->k, d->c, d->L, each, each, each}, present, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j};
   memset(present, 0xff, sizeof present);
   double start = now();
   for (int r = 0; r < CALLS; r++)
-    if (a->apart)
-      run(&q, SPRINGS, present, d->x, d->x + j, d->v, d->v + j, d->F, d->F + j, damped);
+    if (a->apart >= HK_SPRING_FAR)
+      HK_WIDEST(lanes, hk_spring_far_run)(&at, SPRINGS, damped);
+    else if (a->apart)
+      HK_WIDEST(lanes, hk_spring_near_run)(&at, SPRINGS, damped);
     else
-      path->list(&q, &list, d->x, d->v, d->F, damped);
+      HK_WIDEST(lanes, hk_spring_list_run)(&at, &list, damped);
   return (now() - start) / (CALLS * SPRINGS) * 1e9;
 }
 
 int main(void) {
+  const int widest = hk_processor_lanes();
   static const kind kinds[CASES] = {{"run, ends 1 apart", 1, 0},        {"run, ends 2 apart", 2, 0},
                                     {"run, ends 129 apart", 129, 0},    {"run, ends 300 apart", 300, 0},
                                     {"run, 300, each its own", 300, 1}, {"list, each its own", 0, 1}};
-  const hk_spring_path *path[PATHS] = {&hk_spring_narrow, hk_spring_wide(), hk_spring_wide8()};
   data *d = aligned_alloc(64, (sizeof *d + 63) / 64 * 64);
   fill(d);
   printf("ns a spring in the cache:        2 lanes: damped, undamped   4: damped, undamped   8: damped, undamped\n");
@@ -78,10 +81,11 @@ int main(void) {
     double least[PATHS][2] = {{1e9, 1e9}, {1e9, 1e9}, {1e9, 1e9}};
     for (int r = 0; r < REPEATS; r++)
       for (int p = 0; p < PATHS; p++)
-        for (int damped = 0; damped < 2 && path[p]; damped++)
-          least[p][damped] = fmin(least[p][damped], call(path[p], d, &kinds[k], damped));
+        for (int damped = 0; damped < 2 && 2 << p <= widest; damped++)
+          least[p][damped] = fmin(least[p][damped], call(2 << p, d, &kinds[k], damped));
     printf("%-30s", kinds[k].name);
-    for (int p = 0; p < PATHS; p++) printf(" %14.2f %8.2f", path[p] ? least[p][1] : NAN, path[p] ? least[p][0] : NAN);
+    for (int p = 0; p < PATHS; p++)
+      printf(" %14.2f %8.2f", 2 << p <= widest ? least[p][1] : NAN, 2 << p <= widest ? least[p][0] : NAN);
     printf("\n");
   }
   free(d);

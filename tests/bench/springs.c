@@ -91,7 +91,8 @@ static void add_springs(cloth *c, uint32_t N, const uint32_t *id, const int (*of
   set_list(c, springs, "k", k, count, each);
   set_list(c, springs, "damping", damping, count, each);
   for (size_t e = 0; e < count; e++) {
-    const double *a = c->e.scene->position + 3 * (edge[e][0] - 1), *b = c->e.scene->position + 3 * (edge[e][1] - 1);
+    const double *a = c->e.scene->particles.position + 3 * (edge[e][0] - 1),
+                 *b = c->e.scene->particles.position + 3 * (edge[e][1] - 1);
     double factor = 1 + (each ? 1e-3 * (double)(e % 7) : 0);
     double L = sqrt(pow(a[0] - b[0], 2) + pow(a[1] - b[1], 2) + pow(a[2] - b[2], 2));
     c->all[c->count++] = (spring){edge[e][0] - 1, edge[e][1] - 1, k * factor, damping * factor, L};

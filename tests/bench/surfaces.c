@@ -68,11 +68,11 @@ static figures measure(test_surfaces *s) {
   for (int k = 0; k < REPEATS; k++) {
     for (size_t q = 0; q < 3 * s->model.n; q++) to[q] = s->x[q] + 0.05 * sin(0.1 * (double)(q / 3) + k);
     double t0 = now();
-    check(hk_surface_search_run(&s->search, host, &move), s);
+    check(hk_broad_phase_run(&s->search, host, &move), s);
     double t1 = now();
-    check(hk_surface_pairs_find(&s->search, host, &move, &s->pairs), s);
+    check(hk_feature_pairs_find(&s->search, host, &move, &s->pairs), s);
     double t2 = now();
-    check(hk_surface_crossings_find(&s->search, host, s->x, &s->crossings), s);
+    check(hk_crossings_find(&s->search, host, s->x, &s->crossings), s);
     double t3 = now();
     f = (figures){least(f.pairs, t2 - t1), least(f.crossings, t3 - t2), least(f.rows, t1 - t0)};
   }
@@ -116,7 +116,7 @@ static double measure_flat(int threads, unsigned n) {
   test_surfaces_list(s);
   for (int k = 0; k < 3; k++) {
     double begin = now();
-    check(hk_surface_crossings_find(&s->search, test_surfaces_host(s), s->x, &s->crossings), s);
+    check(hk_crossings_find(&s->search, test_surfaces_host(s), s->x, &s->crossings), s);
     time = least(time, now() - begin);
   }
   test_surfaces_close(s);
@@ -131,7 +131,7 @@ static void measure_size(int threads, unsigned side) {
          1e3 * f.pairs, 1e9 * f.pairs / triangles, s->pairs.count, 1e3 * f.crossings, s->crossings.count);
   double flat = measure_flat(threads, (unsigned)sqrt(triangles / 2));
   hk_surface_move still = {.x_from = s->x, .x_to = s->x, .reach = 0.1};
-  check(hk_surface_search_run(&s->search, test_surfaces_host(s), &still), s);
+  check(hk_broad_phase_run(&s->search, test_surfaces_host(s), &still), s);
   size_t found;
   double cells = measure_cells(s, &found);
   printf(" %8.1f | %8.1f %9zu\n", 1e3 * flat, 1e3 * cells, found);

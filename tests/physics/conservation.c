@@ -42,9 +42,9 @@ static void free_cloth(test_engine *e, double damping) {
     for (int i = 0; i < N; i++)
       test_particle(e, 0.1 * i + 0.01 * noise(&seed), 0.1 * j + 0.01 * noise(&seed), 0.02 * noise(&seed),
                     0.01 + 0.02 * (noise(&seed) + 0.5));
-  for (size_t k = 0; k < e->scene->n; k++) {
-    const double *x = e->scene->position + 3 * k;
-    double *v = e->scene->velocity + 3 * k;
+  for (size_t k = 0; k < e->scene->particles.n; k++) {
+    const double *x = e->scene->particles.position + 3 * k;
+    double *v = e->scene->particles.velocity + 3 * k;
     v[0] = -3 * (x[1] - 0.35);
     v[1] = 3 * (x[0] - 0.35);
     v[2] = 0.5 * noise(&seed);
@@ -184,7 +184,7 @@ static void centre_of_mass_falls_as_a_point_does(void **state) {
     end = moments_of(hk_run_view(cloth.run));
     test_engine_open(&point);
     test_particle(&point, start.x[0], start.x[1], start.x[2], start.mass);
-    for (int c = 0; c < 3; c++) point.scene->velocity[c] = start.p[c] / start.mass;
+    for (int c = 0; c < 3; c++) point.scene->particles.velocity[c] = start.p[c] / start.mass;
     test_vector(&point, test_plugin(&point, HK_FORCE, "gravity"), "g", 1, 2, -9.81);
     point.options.integrator = methods[k];
     point.options.dt = 2e-4;

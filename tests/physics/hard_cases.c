@@ -76,7 +76,7 @@ static void grid(test_engine *e, uint32_t nx, uint32_t ny, double spacing, doubl
   uint32_t edge[4 * MOST][2];
   uint64_t seed = 5;
   size_t edges = 0;
-  uint32_t first = (uint32_t)e->scene->n;
+  uint32_t first = (uint32_t)e->scene->particles.n;
   for (uint32_t j = 0; j < ny; j++)
     for (uint32_t i = 0; i < nx; i++) {
       double at[3] = {spacing * i, spacing * j, 0};
@@ -86,7 +86,7 @@ static void grid(test_engine *e, uint32_t nx, uint32_t ny, double spacing, doubl
       if (j + 1 < ny) edge[edges][0] = a, edge[edges++][1] = a + nx;
       if (i + 1 < nx && j + 1 < ny) edge[edges][0] = a, edge[edges++][1] = a + nx + 1;
     }
-  assert_true(e->scene->n - first == (size_t)nx * ny);
+  assert_true(e->scene->particles.n - first == (size_t)nx * ny);
   link_edges(e, (const uint32_t(*)[2])edge, edges, k, c, rest);
 }
 
@@ -95,7 +95,7 @@ static void fall(test_engine *e) { test_vector(e, test_plugin(e, HK_FORCE, "grav
 static void pin(test_engine *e, uint32_t id) { test_pin(e, HK_PIN_FIXED, id, NULL); }
 
 static void launch(test_engine *e, uint32_t id, double x, double y, double z) {
-  double *v = e->scene->velocity + 3 * (size_t)(id - 1);
+  double *v = e->scene->particles.velocity + 3 * (size_t)(id - 1);
   v[0] = x, v[1] = y, v[2] = z;
 }
 
@@ -296,7 +296,7 @@ static void coincident_at_rest(test_engine *e) {
 static double moved(test_engine *e) {
   double worst = 0;
   const hk_view *view = hk_run_view(e->run);
-  for (size_t k = 0; k < 3 * view->n; k++) worst = fmax(worst, fabs(view->x[k] - e->scene->position[k]));
+  for (size_t k = 0; k < 3 * view->n; k++) worst = fmax(worst, fabs(view->x[k] - e->scene->particles.position[k]));
   return worst;
 }
 
@@ -356,16 +356,16 @@ static void pinned_everywhere(test_engine *e) {
 static void pinned_nowhere(test_engine *e) {
   grid(e, 5, 5, 0.1, 0.005, 0.01, 1e5, 0, NAN);
   for (uint32_t i = 1; i <= 25; i++) {
-    const double *x = e->scene->position + 3 * (i - 1);
+    const double *x = e->scene->particles.position + 3 * (i - 1);
     launch(e, i, 1 - 2 * x[1], 2 * x[0], 3);
   }
   fall(e);
 }
 
 static double centre_is_off(test_engine *e) {
-  double from[3] = {0}, to[3] = {0}, t = hk_run_view(e->run)->t, n = (double)e->scene->n;
-  for (size_t k = 0; k < 3 * e->scene->n; k++) {
-    from[k % 3] += (e->scene->position[k] + t * e->scene->velocity[k]) / n;
+  double from[3] = {0}, to[3] = {0}, t = hk_run_view(e->run)->t, n = (double)e->scene->particles.n;
+  for (size_t k = 0; k < 3 * e->scene->particles.n; k++) {
+    from[k % 3] += (e->scene->particles.position[k] + t * e->scene->particles.velocity[k]) / n;
     to[k % 3] += hk_run_view(e->run)->x[k] / n;
   }
   from[2] -= G * t * t / 2;
@@ -380,7 +380,9 @@ static void disconnected(test_engine *e) {
   launch(e, test_particle(e, 1, 0, 0, 1), 1, 2, 3);
 }
 
-static double alone_is_off(test_engine *e) { return far((double[]){2, 2, 3}, test_position(e, (uint32_t)e->scene->n)); }
+static double alone_is_off(test_engine *e) {
+  return far((double[]){2, 2, 3}, test_position(e, (uint32_t)e->scene->particles.n));
+}
 
 static void one_particle(test_engine *e) {
   launch(e, test_particle(e, 0, 0, 0, 2), 1, 0, 5);
@@ -415,8 +417,8 @@ static void singular(test_engine *e) {
 
 static double flies(test_engine *e) {
   double worst = 0, t = hk_run_view(e->run)->t;
-  for (uint32_t i = 1; i <= e->scene->n; i++) {
-    const double *x = e->scene->position + 3 * (i - 1);
+  for (uint32_t i = 1; i <= e->scene->particles.n; i++) {
+    const double *x = e->scene->particles.position + 3 * (i - 1);
     worst = fmax(worst, far((double[]){x[0] + t, x[1] + 2 * t, x[2] + 3 * t}, test_position(e, i)));
   }
   return worst;
@@ -494,7 +496,7 @@ static void sliding(test_engine *e) {
 /* INFINITY: the slides are left by more than rounding, 2e-16 of 0.4 m a step and evaluation. */
 static double slid(test_engine *e) {
   const double *a = test_position(e, 1), *b = test_position(e, 16);
-  const double *from = e->scene->position, *last = from + 45;
+  const double *from = e->scene->particles.position, *last = from + 45;
   double d = (a[1] - from[1]) * 0.8 - (a[2] - from[2]) * 0.6, out = 0;
   for (int q = 0; q < 3; q++) out += (b[q] - last[q]) * normal[q];
   return fmax(fabs(a[0] - from[0]), fmax(fabs(d), fabs(out))) < 1e-12 ? farthest(e) : INFINITY;
@@ -612,11 +614,12 @@ static void iterate(hk_system *s, newton_run *w) {
   assert_int_equal(s->accelerations(s, w->h, w->X, v, w->X + 2 * w->m, w->a, w->a + w->m), HK_OK);
   for (size_t e = 0; e < w->m; e++) w->R[e] = -s->model->mass[e / 3] * (v[e] - w->base[w->m + e] - w->h * w->a[e]);
   s->filter(s, w->R);
-  assert_int_equal(s->solver_flags(s, &flags), HK_OK);
-  assert_int_equal(s->jacobian(s, w->h, w->X, flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC, &K, &D), HK_OK);
-  assert_int_equal(s->combine(s, 1, w->h, w->h * w->h, &A), HK_OK);
-  assert_int_equal(s->factorize(s, &A), HK_OK);
-  assert_int_equal(s->solve(s, w->R, w->dv, NULL), HK_OK);
+  assert_int_equal(s->linear->solver_flags(s, &flags), HK_OK);
+  assert_int_equal(s->linear->jacobian(s, w->h, w->X, flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC, &K, &D),
+                   HK_OK);
+  assert_int_equal(s->linear->combine(s, 1, w->h, w->h * w->h, &A), HK_OK);
+  assert_int_equal(s->linear->factorize(s, &A), HK_OK);
+  assert_int_equal(s->linear->solve(s, w->R, w->dv, NULL), HK_OK);
   for (size_t e = 0; e < w->m; e++) v[e] += w->dv[e];
 }
 
@@ -624,7 +627,7 @@ static void iterate(hk_system *s, newton_run *w) {
 static void turning(test_engine *e, double damping) {
   grid(e, 4, 4, 0.1, 0.01, 0.01, 1e3, damping, 0.095);
   for (uint32_t i = 1; i <= 16; i++) {
-    const double *x = e->scene->position + 3 * (i - 1);
+    const double *x = e->scene->particles.position + 3 * (i - 1);
     launch(e, i, -10 * x[1], 10 * x[0], 0);
   }
   pin(e, 1);
@@ -759,7 +762,7 @@ static void momentum_of_a_free_stiff_body(void **state) {
     test_advance(&e, 0.2);
     double p[3] = {0}, scale = 0;
     for (size_t q = 0; q < 75; q++) {
-      double from = e.scene->velocity[q];
+      double from = e.scene->particles.velocity[q];
       p[q % 3] += hk_run_view(e.run)->v[q] - from + (q % 3 == 2 ? G * 0.2 : 0);
       scale += fabs(from);
     }

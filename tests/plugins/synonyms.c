@@ -1,6 +1,6 @@
 /* plugins/synonyms: every name that is suggested exists, as a plugin, a parameter of one, a builder or a method of
  * scenes; and scripts and command lines get the suggestions. */
-#include "core/builders/builders.h"
+#include "core/app/builders/builders.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
 
@@ -64,8 +64,9 @@ static void every_suggested_name_exists(void **state) {
     char *word = strtok_r(line, " \n", &rest), *name;
     if (!word || *word == '#') continue;
     if (!(name = strtok_r(NULL, " \n", &rest))) fail_msg("'%s' stands for nothing", word);
-    for (; name; name = strtok_r(NULL, " \n", &rest), count++) {
-      bool optional = strcmp(name, "frames") == 0 || strcmp(name, "cvode") == 0; /* built where their libraries are */
+    for (; name && strcmp(name, "--") != 0; name = strtok_r(NULL, " \n", &rest), count++) {
+      bool optional = strcmp(name, "frames") == 0 || strcmp(name, "cvode") == 0 ||
+                      strcmp(name, "trajectory") == 0; /* built where their libraries are */
       if (!optional && !exists(&e.registry, name)) fail_msg("'%s' stands for '%s', which does not exist", word, name);
     }
   }
@@ -91,8 +92,13 @@ static void scripts_get_them(void **state) {
   }
   test_refused(SCENE "scene:force('attractor')\n" END, "", 1, "there is no force 'attractor'; did you mean 'central'?");
   test_refused(SCENE "scene:force('cloth')\n" END, "", 1, "there is no force 'cloth'; did you mean 'membrane'?");
+  test_refused(SCENE "scene:force('contact')\n" END, "", 1, "there is no force 'contact'; did you mean 'repulsion'?");
   test_refused(SCENE "scene:force('bars')\n" END, "", 1,
                "there is no force 'bars'; did you mean the constraint 'bars'?");
+  test_refused(SCENE "scene:output('csv')\n" END, "", 1,
+               "there is no output 'csv'; did you mean 'trajectory' (then: hooke convert RUN --to csv)?");
+  test_refused(SCENE "scene:output('sequence')\n" END, "", 1, "(then: hooke convert RUN --to ply, obj or vtk)?");
+  test_refused(SCENE "scene:output('point_cache')\n" END, "", 1, "(then: hooke convert RUN --to pc2)?");
   test_refused(SCENE "scene:cloth {}\n" END, "", 1, "a scene has no 'cloth'; did you mean 'grid'?");
   test_refused(SCENE "scene:fix { 1 }\n" END, "", 1, "a scene has no 'fix'; did you mean 'pin'?");
   test_refused(SCENE "scene:force('springs', { edges = {{1,2}}, stiffness = 3 })\n" END, "", 1,
@@ -122,8 +128,8 @@ static void parameters_get_them(void **state) {
       {"'drag', { ", "damping", "rate"},
       {"'drag', { ", "coefficient", "rate"},
       {"'nbody', { ", "eps", "softening"},
-      {"'contact', { ", "mu", "friction"},
-      {"'contact', { ", "k", "stiffness"},
+      {"'repulsion', { ", "mu", "friction"},
+      {"'repulsion', { ", "k", "stiffness"},
       {"'hinges', { ", "bending_stiffness", "rigidity"},
       {"'central', { ", "exponent", "power"},
   };

@@ -9,8 +9,7 @@ static const char scene[] = "local scene = hooke.scene { duration = 0.5, fps = 2
                             "scene:pin { sheet:at(1, 1) }\n"
                             "scene:force('gravity', {})\n"
                             "scene:force('springs', { edges = sheet:structural(), k = 100 })\n"
-                            "scene:output('point_cache')\n"
-                            "scene:output('csv')\n"
+                            "scene:output('trajectory')\n"
                             "return scene\n";
 
 int main(void) {
@@ -24,9 +23,10 @@ int main(void) {
   if (!file || fputs(scene, file) < 0 || fclose(file) != 0) return 1;
   snprintf(
       command, sizeof command,
-      "%s/hooke run scene.lua --out out --quiet && timeout 300 blender --background --python-exit-code 1 --python "
-      "%s/tests/study/open_point_cache.py -- out >said 2>&1; code=$?; grep -a '^Blender .*:' said || cat said; rm -rf "
-      "%s; exit $code",
+      "hooke=%s/hooke; $hooke run scene.lua --out out --quiet && $hooke convert out --to pc2 && $hooke convert out "
+      "--to csv && timeout 300 blender --background --python-exit-code 1 --python "
+      "%s/tests/study/open_point_cache.py -- out >said 2>&1; code=$?; grep -a '^Blender .*:' said || cat said; "
+      "rm -rf %s; exit $code",
       HK_BUILD, HK_ROOT, folder);
   return system(command) == 0 ? 0 : 1;
 }

@@ -116,7 +116,6 @@ int main(int count, char **argument) {
       {"linear_bdf2", "", "--tol 2e-3"},
       {"linear_bdf2", "", "--tol 5e-4"},
       {"linear_bdf2", "", "--solver cholmod"},
-      {"linear_bdf2", "", "--solver stale_cholesky"},
       {"linear_bdf2", "", "fps=180 --tol 10"}, /* equal steps, one a frame */
       {"linear_bdf2", "", "fps=240 --tol 10"},
       {"linear_bdf2", "", "fps=300 --tol 10"},

@@ -1,5 +1,5 @@
 """Opens a point cache in Blender: blender --background --python open_point_cache.py -- FOLDER. Loads the OBJ, gives it the
-PC2 by the modifier Mesh Cache, and compares every vertex at every frame with particles.csv."""
+PC2 by the modifier Mesh Cache, and compares every vertex at every frame with the table converted.csv."""
 import csv
 import sys
 
@@ -7,16 +7,16 @@ import bpy
 
 folder = sys.argv[sys.argv.index("--") + 1]
 bpy.ops.wm.read_factory_settings(use_empty=True)
-bpy.ops.wm.obj_import(filepath=folder + "/mesh.obj", forward_axis="Y", up_axis="Z")
+bpy.ops.wm.obj_import(filepath=folder + "/converted.obj", forward_axis="Y", up_axis="Z")
 mesh = bpy.context.selected_objects[0]
 cache = mesh.modifiers.new("cache", "MESH_CACHE")
 cache.cache_format = "PC2"
-cache.filepath = folder + "/mesh.pc2"
+cache.filepath = folder + "/converted.pc2"
 cache.forward_axis, cache.up_axis = "POS_Y", "POS_Z"
 cache.frame_start = 0
 
 frames = {}
-with open(folder + "/particles.csv") as file:
+with open(folder + "/converted.csv") as file:
     for t, _, *place in list(csv.reader(file))[1:]:  # t, id, x, y, z, ...
         frames.setdefault(t, []).append([float(c) for c in place[:3]])
 

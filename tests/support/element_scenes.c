@@ -23,7 +23,7 @@ void elements_open(test_engine *e, double h) {
 static void particle(test_engine *e, double x, double y, double z, double rough) {
   uint32_t id = test_particle(e, x + rough * elements_noise(), y + rough * elements_noise(),
                               z + rough * elements_noise(), 0.02 * (1 + elements_noise()));
-  for (int c = 0; c < 3; c++) e->scene->velocity[3 * (id - 1) + (size_t)c] = 20 * rough * elements_noise();
+  for (int c = 0; c < 3; c++) e->scene->particles.velocity[3 * (id - 1) + (size_t)c] = 20 * rough * elements_noise();
 }
 
 /* ---- a sheet of triangles with struts along its sides ---- */

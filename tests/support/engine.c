@@ -49,7 +49,7 @@ hk_plugin_spec *test_plugin(test_engine *e, hk_kind kind, const char *name) {
 static void set(test_engine *e, hk_plugin_spec *spec, const char *name, const hk_value *value) {
   const hk_param *param = hk_spec_param(spec, name, &e->error);
   if (!param) fail_msg("%s", e->error.text);
-  must(e, hk_spec_set(spec, param, value, e->scene->n, &e->error));
+  must(e, hk_spec_set(spec, param, value, e->scene->particles.n, &e->error));
 }
 
 void test_number(test_engine *e, hk_plugin_spec *spec, const char *name, double value) {
@@ -64,7 +64,7 @@ void test_function(test_engine *e, hk_plugin_spec *spec, const char *name, hk_fu
   const hk_param *param = hk_spec_param(spec, name, &e->error);
   assert_non_null(param);
   hk_value value = {.kind = HK_VALUE_FUNCTION, .function = function};
-  assert_int_equal(hk_spec_set(spec, param, &value, e->scene->n, &e->error), HK_OK);
+  assert_int_equal(hk_spec_set(spec, param, &value, e->scene->particles.n, &e->error), HK_OK);
 }
 
 void test_vector(test_engine *e, hk_plugin_spec *spec, const char *name, double x, double y, double z) {

@@ -2,8 +2,8 @@
 #ifndef HK_TEST_ENGINE_H
 #define HK_TEST_ENGINE_H
 
-#include "core/run/run.h"
-#include "core/scene/scene.h"
+#include "core/run/run/run.h"
+#include "core/scene/scene/scene.h"
 
 typedef struct test_engine {
   hk_registry registry;

@@ -134,12 +134,12 @@ void fake_solver_attach(fake_system *f) {
     q->row_start[r + 1] = (r + 1) * n;
     for (size_t c = 0; c < n; c++) q->column[r * n + c] = (uint32_t)c;
   }
-  f->system.jacobian = jacobian;
-  f->system.product = product;
-  f->system.combine = combine;
-  f->system.factorize = factorize;
-  f->system.solve = solve;
-  f->system.solver_flags = solver_flags;
+  f->linear.jacobian = jacobian;
+  f->linear.product = product;
+  f->linear.combine = combine;
+  f->linear.factorize = factorize;
+  f->linear.solve = solve;
+  f->linear.solver_flags = solver_flags;
 }
 
 void fake_solver_detach(fake_system *f) {

@@ -1,4 +1,6 @@
 /* See fake_system.h. */
+#include "core/engine/base/base.h"
+#include "core/engine/contract/contract.h"
 #include "tests/support/fake_solver.h"
 
 #include <dirent.h>
@@ -104,7 +106,7 @@ static hk_status accelerations(hk_system *s, double t, double *x, double *v, con
   memset(dy, 0, (s->size - 6 * s->n) * sizeof *dy);
   f->problem.f(f->problem.context, t, x, v, y, a, dy);
   if (!f->takes) memset(a, 0, 3 * s->n * sizeof *a);
-  if (!s->takes_channels) memset(dy, 0, (s->size - 6 * s->n) * sizeof *dy);
+  if (!s->split->takes_channels) memset(dy, 0, (s->size - 6 * s->n) * sizeof *dy);
   return HK_OK;
 }
 
@@ -145,14 +147,14 @@ static hk_status potential(hk_system *s, double t, const double *X, double *joul
 static bool stiffness_bound(hk_system *s, hk_stiffness_part part, bool stiffening, double (*block)[6]) {
   (void)part, (void)stiffening;
   memset(block, 0, s->n * sizeof *block);
-  return !(s->flags & HK_DEPENDS_ON_X);
+  return !(s->queries->flags & HK_DEPENDS_ON_X);
 }
 
-static hk_status pass(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy,
-                      const hk_pass *p) {
-  if (p->prepare) p->prepare(p->context, 0, s->n);
+static hk_status fused(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy,
+                       const hk_fused *w) {
+  if (w->before) w->before(w->context, 0, s->n);
   hk_status status = s->accelerations(s, t, x, v, y, a, dy);
-  if (status == HK_OK && p->finish) p->finish(p->context, 0, s->n);
+  if (status == HK_OK && w->after) w->after(w->context, 0, s->n);
   return status;
 }
 
@@ -169,8 +171,9 @@ fake_system *fake_system_create(const fake_problem *problem) {
   fake_system *f = room(1, sizeof *f);
   size_t n = problem->n;
   f->problem = *problem;
-  f->host = (hk_host){HK_ABI,      host_fail, host_warn,  host_allocate, host_release, host_parallel_for,
-                      host_random, host_path, host_query, host_resize,   NULL};
+  f->host = (hk_host){HK_ABI,        hk_processor_lanes(), host_fail,         host_warn,
+                      host_allocate, host_release,         host_parallel_for, host_random,
+                      host_path,     host_query,           host_resize,       NULL};
   f->mass = room(n, sizeof *f->mass);
   f->id = room(n, sizeof *f->id);
   f->group = room(n, sizeof *f->group);
@@ -198,25 +201,21 @@ fake_system *fake_system_create(const fake_problem *problem) {
                           .model = &f->model,
                           .X = room(size, sizeof(double)),
                           .spare = room(size, sizeof(double)),
-                          .pass = pass,
+                          .fused = fused,
                           .exchange = exchange,
                           .n = n,
                           .size = size,
-                          .flags = problem->flags,
                           .tol = 1e-6,
                           .accelerations = accelerations,
                           .rates = rates,
-                          .energy = energy,
                           .impose = impose,
                           .filter = filter,
-                          .update = update,
-                          .step_limit = step_limit,
-                          .potential = potential,
-                          .stiffness_bound = stiffness_bound,
-                          .forces = 1,
-                          .force = &f->force,
-                          .takes = &f->takes,
-                          .takes_channels = true};
+                          .linear = &f->linear,
+                          .split = &f->split,
+                          .queries = &f->queries};
+  f->contact = (hk_contact_table){update, step_limit, potential, energy};
+  f->split = (hk_split_table){.forces = 1, .force = &f->force, .takes = &f->takes, .takes_channels = true};
+  f->queries = (hk_system_queries){.flags = problem->flags, .stiffness_bound = stiffness_bound};
   f->force = (hk_force_info){"f", problem->flags | HK_SYMMETRIC_JACOBIAN, true, false, false};
   f->takes = true;
   fake_solver_attach(f);
@@ -265,15 +264,13 @@ size_t fake_integrator_names(const char *names[FAKE_METHODS]) {
 }
 
 static size_t length_of(const fake_method *m, const hk_field *field) {
-  if (field->type == HK_FIELD_STATE) return field->width * m->system->system.size;
-  return field->type == HK_FIELD_PER_PARTICLE ? field->width * m->system->system.n : 0;
+  if (field->state) return field->width * m->system->system.size;
+  return field->per_particle ? field->width * m->system->system.n : 0;
 }
 
-static void *member(const fake_method *m, size_t offset) { return (char *)m->self + offset; }
-
 static void set_default(const fake_method *m, const hk_param *p) {
-  void *to = member(m, p->offset);
-  switch (p->type) {
+  void *to = hk_param_in(p, m->self);
+  switch (hk_param_type(p)) {
   case HK_NUMBER:
     *(double *)to = p->flags & HK_OPTIONAL ? NAN : p->initial[0];
     break;
@@ -302,14 +299,16 @@ fake_method fake_method_open(const char *name, fake_system *system) {
   snprintf(path, sizeof path, "%s/plugins/integrators/%s.so", HK_BUILD, name);
   fake_method m = {.handle = dlopen(path, RTLD_NOW | RTLD_LOCAL), .system = system};
   if (!m.handle) fail_msg("%s", dlerror());
-  m.plugin = dlsym(m.handle, "hk_plugin_main");
-  if (!m.plugin) fail_msg("%s has no hk_plugin_main", path);
+  const hk_plugin *constant = dlsym(m.handle, "hk_plugin_main");
+  if (!constant) fail_msg("%s has no hk_plugin_main", path);
+  m.plugin = hk_contract_copy(constant);
+  if (!m.plugin) fail_msg("no memory for %s", path);
   assert_int_equal(m.plugin->kind, HK_INTEGRATOR);
   assert_string_equal(m.plugin->name, name);
   m.self = room(1, m.plugin->instance_size);
   for (const hk_param *p = m.plugin->params; p && p->name; p++) set_default(&m, p);
   for (const hk_field *field = m.plugin->fields; field && field->name; field++)
-    if (length_of(&m, field)) *(double **)member(&m, field->offset) = room(length_of(&m, field), sizeof(double));
+    if (length_of(&m, field)) *(double **)hk_field_in(field, m.self) = room(length_of(&m, field), sizeof(double));
   hk_view view = {.n = system->system.n,
                   .x = system->system.X,
                   .v = system->system.X + 3 * system->system.n,
@@ -325,8 +324,9 @@ fake_method fake_method_open(const char *name, fake_system *system) {
 void fake_method_close(fake_method *m) {
   if (m->plugin->destroy) m->plugin->destroy(m->self, &m->system->host);
   for (const hk_field *field = m->plugin->fields; field && field->name; field++)
-    if (length_of(m, field)) free(*(double **)member(m, field->offset));
+    if (length_of(m, field)) free(*(double **)hk_field_in(field, m->self));
   free(m->self);
+  free((void *)(uintptr_t)m->plugin);
   dlclose(m->handle);
 }
 
@@ -342,11 +342,15 @@ bool fake_method_implicit(const fake_method *m) {
 
 bool fake_method_set(const fake_method *m, const char *name, double value) {
   for (const hk_param *p = m->plugin->params; p && p->name; p++)
-    if (strcmp(p->name, name) == 0 && p->type == HK_NUMBER) {
-      *(double *)member(m, p->offset) = value;
+    if (strcmp(p->name, name) == 0 && p->number) {
+      *(double *)hk_param_in(p, m->self) = value;
       return true;
     }
   return false;
+}
+
+double fake_method_growth(const fake_method *m, double hw, double hg, double hb) {
+  return m->plugin->integrator->growth(m->self, m->plugin->integrator->method, hw, hg, hb);
 }
 
 hk_status fake_method_step(fake_method *m, double h, hk_step *out) {
@@ -354,8 +358,8 @@ hk_status fake_method_step(fake_method *m, double h, hk_step *out) {
   hk_step own;
   if (!out) out = &own;
   *out = (hk_step){h, h, NAN};
-  hk_status status = m->plugin->integrator->step(m->self, s, s->t + h, h, out);
-  m->system->takes = s->takes_channels = true;
+  hk_status status = m->plugin->integrator->step(m->self, m->plugin->integrator->method, s, s->t + h, h, out);
+  m->system->takes = s->split->takes_channels = true;
   if (status == HK_OK) s->t += out->h;
   return status;
 }
@@ -373,7 +377,7 @@ size_t fake_method_memory(const fake_method *m, double **address, size_t most) {
   for (size_t e = 0; e < m->system->system.size && count < most; e++) address[count++] = m->system->system.X + e;
   for (const hk_field *field = m->plugin->fields; field && field->name; field++)
     for (size_t e = 0; !(field->flags & HK_SCRATCH) && e < length_of(m, field) && count < most; e++)
-      address[count++] = *(double **)member(m, field->offset) + e;
+      address[count++] = *(double **)hk_field_in(field, m->self) + e;
   return count;
 }
 
@@ -381,7 +385,7 @@ size_t fake_method_save(const fake_method *m, char *buffer) {
   size_t used = 0;
   for (const hk_field *field = m->plugin->fields; field && field->name; field++)
     if (!length_of(m, field)) {
-      memcpy(buffer + used, member(m, field->offset), 8);
+      memcpy(buffer + used, hk_field_in(field, m->self), 8);
       used += 8;
     }
   return used;
@@ -390,7 +394,7 @@ size_t fake_method_save(const fake_method *m, char *buffer) {
 void fake_method_load(const fake_method *m, const char *buffer) {
   for (const hk_field *field = m->plugin->fields; field && field->name; field++)
     if (!length_of(m, field)) {
-      memcpy(member(m, field->offset), buffer, 8);
+      memcpy(hk_field_in(field, m->self), buffer, 8);
       buffer += 8;
     }
 }

@@ -2,7 +2,7 @@
 #ifndef HK_TEST_FAKE_SYSTEM_H
 #define HK_TEST_FAKE_SYSTEM_H
 
-#include "core/plugin.h"
+#include "core/engine/contract/contract.h"
 
 /* n particles of mass 1; `width` channel numbers per particle. */
 typedef struct fake_problem {
@@ -15,6 +15,10 @@ typedef struct fake_problem {
 
 typedef struct fake_system {
   hk_system system; /* first member */
+  hk_linear_table linear;
+  hk_contact_table contact; /* system.contact is NULL until a test sets it */
+  hk_split_table split;
+  hk_system_queries queries;
   fake_problem problem;
   hk_host host;
   hk_model model;
@@ -58,6 +62,8 @@ bool fake_method_explicit(const fake_method *);
 bool fake_method_implicit(const fake_method *);
 /* Sets a parameter that is a number; false: it has none of that name. */
 bool fake_method_set(const fake_method *, const char *name, double value);
+/* hk_integrator.growth, which the method has. */
+double fake_method_growth(const fake_method *, double hw, double hg, double hb);
 /* One step of h; moves the system's t. */
 hk_status fake_method_step(fake_method *, double h, hk_step *out);
 /* `steps` equal steps to t_end; fails the test when one fails. */

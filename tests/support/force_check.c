@@ -86,13 +86,13 @@ static void expand(const names *list, const double *block, size_t size, double *
 
 size_t force_matrices(const hk_instance *force, const hk_view *view, double *K, double *D) {
   names list = {.pattern = {name}};
-  force->plugin->force->pattern(force->self, view, &list.pattern);
+  hk_force_of(force->plugin)->implicit.pattern(force->self, view, &list.pattern);
   size_t *slot = malloc((list.count + 1) * sizeof *slot), count = list.count;
   double *block[2];
   for (size_t b = 0; b < count; b++) slot[b] = b;
   for (int m = 0; m < 2; m++) block[m] = calloc(9 * count + 1, sizeof *block[m]);
   hk_blocks into = {.slot = slot, .K = block[0], .D = block[1]};
-  assert_int_equal(force->plugin->force->jacobian(force->self, view, &into), HK_OK);
+  assert_int_equal(hk_force_of(force->plugin)->implicit.jacobian(force->self, view, &into), HK_OK);
   expand(&list, block[0], 3 * view->n, K);
   expand(&list, block[1], 3 * view->n, D);
   for (int m = 0; m < 2; m++) free(block[m]);

@@ -3,7 +3,7 @@
  * Only the bound that the system states of its stiffness is the one of the plugins: it is among what is tested.
  */
 #include "tests/support/network.h"
-#include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/kit/springs/edge_stiffness.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -100,13 +100,13 @@ spring_network *network_create(size_t n, size_t edges, bool channel) {
   w->list.elements.values = 1;
   w->force = (hk_force_info){"springs", HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, false, true, false};
   w->system = (hk_system){.model = &w->model, .X = w->X, .n = n, .size = size, .tol = 1e-6};
-  w->system.flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V;
+  w->queries = (hk_system_queries){.flags = HK_DEPENDS_ON_X | HK_DEPENDS_ON_V, .stiffness_bound = stiffness_bound};
+  w->split = (hk_split_table){.forces = 1, .force = &w->force};
+  w->system.split = &w->split;
+  w->system.queries = &w->queries;
   w->system.accelerations = accelerations;
   w->system.impose = impose;
   w->system.filter = filter;
-  w->system.stiffness_bound = stiffness_bound;
-  w->system.forces = 1;
-  w->system.force = &w->force;
   return w;
 }
 

@@ -1,11 +1,14 @@
-/* Networks of springs that stand in for a scene: an hk_system without the engine, for tests of core/stability. */
+/* Networks of springs that stand in for a scene: an hk_system without the engine, for tests of core/numerics/stability.
+ */
 #ifndef HK_TEST_NETWORK_H
 #define HK_TEST_NETWORK_H
 
-#include "core/plugin.h"
+#include "core/engine/base/base.h"
 
 typedef struct spring_network {
   hk_system system; /* first member */
+  hk_split_table split;
+  hk_system_queries queries;
   hk_model model;
   hk_partition partition; /* one block */
   hk_element_list list;

@@ -10,7 +10,7 @@
 void test_solver_open(test_solver *s, const char *name, int threads) {
   memset(s, 0, sizeof *s);
   test_engine_open(&s->e);
-  s->shared = (hk_shared){.error = &s->e.error, .allocations_left = -1};
+  s->shared = (hk_shared){.error = &s->e.error, .allocations_left = -1, .lanes = hk_processor_lanes()};
   if (threads > 1) s->shared.threads = hk_threads_create(threads);
   s->solver = hk_instance_create(test_plugin(&s->e, HK_SOLVER, name), &s->shared, &s->e.error);
   assert_non_null(s->solver);

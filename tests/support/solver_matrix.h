@@ -3,7 +3,7 @@
 #ifndef TEST_SOLVER_MATRIX_H
 #define TEST_SOLVER_MATRIX_H
 
-#include "core/matrix/matrix.h"
+#include "core/numerics/matrix/matrix.h"
 #include "tests/support/engine.h"
 
 typedef struct test_solver {

@@ -10,8 +10,8 @@ hk_plugin_spec *test_two_spheres(test_engine *e) {
   test_engine_open(e);
   test_particle(e, -0.15, 0, 0, 1);
   test_particle(e, 0.15, 0, 0, 2);
-  e->scene->velocity[0] = 1;
-  e->scene->velocity[3] = -1;
+  e->scene->particles.velocity[0] = 1;
+  e->scene->particles.velocity[3] = -1;
   return test_plugin(e, HK_FORCE, "fixture:barrier_spheres");
 }
 
@@ -26,20 +26,20 @@ hk_plugin_spec *test_heap(test_engine *e) {
   return test_plugin(e, HK_FORCE, "fixture:barrier_spheres");
 }
 
-static void *field(test_engine *e, const hk_plugin_spec *spec, const char *name, hk_field_type type) {
+static void *field(test_engine *e, const hk_plugin_spec *spec, const char *name, hk_type type) {
   hk_instance *instance = test_instance(e, spec);
   for (const hk_field *f = instance->plugin->fields; f && f->name; f++)
-    if (strcmp(f->name, name) == 0 && f->type == type) return (char *)instance->self + f->offset;
+    if (strcmp(f->name, name) == 0 && hk_field_type(f) == type) return hk_field_in(f, instance->self);
   fail_msg("%s has no field %s of that type", spec->label, name);
   return NULL;
 }
 
 int64_t test_counter(test_engine *e, const hk_plugin_spec *spec, const char *name) {
-  return *(int64_t *)field(e, spec, name, HK_FIELD_INTEGER);
+  return *(int64_t *)field(e, spec, name, HK_INTEGER);
 }
 
 double test_field(test_engine *e, const hk_plugin_spec *spec, const char *name) {
-  return *(double *)field(e, spec, name, HK_FIELD_NUMBER);
+  return *(double *)field(e, spec, name, HK_NUMBER);
 }
 
 double test_momentum(test_engine *e, int axis) {

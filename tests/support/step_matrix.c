@@ -1,6 +1,7 @@
 /* A step is linear in all that it hands on: X and the fields. The matrix of one step, or of as many as it takes until
  * counters such as a ring's position come round, is read off, and its spectral radius follows from powers of it by
  * repeated squaring. Nothing is judged by watching for a blow-up. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/step_matrix.h"
 
 #include <math.h>
@@ -68,8 +69,8 @@ static void go(fake_method *m, size_t steps) {
 
 static bool integers_match(const fake_method *m, const char *saved) {
   for (const hk_field *field = m->plugin->fields; field && field->name; field++) {
-    if (field->type == HK_FIELD_INTEGER && memcmp((char *)m->self + field->offset, saved, 8) != 0) return false;
-    if (field->type == HK_FIELD_INTEGER || field->type == HK_FIELD_NUMBER) saved += 8;
+    if (field->integer && memcmp(hk_field_in(field, m->self), saved, 8) != 0) return false;
+    if (field->integer || field->number) saved += 8;
   }
   return true;
 }

@@ -1,6 +1,6 @@
 #include "tests/support/surface_scenes.h"
 
-#include "core/base/base.h"
+#include "core/engine/base/base.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -31,7 +31,8 @@ test_surfaces *test_surfaces_open(int threads, uint64_t seed, size_t room) {
   test_surfaces *s = memory(1, sizeof *s);
   reserve(s, room);
   s->plugin.kind = HK_SERVICE;
-  s->shared = (hk_shared){.error = &s->error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  s->shared = (hk_shared){
+      .error = &s->error, .threads = hk_threads_create(threads), .allocations_left = -1, .lanes = hk_processor_lanes()};
   assert_non_null(s->shared.threads);
   s->instance = (hk_instance){
       .host = hk_host_table, .shared = &s->shared, .plugin = &s->plugin, .label = "surfaces", .where = ""};
@@ -42,7 +43,7 @@ test_surfaces *test_surfaces_open(int threads, uint64_t seed, size_t room) {
                         .triangles = {0, 3, s->triangle}};
   s->view = (hk_view){.x = s->x, .model = &s->model, .host = &s->instance.host};
   s->request = (hk_surface_request){.thickness = 0.01, .body_thickness = 0.02, .radius = 0.004};
-  s->pairs.record_size = sizeof(hk_surface_pair);
+  s->pairs.record_size = sizeof(hk_feature_pair);
   s->crossings.record_size = 2 * sizeof(uint32_t);
   hk_random_seed(s->seed, seed);
   return s;
@@ -50,7 +51,7 @@ test_surfaces *test_surfaces_open(int threads, uint64_t seed, size_t room) {
 
 void test_surfaces_close(test_surfaces *s) {
   const hk_host *host = &s->instance.host;
-  hk_surface_search_free(&s->search, host);
+  hk_broad_phase_free(&s->search, host);
   hk_surface_lists_free(&s->lists, host);
   hk_gather_free(&s->pairs, host);
   hk_gather_free(&s->crossings, host);
@@ -115,6 +116,6 @@ void test_surfaces_strand(test_surfaces *s, unsigned edges, const double from[3]
 void test_surfaces_list(test_surfaces *s) {
   const hk_host *host = &s->instance.host;
   if (hk_surface_lists_build(&s->lists, host, &s->view, &s->request, s->left) != HK_OK ||
-      hk_surface_search_open(&s->search, host, &s->lists, &s->model) != HK_OK)
+      hk_broad_phase_open(&s->search, host, &s->lists, &s->model) != HK_OK)
     fail_msg("%s", s->error.text);
 }

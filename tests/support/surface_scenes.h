@@ -2,8 +2,8 @@
 #ifndef HK_TEST_SURFACE_SCENES_H
 #define HK_TEST_SURFACE_SCENES_H
 
-#include "core/host/host.h"
-#include "plugins/common/surfaces/surface_pairs.h"
+#include "core/engine/host/host.h"
+#include "plugins/common/contact/candidates/feature_pairs.h"
 
 typedef struct test_surfaces {
   hk_instance instance;
@@ -19,7 +19,7 @@ typedef struct test_surfaces {
   uint64_t seed[4];
   hk_surface_request request;
   hk_surface_lists lists;
-  hk_surface_search search;
+  hk_broad_phase search;
   hk_gather pairs, crossings;
 } test_surfaces;
 

@@ -283,7 +283,7 @@ static void observed_orders_are_the_declared_ones(void **state) {
 
 static void an_integrator_of_order_1_that_declares_2_is_found_out(void **state) {
   (void)state;
-  bench("mkdir -p p/integrators && cp " HK_BUILD "/tests/fixtures/poser.so p/integrators/ && HOOKE_PLUGIN_PATH=p ",
+  bench("mkdir -p p/integrators && cp " HK_BUILD "/tests/fixtures/poser.so p/integrators/ && HOOKE_PLUGIN_PATH=$PWD/p ",
         "sine.lua", "--integrators poser,leapfrog --until 2 --target 1e-2 --budget 4");
   assert_true(fabs(observed("poser") - 1) < 0.15);
   assert_non_null(strstr(r.out, "warning: poser does not show its order here: observed 1.0, declared 2"));
@@ -305,7 +305,7 @@ static void pull_scene(const char *name, const char *force) {
 static void a_wrong_jacobian_is_found_out(void **state) {
   (void)state;
   static const char path[] =
-      "mkdir -p p/forces && cp " HK_BUILD "/tests/fixtures/wrong_jacobian.so p/forces/ && HOOKE_PLUGIN_PATH=p ";
+      "mkdir -p p/forces && cp " HK_BUILD "/tests/fixtures/wrong_jacobian.so p/forces/ && HOOKE_PLUGIN_PATH=$PWD/p ";
   pull_scene("wrong.lua", "wrong_jacobian");
   pull_scene("right.lua", "central");
   bench(path, "./wrong.lua", "--integrators implicit_midpoint,leapfrog --target 1e-2 --budget 6");

@@ -129,7 +129,7 @@ static void what_cannot_be_checked_is_said(void **state) {
       {"check", "no plugin given"},
       {"check none.so", "none.so"},
       {"check %s/tests/fixtures/no_symbol.so", "exports no hk_plugin_main"},
-      {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 3.0"},
+      {"check %s/tests/fixtures/wrong_abi.so", "built for plugin interface 4.0"},
       {"check %s/plugins/forces/springs.so stiffnes=3", "no parameter 'stiffnes'"},
       {"check %s/plugins/forces/springs.so k=soft", "'soft' is not a number"},
       {"check %s/plugins/forces/springs.so --only cheese", "no property has 'cheese' in its name"},

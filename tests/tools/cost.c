@@ -161,7 +161,7 @@ static void every_kind_is_switched_off(void **state) {
                           "scene:measure('low', function(s) return s:position(a)[3] end)\nreturn scene\n");
   snprintf(before, sizeof before,
            "for p in constraint:bar corrector:floor source:spout; do mkdir -p k/${p%%%%:*}s && "
-           "cp %s/tests/fixtures/${p##*:}.so k/${p%%%%:*}s/; done; HOOKE_PLUGIN_PATH=k ",
+           "cp %s/tests/fixtures/${p##*:}.so k/${p%%%%:*}s/; done; HOOKE_PLUGIN_PATH=$PWD/k ",
            HK_BUILD);
   explain(before, "kinds.lua --json");
   says("bar", "\"kind\":\"constraint\"");

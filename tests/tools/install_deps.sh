@@ -53,6 +53,19 @@ deps --check build >/dev/null || fail "the check for building fails without an o
 deps --check run | grep -q 'optimised BLAS' || fail "running does not ask for it"
 deps --check test | grep -q 'optimised BLAS' || fail "testing does not ask for it"
 
+# ---- every purpose has what it needs ----
+
+# On a machine without any library that pkg-config knows.
+without() { PKG_CONFIG_LIBDIR="$dir/nothing" deps --check "$1"; }
+for purpose in bench study test lint; do
+  without $purpose | grep -q cmocka || fail "$purpose: cmocka is not asked for"
+done
+for purpose in build run fuzz; do without $purpose | grep cmocka && fail "$purpose: cmocka is asked for"; done
+without fuzz | grep -q 'lua5.4 interpreter' || fail "fuzz: no interpreter is asked for"
+for purpose in run bench study fuzz test lint; do
+  grep -q "tools/install-deps $purpose\$" "$root/Makefile" || fail "make $purpose does not ask for what it needs"
+done
+
 # ---- what is installed ----
 
 # The one package manager that is there; it notes what it is asked for, and does this.

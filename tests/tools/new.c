@@ -119,7 +119,9 @@ static void an_installed_hooke_has_all_that_plugins_need(void **state) {
            HK_ROOT, sanitize);
   shell("", command);
   shell("", "grep -q bench usr/share/man/man1/hooke.1 && test -f usr/share/bash-completion/completions/hooke && "
-            "! test -e usr/share/hooke/tools/manual");
+            "! test -e usr/share/hooke/tools/manual && ! test -e usr/share/hooke/tools/package && "
+            "test \"$(usr/bin/hooke --version)\" = \"hooke $(PKG_CONFIG_PATH=usr/lib/pkgconfig pkg-config --modversion "
+            "hooke)\"");
   for (size_t k = 0; k < KINDS; k++) {
     snprintf(command, sizeof command,
              "$PWD/$H new %s out_%s && " COMPILE

@@ -67,7 +67,7 @@ static char boasting[512];
 
 static const char *with_boaster(void) {
   snprintf(boasting, sizeof boasting,
-           "mkdir -p p/integrators && cp %s/tests/fixtures/boaster.so p/integrators/ && HOOKE_PLUGIN_PATH=p ",
+           "mkdir -p p/integrators && cp %s/tests/fixtures/boaster.so p/integrators/ && HOOKE_PLUGIN_PATH=$PWD/p ",
            HK_BUILD);
   return boasting;
 }

@@ -322,7 +322,7 @@ static void a_case_is_done_again_when_a_named_plugin_changes(void **state) {
         "/tests/fixtures/floor.so' p/forces");
   for (int k = 0; k < 3; k++) {
     shell(change[k]);
-    test_hooke(&r, "HOOKE_PLUGIN_PATH=p", "sweep s.lua --trust k=1,2 --quiet --db n.db --resume");
+    test_hooke(&r, "HOOKE_PLUGIN_PATH=$PWD/p", "sweep s.lua --trust k=1,2 --quiet --db n.db --resume");
     if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
     assert_int_equal(lines("runs.log"), wanted[k]);
   }

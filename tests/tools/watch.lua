@@ -223,6 +223,54 @@ function tests.a_changed_value_begins_another_run_and_an_error_is_told()
   end)
 end
 
+-- Numbers of a table that `hooke convert` wrote, of the rows at the last time.
+local function last_rows(path)
+  local rows, last = {}, nil
+  for line in io.lines(path) do
+    local row = {}
+    for number in line:gmatch("[^,]+") do row[#row + 1] = tonumber(number) end
+    if row[1] ~= last then rows, last = {}, row[1] end
+    if #row > 0 then rows[#rows + 1] = row end
+  end
+  return rows
+end
+
+-- What a page of a watched run is sent is what the recording of that run holds: fields, edges, and every number as a float.
+function tests.a_watched_frame_is_that_of_the_recording()
+  if not io.open(build .. "/tools/recording.so") then return print("hooke is built without HDF5: there is no recording") end
+  with("--out kept --with output:trajectory", function(w)
+    local k = math.tointeger(ended(w).latest)
+    local run, frame = require("cjson").decode(w:get("run/1")), w:get("frame/1/" .. k)
+    for _, format in ipairs { "csv", "obj" } do
+      assert(os.execute(("cd '%s' && '%s/hooke' convert kept --to %s >said 2>&1"):format(w.folder, build, format)))
+    end
+    local names = {}
+    for j, f in ipairs(run.fields) do names[j] = ("%s %d"):format(f.name, f.components) end
+    equal(table.concat(names, ", "), "velocity 3, strain 1", "fields")
+    local rows, n, at = last_rows(w.folder .. "/kept/converted.csv"), string.unpack("<I4", frame, 9), 25
+    equal(n, #rows, "particles") -- t, id, place, velocity, mass, strain
+    local function same(i, number, what)
+      local got
+      got, at = string.unpack("<f", frame, at)
+      equal(got, (string.unpack("<f", string.pack("<f", number))), ("%s of particle %d"):format(what, i))
+    end
+    for i, row in ipairs(rows) do for c = 1, 3 do same(i, row[2 + c] - run.origin[c], "place") end end
+    for i, row in ipairs(rows) do for c = 1, 3 do same(i, row[5 + c], "velocity") end end
+    for i, row in ipairs(rows) do same(i, row[10], "strain") end
+    local topology, edges = w:get(("topology/1/%d"):format(string.unpack("<I4", frame, 5))), {}
+    local count = string.unpack("<I4", topology, 9)
+    for e = 1, count do edges[e] = ("l %d %d"):format(string.unpack("<I4I4", topology, 21 + 4 * n + 8 * (e - 1))) end
+    local lines = {}
+    for line in io.lines(("%s/kept/obj/%06d.obj"):format(w.folder, k)) do
+      local a, b = line:match("^l (%d+) (%d+)")
+      if a then lines[#lines + 1] = ("l %d %d"):format(a - 1, b - 1) end
+    end
+    equal(#lines, 11, "edges of the recording")
+    equal(table.concat(edges, "; "), table.concat(lines, "; "), "edges")
+    equal(w:interrupt(), 0, "exit code")
+  end)
+end
+
 -- A run at work is ended for the next one.
 function tests.a_running_run_gives_way_to_the_next()
   with("--no-output", function(w)

@@ -1,6 +1,6 @@
 /* amplification: the growth factor on the linear oscillator x'' = -g x' - w^2 x that an integrator's plugin states, for
  * tools that compare it with measured growth. */
-#include "core/host/host.h"
+#include "core/engine/host/host.h"
 
 #include <dlfcn.h>
 #include <lauxlib.h>
@@ -23,13 +23,13 @@ static const hk_plugin *open_integrator(lua_State *L, const char *path) {
 static int call(lua_State *L) {
   const hk_integrator *method = lua_touserdata(L, lua_upvalueindex(1));
   const void *parameters = lua_touserdata(L, lua_upvalueindex(2));
-  lua_pushnumber(L, method->amplification(parameters, luaL_checknumber(L, 1), luaL_checknumber(L, 2)));
+  lua_pushnumber(L, method->growth(parameters, method->method, luaL_checknumber(L, 1), luaL_checknumber(L, 2), 0));
   return 1;
 }
 
 static int open_growth(lua_State *L) {
   const hk_plugin *plugin = open_integrator(L, luaL_checkstring(L, 1));
-  if (!plugin->integrator->amplification) return 0;
+  if (!plugin->integrator->growth) return 0;
   hk_error error = {0};
   hk_plugin_spec *spec = hk_spec_create(plugin, plugin->name, "", &error);
   if (!spec) return luaL_error(L, "%s", error.text);

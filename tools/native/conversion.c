@@ -1,9 +1,9 @@
-/* conversion: recordings (recording.c) as files of other formats, by the writers that the outputs use. */
+/* conversion: recordings (recording.c) as files of other formats, by the writers of formats/. */
 #include "plugins/common/recording/recorded_frame.h"
 #include "plugins/common/recording/recording.h"
-#include "plugins/common/sequence/csv.h"
-#include "plugins/common/sequence/formats.h"
-#include "plugins/common/sequence/pc2.h"
+#include "tools/native/formats/csv.h"
+#include "tools/native/formats/formats.h"
+#include "tools/native/formats/pc2.h"
 #include "plugins/common/frame_data/gatherer.h"
 
 #include <errno.h>
@@ -64,7 +64,7 @@ static void keep(hk_frame_data *s, const uint32_t *ids, size_t count) {
     kept++;
   }
   s->n = kept;
-  s->cells = (hk_cells){.vertex = s->cells.vertex, .segment = s->cells.segment, .triangle = s->cells.triangle};
+  s->cells = (hk_frame_cells){.vertex = s->cells.vertex, .segment = s->cells.segment, .triangle = s->cells.triangle};
 }
 
 /* open(path, from, to, every) -> the frames of a recording that are to be converted, counted from 1; or nil, reason */

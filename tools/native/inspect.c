@@ -44,7 +44,8 @@ static int destroy(lua_State *L) {
   return 0;
 }
 
-/* watch(fd [, path]): the last words of this process go to fd; the heap's functions of the plugin at `path` count. */
+/* watch(fd [, path]): the last message of this process goes to fd; the heap's functions of the plugin at `path` count.
+ */
 static int watch(lua_State *L) {
   hk_error error = {0};
   hk_guard_watch((int)luaL_checkinteger(L, 1));
@@ -148,10 +149,10 @@ static int get_rates(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   double start = luaL_optnumber(L, 2, 0), *dy = s->dy.at;
   size_t count = s->dy.bytes / sizeof *dy;
-  if (!s->force->rates) return 0;
+  if (!s->force->own.rates) return 0;
   for (size_t k = 0; k < count; k++) dy[k] = start;
   hk_subject_enter(s, "rates");
-  s->force->rates(s->instance->self, &s->view, dy);
+  s->force->own.rates(s->instance->self, &s->view, dy);
   hk_subject_leave(s);
   hk_table_push(L, dy, count);
   return 1;
@@ -240,11 +241,11 @@ static void name_block(hk_pattern *pattern, uint32_t row, uint32_t column) {
 static bool collect(lua_State *L, hk_subject *s, names *list) {
   *list = (names){{name_block}, 0, 0, NULL};
   hk_subject_enter(s, "pattern");
-  s->force->pattern(s->instance->self, &s->view, &list->pattern);
+  s->force->implicit.pattern(s->instance->self, &s->view, &list->pattern);
   list->room = list->count;
   list->at = lua_newuserdatauv(L, (list->room + 1) * sizeof *list->at, 0);
   list->count = 0;
-  s->force->pattern(s->instance->self, &s->view, &list->pattern);
+  s->force->implicit.pattern(s->instance->self, &s->view, &list->pattern);
   hk_subject_leave(s);
   return list->count == list->room;
 }
@@ -253,7 +254,7 @@ static bool collect(lua_State *L, hk_subject *s, names *list) {
 static int get_pattern(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   names list;
-  if (!s->force->jacobian || !s->force->pattern) return 0;
+  if (!s->force->implicit.pattern) return 0;
   if (!collect(L, s, &list)) {
     lua_pushnil(L);
     lua_pushfstring(L, "%I blocks, then %I", (LUAI_UACINT)list.room, (LUAI_UACINT)list.count);
@@ -280,7 +281,7 @@ static int get_blocks(lua_State *L) {
   unsigned want = (unsigned)luaL_optinteger(L, 2, 0);
   double start = luaL_optnumber(L, 3, 0);
   names list;
-  if (!s->force->jacobian || !collect(L, s, &list)) return 0;
+  if (!s->force->implicit.jacobian || !collect(L, s, &list)) return 0;
   hk_guarded all = {0}, slots = {0};
   size_t bytes = 9 * list.count * sizeof(double);
   if (!hk_guard_get(&all, "the blocks D (or K)", 2 * bytes, s->side) ||
@@ -293,7 +294,7 @@ static int get_blocks(lua_State *L) {
   hk_guard_allow(&slots, false);
   hk_subject_enter(s, "jacobian");
   hk_blocks into = {.slot = slots.at, .K = K, .D = D, .want = want};
-  hk_status status = s->force->jacobian(s->instance->self, &s->view, &into);
+  hk_status status = s->force->implicit.jacobian(s->instance->self, &s->view, &into);
   hk_subject_leave(s);
   for (size_t k = 0; k < 18 * list.count; k++) K[k] -= start;
   for (size_t b = 0; b < list.count / 2; b++) {

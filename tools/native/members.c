@@ -1,8 +1,8 @@
 /* members: the further functions of a force, called for `hooke check` on a subject of the module inspect: elements,
- * bounds, products, contact, passages; births and deaths; what checkpoints save. */
+ * bounds, contact, encounters; births and deaths; what checkpoints save. */
 #include "tools/native/common/subject.h"
 
-#include "core/population/population.h"
+#include "core/numerics/population/population.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,37 +17,16 @@ static int bound(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   hk_guarded g = {0};
   double start = luaL_optnumber(L, 3, 0);
-  if (!has(L, s->force->stiffness_bound)) return 1;
+  if (!has(L, s->force->bounds.stiffness_bound)) return 1;
   if (!hk_guard_get(&g, "the blocks of stiffness_bound", 6 * s->n * sizeof(double), s->side))
     return luaL_error(L, "no memory");
   for (size_t k = 0; k < 6 * s->n; k++) ((double *)g.at)[k] = start;
   hk_subject_enter(s, "stiffness_bound");
-  s->force->stiffness_bound(s->instance->self, &s->view, (hk_stiffness_part)luaL_checkinteger(L, 2), g.at);
+  s->force->bounds.stiffness_bound(s->instance->self, &s->view, (hk_stiffness_part)luaL_checkinteger(L, 2), g.at);
   hk_subject_leave(s);
   hk_table_push(L, g.at, 6 * s->n);
   hk_guard_free(&g);
   return 1;
-}
-
-/* product(subject, dx, dv, start) -> dF + start, whether it was fine. */
-static int product(lua_State *L) {
-  hk_subject *s = hk_subject_at(L, 1);
-  hk_guarded g[2] = {0};
-  double start = luaL_optnumber(L, 4, 0), *F = s->F.at;
-  if (!has(L, s->force->product)) return 1;
-  for (int k = 0; k < 2; k++) {
-    if (!hk_guard_get(&g[k], k ? "dv" : "dx", s->size * sizeof(double), s->side)) return luaL_error(L, "no memory");
-    hk_table_read(L, 2 + k, g[k].at, s->size);
-    hk_guard_allow(&g[k], false);
-  }
-  for (size_t k = 0; k < s->size; k++) F[k] = start;
-  hk_subject_enter(s, "product");
-  hk_status status = s->force->product(s->instance->self, &s->view, g[0].at, g[1].at, F);
-  hk_subject_leave(s);
-  for (int k = 0; k < 2; k++) hk_guard_free(&g[k]);
-  hk_table_push(L, F, s->size);
-  lua_pushboolean(L, status == HK_OK);
-  return 2;
 }
 
 /* ---- elements ---- */
@@ -119,12 +98,13 @@ static int push_list(lua_State *L, hk_subject *s, const hk_elements *e, size_t g
  * in ranges of `grain` tuples; nil: it has none. The structs hold garbage before the call. */
 static int elements(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
-  size_t lists = s->force->element_lists ? s->force->element_lists : 1, grain = (size_t)luaL_optinteger(L, 2, 1 << 30);
-  if (!has(L, s->force->elements)) return 1;
+  size_t lists = s->force->elements.lists ? s->force->elements.lists : 1,
+         grain = (size_t)luaL_optinteger(L, 2, 1 << 30);
+  if (!has(L, s->force->elements.list)) return 1;
   hk_elements *list = lua_newuserdatauv(L, lists * sizeof *list, 0);
   memset(list, 0, lists * sizeof *list);
   hk_subject_enter(s, "elements");
-  s->force->elements(s->instance->self, &s->view, list);
+  s->force->elements.list(s->instance->self, &s->view, list);
   hk_subject_leave(s);
   if (!has(L, list[0].values > 0 || list[0].node.arity == 0)) return 1; /* none with these parameters */
   lua_newtable(L);
@@ -150,10 +130,10 @@ static double *other(lua_State *L, hk_subject *s, int index) {
 static int update(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
   bool changed = false;
-  if (!has(L, s->force->update)) return 1;
+  if (!has(L, s->force->steps.update)) return 1;
   const double *x_to = other(L, s, 2);
   hk_subject_enter(s, "update");
-  hk_status status = s->force->update(s->instance->self, &s->view, x_to, &changed);
+  hk_status status = s->force->steps.update(s->instance->self, &s->view, x_to, &changed);
   hk_subject_leave(s);
   lua_pushboolean(L, changed);
   lua_pushboolean(L, status == HK_OK);
@@ -163,19 +143,19 @@ static int update(lua_State *L) {
 /* limit(subject, dx) -> step_limit. longest(subject) -> longest_step. */
 static int limit(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
-  if (!has(L, s->force->step_limit)) return 1;
+  if (!has(L, s->force->surfaces.step_limit)) return 1;
   const double *dx = other(L, s, 2);
   hk_subject_enter(s, "step_limit");
-  lua_pushnumber(L, s->force->step_limit(s->instance->self, &s->view, dx));
+  lua_pushnumber(L, s->force->surfaces.step_limit(s->instance->self, &s->view, dx));
   hk_subject_leave(s);
   return 1;
 }
 
 static int longest(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
-  if (!has(L, s->force->longest_step)) return 1;
+  if (!has(L, s->force->bounds.longest_step)) return 1;
   hk_subject_enter(s, "longest_step");
-  lua_pushnumber(L, s->force->longest_step(s->instance->self, &s->view));
+  lua_pushnumber(L, s->force->bounds.longest_step(s->instance->self, &s->view));
   hk_subject_leave(s);
   return 1;
 }
@@ -183,22 +163,22 @@ static int longest(lua_State *L) {
 /* accepted(subject, h) -> whether it was fine. */
 static int accepted(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
-  if (!has(L, s->force->accepted)) return 1;
+  if (!has(L, s->force->steps.accepted)) return 1;
   hk_subject_enter(s, "accepted");
-  lua_pushboolean(L, s->force->accepted(s->instance->self, &s->view, luaL_checknumber(L, 2)) == HK_OK);
+  lua_pushboolean(L, s->force->steps.accepted(s->instance->self, &s->view, luaL_checknumber(L, 2)) == HK_OK);
   hk_subject_leave(s);
   return 1;
 }
 
-/* ---- passages ---- */
+/* ---- encounters ---- */
 
 typedef struct collector {
-  hk_passages passages; /* first member */
+  hk_encounters encounters; /* first member */
   lua_State *L;
   lua_Integer count;
 } collector;
 
-static void push_at(lua_State *L, const char *key, const hk_passage *p, double part,
+static void push_at(lua_State *L, const char *key, const hk_encounter *p, double part,
                     void (*F)(const void *, const double *, double *), const void *self) {
   double r[3], force[3] = {NAN, NAN, NAN};
   for (int c = 0; c < 3; c++) r[c] = p->r[c] + part * p->dr[c];
@@ -208,23 +188,23 @@ static void push_at(lua_State *L, const char *key, const hk_passage *p, double p
 }
 
 /* F where r is least, and at 1.01 times that distance: F_near and F_out; `nearest` is the distance, m. */
-static void push_nearest(lua_State *L, const hk_passage *p, void (*F)(const void *, const double *, double *),
+static void push_nearest(lua_State *L, const hk_encounter *p, void (*F)(const void *, const double *, double *),
                          const void *self) {
   double along = 0, length2 = 0, near[3], nearest = 0;
   for (int c = 0; c < 3; c++) along -= p->r[c] * p->dr[c], length2 += p->dr[c] * p->dr[c];
   double part = length2 > 0 ? fmin(1, fmax(0, along / length2)) : 0;
   for (int c = 0; c < 3; c++) near[c] = p->r[c] + part * p->dr[c], nearest += near[c] * near[c];
-  hk_passage out = {.r = {1.01 * near[0], 1.01 * near[1], 1.01 * near[2]}};
+  hk_encounter out = {.r = {1.01 * near[0], 1.01 * near[1], 1.01 * near[2]}};
   hk_table_set(L, "nearest", sqrt(nearest));
   push_at(L, "F_near", p, part, F, self);
   push_at(L, "F_out", &out, 0, F, self);
 }
 
-static void add_passage(hk_passages *into, const hk_passage *p, void (*F)(const void *, const double *, double *),
-                        const void *self) {
+static void add_encounter(hk_encounters *into, const hk_encounter *p, void (*F)(const void *, const double *, double *),
+                          const void *self) {
   collector *c = (collector *)(void *)into;
   lua_State *L = c->L;
-  luaL_checkstack(L, 8, "passages");
+  luaL_checkstack(L, 8, "encounters");
   lua_newtable(L);
   hk_table_set(L, "i", p->i);
   hk_table_set(L, "other", p->other);
@@ -239,15 +219,15 @@ static void add_passage(hk_passages *into, const hk_passage *p, void (*F)(const 
   lua_rawseti(L, -2, ++c->count);
 }
 
-/* passages(subject, x_from) -> a list of { i, other (from 0), r, dr, range, F_from, F_to }; nil: it has none. */
-static int passages(lua_State *L) {
+/* encounters(subject, x_from) -> a list of { i, other (from 0), r, dr, range, F_from, F_to }; nil: it has none. */
+static int encounters(lua_State *L) {
   hk_subject *s = hk_subject_at(L, 1);
-  if (!has(L, s->force->passages)) return 1;
+  if (!has(L, s->force->encounters.find)) return 1;
   const double *x_from = other(L, s, 2);
-  collector c = {{add_passage}, L, 0};
+  collector c = {{add_encounter}, L, 0};
   lua_newtable(L);
-  hk_subject_enter(s, "passages");
-  bool any = s->force->passages(s->instance->self, &s->view, x_from, &c.passages);
+  hk_subject_enter(s, "encounters");
+  bool any = s->force->encounters.find(s->instance->self, &s->view, x_from, &c.encounters);
   hk_subject_leave(s);
   if (!any && c.count == 0) lua_pushnil(L);
   return 1;
@@ -261,7 +241,7 @@ static int change(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
   size_t n_old = run->state.model.n, deaths = lua_rawlen(L, 2), births = lua_rawlen(L, 3);
-  hk_population_change c = hk_population_open(&run->state, run->scene);
+  hk_population_change c = hk_population_open(&run->state);
   c.source = forces->item[0];
   hk_status status = hk_population_begin(&c, &run->error);
   for (size_t k = 0; k < deaths && status == HK_OK; k++, lua_pop(L, 1)) {
@@ -278,7 +258,7 @@ static int change(lua_State *L) {
   if (status == HK_OK) status = hk_population_apply(&c, &run->error);
   if (status == HK_OK) status = hk_dynamics_remap(&run->dynamics, c.map, n_old);
   if (status == HK_OK) hk_dynamics_refresh(&run->dynamics);
-  if (status == HK_OK) status = hk_sweep_settle(&run->dynamics);
+  if (status == HK_OK) status = hk_forces_settle(&run->dynamics);
   hk_guard_enter(NULL);
   hk_population_close(&c);
   if (status != HK_OK) return luaL_error(L, "births and deaths: %s", run->error.text);
@@ -352,21 +332,20 @@ static int watch(lua_State *L) {
 
 /* flags(subject) -> hk_force.flags, and a table of the members that it has. */
 static int flags(lua_State *L) {
-  const hk_force *f = hk_subject_at(L, 1)->force;
+  const hk_force_tables *f = hk_subject_at(L, 1)->force;
   const struct {
     const char *name;
     bool there;
-  } member[] = {{"rates", f->rates},
-                {"elements", f->elements},
-                {"stiffness_bound", f->stiffness_bound},
-                {"product", f->product},
-                {"update", f->update},
-                {"step_limit", f->step_limit},
-                {"longest_step", f->longest_step},
-                {"accepted", f->accepted},
-                {"passages", f->passages},
-                {"add_part", f->add_part}};
-  lua_pushinteger(L, f->flags);
+  } member[] = {{"rates", f->own.rates},
+                {"elements", f->elements.list},
+                {"stiffness_bound", f->bounds.stiffness_bound},
+                {"update", f->steps.update},
+                {"step_limit", f->surfaces.step_limit},
+                {"longest_step", f->bounds.longest_step},
+                {"accepted", f->steps.accepted},
+                {"encounters", f->encounters.find},
+                {"add_part", f->own.add_part}};
+  lua_pushinteger(L, f->own.flags);
   lua_newtable(L);
   for (size_t k = 0; k < sizeof member / sizeof *member; k++) {
     lua_pushboolean(L, member[k].there);
@@ -379,10 +358,9 @@ __attribute__((visibility("default"))) int luaopen_members(lua_State *L);
 
 int luaopen_members(lua_State *L) {
   static const luaL_Reg functions[] = {
-      {"bound", bound},         {"product", product}, {"elements", elements}, {"update", update},
-      {"limit", limit},         {"longest", longest}, {"accepted", accepted}, {"passages", passages},
-      {"change", change},       {"save", save},       {"restore", restore},   {"left", left},
-      {"selection", selection}, {"flags", flags},     {"watch", watch},       {NULL, NULL}};
+      {"bound", bound},       {"elements", elements},     {"update", update}, {"limit", limit}, {"longest", longest},
+      {"accepted", accepted}, {"encounters", encounters}, {"change", change}, {"save", save},   {"restore", restore},
+      {"left", left},         {"selection", selection},   {"flags", flags},   {"watch", watch}, {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

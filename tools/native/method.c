@@ -11,7 +11,9 @@ enum { EVALUATIONS, JACOBIANS, FACTORIZATIONS, SOLVES, MOVES }; /* what is count
 
 /* One method is at work at a time. */
 static struct {
-  hk_system real; /* with the host's functions */
+  hk_system real;         /* with the host's functions */
+  hk_linear_table linear; /* the same */
+  hk_contact_table contact;
   hk_run *run;
   size_t count[CALLS];
   int fail_what; /* which of the counted calls fails, from the fail_at-th on; 0: none */
@@ -56,10 +58,10 @@ static hk_status accelerations(hk_system *s, double t, double *x, double *v, con
   HOST(EVALUATIONS, probe.real.accelerations(s, t, x, v, y, a, dy));
 }
 
-static hk_status pass(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy,
-                      const hk_pass *work) {
+static hk_status fused(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy,
+                       const hk_fused *work) {
   if (!probe.within) note(t);
-  HOST(EVALUATIONS, probe.real.pass(s, t, x, v, y, a, dy, work));
+  HOST(EVALUATIONS, probe.real.fused(s, t, x, v, y, a, dy, work));
 }
 
 /* X keeps its place between the guard pages. */
@@ -71,8 +73,8 @@ static void exchange(hk_system *s) {
   }
 }
 
-static hk_status wave(hk_system *s, hk_level *level, size_t count) {
-  HOST(EVALUATIONS, probe.real.wave(s, level, count));
+static hk_status tile(hk_system *s, hk_tile_step *step, size_t count) {
+  HOST(EVALUATIONS, probe.real.tile(s, step, count));
 }
 
 static hk_status rates(hk_system *s, double t, double *X, double *dX) {
@@ -81,25 +83,29 @@ static hk_status rates(hk_system *s, double t, double *X, double *dX) {
 }
 
 static hk_status jacobian(hk_system *s, double t, double *X, unsigned want, hk_matrix *K, hk_matrix *D) {
-  HOST(JACOBIANS, probe.real.jacobian(s, t, X, want, K, D));
+  HOST(JACOBIANS, probe.linear.jacobian(s, t, X, want, K, D));
 }
 
-static hk_status factorize(hk_system *s, const hk_matrix *A) { HOST(FACTORIZATIONS, probe.real.factorize(s, A)); }
+static hk_status factorize(hk_system *s, const hk_matrix *A) { HOST(FACTORIZATIONS, probe.linear.factorize(s, A)); }
 
 static hk_status solve(hk_system *s, const double *b, double *x, hk_solve_info *info) {
-  HOST(SOLVES, probe.real.solve(s, b, x, info));
+  HOST(SOLVES, probe.linear.solve(s, b, x, info));
 }
 
 static hk_status solve_along(hk_system *s, const double *b, const double *u, double *x, hk_solve_info *info) {
-  HOST(SOLVES, probe.real.solve_along(s, b, u, x, info));
+  HOST(SOLVES, probe.linear.solve_along(s, b, u, x, info));
 }
 
 static hk_status solve_columns(hk_system *s, const double *b, double *x, size_t columns) {
-  HOST(SOLVES, probe.real.solve_columns(s, b, x, columns));
+  HOST(SOLVES, probe.linear.solve_columns(s, b, x, columns));
 }
 
 static hk_status update(hk_system *s, double t, const double *X, const double *x_to) {
-  HOST(MOVES, probe.real.update(s, t, X, x_to));
+  HOST(MOVES, probe.real.contact ? probe.real.contact->update(s, t, X, x_to) : HK_OK);
+}
+
+static double step_limit(hk_system *s, double t, const double *X, const double *dx) {
+  return probe.real.contact ? probe.real.contact->step_limit(s, t, X, dx) : 1;
 }
 
 /* ---- Lua ---- */
@@ -111,6 +117,20 @@ static hk_instance *method_of(lua_State *L) {
   return m;
 }
 
+static hk_status energy(hk_system *s, double t, const double *X, double *kinetic, double *whole) {
+  (void)s, (void)t, (void)X;
+  *kinetic = *whole = 0;
+  return HK_OK;
+}
+
+/* Contact as the scene has it, or none that does anything. */
+static void offer_contact(hk_system *s) {
+  static const hk_contact_table none = {NULL, NULL, NULL, energy};
+  probe.contact =
+      (hk_contact_table){update, step_limit, hk_forces_potential, (s->contact ? s->contact : &none)->energy};
+  s->contact = &probe.contact;
+}
+
 /* Takes the run's system over; give_back undoes it. */
 static hk_system *take_over(lua_State *L, hk_run *run, hk_guard_side side) {
   hk_system *s = &run->dynamics.system;
@@ -119,27 +139,29 @@ static hk_system *take_over(lua_State *L, hk_run *run, hk_guard_side side) {
     luaL_error(L, "no memory");
   memset(probe.count, 0, sizeof probe.count);
   probe.real = *s;
+  probe.linear = *s->linear;
   probe.run = run;
   probe.times = 0;
   s->X = probe.X.at;
   if (s->spare) s->spare = probe.spare.at;
   s->accelerations = accelerations;
-  s->pass = pass;
-  s->wave = wave;
+  s->fused = fused;
+  s->tile = tile;
   s->exchange = exchange;
   s->rates = rates;
-  s->jacobian = jacobian;
-  s->factorize = factorize;
-  s->solve = solve;
-  s->solve_along = solve_along;
-  s->solve_columns = solve_columns;
-  s->update = update;
+  s->linear->jacobian = jacobian;
+  s->linear->factorize = factorize;
+  s->linear->solve = solve;
+  s->linear->solve_along = solve_along;
+  s->linear->solve_columns = solve_columns;
+  if (s->contact) offer_contact(s);
   return s;
 }
 
 static void give_back(hk_system *s) {
   hk_system real = probe.real;
   *s = real;
+  *s->linear = probe.linear;
   hk_dynamics_take_all(&probe.run->dynamics);
   hk_error_clear(&probe.run->error);
 }
@@ -147,9 +169,9 @@ static void give_back(hk_system *s) {
 /* The fields that need not outlive a step get this byte. */
 static void fill_scratch(const hk_instance *m, size_t size, size_t n, int byte) {
   for (const hk_field *f = m->plugin->fields; byte >= 0 && f && f->name; f++) {
-    size_t length = f->width * (f->type == HK_FIELD_STATE ? size : n);
-    if (f->flags & HK_SCRATCH && (f->type == HK_FIELD_STATE || f->type == HK_FIELD_PER_PARTICLE))
-      memset(*(double **)((char *)m->self + f->offset), byte, length * sizeof(double));
+    size_t length = f->width * (f->state ? size : n);
+    if (f->flags & HK_SCRATCH && (f->state || f->per_particle))
+      memset(*(double **)hk_field_in(f, m->self), byte, length * sizeof(double));
   }
   if (byte >= 0) memset(probe.spare.at, byte, size * sizeof(double));
 }
@@ -174,7 +196,7 @@ static void push_report(lua_State *L, const hk_system *s, const hk_step *out, hk
   hk_table_push(L, probe.time, probe.times);
   lua_setfield(L, -2, "times");
   bool splits = false;
-  for (size_t k = 0; k < s->forces; k++) splits |= !s->takes[k];
+  for (size_t k = 0; k < s->split->forces; k++) splits |= !s->split->takes[k];
   lua_pushboolean(L, splits);
   lua_setfield(L, -2, "splits");
   lua_pushstring(L, probe.run->error.text);
@@ -201,7 +223,7 @@ static int run_steps(lua_State *L) {
   else
     memcpy(probe.X.at, run->state.X, size * sizeof(double));
   s->t = t;
-  s->contact |= option(L, "contact", 0) != 0;
+  if (option(L, "contact", 0) != 0) offer_contact(s);
   probe.fail_what = (int)option(L, "fail_what", 0);
   probe.fail_at = (size_t)option(L, "fail_at", 0);
   probe.fail_once = option(L, "fail_once", 0) != 0;
@@ -213,7 +235,7 @@ static int run_steps(lua_State *L) {
     out = (hk_step){adaptive ? NAN : h, NAN, NAN};
     fill_scratch(m, size, s->n, scratch);
     hk_guard_enter("step");
-    status = method->step(m->self, s, end, h, &out);
+    status = method->step(m->self, method->method, s, end, h, &out);
     hk_guard_enter(NULL);
     moved |= s->t != t;
     changed |= s->X != probe.X.at || s->size != size || s->n != run->state.model.n;
@@ -235,42 +257,43 @@ static int run_steps(lua_State *L) {
   return 1;
 }
 
-/* march(run, { t =, h =, steps =, at_once = }) -> X after steps of h from the run's state, at most so many of them at
+/* tile(run, { t =, h =, steps =, at_once = }) -> X after steps of h from the run's state, at most so many of them at
  * once; how many were taken at once in all; whether X was changed before its end; status. */
-static int march(lua_State *L) {
+static int tiles(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   hk_instance *m = method_of(L);
-  const hk_integrator *method = m->plugin->integrator;
+  const hk_integrator_tables *tables = hk_integrator_of(m->plugin);
+  const hk_integrator *method = &tables->own;
   hk_system *s = take_over(L, run, HK_GUARD_BEHIND);
-  size_t steps = (size_t)option(L, "steps", 1), at_once = (size_t)option(L, "at_once", 1), size = s->size, marched = 0;
+  size_t steps = (size_t)option(L, "steps", 1), at_once = (size_t)option(L, "at_once", 1), size = s->size, taken = 0;
   double h = option(L, "h", 0.01), t0 = option(L, "t", 0), *kept = hk_table_memory(L, size);
   bool changed = false;
   hk_status status = HK_OK;
   probe.fail_at = 0;
   memcpy(probe.X.at, run->state.X, size * sizeof(double));
   for (size_t k = 0; k < steps && status == HK_OK;) {
-    double t[HK_LEVELS];
+    double t[HK_TILE_STEPS];
     size_t count = steps - k < at_once ? steps - k : at_once;
     s->t = t0 + (double)k * h;
     memcpy(kept, s->X, size * sizeof *kept);
     for (size_t i = 0; i < count; i++) t[i] = t0 + (double)(k + i + 1) * h;
-    hk_guard_enter("march");
-    status = method->march(m->self, s, t, h, &count);
+    hk_guard_enter("tile");
+    status = tables->tile.steps(m->self, method->method, s, t, h, &count);
     hk_guard_enter(NULL);
     changed |= memcmp(kept, s->X, size * sizeof *kept) != 0;
     if (count == 0) {
       hk_step out = {h, NAN, NAN};
       hk_guard_enter("step");
-      status = method->step(m->self, s, t[0], h, &out);
+      status = method->step(m->self, method->method, s, t[0], h, &out);
       hk_guard_enter(NULL);
     } else {
       memcpy(s->X, s->spare, size * sizeof *kept);
     }
-    marched += count;
+    taken += count;
     k += count ? count : 1;
   }
   hk_table_push(L, probe.X.at, size);
-  lua_pushinteger(L, (lua_Integer)marched);
+  lua_pushinteger(L, (lua_Integer)taken);
   lua_pushboolean(L, changed);
   lua_pushinteger(L, status);
   give_back(s);
@@ -288,8 +311,9 @@ static int reset(lua_State *L) {
   return 0;
 }
 
-/* state(run) -> X, n. flags(run) -> hk_integrator.flags, whether it has `rotation`, `amplification`, whether it can be
- * used with constraints, whether it has `march`. */
+/* state(run) -> X, n. flags(run) -> hk_integrator.flags, whether it states its growth, also where velocities turn,
+ * whether it can be used with constraints, whether it takes tiles, whether
+ * it keeps constraints. */
 static int state(lua_State *L) {
   const hk_run *run = hk_lua_run(L);
   hk_table_push(L, run->state.X, run->state.size);
@@ -298,24 +322,28 @@ static int state(lua_State *L) {
 }
 
 static int flags(lua_State *L) {
-  const hk_integrator *m = method_of(L)->plugin->integrator;
+  const hk_instance *instance = method_of(L);
+  const hk_integrator_tables *tables = hk_integrator_of(instance->plugin);
+  const hk_integrator *m = &tables->own;
+  hk_guard_enter("growth");
+  bool turns = m->growth && !isnan(m->growth(instance->self, m->method, 0.1, 0.1, 0.1));
+  hk_guard_enter(NULL);
   lua_pushinteger(L, m->flags);
-  lua_pushboolean(L, m->rotation != NULL);
-  lua_pushboolean(L, m->amplification != NULL);
-  lua_pushboolean(L, !m->without_constraints);
-  lua_pushboolean(L, m->march != NULL);
-  return 5;
+  lua_pushboolean(L, m->growth != NULL);
+  lua_pushboolean(L, turns);
+  lua_pushboolean(L, !tables->constrained.refused);
+  lua_pushboolean(L, tables->tile.steps != NULL);
+  lua_pushboolean(L, tables->constrained.keeps);
+  return 6;
 }
 
-/* growth(run, hw, hg [, hb]) -> what the method states, with the parameters of the run: `rotation` where hb is given.
- */
+/* growth(run, hw, hg [, hb]) -> what the method states, with the parameters of the run. */
 static int growth(lua_State *L) {
   const hk_instance *m = method_of(L);
   const hk_integrator *method = m->plugin->integrator;
-  double hw = luaL_checknumber(L, 2), hg = luaL_checknumber(L, 3);
-  hk_guard_enter(lua_isnoneornil(L, 4) ? "amplification" : "rotation");
-  lua_pushnumber(L, lua_isnoneornil(L, 4) ? method->amplification(m->self, hw, hg)
-                                          : method->rotation(m->self, hw, hg, luaL_checknumber(L, 4)));
+  double hw = luaL_checknumber(L, 2), hg = luaL_checknumber(L, 3), hb = luaL_optnumber(L, 4, 0);
+  hk_guard_enter("growth");
+  lua_pushnumber(L, method->growth(m->self, method->method, hw, hg, hb));
   hk_guard_enter(NULL);
   return 1;
 }
@@ -336,7 +364,7 @@ __attribute__((visibility("default"))) int luaopen_method(lua_State *L);
 int luaopen_method(lua_State *L) {
   static const luaL_Reg functions[] = {{"run", run_steps},   {"reset", reset},   {"state", state},
                                        {"flags", flags},     {"growth", growth}, {"watch", watch},
-                                       {"reverse", reverse}, {"march", march},   {NULL, NULL}};
+                                       {"reverse", reverse}, {"tile", tiles},    {NULL, NULL}};
   luaL_newlib(L, functions);
   return 1;
 }

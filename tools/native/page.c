@@ -1,7 +1,10 @@
 /* page: what `hooke view` needs beside Lua: numbers of particles in few bytes (view/motion_code.h), indices and bytes
- * as packed text, the largest and least of packed numbers, and the colours that pictures have. Packed numbers are
+ * as packed text, the largest and least of packed numbers, and what pictures and pages share. Packed numbers are
  * strings of doubles, packed indices strings of uint32, in the machine's order, which is little endian. */
-#include "plugins/common/colour/colormap.h"
+#include "plugins/common/colour/palette.h"
+#include "plugins/common/colour/range.h"
+#include "plugins/common/frame_data/frame_data.h"
+#include "plugins/common/frame_data/radii.h"
 #include "tools/native/view/motion_code.h"
 #include "tools/native/view/packed_text.h"
 
@@ -177,20 +180,116 @@ static int indices(lua_State *L) {
   return push_packed(L, plane, 4 * count);
 }
 
-/* colours(name) -> packed text of the 512 colours of a map, red, green, blue, 255 each. */
-static int colours(lua_State *L) {
-  static const char *const names[] = {"viridis", "inferno", "cividis", "grey", "fire", "diverging", NULL};
+/* ---- what pictures and pages share ---- */
+
+/* colours_of(numbers, map) -> the least and the largest number that the colours of a motion stand for, as pictures
+ * choose them (plugins/common/colour/range.h). */
+static int colours_of(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  size_t count = lua_rawlen(L, 1);
+  float *number = lua_newuserdatauv(L, (count + 1) * sizeof *number, 0);
+  hk_scale scale = {0};
+  for (size_t k = 0; k < count; k++, lua_pop(L, 1)) {
+    lua_rawgeti(L, 1, (lua_Integer)k + 1);
+    number[k] = (float)lua_tonumber(L, -1);
+  }
+  hk_range_choose(&scale, number, count, strcmp(luaL_checkstring(L, 2), hk_map_names[HK_MAP_DIVERGING]) == 0);
+  lua_pushnumber(L, scale.low);
+  lua_pushnumber(L, scale.high);
+  return 2;
+}
+
+/* Packed text of the 512 colours of each map that a field has, red, green, blue, 255 each. */
+static void push_maps(lua_State *L) {
   uint8_t table[HK_MAP_SIZE][4];
-  hk_colormap_fill((hk_colormap)luaL_checkoption(L, 1, NULL, names), 0, table);
-  return push_packed(L, table, sizeof table);
+  lua_newtable(L);
+  for (int k = 0; k < HK_FIELD_KINDS; k++) {
+    hk_colormap_fill(hk_field_kinds[k].map, 0, table);
+    push_packed(L, table, sizeof table);
+    lua_setfield(L, -2, hk_map_names[hk_field_kinds[k].map]);
+  }
+}
+
+static void push_things(lua_State *L) {
+  lua_newtable(L);
+  for (int k = 0; k < HK_PALETTE_SIZE; k++) {
+    lua_createtable(L, 3, 0);
+    for (int c = 0; c < 3; c++) {
+      lua_pushinteger(L, hk_palette_colours[k][c]);
+      lua_rawseti(L, -2, c + 1);
+    }
+    lua_setfield(L, -2, hk_palette_names[k]);
+  }
+}
+
+static void push_solids(lua_State *L) {
+  lua_newtable(L);
+  for (int k = 0; k <= HK_SHAPE_MESH; k++) {
+    lua_pushstring(L, hk_solid_names[k]);
+    lua_rawseti(L, -2, k + 1);
+  }
+}
+
+static void push_list(lua_State *L, const double *value, int count, const char *name) {
+  lua_createtable(L, count, 0);
+  for (int k = 0; k < count; k++) {
+    lua_pushnumber(L, value[k]);
+    lua_rawseti(L, -2, k + 1);
+  }
+  lua_setfield(L, -2, name);
+}
+
+static void push_radii(lua_State *L) {
+  const hk_drawn_radii *r = &hk_drawn;
+  const double one[] = {r->on_tubes, r->loose, r->least, r->largest, r->pin, r->pin_on_tubes};
+  static const char *const names[] = {"on_tubes", "loose", "least", "largest", "pin", "pin_on_tubes"};
+  lua_newtable(L);
+  push_list(L, r->tube, HK_TUBE_CLASSES, "tube");
+  push_list(L, r->most, HK_TUBE_CLASSES - 1, "most");
+  for (int k = 0; k < 6; k++) {
+    lua_pushnumber(L, one[k]);
+    lua_setfield(L, -2, names[k]);
+  }
+}
+
+static void push_field_kinds(lua_State *L) {
+  lua_newtable(L);
+  for (int k = 0; k < HK_FIELD_KINDS; k++) {
+    const hk_field_kind *kind = &hk_field_kinds[k];
+    lua_createtable(L, 0, 3);
+    lua_pushstring(L, kind->unit);
+    lua_setfield(L, -2, "unit");
+    lua_pushstring(L, kind->painted);
+    lua_setfield(L, -2, "painted");
+    lua_pushstring(L, hk_map_names[kind->map]);
+    lua_setfield(L, -2, "map");
+    lua_setfield(L, -2, kind->name);
+  }
+}
+
+/* shared() -> maps { name = packed text }, things { name = { red, green, blue } }, solids { names of the kinds },
+ * radii (frame_data/radii.h), fields { kind = { unit =, painted =, map = } } */
+static int shared(lua_State *L) {
+  lua_createtable(L, 0, 5);
+  push_maps(L);
+  lua_setfield(L, -2, "maps");
+  push_things(L);
+  lua_setfield(L, -2, "things");
+  push_solids(L);
+  lua_setfield(L, -2, "solids");
+  push_radii(L);
+  lua_setfield(L, -2, "radii");
+  push_field_kinds(L);
+  lua_setfield(L, -2, "fields");
+  return 1;
 }
 
 __attribute__((visibility("default"))) int luaopen_page(lua_State *L);
 
 int luaopen_page(lua_State *L) {
-  static const luaL_Reg functions[] = {
-      {"encoder", make_encoder}, {"range", range},     {"sizes", sizes}, {"distance", distance},
-      {"indices", indices},      {"colours", colours}, {NULL, NULL}};
+  static const luaL_Reg functions[] = {{"encoder", make_encoder}, {"range", range},     {"sizes", sizes},
+                                       {"distance", distance},    {"indices", indices}, {"colours_of", colours_of},
+                                       {"shared", shared},        {NULL, NULL}};
   static const luaL_Reg methods[] = {{"add", add}, {"block", block}, {"error", error_of}, {NULL, NULL}};
   luaL_newmetatable(L, encoder_type);
   luaL_newlib(L, methods);

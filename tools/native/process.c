@@ -222,14 +222,14 @@ static void give(const int from[GIVEN]) {
 
 /* In the child of a vfork, which only makes calls of the system: a program of its own, which ends in order when its
  * starter has ended. */
-static void become(char *const *words, const int from[GIVEN]) {
+static void become(char *const *arguments, const int from[GIVEN]) {
   signal(SIGPIPE, SIG_DFL);
   setpgid(0, 0); /* an interrupt at the terminal is for the starter, who hands it on */
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGTERM);
 #endif
   give(from);
-  execv(words[0], words);
+  execv(arguments[0], arguments);
   _exit(127);
 }
 
@@ -239,21 +239,21 @@ static int spawn(lua_State *L) {
   int from[GIVEN];
   luaL_checktype(L, 1, LUA_TTABLE);
   size_t count = lua_rawlen(L, 1);
-  char **words = lua_newuserdatauv(L, (count + 1) * sizeof *words, 0);
+  char **arguments = lua_newuserdatauv(L, (count + 1) * sizeof *arguments, 0);
   for (size_t k = 0; k < count; k++, lua_pop(L, 1)) { /* the table keeps the texts */
     lua_rawgeti(L, 1, (lua_Integer)k + 1);
     union {
       const char *constant;
       char *word;
     } u = {luaL_checkstring(L, -1)}; /* execv changes none */
-    words[k] = u.word;
+    arguments[k] = u.word;
   }
-  words[count] = NULL;
+  arguments[count] = NULL;
   for (int k = 0; k < GIVEN; k++, lua_pop(L, 1)) from[k] = lua_rawgeti(L, 2, k) ? (int)lua_tointeger(L, -1) : -1;
   fflush(NULL);
   pid_t pid = vfork(); /* no handlers of forks: other threads may hold what these would need */
   if (pid < 0) return refuse(L, "fork");
-  if (pid == 0) become(words, from);
+  if (pid == 0) become(arguments, from);
   lua_pushinteger(L, pid);
   return 1;
 }

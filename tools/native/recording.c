@@ -1,7 +1,9 @@
 /* recording: the motion that the output `trajectory` has written, for tools. Frames are counted from 1; numbers of
  * particles are strings of doubles, indices strings of uint32_t, in the machine's order (little endian wherever hooke
  * runs): string.unpack("<d", text, 8 * k + 1). */
+#include "plugins/common/frame_data/gatherer.h"
 #include "plugins/common/recording/reader.h"
+#include "plugins/common/recording/recorded_frame.h"
 
 #include <lauxlib.h>
 #include <lua.h>
@@ -138,6 +140,16 @@ static int array(lua_State *L, bool force) {
 static int channel(lua_State *L) { return array(L, false); }
 static int force(lua_State *L) { return array(L, true); }
 
+/* field(j, k): the numbers of `fields[j]`. */
+static int field_of(lua_State *L) {
+  const hk_recording *r = at(L);
+  lua_Integer j = luaL_checkinteger(L, 2), own = r->strain >= 0 ? 2 : 1;
+  size_t k = frame_at(L, r, 3);
+  luaL_argcheck(L, j >= 1 && j <= own + (lua_Integer)r->arrays, 2, "there is no such field");
+  if (j <= own) return moving(L, r, j == 1 ? r->velocity : r->strain, k, j == 1 ? 3 : 1);
+  return moving(L, r, r->array[j - own - 1].set, k, r->array[j - own - 1].width);
+}
+
 /* n(k): number of particles. topology_changed(k): whether ids, masses, pins, edges or triangles are others than in the
  * frame before; true for the first. */
 static int number(lua_State *L) {
@@ -214,6 +226,27 @@ static void set_text(lua_State *L, const char *key, const char *text) {
   lua_setfield(L, -2, key);
 }
 
+/* What frames have numbers of, as hk_frame_field_at tells: {kind =, name =, components =}. */
+static bool push_frame_fields(lua_State *L, const hk_recording *r) {
+  hk_gatherer frame;
+  hk_frame_field field;
+  double some;
+  if (!hk_recording_frame_open(r, &frame)) return false;
+  frame.data.strain = r->strain >= 0 ? &some : NULL;
+  lua_newtable(L);
+  for (size_t k = 0; hk_frame_field_at(&frame.data, k, &field); k++) {
+    lua_createtable(L, 0, 3);
+    set_text(L, "kind", hk_field_kinds[field.kind].name);
+    set_text(L, "name", field.name);
+    lua_pushinteger(L, (lua_Integer)field.components);
+    lua_setfield(L, -2, "components");
+    lua_rawseti(L, -2, (lua_Integer)k + 1);
+  }
+  frame.data.strain = NULL;
+  hk_gatherer_free(&frame);
+  return true;
+}
+
 static void push_attributes(lua_State *L, const hk_recording *r) {
   lua_newtable(L);
   set_text(L, "scene", r->scene);
@@ -223,10 +256,9 @@ static void push_attributes(lua_State *L, const hk_recording *r) {
   lua_setfield(L, -2, "every");
 }
 
-static void push_solid(lua_State *L, const hk_solid *s) {
-  static const char *const kinds[] = {"plane", "sphere", "box", "cylinder", "capsule", "mesh"}; /* as hk_solid_kind */
+static void push_solid(lua_State *L, const hk_frame_solid *s) {
   lua_createtable(L, 0, 4);
-  set_text(L, "kind", kinds[s->kind]);
+  set_text(L, "kind", hk_solid_names[s->kind]);
   lua_pushboolean(L, s->hollow);
   lua_setfield(L, -2, "hollow");
   lua_pushlstring(L, s->vertices ? (const char *)s->vertex : "", s->vertices * 3 * sizeof *s->vertex);
@@ -248,7 +280,7 @@ static void push_marks(lua_State *L, const hk_recorded_mark_lists *m) {
   for (size_t k = 0; k < m->count; k++) {
     lua_createtable(L, 0, 2);
     set_text(L, "name", m->list[k].name);
-    set_text(L, "kind", m->list[k].contact ? "contact" : "wind");
+    set_text(L, "kind", hk_mark_kind(m->list[k].contact));
     lua_rawseti(L, -2, (lua_Integer)k + 1);
   }
 }
@@ -261,6 +293,7 @@ static void push_fields(lua_State *L, const hk_recording *r) {
   lua_setfield(L, -2, "fps");
   push_list(L, r->time, r->frames);
   lua_setfield(L, -2, "times");
+  if (push_frame_fields(L, r)) lua_setfield(L, -2, "fields");
   push_channels(L, r);
   lua_setfield(L, -3, "forces");
   lua_setfield(L, -2, "channels");
@@ -323,6 +356,7 @@ int luaopen_recording(lua_State *L) {
                                      {"triangle_strain", triangle_strain},
                                      {"channel", channel},
                                      {"force", force},
+                                     {"field", field_of},
                                      {"n", number},
                                      {"topology_changed", topology_changed},
                                      {"solid_places", solid_places},

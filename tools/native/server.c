@@ -1,6 +1,6 @@
 /* server: the pages of a tool on this machine alone, by libmicrohttpd in a thread of its own. It knows documents, each
  * a name with a type, bytes and a version, and commands, which pages post; what they mean is the tool's business. It
- * has no files, so it can give none away (serving/shelf.c); who may ask is decided in serving/answers.c.
+ * has no files, so it can give none away (serving/documents.c); who may ask is decided in serving/answers.c.
  *
  *     server.open(port, policy) -> s     port 0: any that is free; policy: the Content-Security-Policy of all answers
  *     s:url()                            the address of the document ""
@@ -24,7 +24,7 @@
 #include <string.h>
 
 typedef struct server {
-  hk_shelf shelf;
+  hk_documents documents;
   hk_answers answers;
   char *policy;
 } server;
@@ -37,18 +37,18 @@ static server *self_at(lua_State *L) {
   return s;
 }
 
-static hk_shelf *lock(server *s) {
-  pthread_mutex_lock(&s->shelf.lock);
-  return &s->shelf;
+static hk_documents *lock(server *s) {
+  pthread_mutex_lock(&s->documents.lock);
+  return &s->documents;
 }
 
-static void unlock(server *s) { pthread_mutex_unlock(&s->shelf.lock); }
+static void unlock(server *s) { pthread_mutex_unlock(&s->documents.lock); }
 
 static int put(lua_State *L) {
   server *s = self_at(L);
   size_t size;
   const char *name = luaL_checkstring(L, 2), *type = luaL_checkstring(L, 3), *data = luaL_checklstring(L, 4, &size);
-  bool fine = hk_shelf_put(lock(s), name, type, data, size);
+  bool fine = hk_documents_put(lock(s), name, type, data, size);
   unlock(s);
   return fine ? 0 : luaL_error(L, "no memory for %s", name);
 }
@@ -56,14 +56,14 @@ static int put(lua_State *L) {
 static int drop(lua_State *L) {
   server *s = self_at(L);
   const char *name = luaL_checkstring(L, 2);
-  hk_shelf_drop(lock(s), name);
+  hk_documents_drop(lock(s), name);
   unlock(s);
   return 0;
 }
 
 static int take(lua_State *L) {
   server *s = self_at(L);
-  char *text = hk_shelf_take(lock(s));
+  char *text = hk_documents_take(lock(s));
   unlock(s);
   lua_pushstring(L, text);
   free(text);
@@ -71,13 +71,13 @@ static int take(lua_State *L) {
 }
 
 static int descriptor(lua_State *L) {
-  lua_pushinteger(L, self_at(L)->shelf.bell[0]);
+  lua_pushinteger(L, self_at(L)->documents.bell[0]);
   return 1;
 }
 
 static int tick(lua_State *L) {
   server *s = self_at(L);
-  hk_shelf_resume(lock(s), hk_serving_now());
+  hk_documents_resume(lock(s), hk_serving_now());
   unlock(s);
   return 0;
 }
@@ -92,7 +92,7 @@ static int close_server(lua_State *L) {
   server *s = luaL_checkudata(L, 1, type_name);
   if (!s->policy) return 0;
   hk_answers_close(&s->answers);
-  hk_shelf_close(&s->shelf);
+  hk_documents_close(&s->documents);
   free(s->policy);
   s->policy = NULL;
   return 0;
@@ -103,15 +103,15 @@ static int open_server(lua_State *L) {
   const char *policy = luaL_checkstring(L, 2);
   luaL_argcheck(L, port >= 0 && port < 65536, 1, "no port");
   server *s = lua_newuserdatauv(L, sizeof *s, 0);
-  *s = (server){.shelf.bell = {-1, -1}};
+  *s = (server){.documents.bell = {-1, -1}};
   luaL_setmetatable(L, type_name);
   char *copy = strdup(policy);
-  if (!copy || !hk_shelf_open(&s->shelf)) {
+  if (!copy || !hk_documents_open(&s->documents)) {
     free(copy);
     return luaL_error(L, "server: %s", strerror(errno));
   }
   s->policy = copy; /* from here on it is closed */
-  s->answers = (hk_answers){.shelf = &s->shelf, .policy = copy};
+  s->answers = (hk_answers){.documents = &s->documents, .policy = copy};
   if (hk_answers_open(&s->answers, (uint16_t)port)) return 1;
   return luaL_error(L, "no server on 127.0.0.1:%d: %s%s", (int)port, strerror(errno),
                     port ? " (another program may have that port; 0 takes any that is free)" : "");

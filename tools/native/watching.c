@@ -147,9 +147,9 @@ static int show(lua_State *L) {
 /* finish(actor, verdict): "ok", "diverged" or "stopped" */
 static int finish(lua_State *L) {
   hk_actor *a = hk_actor_at(L, 1);
-  static const char *const words[] = {"ok", "diverged", "stopped", NULL};
+  static const char *const names[] = {"ok", "diverged", "stopped", NULL};
   static const hk_verdict verdicts[] = {HK_VERDICT_OK, HK_DIVERGED, HK_STOPPED};
-  hk_verdict verdict = verdicts[luaL_checkoption(L, 2, "ok", words)];
+  hk_verdict verdict = verdicts[luaL_checkoption(L, 2, "ok", names)];
   hk_guard_enter("close");
   return push_status(L, a, output_of(a)->close ? output_of(a)->close(a->instance->self, verdict) : HK_OK);
 }

@@ -9,9 +9,9 @@ typedef struct NAME {
 } NAME;
 
 static const hk_param params[] = {
-    {"particles", "", "those that are kept", HK_PARTICLES, {0}, 0, 0, offsetof(NAME, particles), HK_REQUIRED, NULL},
-    {"centre", "m", "of the sphere", HK_VECTOR, {0}, 0, 0, offsetof(NAME, centre), 0, NULL},
-    {"radius", "m", "of the sphere", HK_NUMBER, {1}, 0, INFINITY, offsetof(NAME, radius), HK_ABOVE_MIN, NULL},
+    {"particles", "", "those that are kept", .particles = HK_AT(NAME, particles), .flags = HK_REQUIRED},
+    {"centre", "m", "of the sphere", .vector = HK_AT(NAME, centre)},
+    {"radius", "m", "of the sphere", .number = HK_AT(NAME, radius), .initial = {1}, .limits = HK_ABOVE(0)},
     {0},
 };
 

@@ -7,8 +7,9 @@ typedef struct NAME {
 } NAME;
 
 static const hk_param params[] = {
-    {"height", "m", "of the floor", HK_NUMBER, {0}, 0, 0, offsetof(NAME, height), HK_TIMED, NULL},
-    {"e", "", "speed after a bounce by that before", HK_NUMBER, {0.5}, 0, 1, offsetof(NAME, e), 0, NULL},
+    {"height", "m", "of the floor", .number = HK_AT(NAME, height), .flags = HK_TIMED},
+    {"e", "", "speed after a bounce by that before", .number = HK_AT(NAME, e), .initial = {0.5},
+     .limits = HK_WITHIN(0, 1)},
     {0},
 };
 

@@ -7,8 +7,8 @@ typedef struct NAME {
 } NAME;
 
 static const hk_param params[] = {
-    {"wind", "m/s", "velocity of the air", HK_VECTOR, {1, 0, 0}, 0, 0, offsetof(NAME, wind), HK_TIMED, NULL},
-    {"d", "N s/m", "drag of one particle", HK_NUMBER, {0.1}, 0, INFINITY, offsetof(NAME, d), 0, NULL},
+    {"wind", "m/s", "velocity of the air", .vector = HK_AT(NAME, wind), .initial = {1, 0, 0}, .flags = HK_TIMED},
+    {"d", "N s/m", "drag of one particle", .number = HK_AT(NAME, d), .initial = {0.1}, .limits = HK_AT_LEAST(0)},
     {0},
 };
 
@@ -43,11 +43,12 @@ static hk_status jacobian(void *self, const hk_view *view, const hk_blocks *into
   return HK_OK;
 }
 
-static const hk_force force = {.size = sizeof(hk_force),
-                               .flags = HK_DEPENDS_ON_V | HK_SYMMETRIC_JACOBIAN | HK_POWER,
-                               .add = add,
-                               .pattern = pattern,
-                               .jacobian = jacobian};
+static const hk_force force = {
+    .size = sizeof(hk_force),
+    .flags = HK_DEPENDS_ON_V | HK_SYMMETRIC_JACOBIAN | HK_POWER,
+    .add = add,
+    .facets = HK_FACETS(HK_IMPLICIT_FACET(.pattern = pattern, .jacobian = jacobian)),
+};
 
 HK_EXPORT const hk_plugin hk_plugin_main = {
     .abi = HK_ABI,

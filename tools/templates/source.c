@@ -8,19 +8,19 @@ typedef struct NAME {
 } NAME;
 
 static const hk_param params[] = {
-    {"position", "m", "of the nozzle", HK_VECTOR, {0}, 0, 0, offsetof(NAME, position), 0, NULL},
-    {"velocity", "m/s", "of a new particle", HK_VECTOR, {0, 0, 1}, 0, 0, offsetof(NAME, velocity), 0, NULL},
-    {"mass", "kg", "of a new particle", HK_NUMBER, {1}, 0, INFINITY, offsetof(NAME, mass), HK_ABOVE_MIN, NULL},
-    {"interval", "s", "between two particles", HK_NUMBER, {0.1}, 0, INFINITY, offsetof(NAME, interval), HK_ABOVE_MIN,
-     NULL},
-    {"life", "s", "of a particle", HK_NUMBER, {1e9}, 0, INFINITY, offsetof(NAME, life), HK_ABOVE_MIN, NULL},
+    {"position", "m", "of the nozzle", .vector = HK_AT(NAME, position)},
+    {"velocity", "m/s", "of a new particle", .vector = HK_AT(NAME, velocity), .initial = {0, 0, 1}},
+    {"mass", "kg", "of a new particle", .number = HK_AT(NAME, mass), .initial = {1}, .limits = HK_ABOVE(0)},
+    {"interval", "s", "between two particles", .number = HK_AT(NAME, interval), .initial = {0.1},
+     .limits = HK_ABOVE(0)},
+    {"life", "s", "of a particle", .number = HK_AT(NAME, life), .initial = {1e9}, .limits = HK_ABOVE(0)},
     {0},
 };
 
 /* What evolves: checkpoints save it, and the host moves the ages when particles die; those of new ones are 0. */
 static const hk_field fields[] = {
-    {"next", HK_FIELD_NUMBER, 1, offsetof(NAME, next), 0},
-    {"age", HK_FIELD_PER_PARTICLE, 1, offsetof(NAME, age), 0},
+    {"next", .number = HK_AT(NAME, next)},
+    {"age", .per_particle = HK_AT(NAME, age), .width = 1},
     {0},
 };
 

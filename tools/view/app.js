@@ -3,7 +3,6 @@
 view.app = (() => {
   const { el } = view.dom;
   const $ = (id) => document.getElementById(id);
-  const TINTS = [[0.33, 0.55, 0.78], [0.88, 0.55, 0.25]], ARROW = [0.85, 0.25, 0.2];
 
   class App {
     // sources: one or two; more: { difference: { times, rms, most, largest }, bench, title, note }
@@ -11,7 +10,7 @@ view.app = (() => {
       Object.assign(this, { sources, more, paint: "", arrowsOf: "", pickedId: null, mode: "side",
         marked: { wind: true, contact: false } });
       this.economy = new view.economy.Economy(sources);
-      this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.told());
+      this.clock = new view.clock.Clock(sources[0], (k) => this.seek(k), () => this.playingChanged());
       this.timeline = view.timeline.make($("timeline"), this.clock);
       view.timeline.keys(this.clock);
       this.makeStage();
@@ -32,7 +31,7 @@ view.app = (() => {
         $("note").textContent = `There is no 3D picture: this browser gives no WebGL (${error.message}).`;
         return;
       }
-      this.layers = this.sources.map((source, k) => new view.layer.Layer(source, TINTS[this.sources.length > 1 ? k : 0]));
+      this.layers = this.sources.map((source, k) => new view.layer.Layer(source, view.colours.thing(k ? "second" : "plain")));
       const first = this.sources[0].origin;
       this.layers.forEach((layer, k) => {
         layer.offset = new THREE.Vector3(...this.sources[k].origin.map((v, c) => v - first[c]));
@@ -135,7 +134,7 @@ view.app = (() => {
     refresh() { this.seek(this.clock.k); }
 
     // It plays, or no longer: then the charts' cursors are where the picture is.
-    told() {
+    playingChanged() {
       if (!this.timeline) return;
       this.timeline.update();
       if (!this.clock.playing) this.plots.show(this.sources[0].time(this.clock.k), this.frames);
@@ -158,12 +157,12 @@ view.app = (() => {
 
     scaleOf(source) {
       if (this.mode === "difference" && this.sources.length > 1)
-        return { title: "distance between the runs, m", scale: view.colours.scale(0, this.more.difference.largest, false) };
+        return { title: "distance between the runs, m", scale: view.colours.scale(0, this.more.difference.largest, "viridis") };
       const f = source.fields.find((one) => one.name === this.paint);
       if (!f) return null;
       const both = this.sources.map((s) => s.fields.find((one) => one.name === f.name)).filter(Boolean);
       const low = Math.min(...both.map((b) => b.least)), high = Math.max(...both.map((b) => b.most));
-      return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale: view.colours.scale(low, high, f.centred) };
+      return { field: f, title: `${f.painted || f.label}${f.unit ? `, ${f.unit}` : ""}`, scale: view.colours.scale(low, high, f.map) };
     }
 
     numbers(frame, field) {
@@ -194,7 +193,7 @@ view.app = (() => {
       this.showPicked(frames);
       this.synchronise();
       this.economy.pace(this.clock.playing, this.layers);
-      this.tell();
+      this.showNotes();
       this.stage.draw();
     }
 
@@ -202,7 +201,7 @@ view.app = (() => {
       const f = source.fields.find((one) => one.name === this.arrowsOf), numbers = f && frame.values[f.name];
       if (!numbers || !(f.largest > 0)) return null;
       const { low, high } = source.bounds, size = Math.max(...low.map((v, c) => high[c] - v));
-      return { numbers, length: 0.25 * size / f.largest, colour: ARROW };
+      return { numbers, length: 0.25 * size / f.largest, colour: view.colours.thing("arrow") };
     }
 
     showPicked(frames) {
@@ -220,14 +219,14 @@ view.app = (() => {
     }
 
     // Below the picture: how near its numbers are, and what it leaves out.
-    tell() {
+    showNotes() {
       const off = this.sources.map((s) => s.error.positions / s.error.extent), most = Math.max(...off);
       const notes = [];
       if (this.sources[0].error.extent) notes.push(`positions within ${view.numbers.short(most, 3)} of the extent`);
       const speed = this.sources[0].fields.find((f) => f.name === "velocity");
       if (speed && speed.error) notes.push(`velocities within ${view.numbers.short(speed.error, 3)} m/s`);
-      for (const note of this.layers.flatMap((layer) => layer.told)) notes.push(note);
-      notes.push(...this.economy.told(this.layers));
+      for (const note of this.layers.flatMap((layer) => layer.notes)) notes.push(note);
+      notes.push(...this.economy.notes(this.layers));
       const note = notes.join(" · "), node = $("note");
       if (node.textContent !== note) node.textContent = note; // to write it again would be to draw it again
     }

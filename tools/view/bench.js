@@ -14,7 +14,7 @@ view.bench = (() => {
     return list;
   };
 
-  const told = (row, error) => [row.integrator, row.dt ? `step ${short(row.dt)} s` : null, row.tol ? `tolerance ${short(row.tol)}` : null,
+  const described = (row, error) => [row.integrator, row.dt ? `step ${short(row.dt)} s` : null, row.tol ? `tolerance ${short(row.tol)}` : null,
     row.substeps ? `${row.substeps} substeps` : null, `error ${short(error)}`, `cost ${short(row.wall_s)} s`, row.verdict]
     .filter(Boolean).join(" · ");
 
@@ -42,9 +42,9 @@ view.bench = (() => {
       const line = svg("g", { class: `method line-${k % 6}` }, svg("path", { class: "line",
         d: own.map((p, j) => `${j ? "L" : "M"}${x(p.error).toFixed(1)} ${y(p.cost).toFixed(1)}`).join("") }));
       for (const p of own) line.append(svg("circle", { class: p.row.pareto ? "dot best" : "dot", r: p.row.pareto ? 5 : 3.5,
-        cx: x(p.error), cy: y(p.cost), tabindex: 0, onpointerenter: () => { said.textContent = told(p.row, p.error); },
-        onfocus: () => { said.textContent = told(p.row, p.error); }, onpointerleave: () => { said.textContent = rest; } },
-      svg("title", {}, told(p.row, p.error))));
+        cx: x(p.error), cy: y(p.cost), tabindex: 0, onpointerenter: () => { said.textContent = described(p.row, p.error); },
+        onfocus: () => { said.textContent = described(p.row, p.error); }, onpointerleave: () => { said.textContent = rest; } },
+      svg("title", {}, described(p.row, p.error))));
       const last = own[0];
       line.append(svg("text", { x: x(last.error) - 8, y: y(last.cost) - 8, class: "label" }, name));
       chart.append(line);

@@ -2,9 +2,9 @@
 "use strict";
 view.clock = (() => {
   class Clock {
-    // source: count and time(k); changed(k): another frame is to be shown; told(): playing or speed have changed
-    constructor(source, changed, told) {
-      Object.assign(this, { source, changed, told, k: 0, playing: false, speed: 1, at: 0, last: 0 });
+    // source: count and time(k); changed(k): another frame is to be shown; playingChanged(): playing or speed have changed
+    constructor(source, changed, playingChanged) {
+      Object.assign(this, { source, changed, playingChanged, k: 0, playing: false, speed: 1, at: 0, last: 0 });
     }
 
     get end() { return this.source.count - 1; }
@@ -36,7 +36,7 @@ view.clock = (() => {
         this.last = performance.now();
         requestAnimationFrame((now) => this.tick(now));
       }
-      this.told();
+      this.playingChanged();
     }
 
     tick(now) {

@@ -1,20 +1,32 @@
-// colours: numbers to colours by the maps that pictures have (plugins/common/colour), and the legend.
+// colours: numbers to colours by the maps that pictures have (plugins/common/colour), the colours of things, the legend.
 "use strict";
 view.colours = (() => {
   const { el, clear } = view.dom;
   const tables = {}; // name -> 512 x (red, green, blue, 255)
 
-  const load = async (packed) => {
-    for (const [name, id] of Object.entries(packed))
+  const things = {}; // name -> [red, green, blue], 0 to 1
+
+  // shared: what the page's data have of it (tools/common/view/shared.lua)
+  const load = async (shared) => {
+    for (const [name, id] of Object.entries(shared.maps))
       tables[name] = await view.codec.unpack(document.getElementById(id).textContent);
+    for (const [name, colour] of Object.entries(shared.things)) {
+      things[name] = colour.map((v) => v / 255);
+      document.documentElement.style.setProperty(`--${name.replaceAll(" ", "-")}`, `rgb(${colour.join(" ")})`);
+    }
+    Object.assign(view.colours, { solids: shared.solids, radii: shared.radii });
   };
 
-  // The range of numbers that the colours stand for; around zero where the map has a middle.
-  const scale = (low, high, centred) => {
-    if (!(low <= high)) return { low: 0, high: 1, map: centred ? "diverging" : "viridis", empty: true };
+  // The colour of a thing; by night, where it has another one then, that.
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const thing = (name) => dark.matches && things[`${name} at night`] || things[name];
+
+  // The range of numbers that the colours of a map stand for; around zero where it has a middle.
+  const scale = (low, high, map) => {
     const most = Math.max(Math.abs(low), Math.abs(high)) || 1;
-    if (centred) return { low: -most, high: most, map: "diverging" };
-    return high > low ? { low, high, map: "viridis" } : { low: low - most * 1e-3, high: high + most * 1e-3, map: "viridis" };
+    if (!(low <= high)) return { low: 0, high: 1, map };
+    if (map === "diverging") return { low: -most, high: most, map };
+    return high > low ? { low, high, map } : { low: low - most * 1e-3, high: high + most * 1e-3, map };
   };
 
   // Red, green and blue, 0 to 1, of each number into `into`; a number that is none is grey.
@@ -49,5 +61,5 @@ view.colours = (() => {
       el("span", {}, short(s.low, 3)), el("span", {}, short((s.low + s.high) / 2, 3)), el("span", {}, short(s.high, 3))));
   };
 
-  return { load, scale, paint, legend };
+  return { load, thing, scale, paint, legend };
 })();

@@ -95,10 +95,10 @@ view.drive = (() => {
       this.pause.textContent = state.doing === "paused" ? "go on" : "pause";
       for (const b of [this.pause, this.step, this.stop]) b.disabled = !running;
       this.start.textContent = running ? "restart" : "start";
-      this.tell(state.error ? state.error : { running: "running", paused: "paused", ended: "ended" }[state.doing], state.error);
+      this.showMessage(state.error ? state.error : { running: "running", paused: "paused", ended: "ended" }[state.doing], state.error);
     }
 
-    tell(text, wrong) {
+    showMessage(text, wrong) {
       this.said.textContent = text;
       this.said.className = wrong ? "doing wrong" : "doing";
     }

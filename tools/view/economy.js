@@ -7,7 +7,7 @@ view.economy = (() => {
   // ms between two moves of the slider and the charts' cursors, while it plays by software: to draw those again takes as
   // long as a picture of 100,000 particles
   const CURSORS = 250;
-  const SAID = 2000; // ms between two words on the rate: they are to be drawn, too
+  const SHOW_EVERY = 2000; // ms between two notes on the rate: they are to be drawn, too
   const SLOW = 1000 / 27, PAUSE = 2000; // ms between two pictures: below 30 a second, and nothing that was played
 
   const software = () => {
@@ -49,21 +49,21 @@ view.economy = (() => {
       if (this.every < 16 && layers.some((layer) => layer.balls > 20000 && this.worthwhile(layer, took))) {
         this.every *= 2;
         this.slow = 0;
-      } else if (!this.rate || now - this.said > SAID) {
+      } else if (!this.rate || now - this.rateShown > SHOW_EVERY) {
         this.rate = Math.round(1000 / this.took);
-        this.said = now;
+        this.rateShown = now;
       }
     }
 
     // Fewer particles do not help where something else takes the time.
     worthwhile(layer, took) { return !layer.splats.mesh.visible || layer.splats.took > took / 3; }
 
-    told(layers) {
-      const said = [];
-      if (layers.some((layer) => layer.splats.mesh.visible)) said.push("without a graphics card: particles cast no shadows");
-      if (this.every > 1) said.push(`this machine is too slow for all: one of ${this.every} particles is drawn, of ${layers[0].balls}`);
-      if (this.rate) said.push(`this machine shows some ${this.rate} pictures a second`);
-      return said;
+    notes(layers) {
+      const notes = [];
+      if (layers.some((layer) => layer.splats.mesh.visible)) notes.push("without a graphics card: particles cast no shadows");
+      if (this.every > 1) notes.push(`this machine is too slow for all: one of ${this.every} particles is drawn, of ${layers[0].balls}`);
+      if (this.rate) notes.push(`this machine shows some ${this.rate} pictures a second`);
+      return notes;
     }
   }
 

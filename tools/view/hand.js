@@ -2,11 +2,11 @@
 // drawn to the pointer in the plane through it that faces the eye.
 "use strict";
 view.hand = (() => {
-  const EVERY = 25; // ms, the least time between two words to the run
+  const EVERY = 25; // ms, the least time between two commands to the run
 
   class Hand {
     constructor(app, strength) {
-      Object.assign(this, { app, strength, held: null, chosen: false, told: 0 });
+      Object.assign(this, { app, strength, held: null, chosen: false, sentAt: 0 });
       const stage = document.getElementById("stage"), { svg } = view.dom;
       this.line = svg("line", {});
       this.dot = svg("circle", { r: 5 });
@@ -29,7 +29,7 @@ view.hand = (() => {
       this.at = [e.offsetX, e.offsetY];
       this.held.depth = this.seen().depth;
       this.overlay.setAttribute("visibility", "visible");
-      this.tell();
+      this.send();
       this.draw();
     }
 
@@ -41,9 +41,9 @@ view.hand = (() => {
       this.tellSoon();
     }
 
-    // Where the pointer came to rest is told as well: by a picture after the last move.
+    // Where the pointer came to rest is sent as well: by a picture after the last move.
     tellSoon() {
-      if (this.moved && performance.now() - this.told > EVERY) this.tell();
+      if (this.moved && performance.now() - this.sentAt > EVERY) this.send();
     }
 
     letGo() {
@@ -69,8 +69,8 @@ view.hand = (() => {
       return layer.group.worldToLocal(p).toArray().map((v, c) => v + layer.source.origin[c]);
     }
 
-    tell() {
-      this.told = performance.now();
+    send() {
+      this.sentAt = performance.now();
       this.moved = false;
       view.link.ask("hold", { id: this.held.id, place: this.place(), strength: this.strength() });
     }

@@ -1,46 +1,22 @@
 // layer: one run in the 3D view: its surface, edges, particles, pins, arrows, obstacles, and the particle that is picked.
 "use strict";
 view.layer = (() => {
-  const PIN = [0.90, 0.45, 0.13], PICKED = [0.98, 0.78, 0.18], WIND = [0.10, 0.62, 0.60], CONTACT = [0.85, 0.15, 0.45];
+  const { thing } = view.colours;
 
   const MOST_WINDS = 72; // arrows
-  const SAMPLE = 64; // particles whose neighbours are looked for
-
-  const distance = (x, i, j) => Math.hypot(x[3 * i] - x[3 * j], x[3 * i + 1] - x[3 * j + 1], x[3 * i + 2] - x[3 * j + 2]);
-
-  const median = (list) => {
-    const known = list.filter((l) => l > 0).sort((a, b) => a - b);
-    return known[known.length >> 1];
-  };
-
-  const ofEdges = ({ x, edges }) => {
-    const lengths = [], every = Math.max(1, Math.floor(edges.length / 2 / 2000));
-    for (let e = 0; 2 * e < edges.length; e += every) lengths.push(distance(x, edges[2 * e], edges[2 * e + 1]));
-    return median(lengths);
-  };
-
-  // From some particles to the nearest other one.
-  const ofNeighbours = ({ x, n }) => {
-    const lengths = [], every = Math.max(1, Math.floor(n / SAMPLE));
-    for (let i = 0; i < n; i += every) {
-      let least = Infinity;
-      for (let j = 0; j < n; j++) if (j !== i) least = Math.min(least, distance(x, i, j));
-      lengths.push(least);
-    }
-    return median(lengths);
-  };
-
-  // Of a ball, in the picture of a motion of this size: smaller than what is between neighbours.
-  const radiusOf = (frame, size) => {
-    const edge = frame.edges.length ? ofEdges(frame) : undefined, gap = edge ? undefined : ofNeighbours(frame);
-    if (edge) return 0.16 * edge;
-    return Math.min(gap > 0 && Number.isFinite(gap) ? 0.35 * gap : Infinity, 0.02 * size);
+  // Radii in a motion of this size, half the diagonal of its box, with n particles and so many lines, as pictures choose
+  // them (plugins/common/frame_data/radii.h).
+  const radiiOf = (size, n, lines) => {
+    const r = view.colours.radii, many = r.most.findIndex((most) => lines <= most);
+    const tube = size * r.tube[many < 0 ? r.most.length : many];
+    const ball = lines ? r.on_tubes * tube : size * Math.min(Math.max(r.loose / Math.sqrt(n + 1), r.least), r.largest);
+    return { tube, ball, pin: lines ? r.pin_on_tubes * ball : r.pin * size };
   };
 
   class Layer {
     // tint: the colour of what stands for no number
     constructor(source, tint) {
-      Object.assign(this, { source, tint, every: 1, told: [], shown: { points: null, edges: false, shadows: true, solids: true } });
+      Object.assign(this, { source, tint, every: 1, notes: [], shown: { points: null, edges: false, shadows: true, solids: true } });
       this.uniforms = view.light.uniforms();
       this.scene = new THREE.Scene();
       this.group = new THREE.Group();
@@ -72,15 +48,17 @@ view.layer = (() => {
       if (s.points === null) s.points = frame.triangles.length === 0 && frame.n <= 400;
       const { low, high } = this.source.bounds;
       this.size = Math.max(...low.map((v, c) => high[c] - v)) || 1;
-      this.radius = radiusOf(frame, this.size);
+      const lines = view.topology.of(this.source, frame).edges.length / 2;
+      this.radius = radiiOf(Math.hypot(...low.map((v, c) => high[c] - v)) / 2 || 0.5, frame.n, lines);
     }
 
     sizes() {
-      this.points.own.radius.value = this.radius;
-      this.pins.own.radius.value = 1.5 * this.radius;
-      this.picked.own.radius.value = 1.7 * this.radius;
-      this.edges.own.radius.value = 0.38 * this.radius * (this.surface.mesh.visible ? 0.5 : 1);
-      this.arrows.own.radius.value = 0.3 * this.radius;
+      const { tube, ball, pin } = this.radius || { tube: 0, ball: 0, pin: 0 }; // of no particles
+      this.points.own.radius.value = ball;
+      this.pins.own.radius.value = 2 * pin; // they are to be found
+      this.picked.own.radius.value = 1.2 * Math.max(ball, 2 * pin);
+      this.edges.own.radius.value = tube * (this.surface.mesh.visible ? 0.5 : 1);
+      this.arrows.own.radius.value = 0.5 * tube;
       this.wind.own.radius.value = 0.006 * this.size;
       this.contacts.own.radius.value = 0;
     }
@@ -103,12 +81,12 @@ view.layer = (() => {
       this.edges.show(frame, s.edges ? frame.edges : edges, paint);
       this.balls = s.points || alone.length === frame.n ? frame.n : alone.length;
       this.showBalls(frame, this.balls === frame.n ? null : alone, paint);
-      this.pins.show(frame, pins, pins.length, PIN);
+      this.pins.show(frame, pins, pins.length, thing("held"));
       this.showArrows(frame, arrows);
       this.solids.show(frame, s.solids);
       this.showMarks(frame);
       const k = pickedId === null ? -1 : frame.ids.indexOf(pickedId);
-      this.picked.show(frame, [k], k < 0 ? 0 : 1, PICKED);
+      this.picked.show(frame, [k], k < 0 ? 0 : 1, thing("picked"));
       for (const shadow of this.shadows) shadow.visible = shadow.visible && s.shadows;
       this.sizes();
     }
@@ -124,21 +102,21 @@ view.layer = (() => {
       const shown = this.source.marks.filter((m) => frame.marks[m.key]).map((m) => ({ ...m, ...frame.marks[m.key] }));
       this.showWind(shown.filter((m) => m.kind === "wind" && m.count > 0));
       const contact = shown.find((m) => m.kind === "contact") || { places: new Float32Array(0), count: 0, total: 0 };
-      this.contacts.show({ x: contact.places }, null, contact.count, CONTACT);
-      this.told = contact.total > contact.count ? [`${contact.count} of ${contact.total} contacts are shown`] : [];
+      this.contacts.show({ x: contact.places }, null, contact.count, thing("contact"));
+      this.notes = contact.total > contact.count ? [`${contact.count} of ${contact.total} contacts are shown`] : [];
     }
 
     // Airs that act together are summed: they are known at the same places. Arrows stand so far apart that each is seen.
     showWind(winds) {
       const places = winds.length ? winds[0].places : new Float32Array(0), n = places.length / 3;
       const every = Math.ceil(n / MOST_WINDS) || 1, unit = 0.18 * this.size / winds.reduce((sum, m) => sum + m.largest, 1e-30);
-      const [begin, end, first, second] = this.wind.arrays(Math.ceil(n / every));
+      const [begin, end, first, second] = this.wind.arrays(Math.ceil(n / every)), wind = thing("wind");
       for (let i = 0, at = 0; i < n; i += every)
         for (let c = 0; c < 3; c++, at++) {
           const sum = winds.reduce((total, m) => total + m.vectors[3 * i + c], 0);
           begin[at] = places[3 * i + c];
           end[at] = places[3 * i + c] + sum * unit;
-          first[at] = second[at] = WIND[c];
+          first[at] = second[at] = wind[c];
         }
     }
 

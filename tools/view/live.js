@@ -78,11 +78,11 @@
     }
 
     lost(is) {
-      if (is) this.drive.tell("the run's program has ended; the page keeps what it shows", true);
+      if (is) this.drive.showMessage("the run's program has ended; the page keeps what it shows", true);
     }
   }
 
-  await view.colours.load(JSON.parse($("story").textContent).colours);
+  await view.colours.load(JSON.parse($("page-data").textContent).shared);
   const page = new Page();
   await view.link.follow((state) => page.heard(state), (is) => page.lost(is));
 })().catch(view.fail);

@@ -4,7 +4,7 @@
 //   source.time(k)         s
 //   source.get(k, fields, show)   calls show(frame) when the frame is there, at once where it is already; a later call
 //                          of get makes an earlier one that still waits void
-//   source.fields          [{ name, label, unit, components, centred }], numbers of particles beside their positions
+//   source.fields          [{ name, label, unit, components, map }], numbers of particles beside their positions
 //   source.origin          [x, y, z], m: positions are relative to it, so that single precision will do
 //   source.bounds          { low, high } of all positions, relative to the origin; source.low: the least height
 //   source.solids          [{ kind, hollow, vertices, faces }], what particles bounce off (solids.js)

@@ -5,7 +5,6 @@
 view.solids = (() => {
   const { material, shape, object } = view.buffers;
   const ROUND = 48; // corners of a circle
-  const COLOUR = new THREE.Vector3(0.70, 0.68, 0.65);
 
   const vertex = `
     varying vec3 vNormal, vEye;
@@ -109,7 +108,7 @@ view.solids = (() => {
     addBody(solid, places, at) {
       const made = shapes[solid.kind](solid, [0, 1, 2].map((k) => axis(places, at, k).length()));
       const side = solid.hollow ? THREE.BackSide : THREE.DoubleSide;
-      const own = Object.assign({ own: { value: COLOUR } }, this.uniforms);
+      const own = Object.assign({ own: { value: new THREE.Vector3(...view.colours.thing("body")) } }, this.uniforms);
       this.add(this.mesh, object(THREE.Mesh, made, material(vertex, fragment, own, { side })), at);
       if (!solid.hollow) this.add(this.shadow, object(THREE.Mesh, made, material(shadowVertex, shadowFragment, this.uniforms,
         { side: THREE.DoubleSide, ...view.light.LAID })), at);

@@ -8,14 +8,12 @@ view.stream = (() => {
     ["Angular momentum", "kg m²/s", "y"], ["Angular momentum", "kg m²/s", "z"], ["Largest strain", "", "strain"],
     ["Step length", "s", "step"]];
 
-  const KINDS = ["plane", "sphere", "box", "cylinder", "capsule", "mesh"]; // as hk_solid_kind
-
   // plugins/common/live/surroundings.h
   const solidsOf = (buffer) => {
     const [count] = new Uint32Array(buffer, 0, 1), head = new Uint32Array(buffer, 4, 4 * count), solids = [];
     for (let k = 0; k < count; k++) {
       const [kind, hollow, vertices, faces] = head.subarray(4 * k, 4 * k + 4);
-      solids.push({ kind: KINDS[kind], hollow: hollow > 0, vertices, faces });
+      solids.push({ kind: view.colours.solids[kind], hollow: hollow > 0, vertices, faces });
     }
     let at = 4 + 16 * count;
     const list = (Kind, length) => { const a = new Kind(buffer, at, length); at += 4 * length; return a; };

@@ -30,7 +30,7 @@ static pose pose_of(const hk_frame_spool_entry *e, const hk_camera *from, const 
   for (int corner = 0; corner < 8; corner++) {
     float point[3];
     for (int c = 0; c < 3; c++) point[c] = (corner >> c & 1 ? e->high : e->low)[c];
-    hk_fit_add(&fit, point, fmax(setup->bead, 0.02 * setup->size));
+    hk_fit_add(&fit, point, fmax(setup->point, 0.02 * setup->size));
   }
   hk_fit_end(&fit, &camera);
   for (int c = 0; c < 3; c++) way[c] = camera.eye[c] - camera.target[c];

@@ -1,6 +1,7 @@
 #include "plugins/common/camera/framing.h"
 
 #include "plugins/common/colour/range.h"
+#include "plugins/common/frame_data/radii.h"
 #include "plugins/common/camera/trim.h"
 
 #include <stdlib.h>
@@ -49,33 +50,35 @@ static double median_reach(const hk_frame_spool *spool, float *scratch) {
   return count ? (double)scratch[(count - 1) / 2] : 0;
 }
 
-/* Chooses radii: beads on springs are a little thicker than the springs; the radius of beads without springs depends on
- * their number and the size. Discs that fade towards their edge are larger than spheres that look as large; what leaves
- * a streak is thin. Pins have the size of beads, unless those are as large as each of them is heavy. */
-static void choose_radii(const hk_framing *framing, const hk_look *look, size_t n, size_t lines, hk_view_setup *setup) {
+/* Chooses radii: points on springs are a little thicker than the springs; the radius of points without springs depends
+ * on their number and the size. Discs that fade towards their edge are larger than spheres that look as large; what
+ * leaves a streak is thin. Pins have the size of points, unless those are as large as each of them is heavy. */
+static void choose_radii(const hk_framing *framing, const hk_appearance *appearance, size_t n, size_t lines,
+                         hk_view_setup *setup) {
   static const double larger[] = {[HK_STYLE_SPHERE] = 1, [HK_STYLE_SOFT] = 1.8, [HK_STYLE_GLOW] = 2.6};
-  double loose = fmin(fmax(0.34 / sqrt((double)n + 1), 0.004), 0.03);
-  setup->tube = setup->size * (lines > 5000 ? 0.0012 : lines > 300 ? 0.0022 : 0.006);
+  setup->tube = hk_drawn_tube(setup->size, (double)lines);
   if (!isnan(framing->tube)) setup->tube = framing->tube;
-  setup->bead = lines ? 1.9 * setup->tube : loose * setup->size;
-  setup->bead *= larger[setup->sprites.style] * (setup->streak > 0 ? 0.5 : 1);
-  if (!isnan(framing->radius)) setup->bead = framing->radius;
-  setup->pin = 0.0065 * setup->size;
-  if (lines) setup->pin = 1.25 * (look->sizes == HK_SIZE_SAME ? setup->bead : 1.9 * setup->tube);
+  setup->point = lines ? hk_drawn.on_tubes * setup->tube : hk_drawn_loose(setup->size, (double)n);
+  setup->point *= larger[setup->sprites.style] * (setup->streak > 0 ? 0.5 : 1);
+  if (!isnan(framing->radius)) setup->point = framing->radius;
+  setup->pin = hk_drawn.pin * setup->size;
+  if (lines)
+    setup->pin =
+        hk_drawn.pin_on_tubes * (appearance->sizes == HK_SIZE_SAME ? setup->point : hk_drawn.on_tubes * setup->tube);
 }
 
 /* Sets the radius that the snapshots' number 1 stands for. `largest`: of those numbers in the motion. */
-static void choose_unit(const hk_look *look, double largest, hk_view_setup *setup) {
-  setup->bead_unit = look->sizes == HK_SIZE_CHANNEL ? 1 : largest > 0 ? setup->bead / largest : 0;
+static void choose_unit(const hk_appearance *appearance, double largest, hk_view_setup *setup) {
+  setup->point_unit = appearance->sizes == HK_SIZE_CHANNEL ? 1 : largest > 0 ? setup->point / largest : 0;
 }
 
 /* The height of the highest level plane among the solids; NAN: there is none. */
 static double level_plane(const hk_snapshot3d *s) {
   double height = NAN;
   for (size_t k = 0; k < s->solids; k++) {
-    const hk_solid *plane = s->solid + k;
+    const hk_frame_solid *plane = s->solid + k;
     const double *n = plane->axis[2];
-    if (plane->kind == HK_SOLID_PLANE && n[2] > 0 && hypot(n[0], n[1]) < 1e-9 * n[2])
+    if (plane->kind == HK_SHAPE_PLANE && n[2] > 0 && hypot(n[0], n[1]) < 1e-9 * n[2])
       height = fmax(height, plane->centre[2]);
   }
   return height;
@@ -88,7 +91,7 @@ static void choose_floor(const hk_framing *framing, const hk_snapshot3d *snapsho
   double plane = level_plane(snapshot);
   double lowest = setup->low[2] + origin[2];
   setup->floor = framing->floor;
-  setup->height = setup->low[2] - fmax(0.06 * setup->size, setup->bead);
+  setup->height = setup->low[2] - fmax(0.06 * setup->size, setup->point);
   if (lowest > (spheres ? 1e-3 : -1e-3) * setup->size && lowest < 0.4 * setup->size) setup->height = -origin[2];
   if (!isnan(plane)) setup->height = plane - origin[2];
   if (!isnan(framing->height)) setup->height = framing->height - origin[2];
@@ -136,7 +139,7 @@ static void take_samples(sample *s, const hk_snapshot3d *snapshot) {
   for (size_t i = 0; i < snapshot->n; i++) {
     if (++s->skipped < s->stride) continue;
     s->skipped = 0;
-    if (s->count < SAMPLES && isfinite(snapshot->ink[i].number)) s->number[s->count++] = snapshot->ink[i].number;
+    if (s->count < SAMPLES && isfinite(snapshot->colour[i].number)) s->number[s->count++] = snapshot->colour[i].number;
   }
 }
 
@@ -148,7 +151,7 @@ static double most(const float *value, size_t count) {
 
 /* The larger of the radius and a margin that keeps small particles off the edge. */
 static void fit_particles(hk_fit *fit, const hk_snapshot3d *s, double radius, double margin) {
-  const float *own = s->look->sizes == HK_SIZE_CHANNEL ? s->extra[HK_EXTRA_SIZE] : NULL;
+  const float *own = s->appearance->sizes == HK_SIZE_CHANNEL ? s->extra[HK_EXTRA_SIZE] : NULL;
   for (size_t i = 0; i < s->n; i++)
     if (!isnan(s->x[i][0])) hk_fit_add(fit, s->x[i], fmax(own ? (double)own[i] : radius, margin));
 }
@@ -160,20 +163,20 @@ typedef struct survey { /* what needs every particle of every frame */
   bool fitted, trimmed; /* fitted: cameras of some viewports; trimmed: to a sample of the points */
   hk_fit fit[HK_VIEWPORTS];
   sample numbers;
-  double largest;                     /* number of hk_look.sizes */
+  double largest;                     /* number of hk_appearance.sizes */
   double solid_low[3], solid_high[3]; /* low > high when there are none */
 } survey;
 
-static hk_status look_at_frames(survey *v, const hk_framing *framing, const hk_frame_spool *spool,
-                                hk_snapshot3d *snapshot, const hk_view_setup *setup) {
+static hk_status survey_frames(survey *v, const hk_framing *framing, const hk_frame_spool *spool,
+                               hk_snapshot3d *snapshot, const hk_view_setup *setup) {
   bool sampled = framing->counted && isnan(framing->scale.low), fitted = v->fitted && !v->trimmed;
-  bool sized = snapshot->look->sizes != HK_SIZE_SAME;
+  bool sized = snapshot->appearance->sizes != HK_SIZE_SAME;
   for (size_t k = 0; k < spool->count && (fitted || sampled || sized); k++) {
     if ((double)spool->entry[k].reach > v->limit) continue;
     hk_status status = hk_frame_spool_read(spool, k, snapshot);
     if (status != HK_OK) return status;
     for (size_t p = 0; fitted && p < framing->viewports; p++)
-      if (is_fitted(framing->viewport + p)) fit_particles(v->fit + p, snapshot, setup->bead, 0.02 * setup->size);
+      if (is_fitted(framing->viewport + p)) fit_particles(v->fit + p, snapshot, setup->point, 0.02 * setup->size);
     if (sampled) take_samples(&v->numbers, snapshot);
     if (sized) v->largest = fmax(v->largest, most(snapshot->extra[HK_EXTRA_SIZE], snapshot->n));
   }
@@ -233,7 +236,7 @@ static void choose_box(survey *v, const hk_framing *framing, const hk_frame_spoo
   v->numbers.stride = total / SAMPLES + 1;
   add_solids(v, setup, snapshot);
   end_box(setup);
-  choose_radii(framing, snapshot->look, n, lines, setup);
+  choose_radii(framing, snapshot->appearance, n, lines, setup);
   choose_floor(framing, snapshot, triangles == 0, setup);
 }
 
@@ -247,7 +250,7 @@ static void begin_fits(survey *v, hk_framing *framing, const hk_frame_spool *spo
     v->fitted |= is_fitted(port);
     fit_solids(v, v->fit + p);
     if (v->trimmed)
-      hk_trim_fit(&spool->points, framing->outliers, fmax(setup->bead, 0.02 * setup->size), v->numbers.number,
+      hk_trim_fit(&spool->points, framing->outliers, fmax(setup->point, 0.02 * setup->size), v->numbers.number,
                   v->fit + p);
   }
 }
@@ -261,10 +264,10 @@ static hk_status choose_all(survey *v, hk_framing *framing, const hk_frame_spool
                             hk_view_setup *setup) {
   choose_box(v, framing, spool, snapshot, setup);
   begin_fits(v, framing, spool, snapshot->origin, setup);
-  hk_status status = look_at_frames(v, framing, spool, snapshot, setup);
+  hk_status status = survey_frames(v, framing, spool, snapshot, setup);
   if (status != HK_OK) return status;
   end_fits(v, framing);
-  choose_unit(snapshot->look, v->largest, setup);
+  choose_unit(snapshot->appearance, v->largest, setup);
   if (framing->counted && isnan(framing->scale.low) &&
       !hk_range_choose(&framing->scale, v->numbers.number, v->numbers.count, framing->centred))
     spool->host->warn(spool->host, "color: there is no %snumber for a scale of colours",
@@ -310,8 +313,8 @@ void hk_framing_snapshot(hk_framing *framing, const hk_snapshot3d *snapshot, hk_
     setup->high[c] = fmin(setup->high[c], setup->middle[c] + 50 * setup->size);
   }
   if (!first) return;
-  choose_radii(framing, snapshot->look, snapshot->n, snapshot->lines, setup);
-  choose_unit(snapshot->look, 0, setup);
+  choose_radii(framing, snapshot->appearance, snapshot->n, snapshot->lines, setup);
+  choose_unit(snapshot->appearance, 0, setup);
   choose_floor(framing, snapshot, snapshot->triangles == 0, setup);
   setup->camera.near = 0.02 * distance, setup->camera.far = 60 * distance;
   set_fog(setup, distance);

@@ -18,7 +18,7 @@ typedef struct hk_framing {
   double outliers; /* share of the particles that the picture may leave out on each side */
   hk_scale scale;  /* of the numbers; low NAN: chosen */
   bool centred;    /* the range is symmetric about zero */
-  bool counted;    /* the snapshots' ink is numbers that need a scale */
+  bool counted;    /* the snapshots' colours are numbers that need a scale */
 } hk_framing;
 
 /* Chooses cameras and settings for all snapshots of the spool, at least one; fills the framing's scale. `snapshot` is

@@ -13,14 +13,14 @@ typedef struct hk_view_setup {
   double size;            /* half its diagonal, never 0 */
   double middle[3];       /* what is farther from here than fifty times the size is left out */
   bool floor, shadows;
-  double height;          /* height of the floor */
-  double offset[2];       /* offset of the origin from the scene's, so that grid lines are at round coordinates */
-  double bead, tube, pin; /* radii of particles, springs and pinned particles */
-  double bead_unit;       /* radius of a particle whose size (hk_snapshot3d.extra) is 1, m */
-  double streak;          /* s */
-  double thickness;       /* m, of surfaces of particles */
-  float background[3];    /* 0..1, colour of its middle */
-  hk_sprite_look sprites; /* without the light */
+  double height;             /* height of the floor */
+  double offset[2];          /* offset of the origin from the scene's, so that grid lines are at round coordinates */
+  double point, tube, pin;   /* radii of particles, springs and pinned particles */
+  double point_unit;         /* radius of a particle whose size (hk_snapshot3d.extra) is 1, m */
+  double streak;             /* s */
+  double thickness;          /* m, of surfaces of particles */
+  float background[3];       /* 0..1, colour of its middle */
+  hk_sprite_shading sprites; /* without the light */
 } hk_view_setup;
 
 /* On a dark background, lines and text are light. */

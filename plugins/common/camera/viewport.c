@@ -1,6 +1,6 @@
 #include "plugins/common/camera/viewport.h"
 
-#include "plugins/common/snapshot/look.h"
+#include "plugins/common/snapshot/appearance.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -28,8 +28,8 @@ static bool find_camera(const char *name, const hk_numbers *more, bool y_up, hk_
   size_t number = strtoul(name + 6, &end, 10);
   if (*end || number < 2 || (number - 1) * PLACE > more->count) return false;
   const double *row = more->value + (number - 2) * PLACE;
-  hk_look_turn(y_up, row, port->given.eye);
-  hk_look_turn(y_up, row + 3, port->given.target);
+  hk_to_z_up(y_up, row, port->given.eye);
+  hk_to_z_up(y_up, row + 3, port->given.target);
   port->direction[0] = NAN;
   return true;
 }

@@ -93,6 +93,11 @@ static const keys map_keys[HK_MAPS] = {
                            {166, 20, 46}}},
 };
 
+const char *const hk_map_names[HK_MAPS] = {
+    [HK_MAP_VIRIDIS] = "viridis", [HK_MAP_INFERNO] = "inferno", [HK_MAP_CIVIDIS] = "cividis",
+    [HK_MAP_GREY] = "grey",       [HK_MAP_FIRE] = "fire",       [HK_MAP_DIVERGING] = "diverging",
+};
+
 void hk_colormap_fill(hk_colormap map, int reverse, uint8_t table[HK_MAP_SIZE][4]) {
   const uint8_t(*key)[3] = map_keys[map].key;
   for (int k = 0; k < HK_MAP_SIZE; k++) {
@@ -104,7 +109,7 @@ void hk_colormap_fill(hk_colormap map, int reverse, uint8_t table[HK_MAP_SIZE][4
   }
 }
 
-void hk_colormap_look(uint8_t (*table)[4], double place, uint8_t colour[4]) {
+void hk_colormap_colour(uint8_t (*table)[4], double place, uint8_t colour[4]) {
   static const uint8_t black[4] = {0, 0, 0, 255};
   if (isnan(place)) {
     memcpy(colour, black, 4);

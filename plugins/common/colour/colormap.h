@@ -16,12 +16,14 @@ typedef enum hk_colormap {
 
 #define HK_MAP_NAMES "viridis|inferno|cividis|grey|fire|diverging"
 
+extern const char *const hk_map_names[HK_MAPS]; /* the same */
+
 enum { HK_MAP_SIZE = 512 };
 
 /* Fills the table; entry k is the colour at the place (k + 1/2) / HK_MAP_SIZE, or at its mirror image. */
 void hk_colormap_fill(hk_colormap, int reverse, uint8_t table[HK_MAP_SIZE][4]);
 /* The colour at `place`, 0..1; places beyond get the colours of the ends, NAN black. */
-void hk_colormap_look(uint8_t (*table)[4], double place, uint8_t colour[4]);
+void hk_colormap_colour(uint8_t (*table)[4], double place, uint8_t colour[4]);
 /* One of eight colours in turn, which are distinguishable for the colour-blind. */
 void hk_colormap_group(uint32_t group, uint8_t colour[4]);
 

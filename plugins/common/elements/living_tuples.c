@@ -2,7 +2,7 @@
  * Invariant: the loads of a particle are summed in the order of the tuples, whatever thread sums them. */
 #include "plugins/common/elements/living_tuples.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { GATHER = 2048 }; /* particles of a chunk, some 30 us */
 

@@ -172,7 +172,7 @@ static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   w->m->work[chunk] = work;
 }
 
-static double sweep_alone(hk_xpbd_elements *m, const hk_xpbd_substep *s, bool back, bool last) {
+static double sweep_uncoloured(hk_xpbd_elements *m, const hk_xpbd_substep *s, bool back, bool last) {
   double work = 0;
   size_t first = m->colour[m->colours], count = m->tuples.count - first;
   for (size_t k = 0; k < count; k++) work += project(m, s, m->sequence[first + (back ? count - 1 - k : k)], last);
@@ -180,7 +180,7 @@ static double sweep_alone(hk_xpbd_elements *m, const hk_xpbd_substep *s, bool ba
 }
 
 double hk_xpbd_elements_sweep(hk_xpbd_elements *m, const hk_xpbd_substep *s, bool back, bool last) {
-  double work = back ? sweep_alone(m, s, back, last) : 0;
+  double work = back ? sweep_uncoloured(m, s, back, last) : 0;
   for (size_t turn = 0; turn < m->colours; turn++) {
     size_t c = back ? m->colours - 1 - turn : turn, count = m->colour[c + 1] - m->colour[c];
     size_t grain = count > 2 * GRAIN ? GRAIN : count; /* a smaller loop is not worth waking threads */
@@ -191,5 +191,5 @@ double hk_xpbd_elements_sweep(hk_xpbd_elements *m, const hk_xpbd_substep *s, boo
       sweep_chunk(&w, 0, count, 0);
     for (size_t k = 0; k * grain < count; k++) work += m->work[k];
   }
-  return back ? work : work + sweep_alone(m, s, back, last);
+  return back ? work : work + sweep_uncoloured(m, s, back, last);
 }

@@ -206,10 +206,10 @@ static double solve_one(const hk_xpbd_springs *m, spring *q, double h, bool last
 
 #define OF(lanes) (*(vector *)(void *)(lanes))
 
-/* The same as solve_one, for four springs of one colour at a time. It is compiled for two instruction sets, with the
- * same operations and hence the same bits. */
-static inline __attribute__((always_inline)) double solve_fours(batch *q, size_t count, double (*x)[LANES],
-                                                                double (*v)[LANES], double h, bool keep, bool last) {
+/* The same as solve_one, for four springs of one colour at a time. It is compiled for every width of vectors, with
+ * the same operations and hence the same bits. */
+HK_INLINE double solve_fours(batch *q, size_t count, double (*x)[LANES], double (*v)[LANES], double h, bool keep,
+                             bool last) {
   vector work = {0};
   for (batch *end = q + count; q < end; q++) {
     vector d[LANES], g[LANES], dx, dy, dz, ux, uy, uz;
@@ -240,35 +240,23 @@ static inline __attribute__((always_inline)) double solve_fours(batch *q, size_t
   return (work[0] + work[1]) + (work[2] + work[3]);
 }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static double solve_wide(batch *q, size_t count, double (*x)[LANES], double (*v)[LANES],
-                                                         double h, bool keep, bool last) {
-  return solve_fours(q, count, x, v, h, keep, last);
-}
-static bool has_wide(void) { return __builtin_cpu_supports("avx2"); }
-#else
-#define solve_wide solve_fours
-static bool has_wide(void) { return false; }
-#endif
-
-static double solve_plain(batch *q, size_t count, double (*x)[LANES], double (*v)[LANES], double h, bool keep,
-                          bool last) {
-  return solve_fours(q, count, x, v, h, keep, last);
-}
+HK_VERSIONS(static double, solve_batches,
+            (batch * q, size_t count, double (*x)[LANES], double (*v)[LANES], double h, bool keep, bool last),
+            return solve_fours(q, count, x, v, h, keep, last))
 
 typedef struct sweep {
   const hk_xpbd_springs *m;
   size_t first; /* batch */
   double h;
-  bool keep, last, wide;
+  bool keep, last;
+  int lanes;
 } sweep;
 
 static void sweep_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   const sweep *s = context;
   const hk_xpbd_springs *m = s->m;
   batch *q = m->batch + s->first + begin;
-  m->work[chunk] = s->wide ? solve_wide(q, end - begin, m->x, m->v, s->h, s->keep, s->last)
-                           : solve_plain(q, end - begin, m->x, m->v, s->h, s->keep, s->last);
+  m->work[chunk] = HK_WIDEST(s->lanes, solve_batches)(q, end - begin, m->x, m->v, s->h, s->keep, s->last);
 }
 
 /* One sweep over all springs, with the settings of `all`; returns the work. */
@@ -293,7 +281,7 @@ static double sweep_once(const hk_xpbd_springs *m, const hk_host *host, const sw
 
 double hk_xpbd_springs_solve(hk_xpbd_springs *m, const hk_host *host, double h, int64_t iterations, bool symmetric) {
   int64_t each = symmetric ? 2 : 1, sweeps = iterations * each;
-  sweep s = {.m = m, .h = h, .keep = sweeps > 1, .wide = has_wide()};
+  sweep s = {.m = m, .h = h, .keep = sweeps > 1, .lanes = host->lanes};
   double work = 0;
   if (h != m->h) set_numbers(m, h);
   for (size_t k = 0; k < m->springs; k++) m->spring[k].P = 0;

@@ -1,5 +1,5 @@
-/* See factor_loops.h. The loops are compiled for b = 1 and 3, for one lane and four, and once more for processors with
- * registers of four numbers; all do the same operations on a number in the same order. */
+/* See factor_loops.h. The loops are compiled for b = 1 and 3, for one lane and four, and these for every width of
+ * vectors; all do the same operations on a number in the same order. */
 #include "plugins/common/elimination/factor.h"
 #include "plugins/common/linear/block_vector.h"
 
@@ -27,38 +27,28 @@ typedef long long lane_mask __attribute__((vector_size(32)));
 #define IS_FINE(fine) (((fine)[0] & (fine)[1] & (fine)[2] & (fine)[3]) != 0)
 #include "plugins/common/elimination/factor_loops.h"
 
-WIDE static bool factorize_wide(const hk_bundle *s, size_t b, const double *value) {
-  return b == 1 ? factorize_four(s, 1, value) : factorize_four(s, 3, value);
-}
-
-static bool factorize_narrow(const hk_bundle *s, size_t b, const double *value) {
-  return b == 1 ? factorize_four(s, 1, value) : factorize_four(s, 3, value);
-}
+HK_VERSIONS(static bool, factorize_fours, (const hk_bundle *s, size_t b, const double *value),
+            return b == 1 ? factorize_four(s, 1, value) : factorize_four(s, 3, value))
 
 static bool factorize_single(const hk_bundle *s, size_t b, const double *value) {
   return b == 1 ? factorize_one(s, 1, value) : factorize_one(s, 3, value);
 }
 
-bool hk_bundle_factorize(const hk_bundle *s, size_t b, const double *value) {
+bool hk_bundle_factorize(const hk_bundle *s, int lanes, size_t b, const double *value) {
   if (s->lanes == 1) return factorize_single(s, b, value);
-  return HAS_WIDE() ? factorize_wide(s, b, value) : factorize_narrow(s, b, value);
+  return HK_WIDEST(lanes, factorize_fours)(s, b, value);
 }
 
-WIDE static bool solve_wide(const hk_bundle *s, size_t b, const double *rhs, double *x) {
-  return b == 1 ? solve_four(s, 1, rhs, x) : solve_four(s, 3, rhs, x);
-}
-
-static bool solve_narrow(const hk_bundle *s, size_t b, const double *rhs, double *x) {
-  return b == 1 ? solve_four(s, 1, rhs, x) : solve_four(s, 3, rhs, x);
-}
+HK_VERSIONS(static bool, solve_fours, (const hk_bundle *s, size_t b, const double *rhs, double *x),
+            return b == 1 ? solve_four(s, 1, rhs, x) : solve_four(s, 3, rhs, x))
 
 static bool solve_single(const hk_bundle *s, size_t b, const double *rhs, double *x) {
   return b == 1 ? solve_one(s, 1, rhs, x) : solve_one(s, 3, rhs, x);
 }
 
-bool hk_bundle_solve(const hk_bundle *s, size_t b, const double *rhs, double *x) {
+bool hk_bundle_solve(const hk_bundle *s, int lanes, size_t b, const double *rhs, double *x) {
   if (s->lanes == 1) return solve_single(s, b, rhs, x);
-  return HAS_WIDE() ? solve_wide(s, b, rhs, x) : solve_narrow(s, b, rhs, x);
+  return HK_WIDEST(lanes, solve_fours)(s, b, rhs, x);
 }
 
 /* Reciprocals after a pivot that is not positive mean nothing, so the first one is looked for. That of an infinite

@@ -16,11 +16,12 @@ typedef struct hk_bundle {
   double *solution; /* n x b x lanes */
 } hk_bundle;
 
-/* False: A is not positive definite or not finite; hk_bundle_fault says where. b is 1 or 3. */
-bool hk_bundle_factorize(const hk_bundle *, size_t b, const double *value);
+/* False: A is not positive definite or not finite; hk_bundle_fault says where. b is 1 or 3; lanes:
+ * hk_host.lanes. */
+bool hk_bundle_factorize(const hk_bundle *, int lanes, size_t b, const double *value);
 /* The row of A, in numbers, at which that was seen. */
 size_t hk_bundle_fault(const hk_bundle *, size_t b, bool *finite);
 /* Solves A x = rhs for the bundle's rows. False: x is not finite. */
-bool hk_bundle_solve(const hk_bundle *, size_t b, const double *rhs, double *x);
+bool hk_bundle_solve(const hk_bundle *, int lanes, size_t b, const double *rhs, double *x);
 
 #endif

@@ -8,7 +8,7 @@
 /* The reciprocal of a pivot, which has to be positive; `fine` remembers whether all were. */
 #define PIVOT(r, d, fine) ((r) = 1 / (d), (fine) = (fine) & ((r) > 0) & ((r) < INFINITY))
 
-INLINE void NAME(load)(const hk_elimination *s, const double *value, const uint32_t *origin, size_t b, double *to) {
+HK_INLINE void NAME(load)(const hk_elimination *s, const double *value, const uint32_t *origin, size_t b, double *to) {
   size_t bb = b * b;
   for (size_t e = 0; e < s->start[s->n]; e++, to += LANES * bb, origin += LANES)
     for (size_t l = 0; l < LANES; l++)
@@ -16,7 +16,7 @@ INLINE void NAME(load)(const hk_elimination *s, const double *value, const uint3
 }
 
 /* The diagonal block a, of which the lower triangle is read, becomes its L and the reciprocals of its D. */
-INLINE void NAME(pivot3)(NUMBER *a, MASK *fine) {
+HK_INLINE void NAME(pivot3)(NUMBER *a, MASK *fine) {
   NUMBER r0, r1, r2, l10, l20, l21, t21;
   PIVOT(r0, a[0], *fine);
   l10 = a[3] * r0;
@@ -29,7 +29,7 @@ INLINE void NAME(pivot3)(NUMBER *a, MASK *fine) {
 }
 
 /* z := z L^-T, with the L of the diagonal block a. */
-INLINE void NAME(reduce3)(const NUMBER *a, NUMBER *z) {
+HK_INLINE void NAME(reduce3)(const NUMBER *a, NUMBER *z) {
   for (int i = 0; i < 9; i += 3) {
     z[i + 1] -= z[i] * a[3];
     z[i + 2] -= z[i] * a[6] + z[i + 1] * a[7];
@@ -37,7 +37,7 @@ INLINE void NAME(reduce3)(const NUMBER *a, NUMBER *z) {
 }
 
 /* l := z D^-1 */
-INLINE void NAME(scale3)(const NUMBER *a, const NUMBER *z, NUMBER *l) {
+HK_INLINE void NAME(scale3)(const NUMBER *a, const NUMBER *z, NUMBER *l) {
   for (int i = 0; i < 9; i += 3) {
     l[i] = z[i] * a[0];
     l[i + 1] = z[i + 1] * a[4];
@@ -46,12 +46,12 @@ INLINE void NAME(scale3)(const NUMBER *a, const NUMBER *z, NUMBER *l) {
 }
 
 /* to -= z l^T */
-INLINE void NAME(update3)(const NUMBER *z, const NUMBER *l, NUMBER *to) {
+HK_INLINE void NAME(update3)(const NUMBER *z, const NUMBER *l, NUMBER *to) {
   for (int i = 0; i < 9; i += 3)
     for (int j = 0; j < 3; j++) to[i + j] -= z[i] * l[3 * j] + z[i + 1] * l[3 * j + 1] + z[i + 2] * l[3 * j + 2];
 }
 
-INLINE bool NAME(factorize3)(const hk_elimination *s, double *memory) {
+HK_INLINE bool NAME(factorize3)(const hk_elimination *s, double *memory) {
   NUMBER *v = (NUMBER *)(void *)memory;
   const uint32_t *target = s->target;
   MASK fine = ALL_FINE;
@@ -69,7 +69,7 @@ INLINE bool NAME(factorize3)(const hk_elimination *s, double *memory) {
   return IS_FINE(fine);
 }
 
-INLINE bool NAME(factorize1)(const hk_elimination *s, double *memory) {
+HK_INLINE bool NAME(factorize1)(const hk_elimination *s, double *memory) {
   NUMBER *v = (NUMBER *)(void *)memory;
   const uint32_t *target = s->target;
   MASK fine = ALL_FINE;
@@ -87,14 +87,14 @@ INLINE bool NAME(factorize1)(const hk_elimination *s, double *memory) {
   return IS_FINE(fine);
 }
 
-INLINE void NAME(gather)(const hk_elimination *s, const uint32_t *row, size_t b, const double *from, double *y) {
+HK_INLINE void NAME(gather)(const hk_elimination *s, const uint32_t *row, size_t b, const double *from, double *y) {
   for (size_t j = 0; j < s->n; j++, y += LANES * b)
     for (size_t l = 0; l < LANES; l++)
       for (size_t c = 0; c < b; c++) y[LANES * c + l] = from[b * row[LANES * j + l] + c];
 }
 
 /* False: a number is not finite. */
-INLINE bool NAME(scatter)(const hk_elimination *s, const uint32_t *row, size_t b, const double *y, double *to) {
+HK_INLINE bool NAME(scatter)(const hk_elimination *s, const uint32_t *row, size_t b, const double *y, double *to) {
   double bad = 0;
   for (size_t j = 0; j < s->n; j++, y += LANES * b)
     for (size_t l = 0; l < LANES; l++)
@@ -105,7 +105,7 @@ INLINE bool NAME(scatter)(const hk_elimination *s, const uint32_t *row, size_t b
   return bad == 0;
 }
 
-INLINE void NAME(solve3)(const hk_elimination *s, const double *memory, double *solution) {
+HK_INLINE void NAME(solve3)(const hk_elimination *s, const double *memory, double *solution) {
   const NUMBER *v = (const NUMBER *)(const void *)memory;
   NUMBER *y = (NUMBER *)(void *)solution;
   for (size_t j = 0; j < s->n; j++) {
@@ -132,7 +132,7 @@ INLINE void NAME(solve3)(const hk_elimination *s, const double *memory, double *
   }
 }
 
-INLINE void NAME(solve1)(const hk_elimination *s, const double *memory, double *solution) {
+HK_INLINE void NAME(solve1)(const hk_elimination *s, const double *memory, double *solution) {
   const NUMBER *v = (const NUMBER *)(const void *)memory;
   NUMBER *y = (NUMBER *)(void *)solution;
   for (size_t j = 0; j < s->n; j++) {
@@ -147,13 +147,13 @@ INLINE void NAME(solve1)(const hk_elimination *s, const double *memory, double *
   }
 }
 
-INLINE bool NAME(factorize)(const hk_bundle *bundle, size_t b, const double *value) {
+HK_INLINE bool NAME(factorize)(const hk_bundle *bundle, size_t b, const double *value) {
   NAME(load)(bundle->elimination, value, bundle->origin, b, bundle->value);
   if (b == 1) return NAME(factorize1)(bundle->elimination, bundle->value);
   return NAME(factorize3)(bundle->elimination, bundle->value);
 }
 
-INLINE bool NAME(solve)(const hk_bundle *bundle, size_t b, const double *rhs, double *x) {
+HK_INLINE bool NAME(solve)(const hk_bundle *bundle, size_t b, const double *rhs, double *x) {
   NAME(gather)(bundle->elimination, bundle->row, b, rhs, bundle->solution);
   if (b == 1)
     NAME(solve1)(bundle->elimination, bundle->value, bundle->solution);

@@ -54,7 +54,7 @@ hk_status hk_flow_next(hk_flow *f, const hk_host *host, int64_t k, double t, dou
   return status;
 }
 
-hk_status hk_flow_due(const hk_flow *f, const hk_host *host, int64_t k, double t, double *count) {
+hk_status hk_flow_births(const hk_flow *f, const hk_host *host, int64_t k, double t, double *count) {
   double end = t < f->to || isnan(f->to) ? t : f->to, whole = (end - f->from) * f->rate;
   hk_flow ahead = *f;
   hk_status status = HK_OK;

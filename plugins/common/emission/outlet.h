@@ -1,4 +1,4 @@
-/* Where an emitter bears its particles, and which way they leave. */
+/* Where an emitter emits its particles, and which way they leave. */
 #ifndef HK_EMISSION_OUTLET_H
 #define HK_EMISSION_OUTLET_H
 

@@ -43,7 +43,8 @@ static bool start(line *l) {
   return l->started;
 }
 
-hk_status hk_conveyor_open(hk_conveyor *c, const hk_host *host, size_t bytes, const hk_outlet *outlet, size_t count) {
+hk_status hk_conveyor_open(hk_conveyor *c, const hk_host *host, size_t bytes, const hk_film_outlet *outlet,
+                           size_t count) {
   *c = (hk_conveyor){.host = host, .bytes = bytes, .count = count};
   pthread_mutex_init(&c->lock, NULL);
   pthread_condattr_t attributes;

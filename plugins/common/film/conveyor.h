@@ -13,11 +13,11 @@ typedef struct hk_still {
   char path[PATH_MAX]; /* of its file; "": there is to be none */
 } hk_still;
 
-typedef struct hk_outlet {
+typedef struct hk_film_outlet {
   /* Called in the outlet's thread. False: it failed, and takes no further pictures. */
   bool (*take)(void *self, const hk_still *);
   void *self;
-} hk_outlet;
+} hk_film_outlet;
 
 typedef struct hk_stop { /* whether to stop, asked ten times a second by whoever waits, in that thread */
   bool (*asked)(void *context);
@@ -33,7 +33,7 @@ typedef struct hk_conveyor {
   size_t count; /* outlets */
   struct hk_conveyor_line {
     struct hk_conveyor *owner;
-    hk_outlet outlet;
+    hk_film_outlet outlet;
     pthread_t thread;
     bool started, failed;
     size_t taken; /* pictures */
@@ -45,7 +45,7 @@ typedef struct hk_conveyor {
 } hk_conveyor;
 
 /* HK_NO_MEMORY; HK_FAILED: there is no thread. What is open has to be closed either way. */
-hk_status hk_conveyor_open(hk_conveyor *, const hk_host *, size_t bytes, const hk_outlet *, size_t count);
+hk_status hk_conveyor_open(hk_conveyor *, const hk_host *, size_t bytes, const hk_film_outlet *, size_t count);
 /* Copies the picture once there is room. False: it was asked to stop. */
 bool hk_conveyor_put(hk_conveyor *, const unsigned char *rgba, const char *path, const hk_stop *);
 /* Waits until all is taken. False: it was asked to stop. */

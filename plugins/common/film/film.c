@@ -1,9 +1,11 @@
 #include "plugins/common/film/film.h"
 
+#include "plugins/common/colour/palette.h"
+
 #include "plugins/common/camera/follow.h"
-#include "plugins/common/film/obstacle_solids.h"
+#include "plugins/common/frame_data/obstacle_solids.h"
 #include "plugins/common/picture/legend.h"
-#include "plugins/common/snapshot/ink.h"
+#include "plugins/common/snapshot/particle_colour.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -16,7 +18,7 @@ static bool has_to_wait(const hk_film *f) {
   const hk_framing *framing = &f->framing;
   return f->stills > 0 || f->follow || isnan(f->setup.sprites.opacity) || framing->viewports > 1 ||
          !framing->viewport[0].own || isnan(f->own.eye[0]) || (framing->floor && isnan(framing->height)) ||
-         f->look.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
+         f->appearance.sizes == HK_SIZE_MASS || (framing->counted && isnan(framing->scale.low));
 }
 
 static hk_status make_solids(hk_film *f) {
@@ -37,7 +39,7 @@ static void draw_overlay(hk_painter *painter, void *film) {
   hk_legend_name(painter, f->framing.viewport[f->view].name, hk_is_dark(f->setup.background));
   if (f->view > 0 || f->bare || !has_legend(f)) return;
   hk_legend legend = {f->text, f->framing.scale, f->table, hk_is_dark(f->setup.background)};
-  if (f->look.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
+  if (f->appearance.paint == HK_PAINT_STRAIN) legend.scale.low *= 100, legend.scale.high *= 100; /* per cent */
   hk_legend_draw(painter, &legend);
 }
 
@@ -46,13 +48,13 @@ static hk_status open_views(hk_film *f) {
   const hk_host *host = f->host;
   size_t bytes = (size_t)f->width * (size_t)f->height * 4;
   bool several = f->framing.viewports > 1;
-  f->mosaic = hk_mosaic_of(f->framing.viewports, f->width, f->height);
-  f->framing.aspect = (double)f->mosaic.width / f->mosaic.height;
-  hk_status status = hk_painter_open(&f->painter, host, f->mosaic.width, f->mosaic.height);
+  f->grid = hk_view_grid_for(f->framing.viewports, f->width, f->height);
+  f->framing.aspect = (double)f->grid.width / f->grid.height;
+  hk_status status = hk_painter_open(&f->painter, host, f->grid.width, f->grid.height);
   if (status != HK_OK) return status;
   f->painter.overlay = draw_overlay, f->painter.overlay_context = f;
   f->picture = host->allocate(host, bytes);
-  if (several) f->cell = host->allocate(host, (size_t)f->mosaic.width * (size_t)f->mosaic.height * 4);
+  if (several) f->cell = host->allocate(host, (size_t)f->grid.width * (size_t)f->grid.height * 4);
   if (!f->picture || (several && !f->cell)) return host->fail(host, HK_NO_MEMORY, "no memory for the picture");
   memset(f->picture, 255, bytes);
   return HK_OK;
@@ -61,8 +63,8 @@ static hk_status open_views(hk_film *f) {
 /* What is written at the end is asked for at the start: no other output may have it. */
 static hk_status claim_files(const hk_film *f) {
   char path[PATH_MAX];
-  const hk_reel *reel = &f->reel;
-  hk_status status = reel->possible ? f->host->path(f->host, reel->file, path, sizeof path) : HK_OK;
+  const hk_film_files *files = &f->files;
+  hk_status status = files->possible ? f->host->path(f->host, files->file, path, sizeof path) : HK_OK;
   return status == HK_OK && f->stills ? f->host->path(f->host, sheet_name, path, sizeof path) : status;
 }
 
@@ -70,8 +72,8 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   const char *why;
   char name[PATH_MAX];
   f->host = host;
-  hk_snapshot3d_open(&f->snapshot, host, &f->look);
-  hk_reel_open(&f->reel, host, f->width, f->height);
+  hk_snapshot3d_open(&f->snapshot, host, &f->appearance);
+  hk_film_files_open(&f->files, host, f->width, f->height);
   hk_status status = claim_files(f);
   if (status == HK_OK) status = make_solids(f);
   if (status != HK_OK) return status;
@@ -82,7 +84,7 @@ hk_status hk_film_open(hk_film *f, const hk_host *host) {
   if (status != HK_OK) return status;
   snprintf(f->text, sizeof f->text, f->unit ? "%.60s %.30s" : "%.60s", f->label, f->unit);
   f->waiting = has_to_wait(f);
-  snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->reel.folder);
+  snprintf(name, sizeof name, "%s/.waiting-XXXXXX", f->files.folder);
   return f->waiting ? hk_frame_spool_open(&f->spool, host, name) : HK_OK;
 }
 
@@ -97,8 +99,7 @@ static hk_status make_colours(hk_film *f, size_t n) {
 }
 
 static void plain_colour(const hk_film *f, uint8_t colour[4]) {
-  static const uint8_t blue[4] = {84, 132, 190, 255};
-  memcpy(colour, blue, sizeof blue);
+  memcpy(colour, hk_palette_colours[HK_PALETTE_PLAIN], 4);
   for (int c = 0; c < 3 && !isnan(f->plain[0]); c++) colour[c] = (uint8_t)(255 * f->plain[c] + 0.5);
 }
 
@@ -109,13 +110,13 @@ static void colour_particles(hk_film *f) {
   const float *fade = s->extra[HK_EXTRA_FADE];
   for (size_t i = 0; i < s->n; i++) {
     uint32_t group;
-    memcpy(&group, &s->ink[i], sizeof group);
+    memcpy(&group, &s->colour[i], sizeof group);
     if (f->framing.counted)
-      hk_colormap_look(f->table, hk_scale_place(&f->framing.scale, (double)s->ink[i].number), f->colour[i]);
-    else if (f->look.paint == HK_PAINT_GROUP)
+      hk_colormap_colour(f->table, hk_scale_place(&f->framing.scale, (double)s->colour[i].number), f->colour[i]);
+    else if (f->appearance.paint == HK_PAINT_GROUP)
       hk_colormap_group(group, f->colour[i]);
     else
-      memcpy(f->colour[i], f->look.paint == HK_PAINT_RGB ? s->ink[i].colour : plain, 4);
+      memcpy(f->colour[i], f->appearance.paint == HK_PAINT_RGB ? s->colour[i].colour : plain, 4);
     if (fade) f->colour[i][3] = (uint8_t)(255 * fade[i] + 0.5f);
   }
 }
@@ -154,7 +155,7 @@ static hk_status draw_view(hk_film *f, size_t k) {
   if (several) f->painter.kept = false; /* the surroundings are another view's */
   hk_status status = hk_painter_draw(&f->painter, &f->setup, &f->snapshot, f->colour);
   if (status == HK_OK) status = hk_painter_read(&f->painter, &f->setup, several ? f->cell : f->picture);
-  if (several) hk_mosaic_put(&f->mosaic, f->view, f->cell, f->picture);
+  if (several) hk_view_grid_put(&f->grid, f->view, f->cell, f->picture);
   return status;
 }
 
@@ -176,8 +177,8 @@ static hk_status use_context(hk_film *f) {
 hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool changed) {
   hk_status status = hk_snapshot3d_take(&f->snapshot, view, changed);
   if (status != HK_OK) return status;
-  hk_ink_take(&f->snapshot, view, birth);
-  if (f->obstacles) hk_obstacle_solids(f->obstacles, f->look.y_up, f->snapshot.solid + f->solids);
+  hk_particle_colours_take(&f->snapshot, view, birth);
+  if (f->obstacles) hk_obstacle_solids(f->obstacles, f->appearance.y_up, f->snapshot.solid + f->solids);
   memcpy(f->snapshot.eye, f->own.eye, sizeof f->snapshot.eye);
   memcpy(f->snapshot.target, f->own.target, sizeof f->snapshot.target);
   for (size_t p = 0; p < f->framing.viewports; p++)
@@ -186,7 +187,7 @@ hk_status hk_film_add(hk_film *f, const hk_view *view, const double *birth, bool
   hk_framing_snapshot(&f->framing, &f->snapshot, &f->setup);
   status = use_context(f);
   if (status == HK_OK) status = draw(f, 0);
-  return status == HK_OK ? hk_reel_add(&f->reel, f->picture) : status;
+  return status == HK_OK ? hk_film_files_add(&f->files, f->picture) : status;
 }
 
 static hk_status follow(hk_film *f) {
@@ -196,25 +197,25 @@ static hk_status follow(hk_film *f) {
   hk_status status = HK_OK;
   for (size_t p = 0; p < count && status == HK_OK; p++)
     status =
-        hk_follow(f->framing.viewport + p, &f->spool, f->snapshot.origin, f->reel.fps, &f->setup, f->way + p * frames);
+        hk_follow(f->framing.viewport + p, &f->spool, f->snapshot.origin, f->files.fps, &f->setup, f->way + p * frames);
   return status;
 }
 
 /* Stills have one legend for all, below them, in the size that it has on a picture. */
 static hk_status take_still(hk_film *f, size_t k) {
   hk_status status = HK_OK;
-  if (!hk_sheet_wants(&f->sheet, k)) return HK_OK;
-  if (f->sheet.strip) {
+  if (!hk_contact_sheet_wants(&f->sheet, k)) return HK_OK;
+  if (f->sheet.footer) {
     f->bare = true, f->painter.kept = false;
     status = draw(f, k);
     f->bare = false, f->painter.kept = false;
   }
-  if (status == HK_OK) hk_sheet_take(&f->sheet, f->picture);
+  if (status == HK_OK) hk_contact_sheet_take(&f->sheet, f->picture);
   return status;
 }
 
 static hk_status finish_sheet(hk_film *f) {
-  if (f->sheet.strip && f->sheet.count) {
+  if (f->sheet.footer && f->sheet.count) {
     hk_snapshot3d nothing = f->snapshot;
     hk_view_setup setup = f->setup;
     unsigned char *picture = f->framing.viewports > 1 ? f->cell : f->picture;
@@ -223,9 +224,9 @@ static hk_status finish_sheet(hk_film *f) {
     hk_status status = hk_painter_draw(&f->painter, &setup, &nothing, f->colour);
     if (status == HK_OK) status = hk_painter_read(&f->painter, &setup, picture);
     if (status != HK_OK) return status;
-    hk_sheet_fill_strip(&f->sheet, picture, f->mosaic.width);
+    hk_contact_sheet_fill_footer(&f->sheet, picture, f->grid.width);
   }
-  return hk_sheet_write(&f->sheet, sheet_name);
+  return hk_contact_sheet_write(&f->sheet, sheet_name);
 }
 
 /* A frame that reaches five times (diverged) or a thousand times as far as the median frame is drawn as well, but
@@ -236,15 +237,15 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
     status = hk_framing_motion(&f->framing, &f->spool, &f->snapshot, verdict == HK_DIVERGED ? 5 : 1000, &f->setup);
   if (status == HK_OK && f->follow) status = follow(f);
   if (status == HK_OK) status = expose(f);
-  int strip = has_legend(f) ? hk_legend_height(&f->painter) : 0;
+  int footer = has_legend(f) ? hk_legend_height(&f->painter) : 0;
   if (status == HK_OK)
-    status = hk_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height, strip);
+    status = hk_contact_sheet_open(&f->sheet, f->host, f->stills, f->spool.count, f->width, f->height, footer);
   for (size_t k = 0; k < f->spool.count && status == HK_OK; k++) {
-    if (hk_reel_stopped(&f->reel))
+    if (hk_film_files_stopped(&f->files))
       return f->host->fail(f->host, HK_INTERRUPTED, "interrupted: %zu of %zu pictures are drawn", k, f->spool.count);
     status = hk_frame_spool_read(&f->spool, k, &f->snapshot);
     if (status == HK_OK) status = draw(f, k);
-    if (status == HK_OK) status = hk_reel_add(&f->reel, f->picture);
+    if (status == HK_OK) status = hk_film_files_add(&f->files, f->picture);
     if (status == HK_OK) status = take_still(f, k);
   }
   return status == HK_OK ? finish_sheet(f) : status;
@@ -252,15 +253,15 @@ static hk_status draw_waiting(hk_film *f, hk_verdict verdict) {
 
 hk_status hk_film_finish(hk_film *f, hk_verdict verdict) {
   hk_status status = f->waiting && f->spool.count ? draw_waiting(f, verdict) : HK_OK;
-  return status == HK_OK ? hk_reel_finish(&f->reel) : status;
+  return status == HK_OK ? hk_film_files_finish(&f->files) : status;
 }
 
 void hk_film_free(hk_film *f) {
   if (f->gl && hk_gl_context_use(f->gl)) hk_painter_close(&f->painter);
   hk_gl_context_destroy(f->gl);
   f->gl = NULL;
-  hk_reel_free(&f->reel);
-  hk_sheet_free(&f->sheet);
+  hk_film_files_free(&f->files);
+  hk_contact_sheet_free(&f->sheet);
   hk_frame_spool_close(&f->spool);
   if (f->host) f->host->release(f->host, f->snapshot.solid);
   hk_snapshot3d_free(&f->snapshot);

@@ -5,9 +5,9 @@
 #define HK_FILM_H
 
 #include "plugins/common/colour/colormap.h"
-#include "plugins/common/film/mosaic.h"
-#include "plugins/common/film/reel.h"
-#include "plugins/common/film/sheet.h"
+#include "plugins/common/film/view_grid.h"
+#include "plugins/common/film/film_files.h"
+#include "plugins/common/film/contact_sheet.h"
 #include "plugins/common/gl/gl_context.h"
 #include "plugins/common/obstacles/obstacle.h"
 #include "plugins/common/camera/framing.h"
@@ -15,18 +15,18 @@
 
 typedef struct hk_film {
   /* To be set before hk_film_open. */
-  int width, height; /* pixels */
-  hk_reel reel;      /* its plan */
-  size_t stills;     /* of the sheet; 0: there is none */
+  int width, height;   /* pixels */
+  hk_film_files files; /* its plan */
+  size_t stills;       /* of the sheet; 0: there is none */
   bool legend;
   double plain[3]; /* colour of everything where nothing else is shown, 0..1; NAN: blue */
   hk_colormap map;
   bool reverse;
   const char *label, *unit; /* of the legend; unit NULL: as the label has it */
   size_t solids;
-  const hk_solid *solid;            /* valid until hk_film_open returns; in coordinates with z up */
+  const hk_frame_solid *solid;      /* valid until hk_film_open returns; in coordinates with z up */
   const hk_obstacle_set *obstacles; /* drawn where they are at each frame; NULL: none */
-  hk_look look;
+  hk_appearance appearance;
   hk_framing framing;  /* with the viewports of the pictures */
   hk_camera_place own; /* of the scene's own camera, in the scene's coordinates, z up; may change before each picture */
   bool follow;         /* the cameras go along with the particles */
@@ -36,10 +36,10 @@ typedef struct hk_film {
   bool waiting;           /* frames are drawn at the end */
   hk_snapshot3d snapshot; /* its solids: those of the script, then the obstacles */
   hk_frame_spool spool;
-  hk_sheet sheet;
+  hk_contact_sheet sheet;
   hk_gl_context *gl;
   hk_painter painter; /* of a view */
-  hk_mosaic mosaic;
+  hk_view_grid grid;
   size_t view;          /* the one that is drawn */
   hk_camera_place *way; /* where cameras follow: views x frames */
   bool bare;            /* the picture that is drawn has no legend */
@@ -51,7 +51,7 @@ typedef struct hk_film {
 } hk_film;
 
 hk_status hk_film_open(hk_film *, const hk_host *host);
-/* `birth`: as in hk_ink_take. `changed`: the topology may differ from the last call's. */
+/* `birth`: as in hk_particle_colours_take. `changed`: the topology may differ from the last call's. */
 hk_status hk_film_add(hk_film *, const hk_view *view, const double *birth, bool changed);
 /* Draws the frames that wait, and ends the video. */
 hk_status hk_film_finish(hk_film *, hk_verdict verdict);

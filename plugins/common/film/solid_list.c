@@ -4,38 +4,39 @@
 
 typedef struct format {
   const char *name, *row;
-  hk_solid_kind kind;
+  hk_shape_kind kind;
   size_t width;
 } format;
 
 static const format formats[] = {
-    {"spheres", "x, y, z and a radius above 0", HK_SOLID_SPHERE, 4},
-    {"boxes", "x, y, z and three extents above 0", HK_SOLID_BOX, 6},
-    {"planes", "x, y, z and a normal that is not 0", HK_SOLID_PLANE, 6},
+    {"spheres", "x, y, z and a radius above 0", HK_SHAPE_SPHERE, 4},
+    {"boxes", "x, y, z and three extents above 0", HK_SHAPE_BOX, 6},
+    {"planes", "x, y, z and a normal that is not 0", HK_SHAPE_PLANE, 6},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
 static bool is_body(const format *f, const double *row) {
-  if (f->kind == HK_SOLID_SPHERE) return row[3] > 0;
-  if (f->kind == HK_SOLID_BOX) return row[3] > 0 && row[4] > 0 && row[5] > 0;
+  if (f->kind == HK_SHAPE_SPHERE) return row[3] > 0;
+  if (f->kind == HK_SHAPE_BOX) return row[3] > 0 && row[4] > 0 && row[5] > 0;
   return row[3] != 0 || row[4] != 0 || row[5] != 0;
 }
 
-static void read_row(const format *f, const double *row, bool y_up, hk_solid *solid) {
-  *solid = (hk_solid){.kind = f->kind};
-  hk_look_turn(y_up, row, solid->centre);
-  if (f->kind == HK_SOLID_PLANE) {
-    hk_look_turn(y_up, row + 3, solid->axis[2]);
+static void read_row(const format *f, const double *row, bool y_up, hk_frame_solid *solid) {
+  *solid = (hk_frame_solid){.kind = f->kind};
+  hk_to_z_up(y_up, row, solid->centre);
+  if (f->kind == HK_SHAPE_PLANE) {
+    hk_to_z_up(y_up, row + 3, solid->axis[2]);
     return;
   }
   for (int k = 0; k < 3; k++) {
     double axis[3] = {0};
-    axis[k] = f->kind == HK_SOLID_SPHERE ? row[3] : row[3 + k] / 2;
-    hk_look_turn(y_up, axis, solid->axis[k]);
+    axis[k] = f->kind == HK_SHAPE_SPHERE ? row[3] : row[3 + k] / 2;
+    hk_to_z_up(y_up, axis, solid->axis[k]);
   }
 }
 
-static hk_status read_rows(const hk_host *host, const format *f, const hk_numbers *list, bool y_up, hk_solid *solid) {
+static hk_status read_rows(const hk_host *host, const format *f, const hk_numbers *list, bool y_up,
+                           hk_frame_solid *solid) {
   bool fine = list->count % f->width == 0;
   for (size_t k = 0; fine && k < list->count; k += f->width) {
     fine = is_body(f, list->value + k);
@@ -45,7 +46,7 @@ static hk_status read_rows(const hk_host *host, const format *f, const hk_number
   return host->fail(host, HK_BAD_PARAM, "%s: expected %s for each", f->name, f->row);
 }
 
-hk_status hk_solid_list_make(const hk_host *host, const hk_solid_numbers *numbers, bool y_up, hk_solid **solid,
+hk_status hk_solid_list_make(const hk_host *host, const hk_solid_numbers *numbers, bool y_up, hk_frame_solid **solid,
                              size_t *count) {
   const hk_numbers *list[FORMATS] = {&numbers->spheres, &numbers->boxes, &numbers->planes};
   size_t most = 0;

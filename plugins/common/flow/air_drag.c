@@ -18,9 +18,8 @@ double hk_air_coefficient(const hk_air_drag *p, const hk_view *view, size_t i) {
 
 /* F += d (u - v) of `count` particles in a row; with `still` 1, or 0 where v is left to another force. The three
  * components have sums of their own, because additions to a single one would have to wait for each other. */
-static inline __attribute__((always_inline)) double add_row(const hk_air_drag *p, const double *restrict m,
-                                                            const double *restrict u, const double *restrict v,
-                                                            size_t count, double *restrict F) {
+HK_INLINE double add_row(const hk_air_drag *p, const double *restrict m, const double *restrict u,
+                         const double *restrict v, size_t count, double *restrict F) {
   const double each = isnan(p->d) ? 0 : p->d, by_mass = isnan(p->d) ? p->rate : 0, still = p->relative;
   double power[3] = {0};
   for (size_t i = 0; i < count; i++)
@@ -32,20 +31,9 @@ static inline __attribute__((always_inline)) double add_row(const hk_air_drag *p
   return power[0] + power[1] + power[2];
 }
 
-static double add_narrow(const hk_air_drag *p, const double *m, const double *u, const double *v, size_t count,
-                         double *F) {
-  return add_row(p, m, u, v, count, F);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static double add_wide(const hk_air_drag *p, const double *m, const double *u,
-                                                       const double *v, size_t count, double *F) {
-  return add_row(p, m, u, v, count, F);
-}
-#define ADD_ROW (__builtin_cpu_supports("avx2") ? add_wide : add_narrow)
-#else
-#define ADD_ROW add_narrow
-#endif
+HK_VERSIONS(static double, add_rows,
+            (const hk_air_drag *p, const double *m, const double *u, const double *v, size_t count, double *F),
+            return add_row(p, m, u, v, count, F))
 
 /* Particles of a selection, which do not lie in a row. */
 static double add_selected(const hk_air *air, const hk_view *view, size_t begin, size_t count, double *F) {
@@ -69,7 +57,8 @@ static double add_range(const void *context, const hk_view *view, size_t begin, 
       continue;
     }
     air->velocity(air->self, view->t, view->x + 3 * k, count, u);
-    power += ADD_ROW(air->drag, view->model->mass + k, u, view->v + 3 * k, count, F + 3 * k);
+    power +=
+        HK_WIDEST(view->host->lanes, add_rows)(air->drag, view->model->mass + k, u, view->v + 3 * k, count, F + 3 * k);
   }
   return power;
 }

@@ -7,7 +7,7 @@
 #define HK_FLOW_AIR_DRAG_H
 
 #include "core/plugin.h"
-#include "plugins/common/parts/particle_sums.h"
+#include "plugins/kit/parts/particle_sums.h"
 
 typedef struct hk_air_drag { /* parameters of the force */
   double d, rate;            /* N s/m, 1/s; one of them is NAN */
@@ -18,11 +18,11 @@ typedef struct hk_air_drag { /* parameters of the force */
 /* The rows of a parameter table for the member `drag` of `type`. */
 #define HK_AIR_DRAG_PARAMS(type, drag)                                                                                 \
   {"d", "N s/m", "drag coefficient of a particle, F = d (u - v); u: velocity of the air",                              \
-   HK_NUMBER, {0}, 0, INFINITY, offsetof(type, drag.d), HK_OPTIONAL, NULL},                                            \
-  {"rate", "1/s", "drag rate, F = rate m (u - v)", HK_NUMBER, {0}, 0, INFINITY, offsetof(type, drag.rate),             \
-   HK_OPTIONAL, NULL},                                                                                                 \
-  {"relative", "", "false: F = d u, for air whose drag another force of the same d has", HK_BOOLEAN, {1}, 0, 0,        \
-   offsetof(type, drag.relative), 0, NULL}
+     .number = HK_AT(type, drag.d), .limits = HK_AT_LEAST(0), .flags = HK_OPTIONAL},                                   \
+  {"rate", "1/s", "drag rate, F = rate m (u - v)", .number = HK_AT(type, drag.rate), .limits = HK_AT_LEAST(0),         \
+     .flags = HK_OPTIONAL},                                                                                            \
+  {"relative", "", "false: F = d u, for air whose drag another force of the same d has",                               \
+     .boolean = HK_AT(type, drag.relative), .initial = {1}}
 /* clang-format on */
 
 typedef struct hk_air {

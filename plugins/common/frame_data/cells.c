@@ -84,7 +84,7 @@ static bool collect(const hk_gatherer *s, const hk_model *m, unsigned arity, can
 }
 
 static bool reserve(hk_gatherer *s, size_t segments, size_t triangles) {
-  hk_cells *c = &s->data.cells;
+  hk_frame_cells *c = &s->data.cells;
   size_t cells = s->data.n + segments + triangles;
   return hk_make_room(&c->vertex, &s->room[HK_ROOM_VERTEX], s->data.n, sizeof *c->vertex) &&
          hk_make_room(&c->segment, &s->room[HK_ROOM_SEGMENT], segments, sizeof *c->segment) &&
@@ -94,7 +94,7 @@ static bool reserve(hk_gatherer *s, size_t segments, size_t triangles) {
 }
 
 static void find_vertices(hk_gatherer *s, const candidates *segments, const candidates *triangles) {
-  hk_cells *c = &s->data.cells;
+  hk_frame_cells *c = &s->data.cells;
   uint32_t *mark = c->vertex; /* room for n */
   memset(mark, 0, s->data.n * sizeof *mark);
   for (size_t k = 0; k < segments->count; k++)
@@ -107,7 +107,7 @@ static void find_vertices(hk_gatherer *s, const candidates *segments, const cand
 }
 
 static void write_cells(hk_gatherer *s, const candidates *segments, const candidates *triangles) {
-  hk_cells *c = &s->data.cells;
+  hk_frame_cells *c = &s->data.cells;
   find_vertices(s, segments, triangles);
   c->segments = segments->count, c->triangles = triangles->count;
   hk_cell_source *source = s->source;

@@ -1,22 +1,24 @@
-/* What files show of one frame. Outputs gather it from a view, the reader of recordings from a file; each writer
- * of a format sees nothing else. */
+/* What is shown of one frame: the one model of it. Outputs gather it from a view, the reader of recordings from a file;
+ * recordings, the stream of a run that is watched, pages and other formats are made of it alone. */
 #ifndef HK_FRAME_DATA_H
 #define HK_FRAME_DATA_H
 
 #include "plugins/common/frame_data/marks.h"
-#include "plugins/common/snapshot/solid.h"
+#include "plugins/common/frame_data/solid.h"
+#include "plugins/common/obstacles/obstacles_service.h"
 
+#include "plugins/common/colour/colormap.h"
 #include "core/plugin.h"
 
 /* The cells of a frame: segments, triangles, and, so that each particle is seen, vertices for those in neither. */
-typedef struct hk_cells {
+typedef struct hk_frame_cells {
   size_t vertices, segments, triangles;
   uint32_t *vertex; /* indices of the particles shown */
   uint32_t (*segment)[2];
   uint32_t (*triangle)[3];
-} hk_cells;
+} hk_frame_cells;
 
-static inline size_t hk_cell_count(const hk_cells *c) { return c->vertices + c->segments + c->triangles; }
+static inline size_t hk_cell_count(const hk_frame_cells *c) { return c->vertices + c->segments + c->triangles; }
 
 enum { HK_ARRAY_NAME = 64 };
 
@@ -34,15 +36,36 @@ typedef struct hk_frame_data {
   double *x, *v, *mass; /* n x 3, n x 3, n */
   uint32_t *id;         /* n */
   uint8_t *pin;         /* n, hk_pin */
-  hk_cells cells;
+  hk_frame_cells cells;
   double *cell_strain; /* per cell, in their order; NAN: none is known; NULL: of no cell */
-  double *strain;      /* n: of the elements of a particle the largest by magnitude; NULL: there are no elements */
+  double *strain;      /* n: of the elements of a particle the largest by magnitude; NULL: none has a strain */
   size_t arrays;
   hk_frame_array *array;
   size_t solids; /* what particles bounce off */
-  hk_solid *solid;
+  hk_frame_solid *solid;
   hk_mark_lists marks;
 } hk_frame_data;
+
+/* ---- fields.c: what a frame has numbers of for each particle, beside its position ---- */
+
+/* A kind of them: one line tells all who show it. */
+typedef struct hk_field_kind {
+  const char *name, *unit, *painted; /* painted: what colours show of a vector, where that has a name; or NULL */
+  hk_colormap map;
+} hk_field_kind;
+
+enum { HK_FIELD_VELOCITY, HK_FIELD_STRAIN, HK_FIELD_CHANNEL, HK_FIELD_FORCE, HK_FIELD_KINDS };
+extern const hk_field_kind hk_field_kinds[HK_FIELD_KINDS];
+
+typedef struct hk_frame_field {
+  int kind;
+  const char *name; /* of the channel, or label of the force; otherwise that of the kind */
+  size_t components;
+  const double *value; /* n x components */
+} hk_frame_field;
+
+/* Field k, in the order that all have; false: there are no more. */
+bool hk_frame_field_at(const hk_frame_data *, size_t k, hk_frame_field *);
 
 /* ---- what it is gathered with: gatherer.h ---- */
 
@@ -81,7 +104,8 @@ typedef struct hk_gatherer {
   size_t room[HK_GATHERER_ARRAYS]; /* of each array */
   uint64_t signature;              /* of the cells */
   bool dirty;                      /* the topology changed */
-  bool strained;                   /* the scene has forces with elements */
+  bool strained;                   /* the scene has elements with a strain */
+  const hk_obstacles *obstacles;
 } hk_gatherer;
 
 #endif

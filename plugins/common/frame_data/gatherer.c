@@ -1,7 +1,9 @@
-/* The particles that are shown are gathered from the view, with channels and forces. */
+/* The particles that are shown are gathered from the view, with channels and forces; obstacles, wind and contacts. */
 #include "plugins/common/frame_data/gatherer.h"
 
+#include "core/plugin/strain.h"
 #include "plugins/common/frame_data/cells.h"
+#include "plugins/common/frame_data/obstacle_solids.h"
 #include "plugins/common/frame_data/room.h"
 #include "plugins/common/frame_data/strain.h"
 
@@ -15,17 +17,26 @@ static void name_array(hk_frame_array *a, const char *name, bool force, size_t w
   a->width = width;
 }
 
-hk_status hk_gatherer_begin(hk_gatherer *s, const hk_view *view, const hk_frame *frame, bool forces) {
+static bool has_strain(const hk_model *m) {
+  for (size_t k = 0; k < m->element_lists; k++)
+    if (hk_elements_strained(&m->element_list[k].elements)) return true;
+  return false;
+}
+
+static bool begin(hk_gatherer *s, const hk_view *view, const hk_frame *frame, bool forces) {
   const hk_model *m = view->model;
+  hk_frame_data *data = &s->data;
   size_t channels = m->channels, count = channels + (forces ? frame->forces : 0);
-  s->data.array = calloc(count + 1, sizeof *s->data.array);
-  if (!s->data.array) return HK_NO_MEMORY;
-  s->data.arrays = count;
-  for (size_t k = 0; k < channels; k++) name_array(&s->data.array[k], m->channel[k].name, false, m->channel[k].size);
-  for (size_t k = channels; k < count; k++) name_array(&s->data.array[k], frame->force_name[k - channels], true, 3);
+  data->solids = s->obstacles->shown->count;
+  data->array = calloc(count + 1, sizeof *data->array);
+  data->solid = calloc(data->solids + 1, sizeof *data->solid);
+  if (!data->array || !data->solid) return false;
+  data->arrays = count;
+  for (size_t k = 0; k < channels; k++) name_array(&data->array[k], m->channel[k].name, false, m->channel[k].size);
+  for (size_t k = channels; k < count; k++) name_array(&data->array[k], frame->force_name[k - channels], true, 3);
   s->dirty = true;
-  s->strained = m->element_lists > 0;
-  return HK_OK;
+  s->strained = has_strain(m);
+  return true;
 }
 
 static bool reserve(hk_gatherer *s, size_t n) {
@@ -80,12 +91,16 @@ static bool gather_model(hk_gatherer *s, const hk_model *m, size_t n_before) {
   return other;
 }
 
-static hk_status gather_arrays(hk_gatherer *s, const hk_view *view, const hk_frame *frame) {
+static void gather_channels(hk_gatherer *s, const hk_view *view) {
   const hk_model *m = view->model;
   for (size_t k = 0; k < m->channels; k++)
     gather(s, view->y + m->channel[k].offset * view->n, m->channel[k].size, s->data.array[k].value);
-  for (size_t k = m->channels; k < s->data.arrays; k++) {
-    hk_status status = frame->force(frame, k - m->channels, s->every);
+}
+
+hk_status hk_gatherer_forces(hk_gatherer *s, const hk_view *view, const hk_frame *frame) {
+  size_t channels = view->model->channels;
+  for (size_t k = channels; k < s->data.arrays; k++) {
+    hk_status status = frame->force(frame, k - channels, s->every);
     if (status != HK_OK) return status;
     gather(s, s->every, 3, s->data.array[k].value);
   }
@@ -102,7 +117,7 @@ static uint64_t signature(const hk_view *view) {
   return sum;
 }
 
-hk_status hk_gatherer_take(hk_gatherer *s, const hk_view *view, const hk_frame *frame) {
+static hk_status take(hk_gatherer *s, const hk_view *view) {
   size_t before = s->data.n;
   if (!reserve(s, view->n)) return HK_NO_MEMORY;
   s->data.t = view->t;
@@ -115,10 +130,14 @@ hk_status hk_gatherer_take(hk_gatherer *s, const hk_view *view, const hk_frame *
   s->signature = signature(view);
   s->dirty = false;
   hk_gatherer_strain(s, view);
-  return gather_arrays(s, view, frame);
+  gather_channels(s, view);
+  hk_obstacle_solids(s->obstacles->shown, false, s->data.solid);
+  return HK_OK;
 }
 
 hk_status hk_gatherer_choose(hk_gatherer *s, const hk_host *host, const hk_model *m, const char *group) {
+  s->obstacles = host->query(host, HK_OBSTACLES_INTERFACE);
+  if (!s->obstacles) return HK_FAILED;
   s->group = UINT32_MAX;
   for (size_t g = 0; group && g < m->groups; g++)
     if (strcmp(m->group_name[g], group) == 0) s->group = (uint32_t)g;
@@ -129,16 +148,17 @@ hk_status hk_gatherer_choose(hk_gatherer *s, const hk_host *host, const hk_model
 hk_status hk_gatherer_open(hk_gatherer *s, const hk_view *view, const hk_frame *frame, const hk_tuples *only,
                            bool forces) {
   const hk_host *host = view->host;
-  if (hk_gatherer_begin(s, view, frame, forces) != HK_OK)
-    return host->fail(host, HK_NO_MEMORY, "no memory for a frame");
-  return hk_gatherer_frame(s, view, frame, only);
+  if (!begin(s, view, frame, forces)) return host->fail(host, HK_NO_MEMORY, "no memory for a frame");
+  hk_status status = hk_marks_open(&s->data.marks, host, frame);
+  if (status == HK_OK) status = hk_gatherer_frame(s, view, frame, only);
+  return status == HK_OK ? hk_gatherer_forces(s, view, frame) : status;
 }
 
 hk_status hk_gatherer_frame(hk_gatherer *s, const hk_view *view, const hk_frame *frame, const hk_tuples *only) {
   s->only = *only;
-  hk_status status = hk_gatherer_take(s, view, frame);
-  if (status != HK_NO_MEMORY) return status;
-  return view->host->fail(view->host, status, "no memory for %zu particles", view->n);
+  hk_status status = take(s, view);
+  if (status == HK_NO_MEMORY) return view->host->fail(view->host, status, "no memory for %zu particles", view->n);
+  return status == HK_OK ? hk_marks_take(&s->data.marks, view, frame) : status;
 }
 
 void hk_gatherer_free(hk_gatherer *s) {
@@ -160,5 +180,7 @@ void hk_gatherer_free(hk_gatherer *s) {
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
   for (size_t k = 0; k < data->arrays; k++) free(data->array[k].value);
   free(data->array);
+  free(data->solid);
+  hk_marks_free(&data->marks);
   *s = (hk_gatherer){0};
 }

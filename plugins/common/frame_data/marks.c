@@ -14,8 +14,8 @@ static hk_status no_memory(const hk_host *host) {
 }
 
 static bool add_list(hk_mark_lists *m, const char *name, size_t most, size_t force) {
-  hk_marks *list = &m->list[m->count++];
-  *list = (hk_marks){.force = force, .value = malloc(HK_MARK_NUMBERS * most * sizeof *list->value)};
+  hk_frame_marks *list = &m->list[m->count++];
+  *list = (hk_frame_marks){.force = force, .value = malloc(HK_MARK_NUMBERS * most * sizeof *list->value)};
   snprintf(list->name, sizeof list->name, "%s", name);
   return list->value != NULL;
 }
@@ -33,7 +33,7 @@ hk_status hk_marks_open(hk_mark_lists *m, const hk_host *host, const hk_frame *f
 }
 
 /* Velocities at every s-th particle; none while the force does not act. */
-static void take_flow(hk_marks *list, const hk_view *view, const hk_frame *frame) {
+static void take_flow(hk_frame_marks *list, const hk_view *view, const hk_frame *frame) {
   size_t every = view->n / MOST_ARROWS + 1;
   list->count = list->total = 0;
   for (size_t i = 0; i < view->n; i += every) {
@@ -65,7 +65,7 @@ static void find(void *context, const double x[3], const double n[3]) {
   memcpy(to + 3, n, 3 * sizeof *to);
 }
 
-static void take_contacts(hk_mark_lists *m, hk_marks *list, const hk_frame *frame) {
+static void take_contacts(hk_mark_lists *m, hk_frame_marks *list, const hk_frame *frame) {
   finding f = {m, 0};
   frame->contact_points(frame, &(hk_contact_points){&f, find});
   size_t every = f.count ? (f.count - 1) / MOST_CONTACTS + 1 : 1;

@@ -1,23 +1,23 @@
-/* Strains at a frame. A cell has the strain of its own element, a particle the largest of all elements that it
- * belongs to, also of those that are no cell. */
+/* Strains at a frame. A cell has the strain of its own element, a particle one of all elements that it belongs to, also
+ * of those that are no cell. */
 #include "plugins/common/frame_data/strain.h"
 
-#include "plugins/common/elements/element_strain.h"
+#include "core/plugin/strain.h"
 
-static void note(hk_gatherer *s, const uint32_t *member, unsigned arity, double strain) {
+static void note(const uint32_t *place, const uint32_t *member, unsigned arity, double strain, double *largest) {
   for (unsigned m = 0; m < arity; m++) {
-    uint32_t j = s->place[member[m]];
-    if (j != UINT32_MAX && fabs(strain) > fabs(s->data.strain[j])) s->data.strain[j] = strain;
+    uint32_t j = place ? place[member[m]] : member[m];
+    if (j != UINT32_MAX && fabs(strain) > fabs(largest[j])) largest[j] = strain;
   }
 }
 
-static void of_particles(hk_gatherer *s, const hk_view *view) {
+void hk_particle_strains(const hk_view *view, const uint32_t *place, size_t count, double *strain) {
   const hk_model *m = view->model;
-  for (size_t j = 0; j < s->data.n; j++) s->data.strain[j] = 0;
+  for (size_t j = 0; j < count; j++) strain[j] = 0;
   for (size_t l = 0; l < m->element_lists; l++) {
     const hk_elements *e = &m->element_list[l].elements;
     for (size_t k = 0; hk_elements_strained(e) && k < e->node.count; k++)
-      note(s, hk_tuple(&e->node, k), e->node.arity, hk_element_strain(e, view->x, k));
+      note(place, hk_tuple(&e->node, k), e->node.arity, hk_element_strain(e, view->x, k), strain);
   }
 }
 
@@ -31,6 +31,6 @@ static void of_cells(hk_gatherer *s, const hk_view *view) {
 
 void hk_gatherer_strain(hk_gatherer *s, const hk_view *view) {
   if (!s->strained) return;
-  of_particles(s, view);
+  hk_particle_strains(view, s->place, s->data.n, s->data.strain);
   of_cells(s, view);
 }

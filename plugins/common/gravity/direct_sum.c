@@ -10,7 +10,7 @@ hk_status hk_gravity_reserve(hk_gravity_bodies *g, const hk_host *host, size_t n
   hk_gravity_release(g);
   size_t room = n + n / 2 + BLOCK, each = room + BLOCK;
   g->host = host;
-  if (!g->path) g->path = hk_gravity_best();
+  if (!g->path) g->path = hk_gravity_path_of(host->lanes);
   g->order = host->allocate(host, room * sizeof *g->order);
   g->at.x = host->allocate(host, 4 * each * sizeof(double));
   g->parts = room + 1;
@@ -70,20 +70,19 @@ void hk_gravity_targets(const hk_gravity_bodies *g, size_t first, size_t count, 
 
 /* ---- loops over blocks of targets ---- */
 
-typedef hk_gravity_block block;
+/* Targets [first, first + count), all of which attract or none, and their sources [begin, end). */
+typedef struct block {
+  size_t first, count, begin, end;
+} block;
 
-static size_t blocks_of(size_t bodies, size_t size) { return (bodies + size - 1) / size; }
+static size_t blocks_of(size_t bodies) { return (bodies + BLOCK - 1) / BLOCK; }
 
-size_t hk_gravity_blocks(const hk_gravity_bodies *g, size_t size) {
-  return blocks_of(g->sources, size) + blocks_of(g->count - g->sources, size);
-}
-
-block hk_gravity_block_at(const hk_gravity_bodies *g, size_t index, size_t size) {
-  size_t attracting = blocks_of(g->sources, size);
+static block block_at(const hk_gravity_bodies *g, size_t index) {
+  size_t attracting = blocks_of(g->sources);
   bool attracts = index < attracting;
-  size_t first = attracts ? index * size : g->sources + (index - attracting) * size;
+  size_t first = attracts ? index * BLOCK : g->sources + (index - attracting) * BLOCK;
   size_t left = (attracts ? g->sources : g->count) - first;
-  return (block){first, left < size ? left : size, attracts && !g->mutual ? g->sources : 0,
+  return (block){first, left < BLOCK ? left : BLOCK, attracts && !g->mutual ? g->sources : 0,
                  attracts ? g->count : g->sources};
 }
 
@@ -94,7 +93,7 @@ typedef struct task {
 
 static size_t over_blocks(task *t, void (*body)(void *, size_t, size_t, size_t)) {
   const hk_gravity_bodies *g = t->g;
-  size_t blocks = hk_gravity_blocks(g, BLOCK);
+  size_t blocks = blocks_of(g->sources) + blocks_of(g->count - g->sources);
   size_t grain = g->count ? CHUNK_PAIRS / BLOCK / g->count + 1 : 1;
   g->host->parallel_for(g->host, blocks, grain, body, t);
   return blocks;
@@ -109,40 +108,42 @@ static bool is_finite(const hk_pull *sum, size_t count) {
   return all == 0;
 }
 
-/* With softening 0 a body meets itself at its place, and nobody else. (Where something is not finite, it does not.) */
-size_t hk_gravity_meeting(const hk_gravity_bodies *g, const block *b, const hk_pull *sum) {
+/* 1 + the first body of the block that by its sums is at the place of another one; 0: none. With softening 0 a body
+ * meets itself at its place, and nobody else. (Where something is not finite, it does not.) */
+static size_t coinciding(const hk_gravity_bodies *g, const block *b, const hk_pull *sum) {
   for (size_t l = 0; l < b->count && !(g->eps2 > 0); l++)
     if (sum->zeros[l] > (b->first + l >= b->begin && b->first + l < b->end)) return 1 + b->first + l;
   return 0;
 }
 
-void hk_gravity_pull(const hk_gravity_bodies *g, const block *b, hk_pull *sum) {
+/* The sums of a block, whatever the range of the processor's estimates. */
+static void pull_of(const hk_gravity_bodies *g, const block *b, hk_pull *sum) {
   hk_targets at;
   *sum = (hk_pull){0};
   hk_gravity_targets(g, b->first, b->count, &at);
   g->path->pull(&g->at, b->begin, b->end, &at, g->eps2, sum);
   if (is_finite(sum, b->count)) return;
   *sum = (hk_pull){0};
-  hk_gravity_narrow.pull(&g->at, b->begin, b->end, &at, g->eps2, sum);
+  hk_gravity_path_of(2)->pull(&g->at, b->begin, b->end, &at, g->eps2, sum);
 }
 
 static size_t add_pull(const task *t, const block *b) {
   hk_gravity_bodies *g = t->g;
   hk_pull sum;
-  hk_gravity_pull(g, b, &sum);
+  pull_of(g, b, &sum);
   for (size_t l = 0; l < b->count; l++) {
     size_t k = b->first + l;
     double f = t->G * g->at.m[k] * (g->scale * g->scale);
     for (size_t c = 0; c < 3; c++) t->out[3 * (size_t)g->order[k] + c] += f * sum.a[c][l];
   }
-  return hk_gravity_meeting(g, b, &sum);
+  return coinciding(g, b, &sum);
 }
 
 static void force_blocks(void *context, size_t begin, size_t end, size_t chunk) {
   task *t = context;
   size_t met = 0;
   for (size_t k = begin; k < end; k++) {
-    block b = hk_gravity_block_at(t->g, k, BLOCK);
+    block b = block_at(t->g, k);
     size_t here = add_pull(t, &b);
     if (met == 0) met = here;
   }
@@ -193,7 +194,7 @@ static void energy_blocks(void *context, size_t begin, size_t end, size_t chunk)
   const task *t = context;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    block b = hk_gravity_block_at(t->g, k, BLOCK);
+    block b = block_at(t->g, k);
     t->g->part[k] = block_energy(t->g, &b);
   }
 }
@@ -228,7 +229,7 @@ static void stiffness_blocks(void *context, size_t begin, size_t end, size_t chu
   const hk_gravity_bodies *g = t->g;
   (void)chunk;
   for (size_t k = begin; k < end; k++) {
-    block b = hk_gravity_block_at(g, k, BLOCK);
+    block b = block_at(g, k);
     double sum[BLOCK] = {0};
     stiffness_of(g, &b, sum);
     for (size_t l = 0; l < b.count; l++) t->out[b.first + l] = t->G * g->scale * g->scale * g->scale * sum[l];

@@ -40,19 +40,6 @@ double hk_direct_energy(hk_gravity_bodies *, double G); /* J, -G sum m_i m_j/s o
 /* pull[k] = G sum_j m_j/s^3 of body k, 1/s^2. */
 void hk_direct_stiffness(hk_gravity_bodies *, double G, double *pull);
 
-/* Targets [first, first + count), all of which attract or none, and their sources [begin, end). */
-typedef struct hk_gravity_block {
-  size_t first, count, begin, end;
-} hk_gravity_block;
-
-/* Blocks of `size` targets. */
-size_t hk_gravity_blocks(const hk_gravity_bodies *, size_t size);
-hk_gravity_block hk_gravity_block_at(const hk_gravity_bodies *, size_t index, size_t size);
-/* The sums of a block of HK_GRAVITY_BLOCK targets at most, whatever the range of the processor's estimates. */
-void hk_gravity_pull(const hk_gravity_bodies *, const hk_gravity_block *, hk_pull *);
-/* 1 + the first body of the block that by its sums is at the place of another one; 0: none. */
-size_t hk_gravity_meeting(const hk_gravity_bodies *, const hk_gravity_block *, const hk_pull *);
-
 /* The place in `at` of `count` targets from body `first` on; lanes beyond repeat the first one. */
 void hk_gravity_targets(const hk_gravity_bodies *, size_t first, size_t count, hk_targets *);
 

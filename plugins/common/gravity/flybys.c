@@ -1,5 +1,6 @@
-/* A pair whose move is 4 ranges or less has no passage. With the range sqrt(nearest^2 + softening^2)/3, and nearest at
- * least R - l for a distance R after a move of length l, these are pairs with R >= 7/4 l, or l <= 4/3 of the softening.
+/* A pair whose move is 4 ranges or less has no encounter. With the range sqrt(nearest^2 + softening^2)/3, and nearest
+ * at least R - l for a distance R after a move of length l, these are pairs with R >= 7/4 l, or l <= 4/3 of the
+ * softening.
  */
 #include "plugins/common/gravity/flybys.h"
 
@@ -32,7 +33,7 @@ static void law_at(const void *self, const double r[3], double F[3]) {
 
 static void add_pair(const hk_flybys *f, uint32_t i, uint32_t j) {
   const double *m = f->to->model->mass, *from = f->x_from, *to = f->to->x;
-  hk_passage way = {.i = i, .other = j};
+  hk_encounter way = {.i = i, .other = j};
   for (size_t c = 0; c < 3; c++) {
     size_t a = 3 * (size_t)i + c, b = 3 * (size_t)j + c;
     way.r[c] = from[a] - from[b];

@@ -8,7 +8,7 @@ typedef struct hk_flybys {
   double G, softening;
   const hk_view *to;
   const double *x_from; /* n x 3 */
-  hk_passages *into;
+  hk_encounters *into;
   bool (*acts)(const void *self, uint32_t i, uint32_t j); /* whether a pair does */
   const void *self;
 } hk_flybys;

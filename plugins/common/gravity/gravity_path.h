@@ -1,7 +1,6 @@
-/* The inner loops of gravitation, by the instruction sets of processors: each file gravity_*.c is one of them and has
- * the loops of gravity_loops.h compiled for it. Targets come in blocks, in the lanes of vectors, and all of a block
- * meet the same sources, one after the other; so the sum of a target has the order of the sources, wherever the target
- * stands in its block and however blocks are given to threads.
+/* The inner loops of gravitation, by the width of vectors. Targets come in blocks, in the lanes of vectors, and all of
+ * a block meet the same sources, one after the other; so the sum of a target has the order of the sources, wherever the
+ * target stands in its block and however blocks are given to threads.
  *
  * With d = x_j - x_i, s^2 = d^2 + softening^2. The reciprocal 1/s is an estimate of the processor, improved by one step
  * of Householder's method, y (1 + e/2 + 3/8 e^2 + ...), e = 1 - s^2 y^2, as far as the estimate's error requires: it is
@@ -50,9 +49,7 @@ typedef struct hk_gravity_path {
                              const hk_targets *, double eps2, double *sum);
 } hk_gravity_path;
 
-extern const hk_gravity_path hk_gravity_narrow; /* for every processor */
-const hk_gravity_path *hk_gravity_wide4(void);  /* NULL where this processor has no AVX2 and FMA */
-const hk_gravity_path *hk_gravity_wide8(void);  /* NULL where it has no AVX-512 */
-const hk_gravity_path *hk_gravity_best(void);
+/* For hk_host.lanes. */
+const hk_gravity_path *hk_gravity_path_of(int lanes);
 
 #endif

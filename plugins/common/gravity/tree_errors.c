@@ -3,12 +3,18 @@
 
 #include <stdlib.h>
 
-enum { BLOCK = HK_GRAVITY_BLOCK, EACH = HK_SAMPLE / HK_SAMPLE_GROUPS };
+enum { BLOCK = HK_GRAVITY_BLOCK, SAMPLE_GROUPS = 64, EACH = 4, SAMPLE = EACH * SAMPLE_GROUPS };
+
+/* Bodies with their sums of m d/s^3, scaled: by the tree, and exact. */
+typedef struct pull_sample {
+  uint32_t body[SAMPLE]; /* position in the order; UINT32_MAX: none */
+  double found[SAMPLE][3], exact[SAMPLE][3];
+} pull_sample;
 
 typedef struct task {
   hk_tree_pulls pulls;
   size_t stride;
-  hk_pull_sample sample;
+  pull_sample sample;
 } task;
 
 static void sum_exactly(const hk_gravity_bodies *g, const uint32_t *body, size_t count, double (*into)[3]) {
@@ -50,10 +56,9 @@ static int by_size(const void *a, const void *b) {
 static double length(const double d[3]) { return hypot(hypot(d[0], d[1]), d[2]); } /* of any range */
 
 /* The relative errors of the sample; adds their power, with G and the scale left out. */
-static size_t compare(const hk_pull_sample *t, const hk_gravity_bodies *g, const double *v, double *off,
-                      double *power) {
+static size_t compare(const pull_sample *t, const hk_gravity_bodies *g, const double *v, double *off, double *power) {
   size_t count = 0;
-  for (size_t s = 0; s < HK_SAMPLE; s++) {
+  for (size_t s = 0; s < SAMPLE; s++) {
     if (t->body[s] == UINT32_MAX) continue;
     const double *speed = v + 3 * (size_t)g->order[t->body[s]];
     double d[3], work = 0, size = length(t->exact[s]);
@@ -64,13 +69,9 @@ static size_t compare(const hk_pull_sample *t, const hk_gravity_bodies *g, const
   return count;
 }
 
-void hk_pull_sample_clear(hk_pull_sample *t) {
-  for (size_t s = 0; s < HK_SAMPLE; s++) t->body[s] = UINT32_MAX;
-}
-
-void hk_pull_sample_errors(const hk_pull_sample *t, const hk_gravity_bodies *g, double G, const double *v,
-                           hk_force_errors *out) {
-  double off[HK_SAMPLE], power = 0, sum = 0;
+static void errors_of(const pull_sample *t, const hk_gravity_bodies *g, double G, const double *v,
+                      hk_force_errors *out) {
+  double off[SAMPLE], power = 0, sum = 0;
   size_t count = compare(t, g, v, off, &power);
   *out = (hk_force_errors){.particles = count};
   if (count == 0) return;
@@ -84,8 +85,8 @@ void hk_pull_sample_errors(const hk_pull_sample *t, const hk_gravity_bodies *g, 
 
 void hk_tree_errors(hk_gravity_tree *tree, hk_gravity_bodies *g, const hk_tree_accuracy *accuracy, double G,
                     const double *v, hk_force_errors *out) {
-  task t = {.pulls = hk_tree_pulls_of(tree, g, accuracy), .stride = tree->groups / HK_SAMPLE_GROUPS + 1};
-  hk_pull_sample_clear(&t.sample);
+  task t = {.pulls = hk_tree_pulls_of(tree, g, accuracy), .stride = tree->groups / SAMPLE_GROUPS + 1};
+  for (size_t s = 0; s < SAMPLE; s++) t.sample.body[s] = UINT32_MAX;
   g->host->parallel_for(g->host, (tree->groups + t.stride - 1) / t.stride, 1, sample_groups, &t);
-  hk_pull_sample_errors(&t.sample, g, G, v, out);
+  errors_of(&t.sample, g, G, v, out);
 }

@@ -151,7 +151,7 @@ size_t hk_tree_pull(const hk_tree_pulls *t, size_t index, double (*a)[3]) {
   if (!is_finite(&j)) { /* estimates of roots may leave the range of floats, see direct_sum.c */
     hk_gravity_bodies plain = *t->g;
     hk_tree_pulls again = *t;
-    plain.path = &hk_gravity_narrow;
+    plain.path = hk_gravity_path_of(2);
     again.g = &plain;
     pull_group(&j, &again, index);
   }

@@ -1,7 +1,7 @@
 /* See dirk.h. A step that fails leaves X unchanged: stages are computed in scratch memory and copied after success. */
 #include "plugins/common/implicit/dirk.h"
-#include "plugins/common/integrate/growth_factor.h"
-#include "plugins/common/moves/safe_move.h"
+#include "plugins/kit/integrate/growth_factor.h"
+#include "plugins/common/implicit/safe_move.h"
 
 #include <complex.h>
 #include <float.h>
@@ -38,16 +38,16 @@ const hk_param hk_dirk_adaptive_params[] = {
 };
 
 const hk_field hk_dirk_fields[] = {
-    {"primed", HK_FIELD_INTEGER, 1, offsetof(hk_dirk, primed), 0},
-    {"started", HK_FIELD_INTEGER, 1, offsetof(hk_dirk, started), 0},
-    {"proposal", HK_FIELD_NUMBER, 1, offsetof(hk_dirk, proposal), 0},
-    {"last_error", HK_FIELD_NUMBER, 1, offsetof(hk_dirk, last_error), 0},
-    {"newton_speed", HK_FIELD_NUMBER, 1, offsetof(hk_dirk, newton.speed), 0},
-    {"speed", HK_FIELD_NUMBER, 1, offsetof(hk_dirk, scales.speed), 0},
-    {"acceleration", HK_FIELD_NUMBER, 1, offsetof(hk_dirk, scales.acceleration), 0},
-    {"slope", HK_FIELD_STATE, 1, offsetof(hk_dirk, slope), 0},
-    {"stages", HK_FIELD_STATE, HK_DIRK_STATES, offsetof(hk_dirk, k), HK_SCRATCH},
-    {"newton", HK_FIELD_STATE, HK_NEWTON_STATES, offsetof(hk_dirk, newton.memory), HK_SCRATCH},
+    {"primed", .integer = HK_AT(hk_dirk, primed)},
+    {"started", .integer = HK_AT(hk_dirk, started)},
+    {"proposal", .number = HK_AT(hk_dirk, proposal)},
+    {"last_error", .number = HK_AT(hk_dirk, last_error)},
+    {"newton_speed", .number = HK_AT(hk_dirk, newton.speed)},
+    {"speed", .number = HK_AT(hk_dirk, scales.speed)},
+    {"acceleration", .number = HK_AT(hk_dirk, scales.acceleration)},
+    {"slope", .state = HK_AT(hk_dirk, slope), .width = 1},
+    {"stages", .state = HK_AT(hk_dirk, k), .width = HK_DIRK_STATES, .flags = HK_SCRATCH},
+    {"newton", .state = HK_AT(hk_dirk, newton.memory), .width = HK_NEWTON_STATES, .flags = HK_SCRATCH},
     {0},
 };
 
@@ -121,9 +121,10 @@ static void accept(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, const dou
   m->primed = 1;
 }
 
-hk_status hk_dirk_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double t_stop, double h) {
+hk_status hk_dirk_step(void *self, const void *T, hk_system *s, double t_stop, double h, hk_step *out) {
+  hk_dirk *m = self;
   double *X = NULL;
-  (void)t_stop;
+  (void)t_stop, (void)out;
   hk_status status = hk_dirk_stages(m, T, s, h, -1, &X);
   if (status != HK_OK) return status;
   accept(m, T, s, X);
@@ -160,7 +161,7 @@ static double limit_of(const hk_dirk *m, const hk_system *s, double g, double h)
   return fmin(asked, m->newton.tolerance * V);
 }
 
-static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double span, double *h) {
+static hk_status begin_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double span, double *h) {
   size_t v = 3 * s->n;
   hk_status status = HK_OK;
   double *a = slope_of(m, s, 0);
@@ -183,7 +184,7 @@ static hk_status look(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double
 
 /* Divides the time to t_stop into equal steps, so that the factors remain valid from one to the next, and again after a
  * frame of the same length. */
-static double divide(double span, double h) {
+static double equal_steps(double span, double h) {
   double pieces = ceil(span / h * (1 - 1e-9));
   return pieces > 1 && pieces < 1e15 ? span / pieces : fmin(h, span);
 }
@@ -221,13 +222,13 @@ static hk_status attempt(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, dou
   return status == HK_NOT_CONVERGED || status == HK_NOT_FINITE ? HK_OK : status;
 }
 
-hk_status hk_dirk_adaptive_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system *s, double t_stop, double h,
-                                hk_step *out) {
+hk_status hk_dirk_adaptive_step(void *self, const void *T, hk_system *s, double t_stop, double h, hk_step *out) {
+  hk_dirk *m = self;
   double span = t_stop - s->t, error, *X = NULL;
-  hk_status status = look(m, T, s, span, &h);
+  hk_status status = begin_step(m, T, s, span, &h);
   if (status != HK_OK) return status;
   double wanted = m->started && m->proposal > h ? m->proposal : h;
-  h = divide(span, h);
+  h = equal_steps(span, h);
   for (bool retried = false;; retried = true) {
     status = attempt(m, T, s, h, &X, &error);
     if (status != HK_OK) return status;
@@ -246,13 +247,14 @@ hk_status hk_dirk_adaptive_step(hk_dirk *m, const hk_dirk_tableau *T, hk_system 
   }
 }
 
-void hk_dirk_reset(hk_dirk *m, hk_reason why) {
+void hk_dirk_reset(void *self, hk_reason why) {
+  hk_dirk *m = self;
   if (why == HK_STEP_CHANGED) return;
   if (why != HK_CHECKPOINT) m->primed = 0;
   hk_newton_forget(&m->newton);
 }
 
-static double growth(const hk_dirk_tableau *T, double complex z) {
+static double stability(const hk_dirk_tableau *T, double complex z) {
   double complex Y[HK_DIRK_STAGES], R = 1;
   for (int i = 0; i < T->stages; i++) {
     Y[i] = 1;
@@ -263,10 +265,9 @@ static double growth(const hk_dirk_tableau *T, double complex z) {
   return cabs(R);
 }
 
-double hk_dirk_rotation(const hk_dirk_tableau *T, double hw, double hg, double hb) {
+double hk_dirk_growth(const void *self, const void *T, double hw, double hg, double hb) {
+  (void)self;
   double complex z[2];
   hk_oscillator_roots(hw, hg + hb * I, z);
-  return fmax(growth(T, z[0]), growth(T, z[1]));
+  return fmax(stability(T, z[0]), stability(T, z[1]));
 }
-
-double hk_dirk_amplification(const hk_dirk_tableau *T, double hw, double hg) { return hk_dirk_rotation(T, hw, hg, 0); }

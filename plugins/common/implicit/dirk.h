@@ -30,21 +30,23 @@ typedef struct hk_dirk {
   int64_t primed, started;
   double proposal, last_error;
   hk_scales scales;
-  double *slope; /* saved, HK_FIELD_STATE: slope of the last stage of the last step */
+  double *slope; /* saved, a field `state`: slope of the last stage of the last step */
   double *k;     /* scratch, HK_DIRK_STATES states: slopes, then x*, v*, y* and X of a stage */
 } hk_dirk;
 
 /* Computes a step of h from s->X into the returned X, which is scratch memory; s->X changes by its pins only. `limit`:
  * m/s, algebraic error allowed in v; below 0: as for a fixed step. The tableau's `error` is not used. */
 hk_status hk_dirk_stages(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double h, double limit, double **X_new);
-/* A whole step of a fixed-step method. */
-hk_status hk_dirk_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double t_stop, double h);
+
+/* ---- Members of an hk_integrator whose instance is an hk_dirk, or begins with one, and whose `method` an
+ * hk_dirk_tableau ---- */
+
+/* A step of h. */
+hk_status hk_dirk_step(void *self, const void *tableau, hk_system *s, double t_stop, double h, hk_step *out);
 /* A step chosen so that its error meets s->tol. */
-hk_status hk_dirk_adaptive_step(hk_dirk *, const hk_dirk_tableau *, hk_system *s, double t_stop, double h,
-                                hk_step *out);
-void hk_dirk_reset(hk_dirk *, hk_reason why);
+hk_status hk_dirk_adaptive_step(void *self, const void *tableau, hk_system *s, double t_stop, double h, hk_step *out);
+void hk_dirk_reset(void *self, hk_reason why);
 /* The larger |R(z)| for the two eigenvalues z of h times the oscillator's matrix. */
-double hk_dirk_amplification(const hk_dirk_tableau *, double hw, double hg);
-double hk_dirk_rotation(const hk_dirk_tableau *, double hw, double hg, double hb); /* of a rotating oscillator */
+double hk_dirk_growth(const void *self, const void *tableau, double hw, double hg, double hb);
 
 #endif

@@ -1,8 +1,8 @@
 /* See newton.h. Invariant of the iteration: R is the filtered residual at the X of the stage, so every direction is
  * computed from the last evaluation, and an iteration costs one evaluation. */
 #include "plugins/common/implicit/newton.h"
-#include "plugins/common/moves/carry_pins.h"
-#include "plugins/common/moves/safe_move.h"
+#include "plugins/common/implicit/carry_pins.h"
+#include "plugins/common/implicit/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
 #include "plugins/common/linear/block_product.h"
 
@@ -108,13 +108,13 @@ static hk_status assemble(work *k) {
   double g = k->stage->g;
   unsigned want = k->flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
   if (k->w->definite > 0) want |= HK_WANT_DEFINITE;
-  hk_status status = k->s->jacobian(k->s, k->stage->t, k->stage->X, want, &K, &D);
-  return status == HK_OK ? k->s->combine(k->s, 1, g, g * g, &k->A) : status;
+  hk_status status = k->s->linear->jacobian(k->s, k->stage->t, k->stage->X, want, &K, &D);
+  return status == HK_OK ? k->s->linear->combine(k->s, 1, g, g * g, &k->A) : status;
 }
 
 static hk_status solve(work *k, const double *b, double *x) {
   hk_solve_info info = {.tolerance = k->flags & HK_ITERATIVE ? forcing : 0};
-  return k->s->solve(k->s, b, x, &info);
+  return k->s->linear->solve(k->s, b, x, &info);
 }
 
 static void negate(double *to, const double *from, size_t count) {
@@ -122,7 +122,7 @@ static void negate(double *to, const double *from, size_t count) {
 }
 
 static hk_status factorize_and_solve(work *k) {
-  hk_status status = k->s->factorize(k->s, &k->A);
+  hk_status status = k->s->linear->factorize(k->s, &k->A);
   k->w->factor_g = 0;
   if (status != HK_OK) return status;
   k->w->factor_g = k->stage->g;
@@ -142,7 +142,7 @@ static bool krylov(work *k) {
   memset(k->dv, 0, m * sizeof *k->dv);
   double rz = 0, first = 0;
   for (int i = 0; i <= k->w->krylov_most; i++) {
-    if (k->s->solve(k->s, r, z, NULL) != HK_OK) return false;
+    if (k->s->linear->solve(k->s, r, z, NULL) != HK_OK) return false;
     k->s->filter(k->s, z);
     double next = dot(r, z, m);
     if (!(next >= 0)) return false;
@@ -305,7 +305,7 @@ static hk_status fall_back(work *k, pace *p, double size, double limit) {
 }
 
 /* Solves the channels' equation at the present v. R then belongs to a y that differs by less than is allowed. */
-static hk_status settle(work *k) {
+static hk_status solve_channels(work *k) {
   hk_status status = HK_OK;
   for (int i = 0; i < PATIENCE && status == HK_OK && !k->settled; i++) {
     status = residual(k);
@@ -326,7 +326,7 @@ static hk_status iterate(work *k) {
   double limit = stage->limit, size = 0;
   pace p = start_pace(k);
   for (int64_t i = 0; i < k->w->iterations; i++) {
-    hk_status status = settle(k);
+    hk_status status = solve_channels(k);
     if (status == HK_OK) status = next_direction(k, &p, &size);
     if (status != HK_OK) return status;
     if (i == 0 && stage->fixed) limit = fmin(limit, fmax(drop, k->w->tolerance) * size);
@@ -369,11 +369,11 @@ static hk_status start_safely(work *k) {
 
 hk_status hk_newton_solve(hk_newton *w, hk_system *s, const hk_stage *stage) {
   work k = begin(w, s, stage);
-  hk_status status = s->solver_flags(s, &k.flags);
+  hk_status status = s->linear->solver_flags(s, &k.flags);
   if (status == HK_OK && s->contact) status = start_safely(&k);
   if (status == HK_OK) status = residual(&k);
   if (status == HK_OK) status = set_channels(&k, true);
-  k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || s->equations > 0;
+  k.by_size = k.flags & HK_SOLVES_UNSYMMETRIC || hk_system_equations(s) > 0;
   if (status == HK_OK) status = iterate(&k);
   if (status == HK_NOT_CONVERGED) hk_newton_forget(w);
   return status;
@@ -383,7 +383,7 @@ hk_status hk_newton_smooth(hk_system *s, double *b, double *x) {
   for (size_t i = 0; i < s->n; i++)
     for (size_t e = 3 * i; e < 3 * i + 3; e++) b[e] *= s->model->mass[i];
   s->filter(s, b);
-  hk_status status = s->solve(s, b, x, NULL);
+  hk_status status = s->linear->solve(s, b, x, NULL);
   if (status == HK_OK) s->filter(s, x);
   return status;
 }

@@ -35,7 +35,7 @@
 
 #include "plugins/common/integrate/channels.h"
 
-enum { HK_NEWTON_STATES = 5 }; /* width of the scratch field of `memory`, HK_FIELD_STATE */
+enum { HK_NEWTON_STATES = 5 }; /* width of the scratch field of `memory`, a field `state` */
 
 /* A cheaper substitute for a factorization: how often in a row it failed, and how many times it is to be omitted. */
 typedef struct hk_shortcut {
@@ -67,33 +67,17 @@ hk_status hk_newton_topology(void *self, const hk_view *view);
 
 /* The parameters of hk_newton, for the table of a method whose instance `type` has it as its member `newton`: the
  * default and the description of the tolerance, and the same of the iterations. */
+/* clang-format off */
 #define HK_NEWTON_PARAMS(type, tolerance_default, tolerance_doc, iterations_default, iterations_doc)                   \
-  {"tolerance",  "",  tolerance_doc, HK_NUMBER, {tolerance_default}, 0, 1, offsetof(type, newton.tolerance),           \
-   HK_ABOVE_MIN, NULL},                                                                                                \
-      {"iterations",                                                                                                   \
-       "",                                                                                                             \
-       iterations_doc,                                                                                                 \
-       HK_INTEGER,                                                                                                     \
-       {iterations_default},                                                                                           \
-       1,                                                                                                              \
-       1000,                                                                                                           \
-       offsetof(type, newton.iterations),                                                                              \
-       0,                                                                                                              \
-       NULL},                                                                                                          \
-      {"reuse",                                                                                                        \
-       "",                                                                                                             \
-       "keep the factors of the matrix while the iteration converges with them",                                       \
-       HK_BOOLEAN,                                                                                                     \
-       {1},                                                                                                            \
-       0,                                                                                                              \
-       0,                                                                                                              \
-       offsetof(type, newton.reuse),                                                                                   \
-       0,                                                                                                              \
-       NULL},                                                                                                          \
-  {                                                                                                                    \
-    "krylov", "", "iterations of conjugate gradients with old factors that are tried before new ones are made",        \
-        HK_INTEGER, {8}, 0, 1000, offsetof(type, newton.krylov_most), 0, NULL                                          \
-  }
+  {"tolerance", "", tolerance_doc, .number = HK_AT(type, newton.tolerance), .initial = {tolerance_default},            \
+   .limits = HK_ABOVE_TO(0, 1)},                                                                                       \
+  {"iterations", "", iterations_doc, .integer = HK_AT(type, newton.iterations), .initial = {iterations_default},       \
+   .limits = HK_WITHIN(1, 1000)},                                                                                      \
+  {"reuse", "", "keep the factors of the matrix while the iteration converges with them",                              \
+   .boolean = HK_AT(type, newton.reuse), .initial = {1}},                                                              \
+  {"krylov", "", "iterations of conjugate gradients with old factors that are tried before new ones are made",         \
+   .integer = HK_AT(type, newton.krylov_most), .initial = {8}, .limits = HK_WITHIN(0, 1000)}
+/* clang-format on */
 
 /* HK_NOT_CONVERGED: stage->X is invalid. s->X changes by its pins only. */
 hk_status hk_newton_solve(hk_newton *, hk_system *, const hk_stage *);

@@ -3,7 +3,7 @@
  * 1e-12 and 1e-10 where the function changes over that length. Second ones are taken along (1, v), in time and space at
  * once. How fast a function changes with time is not known, so their steps shrink until two agree. */
 #include "plugins/common/implicit/script_equation.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 static const double first = 1e-3, second = 6e-3, /* of the length */
     instant = 2e-5,                              /* s, of first differences in time */

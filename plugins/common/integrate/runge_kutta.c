@@ -3,7 +3,7 @@
  * cache. The stability function follows from the same tableau, by applying the method to y' = z y: Y_i = 1 + z sum a_ij
  * Y_j, R = 1 + z sum b_i Y_i (Hairer and Wanner, Solving ODEs II, IV.2). */
 #include "plugins/common/integrate/runge_kutta.h"
-#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/kit/integrate/growth_factor.h"
 
 #include <complex.h>
 #include <string.h>
@@ -102,12 +102,12 @@ typedef struct stage {
   double *state, *end; /* of the stage; of the step */
 } stage;
 
-static void prepare(void *context, size_t begin, size_t end) {
+static void before(void *context, size_t begin, size_t end) {
   const stage *s = context;
   combine_range(&s->before, s->m, s->X, s->state, 3 * begin, 3 * end);
 }
 
-static void finish(void *context, size_t begin, size_t end) {
+static void after(void *context, size_t begin, size_t end) {
   const stage *s = context;
   combine_range(&s->after, s->m, s->X, s->end, 3 * begin, 3 * end);
 }
@@ -118,19 +118,19 @@ static hk_status evaluate(const hk_tableau *T, hk_system *s, double h, double *k
   size_t m = 3 * s->n;
   double *slope = hk_rk_slope(s, k, i);
   stage at = {.m = m, .X = s->X, .state = i ? hk_rk_stage_state(T, s, k) : s->X, .end = end};
-  hk_pass pass = {&at, NULL, end && i + 1 == T->stages ? finish : NULL};
+  hk_fused work = {&at, NULL, end && i + 1 == T->stages ? after : NULL};
   hk_status status = HK_OK;
   if (i > 0) {
     at.before = weigh(T, s, h, k, T->a[i], i, T->c[i]);
     combine_rest(&at.before, s, s->X, at.state);
-    pass.prepare = s->contact ? NULL : prepare;
-    if (s->contact) prepare(&at, 0, s->n);
-    if (s->contact) status = s->update(s, s->t, s->X, at.state);
+    work.before = s->contact ? NULL : before;
+    if (s->contact) before(&at, 0, s->n);
+    if (s->contact) status = s->contact->update(s, s->t, s->X, at.state);
   }
-  if (pass.finish) at.after = weigh(T, s, h, k, T->b, T->stages, 1);
+  if (work.after) at.after = weigh(T, s, h, k, T->b, T->stages, 1);
   if (status != HK_OK) return status;
-  status = s->pass(s, s->t + T->c[i] * h, at.state, at.state + m, at.state + 2 * m, slope, slope + m, &pass);
-  if (status == HK_OK && pass.finish) combine_rest(&at.after, s, s->X, end);
+  status = s->fused(s, s->t + T->c[i] * h, at.state, at.state + m, at.state + 2 * m, slope, slope + m, &work);
+  if (status == HK_OK && work.after) combine_rest(&at.after, s, s->X, end);
   return status;
 }
 
@@ -140,8 +140,11 @@ hk_status hk_rk_stages(const hk_tableau *T, hk_system *s, double h, double *k, i
   return status;
 }
 
-hk_status hk_rk_step(const hk_tableau *T, hk_system *s, double h, double *k) {
+hk_status hk_rk_step(void *self, const void *tableau, hk_system *s, double t_stop, double h, hk_step *out) {
+  const hk_tableau *T = tableau;
+  double *k = ((hk_runge_kutta *)self)->k;
   hk_status status = HK_OK;
+  (void)t_stop, (void)out;
   for (int i = 0; i < T->stages && status == HK_OK; i++) status = evaluate(T, s, h, k, i, s->spare);
   if (status == HK_OK) s->exchange(s);
   return status;
@@ -157,10 +160,9 @@ static double stability(const hk_tableau *T, double complex z) {
   return cabs(R);
 }
 
-double hk_rk_rotation(const hk_tableau *T, double hw, double hg, double hb) {
+double hk_rk_growth(const void *self, const void *T, double hw, double hg, double hb) {
+  (void)self;
   double complex z[2];
   hk_oscillator_roots(hw, hg + hb * I, z);
   return fmax(stability(T, z[0]), stability(T, z[1]));
 }
-
-double hk_rk_amplification(const hk_tableau *T, double hw, double hg) { return hk_rk_rotation(T, hw, hg, 0); }

@@ -76,7 +76,7 @@ static hk_status rows_from(hk_slide_pins *l, hk_system *s, double *b, double *x,
     if (another && columns == 3) break;
     if (another) b[3 * (size_t)l->particle[end] + columns++] = 1;
   }
-  hk_status status = s->solve_columns(s, b, x, 3);
+  hk_status status = s->linear->solve_columns(s, b, x, 3);
   size_t column = 0;
   for (size_t a = begin; a < end; a++) {
     if (a > begin && l->particle[a] != l->particle[a - 1]) column++;
@@ -122,7 +122,7 @@ hk_status hk_slide_pins_correct(hk_slide_pins *l, hk_system *s, double *dx, doub
   memset(b, 0, 3 * s->n * sizeof *b);
   for (size_t i = 0; i < n; i++)
     for (size_t c = 0; c < 3; c++) b[3 * (size_t)l->particle[i] + c] += y[i] * l->normal[i][c];
-  hk_status status = s->solve_columns(s, b, x, 3);
+  hk_status status = s->linear->solve_columns(s, b, x, 3);
   for (size_t e = 0; e < 3 * s->n && status == HK_OK; e++) dx[e] -= x[e];
   s->filter(s, dx);
   return status;

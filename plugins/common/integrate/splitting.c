@@ -1,13 +1,13 @@
 #include "plugins/common/integrate/splitting.h"
-#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/kit/integrate/growth_factor.h"
 
 #include <complex.h>
 #include <string.h>
 
 const hk_field hk_splitting_fields[] = {
-    {"primed", HK_FIELD_INTEGER, 1, offsetof(hk_splitting, primed), 0},
-    {"slope", HK_FIELD_STATE, 1, offsetof(hk_splitting, slope), 0},
-    {"seen", HK_FIELD_STATE, 1, offsetof(hk_splitting, seen), HK_SCRATCH},
+    {"primed", .integer = HK_AT(hk_splitting, primed)},
+    {"slope", .state = HK_AT(hk_splitting, slope), .width = 1},
+    {"seen", .state = HK_AT(hk_splitting, seen), .width = 1, .flags = HK_SCRATCH},
     {0},
 };
 
@@ -38,8 +38,11 @@ static double undamped(const hk_splitting_method *f, double z) {
   return fabs(half) <= 1 ? 1 : fabs(half) + sqrt(half * half - 1);
 }
 
-double hk_splitting_rotation(const hk_splitting_method *f, double hw, double hg, double hb) {
+double hk_splitting_growth(const void *self, const void *method, double hw, double hg, double hb) {
+  const hk_splitting_method *f = method;
   double z = hw * hw;
+  (void)self;
+  if (hg == 0 && hb == 0) return undamped(f, z);
   double complex x[3], p[3], q[3], d = hg + hb * I;
   increments(f, z, d, 1, 0, 0, x);
   increments(f, z, d, 0, 1, 0, p);
@@ -48,10 +51,6 @@ double hk_splitting_rotation(const hk_splitting_method *f, double hw, double hg,
   double complex determinant =
       x[0] * (p[1] * q[2] - q[1] * p[2]) - p[0] * (x[1] * q[2] - q[1] * x[2]) + q[0] * (x[1] * p[2] - p[1] * x[2]);
   return hk_complex_polynomial_growth(3, (const double complex[]){-determinant, minors, -(x[0] + p[1] + q[2]), 1});
-}
-
-double hk_splitting_amplification(const hk_splitting_method *f, double hw, double hg) {
-  return hg == 0 ? undamped(f, hw * hw) : hk_splitting_rotation(f, hw, hg, 0);
 }
 
 void hk_splitting_reset(void *self, hk_reason why) {
@@ -98,10 +97,13 @@ static void kick_rates(double *restrict y, double *restrict seen, const double *
   }
 }
 
-hk_status hk_splitting_step(hk_splitting *m, const hk_splitting_method *f, hk_system *s, double t_stop, double h) {
+hk_status hk_splitting_step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
+  hk_splitting *m = self;
+  const hk_splitting_method *f = method;
   size_t v = 3 * s->n, y = 6 * s->n;
   double *X = s->spare, *seen = m->seen, *a = m->slope, t = s->t, last = h * f->kick[f->stages];
   hk_status status = HK_OK;
+  (void)out;
   if (!m->primed) status = s->accelerations(s, t, s->X, s->X + v, s->X + y, a, a + v);
   m->primed = 0;
   memcpy(X + y, s->X + y, (s->size - y) * sizeof *X);
@@ -110,8 +112,8 @@ hk_status hk_splitting_step(hk_splitting *m, const hk_splitting_method *f, hk_sy
                 h * ahead(f, i + 1),  last, s->n};
     kick_rates(X + y, seen + y, a + v, s->size - y, at.kick, at.predict);
     t = i + 1 < f->stages ? t + h * f->drift[i] : fmin(t_stop, s->t + h);
-    hk_pass pass = {&at, advance, i + 1 < f->stages ? NULL : kick_last};
-    status = s->pass(s, t, X, seen + v, seen + y, a, a + v, &pass);
+    hk_fused work = {&at, advance, i + 1 < f->stages ? NULL : kick_last};
+    status = s->fused(s, t, X, seen + v, seen + y, a, a + v, &work);
   }
   if (status != HK_OK) return status;
   kick_rates(X + y, seen + y, a + v, s->size - y, last, 0);

@@ -21,12 +21,6 @@ typedef struct hk_splitting_method {
 
 /* Leapfrog steps of the lengths g_i h, one after the other: drifts g_i, kicks (g_(i-1) + g_i)/2. G1 to G9 are the first
  * half of the list and its middle; the other half is the first one backwards. */
-#define HK_COMPOSED_9(G1, G2, G3, G4, G5)                                                                              \
-  {                                                                                                                    \
-    9, {(G1) / 2,          ((G1) + (G2)) / 2, ((G2) + (G3)) / 2, ((G3) + (G4)) / 2, ((G4) + (G5)) / 2,                 \
-        ((G4) + (G5)) / 2, ((G3) + (G4)) / 2, ((G2) + (G3)) / 2, ((G1) + (G2)) / 2, (G1) / 2},                         \
-        {G1, G2, G3, G4, G5, G4, G3, G2, G1},                                                                          \
-  }
 #define HK_COMPOSED_17(G1, G2, G3, G4, G5, G6, G7, G8, G9)                                                             \
   {                                                                                                                    \
     17, {(G1) / 2,          ((G1) + (G2)) / 2, ((G2) + (G3)) / 2, ((G3) + (G4)) / 2, ((G4) + (G5)) / 2,                \
@@ -44,9 +38,9 @@ typedef struct hk_splitting {
 
 extern const hk_field hk_splitting_fields[]; /* of instances that are hk_splitting */
 
-double hk_splitting_amplification(const hk_splitting_method *, double hw, double hg);
-double hk_splitting_rotation(const hk_splitting_method *, double hw, double hg, double hb);
-hk_status hk_splitting_step(hk_splitting *, const hk_splitting_method *, hk_system *s, double t_stop, double h);
+/* Members of an hk_integrator whose instance is an hk_splitting and whose `method` an hk_splitting_method. */
+hk_status hk_splitting_step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out);
 void hk_splitting_reset(void *self, hk_reason why);
+double hk_splitting_growth(const void *self, const void *method, double hw, double hg, double hb);
 
 #endif

@@ -12,7 +12,7 @@
  * length get no gradient: a balance that is not stable, which the least push ends. In a plane only the angle's range
  * ends at pi: hk_joint_off measures from the angle at rest, so that what jumps lies half a turn away from it. */
 #include "plugins/common/joints/joint.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <float.h>
 #include <string.h>

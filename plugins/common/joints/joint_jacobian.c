@@ -32,8 +32,8 @@ typedef struct task {
 
 /* ---- one joint ---- */
 
-void hk_joint_look(const hk_joint_layout *s, const hk_view *view, const double plane[3], size_t e,
-                   hk_joint_state *now) {
+void hk_joint_evaluate(const hk_joint_layout *s, const hk_view *view, const double plane[3], size_t e,
+                       hk_joint_state *now) {
   const uint32_t *node = s->node[e];
   hk_joint_measure(view->x, node, plane, s->rest[e] == 0, &now->joint);
   now->k = s->k[e];
@@ -74,7 +74,7 @@ static void add_joint(const task *t, size_t e) {
   hk_joint_blocks A;
   hk_joint_state now;
   double g[2][3] = {{0}};
-  hk_joint_look(t->layout, t->view, t->plane, e, &now);
+  hk_joint_evaluate(t->layout, t->view, t->plane, e, &now);
   if (t->definite)
     hk_joint_definite(&now.joint, now.k, now.moment, A);
   else
@@ -93,12 +93,12 @@ typedef struct numbers {
   double tt[2], ta[2], aa[2], bb[2];
 } numbers;
 
-static inline __attribute__((always_inline)) numbers exact(double k, double z, double half) {
+HK_INLINE numbers exact(double k, double z, double half) {
   double same = -z * half, opposite = z / half;
   return (numbers){{0, 0}, {-z, 0}, {k, k}, {(same + opposite) / 2, (same - opposite) / 2}};
 }
 
-static inline __attribute__((always_inline)) numbers definite(double k, double z, double half) {
+HK_INLINE numbers definite(double k, double z, double half) {
   double w = -z, p = k + sqrt(k * k + w * w), norm = w * w + p * p, o = (w < 0 ? -w : w) / 2;
   double s = norm > 0 ? p / norm : 0, tt = s * w * w, ta = s * w * p, aa = s * p * p;
   double same = -z * half, opposite = z / half;
@@ -111,7 +111,7 @@ static inline __attribute__((always_inline)) numbers definite(double k, double z
 }
 
 /* Long, but as several functions it would not become vectors. */
-static inline __attribute__((always_inline)) void compute(block *q, bool is_definite) {
+HK_INLINE void compute(block *q, bool is_definite) {
   for (int r = 0; r < BLOCK; r++) {
     double T[2][3], A[2][3], B[2][3], t[2][3], b[3], scale[2];
     bool fine = true;
@@ -154,21 +154,14 @@ static inline __attribute__((always_inline)) void compute(block *q, bool is_defi
   }
 }
 
-static inline __attribute__((always_inline)) void compute_kind(block *q, bool is_definite) {
+HK_INLINE void compute_kind(block *q, bool is_definite) {
   if (is_definite)
     compute(q, true);
   else
     compute(q, false);
 }
 
-static void compute_narrow(block *q, bool is_definite) { compute_kind(q, is_definite); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void compute_wide(block *q, bool is_definite) { compute_kind(q, is_definite); }
-#define COMPUTE (__builtin_cpu_supports("avx2") ? compute_wide : compute_narrow)
-#else
-#define COMPUTE compute_narrow
-#endif
+HK_VERSIONS(static void, compute_many, (block * q, bool is_definite), compute_kind(q, is_definite))
 
 static void gather(const task *t, size_t begin, size_t count, double into[2][3][BLOCK]) {
   const double *from = t->view->x;
@@ -223,7 +216,14 @@ static void add_part(const void *context, size_t part) {
 
 void hk_joint_jacobian(const hk_joint_layout *s, const hk_view *view, const double plane[3], const hk_blocks *into) {
   bool is_definite = into->want & HK_WANT_DEFINITE, turns = !is_definite && !(into->want & HK_WANT_SYMMETRIC);
-  task t = {s, view, plane, into, is_definite, turns, plane || (turns && s->damped), COMPUTE};
+  task t = {s,
+            view,
+            plane,
+            into,
+            is_definite,
+            turns,
+            plane || (turns && s->damped),
+            HK_WIDEST(view->host->lanes, compute_many)};
   if (s->count == 0) return;
   hk_parts_each(view->host, &s->sums.lists.partition, s->sums.lists.first, add_part, &t);
 }

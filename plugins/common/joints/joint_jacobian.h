@@ -13,7 +13,7 @@ typedef struct hk_joint_state {
 } hk_joint_state;
 
 /* Joint e of the layout. plane: as in hk_joint_measure. */
-void hk_joint_look(const hk_joint_layout *, const hk_view *view, const double plane[3], size_t e, hk_joint_state *);
+void hk_joint_evaluate(const hk_joint_layout *, const hk_view *view, const double plane[3], size_t e, hk_joint_state *);
 /* Adds the blocks of all joints, nine for each element, (i, i), (i, j), (i, k), (j, i), ... */
 void hk_joint_jacobian(const hk_joint_layout *, const hk_view *view, const double plane[3], const hk_blocks *into);
 

@@ -1,8 +1,8 @@
 /* Forces of joints, the formulas of joint.c without unit vectors: with s = |e_1 x e_2|, b = e_1 x e_2, z the moment,
  *     z grad_1 angle = (z/s) e_1 x b/|e_1|^2,    z grad_2 angle = (z/s) b x e_2/|e_2|^2,
  * (in a plane 1 and its normal for s and b), which go to i as they are and to k reversed; j gets what is left. Blocks
- * of joints are gathered, computed in loops that compilers turn into vectors, and scattered in order. The wide path and
- * the narrow one do the same operations, so their results are bitwise equal.
+ * of joints are gathered, computed in loops that compilers turn into vectors, and scattered in order. Every width of
+ * vectors does the same operations, so their results are bitwise equal.
  *
  * Where b = 0 there is no force: the energy of a joint straight at rest has no slope there. Its damping is that of the
  * direction that joint.c picks, so such joints go through there; they are few once a chain moves. */
@@ -24,7 +24,7 @@ typedef struct block {
 } block;
 
 /* One loop of all, so that every number stays in its register. */
-static inline __attribute__((always_inline)) void compute(block *q, const double *plane, bool damped) {
+HK_INLINE void compute(block *q, const double *plane, bool damped) {
   const double pi = 3.14159265358979323846;
   for (int r = 0; r < BLOCK; r++) {
     double x1 = q->e[0][0][r], y1 = q->e[0][1][r], z1 = q->e[0][2][r];
@@ -63,7 +63,7 @@ static inline __attribute__((always_inline)) void compute(block *q, const double
   }
 }
 
-static inline __attribute__((always_inline)) void compute_kind(block *q, const double *plane, bool damped) {
+HK_INLINE void compute_kind(block *q, const double *plane, bool damped) {
   if (plane && damped)
     compute(q, plane, true);
   else if (plane)
@@ -74,16 +74,7 @@ static inline __attribute__((always_inline)) void compute_kind(block *q, const d
     compute(q, NULL, false);
 }
 
-static void compute_narrow(block *q, const double *plane, bool damped) { compute_kind(q, plane, damped); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void compute_wide(block *q, const double *plane, bool damped) {
-  compute_kind(q, plane, damped);
-}
-#define COMPUTE (__builtin_cpu_supports("avx2") ? compute_wide : compute_narrow)
-#else
-#define COMPUTE compute_narrow
-#endif
+HK_VERSIONS(static void, compute_many, (block * q, const double *plane, bool damped), compute_kind(q, plane, damped))
 
 typedef struct task {
   const hk_joint_layout *layout;
@@ -152,7 +143,7 @@ static double add_items(const void *context, const hk_view *view, const uint32_t
 }
 
 void hk_joint_forces(const hk_joint_layout *s, const hk_view *view, const double plane[3], size_t part, double *F) {
-  const task t = {.layout = s, .plane = plane, .compute = COMPUTE};
+  const task t = {.layout = s, .plane = plane, .compute = HK_WIDEST(view->host->lanes, compute_many)};
   hk_part_sums_add(&s->sums, view, part, add_items, &t, F);
 }
 

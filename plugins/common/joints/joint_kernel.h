@@ -2,7 +2,7 @@
 #ifndef HK_JOINT_KERNEL_H
 #define HK_JOINT_KERNEL_H
 
-#include "plugins/common/parts/part_sums.h"
+#include "plugins/kit/parts/part_sums.h"
 
 /* Copies of the acting joints, part after part. To be zeroed before the first use; the memory belongs to the instance.
  */

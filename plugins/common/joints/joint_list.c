@@ -2,7 +2,7 @@
  * particles counted as 0, a joint has k + 1/(l_1/(2 EI_1) + l_2/(2 EI_2)) and the rest angle curvature (l_1 + l_2)/2.
  */
 #include "plugins/common/joints/joint_list.h"
-#include "plugins/common/springs/edge.h"
+#include "plugins/kit/springs/edge.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 #include "plugins/common/lengths/lengths.h"
-#include "plugins/common/springs/edge.h"
+#include "plugins/kit/springs/edge.h"
 
 static hk_status check(const hk_lengths *l, const hk_host *host, const hk_view *view, const char *remedy) {
   for (size_t e = 0; e < l->edges.count; e++) {

@@ -8,10 +8,11 @@ typedef struct full_task {
   const hk_matrix *A;
   const double *x;
   double *y;
+  int lanes;
 } full_task;
 
 /* The last row of a block is loaded one number earlier, so that no memory beyond the matrix is read. */
-INLINE void full_rows(const full_task *t, size_t begin, size_t end) {
+HK_INLINE void full_rows(const full_task *t, size_t begin, size_t end) {
   const hk_matrix *A = t->A;
   for (size_t r = begin; r < end; r++) {
     vector a = {0}, b = {0}, c = {0};
@@ -28,9 +29,7 @@ INLINE void full_rows(const full_task *t, size_t begin, size_t end) {
   }
 }
 
-WIDE static void full_rows_wide(const full_task *t, size_t begin, size_t end) { full_rows(t, begin, end); }
-
-static void full_rows_narrow(const full_task *t, size_t begin, size_t end) { full_rows(t, begin, end); }
+HK_VERSIONS(static void, full_triples, (const full_task *t, size_t begin, size_t end), full_rows(t, begin, end))
 
 static void full_single(const full_task *t, size_t begin, size_t end) {
   const hk_matrix *A = t->A;
@@ -46,13 +45,11 @@ static void full_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   (void)chunk;
   if (t->A->block == 1)
     full_single(t, begin, end);
-  else if (HAS_WIDE())
-    full_rows_wide(t, begin, end);
   else
-    full_rows_narrow(t, begin, end);
+    HK_WIDEST(t->lanes, full_triples)(t, begin, end);
 }
 
 void hk_block_product(const hk_host *host, const hk_matrix *A, const double *x, double *y) {
-  full_task task = {A, x, y};
+  full_task task = {A, x, y, host->lanes};
   host->parallel_for(host, A->rows, ROWS, full_chunk, &task);
 }

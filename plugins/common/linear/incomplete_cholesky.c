@@ -46,6 +46,7 @@ typedef struct incomplete_task {
   const hk_matrix *A;
   const double *r;
   double *z;
+  int lanes;
 } incomplete_task;
 
 /* C = A B, blocks of b. */
@@ -141,7 +142,7 @@ bool hk_incomplete_factorize(hk_incomplete *m, const hk_host *host, const hk_mat
   { (p)[0], (p)[1], (p)[2], 0 }
 #define WIDEN(p) __builtin_convertvector(*(const single *)(p), vector)
 
-INLINE void solve_triples(const hk_incomplete *m, double *z, size_t begin, size_t end) {
+HK_INLINE void solve_triples(const hk_incomplete *m, double *z, size_t begin, size_t end) {
   const size_t *restrict start = m->start;
   const uint32_t *restrict column = m->column;
   const float *restrict W = m->W;
@@ -175,13 +176,8 @@ INLINE void solve_triples(const hk_incomplete *m, double *z, size_t begin, size_
   }
 }
 
-WIDE static void solve_triples_wide(const hk_incomplete *m, double *z, size_t begin, size_t end) {
-  solve_triples(m, z, begin, end);
-}
-
-static void solve_triples_narrow(const hk_incomplete *m, double *z, size_t begin, size_t end) {
-  solve_triples(m, z, begin, end);
-}
+HK_VERSIONS(static void, solve_blocks, (const hk_incomplete *m, double *z, size_t begin, size_t end),
+            solve_triples(m, z, begin, end))
 
 static void solve_singles(const hk_incomplete *m, double *z, size_t begin, size_t end) {
   for (size_t r = begin; r < end; r++)
@@ -200,10 +196,8 @@ static void apply_chunk(void *context, size_t begin, size_t end, size_t chunk) {
   memcpy(t->z + b * begin, t->r + b * begin, b * (end - begin) * sizeof *t->z);
   if (b == 1)
     solve_singles(m, t->z, begin, end);
-  else if (HAS_WIDE())
-    solve_triples_wide(m, t->z, begin, end);
   else
-    solve_triples_narrow(m, t->z, begin, end);
+    HK_WIDEST(t->lanes, solve_blocks)(m, t->z, begin, end);
   double sum[4] = {0};
   for (size_t k = b * begin; k < b * end; k++) sum[k % 4] += t->r[k] * t->z[k];
   m->part[chunk] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
@@ -211,7 +205,7 @@ static void apply_chunk(void *context, size_t begin, size_t end, size_t chunk) {
 
 double hk_incomplete_apply(const hk_incomplete *m, const hk_host *host, const double *r, double *z) {
   hk_incomplete copy = *m;
-  incomplete_task task = {.m = &copy, .r = r, .z = z};
+  incomplete_task task = {.m = &copy, .r = r, .z = z, .lanes = host->lanes};
   double sum = 0;
   host->parallel_for(host, m->rows, m->domain, apply_chunk, &task);
   for (size_t k = 0; k < m->domains; k++) sum += m->part[k];

@@ -34,10 +34,9 @@ struct hk_triangular {
 
 /* ---- Substitution. W is a constant in every call, so the loops over it are unrolled. ---- */
 
-#define INLINE static inline __attribute__((always_inline))
 #define ROW(x, i) (*(lanes *)((x) + LANES * (size_t)(i)))
 
-INLINE void forward(const panel *p, const uint32_t *row, const double *value, double *x, size_t W) {
+HK_INLINE void forward(const panel *p, const uint32_t *row, const double *value, double *x, size_t W) {
   lanes y[WIDEST];
   for (size_t j = 0; j < W; j++) {
     lanes sum = ROW(x, p->column + j);
@@ -58,7 +57,7 @@ INLINE void forward(const panel *p, const uint32_t *row, const double *value, do
   }
 }
 
-INLINE void backward(const panel *p, const uint32_t *row, const double *value, double *x, size_t W) {
+HK_INLINE void backward(const panel *p, const uint32_t *row, const double *value, double *x, size_t W) {
   lanes y[WIDEST];
   const double *below = value + W * W;
   for (size_t j = 0; j < W; j++) y[j] = ROW(x, p->column + j);
@@ -92,25 +91,12 @@ INLINE void backward(const panel *p, const uint32_t *row, const double *value, d
     }                                                                                                                  \
   } while (0)
 
-INLINE void both(const hk_triangular *t, double *x) {
+HK_INLINE void both(const hk_triangular *t, double *x) {
   for (size_t k = 0; k < t->panels; k++) EACH_WIDTH(forward, &t->panel[k], t, x);
   for (size_t k = t->panels; k-- > 0;) EACH_WIDTH(backward, &t->panel[k], t, x);
 }
 
-static void both_narrow(const hk_triangular *t, double *x) { both(t, x); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void both_wide(const hk_triangular *t, double *x) { both(t, x); }
-
-static substitute *best(void) {
-  __builtin_cpu_init();
-  return __builtin_cpu_supports("avx2") ? both_wide : both_narrow;
-}
-#else
-static substitute *best(void) { return both_narrow; }
-#endif
-
-void hk_triangular_narrow(hk_triangular *t) { t->both = both_narrow; }
+HK_VERSIONS(static void, both_solves, (const hk_triangular *t, double *x), both(t, x))
 
 void hk_triangular_solve(hk_triangular *t, const double *b, double *x, size_t columns) {
   for (size_t first = 0; first < columns; first += LANES) {
@@ -161,7 +147,7 @@ hk_triangular *hk_triangular_create(const hk_host *host, const hk_factor_view *f
   hk_triangular *t = host->allocate(host, sizeof *t);
   if (!t) return NULL;
   count(f, &panels, &rows, &values);
-  *t = (hk_triangular){.n = f->n, .panels = panels, .both = best()};
+  *t = (hk_triangular){.n = f->n, .panels = panels, .both = HK_WIDEST(host->lanes, both_solves)};
   t->panel = host->allocate(host, (panels + 1) * sizeof *t->panel);
   t->row = host->allocate(host, (rows + 1) * sizeof *t->row);
   t->value = host->allocate(host, (values + 1) * sizeof *t->value);

@@ -26,7 +26,5 @@ void hk_triangular_free(hk_triangular *, const hk_host *host);
 void hk_triangular_fill(hk_triangular *, const hk_factor_view *factor);
 /* x = A^-1 b; b, x: n x columns, row-major; they may be the same array. */
 void hk_triangular_solve(hk_triangular *, const double *b, double *x, size_t columns);
-/* From now on uses the path for any processor, which is slower and gives the same bits. */
-void hk_triangular_narrow(hk_triangular *);
 
 #endif

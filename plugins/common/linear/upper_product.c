@@ -15,6 +15,7 @@ typedef struct product_task {
   const hk_upper *m;
   const double *x;
   double *y;
+  int lanes;
 } product_task;
 
 /* Local copies of the x and y that a chunk uses, component by component: component c of x is at `memory + c stride`, y
@@ -72,7 +73,7 @@ static inline void one_out(const local *l, size_t k, size_t block, double *to) {
     STORE((p) + 8, PICK(PICK(w_, u_, 0, 5, 2, 3), v_, 0, 1, 6, 3));                                                    \
   } while (0)
 
-INLINE void triples_in(const product_task *t, const local *l, size_t begin, size_t end) {
+HK_INLINE void triples_in(const product_task *t, const local *l, size_t begin, size_t end) {
   size_t k = 0, p = 0;
   for (; begin + k + LANES <= end; k += LANES) FOUR_IN(t->x + 3 * (begin + k), l, k);
   for (; begin + k < end; k++) one_in(t, l, begin + k, k);
@@ -86,7 +87,7 @@ INLINE void triples_in(const product_task *t, const local *l, size_t begin, size
     }
 }
 
-INLINE void triples_out(const product_task *t, const local *l, size_t begin, size_t end) {
+HK_INLINE void triples_out(const product_task *t, const local *l, size_t begin, size_t end) {
   size_t k = 0, p = 0;
   for (; begin + k + LANES <= end; k += LANES) FOUR_OUT(t->y + 3 * (begin + k), l, k);
   for (; begin + k < end; k++) one_out(l, k, 3, t->y + 3 * (begin + k));
@@ -121,7 +122,7 @@ INLINE void triples_out(const product_task *t, const local *l, size_t begin, siz
 #define SCATTER(p, i, v) (p)[i[0]] += v[0], (p)[i[1]] += v[1], (p)[i[2]] += v[2], (p)[i[3]] += v[3]
 
 /* Returns the chunk's part of x.(A x): blocks right of the diagonal count twice. */
-INLINE double triple_groups(const hk_upper *m, const local *l, size_t begin, size_t end, bool packed) {
+HK_INLINE double triple_groups(const hk_upper *m, const local *l, size_t begin, size_t end, bool packed) {
   const size_t size = packed ? 6 * LANES : 9 * LANES;
   const double *restrict xs = l->memory, *restrict ys = xs + l->stride, *restrict zs = ys + l->stride;
   double *restrict xt = l->memory + 3 * l->stride, *restrict yt = xt + l->stride, *restrict zt = yt + l->stride;
@@ -159,7 +160,7 @@ INLINE double triple_groups(const hk_upper *m, const local *l, size_t begin, siz
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-INLINE double triple_chunk(const product_task *t, const local *l, size_t begin, size_t end, bool packed) {
+HK_INLINE double triple_chunk(const product_task *t, const local *l, size_t begin, size_t end, bool packed) {
   clear(l, 3, end - begin);
   triples_in(t, l, begin, end);
   double sum = packed ? triple_groups(t->m, l, begin, end, true) : triple_groups(t->m, l, begin, end, false);
@@ -167,13 +168,8 @@ INLINE double triple_chunk(const product_task *t, const local *l, size_t begin, 
   return sum;
 }
 
-WIDE static double triple_chunk_wide(const product_task *t, const local *l, size_t begin, size_t end, bool packed) {
-  return triple_chunk(t, l, begin, end, packed);
-}
-
-static double triple_chunk_narrow(const product_task *t, const local *l, size_t begin, size_t end, bool packed) {
-  return triple_chunk(t, l, begin, end, packed);
-}
+HK_VERSIONS(static double, triple_part, (const product_task *t, const local *l, size_t begin, size_t end, bool packed),
+            return triple_chunk(t, l, begin, end, packed))
 
 /* ---- Blocks of one --------------------------------------------------------------------------------------------- */
 
@@ -231,10 +227,8 @@ static void multiply_chunk(void *context, size_t begin, size_t end, size_t chunk
              .halo = m->halo + m->block * first};
   if (m->block == 1)
     m->part[chunk] = single_chunk(t, &l, begin, end);
-  else if (HAS_WIDE())
-    m->part[chunk] = triple_chunk_wide(t, &l, begin, end, m->packed[chunk]);
   else
-    m->part[chunk] = triple_chunk_narrow(t, &l, begin, end, m->packed[chunk]);
+    m->part[chunk] = HK_WIDEST(t->lanes, triple_part)(t, &l, begin, end, m->packed[chunk]);
 }
 
 /* Adds the contributions of other chunks to the rows of this one. */
@@ -251,7 +245,7 @@ static void receive_chunk(void *context, size_t begin, size_t end, size_t chunk)
 }
 
 double hk_upper_product(const hk_upper *m, const hk_host *host, const double *x, double *y) {
-  product_task task = {m, x, y};
+  product_task task = {m, x, y, host->lanes};
   double sum = 0;
   host->parallel_for(host, m->rows, m->chunk, multiply_chunk, &task);
   if (m->place_start[m->chunks] > 0) host->parallel_for(host, m->rows, m->chunk, receive_chunk, &task);

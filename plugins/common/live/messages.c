@@ -2,8 +2,6 @@
  * numbers of those left out. */
 #include "plugins/common/live/messages.h"
 
-#include "plugins/common/elements/element_strain.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,12 +20,7 @@ bool hk_live_open(hk_live_messages *m, int fd) {
 }
 
 void hk_live_close(hk_live_messages *m) {
-  if (!m->queue.open) return;
-  hk_live_queue_close(&m->queue);
-  free(m->strain);
-  free(m->force);
-  m->strain = NULL, m->strain_room = 0;
-  m->force = NULL, m->force_room = 0;
+  if (m->queue.open) hk_live_queue_close(&m->queue);
 }
 
 typedef struct text {
@@ -54,143 +47,82 @@ static void add_number(text *t, const char *key, double value) {
   add_line(t, (const char *const[]){key, digits}, 2);
 }
 
-static void add_field(text *t, const char *name, size_t components, const char *kind) {
+static void add_field(text *t, const hk_frame_field *f) {
   char digits[24];
-  snprintf(digits, sizeof digits, "%zu", components);
-  add_line(t, (const char *const[]){"field", name, digits, kind}, 4);
+  snprintf(digits, sizeof digits, "%zu", f->components);
+  add_line(t, (const char *const[]){"field", f->name, digits, hk_field_kinds[f->kind].name}, 4);
 }
 
 /* Single precision is enough for positions that are relative to the middle of the start. */
-static void set_origin(hk_live_messages *m, const hk_view *view) {
+static void set_origin(hk_live_messages *m, const hk_frame_data *d) {
   for (size_t c = 0; c < 3; c++) {
     double low = INFINITY, high = -INFINITY;
-    for (size_t i = 0; i < view->n; i++) {
-      low = fmin(low, view->x[3 * i + c]);
-      high = fmax(high, view->x[3 * i + c]);
+    for (size_t i = 0; i < d->n; i++) {
+      low = fmin(low, d->x[3 * i + c]);
+      high = fmax(high, d->x[3 * i + c]);
     }
-    m->origin[c] = view->n ? low / 2 + high / 2 : 0;
+    m->origin[c] = d->n ? low / 2 + high / 2 : 0;
   }
 }
 
-static bool has_strain(const hk_model *model) {
-  for (size_t k = 0; k < model->element_lists; k++)
-    if (hk_elements_strained(&model->element_list[k].elements)) return true;
-  return false;
-}
-
-void hk_live_tell_run(hk_live_messages *m, const hk_view *view, const hk_frame *frame, bool forces) {
+void hk_live_send_run(hk_live_messages *m, const hk_frame_data *d, const hk_frame *frame) {
   static const char *const axis[] = {"x", "y", "z"};
+  hk_frame_field field;
   text t = {0};
-  set_origin(m, view);
-  m->strained = has_strain(view->model);
-  m->forces = forces ? frame->forces : 0;
+  set_origin(m, d);
   add_number(&t, "fps", frame->fps);
   for (int c = 0; c < 3; c++) add_number(&t, axis[c], m->origin[c]);
-  add_field(&t, "velocity", 3, "velocity");
-  if (m->strained) add_field(&t, "strain", 1, "strain");
-  for (size_t k = 0; k < view->model->channels; k++)
-    add_field(&t, view->model->channel[k].name, view->model->channel[k].size, "channel");
-  for (size_t k = 0; k < m->forces; k++) add_field(&t, frame->force_name[k], 3, "force");
+  for (size_t k = 0; hk_frame_field_at(d, k, &field); k++) add_field(&t, &field);
   for (size_t k = 0; k < frame->measures; k++)
     add_line(&t, (const char *const[]){"measure", frame->measure_name[k]}, 2);
-  for (size_t k = 0; k < m->around.marks->count; k++) {
-    const hk_marks *list = &m->around.marks->list[k];
-    add_line(&t, (const char *const[]){"mark", list->name, list->contact ? "contact" : "wind"}, 3);
-  }
+  for (size_t k = 0; k < d->marks.count; k++)
+    add_line(&t, (const char *const[]){"mark", d->marks.list[k].name, hk_mark_kind(d->marks.list[k].contact)}, 3);
   hk_live_lock(&m->queue);
   char *body = hk_live_begin(&m->queue, 'R', t.length);
   if (body) memcpy(body, t.bytes, t.length);
   hk_live_unlock(&m->queue);
   free(t.bytes);
-  hk_live_tell_solids(&m->queue, &m->around);
+  hk_live_send_solids(&m->queue, d);
 }
 
 /* ---- T: the topology ---- */
 
-static size_t count_pins(const hk_model *model) {
+static size_t count_pins(const hk_frame_data *d) {
   size_t pins = 0;
-  for (size_t i = 0; i < model->n; i++) pins += model->pin[i] != HK_FREE;
+  for (size_t i = 0; i < d->n; i++) pins += d->pin[i] != HK_FREE;
   return pins;
 }
 
-/* The lists of pairs that are drawn: the scene's own edges, or where it has none those of forces and constraints. */
-static size_t pair_lists(const hk_model *model) { return 1 + model->element_lists + model->join_lists; }
-
-static const hk_tuples *pair_list(const hk_model *model, size_t k) {
-  static const hk_tuples none = {.arity = 2};
-  if (k == 0) return &model->edges;
-  if (model->edges.count) return &none;
-  if (k <= model->element_lists) {
-    const hk_tuples *node = &model->element_list[k - 1].elements.node;
-    return node->arity == 2 ? node : &none;
-  }
-  return model->join[k - 1 - model->element_lists];
-}
-
-static size_t count_pairs(const hk_model *model) {
-  size_t pairs = 0;
-  for (size_t k = 0; k < pair_lists(model); k++) pairs += pair_list(model, k)->count;
-  return pairs;
-}
-
-void hk_live_tell_topology(hk_live_messages *m, const hk_view *view) {
-  const hk_model *model = view->model;
-  size_t pairs = count_pairs(model), pins = count_pins(model), triangles = model->triangles.count;
-  size_t words = 5 + view->n + 2 * pairs + 3 * triangles + pins;
-  uint32_t head[] = {++m->topology, (uint32_t)view->n, (uint32_t)pairs, (uint32_t)triangles, (uint32_t)pins};
+void hk_live_send_topology(hk_live_messages *m, const hk_frame_data *d) {
+  const hk_frame_cells *c = &d->cells;
+  size_t pins = count_pins(d), words = 5 + d->n + 2 * c->segments + 3 * c->triangles + pins;
+  uint32_t head[] = {++m->topology, (uint32_t)d->n, (uint32_t)c->segments, (uint32_t)c->triangles, (uint32_t)pins};
   hk_live_lock(&m->queue);
   char *at = m->queue.broken ? NULL : hk_live_begin(&m->queue, 'T', words * sizeof(uint32_t));
   if (at) {
     hk_live_put(&at, head, sizeof head);
-    hk_live_put(&at, model->id, view->n * sizeof *model->id);
-    for (size_t k = 0; k < pair_lists(model); k++)
-      hk_live_put(&at, pair_list(model, k)->index, 2 * pair_list(model, k)->count * sizeof(uint32_t));
-    hk_live_put(&at, model->triangles.index, 3 * triangles * sizeof(uint32_t));
-    for (uint32_t i = 0; i < view->n; i++)
-      if (model->pin[i] != HK_FREE) hk_live_put(&at, &i, sizeof i);
+    hk_live_put(&at, d->id, d->n * sizeof *d->id);
+    hk_live_put(&at, c->segment, c->segments * sizeof *c->segment);
+    hk_live_put(&at, c->triangle, c->triangles * sizeof *c->triangle);
+    for (uint32_t i = 0; i < d->n; i++)
+      if (d->pin[i] != HK_FREE) hk_live_put(&at, &i, sizeof i);
   }
   hk_live_unlock(&m->queue);
 }
 
 /* ---- N and F: a frame ---- */
 
-static void note_strain(hk_live_messages *m, const hk_elements *e, size_t k, float strain) {
-  for (unsigned member = 0; member < e->node.arity; member++) {
-    float *at = &m->strain[hk_tuple(&e->node, k)[member]];
-    if (fabsf(strain) > fabsf(*at)) *at = strain;
-  }
-}
-
-/* Of every particle the strain of its elements that is largest by magnitude; returns the largest of all. */
-static double measure_strain(hk_live_messages *m, const hk_view *view) {
-  if (!hk_live_reserve((char **)&m->strain, &m->strain_room, (view->n + 1) * sizeof *m->strain)) return NAN;
-  memset(m->strain, 0, view->n * sizeof *m->strain);
-  float most = 0;
-  for (size_t l = 0; l < view->model->element_lists; l++) {
-    const hk_elements *e = &view->model->element_list[l].elements;
-    for (size_t k = 0; hk_elements_strained(e) && k < e->node.count; k++) {
-      float strain = (float)hk_element_strain(e, view->x, k);
-      if (!isfinite(strain)) continue;
-      if (fabsf(strain) > fabsf(most)) most = strain;
-      note_strain(m, e, k, strain);
-    }
-  }
+/* The strain that is largest by magnitude; NAN: none is known. */
+static double largest_strain(const hk_frame_data *d) {
+  double most = d->strain ? 0 : NAN;
+  for (size_t i = 0; d->strain && i < d->n; i++)
+    if (fabs(d->strain[i]) > fabs(most)) most = d->strain[i];
   return most;
 }
 
-/* n x 3 of each force. False: there is no memory, or a force failed, which it will say in the next step. */
-static bool measure_forces(hk_live_messages *m, const hk_view *view, const hk_frame *f) {
-  size_t each = 3 * view->n;
-  if (!m->forces) return true;
-  if (!hk_live_reserve((char **)&m->force, &m->force_room, (m->forces * each + 1) * sizeof *m->force)) return false;
-  for (size_t k = 0; k < m->forces; k++)
-    if (f->force(f, k, m->force + k * each) != HK_OK) return false;
-  return true;
-}
-
-static void tell_numbers(hk_live_messages *m, const hk_view *view, const hk_frame *f, double strain) {
-  double step = f->steps > m->steps ? (view->t - m->t) / (double)(f->steps - m->steps) : NAN;
-  double number[] = {view->t,
+static void tell_figures(hk_live_messages *m, const hk_frame_data *d, const hk_frame *f) {
+  double step = f->steps > m->steps ? (d->t - m->t) / (double)(f->steps - m->steps) : NAN;
+  double number[] = {d->t,
                      f->kinetic,
                      f->potential,
                      f->work,
@@ -200,20 +132,14 @@ static void tell_numbers(hk_live_messages *m, const hk_view *view, const hk_fram
                      f->angular_momentum[0],
                      f->angular_momentum[1],
                      f->angular_momentum[2],
-                     strain,
+                     largest_strain(d),
                      step};
   char *at = hk_live_begin(&m->queue, 'N', sizeof number + f->measures * sizeof *f->measure);
   if (!at) return;
   hk_live_put(&at, number, sizeof number);
   hk_live_put(&at, f->measure, f->measures * sizeof *f->measure);
-  m->t = view->t;
+  m->t = d->t;
   m->steps = f->steps;
-}
-
-static size_t channel_numbers(const hk_model *model) {
-  size_t width = 0;
-  for (size_t k = 0; k < model->channels; k++) width += model->channel[k].size;
-  return width;
 }
 
 static void put_floats(char **at, const double *from, size_t count, const double *origin) {
@@ -223,34 +149,30 @@ static void put_floats(char **at, const double *from, size_t count, const double
   }
 }
 
-static void tell_state(hk_live_messages *m, const hk_view *view, const hk_frame *f) {
-  const hk_model *model = view->model;
-  uint32_t head[] = {(uint32_t)f->index, m->topology, (uint32_t)view->n, 0};
-  size_t numbers = view->n * (6 + (m->strained ? 1 : 0) + channel_numbers(model) + 3 * m->forces);
-  char *at = hk_live_begin(
-      &m->queue, 'F', sizeof head + sizeof view->t + numbers * sizeof(float) + hk_live_surroundings_size(&m->around));
-  if (!at) return;
-  hk_live_put(&at, head, sizeof head);
-  hk_live_put(&at, &view->t, sizeof view->t);
-  put_floats(&at, view->x, 3 * view->n, m->origin);
-  put_floats(&at, view->v, 3 * view->n, NULL);
-  if (m->strained) hk_live_put(&at, m->strain, view->n * sizeof *m->strain);
-  for (size_t k = 0; k < model->channels; k++)
-    put_floats(&at, view->y + model->channel[k].offset * view->n, model->channel[k].size * view->n, NULL);
-  put_floats(&at, m->force, 3 * view->n * m->forces, NULL);
-  hk_live_put_surroundings(&at, &m->around, m->origin);
+bool hk_live_send_numbers(hk_live_messages *m, const hk_frame_data *d, const hk_frame *f) {
+  if (m->queue.broken) return false;
+  hk_live_lock(&m->queue);
+  bool sent = m->queue.length < ALWAYS;
+  if (m->queue.length < MOST) tell_figures(m, d, f);
+  hk_live_unlock(&m->queue);
+  return sent;
 }
 
-/* Forces are evaluated for a frame that will be sent; the thread makes room meanwhile, and never takes any. */
-void hk_live_tell_frame(hk_live_messages *m, const hk_view *view, const hk_frame *f) {
-  if (m->queue.broken) return;
-  double strain = m->strained ? measure_strain(m, view) : NAN;
+void hk_live_send_state(hk_live_messages *m, const hk_frame_data *d, const hk_frame *f) {
+  uint32_t head[] = {(uint32_t)f->index, m->topology, (uint32_t)d->n, 0};
+  size_t numbers = 3 * d->n;
+  hk_frame_field field;
+  for (size_t k = 0; hk_frame_field_at(d, k, &field); k++) numbers += field.components * d->n;
   hk_live_lock(&m->queue);
-  bool sent = m->queue.length < ALWAYS && (!m->strained || m->strain);
-  if (m->queue.length < MOST) tell_numbers(m, view, f, strain);
-  hk_live_unlock(&m->queue);
-  if (!sent || !measure_forces(m, view, f)) return;
-  hk_live_lock(&m->queue);
-  tell_state(m, view, f);
+  char *at =
+      hk_live_begin(&m->queue, 'F', sizeof head + sizeof d->t + numbers * sizeof(float) + hk_live_surroundings_size(d));
+  if (at) {
+    hk_live_put(&at, head, sizeof head);
+    hk_live_put(&at, &d->t, sizeof d->t);
+    put_floats(&at, d->x, 3 * d->n, m->origin);
+    for (size_t k = 0; hk_frame_field_at(d, k, &field); k++)
+      put_floats(&at, field.value, field.components * d->n, NULL);
+    hk_live_put_surroundings(&at, d, m->origin);
+  }
   hk_live_unlock(&m->queue);
 }

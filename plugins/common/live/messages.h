@@ -1,13 +1,13 @@
-/* Messages of a run that is watched (queue.h):
+/* Messages of a run that is watched (queue.h): a frame as it is gathered for recordings, too (frame_data.h).
  *
  *   R  the run, as text: lines "key<TAB>value", among them "field<TAB>name<TAB>components<TAB>kind" of the fields of a
- *      frame in their order, "measure<TAB>name", and "mark<TAB>name<TAB>kind" of lists of wind or contacts in their
- * order S  what particles bounce off (surroundings.h), once, behind R T  uint32_t: number of the topology, n, edges,
- * triangles, pins; ids (n), edges (2 each), triangles (3 each), pins N  double: t, kinetic, potential, work (J),
- * momentum (3), angular momentum (3), largest strain, mean step since the frame before (s), then the measures F
- * uint32_t: frame, its topology, n, 0; double: t; float: positions from the origin (3n), velocities (3n), strain (n,
- * where it is a field), channels, and where they are asked for forces (3n each); then the places of S and the marks
- * (surroundings.h)
+ *      frame in their order, "measure<TAB>name", and "mark<TAB>name<TAB>kind" of lists of wind or contacts in theirs
+ *   S  what particles bounce off (surroundings.h), once, behind R
+ *   T  uint32_t: number of the topology, n, edges, triangles, pins; ids (n), edges (2 each), triangles (3 each), pins
+ *   N  double: t, kinetic, potential, work (J), momentum (3), angular momentum (3), largest strain, mean step since the
+ *      frame before (s), then the measures
+ *   F  uint32_t: frame, its topology, n, 0; double: t; float: positions from the origin (3n), the fields in their
+ * order, then the places of S and the marks (surroundings.h)
  *
  * All numbers are little-endian. N is sent at every frame, F where the reader keeps up. */
 #ifndef HK_LIVE_MESSAGES_H
@@ -20,22 +20,18 @@
 
 typedef struct hk_live_messages {
   hk_live_queue queue;
-  hk_live_surroundings around; /* to be set before the run is told */
-  double origin[3];            /* m */
-  bool strained;
+  double origin[3]; /* m */
   uint32_t topology;
   double t; /* s, and steps at the frame before */
   size_t steps;
-  float *strain;                  /* n */
-  size_t forces;                  /* of which each is told by itself */
-  double *force;                  /* forces x n x 3, N */
-  size_t strain_room, force_room; /* bytes */
 } hk_live_messages;
 
 bool hk_live_open(hk_live_messages *, int fd); /* false: no memory, or no thread */
 void hk_live_close(hk_live_messages *);        /* all is written, or the reader has gone; a second call does nothing */
-void hk_live_tell_run(hk_live_messages *, const hk_view *, const hk_frame *, bool forces);
-void hk_live_tell_topology(hk_live_messages *, const hk_view *);
-void hk_live_tell_frame(hk_live_messages *, const hk_view *, const hk_frame *);
+void hk_live_send_run(hk_live_messages *, const hk_frame_data *, const hk_frame *);
+void hk_live_send_topology(hk_live_messages *, const hk_frame_data *);
+/* N. Whether F is sent as well: it is left out where one waits already. */
+bool hk_live_send_numbers(hk_live_messages *, const hk_frame_data *, const hk_frame *);
+void hk_live_send_state(hk_live_messages *, const hk_frame_data *, const hk_frame *);
 
 #endif

@@ -1,19 +1,18 @@
 /* The loops over lanes are written for the compiler's vectors, and are compiled for the widest ones of x86-64 as well.
  * No sum is over lanes, so that results are the same for any width. */
 #include "plugins/common/local/short_lanes.h"
-#include "plugins/common/springs/spring_path.h"
+#include "plugins/kit/springs/edge.h"
 
 #include <string.h>
 
 enum { LANES = HK_SHORT_LANES, PARTICLES = HK_SHORT_PARTICLES, SPRINGS = HK_SHORT_SPRINGS, GRAIN = 8 };
-
-#define INLINE static inline __attribute__((always_inline))
 
 typedef struct task {
   const hk_short_lanes *s;
   const double *x;
   double *a, *v;
   double h;
+  int lanes;
 } task;
 
 /* Of one batch: displacements from x and their last changes, accelerations without stiff springs, forces of these, and
@@ -22,7 +21,7 @@ typedef struct work {
   hk_short_row d[PARTICLES][3], change[PARTICLES][3], a[PARTICLES][3], F[PARTICLES][3], span[SPRINGS][3];
 } __attribute__((aligned(64))) work;
 
-INLINE void gather(const hk_short_batch *b, const task *t, work *m) {
+HK_INLINE void gather(const hk_short_batch *b, const task *t, work *m) {
   hk_short_row x[PARTICLES][3];
   for (size_t i = 0; i < b->shape.n; i++)
     for (size_t c = 0; c < 3; c++)
@@ -39,8 +38,8 @@ INLINE void gather(const hk_short_batch *b, const task *t, work *m) {
 
 /* f = k (1 - L/l) along the spring; what is below HK_SPRING_TINY is lost in any other squared length, and without
  * length there is no force. Rows of x, y and z follow each other. */
-INLINE void add_row(const double *restrict k, const double *restrict tension, const double *restrict span,
-                    const double *restrict di, const double *restrict dj, double *restrict Fi, double *restrict Fj) {
+HK_INLINE void add_row(const double *restrict k, const double *restrict tension, const double *restrict span,
+                       const double *restrict di, const double *restrict dj, double *restrict Fi, double *restrict Fj) {
   enum { Y = LANES, Z = 2 * LANES };
   for (size_t r = 0; r < LANES; r++) {
     double dx = span[r] + (dj[r] - di[r]), dy = span[Y + r] + (dj[Y + r] - di[Y + r]),
@@ -55,23 +54,23 @@ INLINE void add_row(const double *restrict k, const double *restrict tension, co
   }
 }
 
-INLINE void add_spring(const hk_short_batch *b, size_t e, work *m) {
+HK_INLINE void add_spring(const hk_short_batch *b, size_t e, work *m) {
   const size_t i = b->shape.pair[e][0], j = b->shape.pair[e][1];
   add_row(b->k[e], b->tension[e], m->span[e][0], m->d[i][0], m->d[j][0], m->F[i][0], m->F[j][0]);
 }
 
-INLINE void add_forces(const hk_short_batch *b, work *m) {
+HK_INLINE void add_forces(const hk_short_batch *b, work *m) {
   for (size_t e = 0; e < b->shape.springs; e++) add_spring(b, e, m);
 }
 
 /* a -= w F(x). */
-INLINE void take_out(const hk_short_batch *b, work *m) {
+HK_INLINE void take_out(const hk_short_batch *b, work *m) {
   for (size_t i = 0; i < b->shape.n; i++)
     for (size_t c = 0; c < 3; c++)
       for (size_t r = 0; r < LANES; r++) m->a[i][c][r] -= b->w[i][r] * m->F[i][c][r];
 }
 
-INLINE void advance(const hk_short_batch *b, work *m, double f, double g) {
+HK_INLINE void advance(const hk_short_batch *b, work *m, double f, double g) {
   for (size_t i = 0; i < b->shape.n; i++)
     for (size_t c = 0; c < 3; c++)
       for (size_t r = 0; r < LANES; r++) {
@@ -82,7 +81,7 @@ INLINE void advance(const hk_short_batch *b, work *m, double f, double g) {
       }
 }
 
-INLINE void scatter(const hk_short_batch *b, const task *t, const work *m) {
+HK_INLINE void scatter(const hk_short_batch *b, const task *t, const work *m) {
   double by = 2 / (t->h * t->h), kick = t->h / 2;
   for (size_t i = 0; i < b->shape.n; i++)
     for (size_t r = 0; r < b->filled; r++)
@@ -94,7 +93,7 @@ INLINE void scatter(const hk_short_batch *b, const task *t, const work *m) {
       }
 }
 
-INLINE void take_batch(const hk_short_batch *b, const task *t) {
+HK_INLINE void take_batch(const hk_short_batch *b, const task *t) {
   work m;
   gather(b, t, &m);
   add_forces(b, &m);
@@ -108,19 +107,11 @@ INLINE void take_batch(const hk_short_batch *b, const task *t) {
   scatter(b, t, &m);
 }
 
-static void take_narrow(const hk_short_batch *b, const task *t) { take_batch(b, t); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void take_wide(const hk_short_batch *b, const task *t) { take_batch(b, t); }
-static bool has_wide(void) { return __builtin_cpu_supports("avx2"); }
-#else
-#define take_wide take_narrow
-static bool has_wide(void) { return false; }
-#endif
+HK_VERSIONS(static void, take_one, (const hk_short_batch *b, const task *t), take_batch(b, t))
 
 static void take_some(void *context, size_t begin, size_t end, size_t chunk) {
   const task *t = context;
-  void (*take)(const hk_short_batch *, const task *) = has_wide() ? take_wide : take_narrow;
+  void (*take)(const hk_short_batch *, const task *) = HK_WIDEST(t->lanes, take_one);
   (void)chunk;
   for (size_t k = begin; k < end; k++) take(&t->s->batch[k], t);
 }
@@ -129,5 +120,5 @@ void hk_short_lanes_take(hk_short_lanes *s, const hk_host *host, const double *x
   for (size_t k = 0; k < s->batches && s->h != h; k++)
     s->batch[k].rule = hk_local_rule_of(s->batch[k].stiffest, s->shift, h);
   s->h = h;
-  if (s->batches) host->parallel_for(host, s->batches, GRAIN, take_some, &(task){s, x, a, v, h});
+  if (s->batches) host->parallel_for(host, s->batches, GRAIN, take_some, &(task){s, x, a, v, h, host->lanes});
 }

@@ -64,7 +64,7 @@ static bool is_small(const node *root) {
 }
 
 /* Parts by octaves below the stiffest component, numbered as they come. */
-static void divide(builder *b) {
+static void make_parts(builder *b) {
   int8_t number[HK_SHORT_PARTS];
   hk_short_steps *s = b->s;
   double most = 0;
@@ -193,7 +193,7 @@ hk_status hk_short_steps_build(hk_short_steps *s, hk_system *system, const hk_st
   hk_status status = b.node ? HK_OK : HK_NO_MEMORY;
   if (status == HK_OK) {
     find_components(&b);
-    divide(&b);
+    make_parts(&b);
     status = reserve(&b);
   }
   if (status == HK_OK) status = lay_out_large(&b);

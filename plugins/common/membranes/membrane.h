@@ -6,7 +6,7 @@
 #include "core/plugin.h"
 #include "plugins/common/elements/chunk_rounds.h"
 #include "plugins/common/membranes/membrane_model.h"
-#include "plugins/common/parts/part_sums.h"
+#include "plugins/kit/parts/part_sums.h"
 
 enum { HK_MEMBRANE_GRAIN = 1024 }; /* triangles of a chunk, some 20 us */
 
@@ -71,8 +71,7 @@ hk_metric hk_membrane_metric(const double f[2][3]);
 
 /* membrane_kernel.c: F += the forces of one part or of HK_ALL_PARTS, and their power to view->power. */
 void hk_membrane_forces(const hk_membrane *, const hk_view *view, size_t part, double *F);
-void hk_membrane_forces_narrow(const hk_membrane *, const hk_view *view, double *F); /* all, as on every processor */
-double hk_membrane_sum_energy(const hk_membrane *, const hk_view *view);             /* J */
+double hk_membrane_sum_energy(const hk_membrane *, const hk_view *view); /* J */
 
 /* membrane_conditions.c: the numbers C of triangles, and their gradients by the three corners, for hk_elements:
  * E = 1/2 c11 sum C^2, three numbers each. Not for neo_hookean. */

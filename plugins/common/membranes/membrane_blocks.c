@@ -5,7 +5,7 @@
 #include "plugins/common/membranes/membrane.h"
 #include "plugins/common/membranes/membrane_curvature.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { BLOCK = 32 };
 
@@ -123,28 +123,9 @@ HK_MEMBRANE_INLINE void compute_model(block *q, hk_membrane_model model, bool de
     compute_kind(q, HK_NEO_HOOKEAN, definite, damping);
 }
 
-typedef struct path {
-  void (*volumes)(block *);
-  void (*compute)(block *, hk_membrane_model, bool definite, double damping);
-} path;
-
-static void volumes_narrow(block *q) { volumes(q); }
-static void compute_narrow(block *q, hk_membrane_model model, bool definite, double damping) {
-  compute_model(q, model, definite, damping);
-}
-static const path narrow = {volumes_narrow, compute_narrow};
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void volumes_wide(block *q) { volumes(q); }
-__attribute__((target("avx2"))) static void compute_wide(block *q, hk_membrane_model model, bool definite,
-                                                         double damping) {
-  compute_model(q, model, definite, damping);
-}
-static const path wide = {volumes_wide, compute_wide};
-static const path *best_path(void) { return __builtin_cpu_supports("avx2") ? &wide : &narrow; }
-#else
-static const path *best_path(void) { return &narrow; }
-#endif
+HK_VERSIONS(static void, volumes_of, (block * q), volumes(q))
+HK_VERSIONS(static void, compute_many, (block * q, hk_membrane_model model, bool definite, double damping),
+            compute_model(q, model, definite, damping))
 
 /* ---- what turns -------------------------------------------------------------------------------------------------- */
 
@@ -220,27 +201,25 @@ static void scatter(const double from[3][9][BLOCK], size_t r, const size_t *slot
   }
 }
 
-static void fill(const hk_membrane *m, const hk_view *view, const path *p, size_t begin, size_t count, bool definite,
-                 block *q) {
+static void fill(const hk_membrane *m, const hk_view *view, size_t begin, size_t count, bool definite, block *q) {
   gather(&m->node, view->x, begin, count, q->d);
   if (m->damping > 0) gather(&m->node, view->v, begin, count, q->u);
   for (size_t k = 0; k < HK_MEMBRANE_ROWS; k++)
     for (size_t r = 0; r < BLOCK; r++) q->number[k][r] = m->row[k][begin + (r < count ? r : 0)];
   if (m->model == HK_NEO_HOOKEAN) {
-    p->volumes(q);
+    HK_WIDEST(view->host->lanes, volumes_of)(q);
     for (size_t r = 0; r < BLOCK; r++) {
       hk_volume_term w = hk_volume_term_at(q->first[r], m->exponent);
       q->first[r] = w.first, q->second[r] = w.second;
     }
   }
-  p->compute(q, m->model, definite, m->damping);
+  HK_WIDEST(view->host->lanes, compute_many)(q, m->model, definite, m->damping);
 }
 
 typedef struct task {
   const hk_membrane *m;
   const hk_view *view;
   const hk_blocks *into;
-  const path *path;
 } task;
 
 static void add_chunk(const void *context, size_t begin, size_t end) {
@@ -251,7 +230,7 @@ static void add_chunk(const void *context, size_t begin, size_t end) {
   block q;
   for (size_t count; begin < end; begin += count) {
     count = end - begin < BLOCK ? end - begin : BLOCK;
-    fill(m, t->view, t->path, begin, count, want & HK_WANT_DEFINITE, &q);
+    fill(m, t->view, begin, count, want & HK_WANT_DEFINITE, &q);
     const size_t *slot = t->into->slot + 9 * begin;
     for (size_t r = 0; r < count; r++) scatter((const double(*)[9][BLOCK])q.K, r, slot + 9 * r, t->into->K);
     for (size_t r = 0; r < count && m->damping > 0; r++)
@@ -261,7 +240,7 @@ static void add_chunk(const void *context, size_t begin, size_t end) {
 }
 
 void hk_membrane_blocks(const hk_membrane *m, const hk_view *view, const hk_blocks *into) {
-  const task t = {m, view, into, best_path()};
+  const task t = {m, view, into};
   hk_chunk_rounds_run(&m->rounds, view->host, add_chunk, &t);
 }
 

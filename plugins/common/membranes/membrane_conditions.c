@@ -4,7 +4,7 @@
  * Viscous forces -damping c11 (dC/dt) grad C are then those of membrane_model.h. */
 #include "plugins/common/membranes/membrane.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 /* Gradients by the corners of a number with the derivatives p and q by f_u and f_v. */
 static void to_corners(const hk_membrane *m, size_t k, const double p[3], const double q[3], double (*g)[3]) {

@@ -1,9 +1,9 @@
 /* Forces and energy of membranes. Blocks of triangles are gathered, computed in loops that compilers turn into vectors,
- * and scattered one after the other, part by part (part_sums.h). The wide path and the narrow one do the same
+ * and scattered one after the other, part by part (part_sums.h). Every width of vectors does the same
  * operations, so their results are bitwise equal. */
 #include "plugins/common/membranes/membrane.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { BLOCK = 64 };
 
@@ -73,29 +73,13 @@ HK_MEMBRANE_INLINE void compute_model(block *q, hk_membrane_model model, double 
     damping > 0 ? compute(q, HK_NEO_HOOKEAN, true, damping) : compute(q, HK_NEO_HOOKEAN, false, 0);
 }
 
-typedef struct path {
-  void (*volumes)(block *);
-  void (*compute)(block *, hk_membrane_model, double damping);
-} path;
-
-static void volumes_narrow(block *q) { volumes(q); }
-static void compute_narrow(block *q, hk_membrane_model model, double damping) { compute_model(q, model, damping); }
-static const path narrow = {volumes_narrow, compute_narrow};
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void volumes_wide(block *q) { volumes(q); }
-__attribute__((target("avx2"))) static void compute_wide(block *q, hk_membrane_model model, double damping) {
-  compute_model(q, model, damping);
-}
-static const path wide = {volumes_wide, compute_wide};
-static const path *best_path(void) { return __builtin_cpu_supports("avx2") ? &wide : &narrow; }
-#else
-static const path *best_path(void) { return &narrow; }
-#endif
+HK_VERSIONS(static void, volumes_of, (block * q), volumes(q))
+HK_VERSIONS(static void, compute_many, (block * q, hk_membrane_model model, double damping),
+            compute_model(q, model, damping))
 
 typedef struct task {
   const hk_membrane *m;
-  const path *path;
+  int lanes;
 } task;
 
 /* The sides of the triangles `item` of one array; lanes beyond get those of the first. */
@@ -134,10 +118,10 @@ static double one_block(const task *t, const hk_view *view, const uint32_t *item
   take(m, item, count, &q);
   if (m->damping > 0) gather(&m->node, view->v, item, count, q.u);
   if (m->model == HK_NEO_HOOKEAN) {
-    t->path->volumes(&q);
+    HK_WIDEST(t->lanes, volumes_of)(&q);
     for (size_t r = 0; r < BLOCK; r++) q.slope[r] = hk_volume_slope(q.slope[r], m->exponent);
   }
-  t->path->compute(&q, m->model, m->damping);
+  HK_WIDEST(t->lanes, compute_many)(&q, m->model, m->damping);
   scatter(&m->node, &q, item, count, F);
   for (size_t r = 0; r < count && m->damping > 0; r++) power -= q.power[r];
   return power;
@@ -151,13 +135,8 @@ static double add_items(const void *context, const hk_view *view, const uint32_t
 }
 
 void hk_membrane_forces(const hk_membrane *m, const hk_view *view, size_t part, double *F) {
-  const task t = {m, best_path()};
+  const task t = {m, view->host->lanes};
   hk_part_sums_add(&m->sums, view, part, add_items, &t, F);
-}
-
-void hk_membrane_forces_narrow(const hk_membrane *m, const hk_view *view, double *F) {
-  const task t = {m, &narrow};
-  hk_part_sums_add(&m->sums, view, HK_ALL_PARTS, add_items, &t, F);
 }
 
 /* ---- one triangle ------------------------------------------------------------------------------------------------ */

@@ -4,7 +4,7 @@
  * other one. */
 #include "plugins/common/membranes/membrane.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
 

@@ -11,7 +11,7 @@
  * for a wide range of stable steps. */
 #include "plugins/common/multistep/stoermer.h"
 #include "plugins/common/multistep/extrapolation.h"
-#include "plugins/common/integrate/growth_factor.h"
+#include "plugins/kit/integrate/growth_factor.h"
 
 #include <assert.h>
 #include <complex.h>
@@ -27,18 +27,16 @@ static void add_term(double complex *c, double complex factor, int power, int re
 /* With lambda = 1 + u, D is u/(1 + u), and the recurrence's polynomial is
  *     u^2 (1 + u)^(k-1) + (h w)^2 sum sigma_j u^j (1 + u)^(k-j) + h g sum gamma_j u^(j+1) (1 + u)^(k-1-j),
  * with g + i b in place of g where velocities rotate. */
-double hk_stoermer_rotation(const hk_stoermer_method *f, double hw, double hg, double hb) {
+double hk_stoermer_growth(const void *self, const void *method, double hw, double hg, double hb) {
+  const hk_stoermer_method *f = method;
   double complex c[HK_STOERMER_TERMS + 2] = {0};
+  (void)self;
   add_term(c, 1, 2, f->terms - 1);
   for (int j = 0; j < f->terms; j++) {
     add_term(c, hw * hw * f->sigma[j], j, f->terms - j);
     add_term(c, (hg + hb * I) * f->gamma[j], j + 1, f->terms - 1 - j);
   }
   return hk_complex_polynomial_growth(f->terms + 1, c);
-}
-
-double hk_stoermer_amplification(const hk_stoermer_method *f, double hw, double hg) {
-  return hk_stoermer_rotation(f, hw, hg, 0);
 }
 
 enum { LINE = 8 }; /* numbers of a cache line */
@@ -87,28 +85,30 @@ HK_INLINE void update(const advance *all, double *restrict x_next, double *restr
   }
 }
 
-HK_INLINE void sweep(const advance *all, size_t begin, size_t end, int terms, bool here) {
+HK_INLINE void advance_range(const advance *all, size_t begin, size_t end, int terms, bool here) {
   update(all, all->x_next, all->v_next, 3 * begin, 3 * end, terms, here);
 }
 
 #define PARAMETERS (void *context, size_t begin, size_t end)
-#define SWEEPS(terms)                                                                                                  \
-  HK_VERSIONS(static void, sweep##terms, PARAMETERS, sweep(context, begin, end, terms, false))                         \
-  HK_VERSIONS(static void, sweep_here##terms, PARAMETERS, sweep(context, begin, end, terms, true))
-SWEEPS(4)
-SWEEPS(5)
-SWEEPS(6)
-SWEEPS(8)
+#define ADVANCE(terms)                                                                                                 \
+  HK_VERSIONS(static void, advance_range##terms, PARAMETERS, advance_range(context, begin, end, terms, false))         \
+  HK_VERSIONS(static void, advance_here##terms, PARAMETERS, advance_range(context, begin, end, terms, true))
+ADVANCE(4)
+ADVANCE(5)
+ADVANCE(6)
+ADVANCE(8)
 
-typedef void sweeping(void *context, size_t begin, size_t end);
+typedef void range_function(void *context, size_t begin, size_t end);
 
 #define BEST(name, terms)                                                                                              \
-  ((terms) > 6   ? HK_WIDEST(name##8)                                                                                  \
-   : (terms) > 5 ? HK_WIDEST(name##6)                                                                                  \
-   : (terms) > 4 ? HK_WIDEST(name##5)                                                                                  \
-                 : HK_WIDEST(name##4))
+  ((terms) > 6   ? HK_WIDEST(lanes, name##8)                                                                           \
+   : (terms) > 5 ? HK_WIDEST(lanes, name##6)                                                                           \
+   : (terms) > 4 ? HK_WIDEST(lanes, name##5)                                                                           \
+                 : HK_WIDEST(lanes, name##4))
 
-static sweeping *best(int terms, bool here) { return here ? BEST(sweep_here, terms) : BEST(sweep, terms); }
+static range_function *best(int lanes, int terms, bool here) {
+  return here ? BEST(advance_here, terms) : BEST(advance_range, terms);
+}
 
 /* The step from `from` to `to` whose slope is at position `head` of the ring. */
 static advance advance_of(const hk_stoermer *m, const hk_system *s, const hk_stoermer_method *f, int64_t head,
@@ -137,32 +137,33 @@ static void advance_rest(const hk_stoermer *m, const hk_system *s, const hk_stoe
 static hk_status recur(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f, double *a) {
   size_t v = 3 * s->n, y = 6 * s->n;
   advance all = advance_of(m, s, f, m->head, s->X, s->spare);
-  hk_status status =
-      s->pass(s, s->t, s->X, s->X + v, s->X + y, a, a + v, &(hk_pass){&all, NULL, best(f->terms, false)});
+  hk_status status = s->fused(s, s->t, s->X, s->X + v, s->X + y, a, a + v,
+                              &(hk_fused){&all, NULL, best(s->host->lanes, f->terms, false)});
   if (status != HK_OK) return status;
   advance_rest(m, s, f, &all, s->X, s->spare);
   s->exchange(s);
   return HK_OK;
 }
 
-hk_status hk_stoermer_march(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, const double *t, double h,
-                            size_t *count) {
+static hk_status steps(void *self, const void *method, hk_system *s, const double *t, double h, size_t *count) {
+  hk_stoermer *m = self;
+  const hk_stoermer_method *f = method;
   size_t v = 3 * s->n;
   double *next = s->spare;
-  advance all[HK_LEVELS];
-  hk_level level[HK_LEVELS];
+  advance all[HK_TILE_STEPS];
+  hk_tile_step step[HK_TILE_STEPS];
   if (h != m->h || m->known < f->terms - 1) *count = 0; /* no history yet */
   for (size_t k = 0; k < *count; k++) {
     int64_t head = (m->head + (int64_t)k) % f->terms;
     double *from = k ? next : s->X;
     all[k] = advance_of(m, s, f, head, from, next);
-    hk_pass pass = {&all[k], NULL, best(f->terms, k > 0)};
-    level[k] = (hk_level){k ? t[k - 1] : s->t, from, from + v, ring(m, s, f->terms, head), pass, 0};
+    hk_fused work = {&all[k], NULL, best(s->host->lanes, f->terms, k > 0)};
+    step[k] = (hk_tile_step){k ? t[k - 1] : s->t, from, from + v, ring(m, s, f->terms, head), work, 0};
   }
-  hk_status status = *count ? s->wave(s, level, *count) : HK_OK;
+  hk_status status = *count ? s->tile(s, step, *count) : HK_OK;
   if (status != HK_OK) return status;
   for (size_t k = 0; k < *count; k++) {
-    level[k].a[v] = level[k].power;
+    step[k].a[v] = step[k].power;
     advance_rest(m, s, f, &all[k], k ? next : s->X, next);
   }
   m->head = (m->head + (int64_t)*count) % f->terms;
@@ -220,8 +221,11 @@ static hk_status start(hk_stoermer *m, hk_system *s, const hk_stoermer_method *f
   return status;
 }
 
-hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_system *s, double h) {
+hk_status hk_stoermer_step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out) {
+  hk_stoermer *m = self;
+  const hk_stoermer_method *f = method;
   double *a = ring(m, s, f->terms, m->head);
+  (void)t_stop, (void)out;
   if (h != m->h) m->known = 0;
   bool starts = m->known < f->terms - 1;
   weigh(&m->weights, f, h);
@@ -232,6 +236,9 @@ hk_status hk_stoermer_step(hk_stoermer *m, const hk_stoermer_method *f, hk_syste
   if (starts) m->known++;
   return HK_OK;
 }
+
+static const hk_tile_facet tile = {.size = sizeof(hk_tile_facet), .steps = steps};
+const hk_facet hk_stoermer_facets[] = {{HK_TILE_ID, &tile}, {0}};
 
 void hk_stoermer_reset(void *self, hk_reason why) {
   (void)why;

@@ -23,56 +23,26 @@ typedef struct hk_stoermer {
   int64_t known;               /* number of valid slopes of earlier steps, at most terms - 1 */
   int64_t head;                /* position of the next slope */
   double h;                    /* s, length of the steps in the history */
-  double *slope;               /* HK_FIELD_STATE of width `terms`: a ring buffer of (a, dy) */
-  double *change;              /* n x 3, m/s: (x - x before) / h */
-  double *start;               /* HK_FIELD_STATE of width HK_STOERMER_START, scratch */
+  double *slope;               /* a field `state` of width `terms`: a ring buffer of (a, dy) */
+  double *start;               /* a field `state` of width HK_STOERMER_START, scratch */
   hk_stoermer_weights weights; /* follow from h; no field */
 } hk_stoermer;
 
-/* The fields of an instance that begins with hk_stoermer. */
+/* The fields of an instance of hk_stoermer. */
+/* clang-format off */
 #define HK_STOERMER_FIELDS(terms)                                                                                      \
-  {"known", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, known), 0},                                                     \
-      {"head", HK_FIELD_INTEGER, 1, offsetof(hk_stoermer, head), 0},                                                   \
-      {"h", HK_FIELD_NUMBER, 1, offsetof(hk_stoermer, h), 0},                                                          \
-      {"slopes", HK_FIELD_STATE, terms, offsetof(hk_stoermer, slope), 0},                                              \
-      {"start", HK_FIELD_STATE, HK_STOERMER_START, offsetof(hk_stoermer, start), HK_SCRATCH}, {                        \
-    0                                                                                                                  \
-  }
+  {{"known", .integer = HK_AT(hk_stoermer, known)},                                                                    \
+   {"head", .integer = HK_AT(hk_stoermer, head)},                                                                      \
+   {"h", .number = HK_AT(hk_stoermer, h)},                                                                             \
+   {"slopes", .state = HK_AT(hk_stoermer, slope), .width = terms},                                                     \
+   {"start", .state = HK_AT(hk_stoermer, start), .width = HK_STOERMER_START, .flags = HK_SCRATCH},                     \
+   {0}}
+/* clang-format on */
 
-double hk_stoermer_amplification(const hk_stoermer_method *, double hw, double hg);
-double hk_stoermer_rotation(const hk_stoermer_method *, double hw, double hg, double hb);
-hk_status hk_stoermer_step(hk_stoermer *, const hk_stoermer_method *, hk_system *s, double h);
-hk_status hk_stoermer_march(hk_stoermer *, const hk_stoermer_method *, hk_system *s, const double *t, double h,
-                            size_t *count); /* hk_integrator.march */
+/* Members of an hk_integrator whose instance is an hk_stoermer and whose `method` an hk_stoermer_method. */
+hk_status hk_stoermer_step(void *self, const void *method, hk_system *s, double t_stop, double h, hk_step *out);
 void hk_stoermer_reset(void *self, hk_reason why);
-
-/* The table `integrator` and the table `fields` of a method of `terms` terms, which is defined
- * before as `method`, with its order as the constant ORDER. */
-#define HK_STOERMER_INTEGRATOR(terms)                                                                                  \
-  static const hk_field fields[] = {HK_STOERMER_FIELDS(terms)};                                                        \
-  static double amplification(const void *self, double hw, double hg) {                                                \
-    (void)self;                                                                                                        \
-    return hk_stoermer_amplification(&method, hw, hg);                                                                 \
-  }                                                                                                                    \
-  static double rotation(const void *self, double hw, double hg, double hb) {                                          \
-    (void)self;                                                                                                        \
-    return hk_stoermer_rotation(&method, hw, hg, hb);                                                                  \
-  }                                                                                                                    \
-  static hk_status step(void *self, hk_system *s, double t_stop, double h, hk_step *out) {                             \
-    (void)t_stop, (void)out;                                                                                           \
-    return hk_stoermer_step(self, &method, s, h);                                                                      \
-  }                                                                                                                    \
-  static hk_status march(void *self, hk_system *s, const double *t, double h, size_t *count) {                         \
-    return hk_stoermer_march(self, &method, s, t, h, count);                                                           \
-  }                                                                                                                    \
-  static const hk_integrator integrator = {.size = sizeof(hk_integrator),                                              \
-                                           .order = ORDER,                                                             \
-                                           .stages = 1,                                                                \
-                                           .flags = HK_USES_SPARE,                                                     \
-                                           .amplification = amplification,                                             \
-                                           .rotation = rotation,                                                       \
-                                           .step = step,                                                               \
-                                           .reset = hk_stoermer_reset,                                                 \
-                                           .march = march}
+double hk_stoermer_growth(const void *self, const void *method, double hw, double hg, double hb);
+extern const hk_facet hk_stoermer_facets[]; /* it takes tiles */
 
 #endif

@@ -1,5 +1,5 @@
 #include "plugins/common/obstacles/motion.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <float.h>
 #include <string.h>

@@ -1,11 +1,11 @@
 #include "plugins/common/obstacles/obstacle.h"
 #include "plugins/common/obstacles/parabola.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <float.h>
 #include <string.h>
 
-enum { MOST_EVENTS = 2000, REACTIONS = 4, SWEEPS = 100 };
+enum { MOST_EVENTS = 2000, REACTIONS = 4, MOST_REACTIONS = 100 };
 
 /* The shortest flight between two bounces, as a part of the step; below it, at e = 1, a particle counts as lying. It
  * rises by a (1e-3 h)^2/8 in it. */
@@ -14,7 +14,7 @@ static const double shortest_flight = 1e-3;
 static const double rest = 1e-10;
 
 /* One particle on its way. Between events the path is the parabola from (x, u) to (x_end, u_end). */
-typedef struct march {
+typedef struct particle_path {
   const hk_obstacle_set *set;
   hk_obstacle_step *step;
   double s;                  /* part of the step that is done */
@@ -26,12 +26,12 @@ typedef struct march {
   uint64_t resting, stuck;   /* on whom it lies; whom it moves with */
   uint64_t leaving;          /* whose surface bends away from under it */
   int reactions;             /* since the last start */
-} march;
+} particle_path;
 
-static double remaining(const march *m) { return m->step->h * (1 - m->s); }
+static double remaining(const particle_path *m) { return m->step->h * (1 - m->s); }
 
 /* Goes on from here without reactions. */
-static void start_anew(march *m) {
+static void start_anew(particle_path *m) {
   double tau = remaining(m);
   for (int c = 0; c < 3; c++) {
     m->u_end[c] = m->u[c] + tau * m->a[c];
@@ -63,7 +63,7 @@ static double tolerance(const hk_obstacle *o, const hk_obstacle_step *step) {
 
 /* The rest of the path in the obstacle's frame: through its position and velocity of now and its position at the end.
  * w: its velocity; w_end: that at the end. */
-static hk_parabola path_past(const march *m, const hk_obstacle *o, const hk_body_frame *now, double w[3],
+static hk_parabola path_past(const particle_path *m, const hk_obstacle *o, const hk_body_frame *now, double w[3],
                              double w_end[3]) {
   double tau = remaining(m), p_end[3], way[3];
   hk_parabola path = {.span = tau};
@@ -81,7 +81,7 @@ static hk_parabola path_past(const march *m, const hk_obstacle *o, const hk_body
 /* ---- going on ---- */
 
 /* By the time t. */
-static void advance(march *m, double t) {
+static void advance(particle_path *m, double t) {
   double tau = remaining(m);
   if (t <= 0) return;
   for (int c = 0; c < 3; c++) {
@@ -103,23 +103,23 @@ typedef struct event {
 } event;
 
 /* After an impact the particle is on its own: a drift away from the surface would be a hop without end. */
-static void forget_drift(march *m) { hk_subtract(m->drift, m->drift, m->drift); }
+static void forget_drift(particle_path *m) { hk_subtract(m->drift, m->drift, m->drift); }
 
 /* m/s, below which the velocity w is rest, or one that is along the surface. */
-static double slowest(const march *m, const double w[3]) {
+static double slowest(const particle_path *m, const double w[3]) {
   return rest * hk_length(m->a) * m->step->h + 16 * DBL_EPSILON * hk_length(w);
 }
 
 /* ---- impact ---- */
 
 /* The restitution that counts: none where the bounces end within the step. */
-static double restitution(const march *m, const hk_obstacle *o, double closing, double pull) {
+static double restitution(const particle_path *m, const hk_obstacle *o, double closing, double pull) {
   double e = o->restitution, flight = 2 * e * closing / pull;
   if (!(pull > 0)) return e;
   return flight <= (1 - e) * remaining(m) || flight <= shortest_flight * m->step->h ? 0 : e;
 }
 
-static void strike(march *m, const event *at, const double n[3]) {
+static void strike(particle_path *m, const event *at, const double n[3]) {
   const double *w = at->w;
   double along = hk_dot(w, n), e = restitution(m, at->o, -along, -hk_dot(at->path.a, n)), across[3], change[3], du[3];
   for (int c = 0; c < 3; c++) across[c] = w[c] - along * n[c];
@@ -159,7 +159,7 @@ static double stopping(const double w[3], const double a[3], double limit) {
 
 /* Adds friction of mu N = `limit` to `change`: that which brings the particle to rest, where it does so before the end
  * of the path, else against the velocity of the middle. False: it stays where it is. */
-static bool slides(march *m, const event *e, double limit, const double n[3], double change[3]) {
+static bool slides(particle_path *m, const event *e, double limit, const double n[3], double change[3]) {
   double along = hk_dot(e->w, n), pull = hk_dot(e->path.a, n), tau = e->path.span, w[3], a[3], d[3];
   for (int c = 0; c < 3; c++) {
     w[c] = e->w[c] - along * n[c];
@@ -181,7 +181,7 @@ static bool slides(march *m, const event *e, double limit, const double n[3], do
 }
 
 /* The velocity at the end is that of a normal which has turned half of the way: order 2 on curved surfaces. */
-static void lie(march *m, const event *e, const double n[3]) {
+static void lie(particle_path *m, const event *e, const double n[3]) {
   const hk_obstacle *o = e->o;
   const hk_parabola *path = &e->path;
   double tau = path->span, along[3] = {0}, p[3], w[3], n_end[3];
@@ -206,12 +206,12 @@ static void lie(march *m, const event *e, const double n[3]) {
 /* ---- one event after the other ---- */
 
 /* Whether an obstacle on which the particle lies is entered by the path, pushed by another one. */
-static bool pushed_in(const march *m, const hk_obstacle *o, double least) {
+static bool pushed_in(const particle_path *m, const hk_obstacle *o, double least) {
   double n[3];
   return hk_obstacle_gap(o, &o->motion.end, m->x_end, m->step->i, n) < -least;
 }
 
-static event next_event(const march *m) {
+static event next_event(const particle_path *m) {
   event first = {.t = INFINITY};
   for (size_t k = 0; k < m->set->count; k++) {
     event e = {.o = m->set->member[k], .bit = (uint64_t)1 << k};
@@ -221,7 +221,7 @@ static event next_event(const march *m) {
     if (m->leaving & e.bit)
       e.t = INFINITY;
     else if (m->resting & e.bit)
-      e.t = m->until == 1 && m->reactions < SWEEPS && pushed_in(m, e.o, 4 * least) ? 0 : INFINITY;
+      e.t = m->until == 1 && m->reactions < MOST_REACTIONS && pushed_in(m, e.o, 4 * least) ? 0 : INFINITY;
     else
       e.t = hk_parabola_contact(&e.path, &e.o->shape, hk_obstacle_radius(e.o, m->step->i), least);
     if (e.t < first.t) first = e;
@@ -229,7 +229,7 @@ static event next_event(const march *m) {
   return first;
 }
 
-static void resolve(march *m, const event *e) {
+static void resolve(particle_path *m, const event *e) {
   double n[3];
   hk_shape_distance(&e->o->shape, e->path.p, n);
   if (hk_dot(e->w, n) < -slowest(m, m->u))
@@ -239,7 +239,7 @@ static void resolve(march *m, const event *e) {
 }
 
 /* False: there are too many. */
-static bool go(march *m) {
+static bool go(particle_path *m) {
   for (int k = 0; k < MOST_EVENTS; k++) {
     event e = next_event(m);
     double stop = (m->until - m->s) * m->step->h;
@@ -268,7 +268,7 @@ static bool go(march *m) {
 /* ---- start and end of the step ---- */
 
 /* Moves a particle that is inside to the surface. Whether it touches something. */
-static bool put_outside(march *m) {
+static bool put_outside(particle_path *m) {
   bool touches = false;
   for (size_t k = 0; k < m->set->count; k++) {
     const hk_obstacle *o = m->set->member[k];
@@ -283,7 +283,7 @@ static bool put_outside(march *m) {
 }
 
 /* What lies on a surface has its speed along it, and none against it. */
-static void settle(march *m, double v[3]) {
+static void move_with_surfaces(particle_path *m, double v[3]) {
   for (size_t k = 0; k < m->set->count; k++) {
     const hk_obstacle *o = m->set->member[k];
     const hk_body_frame *f = &o->motion.end;
@@ -304,7 +304,7 @@ static void settle(march *m, double v[3]) {
  * h/2 from that of the parabola through their positions, on which impacts are; the law is then applied to the latter,
  * and where the particle touches something, their own velocity makes the parabola. The difference, O(h^2) with other
  * methods, is carried on. Whether the method is of order 1. */
-static bool start_velocity(march *m, bool touches, double offset[3]) {
+static bool start_velocity(particle_path *m, bool touches, double offset[3]) {
   const hk_obstacle_step *step = m->step;
   double h = step->h;
   for (int c = 0; c < 3; c++) {
@@ -321,7 +321,7 @@ static bool start_velocity(march *m, bool touches, double offset[3]) {
 
 /* By definition: the change of the kinetic energy at the end of the step, less what the accelerations do over the way
  * between the ends. That is the energy lost in impacts and to friction, and what moving obstacles give. */
-static double work_of(const march *m, const double x_free[3], const double u_free[3], const double x[3],
+static double work_of(const particle_path *m, const double x_free[3], const double u_free[3], const double x[3],
                       const double u[3]) {
   double way[3];
   hk_subtract(way, x, x_free);
@@ -329,7 +329,7 @@ static double work_of(const march *m, const double x_free[3], const double u_fre
 }
 
 void hk_obstacles_meet(const hk_obstacle_set *set, hk_obstacle_step *step) {
-  march m = {.set = set, .step = step};
+  particle_path m = {.set = set, .step = step};
   double offset[3], v[3], x_free[3], u_free[3], pushed[3];
   step->landing = 1;
   hk_copy(m.x, step->x_from);
@@ -344,7 +344,7 @@ void hk_obstacles_meet(const hk_obstacle_set *set, hk_obstacle_step *step) {
     step->landing = 1; /* steps of many lengths would cost it more than landing at the end of one gains */
   if (step->endless || !(step->changed || (first_order && touches))) return;
   for (int c = 0; c < 3; c++) v[c] = m.u[c] + offset[c];
-  settle(&m, v);
+  move_with_surfaces(&m, v);
   hk_subtract(m.u, v, offset);
   step->work = work_of(&m, x_free, u_free, m.x, m.u);
   step->changed = memcmp(step->x, m.x, sizeof m.x) != 0 || memcmp(step->v, v, sizeof v) != 0;

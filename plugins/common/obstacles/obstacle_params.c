@@ -1,5 +1,5 @@
 #include "plugins/common/obstacles/obstacle_params.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
 
@@ -48,7 +48,7 @@ hk_status hk_obstacle_open(hk_obstacle *o, hk_surface *surface, hk_obstacle_para
     o->shape.half[c] = p->size[c] / 2;
   }
   o->friction = p->friction;
-  hk_obstacle_look(o, p, view);
+  hk_obstacle_take_radii(o, p, view);
   return HK_OK;
 }
 
@@ -59,7 +59,7 @@ hk_pose hk_obstacle_pose(const hk_obstacle_params *p, double t) {
   return pose;
 }
 
-void hk_obstacle_look(hk_obstacle *o, const hk_obstacle_params *p, const hk_view *view) {
+void hk_obstacle_take_radii(hk_obstacle *o, const hk_obstacle_params *p, const hk_view *view) {
   o->radius = p->radius;
   o->radii = p->radius_channel && view->y ? view->y + view->model->channel[p->channel].offset * view->n : NULL;
 }

@@ -17,28 +17,29 @@ typedef struct hk_obstacle_params {
 /* Rows of a parameter table, for a plugin whose instance has the member `params` of this type. */
 /* clang-format off */
 #define HK_OBSTACLE_PARAM_ROWS(instance)                                                                               \
-  {"shape", "", "of the obstacle", HK_CHOICE, {0}, 0, 0,                                                                \
-   offsetof(instance, params.shape), 0, HK_SHAPE_NAMES},                                                                \
-  {"position", "m", "of its centre; of a point of the plane",                                                           \
-   HK_VECTOR, {0}, 0, 0, offsetof(instance, params.position), HK_TIMED, NULL},                                          \
-  {"rotation", "rad", "axis times angle, about the position",                                                           \
-   HK_VECTOR, {0}, 0, 0, offsetof(instance, params.rotation), HK_TIMED, NULL},                                          \
-  {"normal", "", "of the plane, of any length, to the side of the particles",                                           \
-   HK_VECTOR, {0, 0, 1}, 0, 0, offsetof(instance, params.normal), 0, NULL},                                             \
-  {"size", "m", "extents along its own x, y, z: a sphere's diameter three times; of a cylinder and a capsule, whose "   \
-   "axis is z, the diameter twice and the length", HK_VECTOR, {1, 1, 1}, 0, 1e9, offsetof(instance, params.size), 0,    \
-   NULL},                                                                                                               \
-  {"hollow", "", "keeps particles inside", HK_BOOLEAN, {0}, 0, 0, offsetof(instance, params.hollow), 0, NULL},          \
-  {"friction", "", "Coulomb's coefficient mu", HK_NUMBER, {0}, 0, 1e9, offsetof(instance, params.friction), 0, NULL},   \
-  {"radius", "m", "of the particles", HK_NUMBER, {0}, 0, 1e9, offsetof(instance, params.radius), 0, NULL},              \
-  {"radius_channel", "", "a channel with the radius of each particle, m, instead of `radius`",                          \
-   HK_STRING, {0}, 0, 0, offsetof(instance, params.radius_channel), 0, NULL},                                            \
-  {"vertices", "m", "of a mesh: x1, y1, z1, x2, ...",                                                                   \
-   HK_NUMBERS, {0}, 0, 0, offsetof(instance, params.vertices), HK_OPTIONAL, NULL},                                      \
-  {"faces", "", "of a mesh: three vertices a triangle, from 1; closed, all outward or all inward",                       \
-   HK_NUMBERS, {0}, 0, 0, offsetof(instance, params.faces), HK_OPTIONAL, NULL},                                         \
-  {"file", "", "where the mesh comes from, for messages",                                                               \
-   HK_STRING, {0}, 0, 0, offsetof(instance, params.file), 0, "the mesh"}
+  {"shape", "", "of the obstacle", .choice = HK_AT(instance, params.shape), .choices = HK_SHAPE_NAMES},                \
+  {"position", "m", "of its centre; of a point of the plane", .vector = HK_AT(instance, params.position),              \
+     .flags = HK_TIMED},                                                                                               \
+  {"rotation", "rad", "axis times angle, about the position", .vector = HK_AT(instance, params.rotation),              \
+     .flags = HK_TIMED},                                                                                               \
+  {"normal", "", "of the plane, of any length, to the side of the particles",                                          \
+     .vector = HK_AT(instance, params.normal), .initial = {0, 0, 1}},                                                  \
+  {"size", "m",                                                                                                        \
+     "extents along its own x, y, z: a sphere's diameter three times; of a cylinder and a capsule, whose "             \
+     "axis is z, the diameter twice and the length", .vector = HK_AT(instance, params.size),                           \
+     .initial = {1, 1, 1}, .limits = HK_WITHIN(0, 1e9)},                                                               \
+  {"hollow", "", "keeps particles inside", .boolean = HK_AT(instance, params.hollow)},                                 \
+  {"friction", "", "Coulomb's coefficient mu", .number = HK_AT(instance, params.friction),                             \
+     .limits = HK_WITHIN(0, 1e9)},                                                                                     \
+  {"radius", "m", "of the particles", .number = HK_AT(instance, params.radius), .limits = HK_WITHIN(0, 1e9)},          \
+  {"radius_channel", "", "a channel with the radius of each particle, m, instead of `radius`",                         \
+     .string = HK_AT(instance, params.radius_channel)},                                                                \
+  {"vertices", "m", "of a mesh: x1, y1, z1, x2, ...", .numbers = HK_AT(instance, params.vertices),                     \
+     .flags = HK_OPTIONAL},                                                                                            \
+  {"faces", "", "of a mesh: three vertices a triangle, from 1; closed, all outward or all inward",                     \
+     .numbers = HK_AT(instance, params.faces), .flags = HK_OPTIONAL},                                                  \
+  {"file", "", "where the mesh comes from, for messages", .string = HK_AT(instance, params.file),                      \
+     .text = "the mesh"}
 /* clang-format on */
 
 /* Checks them and fills the obstacle, but for its motion and its law; the surface is filled where it is a mesh.
@@ -46,7 +47,7 @@ typedef struct hk_obstacle_params {
 hk_status hk_obstacle_open(hk_obstacle *, hk_surface *, hk_obstacle_params *, const hk_host *, const hk_view *);
 /* The pose and the particles' radii of this moment. */
 hk_pose hk_obstacle_pose(const hk_obstacle_params *, double t);
-void hk_obstacle_look(hk_obstacle *, const hk_obstacle_params *, const hk_view *);
+void hk_obstacle_take_radii(hk_obstacle *, const hk_obstacle_params *, const hk_view *);
 
 /* How many particles are inside, and how deep; of those that are not held by pins. */
 typedef struct hk_inside {

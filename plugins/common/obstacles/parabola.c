@@ -1,5 +1,5 @@
 #include "plugins/common/obstacles/parabola.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <float.h>
 
@@ -45,7 +45,7 @@ static double gap_at(search *s, double t) {
 }
 
 /* Between a time before the surface and one behind it. */
-static double meeting(search *s, double before, double behind) {
+static double crossing(search *s, double before, double behind) {
   for (int k = 0; k < HALVINGS; k++) {
     double middle = before + (behind - before) / 2;
     if (!(middle > before && middle < behind)) break;
@@ -84,7 +84,7 @@ static double contact_by_halving(search *s, double gap) {
   if (!(inside < INFINITY)) return INFINITY;
   double a = fmax(0, inside - thinnest * hk_shape_size(s->shape) / s->fastest);
   if (!(gap_at(s, a) > s->tolerance)) a = outside_after(s, a, (inside - a) / 2);
-  return meeting(s, a, inside);
+  return crossing(s, a, inside);
 }
 
 static double contact_by_tangents(search *s, double gap) {

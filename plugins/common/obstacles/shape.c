@@ -1,5 +1,5 @@
 #include "plugins/common/obstacles/shape.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 /* The normal along d, whose length is given; where that is 0, along `otherwise`. */
 static void along(double n[3], const double d[3], double length, int otherwise) {

@@ -1,7 +1,7 @@
 /* Which particles may meet an obstacle in a step: a few operations each, in loops that compilers vectorise, since most
  * particles of a large scene meet none. A path departs from the straight line by h |v1 - v0|/8 at most. */
 #include "plugins/common/obstacles/obstacle.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 typedef struct block {
   const hk_obstacle *o;

@@ -1,5 +1,5 @@
 #include "plugins/common/obstacles/surface.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 #include "plugins/common/picture/geometry.h"
 
+#include "plugins/common/colour/palette.h"
 #include "plugins/common/picture/solid_mesh.h"
 
 #include <string.h>
@@ -14,9 +15,9 @@ static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
   size_t vertices = s->triangles ? s->n + 3 * (s->triangles - s->cloth) : 0, triangles = s->triangles;
   for (size_t k = 0; k < s->solids; k++)
     vertices += hk_solid_vertices(s->solid + k), triangles += hk_solid_triangles(s->solid + k);
-  if (s->n >= p->bead_room) {
-    p->bead_room = s->n + s->n / 2 + 1;
-    p->bead = renew(p->host, p->bead, p->bead_room, sizeof *p->bead);
+  if (s->n >= p->point_room) {
+    p->point_room = s->n + s->n / 2 + 1;
+    p->point = renew(p->host, p->point, p->point_room, sizeof *p->point);
   }
   if (vertices >= p->room) {
     p->room = vertices + vertices / 2 + 1;
@@ -30,8 +31,8 @@ static hk_status make_room(hk_painter *p, const hk_snapshot3d *s) {
     p->tube_room = tubes + tubes / 2 + 1;
     p->tube = renew(p->host, p->tube, p->tube_room, sizeof *p->tube);
   }
-  if (p->vertex && p->bead && p->triangle && p->tube) return HK_OK;
-  p->room = p->triangle_room = p->tube_room = p->bead_room = 0;
+  if (p->vertex && p->point && p->triangle && p->tube) return HK_OK;
+  p->room = p->triangle_room = p->tube_room = p->point_room = 0;
   return p->host->fail(p->host, HK_NO_MEMORY, "no memory to draw %zu particles", s->n);
 }
 
@@ -77,14 +78,14 @@ static void normalize(float v[3]) {
     for (int c = 0; c < 3; c++) v[c] /= most;
 }
 
-static void add_bead(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i,
-                     const uint8_t colour[4]) {
+static void add_point(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i,
+                      const uint8_t colour[4]) {
   const float *size = s->extra[HK_EXTRA_SIZE], *v = s->extra[HK_EXTRA_VELOCITY];
-  hk_bead *bead = p->bead + p->beads++;
-  memcpy(bead->centre, s->x[i], sizeof bead->centre);
-  memcpy(bead->colour, colour, sizeof bead->colour);
-  bead->radius = size ? (float)(setup->bead_unit * (double)size[i]) : at_least_strand(s, i, setup->bead);
-  for (size_t c = 0; c < 3; c++) bead->tail[c] = v ? (float)(setup->streak * (double)v[3 * i + c]) : 0;
+  hk_point_sprite *point = p->point + p->points++;
+  memcpy(point->centre, s->x[i], sizeof point->centre);
+  memcpy(point->colour, colour, sizeof point->colour);
+  point->radius = size ? (float)(setup->point_unit * (double)size[i]) : at_least_strand(s, i, setup->point);
+  for (size_t c = 0; c < 3; c++) point->tail[c] = v ? (float)(setup->streak * (double)v[3 * i + c]) : 0;
 }
 
 static void add_mesh(hk_painter *p, const hk_snapshot3d *s, uint8_t (*colour)[4], const region *here) {
@@ -127,26 +128,25 @@ static hk_status add_bodies(hk_painter *p, const hk_view_setup *setup, const hk_
 static hk_status add_solids(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, bool planes) {
   hk_status status = HK_OK;
   for (size_t k = 0; k < s->solids && status == HK_OK; k++)
-    if (planes == (s->solid[k].kind == HK_SOLID_PLANE)) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
+    if (planes == (s->solid[k].kind == HK_SHAPE_PLANE)) status = hk_solid_mesh_add(p, setup, s->solid + k, s->origin);
   return status;
 }
 
 static void add_pin(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, size_t i) {
-  static const uint8_t colour[4] = {52, 58, 70, 255};
-  hk_bead *bead = p->bead + p->beads++;
-  *bead = (hk_bead){.radius = 1.1f * at_least_strand(s, i, setup->pin / 1.1)};
-  memcpy(bead->centre, s->x[i], sizeof bead->centre);
-  memcpy(bead->colour, colour, sizeof colour);
+  hk_point_sprite *point = p->point + p->points++;
+  *point = (hk_point_sprite){.radius = 1.1f * at_least_strand(s, i, setup->pin / 1.1)};
+  memcpy(point->centre, s->x[i], sizeof point->centre);
+  memcpy(point->colour, hk_palette_colours[HK_PALETTE_PIN], sizeof point->colour);
 }
 
-static void add_beads(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
-                      const region *here) {
+static void add_points(hk_painter *p, const hk_view_setup *setup, const hk_snapshot3d *s, uint8_t (*colour)[4],
+                       const region *here) {
   for (size_t i = 0; i < s->n; i++) {
-    if (!(s->mark[i] & (HK_MARK_PIN | HK_MARK_BEAD)) || !has_place(s->x[i], here)) continue;
+    if (!(s->mark[i] & (HK_MARK_PIN | HK_MARK_POINT)) || !has_place(s->x[i], here)) continue;
     if (s->mark[i] & HK_MARK_PIN)
       add_pin(p, setup, s, i);
     else if (colour[i][3])
-      add_bead(p, setup, s, i, colour[i]);
+      add_point(p, setup, s, i, colour[i]);
   }
 }
 
@@ -190,7 +190,7 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   hk_status status = setup->thickness > 0 ? hk_border_follow(&p->border, p->host, s) : HK_OK;
   if (status == HK_OK) status = make_room(p, s);
   if (status != HK_OK) return status;
-  p->vertices = p->triangles = p->tubes = p->beads = 0;
+  p->vertices = p->triangles = p->tubes = p->points = 0;
   if (s->triangles) add_mesh(p, s, colour, &here);
   p->cloth = p->triangles;
   status = add_bodies(p, setup, s);
@@ -201,6 +201,6 @@ hk_status hk_geometry_fill(hk_painter *p, const hk_view_setup *setup, const hk_s
   if (status != HK_OK) return status;
   add_tubes(p, setup, s, colour, &here);
   add_rim(p, setup, s, colour, &here);
-  add_beads(p, setup, s, colour, &here);
+  add_points(p, setup, s, colour, &here);
   return HK_OK;
 }

@@ -4,8 +4,8 @@
 
 #include "plugins/common/picture/painter.h"
 
-/* Fills vertex (with smooth normals), triangle, tube and bead; solids become triangles. Objects with a particle without
- * a finite position, or beyond fifty times the size of the setup, are omitted. */
+/* Fills vertex (with smooth normals), triangle, tube and point; solids become triangles. Objects with a particle
+ * without a finite position, or beyond fifty times the size of the setup, are omitted. */
 hk_status hk_geometry_fill(hk_painter *, const hk_view_setup *setup, const hk_snapshot3d *snapshot,
                            uint8_t (*colour)[4]);
 

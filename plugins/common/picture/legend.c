@@ -84,7 +84,7 @@ static const char *glyph(int c) {
 typedef struct strokes {
   hk_tube tube[STROKES];
   size_t count;
-  const uint8_t *ink;
+  const uint8_t *colour;
 } strokes;
 
 static void add_stroke(strokes *s, double ax, double ay, double bx, double by, const uint8_t colour[4]) {
@@ -108,7 +108,7 @@ static void add_text(strokes *s, const char *text, double x, double y, double un
         continue;
       }
       add_stroke(s, x + (g[0] - '0') * unit, y + (g[1] - '2') * unit, x + (g[3] - '0') * unit, y + (g[4] - '2') * unit,
-                 s->ink);
+                 s->colour);
     }
   }
 }
@@ -118,7 +118,7 @@ static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const d
   s->count = 0;
   if (legend->light) { /* a rim, or the dark end would not be seen */
     add_stroke(s, at[0] + thickness / 4, at[1] + thickness / 2, at[0] + length - thickness / 4, at[1] + thickness / 2,
-               s->ink);
+               s->colour);
     hk_painter_strokes(p, s->tube, s->count, thickness / 2 + 1);
     s->count = 0;
   }
@@ -132,7 +132,7 @@ static void draw_bar(hk_painter *p, strokes *s, const hk_legend *legend, const d
   hk_painter_strokes(p, s->tube, s->count, thickness / 2);
 }
 
-static const uint8_t ink[2][4] = {{62, 68, 80, 255}, {206, 213, 222, 255}};
+static const uint8_t line_colour[2][4] = {{62, 68, 80, 255}, {206, 213, 222, 255}};
 
 static bool has_room(const hk_painter *p, int pixels) {
   return p->canvas.width >= pixels && p->canvas.height >= pixels;
@@ -147,7 +147,7 @@ static double unit_of(const hk_painter *p) {
 
 void hk_legend_name(hk_painter *p, const char *name, bool light) {
   if (!*name || !has_room(p, 120)) return;
-  strokes s = {.ink = ink[light]};
+  strokes s = {.colour = line_colour[light]};
   double unit = unit_of(p), margin = 0.04 * p->canvas.height;
   add_text(&s, name, margin, p->canvas.height - margin - 6 * unit, unit, 0);
   hk_painter_strokes(p, s.tube, s.count, 0.42 * unit + 0.15);
@@ -164,7 +164,7 @@ int hk_legend_height(const hk_painter *p) {
 void hk_legend_draw(hk_painter *p, const hk_legend *legend) {
   int width = p->canvas.width, height = p->canvas.height;
   if (!has_room(p, 200)) return;
-  strokes s = {.ink = ink[legend->light]};
+  strokes s = {.colour = line_colour[legend->light]};
   hk_tick tick[HK_TICKS];
   double unit = unit_of(p), margin = 0.04 * height, advance = 6 * unit;
   double length = fmax(fmin(0.3 * height, 0.3 * width), advance * hk_scale_least(&legend->scale));

@@ -44,12 +44,12 @@ typedef struct hk_painter {
   bool fresh;                                          /* no picture was read since it was drawn */
   void (*overlay)(struct hk_painter *, void *context); /* draws strokes over all pictures; NULL: none */
   void *overlay_context;
-  size_t room, triangle_room, tube_room, bead_room;
+  size_t room, triangle_room, tube_room, point_room;
   hk_vertex *vertex;
   hk_tube *tube;
-  hk_bead *bead;
+  hk_point_sprite *point;
   uint32_t (*triangle)[3]; /* those whose corners have finite positions, and the solids' */
-  size_t vertices, triangles, tubes, beads;
+  size_t vertices, triangles, tubes, points;
   /* The triangles are those of cloth, of bodies, of closed solids, and of planes, which have no end and cast no shadow:
    * where each but the last end. */
   size_t cloth, bodies, opaque;

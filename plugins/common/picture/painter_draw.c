@@ -332,10 +332,10 @@ static void find_distances(const hk_camera *camera, size_t count, float *depth) 
     depth[k] = depth[k] <= 0 ? -INFINITY : depth[k] >= 1 ? INFINITY : product / (sum - (2 * depth[k] - 1) * difference);
 }
 
-static hk_sprite_look look_of(const scene *s) {
-  hk_sprite_look look = s->setup->sprites;
-  memcpy(look.light, s->light[1], sizeof look.light);
-  return look;
+static hk_sprite_shading shading_of(const scene *s) {
+  hk_sprite_shading shading = s->setup->sprites;
+  memcpy(shading.light, s->light[1], sizeof shading.light);
+  return shading;
 }
 
 /* Four fifths of the pixels that shine come to at most 2/(1 + 2) of the strongest light. */
@@ -344,10 +344,10 @@ hk_status hk_painter_expose(hk_painter *p, hk_view_setup *setup, const hk_snapsh
   hk_status status = hk_geometry_fill(p, setup, snapshot, colour);
   if (status != HK_OK) return status;
   scene s = make_scene(setup);
-  hk_sprite_look look = look_of(&s);
-  status = hk_sprites_place(&p->sprites, &s.lens, &look, p->canvas.width, p->canvas.height, p->bead, p->beads);
+  hk_sprite_shading shading = shading_of(&s);
+  status = hk_sprites_place(&p->sprites, &s.lens, &shading, p->canvas.width, p->canvas.height, p->point, p->points);
   if (status != HK_OK) return status;
-  double level = hk_sprites_level(&p->sprites, &look, 0.8);
+  double level = hk_sprites_level(&p->sprites, &shading, 0.8);
   if (level > 0) setup->sprites.opacity = 2 / level;
   return HK_OK;
 }
@@ -373,15 +373,16 @@ static void read_patches(hk_painter *p, unsigned char *rgba) {
 hk_status hk_painter_read(hk_painter *p, const hk_view_setup *setup, unsigned char *rgba) {
   scene s = make_scene(setup);
   hk_sprites *sprites = &p->sprites;
-  hk_sprite_look look = look_of(&s);
+  hk_sprite_shading shading = shading_of(&s);
   read_patches(p, rgba);
-  hk_status status = hk_sprites_place(sprites, &s.lens, &look, p->canvas.width, p->canvas.height, p->bead, p->beads);
+  hk_status status =
+      hk_sprites_place(sprites, &s.lens, &shading, p->canvas.width, p->canvas.height, p->point, p->points);
   const hk_light_image *image = &sprites->image;
   p->patch[HK_SPRITES] = (hk_patch){image->left, image->bottom, image->width, image->height};
   memcpy(p->old, p->patch, sizeof p->old);
   if (status != HK_OK || image->width * image->height == 0) return status;
   hk_canvas_read_depth(&p->canvas, image->left, image->bottom, image->width, image->height, sprites->distance);
   find_distances(&setup->camera, (size_t)image->width * (size_t)image->height, sprites->distance);
-  hk_sprites_draw(sprites, &look, rgba, p->canvas.width);
+  hk_sprites_draw(sprites, &shading, rgba, p->canvas.width);
   return HK_OK;
 }

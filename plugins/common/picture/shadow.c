@@ -15,7 +15,7 @@ static void place_map(hk_height_map *m, const hk_view_setup *setup, const double
       double at = (corner >> c & 1 ? setup->high : setup->low)[c] - key[c] / key[2] * z;
       low[c] = fmin(low[c], at), high[c] = fmax(high[c], at);
     }
-  double half = 0.53 * fmax(high[0] - low[0], high[1] - low[1]) + 0.1 * setup->size + setup->bead;
+  double half = 0.53 * fmax(high[0] - low[0], high[1] - low[1]) + 0.1 * setup->size + setup->point;
   for (int c = 0; c < 2; c++) {
     m->lean[c] = (float)(key[c] / key[2]);
     m->corner[c] = (float)((low[c] + high[c]) / 2 - half);
@@ -23,11 +23,11 @@ static void place_map(hk_height_map *m, const hk_view_setup *setup, const double
   m->side = (float)(2 * half);
   m->floor = (float)setup->height;
   m->low = (float)(fmin(setup->low[2], setup->height) - 0.1 * setup->size);
-  m->high = (float)(setup->high[2] + 0.1 * setup->size + setup->bead);
+  m->high = (float)(setup->high[2] + 0.1 * setup->size + setup->point);
 }
 
-static bool is_opaque(const hk_view_setup *setup, const hk_bead *bead) {
-  return setup->sprites.style == HK_STYLE_SPHERE && setup->sprites.opacity >= 1 && bead->colour[3] == 255;
+static bool is_opaque(const hk_view_setup *setup, const hk_point_sprite *point) {
+  return setup->sprites.style == HK_STYLE_SPHERE && setup->sprites.opacity >= 1 && point->colour[3] == 255;
 }
 
 void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[3]) {
@@ -39,8 +39,8 @@ void hk_shadow_cast(hk_painter *p, const hk_view_setup *setup, const double key[
     hk_height_map_triangle(m, p->vertex[t[0]].x, p->vertex[t[1]].x, p->vertex[t[2]].x);
   }
   for (size_t k = 0; k < p->tubes; k++) hk_height_map_tube(m, p->tube[k].a, p->tube[k].b, p->tube[k].radius);
-  for (size_t k = 0; k < p->beads; k++)
-    if (is_opaque(setup, p->bead + k)) hk_height_map_sphere(m, p->bead[k].centre, p->bead[k].radius);
+  for (size_t k = 0; k < p->points; k++)
+    if (is_opaque(setup, p->point + k)) hk_height_map_sphere(m, p->point[k].centre, p->point[k].radius);
 }
 
 /* What is below the floor casts no shadow on it. */
@@ -62,11 +62,11 @@ static void cover(const hk_height_map *m, unsigned char *shade) {
 static int clamp(float at) { return at < 0 ? 0 : at > SIZE - 1 ? SIZE - 1 : (int)at; }
 
 /* What is not opaque darkens by its opacity, one after the other. */
-static void darken(unsigned char *shade, const hk_height_map *m, const hk_bead *bead, double opacity) {
-  int dark = (int)fmin(opacity * bead->colour[3] + 0.5, 255);
-  float p[2], scale = SIZE / m->side, r = fmaxf(bead->radius * scale, 0.75f);
+static void darken(unsigned char *shade, const hk_height_map *m, const hk_point_sprite *point, double opacity) {
+  int dark = (int)fmin(opacity * point->colour[3] + 0.5, 255);
+  float p[2], scale = SIZE / m->side, r = fmaxf(point->radius * scale, 0.75f);
   for (int k = 0; k < 2; k++)
-    p[k] = (bead->centre[k] - m->lean[k] * (bead->centre[2] - m->floor) - m->corner[k]) * scale;
+    p[k] = (point->centre[k] - m->lean[k] * (point->centre[2] - m->floor) - m->corner[k]) * scale;
   if (!(p[0] + r >= 0 && p[0] - r < SIZE && p[1] + r >= 0 && p[1] - r < SIZE)) return;
   for (int y = clamp(p[1] - r); y <= clamp(p[1] + r); y++)
     for (int x = clamp(p[0] - r); x <= clamp(p[0] + r); x++) {
@@ -92,7 +92,7 @@ static void blur(const unsigned char *from, unsigned char *to) {
 
 void hk_shadow_shade(hk_painter *p, const hk_view_setup *setup) {
   cover(&p->map, p->shade);
-  for (size_t k = 0; k < p->beads && setup->sprites.style != HK_STYLE_GLOW; k++)
-    if (!is_opaque(setup, p->bead + k)) darken(p->shade, &p->map, p->bead + k, setup->sprites.opacity);
+  for (size_t k = 0; k < p->points && setup->sprites.style != HK_STYLE_GLOW; k++)
+    if (!is_opaque(setup, p->point + k)) darken(p->shade, &p->map, p->point + k, setup->sprites.opacity);
   for (int k = 0; k < 2 * PASSES; k++) blur(p->shade + (k % 2 ? SIZE * SIZE : 0), p->shade + (k % 2 ? 0 : SIZE * SIZE));
 }

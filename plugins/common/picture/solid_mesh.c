@@ -2,13 +2,15 @@
  * of half extent 1; points of a grid that have a normal of their own are entered twice. */
 #include "plugins/common/picture/solid_mesh.h"
 
+#include "plugins/common/colour/palette.h"
+
 #include <string.h>
 
 enum { ROWS = 32, COLUMNS = 64 };
 
 typedef struct maker {
   hk_painter *painter;
-  const hk_solid *solid;
+  const hk_frame_solid *solid;
   const double *origin;
   double inverse[3][3]; /* rows: what normals are made of */
   uint8_t colour[4];
@@ -21,21 +23,26 @@ static void cross(const double a[3], const double b[3], double out[3]) {
 static double length(const double v[3]) { return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 void hk_solid_colour(const hk_view_setup *setup, bool plane, uint8_t colour[4]) {
-  static const uint8_t colours[2][2][4] = {{{150, 146, 140, 255}, {72, 74, 80, 255}},  /* bodies by day, by night */
-                                           {{168, 174, 182, 255}, {44, 47, 54, 255}}}; /* planes */
-  memcpy(colour, colours[plane][hk_is_dark(setup->background)], 4);
+  bool night = hk_is_dark(setup->background);
+  int thing = plane   ? night ? HK_PALETTE_PLANE_AT_NIGHT : HK_PALETTE_PLANE
+              : night ? HK_PALETTE_BODY_AT_NIGHT
+                      : HK_PALETTE_BODY;
+  memcpy(colour, hk_palette_colours[thing], 4);
 }
 
-size_t hk_solid_vertices(const hk_solid *s) {
-  return s->kind == HK_SOLID_MESH ? 3 * s->faces : (ROWS + 2) * (COLUMNS + 1);
+size_t hk_solid_vertices(const hk_frame_solid *s) {
+  return s->kind == HK_SHAPE_MESH ? 3 * s->faces : (ROWS + 2) * (COLUMNS + 1);
 }
 
-size_t hk_solid_triangles(const hk_solid *s) { return s->kind == HK_SOLID_MESH ? s->faces : 2 * (ROWS + 1) * COLUMNS; }
+size_t hk_solid_triangles(const hk_frame_solid *s) {
+  return s->kind == HK_SHAPE_MESH ? s->faces : 2 * (ROWS + 1) * COLUMNS;
+}
 
 /* Normals of stretched bodies are turned by the cofactors of the axes. */
-static maker make_maker(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+static maker make_maker(hk_painter *p, const hk_view_setup *setup, const hk_frame_solid *solid,
+                        const double origin[3]) {
   maker m = {p, solid, origin, {{0}}, {0}};
-  hk_solid_colour(setup, solid->kind == HK_SOLID_PLANE, m.colour);
+  hk_solid_colour(setup, solid->kind == HK_SHAPE_PLANE, m.colour);
   for (int k = 0; k < 3; k++) cross(solid->axis[(k + 1) % 3], solid->axis[(k + 2) % 3], m.inverse[k]);
   return m;
 }
@@ -118,7 +125,7 @@ hk_status hk_solid_add_faces(hk_painter *p, const float (*x)[3], size_t vertices
 
 static hk_status add_surface(const maker *m) {
   hk_painter *p = m->painter;
-  const hk_solid *s = m->solid;
+  const hk_frame_solid *s = m->solid;
   const hk_host *host = p->host;
   float(*x)[3] = host->allocate(host, s->vertices * sizeof *x);
   if (!x) return host->fail(host, HK_NO_MEMORY, "no memory to draw a mesh of %zu vertices", s->vertices);
@@ -164,8 +171,8 @@ static void add_box(const maker *m) {
 }
 
 /* A square around the point nearest to the middle of the motion. */
-static void add_plane(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
-  hk_solid square = {.kind = HK_SOLID_PLANE};
+static void add_plane(hk_painter *p, const hk_view_setup *setup, const hk_frame_solid *solid, const double origin[3]) {
+  hk_frame_solid square = {.kind = HK_SHAPE_PLANE};
   double *u = square.axis[0], *v = square.axis[1], *n = square.axis[2], across = 0, size = length(solid->axis[2]);
   for (int c = 0; c < 3; c++) n[c] = solid->axis[2][c] / fmax(size, 1e-300);
   bool level = fabs(n[2]) > 1 - 1e-9;
@@ -194,27 +201,28 @@ static void turn_round(hk_painter *p, size_t vertices, size_t triangles) {
   }
 }
 
-hk_status hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_solid *solid, const double origin[3]) {
+hk_status hk_solid_mesh_add(hk_painter *p, const hk_view_setup *setup, const hk_frame_solid *solid,
+                            const double origin[3]) {
   maker m = make_maker(p, setup, solid, origin);
   size_t vertices = p->vertices, triangles = p->triangles;
   hk_status status = HK_OK;
   switch (solid->kind) {
-  case HK_SOLID_PLANE:
+  case HK_SHAPE_PLANE:
     add_plane(p, setup, solid, origin);
     break;
-  case HK_SOLID_SPHERE:
+  case HK_SHAPE_SPHERE:
     add_sphere(&m);
     break;
-  case HK_SOLID_BOX:
+  case HK_SHAPE_BOX:
     add_box(&m);
     break;
-  case HK_SOLID_CYLINDER:
+  case HK_SHAPE_CYLINDER:
     add_cylinder(&m);
     break;
-  case HK_SOLID_CAPSULE:
+  case HK_SHAPE_CAPSULE:
     add_capsule(&m);
     break;
-  case HK_SOLID_MESH:
+  case HK_SHAPE_MESH:
     status = add_surface(&m);
   }
   if (solid->hollow) turn_round(p, vertices, triangles);

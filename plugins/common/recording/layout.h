@@ -2,8 +2,8 @@
 #ifndef HK_RECORDING_LAYOUT_H
 #define HK_RECORDING_LAYOUT_H
 
-#include "plugins/common/recording/h5_file.h"
-#include "plugins/common/recording/h5_series.h"
+#include "plugins/common/hdf5/h5_file.h"
+#include "plugins/common/hdf5/h5_series.h"
 #include "plugins/common/recording/mark_series.h"
 #include "plugins/common/recording/recording.h"
 #include "plugins/common/recording/solid_series.h"

@@ -6,7 +6,7 @@
 #define HK_MARK_SERIES_H
 
 #include "plugins/common/frame_data/marks.h"
-#include "plugins/common/recording/h5_series.h"
+#include "plugins/common/hdf5/h5_series.h"
 
 typedef struct hk_mark_series {
   size_t count;

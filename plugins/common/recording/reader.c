@@ -1,40 +1,17 @@
 /* What of a recording is read when it is opened, and the rows of a frame. */
 #include "plugins/common/recording/reader.h"
 
+#include "plugins/common/hdf5/h5_reading.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- rows and attributes ---- */
-
-static bool get_number(hid_t object, const char *name, hid_t type, void *to) {
-  hid_t attribute = H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
-  bool fine = attribute >= 0 && H5Aget_storage_size(attribute) <= 8 && H5Aread(attribute, type, to) >= 0;
-  if (attribute >= 0) H5Aclose(attribute);
-  return fine;
-}
-
-static char *get_long_text(hid_t group, const char *name) {
-  hid_t set = H5Lexists(group, name, H5P_DEFAULT) > 0 ? H5Dopen2(group, name, H5P_DEFAULT) : -1;
-  hid_t type = set >= 0 ? H5Dget_type(set) : -1;
-  size_t length =
-      type >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 ? H5Tget_size(type) : 0;
-  char *text = calloc(1, length + 1);
-  if (text && length && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0) *text = 0;
-  if (type >= 0) H5Tclose(type);
-  if (set >= 0) H5Dclose(set);
-  return text;
-}
-
-static hid_t open_set(hid_t file, const char *path) {
-  return H5Lexists(file, path, H5P_DEFAULT) > 0 ? H5Dopen2(file, path, H5P_DEFAULT) : -1;
-}
 
 /* ---- what is read at the start ---- */
 
 /* A list of one number per frame or part. */
 static bool get_list(hid_t file, const char *path, size_t count, size_t width, hid_t type, void *to) {
-  hid_t set = open_set(file, path);
+  hid_t set = hk_h5_open_set(file, path);
   bool fine = set >= 0 && hk_h5_get_rows(set, 0, count, width, type, to);
   if (set >= 0) H5Dclose(set);
   return fine;
@@ -42,16 +19,17 @@ static bool get_list(hid_t file, const char *path, size_t count, size_t width, h
 
 /* CellOffsets and ConnectivityIdOffsets are tables of one column. */
 static bool get_column(hid_t file, const char *path, size_t count, int64_t *to) {
-  hid_t set = open_set(file, path);
-  hsize_t size[2] = {count, 1};
-  hid_t memory = H5Screate_simple(2, size, NULL), space = set >= 0 ? H5Dget_space(set) : -1;
-  hsize_t from[2] = {0, 0};
-  bool fine = space >= 0 && H5Sget_simple_extent_ndims(space) == 2 &&
-              H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
-              (count == 0 || H5Dread(set, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, to) >= 0);
+  hid_t set = hk_h5_open_set(file, path);
+  hsize_t size[2], from[2] = {0, 0};
+  bool fine = hk_h5_size(set, size) && size[1] == 1 && count <= size[0];
+  size[0] = count;
+  hid_t memory = H5Screate_simple(2, size, NULL), space = set >= 0 ? H5Dget_space(set) : H5I_INVALID_HID;
+  fine = fine && H5Sget_simple_extent_ndims(space) == 2 &&
+         H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+         (count == 0 || H5Dread(set, H5T_NATIVE_INT64, memory, space, H5P_DEFAULT, to) >= 0);
   if (space >= 0) H5Sclose(space);
   if (set >= 0) H5Dclose(set);
-  H5Sclose(memory);
+  if (memory >= 0) H5Sclose(memory);
   return fine;
 }
 
@@ -98,24 +76,41 @@ static bool get_parts(hk_recording *r) {
   return fine;
 }
 
+/* Whether the file has the rows of every frame; what has as many rows as there are particles is as large as the file.
+ */
+static bool rows_fit(const hk_recording *r) {
+  for (size_t k = 0; k < r->frames; k++) {
+    const hk_recorded_frame *f = &r->frame[k];
+    const hk_recorded_part *p = hk_recorded_part_of(r, k);
+    int64_t cells = p->vertices + p->segments + p->triangles;
+    if (!hk_h5_has_rows(r->points, f->points, p->n) || !hk_h5_has_rows(r->id, f->fixed, p->n) ||
+        !hk_h5_has_rows(r->connectivity, f->connectivity, p->vertices + 2 * p->segments + 3 * p->triangles) ||
+        (r->cell_strain >= 0 && !hk_h5_has_rows(r->cell_strain, f->strain, cells)))
+      return false;
+  }
+  return true;
+}
+
+/* 0: it is none of the scene's; -1: it cannot be what a recording has. */
 static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, void *context) {
+  enum { MOST = 64 }; /* numbers of a particle */
   hk_recording *r = context;
-  hk_recorded_array a = {.set = H5Dopen2(group, name, H5P_DEFAULT), .width = 1};
+  hk_recorded_array a = {.set = hk_h5_open_set(group, name)};
   char kind[16];
+  hsize_t size[2];
   (void)info;
-  if (a.set < 0) return 0;
-  if (!hk_h5_get_text(a.set, "kind", kind, sizeof kind) || !hk_h5_get_text(a.set, "label", a.name, sizeof a.name)) {
-    H5Dclose(a.set);
+  if (a.set < 0) return -1;
+  bool ours = H5Aexists(a.set, "kind") > 0, named = hk_h5_get_text(a.set, "kind", kind, sizeof kind) &&
+                                                    hk_h5_get_text(a.set, "label", a.name, sizeof a.name);
+  bool fits = hk_h5_size(a.set, size) && size[1] >= 1 && size[1] <= MOST;
+  hk_recorded_array *more = named && fits ? realloc(r->array, (r->arrays + 1) * sizeof *more) : NULL;
+  if (more) {
+    a.width = (size_t)size[1], a.force = strcmp(kind, "force") == 0;
+    r->array = more, r->array[r->arrays++] = a;
     return 0;
   }
-  hid_t space = H5Dget_space(a.set);
-  hsize_t size[2] = {0, 1};
-  if (H5Sget_simple_extent_ndims(space) <= 2) H5Sget_simple_extent_dims(space, size, NULL);
-  H5Sclose(space);
-  a.width = (size_t)size[1], a.force = strcmp(kind, "force") == 0;
-  hk_recorded_array *more = realloc(r->array, (r->arrays + 1) * sizeof *more);
-  if (more) r->array = more, r->array[r->arrays++] = a;
-  return more ? 0 : -1;
+  H5Dclose(a.set);
+  return ours ? -1 : 0;
 }
 
 static bool add_serie(hk_recording *r, const char *name, bool measure, const double *from, size_t stride) {
@@ -135,43 +130,51 @@ static bool add_serie(hk_recording *r, const char *name, bool measure, const dou
 /* A table of three columns becomes three lists, "momentum x" and so on. */
 static herr_t add_series(hid_t group, const char *name, const H5L_info_t *info, void *context) {
   hk_recording *r = context;
-  hid_t set = H5Dopen2(group, name, H5P_DEFAULT), space = set >= 0 ? H5Dget_space(set) : -1;
-  bool vector = space >= 0 && H5Sget_simple_extent_ndims(space) == 2;
-  size_t width = vector ? 3 : 1;
+  hid_t set = hk_h5_open_set(group, name);
+  hsize_t size[2];
+  bool fine = hk_h5_size(set, size) && size[1] <= 3;
+  size_t width = fine && size[1] == 3 ? 3 : 1;
   double *value = calloc(r->frames * width + 1, sizeof *value);
   char kind[16];
   bool measure = set >= 0 && hk_h5_get_text(set, "kind", kind, sizeof kind);
-  bool fine = value && hk_h5_get_rows(set, 0, r->frames, vector ? 3 : 0, H5T_NATIVE_DOUBLE, value);
+  fine = fine && value && hk_h5_get_rows(set, 0, r->frames, width == 3 ? 3 : 0, H5T_NATIVE_DOUBLE, value);
   (void)info;
   for (size_t c = 0; c < width && fine; c++) {
     char full[256];
-    snprintf(full, sizeof full, vector ? "%s %c" : "%s", name, (char)('x' + c));
+    snprintf(full, sizeof full, width == 3 ? "%s %c" : "%s", name, (char)('x' + c));
     fine = add_serie(r, full, measure, value + c, width);
   }
   free(value);
-  if (space >= 0) H5Sclose(space);
   if (set >= 0) H5Dclose(set);
   return fine ? 0 : -1;
 }
 
 static bool for_each(hid_t file, const char *path, herr_t (*visit)(hid_t, const char *, const H5L_info_t *, void *),
                      hk_recording *r) {
-  hid_t group = H5Lexists(file, path, H5P_DEFAULT) > 0 ? H5Gopen2(file, path, H5P_DEFAULT) : -1;
+  hid_t group = hk_h5_open_group(file, path);
   bool fine = group >= 0 && H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, NULL, (H5L_iterate_t)visit, r) >= 0;
   if (group >= 0) H5Gclose(group);
   return fine;
 }
 
+/* The number of frames is that of their times, and each has a row in every list. */
+static bool frames_fit(hid_t file, int64_t frames) {
+  hid_t set = hk_h5_open_set(file, "/VTKHDF/Steps/Values");
+  bool fine = set >= 0 && frames >= 0 && hk_h5_has_rows(set, 0, frames);
+  if (set >= 0) H5Dclose(set);
+  return fine;
+}
+
 static bool get_own(hk_recording *r) {
-  hid_t own = H5Gopen2(r->file, "/hooke", H5P_DEFAULT), steps = H5Gopen2(r->file, "/VTKHDF/Steps", H5P_DEFAULT);
+  hid_t own = hk_h5_open_group(r->file, "/hooke"), steps = hk_h5_open_group(r->file, "/VTKHDF/Steps");
   char scene[4096];
   int64_t frames = -1;
-  bool fine = own >= 0 && steps >= 0 && get_number(steps, "NSteps", H5T_NATIVE_INT64, &frames) && frames >= 0 &&
-              get_number(own, "fps", H5T_NATIVE_DOUBLE, &r->fps) &&
-              get_number(own, "every", H5T_NATIVE_INT64, &r->every) &&
+  bool fine = own >= 0 && steps >= 0 && hk_h5_get_number(steps, "NSteps", H5T_NATIVE_INT64, &frames) &&
+              frames_fit(r->file, frames) && hk_h5_get_number(own, "fps", H5T_NATIVE_DOUBLE, &r->fps) &&
+              hk_h5_get_number(own, "every", H5T_NATIVE_INT64, &r->every) &&
               hk_h5_get_text(own, "scene", scene, sizeof scene) &&
               hk_h5_get_text(own, "verdict", r->verdict, sizeof r->verdict);
-  if (fine) r->origin = get_long_text(own, "origin"), r->scene = malloc(strlen(scene) + 1);
+  if (fine) r->origin = hk_h5_get_long_text(own, "origin"), r->scene = malloc(strlen(scene) + 1);
   if (fine && r->scene) strcpy(r->scene, scene);
   if (own >= 0) H5Gclose(own);
   if (steps >= 0) H5Gclose(steps);
@@ -183,27 +186,27 @@ static bool get_all(hk_recording *r) {
   if (!get_own(r)) return false;
   r->time = calloc(r->frames + 1, sizeof *r->time);
   r->frame = calloc(r->frames + 1, sizeof *r->frame);
-  r->points = open_set(r->file, "/VTKHDF/Points");
-  r->velocity = open_set(r->file, "/VTKHDF/PointData/velocity");
-  r->strain = open_set(r->file, "/VTKHDF/PointData/strain");
-  r->id = open_set(r->file, "/VTKHDF/PointData/id");
-  r->mass = open_set(r->file, "/VTKHDF/PointData/mass");
-  r->pin = open_set(r->file, "/VTKHDF/PointData/pin");
-  r->connectivity = open_set(r->file, "/VTKHDF/Connectivity");
-  r->cell_strain = open_set(r->file, "/VTKHDF/CellData/strain");
-  return r->time && r->frame && get_frames(r) && get_parts(r) && for_each(r->file, "/VTKHDF/PointData", add_array, r) &&
+  r->points = hk_h5_open_set(r->file, "/VTKHDF/Points");
+  r->velocity = hk_h5_open_set(r->file, "/VTKHDF/PointData/velocity");
+  r->strain = hk_h5_open_set(r->file, "/VTKHDF/PointData/strain");
+  r->id = hk_h5_open_set(r->file, "/VTKHDF/PointData/id");
+  r->mass = hk_h5_open_set(r->file, "/VTKHDF/PointData/mass");
+  r->pin = hk_h5_open_set(r->file, "/VTKHDF/PointData/pin");
+  r->connectivity = hk_h5_open_set(r->file, "/VTKHDF/Connectivity");
+  r->cell_strain = hk_h5_open_set(r->file, "/VTKHDF/CellData/strain");
+  return r->time && r->frame && get_frames(r) && get_parts(r) && rows_fit(r) &&
+         for_each(r->file, "/VTKHDF/PointData", add_array, r) &&
          for_each(r->file, "/VTKHDF/FieldData", add_series, r) && hk_recorded_solids_open(&r->solids, r->file) &&
          hk_recorded_marks_open(&r->marks, r->file, r->frames);
 }
 
 hk_recording *hk_recording_open(const char *path, char *why, size_t size) {
   hk_recording *r = calloc(1, sizeof *r);
-  H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* messages are made here */
   if (!r) {
     snprintf(why, size, "no memory");
     return NULL;
   }
-  r->file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+  r->file = hk_h5_open_file(path);
   if (r->file >= 0 && get_all(r)) return r;
   snprintf(why, size,
            r->file < 0 ? "%s: it is not there, or no whole HDF5 file" : "%s: it is no recording of hooke, or damaged",

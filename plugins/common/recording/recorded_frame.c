@@ -20,7 +20,7 @@ bool hk_recording_frame_open(const hk_recording *r, hk_gatherer *s) {
 
 static bool reserve(hk_gatherer *s, const hk_recorded_part *p) {
   hk_frame_data *data = &s->data;
-  hk_cells *c = &data->cells;
+  hk_frame_cells *c = &data->cells;
   size_t n = (size_t)p->n, cells = (size_t)(p->vertices + p->segments + p->triangles);
   bool fine = hk_make_room(&data->x, &s->room[HK_ROOM_X], 3 * n, sizeof *data->x) &&
               hk_make_room(&data->v, &s->room[HK_ROOM_V], 3 * n, sizeof *data->v) &&
@@ -43,7 +43,7 @@ static bool reserve(hk_gatherer *s, const hk_recorded_part *p) {
 
 static bool read_cells(const hk_recording *r, size_t k, hk_frame_data *data) {
   const hk_recorded_part *p = hk_recorded_part_of(r, k);
-  hk_cells *c = &data->cells;
+  hk_frame_cells *c = &data->cells;
   c->vertices = (size_t)p->vertices, c->segments = (size_t)p->segments, c->triangles = (size_t)p->triangles;
   return hk_recording_vertices(r, k, c->vertex) && hk_recording_segments(r, k, (uint32_t *)c->segment) &&
          hk_recording_triangles(r, k, (uint32_t *)c->triangle) &&

@@ -16,7 +16,7 @@ static int64_t *cell_numbers(hk_recorder *r, size_t count) {
   return hk_make_room(&r->number, &r->room, count, sizeof *r->number) ? r->number : NULL;
 }
 
-static bool put_connectivity(hk_recorder *r, const hk_cells *c) {
+static bool put_connectivity(hk_recorder *r, const hk_frame_cells *c) {
   size_t count = c->vertices + 2 * c->segments + 3 * c->triangles;
   int64_t *to = cell_numbers(r, count);
   if (!to) return false;
@@ -27,7 +27,7 @@ static bool put_connectivity(hk_recorder *r, const hk_cells *c) {
   return hk_h5_series_add(&r->connectivity, count, r->number);
 }
 
-static bool put_types(hk_recorder *r, const hk_cells *c) {
+static bool put_types(hk_recorder *r, const hk_frame_cells *c) {
   size_t cells = hk_cell_count(c);
   int64_t *to = cell_numbers(r, cells + 1), at = 0;
   if (!to) return false;
@@ -45,7 +45,7 @@ static bool put_types(hk_recorder *r, const hk_cells *c) {
 
 /* VTK takes Offsets from the row CellOffsets + PartOffsets on, since each part has one offset more than cells. */
 static bool put_part(hk_recorder *r, const hk_frame_data *data) {
-  const hk_cells *c = &data->cells;
+  const hk_frame_cells *c = &data->cells;
   int64_t count[3] = {(int64_t)data->n, (int64_t)hk_cell_count(c),
                       (int64_t)(c->vertices + 2 * c->segments + 3 * c->triangles)};
   int64_t kinds[3] = {(int64_t)c->vertices, (int64_t)c->segments, (int64_t)c->triangles};
@@ -99,7 +99,7 @@ static bool count_frame(hk_recorder *r) {
 
 /* Says in the XDMF file where the frame that was written last is. */
 static bool describe(hk_recorder *r, const hk_frame_data *data) {
-  const hk_cells *c = &data->cells;
+  const hk_frame_cells *c = &data->cells;
   hk_xdmf_frame f = {.t = data->t,
                      .n = data->n,
                      .points = r->points_at,

@@ -1,5 +1,7 @@
 #include "plugins/common/recording/solid_series.h"
 
+#include "plugins/common/hdf5/h5_reading.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,7 +19,7 @@ static bool put_list(hid_t group, const char *name, hid_t type, size_t rows, siz
   return fine;
 }
 
-static bool put_kinds(hid_t group, const hk_solid *solid, size_t count) {
+static bool put_kinds(hid_t group, const hk_frame_solid *solid, size_t count) {
   uint8_t *byte = malloc(2 * count);
   uint64_t(*mesh)[2] = malloc(count * sizeof *mesh);
   for (size_t k = 0; k < count && byte && mesh; k++) {
@@ -32,7 +34,7 @@ static bool put_kinds(hid_t group, const hk_solid *solid, size_t count) {
   return fine;
 }
 
-static bool put_meshes(hid_t group, const hk_solid *solid, size_t count) {
+static bool put_meshes(hid_t group, const hk_frame_solid *solid, size_t count) {
   hk_h5_series vertex, face = {.set = -1};
   hk_h5_layout l = {.file = H5T_NATIVE_DOUBLE, .memory = H5T_NATIVE_DOUBLE, .width = 3, .chunk = 1024, .level = LEVEL};
   bool fine = hk_h5_series_create(&vertex, group, "vertex", &l);
@@ -46,7 +48,7 @@ static bool put_meshes(hid_t group, const hk_solid *solid, size_t count) {
   return fine;
 }
 
-bool hk_solid_series_create(hk_solid_series *s, hid_t own, const hk_solid *solid, size_t count) {
+bool hk_solid_series_create(hk_solid_series *s, hid_t own, const hk_frame_solid *solid, size_t count) {
   *s = (hk_solid_series){.count = count};
   if (count == 0) return true;
   hid_t group = hk_h5_group(own, "solids");
@@ -59,7 +61,7 @@ bool hk_solid_series_create(hk_solid_series *s, hid_t own, const hk_solid *solid
   return fine;
 }
 
-bool hk_solid_series_add(hk_solid_series *s, const hk_solid *solid) {
+bool hk_solid_series_add(hk_solid_series *s, const hk_frame_solid *solid) {
   for (size_t k = 0; k < s->count; k++) {
     memcpy(s->row + HK_SOLID_NUMBERS * k, solid[k].centre, sizeof solid[k].centre);
     memcpy(s->row + HK_SOLID_NUMBERS * k + 3, solid[k].axis, sizeof solid[k].axis);
@@ -75,37 +77,15 @@ void hk_solid_series_close(hk_solid_series *s) {
 
 /* ---- reading ---- */
 
-/* The numbers of rows and columns, 1 where there is no second dimension. */
-static bool size_of(hid_t set, hsize_t size[2]) {
-  hid_t space = set >= 0 ? H5Dget_space(set) : -1;
-  int rank = space >= 0 ? H5Sget_simple_extent_ndims(space) : 0;
-  size[0] = 0, size[1] = 1;
-  if (rank == 1 || rank == 2) H5Sget_simple_extent_dims(space, size, NULL);
-  if (space >= 0) H5Sclose(space);
-  return rank == 1 || rank == 2;
-}
-
-/* All of a list, or NULL where it has not so many rows and columns. */
-static void *get_list(hid_t group, const char *name, hid_t type, hsize_t rows, hsize_t width, size_t item) {
-  hid_t set = H5Lexists(group, name, H5P_DEFAULT) > 0 ? H5Dopen2(group, name, H5P_DEFAULT) : -1;
-  hsize_t size[2];
-  bool fits = size_of(set, size) && size[0] == rows && size[1] == width;
-  void *list = fits ? calloc(rows * width + 1, item) : NULL;
-  bool fine = list && H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, list) >= 0;
-  if (set >= 0) H5Dclose(set);
-  if (!fine) free(list);
-  return fine ? list : NULL;
-}
-
 static bool get_kinds(hk_recorded_solids *s, hid_t group, uint64_t total[2]) {
   enum { MOST = 1 << 28 }; /* of a mesh, so that sums cannot overflow */
-  uint8_t *kind = get_list(group, "kind", H5T_NATIVE_UINT8, s->count, 1, 1);
-  uint8_t *hollow = get_list(group, "hollow", H5T_NATIVE_UINT8, s->count, 1, 1);
-  uint64_t(*mesh)[2] = get_list(group, "mesh", H5T_NATIVE_UINT64, s->count, 2, sizeof(uint64_t));
+  uint8_t *kind = hk_h5_get_list(group, "kind", H5T_NATIVE_UINT8, s->count, 1, 1);
+  uint8_t *hollow = hk_h5_get_list(group, "hollow", H5T_NATIVE_UINT8, s->count, 1, 1);
+  uint64_t(*mesh)[2] = hk_h5_get_list(group, "mesh", H5T_NATIVE_UINT64, s->count, 2, sizeof(uint64_t));
   bool fine = kind && hollow && mesh && (s->solid = calloc(s->count, sizeof *s->solid));
   for (size_t k = 0; k < s->count && fine; k++) {
-    s->solid[k] = (hk_solid){.kind = kind[k], .hollow = hollow[k], .vertices = mesh[k][0], .faces = mesh[k][1]};
-    fine = kind[k] <= HK_SOLID_MESH && mesh[k][0] <= MOST && mesh[k][1] <= MOST;
+    s->solid[k] = (hk_frame_solid){.kind = kind[k], .hollow = hollow[k], .vertices = mesh[k][0], .faces = mesh[k][1]};
+    fine = kind[k] <= HK_SHAPE_MESH && mesh[k][0] <= MOST && mesh[k][1] <= MOST;
     total[0] += mesh[k][0], total[1] += mesh[k][1];
   }
   free(kind);
@@ -116,8 +96,8 @@ static bool get_kinds(hk_recorded_solids *s, hid_t group, uint64_t total[2]) {
 
 /* Corners have to be those of vertices. */
 static bool get_meshes(hk_recorded_solids *s, hid_t group, const uint64_t total[2]) {
-  s->vertex = get_list(group, "vertex", H5T_NATIVE_DOUBLE, total[0], 3, sizeof *s->vertex);
-  s->face = get_list(group, "face", H5T_NATIVE_UINT32, total[1], 3, sizeof(uint32_t));
+  s->vertex = hk_h5_get_list(group, "vertex", H5T_NATIVE_DOUBLE, total[0], 3, sizeof *s->vertex);
+  s->face = hk_h5_get_list(group, "face", H5T_NATIVE_UINT32, total[1], 3, sizeof(uint32_t));
   if (!s->vertex || !s->face) return false;
   const double *vertex = s->vertex;
   const uint32_t(*face)[3] = (const uint32_t(*)[3])s->face;
@@ -136,10 +116,9 @@ bool hk_recorded_solids_open(hk_recorded_solids *s, hid_t file) {
   uint64_t total[2] = {0};
   *s = (hk_recorded_solids){0};
   if (H5Lexists(file, path, H5P_DEFAULT) <= 0) return true;
-  hid_t group = H5Gopen2(file, path, H5P_DEFAULT);
-  s->place = group >= 0 && H5Lexists(group, "place", H5P_DEFAULT) > 0 ? H5Dopen2(group, "place", H5P_DEFAULT)
-                                                                      : H5I_INVALID_HID;
-  bool fine = size_of(s->place, size) && size[1] > 0 && size[1] % HK_SOLID_NUMBERS == 0;
+  hid_t group = hk_h5_open_group(file, path);
+  s->place = group >= 0 ? hk_h5_open_set(group, "place") : H5I_INVALID_HID;
+  bool fine = hk_h5_size(s->place, size) && size[1] > 0 && size[1] % HK_SOLID_NUMBERS == 0;
   s->count = fine ? size[1] / HK_SOLID_NUMBERS : 0;
   fine = fine && get_kinds(s, group, total) && get_meshes(s, group, total);
   if (group >= 0) H5Gclose(group);
@@ -149,7 +128,7 @@ bool hk_recorded_solids_open(hk_recorded_solids *s, hid_t file) {
 bool hk_recorded_solids_place(const hk_recorded_solids *s, size_t k, double *to) {
   hsize_t size[2], from[2] = {k, 0}, count[2] = {1, HK_SOLID_NUMBERS * s->count};
   if (s->count == 0) return true;
-  if (!size_of(s->place, size) || k >= size[0]) return false;
+  if (!hk_h5_size(s->place, size) || k >= size[0]) return false;
   hid_t space = H5Dget_space(s->place), memory = H5Screate_simple(2, count, NULL);
   bool fine = H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, count, NULL) >= 0 &&
               H5Dread(s->place, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, to) >= 0;

@@ -1,6 +1,6 @@
 /* The solids of a recording, what particles bounce off, in the group /hooke/solids:
  *
- *   kind (solids)          hk_solid_kind: 0 plane, 1 sphere, 2 box, 3 cylinder, 4 capsule, 5 mesh
+ *   kind (solids)          hk_shape_kind: 0 plane, 1 sphere, 2 box, 3 cylinder, 4 capsule, 5 mesh
  *   hollow (solids)        1: particles are inside
  *   place (frames x 12 solids)  m, of each solid its centre and three axes from there to its surface; of a plane the
  * third axis is its normal, of a cylinder or a capsule it is the long one, and the vertices of a mesh are in units of
@@ -11,10 +11,8 @@
 #ifndef HK_SOLID_SERIES_H
 #define HK_SOLID_SERIES_H
 
-#include "plugins/common/recording/h5_series.h"
-#include "plugins/common/snapshot/solid.h"
-
-enum { HK_SOLID_NUMBERS = 12 }; /* of a place */
+#include "plugins/common/hdf5/h5_series.h"
+#include "plugins/common/frame_data/solid.h"
 
 typedef struct hk_solid_series {
   size_t count;
@@ -23,13 +21,13 @@ typedef struct hk_solid_series {
 } hk_solid_series;
 
 /* False: the library failed, or no memory. What is zeroed may be closed. */
-bool hk_solid_series_create(hk_solid_series *, hid_t own, const hk_solid *, size_t count);
-bool hk_solid_series_add(hk_solid_series *, const hk_solid *);
+bool hk_solid_series_create(hk_solid_series *, hid_t own, const hk_frame_solid *, size_t count);
+bool hk_solid_series_add(hk_solid_series *, const hk_frame_solid *);
 void hk_solid_series_close(hk_solid_series *);
 
 typedef struct hk_recorded_solids {
   size_t count;
-  hk_solid *solid; /* kinds and meshes */
+  hk_frame_solid *solid; /* kinds and meshes */
   double *vertex;
   uint32_t (*face)[3];
   hid_t place; /* 0: there are none */

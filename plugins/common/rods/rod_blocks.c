@@ -16,7 +16,7 @@
 #include "plugins/common/rods/rods.h"
 #include "plugins/common/rods/rod_joint.h"
 #include "plugins/common/rods/rod_angles.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { LANES = HK_ROD_LANES, GRAIN = 8 };
 

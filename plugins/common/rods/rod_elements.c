@@ -2,7 +2,7 @@
  * binormal at each joint, E = bend/2 |kb|^2. Others have none: the angles of their sections belong to whole rods. A
  * clamp that is released keeps its half length in what methods took from here. */
 #include "plugins/common/rods/rod_elements.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { LANES = HK_ROD_LANES };
 

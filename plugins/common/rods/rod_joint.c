@@ -1,6 +1,6 @@
 /* Joints one by one, for what is not in the inner loops; the formulas are those of rod_loops.h. */
 #include "plugins/common/rods/rod_joint.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { LANES = HK_ROD_LANES };
 

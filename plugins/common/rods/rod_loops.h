@@ -1,6 +1,6 @@
-/* The loops of rod_path.h. A file that includes this one defines before: INLINE and TARGET, attributes with its
- * instruction set; WIDTH, vector, mask and bits, of so many doubles, integers and unsigned integers; SPREAD(a), a in
- * all lanes; root(v), the square root; and sum(v), of its lanes.
+/* The loops of rod_path.h, with vectors of four on every processor: one with narrower registers takes two for each. The
+ * file that includes this one defines TARGET, the attribute of functions with vectors, which each needs: without it
+ * compilers take vectors apart before they inline (1.3 times the time); and ROD_PATH, the table.
  *
  * With unit vectors t0, t1 of the edges at a joint, chi = 1 + t0.t1, the curvature binormal is kb = 2 t0 x t1/chi
  * (Bergou and others 2008). It is orthogonal to both edges and the same after parallel transport from one to the other,
@@ -17,8 +17,16 @@
  * to the angle halfway, w_1 k_2 - w_2 k_1. At the angles of least energy these are the whole derivatives. */
 #include "plugins/common/rods/rod_path.h"
 
+#include "core/plugin/widest.h"
+
 #include <math.h>
 #include <string.h>
+
+#define INLINE TARGET HK_INLINE
+
+typedef double vector __attribute__((vector_size(32), aligned(8), may_alias));
+typedef int64_t mask __attribute__((vector_size(32), aligned(8), may_alias));
+typedef uint64_t bits __attribute__((vector_size(32), aligned(8), may_alias));
 
 enum { LANES = HK_ROD_LANES, MOST_ITERATIONS = 1000 };
 
@@ -29,6 +37,13 @@ typedef struct place {
 #define LOAD(p, row) (*(const vector *)((p) + (row)*LANES))
 #define STORE(p, row, value) (*(vector *)((p) + (row)*LANES) = (value))
 
+/* All functions with vectors are inlined: how others would hand them over does not matter. */
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+#define FILL(a) ((vector){(a), (a), (a), (a)})
+
+INLINE vector root(vector a) { return (vector){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])}; }
+INLINE double sum(vector a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 INLINE vector pick(mask m, vector yes, vector no) { return (vector)((mask)no ^ (m & ((mask)yes ^ (mask)no))); }
 INLINE vector larger(vector a, vector b) { return pick((mask)(a > b), a, b); }
 INLINE vector size_of(vector a) { return larger(a, -a); }
@@ -49,27 +64,27 @@ INLINE place cross(place a, place b) {
 /* sin and cos to 1e-16 or so for |a| < 1e5: the remainder of multiples of pi/2 in three parts, then Taylor's series up
  * to pi/4, whose first terms left out are 4e-19 and 8e-18. */
 INLINE void sine_cosine(vector a, vector *sine, vector *cosine) {
-  const vector shift = SPREAD(6755399441055744.); /* 1.5 2^52: adding it rounds to integers */
-  vector n = a * SPREAD(0.63661977236758134308) + shift;
+  const vector shift = FILL(6755399441055744.); /* 1.5 2^52: adding it rounds to integers */
+  vector n = a * FILL(0.63661977236758134308) + shift;
   bits quarter = (bits)n;
   n -= shift;
-  vector r = ((a - n * SPREAD(1.57079632673412561417)) - n * SPREAD(6.07710050630396597660e-11)) -
-             n * SPREAD(2.02226624879595063154e-21);
+  vector r = ((a - n * FILL(1.57079632673412561417)) - n * FILL(6.07710050630396597660e-11)) -
+             n * FILL(2.02226624879595063154e-21);
   vector q = r * r;
-  vector s = SPREAD(-7.6471637318198164759e-13), c = SPREAD(4.7794773323873852974e-14);
-  s = SPREAD(1.6059043836821614599e-10) + q * s;
-  s = SPREAD(-2.5052108385441718775e-8) + q * s;
-  s = SPREAD(2.7557319223985890653e-6) + q * s;
-  s = SPREAD(-1.9841269841269841270e-4) + q * s;
-  s = SPREAD(8.3333333333333333333e-3) + q * s;
-  s = r + r * q * (SPREAD(-1.6666666666666666667e-1) + q * s);
-  c = SPREAD(-1.1470745597729724714e-11) + q * c;
-  c = SPREAD(2.0876756987868098979e-9) + q * c;
-  c = SPREAD(-2.7557319223985890653e-7) + q * c;
-  c = SPREAD(2.4801587301587301587e-5) + q * c;
-  c = SPREAD(-1.3888888888888888889e-3) + q * c;
-  c = SPREAD(4.1666666666666666667e-2) + q * c;
-  c = 1 - q * SPREAD(0.5) + q * q * c;
+  vector s = FILL(-7.6471637318198164759e-13), c = FILL(4.7794773323873852974e-14);
+  s = FILL(1.6059043836821614599e-10) + q * s;
+  s = FILL(-2.5052108385441718775e-8) + q * s;
+  s = FILL(2.7557319223985890653e-6) + q * s;
+  s = FILL(-1.9841269841269841270e-4) + q * s;
+  s = FILL(8.3333333333333333333e-3) + q * s;
+  s = r + r * q * (FILL(-1.6666666666666666667e-1) + q * s);
+  c = FILL(-1.1470745597729724714e-11) + q * c;
+  c = FILL(2.0876756987868098979e-9) + q * c;
+  c = FILL(-2.7557319223985890653e-7) + q * c;
+  c = FILL(2.4801587301587301587e-5) + q * c;
+  c = FILL(-1.3888888888888888889e-3) + q * c;
+  c = FILL(4.1666666666666666667e-2) + q * c;
+  c = 1 - q * FILL(0.5) + q * q * c;
   mask odd = (mask)(-(quarter & 1)), low = (mask)(-(quarter >> 1 & 1)), shifted = (mask)(-((quarter + 1) >> 1 & 1));
   vector sin_of = pick(odd, c, s), cos_of = pick(odd, s, c);
   *sine = pick(low, -sin_of, sin_of);
@@ -91,25 +106,25 @@ INLINE place direction(const hk_rod_rows *r, const hk_rod_batch *b, size_t k, ve
   size_t node = b->first + b->number + k;
   place e = minus(load(r->x, node + 1), load(r->x, node));
   vector l2 = dot(e, e);
-  mask some = (mask)(l2 > SPREAD(1e-300));
-  *inverse = (vector)(some & (mask)(1 / root(pick(some, l2, SPREAD(1)))));
+  mask some = (mask)(l2 > FILL(1e-300));
+  *inverse = (vector)(some & (mask)(1 / root(pick(some, l2, FILL(1)))));
   return times(*inverse, e);
 }
 
-INLINE vector chi_of(place t0, place t1) { return larger(1 + dot(t0, t1), SPREAD(HK_ROD_FOLD)); }
+INLINE vector chi_of(place t0, place t1) { return larger(1 + dot(t0, t1), FILL(HK_ROD_FOLD)); }
 
 INLINE size_t joints_of(const hk_rod_batch *b) { return b->ring ? b->edges : b->edges - 1; }
 INLINE size_t after(const hk_rod_batch *b, size_t k) { return k + 1 < b->edges ? k + 1 : 0; }
 
 TARGET static bool sound(const hk_rod_rows *r, const hk_rod_batch *b) {
-  vector inverse0, inverse1, bad = SPREAD(0);
+  vector inverse0, inverse1, bad = FILL(0);
   place t0 = direction(r, b, 0, &inverse0);
   for (size_t k = 0; k < joints_of(b); k++) {
     place t1 = direction(r, b, after(b, k), &inverse1);
-    mask poor = ~(mask)(1 + dot(t0, t1) > SPREAD(HK_ROD_FOLD)), without = ~(mask)(inverse0 * inverse1 > SPREAD(0));
+    mask poor = ~(mask)(1 + dot(t0, t1) > FILL(HK_ROD_FOLD)), without = ~(mask)(inverse0 * inverse1 > FILL(0));
     vector joint = LOAD(r->bend[0], b->first + k) + LOAD(r->bend[1], b->first + k);
-    bad = larger(bad, pick(poor, joint, SPREAD(0)));
-    bad = larger(bad, pick(without, joint, SPREAD(0)));
+    bad = larger(bad, pick(poor, joint, FILL(0)));
+    bad = larger(bad, pick(without, joint, FILL(0)));
     t0 = t1, inverse0 = inverse1;
   }
   return sum(bad) == 0;
@@ -132,7 +147,7 @@ INLINE void add_joint(const hk_rod_rows *r, size_t node, slopes *s, place D0, pl
 
 /* After the last joint, which is beyond the last edge of a ring. */
 INLINE void finish(const hk_rod_rows *r, const hk_rod_batch *b, const slopes *s) {
-  const place none = {SPREAD(0), SPREAD(0), SPREAD(0)};
+  const place none = {FILL(0), FILL(0), FILL(0)};
   size_t node = b->first + b->number, last = node + b->edges;
   if (b->ring) {
     store(r->f, node, plus(load(r->f, node), minus(s->carry, s->last)));
@@ -148,14 +163,14 @@ INLINE void finish(const hk_rod_rows *r, const hk_rod_batch *b, const slopes *s)
 
 TARGET static double plain(const hk_rod_rows *r, const hk_rod_batch *b) {
   size_t nodes = b->first + b->number;
-  vector inverse0, inverse1, energy = SPREAD(0);
+  vector inverse0, inverse1, energy = FILL(0);
   place t0 = direction(r, b, 0, &inverse0);
-  slopes s = {{SPREAD(0), SPREAD(0), SPREAD(0)}, {SPREAD(0), SPREAD(0), SPREAD(0)}};
+  slopes s = {{FILL(0), FILL(0), FILL(0)}, {FILL(0), FILL(0), FILL(0)}};
   for (size_t k = 0; k < joints_of(b); k++) {
     place t1 = direction(r, b, after(b, k), &inverse1);
-    vector c = dot(t0, t1), chi = larger(1 + c, SPREAD(HK_ROD_FOLD));
-    vector q = SPREAD(4) * LOAD(r->bend[0], b->first + k) / (chi * chi);
-    energy += SPREAD(0.5) * q * (1 - c) * chi;
+    vector c = dot(t0, t1), chi = larger(1 + c, FILL(HK_ROD_FOLD));
+    vector q = FILL(4) * LOAD(r->bend[0], b->first + k) / (chi * chi);
+    energy += FILL(0.5) * q * (1 - c) * chi;
     add_joint(r, nodes + k, &s, times(q * inverse0, minus(times(c, t0), t1)),
               times(q * inverse1, minus(times(c, t1), t0)));
     t0 = t1, inverse0 = inverse1;
@@ -203,14 +218,14 @@ INLINE joint joint_at(const hk_rod_rows *r, size_t row, size_t next) {
   joint j;
   vector angle0 = LOAD(r->angle, row), angle1 = LOAD(r->angle, next) + LOAD(r->offset, row);
   vector off = angle1 - angle0 - LOAD(r->rest_twist, row), u = LOAD(r->turn[0], row), v = LOAD(r->turn[1], row);
-  sine_cosine(SPREAD(0.5) * (angle0 + angle1), &j.s, &j.c);
+  sine_cosine(FILL(0.5) * (angle0 + angle1), &j.s, &j.c);
   j.k[0] = j.c * u + j.s * v;
   j.k[1] = j.c * v - j.s * u;
   vector d0 = j.k[0] - LOAD(r->rest[0], row), d1 = j.k[1] - LOAD(r->rest[1], row);
   j.w[0] = LOAD(r->bend[0], row) * d0;
   j.w[1] = LOAD(r->bend[1], row) * d1;
   j.torque = LOAD(r->twist, row) * off;
-  j.energy = SPREAD(0.5) * (j.w[0] * d0 + j.w[1] * d1 + j.torque * off);
+  j.energy = FILL(0.5) * (j.w[0] * d0 + j.w[1] * d1 + j.torque * off);
   return j;
 }
 
@@ -218,18 +233,18 @@ INLINE joint joint_at(const hk_rod_rows *r, size_t row, size_t next) {
  * the gradient in `right`. Where `stiff` is set, negative curvatures of the bending energy are left out. Returns the
  * largest size of a term of the gradient; *limit: the longest step, 1 rad where bending depends on the angles. */
 INLINE vector assemble(const hk_rod_rows *r, const hk_rod_batch *b, mask stiff, vector *limit) {
-  vector most = SPREAD(0), flat = SPREAD(0), curved = SPREAD(0), diagonal = SPREAD(0), gradient = SPREAD(0),
-         first_diagonal, first_gradient;
+  vector most = FILL(0), flat = FILL(0), curved = FILL(0), diagonal = FILL(0), gradient = FILL(0), first_diagonal,
+         first_gradient;
   for (size_t k = 0; k < b->edges; k++) {
     size_t row = b->first + k, next = b->first + after(b, k);
-    vector own = SPREAD(0), own_gradient = SPREAD(0), off = SPREAD(0), to_next = SPREAD(0), gradient_next = SPREAD(0);
+    vector own = FILL(0), own_gradient = FILL(0), off = FILL(0), to_next = FILL(0), gradient_next = FILL(0);
     if (k < joints_of(b)) {
       joint j = joint_at(r, row, next);
-      vector twist = LOAD(r->twist, row), g = SPREAD(0.5) * (j.w[0] * j.k[1] - j.w[1] * j.k[0]);
+      vector twist = LOAD(r->twist, row), g = FILL(0.5) * (j.w[0] * j.k[1] - j.w[1] * j.k[0]);
       vector whole = LOAD(r->bend[0], row) * j.k[1] * j.k[1] + LOAD(r->bend[1], row) * j.k[0] * j.k[0];
       vector h = whole - (j.w[0] * j.k[0] + j.w[1] * j.k[1]);
       flat = larger(flat, whole), curved = larger(curved, size_of(h));
-      h = SPREAD(0.25) * pick(stiff, larger(h, SPREAD(0)), h);
+      h = FILL(0.25) * pick(stiff, larger(h, FILL(0)), h);
       most = larger(most, larger(size_of(j.w[0] * j.k[1]) + size_of(j.w[1] * j.k[0]),
                                  twist * (size_of(LOAD(r->angle, row)) + size_of(LOAD(r->angle, next)) + 1)));
       own = to_next = h + twist;
@@ -238,13 +253,13 @@ INLINE vector assemble(const hk_rod_rows *r, const hk_rod_batch *b, mask stiff, 
       gradient_next = g + j.torque;
     }
     mask held = (mask)(LOAD(r->held, row) != 0), next_held = (mask)(LOAD(r->held, next) != 0);
-    STORE(r->pivot, row, pick(held, SPREAD(1), diagonal + own));
-    STORE(r->right, row, pick(held, SPREAD(0), -(gradient + own_gradient)));
-    STORE(r->lower, row, pick(held, SPREAD(0), pick(next_held, SPREAD(0), off)));
+    STORE(r->pivot, row, pick(held, FILL(1), diagonal + own));
+    STORE(r->right, row, pick(held, FILL(0), -(gradient + own_gradient)));
+    STORE(r->lower, row, pick(held, FILL(0), pick(next_held, FILL(0), off)));
     diagonal = to_next;
     gradient = gradient_next;
   }
-  *limit = pick((mask)(curved > SPREAD(1e-12) * flat), SPREAD(1), SPREAD(1e300));
+  *limit = pick((mask)(curved > FILL(1e-12) * flat), FILL(1), FILL(1e300));
   if (b->ring) {
     mask held = (mask)(LOAD(r->held, b->first) != 0);
     first_diagonal = LOAD(r->pivot, b->first), first_gradient = LOAD(r->right, b->first);
@@ -258,9 +273,9 @@ INLINE vector assemble(const hk_rod_rows *r, const hk_rod_batch *b, mask stiff, 
  * others answer to it. Returns the lanes in which the matrix is not positive definite. */
 INLINE mask eliminate(const hk_rod_rows *r, const hk_rod_batch *b) {
   size_t first = b->first, last = first + b->edges - 1, begin = b->ring ? first + 1 : first;
-  mask bad = (mask)SPREAD(0);
+  mask bad = (mask)FILL(0);
   if (b->ring) {
-    for (size_t row = begin; row <= last; row++) STORE(r->column, row, SPREAD(0));
+    for (size_t row = begin; row <= last; row++) STORE(r->column, row, FILL(0));
     STORE(r->column, begin, LOAD(r->lower, first));
     STORE(r->column, last, LOAD(r->lower, last));
   }
@@ -272,9 +287,9 @@ INLINE mask eliminate(const hk_rod_rows *r, const hk_rod_batch *b) {
       STORE(r->right, row, LOAD(r->right, row) - part * LOAD(r->right, row - 1));
       if (b->ring) STORE(r->column, row, LOAD(r->column, row) - part * LOAD(r->column, row - 1));
     }
-    mask poor = ~(mask)(pivot > SPREAD(1e-13) * size_of(whole));
+    mask poor = ~(mask)(pivot > FILL(1e-13) * size_of(whole));
     bad |= poor;
-    STORE(r->pivot, row, pick(poor, SPREAD(1e-13) * size_of(whole) + SPREAD(1e-300), pivot));
+    STORE(r->pivot, row, pick(poor, FILL(1e-13) * size_of(whole) + FILL(1e-300), pivot));
   }
   for (size_t row = last + 1; row-- > begin;) {
     vector y = LOAD(r->right, row), z = b->ring ? LOAD(r->column, row) : y;
@@ -289,9 +304,9 @@ INLINE mask eliminate(const hk_rod_rows *r, const hk_rod_batch *b) {
     vector to = LOAD(r->lower, first), from = LOAD(r->lower, last), whole = LOAD(r->pivot, first);
     vector pivot = whole - (to * LOAD(r->column, begin) + from * LOAD(r->column, last));
     vector y = LOAD(r->right, first) - (to * LOAD(r->right, begin) + from * LOAD(r->right, last));
-    mask poor = ~(mask)(pivot > SPREAD(1e-13) * size_of(whole));
+    mask poor = ~(mask)(pivot > FILL(1e-13) * size_of(whole));
     bad |= poor;
-    y = y / pick(poor, SPREAD(1e-13) * size_of(whole) + SPREAD(1e-300), pivot);
+    y = y / pick(poor, FILL(1e-13) * size_of(whole) + FILL(1e-300), pivot);
     STORE(r->right, first, y);
     for (size_t row = begin; row <= last; row++) STORE(r->right, row, LOAD(r->right, row) - LOAD(r->column, row) * y);
   }
@@ -301,12 +316,12 @@ INLINE mask eliminate(const hk_rod_rows *r, const hk_rod_batch *b) {
 /* Newton's method. Convergence is quadratic, so a step of 1e-9 rad is the last. Where the
  * matrix is not positive definite the step is repeated with what is left of it without negative curvatures. */
 TARGET static bool solve(const hk_rod_rows *r, const hk_rod_batch *b) {
-  const vector zero = SPREAD(0), one = SPREAD(1);
+  const vector zero = FILL(0), one = FILL(1);
   vector active = one, stiff = zero; /* 1 or 0 in each lane */
   for (int iteration = 0; iteration < MOST_ITERATIONS; iteration++) {
     vector limit, most = assemble(r, b, (mask)(stiff > zero), &limit), residual = zero, change = zero;
     for (size_t k = 0; k < b->edges; k++) residual = larger(residual, size_of(LOAD(r->right, b->first + k)));
-    active = pick((mask)(residual > SPREAD(1e-15) * most), active, zero);
+    active = pick((mask)(residual > FILL(1e-15) * most), active, zero);
     vector repeat = pick(eliminate(r, b), active * (1 - stiff), zero);
     stiff += repeat;
     if (sum(repeat) > 0) continue;
@@ -316,7 +331,7 @@ TARGET static bool solve(const hk_rod_rows *r, const hk_rod_batch *b) {
       size_t row = b->first + k;
       STORE(r->angle, row, LOAD(r->angle, row) + scale * LOAD(r->right, row));
     }
-    vector last = pick((mask)(stiff > zero), SPREAD(1e-14), SPREAD(1e-9));
+    vector last = pick((mask)(stiff > zero), FILL(1e-14), FILL(1e-9));
     active = pick((mask)(change > last), active, zero);
     if (sum(active) == 0) return true;
     stiff = zero;
@@ -328,8 +343,8 @@ TARGET static bool solve(const hk_rod_rows *r, const hk_rod_batch *b) {
 
 TARGET static double forces(const hk_rod_rows *r, const hk_rod_batch *b) {
   size_t nodes = b->first + b->number;
-  vector energy = SPREAD(0);
-  slopes s = {{SPREAD(0), SPREAD(0), SPREAD(0)}, {SPREAD(0), SPREAD(0), SPREAD(0)}};
+  vector energy = FILL(0);
+  slopes s = {{FILL(0), FILL(0), FILL(0)}, {FILL(0), FILL(0), FILL(0)}};
   for (size_t k = 0; k < joints_of(b); k++) {
     size_t row = b->first + k, next = b->first + after(b, k);
     joint j = joint_at(r, row, next);
@@ -337,7 +352,7 @@ TARGET static double forces(const hk_rod_rows *r, const hk_rod_batch *b) {
     vector chi = chi_of(t0, t1), wk = j.w[0] * j.k[0] + j.w[1] * j.k[1];
     place mean = times(1 / chi, plus(t0, t1)), kb = times(j.torque / chi, cross(t0, t1));
     place w = plus(times(-(j.w[0] * j.s + j.w[1] * j.c), a), times(j.w[0] * j.c - j.w[1] * j.s, cross(t0, a)));
-    place W = times(1 / chi, minus(times(SPREAD(2), w), times(dot(w, t1), mean)));
+    place W = times(1 / chi, minus(times(FILL(2), w), times(dot(w, t1), mean)));
     place both = minus(kb, times(wk, mean));
     energy += j.energy;
     add_joint(r, nodes + k, &s, times(LOAD(r->inverse, row), plus(both, cross(t1, W))),
@@ -346,3 +361,5 @@ TARGET static double forces(const hk_rod_rows *r, const hk_rod_batch *b) {
   finish(r, b, &s);
   return sum(energy);
 }
+
+const hk_rod_path ROD_PATH = {gather, sound, plain, frames, solve, forces};

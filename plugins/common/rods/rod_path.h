@@ -1,4 +1,4 @@
-/* The loops over rods, by the instruction sets of processors. Rods come four at a time, one in each lane of the
+/* The loops over rods, by the width of vectors. Rods come four at a time, one in each lane of the
  * vectors, so that what runs along a rod, the transport of frames and the elimination of angles, costs a quarter for
  * each. Rows: number k of a batch stands at (first + k) * HK_ROD_LANES + lane. No operation is contracted or estimated:
  * all paths have the same bits. */
@@ -50,7 +50,6 @@ typedef struct hk_rod_rows {
 } hk_rod_rows;
 
 typedef struct hk_rod_path {
-  const char *name;
   void (*gather)(const hk_rod_rows *, const hk_rod_batch *, const double *x);
   /* Whether no joint is folded and no edge without length. */
   bool (*sound)(const hk_rod_rows *, const hk_rod_batch *);
@@ -64,8 +63,7 @@ typedef struct hk_rod_path {
   double (*forces)(const hk_rod_rows *, const hk_rod_batch *);
 } hk_rod_path;
 
-extern const hk_rod_path hk_rod_narrow; /* for every processor */
-const hk_rod_path *hk_rod_wide(void);   /* NULL where this one has no AVX2 */
-const hk_rod_path *hk_rod_best(void);
+extern const hk_rod_path hk_rod_narrow, hk_rod_wide;
+hk_rod_path hk_rod_path_of(int lanes); /* hk_host.lanes */
 
 #endif

@@ -42,7 +42,7 @@ typedef struct hk_rods {
   double *rest_length, *bent[2], *twisted; /* m; of joints: rest curvature towards the axes and rest twist */
   uint32_t (*id)[2];
   /* ---- rows ---- */
-  const hk_rod_path *path;
+  hk_rod_path path;
   hk_rod_rows rows;
   size_t batches;
   hk_rod_batch *batch;

@@ -4,7 +4,7 @@
 #include "plugins/common/rods/rods.h"
 #include "plugins/common/rods/rod_angles.h"
 #include "plugins/common/rods/rod_rows.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
 
@@ -205,7 +205,7 @@ static hk_status make_rows(hk_rods *r, const hk_view *view) {
 
 hk_status hk_rods_open(hk_rods *r, const hk_host *host, const hk_view *view) {
   r->host = host;
-  r->path = hk_rod_best();
+  r->path = hk_rod_path_of(host->lanes);
   r->given = r->curvature.count > 0 || r->torsion.count > 0;
   hk_status status = reserve(r);
   r->count = r->edges.count;

@@ -7,7 +7,7 @@
  * about. */
 #include "plugins/common/rods/rods.h"
 #include "plugins/common/rods/rod_rows.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
 
@@ -97,11 +97,11 @@ static void hold_lane(const hk_rods *r, const hk_view *view, const hk_rod_batch 
 static bool find_angles(const hk_rods *r, const hk_view *view, hk_rod_batch *b) {
   for (size_t lane = 0; lane < LANES; lane++)
     if (b->count[lane]) start_lane(r, b, lane);
-  r->path->frames(&r->rows, b);
+  r->path.frames(&r->rows, b);
   for (size_t lane = 0; lane < LANES; lane++)
     if (b->count[lane]) hold_lane(r, view, b, lane);
   b->turn = r->turn;
-  return b->found = r->path->solve(&r->rows, b);
+  return b->found = r->path.solve(&r->rows, b);
 }
 
 /* ---- clamps that move ---- */
@@ -165,9 +165,9 @@ static void evaluate_chunk(void *context, size_t first, size_t end, size_t chunk
   (void)chunk;
   for (size_t q = first; q < end; q++) {
     hk_rod_batch *b = &r->batch[q];
-    r->path->gather(&r->rows, b, t->view->x);
+    r->path.gather(&r->rows, b, t->view->x);
     bool found = !b->framed || find_angles(r, t->view, b);
-    r->sums[q] = !found ? NAN : b->framed ? r->path->forces(&r->rows, b) : r->path->plain(&r->rows, b);
+    r->sums[q] = !found ? NAN : b->framed ? r->path.forces(&r->rows, b) : r->path.plain(&r->rows, b);
     if (found && b->framed) move_clamps(r, b);
   }
 }
@@ -276,8 +276,8 @@ static void keep_chunk(void *context, size_t first, size_t end, size_t chunk) {
   for (size_t q = first; q < end; q++) {
     hk_rod_batch *b = &r->batch[q];
     bool here = b->framed && known(r, t->view, b);
-    if (!here) r->path->gather(&r->rows, b, t->view->x);
-    r->sums[q] = r->path->sound(&r->rows, b) ? 0 : 1;
+    if (!here) r->path.gather(&r->rows, b, t->view->x);
+    r->sums[q] = r->path.sound(&r->rows, b) ? 0 : 1;
     if (!b->framed || r->sums[q] != 0) continue;
     if (!here && !find_angles(r, t->view, b))
       r->sums[q] = NAN;

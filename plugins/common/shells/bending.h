@@ -5,7 +5,7 @@
 
 #include "plugins/common/elements/chunk_rounds.h"
 #include "plugins/common/elements/element_force.h"
-#include "plugins/common/parts/part_sums.h"
+#include "plugins/kit/parts/part_sums.h"
 #include "plugins/common/shells/hinge.h"
 
 enum { HK_BENDING_GRAIN = 1024 }; /* elements of a chunk, some 50 us */
@@ -18,12 +18,13 @@ typedef struct hk_bending_params {
 /* clang-format off */
 /* The rows of a parameter table for the member `given` of `type`. */
 #define HK_BENDING_PARAMS(type, given)                                                                                 \
-  {"triangles", "", "of which neighbours are joined; left out: those of the scene's grids and meshes",                  \
-   HK_TRIANGLES, {0}, 0, 0, offsetof(type, given.triangles), HK_OPTIONAL, NULL},                                       \
-  {"hinges", "", "in their place, by hand: quadruples {a, b, c, d} of the edge a b and the corners c, d opposite to it", \
-   HK_TETRAHEDRA, {0}, 0, 0, offsetof(type, given.hinges), HK_OPTIONAL, NULL},                                         \
-  {"rigidity", "N m", "bending rigidity B of the surface, E h^3/(12 (1 - nu^2)) of a plate of thickness h",             \
-   HK_PER_TUPLE, {0}, 0, INFINITY, offsetof(type, given.rigidity), HK_REQUIRED, "hinges"}
+  {"triangles", "", "of which neighbours are joined; left out: those of the scene's grids and meshes",                 \
+     .triangles = HK_AT(type, given.triangles), .flags = HK_OPTIONAL},                                                 \
+  {"hinges", "",                                                                                                       \
+     "in their place, by hand: quadruples {a, b, c, d} of the edge a b and the corners c, d opposite to it",           \
+     .tetrahedra = HK_AT(type, given.hinges), .flags = HK_OPTIONAL},                                                   \
+  {"rigidity", "N m", "bending rigidity B of the surface, E h^3/(12 (1 - nu^2)) of a plate of thickness h",            \
+     .per_tuple = HK_AT(type, given.rigidity), .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED, .list = "hinges"}
 /* clang-format on */
 
 /* To be zeroed before the first use. The memory belongs to the instance and is released with it. */

@@ -7,7 +7,7 @@
  */
 #include "plugins/common/shells/bending.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { VALUES = 3 };
 

@@ -3,7 +3,7 @@
  * their Jacobians, Graphical Models 75 (2013), sections 3 and 4. */
 #include "plugins/common/shells/hinge.h"
 #include "plugins/common/shells/hinge_lane.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
 

@@ -142,19 +142,9 @@ HK_HINGE_INLINE void add(block *o, size_t count, bool definite, bool damped, con
   for (size_t r = 0; r < count; r++) scatter((const double(*)[9][BLOCK])o->D, r, slot + 16 * r, into->D);
 }
 
-static void add_narrow(block *o, size_t count, bool definite, bool damped, const size_t *slot, const hk_blocks *into) {
-  add(o, count, definite, damped, slot, into);
-}
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void add_wide(block *o, size_t count, bool definite, bool damped,
-                                                     const size_t *slot, const hk_blocks *into) {
-  add(o, count, definite, damped, slot, into);
-}
-#define ADD (__builtin_cpu_supports("avx2") ? add_wide : add_narrow)
-#else
-#define ADD add_narrow
-#endif
+HK_VERSIONS(static void, add_many,
+            (block * o, size_t count, bool definite, bool damped, const size_t *slot, const hk_blocks *into),
+            add(o, count, definite, damped, slot, into))
 
 /* The differences from a, of one array; lanes beyond get those of the first. */
 static void gather(const hk_tuples *node, const double *from, size_t begin, size_t count, double into[3][3][BLOCK]) {
@@ -171,7 +161,6 @@ typedef struct task {
   const double *rest, *turned;
   const hk_view *view;
   const hk_blocks *into;
-  void (*add)(block *, size_t, bool, bool, const size_t *, const hk_blocks *);
 } task;
 
 /* The numbers of hinges begin to begin + count; returns whether any is damped. */
@@ -195,12 +184,13 @@ static void add_chunk(const void *context, size_t begin, size_t end) {
   for (size_t count; begin < end; begin += count) {
     count = end - begin < BLOCK ? end - begin : BLOCK;
     bool damped = take(t, begin, count, &o);
-    t->add(&o, count, t->into->want & HK_WANT_DEFINITE, damped, t->into->slot + 16 * begin, t->into);
+    HK_WIDEST(t->view->host->lanes, add_many)
+    (&o, count, t->into->want & HK_WANT_DEFINITE, damped, t->into->slot + 16 * begin, t->into);
   }
 }
 
 void hk_hinge_blocks(const hk_bending *b, const double *rest, const double *turned, const hk_view *view,
                      const hk_blocks *into) {
-  const task t = {b, rest, turned, view, into, ADD};
+  const task t = {b, rest, turned, view, into};
   hk_chunk_rounds_run(&b->rounds, view->host, add_chunk, &t);
 }

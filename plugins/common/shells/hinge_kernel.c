@@ -1,5 +1,5 @@
 /* Blocks of hinges are gathered, computed in loops that compilers turn into vectors (hinge_lane.h), and scattered one
- * after the other, part by part (part_sums.h). The wide path and the narrow one do the same operations, so their
+ * after the other, part by part (part_sums.h). Every width of vectors does the same operations, so their
  * results are bitwise equal. */
 #include "plugins/common/shells/hinge_kernel.h"
 #include "plugins/common/shells/hinge_lane.h"
@@ -38,21 +38,11 @@ HK_HINGE_INLINE void compute(block *o, bool damped) {
   }
 }
 
-static void compute_narrow(block *o, bool damped) { damped ? compute(o, true) : compute(o, false); }
-
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) static void compute_wide(block *o, bool damped) {
-  damped ? compute(o, true) : compute(o, false);
-}
-#define COMPUTE (__builtin_cpu_supports("avx2") ? compute_wide : compute_narrow)
-#else
-#define COMPUTE compute_narrow
-#endif
+HK_VERSIONS(static void, compute_many, (block * o, bool damped), damped ? compute(o, true) : compute(o, false))
 
 typedef struct task {
   const hk_bending *b;
   const double *rest, *turned;
-  void (*compute)(block *, bool damped);
 } task;
 
 /* The differences from a, of one array; lanes beyond get those of the first. */
@@ -96,7 +86,7 @@ static double one_block(const task *t, const hk_view *view, const uint32_t *item
   bool damped = take(t, item, count, &o);
   gather(node, view->x, item, count, o.d);
   if (damped) gather(node, view->v, item, count, o.u);
-  t->compute(&o, damped);
+  HK_WIDEST(view->host->lanes, compute_many)(&o, damped);
   scatter(node, &o, item, count, F);
   for (size_t r = 0; r < count && damped; r++) power -= o.power[r];
   return power;
@@ -111,12 +101,6 @@ static double add_items(const void *context, const hk_view *view, const uint32_t
 
 void hk_hinge_forces(const hk_bending *b, const double *rest, const double *turned, const hk_view *view, size_t part,
                      double *F) {
-  const task t = {b, rest, turned, COMPUTE};
+  const task t = {b, rest, turned};
   hk_part_sums_add(&b->sums, view, part, add_items, &t, F);
-}
-
-void hk_hinge_forces_narrow(const hk_bending *b, const double *rest, const double *turned, const hk_view *view,
-                            double *F) {
-  const task t = {b, rest, turned, compute_narrow};
-  hk_part_sums_add(&b->sums, view, HK_ALL_PARTS, add_items, &t, F);
 }

@@ -8,8 +8,6 @@
  * view->power. */
 void hk_hinge_forces(const hk_bending *, const double *rest, const double *turned, const hk_view *view, size_t part,
                      double *F);
-void hk_hinge_forces_narrow(const hk_bending *, const double *rest, const double *turned, const hk_view *view,
-                            double *F); /* all, as on every processor */
 /* -dF/dx and -dF/dv, sixteen blocks a hinge in the order of hk_bending_pattern. Without how the direction of the
  * damping turns, which is not symmetric; with HK_WANT_DEFINITE k grad C grad C^T alone. */
 void hk_hinge_blocks(const hk_bending *, const double *rest, const double *turned, const hk_view *view,

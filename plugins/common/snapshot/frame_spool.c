@@ -104,7 +104,7 @@ hk_status hk_frame_spool_add(hk_frame_spool *s, const hk_snapshot3d *snapshot) {
                      append_bytes(s, snapshot->line, snapshot->lines * sizeof *snapshot->line));
   e->at = s->end;
   ok = ok && append_bytes(s, snapshot->x, snapshot->n * sizeof *snapshot->x) &&
-       append_bytes(s, snapshot->ink, snapshot->n * sizeof *snapshot->ink) &&
+       append_bytes(s, snapshot->colour, snapshot->n * sizeof *snapshot->colour) &&
        append_bytes(s, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && append_extras(s, snapshot);
   if (!ok) {
     s->end = end;
@@ -126,7 +126,7 @@ hk_status hk_frame_spool_read(const hk_frame_spool *s, size_t k, hk_snapshot3d *
          get(s, &at, snapshot->line, e->lines * sizeof *snapshot->line);
   at = e->at;
   ok = ok && get(s, &at, snapshot->x, e->n * sizeof *snapshot->x) &&
-       get(s, &at, snapshot->ink, e->n * sizeof *snapshot->ink) &&
+       get(s, &at, snapshot->colour, e->n * sizeof *snapshot->colour) &&
        get(s, &at, snapshot->solid, snapshot->solids * sizeof *snapshot->solid) && get_extras(s, &at, e->n, snapshot);
   snapshot->stale = !ok;
   if (!ok) return io_error(s, "read");

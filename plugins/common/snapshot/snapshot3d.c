@@ -7,12 +7,13 @@ static void *renew(const hk_host *host, void *old, size_t count, size_t bytes) {
   return host->allocate(host, count * bytes);
 }
 
-void hk_snapshot3d_open(hk_snapshot3d *s, const hk_host *host, const hk_look *look) {
-  *s = (hk_snapshot3d){.host = host, .look = look};
+void hk_snapshot3d_open(hk_snapshot3d *s, const hk_host *host, const hk_appearance *appearance) {
+  *s = (hk_snapshot3d){.host = host, .appearance = appearance};
 }
 
 size_t hk_snapshot3d_extra_width(const hk_snapshot3d *s, int extra) {
-  bool wanted[HK_EXTRAS] = {s->look->sizes != HK_SIZE_SAME, s->look->fades, s->look->streak > 0, s->look->tubes};
+  bool wanted[HK_EXTRAS] = {s->appearance->sizes != HK_SIZE_SAME, s->appearance->fades, s->appearance->streak > 0,
+                            s->appearance->tubes};
   return wanted[extra] ? extra == HK_EXTRA_VELOCITY ? 3 : 1 : 0;
 }
 
@@ -27,14 +28,17 @@ static bool renew_extras(hk_snapshot3d *s) {
   return ok;
 }
 
+static bool shows_strain(const hk_snapshot3d *s) { return s->appearance->paint == HK_PAINT_STRAIN; }
+
 hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, size_t lines) {
   bool extras = true;
   if (n >= s->room) {
     s->room = n + n / 2 + 1, s->stale = true;
     s->x = renew(s->host, s->x, s->room, sizeof *s->x);
-    s->ink = renew(s->host, s->ink, s->room, sizeof *s->ink);
+    s->colour = renew(s->host, s->colour, s->room, sizeof *s->colour);
     s->mark = renew(s->host, s->mark, s->room, sizeof *s->mark);
-    s->weight = renew(s->host, s->weight, s->room, sizeof *s->weight);
+    s->role = renew(s->host, s->role, s->room, sizeof *s->role);
+    if (shows_strain(s)) s->strain = renew(s->host, s->strain, s->room, sizeof *s->strain);
     extras = renew_extras(s);
   }
   if (triangles >= s->triangle_room) {
@@ -45,14 +49,15 @@ hk_status hk_snapshot3d_reserve(hk_snapshot3d *s, size_t n, size_t triangles, si
     s->line_room = lines + lines / 2 + 1, s->stale = true;
     s->line = renew(s->host, s->line, s->line_room, sizeof *s->line);
   }
-  if (extras && s->x && s->ink && s->mark && s->weight && s->triangle && s->line) return HK_OK;
+  if (extras && s->x && s->colour && s->mark && s->role && (s->strain || !shows_strain(s)) && s->triangle && s->line)
+    return HK_OK;
   s->room = s->triangle_room = s->line_room = 0;
   return s->host->fail(s->host, HK_NO_MEMORY, "no memory for a picture of %zu particles", n);
 }
 
 void hk_snapshot3d_free(hk_snapshot3d *s) {
   if (!s->host) return;
-  void *all[] = {s->x,    s->ink,      s->mark,     s->weight,   s->triangle,
+  void *all[] = {s->x,    s->colour,   s->mark,     s->role,     s->strain,  s->triangle,
                  s->line, s->extra[0], s->extra[1], s->extra[2], s->extra[3]};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) s->host->release(s->host, all[k]);
   *s = (hk_snapshot3d){0};
@@ -93,13 +98,13 @@ static size_t all_lines(const hk_model *m) {
   return count;
 }
 
-enum { IN_TRIANGLE = 1, JOINED = 2 }; /* hk_snapshot3d.weight while the topology is taken */
+enum { IN_TRIANGLE = 1, JOINED = 2 }; /* hk_snapshot3d.role */
 
 /* Appends the pairs to draw: all, or those with an end that belongs to no triangle. */
 static void add_pairs(hk_snapshot3d *s, const hk_tuples *pairs, bool all) {
   for (size_t e = 0; e < pairs->count; e++) {
     const uint32_t *pair = hk_tuple(pairs, e);
-    if (!all && s->weight[pair[0]] == IN_TRIANGLE && s->weight[pair[1]] == IN_TRIANGLE) continue;
+    if (!all && s->role[pair[0]] == IN_TRIANGLE && s->role[pair[1]] == IN_TRIANGLE) continue;
     memcpy(s->line[s->lines++], pair, sizeof s->line[0]);
   }
 }
@@ -110,7 +115,7 @@ static void add_others(hk_snapshot3d *s, const hk_tuples *tuples) {
   for (size_t e = 0; e < tuples->count; e++) {
     const uint32_t *node = hk_tuple(tuples, e);
     bool shown = true;
-    for (size_t i = 0; i < tuples->arity; i++) shown = shown && s->weight[node[i]] > 0;
+    for (size_t i = 0; i < tuples->arity; i++) shown = shown && s->role[node[i]] > 0;
     for (size_t k = 0; !shown && k < lines_of(tuples); k++, s->lines++) {
       bool solid = tuples->arity == 4;
       s->line[s->lines][0] = node[solid ? side[k][0] : k], s->line[s->lines][1] = node[solid ? side[k][1] : k + 1];
@@ -124,7 +129,7 @@ static void take_lines(hk_snapshot3d *s, const hk_model *m, bool all) {
   for (size_t k = 0; (tuples = tuples_of(m, true, k)); k++) add_pairs(s, tuples, all);
   for (size_t k = 0; k < s->lines; k++)
     for (int i = 0; i < 2; i++)
-      if (s->weight[s->line[k][i]] == 0) s->weight[s->line[k][i]] = JOINED;
+      if (s->role[s->line[k][i]] == 0) s->role[s->line[k][i]] = JOINED;
   for (size_t k = 0; (tuples = tuples_of(m, false, k)); k++) add_others(s, tuples);
 }
 
@@ -139,9 +144,9 @@ static bool release_corners(uint8_t *mark, const uint32_t corner[3]) {
   return true;
 }
 
-/* Marks the particles of bodies: sweeps to and fro along the list, until nothing changes. */
+/* Marks the particles of bodies: goes to and fro along the list until nothing changes. */
 static void mark_bodies(hk_snapshot3d *s, const hk_model *m) {
-  for (size_t i = 0; i < m->n; i++) s->mark[i] = s->weight[i] > 0 && is_held(m, i) ? HK_MARK_BODY : 0;
+  for (size_t i = 0; i < m->n; i++) s->mark[i] = s->role[i] > 0 && is_held(m, i) ? HK_MARK_BODY : 0;
   for (bool changed = true; changed;) {
     changed = false;
     for (size_t k = 0; k < s->triangles; k++) changed |= release_corners(s->mark, m->triangles.index + 3 * k);
@@ -157,13 +162,13 @@ static void take_triangles(hk_snapshot3d *s, const hk_model *m, bool bodies) {
   }
 }
 
-/* Copies the topology. During the call `weight` marks the particles that belong to a triangle. */
+/* Copies the topology. During the call `role` says which particles belong to a triangle or a line. */
 static void take_topology(hk_snapshot3d *s, const hk_model *m) {
-  const hk_look *look = s->look;
+  const hk_appearance *appearance = s->appearance;
   s->triangles = m->triangles.count;
   s->lines = 0;
-  memset(s->weight, 0, m->n * sizeof *s->weight);
-  for (size_t k = 0; k < 3 * s->triangles; k++) s->weight[m->triangles.index[k]] = 1;
+  memset(s->role, 0, m->n * sizeof *s->role);
+  for (size_t k = 0; k < 3 * s->triangles; k++) s->role[m->triangles.index[k]] = IN_TRIANGLE;
   mark_bodies(s, m);
   s->triangles = 0;
   take_triangles(s, m, false);
@@ -171,11 +176,11 @@ static void take_topology(hk_snapshot3d *s, const hk_model *m) {
   take_triangles(s, m, true);
   for (size_t i = 0; i < m->n; i++) {
     if (s->mark[i] & HK_MARK_BODY) continue;
-    bool bead = look->particles == 1 || (look->particles == 0 && s->weight[i] == 0);
-    bool pin = look->particles != 2 && is_held(m, i);
-    s->mark[i] = (uint8_t)((bead ? HK_MARK_BEAD : 0) | (pin ? HK_MARK_PIN : 0));
+    bool point = appearance->particles == 1 || (appearance->particles == 0 && s->role[i] == 0);
+    bool pin = appearance->particles != 2 && is_held(m, i);
+    s->mark[i] = (uint8_t)((point ? HK_MARK_POINT : 0) | (pin ? HK_MARK_PIN : 0));
   }
-  if (look->springs != 2) take_lines(s, m, look->springs == 1);
+  if (appearance->springs != 2) take_lines(s, m, appearance->springs == 1);
 }
 
 /* Sets the origin to the middle of the finite positions. */
@@ -183,7 +188,7 @@ static void find_origin(hk_snapshot3d *s, const hk_view *view) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   for (size_t i = 0; i < view->n; i++) {
     double x[3];
-    hk_look_turn(s->look->y_up, view->x + 3 * i, x);
+    hk_to_z_up(s->appearance->y_up, view->x + 3 * i, x);
     for (int c = 0; c < 3; c++)
       if (isfinite(x[c])) low[c] = fmin(low[c], x[c]), high[c] = fmax(high[c], x[c]);
   }
@@ -196,7 +201,7 @@ static void take_positions(hk_snapshot3d *s, const hk_view *view) {
   for (size_t i = 0; i < view->n; i++) {
     double turned[3];
     float *x = s->x[i];
-    hk_look_turn(s->look->y_up, view->x + 3 * i, turned);
+    hk_to_z_up(s->appearance->y_up, view->x + 3 * i, turned);
     for (int c = 0; c < 3; c++) x[c] = (float)(turned[c] - s->origin[c]);
     float reach = sqrtf(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
     if (!isfinite(reach)) {
@@ -211,7 +216,8 @@ static void take_positions(hk_snapshot3d *s, const hk_view *view) {
 hk_status hk_snapshot3d_take(hk_snapshot3d *s, const hk_view *view, bool changed) {
   const hk_model *m = view->model;
   bool first = !s->room;
-  hk_status status = hk_snapshot3d_reserve(s, view->n, m->triangles.count, s->look->springs == 2 ? 0 : all_lines(m));
+  hk_status status =
+      hk_snapshot3d_reserve(s, view->n, m->triangles.count, s->appearance->springs == 2 ? 0 : all_lines(m));
   if (status != HK_OK) return status;
   if (first) find_origin(s, view);
   uint64_t print = fingerprint(m);

@@ -3,15 +3,15 @@
 #ifndef HK_SNAPSHOT3D_H
 #define HK_SNAPSHOT3D_H
 
-#include "plugins/common/snapshot/look.h"
-#include "plugins/common/snapshot/solid.h"
+#include "plugins/common/snapshot/appearance.h"
+#include "plugins/common/frame_data/solid.h"
 
-typedef union hk_ink { /* hk_snapshot3d.ink: by hk_look.paint */
+typedef union hk_particle_colour { /* hk_snapshot3d.colour: by hk_appearance.paint */
   float number;
   uint8_t colour[4];
-} hk_ink;
+} hk_particle_colour;
 
-enum { HK_MARK_BEAD = 1, HK_MARK_PIN = 2, HK_MARK_BODY = 4 }; /* hk_snapshot3d.mark */
+enum { HK_MARK_POINT = 1, HK_MARK_PIN = 2, HK_MARK_BODY = 4 }; /* hk_snapshot3d.mark */
 
 enum { HK_EXTRA_SIZE, HK_EXTRA_FADE, HK_EXTRA_VELOCITY, HK_EXTRA_TUBE, HK_EXTRAS };
 
@@ -19,18 +19,19 @@ enum { HK_EXTRA_SIZE, HK_EXTRA_FADE, HK_EXTRA_VELOCITY, HK_EXTRA_TUBE, HK_EXTRAS
  */
 typedef struct hk_snapshot3d {
   const hk_host *host;
-  const hk_look *look;
+  const hk_appearance *appearance;
   double origin[3];
   size_t n;
-  float (*x)[3]; /* n */
-  hk_ink *ink;   /* n */
-  uint8_t *mark; /* n */
-  float *weight; /* n, scratch */
-  /* What the look asks for, otherwise NULL: by hk_look.sizes the cube root of the mass or the radius, n; opacity, n;
-   * velocity, n x 3; radius of the strand, m, 0: it has none of its own, n. */
+  float (*x)[3];              /* n */
+  hk_particle_colour *colour; /* n */
+  uint8_t *mark;              /* n */
+  uint8_t *role;              /* n, scratch: what a particle belongs to, while the topology is taken */
+  double *strain;             /* n, scratch, where colours show it; otherwise NULL */
+  /* What the appearance asks for, otherwise NULL: by hk_appearance.sizes the cube root of the mass or the radius, n;
+   * opacity, n; velocity, n x 3; radius of the strand, m, 0: it has none of its own, n. */
   float *extra[HK_EXTRAS];
   size_t solids;
-  hk_solid *solid; /* in the scene's coordinates, z up; the caller's, who may move them */
+  hk_frame_solid *solid; /* in the scene's coordinates, z up; the caller's, who may move them */
   size_t triangles, lines;
   size_t cloth; /* the first triangles: the others are of bodies, surfaces that are pinned as a whole */
   uint32_t (*triangle)[3];
@@ -44,14 +45,14 @@ typedef struct hk_snapshot3d {
   float reach;              /* largest distance from the origin, m */
 } hk_snapshot3d;
 
-/* An empty one; `look` must stay valid. */
-void hk_snapshot3d_open(hk_snapshot3d *, const hk_host *host, const hk_look *look);
+/* An empty one; `appearance` must stay valid. */
+void hk_snapshot3d_open(hk_snapshot3d *, const hk_host *host, const hk_appearance *appearance);
 void hk_snapshot3d_free(hk_snapshot3d *);                           /* a zeroed one is allowed */
 size_t hk_snapshot3d_extra_width(const hk_snapshot3d *, int extra); /* numbers per particle; 0: there are none */
 /* Reserves memory for these numbers; arrays that must grow lose their content. */
 hk_status hk_snapshot3d_reserve(hk_snapshot3d *, size_t n, size_t triangles, size_t lines);
-/* Copies the scene but for ink and extra (plugins/common/snapshot/ink.h). `changed`: the topology may differ from the
- * last call's. Sets the origin at the first call. */
+/* Copies the scene but for colour and extra (plugins/common/snapshot/particle_colour.h). `changed`: the topology may
+ * differ from the last call's. Sets the origin at the first call. */
 hk_status hk_snapshot3d_take(hk_snapshot3d *, const hk_view *view, bool changed);
 
 #endif

@@ -8,7 +8,7 @@
  * middle m: 2 u_a.H_ab u_b <= |c - m|/6 (s u_a^2 + u_b^2/s) for each of the two. */
 #include "plugins/common/solids/cell_blocks.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 void hk_cells_pattern(const hk_cells *s, hk_pattern *pattern) {
   for (size_t c = 0; c < s->acting; c++) {

@@ -4,7 +4,7 @@
 #include "plugins/common/solids/cells.h"
 
 #include "plugins/common/solids/tetrahedron.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <stdlib.h>
 

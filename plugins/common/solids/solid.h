@@ -4,7 +4,7 @@
 
 #include "core/plugin.h"
 #include "plugins/common/elements/living_tuples.h"
-#include "plugins/common/parts/part_sums.h"
+#include "plugins/kit/parts/part_sums.h"
 #include "plugins/common/solids/neo_hookean.h"
 #include "plugins/common/solids/tetrahedron.h"
 #include "plugins/common/solids/viscosity.h"

@@ -10,7 +10,7 @@
 #include "plugins/common/solids/solid.h"
 
 #include "plugins/common/solids/matrix3.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <string.h>
 

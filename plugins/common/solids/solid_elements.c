@@ -3,7 +3,7 @@
  * of its own: six of the strain, whose rates lose 2 mu |dE/dt|^2, and its trace, which loses lambda (tr dE/dt)^2. */
 #include "plugins/common/solids/solid.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 enum { MOST = HK_NEO_HOOKEAN_VALUES };
 

@@ -2,7 +2,7 @@
  * and Barbic, FEM simulation of 3D deformable solids, SIGGRAPH courses (2012), 4.2. */
 #include "plugins/common/solids/tetrahedron.h"
 
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 
 #include <stddef.h>
 

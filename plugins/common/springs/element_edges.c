@@ -9,9 +9,9 @@
 #include <string.h>
 
 static hk_status split(hk_system *s) {
-  for (size_t k = 0; k < s->forces; k++) {
-    const hk_force_info *force = &s->force[k];
-    s->takes[k] = !force->elements;
+  for (size_t k = 0; k < s->split->forces; k++) {
+    const hk_force_info *force = &s->split->force[k];
+    s->split->takes[k] = !force->elements;
     if (!force->elements && force->flags & HK_CONSERVES_MOMENTUM && force->flags & HK_DEPENDS_ON_X)
       return s->host->fail(s->host, HK_FAILED,
                            "force '%s' acts between particles and offers no elements, by which this method solves: use "
@@ -113,7 +113,7 @@ hk_status hk_element_edges_take(hk_element_edges *e, hk_system *s, double *scrat
 
 void hk_element_edges_drop(hk_element_edges *e) { e->valid = false; }
 
-hk_status hk_element_edges_alone(const hk_system *s) {
+hk_status hk_element_edges_uncoupled(const hk_system *s) {
   for (size_t k = 0; k < s->model->element_lists; k++) {
     const hk_element_list *list = &s->model->element_list[k];
     if (list->elements.node.count > 0 && !hk_elements_are_edges(&list->elements))

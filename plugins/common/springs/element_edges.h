@@ -28,7 +28,7 @@ typedef struct hk_element_edges {
  * than at the last call, and says so in *changed. scratch: 3n. Allocates when the topology is new only. */
 hk_status hk_element_edges_take(hk_element_edges *, hk_system *, double *scratch, bool *changed);
 /* For methods that know plain edges only: HK_FAILED, naming the force, when the scene has other elements. */
-hk_status hk_element_edges_alone(const hk_system *);
+hk_status hk_element_edges_uncoupled(const hk_system *);
 /* To be called in `topology`: indices have changed. */
 void hk_element_edges_drop(hk_element_edges *);
 

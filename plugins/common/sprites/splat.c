@@ -35,25 +35,25 @@ typedef struct disc {
 } disc;
 
 /* Light of the sprite's colour with its fog. */
-static void colour_of(const hk_srgb *srgb, const hk_sprite_look *look, const hk_sprite *s, float light[3]) {
+static void colour_of(const hk_srgb *srgb, const hk_sprite_shading *shading, const hk_sprite *s, float light[3]) {
   for (int c = 0; c < 3; c++) {
-    float fog = look->style == HK_STYLE_GLOW ? 0 : srgb->fine[(int)(clamp01(look->fog_colour[c]) * HK_SRGB_FINE)];
+    float fog = shading->style == HK_STYLE_GLOW ? 0 : srgb->fine[(int)(clamp01(shading->fog_colour[c]) * HK_SRGB_FINE)];
     light[c] = srgb->light[s->colour[c]] * (1 - s->fog) + fog * s->fog;
   }
 }
 
-static disc make_disc(const hk_srgb *srgb, const hk_sprite_look *look, const hk_sprite *s) {
+static disc make_disc(const hk_srgb *srgb, const hk_sprite_shading *shading, const hk_sprite *s) {
   float radius = hk_sprite_half(s->radius) - 0.5f, ratio = s->radius / radius;
   float length2 = s->tail[0] * s->tail[0] + s->tail[1] * s->tail[1];
   disc d = {.scale = 1 / (radius * radius),
-            .alpha = (float)look->opacity * (float)s->colour[3] / 255 * (ratio * ratio),
+            .alpha = (float)shading->opacity * (float)s->colour[3] / 255 * (ratio * ratio),
             .front = s->depth - s->reach,
             .harden = 1 / (s->reach > 1e-6f * s->depth ? s->reach : 1e-6f * s->depth),
-            .cover = look->style == HK_STYLE_SOFT ? 1 : 0,
-            .core = look->style == HK_STYLE_GLOW ? 0.8f : 0,
+            .cover = shading->style == HK_STYLE_SOFT ? 1 : 0,
+            .core = shading->style == HK_STYLE_GLOW ? 0.8f : 0,
             .tail = {s->tail[0], s->tail[1]},
             .along = length2 > 1 ? 1 / length2 : 0}; /* a tail within a pixel is none */
-  colour_of(srgb, look, s, d.colour);
+  colour_of(srgb, shading, s, d.colour);
   return d;
 }
 
@@ -115,7 +115,7 @@ static void lit(const float light[4][3], const float n[3], const float base[3], 
 /* Less of it than this is not seen: a quarter of the step between black and the darkest byte, in light 1 / 3295. */
 static const float HIDDEN = 1.f / 13000;
 
-static void add_sphere(const hk_srgb *srgb, const hk_sprite_look *look, const hk_sprite *s, const span *p) {
+static void add_sphere(const hk_srgb *srgb, const hk_sprite_shading *shading, const hk_sprite *s, const span *p) {
   float base[3], colour[3], front = s->depth - s->reach, *rest = p->light[3];
   for (int c = 0; c < 3; c++) base[c] = (float)s->colour[c] / 255;
   for (int k = 0; k < p->count; k++) {
@@ -127,11 +127,11 @@ static void add_sphere(const hk_srgb *srgb, const hk_sprite_look *look, const hk
       n[2] = sqrtf(1 - r * r);
     else
       n[0] /= r, n[1] /= r;
-    lit(look->light, n, base, colour);
-    cover *= rest[k] * (float)look->opacity * (float)s->colour[3] / 255;
+    lit(shading->light, n, base, colour);
+    cover *= rest[k] * (float)shading->opacity * (float)s->colour[3] / 255;
     rest[k] -= cover;
     for (int c = 0; c < 3; c++) {
-      float shade = clamp01(colour[c] + s->fog * (look->fog_colour[c] - colour[c]));
+      float shade = clamp01(colour[c] + s->fog * (shading->fog_colour[c] - colour[c]));
       p->light[c][k] += cover * srgb->fine[(int)(shade * HK_SRGB_FINE + 0.5f)];
     }
   }
@@ -152,12 +152,12 @@ static void reach_in_row(const hk_sprite *s, float y, float half, float reach[2]
 /* The whole number below, in the range; none of that is negative. */
 static int within(float at, int least, int most) { return (int)hk_min(hk_max(at, (float)least), (float)most); }
 
-void hk_splat(const hk_light_image *image, const hk_srgb *srgb, const hk_sprite_look *look, const hk_sprite *s,
+void hk_splat(const hk_light_image *image, const hk_srgb *srgb, const hk_sprite_shading *shading, const hk_sprite *s,
               int first, int end) {
   float half = hk_sprite_half(s->radius), x = s->x - (float)image->left, y = s->y - (float)image->bottom;
   int low = within(hk_min(y, y + s->tail[1]) - half, first, end);
   int high = within(hk_max(y, y + s->tail[1]) + half + 1, first, end);
-  disc d = make_disc(srgb, look, s);
+  disc d = make_disc(srgb, shading, s);
   for (int row = low; row < high; row++) {
     float reach[2], up = (float)row + 0.5f - y;
     reach_in_row(s, up, half, reach);
@@ -168,8 +168,8 @@ void hk_splat(const hk_light_image *image, const hk_srgb *srgb, const hk_sprite_
               right - left,
               (float)left + 0.5f - x,
               up};
-    if (look->style == HK_STYLE_SPHERE)
-      add_sphere(srgb, look, s, &p);
+    if (shading->style == HK_STYLE_SPHERE)
+      add_sphere(srgb, shading, s, &p);
     else
       (d.along > 0 ? add_streak : add_disc)(&d, &p);
   }

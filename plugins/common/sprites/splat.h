@@ -16,6 +16,7 @@ typedef struct hk_light_image {
 } hk_light_image;
 
 /* Draws the rows first <= y < end (counted from the image's lowest) of the sprite, behind those drawn before. */
-void hk_splat(const hk_light_image *, const hk_srgb *, const hk_sprite_look *, const hk_sprite *, int first, int end);
+void hk_splat(const hk_light_image *, const hk_srgb *, const hk_sprite_shading *, const hk_sprite *, int first,
+              int end);
 
 #endif

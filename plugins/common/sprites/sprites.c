@@ -13,7 +13,7 @@ static const float FAINT = 1e-3f; /* light that is hardly seen: three steps abov
 
 typedef struct job {
   hk_sprites *sprites;
-  const hk_sprite_look *look;
+  const hk_sprite_shading *shading;
   unsigned char *rgba; /* the image's lower left pixel; NULL: the light is all that is wanted */
   size_t stride;       /* bytes of a row of the picture */
 } job;
@@ -86,13 +86,13 @@ static void list(hk_sprites *s, hk_style style) {
     if (s->sprite[k].radius > 0) s->order[s->listed++] = (uint32_t)k;
 }
 
-hk_status hk_sprites_place(hk_sprites *s, const hk_lens *lens, const hk_sprite_look *look, int width, int height,
-                           const hk_bead *bead, size_t count) {
+hk_status hk_sprites_place(hk_sprites *s, const hk_lens *lens, const hk_sprite_shading *shading, int width, int height,
+                           const hk_point_sprite *point, size_t count) {
   hk_status status = make_room(s, count);
   if (status != HK_OK) return status;
   s->count = count;
-  hk_project_beads(s->host, lens, look, width, height, bead, count, s->sprite);
-  list(s, look->style);
+  hk_project_points(s->host, lens, shading, width, height, point, count, s->sprite);
+  list(s, shading->style);
   find_rectangle(s, width, height);
   status = make_pixel_room(s);
   if (status != HK_OK) return status;
@@ -134,13 +134,13 @@ static void add_row(const hk_srgb *srgb, unsigned char *rgba, const float *light
 
 static void draw_band(const job *j, size_t band) {
   hk_sprites *s = j->sprites;
-  bool glow = j->look->style == HK_STYLE_GLOW;
+  bool glow = j->shading->style == HK_STYLE_GLOW;
   int width = s->image.width, first = (int)band * HK_BAND_ROWS, end = first + HK_BAND_ROWS;
   size_t row = HK_PLANES * (size_t)width;
   end = end < s->image.height ? end : s->image.height;
   for (int y = first; y < end; y++) begin_row(s->image.light + row * (size_t)y, width);
   for (size_t k = s->bands.start[band]; k < s->bands.start[band + 1]; k++)
-    hk_splat(&s->image, &s->srgb, j->look, s->sprite + s->bands.item[k], first, end);
+    hk_splat(&s->image, &s->srgb, j->shading, s->sprite + s->bands.item[k], first, end);
   for (int y = first; y < end && j->rgba; y++)
     (glow ? add_row : cover_row)(&s->srgb, j->rgba + j->stride * (size_t)y, s->image.light + row * (size_t)y, width);
 }
@@ -150,9 +150,9 @@ static void draw_bands(void *context, size_t begin, size_t end, size_t chunk) {
   for (size_t b = begin; b < end; b++) draw_band(context, b);
 }
 
-void hk_sprites_draw(hk_sprites *s, const hk_sprite_look *look, unsigned char *rgba, int width) {
+void hk_sprites_draw(hk_sprites *s, const hk_sprite_shading *shading, unsigned char *rgba, int width) {
   size_t stride = 4 * (size_t)width;
-  job j = {s, look, rgba + stride * (size_t)s->image.bottom + 4 * (size_t)s->image.left, stride};
+  job j = {s, shading, rgba + stride * (size_t)s->image.bottom + 4 * (size_t)s->image.left, stride};
   if (s->image.width && s->image.height) s->host->parallel_for(s->host, s->bands.count, 1, draw_bands, &j);
 }
 
@@ -161,8 +161,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-double hk_sprites_level(hk_sprites *s, const hk_sprite_look *look, double share) {
-  job j = {s, look, NULL, 0};
+double hk_sprites_level(hk_sprites *s, const hk_sprite_shading *shading, double share) {
+  job j = {s, shading, NULL, 0};
   size_t width = (size_t)s->image.width, pixels = width * (size_t)s->image.height, lit = 0;
   for (size_t k = 0; k < pixels; k++) s->distance[k] = INFINITY;
   if (pixels) s->host->parallel_for(s->host, s->bands.count, 1, draw_bands, &j);

@@ -22,13 +22,13 @@ typedef struct hk_sprites {
 
 void hk_sprites_open(hk_sprites *, const hk_host *host);
 void hk_sprites_close(hk_sprites *); /* a zeroed one is allowed */
-/* Finds where the beads are on the picture: `image` says of which pixels `distance` is needed. HK_NO_MEMORY. */
-hk_status hk_sprites_place(hk_sprites *, const hk_lens *, const hk_sprite_look *, int width, int height,
-                           const hk_bead *bead, size_t count);
+/* Finds where the points are on the picture: `image` says of which pixels `distance` is needed. HK_NO_MEMORY. */
+hk_status hk_sprites_place(hk_sprites *, const hk_lens *, const hk_sprite_shading *, int width, int height,
+                           const hk_point_sprite *point, size_t count);
 /* Draws what was placed over the picture, `width` pixels wide with 4 bytes each, the bottom row first. */
-void hk_sprites_draw(hk_sprites *, const hk_sprite_look *, unsigned char *rgba, int width);
+void hk_sprites_draw(hk_sprites *, const hk_sprite_shading *, unsigned char *rgba, int width);
 /* The light that this share of the pixels that shine at all do not exceed, of what was placed, with nothing before it;
  * 0: none does. Overwrites `distance`. */
-double hk_sprites_level(hk_sprites *, const hk_sprite_look *, double share);
+double hk_sprites_level(hk_sprites *, const hk_sprite_shading *, double share);
 
 #endif

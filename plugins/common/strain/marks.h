@@ -22,7 +22,7 @@ static inline bool hk_marks_empty(const hk_marks *m) {
 }
 
 /* Takes the lowest, where none is in the overviews before *from, which moves on. False: there is none. */
-static inline bool hk_marks_take(hk_marks *m, size_t *from, uint32_t *number) {
+static inline bool hk_marks_next(hk_marks *m, size_t *from, uint32_t *number) {
   while (*from < m->overviews && !m->overview[*from]) ++*from;
   if (*from == m->overviews) return false;
   uint64_t *overview = &m->overview[*from];

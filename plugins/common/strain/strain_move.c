@@ -7,8 +7,8 @@
  * becomes u l/L. So d x u, and with it the angular momentum, is the same before and after the move: without that a mass
  * that whirls on a rope would lose the part 1 - L/l of its speed in every step, of order h^2 each, by an error of the
  * positions alone. */
-#include "plugins/common/space/vector3.h"
-#include "plugins/common/springs/edge.h"
+#include "plugins/kit/vector3.h"
+#include "plugins/kit/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
 
 double hk_strain_passed(const hk_strain_limits *s, size_t edge, const double *x, double *length) {

@@ -11,7 +11,7 @@ enum { GRAIN = 4096, BLOCKS = 16 };
 typedef struct task {
   hk_strain_limits *limits;
   const double *x;
-  hk_run_screen *screen;
+  int lanes;
 } task;
 
 static void split(void *context, size_t begin, size_t end, size_t chunk) {
@@ -34,7 +34,7 @@ static bool run_beyond(const task *t, const hk_strain_block *b) {
     c.y[end] = c.x[end] + s->n;
     c.z[end] = c.y[end] + s->n;
   }
-  return t->screen(&c, b->count, b->shortest2, b->longest2);
+  return hk_run_screen(t->lanes, &c, b->count, b->shortest2, b->longest2);
 }
 
 static bool list_beyond(const task *t, const hk_strain_block *b) {
@@ -58,7 +58,7 @@ static void screen_blocks(void *context, size_t begin, size_t end, size_t chunk)
 }
 
 bool hk_strain_screen(hk_strain_limits *s, const hk_host *host, const double *x) {
-  task t = {s, x, hk_run_screen_fastest()};
+  task t = {s, x, host->lanes};
   bool any = false;
   double l;
   if (s->runs) host->parallel_for(host, s->n, GRAIN, split, &t);

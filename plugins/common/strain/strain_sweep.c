@@ -1,6 +1,6 @@
 /* Sweeps over the edges that may be beyond their limits: a bit for each, in the order of the sweep. A move sets the
  * bits of the edges that it touches, in this sweep where they come later, in the next where they came before. */
-#include "plugins/common/springs/edge.h"
+#include "plugins/kit/springs/edge.h"
 #include "plugins/common/strain/strain_limits.h"
 
 /* A move of the edge of this rank has changed the lengths of its ends' other edges. It is looked at again itself: an
@@ -24,7 +24,7 @@ static bool visit(hk_strain_limits *s, uint32_t rank, const hk_strain_state *sta
 static size_t sweep_in_order(hk_strain_limits *s, const hk_strain_state *state) {
   size_t moves = 0, from = 0;
   uint32_t rank;
-  while (hk_marks_take(&s->now, &from, &rank)) moves += visit(s, rank, state, false);
+  while (hk_marks_next(&s->now, &from, &rank)) moves += visit(s, rank, state, false);
   return moves;
 }
 
@@ -43,7 +43,7 @@ static bool farther_beyond(const hk_strain_limits *s, uint32_t e, uint32_t f) {
 static size_t sweep_sorted(hk_strain_limits *s, const hk_strain_state *state) {
   size_t count = 0, moves = 0, from = 0;
   uint32_t rank;
-  while (hk_marks_take(&s->now, &from, &rank)) {
+  while (hk_marks_next(&s->now, &from, &rank)) {
     uint32_t edge = s->edge_at[rank];
     s->excess[edge] = excess_of(s, edge, state->x);
     if (s->excess[edge] > 0) s->list[count++] = edge;
@@ -56,10 +56,10 @@ static size_t sweep_sorted(hk_strain_limits *s, const hk_strain_state *state) {
 /* ---- sweeps ---- */
 
 /* What would be visited next. */
-static void look_at_the_rest(hk_strain_limits *s, const double *x, hk_strain_result *r) {
+static void measure_the_rest(hk_strain_limits *s, const double *x, hk_strain_result *r) {
   size_t from = 0;
   uint32_t rank;
-  while (hk_marks_take(&s->now, &from, &rank)) {
+  while (hk_marks_next(&s->now, &from, &rank)) {
     double excess = excess_of(s, s->edge_at[rank], x);
     if (excess > 0) r->left++;
     if (excess > r->excess) r->excess = excess, r->worst = s->edge_at[rank];
@@ -78,7 +78,7 @@ hk_strain_result hk_strain_sweep(hk_strain_limits *s, const hk_strain_state *sta
     s->now = s->next;
     s->next = emptied;
   }
-  look_at_the_rest(s, state->x, &r);
+  measure_the_rest(s, state->x, &r);
   if (state->v && ((r.left && s->gain > 0) || !moving.v)) hk_strain_stop_moved(s, state);
   hk_strain_forget(s);
   return r;

@@ -12,7 +12,7 @@ enum { SWEEPS = 10 };
 void hk_strain_forget(hk_strain_limits *s) {
   size_t from = 0;
   uint32_t rank;
-  while (hk_marks_take(&s->moved, &from, &rank)) continue;
+  while (hk_marks_next(&s->moved, &from, &rank)) continue;
   s->gain = 0;
   for (; s->remembered > 0; s->remembered--) s->is_touched[s->touched[s->remembered - 1]] = false;
 }
@@ -22,7 +22,7 @@ void hk_strain_stop_moved(hk_strain_limits *s, const hk_strain_state *state) {
   uint32_t rank;
   for (size_t k = 0; k < s->remembered; k++)
     memcpy(state->v + 3 * (size_t)s->touched[k], s->before[k], sizeof *s->before);
-  while (hk_marks_take(&s->moved, &from, &rank)) s->list[count++] = s->edge_at[rank];
+  while (hk_marks_next(&s->moved, &from, &rank)) s->list[count++] = s->edge_at[rank];
   bool any = true;
   for (int sweep = 0; sweep < SWEEPS && any; sweep++) {
     any = false;

@@ -5,7 +5,7 @@
  * SUNDIALS asks for the weights at its state, so a scale follows motion that begins late. The work and the particles
  * that pins lead have the weight 0. */
 #include "plugins/common/sundials/sundials.h"
-#include "plugins/common/moves/safe_move.h"
+#include "plugins/common/implicit/safe_move.h"
 #include "plugins/common/integrate/step_control.h"
 #include "plugins/common/sundials/sundials_vector.h"
 

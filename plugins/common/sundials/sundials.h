@@ -18,8 +18,8 @@ enum { HK_PRECONDITION_FACTOR, HK_PRECONDITION_BLOCK_JACOBI, HK_PRECONDITION_NON
 
 /* First member of an instance, whose address SUNDIALS passes to its callbacks. */
 typedef struct hk_sundials {
-  double *state; /* HK_FIELD_STATE, scratch: the last result of SUNDIALS, and X */
-  double *work;  /* HK_FIELD_STATE x 2, scratch: vectors of a solve */
+  double *state; /* a field `state`, scratch: the last result of SUNDIALS, and X */
+  double *work;  /* a field `state` x 2, scratch: vectors of a solve */
   int preconditioner;
   const hk_host *host;
   hk_system *system; /* system of the current step */

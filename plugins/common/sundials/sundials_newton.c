@@ -18,24 +18,24 @@ enum { KRYLOV_VECTORS = 20 };
 
 static hk_status evaluate(hk_sundials *m, double t, N_Vector X, unsigned want) {
   hk_system *s = m->system;
-  return s->jacobian(s, t, NV_DATA_S(X), want, &m->K, &m->D);
+  return s->linear->jacobian(s, t, NV_DATA_S(X), want, &m->K, &m->D);
 }
 
 static hk_status choose_blocks(hk_sundials *m, unsigned *want) {
   unsigned flags = 0;
-  hk_status status = m->system->solver_flags(m->system, &flags);
+  hk_status status = m->system->linear->solver_flags(m->system, &flags);
   *want = flags & HK_SOLVES_UNSYMMETRIC ? 0 : HK_WANT_SYMMETRIC;
   return status;
 }
 
 static hk_status combine(hk_sundials *m, double gamma) {
   m->gamma = gamma;
-  return m->system->combine(m->system, 1, gamma, gamma * gamma, &m->A);
+  return m->system->linear->combine(m->system, 1, gamma, gamma * gamma, &m->A);
 }
 
 static hk_status combine_and_factorize(hk_sundials *m, double gamma) {
   hk_status status = combine(m, gamma);
-  return status == HK_OK ? m->system->factorize(m->system, &m->A) : status;
+  return status == HK_OK ? m->system->linear->factorize(m->system, &m->A) : status;
 }
 
 static hk_status factorize_channels(hk_sundials *m, double t, N_Vector X, N_Vector f, bool reuse, double gamma) {
@@ -92,7 +92,8 @@ int hk_sundials_precondition(double t, N_Vector X, N_Vector f, int reuse, int *c
 /* x = z_v; with constraints, J z_v = J r_v. */
 static hk_status solve_blocks(hk_sundials *m, const double *b, const double *r_v, double *x) {
   hk_system *s = m->system;
-  if (!m->inverse) return s->equations ? s->solve_along(s, b, r_v, x, NULL) : s->solve(s, b, x, NULL);
+  if (!m->inverse)
+    return hk_system_equations(s) ? s->linear->solve_along(s, b, r_v, x, NULL) : s->linear->solve(s, b, x, NULL);
   for (size_t r = 0; r < 3 * m->A.rows; r++) {
     const double *row = m->inverse + 3 * r, *from = b + r / 3 * 3;
     x[r] = row[0] * from[0] + row[1] * from[1] + row[2] * from[2];

@@ -1,5 +1,4 @@
-/* The dense loops of the supernodal factorization, by the instruction sets of processors, as gravity_path.h has them:
- * each file dense_*.c has the loops of dense_loops.h compiled for one of them, for doubles and for floats.
+/* The dense loops of the supernodal factorization, by the width of vectors, for doubles and for floats.
  *
  * Matrices are stored by columns, `ld` numbers from one to the next, in whole vectors of 64 bytes. What lies above the
  * diagonal is never read as part of a result, but may be written. Every number of a result is the sum of its products
@@ -17,7 +16,7 @@ typedef struct hk_dense_path {
    * positive: `columns` if all are. */
   size_t (*factorize)(void *panel, size_t ld, size_t top, size_t columns, void *inverse);
   /* Rows [begin, end) below it, whole vectors, divided by the square's transpose. */
-  void (*divide)(void *panel, size_t ld, size_t top, size_t columns, const void *inverse, size_t begin, size_t end);
+  void (*solve_rows)(void *panel, size_t ld, size_t top, size_t columns, const void *inverse, size_t begin, size_t end);
   /* Columns [begin, end) of U = -L L^T, on and below the diagonal. U has `ldu` rows, as L, whose columns have `ld`. */
   void (*update)(void *U, size_t ldu, size_t begin, size_t end, const void *L, size_t ld, size_t columns);
   /* A supernode's panel with the blocks of A, and what a child's update adds to it and to the update. */
@@ -39,9 +38,7 @@ typedef struct hk_dense_path {
   void (*pass_on)(const hk_supernodes *, const hk_supernode *, void *from, void *to);
 } hk_dense_path;
 
-const hk_dense_path *hk_dense_narrow(bool single); /* for every processor */
-const hk_dense_path *hk_dense_wide4(bool single);  /* NULL where this processor has no AVX2 and FMA */
-const hk_dense_path *hk_dense_wide8(bool single);  /* NULL where it has no AVX-512 */
-const hk_dense_path *hk_dense_best(bool single);
+const hk_dense_path *hk_dense_double(int lanes); /* hk_host.lanes */
+const hk_dense_path *hk_dense_single(int lanes); /* for floats */
 
 #endif

@@ -18,7 +18,7 @@ enum { GRAIN_VECTORS = 8, GRAIN_COLUMNS = 24 };
 
 hk_status hk_supernodal_open(hk_supernodal *s, const hk_host *host, bool single) {
   s->host = host;
-  s->path = hk_dense_best(single);
+  s->path = single ? hk_dense_single(host->lanes) : hk_dense_double(host->lanes);
   if (!cholmod_l_start(&s->common)) return host->fail(host, HK_FAILED, "CHOLMOD does not start");
   s->started = true;
   s->common.print = 0;
@@ -92,13 +92,13 @@ static size_t columns_of(const dense_front *f) { return f->s->nodes.block * f->n
 
 static void *inverse_of(const dense_front *f) { return at(f->s, f->s->inverse, f->s->nodes.block * f->n->first); }
 
-static void divide(void *context, size_t begin, size_t end, size_t chunk) {
+static void solve_rows(void *context, size_t begin, size_t end, size_t chunk) {
   const dense_front *f = context;
   const hk_supernode *n = f->n;
   size_t vector = HK_FRONT_VECTOR / f->s->path->number, first = n->top + columns_of(f);
   (void)chunk;
-  f->s->path->divide(f->panel, n->ld, n->top, columns_of(f), inverse_of(f), first + vector * begin,
-                     first + vector * end);
+  f->s->path->solve_rows(f->panel, n->ld, n->top, columns_of(f), inverse_of(f), first + vector * begin,
+                         first + vector * end);
 }
 
 static void update(void *context, size_t begin, size_t end, size_t chunk) {
@@ -133,10 +133,10 @@ static size_t factorize_front(hk_supernodal *s, const hk_supernode *n, bool on_a
   size_t good = s->path->factorize(f.panel, n->ld, n->top, columns, inverse_of(&f));
   if (good < columns) return b * s->nodes.order[n->first + good / b] + good % b;
   if (on_all_threads) {
-    host->parallel_for(host, vectors, GRAIN_VECTORS, divide, &f);
+    host->parallel_for(host, vectors, GRAIN_VECTORS, solve_rows, &f);
     host->parallel_for(host, b * n->rows, GRAIN_COLUMNS, update, &f);
   } else {
-    divide(&f, 0, vectors, 0);
+    solve_rows(&f, 0, vectors, 0);
     update(&f, 0, b * n->rows, 0);
   }
   extend(&f, false);

@@ -181,12 +181,12 @@ static void find_runs(hk_supernodes *s) {
     n->run = at;
     for (uint32_t r = 0; r < n->rows; r++) {
       uint32_t to = place_in(s, &s->node[n->parent], s->row[n->list + r]);
-      hk_run *last = at > n->run ? &s->run[at - 1] : NULL;
+      hk_row_run *last = at > n->run ? &s->run[at - 1] : NULL;
       bool border = to == s->node[n->parent].columns; /* from panel to update */
       if (last && last->to + last->count == to && !border)
         last->count++;
       else
-        s->run[at++] = (hk_run){r, to, 1};
+        s->run[at++] = (hk_row_run){r, to, 1};
     }
     n->run_end = at;
   }

@@ -25,9 +25,9 @@ typedef struct hk_supernode {
 #define HK_NO_PARENT UINT32_MAX
 enum { HK_FRONT_VECTOR = 64 }; /* bytes; begins of matrices and lengths of their columns are multiples of it */
 
-typedef struct hk_run { /* rows that follow each other in both fronts; `to` counts from the parent's first column */
+typedef struct hk_row_run { /* rows that follow each other in both fronts; `to` counts from the parent's first column */
   uint32_t from, to, count;
-} hk_run;
+} hk_row_run;
 
 typedef struct hk_entry {
   size_t block; /* of A */
@@ -48,7 +48,7 @@ typedef struct hk_supernodes {
   uint32_t *order;        /* rows: row k of the factor is row order[k] of A */
   uint32_t *row;
   uint32_t *child;
-  hk_run *run;
+  hk_row_run *run;
   hk_entry *entry;
   size_t L_size, update_size, front; /* numbers of L, of all updates; most rows of a panel */
   double flops, entries;             /* of a factorization; numbers of L */

@@ -1,6 +1,6 @@
 /* Bars: published figures of the pendulum, periods of large swings, order, reversibility and energy of leapfrog, which
  * is RATTLE here, the work of what moves, and what is refused. */
-#include "core/dynamics/constraints.h"
+#include "core/numerics/constraints/constraints.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -44,8 +44,8 @@ static void pendulum(test_engine *e, const char *method, double angle, double sp
   open(e, method, 1);
   test_particle(e, 0, 0, 0, 1);
   test_particle(e, sin(angle), -cos(angle), 0, 1);
-  e->scene->velocity[3] = speed * cos(angle);
-  e->scene->velocity[4] = speed * sin(angle);
+  e->scene->particles.velocity[3] = speed * cos(angle);
+  e->scene->particles.velocity[4] = speed * sin(angle);
   test_pin(e, HK_PIN_FIXED, 1, NULL);
   bars(e, (const uint32_t[][2]){{1, 2}}, 1);
 }
@@ -160,7 +160,7 @@ static void swing(const char *method, double rate, double h, size_t steps, doubl
   open(&e, method, 9.81);
   if (rate > 0) test_number(&e, test_plugin(&e, HK_FORCE, "drag"), "rate", rate);
   for (size_t i = 0; i < BALLS; i++) test_particle(&e, X[3 * i], X[3 * i + 1], X[3 * i + 2], weight[i]);
-  memcpy(e.scene->velocity, X + 3 * BALLS, 3 * BALLS * sizeof *X);
+  memcpy(e.scene->particles.velocity, X + 3 * BALLS, 3 * BALLS * sizeof *X);
   test_pin(&e, HK_PIN_FIXED, 1, NULL);
   bars(&e, linkage, sizeof linkage / sizeof *linkage);
   time_grid(&e, h * (double)steps, steps);
@@ -296,7 +296,7 @@ static void a_step_may_turn_bars_far(void **state) {
   test_particle(&e, 0, 0, 0, 1);
   test_particle(&e, 0.8, 0.3, 0.1, 1);
   test_particle(&e, 1.6, 0, 0.2, 1);
-  memcpy(e.scene->velocity + 3, (double[]){0, 20, 20, 0, -40, 40}, 6 * sizeof(double));
+  memcpy(e.scene->particles.velocity + 3, (double[]){0, 20, 20, 0, -40, 40}, 6 * sizeof(double));
   test_pin(&e, HK_PIN_FIXED, 1, NULL);
   bars(&e, (const uint32_t[][2]){{1, 2}, {2, 3}}, 2);
   time_grid(&e, 1, 100);

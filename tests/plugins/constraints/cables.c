@@ -16,8 +16,8 @@ static void tie(test_engine *e, const char *method, const char *what, const doub
   test_vector(e, test_plugin(e, HK_FORCE, "gravity"), "g", 0, -g, 0);
   test_particle(e, 0, 0, 0, 1);
   test_particle(e, at[0], at[1], 0, 2);
-  e->scene->velocity[3] = at[2];
-  e->scene->velocity[4] = at[3];
+  e->scene->particles.velocity[3] = at[2];
+  e->scene->particles.velocity[4] = at[3];
   test_pin(e, HK_PIN_FIXED, 1, NULL);
   hk_plugin_spec *spec = test_plugin(e, HK_CONSTRAINT, what);
   test_edges(e, spec, (const uint32_t[][2]){{1, 2}}, 1);

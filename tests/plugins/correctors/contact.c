@@ -27,7 +27,7 @@ static void open_world(test_engine *e, double h) {
 
 static uint32_t put(test_engine *e, const double x[3], const double v[3], double mass) {
   uint32_t id = test_particle(e, x[0], x[1], x[2], mass);
-  if (v) memcpy(e->scene->velocity + 3 * (size_t)(id - 1), v, 3 * sizeof *v);
+  if (v) memcpy(e->scene->particles.velocity + 3 * (size_t)(id - 1), v, 3 * sizeof *v);
   return id;
 }
 
@@ -64,9 +64,9 @@ typedef struct momenta {
 
 static momenta momenta_of(test_engine *e) {
   momenta m = {0};
-  for (uint32_t id = 1; id <= e->scene->n; id++) {
+  for (uint32_t id = 1; id <= e->scene->particles.n; id++) {
     const double *x = test_position(e, id), *v = test_velocity(e, id);
-    double mass = e->scene->mass[id - 1];
+    double mass = e->scene->particles.mass[id - 1];
     for (int c = 0; c < 3; c++) {
       int a = (c + 1) % 3, b = (c + 2) % 3;
       m.p[c] += mass * v[c];

@@ -39,7 +39,7 @@ static void open_bench(bench *b, const char *method, double h) {
 
 static uint32_t put(bench *b, const double x[3], const double v[3]) {
   uint32_t id = test_particle(&b->e, x[0], x[1], x[2], 2);
-  memcpy(b->e.scene->velocity + 3 * (size_t)(id - 1), v, 3 * sizeof *v);
+  memcpy(b->e.scene->particles.velocity + 3 * (size_t)(id - 1), v, 3 * sizeof *v);
   return id;
 }
 

@@ -300,7 +300,7 @@ static double whirl(const char *velocity, double h, double *speed) {
   e.scene->duration = 10;
   test_particle(&e, 0, 0, 0, 1);
   uint32_t id = test_particle(&e, 1.1, 0, 0, 2);
-  e.scene->velocity[3 * (id - 1) + 1] = 3;
+  e.scene->particles.velocity[3 * (id - 1) + 1] = 3;
   test_pin(&e, HK_PIN_FIXED, 1, NULL);
   hk_plugin_spec *spec = test_plugin(&e, HK_CORRECTOR, "strain_limit");
   test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
@@ -362,7 +362,7 @@ static void beads_move_along_their_pins(void **state) {
     e.options.dt = 1e-2;
     test_particle(&e, 0, 0, 0, 1);
     test_particle(&e, 1, 0.3, 0.5, 3);
-    memcpy(e.scene->velocity, (double[]){0, 0, 0, 9, 2, 8}, 6 * sizeof(double));
+    memcpy(e.scene->particles.velocity, (double[]){0, 0, 0, 9, 2, 8}, 6 * sizeof(double));
     test_pin(&e, plane ? HK_PIN_PLANE : HK_PIN_LINE, 1, plane ? normal : axis);
     hk_plugin_spec *spec = test_plugin(&e, HK_CORRECTOR, "strain_limit");
     test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
@@ -394,8 +394,8 @@ static void pins_too_far_apart_are_a_violation_and_no_explosion(void **state) {
       particle(&b, 0.1 * (double)i, 0.01 * noise(), 0.01 * noise(), 1);
       if (i) join(&b, i - 1, i);
     }
-    b.e.scene->position[30] = 1.5;
-    for (int c = 3; c < 30; c++) b.e.scene->velocity[c] = noise();
+    b.e.scene->particles.position[30] = 1.5;
+    for (int c = 3; c < 30; c++) b.e.scene->particles.velocity[c] = noise();
     limit(&b, 0.1, orders[k]);
     double rest[10];
     for (int e = 0; e < 10; e++) rest[e] = 0.1;
@@ -408,7 +408,7 @@ static void pins_too_far_apart_are_a_violation_and_no_explosion(void **state) {
     hk_summary s;
     hk_run_summary(b.e.run, &s);
     double start = 0;
-    for (int c = 3; c < 30; c++) start += b.e.scene->velocity[c] * b.e.scene->velocity[c] / 2;
+    for (int c = 3; c < 30; c++) start += b.e.scene->particles.velocity[c] * b.e.scene->particles.velocity[c] / 2;
     print_message("pins too far apart, %s: violated by %.3g m, %.3g of %.3g J at most\n", orders[k],
                   s.constraint_violation, s.kinetic_max, start);
     assert_true(s.constraint_violation > 0.03 && s.warnings > 0);
@@ -424,8 +424,8 @@ static void hang(bench *b, const char *method, double h, bool limited) {
   enum { N = 17 };
   open_bench(b);
   make_grid(b, N);
-  for (size_t k = 0; k < 3 * b->n; k++) b->e.scene->position[k] = b->x[k] /= N - 1;
-  for (size_t i = 0; i < b->n; i++) b->e.scene->mass[i] = b->mass[i] = 0.1 / (N * N);
+  for (size_t k = 0; k < 3 * b->n; k++) b->e.scene->particles.position[k] = b->x[k] /= N - 1;
+  for (size_t i = 0; i < b->n; i++) b->e.scene->particles.mass[i] = b->mass[i] = 0.1 / (N * N);
   test_pin(&b->e, HK_PIN_FIXED, N * (N - 1) + 1, NULL);
   test_pin(&b->e, HK_PIN_FIXED, N * N, NULL);
   test_plugin(&b->e, HK_FORCE, "gravity");

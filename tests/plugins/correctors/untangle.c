@@ -181,7 +181,7 @@ static void expect_same_bits(const char *name, const char *middle, const char *e
     run_to("%s.lua --integrator leapfrog --threads %d --until %s --state %d.csv --out %s%d", name, k + 1, end, k, name,
            k);
   run_to("%s.lua --integrator leapfrog --until %s --out %s-part", name, middle, name);
-  run_to("--resume %s-part/newest.checkpoint --until %s --state 2.csv", name, end);
+  run_to("%s.lua --resume %s-part/newest.checkpoint --until %s --state 2.csv", name, name, end);
   for (int k = 0; k < 3; k++) {
     char file[16];
     snprintf(file, sizeof file, "%d.csv", k);

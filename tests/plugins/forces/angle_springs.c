@@ -29,7 +29,7 @@ static void start(bent *b, double x[N][3], bool plane, const double *rest) {
   static const double v[3 * N] = {0.3, -1, 0.5, 1, 0, 2, -1, 1, 0.2, 0, 0.5, 1, 2, 1, -1};
   test_engine_open(&b->e);
   for (int i = 0; i < N; i++) test_particle(&b->e, x[i][0], x[i][1], x[i][2], 1 + i);
-  memcpy(b->e.scene->velocity, v, sizeof v);
+  memcpy(b->e.scene->particles.velocity, v, sizeof v);
   b->spec = test_plugin(&b->e, HK_FORCE, "angle_springs");
   test_tuples(&b->e, b->spec, "joints", 3, &chain[0][0], JOINTS);
   test_list(&b->e, b->spec, "k", (double[]){2, 3, 5}, JOINTS);
@@ -183,7 +183,7 @@ static hk_elements made(bent *b, const uint32_t (*edge)[2], size_t edges, size_t
   test_run(&b->e);
   b->force = test_instance(&b->e, b->spec);
   b->view = force_view(&b->e, b->force);
-  b->force->plugin->force->elements(b->force->self, &b->view, &out);
+  hk_force_of(b->force->plugin)->elements.list(b->force->self, &b->view, &out);
   return out;
 }
 
@@ -222,7 +222,7 @@ static void every_edge_may_have_its_EI(void **state) {
   test_run(&b.e);
   b.force = test_instance(&b.e, b.spec);
   b.view = force_view(&b.e, b.force);
-  b.force->plugin->force->elements(b.force->self, &b.view, &out);
+  hk_force_of(b.force->plugin)->elements.list(b.force->self, &b.view, &out);
   assert_true(close_to(out.stiffness.value[0], 0.5 + 1 / (1. / 2 + 3. / 4)));
   assert_true(close_to(out.stiffness.value[1], 0.5 + 1 / (3. / 4 + 5. / 20)));
   assert_true(close_to(out.damping.value[1], 3 + 2 * out.stiffness.value[1]));
@@ -262,7 +262,7 @@ static void joints_die_with_their_particles(void **state) {
   b.view.x = x;
   b.view.n = b.view.acting = 5;
   assert_int_equal(hk_instance_remap(b.force, map, 6, &b.view, 6 * 5 + 1, &b.e.error), HK_OK);
-  b.force->plugin->force->elements(b.force->self, &b.view, &out);
+  hk_force_of(b.force->plugin)->elements.list(b.force->self, &b.view, &out);
   double C, dC[3][3];
   out.evaluate(out.self, x, 0, 1, &C, dC);
   assert_true(out.node.count == 1 && close_to(out.stiffness.value[0], 1));

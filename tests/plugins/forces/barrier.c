@@ -2,7 +2,7 @@
  * without an intersection; the pressure between sheets does not hang on their meshes; Coulomb's friction; what lies
  * still stays still; obstacles that close end the run with words. hooke check has its derivatives, checkpoints, births
  * and threads. */
-#include "plugins/common/barrier/barrier_function.h"
+#include "plugins/common/contact/barrier/barrier_function.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>
@@ -26,7 +26,7 @@ static void open_world(test_engine *e, const char *method, double h) {
 
 static uint32_t put(test_engine *e, const double x[3], const double v[3], double mass) {
   uint32_t id = test_particle(e, x[0], x[1], x[2], mass);
-  if (v) memcpy(e->scene->velocity + 3 * (size_t)(id - 1), v, 3 * sizeof *v);
+  if (v) memcpy(e->scene->particles.velocity + 3 * (size_t)(id - 1), v, 3 * sizeof *v);
   return id;
 }
 
@@ -218,7 +218,8 @@ static void open_falling(test_engine *e, const char *method, double h, int threa
 }
 
 /* Way 1 has three threads, way 2 goes on from where way 0 was at half of the time. Implicit methods go on bit by bit
- * from the frames of the output `checkpoint` alone, where they drop their factors (tests/core/storage/going_on.c). */
+ * from the frames of the output `checkpoint` alone, where they drop their factors (tests/core/run/storage/going_on.c).
+ */
 static void compare(const char *method, double h, int ways) {
   char path[] = "/tmp/hooke-barrier-XXXXXX";
   int file = mkstemp(path);

@@ -48,7 +48,7 @@ static double largest_energy(double gap, double speed, double h, double *first) 
   open_world(&t, "bdf2", h);
   add_floor(&t);
   uint32_t id = test_particle(&t, 0, 0, radius + gap, 1);
-  t.scene->velocity[3 * (size_t)(id - 1) + 2] = -speed;
+  t.scene->particles.velocity[3 * (size_t)(id - 1) + 2] = -speed;
   test_vector(&t, test_plugin(&t, HK_FORCE, "gravity"), "g", 0, 0, -g);
   add_barrier(&t);
   test_run(&t);
@@ -79,7 +79,7 @@ static double swing_error(double h) {
   test_engine t;
   open_world(&t, "bdf2:tolerance=1e-9", h);
   const uint32_t edge[1][2] = {{test_particle(&t, -0.5, 0, 0, 1), test_particle(&t, 0.5, 0, 0, 1)}};
-  t.scene->velocity[0] = 0.2, t.scene->velocity[3] = -0.2;
+  t.scene->particles.velocity[0] = 0.2, t.scene->particles.velocity[3] = -0.2;
   hk_plugin_spec *springs = test_plugin(&t, HK_FORCE, "springs");
   test_edges(&t, springs, edge, 1);
   test_number(&t, springs, "k", 10);

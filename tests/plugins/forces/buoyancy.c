@@ -14,7 +14,7 @@ static hk_plugin_spec *open_scene(test_engine *e, double decay) {
   test_particle(e, 0, 0, 0, 0.5);
   test_particle(e, 1, 0, 0, 2);
   assert_int_equal(hk_scene_set_channel(e->scene, "temperature", 2, (double[]){250}, 1, &e->error), HK_OK);
-  memcpy(e->scene->velocity, (double[]){0, 0, 3, 0, 1, -1}, 6 * sizeof(double));
+  memcpy(e->scene->particles.velocity, (double[]){0, 0, 3, 0, 1, -1}, 6 * sizeof(double));
   hk_plugin_spec *spec = test_plugin(e, HK_FORCE, "buoyancy");
   test_number(e, spec, "ambient", 300);
   return spec;

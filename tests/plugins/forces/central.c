@@ -141,7 +141,7 @@ static void a_force_with_a_range_by_hand(void **state) {
   test_engine e;
   hk_plugin_spec *central = open_scene(&e, 2, -2, 0);
   test_number(&e, central, "range", 5);
-  memcpy(e.scene->position, (double[]){0, 0, 3}, 3 * sizeof(double));
+  memcpy(e.scene->particles.position, (double[]){0, 0, 3}, 3 * sizeof(double));
   first_is(&e, central, 0, 0, -4 * 0.64 * 0.64 / 9);
 }
 
@@ -172,11 +172,11 @@ static void a_range_that_steps_pass_by_is_noticed(void **state) {
     hk_plugin_spec *spec = open_scene(&e, -1e4, powers[k % 2], 1e-4);
     test_number(&e, spec, "range", k < 2 ? 1e-3 : 2);
     for (size_t i = 0; i < 3; i++) {
-      memcpy(e.scene->position + 3 * i, (double[]){-0.33, 1e-4 * (double)i, 0}, 3 * sizeof(double));
-      memcpy(e.scene->velocity + 3 * i, (double[]){1, 0, 0}, 3 * sizeof(double));
+      memcpy(e.scene->particles.position + 3 * i, (double[]){-0.33, 1e-4 * (double)i, 0}, 3 * sizeof(double));
+      memcpy(e.scene->particles.velocity + 3 * i, (double[]){1, 0, 0}, 3 * sizeof(double));
     }
     e.options.dt = k < 2 ? 1. / 60 : 1e-4;
-    e.options.compare = HK_COMPARE_ALWAYS; /* passages are looked at where a run is judged */
+    e.options.compare = HK_COMPARE_ALWAYS; /* encounters are looked at where a run is judged */
     e.scene->duration = 0.5;
     test_run(&e);
     test_advance(&e, k < 2 ? 0.5 : 0.01);
@@ -192,7 +192,7 @@ static void nothing_at_the_centre_is_nan(void **state) {
     for (size_t d = 0; d < sizeof near / sizeof *near; d++) {
       test_engine e;
       hk_plugin_spec *spec = open_scene(&e, 3, powers[k], 0);
-      memcpy(e.scene->position, (double[]){near[d], 0, 0}, 3 * sizeof(double));
+      memcpy(e.scene->particles.position, (double[]){near[d], 0, 0}, 3 * sizeof(double));
       test_run(&e);
       hk_instance *central = test_instance(&e, spec);
       hk_view view = force_view(&e, central);

@@ -43,7 +43,7 @@ static void cubic_springs_by_hand(void **state) {
   force_evaluate(springs, &view, F);
   assert_memory_equal(F, ((double[]){13.5, 0, 0, -13.5, 0, 0}), sizeof F);
   assert_true(springs->plugin->force->energy(springs->self, &view) == 5.0625);
-  assert_null(springs->plugin->force->elements); /* there is no stiffness to offer */
+  assert_null(hk_force_of(springs->plugin)->elements.list); /* there is no stiffness to offer */
   test_engine_close(&e);
 }
 
@@ -97,7 +97,7 @@ static void blocks(const hk_instance *springs, const hk_view *view, unsigned wan
   for (size_t b = 0; b < 4 * S; b++) slot[b] = b;
   memset(K, 0, S * sizeof *K);
   hk_blocks into = {.slot = slot, .K = &K[0][0][0], .D = &none[0][0][0], .want = want};
-  assert_int_equal(springs->plugin->force->jacobian(springs->self, view, &into), HK_OK);
+  assert_int_equal(hk_force_of(springs->plugin)->implicit.jacobian(springs->self, view, &into), HK_OK);
 }
 
 /* Along each spring and across it, from its diagonal block: stretched springs are the same whatever is wanted, pressed

@@ -12,7 +12,7 @@ static hk_plugin_spec *open_scene(test_engine *e) {
   test_engine_open(e);
   test_particle(e, 0, 0, 0, 0.5);
   test_particle(e, 1, 0, 0, 2);
-  memcpy(e->scene->velocity, (double[]){1, -2, 3, 0.5, 4, -1}, 6 * sizeof(double));
+  memcpy(e->scene->particles.velocity, (double[]){1, -2, 3, 0.5, 4, -1}, 6 * sizeof(double));
   e->options.dt = 1e-3;
   return test_plugin(e, HK_FORCE, "drag");
 }
@@ -60,7 +60,7 @@ static void drag_by_radius_by_hand(void **state) {
     double F[18];
     hk_plugin_spec *spec = open_scene(&e);
     for (int k = 0; k < 4; k++) test_particle(&e, k, 1, 0, 1);
-    for (int k = 0; k < 18; k++) e.scene->velocity[k] = k - 7;
+    for (int k = 0; k < 18; k++) e.scene->particles.velocity[k] = k - 7;
     assert_int_equal(hk_scene_add_channel(e.scene, "heat", 2, NULL, NAN, NULL, &e.error), HK_OK);
     assert_int_equal(hk_scene_add_channel(e.scene, "radius", 1, (double[]){0.1}, NAN, NULL, &e.error), HK_OK);
     assert_int_equal(hk_scene_set_channel(e.scene, "radius", 2, (double[]){0.3}, 1, &e.error), HK_OK);

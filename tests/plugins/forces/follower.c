@@ -17,7 +17,7 @@ static hk_plugin_spec *open_scene(test_engine *e, const char *on) {
   static const double v[3 * N] = {1, -2, 3, 0.5, 1, -1, 0, 2, 1, -1, -1, 0.5};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
-  memcpy(e->scene->velocity, v, sizeof v);
+  memcpy(e->scene->particles.velocity, v, sizeof v);
   hk_plugin_spec *force = test_plugin(e, HK_FORCE, "follower");
   test_edges(e, force, (const uint32_t[][2]){{1, 2}, {2, 3}, {3, 4}}, S);
   test_list(e, force, "f", (double[]){10, -3, 7}, S);
@@ -32,7 +32,7 @@ static void check(const char *on, double first, double second) {
   double F[6];
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 3, 4, 0, 2);
-  memcpy(e.scene->velocity, (double[]){1, -2, 3, 0.5, 1, -1}, 6 * sizeof(double));
+  memcpy(e.scene->particles.velocity, (double[]){1, -2, 3, 0.5, 1, -1}, 6 * sizeof(double));
   hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "follower");
   test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
   test_number(&e, spec, "f", 10);

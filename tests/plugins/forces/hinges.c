@@ -84,7 +84,7 @@ static void angles_go_on_through_pi(void **state) {
     double angle = 0.1 + 0.15 * (n <= 60 ? n : 120 - n); /* to 9.1 */
     x[9] = cos(angle), x[11] = -sin(angle);
     assert_true(fabs(hinge->plugin->force->energy(hinge->self, &view) - k * angle * angle / 2) < 1e-12);
-    assert_int_equal(hinge->plugin->force->accepted(hinge->self, &view, 1e-3), HK_OK);
+    assert_int_equal(hk_force_of(hinge->plugin)->steps.accepted(hinge->self, &view, 1e-3), HK_OK);
   }
   test_engine_close(&e);
 }
@@ -100,8 +100,8 @@ static hk_plugin_spec *open_crumpled(test_engine *e, sheet *s) {
   for (size_t k = 0; k < 3 * s->particles; k++) {
     seed = seed * 6364136223846793005u + 1442695040888963407u;
     double noise = (double)(seed >> 11) / 9007199254740992.0 - 0.5;
-    e->scene->velocity[k] = noise;
-    e->scene->position[k] += k % 3 == 2 ? 0.5 * noise : 0;
+    e->scene->particles.velocity[k] = noise;
+    e->scene->particles.position[k] += k % 3 == 2 ? 0.5 * noise : 0;
   }
   test_number(e, spec, "rigidity", 2);
   test_number(e, spec, "rest", 0.2);
@@ -260,7 +260,7 @@ static void a_triangle_without_area_has_no_force(void **state) {
     force_matrices(hinge, &at, K, D);
     for (int c = 0; c < 12; c++) assert_true(F[c] == 0);
     for (int c = 0; c < 144; c++) assert_true(K[c] == 0);
-    assert_int_equal(hinge->plugin->force->accepted(hinge->self, &at, 1e-3), HK_OK);
+    assert_int_equal(hk_force_of(hinge->plugin)->steps.accepted(hinge->self, &at, 1e-3), HK_OK);
   }
   assert_true(fabs(hinge->plugin->force->energy(hinge->self, &view) -
                    0.25 / (6 / (4 * 1.58 + 2) + 6 / (4 * 1.52 + 2))) < 1e-14);
@@ -274,7 +274,7 @@ static void fall(const char *method, double tolerance, double *x) {
   test_engine e;
   sheet s;
   test_number(&e, open_crumpled(&e, &s), "damping", 0);
-  memset(e.scene->velocity, 0, 3 * s.particles * sizeof(double));
+  memset(e.scene->particles.velocity, 0, 3 * s.particles * sizeof(double));
   test_pin(&e, HK_PIN_FIXED, 1, NULL), test_pin(&e, HK_PIN_FIXED, 2, NULL), test_pin(&e, HK_PIN_FIXED, 6, NULL);
   test_plugin(&e, HK_FORCE, "gravity");
   hk_plugin_spec *integrator = test_plugin(&e, HK_INTEGRATOR, method);

@@ -68,7 +68,7 @@ static hk_plugin_spec *open_cluster(test_engine *e, int side, double shake, doub
     for (int c = 0, at = i; c < 3; c++, at /= side) x[c] = 1.12 * (at % side) + shake * (hk_random_uniform(seed) - 0.5);
     uint32_t id = test_particle(e, x[0], x[1], x[2], 1 + 0.1 * (i % 3));
     for (int c = 0; c < 3; c++)
-      e->scene->velocity[3 * (id - 1) + (uint32_t)c] = speed * (hk_random_uniform(seed) - 0.5);
+      e->scene->particles.velocity[3 * (id - 1) + (uint32_t)c] = speed * (hk_random_uniform(seed) - 0.5);
   }
   return test_plugin(e, HK_FORCE, "lennard_jones");
 }
@@ -232,7 +232,7 @@ static void fast_particles_take_short_steps(void **state) {
   (void)state;
   test_engine e;
   open_pair(&e, 1, 1, 4);
-  e.scene->velocity[0] = 500;
+  e.scene->particles.velocity[0] = 500;
   test_run(&e);
   test_advance(&e, 0.1);
   hk_summary s;

@@ -13,7 +13,7 @@ static hk_plugin_spec *open_scene(test_engine *e) {
   test_engine_open(e);
   test_particle(e, 0, 0, 0, 0.5);
   test_particle(e, 1, 0, 0, 2);
-  memcpy(e->scene->velocity, (double[]){1, -2, 3, 0.5, 4, -1}, 6 * sizeof(double));
+  memcpy(e->scene->particles.velocity, (double[]){1, -2, 3, 0.5, 4, -1}, 6 * sizeof(double));
   e->options.dt = 1e-3;
   hk_plugin_spec *field = test_plugin(e, HK_FORCE, "magnetic");
   test_vector(e, field, "B", 2, 1, -1);
@@ -85,7 +85,7 @@ static void a_charge_turns_at_its_gyrofrequency(void **state) {
   test_engine e;
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 3);
-  memcpy(e.scene->velocity, (double[]){4, 0, 0}, 3 * sizeof(double));
+  memcpy(e.scene->particles.velocity, (double[]){4, 0, 0}, 3 * sizeof(double));
   hk_plugin_spec *field = test_plugin(&e, HK_FORCE, "magnetic");
   test_vector(&e, field, "B", 0, 0, 2);
   test_number(&e, field, "charge", 3);

@@ -109,7 +109,7 @@ static void the_kernel_is_the_elements_to_rounding(void **state) {
     size_t size = 3 * c->s.particles;
     double *F = malloc(2 * size * sizeof *F), *G = F + size;
     hk_elements list;
-    c->force->plugin->force->elements(c->force->self, &c->view, &list);
+    hk_force_of(c->force->plugin)->elements.list(c->force->self, &c->view, &list);
     assert_int_equal(list.values, 3);
     force_evaluate(c->force, &c->view, F);
     plain_forces(&list, &c->view, G);
@@ -126,8 +126,12 @@ static void every_processor_has_the_same_bits(void **state) {
     size_t size = 3 * c->s.particles;
     double *F = calloc(2 * size, sizeof *F), *G = F + size;
     hk_membrane_forces(c->force->self, &c->view, HK_ALL_PARTS, F);
-    hk_membrane_forces_narrow(c->force->self, &c->view, G);
-    assert_memory_equal(F, G, size * sizeof *F);
+    for (int lanes = 2; lanes <= hk_processor_lanes(); lanes *= 2) {
+      memset(G, 0, size * sizeof *G);
+      c->force->host.lanes = lanes;
+      hk_membrane_forces(c->force->self, &c->view, HK_ALL_PARTS, G);
+      assert_memory_equal(F, G, size * sizeof *F);
+    }
     free(F);
     smooth_out(c);
   }

@@ -175,7 +175,7 @@ static void move(int threads, double *x) {
   hk_plugin_spec *hinges = test_plugin(&e, HK_FORCE, "hinges");
   test_tuples(&e, hinges, "triangles", 3, s.corner, s.triangles);
   test_number(&e, hinges, "rigidity", 1e-3);
-  for (size_t k = 0; k < 3 * s.particles; k++) e.scene->velocity[k] = noise(&seed);
+  for (size_t k = 0; k < 3 * s.particles; k++) e.scene->particles.velocity[k] = noise(&seed);
   test_plugin(&e, HK_INTEGRATOR, "backward_euler");
   e.options.dt = 1e-2;
   e.options.threads = threads;

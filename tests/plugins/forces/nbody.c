@@ -28,7 +28,7 @@ static hk_plugin_spec *open_bodies(test_engine *e, size_t count, double softenin
 static void choose_sources(test_engine *e, hk_plugin_spec *spec, bool among) {
   double ids[64];
   size_t count = 0;
-  for (uint32_t id = 1; id <= e->scene->n && count < 64; id += 3) ids[count++] = id;
+  for (uint32_t id = 1; id <= e->scene->particles.n && count < 64; id += 3) ids[count++] = id;
   test_list(e, spec, "sources", ids, count);
   test_boolean(e, spec, "among", among);
 }

@@ -177,7 +177,7 @@ static void its_stiffness_is_that_of_all_pairs_or_a_little_more(void **state) {
     test_run(&e);
     hk_instance *force = test_instance(&e, spec);
     hk_view view = force_view(&e, force);
-    force->plugin->force->stiffness_bound(force->self, &view, HK_STIFFNESS_WHOLE, bound[tree]);
+    hk_force_of(force->plugin)->bounds.stiffness_bound(force->self, &view, HK_STIFFNESS_WHOLE, bound[tree]);
     test_engine_close(&e);
   }
   for (size_t i = 0; i < N; i++) {

@@ -193,10 +193,10 @@ static void definite_blocks_are_definite(void **state) {
     memset(K, 0, 2 * SIZE * SIZE * sizeof *K);
     hk_pattern counter = {count_block};
     blocks_named = 0;
-    b.solid->plugin->force->pattern(b.solid->self, &b.view, &counter);
+    hk_force_of(b.solid->plugin)->implicit.pattern(b.solid->self, &b.view, &counter);
     assert_int_equal(blocks_named, 16 * TETRAHEDRA);
     const hk_blocks into = {.slot = slot, .K = part, .D = part + 9 * 16 * TETRAHEDRA, .want = HK_WANT_DEFINITE};
-    assert_int_equal(b.solid->plugin->force->jacobian(b.solid->self, &b.view, &into), HK_OK);
+    assert_int_equal(hk_force_of(b.solid->plugin)->implicit.jacobian(b.solid->self, &b.view, &into), HK_OK);
     for (size_t k = 0; k < 16 * TETRAHEDRA; k++)
       for (size_t e = 0; e < 9; e++) {
         size_t row = 3 * (ids[k / 16][k % 16 / 4] - 1) + e / 3, column = 3 * (ids[k / 16][k % 4] - 1) + e % 3;

@@ -23,7 +23,7 @@ static void open_bench(bench *b, const char *method, double h, const double x[3]
   b->e.scene->duration = 10;
   b->e.scene->fps = 1 / h < 50 ? 1 / h : 50;
   test_particle(&b->e, x[0], x[1], x[2], mass);
-  memcpy(b->e.scene->velocity, v, 3 * sizeof *v);
+  memcpy(b->e.scene->particles.velocity, v, 3 * sizeof *v);
   b->floor = test_plugin(&b->e, HK_FORCE, "penalty");
 }
 

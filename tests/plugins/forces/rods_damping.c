@@ -23,7 +23,7 @@ static void open_cantilever(test_engine *e, const char *method, double dt, doubl
   for (int i = 0; i < BEAM; i++) {
     double s = root * (i - 1) * l, mode = cosh(s) - cos(s) - ratio * (sinh(s) - sin(s));
     test_particle(e, (i - 1) * l, 0, 0, 0.1 * l * (i == BEAM - 1 ? 0.5 : 1));
-    e->scene->velocity[3 * i + 2] = i > 1 ? 5e-4 * mode : 0;
+    e->scene->particles.velocity[3 * i + 2] = i > 1 ? 5e-4 * mode : 0;
     if (i > 0) edge[i - 1][0] = (uint32_t)i, edge[i - 1][1] = (uint32_t)i + 1;
     if (i < 2) test_pin(e, HK_PIN_FIXED, (uint32_t)i + 1, NULL);
   }

@@ -56,17 +56,19 @@ static void paths_have_the_same_bits(void **state) {
       hk_instance *instance = test_instance(&e, spec);
       hk_view view = force_view(&e, instance);
       hk_rods *rods = instance->self;
-      double *F[2], energy[2];
-      for (int p = 0; p < 2; p++) {
+      double *F[4] = {NULL}, energy[4];
+      int paths = 0;
+      for (int p = 0, lanes = 2; lanes <= hk_processor_lanes(); p++, lanes *= 2, paths++) {
         F[p] = calloc(3 * view.n, sizeof *F[p]);
-        if (p == 1) rods->path = &hk_rod_narrow;
+        rods->path = hk_rod_path_of(lanes);
         force_evaluate(instance, &view, F[p]);
         energy[p] = instance->plugin->force->energy(instance->self, &view);
       }
-      assert_true(energy[0] == energy[1] && energy[0] > 0);
-      assert_memory_equal(F[0], F[1], 3 * view.n * sizeof(double));
-      free(F[0]);
-      free(F[1]);
+      for (int p = 1; p < paths; p++) {
+        assert_true(energy[0] == energy[p] && energy[0] > 0);
+        assert_memory_equal(F[0], F[p], 3 * view.n * sizeof(double));
+      }
+      for (int p = 0; p < paths; p++) free(F[p]);
       test_engine_close(&e);
     }
 }
@@ -132,14 +134,14 @@ static void a_fold_in_a_run_ends_it(void **state) {
     for (int q = 0; q < 81; q++) assert_true(isfinite(K[q]));
   }
   view.x = (const double[]){0, 0, 0, 1, 0, 0, 0, 1e-4, 0};
-  assert_int_equal(rods->plugin->force->accepted(rods->self, &view, 1e-3), HK_FAILED);
+  assert_int_equal(hk_force_of(rods->plugin)->steps.accepted(rods->self, &view, 1e-3), HK_FAILED);
   assert_non_null(strstr(e.run->error.text, "folded back on itself at particle 2"));
   hk_error_clear(&e.run->error);
   view.x = (const double[]){0, 0, 0, 1, 0, 0, 1, 0, 0};
-  assert_int_equal(rods->plugin->force->accepted(rods->self, &view, 1e-3), HK_FAILED);
+  assert_int_equal(hk_force_of(rods->plugin)->steps.accepted(rods->self, &view, 1e-3), HK_FAILED);
   assert_non_null(strstr(e.run->error.text, "no length"));
   view.x = (const double[]){0, 0, 0, 1, 0, 0, 0, 0.01, 0};
-  assert_int_equal(rods->plugin->force->accepted(rods->self, &view, 1e-3), HK_OK);
+  assert_int_equal(hk_force_of(rods->plugin)->steps.accepted(rods->self, &view, 1e-3), HK_OK);
   test_engine_close(&e);
 }
 
@@ -162,7 +164,7 @@ static void a_step_that_may_lose_a_turn_ends_the_run(void **state) {
       x[3 * k + 1] = x[3 * k - 2] + size * cos(angle), x[3 * k + 2] = x[3 * k - 1] + size * sin(angle);
     }
     view.x = x;
-    assert_int_equal(rods->plugin->force->accepted(rods->self, &view, 1e-3), large ? HK_FAILED : HK_OK);
+    assert_int_equal(hk_force_of(rods->plugin)->steps.accepted(rods->self, &view, 1e-3), large ? HK_FAILED : HK_OK);
     if (large) assert_non_null(strstr(e.run->error.text, "its number of turns would be a guess"));
     free(x);
     test_engine_close(&e);

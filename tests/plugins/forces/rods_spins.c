@@ -63,7 +63,7 @@ static void a_section_swings_about_its_edge(void **state) {
   for (uint32_t k = 1; k <= 3; k++) test_particle(&e, 0.5 * k, 0, 0, 1), test_pin(&e, HK_PIN_FIXED, k, NULL);
   test_particle(&e, 0, 0, 0, 1), test_pin(&e, HK_PIN_FIXED, 4, NULL);
   test_particle(&e, 0, 1, 0, 0.02), test_pin(&e, HK_PIN_LINE, 5, (const double[]){1, 0, 0});
-  e.scene->velocity[12] = 0.3;
+  e.scene->particles.velocity[12] = 0.3;
   hk_plugin_spec *rods = test_plugin(&e, HK_FORCE, "rods");
   test_edges(&e, rods, (const uint32_t[][2]){{1, 2}, {2, 3}}, 2);
   test_number(&e, rods, "EI", 1);
@@ -86,7 +86,7 @@ static void a_twisted_ribbon_keeps_its_energy(void **state) {
   for (int k = 0; k < 2; k++) {
     test_engine e;
     open_ribbon(&e);
-    for (uint32_t s = 0; s < EDGES; s++) e.scene->velocity[3 * (NODES + s)] = 2 * sin(2. * s);
+    for (uint32_t s = 0; s < EDGES; s++) e.scene->particles.velocity[3 * (NODES + s)] = 2 * sin(2. * s);
     e.options.dt = k == 0 ? 2e-4 : 1e-4;
     test_run(&e);
     test_advance(&e, 1);

@@ -17,7 +17,7 @@ static hk_plugin_spec *open_scene(test_engine *e, const char *plugin, const doub
   static const double v[3 * N] = {0.3, -1, 0.5, 1, 0, 2, -1, 1, 0.2, 0, 0.5, 1, 2, 1, -1};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
-  memcpy(e->scene->velocity, v, sizeof v);
+  memcpy(e->scene->particles.velocity, v, sizeof v);
   hk_plugin_spec *ropes = test_plugin(e, HK_FORCE, plugin);
   test_edges(e, ropes, (const uint32_t[][2]){{1, 2}, {2, 3}, {3, 1}, {1, 4}, {4, 2}, {4, 5}}, S);
   test_list(e, ropes, "k", (double[]){50, 60, 70, 20, 30, 80}, S);
@@ -35,7 +35,7 @@ static double pull(double rest, double rate, double *power) {
   double F[6];
   test_engine_open(&e);
   test_particle(&e, 0, 0, 0, 1), test_particle(&e, 2, 0, 0, 1);
-  memcpy(e.scene->velocity, (double[]){1, 3, 0, 1 + rate, -2, 0}, 6 * sizeof(double));
+  memcpy(e.scene->particles.velocity, (double[]){1, 3, 0, 1 + rate, -2, 0}, 6 * sizeof(double));
   hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "ropes");
   test_edges(&e, spec, (const uint32_t[][2]){{1, 2}}, 1);
   test_number(&e, spec, "k", 8);
@@ -48,7 +48,7 @@ static double pull(double rest, double rate, double *power) {
   *power = force_evaluate(ropes, &view, F);
   assert_true(F[0] == -F[3] && F[1] == 0 && F[2] == 0 && F[4] == 0 && F[5] == 0);
   assert_true(ropes->plugin->force->energy(ropes->self, &view) == (rest < 2 ? 4 * (2 - rest) * (2 - rest) : 0));
-  assert_null(ropes->plugin->force->elements); /* who works spring by spring would push */
+  assert_null(hk_force_of(ropes->plugin)->elements.list); /* who works spring by spring would push */
   test_engine_close(&e);
   return F[0];
 }
@@ -122,7 +122,7 @@ static void the_symmetric_part_is_definite(void **state) {
     for (size_t b = 0; b < 4 * S; b++) slot[b] = b;
     hk_blocks into = {.slot = slot, .K = &K[0][0], .D = &D[0][0]};
     into.want = definite ? HK_WANT_SYMMETRIC | HK_WANT_DEFINITE : 0;
-    assert_int_equal(ropes->plugin->force->jacobian(ropes->self, &view, &into), HK_OK);
+    assert_int_equal(hk_force_of(ropes->plugin)->implicit.jacobian(ropes->self, &view, &into), HK_OK);
     for (int s = 0; s < 4 * S; s += 4)
       for (int q = 0; q < 9; q++) {
         double transposed = K[s][3 * (q % 3) + q / 3];

@@ -31,7 +31,7 @@ static void open_chain(test_engine *e, const chain *c, const char *method) {
   if (c->stretch > 1) test_pin(e, HK_PIN_FIXED, N, NULL);
   for (int i = 1; i < N - (c->stretch > 1); i++)
     for (int axis = 0; axis < (c->zigzag > 0 ? 3 : 1); axis++)
-      e->scene->velocity[3 * i + axis] = c->jolt * sin(7.3 * i + axis);
+      e->scene->particles.velocity[3 * i + axis] = c->jolt * sin(7.3 * i + axis);
   e->scene->duration = 1e9;
   e->scene->fps = 1;
   test_plugin(e, HK_INTEGRATOR, method);

@@ -25,13 +25,14 @@ static hk_plugin_spec *grains(test_engine *e, const char *name, double restituti
 static void add_spin(test_engine *e, hk_plugin_spec *spec) {
   const double none[3] = {0};
   bool there = false;
-  for (size_t k = 0; k < e->scene->channels; k++) there |= strcmp(e->scene->channel[k].name, "spin") == 0;
+  for (size_t k = 0; k < e->scene->particles.channels; k++)
+    there |= strcmp(e->scene->particles.channel[k].name, "spin") == 0;
   if (!there) assert_int_equal(hk_scene_add_channel(e->scene, "spin", 3, none, NAN, NULL, &e->error), HK_OK);
   test_text(e, spec, "spin", "spin");
 }
 
 static void launch(test_engine *e, uint32_t id, double x, double y, double z) {
-  double *v = e->scene->velocity + 3 * (size_t)(id - 1);
+  double *v = e->scene->particles.velocity + 3 * (size_t)(id - 1);
   v[0] = x, v[1] = y, v[2] = z;
 }
 

@@ -125,7 +125,7 @@ static void agree(graph *g) {
  * roundings of them. */
 static void sums_agree(graph *g) {
   const hk_view *view = hk_run_view(g->e.run);
-  const hk_force *force = g->springs->plugin->force;
+  const hk_force_tables *force = hk_force_of(g->springs->plugin);
   double(*block)[6] = calloc(g->n, sizeof *block), energy = 0, trace = 0, bound = 0;
   for (size_t e = 0; e < g->count; e++) {
     size_t i = 3 * (g->edge[e][0] - 1u), j = 3 * (g->edge[e][1] - 1u);
@@ -135,10 +135,10 @@ static void sums_agree(graph *g) {
     energy += g->k[e] * pow(l - g->L[e], 2) / 2;
     trace += 4 * (g->k[e] + 2 * fmax(0, l > 0 ? g->k[e] * (1 - g->L[e] / l) : 0));
   }
-  force->stiffness_bound(g->springs->self, view, HK_STIFFNESS_WHOLE, block);
+  force->bounds.stiffness_bound(g->springs->self, view, HK_STIFFNESS_WHOLE, block);
   for (size_t i = 0; i < g->n; i++) bound += block[i][0] + block[i][3] + block[i][5];
   free(block);
-  double found = force->energy(g->springs->self, view), most = 1.2e-16 * (4 + (double)g->count);
+  double found = force->own.energy(g->springs->self, view), most = 1.2e-16 * (4 + (double)g->count);
   if (!(fabs(found - energy) <= most * energy)) fail_msg("energy %.17g instead of %.17g", found, energy);
   if (!(fabs(bound - trace) <= 12 * most * trace)) fail_msg("bound %.17g instead of %.17g", bound, trace);
 }
@@ -217,7 +217,7 @@ static void one_spring_by_hand(void **state) {
   open_graph(&g, 2, 1);
   add_edge(&g, 0, 1);
   g.k[0] = 10, g.c[0] = 2, g.L[0] = 3;
-  memcpy(g.e.scene->position, (double[]){1, 1, 1, 4, 5, 1}, 6 * sizeof(double));
+  memcpy(g.e.scene->particles.position, (double[]){1, 1, 1, 4, 5, 1}, 6 * sizeof(double));
   memcpy(g.v, (double[]){0, 0, 0, 2, 1, 7}, 6 * sizeof(double));
   start(&g, false, 1);
   double power = evaluate(&g), wanted[6] = {14.4, 19.2, 0, -14.4, -19.2, 0};
@@ -232,7 +232,7 @@ static void springs_of_no_length_are_smooth_and_never_nan(void **state) {
   open_graph(&g, 40, 39);
   for (size_t i = 0; i + 1 < 40; i++) add_edge(&g, i, i + 1);
   g.L[0] = 0;
-  memset(g.e.scene->position, 0, 3 * 40 * sizeof(double)); /* all at one point */
+  memset(g.e.scene->particles.position, 0, 3 * 40 * sizeof(double)); /* all at one point */
   start(&g, false, 1);
   double power = evaluate(&g);
   for (size_t k = 0; k < 3 * g.n; k++) assert_true(g.F[k] == 0);

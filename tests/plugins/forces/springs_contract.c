@@ -15,7 +15,7 @@ static hk_plugin_spec *open_scene(test_engine *e, bool damped, bool rest) {
   static const uint32_t edge[8][2] = {{1, 2}, {2, 3}, {3, 1}, {1, 4}, {4, 2}, {4, 5}, {5, 4}, {5, 6}};
   test_engine_open(e);
   for (int i = 0; i < 6; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
-  for (size_t k = 0; k < 18; k++) e->scene->velocity[k] = sin(1.7 * (double)k);
+  for (size_t k = 0; k < 18; k++) e->scene->particles.velocity[k] = sin(1.7 * (double)k);
   hk_plugin_spec *springs = test_plugin(e, HK_FORCE, "springs");
   test_edges(e, springs, edge, 8);
   test_list(e, springs, "k", (double[]){50, 60, 70, 20, 30, 80, 10, 40}, 8);
@@ -147,7 +147,7 @@ static void springs_of_almost_coincident_particles_are_finite(void **state) {
       double F[90], K[90 * 90], D[90 * 90];
       test_engine_open(&e);
       for (size_t i = 0; i < n; i++) test_particle(&e, near[d] * (double)i, 0, 0, 1);
-      for (size_t k = 0; k < 3 * n; k++) e.scene->velocity[k] = sin((double)k);
+      for (size_t k = 0; k < 3 * n; k++) e.scene->particles.velocity[k] = sin((double)k);
       for (uint32_t i = 0; i + 1 < n; i++) edge[i][0] = i + 1, edge[i][1] = i + 2;
       hk_plugin_spec *spec = test_plugin(&e, HK_FORCE, "springs");
       test_edges(&e, spec, (const uint32_t(*)[2])edge, n - 1);

@@ -168,10 +168,10 @@ static void no_step_jumps_over_an_eddy(void **state) {
   (void)state;
   air a = {.F = NULL};
   open_air(&a, 2, (double[6]){0});
-  memcpy(a.e.scene->velocity, (double[]){1, 0, 0, 3, 4, 2}, 6 * sizeof(double));
+  memcpy(a.e.scene->particles.velocity, (double[]){1, 0, 0, 3, 4, 2}, 6 * sizeof(double));
   test_vector(&a.e, a.spec, "drift", 0, 0, 2);
   evaluate(&a, 0);
-  assert_true(fabs(a.force->plugin->force->longest_step(a.force->self, &a.view) - 0.005) < 1e-17);
+  assert_true(fabs(hk_force_of(a.force->plugin)->bounds.longest_step(a.force->self, &a.view) - 0.005) < 1e-17);
   close_air(&a);
 }
 

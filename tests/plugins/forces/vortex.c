@@ -59,7 +59,7 @@ static void jacobian_is_that_of_the_force_and_has_no_divergence(void **state) {
     double K[81], D[81];
     test_engine_open(&e);
     test_particle(&e, 0.1, 0.2, 0.3, 2), test_particle(&e, 2, -1, 0.5, 1), test_particle(&e, 0.01, -0.02, 0.01, 0.5);
-    for (size_t c = 0; c < 9; c++) e.scene->velocity[c] = sin(1.3 * (double)c);
+    for (size_t c = 0; c < 9; c++) e.scene->particles.velocity[c] = sin(1.3 * (double)c);
     hk_plugin_spec *spec = open_vortex(&e, profiles[k % 2], -2, 0.6, 3);
     test_vector(&e, spec, "axis", 1, 2, -0.5);
     if (k / 2) test_boolean(&e, spec, "relative", false);
@@ -85,7 +85,7 @@ static void path_in_air_that_turns_like_a_body_is_its_closed_form(void **state) 
   test_engine e;
   test_engine_open(&e);
   test_particle(&e, 1, 0, 0.5, 0.3);
-  memcpy(e.scene->velocity, (double[]){0.2, -0.4, 0.1}, 3 * sizeof(double));
+  memcpy(e.scene->particles.velocity, (double[]){0.2, -0.4, 0.1}, 3 * sizeof(double));
   open_vortex(&e, "rankine", two_pi * core * core * W, core, g);
   test_plugin(&e, HK_INTEGRATOR, "rk4");
   e.scene->duration = T;
@@ -136,10 +136,10 @@ static void a_core_that_steps_pass_by_is_noticed(void **state) {
     test_engine e;
     test_engine_open(&e);
     test_particle(&e, 0.05, 2e-4, 0, 1);
-    memcpy(e.scene->velocity, (double[]){-30, 0, 0}, 3 * sizeof(double));
+    memcpy(e.scene->particles.velocity, (double[]){-30, 0, 0}, 3 * sizeof(double));
     open_vortex(&e, "lamb_oseen", 1, thin ? 1e-4 : 0.5, 5);
     e.options.dt = 1. / 60;
-    e.options.compare = HK_COMPARE_ALWAYS; /* passages are looked at where a run is judged */
+    e.options.compare = HK_COMPARE_ALWAYS; /* encounters are looked at where a run is judged */
     e.scene->duration = 0.1;
     test_run(&e);
     test_advance(&e, 0.1);

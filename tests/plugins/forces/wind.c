@@ -38,7 +38,7 @@ static hk_plugin_spec *open_strip(test_engine *e) {
                                  {0.2, 2, 0.9}, {2, 0.5, 1},    {1.8, 1.5, -0.3}};
   test_engine_open(e);
   for (int i = 0; i < N; i++) test_particle(e, x[i][0], x[i][1], x[i][2], 1 + i);
-  for (size_t k = 0; k < 3 * N; k++) e->scene->velocity[k] = 2 * sin(1.7 * (double)k);
+  for (size_t k = 0; k < 3 * N; k++) e->scene->particles.velocity[k] = 2 * sin(1.7 * (double)k);
   triangles(e, strip, T);
   hk_plugin_spec *wind = open_wind(e, 3, -1, 2);
   set_coefficients(e, wind, general);
@@ -149,7 +149,7 @@ static void a_triangle_turned_over_feels_the_same(void **state) {
     hk_plugin_spec *spec = open_strip(&e);
     for (size_t t = 0; t < T && turned; t++)
       for (int r = 0; r < 3; r++)
-        e.scene->triangle[t][r] = strip[t][turned == 1 ? 2 - r : (r + 1) % 3]; /* mirrored, rotated */
+        e.scene->particles.triangle[t][r] = strip[t][turned == 1 ? 2 - r : (r + 1) % 3]; /* mirrored, rotated */
     test_run(&e);
     hk_instance *wind = test_instance(&e, spec);
     hk_view view = force_view(&e, wind);
@@ -305,8 +305,8 @@ static void wind_acts_on_triangles_with_all_corners_active(void **state) {
   wind_spec->only = malloc((N - 1) * sizeof *wind_spec->only);
   memcpy(wind_spec->only, (uint32_t[]){0, 1, 2, 3, 5, 6}, (N - 1) * sizeof(uint32_t));
   wind_spec->only_count = N - 1;
-  memcpy(wanted.scene->triangle[2], strip[4], sizeof strip[4]);
-  wanted.scene->triangles = 3;
+  memcpy(wanted.scene->particles.triangle[2], strip[4], sizeof strip[4]);
+  wanted.scene->particles.triangles = 3;
   test_run(&e);
   hk_instance *wind = test_instance(&e, wind_spec);
   test_run(&wanted);
@@ -376,7 +376,7 @@ static void by_slots(const hk_instance *wind, const hk_view *view, size_t *slot,
   memset(K, 0, 9 * MANY * sizeof *K);
   memset(D, 0, 9 * MANY * sizeof *D);
   hk_blocks into = {.slot = slot, .K = K, .D = D};
-  assert_int_equal(wind->plugin->force->jacobian(wind->self, view, &into), HK_OK);
+  assert_int_equal(hk_force_of(wind->plugin)->implicit.jacobian(wind->self, view, &into), HK_OK);
 }
 
 static void wind_is_the_same_on_any_threads(void **state) {

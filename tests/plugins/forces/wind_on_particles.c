@@ -11,7 +11,7 @@
 static hk_plugin_spec *open_wind(test_engine *e, const char *name, double value) {
   test_engine_open(e);
   test_particle(e, 0, 0, 0, 2), test_particle(e, 1, 2, 3, 0.5);
-  memcpy(e->scene->velocity, (double[]){1, 0, -2, 0, 3, 0}, 6 * sizeof(double));
+  memcpy(e->scene->particles.velocity, (double[]){1, 0, -2, 0, 3, 0}, 6 * sizeof(double));
   e->options.dt = 1e-3;
   hk_plugin_spec *wind = test_plugin(e, HK_FORCE, "wind");
   test_text(e, wind, "on", "particles");
@@ -60,8 +60,8 @@ static void path_in_steady_wind_is_its_closed_form(void **state) {
   test_engine_close(&e);
 }
 
-/* Of two airs of one drag the second gives d u alone: F = d (u_1 + u_2 - v), here with u_2 = 0 on the vortex' axis and its
- * speed of 6/(2 pi 2) at 2 m from it. */
+/* Of two airs of one drag the second gives d u alone: F = d (u_1 + u_2 - v), here with u_2 = 0 on the vortex' axis and
+ * its speed of 6/(2 pi 2) at 2 m from it. */
 static void airs_are_summed(void **state) {
   (void)state;
   test_engine e;

@@ -19,7 +19,8 @@ static size_t drive(fake_system *f, fake_method *m, double t_end, size_t stops) 
     double stop = t_end * (double)k / (double)stops;
     for (; f->system.t < stop; steps++) {
       hk_step out = {0, 0, NAN};
-      hk_status status = m->plugin->integrator->step(m->self, &f->system, stop, fmin(h, stop - f->system.t), &out);
+      hk_status status = m->plugin->integrator->step(m->self, m->plugin->integrator->method, &f->system, stop,
+                                                     fmin(h, stop - f->system.t), &out);
       if (status != HK_OK) fail_msg("%s: %s", m->plugin->name, f->message);
       f->system.t = out.h >= stop - f->system.t ? stop : f->system.t + out.h;
       h = out.h_next;

@@ -33,7 +33,7 @@ static void springs(test_engine *e, const uint32_t (*edge)[2], size_t count, dou
 }
 
 static void velocity(test_engine *e, uint32_t id, double x, double y, double z) {
-  memcpy(e->scene->velocity + 3 * (id - 1), (double[]){x, y, z}, 3 * sizeof(double));
+  memcpy(e->scene->particles.velocity + 3 * (id - 1), (double[]){x, y, z}, 3 * sizeof(double));
 }
 
 static void gravity(test_engine *e, double x, double y, double z) {
@@ -156,7 +156,7 @@ static void step_applies_the_dense_filter(void **state) {
   }
 }
 
-/* ---- the amplification factor ---- */
+/* ---- the growth factor ---- */
 
 /* Stretch and speed of a spring between two free masses, one step from (1, 0) and one from (0, 1): its 2 x 2 matrix. */
 static double measured_growth(double hw, double hg) {
@@ -191,12 +191,12 @@ static void stated_growth_is_the_measured_one(void **state) {
   assert_true(method->order == 1 && method->flags == (HK_IMPLICIT | HK_NEEDS_SOLVER));
   for (int i = 0; i < 5; i++)
     for (int j = 0; j < 4; j++) {
-      double stated = method->amplification(spec->values, hw[i], hg[j]), got = measured_growth(hw[i], hg[j]);
+      double stated = method->growth(spec->values, NULL, hw[i], hg[j], 0), got = measured_growth(hw[i], hg[j]);
       if (!(fabs(stated - got) < 1e-6 * got))
         fail_msg("hw = %g, hg = %g: states %.9g, measured %.9g", hw[i], hg[j], stated, got);
       if (hg[j] == 0) assert_true(fabs(stated - pow(1 + hw[i] * hw[i], -0.5)) < 1e-12);
     }
-  for (double g = 0; g < 10; g += 0.5) assert_true(method->amplification(spec->values, 0, g) >= 1);
+  for (double g = 0; g < 10; g += 0.5) assert_true(method->growth(spec->values, NULL, 0, g, 0) >= 1);
   test_engine_close(&e);
 }
 
@@ -293,9 +293,9 @@ static void body_on_a_line_of_pins_turns_about_it(void **state) {
       test_engine e;
       test_engine_open(&e);
       cloth(&e, 1e4, 0, 0);
-      for (size_t i = 0; i < e.scene->n; i++) /* the first row is the axis; the cloth swings about it */
+      for (size_t i = 0; i < e.scene->particles.n; i++) /* the first row is the axis; the cloth swings about it */
         for (int c = 0; c < 3; c++) {
-          double *x = e.scene->position + 3 * i, *v = e.scene->velocity + 3 * i;
+          double *x = e.scene->particles.position + 3 * i, *v = e.scene->particles.velocity + 3 * i;
           if (i < SIDE && c > 0) x[c] = 0;
           v[c] = c == 2 ? 3 * x[1] : c == 1 ? -3 * x[2] : 0;
         }
@@ -589,9 +589,7 @@ static void internal_force_without_elements_is_refused_by_name(void **state) {
       {.label = "field", .flags = HK_DEPENDS_ON_X},
       {.label = "glue", .flags = HK_DEPENDS_ON_X | HK_CONSERVES_MOMENTUM}};
   bool takes[] = {true, true, true};
-  f->system.forces = 3;
-  f->system.force = force;
-  f->system.takes = takes;
+  f->split = (hk_split_table){.forces = 3, .force = force, .takes = takes, .takes_channels = true};
   fake_method m = fake_method_open("desbrun", f);
   assert_int_equal(fake_method_step(&m, 0.1, NULL), HK_FAILED);
   assert_non_null(strstr(f->message, "'glue'"));

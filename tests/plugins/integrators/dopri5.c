@@ -33,7 +33,8 @@ static size_t drive(fake_system *f, fake_method *m, double t_end, size_t stops) 
     while (f->system.t < stop) {
       hk_step out = {0, 0, NAN};
       double asked = fmin(h, stop - f->system.t);
-      hk_status status = m->plugin->integrator->step(m->self, &f->system, stop, asked, &out);
+      hk_status status =
+          m->plugin->integrator->step(m->self, m->plugin->integrator->method, &f->system, stop, asked, &out);
       if (status != HK_OK) fail_msg("%s", f->message);
       assert_true(out.h > 0 && out.h <= asked * (1 + 1e-10) && out.error <= 1 && out.h_next > 0);
       if (out.h < stop - f->system.t) assert_true(f->system.t + out.h < stop);
@@ -163,7 +164,7 @@ static void says_when_no_step_is_short_enough(void **state) {
   for (int i = 0; i < 10000 && status == HK_OK; i++) {
     hk_step out = {0, 0, NAN};
     memcpy(before, f->system.X, sizeof before);
-    status = m.plugin->integrator->step(m.self, &f->system, 10, h, &out);
+    status = m.plugin->integrator->step(m.self, m.plugin->integrator->method, &f->system, 10, h, &out);
     if (status == HK_OK) f->system.t += out.h;
     h = out.h_next;
   }

@@ -133,7 +133,7 @@ static void a_matrix_that_is_too_soft_still_leads_to_backward_euler(void **state
     test_engine e;
     elements_open(&e, h);
     hk_plugin_spec *spec = elements_blob(&e, 2, 0, 1, 1e9, 0);
-    for (size_t k = 0; k < 3 * e.scene->n; k++) e.scene->position[k] *= 0.3;
+    for (size_t k = 0; k < 3 * e.scene->particles.n; k++) e.scene->particles.position[k] *= 0.3;
     use(&e, accelerated ? ACCELERATED : QUASI_NEWTON);
     test_run(&e);
     test_advance(&e, h);

@@ -102,7 +102,7 @@ static double granted(const fake_method *m) {
   double low = 0, high = 4.01;
   while (high - low > 1e-6) {
     double middle = (low + high) / 2;
-    if (m->plugin->integrator->growth(m->self, 1, sqrt(middle), 0, 0) <= 1 + 1e-9)
+    if (hk_integrator_of(m->plugin)->split.coupled_growth(m->self, 1, sqrt(middle), 0, 0) <= 1 + 1e-9)
       low = middle;
     else
       high = middle;
@@ -120,7 +120,7 @@ static fake_method open_at(network *w, double part) {
     fake_system *f = system_of(w);
     for (size_t c = 0; c < 6 * w->n; c++) f->system.X[c] = uniform() - 0.5;
     m = fake_method_open("local_leapfrog", f);
-    assert_int_equal(m.plugin->integrator->divide(m.self, &f->system), HK_OK);
+    assert_int_equal(hk_integrator_of(m.plugin)->split.select_fast(m.self, &f->system), HK_OK);
     at = granted(&m);
     if (round == 2) return m;
     fake_method_close(&m);
@@ -145,8 +145,8 @@ static void no_step_below_the_stated_limit_grows(void **state) {
     network w = random_network(pow(10, 1 + 5 * uniform()));
     w.pull = 1e-6;
     fake_method m = open_at(&w, 0.999);
-    double growth = m.system->system.aside ? step_growth(&m) : 1;
-    divided += m.system->system.aside != NULL;
+    double growth = m.system->system.split->fast ? step_growth(&m) : 1;
+    divided += m.system->system.split->fast != NULL;
     if (!(growth < 1 + 1e-9)) fail_msg("scene %d grows by %g a step", trial, growth - 1);
     close_at(&m);
   }
@@ -161,7 +161,7 @@ static void the_stated_limit_is_no_excuse(void **state) {
     network w = random_network(pow(10, 2 + 3 * uniform()));
     w.pull = 1e-6;
     fake_method m = open_at(&w, 2);
-    growing += m.system->system.aside && step_growth(&m) > 1 + 1e-6;
+    growing += m.system->system.split->fast && step_growth(&m) > 1 + 1e-6;
     close_at(&m);
   }
   assert_true(growing > 10);
@@ -238,7 +238,7 @@ static void energy_stays_over_1e5_steps_and_momentum_to_rounding(void **state) {
   w.pull = 0;
   fake_method m = open_at(&w, 0.81);
   double *X = m.system->system.X, mean[10] = {0}, momentum[3] = {0}, most = 0;
-  assert_non_null(m.system->system.aside);
+  assert_non_null(m.system->system.split->fast);
   memset(X, 0, 6 * w.n * sizeof *X);
   bend(&w, X);
   double start = energy(&w, X);
@@ -352,9 +352,9 @@ static void end_of_rope(const char *method, double dt, double x[3 * ROPE], doubl
   test_engine e;
   open_rope(&e, method, dt);
   test_advance(&e, 0.4);
-  if (strcmp(method, "local_leapfrog") == 0) assert_non_null(e.run->dynamics.system.aside);
+  if (strcmp(method, "local_leapfrog") == 0) assert_non_null(e.run->dynamics.system.split->fast);
   memcpy(x, e.run->state.X, 3 * ROPE * sizeof *x);
-  *step = e.run->step.dt;
+  *step = e.run->step.length.dt;
   test_engine_close(&e);
 }
 

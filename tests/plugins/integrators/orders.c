@@ -18,7 +18,7 @@ static const char *const part_name[PARTS] = {"x", "v", "channel", "work"};
 static const struct {
   const char *name;
   int order;
-} lower[] = {{"blanes_moan", 2}, {"kahan_li6", 2}, {"kahan_li8", 2}};
+} lower[] = {{"blanes_moan", 2}, {"kahan_li8", 2}};
 
 /* Not stable here with steps whose errors are above rounding: its order is measured in stoermer.c. */
 static bool measured_elsewhere(const char *name) { return strcmp(name, "stoermer8") == 0; }

@@ -103,7 +103,7 @@ static double stated(const struct family *m, double ratio) {
 }
 
 static double growth(const fake_method *m, double hw, double ratio) {
-  return m->plugin->integrator->amplification(m->self, hw, 2 * ratio * hw);
+  return fake_method_growth(m, hw, 2 * ratio * hw, 0);
 }
 
 /* Up to a tenth of a percent below the limit no step grows, a tenth of a percent above it the root -1 does. 1e-9 is the

@@ -43,7 +43,7 @@ static hk_status try_option(test_engine *e, const option *o) {
   const hk_param *p = hk_spec_param(method, o->name, &e->error);
   if (!p) fail_msg("%s", e->error.text);
   hk_value value = {.kind = o->text ? HK_VALUE_STRING : HK_VALUE_NUMBER, .number = o->number, .text = o->text};
-  return hk_spec_set(method, p, &value, e->scene->n, &e->error);
+  return hk_spec_set(method, p, &value, e->scene->particles.n, &e->error);
 }
 
 static void use(test_engine *e, const setting *s) {
@@ -63,7 +63,7 @@ static size_t steps_of(test_engine *e) {
 static void open_orbit(test_engine *e, const setting *s, double tol) {
   test_engine_open(e);
   test_particle(e, 0.4, 0, 0, 1);
-  e->scene->velocity[1] = 2;
+  e->scene->particles.velocity[1] = 2;
   hk_plugin_spec *sun = test_plugin(e, HK_FORCE, "central");
   test_number(e, sun, "strength", 1);
   test_number(e, sun, "power", -2);
@@ -249,8 +249,8 @@ static void pinned_components_stay_bitwise(void **state) {
     test_engine e;
     open_cloth(&e, all[k], 1);
     double fixed[3], line[3];
-    memcpy(fixed, e.scene->position + 3 * (SIDE * SIDE - 1), sizeof fixed);
-    memcpy(line, e.scene->position + 3 * SIDE * (SIDE - 1), sizeof line);
+    memcpy(fixed, e.scene->particles.position + 3 * (SIDE * SIDE - 1), sizeof fixed);
+    memcpy(line, e.scene->particles.position + 3 * SIDE * (SIDE - 1), sizeof line);
     test_run(&e);
     for (int f = 1; f <= 12; f++) {
       test_advance(&e, f / 60.0);
@@ -294,7 +294,7 @@ static void events_are_met_exactly_and_start_anew(void **state) {
     test_engine e;
     test_engine_open(&e);
     test_particle(&e, 0, 0, 0, 1);
-    e.scene->velocity[0] = 1;
+    e.scene->particles.velocity[0] = 1;
     hk_plugin_spec *gravity = test_plugin(&e, HK_FORCE, "gravity");
     gravity->from = 0.123;
     gravity->to = 0.217;
@@ -370,7 +370,7 @@ static void what_cannot_be_met_is_said(void **state) {
   for (size_t k = 0; k < 4; k++) {
     test_engine e;
     open_orbit(&e, all[k], 1e-10);
-    e.scene->velocity[1] = 0;
+    e.scene->particles.velocity[1] = 0;
     test_run(&e);
     hk_status status = hk_run_advance(e.run, 10, &e.error);
     print_message("%s: %s\n", all[k]->plugin, e.error.text);

@@ -4,7 +4,7 @@
 #ifndef HK_TEST_FAKE_HOST_H
 #define HK_TEST_FAKE_HOST_H
 
-#include "core/plugin.h"
+#include "core/engine/contract/contract.h"
 
 #include <dlfcn.h>
 #include <errno.h>
@@ -93,31 +93,32 @@ static inline hk_status fake_path(const hk_host *host, const char *name, char *b
 /* The field of a parameter. */
 static inline void *fake_field(fake *f, const char *name) {
   for (const hk_param *p = f->plugin->params; p->name; p++)
-    if (strcmp(p->name, name) == 0) return (char *)f->self + p->offset;
+    if (strcmp(p->name, name) == 0) return hk_param_in(p, f->self);
   fprintf(stderr, "no parameter '%s'\n", name);
   abort();
 }
 
 static inline void fake_default(char *self, const hk_param *p) {
   bool optional = p->flags & HK_OPTIONAL;
-  switch (p->type) {
+  void *to = hk_param_in(p, self);
+  switch (hk_param_type(p)) {
   case HK_NUMBER:
-    *(double *)(void *)(self + p->offset) = optional ? NAN : p->initial[0];
+    *(double *)to = optional ? NAN : p->initial[0];
     break;
   case HK_INTEGER:
-    *(int64_t *)(void *)(self + p->offset) = (int64_t)p->initial[0];
+    *(int64_t *)to = (int64_t)p->initial[0];
     break;
   case HK_BOOLEAN:
-    *(bool *)(self + p->offset) = p->initial[0] != 0;
+    *(bool *)to = p->initial[0] != 0;
     break;
   case HK_STRING:
-    *(const char **)(void *)(self + p->offset) = p->text;
+    *(const char **)to = p->text;
     break;
   case HK_CHOICE:
-    *(int *)(void *)(self + p->offset) = (int)p->initial[0];
+    *(int *)to = (int)p->initial[0];
     break;
   case HK_VECTOR:
-    for (size_t c = 0; c < 3; c++) ((double *)(void *)(self + p->offset))[c] = optional ? NAN : p->initial[c];
+    for (size_t c = 0; c < 3; c++) ((double *)to)[c] = optional ? NAN : p->initial[c];
     break;
   default:
     break;
@@ -147,7 +148,7 @@ static inline void fake_open(fake *f, const char *name) {
   f->self = calloc(1, f->plugin->instance_size);
   for (const hk_param *p = f->plugin->params; p->name; p++) fake_default(f->self, p);
   for (const hk_field *p = f->plugin->fields; p && p->name; p++)
-    *(void **)(void *)((char *)f->self + p->offset) = calloc(FAKE_MOST * p->width, sizeof(double));
+    *(void **)hk_field_in(p, f->self) = calloc(FAKE_MOST * p->width, sizeof(double));
   snprintf(f->folder, sizeof f->folder, "/tmp/hooke-test-XXXXXX");
   if (!mkdtemp(f->folder)) abort();
 }
@@ -161,7 +162,7 @@ static inline void fake_remove_files(const char *folder) {
 /* Destroys the instance. The library stays loaded, as the engine leaves it. */
 static inline void fake_close(fake *f) {
   if (f->plugin->destroy) f->plugin->destroy(f->self, &f->host);
-  for (const hk_field *p = f->plugin->fields; p && p->name; p++) free(*(void **)(void *)((char *)f->self + p->offset));
+  for (const hk_field *p = f->plugin->fields; p && p->name; p++) free(*(void **)hk_field_in(p, f->self));
   while (f->blocks) free(f->memory[--f->blocks]);
   free(f->self);
   if (strncmp(f->folder, "/tmp/hooke-test-", 16) == 0) fake_remove_files(f->folder);

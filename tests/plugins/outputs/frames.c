@@ -322,6 +322,34 @@ static void frames_colour_springs_by_strain(void **state) {
   }
 }
 
+/* Pixels in the strong colour of a chain of which every other spring is stretched by 10 %, and the others by `between`.
+ */
+static int strong_pixels(double between) {
+  const double range[] = {-0.1, 0.1};
+  world w;
+  world_open(&w, 8); /* both ends are of a spring that is stretched by 10 % */
+  make_chain(&w, 0);
+  for (uint32_t i = 0; i < w.n; i++) w.x[3 * i] += (i + 1) / 2 * 0.01 + i / 2 * 0.1 * between;
+  set_text(&w, "color", "strain");
+  set_switch(&w, "legend", false);
+  *(hk_numbers *)fake_field(&w.f, "range") = (hk_numbers){2, range};
+  assert_int_equal(begin(&w), HK_OK);
+  assert_int_equal(add(&w), HK_OK);
+  assert_int_equal(end(&w, HK_VERDICT_OK), HK_OK);
+  picture p = look(&w, 0);
+  int strong = 0;
+  for (int k = 0; k < 160 * 90; k++) strong += p.rgb[3 * k] > p.rgb[3 * k + 2] + 60;
+  free(p.rgb);
+  fake_close(&w.f);
+  return strong;
+}
+
+/* A mean of both springs is pale in the middle: 0.6 of the pixels. */
+static void frames_show_the_largest_strain_at_a_particle(void **state) {
+  (void)state;
+  assert_true(strong_pixels(-0.05) > 0.9 * strong_pixels(0.1));
+}
+
 static void frames_report_a_full_disk(void **state) {
   (void)state;
   world w;
@@ -390,6 +418,7 @@ int main(void) {
       cmocka_unit_test(frames_drawn_at_once_follow_a_scene_that_starts_empty),
       cmocka_unit_test(frames_of_a_diverged_run_show_what_went_before),
       cmocka_unit_test(frames_colour_springs_by_strain),
+      cmocka_unit_test(frames_show_the_largest_strain_at_a_particle),
       cmocka_unit_test(frames_report_a_full_disk),
       cmocka_unit_test(frames_report_a_folder_that_cannot_be_used),
       cmocka_unit_test(frames_survive_want_of_memory_anywhere),

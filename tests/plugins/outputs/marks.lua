@@ -97,7 +97,7 @@ r:close()
 
 -- ---- surfaces: a card on a pinned one, by the force and by the corrector ----
 
-for _, how in ipairs { [[scene:force("contact", { thickness = 0.02 })]], [[scene:corrector("contact", { thickness = 0.02 })]] } do
+for _, how in ipairs { [[scene:force("repulsion", { thickness = 0.02 })]], [[scene:corrector("contact", { thickness = 0.02 })]] } do
   r = run("cards", [[
 local below = scene:grid { nx = 4, ny = 4, width = 1, height = 1, mass = 0.1 }
 scene:pin(below)

@@ -1,7 +1,7 @@
 /* The service surfaces/1 in runs: what is told of meshes and of plugins that disagree, intersections by particles' ids,
- * pins that are released, and births. Pairs and intersections themselves are tested in tests/plugins/common/surfaces.
+ * pins that are released, and births. Pairs and intersections themselves are tested in tests/plugins/common/contact.
  */
-#include "plugins/common/surfaces/surfaces.h"
+#include "plugins/common/contact/surfaces/surfaces.h"
 #include "tests/support/command.h"
 #include "tests/support/engine.h"
 
@@ -49,8 +49,8 @@ static void errors_name_the_plugin_that_joins(void **state) {
   (void)state;
   refuse(square, "s:corrector('contact', { thickness = 0.8, label = 'cloth' })",
          "bad.lua:3: cloth: the thickness of 0.8 m is too large");
-  refuse(square, "s:force('contact', { thickness = 2e-3 })\ns:corrector('contact', { thickness = 1e-3 })",
-         "bad.lua:4: contact#2: another plugin");
+  refuse(square, "s:force('repulsion', { thickness = 2e-3 })\ns:corrector('contact', { thickness = 1e-3 })",
+         "bad.lua:4: contact: another plugin");
 }
 
 /* 100 in one place are 4950 pairs, which are tried; 20,000 would be 2e8. */
@@ -66,9 +66,9 @@ static void a_heap_of_particles_is_refused_before_its_pairs_are_listed(void **st
 
 static void plugins_that_disagree_are_told(void **state) {
   (void)state;
-  refuse(square, "s:force('contact', { thickness = 2e-3 })\ns:corrector('contact', { thickness = 1e-3 })",
+  refuse(square, "s:force('repulsion', { thickness = 2e-3 })\ns:corrector('contact', { thickness = 1e-3 })",
          "has a thickness of 0.002 m, this one of 0.001 m: give both the same");
-  refuse(square, "s:force('contact', { leave = {1} })\ns:corrector('contact', { leave = {2} })",
+  refuse(square, "s:force('repulsion', { leave = {1} })\ns:corrector('contact', { leave = {2} })",
          "leaves out other particles: give both the same list");
 }
 
@@ -108,7 +108,7 @@ static void open_triangles(test_engine *e) {
 static size_t pairs_now(test_engine *e) {
   const hk_surfaces *s = table_of(e);
   const hk_view *view = hk_run_view(e->run);
-  hk_surface_pairs pairs;
+  hk_feature_pairs pairs;
   if (s->pairs(s->self, view->x, view->x, 0.02, &pairs) != HK_OK) fail_msg("%s", e->run->error.text);
   return pairs.count;
 }

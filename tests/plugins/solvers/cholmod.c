@@ -1,6 +1,6 @@
 /* CHOLMOD's factorization on random symmetric block matrices: the residual is rounding, what is not positive definite
  * is refused, factors are renewed on one pattern. */
-#include "core/matrix/matrix.h"
+#include "core/numerics/matrix/matrix.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -27,7 +27,7 @@ static double noise(void) {
 static void open_solver(fixture *f, const char *ordering) {
   memset(f, 0, sizeof *f);
   test_engine_open(&f->e);
-  f->shared = (hk_shared){.error = &f->e.error, .allocations_left = -1};
+  f->shared = (hk_shared){.error = &f->e.error, .allocations_left = -1, .lanes = hk_processor_lanes()};
   hk_plugin_spec *spec = test_plugin(&f->e, HK_SOLVER, "cholmod");
   test_text(&f->e, spec, "ordering", ordering);
   f->solver = hk_instance_create(spec, &f->shared, &f->e.error);

@@ -1,8 +1,8 @@
 /* Conjugate gradients: products against plain loops, solutions against elimination, pins that stay bitwise exact, the
  * same bits for any number of threads, and refusals of what is not positive definite, singular or too ill-conditioned.
  */
-#include "core/matrix/matrix.h"
-#include "core/base/base.h"
+#include "core/numerics/matrix/matrix.h"
+#include "core/engine/base/base.h"
 #include "plugins/common/linear/block_product.h"
 #include "plugins/common/linear/incomplete_cholesky.h"
 #include "plugins/common/linear/upper_matrix.h"
@@ -35,7 +35,10 @@ static double noise(void) {
 static void open_solver(fixture *f, const char *preconditioner, int threads) {
   memset(f, 0, sizeof *f);
   test_engine_open(&f->e);
-  f->shared = (hk_shared){.error = &f->e.error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  f->shared = (hk_shared){.error = &f->e.error,
+                          .threads = hk_threads_create(threads),
+                          .allocations_left = -1,
+                          .lanes = hk_processor_lanes()};
   f->spec = test_plugin(&f->e, HK_SOLVER, "pcg");
   test_text(&f->e, f->spec, "preconditioner", preconditioner);
 }

@@ -1,6 +1,6 @@
 /* UMFPACK's factorization on random block matrices, symmetric or not: the residual is rounding, what is singular is
  * refused with the unknown that nothing determines, factors are renewed on one pattern. */
-#include "core/matrix/matrix.h"
+#include "core/numerics/matrix/matrix.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -27,7 +27,7 @@ static double noise(void) {
 static void open_solver(fixture *f) {
   memset(f, 0, sizeof *f);
   test_engine_open(&f->e);
-  f->shared = (hk_shared){.error = &f->e.error, .allocations_left = -1};
+  f->shared = (hk_shared){.error = &f->e.error, .allocations_left = -1, .lanes = hk_processor_lanes()};
   f->solver = hk_instance_create(test_plugin(&f->e, HK_SOLVER, "umfpack"), &f->shared, &f->e.error);
   assert_non_null(f->solver);
   assert_int_equal(hk_instance_start(f->solver, &(hk_view){.host = &f->solver->host}, 1, &f->e.error), HK_OK);

@@ -34,7 +34,7 @@ end]] },
     scene = ball .. "while true do s:mesh { file = 'm.obj' } end" },
   { "functions without end", says = "hooke:", memory = 3000000,
     scene = ball .. "while true do s:on_frame(function() end) end" },
-  { "texts without end", says = "memory", memory = 3000000,
+  { "texts without end", says = "beyond its limit of", memory = 3000000,
     scene = "local t = {} while true do t[#t + 1] = string.rep('x', 2^20) .. #t end" },
   { "texts without end in a measure", says = "hooke:", memory = 3000000, scene = ball ..
     "local t = {} s:measure('m', function() while true do t[#t + 1] = string.rep('x', 2^20) .. #t end end) return s" },

@@ -19,7 +19,7 @@
 local files = require("files")
 
 local build = os.getenv("HK_BUILD") or "build"
-local seconds, patience, grace = 10, 60, 10 -- s: of a processor; of a busy machine; after an interrupt
+local seconds, patience, grace = 10, 600, 10 -- s: of a processor; of a machine however busy; after an interrupt
 local own_codes = { [0] = true, true, true, true, true, true, [130] = true }
 local sanitized = build:find("sanitize") ~= nil
 

@@ -18,10 +18,9 @@ made.indices = function(t) return in_pieces(indices, t) end
 -- series; forces { name -> function(k) -> table }; solids, places(k) -> string, marks,
 -- marks_of(j, k): as in the module
 function made.recording(what)
-  local r = { frames = what.frames, fps = what.fps or 60, times = {}, channels = {}, forces = {}, series = what.series or {},
+  local r = { frames = what.frames, fps = what.fps or 60, times = {}, series = what.series or {},
     attributes = {} }
   for k = 1, r.frames do r.times[k] = (k - 1) / r.fps end
-  for name in pairs(what.forces or {}) do r.forces[#r.forces + 1] = name end
   local last, kept
   local function at(k)
     if k ~= last then last, kept = k, { what.at(k) } end
@@ -36,7 +35,16 @@ function made.recording(what)
   function r.velocities(_, k) return made.doubles(at(k)[2]) end
   function r.ids(_, k) return made.indices(at(k)[3]) end
   function r.strain(_, k) return at(k)[4] and made.doubles(at(k)[4]) end
-  function r.force(_, name, k) return made.doubles(what.forces[name](k)) end
+  local of_field = { r.velocities }
+  r.fields = { { kind = "velocity", name = "velocity", components = 3 } }
+  if at(1)[4] then
+    r.fields[2], of_field[2] = { kind = "strain", name = "strain", components = 1 }, r.strain
+  end
+  for name, values in pairs(what.forces or {}) do
+    table.insert(r.fields, { kind = "force", name = name, components = 3 })
+    of_field[#r.fields] = function(_, k) return made.doubles(values(k)) end
+  end
+  function r.field(self, j, k) return of_field[j](self, k) end
   function r.topology_changed(_) return false end
   r.edges, r.triangles = always(what.edges), always(what.triangles)
   function r.pins(_, k)

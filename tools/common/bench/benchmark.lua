@@ -209,7 +209,7 @@ local function find_reference(self)
     self.cut_from = { t = self.limit, size = found.size, late = found.late }
     if found.frames < 1 then
       return nil, ("%s differ from the first frame on, by %.2g over all: an error cannot be told in this scene; "
-        .. "a larger --target or --budget may help"):format(found.words, found.size)
+        .. "a larger --target or --budget may help"):format(found.description, found.size)
     end
     cut(self, found, found.frames)
     self.horizon = self.limit

@@ -192,7 +192,7 @@ local function best_pair(list, metric, aim)
   return best, why
 end
 
-local function words(c)
+local function description(c)
   return ("%s, %s"):format(c.case.integrator, methods.setting_text(c.case))
 end
 
@@ -218,7 +218,7 @@ end
 --   motion         the solution; `other`: the second one
 --   error          of its own, as sampled_run.compare gives it; size: of the metric
 --   method         a cheap run with a roughly correct motion: { case, motion, time }
---   words          what it is, in words
+--   description    its two methods, as text
 --   frames         until which they agree to `aim`; late: more time might have taken them further
 function reference.compute(bench, aim, seconds)
   local begun, list = process.processor_time(), {}
@@ -250,7 +250,7 @@ function reference.compute(bench, aim, seconds)
     pair = better
   end
   return { motion = pair.one.motion, other = pair.other.motion, error = pair.difference, size = pair.size,
-    words = words(pair.one) .. " and " .. words(pair.other), late = late,
+    description = description(pair.one) .. " and " .. description(pair.other), late = late,
     method = cheapest(list, pair.one.motion) or pair.one, frames = pair.frames }
 end
 

@@ -3,7 +3,7 @@
 -- take longer than its share of the remaining time, or when it cannot run the scene. Then methods that may be the best at
 -- the target are run with settings that just reach it. All times are of the processor, so that what else the machine
 -- does changes nothing.
-local at_target = require("common.bench.at_target")
+local accuracy_search = require("common.bench.accuracy_search")
 local methods = require("common.bench.methods")
 local process = require("process")
 
@@ -189,7 +189,7 @@ end
 local function next_to_settle(list, goal)
   local best, cheapest = nil, cheapest_at_target(list, goal)
   for _, method in ipairs(list) do
-    local s = (method.settled or 0) < most_settled and at_target.cheapest(method, goal, math.max(goal.target, goal.support))
+    local s = (method.settled or 0) < most_settled and accuracy_search.cheapest(method, goal, math.max(goal.target, goal.support))
     if s and s.expected and s.wall < may_win * cheapest and (not best or s.wall < best.wall) then best = s end
   end
   return best

@@ -262,7 +262,7 @@ function actor.frees(lines, body)
   end
 end
 
--- The plugin, its memory and its words: what every kind owes the host. options: those of the scene; keeps_nothing: it is
+-- What every kind owes the host: memory, errors, messages. options: those of the scene; keeps_nothing: it is
 -- of a kind that has nothing to keep in a checkpoint.
 function actor.habits(plugin, try, options)
   try("two runs, and runs with 1 and 2 threads, have the same bits", function(lines)

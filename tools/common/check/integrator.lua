@@ -8,14 +8,14 @@ local habits = require("common.check.integrator.habits")
 local scenes = require("common.check.integrator.scenes")
 
 -- hk_integrator.flags
-local NEEDS_JACOBIAN, NEEDS_SOLVER, SPLITS, LIMITS_MOVES, KEEPS_CONSTRAINTS = 8, 32, 64, 128, 256
+local NEEDS_JACOBIAN, NEEDS_SOLVER, SPLITS, LIMITS_MOVES = 8, 32, 64, 128
 
 local function starts(plugin, lines)
   lines:at("the scene 'swing'")
   local run, why = scenes.open(plugin, scenes.swing)
   if not run then error(why, 0) end
-  local flags, rotates, amplifies, constrained, marches = method.flags(run)
-  lines:value { flags = flags, rotates = rotates, amplifies = amplifies, constrained = constrained, marches = marches }
+  local flags, grows, turns, constrained, tiles, keeps = method.flags(run)
+  lines:value { flags = flags, grows = grows, turns = turns, constrained = constrained, tiles = tiles, keeps = keeps }
 end
 
 -- Checks the integrator that hooke.describe described; `path` and `given` are also fields of it.
@@ -32,9 +32,9 @@ return function(plugin, report)
   local flags = found[1].flags
   plugin.needs_jacobian, plugin.needs_solver = flags & NEEDS_JACOBIAN ~= 0, flags & NEEDS_SOLVER ~= 0
   plugin.splits, plugin.limits_moves = flags & SPLITS ~= 0, flags & LIMITS_MOVES ~= 0
-  plugin.keeps_constraints = flags & KEEPS_CONSTRAINTS ~= 0
-  plugin.constrained, plugin.marches = found[1].constrained, found[1].marches
-  plugin.states_growth, plugin.states_rotation = found[1].amplifies, found[1].rotates
+  plugin.keeps_constraints = found[1].keeps
+  plugin.constrained, plugin.tiles = found[1].constrained, found[1].tiles
+  plugin.states_growth, plugin.states_turning = found[1].grows, found[1].turns
   for _, property in ipairs(habits.list) do
     report:try(property[1], function(lines) property[2](plugin, lines) end)
   end

@@ -1,6 +1,6 @@
 -- A body of Lua in a child process with limits. What a plugin does there, crash, hang, exit, abort or print, ends or
 -- soils the child alone, and comes back as a sentence. The child tells its parent by lines on a pipe:
---   @TEXT   where it is      =TABLE  something it found (a table as Lua text)      !TEXT  last words of a dying process
+--   @TEXT   where it is      =TABLE  something it found (a table as Lua text)      !TEXT  last message of a dying process
 --   .       it came to its end
 local process = require("process")
 

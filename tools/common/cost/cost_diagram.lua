@@ -22,10 +22,10 @@ local function saving(part)
   if type(figure) == "table" and known(figure.saved) then return 100 * figure.saved, 100 * figure.spread end
 end
 
--- A line across, with a word on what it stands for.
-local function across(commands, y, words)
+-- A line across the diagram, with its meaning as text.
+local function across(commands, y, text)
   commands[#commands + 1] = ("set arrow from graph 0, first %.9g to graph 1, first %.9g nohead dt 2 lc rgb '#7F7F7F'"):format(y, y)
-  commands[#commands + 1] = ("set label %s at graph 0.01, first %.9g offset 0, 0.6 tc rgb '#555555'"):format(plot.words(words), y)
+  commands[#commands + 1] = ("set label %s at graph 0.01, first %.9g offset 0, 0.6 tc rgb '#555555'"):format(plot.text(text), y)
 end
 
 -- The curves of one point each, and the spreads of what they save; the parts that are not drawn.

@@ -3,7 +3,7 @@ local cost = require("common.cost.cost")
 
 local report = {}
 
--- ---- in words ----
+-- ---- as text ----
 
 local function percent(fraction)
   local size = math.abs(fraction)

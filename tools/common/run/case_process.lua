@@ -6,7 +6,7 @@
 --   params                    { name = value } of the scene
 --   integrator, solver        "name" or "name:parameter=value,..."; nil: the scene's choice
 --   dt, tol, ["until"], accuracy, seed, threads (1), without (labels), step_limit, perturb, perturb_seed, ignore_exact
---                             as in hooke run and core/run/run.h
+--                             as in hooke run and core/run/run/run.h
 --   verify                    true: checked by a second run (hooke run --verify; always, where the scene asks for accuracy)
 --   timeout                   s, of wall time; the process is then ended
 --   allowance                 s, of processor time, a bound that does not depend on what else the machine does; the process
@@ -23,7 +23,7 @@ local process = require("process")
 local case_process = {}
 
 local passed_on = { "integrator", "solver", "dt", "tol", "until", "accuracy", "seed", "without", "step_limit", "perturb",
-  "perturb_seed", "ignore_exact", "trust", "accuracy_at" }
+  "perturb_seed", "ignore_exact", "trust", "accuracy_at", "fps", "duration" }
 
 local function options_of(case)
   local options = { threads = case.threads or 1 }

@@ -3,8 +3,9 @@ local lfs = require("lfs")
 
 local file = {}
 
-local function put(path, text)
-  local handle, why = io.open(path, "wb")
+local function put(path, text, direct)
+  local handle, why
+  if direct then handle, why = io.open(path, "wb") else handle, why = hooke.create(path) end
   if not handle then return nil, why end
   local fine, cause = handle:write(text)
   local closed, reason = handle:close()
@@ -16,7 +17,7 @@ function file.write(path, text)
   local mode = lfs.attributes(path, "mode")
   local direct = mode ~= nil and mode ~= "file"
   local part = direct and path or path .. ".part"
-  local fine, why = put(part, text)
+  local fine, why = put(part, text, direct)
   if fine and not direct then fine, why = os.rename(part, path) end
   if fine then return true end
   if not direct then os.remove(part) end

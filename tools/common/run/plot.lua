@@ -29,8 +29,8 @@ function plot.quote(text)
   return "'" .. text:gsub("%c", " "):gsub("'", "''") .. "'"
 end
 
--- The same for words that are drawn: gnuplot does not read two apostrophes in a row (x''), so they are typographic ones.
-function plot.words(text) return plot.quote((text:gsub("'", "\u{2019}"))) end
+-- The same for text that is drawn: gnuplot does not read two apostrophes in a row (x''), so they become typographic ones.
+function plot.text(text) return plot.quote((text:gsub("'", "\u{2019}"))) end
 
 function plot.style_line(k)
   local colour, point, dash = (k - 1) % #colours + 1, (k - 1) % #points + 1, (k - 1 + (k - 1) // #colours) % #dashes + 1
@@ -222,7 +222,7 @@ local function shell(text) return "'" .. text:gsub("'", "'\\''") .. "'" end
 -- Runs gnuplot in a folder; returns its error message, or nil on success.
 function plot.gnuplot(folder, script)
   local said = os.tmpname()
-  local pipe = io.popen(("cd %s && exec gnuplot - >%s 2>&1"):format(shell(folder), shell(said)), "w")
+  local pipe = io.popen(("cd %s && exec gnuplot -d - >%s 2>&1"):format(shell(folder), shell(said)), "w")
   pipe:write(script, "\nset output\n")
   local fine, _, code = pipe:close()
   local file = io.open(said)

@@ -27,7 +27,7 @@ local function number(text)
   return tonumber(text)
 end
 
-local function words(text)
+local function names_in(text)
   local list = {}
   for word in text:gmatch("[^%s,]+") do list[#list + 1] = word end
   return list
@@ -75,7 +75,7 @@ function hard.read(path)
   for _, needed in ipairs { "what", "right", "must" } do
     if not case[needed] then return nil, ("%s: its comment says nothing for '%s'"):format(path, needed) end
   end
-  case.must = case.must == "none" and {} or words(case.must)
+  case.must = case.must == "none" and {} or names_in(case.must)
   case.also, why = read_also(case.also or "")
   if not case.also then return nil, ("%s: also: %s"):format(path, why) end
   case.long = case.long == "true"
@@ -140,7 +140,7 @@ end
 
 local function cell_of(case, run, options)
   return { case = case, run = run, must = not run.text and has(case.must, run.integrator), process_case = {
-    scene = case.path, integrator = run.integrator, dt = run.dt, tol = run.tol, ignore_exact = true, trust = true,
+    scene = case.path, integrator = run.integrator, dt = run.dt, tol = run.tol, ignore_exact = true, trust = case.trust ~= nil,
     params = case.trust and { fixtures = fixtures() } or nil,
     step_limit = not options.long and hard.step_limit or nil, timeout = options.timeout } }
 end

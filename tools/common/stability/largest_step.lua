@@ -40,10 +40,8 @@ largest_step.least = 0.8 -- smallest allowed ratio of the estimate to the measur
 -- ---- one step, stable or not ----
 
 local function case_of(task, step, stride, perturb)
-  local params = { limits_scene = task.scene, limits_step = step, limits_stride = stride, limits_frames = frames }
-  for name, value in pairs(task.params) do params[name] = value end
-  return { scene = hooke.folder .. "/common/stability/limits_scene.lua", params = params, integrator = task.integrator,
-    trust = true, accuracy = 0, frames = true, perturb = perturb }
+  return { scene = task.scene, params = task.params, integrator = task.integrator, dt = step, fps = 1 / (stride * step),
+    duration = frames * stride * step, accuracy = 0, frames = true, perturb = perturb }
 end
 
 local function largest(a, b, from, to)
@@ -145,7 +143,7 @@ local function needs_damping(plugin)
 end
 
 -- Whether a method grows somewhere in 1 <= h w <= most without damping, and no longer at most. The spacing is a third of the
--- narrowest band that is known, as in core/stability/largest_step.c.
+-- narrowest band that is known, as in core/numerics/stability/largest_step.c.
 local function banded(plugin, most)
   local stated = stability_region.stated(plugin)
   if not stated or stated(most, 0) > 1 + 1e-6 then return false end

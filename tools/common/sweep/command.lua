@@ -64,21 +64,21 @@ local function convert(o, text)
   return value
 end
 
--- The words after "hooke sweep" -> { path, params = { name = values }, given = { [option] = value } }
-function command.parse(words)
+-- The arguments after "hooke sweep" -> { path, params = { name = values }, given = { [option] = value } }
+function command.parse(arguments)
   local asked, k = { params = {}, given = {} }, 1
-  while k <= #words do
-    local name, values = words[k]:match("^([%w_]+)=(.*)$")
+  while k <= #arguments do
+    local name, values = arguments[k]:match("^([%w_]+)=(.*)$")
     if name then
       asked.params[name] = ranges.parse(values)
-    elseif words[k]:sub(1, 1) == "-" then
-      local word = words[k]:match("^%-j%d+$") and "-j" or words[k]
+    elseif arguments[k]:sub(1, 1) == "-" then
+      local word = arguments[k]:match("^%-j%d+$") and "-j" or arguments[k]
       local o = option_named(word)
       local value = true
       if o[2] then
-        value = word ~= words[k] and words[k]:sub(3) or words[k + 1]
+        value = word ~= arguments[k] and arguments[k]:sub(3) or arguments[k + 1]
         if not value then plan.refuse("%s: a value is missing: %s %s", o[1], o[1], o[2]) end
-        if word == words[k] then k = k + 1 end
+        if word == arguments[k] then k = k + 1 end
         value = convert(o, value)
       end
       if o[4] == "list" then
@@ -88,9 +88,9 @@ function command.parse(words)
         asked.given[o[1]] = value
       end
     elseif asked.path then
-      plan.refuse("'%s' is neither the sweep nor name=values nor an option", words[k])
+      plan.refuse("'%s' is neither the sweep nor name=values nor an option", arguments[k])
     else
-      asked.path = words[k]
+      asked.path = arguments[k]
     end
     k = k + 1
   end

@@ -61,7 +61,7 @@ end
 -- The scene, and every file that a string in it names: modules that it requires, meshes, start states, and so on
 -- through the modules; also returns the strings found. A name that the scene composes of parts is not found.
 local function closure(scene)
-  local files, order, words = {}, {}, {}
+  local files, order, names = {}, {}, {}
   local folder = beside(scene)
   local function visit(path, name)
     local text = not files[path] and read(path)
@@ -70,7 +70,7 @@ local function closure(scene)
     order[#order + 1] = { name = name, path = path, text = text }
     if not path:match("%.lua$") then return end
     literals(text, function(word)
-      words[word] = true
+      names[word] = true
       for _, candidate in ipairs { folder .. "/" .. word, folder .. "/" .. word .. ".lua",
         hooke.library .. "/" .. word .. ".lua" } do
         visit(candidate, word)
@@ -78,7 +78,7 @@ local function closure(scene)
     end)
   end
   visit(scene, scene:match("[^/]*$"))
-  return order, words
+  return order, names
 end
 
 -- Whether a scene may use the plugin without naming it: the default integrator, and the solvers among which a run
@@ -87,13 +87,13 @@ local function may_be_used(plugin, case)
   return plugin.kind == "solver" and not case.solver or plugin.kind == "integrator" and plugin.name == "leapfrog"
 end
 
-local function plugin_lines(plugins, words, case, lines)
+local function plugin_lines(plugins, names, case, lines)
   local chosen = {}
   for _, key in ipairs { "integrator", "solver" } do
     if case[key] then chosen[case[key]:match("^[^:]*")] = true end
   end
   for _, plugin in ipairs(plugins) do
-    if words[plugin.name] or chosen[plugin.name] or may_be_used(plugin, case) then
+    if names[plugin.name] or chosen[plugin.name] or may_be_used(plugin, case) then
       lines[#lines + 1] = ("plugin %s %s %s"):format(plugin.kind, plugin.name, digest.file(plugin.path))
     end
   end
@@ -104,12 +104,12 @@ local grounds = {}
 function digest.grounds(case, plugins)
   local key = table.concat({ case.scene, case.integrator or "", case.solver or "" }, "\0")
   if grounds[key] then return grounds[key] end
-  local files, words = closure(case.scene)
+  local files, names = closure(case.scene)
   local lines = { ("hooke %s %s"):format(hooke.version, digest.file("/proc/self/exe") or "") }
   for k, file in ipairs(files) do
     lines[#lines + 1] = ("%s %s %s"):format(k == 1 and "scene" or "file", file.name, digest.of(file.text))
   end
-  plugin_lines(plugins, words, case, lines)
+  plugin_lines(plugins, names, case, lines)
   grounds[key] = table.concat(lines, "\n")
   return grounds[key]
 end

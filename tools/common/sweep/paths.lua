@@ -9,8 +9,8 @@ local column = { x = 2, y = 3, z = 4 }
 local colours = { "#D55E00", "#0072B2", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9" }
 local marks = { 7, 5, 9, 11, 13, 6, 4 }
 
-local words = {}
-for word in ("t pi sin cos tan exp log sqrt abs sinh cosh tanh"):gmatch("%a+") do words[word] = true end
+local functions = {}
+for word in ("t pi sin cos tan exp log sqrt abs sinh cosh tanh"):gmatch("%a+") do functions[word] = true end
 
 -- Formulas of t are passed to gnuplot, so only arithmetic is allowed.
 local function check_formula(text)
@@ -18,7 +18,7 @@ local function check_formula(text)
     plan.refuse("plots: curves: '%s' is not a formula of t", tostring(text))
   end
   for word in text:gsub("%d+%.?%d*[eE][+-]?%d+", ""):gmatch("%a%w*") do
-    if not words[word] then plan.refuse("plots: curves: '%s': there is no function '%s' here", text, word) end
+    if not functions[word] then plan.refuse("plots: curves: '%s': there is no function '%s' here", text, word) end
   end
 end
 

@@ -70,13 +70,13 @@ local function method_of(entry)
       check_names("field of an integrator's entry", { [key] = true }, { "dt", "tol", "solver", "label" })
     end
   end
-  local words = { entry[1] }
+  local parts = { entry[1] }
   for _, key in ipairs { "dt", "tol", "solver" } do
-    if entry[key] then words[#words + 1] = ("%s %s"):format(key, type(entry[key]) == "number"
+    if entry[key] then parts[#parts + 1] = ("%s %s"):format(key, type(entry[key]) == "number"
       and ("%.6g"):format(entry[key]) or entry[key]) end
   end
   return { text = entry[1], dt = entry.dt, tol = entry.tol, solver = entry.solver,
-    label = entry.label or table.concat(words, " ") }
+    label = entry.label or table.concat(parts, " ") }
 end
 
 local function methods_of(given)

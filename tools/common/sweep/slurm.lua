@@ -70,20 +70,20 @@ local function share_out(cases, tasks)
   return lines, #numbers
 end
 
--- Options that are not passed to tasks, with the number of words that they take.
+-- Options that are not passed to tasks, with the number of arguments that they take.
 local not_for_tasks = { ["--slurm"] = 1, ["--wait"] = 1, ["--resume"] = 1, ["--again"] = 1, ["--retry"] = 1, ["--quiet"] = 1,
   ["--report"] = 1, ["--tasks"] = 2, ["--sbatch"] = 2, ["--db"] = 2, ["--csv"] = 2, ["--plot"] = 2, ["--case"] = 2,
   ["-j"] = 2 }
 
--- The words of this command that a task needs as well.
+-- The arguments of this command that a task needs as well.
 local function words_for_task()
-  local words, k = {}, 1
+  local arguments, k = {}, 1
   while k <= #arg do
     local skip = not_for_tasks[arg[k]] or arg[k]:match("^%-j%d+$") and 1
-    if not skip then words[#words + 1] = quote(arg[k]) end
+    if not skip then arguments[#arguments + 1] = quote(arg[k]) end
     k = k + (skip or 1)
   end
-  return table.concat(words, " ")
+  return table.concat(arguments, " ")
 end
 
 local function job_script(the, folder, count)

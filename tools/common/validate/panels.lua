@@ -76,12 +76,12 @@ local function curve_title(panel, c)
   if c > most_named then return "notitle" end
   local text = ("%s: %s"):format(panels.shortened(panel.curves[c].name, most_letters), panel.curves[c].order)
   if c == most_named and #panel.curves > most_named then text = ("and %d more"):format(#panel.curves - c + 1) end
-  return "title " .. plot.words(text) .. " noenhanced"
+  return "title " .. plot.text(text) .. " noenhanced"
 end
 
 local function ticks_text(ticks)
   local parts = {}
-  for k, tick in ipairs(ticks) do parts[k] = ("%s %.9g"):format(plot.words(tick[2]), tick[1]) end
+  for k, tick in ipairs(ticks) do parts[k] = ("%s %.9g"):format(plot.text(tick[2]), tick[1]) end
   return table.concat(parts, ", ")
 end
 
@@ -93,9 +93,9 @@ local function title_text(title)
     if utf8.len(title, 1, at - 1) <= title_letters then first = title:sub(1, at - 1) end
   end
   if utf8.len(title) <= title_letters or first == title then
-    return plot.words(panels.shortened(title, title_letters + 4))
+    return plot.text(panels.shortened(title, title_letters + 4))
   end
-  return plot.words(first) .. '."\\n".' .. plot.words(panels.shortened(title:sub(#first + 2), title_letters))
+  return plot.text(first) .. '."\\n".' .. plot.text(panels.shortened(title:sub(#first + 2), title_letters))
 end
 
 local function panel_script(panel, p)
@@ -104,7 +104,7 @@ local function panel_script(panel, p)
   local low, high = math.huge, 0
   for _, tick in ipairs(panel.ticks) do low, high = math.min(low, tick[1]), math.max(high, tick[1]) end
   add("set title %s noenhanced", title_text(panel.title))
-  add("set xlabel %s noenhanced offset 0,0.3", plot.words(panel.label))
+  add("set xlabel %s noenhanced offset 0,0.3", plot.text(panel.label))
   local g = panel.guide
   local errors = plot.column(panel.curves, 2)
   for _, x in ipairs(g and { low / 1.25, high * 1.25 } or {}) do table.insert(errors, g.error * (x / g.h) ^ g.order) end
@@ -127,7 +127,7 @@ function panels.script(all, first, last, rows, title)
   local text = { "set tics nomirror scale 0.6", "set border 3 lw 0.8",
     "set grid ytics lc rgb '#DDDDDD' lt 1 lw 0.5", "set samples 2", "set ylabel 'relative error' offset 1,0",
     "set key below left Left reverse samplen 2 spacing 1 maxcols 1",
-    ("set multiplot layout %d,%d title %s noenhanced"):format(rows, columns, plot.words(title)) }
+    ("set multiplot layout %d,%d title %s noenhanced"):format(rows, columns, plot.text(title)) }
   for p = first, last do text[#text + 1] = panel_script(all[p], p) end
   text[#text + 1] = "unset multiplot"
   return table.concat(text, "\n") .. "\n"

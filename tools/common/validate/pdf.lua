@@ -13,7 +13,7 @@ local most_name, most_source, most_text = 60, 130, 112 -- characters that fit
 local text_font, small_font, bold_font = "Sans,6.5", "Sans:Italic,5.5", "Sans:Bold,6.5"
 
 local function label(text, x, y, font, align)
-  return ("set label %s at screen %.4f,%.4f %s font '%s' noenhanced"):format(plot.words(text), x, y, align or "left", font)
+  return ("set label %s at screen %.4f,%.4f %s font '%s' noenhanced"):format(plot.text(text), x, y, align or "left", font)
 end
 
 -- Breaks a text into lines of at most `most` characters, at spaces.

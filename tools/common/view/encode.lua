@@ -4,32 +4,24 @@ local page = require("page")
 local json_text = require("common.view.json_text")
 local marks = require("common.view.marks")
 local series = require("common.view.series")
+local shared = require("common.view.shared")
 local solids = require("common.view.solids")
 
 local encode = {}
 
 local LEVELS = 65534 -- of a number, HK_MOTION_LEVELS: of positions
-local COARSE = { [1] = 254, [3] = 1022 } -- of what is coloured or told only: half a step is 2e-3 or 4.9e-4 of the range
+local COARSE = { [1] = 254, [3] = 1022 } -- of what is coloured or listed only: half a step is 2e-3 or 4.9e-4 of the range
 local SAMPLES = 50000 -- numbers that the range of colours is chosen from, about
 local BLOCK = 2000000 -- numbers of a block, about: what a browser unpacks at once
 
--- ---- what there is to tell beside positions ----
+-- ---- the fields beside positions ----
 
 -- A vector's range is one for all its components and symmetric, a number's its own.
-local function fields_of(r, more)
-  local list = { { name = "velocity", label = "velocity", painted = "speed", unit = "m/s", components = 3,
-    get = function(k) return r:velocities(k) end } }
-  if r.strain and more.strain ~= false and r:strain(1) then
-    list[#list + 1] = { name = "strain", label = "strain", unit = "", components = 1, centred = true,
-      get = function(k) return r:strain(k) end }
-  end
-  for _, channel in ipairs(r.channels or {}) do
-    list[#list + 1] = { name = "channel " .. channel.name, label = channel.name, unit = "", components = channel.size,
-      get = function(k) return r:channel(channel.name, k) end }
-  end
-  for _, name in ipairs(r.forces or {}) do
-    list[#list + 1] = { name = "force " .. name, label = "force: " .. name, unit = "N", components = 3,
-      get = function(k) return r:force(name, k) end }
+local function fields_of(r)
+  local list = {}
+  for j, f in ipairs(r.fields) do
+    list[j] = shared.field(f)
+    list[j].get = function(k) return r:field(j, k) end
   end
   return list
 end
@@ -55,8 +47,7 @@ local function widest(range)
   return most
 end
 
--- The least and the largest number that colours tell apart: without one per cent at each end, which a few extreme
--- particles may have. A vector's begins at 0.
+-- The least and the largest number that colours tell apart, from a sample of the motion.
 local function range_of_colours(r, s)
   local all, frames = {}, math.max(1, r.frames // 50)
   local every = math.max(1, r:n(r.frames) * (r.frames // frames) // SAMPLES)
@@ -64,10 +55,7 @@ local function range_of_colours(r, s)
     local some = page.sizes(s.get(k), s.components, every)
     table.move(some, 1, #some, #all + 1, all)
   end
-  table.sort(all)
-  if #all == 0 then return 0, 0 end
-  local out = #all // 100
-  return s.components > 1 and 0 or all[1 + out], all[#all - out]
+  return page.colours_of(all, s.map)
 end
 
 local function largest_size(range)
@@ -103,10 +91,11 @@ local function end_block(out, streams)
   end
 end
 
-local function told(r, s)
-  local least, most = range_of_colours(r, s)
+local function stream_data(r, s)
+  local least, most
+  if s.map then least, most = range_of_colours(r, s) end
   return { name = s.name, label = s.label, painted = s.painted, unit = s.unit, components = s.components,
-    centred = s.centred or false, low = json_text.list(s.low), high = json_text.list(s.high), step = s.step, texts = s.texts,
+    map = s.map, low = json_text.list(s.low), high = json_text.list(s.high), step = s.step, texts = s.texts,
     error = s.encoder:error(), least = least, most = most, largest = largest_size(s) }
 end
 
@@ -141,12 +130,12 @@ local function middle_of(stream)
   return middle
 end
 
--- Writes the data of a recording to the page. The run as the page's story tells it; nil and the reason.
+-- Writes the data of a recording to the page. The run as the page's data have it; nil and the reason.
 -- more: title, summary (JSON text or nil), tick (a function called after each frame)
 function encode.run(r, out, more)
   if r.frames == 0 then return nil, "it has no frames" end
   local free = marks.streams(r)
-  local streams, per_block = start_streams(r, fields_of(r, more), free), frames_of_block(r)
+  local streams, per_block = start_streams(r, fields_of(r), free), frames_of_block(r)
   local run = { title = more.title, fps = r.fps, times = json_text.list(r.times), blocks = json_text.list(),
     populations = json_text.list(), topologies = json_text.list(), streams = json_text.list(),
     series = series.of(r.series or {}), summary = more.summary and json_text.raw(more.summary) }
@@ -171,18 +160,13 @@ function encode.run(r, out, more)
   end_block(out, streams)
   run.ids = out:add(page.indices(table.concat(all_ids)))
   for k, s in ipairs(streams) do
-    if not s.free then run.streams[k] = told(r, s) end
+    if not s.free then run.streams[k] = stream_data(r, s) end
   end
-  run.marks = marks.told(r, free)
+  run.marks = marks.page_data(r, free)
   run.solids = solids.of(r, out, middle_of(streams[1]))
   run.sizes = {}
   for _, s in ipairs(streams) do run.sizes[s.name] = s.size end
   return run
-end
-
--- The maps of colours that the page uses.
-function encode.colours(out)
-  return { viridis = out:add(page.colours("viridis")), diverging = out:add(page.colours("diverging")) }
 end
 
 return encode

@@ -23,8 +23,8 @@ local function stream(s)
     texts = s.texts }
 end
 
--- The lists as the page's story tells them, when the streams are written.
-function marks.told(r, streams)
+-- The lists as the page's data have them, when the streams are written.
+function marks.page_data(r, streams)
   local list = json_text.list()
   for j, m in ipairs(r.marks or {}) do
     local counts, totals = json_text.list(), json_text.list()

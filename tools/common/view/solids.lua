@@ -27,14 +27,14 @@ end
 -- origin: m, of the page's coordinates. nil: there are none.
 function solids.of(r, out, origin)
   if not r.solids or #r.solids == 0 then return nil end
-  local told, places = { list = json_text.list(), moving = moves(r) }, {}
+  local data, places = { list = json_text.list(), moving = moves(r) }, {}
   for k, s in ipairs(r.solids) do
-    told.list[k] = { kind = s.kind, hollow = s.hollow, vertices = packed(out, floats(s.vertices, 3, { 0, 0, 0 })),
+    data.list[k] = { kind = s.kind, hollow = s.hollow, vertices = packed(out, floats(s.vertices, 3, { 0, 0, 0 })),
       faces = packed(out, s.faces) }
   end
-  for k = 1, told.moving and r.frames or 1 do places[k] = floats(r:solid_places(k), 12, origin) end
-  told.places = packed(out, table.concat(places))
-  return told
+  for k = 1, data.moving and r.frames or 1 do places[k] = floats(r:solid_places(k), 12, origin) end
+  data.places = packed(out, table.concat(places))
+  return data
 end
 
 return solids

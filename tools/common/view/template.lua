@@ -75,8 +75,10 @@ function template.begin(path, what)
   local before, after = template.parts(what)
   if not before then return nil, after end
   local mode = lfs.attributes(path, "mode")
-  local part = (mode == nil or mode == "file") and path .. ".part" or path
-  local file, why = io.open(part, "wb")
+  local direct = mode ~= nil and mode ~= "file"
+  local part = direct and path or path .. ".part"
+  local file, why
+  if direct then file, why = io.open(part, "wb") else file, why = hooke.create(part) end
   if not file then return nil, ("cannot write %s: %s"):format(path, why:match(": (.*)$") or why) end
   local self = setmetatable({ path = path, part = part, file = file, after = after, count = 0, size = 0 }, page)
   self:write(before)
@@ -97,9 +99,9 @@ function page:add(packed)
   return id
 end
 
--- Ends the page with its story. true and its size in bytes, or nil and the reason.
-function page:finish(story)
-  self:write('<script type="application/json" id="story">' .. json_text.encode(story) .. "</script>\n")
+-- Ends the page with its data. true and its size in bytes, or nil and the reason.
+function page:finish(page_data)
+  self:write('<script type="application/json" id="page-data">' .. json_text.encode(page_data) .. "</script>\n")
   self:write(self.after)
   local closed, why = self.file:close()
   self.closed = true

@@ -7,7 +7,7 @@ local lfs = require("lfs")
 local three = {}
 
 three.places = { "/usr/share/javascript/three/", "/usr/share/nodejs/three/build/", "/usr/local/lib/node_modules/three/build/",
-  "/usr/lib/node_modules/three/build/", "node_modules/three/build/" }
+  "/usr/lib/node_modules/three/build/" }
 local names = { "three.min.js", "three.js", "three.cjs", "three.module.min.js", "three.module.js" }
 
 local licence = [[
@@ -45,9 +45,9 @@ local function pairs_of(list)
 end
 
 local function each(list, form)
-  local words = {}
-  for k, p in ipairs(pairs_of(list)) do words[k] = form:gsub("[ab]", { a = p[1], b = p[2] }) end
-  return table.concat(words, " ")
+  local terms = {}
+  for k, p in ipairs(pairs_of(list)) do terms[k] = form:gsub("[ab]", { a = p[1], b = p[2] }) end
+  return table.concat(terms, " ")
 end
 
 -- A module as a function of `exports` and the module that it imports; and that module's file. nil: it is of another form.
@@ -112,9 +112,9 @@ function three.script(places)
     end
   end
   if strange then return nil, ("three.js, which draws the page's 3D view, is in %s in a form that is not known here: "
-    .. "npm install three@0.187.0 gets one that is"):format(strange) end
+    .. "npm install -g three@0.187.0 gets one that is"):format(strange) end
   return nil, "three.js, which draws the page's 3D view, is not found: tools/install-deps run gets it (Debian: libjs-three; "
-    .. "elsewhere: npm install three, here)"
+    .. "elsewhere: npm install -g three)"
 end
 
 return three

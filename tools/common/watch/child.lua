@@ -1,24 +1,24 @@
--- One run in a process of its own: `hooke run` with the words of the user, and the output and the force that a page
--- needs. What it says on standard error goes there, and its last words are kept for the page.
+-- One run in a process of its own: `hooke run` with the arguments of the user, and the output and the force that a page
+-- needs. What it says on standard error goes there, and the end of it is kept for the page.
 local process = require("process")
 local messages = require("common.watch.messages")
 
 local child = {}
 child.__index = child
 
-local LAST_WORDS = 4000 -- characters
+local KEPT_ERRORS = 4000 -- characters
 
--- The words of the link, for descriptors 3, 4 and 5.
+-- The arguments for the link, for descriptors 3, 4 and 5.
 local function link_of(forces)
   return { "--with", "force:pull:by_hand=true", "--with", "output:live:messages=3,commands=4,forces=" .. tostring(forces),
     "--summary", "/dev/fd/5" }
 end
 
 -- forces: whether frames have each force by itself
-function child.start(words, forces)
+function child.start(arguments, forces)
   local link = link_of(forces)
   local list = { "/proc/self/exe", "run" }
-  table.move(words, 1, #words, 3, list)
+  table.move(arguments, 1, #arguments, 3, list)
   table.move(link, 1, #link, #list + 1, list)
   local messages_in, messages_out = process.pipe()
   local commands_in, commands_out = process.pipe()
@@ -42,7 +42,7 @@ local take = {
   summary = function(self, bytes) self.summary = self.summary .. bytes end,
   errors = function(self, bytes)
     io.stderr:write(bytes)
-    self.said = (self.said .. bytes):sub(-LAST_WORDS)
+    self.said = (self.said .. bytes):sub(-KEPT_ERRORS)
   end,
 }
 

@@ -1,6 +1,6 @@
 -- What a run has shown so far, as documents of the server. Of run r:
 --
---     run/r            the story: title, fps, origin, fields, measures, marks (JSON)
+--     run/r            the run's data: title, fps, origin, fields, measures, marks (JSON)
 --     solids/r         S as it came: what particles bounce off
 --     topology/r/k     T as it came, number k; frame/r/k: F as it came, frame k
 --     numbers/r/c      the N of frames 512 c to 512 c + 511, one after the other (double)
@@ -9,6 +9,7 @@
 -- what is kept is spread evenly; the latest is always there. Numbers are kept of all.
 local messages = require("common.watch.messages")
 local json_text = require("common.view.json_text")
+local shared = require("common.view.shared")
 
 local history = {}
 history.__index = history
@@ -22,19 +23,12 @@ function history.new(server, number, title)
     chunk = {}, latest = -1 }, history)
 end
 
-local units = { velocity = "m/s", force = "N" }
-
 local function name_of(self, kind, k) return ("%s/%d/%d"):format(kind, self.number, k) end
 
 local function begin(self, body)
   local run = messages.run(body)
   local fields = json_text.list()
-  for k, f in ipairs(run.fields) do
-    local own = f.kind == "channel" or f.kind == "force" -- a name of the scene's
-    fields[k] = { name = own and f.kind .. " " .. f.name or f.name, label = f.kind == "force" and "force: " .. f.name or f.name,
-      components = f.components, unit = units[f.kind] or "", painted = f.kind == "velocity" and "speed" or nil,
-      centred = f.kind == "strain" }
-  end
+  for k, f in ipairs(run.fields) do fields[k] = shared.field(f) end
   self.server:put(("run/%d"):format(self.number), JSON, json_text.encode({ title = self.title, fps = run.fps,
     origin = json_text.list(run.origin), fields = fields, measures = json_text.list(run.measures), marks = json_text.list(run.marks) }))
 end
@@ -60,20 +54,20 @@ local function keep(self, body)
   while self.size > MEMORY and next(self.kept, next(self.kept)) do thin(self) end
 end
 
--- Numbers of a chunk that is not full are put when somebody may look: see `tell`.
+-- Numbers of a chunk that is not full are put when somebody may look: see `publish`.
 local function note(self, body)
   self.chunk[#self.chunk + 1] = body
-  self.frames, self.unsaid = self.frames + 1, true
+  self.frames, self.unpublished = self.frames + 1, true
   if #self.chunk == CHUNK then
-    self:tell()
+    self:publish()
     self.chunk = {}
   end
 end
 
-function history:tell()
-  if not self.unsaid then return end
+function history:publish()
+  if not self.unpublished then return end
   self.server:put(name_of(self, "numbers", (self.frames - 1) // CHUNK), BINARY, table.concat(self.chunk))
-  self.unsaid = false
+  self.unpublished = false
 end
 
 local heard = {

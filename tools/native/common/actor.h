@@ -21,7 +21,7 @@ hk_actor *hk_actor_at(lua_State *L, int index);
 /* open(run, kind [, "behind" or "before" [, fresh]]): the first plugin of that kind; its state is that of the run. With
  * `fresh`, or where the run does not use it, the instance is made anew and destroyed with the actor. */
 int hk_actor_open(lua_State *L);
-/* watch(fd): the last words of this process go to fd; each module has arrays of its own. */
+/* watch(fd): the last message of this process goes to fd; each module has arrays of its own. */
 int hk_actor_watch(lua_State *L);
 /* set(actor, {t =, x =, v =}): what is given. Timed parameters take their value of the time. */
 int hk_actor_set(lua_State *L);

@@ -47,7 +47,7 @@ void hk_guard_allow(hk_guarded *g, bool writable) {
   if (g->map) mprotect(g->map + page(), g->mapped - 2 * page(), writable ? PROT_READ | PROT_WRITE : PROT_READ);
 }
 
-/* ---- the last words ---- */
+/* ---- the last message ---- */
 
 static void say(const char *text) {
   size_t size = strlen(text), at = 0;

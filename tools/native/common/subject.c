@@ -55,7 +55,7 @@ static void find(lua_State *L, hk_subject *s, const char *name) {
     if (strcmp(forces->item[s->index]->plugin->name, name) == 0) break;
   if (s->index == forces->count) luaL_error(L, "the scene has no force '%s'", name);
   s->instance = forces->item[s->index];
-  s->force = s->instance->plugin->force;
+  s->force = hk_force_of(s->instance->plugin);
 }
 
 int hk_subject_open(lua_State *L) {
@@ -123,7 +123,7 @@ double hk_subject_add(hk_subject *s, double power) {
   double before = power;
   s->view.power = isnan(power) ? NULL : &power;
   hk_subject_enter(s, "add");
-  hk_status status = s->force->add(s->instance->self, &s->view, s->F.at);
+  hk_status status = hk_force_add(s->instance, &s->view, s->F.at);
   hk_subject_leave(s);
   s->view.power = NULL;
   if (status != HK_OK) s->status = status;
@@ -132,7 +132,7 @@ double hk_subject_add(hk_subject *s, double power) {
 
 double hk_subject_energy(hk_subject *s) {
   hk_subject_enter(s, "energy");
-  double E = s->force->energy ? s->force->energy(s->instance->self, &s->view) : 0;
+  double E = s->force->own.energy ? s->force->own.energy(s->instance->self, &s->view) : 0;
   hk_subject_leave(s);
   return E;
 }

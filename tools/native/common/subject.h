@@ -4,7 +4,7 @@
 #ifndef HK_TOOLS_SUBJECT_H
 #define HK_TOOLS_SUBJECT_H
 
-#include "core/lua/lua.h"
+#include "core/app/lua/lua.h"
 #include "tools/native/common/guard.h"
 
 #include <lauxlib.h>
@@ -13,7 +13,7 @@
 typedef struct hk_subject {
   hk_run *run;
   hk_instance *instance;
-  const hk_force *force;
+  const hk_force_tables *force;
   size_t index; /* of the force in the run */
   hk_view view;
   size_t n, size;                /* particles, 3n */

@@ -55,11 +55,11 @@ static bool wait_for_news(const hk_answers *s, struct MHD_Connection *c, request
   const char *after = MHD_lookup_connection_value(c, MHD_GET_ARGUMENT_KIND, "after");
   if (!after || strtoull(after, NULL, 10) != d->version) return false;
   if (q->until == 0) q->until = hk_serving_now() + HK_PATIENCE;
-  return hk_serving_now() < q->until && hk_shelf_wait(s->shelf, c, q->until);
+  return hk_serving_now() < q->until && hk_documents_wait(s->documents, c, q->until);
 }
 
 static enum MHD_Result get(const hk_answers *s, struct MHD_Connection *c, const char *name, request *q) {
-  const hk_document *d = hk_shelf_find(s->shelf, name);
+  const hk_document *d = hk_documents_find(s->documents, name);
   if (!d) return answer_empty(s, c, MHD_HTTP_NOT_FOUND);
   if (wait_for_news(s, c, q, d)) return MHD_YES;
   return q->until > 0 && hk_serving_now() >= q->until ? answer_empty(s, c, MHD_HTTP_NO_CONTENT)
@@ -87,7 +87,7 @@ static unsigned refuse_command(const hk_answers *s, struct MHD_Connection *c) {
 }
 
 static enum MHD_Result post(const hk_answers *s, struct MHD_Connection *c, const request *q) {
-  bool taken = hk_shelf_command(s->shelf, q->body);
+  bool taken = hk_documents_command(s->documents, q->body);
   return answer_empty(s, c, taken ? MHD_HTTP_NO_CONTENT : MHD_HTTP_SERVICE_UNAVAILABLE);
 }
 
@@ -127,9 +127,9 @@ static enum MHD_Result handle(void *context, struct MHD_Connection *c, const cha
     *size = 0;
     return MHD_YES;
   }
-  pthread_mutex_lock(&s->shelf->lock);
+  pthread_mutex_lock(&s->documents->lock);
   enum MHD_Result result = strcmp(method, "POST") == 0 ? post(s, c, q) : get(s, c, name_in(s, path), q);
-  pthread_mutex_unlock(&s->shelf->lock);
+  pthread_mutex_unlock(&s->documents->lock);
   return result;
 }
 
@@ -175,10 +175,10 @@ bool hk_answers_open(hk_answers *s, uint16_t port) {
 
 void hk_answers_close(hk_answers *s) {
   if (!s->daemon) return;
-  pthread_mutex_lock(&s->shelf->lock);
-  s->shelf->closing = true;
-  hk_shelf_resume(s->shelf, INFINITY);
-  pthread_mutex_unlock(&s->shelf->lock);
+  pthread_mutex_lock(&s->documents->lock);
+  s->documents->closing = true;
+  hk_documents_resume(s->documents, INFINITY);
+  pthread_mutex_unlock(&s->documents->lock);
   MHD_stop_daemon(s->daemon);
   s->daemon = NULL;
 }

@@ -1,5 +1,5 @@
-/* What the server of live pages is made of: a shelf of documents and commands, which pages wait at, and the answers to
- * requests, which are given by a thread of libmicrohttpd's. */
+/* The server of live pages: documents, for whose new versions pages wait; commands, which pages post; and the answers
+ * to requests, given by a thread of libmicrohttpd. */
 #ifndef HK_SERVING_H
 #define HK_SERVING_H
 
@@ -17,7 +17,7 @@ enum {
   HK_PATIENCE = 10      /* s, the longest wait for a new version */
 };
 
-/* ---- shelf.c: every function but those that open and close is called under the lock ---- */
+/* ---- documents.c: every function but those that open and close is called under the lock ---- */
 
 typedef struct hk_document {
   char *name, *type;
@@ -26,10 +26,10 @@ typedef struct hk_document {
   uint64_t version;
 } hk_document;
 
-typedef struct hk_shelf {
+typedef struct hk_documents {
   pthread_mutex_t lock;
   hk_document *document;
-  size_t documents, room;
+  size_t count, room; /* of documents */
   uint64_t version;
   struct MHD_Connection *waiting[HK_CONNECTIONS];
   double waits_until[HK_CONNECTIONS]; /* s */
@@ -38,25 +38,26 @@ typedef struct hk_shelf {
   size_t first, commands;
   int bell[2]; /* a pipe that holds a byte while there are commands */
   bool closing;
-} hk_shelf;
+} hk_documents;
 
-bool hk_shelf_open(hk_shelf *); /* false: errno says why */
-void hk_shelf_close(hk_shelf *);
-const hk_document *hk_shelf_find(const hk_shelf *, const char *name); /* NULL: there is none */
-bool hk_shelf_put(hk_shelf *, const char *name, const char *type, const void *data, size_t size); /* false: no memory */
-void hk_shelf_drop(hk_shelf *, const char *name);
+bool hk_documents_open(hk_documents *); /* false: errno says why */
+void hk_documents_close(hk_documents *);
+const hk_document *hk_documents_find(const hk_documents *, const char *name); /* NULL: there is none */
+bool hk_documents_put(hk_documents *, const char *name, const char *type, const void *data,
+                      size_t size); /* false: no memory */
+void hk_documents_drop(hk_documents *, const char *name);
 /* Suspends the connection until something is put or the time has come, s. False: too many wait already. */
-bool hk_shelf_wait(hk_shelf *, struct MHD_Connection *, double until);
-void hk_shelf_resume(hk_shelf *, double t);          /* those that wait until t or before; INFINITY: all */
-bool hk_shelf_command(hk_shelf *, const char *text); /* false: too many wait, or there is no memory */
-char *hk_shelf_take(hk_shelf *);                     /* the next command in malloc's memory; NULL: none */
-double hk_serving_now(void);                         /* s */
+bool hk_documents_wait(hk_documents *, struct MHD_Connection *, double until);
+void hk_documents_resume(hk_documents *, double t);          /* those that wait until t or before; INFINITY: all */
+bool hk_documents_command(hk_documents *, const char *text); /* false: too many wait, or there is no memory */
+char *hk_documents_take(hk_documents *);                     /* the next command in malloc's memory; NULL: none */
+double hk_serving_now(void);                                 /* s */
 
 /* ---- answers.c ---- */
 
 typedef struct hk_answers {
   struct MHD_Daemon *daemon; /* NULL: there is none */
-  hk_shelf *shelf;
+  hk_documents *documents;
   const char *policy; /* of contents, in every answer */
   char token[HK_TOKEN + 1], host[2][32];
 } hk_answers;

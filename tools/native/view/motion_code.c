@@ -109,8 +109,8 @@ static void quantise(hk_motion_code *m, const void *number) {
   }
 }
 
-/* What the particle's last values foretell of component c. */
-static unsigned foretold(const hk_motion_code *m, size_t c, size_t i, int order) {
+/* What the particle's last values predict for component c. */
+static unsigned predicted(const hk_motion_code *m, size_t c, size_t i, int order) {
   size_t at = c * m->room + i;
   int seen = m->seen[i] < order ? m->seen[i] : order;
   if (seen == 0) return i ? m->value[0][at - 1] : 0u;
@@ -121,10 +121,10 @@ static unsigned foretold(const hk_motion_code *m, size_t c, size_t i, int order)
 static double differences(const hk_motion_code *m, size_t c, int mode, uint16_t *into) {
   const uint16_t *now = m->value[0] + c * m->room;
   int order = mode & 1 ? 1 : 2;
-  unsigned before = 0; /* by which the particle before is off what was foretold */
+  unsigned before = 0; /* by which the particle before is off its prediction */
   double sum = 0;
   for (size_t i = 0; i < m->n; i++) {
-    unsigned off = now[i] - foretold(m, c, i, order);
+    unsigned off = now[i] - predicted(m, c, i, order);
     unsigned d = (off - (mode > 2 && m->seen[i] ? before : 0u)) & 0xffffu;
     before = m->seen[i] ? off : 0;
     into[i] = (uint16_t)(d < 0x8000u ? 2 * d : 2 * (0xffffu - d) + 1);

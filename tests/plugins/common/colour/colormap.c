@@ -89,11 +89,11 @@ static void colormap_reverses_and_keeps_what_is_beyond(void **state) {
   hk_colormap_fill(HK_MAP_FIRE, 0, forth);
   hk_colormap_fill(HK_MAP_FIRE, 1, back);
   for (int k = 0; k < HK_MAP_SIZE; k++) assert_memory_equal(forth[k], back[HK_MAP_SIZE - 1 - k], 4);
-  hk_colormap_look(forth, -3, colour);
+  hk_colormap_colour(forth, -3, colour);
   assert_memory_equal(colour, forth[0], 4);
-  hk_colormap_look(forth, 1e300, colour);
+  hk_colormap_colour(forth, 1e300, colour);
   assert_memory_equal(colour, forth[HK_MAP_SIZE - 1], 4);
-  hk_colormap_look(back, (double)NAN, colour);
+  hk_colormap_colour(back, (double)NAN, colour);
   assert_memory_equal(colour, ((uint8_t[]){0, 0, 0, 255}), 4);
 }
 

@@ -73,8 +73,9 @@ static double least_curvature(const hk_instance *force, const hk_view *view, uns
   list = (names){.pattern = {name}};
   memset(K, 0, sizeof K);
   for (size_t b = 0; b < 16 * 64; b++) slot[b] = b;
-  force->plugin->force->pattern(force->self, view, &list.pattern);
-  force->plugin->force->jacobian(force->self, view, &(hk_blocks){.slot = slot, .K = K, .D = D, .want = want});
+  hk_force_of(force->plugin)->implicit.pattern(force->self, view, &list.pattern);
+  hk_force_of(force->plugin)
+      ->implicit.jacobian(force->self, view, &(hk_blocks){.slot = slot, .K = K, .D = D, .want = want});
   double least = INFINITY;
   *asymmetry = 0;
   for (int trial = 0; trial < 200; trial++) {

@@ -43,7 +43,7 @@ static void open_chains(chains *c, const setting *s) {
   *c = (chains){.joint = malloc(s->n * sizeof *c->joint), .numbers = malloc(s->n * sizeof(double))};
   test_engine_open(&c->e);
   for (uint32_t i = 0; i < s->n; i++) id[i] = i + 1, test_particle(&c->e, noise(), noise(), noise(), 1);
-  for (size_t k = 0; k < 3 * s->n; k++) c->e.scene->velocity[k] = noise();
+  for (size_t k = 0; k < 3 * s->n; k++) c->e.scene->particles.velocity[k] = noise();
   if (s->shuffle) shuffle(id, s->n);
   for (uint32_t i = 2; i < s->n; i++)
     if (i % s->strand >= 2) memcpy(c->joint[c->joints++], (uint32_t[]){id[i - 2], id[i - 1], id[i]}, sizeof *c->joint);
@@ -78,7 +78,7 @@ static void close_chains(chains *c) {
 static double one_by_one(chains *c, double *F) {
   hk_elements list;
   double power = 0;
-  c->force->plugin->force->elements(c->force->self, &c->view, &list);
+  hk_force_of(c->force->plugin)->elements.list(c->force->self, &c->view, &list);
   for (size_t k = 0; k < list.node.count; k++) {
     const uint32_t *node = hk_tuple(&list.node, k);
     double C, dC[3][3], rate = 0;

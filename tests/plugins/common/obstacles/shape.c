@@ -2,7 +2,7 @@
  * distance and, with points `spacing` apart, not farther than it by more than spacing^2/(2 d) or spacing. Meshes
  * against the shapes that they are of. */
 #include "plugins/common/obstacles/shape.h"
-#include "plugins/common/space/vector3.h"
+#include "plugins/kit/vector3.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -254,9 +254,9 @@ static void faces_may_all_be_inward(void **state) {
   for (int k = 0; k < 36; k += 3)
     faces[k] = box_faces[k], faces[k + 1] = box_faces[k + 2], faces[k + 2] = box_faces[k + 1];
   mesh_scene(&e, box_vertices, 24, faces, 36);
-  e.scene->position[0] = e.scene->position[1] = 0;
-  e.scene->position[2] = 1;
-  e.scene->velocity[2] = -40;
+  e.scene->particles.position[0] = e.scene->particles.position[1] = 0;
+  e.scene->particles.position[2] = 1;
+  e.scene->particles.velocity[2] = -40;
   e.scene->duration = 1;
   test_run(&e);
   test_advance(&e, 0.1); /* meets the upper side, at z = 0.2, and stops (e = 0) */

@@ -1,6 +1,7 @@
 /* Sums of a number times a vector for each particle: the same bits as the plain loop, for every width of vectors that
  * this processor has, for any range, for lists, with vectors of their own and a common one. */
-#include "plugins/common/parts/scaled_sums.c"
+#include "core/engine/base/base.h"
+#include "plugins/kit/parts/scaled_sums.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,6 +14,8 @@ typedef struct scene {
   double by[N], u[3 * N], F[3 * N];
   hk_scaled own, common;
 } scene;
+
+static const hk_host host = {.lanes = 2}; /* what every processor has; the others below */
 
 static scene made(void) {
   scene s = {.own = {.each = 0.3, .times = -1.7}, .common = {.times = 2.1, .common = {0.1, -0.7, 1.3}}};
@@ -53,7 +56,7 @@ static void every_range_is_that_of_the_plain_loop(void **state) {
   (void)state;
   scene s = made();
   place(&s);
-  const hk_view view = {.n = N, .acting = N};
+  const hk_view view = {.n = N, .host = &host, .acting = N};
   for (size_t begin = 0; begin <= N; begin += 5)
     for (size_t end = begin; end <= N; end++) {
       try_range(&s.own, &s, &view, begin, end);
@@ -66,7 +69,7 @@ static void lists_are_those_of_the_plain_loop(void **state) {
   scene s = made();
   place(&s);
   const uint32_t some[] = {1, 2, 3, 7, 11, 12, 13, 14, 15, 16, 17, 40, 51};
-  const hk_view view = {.n = N, .acting = sizeof some / sizeof *some, .active = some};
+  const hk_view view = {.n = N, .host = &host, .acting = sizeof some / sizeof *some, .active = some};
   try_range(&s.own, &s, &view, 0, view.acting);
   try_range(&s.common, &s, &view, 2, 11);
 }
@@ -74,10 +77,11 @@ static void lists_are_those_of_the_plain_loop(void **state) {
 typedef double adding(const hk_scaled *, const double *pattern, size_t begin, size_t end, double *F);
 
 static void same_bits(const hk_scaled *of, scene s, adding *add) {
-  double pattern[3 * EIGHT], two[3 * N];
-  for (size_t l = 0; l < 3 * EIGHT; l++) pattern[l] = of->common[l % 3];
+  double pattern[3 * HK_SCALED_EIGHT], two[3 * N];
+  for (size_t l = 0; l < 3 * HK_SCALED_EIGHT; l++) pattern[l] = of->common[l % 3];
   memcpy(two, s.F, sizeof two);
-  assert_true(add(of, pattern, 3, 3 + 5 * EIGHT, s.F) == add_eights_2(of, pattern, 3, 3 + 5 * EIGHT, two));
+  assert_true(add(of, pattern, 3, 3 + 5 * HK_SCALED_EIGHT, s.F) ==
+              hk_scaled_eights_2(of, pattern, 3, 3 + 5 * HK_SCALED_EIGHT, two));
   assert_memory_equal(s.F, two, sizeof two);
 }
 
@@ -85,11 +89,10 @@ static void all_widths_give_the_same_bits(void **state) {
   (void)state;
   scene s = made();
   place(&s);
-#if defined(__x86_64__)
-  bool has4 = __builtin_cpu_supports("avx2"), has8 = HK_WIDEST(add_eights) == add_eights_8;
-  if (has4) same_bits(&s.own, s, add_eights_4), same_bits(&s.common, s, add_eights_4);
-  if (has8) same_bits(&s.own, s, add_eights_8), same_bits(&s.common, s, add_eights_8);
-#endif
+  if (hk_processor_lanes() == 2) skip();
+  for (int lanes = 4; lanes <= hk_processor_lanes(); lanes *= 2)
+    same_bits(&s.own, s, HK_WIDEST(lanes, hk_scaled_eights)),
+        same_bits(&s.common, s, HK_WIDEST(lanes, hk_scaled_eights));
 }
 
 int main(void) {

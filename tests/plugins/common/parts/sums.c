@@ -100,9 +100,9 @@ static void the_pass_is_the_sum_of_forces(void **state) {
   double *a = calloc(3 * N + 8, sizeof *a), *b = calloc(3 * N, sizeof *b), *F = calloc(3 * N, sizeof *F);
   double largest = 0, off = 0;
   assert_int_equal(s->accelerations(s, s->t, s->X, s->X + 3 * N, NULL, a, a + 3 * N), HK_OK);
-  for (size_t k = 0; k < s->forces; k++) {
-    if (!d->parts.chosen[k]) fail_msg("force %zu does not go by parts", k);
-    assert_true(hk_probe_force(d, k, s->X, N, F));
+  for (size_t k = 0; k < s->split->forces; k++) {
+    if (!d->tiles.chosen[k]) fail_msg("force %zu does not go by parts", k);
+    assert_true(hk_query_force(d, k, s->X, N, F));
     for (size_t q = 0; q < 3 * N; q++) b[q] += F[q];
   }
   for (size_t q = 0; q < 3 * N; q++) largest = fmax(largest, fabs(b[q])), off = fmax(off, fabs(a[q] - b[q]));
@@ -125,8 +125,8 @@ static void threads_leave_no_trace(void **state) {
     size_t bytes = e.run->state.size * sizeof *X;
     if (!X) X = memcpy(malloc(bytes), e.run->state.X, bytes);
     assert_memory_equal(X, e.run->state.X, bytes);
-    for (size_t k = 0; k < d->system.forces; k++) { /* by `add` */
-      assert_true(hk_probe_force(d, k, d->system.X, N, F));
+    for (size_t k = 0; k < d->split.forces; k++) { /* by `add` */
+      assert_true(hk_query_force(d, k, d->system.X, N, F));
       if (threads == 1) memcpy(kept + k * 3 * N, F, 3 * N * sizeof *F);
       assert_memory_equal(kept + k * 3 * N, F, 3 * N * sizeof *F);
     }

@@ -50,7 +50,7 @@ static hk_frame_data data_at(int k) {
     mass[i] = 1 + (double)i, id[i] = (uint32_t)(i + 1 + (size_t)(k / 2)), heat[i] = k + 0.1 * (double)i;
     strain[i] = 0.01 * (double)i;
   }
-  s.cells = (hk_cells){.vertices = s.n - 10, .segments = 9, .vertex = vertex, .segment = segment};
+  s.cells = (hk_frame_cells){.vertices = s.n - 10, .segments = 9, .vertex = vertex, .segment = segment};
   for (uint32_t i = 0; i < 9; i++) segment[i][0] = i, segment[i][1] = i + 1;
   for (uint32_t i = 10; i < s.n; i++) vertex[i - 10] = i;
   s.arrays = 1, s.array = &array;

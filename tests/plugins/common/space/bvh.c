@@ -1,7 +1,7 @@
 /* Searches in the tree against loops over all boxes, without a tolerance: after building, after boxes moved and the
  * tree was fitted, and after it was built anew. */
 #include "plugins/common/space/bvh.h"
-#include "core/base/base.h"
+#include "core/engine/base/base.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

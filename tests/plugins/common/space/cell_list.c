@@ -1,6 +1,6 @@
 /* Cell lists against the loop over all pairs, which is compared number by number: rows have no tolerance. */
 #include "plugins/common/space/cell_list.h"
-#include "core/host/host.h"
+#include "core/engine/host/host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,7 +22,8 @@ typedef struct bench {
 
 static const hk_host *open_bench(bench *b, int threads) {
   *b = (bench){.plugin = {.kind = HK_SERVICE}};
-  b->shared = (hk_shared){.error = &b->error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  b->shared = (hk_shared){
+      .error = &b->error, .threads = hk_threads_create(threads), .allocations_left = -1, .lanes = hk_processor_lanes()};
   assert_non_null(b->shared.threads);
   b->instance =
       (hk_instance){.host = hk_host_table, .shared = &b->shared, .plugin = &b->plugin, .label = "cells", .where = ""};

@@ -1,7 +1,7 @@
 /* Records gathered by rows: joined they are what one loop in the order of the rows would write, whichever body fills a
  * row, in which order, and however often lists were too short. */
 #include "plugins/common/space/gather.h"
-#include "core/host/host.h"
+#include "core/engine/host/host.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -24,7 +24,8 @@ static bench *open_bench(int threads) {
   bench *b = calloc(1, sizeof *b);
   assert_non_null(b);
   b->plugin.kind = HK_SERVICE;
-  b->shared = (hk_shared){.error = &b->error, .threads = hk_threads_create(threads), .allocations_left = -1};
+  b->shared = (hk_shared){
+      .error = &b->error, .threads = hk_threads_create(threads), .allocations_left = -1, .lanes = hk_processor_lanes()};
   b->instance =
       (hk_instance){.host = hk_host_table, .shared = &b->shared, .plugin = &b->plugin, .label = "rows", .where = ""};
   b->gather.record_size = sizeof(uint32_t);

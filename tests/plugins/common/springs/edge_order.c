@@ -1,5 +1,5 @@
 /* Springs listed at random are put into runs, also where some are missing, and keep their numbers. */
-#include "plugins/common/springs/edge_order.h"
+#include "plugins/kit/springs/edge_order.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

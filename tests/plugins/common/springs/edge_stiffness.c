@@ -2,7 +2,7 @@
  * assembles it: in random networks for random u, and for all u by eliminating B - K, whose pivots must be positive; for
  * pinned and chosen particles, for each part that can be asked for, and for what may be drawn out. On regular grids it
  * is reached, so it cannot be smaller. */
-#include "plugins/common/springs/edge_stiffness.h"
+#include "plugins/kit/springs/edge_stiffness.h"
 #include "tests/support/force_check.h"
 
 #include <float.h>
@@ -242,11 +242,11 @@ static void ropes_bound_what_they_may_become(void **state) {
   bits = 4;
   make_random(&w);
   start(&w, "ropes");
-  const hk_force *force = w.springs->plugin->force;
-  assert_true(force->flags & HK_STIFFENS);
+  const hk_force_tables *force = hk_force_of(w.springs->plugin);
+  assert_true(force->own.flags & HK_STIFFENS);
   for (int p = 0; p < 3; p++) {
     memset(block, 0, sizeof block);
-    force->stiffness_bound(w.springs->self, &w.view, part[p], block);
+    force->bounds.stiffness_bound(w.springs->self, &w.view, part[p], block);
     bound(&w, p == 1 ? HK_STIFFNESS_WHOLE : part[p], true, expected);
     assert_memory_equal(block, expected, w.n * sizeof *block);
   }
@@ -291,7 +291,7 @@ static void springs_that_do_not_act_have_no_share(void **state) {
   bound(&w, HK_STIFFNESS_WHOLE, false, block);
   must_bound(&w, block, K, "of the chosen");
   for (size_t q = 30; q < 6 * w.n; q++) assert_true(block[q / 6][q % 6] == 0);
-  w.springs->plugin->force->stiffness_bound(w.springs->self, &w.view, HK_STIFFNESS_WHOLE, own);
+  hk_force_of(w.springs->plugin)->bounds.stiffness_bound(w.springs->self, &w.view, HK_STIFFNESS_WHOLE, own);
   /* The force sums the same shares, positive in the diagonal, in another order: of up to `edges` of them. */
   for (size_t q = 0; q < 6 * w.n; q++) {
     const double *b = block[q / 6];

@@ -1,4 +1,5 @@
-/* Each path of the screening against one distance at a time: runs of any length, with none, or just one, outside. */
+/* Every width of the screening against one distance at a time: runs of any length, with none, or just one, outside. */
+#include "core/engine/base/base.h"
 #include "plugins/common/strain/run_screen.h"
 
 #include <math.h>
@@ -20,7 +21,7 @@ static double noise(void) {
 
 /* With limits at the least and at the largest square itself nothing is outside; with either one rounding narrower, one
  * is, wherever in the run it stands. */
-static void try(hk_run_screen *screen) {
+static void try(int lanes) {
   double x[6][MOST];
   const hk_run_ends ends = {{x[0], x[1]}, {x[2], x[3]}, {x[4], x[5]}};
   for (int round = 0; round < 400; round++) {
@@ -33,29 +34,20 @@ static void try(hk_run_screen *screen) {
       least = fmin(least, l2);
       largest = fmax(largest, l2);
     }
-    assert_false(screen(&ends, count, least, largest));
-    assert_true(screen(&ends, count, least, nextafter(largest, 0)));
-    assert_true(screen(&ends, count, nextafter(least, INFINITY), largest));
+    assert_false(hk_run_screen(lanes, &ends, count, least, largest));
+    assert_true(hk_run_screen(lanes, &ends, count, least, nextafter(largest, 0)));
+    assert_true(hk_run_screen(lanes, &ends, count, nextafter(least, INFINITY), largest));
     x[0][count - 1] = NAN;
-    assert_false(screen(&ends, count, 0, INFINITY));
+    assert_false(hk_run_screen(lanes, &ends, count, 0, INFINITY));
   }
 }
 
-static void narrow_path_sees_every_edge(void **state) {
+static void every_width_sees_every_edge(void **state) {
   (void)state;
-  try(hk_run_screen_narrow);
-}
-
-static void wide_path_sees_every_edge(void **state) {
-  (void)state;
-  if (!hk_run_screen_wide()) skip();
-  try(hk_run_screen_wide());
+  for (int lanes = 2; lanes <= hk_processor_lanes(); lanes *= 2) try(lanes);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(narrow_path_sees_every_edge),
-      cmocka_unit_test(wide_path_sees_every_edge),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(every_width_sees_every_edge)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,5 +1,6 @@
 /* The dense loops for every processor against Cholesky's factorization by its definition, and against each other: the
  * paths with fused multiply-add give the same bits, the narrow one differs by rounding. */
+#include "core/engine/base/base.h"
 #include "plugins/common/supernodal/dense_path.h"
 
 #include <math.h>
@@ -77,8 +78,8 @@ static void run(const hk_dense_path *path, front *f) {
   assert_int_equal(path->factorize(f->panel, f->ld, f->top, f->inner, f->inverse), f->inner);
   size_t vector = HK_FRONT_VECTOR / path->number, first = f->top + f->inner,
          middle = first + (f->ld - first) / vector / 2 * vector;
-  path->divide(f->panel, f->ld, f->top, f->inner, f->inverse, first, middle);
-  path->divide(f->panel, f->ld, f->top, f->inner, f->inverse, middle, f->ld);
+  path->solve_rows(f->panel, f->ld, f->top, f->inner, f->inverse, first, middle);
+  path->solve_rows(f->panel, f->ld, f->top, f->inner, f->inverse, middle, f->ld);
   const void *rows = (char *)f->panel + (f->top + f->inner) * path->number;
   path->update(f->update, f->ldu, 0, f->below / 2, rows, f->ld, f->inner);
   path->update(f->update, f->ldu, f->below / 2, f->below, rows, f->ld, f->inner);
@@ -110,8 +111,14 @@ static bool same(const hk_dense_path *path, const front *f, const front *g) {
   return equal;
 }
 
+/* NULL: not of this processor. */
+static const hk_dense_path *path_of(bool single, int lanes) {
+  if (lanes > hk_processor_lanes()) return NULL;
+  return single ? hk_dense_single(lanes) : hk_dense_double(lanes);
+}
+
 static void check_size(bool single, size_t inner, size_t below) {
-  const hk_dense_path *paths[] = {hk_dense_wide8(single), hk_dense_wide4(single), hk_dense_narrow(single)};
+  const hk_dense_path *paths[] = {path_of(single, 8), path_of(single, 4), path_of(single, 2)};
   front fused = {0};
   make_matrix(inner + below);
   factorize_plainly(inner + below, inner);
@@ -143,7 +150,7 @@ static void every_path_factorizes_fronts(void **state) {
 static void a_pivot_that_is_not_positive_is_counted(void **state) {
   (void)state;
   for (int single = 0; single < 2; single++) {
-    const hk_dense_path *paths[] = {hk_dense_wide8(single), hk_dense_wide4(single), hk_dense_narrow(single)};
+    const hk_dense_path *paths[] = {path_of(single, 8), path_of(single, 4), path_of(single, 2)};
     for (size_t k = 0; k < 3; k++)
       for (size_t at = 0; paths[k] && at < 31; at += 5) {
         make_matrix(40);

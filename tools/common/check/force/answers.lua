@@ -22,9 +22,9 @@ end
 -- { { name, numbers }, ... } at the subject's present state.
 function answers.all(subject)
   local n = inspect.state(subject).n
-  local list, dx, dv = {}, {}, {}
+  local list, dx = {}, {}
   local function add(name, numbers) if numbers then list[#list + 1] = { name, numbers } end end
-  for k = 1, 3 * n do dx[k], dv[k] = math.sin(k), math.cos(k) end
+  for k = 1, 3 * n do dx[k] = math.sin(k) end
   local x = inspect.state(subject).x
   local x_to = {}
   for k = 1, 3 * n do x_to[k] = x[k] + 1e-3 * dx[k] end
@@ -38,12 +38,11 @@ function answers.all(subject)
   add("K", K)
   add("D", D)
   for part = 0, 2 do add("stiffness_bound", members.bound(subject, part)) end
-  add("product", (members.product(subject, dx, dv)))
   add("the elements", elements_of(subject))
   local limit, longest = members.limit(subject, dx), members.longest(subject)
   add("step_limit", limit and { limit })
   add("longest_step", longest and longest < math.huge and { longest })
-  members.passages(subject, x_to)
+  members.encounters(subject, x_to)
   return list
 end
 

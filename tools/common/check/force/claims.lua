@@ -58,7 +58,7 @@ local function states(subject, case)
 end
 
 local flags = { x = "HK_DEPENDS_ON_X", v = "HK_DEPENDS_ON_V", t = "HK_DEPENDS_ON_T", y = "HK_DEPENDS_ON_CHANNELS" }
-local words = { x = "positions", v = "velocities", t = "time", y = "channels" }
+local quantities = { x = "positions", v = "velocities", t = "time", y = "channels" }
 
 -- What else `changed` may be tried with: for t all times, for arrays others of the same size.
 local function others(what, state)
@@ -70,7 +70,7 @@ local function others(what, state)
   for _, factor in ipairs { 0.1, 3 } do
     local array = {}
     for k = 1, #state[what] do array[k] = state[what][k] + factor * math.sin(k) end
-    list[#list + 1] = { { [what] = array }, ("%s changed by %g"):format(words[what], factor) }
+    list[#list + 1] = { { [what] = array }, ("%s changed by %g"):format(quantities[what], factor) }
   end
   return list
 end
@@ -83,7 +83,7 @@ local function depends_as_claimed(plugin, lines)
       local state = inspect.state(subject)
       local F, power = inspect.force(subject, 0, 0)
       local E, dy = inspect.energy(subject), inspect.rates(subject)
-      for what in pairs(words) do
+      for what in pairs(quantities) do
         local claimed = plugin["on_" .. what]
         for _, other in ipairs(claimed and {} or told[what] and {} or others(what, state)) do
           inspect.set(subject, other[1])
@@ -93,7 +93,7 @@ local function depends_as_claimed(plugin, lines)
           if what == "t" and not plugin.power and power_now ~= power then off = 1 end
           if (off > 0 or by) and not told[what] then
             told[what] = true
-            lines:wrong(("it does not depend on %s, as claimed: %s with %s"):format(words[what], text or "the energy changes",
+            lines:wrong(("it does not depend on %s, as claimed: %s with %s"):format(quantities[what], text or "the energy changes",
               other[2]), ("claim %s; without it methods skip evaluations"):format(flags[what]))
           end
         end
@@ -109,9 +109,9 @@ local function depends_as_claimed(plugin, lines)
       end
     end
   end)
-  for what, word in pairs(words) do
+  for what, quantity in pairs(quantities) do
     if not plugin["on_" .. what] and not told[what] then
-      lines:add(true, ("it does not depend on %s, as claimed"):format(word))
+      lines:add(true, ("it does not depend on %s, as claimed"):format(quantity))
     end
   end
 end

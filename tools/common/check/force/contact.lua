@@ -1,4 +1,4 @@
--- Contact and short range: `update` and `step_limit`, the longest step, and the passages that steps go by.
+-- Contact and short range: `update` and `step_limit`, the longest step, and the encounters that steps go by.
 local inspect = require("inspect")
 local members = require("members")
 local cases = require("common.check.force.cases")
@@ -106,7 +106,7 @@ local function longest_step_is_a_time(plugin, lines)
   end)
 end
 
--- ---- passages ----
+-- ---- encounters ----
 
 -- Moves past each other, of many lengths: particle by particle in turn through where the others are.
 local function passing(x, length, q)
@@ -120,20 +120,20 @@ end
 
 local function norm(a) return math.sqrt(a[1] ^ 2 + a[2] ^ 2 + a[3] ^ 2) end
 
-local function check_law(once, case, pass, from, to)
-  local i = pass.i
-  for _, ending in ipairs { { pass.F_from, from, "start" }, { pass.F_to, to, "end" } } do
+local function check_law(once, case, move, from, to)
+  local i = move.i
+  for _, ending in ipairs { { move.F_from, from, "start" }, { move.F_to, to, "end" } } do
     local F = { ending[2][3 * i + 1], ending[2][3 * i + 2], ending[2][3 * i + 3] }
     local figure, text = worst.difference(ending[1], F)
     if figure > 1e-9 then
-      once("law", ("a passage's force is not that of `add` at the %s of the move: %s"):format(ending[3],
+      once("law", ("an encounter's force is not that of `add` at the %s of the move: %s"):format(ending[3],
         text:gsub("particle 1, ", "")),
         "F is the force on particle i for r from what acts to i; r at the start of the step, dr its change", case.name)
     end
   end
 end
 
-local function passages_are_the_force(plugin, lines)
+local function encounters_are_the_force(plugin, lines)
   local told, named = {}, 0
   local function once(key, text, remedy, where)
     if not told[key] then told[key] = true lines:wrong(text, remedy, where) end
@@ -148,37 +148,37 @@ local function passages_are_the_force(plugin, lines)
       inspect.set(subject, { x = to })
       local F_to, count = inspect.force(subject, 0), {}
       force = math.max(force, worst.largest(F_to))
-      local list = members.passages(subject, x)
+      local list = members.encounters(subject, x)
       asked = asked or list ~= nil
       list = list or {}
-      for _, pass in ipairs(list) do
+      for _, move in ipairs(list) do
         named = named + 1
-        if pass.i >= #x // 3 or pass.other >= #x // 3 then
-          return once("index", "a passage names a particle that does not exist", "name indices below view->n", case.name)
+        if move.i >= #x // 3 or move.other >= #x // 3 then
+          return once("index", "an encounter names a particle that does not exist", "name indices below view->n", case.name)
         end
-        count[pass.i] = (count[pass.i] or 0) + 1
-        if pass.other ~= pass.i then count[pass.other] = (count[pass.other] or 0) + 1 end
-        local near, out = norm(pass.F_near), norm(pass.F_out)
+        count[move.i] = (count[move.i] or 0) + 1
+        if move.other ~= move.i then count[move.other] = (count[move.other] or 0) + 1 end
+        local near, out = norm(move.F_near), norm(move.F_out)
         local p = near > 0 and out > 0 and math.log(near / out) / math.log(1.01) or 0
         -- Where F passes an extremum or ends, p says nothing of it.
-        if p > 1 and p < 20 and pass.nearest > 0 then
-          local expected = pass.nearest / p
-          if not (pass.range > expected / 100 and pass.range < 10 * expected) then
-            once("range", ("a passage's range is %g m, where F changes by its own size over %g m"):format(pass.range,
+        if p > 1 and p < 20 and move.nearest > 0 then
+          local expected = move.nearest / p
+          if not (move.range > expected / 100 and move.range < 10 * expected) then
+            once("range", ("an encounter's range is %g m, where F changes by its own size over %g m"):format(move.range,
               expected), "range is r/p for F = r^-p, where r is least", case.name)
           end
         end
       end
-      for _, pass in ipairs(list) do
-        if #x == 6 and count[pass.i] == 1 then check_law(once, case, pass, F_from, F_to) end
+      for _, move in ipairs(list) do
+        if #x == 6 and count[move.i] == 1 then check_law(once, case, move, F_from, F_to) end
       end
     end
   end)
   if asked and named == 0 and force > 0 then
-    once("none", "its `passages` names none in any scene, where particles pass each other closely",
+    once("none", "its `encounters` names none in any scene, where particles pass each other closely",
       "name the moves of more than 4 ranges that come near", false)
   end
-  if not next(told) then lines:add(true, ("its passages are those of its force (%d moves)"):format(named)) end
+  if not next(told) then lines:add(true, ("its encounters are those of its force (%d moves)"):format(named)) end
 end
 
 function contact.try(plugin, report)
@@ -188,7 +188,7 @@ function contact.try(plugin, report)
   end
   try(has.update or has.step_limit, "contact", contact_is_safe)
   try(has.longest_step, "longest_step is above 0", longest_step_is_a_time)
-  try(has.passages, "its passages", passages_are_the_force)
+  try(has.encounters, "its encounters", encounters_are_the_force)
 end
 
 return contact

@@ -1,7 +1,6 @@
 -- A force against its energy and its Jacobians, by central differences: the best of several steps counts, since a long
 -- one has a truncation error and a short one a rounding error.
 local inspect = require("inspect")
-local members = require("members")
 local cases = require("common.check.force.cases")
 local worst = require("common.check.force.worst")
 
@@ -283,37 +282,6 @@ local function definite_as_offered(plugin, lines)
     "take off negative eigenvalues and nothing else", more or false)
 end
 
--- dF of `product` against the blocks, or against differences where there are none.
-local function product_is_that_of_the_blocks(plugin, lines)
-  local found, adds = worst.new(), worst.new()
-  local none
-  at_random_states(plugin, lines, function(subject, case, x, v)
-    local size, dx, dv = #x, {}, {}
-    for k = 1, size do dx[k], dv[k] = math.sin(k + 1), math.cos(3 * k) end
-    local K, D = inspect.blocks(subject, 0)
-    if not K then none = true return end
-    local expected = {}
-    for r = 1, size do
-      local sum = 0
-      for k = 1, size do sum = sum - K[(r - 1) * size + k] * dx[k] - D[(r - 1) * size + k] * dv[k] end
-      expected[r] = sum
-    end
-    inspect.set(subject, { x = v, v = x })
-    inspect.force(subject, 0)
-    inspect.set(subject, { x = x, v = v })
-    local figure, text = worst.difference(members.product(subject, dx, dv), expected)
-    found:take(figure, at(case, text))
-    local F, onto = members.product(subject, dx, dv), members.product(subject, dx, dv, 1)
-    for k = 1, size do
-      adds:take(math.abs(onto[k] - F[k] - 1) / math.max(1, math.abs(F[k])), case.name)
-    end
-  end)
-  if none then return end
-  lines:most("product = -K dx - D dv", found.figure, 1e-9, "it is the derivative of F along dx and dv, not minus it",
-    found.where)
-  lines:most("product adds to dF", adds.figure, 1e-14, "write dF[...] += ...", adds.where)
-end
-
 function derivatives.try(plugin, report)
   if plugin.energy and not plugin.power then
     report:try("force is minus the gradient of its energy", function(l) force_is_minus_the_gradient(plugin, l) end)
@@ -328,7 +296,6 @@ function derivatives.try(plugin, report)
   if plugin.offers_definite then
     report:try("its definite blocks", function(l) definite_as_offered(plugin, l) end)
   end
-  if plugin.has.product then report:try("its product", function(l) product_is_that_of_the_blocks(plugin, l) end) end
 end
 
 return derivatives

@@ -1,5 +1,5 @@
 -- The functions of a force beside its force, energy and Jacobian: elements, bounds of the stiffness, and what a checkpoint
--- has to carry; contact and passages are in contact.lua.
+-- has to carry; contact and encounters are in contact.lua.
 local inspect = require("inspect")
 local members = require("members")
 local answers = require("common.check.force.answers")

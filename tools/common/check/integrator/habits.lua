@@ -310,8 +310,8 @@ local function keeps_constraints(plugin, lines)
   if not run then error(why, 0) end
   local off = off_the_bars(method.run(run, plugin.adaptive and { h = H, stop = 10 * H } or { h = H, steps = 10 }).X)
   if off > 1e-12 or off ~= off then
-    lines:wrong(("it claims HK_KEEPS_CONSTRAINTS, and ten steps leave bars of 1 m by %.2g m or m/s"):format(off),
-      "call hk_system.hold_positions and hold_velocities, or drop the flag")
+    lines:wrong(("it claims to keep constraints, and ten steps leave bars of 1 m by %.2g m or m/s"):format(off),
+      "call `shake` and `rattle` of hk_system.constraint, or drop `keeps`")
   end
 end
 
@@ -347,31 +347,33 @@ local function is_what_its_flags_say(plugin, lines)
     local contact = scenes.open(plugin, scenes.swing)
     local r = contact and method.run(contact, { h = H, steps = 1, stop = H, contact = 1 })
     if r and r.moves == 0 then
-      lines:wrong("it claims HK_LIMITS_MOVES and moves without hk_system.update", remedy("drop it, or call update and step_limit"))
+      lines:wrong("it claims HK_LIMITS_MOVES and moves without hk_system.contact's `update`",
+        remedy("drop it, or call update and step_limit"))
     end
   end
 end
 
--- 30 steps by `march`, at most so many at once, and by `step`; both sum the same numbers in the same order.
-local function marches_as_it_steps(plugin, lines)
-  if not plugin.marches then return end
-  local STEPS_MARCHED <const>, told = 30, false
+-- 30 steps by `steps` of the facet tile, at most so many at once, and by `step`; both sum the same numbers in the same order.
+local function tiles_as_it_steps(plugin, lines)
+  if not plugin.tiles then return end
+  local TILED <const>, told = 30, false
   for _, name in ipairs { "swing", "damped" } do
     lines:at("the scene '%s'", name)
-    local stepped = method.run(scenes.open(plugin, scenes[name]), { h = H, steps = STEPS_MARCHED }).X
-    for _, at_once in ipairs { 1, 3, STEPS_MARCHED } do
-      local X, marched, changed, status =
-        method.march(scenes.open(plugin, scenes[name]), { h = H, steps = STEPS_MARCHED, at_once = at_once })
+    local stepped = method.run(scenes.open(plugin, scenes[name]), { h = H, steps = TILED }).X
+    for _, at_once in ipairs { 1, 3, TILED } do
+      local X, tiled, changed, status =
+        method.tile(scenes.open(plugin, scenes[name]), { h = H, steps = TILED, at_once = at_once })
       local off = 0
       for k = 1, #X do off = math.max(off, math.abs(X[k] - stepped[k])) end
-      local wrong = status ~= 0 and ("`march` fails with status %d"):format(status)
-        or changed and "`march` changes X, which its host needs if it fails"
-        or marched == 0 and "`march` never takes a step"
-        or (off ~= off or off >= 1e-12) and ("%d steps by `march`, at most %d at once, differ by %.2g from those by `step`"):format(
-          STEPS_MARCHED, at_once, off)
+      local wrong = status ~= 0 and ("`steps` of the facet tile fails with status %d"):format(status)
+        or changed and "`steps` of the facet tile changes X, which its host needs if it fails"
+        or tiled == 0 and "`steps` of the facet tile never takes a step"
+        or (off ~= off or off >= 1e-12) and
+        ("%d steps by `steps` of the facet tile, at most %d at once, differ by %.2g from those by `step`"):format(
+          TILED, at_once, off)
       if wrong and not told then
         told = true
-        lines:wrong(wrong, "the first level goes from X to `spare`, the others in place, with t[k] at their ends; the history goes along")
+        lines:wrong(wrong, "the first step goes from X to `spare`, the others in place, with t[k] at their ends; the history goes along")
       end
     end
   end
@@ -383,7 +385,7 @@ habits.list = {
   { "it is what its flags say", is_what_its_flags_say },
   { "it passes on failures", passes_on_failures },
   { "it advances all of X", advances_everything },
-  { "steps at once are its steps", marches_as_it_steps },
+  { "steps at once are its steps", tiles_as_it_steps },
   { "it reads no memory that was not written", reads_what_was_written },
   { "it allocates nothing in a step and leaks nothing", allocates_nothing },
   { "it keeps nothing outside its instance", keeps_to_its_instance },

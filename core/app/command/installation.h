@@ -1,0 +1,24 @@
+/* Where the parts of hooke are, and the commands that it has. */
+#ifndef HK_INSTALLATION_H
+#define HK_INSTALLATION_H
+
+#include "core/engine/base/base.h"
+
+#include <limits.h>
+
+typedef struct hk_installation {
+  char plugins[PATH_MAX], scripts[PATH_MAX], tools[PATH_MAX], include[PATH_MAX]; /* "": it has none */
+} hk_installation;
+
+/* Beside the program: the folders of the build tree, or those of an installation. HK_IO: there are no plugins. */
+hk_status hk_installation_find(hk_installation *, hk_error *error);
+/* The tool of that name, in path[PATH_MAX + 128]. HK_BAD_PARAM: there is none; the message says what may be meant. */
+hk_status hk_installation_tool(const hk_installation *, const char *name, char *path, hk_error *error);
+/* Leaves in PATH, for the programs that are started, the absolute folders: "." and what is relative mean another folder
+ * wherever hooke is called. HK_NO_MEMORY. */
+hk_status hk_installation_programs(hk_error *error);
+/* HK_BAD_PARAM: the list of folders, the value of that variable, has a relative one. */
+hk_status hk_installation_absolute(const char *variable, const char *list, hk_error *error);
+void hk_installation_help(const hk_installation *); /* all commands and what they do, on standard output */
+
+#endif

@@ -1,0 +1,37 @@
+/* The command line of `hooke run`. */
+#ifndef HK_OPTIONS_H
+#define HK_OPTIONS_H
+
+#include "core/run/run/run.h"
+#include "core/app/lua/lua.h"
+
+#include <limits.h>
+#include <stdio.h>
+
+typedef struct hk_options {
+  hk_run_options run;
+  const char *scene, *state, *summary;
+  FILE *summary_file; /* `summary`, opened before the script runs; NULL: none */
+  int threads;
+  uint64_t seed, port;
+  bool json, quiet, trust, verify, watch, forces, help;
+  size_t given_count;
+  hk_param_given *given; /* one per argument at most */
+  const char **with;     /* as many */
+  char beside[PATH_MAX]; /* the folder of the checkpoint, where run.out is that */
+} hk_options;
+
+/* `argv` from the word after "run". HK_BAD_PARAM with the nearest option's name. Free `given` and `with`
+ * afterwards. */
+hk_status hk_options_parse(hk_options *, int argc, char **argv, hk_error *error);
+/* Whether the flag of that name, "--name", is among the words. */
+bool hk_option_given(int argc, char **argv, const char *name);
+/* Whether the option of that word, "--name" or "--name=value", is kept in checkpoints. *takes_value is set to true
+ * where it does, and else left alone. */
+bool hk_option_kept(const char *word, bool *takes_value);
+void hk_options_print(void); /* the help, on standard output */
+
+/* parameters.c: those that the script declares, on standard output: a table for people, or a list as JSON. */
+void hk_parameters_print(const hk_script *, bool json);
+
+#endif

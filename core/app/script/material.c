@@ -1,0 +1,118 @@
+/* material = "name" in a builder's or a plugin's table stands for numbers of the module `material_numbers`, which is in
+ * scripts/lib, or beside the scene: a table of materials, each a table of tables of values, by the name of the builder
+ * or plugin that takes them. What is given beside it goes first. So what a material is stands in one place, in the
+ * language of scenes, and the engine knows neither cloths nor their plugins. */
+#include "core/app/script/script.h"
+#include "core/engine/base/base.h"
+#include "core/engine/text/text.h"
+
+#include <string.h>
+
+typedef struct names {
+  size_t count;
+  const char *at[256]; /* in the order of the alphabet; keys of the table, which holds them */
+} names;
+
+static const char *name_at(const void *context, size_t k) {
+  const names *list = context;
+  return k < list->count ? list->at[k] : NULL;
+}
+
+/* The keys of the table on top of the stack that are names of tables, sorted. */
+static void collect(lua_State *L, names *list) {
+  list->count = 0;
+  for (lua_pushnil(L); list->count < 256 && lua_next(L, -2); lua_pop(L, 1)) {
+    if (lua_type(L, -2) != LUA_TSTRING || !lua_istable(L, -1)) continue;
+    const char *name = lua_tostring(L, -2);
+    size_t k = list->count++;
+    for (; k > 0 && strcmp(list->at[k - 1], name) > 0; k--) list->at[k] = list->at[k - 1];
+    list->at[k] = name;
+  }
+}
+
+/* Pushes "a, b, c". */
+static const char *push_list(lua_State *L, const names *list) {
+  luaL_Buffer text;
+  luaL_buffinit(L, &text);
+  for (size_t k = 0; k < list->count; k++) {
+    if (k > 0) luaL_addstring(&text, ", ");
+    luaL_addstring(&text, list->at[k]);
+  }
+  luaL_pushresult(&text);
+  return lua_tostring(L, -1);
+}
+
+/* Pushes the table of the module. */
+static void push_materials(lua_State *L, const char *what) {
+  if (lua_getfield(L, LUA_REGISTRYINDEX, HK_LUA_REQUIRE) != LUA_TFUNCTION)
+    hk_lua_fail(L, HK_SCRIPT, "%s: material: there are no modules here", what);
+  lua_pushliteral(L, "material_numbers");
+  lua_call(L, 1, 1);
+  if (!lua_istable(L, -1))
+    hk_lua_fail(L, HK_SCRIPT, "%s: material: the module 'material_numbers' gives no table", what);
+}
+
+/* Replaces the table on top of the stack by the table that it holds under `key`; false: it holds none. */
+static bool descend(lua_State *L, const char *key) {
+  bool found = hk_lua_field(L, -1, key) == LUA_TTABLE;
+  if (found)
+    lua_remove(L, -2);
+  else
+    lua_pop(L, 1);
+  return found;
+}
+
+/* Replaces the module's table on top of the stack by that of the material. */
+static void find_material(lua_State *L, const char *what, const char *name) {
+  names list;
+  if (descend(L, name)) return;
+  collect(L, &list);
+  const char *near = hk_nearest_name(name, name_at, &list), *all = push_list(L, &list);
+  if (near)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: material: there is no '%s'; did you mean '%s'? There are %s", what, name, near,
+                all);
+  hk_lua_fail(L, HK_BAD_PARAM, "%s: material: there is no '%s'; there are %s", what, name, all);
+}
+
+/* Replaces the material's table on top of the stack by its values for `what`. */
+static void find_values(lua_State *L, const char *what, const char *name) {
+  names list;
+  if (descend(L, what)) return;
+  collect(L, &list);
+  hk_lua_fail(L, HK_BAD_PARAM, "%s: material: '%s' has nothing for it, but for %s", what, name, push_list(L, &list));
+}
+
+/* Copies the fields of the table at `from` to that on top of the stack where it has none. */
+static void merge(lua_State *L, int from) {
+  for (lua_pushnil(L); lua_next(L, from); lua_pop(L, 1)) {
+    lua_pushvalue(L, -2);
+    if (lua_rawget(L, -4) == LUA_TNIL) {
+      lua_pushvalue(L, -3);
+      lua_pushvalue(L, -3);
+      lua_rawset(L, -6);
+    }
+    lua_pop(L, 1);
+  }
+}
+
+void hk_lua_take_material(lua_State *L, int table, const char *what) {
+  int top = lua_gettop(L);
+  if (hk_lua_field(L, table, "material") == LUA_TNIL) {
+    lua_settop(L, top);
+    return;
+  }
+  if (lua_type(L, -1) != LUA_TSTRING)
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: material: expected a name, got a %s", what, luaL_typename(L, -1));
+  const char *name = lua_tostring(L, -1);
+  push_materials(L, what);
+  find_material(L, what, name);
+  find_values(L, what, name);
+  int values = lua_gettop(L);
+  lua_newtable(L);
+  merge(L, table);
+  merge(L, values);
+  lua_pushnil(L);
+  lua_setfield(L, -2, "material");
+  lua_replace(L, table);
+  lua_settop(L, top);
+}

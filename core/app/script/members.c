@@ -1,0 +1,27 @@
+/* What scripts ask of the engine's objects that these do not have: errors that name the object, the nearest name and
+ * the right form. */
+#include "core/app/script/script.h"
+
+#include <string.h>
+
+void *hk_lua_self(lua_State *L, const char *type, const char *form) {
+  void *self = luaL_testudata(L, 1, type);
+  if (!self) hk_lua_fail(L, HK_SCRIPT, "functions of a %s are called with a colon: %s", strchr(type, '.') + 1, form);
+  return self;
+}
+
+const char *hk_lua_method_name(const void *context, size_t k) { return ((const luaL_Reg *)context)[k].name; }
+
+int hk_lua_no_member(lua_State *L, const char *what, hk_name_at *names, const void *context, const char *otherwise) {
+  if (lua_type(L, 2) != LUA_TSTRING)
+    return hk_lua_fail(L, HK_BAD_PARAM, "%s has no members by %s; %s", what, luaL_typename(L, 2), otherwise);
+  const char *name = lua_tostring(L, 2);
+  const char *near = hk_registry_meant(hk_lua_script(L)->options.registry, name, names, context);
+  return near ? hk_lua_fail(L, HK_BAD_PARAM, "%s has no '%s'; did you mean '%s'?", what, name, near)
+              : hk_lua_fail(L, HK_BAD_PARAM, "%s has no '%s'; %s", what, name, otherwise);
+}
+
+void hk_lua_check_table(lua_State *L, int index, const char *what, const char *form) {
+  if (!lua_istable(L, index))
+    hk_lua_fail(L, HK_BAD_PARAM, "%s: expected a table, %s, got a %s", what, form, luaL_typename(L, index));
+}

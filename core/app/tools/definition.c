@@ -1,0 +1,55 @@
+/* hooke.definition(path, name): the table that a script returns through hooke.NAME{}. The script only describes
+ * something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their sandbox and
+ * limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans and tables. */
+#include "core/app/tools/tools.h"
+
+#include <lauxlib.h>
+
+static const char marked; /* its address is the key of the table in the registry */
+
+typedef struct definition {
+  lua_State *to; /* the tool's, in which the table is put on the stack */
+  const char *path, *name;
+} definition;
+
+static int mark(lua_State *L) {
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_settop(L, 1);
+  lua_pushvalue(L, 1);
+  lua_rawsetp(L, LUA_REGISTRYINDEX, &marked);
+  return 1;
+}
+
+static int run(lua_State *L) {
+  definition *d = lua_touserdata(L, 1);
+  lua_createtable(L, 0, 2); /* in the place of hooke: no scene is made here */
+  lua_getglobal(L, "hooke");
+  lua_getfield(L, -1, "version");
+  lua_setfield(L, -3, "version");
+  lua_pop(L, 1);
+  lua_pushcfunction(L, mark);
+  lua_setfield(L, -2, d->name);
+  lua_setglobal(L, "hooke");
+  const char *what = lua_pushfstring(L, "%s: the table of hooke.%s{}", d->path, d->name);
+  hk_lua_run_file(L);
+  lua_rawgetp(L, LUA_REGISTRYINDEX, &marked);
+  if (!lua_istable(L, -1) || !lua_rawequal(L, -1, -2))
+    hk_lua_fail(L, HK_SCRIPT, "%s: a %s script ends with return hooke.%s { ... }", d->path, d->name, d->name);
+  hk_tool_copy(d->to, L, what);
+  return 0;
+}
+
+int hk_tool_definition(lua_State *L) {
+  definition d = {.to = L, .path = luaL_checkstring(L, 1), .name = luaL_checkstring(L, 2)};
+  hk_script_options options = *hk_script_asked(hk_lua_script(L));
+  hk_error error = {0};
+  int top = lua_gettop(L);
+  options.trust = false;
+  options.given_count = 0;
+  hk_status status = hk_script_host(d.path, &options, run, &d, &error);
+  if (status == HK_OK) return 1;
+  lua_settop(L, top);
+  lua_pushnil(L);
+  lua_pushstring(L, error.text);
+  return 2;
+}

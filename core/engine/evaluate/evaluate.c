@@ -1,0 +1,210 @@
+/* f(X, t): the sum of forces, divided by the masses, with pins and constraints, as integrators see it.
+ *
+ * One evaluation: timed parameters and the places of pins are those of the time t; forces without parts add to F in the
+ * scene's order; blocks/ adds the parts of the others, block by block, imposes the pins on each block, divides by the
+ * masses and checks that F is finite, while the data are in the cache; then constraint forces are added. Results do not
+ * depend on the number of threads: what is summed where depends on counts alone. Wall time by plugin is sampled at one
+ * evaluation in 64. */
+#include "core/engine/evaluate/evaluate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static hk_dynamics *dynamics_of(hk_system *s) { return (hk_dynamics *)(void *)s; }
+
+/* One evaluation in SAMPLE is timed. A tile of several steps pays where so many can be under way at once. */
+enum { SAMPLE = 64, DEPTH = 4 };
+
+static bool is_sampled(const hk_dynamics *d) { return d->count.evaluations % SAMPLE == 0; }
+
+/* ---- channels ---- */
+
+hk_status hk_evaluate_rate(hk_dynamics *d, size_t k, double t, const double *y, double *dy, size_t first) {
+  const hk_channel_spec *spec = &d->state->start->channel[k];
+  size_t n = d->state->model.n, size = spec->size, begin = d->state->channel[k].offset * n;
+  if (!isnan(spec->decay)) {
+    for (size_t e = begin + size * first; e < begin + size * n; e++) dy[e] += spec->decay * y[e];
+    return HK_OK;
+  }
+  double in[18] = {t}, out[16];
+  for (size_t i = first; spec->rate.call && i < n; i++) {
+    size_t got = 0;
+    in[1] = d->state->id[i];
+    memcpy(in + 2, y + begin + size * i, size * sizeof *in);
+    hk_status status = spec->rate.call(&spec->rate, NULL, in, 2 + size, out, 16, &got, d->error);
+    if (status != HK_OK) return status;
+    if (got != size)
+      return hk_error_set(d->error, HK_SCRIPT, "channel '%s': rate gave %zu numbers, expected %zu", spec->name, got,
+                          size);
+    for (size_t c = 0; c < size; c++) dy[begin + size * i + c] += out[c];
+  }
+  return HK_OK;
+}
+
+/* ---- the time ---- */
+
+static hk_status set_timed(hk_dynamics *d, double t) {
+  static const hk_kind kinds[] = {HK_FORCE, HK_CONSTRAINT};
+  hk_status status = HK_OK;
+  for (int j = 0; j < 2; j++)
+    for (size_t k = 0; k < d->plugins->kind[kinds[j]].count && status == HK_OK; k++)
+      status = hk_instance_set_time(d->plugins->kind[kinds[j]].item[k], t, d->error);
+  d->timed_at = status == HK_OK ? t : NAN;
+  return status;
+}
+
+hk_status hk_dynamics_set_time(hk_dynamics *d, double t) {
+  if (d->evaluations.distance) hk_evaluations_note(&d->evaluations, t);
+  hk_status status = d->pins->has_paths ? hk_pins_find(d->pins, t, d->error) : HK_OK;
+  return status == HK_OK && d->has_timed && t != d->timed_at ? set_timed(d, t) : status;
+}
+
+hk_status hk_dynamics_impose(hk_dynamics *d, double t, double *x, double *v) {
+  hk_status status = hk_dynamics_set_time(d, t);
+  if (status == HK_OK && (d->pins->has_paths || d->pins->has_slides))
+    hk_pins_impose(d->pins, 0, d->state->model.n, x, v);
+  return status;
+}
+
+/* ---- forces ---- */
+
+static void prepare_view(hk_dynamics *d, size_t k, const hk_step_in_tile *w, double *power) {
+  hk_view *view = &d->force_view[k];
+  view->t = w->t;
+  view->x = w->x;
+  view->v = w->v;
+  view->y = w->y;
+  view->power = power;
+}
+
+static hk_status add_force(hk_dynamics *d, size_t k, double *F, double *dy) {
+  hk_instance *force = d->plugins->kind[HK_FORCE].item[k];
+  const hk_force *functions = force->plugin->force;
+  bool sample = is_sampled(d);
+  double begin = sample ? hk_clock() : 0;
+  const hk_instance *outer = hk_enter(force);
+  hk_status status = hk_force_add(force, &d->force_view[k], F);
+  if (status == HK_OK && functions->rates) status = functions->rates(force->self, &d->force_view[k], dy);
+  status = hk_leave_with(force, outer, "add", status);
+  force->calls++;
+  if (sample) {
+    force->seconds += hk_clock() - begin;
+    force->sampled++;
+  }
+  return status;
+}
+
+static hk_status add_with_work(hk_dynamics *d, size_t k, double *F, double *dy, const double *v, double *power) {
+  size_t count = 3 * d->state->model.n;
+  double *alone = d->unaccounted, sum = 0;
+  memset(alone, 0, count * sizeof *alone);
+  hk_status status = add_force(d, k, alone, dy);
+  for (size_t e = 0; e < count; e++) {
+    F[e] += alone[e];
+    sum += alone[e] * v[e];
+  }
+  *power += sum;
+  return status;
+}
+
+static bool is_whole(const hk_dynamics *d, size_t k) { return d->force_acts[k] && d->takes[k] && !d->tiles.chosen[k]; }
+
+static bool has_whole(const hk_dynamics *d) {
+  bool any = false;
+  for (size_t k = 0; k < d->split.forces; k++) any |= is_whole(d, k);
+  return any;
+}
+
+/* Adds the forces without parts to F. */
+static hk_status sum_whole(hk_dynamics *d, const hk_step_in_tile *w, double *dy, double *power) {
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->split.forces && status == HK_OK; k++) {
+    if (!is_whole(d, k)) continue;
+    bool whole = hk_work_unaccounted(d->plugins->kind[HK_FORCE].item[k]);
+    prepare_view(d, k, w, whole ? NULL : power);
+    status = whole ? add_with_work(d, k, w->a, dy, w->v, power) : add_force(d, k, w->a, dy);
+  }
+  return status;
+}
+
+static hk_status sum_forces(hk_dynamics *d, const hk_step_in_tile *w, const double *y, double *dy, double *power) {
+  hk_status status = HK_OK;
+  if (w->prepared) {
+    hk_tiles_prepare(&d->tiles, w);
+    status = sum_whole(d, w, dy, power);
+  }
+  for (size_t k = 0; d->split.takes_channels && k < d->state->start->channels && status == HK_OK; k++)
+    status = hk_evaluate_rate(d, k, w->t, y, dy, 0);
+  if (status != HK_OK) return status;
+  status = hk_tile_evaluate(&d->tiles, w, power);
+  return status == HK_OK ? HK_OK : hk_error_set(d->error, status, "the forces are not finite");
+}
+
+/* ---- evaluations ---- */
+
+void hk_dynamics_take_all(hk_dynamics *d) {
+  d->split.takes_channels = true;
+  if (d->system.constraint) d->system.constraint->takes_constraints = true;
+  for (size_t k = 0; k < d->split.forces; k++) d->takes[k] = true;
+}
+
+hk_status hk_evaluate_fused(hk_system *s, double t, double *x, double *v, const double *y, double *a, double *dy,
+                            const hk_fused *fused) {
+  hk_dynamics *d = dynamics_of(s);
+  size_t tail = s->size - 6 * s->n - 1;
+  bool constrained = s->constraint && s->constraint->takes_constraints;
+  hk_step_in_tile w = {t, x, v, tail ? y : NULL, a, fused, has_whole(d), constrained, is_sampled(d)};
+  hk_status status = hk_dynamics_set_time(d, t);
+  if (status != HK_OK) return status;
+  memset(dy, 0, (tail + 1) * sizeof *dy);
+  status = sum_forces(d, &w, y, dy, dy + tail);
+  d->count.evaluations++;
+  if (status != HK_OK || !constrained) return status;
+  status = d->constrain->accelerate(d, t, x, v, a, dy + tail);
+  if (status == HK_OK) hk_tiles_finish(&d->tiles, &w);
+  return status;
+}
+
+void hk_evaluate_exchange(hk_system *s) {
+  hk_state *state = dynamics_of(s)->state;
+  hk_state_exchange(state);
+  s->X = state->X;
+  s->spare = state->spare;
+}
+
+hk_status hk_evaluate_accelerations(hk_system *s, double t, double *x, double *v, const double *y, double *a,
+                                    double *dy) {
+  return hk_evaluate_fused(s, t, x, v, y, a, dy, NULL);
+}
+
+bool hk_evaluate_takes_several(const hk_dynamics *d) {
+  const hk_system *s = &d->system;
+  if (d->constrain || s->contact || d->listens || d->demands || s->size > 6 * s->n + 1) return false;
+  return !(d->queries.flags & HK_DEPENDS_ON_T) && !d->pins->has_slides && !has_whole(d) &&
+         d->tiles.order.depth >= DEPTH;
+}
+
+hk_status hk_evaluate_several(hk_system *s, hk_tile_step *of, size_t count) {
+  hk_dynamics *d = dynamics_of(s);
+  hk_step_in_tile step[HK_TILE_STEPS] = {{0}};
+  double power[HK_TILE_STEPS] = {0};
+  for (size_t k = 0; k < count; k++, d->count.evaluations++)
+    step[k] = (hk_step_in_tile){
+        .t = of[k].t, .x = of[k].x, .v = of[k].v, .a = of[k].a, .fused = &of[k].fused, .sampled = is_sampled(d)};
+  hk_status status = hk_tile_evaluate_several(&d->tiles, step, count, power);
+  for (size_t k = 0; k < count; k++) of[k].power = power[k];
+  return status == HK_OK ? HK_OK : hk_error_set(d->error, status, "the forces are not finite");
+}
+
+hk_status hk_evaluate_resize(hk_dynamics *d) {
+  const hk_instances *forces = &d->plugins->kind[HK_FORCE];
+  size_t n = d->state->model.n;
+  bool account = false;
+  for (size_t k = 0; k < forces->count; k++) account |= hk_work_unaccounted(forces->item[k]);
+  free(d->unaccounted);
+  d->unaccounted = account ? calloc(3 * n + 1, sizeof *d->unaccounted) : NULL;
+  free(d->predicted);
+  d->predicted = d->system.contact ? calloc(3 * n + 1, sizeof *d->predicted) : NULL;
+  if ((!account || d->unaccounted) && (!d->system.contact || d->predicted)) return HK_OK;
+  return hk_error_set(d->error, HK_NO_MEMORY, "no memory for %zu particles", n);
+}

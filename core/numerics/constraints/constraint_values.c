@@ -1,0 +1,127 @@
+/* What the constraints of a scene say of a state: g, its derivatives and the rate of change of g, for all equations in
+ * one list. */
+
+#include "core/numerics/constraints/constraints.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { MOST_NAMES = 4 };
+
+hk_view hk_constraint_view(const hk_dynamics *d, const hk_instance *instance, double t, const double *x,
+                           const double *v) {
+  hk_view view = d->state->view;
+  view.t = t;
+  view.x = x;
+  view.v = v;
+  view.host = &instance->host;
+  view.power = NULL;
+  return view;
+}
+
+hk_status hk_constraint_failed(hk_dynamics *d, const hk_instance *instance, double t, hk_status status) {
+  if (status != HK_OK && !*d->error->text)
+    hk_error_set(d->error, status, "constraint '%s' failed at t = %g s without saying why", instance->label, t);
+  return status;
+}
+
+hk_status hk_constraint_jacobian(hk_dynamics *d, double t, const double *x, const double *v, double (*J)[3]) {
+  const hk_constraints *c = d->constraints;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    hk_view view = hk_constraint_view(d, instance, t, x, v);
+    const hk_instance *outer = hk_enter(instance);
+    status = instance->plugin->constraint->jacobian(instance->self, &view, J + c->block_first[k]);
+    hk_leave(instance, outer);
+    status = hk_constraint_failed(d, instance, t, status);
+  }
+  return status;
+}
+
+typedef enum quantity { VALUE, CURVATURE, SPEED } quantity;
+
+static hk_status ask(hk_dynamics *d, quantity what, double t, const double *x, const double *v, double *out) {
+  hk_constraints *c = d->constraints;
+  hk_status status = HK_OK;
+  for (size_t k = 0; k < d->plugins->kind[HK_CONSTRAINT].count && status == HK_OK; k++) {
+    const hk_instance *instance = d->plugins->kind[HK_CONSTRAINT].item[k];
+    const hk_constraint *functions = instance->plugin->constraint;
+    hk_status (*function)(void *, const hk_view *, double *) = what == VALUE       ? functions->value
+                                                               : what == CURVATURE ? functions->curvature
+                                                                                   : functions->speed;
+    hk_view view = hk_constraint_view(d, instance, t, x, v);
+    const hk_instance *outer = hk_enter(instance);
+    if (function) status = function(instance->self, &view, out + c->equation_first[k]);
+    hk_leave(instance, outer);
+    status = hk_constraint_failed(d, instance, t, status);
+  }
+  return status;
+}
+
+hk_status hk_constraint_value(hk_dynamics *d, double t, const double *x, const double *v) {
+  return ask(d, VALUE, t, x, v, d->constraints->g);
+}
+
+hk_status hk_constraint_curvature(hk_dynamics *d, double t, const double *x, const double *v) {
+  return ask(d, CURVATURE, t, x, v, d->constraints->c);
+}
+
+hk_status hk_constraint_speed(hk_dynamics *d, double t, const double *x, const double *v) {
+  return d->constraints->has_speed ? ask(d, SPEED, t, x, v, d->constraints->speed) : HK_OK;
+}
+
+double hk_constraint_extent(const hk_constraints *c, const double *x) {
+  double largest[3] = {0, 0, 0};
+  for (size_t b = 0; b < c->blocks; b++) {
+    const double *at = x + 3 * (size_t)c->list.pair[b][1];
+    for (int a = 0; a < 3; a++) largest[a] = fabs(at[a]) > largest[a] ? fabs(at[a]) : largest[a];
+  }
+  return fmax(fmax(largest[0], largest[1]), largest[2]);
+}
+
+void hk_constraint_rate(hk_constraints *c, const double *v, double *rate, double *sum) {
+  memcpy(rate, c->speed, c->equations * sizeof *rate);
+  for (size_t b = 0; b < c->blocks; b++)
+    rate[c->list.pair[b][0]] += hk_constraint_dot(c->J[b], v + 3 * (size_t)c->list.pair[b][1]);
+  if (!sum) return;
+  for (size_t k = 0; k < c->equations; k++) sum[k] = fabs(c->speed[k]);
+  for (size_t b = 0; b < c->blocks; b++) {
+    const double *here = v + 3 * (size_t)c->list.pair[b][1];
+    sum[c->list.pair[b][0]] += sqrt(hk_constraint_dot(c->J[b], c->J[b]) * hk_constraint_dot(here, here));
+  }
+}
+
+double hk_constraint_power(const hk_dynamics *d, const double *v) {
+  const hk_constraints *c = d->constraints;
+  double sum = 0;
+  for (size_t k = 0; c->has_speed && k < c->equations; k++) sum -= c->solution[k] * c->speed[k];
+  for (size_t b = 0; d->pins->has_paths && b < c->blocks; b++) {
+    uint32_t i = c->list.pair[b][1];
+    if (d->state->pin[i] == HK_PIN_PATH)
+      sum -= c->solution[c->list.pair[b][0]] * hk_constraint_dot(c->J[b], v + 3 * (size_t)i);
+  }
+  return sum;
+}
+
+const hk_instance *hk_constraint_of(const hk_dynamics *d, size_t equation, size_t *number) {
+  size_t k = 0;
+  while (d->constraints->equation_first[k + 1] <= equation) k++;
+  *number = equation - d->constraints->equation_first[k] + 1;
+  return d->plugins->kind[HK_CONSTRAINT].item[k];
+}
+
+void hk_constraint_name(const hk_dynamics *d, size_t equation, char *text, size_t size) {
+  const hk_constraints *c = d->constraints;
+  size_t number, named = 0, of = 0;
+  hk_constraint_of(d, equation, &number);
+  for (size_t b = 0; b < c->blocks; b++) of += c->list.pair[b][0] == equation;
+  size_t at = (size_t)snprintf(text, size, "equation %zu (particle%s", number, of == 1 ? "" : "s");
+  for (size_t b = 0; b < c->blocks && named < MOST_NAMES && at < size; b++) {
+    if (c->list.pair[b][0] != equation) continue;
+    const char *before = named == 0 ? " " : named + 1 == of ? " and " : ", ";
+    at += (size_t)snprintf(text + at, size - at, "%s%u", before, (unsigned)d->state->id[c->list.pair[b][1]]);
+    named++;
+  }
+  if (at < size) snprintf(text + at, size - at, "%s)", of > MOST_NAMES ? ", ..." : "");
+}

@@ -1,0 +1,154 @@
+/* The equations g = 0 and g >= 0 of all constraints of a scene, with J = dg/dx, W the inverse masses after pins, and
+ * A = S J W J^T S scaled by S; their active set; and the projections of x and v. constraint.c applies them. */
+#ifndef HK_CONSTRAINTS_H
+#define HK_CONSTRAINTS_H
+
+#include "core/numerics/matrix/matrix.h"
+
+struct hk_constraints {
+  hk_constraint_table table; /* hk_system.constraint */
+  size_t equations, blocks, terms;
+  size_t *equation_first;   /* first equation of each instance, and the number of equations */
+  size_t *block_first;      /* first block of each instance, and the number of blocks */
+  hk_block_matrix list;     /* pair[b]: equation and particle of block b; its matrix is not built */
+  double (*J)[3], (*WJ)[3]; /* blocks: dg/dx, and W J: J with the pins applied, divided by the mass */
+  uint32_t *pin, *place;    /* blocks: position in d->pins->item, and of the particle in it; UINT32_MAX: never pinned */
+  hk_block_matrix matrix;   /* pattern of A: 1 x 1 blocks; the diagonal is named first */
+  uint32_t (*term)[2];      /* terms: the blocks of two equations whose product is added to A at matrix.slot[equations +
+                               2 term] and at the next slot, its mirror */
+  double *value;            /* values of A */
+  double *own;              /* equations: diagonal of J W J^T */
+  double *full;             /* equations: diagonal of S if all equations acted; 0 where no particle can move */
+  double *scale;            /* equations: diagonal of S; 0 where an equation rests or no particle can move */
+  double *g, *c, *rhs, *solution; /* equations */
+  double *speed;                  /* equations: dg/dt at fixed x, m/s; zeros where a constraint has none */
+  double *residual, *correction;  /* equations: residual and correction of a refinement; also scratch */
+  double *moved;                  /* n x 3: W J^T solution */
+  double *lambda;                 /* equations: multipliers of the last evaluation */
+  /* The set of equations that act (active_set.c). */
+  size_t one_sided_count;
+  bool *one_sided; /* equations */
+  bool *implied;   /* equations linearly dependent on others in this scene: their multiplier is 0 */
+  bool *touches;   /* one-sided equations that were met with equality at the start of the step */
+  bool *pushes;    /* one-sided equations whose multiplier was positive in the last evaluation of this step */
+  bool *allowed;   /* one-sided equations that may act in the present problem */
+  bool *held;      /* one-sided equations that are treated as equalities in the present problem */
+  bool *rests;     /* equations that do not act in the present problem */
+  double soft;     /* the present factors are those of A + soft I */
+  bool dependent;  /* the present problem has linearly dependent equations */
+  bool has_speed;  /* some constraint has `speed` */
+  bool jumped;     /* since hk_constraints_jumped was last called: contact began or ended, equations changed, velocities
+                      jumped */
+  bool kept;       /* J, speed, A and the factors are those of kept_x and kept_t (constraint_projection.c) */
+  double kept_t, *kept_x;
+  uint64_t revision; /* of the pattern */
+  bool *path_used;   /* pins: a constraint acts on a particle of it */
+  hk_linear_system linear;
+  hk_linear_system mixed;      /* J_end W J^T, unsymmetric; opened on demand */
+  double (*J_end)[3];          /* blocks: J at the end of the step */
+  hk_plugin_spec *unsymmetric; /* spec of its solver; NULL: the scene's */
+};
+
+static inline double hk_constraint_dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Largest g that counts as contact, relative to the largest coordinate: generous, see constraint.c. */
+static const double hk_constraint_touching = 1e-10;
+
+/* ---- constraint_values.c ---- */
+
+hk_view hk_constraint_view(const hk_dynamics *, const hk_instance *, double t, const double *x, const double *v);
+/* Returns `status`, the result of a call of a constraint; on failure it makes sure that the error has a message. */
+hk_status hk_constraint_failed(hk_dynamics *, const hk_instance *, double t, hk_status status);
+hk_status hk_constraint_value(hk_dynamics *, double t, const double *x, const double *v);     /* g */
+hk_status hk_constraint_speed(hk_dynamics *, double t, const double *x, const double *v);     /* speed */
+hk_status hk_constraint_curvature(hk_dynamics *, double t, const double *x, const double *v); /* c */
+hk_status hk_constraint_jacobian(hk_dynamics *, double t, const double *x, const double *v, double (*J)[3]);
+double hk_constraint_extent(const hk_constraints *, const double *x); /* the largest coordinate in an equation, m */
+/* rate = J v + g_t, sum = the sum of the magnitudes of its terms; sum NULL: it is not wanted. */
+void hk_constraint_rate(hk_constraints *, const double *v, double *rate, double *sum);
+/* The power of the constraint forces along what moves with time, their equations and scripted particles, W: minus
+ * solution (g_t + J v of those particles). Of an impulse it is the work, J. */
+double hk_constraint_power(const hk_dynamics *, const double *v);
+/* The instance of an equation, and the equation's number within it, from 1. */
+const hk_instance *hk_constraint_of(const hk_dynamics *, size_t equation, size_t *number);
+
+/* "equation 3 (particles 3 and 4)": the ids of at most four. */
+void hk_constraint_name(const hk_dynamics *, size_t equation, char *text, size_t size);
+
+/* ---- constraint.c ---- */
+
+/* Finds which one-sided equations touch at x and v. */
+hk_status hk_constraint_find_contacts(hk_dynamics *, double t, const double *x, const double *v);
+
+hk_status hk_constraints_project_velocity(hk_system *, double *vector); /* see hk_system */
+/* Whether the computing time of this evaluation or step is measured; only a sample is. */
+bool hk_constraint_sampled(const hk_dynamics *);
+/* Distributes the time since `begin`, s, among the constraints by their numbers of equations; `whole`: the evaluation
+ * or step is complete. */
+void hk_constraint_account(hk_dynamics *, double begin, bool whole);
+
+/* ---- constraint_matrix.c ---- */
+
+hk_status hk_constraint_matrix_build(hk_dynamics *); /* the pattern, after every change of topology */
+void hk_constraint_matrix_free(hk_constraints *);
+/* Computes J, WJ, full, and scale for the equations that do not rest. */
+hk_status hk_constraint_matrix_linearise(hk_dynamics *, double t, const double *x, const double *v);
+/* After that, W is as if all masses were 1, until the next linearisation. */
+void hk_constraint_matrix_forget_masses(hk_dynamics *);
+void hk_constraint_matrix_rest(hk_constraints *);          /* updates scale after a change of `rests` */
+hk_matrix hk_constraint_matrix_assemble(hk_constraints *); /* A, whose values are c->value */
+/* Factorizes A of the equations that act; where A is singular, A + soft_shift I, and solutions are then refined. */
+hk_status hk_constraint_matrix_factorize(hk_dynamics *);
+hk_status hk_constraint_matrix_factorize_shifted(hk_dynamics *, double by); /* A + by I */
+/* solution = -(J' W J^T)^-1 g, J' at x and J of the last linearisation: a round of Newton's iteration. A and its
+ * factors are no longer those of the linearisation. */
+hk_status hk_constraint_matrix_newton(hk_dynamics *, double t, const double *x, const double *v);
+/* solution = (J W J^T)^-1 rhs, 0 where an equation rests or no particle can move; rhs is overwritten. For equations
+ * that depend on each other: the multipliers of minimal norm. */
+hk_status hk_constraint_matrix_solve(hk_dynamics *);
+void hk_constraint_matrix_move(const hk_constraints *, double *vector); /* vector += W J^T solution, n x 3 */
+
+hk_status hk_constraints_project_equalities(hk_system *, double t, double *x, double *v);
+hk_status hk_constraints_shake(hk_system *, double t, double *from, double h, double *x, double *v, double *work);
+hk_status hk_constraints_rattle(hk_system *, double t, double *x, double h, double *v, double *work);
+
+/* ---- active_set.c ---- */
+
+/* Computes in `solution` the multipliers with J W J^T lambda + q = 0 for equalities and with lambda >= 0, J W J^T
+ * lambda + q >= 0, at least one of the two being 0, for one-sided equations that are `allowed` and not `held`.
+ * `factorized`: the present factors are those of the equalities. q is c->g, c->c or any other vector of `equations`
+ * numbers. */
+hk_status hk_active_set_solve(hk_dynamics *, const double *q, bool factorized);
+
+/* ---- constraint.c. `a` is F/m with pins on entry, and includes constraint forces on return ---- */
+
+void hk_constraints_install(hk_dynamics *); /* the functions of the system that keep constraints */
+hk_status hk_constraints_open(hk_dynamics *);
+/* At the state, once it is projected: which equations follow from others, which touch. */
+hk_status hk_constraints_review(hk_dynamics *);
+void hk_constraints_close(hk_dynamics *);
+/* As hk_constraint_calls, here and below. */
+hk_status hk_constraints_update(hk_dynamics *);
+hk_status hk_constraints_topology(hk_dynamics *);
+hk_status hk_constraints_accelerate(hk_dynamics *, double t, const double *x, const double *v, double *a,
+                                    double *power);
+/* Brings x onto g(x) = 0 and v onto J v + g_t = 0 (mass-weighted Newton); part of every step. */
+hk_status hk_constraints_project(hk_dynamics *, double t, double *x, double *v);
+void hk_constraints_forget(hk_dynamics *); /* what is kept from one step to the next */
+/* Whether contact began or ended, equations changed or velocities jumped since the last call: histories of methods are
+ * void. */
+bool hk_constraints_jumped(hk_dynamics *);
+hk_status hk_constraints_violation(hk_dynamics *, double *violation); /* m, of the state */
+
+/* ---- constraint_forces.c: multipliers of the state, N for equations in metres; J^T lambda acts on the particles ----
+ */
+
+hk_status hk_constraint_multipliers(hk_dynamics *,
+                                    double *lambda); /* of all equations; by one evaluation, without side effects */
+void hk_constraint_range(const hk_dynamics *, size_t k, size_t *begin, size_t *end); /* equations of constraint k */
+/* N, the force of constraint k on a particle, by J of the last evaluation. */
+void hk_constraint_force_on(const hk_dynamics *, size_t k, const double *lambda, size_t particle, double F[3]);
+
+#endif

@@ -1,0 +1,85 @@
+/* Bounds on the frequencies and damping rates of a scene, linearised at its present state, and the largest stable step
+ * of a method that follows from them. The files of core/numerics/stability see a scene as an hk_system only. */
+#ifndef HK_STABILITY_H
+#define HK_STABILITY_H
+
+#include "core/engine/contract/contract.h"
+
+/* Every mode is an oscillator x'' = -(g + i b) x' - w^2 x with w <= w_max, |b| <= b_max and
+ * hk_spectrum_floor(s, w) <= g <= hk_spectrum_ceiling(s, w). */
+typedef struct hk_spectrum {
+  double w_max;          /* 1/s, no frequency is higher; 0: nothing oscillates */
+  double w_reached;      /* 1/s, at least one is as high */
+  double g_max;          /* 1/s, no damping rate is higher */
+  double b_max;          /* 1/s, no velocity is turned faster (by v x B, say); 0: none is turned */
+  double alpha;          /* 1/s, drag that all modes feel (an estimate, see spectrum.c) */
+  double beta;           /* s, least damping over stiffness of the elements */
+  double damping_slope;  /* s; 0: not known, and nor is damping_offset */
+  double damping_offset; /* 1/s, no damping rate is above damping_slope w^2 + damping_offset */
+  double w_undamped;     /* 1/s, no mode held by the elements' tension alone, which their damping spares, is faster */
+  double w_switching; /* 1/s, no frequency of forces that set in and cease (HK_STIFFENS) is higher; 0: there are none */
+  double channel_rate; /* 1/s, largest k of channels that decay as dy/dt = -k y */
+  bool rigorous;       /* w_max and g_max are bounds (but for one scene in a million), not estimates */
+  bool covered;        /* the elements account for all that depends on x */
+  size_t evaluations;  /* spent on it, or what takes as long */
+} hk_spectrum;
+
+static inline double hk_spectrum_floor(const hk_spectrum *s, double w) {
+  return s->alpha + s->beta * fmax(0, w * w - s->w_undamped * s->w_undamped);
+}
+
+static inline double hk_spectrum_ceiling(const hk_spectrum *s, double w) {
+  return s->damping_slope > 0 ? fmin(s->g_max, s->damping_slope * w * w + s->damping_offset) : s->g_max;
+}
+
+/* Estimates the spectrum at (system->t, system->X), which do not change. On failure *spectrum does not change. Takes
+ * some 30 to 180 evaluations, twice as many for strong damping; allocates memory of some 6 times x and frees it. */
+hk_status hk_spectrum_estimate(hk_system *system, hk_spectrum *spectrum, hk_error *error);
+
+/* The same as far as the largest stable step of a method depends on it: where the fastest and most strongly damped of
+ * all modes sets that step, `damping_slope` is not looked for, which saves most of the evaluations. `parameters` is the
+ * method's instance memory. `step`: NAN, or a step that is given: where a scene is large and what its forces state of
+ * their stiffness allows that step, w_max is from that alone, and w_reached is not known and as large. */
+hk_status hk_spectrum_estimate_for(hk_system *system, const hk_integrator *method, const void *parameters, double step,
+                                   hk_spectrum *spectrum, hk_error *error);
+
+/* ---- watch.c: what forces state of their stiffness, between two estimates. Plain data ---- */
+
+typedef struct hk_stated_bounds {
+  bool covered;     /* every force that depends on x states it */
+  double stiffness; /* 1/s^2 */
+  double damping;   /* 1/s, of those forces that state a stiffness */
+} hk_stated_bounds;
+
+typedef struct hk_watch {
+  hk_stated_bounds allowed;    /* the spectrum is valid up to these */
+  hk_stated_bounds last, seen; /* at the last two measurements */
+  hk_stated_bounds expected;   /* at the next one */
+  size_t next, every;          /* evaluations of the run: at the next measurement, between two */
+  size_t measurements;
+} hk_watch;
+
+/* After an estimate at the present state. scratch: 6n doubles, here and below. */
+void hk_watch_begin(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
+/* Measures; whether the spectrum is expected to be exceeded by the next measurement. */
+bool hk_watch_measure(hk_watch *, hk_system *system, double (*scratch)[6], size_t evaluations);
+/* Raises the spectrum to the expected bounds, with some headroom. */
+void hk_watch_raise(hk_watch *, hk_spectrum *spectrum);
+
+/* ---- largest_step.c ---- */
+
+typedef struct hk_stable {
+  double limit;      /* s, largest step at which no mode grows; INFINITY: any step; 0: no useful step; NAN: not known */
+  double suggestion; /* s, 0.9 limit; chosen for accuracy where limit is 0, or not known because velocities turn */
+  double growth_rate; /* 1/s, of the mode that grows fastest at `suggestion`; 0 below the limit */
+  double w, g, b;     /* 1/s, frequency, damping rate and turning rate of the mode that sets the limit */
+  const char *why;    /* what determines the limit, in a few words; a constant string */
+} hk_stable;
+
+/* `method` is that of hk_integrator_tables; `parameters` is its instance memory. */
+hk_stable hk_stable_step(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum);
+
+/* Largest growth factor of a step h over all modes of the scene; at least 1. */
+double hk_stable_growth(const hk_integrator *method, const void *parameters, const hk_spectrum *spectrum, double h);
+
+#endif

@@ -1,0 +1,86 @@
+/* Watches the bounds behind the stable step while the scene moves. A full estimate takes some hundred evaluations, and
+ * the stiffness may rise long before the next one: edges turn into one direction, a sheet without shear stiffness folds
+ * flat, a particle falls into a steep potential. The stiffness and damping that the forces state (stiffness.c) cost
+ * only a few evaluations. They are measured at intervals and extrapolated to the next measurement, by the factor by
+ * which they rose since the last; the extrapolation is compared with the bounds of the last estimate.
+ *
+ * Where it exceeds them, the spectrum is either estimated anew, as far as the evaluations so far can pay for it, or
+ * raised in proportion, on the assumption that the stated bound is as sharp as at the last estimate. (It is a bound by
+ * itself, and sharp in a flat sheet; in a creased one, whose stiffest place is one crease, it may be twice too high.) A
+ * raised spectrum gets headroom, so that a scene that stiffens without end raises it some twenty times for each factor
+ * of e.
+ *
+ * The interval between two measurements is halved when the bounds change fast and doubled when they do not, as far as
+ * the evaluations so far can pay for it. */
+#include "core/numerics/stability/stability.h"
+#include "core/numerics/stability/stiffness.h"
+
+/* Relative to the bound at the last estimate; the limit is above the truth by half of it at most, unless the estimate
+ * itself has a margin, as it mostly has. */
+static const double slack = 0.02, headroom = 1.05;
+/* A measurement costs about MEASURE_COST evaluations; all together may cost a MEASURE_PART-th of the run's evaluations,
+ * beside the first MEASURE_FREE. */
+enum { MEASURE_COST = 4, MEASURE_PART = 100, MEASURE_FREE = 20, LEAST = 4, MOST = 1024 };
+static const double fast = 0.05, slow = 0.01; /* relative changes between two measurements */
+
+static bool risen(const hk_watch *w) {
+  return w->expected.stiffness > (1 + slack) * w->allowed.stiffness ||
+         w->expected.damping > (1 + slack) * w->allowed.damping;
+}
+
+/* Where velocities matter every other measurement is of the damping. */
+static void measure(hk_watch *w, hk_system *s, double (*scratch)[6], bool all) {
+  bool damping = s->queries->flags & HK_DEPENDS_ON_V && w->allowed.damping > 0 && w->measurements % 2;
+  w->last = w->seen;
+  if (all || !damping) w->seen.covered = hk_stiffness_part_of(s, HK_STIFFNESS_WHOLE, scratch, &w->seen.stiffness);
+  if (all || damping) hk_stiffness_part_of(s, HK_DAMPING_WHOLE, scratch, &w->seen.damping);
+}
+
+void hk_watch_begin(hk_watch *w, hk_system *s, double (*scratch)[6], size_t evaluations) {
+  measure(w, s, scratch, true);
+  w->last = w->allowed = w->expected = w->seen;
+  if (w->every == 0) w->every = LEAST;
+  w->next = evaluations + w->every;
+}
+
+static double change(double now, double before) { return now > 0 ? fabs(now - before) / fmax(now, before) : 0; }
+
+static void set_interval(hk_watch *w, size_t evaluations) {
+  double most = fmax(change(w->seen.stiffness, w->last.stiffness), change(w->seen.damping, w->last.damping));
+  bool paid = MEASURE_COST * w->measurements <= evaluations / MEASURE_PART + MEASURE_COST * MEASURE_FREE;
+  if (most > fast && paid)
+    w->every = w->every / 2 > LEAST ? w->every / 2 : LEAST;
+  else if (most < slow || !paid)
+    w->every = 2 * w->every < MOST ? 2 * w->every : MOST;
+  w->next = evaluations + w->every;
+}
+
+/* The value at the next measurement, if it rises by the factor by which it rose since the last, at most fourfold. */
+static double continued(double now, double before) { return before > 0 ? now * fmin(4, fmax(1, now / before)) : now; }
+
+bool hk_watch_measure(hk_watch *w, hk_system *s, double (*scratch)[6], size_t evaluations) {
+  if (!w->allowed.covered) return false;
+  measure(w, s, scratch, false);
+  w->measurements++;
+  w->expected.stiffness = continued(w->seen.stiffness, w->last.stiffness);
+  w->expected.damping = continued(w->seen.damping, w->last.damping);
+  set_interval(w, evaluations);
+  return risen(w);
+}
+
+/* Raises *allowed to what is expected; returns the factor, INFINITY where nothing was allowed. */
+static double raise(double *allowed, double expected) {
+  double before = *allowed;
+  *allowed = fmax(before, headroom * expected);
+  return *allowed == before ? 1 : *allowed / before;
+}
+
+void hk_watch_raise(hk_watch *w, hk_spectrum *s) {
+  double before = w->allowed.stiffness, stiffer = raise(&w->allowed.stiffness, w->expected.stiffness);
+  double damped = raise(&w->allowed.damping, w->expected.damping);
+  s->w_max = isfinite(stiffer) ? s->w_max * sqrt(stiffer) : sqrt(w->allowed.stiffness);
+  s->g_max = isfinite(damped) ? s->g_max * damped : s->g_max + w->allowed.damping;
+  if (s->beta > 0) /* all that stiffened may be tension, which their damping does not reach */
+    s->w_undamped = fmin(s->w_max, sqrt(s->w_undamped * s->w_undamped + w->allowed.stiffness - before));
+  s->damping_slope = 0;
+}

@@ -1,0 +1,54 @@
+/* Facet of forces for implicit methods: the blocks of K = -dF/dx and D = -dF/dv. */
+#ifndef HK_PLUGIN_IMPLICIT_H
+#define HK_PLUGIN_IMPLICIT_H
+
+#include "core/plugin/force.h"
+
+enum { /* further hk_force.flags */
+       HK_SYMMETRIC_JACOBIAN = 64,
+       HK_OFFERS_SYMMETRIC = 256, /* `jacobian` honours HK_WANT_SYMMETRIC; not needed with HK_SYMMETRIC_JACOBIAN */
+       HK_OFFERS_DEFINITE = 512,  /* `jacobian` honours HK_WANT_DEFINITE; not needed where blocks are always definite */
+       HK_STIFFER_BLOCKS = 2048 /* `jacobian` leaves out, or may leave out, what makes the force softer than its blocks,
+                                   such as variables of its own that are always in equilibrium: u.K u is never below
+                                   that of -dF/dx at rest, u.D u never below that of -dF/dv, and Newton's method
+                                   converges more slowly. K may leave out how a damping changes with the positions */
+};
+
+/* First phase: names the blocks, once per topology and whenever the `update` of any force (facets/steps.h) reports a
+ * changed pattern. */
+typedef struct hk_pattern hk_pattern;
+struct hk_pattern {
+  void (*block)(hk_pattern *, uint32_t row, uint32_t column);
+};
+
+enum { /* hk_blocks.want: properties that a method asks of the blocks; without flags they are exact */
+       HK_WANT_SYMMETRIC = 1, /* omit the unsymmetric terms of dF/dx, such as the rotation of a damping's direction */
+       HK_WANT_DEFINITE = 2   /* also project each element's block to positive semi-definite */
+};
+
+/* Second phase: the e-th block named goes to K + 9*slot[e] (-dF/dx) and D + 9*slot[e] (-dF/dv). The force adds to the
+ * blocks. When it uses several threads, it must not add to the same slot from two of them. */
+typedef struct hk_blocks {
+  const size_t *slot;
+  double *K;     /* N/m */
+  double *D;     /* N s/m */
+  unsigned want; /* used by forces with the flags HK_OFFERS_... */
+  /* Of a method that linearises once a step: the positions (n x 3) of the last linearisation and those that it led to;
+   * NULL: none. Where the blocks contain a tension k C, a force may take the one that this linearisation foretold, k
+   * (C(linearised) + dC/dx (reached - linearised)), for the one at the positions: of a stiff element the latter is
+   * mostly what the bend of its path adds to C, which the step takes away again. */
+  const double *linearised, *reached;
+} hk_blocks;
+
+#define HK_IMPLICIT_ID "implicit/1"
+#define HK_IMPLICIT_FACET(...) HK_FACET(HK_IMPLICIT_ID, hk_implicit_facet, __VA_ARGS__)
+
+/* Both are required. A constant force names no blocks. With explicit methods the host may ask for the blocks of a force
+ * without elements and without `update` for some of its particles alone, by their view, and for `jacobian` after it. */
+typedef struct hk_implicit_facet {
+  size_t size;
+  void (*pattern)(void *self, const hk_view *view, hk_pattern *pattern);
+  hk_status (*jacobian)(void *self, const hk_view *view, const hk_blocks *into);
+} hk_implicit_facet;
+
+#endif

@@ -1,0 +1,110 @@
+/* The verdict of a run that reached its end: a pure function of what the run measured and of what comparisons with
+ * other runs showed. It asks nothing of the run and prints nothing; findings.c has the words. */
+#include "core/run/judge/judge.h"
+
+const hk_limits hk_limit = {
+    .visible = 0.1, .mean_energy = 0.5, .unresolved = 0.1, .violation = 1e-6, .tolerance = 1 + 1e-9, .rounding = 1e-9};
+
+double hk_energy_rounding(const hk_summary *s) {
+  return 1e-11 * (fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max) + s->kinetic_rounding;
+}
+
+static void find(hk_opinion *o, hk_fault fault, double value, double excess, int order) {
+  if (o->count < HK_FAULTS) o->finding[o->count++] = (hk_finding){fault, value, excess, order};
+}
+
+/* A value above what is allowed; the step cures it by the order. */
+static void find_above(hk_opinion *o, hk_fault fault, double value, double allowed, int order) {
+  if (value > allowed) find(o, fault, value, value / allowed, order);
+}
+
+bool hk_confirmed(const hk_comparisons *c) { return c->reference && c->error <= 1; }
+
+/* ---- energy ---- */
+
+/* Energy that came or went without a cause. It is compared with the kinetic energy that is known to have been there:
+ * the largest, and the mean over the frames, which one moment of high speed does not raise; work that was done counts
+ * with the latter, since what was dissipated moved before. What known errors of forces may have done is no fault of the
+ * steps. What grows by a factor in every step is small in its logarithm. */
+static void judge_energy(const hk_evidence *e, const hk_comparisons *c, hk_opinion *o) {
+  const hk_summary *s = e->figures;
+  double drift = fabs(s->energy_drift) * s->kinetic_max - s->force_work,
+         of_largest = drift / (hk_limit.visible * s->kinetic_max),
+         of_mean = drift / (hk_limit.mean_energy * (s->kinetic_mean + fabs(s->energy_work))),
+         excess = fmax(of_largest, of_mean);
+  if (!isfinite(s->energy_last) || !isfinite(s->kinetic_max)) {
+    find(o, HK_ENERGY_NOT_FINITE, s->energy_last, NAN, 0);
+    return;
+  }
+  if (c->energy_converges || !(drift > hk_energy_rounding(s))) return;
+  if (s->energy_drift > 0) excess = fmin(excess, fmax(1.01, log1p(s->energy_drift) / hk_limit.visible));
+  if (of_largest > 1)
+    find(o, HK_ENERGY_OF_LARGEST, drift, excess, e->order);
+  else if (of_mean > 1)
+    find(o, HK_ENERGY_OF_MEAN, drift, excess, e->order);
+}
+
+/* Surfaces that push each other make a run wrong whoever agrees with it: other methods have the same contact. */
+static void judge_contact_energy(const hk_evidence *e, const hk_comparisons *c, hk_opinion *o) {
+  const hk_summary *s = e->figures;
+  double given = e->record->contact_rise;
+  if (given > hk_limit.visible * s->kinetic_max && given > hk_energy_rounding(s))
+    find(o, HK_CONTACT_ENERGY, given, NAN, 0);
+  else if (hk_confirmed(c) && e->record->contact_frames > 0 && s->energy_drift > 0)
+    judge_energy(e, c, o);
+}
+
+/* ---- the run's own figures ---- */
+
+/* Figures from which an error of the positions could be inferred. */
+static void judge_figures(const hk_evidence *e, const hk_comparisons *c, hk_opinion *o) {
+  const hk_summary *s = e->figures;
+  const hk_record *r = e->record;
+  bool explicit_fixed = !(e->method & (HK_ADAPTIVE | HK_IMPLICIT)), asked = s->accuracy > 0;
+  if (explicit_fixed && !e->growth_expected && r->dt_beyond > 0)
+    find(o, HK_STEP_UNSTABLE, r->dt_beyond, r->dt_beyond / s->dt_limit, 1);
+  judge_energy(e, c, o);
+  /* h^2 times the change of the accelerations */
+  find_above(o, HK_UNRESOLVED, e->unresolved, asked ? s->accuracy : hk_limit.unresolved * e->extent, 2);
+  if (e->missed > (asked ? s->accuracy : hk_limit.visible * e->motion)) find(o, HK_ENCOUNTER, e->missed, NAN, 0);
+  find_above(o, HK_ABOVE_TOLERANCE, r->worst_error, hk_limit.tolerance, e->order);
+}
+
+/* Where no accuracy is asked for, an error of a tenth of the motion is visible. */
+static void judge_exact(const hk_evidence *e, hk_opinion *o) {
+  const hk_summary *s = e->figures;
+  if (e->ignore_exact || isnan(s->exact_error)) return;
+  if (s->accuracy > 0)
+    find_above(o, HK_EXACT_ABOVE_ACCURACY, s->exact_error, s->accuracy, e->order);
+  else
+    find_above(o, HK_EXACT_VISIBLE, s->exact_error, hk_limit.visible * e->exact_motion + hk_limit.rounding * e->extent,
+               e->order);
+}
+
+/* ---- comparisons with other runs ---- */
+
+static void judge_comparisons(const hk_evidence *e, const hk_comparisons *c, hk_opinion *o) {
+  const hk_summary *s = e->figures;
+  if (e->record->by_hand) {
+    if (c->tried && s->accuracies > 0) find(o, HK_BY_HAND, s->hand_work, NAN, 0);
+    return;
+  }
+  if (c->tried && isnan(c->error) && s->accuracies > 0) find(o, HK_NOT_CHECKED, NAN, NAN, 0);
+  if (c->tried) find_above(o, HK_ERROR, c->error, 1, e->order);
+  find_above(o, HK_DAMPED, c->damped, s->accuracy, e->order);
+  if (!c->tried && c->sampling.varies && c->sampling.where) find(o, HK_PULSE, c->sampling.shortest, NAN, 0);
+}
+
+hk_opinion hk_verdict_find(const hk_evidence *e, const hk_comparisons *c) {
+  hk_opinion o = {.verdict = HK_VERDICT_OK};
+  const hk_record *r = e->record;
+  if (!hk_confirmed(c)) judge_figures(e, c, &o);
+  judge_contact_energy(e, c, &o);
+  judge_exact(e, &o);
+  if (r->violation_max > hk_limit.violation) find(&o, HK_VIOLATION, r->violation_max, NAN, 0);
+  if (r->intersecting > 0 || r->intersections[1] > 0) find(&o, HK_INTERSECTIONS, NAN, NAN, 0);
+  if (e->exact_failed) find(&o, HK_EXACT_FAILED, NAN, NAN, 0);
+  judge_comparisons(e, c, &o);
+  if (o.count > 0) o.verdict = HK_INACCURATE;
+  return o;
+}

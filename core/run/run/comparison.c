@@ -1,0 +1,214 @@
+/* The runs with which a run is compared: with half the step, a quarter of it, and with an independent method. */
+#include "core/run/run/comparison.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double margin = 2, no_order = 0.75, /* the ratio of two distances above which no order is seen */
+    order_part = 0.125, /* of the run that the quarter of the step is taken for: half the run's cost */
+    seen = 1e-4,        /* of the accuracy: a distance that shows an order */
+    stricter = 1e-3,    /* the tolerance of a second reference, relative to the first */
+    reserve = 0.98;     /* what an estimate leaves of the accuracy, for its own error */
+
+/* Calls of functions of time: 60 ms where an accuracy is asked for, and 20 ms else. */
+static const size_t calls_asked = 200000, calls_unasked = 60000;
+
+/* A piece of more than so many shortest times is more than a pulse; and that part of the shortest time is resolved. */
+static const double pulse_lengths = 4;
+
+/* Steps in each piece of a pulse, 2 refine + 1. */
+enum { PULSE_REFINEMENT = 2, VIBRATION_REFINEMENT = 16 };
+
+static double begin_of(const hk_comparison *c) { return c->whole->asked.at_end ? c->whole->state.t : 0; }
+
+static hk_distance distance(const hk_comparison *c, const hk_comparison_run *a, const hk_comparison_run *b,
+                            double until) {
+  const hk_trajectory *first = a ? &a->trajectory : &c->whole->judgement.trajectory;
+  return hk_trajectory_distance(first, &b->trajectory, c->whole->scene, c->channel, begin_of(c), until);
+}
+
+static double relative(const hk_comparison *c, const hk_distance *d) {
+  double position = c->accuracy > 0 ? d->position / c->accuracy : isnan(d->position) ? NAN : 0;
+  return isnan(position) ? NAN : fmax(position, d->channel);
+}
+
+/* ---- what is asked ---- */
+
+/* Where nothing is asked, an error of a tenth of the motion is visible. The motion is the
+ * smaller one of the two runs: one that explodes is not its own measure. */
+static void measure_by(hk_comparison *c, const hk_trajectory *other) {
+  const hk_scene *scene = c->whole->scene;
+  const hk_trajectory *own = &c->whole->judgement.trajectory;
+  double motion = fmin(hk_trajectory_motion(own), hk_trajectory_motion(other));
+  if (c->summary->accuracies == 0)
+    c->accuracy = hk_limit.visible * motion + hk_limit.rounding * hk_state_extent(&c->whole->state);
+  for (size_t k = 0; k < scene->particles.channels; k++) {
+    double first = hk_trajectory_channel_change(own, scene, k), second = hk_trajectory_channel_change(other, scene, k);
+    double change = fmax(fmin(first, second), hk_limit.rounding * fmax(first, second));
+    if (!(scene->particles.channel[k].accuracy > 0)) c->channel[k] = change > 0 ? hk_limit.visible * change : INFINITY;
+  }
+}
+
+static hk_status set_accuracies(hk_comparison *c, hk_error *error) {
+  const hk_scene *scene = c->whole->scene;
+  c->accuracy = c->summary->accuracy > 0 ? c->summary->accuracy : NAN;
+  c->channel = calloc(scene->particles.channels + 1, sizeof *c->channel);
+  if (!c->channel) return hk_error_set(error, HK_NO_MEMORY, "no memory for the accuracies of the channels");
+  for (size_t k = 0; k < scene->particles.channels; k++) c->channel[k] = scene->particles.channel[k].accuracy;
+  measure_by(c, &c->whole->judgement.trajectory);
+  return HK_OK;
+}
+
+hk_status hk_comparison_open(hk_comparison *c, hk_error *error) {
+  hk_run *run = c->whole;
+  hk_status status = hk_trajectory_note(&run->judgement.trajectory, &run->state, run->record.frames, true, error);
+  if (status == HK_OK) status = set_accuracies(c, error);
+  if (status != HK_OK || !run->judgement.keeps_trajectory) return status;
+  c->sampling = hk_under_sampled(&run->loop, &run->judgement.trajectory,
+                                 c->summary->accuracies > 0 ? calls_asked : calls_unasked);
+  c->cuts = hk_sampling_cuts(&c->sampling, c->cut, HK_MOST_CUTS);
+  return HK_OK;
+}
+
+void hk_comparison_close(hk_comparison *c) {
+  hk_trajectory_free(&c->half.trajectory);
+  free(c->channel);
+}
+
+/* The accuracy relative to the scale of what it is for, the strictest. */
+static double strictest(const hk_comparison *c) {
+  const hk_state *s = &c->whole->state;
+  double scale = hk_state_extent(s) + hk_trajectory_motion(&c->whole->judgement.trajectory);
+  double least = c->accuracy > 0 ? c->accuracy / scale : INFINITY;
+  for (size_t k = 0; k < c->whole->scene->particles.channels; k++) {
+    double most = 0;
+    const double *y = s->X + (6 + s->channel[k].offset) * s->model.n;
+    for (size_t e = 0; e < s->channel[k].size * s->model.n; e++) most = fmax(most, fabs(y[e]));
+    if (c->channel[k] < most) least = fmin(least, c->channel[k] / most);
+  }
+  return least;
+}
+
+/* ---- the runs ---- */
+
+/* Whether a function goes up and down all the time, or more often than there are cuts, so that cuts are no help. */
+static bool vibrates(const hk_comparison *c) {
+  const hk_sampling *f = &c->sampling;
+  bool any = f->more;
+  for (size_t k = 0; k < f->pieces; k++) any = any || f->piece[k][1] - f->piece[k][0] > pulse_lengths * f->shortest;
+  return any;
+}
+
+/* The same dt with the refined division of frames, and steps that end where a function of time changes. An adaptive
+ * method gets half of a dt that was given, which it may use as a fixed step. */
+static hk_run_options refined(const hk_comparison *c, size_t refine) {
+  hk_run *whole = c->whole;
+  hk_run_options o = hk_comparison_run_options(c->first, refine);
+  double given = isnan(o.dt) ? whole->scene->dt : o.dt;
+  bool adaptive = whole->step.method->flags & HK_ADAPTIVE;
+  o.dt = adaptive ? given / (2 * (double)refine) : given;
+  o.tol = whole->dynamics.system.tol / (refine > 1 ? 100 : 10);
+  o.refine = refine;
+  o.dt_most = whole->record.dt_max / (2 * (double)refine);
+  o.step_limit *= 4 * refine;
+  o.cut = c->cut;
+  o.cuts = c->cuts;
+  return o;
+}
+
+hk_status hk_comparison_take_half(hk_comparison *c, hk_error *error) {
+  size_t pulses = vibrates(c) ? VIBRATION_REFINEMENT : PULSE_REFINEMENT;
+  hk_run_options o = refined(c, c->sampling.varies ? pulses : 1);
+  hk_status status = hk_comparison_run_take(c->loader, &o, c->whole, c->whole->state.t, &c->half, error);
+  c->compared = status == HK_OK;
+  if (c->compared) measure_by(c, &c->half.trajectory);
+  return status;
+}
+
+/* A reference that has passed by a force of short range is none. */
+static void use_reference(hk_comparison *c, const hk_comparison_run *reference) {
+  measure_by(c, &reference->trajectory);
+  hk_distance d = distance(c, NULL, reference, INFINITY);
+  if (isnan(d.position) || reference->missed > c->accuracy) return;
+  c->has_reference = true;
+  c->worst = d;
+  c->error = relative(c, &d) / reference->reserve;
+  c->position = d.position;
+  snprintf(c->how, sizeof c->how, "compared with %s at a tolerance of %.1g and a start off by 1e-14 of the extent",
+           reference->method, reference->tol);
+}
+
+/* Functions that vibrate limit the steps. */
+static void take_reference(hk_comparison *c, hk_reference want) {
+  hk_comparison_run reference;
+  if (vibrates(c)) want.dt_most = fmin(want.dt_most, c->sampling.shortest / pulse_lengths);
+  hk_run_options o = *c->first;
+  o.cut = c->cut;
+  o.cuts = c->cuts;
+  if (!hk_reference_take(c->loader, &o, c->whole, &want, &reference)) return;
+  use_reference(c, &reference);
+  hk_trajectory_free(&reference.trajectory);
+}
+
+/* 1/s, the largest frequency that is known; of implicit runs, which need none, it is estimated here, since without it
+ * hopeless explicit references are tried up to the end of their steps. */
+static double frequency(const hk_comparison *c) {
+  hk_run *whole = c->whole;
+  hk_spectrum found = whole->step.spectrum;
+  double known = fmax(c->half.spectrum.w_reached, found.w_reached);
+  if (known > 0) return known;
+  hk_counts counts = whole->dynamics.count;
+  hk_status status = hk_spectrum_estimate(&whole->dynamics.system, &found, whole->dynamics.error);
+  if (status != HK_OK) hk_error_clear(whole->dynamics.error);
+  whole->dynamics.count = counts;
+  return status == HK_OK ? found.w_reached : 0;
+}
+
+void hk_comparison_reference(hk_comparison *c, hk_effort effort, bool coarse) {
+  if (!c->has_reference) take_reference(c, (hk_reference){strictest(c), INFINITY, frequency(c), effort, coarse});
+}
+
+double hk_comparison_difference(const hk_comparison *c) { return distance(c, NULL, &c->half, INFINITY).position; }
+
+bool hk_comparison_agrees(const hk_comparison *c, double times) {
+  hk_distance d = distance(c, NULL, &c->half, INFINITY);
+  return c->compared && times * relative(c, &d) <= 1;
+}
+
+/* One of the two is wrong: swings that the run damps, or a reference that passed by what the run saw, or whose errors
+ * grow. The second has steps no longer than the run's. */
+void hk_comparison_tie_break(hk_comparison *c) {
+  if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
+    take_reference(c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.spectrum.w_reached,
+                                     HK_EFFORT_LARGE, false});
+}
+
+/* The error of a method of order p or, where it has jumps and kinks to step over, of order 1. */
+void hk_comparison_use_half(hk_comparison *c) {
+  hk_distance d = distance(c, NULL, &c->half, INFINITY);
+  c->worst = d;
+  c->error = margin * relative(c, &d);
+  c->position = margin * d.position;
+  snprintf(c->how, sizeof c->how, "compared with half the step and a start off by 1e-14 of the extent");
+}
+
+/* The order is that of the first part of the run, where a quarter of the step is affordable; the distance is that of
+ * the whole run. */
+bool hk_comparison_use_order(hk_comparison *c) {
+  hk_comparison_run quarter;
+  hk_error error = {0};
+  hk_run_options o = refined(c, 2);
+  double until = begin_of(c) > 0 ? c->whole->state.t : hk_trajectory_time(&c->whole->judgement.trajectory, order_part),
+         ratio = NAN;
+  if (c->sampling.varies) return false; /* half the step is another part then */
+  if (hk_comparison_run_take(c->loader, &o, c->whole, until, &quarter, &error) == HK_OK) {
+    hk_distance first = distance(c, NULL, &c->half, until), second = distance(c, &c->half, &quarter, until);
+    if (relative(c, &first) > seen) ratio = relative(c, &second) / relative(c, &first);
+  }
+  hk_trajectory_free(&quarter.trajectory);
+  if (!(ratio < no_order)) return false;
+  c->error /= margin * (1 - ratio) * reserve;
+  c->position /= margin * (1 - ratio);
+  snprintf(c->how, sizeof c->how, "compared with a half and a quarter of the step");
+  return true;
+}

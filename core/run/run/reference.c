@@ -1,0 +1,121 @@
+/* A run with an independent method: an adaptive one of high order, explicit or, where a scene is too stiff for that,
+ * implicit. What two runs of one method have in common (swings that it damps, steps that skip what happens) it does not
+ * share, because it chooses its steps by its own estimate of their errors. It is worth a part of the run's own cost;
+ * costs are counted in evaluations, never by a clock, so that verdicts are reproducible. */
+#include "core/run/run/run.h"
+
+enum { LEAST_ORDER = 4 };
+
+/* What an implicit step costs, in evaluations: a Jacobian; its factors, of a cloth of 32 x 32 as much as 300
+ * evaluations and of 64 x 64 some 590, since those of a surface take n^(3/2) operations (George 1973); in each stage
+ * some iterations. */
+static const double jacobian_cost = 5, factor_cost = 10, factor_per_particle = 0.5, factor_per_root = 9,
+                    implicit_stage = 8;
+
+/* What a reference may cost: a share of the run's evaluations, and `free` evaluations of a scene of a few particles;
+ * one of 16 particles costs about twice as much as one of none. */
+static const struct budget {
+  double share, free, particles;
+} budgets[] = {
+    [HK_EFFORT_SMALL] = {0.4, 6e4, 16}, [HK_EFFORT_MEDIUM] = {0.4, 6e5, 16}, [HK_EFFORT_LARGE] = {4, 6e5, 16}};
+
+/* Parts of the accuracy that a step may be off by: errors of 1e4 steps and more add up. Where that takes too many
+ * steps, a coarser reference is better than none, with less confidence. */
+static const struct strictness { double part, reserve; } strictnesses[] = {{1e-5, 0.98}, {3e-3, 0.8}};
+enum { STRICTNESSES = sizeof strictnesses / sizeof *strictnesses };
+
+static const double finest = 1e-13 /* rounding is 2e-16 */, coarsest = 1e-6;
+
+typedef struct wish {
+  bool implicit, constraints;
+} wish;
+
+static bool suits(const hk_plugin *plugin, const void *context) {
+  const wish *w = context;
+  const hk_integrator *m = plugin->integrator;
+  bool solves = m->flags & (HK_IMPLICIT | HK_NEEDS_SOLVER | HK_NEEDS_JACOBIAN);
+  if (!(m->flags & HK_ADAPTIVE) || solves != w->implicit || m->order < LEAST_ORDER) return false;
+  return !(w->implicit && !(m->flags & HK_IMPLICIT)) &&
+         !(w->constraints && hk_integrator_tables_of(m)->constrained.refused);
+}
+
+static double factors(const hk_run *whole) {
+  double n = (double)whole->state.model.n;
+  return factor_cost + fmin(factor_per_particle * n, factor_per_root * sqrt(n));
+}
+
+static double cost(const hk_run *whole) {
+  const hk_counts *c = &whole->dynamics.count;
+  return (double)c->evaluations + jacobian_cost * (double)c->jacobians + factors(whole) * (double)c->factorizations;
+}
+
+static double step_cost(const hk_run *whole, const hk_integrator *method) {
+  if (!(method->flags & HK_IMPLICIT)) return method->stages;
+  return method->stages * implicit_stage + jacobian_cost + factors(whole);
+}
+
+/* An implicit method takes more than the share of a run that is implicit itself, so it is for small scenes. */
+static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_integrator *method) {
+  const struct budget *b = &budgets[effort];
+  double share = method->flags & HK_IMPLICIT && effort != HK_EFFORT_LARGE ? 0 : b->share;
+  double evaluations = share * cost(whole) + b->free / (1 + (double)whole->state.model.n / b->particles);
+  return evaluations / step_cost(whole, method);
+}
+
+/* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
+ * at most (van der Houwen 1977, Construction of integration formulas, 2.6). */
+static double least_steps(const hk_run *whole, const hk_reference *want, const hk_integrator *method) {
+  double w = fmax(want->frequency, whole->step.spectrum.w_reached);
+  double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / method->stages;
+  return fmax((double)whole->record.frames, stable);
+}
+
+static double tolerance(const hk_reference *want, const struct strictness *strict) {
+  return fmax(finest, fmin(coarsest, want->relative * strict->part));
+}
+
+static bool attempt(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
+                    const hk_reference *want, const struct strictness *strict, bool implicit,
+                    hk_comparison_run *found) {
+  wish w = {implicit, whole->plugins.kind[HK_CONSTRAINT].count > 0};
+  const hk_plugin *plugin;
+  hk_error error = {0};
+  if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, &w, &plugin, &error) != HK_OK) return false;
+  double steps = allowed_steps(whole, want->effort, plugin->integrator);
+  if (!(steps >= least_steps(whole, want, plugin->integrator))) return false;
+  hk_run_options o = hk_comparison_run_options(first, 2);
+  o.integrator = plugin->name;
+  o.dt = INFINITY;
+  o.tol = tolerance(want, strict);
+  o.refine = 0;
+  o.dt_most = isfinite(want->dt_most) ? want->dt_most : 0;
+  o.step_limit = (size_t)steps;
+  bool reached = hk_comparison_run_take(loader, &o, whole, whole->state.t, found, &error) == HK_OK;
+  found->method = plugin->name;
+  found->reserve = strict->reserve;
+  if (!reached) hk_trajectory_free(&found->trajectory);
+  return reached;
+}
+
+/* Steps that an explicit method could take are not too short for another one. */
+static bool is_explicit(const hk_run *whole) { return !(whole->step.method->flags & (HK_IMPLICIT | HK_ADAPTIVE)); }
+
+/* Such a source bears at other times where the steps are others. */
+static bool emits_before_steps(const hk_run *whole) {
+  const hk_instances *sources = &whole->plugins.kind[HK_SOURCE];
+  for (size_t k = 0; k < sources->count; k++)
+    if (!(sources->item[k]->plugin->source->flags & HK_AFTER_STEPS)) return true;
+  return false;
+}
+
+bool hk_reference_take(const hk_scene_loader *loader, const hk_run_options *first, const hk_run *whole,
+                       const hk_reference *want, hk_comparison_run *found) {
+  if (whole->plugins.kind[HK_CORRECTOR].count || emits_before_steps(whole)) return false;
+  if (whole->record.force_rms > 0) return false; /* it would have the errors of the forces as well */
+  for (size_t k = 0; k < (want->coarse ? STRICTNESSES : 1); k++) {
+    if (k > 0 && !(tolerance(want, &strictnesses[k]) > tolerance(want, &strictnesses[k - 1]))) break; /* the same run */
+    if (attempt(loader, first, whole, want, &strictnesses[k], false, found)) return true;
+    if (!is_explicit(whole) && attempt(loader, first, whole, want, &strictnesses[k], true, found)) return true;
+  }
+  return false;
+}

@@ -1,0 +1,110 @@
+/* The comparison of a run with other runs of its scene, from which its error is estimated.
+ *
+ * 1. With half the step: 2n + 1 steps replace the n steps of a frame, so that a periodic load cannot be in phase with
+ *    the steps of both runs; an adaptive method gets a tenth of the tolerance and at most half its longest step. The
+ *    start is perturbed by 1e-14 of the extent, which shows motion that no method can predict.
+ * 2. With an independent method that controls its error (reference.c), where that costs little. Its distance is the
+ *    error, whatever the two runs of one method have in common.
+ * 3. Without a reference, the distance D to half the step bounds the error by 2 D from order 1 on. Where D is below the
+ *    accuracy and 2 D is not, a quarter of the step shows the order in the first part of the run, and the error is
+ *    D / (1 - ratio) of the two distances there (Richardson). Where figures of the run contradict a small D, the
+ *    reference is tried at a higher cost.
+ *
+ * All are compared at all frames (hk_trajectory), or at the end where the scene says so. The other runs end steps where
+ * a function of time changes fast (judge/under_sampled.c), so that they do not step over what the run stepped over. */
+#include "core/run/run/comparison.h"
+#include "core/engine/text/text.h"
+
+#include <string.h>
+
+/* The channel whose error is the worst of all; NULL: that of the positions is. */
+static const hk_channel_spec *worst_channel(const hk_comparison *c) {
+  const hk_scene *scene = c->whole->scene;
+  bool positions = c->worst.position / c->accuracy > c->worst.channel;
+  for (size_t k = 0; k < scene->particles.channels && !positions && c->worst.channel_name; k++)
+    if (strcmp(scene->particles.channel[k].name, c->worst.channel_name) == 0) return &scene->particles.channel[k];
+  return NULL;
+}
+
+/* Judges the run with what is known so far; false: there are doubts. */
+static bool judge(hk_comparison *c) {
+  hk_run *run = c->whole;
+  hk_comparisons *found = &run->judgement.comparisons;
+  const hk_channel_spec *channel = worst_channel(c);
+  found->tried = true;
+  found->reference = c->has_reference;
+  found->error = c->error;
+  found->position = c->position;
+  found->at = c->worst.t;
+  found->channel = channel ? channel->name : NULL;
+  found->channel_accuracy = channel && channel->accuracy > 0 ? channel->accuracy : 0;
+  if (c->summary->accuracies > (c->summary->accuracy > 0)) found->channel_error = c->worst.channel;
+  found->energy_converges = c->compared && hk_comparison_energy_converges(c);
+  found->damped = c->has_reference || !c->compared ? 0 : hk_comparison_damped_energy(c);
+  memcpy(found->how, c->how, sizeof found->how);
+  hk_judge(&run->loop, &run->judgement, &run->asked);
+  return run->judgement.verdict == HK_VERDICT_OK;
+}
+
+/* Where an accuracy was asked for. */
+static void judge_accuracy(hk_comparison *c) {
+  bool known = true, possible = hk_comparison_agrees(c, 1);
+  hk_comparison_reference(c, possible && hk_comparison_damped_modes(c) ? HK_EFFORT_MEDIUM : HK_EFFORT_SMALL, possible);
+  hk_comparison_tie_break(c);
+  if (!c->has_reference) {
+    hk_comparison_use_half(c);
+    known = c->error <= 1 || !possible || hk_comparison_use_order(c);
+  }
+  bool fine = judge(c);
+  if (fine || c->has_reference || (known && c->error > 1)) return;
+  hk_comparison_reference(c, HK_EFFORT_LARGE, false); /* in doubt */
+  judge(c);
+}
+
+/* Half the step failed: only a reference can say how accurate the run was. */
+static void judge_without_half(hk_comparison *c) {
+  if (c->channel) hk_comparison_reference(c, HK_EFFORT_MEDIUM, false);
+  judge(c);
+}
+
+/* Where none was: half the step is taken where it could defend the run. */
+static void judge_motion(hk_comparison *c) {
+  hk_error error = {0};
+  hk_comparison_reference(c, HK_EFFORT_SMALL, true);
+  if (!c->has_reference) { /* what functions of time do between evaluations counts */
+    hk_judge(&c->whole->loop, &c->whole->judgement, &c->whole->asked);
+    return;
+  }
+  if (c->error > 1 && !c->compared) hk_comparison_take_half(c, &error);
+  if (c->compared) hk_comparison_tie_break(c);
+  judge(c);
+}
+
+hk_status hk_verify(const hk_scene_loader *loader, const hk_run_options *first, bool half, hk_run *whole, hk_summary *s,
+                    hk_error *error) {
+  hk_comparison c = {.loader = loader, .first = first, .whole = whole, .summary = s, .error = NAN, .position = NAN};
+  hk_comparisons *found = &whole->judgement.comparisons;
+  bool judged = s->verdict == HK_VERDICT_OK || s->verdict == HK_INACCURATE, asked = s->accuracies > 0;
+  double begin = hk_clock();
+  if (whole->record.by_hand) { /* no other run repeats that: its own figures judge it */
+    if (judged) judge(&c);
+    hk_run_summary(whole, s);
+    return HK_OK;
+  }
+  hk_status status = hk_comparison_open(&c, error);
+  found->sampling = c.sampling;
+  if (whole->options.progress > 0 && asked && whole->loop.seconds > 1)
+    fprintf(stderr, "hooke: comparing the run with others, which takes some %.0f s\n", 2.5 * whole->loop.seconds);
+  if (status == HK_OK && (half || asked)) status = hk_comparison_take_half(&c, error);
+  if (c.compared) found->difference = hk_comparison_difference(&c);
+  if (judged && asked && c.compared)
+    judge_accuracy(&c);
+  else if (judged && asked)
+    judge_without_half(&c);
+  else if (judged && status == HK_OK && whole->judgement.keeps_trajectory)
+    judge_motion(&c);
+  found->wall_s = hk_clock() - begin;
+  hk_run_summary(whole, s);
+  hk_comparison_close(&c);
+  return status;
+}

@@ -1,0 +1,100 @@
+/* See gauss_seidel.h. Velocities follow positions: only an impact that pushes positions apart in this step has an
+ * impulse, so that pairs that approach without contact are left alone. */
+#include "plugins/common/contact/impulses/gauss_seidel.h"
+
+#include "plugins/kit/vector3.h"
+
+static void apply(const hk_impact *k, const double impulse[3], const double *inverse_mass, double *y) {
+  for (int i = 0; i < 4; i++)
+    hk_add_scaled(y + 3 * (size_t)k->pair.vertex[i], k->frame.w[i] * inverse_mass[k->pair.vertex[i]], impulse);
+}
+
+static void relative(double out[3], const hk_impact *k, const hk_impact_level *level, const double *y) {
+  for (int c = 0; c < 3; c++) out[c] = -level->origin[c];
+  for (int i = 0; i < 4; i++) hk_add_scaled(out, k->frame.w[i], y + 3 * (size_t)k->pair.vertex[i]);
+}
+
+/* Friction that would stop the sliding, no larger than the law allows. Returns the size of the change, N s. */
+static double rub(const hk_impact *k, hk_impact_level *level, double friction, const double r[3], double change[3]) {
+  double along = hk_dot(r, k->frame.n), wanted[3];
+  for (int c = 0; c < 3; c++) wanted[c] = level->slide[c] - (r[c] - along * k->frame.n[c]) / k->mobility;
+  double size = hk_length(wanted), most = friction * level->push, part = size > most ? most / size : 1;
+  double moved = 0;
+  for (int c = 0; c < 3; c++) {
+    double next = part * wanted[c], step = next - level->slide[c];
+    change[c] += step;
+    moved += step * step;
+    level->slide[c] = next;
+  }
+  return sqrt(moved);
+}
+
+static void note(uint64_t *when, const hk_impact *k, uint64_t now) {
+  for (int i = 0; i < 4; i++) when[k->pair.vertex[i]] = now;
+}
+
+/* Returns by how much the impact has changed its own distance or speed. */
+static double relax(const hk_contact_solver *s, const hk_impact *k, hk_impact_level *level, const double *inverse_mass,
+                    double *y) {
+  double r[3], change[3];
+  if (!(k->mobility > 0)) return 0; /* its nearest points are pinned */
+  relative(r, k, level, y);
+  double next = fmax(0, level->push + (level->target - hk_dot(r, k->frame.n)) / k->mobility), step = next - level->push;
+  if (next == 0 && step == 0) return 0;
+  level->push = next;
+  for (int c = 0; c < 3; c++) change[c] = step * k->frame.n[c];
+  double moved = fabs(step);
+  if (s->friction > 0) moved += rub(k, level, s->friction, r, change);
+  note(s->touched, k, s->now);
+  apply(k, change, inverse_mass, y);
+  return moved * k->mobility;
+}
+
+static bool is_awake(const hk_contact_solver *s, const hk_impact *k, uint64_t solved) {
+  bool awake = solved == 0;
+  for (int i = 0; i < 4; i++) awake |= s->moved[k->pair.vertex[i]] > solved;
+  return awake;
+}
+
+typedef struct sweeping {
+  double *y;
+  const double *inverse_mass;
+  double tolerance;
+  size_t level; /* offset of the level in an impact */
+} sweeping;
+
+static bool takes_part(const hk_impact *k, const sweeping *w) {
+  return w->level == offsetof(hk_impact, place) || k->place.push > 0;
+}
+
+/* Returns whether anything was moved by more than the tolerance. */
+static bool sweep(hk_contact_solver *s, const sweeping *w) {
+  bool moved = false;
+  for (size_t e = 0; e < s->count; e++) {
+    hk_impact *k = &s->impact[e];
+    hk_impact_level *level = (hk_impact_level *)(void *)((char *)k + w->level);
+    if (!is_awake(s, k, level->solved) || !takes_part(k, w)) continue;
+    level->solved = ++s->now;
+    if (!(relax(s, k, level, w->inverse_mass, w->y) > w->tolerance)) continue;
+    note(s->moved, k, s->now);
+    moved = true;
+  }
+  return moved;
+}
+
+static size_t sweep_all(hk_contact_solver *s, const sweeping *w) {
+  size_t sweeps = 1;
+  while (sweep(s, w) && sweeps < s->most) sweeps++;
+  return sweeps;
+}
+
+hk_gauss_seidel_result hk_gauss_seidel(hk_contact_solver *s, hk_step_move *m) {
+  hk_gauss_seidel_result done = {0};
+  done.sweeps = sweep_all(s, &(sweeping){m->x, m->inverse_mass, s->tolerance, offsetof(hk_impact, place)});
+  sweep_all(s, &(sweeping){m->v, m->inverse_mass, s->tolerance / m->h, offsetof(hk_impact, speed)});
+  for (size_t e = 0; e < s->count; e++) {
+    done.pushing += s->impact[e].place.push > 0;
+    done.impulse += s->impact[e].speed.push;
+  }
+  return done;
+}

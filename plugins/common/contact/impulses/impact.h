@@ -1,0 +1,43 @@
+/* The impact of a feature pair in a step, as an inequality for positions and one for velocities.
+ *
+ * With the unit normal n and the weights w of the nearest points at one instant of the step, the gap is, to first
+ * order, C(x) = n.sum w_i x_i - offset. Where it closes at the part s of the step, with the normal speed u < 0, the law
+ * of impact leaves the speed -e u, and accelerations go on as they did: n.sum w_i v_i >= max(0, u_1 - (1 + e) u), C(x)
+ * >= max(0, C_1 - (1 + e) u (1 - s) h), where C_1 and u_1 are those that the step would end with. The maxima are
+ * contact that lasts: the end neither overlaps nor approaches. s and u are those of the parabola through both ends with
+ * the velocity of the start, so that under constant forces the law is exact. An impulse p n on the nearest point
+ * changes v_i by w_i p n/m_i, which conserves momentum and, as the nearest points lie on one line along n, angular
+ * momentum (at the instant of n and w). Friction is an impulse across n, at most mu p, that takes the sliding since the
+ * impact. */
+#ifndef HK_IMPACT_H
+#define HK_IMPACT_H
+
+#include "plugins/common/contact/geometry/feature_pair.h"
+
+/* What a step would do. Positions and velocities are n x 3. */
+typedef struct hk_step_move {
+  double h; /* s */
+  const double *x_from, *v_from;
+  double *x, *v;
+  const double *inverse_mass; /* n, 1/kg */
+} hk_step_move;
+
+/* One of the two inequalities, n.(sum w_i y_i - origin) >= target for y = x or v, and the impulses that keep it. */
+typedef struct hk_impact_level {
+  double origin[3], target;
+  double push, slide[3]; /* along n and across it; kg m or N s */
+  uint64_t solved;       /* when: gauss_seidel.h */
+} hk_impact_level;
+
+typedef struct hk_impact {
+  hk_feature_pair pair; /* its gap: at the start of the step */
+  hk_pair_frame frame;  /* of one instant of the step */
+  double mobility;      /* 1/kg, sum of w_i^2/m_i; 0: the nearest points are pinned */
+  hk_impact_level place, speed;
+} hk_impact;
+
+/* Sets mobility and levels of an impact whose pair and frame are set. again: it was pushed apart in this step already,
+ * and of its maxima only the zeros hold. */
+void hk_impact_set(hk_impact *, const hk_step_move *, double restitution, bool again);
+
+#endif

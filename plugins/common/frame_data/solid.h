@@ -1,0 +1,30 @@
+/* Bodies in a scene that are not made of particles: what these move in or bounce off. */
+#ifndef HK_FRAME_SOLID_H
+#define HK_FRAME_SOLID_H
+
+#include "plugins/common/obstacles/shape.h"
+
+/* A plane goes through the centre, axis[2] is normal to it, and the others are not used. A cylinder is along axis[2], a
+ * capsule as well, which reaches to the end of the cap and is round about it. The coordinates of a mesh's vertices are
+ * in units of the axes. */
+
+enum { HK_SOLID_NUMBERS = 12 }; /* of a place: the centre and three axes */
+
+/* The names of the kinds, as in HK_SHAPE_NAMES. */
+extern const char *const hk_solid_names[HK_SHAPE_MESH + 1];
+
+typedef struct hk_frame_solid {
+  hk_shape_kind kind;
+  bool hollow; /* only what is seen of its inside is drawn */
+  double centre[3];
+  double axis[3][3]; /* from the centre to the surface along its own axes */
+  /* Of a mesh; the lists are another's. */
+  size_t vertices, faces;
+  const double *vertex;      /* vertices x 3 */
+  const uint32_t (*face)[3]; /* anticlockwise, seen from outside */
+} hk_frame_solid;
+
+/* Enlarges the box by the solid, but for planes. */
+void hk_solid_box(const hk_frame_solid *, double low[3], double high[3]);
+
+#endif

@@ -1,0 +1,133 @@
+#include "plugins/common/snapshot/particle_colour.h"
+
+#include "plugins/common/frame_data/strain.h"
+
+#include <string.h>
+
+static void take_strain(hk_snapshot3d *s, const hk_view *view) {
+  hk_particle_strains(view, NULL, view->n, s->strain);
+  for (size_t i = 0; i < view->n; i++) s->colour[i].number = (float)s->strain[i];
+}
+
+static double length(const double *value, size_t size) {
+  double sum = 0;
+  if (size == 1) return value[0];
+  for (size_t c = 0; c < size; c++) sum += value[c] * value[c];
+  return sqrt(sum);
+}
+
+static void take_colour(hk_particle_colour *one, const double rgb[3]) {
+  for (int c = 0; c < 3; c++) one->colour[c] = (uint8_t)(255 * fmin(fmax(rgb[c], 0), 1) + 0.5);
+  one->colour[3] = 255;
+}
+
+static const double *channel_of(const hk_view *view, size_t k) {
+  return view->y + view->model->channel[k].offset * view->n;
+}
+
+static void take_group(hk_snapshot3d *s, const hk_view *view) {
+  for (size_t i = 0; i < view->n; i++) memcpy(s->colour + i, &view->model->group[i], sizeof *s->colour);
+}
+
+static void take_channel(hk_snapshot3d *s, const hk_view *view) {
+  const double *y = channel_of(view, s->appearance->channel);
+  size_t size = view->model->channel[s->appearance->channel].size;
+  for (size_t i = 0; i < view->n; i++) {
+    if (s->appearance->paint == HK_PAINT_RGB)
+      take_colour(s->colour + i, y + size * i);
+    else
+      s->colour[i].number = (float)length(y + size * i, size);
+  }
+}
+
+static void take_number(hk_snapshot3d *s, const hk_view *view, const double *birth) {
+  for (size_t i = 0; i < view->n; i++) {
+    double number = s->appearance->paint == HK_PAINT_SPEED  ? length(view->v + 3 * i, 3)
+                    : s->appearance->paint == HK_PAINT_AGE  ? view->t - (birth ? birth[i] : 0)
+                    : s->appearance->paint == HK_PAINT_MASS ? view->model->mass[i]
+                                                            : 0;
+    s->colour[i].number = (float)number;
+  }
+}
+
+static void take_sizes(hk_snapshot3d *s, const hk_view *view) {
+  float *size = s->extra[HK_EXTRA_SIZE];
+  const double *radius = s->appearance->sizes == HK_SIZE_CHANNEL ? channel_of(view, s->appearance->size_channel) : NULL;
+  for (size_t i = 0; i < view->n; i++) {
+    double r = radius ? radius[i] : cbrt(view->model->mass[i]);
+    size[i] = isfinite(r) && r > 0 ? (float)r : 0;
+  }
+}
+
+static double radius_of_group(const hk_appearance *appearance, uint32_t group) {
+  for (size_t k = 0; k < appearance->tube_groups; k++)
+    if (appearance->tube_group[k].group == group) return appearance->tube_group[k].radius;
+  return 0;
+}
+
+/* Of the strand that the particle with this id is of; 0: of none. */
+static double radius_of_strand(const hk_strands *all, uint32_t id) {
+  size_t low = 0, high = all ? all->count : 0;
+  while (low < high) {
+    size_t middle = low + (high - low) / 2;
+    if (all->item[middle].first <= id)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  const hk_strand *last = low > 0 ? all->item + low - 1 : NULL; /* the last that begins at or before it */
+  return last && id - last->first < last->count ? last->radius : 0;
+}
+
+/* What contact says of it; where that says nothing, its strand's. */
+static void take_own_tubes(hk_snapshot3d *s, const hk_view *view) {
+  const double *contact = s->appearance->tube_radius ? *s->appearance->tube_radius : NULL;
+  for (size_t i = 0; i < view->n; i++)
+    s->extra[HK_EXTRA_TUBE][i] = contact && contact[i] > 0
+                                     ? (float)contact[i]
+                                     : (float)radius_of_strand(s->appearance->strands, view->model->id[i]);
+}
+
+static void take_tubes(hk_snapshot3d *s, const hk_view *view) {
+  const hk_appearance *appearance = s->appearance;
+  if (appearance->tube_groups) {
+    for (size_t i = 0; i < view->n; i++)
+      s->extra[HK_EXTRA_TUBE][i] = (float)radius_of_group(appearance, view->model->group[i]);
+    return;
+  }
+  if (appearance->tube_radius || appearance->strands) {
+    take_own_tubes(s, view);
+    return;
+  }
+  const double *radius = channel_of(view, appearance->tube_channel);
+  for (size_t i = 0; i < view->n; i++)
+    s->extra[HK_EXTRA_TUBE][i] = radius && isfinite(radius[i]) && radius[i] > 0 ? (float)radius[i] : 0;
+}
+
+static void take_fade(hk_snapshot3d *s, const hk_view *view) {
+  const double *y = channel_of(view, s->appearance->fade_channel);
+  for (size_t i = 0; i < view->n; i++) s->extra[HK_EXTRA_FADE][i] = (float)fmin(fmax(y[i], 0), 1);
+}
+
+static void take_velocities(hk_snapshot3d *s, const hk_view *view) {
+  for (size_t i = 0; i < view->n; i++) {
+    double v[3];
+    hk_to_z_up(s->appearance->y_up, view->v + 3 * i, v);
+    for (size_t c = 0; c < 3; c++) s->extra[HK_EXTRA_VELOCITY][3 * i + c] = isfinite(v[c]) ? (float)v[c] : 0;
+  }
+}
+
+void hk_particle_colours_take(hk_snapshot3d *s, const hk_view *view, const double *birth) {
+  if (s->appearance->paint == HK_PAINT_STRAIN)
+    take_strain(s, view);
+  else if (s->appearance->paint == HK_PAINT_GROUP)
+    take_group(s, view);
+  else if (s->appearance->paint == HK_PAINT_CHANNEL || s->appearance->paint == HK_PAINT_RGB)
+    take_channel(s, view);
+  else
+    take_number(s, view, birth);
+  if (s->appearance->sizes != HK_SIZE_SAME) take_sizes(s, view);
+  if (s->appearance->tubes) take_tubes(s, view);
+  if (s->appearance->fades) take_fade(s, view);
+  if (s->appearance->streak > 0) take_velocities(s, view);
+}

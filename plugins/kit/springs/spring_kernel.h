@@ -1,0 +1,226 @@
+/* The forces of the springs of a layout (spring_layout.h), many at a time. */
+#ifndef HK_SPRING_KERNEL_H
+#define HK_SPRING_KERNEL_H
+
+#include "core/plugin/vector_math.h"
+#include "plugins/kit/springs/spring_layout.h"
+#include "plugins/kit/springs/edge.h"
+
+/* F += the forces; *power += the power of the damping, -sum c (u.d)^2/l^2, when `power` is not NULL. */
+static inline void hk_spring_forces(const hk_spring_layout *, const hk_host *host, const double *x, const double *v,
+                                    double *F, double *power);
+/* The same of one part. */
+static inline void hk_spring_part(const hk_spring_layout *, size_t part, const double *x, const double *v, double *F,
+                                  double *power);
+
+/* ---- how: loops in vectors ---- */
+
+/* Ends HK_SPRING_FAR particles apart are far: what is added to one end has been stored when it is read as the other.
+ * (Measured: from 16 on as fast as any, 12 a quarter slower.) */
+enum { HK_SPRING_WIDEST = 8, HK_SPRING_BLOCK = 256, HK_SPRING_FAR = 16 };
+
+/* `k + (e & each_k)` points to the coefficients of spring e and those that follow; `each` is 0 for a common coefficient
+ * (HK_SPRING_WIDEST equal numbers), otherwise it has all bits set. */
+typedef struct hk_spring_numbers {
+  const double *k, *c, *L;
+  size_t each_k, each_c, each_L;
+} hk_spring_numbers;
+
+/* Has the coefficients of springs read that are HK_SPRING_PREFETCH after spring e: the processor does not foresee by
+ * itself where a path goes on in several lists, page by page. Distances of 64 to 512 springs are equally good. */
+enum { HK_SPRING_PREFETCH = 128 };
+static inline __attribute__((always_inline)) void hk_spring_fetch(const hk_spring_numbers *q, size_t e) {
+  e += HK_SPRING_PREFETCH;
+  __builtin_prefetch(q->k + (e & q->each_k));
+  __builtin_prefetch(q->c + (e & q->each_c));
+  __builtin_prefetch(q->L + (e & q->each_L));
+}
+
+/* Where springs are read and forces go. Of a run: the first particle of each end; of a list, with xi, vi and Fi alone:
+ * the first particle of all. `present` has a bit for each spring of a run, the lowest of a byte first: where it is 0
+ * there is none, and F gets zeros, unless the particles' distance overflows. */
+typedef struct hk_spring_ways {
+  hk_spring_numbers q;
+  const uint8_t *present;
+  const double *xi, *xj, *vi, *vj;
+  double *Fi, *Fj;
+} hk_spring_ways;
+
+/* The forces of a slice, x and y as a pair, z alone. */
+typedef struct hk_spring_pulls {
+  double xy[HK_SPRING_SLOTS][HK_SPRING_BUNDLES][2], z[HK_SPRING_SLOTS][HK_SPRING_BUNDLES];
+  double sum_xy[HK_SPRING_BUNDLES][2], sum_z[HK_SPRING_BUNDLES];
+} __attribute__((aligned(64))) hk_spring_pulls;
+
+typedef double hk_spring_half __attribute__((vector_size(16), aligned(8), may_alias));
+
+/* x and y together and z alone: a wider store would overlap a neighbouring particle, whose load would wait for it. */
+static inline void hk_spring_pull(double *F, const double xy[2], double z) {
+  *(hk_spring_half *)F += *(const hk_spring_half *)xy;
+  F[2] += z;
+}
+
+static inline void hk_spring_push(double *F, const double xy[2], double z) {
+  *(hk_spring_half *)F -= *(const hk_spring_half *)xy;
+  F[2] -= z;
+}
+
+/* The `count` forces of one slot in the first row, on the second ends. */
+HK_INLINE void hk_spring_slot_push(const hk_spring_pulls *p, const uint32_t (*pair)[2], size_t count, double *F) {
+  if (count == HK_SPRING_BUNDLES) /* an own loop: the compiler knows its length */
+    for (size_t r = 0; r < HK_SPRING_BUNDLES; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[0][r], p->z[0][r]);
+  else
+    for (size_t r = 0; r < count; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[0][r], p->z[0][r]);
+}
+
+/* Adds the forces of a slice; `pair` and `lanes` are its first ones. `pushed`: those on second ends have been. */
+HK_INLINE void hk_spring_pulls_add(const hk_spring_pulls *p, const uint32_t (*pair)[2], const uint8_t *lanes,
+                                   bool pushed, double *F) {
+  const uint32_t(*own)[2] = pair;
+  for (size_t t = 0; !pushed && lanes[t]; pair += lanes[t++])
+    for (size_t r = 0; r < lanes[t]; r++) hk_spring_push(F + 3 * (size_t)pair[r][1], p->xy[t][r], p->z[t][r]);
+  for (size_t r = 0; r < lanes[0]; r++) hk_spring_pull(F + 3 * (size_t)own[r][0], p->sum_xy[r], p->sum_z[r]);
+}
+
+/* For each width, HK_WIDEST(lanes, loop)(ways, ...): adds the forces of springs to F and returns the sum of c w^2/l^2,
+ * W. All widths do the same operations in the same order, so results are bitwise equal.
+ *   hk_spring_far_run(ways, n, damped)      the springs (i+t, j+t) of a run with ends HK_SPRING_FAR or more apart; n: a
+ *                                           multiple of HK_SPRING_LANES. Springs e, e + 4, e + 8, ... are summed first
+ *   hk_spring_near_run(ways, n, damped)     the same for ends that are nearer; n: at most HK_SPRING_BLOCK
+ *   hk_spring_list_run(ways, list, damped)  slices of pairs without the last particle: one number beyond a particle may
+ *                                           be read. The springs of the bundles r = 0 to 7 are summed first, then, as
+ *                                           s, ((s0 + s4) + (s1 + s5)) + ((s2 + s6) + (s3 + s7)) */
+#define LOAD(p) (*(const VECTOR *)(p))
+#define STORE(p, value) (*(VECTOR *)(p) = (value))
+#define ADD(p, value) (*(VECTOR *)(p) += (value))
+#define PICK __builtin_shufflevector
+#define HK_LOOPS "plugins/kit/springs/spring_loops.h"
+#include "core/plugin/each_width.h"
+#undef LOAD
+#undef STORE
+#undef ADD
+#undef PICK
+
+/* ---- how: all springs ---- */
+
+/* The springs of a layout, part by part: runs and lists by the widest vectors of this processor, the few remaining
+ * springs one by one with the same operations. */
+
+static inline double hk_spring_scale(double l2, double w, double k, double c, double L, double *p) {
+  double safe = l2 > HK_SPRING_TINY ? l2 : 1, l = sqrt(safe), r = 1 / safe, cwr = c * w * r;
+  *p += cwr * w;
+  return k * (l - L) * l * r + cwr;
+}
+
+typedef struct hk_spring_task {
+  const hk_spring_layout *layout;
+  const double *x, *v;
+  double *F;
+} hk_spring_task;
+
+static inline double hk_spring_singles(const hk_spring_task *t, const hk_spring_run *run) {
+  const hk_spring_layout *s = t->layout;
+  double sum = 0;
+  for (size_t q = 0; q < run->count; q++) {
+    uint32_t end[2];
+    hk_spring_ends(s, run, q, end);
+    size_t i = 3 * (size_t)end[0], j = 3 * (size_t)end[1], e = run->place + q;
+    const double *xi = t->x + i, *xj = t->x + j, *vi = t->v + i, *vj = t->v + j;
+    double *Fi = t->F + i, *Fj = t->F + j;
+    double dx = xj[0] - xi[0], dy = xj[1] - xi[1], dz = xj[2] - xi[2];
+    double w = s->damped ? dx * (vj[0] - vi[0]) + dy * (vj[1] - vi[1]) + dz * (vj[2] - vi[2]) : 0;
+    double f = hk_spring_scale(dx * dx + dy * dy + dz * dz, w, s->k[s->each_k ? e : 0], s->c[s->each_c ? e : 0],
+                               s->L[s->each_L ? e : 0], &sum);
+    Fi[0] += f * dx;
+    Fi[1] += f * dy;
+    Fi[2] += f * dz;
+    Fj[0] -= f * dx;
+    Fj[1] -= f * dy;
+    Fj[2] -= f * dz;
+  }
+  return sum;
+}
+
+static inline hk_spring_numbers hk_spring_numbers_from(const hk_spring_numbers *all, size_t e) {
+  return (hk_spring_numbers){all->k + (e & all->each_k),
+                             all->c + (e & all->each_c),
+                             all->L + (e & all->each_L),
+                             all->each_k,
+                             all->each_c,
+                             all->each_L};
+}
+
+/* n places of a run from its t-th on. */
+static inline double hk_spring_one_block(const hk_spring_task *t, const hk_spring_numbers *all,
+                                         const hk_spring_run *run, size_t from, size_t n) {
+  const hk_spring_layout *s = t->layout;
+  size_t i = 3 * (run->i + from), j = 3 * (run->j + from), apart = i < j ? j - i : i - j;
+  const hk_spring_ways at = {hk_spring_numbers_from(all, run->place + from),
+                             s->present + run->bits + from / 8,
+                             t->x + i,
+                             t->x + j,
+                             t->v + i,
+                             t->v + j,
+                             t->F + i,
+                             t->F + j};
+  if (apart >= 3 * HK_SPRING_FAR) return HK_WIDEST(s->width, hk_spring_far_run)(&at, n, s->damped);
+  return HK_WIDEST(s->width, hk_spring_near_run)(&at, n, s->damped);
+}
+
+static inline double hk_spring_one_list(const hk_spring_task *t, const hk_spring_numbers *all,
+                                        const hk_spring_run *run) {
+  const hk_spring_layout *s = t->layout;
+  const hk_spring_ways at = {.q = hk_spring_numbers_from(all, run->place), .xi = t->x, .vi = t->v, .Fi = t->F};
+  const hk_spring_list list = {run->count, (const uint32_t(*)[2])s->pair + run->pair, s->lanes + run->lanes};
+  return HK_WIDEST(s->width, hk_spring_list_run)(&at, &list, s->damped);
+}
+
+static inline double hk_spring_one_run(const hk_spring_task *t, const hk_spring_numbers *q, const hk_spring_run *run) {
+  double power = 0;
+  if (run->kind == HK_SPRING_LIST) return hk_spring_one_list(t, q, run);
+  if (run->kind == HK_SPRING_SINGLE) return hk_spring_singles(t, run);
+  for (size_t e = 0; e < run->places; e += HK_SPRING_BLOCK)
+    power += hk_spring_one_block(t, q, run, e, run->places - e < HK_SPRING_BLOCK ? run->places - e : HK_SPRING_BLOCK);
+  return power;
+}
+
+static inline double hk_spring_one_part(const hk_spring_task *t, size_t part) {
+  const hk_spring_layout *s = t->layout;
+  double k[HK_SPRING_WIDEST], c[HK_SPRING_WIDEST], L[HK_SPRING_WIDEST], power = 0;
+  hk_spring_numbers q = {s->each_k ? s->k : k,       s->each_c ? s->c : c,       s->each_L ? s->L : L,
+                         s->each_k ? ~(size_t)0 : 0, s->each_c ? ~(size_t)0 : 0, s->each_L ? ~(size_t)0 : 0};
+  for (int r = 0; r < HK_SPRING_WIDEST; r++) k[r] = *s->k, c[r] = *s->c, L[r] = *s->L;
+  for (size_t r = s->part[part]; r < s->part[part + 1]; r++) power += hk_spring_one_run(t, &q, &s->run[r]);
+  return power;
+}
+
+static inline hk_spring_task hk_spring_begin(const hk_spring_layout *s, const double *x, const double *v, double *F) {
+  return (hk_spring_task){s, x, v, F};
+}
+
+static inline void hk_spring_part(const hk_spring_layout *s, size_t part, const double *x, const double *v, double *F,
+                                  double *power) {
+  hk_spring_task t = hk_spring_begin(s, x, v, F);
+  double p = hk_spring_one_part(&t, part);
+  if (power) *power -= p;
+}
+
+static inline void hk_spring_sum_part(const void *context, size_t part) {
+  const hk_spring_task *t = context;
+  t->layout->power[part] = hk_spring_one_part(t, part);
+}
+
+static inline void hk_spring_forces(const hk_spring_layout *s, const hk_host *host, const double *x, const double *v,
+                                    double *F, double *power) {
+  if (s->count == 0) return;      /* also of a layout that was not built */
+  if (s->partition.blocks == 1) { /* a small scene: no threads */
+    hk_spring_part(s, 0, x, v, F, power);
+    return;
+  }
+  hk_spring_task t = hk_spring_begin(s, x, v, F);
+  hk_parts_each(host, &s->partition, s->part, hk_spring_sum_part, &t);
+  for (size_t p = 0; power && p < s->partition.parts; p++)
+    if (s->part[p] < s->part[p + 1]) *power -= s->power[p];
+}
+
+#endif

@@ -1,0 +1,141 @@
+"""Makes of a good recording one that a stranger may have written: foreign_recordings.py GOOD SECRET NAME TARGET; NAME
+"list" prints the names. Each has one thing that no recording of hooke has."""
+import shutil
+import sys
+
+import h5py
+import numpy as np
+
+
+def replaced(file, path, make):
+    group, name = path.rsplit("/", 1)
+    del file[path]
+    make(file[group], name)
+
+
+def array_of_texts(file):
+    own = file["hooke"].attrs
+    length = own.get_id("verdict").get_type().get_size()
+    del own["verdict"]
+    own.create("verdict", np.array([b"x" * length] * 4096, dtype=f"S{length}"))
+
+
+def array_of_labels(file):
+    attrs = file["VTKHDF/PointData/heat"].attrs
+    del attrs["label"]
+    attrs.create("label", np.array([b"A" * 60] * 9000, dtype="S60"))
+
+
+def array_of_numbers(file):
+    steps = file["VTKHDF/Steps"].attrs
+    del steps["NSteps"]
+    steps.create("NSteps", np.zeros(100000, dtype="i8"))
+
+
+def external_storage(file):
+    def make(group, name):
+        size = 3 * 8 * 4
+        group.create_dataset(name, (4, 3), dtype="f8", external=[(secret, 0, size)])
+
+    replaced(file, "VTKHDF/PointData/velocity", make)
+
+
+def external_link(file):
+    replaced(file, "VTKHDF/PointData/velocity", lambda g, n: g.__setitem__(n, h5py.ExternalLink(good, "/VTKHDF/Points")))
+
+
+def external_group(file):
+    replaced(file, "VTKHDF/FieldData", lambda g, n: g.__setitem__(n, h5py.ExternalLink(good, "/VTKHDF/FieldData")))
+
+
+def soft_link(file):
+    replaced(file, "VTKHDF/PointData/velocity", lambda g, n: g.__setitem__(n, h5py.SoftLink("/VTKHDF/Points")))
+
+
+def virtual(file):
+    rows = file["VTKHDF/Points"].shape[0]
+
+    def make(group, name):
+        layout = h5py.VirtualLayout(shape=(rows, 3), dtype="f8")
+        layout[:] = h5py.VirtualSource(good, "/VTKHDF/Points", shape=(rows, 3))
+        group.create_virtual_dataset(name, layout)
+
+    replaced(file, "VTKHDF/PointData/velocity", make)
+
+
+def compound(file):
+    rows = file["VTKHDF/PointData/mass"].shape[0]
+    kind = np.dtype([("a", "f8"), ("b", "f8")])
+    replaced(file, "VTKHDF/PointData/mass", lambda g, n: g.create_dataset(n, (rows,), dtype=kind))
+
+
+def texts_for_numbers(file):
+    rows = file["VTKHDF/PointData/mass"].shape[0]
+    kind = h5py.string_dtype()
+    replaced(file, "VTKHDF/PointData/mass", lambda g, n: g.create_dataset(n, (rows,), dtype=kind))
+
+
+def three_dimensions(file):
+    rows = file["VTKHDF/PointData/velocity"].shape[0]
+    replaced(file, "VTKHDF/PointData/velocity", lambda g, n: g.create_dataset(n, (rows, 3, 2), dtype="f8"))
+
+
+def too_wide(file):
+    rows = file["VTKHDF/PointData/heat"].shape[0]
+    kept = dict(file["VTKHDF/PointData/heat"].attrs)
+    replaced(file, "VTKHDF/PointData/heat", lambda g, n: g.create_dataset(n, (rows, 1 << 20), dtype="f8", chunks=(1, 1024)))
+    for name, value in kept.items():
+        file["VTKHDF/PointData/heat"].attrs[name] = value
+
+
+def more_particles_than_bytes(file):
+    shape = (1 << 31, 3)
+    for path in ("VTKHDF/Points", "VTKHDF/PointData/velocity"):
+        replaced(file, path, lambda g, n: g.create_dataset(n, shape, dtype="f8", chunks=(1024, 3)))
+    file["VTKHDF/NumberOfPoints"][...] = 1 << 31
+
+
+def more_frames_than_bytes(file):
+    replaced(file, "VTKHDF/Steps/Values", lambda g, n: g.create_dataset(n, (1 << 40,), dtype="f8", chunks=(1024,)))
+    file["VTKHDF/Steps"].attrs["NSteps"] = 1 << 40
+
+
+def more_frames_than_rows(file):
+    file["VTKHDF/Steps"].attrs["NSteps"] = file["VTKHDF/Steps/Values"].shape[0] + 1
+
+
+def negative_frames(file):
+    file["VTKHDF/Steps"].attrs["NSteps"] = -1
+
+
+def more_particles_than_rows(file):
+    file["VTKHDF/NumberOfPoints"][...] = 100000
+
+
+def rows_before_the_first(file):
+    file["VTKHDF/Steps/PointOffsets"][1] = -4
+
+
+def cells_that_do_not_exist(file):
+    file["hooke/Cells"][0] = (1 << 30, 0, 0)
+
+
+def corners_that_do_not_exist(file):
+    file["VTKHDF/Connectivity"][...] = 1 << 20
+
+
+def part_that_does_not_exist(file):
+    file["VTKHDF/Steps/PartOffsets"][1] = 1000
+
+
+kinds = [array_of_texts, array_of_labels, array_of_numbers, external_storage, external_link, external_group, soft_link,
+         virtual, compound, texts_for_numbers, three_dimensions, too_wide, more_particles_than_bytes,
+         more_frames_than_bytes, more_frames_than_rows, negative_frames, more_particles_than_rows, rows_before_the_first,
+         cells_that_do_not_exist, corners_that_do_not_exist, part_that_does_not_exist]
+good, secret, name, target = sys.argv[1:]
+if name == "list":
+    print("\n".join(kind.__name__ for kind in kinds))
+else:
+    shutil.copyfile(good, target)
+    with h5py.File(target, "r+") as opened:
+        next(kind for kind in kinds if kind.__name__ == name)(opened)

@@ -1,0 +1,28 @@
+-- What a page shares with pictures and recordings (plugins/common/frame_data, plugins/common/colour), as data: the maps of
+-- colours, the colours of things, the kinds of solids, how thick things are drawn, and how the fields of a frame are shown.
+local page = require("page")
+local json_text = require("common.view.json_text")
+
+local shared = {}
+
+local all = page.shared()
+
+-- A field of a frame, { kind =, name =, components = }, as a page has it.
+function shared.field(f)
+  local kind, own = all.fields[f.kind], f.kind ~= f.name
+  return { name = own and f.kind .. " " .. f.name or f.name, label = f.kind == "force" and "force: " .. f.name or f.name,
+    components = f.components, unit = kind.unit, painted = kind.painted, map = kind.map }
+end
+
+-- For the data of a page, whose packed text `out` takes.
+function shared.page_data(out)
+  local maps = {}
+  for name, packed in pairs(all.maps) do maps[name] = out:add(packed) end
+  local things = {}
+  for name, colour in pairs(all.things) do things[name] = json_text.list(colour) end
+  local radii = {}
+  for name, value in pairs(all.radii) do radii[name] = type(value) == "table" and json_text.list(value) or value end
+  return { maps = maps, things = things, solids = json_text.list(all.solids), radii = radii }
+end
+
+return shared

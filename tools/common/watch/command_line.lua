@@ -1,0 +1,41 @@
+-- The command line of `hooke run ... --watch`: its own options, and the arguments that the run gets.
+local command_line = {}
+
+-- The run's arguments, the port of the page, and whether it shows each force by itself; nil and the reason.
+function command_line.split(list)
+  local own, port, forces, k = {}, 0, false, 1
+  while list[k] do
+    local argument = list[k]
+    local value = argument:match("^%-%-port=(.*)$")
+    if argument == "--port" then
+      k = k + 1
+      value = list[k] or ""
+    end
+    if value then
+      port = math.tointeger(tonumber(value))
+      if not port or port < 0 or port > 65535 then return nil, ("--port: '%s' is not a number from 0 to 65535"):format(value) end
+    elseif argument == "--forces" then
+      forces = true
+    elseif argument ~= "--watch" then
+      own[#own + 1] = argument
+    end
+    k = k + 1
+  end
+  return own, port, forces
+end
+
+-- The arguments with other values of parameters of the scene.
+function command_line.with(list, values)
+  local own = {}
+  for _, argument in ipairs(list) do
+    local name = not argument:find("^%-") and argument:match("^([^=]+)=")
+    if not (name and values[name]) then own[#own + 1] = argument end
+  end
+  local names = {}
+  for name in pairs(values) do names[#names + 1] = name end
+  table.sort(names)
+  for _, name in ipairs(names) do own[#own + 1] = ("%s=%s"):format(name, values[name]) end
+  return own
+end
+
+return command_line
