@@ -35,7 +35,7 @@ function drape.contact(scene, contact, t)
     scene:force("barrier", { thickness = t.thickness and t.thickness / 2, d_hat = (t.thickness or 2 * t.radius) / 2,
       radius = t.radius and t.radius / 2, friction = t.friction, leave = t.leave })
   elseif contact == "force" then
-    scene:force("contact", { thickness = t.thickness, radius = t.radius, friction = t.friction, leave = t.leave,
+    scene:force("repulsion", { thickness = t.thickness, radius = t.radius, friction = t.friction, leave = t.leave,
       stiffness = t.stiffness or 200, damping = 2 })
   else
     scene:corrector(contact == "zones" and "impact_zones" or "contact",

@@ -43,6 +43,7 @@ end
 scene:force("nbody", { G = G, softening = softening, alpha = alpha })
 
 scene:measure("virial", function(s) return -2 * s:kinetic() / s:potential() end) -- 1 in equilibrium
+scene:output("checkpoint", { every = 20 }) -- hooke run --resume goes on from there
 scene:output("frames", { width = 1280, height = 720, color = "group", style = "glow", radius = 0.12,
   from = { 0, -20, 95 }, look_at = { 0, 0, 0 }, ground = false, background = { 0, 0, 0.02 }, legend = false })
 return scene

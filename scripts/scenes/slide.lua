@@ -30,7 +30,7 @@ else
   if contact == "force" or contact == "both" then
     law.stiffness, law.damping, law.slip, law.reach = k, 5, 0.01, thickness / 8
     law.guard = contact == "force"
-    scene:force("contact", law)
+    scene:force("repulsion", law)
   end
 end
 
