@@ -1,8 +1,8 @@
 -- The architecture: arrows between files run one way. An arrow goes from a file to one that it includes (#include), whose
 -- symbol its object file takes (nm), or which it requires (Lua). Checked are the order of the rooms, circles of files,
--- the size of rooms, the one header of a room, names that are defined twice, retired words, who asks the processor, the
--- lines that the loop links, and that core/ names no plugin. All findings are printed, one a line. Every check is first run on a made-up
--- example with planted faults, which it has to find.
+-- the size of rooms, the one header of a room, the headers that a file of core/run sees, names that are defined twice,
+-- retired words, who asks the processor, the lines that the loop links, and that core/ names no plugin. All findings are
+-- printed, one a line. Every check is first run on a made-up example with planted faults, which it has to find.
 
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 local build = assert(os.getenv("HK_BUILD"), "HK_BUILD: the folder of the build")
@@ -23,6 +23,8 @@ local buildings = {
 local most_files = 20
 -- Of what core/engine/loop/time_loop.c links, all it needs with it: what one has to read to know the loop.
 local most_lines_linked = 4500
+-- Of core/ beside the contract, that a file of core/run sees by its includes and by theirs.
+local most_headers_seen = 15
 
 -- Words that were metaphors or had several meanings, with the words in their place (core/README.md, "Words"). None is a
 -- part of a file's name or of a name hk_x in C.
@@ -163,6 +165,31 @@ local function further_includes(includes)
     table.sort(from)
     findings[#findings + 1] = ("header: %s is not the header of its room (%s), but included by %s"):format(header,
       header_of(room_of(header)), table.concat(from, ", "))
+  end
+  table.sort(findings)
+  return findings
+end
+
+-- Files of core/run that see more headers of core/ than is allowed, the contract apart, by arrows of #include.
+local function seeing_much(includes, most)
+  local next_of, files, findings = {}, {}, {}
+  for _, a in ipairs(includes) do
+    if not next_of[a.from] then next_of[a.from], files[#files + 1] = {}, a.from end
+    table.insert(next_of[a.from], a.to)
+  end
+  for _, file in ipairs(files) do
+    if file:find("^core/run/.*%.c$") then
+      local seen, list, count = {}, { file }, 0
+      for _, from in ipairs(list) do
+        for _, to in ipairs(next_of[from] or {}) do
+          if not seen[to] then
+            seen[to], list[#list + 1] = true, to
+            if room_of(to) and room_of(to) ~= "plugin" then count = count + 1 end
+          end
+        end
+      end
+      if count > most then findings[#findings + 1] = ("headers: %s sees %d of core/, %d are allowed"):format(file, count, most) end
+    end
   end
   table.sort(findings)
   return findings
@@ -329,6 +356,11 @@ local function check_the_checks()
   assert(#named("f.c", text, { "leapfrog", "rk4", "pcg", "umfpack" }) == 4)
   assert(#named("f.c", "int offspring; /* table */", { "table" }) == 1) -- a spring, but no table
 
+  local seen = { { "core/run/run/a.c", "core/run/run/run.h" }, { "core/run/run/run.h", "core/engine/loop/loop.h" },
+    { "core/run/run/a.c", "core/engine/loop/loop.h" }, { "core/run/run/a.c", "core/plugin.h" } }
+  for k, pair in ipairs(seen) do seen[k] = { from = pair[1], to = pair[2] } end
+  assert(#seeing_much(seen, 2) == 0 and #seeing_much(seen, 1) == 1)
+
   local twice = { ["a.h"] = "#ifndef HK_A_H\ntypedef struct hk_a {\n  int x;\n} hk_a;\nint hk_f(int);\n",
     ["b.h"] = "#ifndef HK_A_H\nstruct hk_a {\n  int y;\n};\nvoid *hk_f(void); /* } hk_b; */\n",
     ["c.c"] = "#include \"b.h\"\nvoid *hk_f(void) { return 0; }\n} hk_b;\nstruct hk_a use(hk_a);\n" }
@@ -414,6 +446,7 @@ add(circles(h.arrows))
 add(crowded(h.paths))
 add(further_includes(h.includes))
 add(defined_twice(h.paths, h.text))
+add(seeing_much(h.includes, most_headers_seen))
 for _, path in ipairs(h.paths) do
   if path:find("^core/") then add(named(path, h.text[path], h.plugins)) end
   add(retired(path, h.text[path]))

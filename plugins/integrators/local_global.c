@@ -35,10 +35,10 @@
 #include "plugins/common/linear/anderson.h"
 #include "plugins/common/elements/element_energy.h"
 #include "plugins/common/springs/element_edges.h"
+#include "plugins/common/springs/layout_forces.h"
 #include "plugins/common/linear/laplacian.h"
 #include "plugins/common/integrate/slide_pins.h"
 #include "plugins/common/integrate/step_control.h"
-#include "plugins/kit/springs/spring_kernel.h"
 
 #include <float.h>
 #include <string.h>
@@ -275,11 +275,11 @@ static hk_status predict(local_global *m, hk_system *s, double h, double t_next)
 static void forces(local_global *m, const hk_system *s, double h, double *power) {
   const double *x = m->next;
   memset(m->F, 0, 3 * s->n * sizeof *m->F);
-  hk_spring_forces(&m->springs, m->host, x, x, m->F, NULL);
+  hk_layout_forces(&m->springs, m->host, x, x, m->F, NULL);
   hk_element_energy_forces(&m->elements, m->d, h, m->F, power);
   if (!m->dampers.damped) return;
   for (size_t e = 0; e < 3 * s->n; e++) m->scratch[e] = m->d[e] / h;
-  hk_spring_forces(&m->dampers, m->host, s->X, m->scratch, m->F, power);
+  hk_layout_forces(&m->dampers, m->host, s->X, m->scratch, m->F, power);
 }
 
 static void residual(local_global *m, const hk_system *s, double h) {

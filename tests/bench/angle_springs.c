@@ -1,6 +1,7 @@
 /* The kernel of angle springs beside the straightforward scalar loop with the C library's atan2, compiled with the same
  * flags, one thread, on hair of 32 particles a strand and on one chain. Times are the least of repeats taken in turn.
  */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <stdio.h>

@@ -5,6 +5,7 @@
  * The four steps are dear ones: the first is one of TR-BDF2, with two stages, and one is repeated by backward Euler.
  * With 50,000 triangles they take about 1 s of the process each, where 0.25 s would be fit for use: a third are
  * searches and gaps, a fifth the barrier's blocks, a sixth incomplete factors. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <stdio.h>

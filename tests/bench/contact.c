@@ -11,6 +11,7 @@
  * average. Steps that contact changes cost the method a second evaluation, which stands in the rest of the step here.
  *
  * build/bench/contact [threads] [seconds] [none|corrector|force] [springs|triangles] */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <math.h>

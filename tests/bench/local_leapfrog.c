@@ -5,6 +5,7 @@
  * [scene] Scenes: random, one spring in a hundred, 1,000 times stiffer; patch, a square of a hundredth of the area;
  * mixed, one in a hundred, a third each 100, 1,000 and 10,000 times; stripes, every 16th row, in turns of the same
  * three; field, every spring stiffer by 1,000^u^16, u uniform in [0, 1): of many degrees, and hanging together. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/bench/cloth.h"
 
 #include <string.h>
@@ -107,7 +108,7 @@ static void measure(result *r, const char *method, const sheet *s, double dt, do
   double begin = cpu();
   test_advance(&e, until);
   r->cpu = fmin(r->x ? r->cpu : INFINITY, cpu() - begin);
-  r->dt = e.run->step.length.dt;
+  r->dt = e.run->step->length.dt;
   r->steps = e.run->record.steps;
   if (!r->x) r->x = malloc(3 * (size_t)s->N * s->N * sizeof *r->x);
   memcpy(r->x, e.run->state.X, 3 * (size_t)s->N * s->N * sizeof *r->x);

@@ -1,6 +1,7 @@
 /* What forces and Jacobians of a cloth of triangles cost per triangle: a membrane of each energy, and hinges, on 100 x
  * 100 cells of alternating diagonals, with damping and without, on one thread. The least of several repeats, taken in
  * turn. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 #include "tests/support/sheets.h"
 

@@ -4,6 +4,7 @@
 #ifndef HK_BENCH_PLAIN_H
 #define HK_BENCH_PLAIN_H
 
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/bench/cloth.h"
 
 #include <string.h>
@@ -49,7 +50,7 @@ static inline void open_reference(test_engine *e, uint32_t N, bool curtain, doub
 /* Masses, springs and start of a scene that runs with leapfrog. */
 static inline plain plain_of(const test_engine *e) {
   const hk_system *s = &e->run->dynamics.system;
-  plain p = {.n = s->n, .limit = e->run->step.dt_limit};
+  plain p = {.n = s->n, .limit = e->run->step->dt_limit};
   p.start = memory(6 * s->n, sizeof *p.start);
   p.w = memory(s->n, sizeof *p.w);
   memcpy(p.start, s->X, 6 * s->n * sizeof *p.start);

@@ -2,6 +2,7 @@
 #ifndef HK_BENCH_RIVAL_LADDERS_H
 #define HK_BENCH_RIVAL_LADDERS_H
 
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/bench/rivals.h"
 
 enum { RUNGS = 40 };
@@ -172,7 +173,7 @@ static double below_limit(const method *m, const problem *q) {
   open_reference(&e, q->N, true, q->end);
   test_plugin(&e, HK_INTEGRATOR, m->plugin);
   test_run(&e);
-  double steps = q->end / e.run->step.dt_limit;
+  double steps = q->end / e.run->step->dt_limit;
   test_engine_close(&e);
   return ceil(0.9 * steps);
 }

@@ -1,5 +1,6 @@
 /* What a force evaluation of rods costs per particle: 1,000 strands of 32 edges, straight and curled, on one thread.
  * The least of several repeats, taken in turn. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <stdio.h>

@@ -2,8 +2,9 @@
  * loop has the pairs in a list, each once, and the slip beside it; it is the law of the plugin, single-threaded. Both
  * in turn, each as its least of REPEATS. Then the search for the neighbours of a million grains, in the order of a
  * lattice and in a random one. */
-#include "tests/support/engine.h"
+#include "core/engine/contract/contract.h"
 #include "plugins/common/grains/grain_law.h"
+#include "tests/support/engine.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
  * start no spring is beyond its limit, and what counts is the time in which that is seen; in the fall some are. Both
  * sides are measured in turn, in the time of the one thread: the least of the repeats, or the mean over the steps of a
  * fall. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/bench/plain.h"
 
 enum { N = 128, MOST = 6 * N * N };
@@ -94,7 +95,7 @@ static void fall(double k, double limit, double seconds) {
   size_t steps = 0, corrected = 0;
   hk_instance *c = open_limited(&e, k, false, limit, 1);
   hk_system *s = &e.run->dynamics.system;
-  double *dX = memory(s->size, sizeof *dX), h = 0.8 * e.run->step.dt_limit;
+  double *dX = memory(s->size, sizeof *dX), h = 0.8 * e.run->step->dt_limit;
   for (; (double)steps * h < seconds; steps++) {
     bool moved;
     forces += evaluate(&e, dX);

@@ -1,3 +1,4 @@
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>

@@ -1,3 +1,4 @@
+#include "core/engine/contract/contract.h"
 #include "tests/support/spheres.h"
 
 #include <setjmp.h>

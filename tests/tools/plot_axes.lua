@@ -1,6 +1,7 @@
 -- The numbers behind diagrams (tools/common/run/axes.lua), and that what gnuplot is given holds every point.
 local root = assert(os.getenv("HK_ROOT"), "HK_ROOT: the folder of the sources")
 package.path = ("%s/tools/?.lua;"):format(root) .. package.path
+hooke = { create = function(path) return io.open(path, "wb") end } -- luacheck: globals hooke
 local axes = require("common.run.axes")
 local plot = require("common.run.plot")
 

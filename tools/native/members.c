@@ -241,26 +241,27 @@ static int change(lua_State *L) {
   hk_run *run = hk_lua_run(L);
   const hk_instances *forces = &run->plugins.kind[HK_FORCE];
   size_t n_old = run->state.model.n, deaths = lua_rawlen(L, 2), births = lua_rawlen(L, 3);
-  hk_population_change c = hk_population_open(&run->state);
-  c.source = forces->item[0];
-  hk_status status = hk_population_begin(&c, &run->error);
+  hk_population_change *c = hk_population_open(&run->state);
+  if (!c) return luaL_error(L, "births and deaths: no memory");
+  c->source = forces->item[0];
+  hk_status status = hk_population_begin(c, &run->error);
   for (size_t k = 0; k < deaths && status == HK_OK; k++, lua_pop(L, 1)) {
     lua_rawgeti(L, 2, (lua_Integer)k + 1);
-    status = c.population.remove(&c.population, (uint32_t)lua_tointeger(L, -1));
+    status = c->population.remove(&c->population, (uint32_t)lua_tointeger(L, -1));
   }
   for (size_t k = 0; k < births && status == HK_OK; k++, lua_pop(L, 1)) {
     hk_birth birth = {.mass = 1};
     lua_rawgeti(L, 3, (lua_Integer)k + 1);
     hk_table_read(L, lua_gettop(L), birth.position, 3);
-    status = c.population.add(&c.population, &birth, NULL);
+    status = c->population.add(&c->population, &birth, NULL);
   }
   hk_guard_enter("topology");
-  if (status == HK_OK) status = hk_population_apply(&c, &run->error);
-  if (status == HK_OK) status = hk_dynamics_remap(&run->dynamics, c.map, n_old);
+  if (status == HK_OK) status = hk_population_apply(c, &run->error);
+  if (status == HK_OK) status = hk_dynamics_remap(&run->dynamics, c->map, n_old);
   if (status == HK_OK) hk_dynamics_refresh(&run->dynamics);
   if (status == HK_OK) status = hk_forces_settle(&run->dynamics);
   hk_guard_enter(NULL);
-  hk_population_close(&c);
+  hk_population_close(c);
   if (status != HK_OK) return luaL_error(L, "births and deaths: %s", run->error.text);
   return 0;
 }

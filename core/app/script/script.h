@@ -4,6 +4,7 @@
 #ifndef HK_SCRIPT_H
 #define HK_SCRIPT_H
 
+#include "core/numerics/functions/functions.h"
 #include "core/run/run/run.h"
 
 #include <lauxlib.h>

@@ -2,6 +2,7 @@
  * that every force has (only, group, from, to), and `fastest`, are set here; `label` was read before. */
 #include "core/app/script/script.h"
 #include "core/engine/base/base.h"
+#include "core/engine/contract/contract.h"
 #include "core/engine/text/text.h"
 
 #include <stdlib.h>

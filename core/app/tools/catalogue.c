@@ -1,5 +1,6 @@
 /* hooke.catalogue() and hooke.describe(): plugins as Lua tables, made from the declarations of each plugin. */
 #include "core/app/tools/tools.h"
+#include "core/engine/contract/contract.h"
 
 #include <lauxlib.h>
 

@@ -1,6 +1,9 @@
 /* hooke.explain(path, {name = value}, {trust = true}): the plugins that a scene loads, its sizes, its spectrum, and the
  * stable step of every integrator. The scene is opened as a run that makes no step. */
 #include "core/app/tools/tools.h"
+#include "core/engine/contract/contract.h"
+#include "core/numerics/implicit/implicit.h"
+#include "core/numerics/step_choice/step_choice.h"
 
 #include <lauxlib.h>
 
@@ -131,7 +134,7 @@ static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   for (size_t k = 0; k < run->pins.count; k++) pinned += run->pins.item[k].count;
   lua_newtable(L);
   hk_tool_set_text(L, "scene", scene->name);
-  hk_tool_set_text(L, "integrator", scene->integrator_auto ? "auto" : run->step.method_name);
+  hk_tool_set_text(L, "integrator", scene->integrator_auto ? "auto" : run->step->integrator->plugin->name);
   hk_tool_set_number(L, "particles", (double)run->state.model.n);
   hk_tool_set_number(L, "pinned", (double)pinned);
   hk_tool_set_number(L, "triangles", (double)run->state.model.triangles.count);
@@ -139,8 +142,8 @@ static void describe(lua_State *L, hk_run *run, const hk_spectrum *spectrum) {
   hk_tool_set_number(L, "state_bytes", 8.0 * (double)run->state.size);
   hk_tool_set_number(L, "duration", run->asked.end);
   hk_tool_set_number(L, "fps", scene->fps);
-  hk_tool_set_number(L, "dt", run->step.length.dt);
-  hk_tool_set_flag(L, "dt_chosen", run->step.chosen);
+  hk_tool_set_number(L, "dt", run->step->length.dt);
+  hk_tool_set_flag(L, "dt_chosen", run->step->chosen);
   push_plugins(L, run);
   push_solver(L, run);
   push_spectrum(L, spectrum);
@@ -164,8 +167,8 @@ static const char *simplest_method(const hk_registry *registry) {
 /* Of the whole scene, whatever the run's method sets aside. The spectrum is not known where forces are not finite:
  * evaluating them leaves no sentence, the first step does. */
 static hk_status estimate(hk_run *run, hk_spectrum *spectrum, hk_error *error) {
-  hk_status status = hk_step_estimate(&run->step, &run->dynamics);
-  *spectrum = run->step.spectrum;
+  hk_status status = hk_step_estimate(run->step, &run->dynamics);
+  *spectrum = run->step->spectrum;
   if (status == HK_OK && run->dynamics.split.fast) {
     run->dynamics.split.fast = NULL;
     status = hk_spectrum_estimate(&run->dynamics.system, spectrum, &run->error);

@@ -1,5 +1,6 @@
 /* Which forces are asked for parts, and in which order, decided when particles, elements or forces are others. */
 #include "core/engine/blocks/blocks.h"
+#include "core/engine/contract/contract.h"
 
 #include <stdlib.h>
 

@@ -2,6 +2,7 @@
  * blocks in order, and then the parts across domains in theirs; each has a place of its own for its power, and these
  * are added in order, so that the result does not depend on the number of threads. */
 #include "core/engine/blocks/blocks.h"
+#include "core/engine/contract/contract.h"
 
 typedef struct sum {
   const hk_instance *force;

@@ -1,5 +1,6 @@
 /* The elements (on edges, triangles, ...) and the published fields of forces, and the pairs that constraints join,
  * collected in the model for other plugins. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/evaluate/evaluate.h"
 
 #include <stdlib.h>

@@ -3,7 +3,29 @@
 #define HK_EVALUATE_H
 
 #include "core/engine/blocks/blocks.h"
-#include "core/engine/evaluate/evaluations.h"
+
+/* ---- evaluations.c: how far apart the times are at which a run evaluated its functions of time ---- */
+
+enum { HK_PENDING = 256, HK_CELLS = 32768 };
+
+typedef struct hk_evaluations {
+  float *
+      distance; /* s, per cell, HK_CELLS: the longest between two neighbouring times; 0: none; NULL: nothing is noted */
+  double cell;  /* s, length of a cell */
+  double last;  /* s, last time of accepted steps; NAN: none */
+  size_t pending;
+  double time[HK_PENDING]; /* s, of the step under way */
+} hk_evaluations;
+
+bool hk_evaluations_open(hk_evaluations *, double end); /* false: no memory */
+void hk_evaluations_close(hk_evaluations *);
+/* Where times are noted, `distance`. */
+void hk_evaluations_note(hk_evaluations *, double t);   /* the functions are evaluated at t */
+void hk_evaluations_accept(hk_evaluations *, double t); /* a step to t is accepted */
+/* The distance in s near t, where it is known. */
+double hk_evaluations_distance(const hk_evaluations *, double t, double otherwise);
+
+/* ---- f(X, t) ---- */
 
 typedef struct hk_dynamics hk_dynamics;
 typedef struct hk_constraints hk_constraints;         /* core/numerics/constraints */
@@ -92,7 +114,7 @@ bool hk_force_acts_at(const hk_instance *, double t);
 /* view of force k at any X */
 hk_view hk_force_view_at(const hk_dynamics *, size_t k, double t, const double *X, size_t n);
 
-/* ---- evaluate.c ---- */
+/* ---- accelerations.c ---- */
 
 hk_status hk_dynamics_set_time(hk_dynamics *, double t); /* of pins, which are not imposed, and timed parameters */
 hk_status hk_dynamics_impose(hk_dynamics *, double t, double *x, double *v);

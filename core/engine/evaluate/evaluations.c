@@ -2,7 +2,7 @@
  * of many equal cells of the run's time. Stages go back and forth within a step, so that times are put in order when
  * the step is accepted; what a rejected step looked at beyond the accepted one is forgotten. The memory does not grow:
  * a run that goes beyond its last cell gets cells twice as long. */
-#include "core/engine/evaluate/evaluations.h"
+#include "core/engine/evaluate/evaluate.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* Calls to all forces besides F: the update of contact candidates, the safe fraction of a displacement, the potential
  * with timed forces, bounds of the stiffness, the longest step, and the notice that a step was accepted. A force
  * without the function is skipped, unless its contract names a substitute. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/evaluate/evaluate.h"
 
 #include <string.h>

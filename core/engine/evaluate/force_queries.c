@@ -1,5 +1,6 @@
 /* Energies, forces and strains of one state, computed apart from the evaluation of f for figures, verdicts and
  * scripts. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/evaluate/evaluate.h"
 #include "core/plugin/strain.h"
 

@@ -1,5 +1,6 @@
 /* Assembly of the hk_system that integrators see: its functions, its list of forces, and the updates after births and
  * deaths. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/evaluate/evaluate.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
 /* The evolving data of an instance, described by its field table: their memory, their remapping after births and
  * deaths, and the visit of all fields that writes and reads checkpoints. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/host/host.h"
 
 #include <string.h>

@@ -4,7 +4,6 @@
 #define HK_HOST_H
 
 #include "core/engine/base/base.h"
-#include "core/engine/contract/contract.h"
 #include "core/engine/text/text.h"
 
 /* ---- registry.c: the folders of the installation, of HOOKE_PLUGIN_PATH, and files named by path. A plugin is opened
@@ -33,6 +32,8 @@ hk_status hk_registry_find(hk_registry *, hk_kind kind, const char *name, bool t
                            hk_error *error);
 /* Loads the plugin in a file, of any kind; NULL with `error`. */
 const hk_loaded *hk_registry_load(hk_registry *, const char *path, bool trusted, hk_error *error);
+/* The registry's copy of a plugin that is a constant of this program, which keeps the contract; NULL: no memory. */
+const hk_plugin *hk_registry_add(hk_registry *, const hk_plugin *constant, hk_error *error);
 hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* loads all plugins, for the catalogue */
 /* The first plugin of a kind for which `suits` is true: first those that the installation names in KIND/default, in
  * that order, then all. They are opened one by one. HK_FAILED: there is none. */

@@ -1,5 +1,6 @@
 /* Instances: a copy of a spec's values with fields and the host's functions. An instance uses the spec's lists of
  * particles and tuples until particles are born or die; then it copies the lists and keeps the copies up to date. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/host/host.h"
 
 #include <stdlib.h>

@@ -2,8 +2,9 @@
  *
  * The plugin's table is the only place that defines a name, a unit, a range or a default. A value is checked for type,
  * finiteness, range and indices before anything is written, so a refused value changes nothing. */
-#include "core/engine/host/host.h"
 #include "core/engine/base/base.h"
+#include "core/engine/contract/contract.h"
+#include "core/engine/host/host.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* Plugins are found by folder and file name: KIND/NAME.so below the root and below each folder of the search path; a
  * name with a slash is a file. The exported constant is read before any code of the plugin runs (except constructors,
  * which the project's style forbids). Invariant: an item's plugin is NULL exactly when its reason is set. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/host/host.h"
 #include "core/engine/text/text.h"
 
@@ -69,6 +70,16 @@ static hk_loaded *append(hk_registry *registry, const char *path, hk_error *erro
   hk_loaded *item = &registry->item[registry->count++];
   *item = (hk_loaded){.path = copy};
   return item;
+}
+
+const hk_plugin *hk_registry_add(hk_registry *registry, const hk_plugin *constant, hk_error *error) {
+  hk_loaded *item = append(registry, constant->name, error);
+  if (!item) return NULL;
+  item->plugin = hk_contract_copy(constant);
+  if (item->plugin) return item->plugin;
+  item->reason = hk_string_copy("there is no memory for it");
+  hk_error_set(error, HK_NO_MEMORY, "%s: no memory for the plugin", constant->name);
+  return NULL;
 }
 
 static hk_loaded *load(hk_registry *registry, const char *path, hk_error *error) {

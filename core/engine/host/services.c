@@ -1,5 +1,6 @@
 /* The functions that a plugin calls through its host table. The table is the instance's first member, so a service
  * finds its instance by a cast. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/host/host.h"
 
 #include <stdio.h>

@@ -1,6 +1,7 @@
 /* The description of one plugin by the script: label, selection, times, and the values of its parameters in memory laid
  * out like an instance. A spec is plain data: no code of the plugin runs for it, and any number of instances can be
  * made of it. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/host/host.h"
 
 #include <stdlib.h>

@@ -4,6 +4,7 @@
  *
  * The report of an integrator is checked: the step taken must lie between 0 and the stop, and the integrator may change
  * neither the time nor the address and size of the state vector. */
+#include "core/engine/contract/contract.h"
 #include "core/engine/loop/loop.h"
 
 #include <float.h>

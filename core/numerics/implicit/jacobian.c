@@ -8,6 +8,7 @@
  * a scene with constraints K includes the stiffness of their forces, at the multipliers of the last evaluation
  * (saddle_point.c). */
 
+#include "core/engine/contract/contract.h"
 #include "core/numerics/implicit/implicit.h"
 
 #include <stdlib.h>

@@ -9,6 +9,7 @@
  * the memory of an old one. A matrix that is not declared symmetric is compared with its transpose before a solver that
  * relies on symmetry gets it; one pass, small beside the factorization. */
 
+#include "core/engine/contract/contract.h"
 #include "core/numerics/matrix/matrix.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* Other particles in the state. After births and deaths those that live on are moved within its arrays, which have room
  * for some more; a set of particles from a file replaces the arrays. Surviving particles keep their pins, and edges and
  * triangles with dead particles are removed. */
-#include "core/numerics/population/particle_set.h"
+#include "core/numerics/population/population.h"
 
 #include <stdlib.h>
 #include <string.h>

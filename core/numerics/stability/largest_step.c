@@ -27,6 +27,7 @@
  * none of what it gains. By experiment (chains of links that only pull, two symplectic methods of order 1 and 2, 10^4
  * steps) the energy grows from h w = 0.96 on where h w = 2 is the limit of what always pulls; methods that damp fast
  * modes hold to their limit. Those that damp nothing are therefore granted a part of it that is below that. */
+#include "core/engine/contract/contract.h"
 #include "core/numerics/stability/stability.h"
 
 /* Bands are looked for at h w from this one on, in steps of a third of the narrowest that is known. */

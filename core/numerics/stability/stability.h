@@ -3,7 +3,7 @@
 #ifndef HK_STABILITY_H
 #define HK_STABILITY_H
 
-#include "core/engine/contract/contract.h"
+#include "core/engine/base/base.h"
 
 /* Every mode is an oscillator x'' = -(g + i b) x' - w^2 x with w <= w_max, |b| <= b_max and
  * hk_spectrum_floor(s, w) <= g <= hk_spectrum_ceiling(s, w). */

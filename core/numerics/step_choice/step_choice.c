@@ -2,6 +2,7 @@
  * the limit times a safety factor. The limit is estimated at the start, after events and at some frames. The interval
  * between estimates is a number of evaluations, so that the estimates cost a few percent and runs are reproducible bit
  * by bit. */
+#include "core/engine/contract/contract.h"
 #include "core/numerics/step_choice/step_choice.h"
 
 #include <stdlib.h>
@@ -98,7 +99,7 @@ static void choose(hk_step_choice *c, const hk_dynamics *d) {
     hk_warn(warnings,
             "%s has no stable step on this scene; dt = %.3g s is chosen for accuracy, and motion may grow at a rate of "
             "%.3g 1/s",
-            c->method_name, c->length.dt, c->growth_rate);
+            c->integrator->plugin->name, c->length.dt, c->growth_rate);
 }
 
 static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) {
@@ -109,7 +110,7 @@ static void check_given(hk_step_choice *c, double given, hk_warnings *warnings) 
             frame, 1 / given);
   double h = fmin(given, frame);
   if (c->growth_expected)
-    hk_warn(warnings, "%s has no stable step on this scene; motion may grow", c->method_name);
+    hk_warn(warnings, "%s has no stable step on this scene; motion may grow", c->integrator->plugin->name);
   else if (h > c->dt_limit)
     hk_warn(warnings,
             "dt = %g s is above the largest stable step, %.4g s: expect an explosion; leave dt out to have it chosen",
@@ -235,14 +236,18 @@ static hk_status watch(hk_step_length *length, hk_dynamics *d) {
   return HK_OK;
 }
 
-hk_step_choice hk_step_choice_open(const hk_instance *integrator, double fps) {
-  return (hk_step_choice){
+hk_step_choice *hk_step_choice_open(const hk_instance *integrator, double fps) {
+  const double usual = 1e-6, own = hk_integrator_of(integrator->plugin)->adaptive.tolerance;
+  hk_step_choice *c = malloc(sizeof *c);
+  if (!c) return NULL;
+  *c = (hk_step_choice){
       .length = {.limit_now = NAN, .watch = watch, .reestimate = reestimate, .review = review},
       .method = integrator->plugin->integrator,
       .parameters = integrator->self,
       .integrator = integrator,
-      .method_name = integrator->plugin->name,
+      .tol = own > 0 ? own : usual,
       .fps = fps,
       .dt_limit = NAN,
   };
+  return c;
 }

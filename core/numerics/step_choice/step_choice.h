@@ -11,7 +11,7 @@ typedef struct hk_step_choice {
   const hk_integrator *method;
   const void *parameters;        /* of the method */
   const hk_instance *integrator; /* whose they are */
-  const char *method_name;
+  double tol; /* relative tolerance that suits the method */
   double fps;
   hk_spectrum spectrum;
   hk_watch watch;
@@ -28,8 +28,8 @@ typedef struct hk_step_choice {
   size_t turnover;       /* births and deaths since the last of them */
 } hk_step_choice;
 
-/* Of a run with this integrator; the functions of `length` are set. */
-hk_step_choice hk_step_choice_open(const hk_instance *integrator, double fps);
+/* Of a run with this integrator; the functions of `length` are set. The caller frees it. NULL: no memory. */
+hk_step_choice *hk_step_choice_open(const hk_instance *integrator, double fps);
 /* That of a loop to whose run it belongs. */
 static inline hk_step_choice *hk_step_choice_of(const hk_loop *loop) { return (hk_step_choice *)(void *)loop->step; }
 hk_status hk_step_estimate(hk_step_choice *, hk_dynamics *); /* the spectrum and the stable limit, for any method */

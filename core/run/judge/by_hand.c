@@ -1,5 +1,6 @@
 /* What a user's hand did to a run that was watched. Such a run is judged by its own figures: its work is in the energy
  * balance like that of every force, and no other run can be compared with it. */
+#include "core/engine/contract/contract.h"
 #include "core/run/judge/judge.h"
 
 void hk_by_hand_note(hk_loop *loop) {

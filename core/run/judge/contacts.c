@@ -1,6 +1,7 @@
 /* Intersections of surfaces, counted at frames by the plugins that keep surfaces apart. A frame with intersections
  * makes the run inaccurate; those with which a run starts whose plugins remove them count only when they become more,
  * come back, or are still there at the end. */
+#include "core/engine/contract/contract.h"
 #include "core/run/judge/judge.h"
 
 #include <stdio.h>

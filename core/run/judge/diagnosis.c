@@ -1,5 +1,6 @@
 /* The diagnosis of a run that diverged: step, time, the first particle that is not finite and the force responsible. It
  * does not change the state. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/judge/judge.h"
 
 #include <stdio.h>

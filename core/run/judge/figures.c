@@ -1,5 +1,6 @@
 /* The figures of a frame: energies, momenta, measures, and the error against a known solution. Sums run over the
  * particles in order on one thread, so they do not depend on the number of threads. */
+#include "core/numerics/constraints/constraints.h"
 #include "core/run/judge/judge.h"
 
 #include <stdlib.h>

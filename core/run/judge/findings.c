@@ -1,7 +1,8 @@
 /* The words of a verdict: for each finding a clause of the reason; of a run that is ok what was measured, what was not
  * checked, and how to ask for it. */
-#include "core/run/judge/judge.h"
 #include "core/engine/text/text.h"
+#include "core/numerics/step_choice/step_choice.h"
+#include "core/run/judge/judge.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,5 +1,6 @@
 /* Errors of forces that are approximations, as they say themselves at frames. Their power, summed from frame to frame
  * by the trapezoidal rule, is what the energy balance may be off by without a fault of the steps. */
+#include "core/engine/contract/contract.h"
 #include "core/run/judge/judge.h"
 
 static void note(hk_record *r, const hk_force_errors *e) {

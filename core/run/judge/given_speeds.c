@@ -1,6 +1,7 @@
 /* Whether the velocities that paths and rotations of pins give are the derivatives of their positions. A velocity that
  * is not moves dampers and counts as work beside what the positions do, and no shorter step shows it: both runs that
  * are compared have it. It is compared with differences at random times, of which nearly none are at corners. */
+#include "core/numerics/functions/functions.h"
 #include "core/run/judge/judge.h"
 
 enum { TIMES = 32 };

@@ -2,9 +2,7 @@
 #ifndef HK_JUDGE_H
 #define HK_JUDGE_H
 
-#include "core/numerics/functions/functions.h"
-#include "core/numerics/implicit/implicit.h"
-#include "core/numerics/step_choice/step_choice.h"
+#include "core/engine/loop/loop.h"
 #include "core/scene/scene/scene.h"
 
 typedef struct hk_judgement hk_judgement;
@@ -96,6 +94,8 @@ void hk_check_given_speeds(hk_loop *, double end);
 
 /* ---- under_sampled.c ---- */
 
+enum { HK_SAMPLING_PIECES = 500 };
+
 /* What random samples of the functions of time, of forces, constraints, correctors and pins, say of the run so far. */
 typedef struct hk_sampling {
   bool varies; /* a function varies between the times at which the run evaluated it */
@@ -110,7 +110,7 @@ typedef struct hk_sampling {
   bool steps_too_long; /* the run has steps longer than a declared time */
   size_t calls;        /* of functions */
   size_t pieces;
-  double piece[HK_PIECES][2]; /* s, begin and end of the times of such variation */
+  double piece[HK_SAMPLING_PIECES][2]; /* s, begin and end of the times of such variation */
   bool more;                  /* there are more of them */
 } hk_sampling;
 

@@ -1,5 +1,6 @@
 /* A run before its judge: the evidence is gathered here from what the run measured, verdict.c finds the verdict, and
  * the summary has the figures and the verdict in words. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/judge/judge.h"
 
 #include <stdio.h>

@@ -11,6 +11,7 @@
  * change of velocity dv that was missed becomes dv (T - t) by a later time T, for particles that nothing holds. The
  * record has the moments in t of dv^2, from which the sum over all encounters, taken for independent of each other,
  * follows for every T. */
+#include "core/engine/contract/contract.h"
 #include "core/run/judge/judge.h"
 
 #include <float.h>

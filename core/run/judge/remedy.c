@@ -1,8 +1,9 @@
 /* Which step or tolerance would do, where a run is inaccurate: by the order of the method, from how far each figure is
  * above what it may be. It aims at half of that. What is far off is not extrapolated: the error does not follow its
  * order there. */
-#include "core/run/judge/judge.h"
 #include "core/engine/text/text.h"
+#include "core/numerics/step_choice/step_choice.h"
+#include "core/run/judge/judge.h"
 
 #include <stdio.h>
 
@@ -51,7 +52,7 @@ static void describe_step(const hk_loop *loop, const need *n, hk_summary *s) {
     return;
   }
   dt = rounded(dt);
-  add(s, "--dt %.1g (%.2g steps) would do, by the order of %s", dt, ceil(s->end / dt), c->method_name);
+  add(s, "--dt %.1g (%.2g steps) would do, by the order of %s", dt, ceil(s->end / dt), c->integrator->plugin->name);
 }
 
 /* What a step may be off by is the tolerance, and h^(p + 1); their sum goes with h^p. */

@@ -1,4 +1,7 @@
 /* The summary of a run: all its figures, gathered in one structure. */
+#include "core/engine/contract/contract.h"
+#include "core/numerics/implicit/implicit.h"
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/judge/judge.h"
 
 #include <stdio.h>

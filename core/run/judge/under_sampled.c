@@ -5,6 +5,8 @@
  * What is shorter than the distance of two samples may hide: it is assumed that there is nothing, and said; where the
  * script declares the shortest time in which a function changes, `fastest`, the samples are so dense that nothing can
  * hide. A function of the state is one of time for a particle on its way: three of them are looked at. */
+#include "core/engine/contract/contract.h"
+#include "core/numerics/functions/functions.h"
 #include "core/run/judge/judge.h"
 
 #include <stdlib.h>
@@ -151,11 +153,11 @@ static void keep(hk_sampling *result, const subject *one, const hk_rapid *found)
     result->end = found->piece[0][1];
   }
   for (size_t k = 0; k < found->pieces; k++) {
-    if (result->pieces == HK_PIECES) break;
+    if (result->pieces == HK_SAMPLING_PIECES) break;
     result->piece[result->pieces][0] = found->piece[k][0];
     result->piece[result->pieces++][1] = found->piece[k][1];
   }
-  result->more |= found->more || result->pieces == HK_PIECES;
+  result->more |= found->more || result->pieces == HK_SAMPLING_PIECES;
 }
 
 /* Samples of a declared time that would be too many are as many as may be, and what is assumed is what they see. */
@@ -214,7 +216,7 @@ static int by_time(const void *a, const void *b) {
 }
 
 size_t hk_sampling_cuts(const hk_sampling *s, double *times, size_t room) {
-  double all[2 * HK_PIECES];
+  double all[2 * HK_SAMPLING_PIECES];
   size_t total = 0, kept = 0;
   for (size_t k = 0; k < s->pieces; k++)
     for (int side = 0; side < 2; side++) all[total++] = s->piece[k][side];

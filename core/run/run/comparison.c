@@ -1,4 +1,5 @@
 /* The runs with which a run is compared: with half the step, a quarter of it, and with an independent method. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/comparison.h"
 
 #include <stdlib.h>
@@ -105,7 +106,7 @@ static hk_run_options refined(const hk_comparison *c, size_t refine) {
   hk_run *whole = c->whole;
   hk_run_options o = hk_comparison_run_options(c->first, refine);
   double given = isnan(o.dt) ? whole->scene->dt : o.dt;
-  bool adaptive = whole->step.method->flags & HK_ADAPTIVE;
+  bool adaptive = whole->loop.method->flags & HK_ADAPTIVE;
   o.dt = adaptive ? given / (2 * (double)refine) : given;
   o.tol = whole->dynamics.system.tol / (refine > 1 ? 100 : 10);
   o.refine = refine;
@@ -154,8 +155,8 @@ static void take_reference(hk_comparison *c, hk_reference want) {
  * hopeless explicit references are tried up to the end of their steps. */
 static double frequency(const hk_comparison *c) {
   hk_run *whole = c->whole;
-  hk_spectrum found = whole->step.spectrum;
-  double known = fmax(c->half.spectrum.w_reached, found.w_reached);
+  hk_spectrum found = whole->step->spectrum;
+  double known = fmax(c->half.swings, found.w_reached);
   if (known > 0) return known;
   hk_counts counts = whole->dynamics.count;
   hk_status status = hk_spectrum_estimate(&whole->dynamics.system, &found, whole->dynamics.error);
@@ -179,7 +180,7 @@ bool hk_comparison_agrees(const hk_comparison *c, double times) {
  * grow. The second has steps no longer than the run's. */
 void hk_comparison_tie_break(hk_comparison *c) {
   if (c->has_reference && c->error > 1 && hk_comparison_agrees(c, margin))
-    take_reference(c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.spectrum.w_reached,
+    take_reference(c, (hk_reference){strictest(c) * stricter, c->whole->record.dt_max, c->half.swings,
                                      HK_EFFORT_LARGE, false});
 }
 

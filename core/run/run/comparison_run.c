@@ -1,4 +1,6 @@
 /* The scene of a run, run again with other options: refined, perturbed, or with another method. */
+#include "core/engine/contract/contract.h"
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/run.h"
 
 #include <string.h>
@@ -30,9 +32,9 @@ static void sharpen(hk_run *again, size_t refine) {
 }
 
 static hk_status advance(hk_run *again, double t, hk_error *error) {
-  bool implicit = again->step.method->flags & HK_IMPLICIT;
-  if (implicit && !(again->step.spectrum.w_max > 0))
-    hk_step_estimate(&again->step, &again->dynamics); /* implicit runs have no estimate yet */
+  bool implicit = again->loop.method->flags & HK_IMPLICIT;
+  if (implicit && !(again->step->spectrum.w_max > 0))
+    hk_step_estimate(again->step, &again->dynamics); /* implicit runs have no estimate yet */
   hk_error_clear(&again->error);
   hk_status status = hk_run_advance(again, t, error);
   hk_judgement *j = &again->judgement;
@@ -70,6 +72,12 @@ static hk_status require_same(const hk_run *whole, const hk_run *again, hk_error
   return hk_error_set(error, HK_BAD_PARAM, "the script describes another scene when it is run again: %s", what);
 }
 
+static void note_spectrum(hk_comparison_run *found, const hk_spectrum *s) {
+  found->swings = s->w_reached;
+  found->fastest = s->w_max;
+  found->damped = hk_spectrum_floor(s, s->w_max);
+}
+
 hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_options *options, const hk_run *whole,
                                  double until, hk_comparison_run *found, hk_error *error) {
   hk_run *again = NULL;
@@ -83,7 +91,7 @@ hk_status hk_comparison_run_take(const hk_scene_loader *loader, const hk_run_opt
   if (status == HK_OK) status = advance(again, until, error);
   if (status == HK_OK) {
     hk_run_summary(again, &summary);
-    found->spectrum = again->step.spectrum;
+    note_spectrum(found, &again->step->spectrum);
     found->energy_defect = hk_energy_defect(&summary);
     found->kinetic = summary.kinetic_max;
     found->step = summary.dt_max / whole->record.dt_max;

@@ -12,7 +12,7 @@ static double converged_defect_of_order(const hk_summary *s, const hk_comparison
 }
 
 static double converged_defect(const hk_run *run, const hk_summary *s, const hk_comparison_run *second) {
-  return fmin(converged_defect_of_order(s, second, 1), converged_defect_of_order(s, second, run->step.method->order));
+  return fmin(converged_defect_of_order(s, second, 1), converged_defect_of_order(s, second, run->loop.method->order));
 }
 
 /* The work of damping that acts within less than a step is integrated inaccurately, even where the motion is accurate.
@@ -33,12 +33,12 @@ static double free_mass(const hk_run *run) {
 
 /* Whether numerical damping alone halves the amplitude of the fastest mode within the run. Methods that estimate their
  * errors are excluded: their error estimates include this damping. */
-static bool damps_fastest_mode(const hk_run *run, const hk_summary *s, const hk_spectrum *spectrum) {
-  const hk_integrator *m = run->step.method;
-  double h = s->dt_max, w = spectrum->w_max, g = hk_spectrum_floor(spectrum, w);
+static bool damps_fastest_mode(const hk_run *run, const hk_summary *s, const hk_comparison_run *half) {
+  const hk_integrator *m = run->loop.method;
+  double h = s->dt_max, w = half->fastest, g = half->damped;
   if (run->record.worst_error > 0 || !m->growth || !(w > 0)) return false;
   return (double)s->steps *
-             (log(m->growth(run->step.parameters, m->method, h * w, h * g, 0)) + fmin(h * g / 2, h * w)) <
+             (log(m->growth(run->loop.integrator->self, m->method, h * w, h * g, 0)) + fmin(h * g / 2, h * w)) <
          log(0.5);
 }
 
@@ -51,10 +51,10 @@ double hk_comparison_damped_energy(const hk_comparison *c) {
   double defect = converged_defect(run, s, &c->half);
   double energy = fabs(s->energy_first) + fabs(s->energy_last) + s->kinetic_max;
   if (isnan(defect) || defect < rounding * energy || fabs(s->energy_work) > 0.5 * defect) return 0;
-  return damps_fastest_mode(run, s, &c->half.spectrum) ? sqrt(2 * defect / free_mass(run)) * s->t : 0;
+  return damps_fastest_mode(run, s, &c->half) ? sqrt(2 * defect / free_mass(run)) * s->t : 0;
 }
 
 bool hk_comparison_damped_modes(const hk_comparison *c) {
   const hk_run *run = c->whole;
-  return run->step.method->flags & HK_IMPLICIT && run->record.dt_max * c->half.spectrum.w_reached > resolved;
+  return run->loop.method->flags & HK_IMPLICIT && run->record.dt_max * c->half.swings > resolved;
 }

@@ -1,4 +1,5 @@
 /* What outputs may ask of a frame beside its figures: nothing of the answers stays in the run. */
+#include "core/engine/contract/contract.h"
 #include "core/run/run/run.h"
 
 static hk_status force(const hk_frame *frame, size_t k, double *f) {
@@ -56,7 +57,7 @@ static bool contact_points(const hk_frame *frame, const hk_contact_points *point
 hk_frame hk_run_output_frame(hk_run *run) {
   hk_frame frame = run->judgement.last_frame;
   frame.step = run->loop.record->step_taken;
-  frame.error = run->step.method->flags & HK_ADAPTIVE ? run->loop.record->step_error : NAN;
+  frame.error = run->loop.method->flags & HK_ADAPTIVE ? run->loop.record->step_error : NAN;
   frame.forces = run->plugins.kind[HK_FORCE].count;
   frame.force_name = run->force_name;
   frame.force = force;

@@ -1,6 +1,8 @@
 /* Opening a run. Each part is built after the parts that it needs: state, pins, instances of the plugins, dynamics,
  * solver, constraints, the start state, the step size, the outputs. When one of them fails, hk_run_destroy frees those
  * that exist; it therefore accepts a partly built run. */
+#include "core/numerics/step_choice/step_choice.h"
+#include "core/run/run/install.h"
 #include "core/run/run/run.h"
 
 #include <stdlib.h>
@@ -41,38 +43,6 @@ static hk_status open_shared(hk_run *run) {
   return run->folder ? HK_OK : run->error.status;
 }
 
-/* ---- linear systems ---- */
-
-static const hk_instance *find_one_sided(const hk_run *run) {
-  const hk_instances *list = &run->plugins.kind[HK_CONSTRAINT];
-  for (size_t k = 0; k < list->count; k++)
-    if (list->item[k]->plugin->constraint->flags & HK_ONE_SIDED) return list->item[k];
-  return NULL;
-}
-
-/* Constraints have multipliers, implicit methods matrices: what solves them is opened now, never in a step. */
-static hk_status open_linear_systems(hk_run *run) {
-  const hk_integrator *method = run->step.method;
-  bool constrained = run->plugins.kind[HK_CONSTRAINT].count > 0;
-  if (constrained && hk_integrator_tables_of(method)->constrained.refused)
-    return hk_error_set(&run->error, HK_BAD_PARAM, "%s takes no constraints ('%s'): %s", run->step.method_name,
-                        run->plugins.kind[HK_CONSTRAINT].item[0]->label,
-                        hk_integrator_tables_of(method)->constrained.refused);
-  const hk_instance *one_sided = find_one_sided(run);
-  if (one_sided && method->flags & HK_SPLITS_FORCES)
-    return hk_error_set(
-        &run->error, HK_BAD_PARAM,
-        "%s takes no one-sided constraints ('%s'): it splits the forces, and which constraints push is a "
-        "matter of their sum; choose another implicit method",
-        run->step.method_name, one_sided->label);
-  hk_status status = HK_OK;
-  if (constrained || method->flags & (HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER))
-    status = hk_solver_open(&run->dynamics, run->overrides.solver);
-  if (status == HK_OK && constrained) status = hk_constraints_open(&run->dynamics);
-  bool implicit = method->flags & (HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER);
-  return status == HK_OK && constrained && implicit ? hk_saddle_point_open(&run->dynamics) : status;
-}
-
 /* ---- pointers and hooks between the parts of a run ---- */
 
 static void sample_before(void *context) {
@@ -99,7 +69,7 @@ static void show_progress(void *context) {
  * meant for its own method, is where one begins. */
 static double longest_step(const hk_run *run) {
   const hk_run_options *o = &run->options;
-  bool given = run->step.method->flags & HK_ADAPTIVE && o->refine == 0 && isfinite(o->dt);
+  bool given = run->loop.method->flags & HK_ADAPTIVE && o->refine == 0 && isfinite(o->dt);
   if (!given) return o->dt_most;
   return o->dt_most > 0 ? fmin(o->dt_most, o->dt) : o->dt;
 }
@@ -117,36 +87,30 @@ static hk_schedule schedule_of(const hk_run *run) {
 
 static void connect_parts(hk_run *run) {
   hk_loop *loop = &run->loop;
-  hk_loop_open(loop, &run->dynamics, &run->step.length, &run->record, run->scene->fps);
+  hk_loop_open(loop, &run->dynamics, &run->step->length, &run->record, run->scene->fps);
   loop->schedule = schedule_of(run);
-  if (run->plugins.kind[HK_SOURCE].count) {
-    run->population = hk_population_open(&run->state);
-    loop->population = &run->population;
-    loop->emit = hk_sources_emit;
-  }
   loop->hooks = (hk_loop_hooks){.context = run, .frame = hk_run_frame, .framed = hk_run_framed};
   loop->hooks.now_and_then = show_progress;
   bool repeats = run->options.refine > 0; /* the verdict is that of the first run */
   if (run->judgement.keeps_trajectory && !repeats && hk_missed_encounters_asks(loop))
     loop->hooks.moved = note_encounters;
-  if (run->step.method->flags & HK_IMPLICIT) {
+  if (run->loop.method->flags & HK_IMPLICIT) {
     loop->hooks.before_sample = sample_before;
     loop->hooks.after_sample = sample_after;
   }
 }
 
 /* What is asked for on the command line, by the scene, or else what suits the method. */
-static double tolerance(const hk_run *run, const hk_integrator *method) {
+static double tolerance(const hk_run *run) {
   if (!isnan(run->options.tol)) return run->options.tol;
-  if (!isnan(run->scene->tol)) return run->scene->tol;
-  double tolerance = hk_integrator_tables_of(method)->adaptive.tolerance;
-  return tolerance > 0 ? tolerance : 1e-6;
+  return isnan(run->scene->tol) ? run->step->tol : run->scene->tol;
 }
 
-static void set_method(hk_run *run) {
-  const hk_instance *integrator = hk_plugins_one(&run->plugins, HK_INTEGRATOR);
-  run->step = hk_step_choice_open(integrator, run->scene->fps);
-  run->dynamics.system.tol = tolerance(run, run->step.method);
+static hk_status set_method(hk_run *run) {
+  run->step = hk_step_choice_open(hk_plugins_one(&run->plugins, HK_INTEGRATOR), run->scene->fps);
+  if (!run->step) return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the choice of the step");
+  run->dynamics.system.tol = tolerance(run);
+  return HK_OK;
 }
 
 /* ---- the start ---- */
@@ -176,7 +140,7 @@ static hk_status first_frame(hk_run *run) {
 
 /* A checkpoint has its step with it, unless another one is asked for now. */
 static bool goes_on_with_its_step(const hk_run *run, double given) {
-  const hk_step_choice *step = &run->step;
+  const hk_step_choice *step = run->step;
   if (!run->resumed || step->method->flags & HK_ADAPTIVE) return run->resumed;
   return isnan(given) ? step->chosen : !step->chosen && given == step->length.dt;
 }
@@ -200,13 +164,13 @@ static hk_status start(hk_run *run) {
   status = hk_dynamics_begin(&run->dynamics);
   if (status == HK_OK) status = hk_run_impose_start(run);
   if (status == HK_OK && !run->resumed) status = hk_forces_settle(&run->dynamics);
-  if (status == HK_OK) status = hk_solver_choose(&run->dynamics);
-  double limit = run->step.dt_limit;
+  if (status == HK_OK) status = hk_install_chosen_solver(&run->dynamics);
+  double limit = run->step->dt_limit;
   if (status == HK_OK && !goes_on_with_its_step(run, given)) {
     run->loop.piece.n = 0;
-    status = hk_step_choose(&run->step, &run->dynamics, given);
+    status = hk_step_choose(run->step, &run->dynamics, given);
   }
-  if (run->resumed && limit < run->step.dt_limit) run->step.dt_limit = limit; /* the least so far */
+  if (run->resumed && limit < run->step->dt_limit) run->step->dt_limit = limit; /* the least so far */
   if (status == HK_OK) hk_check_given_speeds(&run->loop, run->asked.end);
   if (status == HK_OK) hk_warn_of_long_steps(&run->loop);
   return status == HK_OK ? first_frame(run) : status;
@@ -228,7 +192,7 @@ static hk_status open_particles(hk_run *run, hk_scene *scene) {
                         "the scene is empty: add particles (scene:particle, scene:grid, ...) or a source");
   hk_status status = hk_state_open(&run->state, &scene->particles, hk_scene_places(scene), &run->error);
   if (status == HK_OK) status = hk_pins_open(&run->pins, &run->state, &run->error);
-  if (status == HK_OK) status = hk_motions_open(&run->pins, scene->duration, &run->error);
+  if (status == HK_OK) status = hk_install_motions(&run->pins, scene->duration, &run->error);
   if (status == HK_OK) status = hk_state_check_masses(&run->state, &run->error);
   if (run->options.only_run) hk_scene_spend(scene);
   return status;
@@ -250,16 +214,18 @@ static hk_status build(hk_run *run, hk_scene *scene) {
   if (status != HK_OK) return status;
   status = hk_dynamics_open(&run->dynamics, &run->state, &run->pins, &run->plugins, &run->shared);
   if (status != HK_OK) return status;
-  hk_constraints_install(&run->dynamics);
-  hk_implicit_install(&run->dynamics);
+  hk_install_matrices(&run->dynamics);
   if (run->dynamics.queries.flags & HK_DEPENDS_ON_T &&
       !hk_evaluations_open(&run->dynamics.evaluations, scene->duration))
     return hk_error_set(&run->error, HK_NO_MEMORY, "no memory for the times of evaluations");
-  set_method(run);
+  status = set_method(run);
+  if (status != HK_OK) return status;
   connect_parts(run);
+  status = hk_install_sources(&run->loop);
+  if (status != HK_OK) return status;
   status = hk_judgement_open(&run->judgement, run->scene, &run->error);
   if (status == HK_OK) status = hk_run_start_plugins(run);
-  if (status == HK_OK) status = open_linear_systems(run);
+  if (status == HK_OK) status = hk_install_solvers(&run->dynamics, run->loop.integrator, run->overrides.solver);
   if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
   hk_warn_of_unused_services(run);
   hk_warn_of_unused_options(run);
@@ -319,9 +285,7 @@ hk_status hk_run_open(hk_scene *scene, const hk_run_options *options, hk_run **m
 
 void hk_run_destroy(hk_run *run) {
   if (!run) return;
-  hk_saddle_point_close(&run->dynamics);
-  hk_constraints_close(&run->dynamics);
-  hk_jacobian_close(&run->dynamics);
+  hk_install_close(&run->dynamics, &run->loop);
   hk_dynamics_close(&run->dynamics);
   hk_plugins_clear(&run->plugins);
   hk_spec_destroy(run->dynamics.solver_spec);
@@ -330,7 +294,7 @@ void hk_run_destroy(hk_run *run) {
   free(run->service_spec);
   hk_overrides_close(&run->overrides);
   hk_loop_close(&run->loop);
-  hk_population_close(&run->population);
+  free(run->step);
   hk_judgement_close(&run->judgement);
   free(run->force_name);
   hk_pins_close(&run->pins);

@@ -2,6 +2,8 @@
  * implicit. What two runs of one method have in common (swings that it damps, steps that skip what happens) it does not
  * share, because it chooses its steps by its own estimate of their errors. It is worth a part of the run's own cost;
  * costs are counted in evaluations, never by a clock, so that verdicts are reproducible. */
+#include "core/engine/contract/contract.h"
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/run.h"
 
 enum { LEAST_ORDER = 4 };
@@ -65,7 +67,7 @@ static double allowed_steps(const hk_run *whole, hk_effort effort, const hk_inte
 /* The steps that a method needs at least: one for each frame, and an explicit method of s stages is stable for h w < s
  * at most (van der Houwen 1977, Construction of integration formulas, 2.6). */
 static double least_steps(const hk_run *whole, const hk_reference *want, const hk_integrator *method) {
-  double w = fmax(want->frequency, whole->step.spectrum.w_reached);
+  double w = fmax(want->frequency, whole->step->spectrum.w_reached);
   double stable = method->flags & HK_IMPLICIT ? 0 : w * whole->state.t / method->stages;
   return fmax((double)whole->record.frames, stable);
 }
@@ -98,7 +100,7 @@ static bool attempt(const hk_scene_loader *loader, const hk_run_options *first, 
 }
 
 /* Steps that an explicit method could take are not too short for another one. */
-static bool is_explicit(const hk_run *whole) { return !(whole->step.method->flags & (HK_IMPLICIT | HK_ADAPTIVE)); }
+static bool is_explicit(const hk_run *whole) { return !(whole->loop.method->flags & (HK_IMPLICIT | HK_ADAPTIVE)); }
 
 /* Such a source bears at other times where the steps are others. */
 static bool emits_before_steps(const hk_run *whole) {

@@ -1,6 +1,7 @@
 /* Advancing a run, closing it, and the queries about its state and results. */
-#include "core/run/run/run.h"
 #include "core/engine/text/text.h"
+#include "core/numerics/constraints/constraints.h"
+#include "core/run/run/run.h"
 
 #include <stdlib.h>
 #include <string.h>

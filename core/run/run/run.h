@@ -74,8 +74,7 @@ typedef struct hk_run {
   hk_state state;
   hk_pins pins;
   hk_dynamics dynamics;
-  hk_step_choice step;
-  hk_population_change population; /* where there are sources */
+  struct hk_step_choice *step; /* core/numerics/step_choice */
   hk_loop loop;
   hk_record record;       /* the measured data from which the verdict is derived; checkpoints contain all of it */
   hk_judgement judgement; /* verdict, reason, last good state */
@@ -176,7 +175,8 @@ typedef struct hk_comparison_run {
   double kinetic;       /* J, the largest */
   double step;          /* longest step relative to that of the first run */
   double missed;        /* m, what its own steps may have missed of encounters */
-  hk_spectrum spectrum;
+  double swings, fastest; /* 1/s: a frequency that its scene has, and one above which it has none */
+  double damped;          /* 1/s, at least so much is that one damped */
 } hk_comparison_run;
 
 /* Runs the scene of `whole` until t = `until`, s. The caller frees the trajectory, also after a failure. */

@@ -4,6 +4,8 @@
  * are not worth that, and what is left out so, dear steps and outputs, report/progress.c sees in the first steps. Where
  * a scene is so stiff that an explicit method takes tens of millions of steps, some of an implicit one are timed, too,
  * whose steps are as long as it likes. */
+#include "core/engine/contract/contract.h"
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/run.h"
 
 #include <math.h>
@@ -53,7 +55,7 @@ static double time_steps(const hk_scene_loader *loader, const hk_run_options *fi
   if (status == HK_OK) status = hk_run_advance(again, hk_run_end(again), &why);
   if ((status == HK_OK || status == HK_INTERRUPTED) && again->record.steps > 0)
     found = again->loop.seconds / (double)again->record.steps;
-  if (isfinite(found)) *next = again->step.length.dt;
+  if (isfinite(found)) *next = again->step->length.dt;
   if (again) hk_run_close(again, NULL);
   loader->close(loader->context, again);
   return found;
@@ -73,7 +75,7 @@ static const char *duration(double seconds, char *text, size_t size) {
 }
 
 static double steps_to_come(const hk_run *whole, double dt) {
-  return (hk_run_end(whole) - whole->state.t) / fmin(dt, 1 / whole->step.fps);
+  return (hk_run_end(whole) - whole->state.t) / fmin(dt, 1 / whole->step->fps);
 }
 
 /* s; NAN: the accelerations are not finite, which the first step will say. */
@@ -94,7 +96,7 @@ static double time_evaluation(hk_run *whole) {
 }
 
 static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
-  const hk_step_choice *step = &whole->step;
+  const hk_step_choice *step = whole->step;
   const hk_plugin *implicit = NULL;
   hk_error why = {0};
   char now[32], then[32];
@@ -121,8 +123,8 @@ static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *
 /* Adaptive methods take a step a frame at least. */
 static void foretell_long(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
   double opening = hk_clock() - whole->asked.opened_at, evaluation = time_evaluation(whole), next = NAN;
-  bool implicit = is_implicit(whole->step.method);
-  double steps = steps_to_come(whole, whole->step.length.dt),
+  bool implicit = is_implicit(whole->loop.method);
+  double steps = steps_to_come(whole, whole->step->length.dt),
          least = evaluation * (implicit ? evaluations_of_implicit : 1);
   double cost = opening + (implicit ? IMPLICIT_TRIAL * least : trial);
   if (!(part_of_run * steps * least > cost)) return;
@@ -132,10 +134,10 @@ static void foretell_long(const hk_scene_loader *loader, const hk_run_options *f
 }
 
 void hk_runtime_estimate(const hk_scene_loader *loader, const hk_run_options *first, hk_run *whole) {
-  const hk_integrator *method = whole->step.method;
+  const hk_integrator *method = whole->loop.method;
   bool fixed = !is_implicit(method) && !(method->flags & HK_ADAPTIVE);
   if (first->progress <= 0) return;
-  if (fixed && steps_to_come(whole, whole->step.length.dt) > many_steps)
+  if (fixed && steps_to_come(whole, whole->step->length.dt) > many_steps)
     foretell_stiff(loader, first, whole);
   else
     foretell_long(loader, first, whole);

@@ -3,6 +3,7 @@
  * linear systems keep factors, and some a library's history: at the frames that an output asks for they are made to do
  * without, so that the run that stops there and the one that does not go on alike. Such a point is kept in memory until
  * the next, so that a run which ends in between has it. */
+#include "core/numerics/implicit/implicit.h"
 #include "core/run/run/run.h"
 
 #include <stdlib.h>
@@ -54,13 +55,13 @@ static hk_status write_to(hk_run *run, const char *path) {
 
 /* Whether the method keeps data between steps that checkpoints do not hold. */
 static bool hides(const hk_run *run) {
-  return run->step.method->flags & (HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER);
+  return run->loop.method->flags & (HK_IMPLICIT | HK_NEEDS_JACOBIAN | HK_NEEDS_SOLVER);
 }
 
 /* Drops those data. A method without `reset` has none, or does not know of this. */
 static void renew(hk_run *run) {
   hk_step_reset(&run->loop, HK_CHECKPOINT);
-  if (run->step.method->reset) hk_jacobian_topology(&run->dynamics);
+  if (run->loop.method->reset) hk_jacobian_topology(&run->dynamics);
 }
 
 hk_status hk_run_framed(void *context) {

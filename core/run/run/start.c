@@ -1,4 +1,5 @@
 /* The start state of a run: random offsets where the run is compared with another one, pins, constraints. */
+#include "core/numerics/constraints/constraints.h"
 #include "core/run/run/run.h"
 
 #include <float.h>

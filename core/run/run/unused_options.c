@@ -11,12 +11,12 @@ static bool is_adaptive(const hk_plugin *plugin, const void *context) {
 static void warn_of_tolerance(hk_run *run) {
   const hk_plugin *adaptive = NULL;
   hk_error why = {0};
-  if (isnan(run->options.tol) || run->step.method->flags & HK_ADAPTIVE) return;
+  if (isnan(run->options.tol) || run->loop.method->flags & HK_ADAPTIVE) return;
   hk_registry_prefer(run->scene->registry, HK_INTEGRATOR, is_adaptive, NULL, &adaptive, &why);
   hk_warn(&run->warnings,
           "--tol %g has no effect: %s takes steps of a given length; give --dt, or choose a method that chooses its "
           "steps%s%s",
-          run->options.tol, run->step.method_name, adaptive ? ", such as --integrator " : "",
+          run->options.tol, run->loop.integrator->plugin->name, adaptive ? ", such as --integrator " : "",
           adaptive ? adaptive->name : "");
 }
 

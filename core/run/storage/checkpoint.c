@@ -2,6 +2,8 @@
  * rest on, so that a run goes on bit by bit as if it had not stopped and is judged as a whole. The walk that writes is
  * the walk that reads. It is taken in memory and then written as a whole; a checksum ends the file: what is damaged is
  * not gone on from. */
+#include "core/numerics/population/population.h"
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/run/storage/walk.h"
 
 #include <errno.h>

@@ -2,6 +2,7 @@
 #ifndef HK_STORAGE_FILES_H
 #define HK_STORAGE_FILES_H
 
+#include "core/numerics/population/population.h"
 #include "core/run/storage/storage.h"
 
 /* Sets the error "cannot read FILE: reason" by errno. */

@@ -1,4 +1,5 @@
 /* Replaces the particles of a run by those of a file, in the state and wherever indices are stored. */
+#include "core/numerics/population/population.h"
 #include "core/run/storage/files.h"
 
 #include <stdlib.h>

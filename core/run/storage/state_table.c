@@ -1,5 +1,6 @@
 /* State tables: "id,x,y,z,vx,vy,vz,mass" and a column for every number of a channel, with 17 digits, which restore the
  * same doubles when read. A table must contain every particle of the scene, unless sources may have removed some. */
+#include "core/numerics/population/population.h"
 #include "core/run/storage/files.h"
 
 #include <inttypes.h>

@@ -2,7 +2,6 @@
 #ifndef HK_STORAGE_H
 #define HK_STORAGE_H
 
-#include "core/numerics/population/population.h"
 #include "core/run/judge/judge.h"
 #include <stdio.h>
 

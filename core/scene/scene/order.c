@@ -9,6 +9,7 @@
  * that are neighbours in rows of 1.25 times the mean distance, which makes a third of the edges, and two thirds of them
  * in rows half as wide. The choice is made by counts: an order is looked for where the mean difference of joined
  * indices is far above sqrt(n), and taken where it is four times less then. */
+#include "core/engine/contract/contract.h"
 #include "core/scene/scene/scene.h"
 
 #include <stdlib.h>

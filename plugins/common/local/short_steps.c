@@ -4,6 +4,7 @@
  * backwards in time, has no velocity in it. The forces of every short step sum to zero, so that momentum is kept to
  * rounding, which is that of d, not of x. */
 #include "plugins/common/local/short_steps.h"
+#include "plugins/common/springs/layout_forces.h"
 
 #include <string.h>
 
@@ -42,7 +43,7 @@ static void advance(void *context, size_t begin, size_t end, size_t chunk) {
 
 static void add_forces(hk_short_steps *s, const hk_host *host, const hk_short_part *part) {
   size_t at = 3 * part->begin;
-  hk_spring_forces(&part->layout, host, s->q + at, s->q + at, s->F + at, NULL);
+  hk_layout_forces(&part->layout, host, s->q + at, s->q + at, s->F + at, NULL);
 }
 
 static void gather(hk_short_steps *s, const double *x, const double *a) {

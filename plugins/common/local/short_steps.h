@@ -3,7 +3,7 @@
 #define HK_SHORT_STEPS_H
 
 #include "plugins/common/local/short_lanes.h"
-#include "plugins/kit/springs/spring_kernel.h"
+#include "plugins/kit/springs/spring_layout.h"
 
 enum { HK_SHORT_PARTS = 48 };
 

@@ -1,5 +1,6 @@
 /* Angle springs by hand; against their energy and differences of themselves, in space and in a plane; at joints whose
  * angle has no direction; EI, walls and rings; what is refused. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/command.h"
 #include "tests/support/force_check.h"
 

@@ -1,5 +1,6 @@
 /* Cubic springs by hand, against their energy and against differences of themselves, as an oscillator of known period,
  * projected when pressed, on chosen particles, after deaths, at coincidence and without memory. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>

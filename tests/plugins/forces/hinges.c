@@ -1,5 +1,6 @@
 /* Hinges by hand, through pi, and against their energy and differences of themselves; the plate that they are on four
  * kinds of mesh; what cannot be bent; triangles without area; deaths; no memory. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 #include "tests/support/sheets.h"
 

@@ -1,5 +1,6 @@
 /* Membranes by hand, against their energy and differences of themselves, against their elements; triangles without
  * area; what is no membrane. */
+#include "core/engine/contract/contract.h"
 #include "plugins/common/membranes/membrane.h"
 #include "tests/plugins/forces/membranes.h"
 

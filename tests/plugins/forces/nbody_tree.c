@@ -1,5 +1,6 @@
 /* Gravitation by the tree, against the sum over all pairs: errors within what is asked for, equality where nothing may
  * be left out, and everything that must not depend on how it is summed. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/command.h"
 #include "tests/support/force_check.h"
 

@@ -1,5 +1,6 @@
 /* The force on a block of tetrahedra against its energy and differences of itself, with viscosity, at random, flat and
  * inverted states; momenta; patch tests; what cannot be a solid; no memory. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>

@@ -1,5 +1,6 @@
 /* Rods through a run: folded, relaxing, dying and released, on any number of threads and on every path of instructions,
  * and without memory. */
+#include "core/engine/contract/contract.h"
 #include "plugins/common/rods/rod_set.h"
 #include "tests/support/force_check.h"
 

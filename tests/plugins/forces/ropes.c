@@ -1,5 +1,6 @@
 /* Ropes by hand taut, slack and held off by their damping; against their energy and differences of themselves; as
  * springs where all are taut; on chosen particles, after deaths and without memory. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>

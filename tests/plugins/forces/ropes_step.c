@@ -1,5 +1,6 @@
 /* The largest stable step of scenes with ropes, slack, exactly as long as at rest, or taut, against the step from which
  * on the energy grows: the estimate is never above it, nor far below. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>
@@ -48,7 +49,7 @@ static double estimate(const chain *c, const char *method) {
   test_engine e;
   open_chain(&e, c, method);
   test_run(&e);
-  double limit = e.run->step.dt_limit;
+  double limit = e.run->step->dt_limit;
   test_engine_close(&e);
   return limit;
 }

@@ -1,5 +1,6 @@
 /* Grains and walls (soft_spheres, soft_walls) against closed forms: collisions, sticking, sliding and rolling; what a
  * contact remembers through searches, births, deaths and checkpoints; momenta, threads. */
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/support/command.h"
 #include "tests/support/force_check.h"
 
@@ -197,7 +198,7 @@ static void the_spin_has_its_rate(void **state) {
   add_spin(&e, spec);
   e.options.dt = 1e-4;
   test_run(&e);
-  double wanted = 2 * z * sqrt(kt / 3.5) * lever * lever / (0.4 * R * R), rate = e.run->step.spectrum.channel_rate;
+  double wanted = 2 * z * sqrt(kt / 3.5) * lever * lever / (0.4 * R * R), rate = e.run->step->spectrum.channel_rate;
   if (!(fabs(rate / wanted - 1) < 1e-3)) fail_msg("%.9g instead of %.9g", rate, wanted);
   test_engine_close(&e);
 }

@@ -1,4 +1,5 @@
 /* The springs kernel against the straightforward loop, and what a spring must and must not do. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

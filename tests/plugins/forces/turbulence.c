@@ -1,5 +1,6 @@
 /* Turbulence: without divergence, of the speed asked for, with the spectrum asked for, the same for equal seeds however
  * it is asked, carried by its drift; and steps that its waves ask for. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <complex.h>

@@ -1,5 +1,6 @@
 /* Wind on triangles: by hand, against drag and lift written with angles, against a falling plate's closed form, against
  * differences of itself; turned over, without area, without relative wind, on chosen triangles, on any threads. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>

@@ -1,6 +1,7 @@
 /* Measured orders in scenes with constraints, of every method that takes them: a bar against the pendulum's published
  * figures, a chain of bars with springs on a moving pin and a bar whose length changes against programs of this file
  * that share no code with hooke. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <dirent.h>

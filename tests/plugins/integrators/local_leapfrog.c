@@ -1,5 +1,6 @@
 /* local_leapfrog on networks of springs of two kinds, most of them linear, of rest length 0. Its own step is driven,
  * and the growth read off its matrix (tests/support/step_matrix.h). */
+#include "core/numerics/step_choice/step_choice.h"
 #include "tests/support/engine.h"
 #include "tests/support/fake_system.h"
 #include "tests/support/step_matrix.h"
@@ -354,7 +355,7 @@ static void end_of_rope(const char *method, double dt, double x[3 * ROPE], doubl
   test_advance(&e, 0.4);
   if (strcmp(method, "local_leapfrog") == 0) assert_non_null(e.run->dynamics.system.split->fast);
   memcpy(x, e.run->state.X, 3 * ROPE * sizeof *x);
-  *step = e.run->step.length.dt;
+  *step = e.run->step->length.dt;
   test_engine_close(&e);
 }
 

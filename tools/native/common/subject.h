@@ -5,6 +5,7 @@
 #define HK_TOOLS_SUBJECT_H
 
 #include "core/app/lua/lua.h"
+#include "core/engine/contract/contract.h"
 #include "tools/native/common/guard.h"
 
 #include <lauxlib.h>

@@ -1,5 +1,6 @@
 /* The sum by parts beside the forces' own sums, on a random net whose elements lie in one domain, across two and across
  * more, with pins, a force on a group, and after deaths; and the order of a pass. */
+#include "core/numerics/population/population.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

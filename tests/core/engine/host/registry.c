@@ -1,4 +1,5 @@
 /* Plugins of other times: tables shorter or longer than the host's, and other interfaces. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

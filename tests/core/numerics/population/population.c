@@ -1,4 +1,5 @@
 /* Births and deaths: nothing may assume a constant number of particles. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/engine.h"
 
 #include <setjmp.h>

@@ -1,4 +1,5 @@
 /* The chosen step against limits in closed form, and against the growth of matrices of whole scenes. */
+#include "core/engine/contract/contract.h"
 #include "core/numerics/stability/stability.h"
 #include "tests/support/network.h"
 

@@ -2,6 +2,7 @@
  * motions the step is compared with the limit by a full estimate of that moment, which is at most the truth
  * (foretold.c).
  */
+#include "core/numerics/step_choice/step_choice.h"
 #include "core/numerics/stability/stability.h"
 #include "tests/support/engine.h"
 
@@ -107,7 +108,7 @@ static double fresh_limit(hk_run *run) {
   hk_counts kept = run->dynamics.count;
   assert_int_equal(hk_spectrum_estimate(&run->dynamics.system, &s, &error), HK_OK);
   run->dynamics.count = kept;
-  return hk_stable_step(run->step.method, run->step.parameters, &s).limit;
+  return hk_stable_step(run->step->method, run->step->parameters, &s).limit;
 }
 
 static void follow(build *scene, const char *method, double dt, tally *t) {
@@ -118,10 +119,10 @@ static void follow(build *scene, const char *method, double dt, tally *t) {
   e.options.dt = dt;
   e.scene->fps = 20;
   test_run(&e);
-  double h = e.run->step.length.dt;
+  double h = e.run->step->length.dt;
   for (int k = 1; k <= LOOKS; k++) {
     test_advance(&e, k * h);
-    double fresh = fresh_limit(e.run), now = e.run->step.length.limit_now;
+    double fresh = fresh_limit(e.run), now = e.run->step->length.limit_now;
     if (fresh > 0 && isfinite(fresh) && isfinite(now)) {
       double part = e.run->loop.last_h / fresh;
       t->ratio[t->count++] = now / fresh;
@@ -130,8 +131,8 @@ static void follow(build *scene, const char *method, double dt, tally *t) {
     }
   }
   t->evaluations += e.run->dynamics.count.evaluations;
-  t->estimates += e.run->step.estimates_cost;
-  t->measurements += e.run->step.watch.measurements;
+  t->estimates += e.run->step->estimates_cost;
+  t->measurements += e.run->step->watch.measurements;
   test_engine_close(&e);
 }
 

@@ -1,6 +1,7 @@
 /* Bounds of frequencies and damping rates against the exact eigenvalues: never below, and above by at most 6 % of the
  * frequency (12 % of its square is where the iteration stops; for damping rates, at 12 % and 0.03 w_max), for lattices,
  * strings and single oscillators with every kind of contrast. */
+#include "core/engine/contract/contract.h"
 #include "core/numerics/stability/stability.h"
 #include "tests/support/network.h"
 

@@ -1,5 +1,6 @@
 /* Forces made of elements, as the fixtures area_springs and volume_springs are: against their energy, differences of
  * themselves and what blocks are promised to be. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/element_scenes.h"
 #include "tests/support/force_check.h"
 

@@ -1,5 +1,6 @@
 /* The kernel of joints against their elements one by one, in any order of the particles, damped or not, in space and in
  * a plane, on chosen particles, and the same on any number of threads. */
+#include "core/engine/contract/contract.h"
 #include "tests/support/force_check.h"
 
 #include <setjmp.h>

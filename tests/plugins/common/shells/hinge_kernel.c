@@ -1,4 +1,5 @@
 /* Forces and blocks of many hinges against hinges one by one. */
+#include "core/engine/contract/contract.h"
 #include "plugins/common/shells/hinge_kernel.h"
 #include "tests/support/force_check.h"
 #include "tests/support/sheets.h"

@@ -2,6 +2,7 @@
  * assembles it: in random networks for random u, and for all u by eliminating B - K, whose pivots must be positive; for
  * pinned and chosen particles, for each part that can be asked for, and for what may be drawn out. On regular grids it
  * is reached, so it cannot be smaller. */
+#include "core/engine/contract/contract.h"
 #include "plugins/kit/springs/edge_stiffness.h"
 #include "tests/support/force_check.h"
 

@@ -129,8 +129,10 @@ static void place_births(const hk_population_change *c) {
   }
 }
 
-hk_population_change hk_population_open(hk_state *state) {
-  return (hk_population_change){.population = {add_birth, take, add_aged}, .state = state};
+hk_population_change *hk_population_open(hk_state *state) {
+  hk_population_change *c = malloc(sizeof *c);
+  if (c) *c = (hk_population_change){.population = {add_birth, take, add_aged}, .state = state};
+  return c;
 }
 
 hk_status hk_population_begin(hk_population_change *c, hk_error *error) {
@@ -157,8 +159,10 @@ hk_status hk_population_apply(hk_population_change *c, hk_error *error) {
 }
 
 void hk_population_close(hk_population_change *c) {
+  if (!c) return;
   free(c->birth);
   free(c->channel);
   free(c->dies);
   free(c->map);
+  free(c);
 }
