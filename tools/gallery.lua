@@ -123,7 +123,7 @@ end
 local function stills(plan, o, folder)
   local pictures, shown = {}, {}
   for _, item in ipairs(chosen(plan, o.only)) do
-    io.stderr:write(("%s, %g s\n"):format(item[1], item.at))
+    io.stderr:write(("%s, %g s\n"):format(hooke.plain(item[1], true), item.at))
     local frames, list = run(item, o, folder, true)
     if not frames then return nil, list end
     pictures[#pictures + 1] = ("%s/%s"):format(frames, list[#list])

@@ -74,16 +74,29 @@ static bool put_text(hk_xdmf *x, off_t keep) {
   return true;
 }
 
+/* What the file is called until it is one. */
+static char *part_of(const char *path) {
+  size_t size = strlen(path) + sizeof ".part";
+  char *part = malloc(size);
+  if (part) snprintf(part, size, "%s.part", path);
+  return part;
+}
+
 hk_xdmf *hk_xdmf_create(const char *path, const char *h5, unsigned bytes) {
   hk_xdmf *x = calloc(1, sizeof *x);
   if (!x) return NULL;
   x->bytes = bytes;
-  x->file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  char *part = part_of(path);
+  if (part) unlink(part);
+  x->file = part ? open(part, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666) : -1;
   x->h5 = malloc(strlen(h5) + 1);
   if (x->h5) strcpy(x->h5, h5);
   say(x, "%s%s", head, tail);
-  if (x->file >= 0 && x->h5 && put_text(x, (off_t)strlen(tail))) return x;
+  bool fine = x->file >= 0 && x->h5 && put_text(x, (off_t)strlen(tail)) && rename(part, path) == 0;
   int cause = errno;
+  if (!fine && x->file >= 0) unlink(part);
+  free(part);
+  if (fine) return x;
   hk_xdmf_close(x);
   errno = cause;
   return NULL;
