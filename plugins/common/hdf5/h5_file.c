@@ -19,6 +19,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
@@ -224,9 +225,15 @@ static hid_t access_by(hk_h5_file *f) {
   return -1;
 }
 
-/* Under the name of its part, and past no link; what has that name was left by a process that was killed. */
+/* Under the name of its part, and past no link; what has that name was left by a process that was killed. A device is
+ * written directly. */
 static bool open_part(hk_h5_file *f, const char *path) {
   size_t size = strlen(path) + sizeof ".part";
+  struct stat info;
+  if (lstat(path, &info) == 0 && (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode))) {
+    f->file = open(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+    return f->file >= 0;
+  }
   f->path = strdup(path);
   f->part = malloc(size);
   if (!f->path || !f->part) return false;
@@ -267,6 +274,7 @@ static bool library(hk_h5_file *f, herr_t result) {
 
 /* The file gets its name when it is one. */
 static bool give_name(hk_h5_file *f) {
+  if (!f->part) return true;
   if (rename(f->part, f->path) != 0) {
     f->cause = errno;
     return false;

@@ -10,7 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -183,11 +185,37 @@ static void a_full_disk_is_said_at_any_write(void **state) {
   tear_down();
 }
 
+/* A link that has the name makes room; a device, here one like /dev/full, stays and says what it is. */
+static void links_make_room_and_devices_stay(void **state) {
+  char why[256] = "", victim[80];
+  struct stat info;
+  (void)state;
+  set_up();
+  snprintf(victim, sizeof victim, "%s.victim", h5);
+  FILE *file = fopen(victim, "w");
+  assert_non_null(file);
+  fputs("mine", file);
+  fclose(file);
+  assert_int_equal(symlink(victim, h5), 0);
+  assert_true(record(why, sizeof why));
+  assert_int_equal(frames_on_file(), FRAMES);
+  assert_true(stat(victim, &info) == 0 && info.st_size == 4);
+  remove(victim);
+  remove(h5);
+  if (mknod(h5, S_IFCHR | 0600, makedev(1, 7)) == 0) { /* as root */
+    assert_false(record(why, sizeof why));
+    assert_string_equal(why, strerror(ENOSPC));
+    assert_true(stat(h5, &info) == 0 && S_ISCHR(info.st_mode));
+  }
+  tear_down();
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_written_is_read),
       cmocka_unit_test(a_process_that_ends_at_any_write_leaves_the_frames_before),
       cmocka_unit_test(a_full_disk_is_said_at_any_write),
+      cmocka_unit_test(links_make_room_and_devices_stay),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
