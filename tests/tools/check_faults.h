@@ -1,5 +1,5 @@
-/* Faults that are put into plugins which are right, and the sentences in which `hooke check` has to name them. The wrong
- * plugins are compiled here, as a user compiles one. */
+/* Faults that are put into plugins which are right, and the sentences in which `hooke check` has to name them. The
+ * wrong plugins are compiled here, as a user compiles one. */
 #ifndef HK_TEST_CHECK_FAULTS_H
 #define HK_TEST_CHECK_FAULTS_H
 

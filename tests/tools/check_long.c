@@ -1,4 +1,5 @@
-/* hooke check: every force and integrator of the build passes, and the faults of forces and explicit methods are named. */
+/* hooke check: every force and integrator of the build passes, and the faults of forces and explicit methods are
+ * named. */
 #include "tests/tools/check_faults.h"
 
 #include <dirent.h>

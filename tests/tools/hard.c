@@ -1,4 +1,5 @@
-/* Every sixteenth run of the corpus of hard cases (hard_corpus.h); hard_long.c takes all. And a hooke that cannot run all. */
+/* Every sixteenth run of the corpus of hard cases (hard_corpus.h); hard_long.c takes all. And a hooke that cannot run
+ * all. */
 #include "tests/tools/hard_corpus.h"
 
 static test_result r;

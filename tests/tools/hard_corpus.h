@@ -18,7 +18,8 @@
 static inline void hard_corpus_holds(const char *part) {
   static test_result r;
   char arguments[512];
-  snprintf(arguments, sizeof arguments, "stability --hard %s/tests/hard --trust --quiet --timeout 300 %s", HK_ROOT, part);
+  snprintf(arguments, sizeof arguments, "stability --hard %s/tests/hard --trust --quiet --timeout 300 %s", HK_ROOT,
+           part);
   test_hooke(&r, NULL, arguments);
   const char *counts = strstr(r.out, "\nslowest");
   print_message("%s", counts ? counts : r.out);

@@ -1,6 +1,7 @@
-/* hooke.definition(path [, name]): the table that a script returns, with a name through hooke.NAME{}. The script only describes
- * something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their sandbox and
- * limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans and tables. */
+/* hooke.definition(path [, name]): the table that a script returns, with a name through hooke.NAME{}. The script only
+ * describes something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their
+ * sandbox and limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans
+ * and tables. */
 #include "core/app/tools/tools.h"
 
 #include <lauxlib.h>

@@ -30,7 +30,8 @@ typedef struct hk_whole_file {
 bool hk_whole_open(hk_whole_file *, const char *path, char *why, size_t size);
 /* After some writes, before anything else is called that sets errno: whether all went well. */
 bool hk_whole_check(hk_whole_file *);
-/* `keep`: under its name; otherwise, or where a write failed, there is no file. False: it failed, with a sentence in `why`. */
+/* `keep`: under its name; otherwise, or where a write failed, there is no file. False: it failed, with a sentence in
+ * `why`. */
 bool hk_whole_close(hk_whole_file *, bool keep, char *why, size_t size);
 
 #endif

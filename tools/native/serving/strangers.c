@@ -1,6 +1,6 @@
-/* Connections that have not shown the token yet: half of a request, or none. Anybody on this machine can open as many as
- * the server takes and keep them, so that pages wait. So there are few places for them, and who comes pushes out who has
- * been there longest: a page sends its request at once. All of it is called in the server's thread. */
+/* Connections that have not shown the token yet: half of a request, or none. Anybody on this machine can open as many
+ * as the server takes and keep them, so that pages wait. So there are few places for them, and who comes pushes out
+ * who has been there longest: a page sends its request at once. All of it is called in the server's thread. */
 #include "tools/native/serving/serving.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* A process that ends at any write of a recording leaves all frames that were whole, and before the first no file: this program's pwrite and
- * ftruncate end a child process, or fail, at the k-th call, for every k. */
+/* A process that ends at any write of a recording leaves all frames that were whole, and before the first no file:
+ * this program's pwrite and ftruncate end a child process, or fail, at the k-th call, for every k. */
 #define _GNU_SOURCE
 #include "plugins/common/recording/reader.h"
 #include "plugins/common/recording/recording.h"
