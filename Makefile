@@ -5,7 +5,8 @@
 # make fuzz       random input, SECONDS=60 of each kind of tests/fuzz, SEED=1 or another; best with SANITIZE=1
 # make lint       clang-tidy, luacheck               make format   clang-format          make clean
 # make install    PREFIX=/usr/local DESTDIR=        make deb      the Debian packages hooke and hooke-dev, in build/deb
-# make test-long  the packages in a fresh Debian, tests of the engine on arm64 under emulation (as root, minutes)
+# make test-long  the tests whose names end with _long (minutes); the packages in a fresh Debian, tests of the engine on
+#                 arm64 under emulation (as root, minutes)
 #
 # CROSS=aarch64-linux-gnu SYSROOT=FOLDER: for another processor, with the libraries in that folder, in build/aarch64-linux-gnu
 # SANITIZE=1: with sanitizers, in build/sanitize. ONLY=TEXT: only the tests with TEXT in their path. V=1: show commands.
@@ -178,8 +179,11 @@ test:
 test-programs: build $(fixtures) $(standalone) $(tests)
 bench-programs: $(benches) $(studies)
 
-# What wants a system or a processor of its own: as root, some minutes.
+# What takes long, and what wants a system or a processor of its own, that as root.
 test-long:
+	@$(WITH_CC) tools/install-deps test
+	$(again) test-programs
+	@HK_ROOT="$(CURDIR)" HK_BUILD="$(CURDIR)/$B" tests/run $B --long $(if $(ONLY),--only "$(ONLY)") $(tests)
 	@$(WITH_CC) tools/install-deps systems
 	+@failed=0; for t in tests/long/*.sh; do case $$t in *"$(ONLY)"*) echo "== $$t"; $$t || failed=1 ;; esac; done; exit $$failed
 

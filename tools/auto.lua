@@ -218,7 +218,7 @@ local function main()
   end
   if not o.quiet then
     io.stderr:write(("hooke: auto: %s\n"):format(hooke.plain(choice.why)))
-    io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(path)
+    io.stderr:write(known and ("hooke: auto: chosen before, from %s\n"):format(hooke.plain(path))
       or ("hooke: auto: measured in %.2g s%s\n"):format(choice.seconds, kept and ", kept in " .. path or ""))
   end
   if hooke.chosen then hooke.chosen(choice.integrator, choice.dt, choice.tol) end

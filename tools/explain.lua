@@ -51,7 +51,7 @@ local function print_loaded(e)
   print(("%g s at %g frames a second with %s"):format(e.duration, e.fps, e.integrator))
   print("\nloaded")
   for _, p in ipairs(e.plugins) do
-    print(("  %-11s %-14s %-16s %s"):format(p.kind, p.name, p.label, p.edges and ("%d edges"):format(p.edges) or ""))
+    print(("  %-11s %-14s %-16s %s"):format(p.kind, p.name, hooke.plain(p.label, true), p.edges and ("%d edges"):format(p.edges) or ""))
   end
 end
 
@@ -60,7 +60,7 @@ local function print_solver(e)
 end
 
 local function print_warnings(e)
-  for k, warning in ipairs(e.warnings) do print((k == 1 and "\n" or "") .. "warning: " .. warning) end
+  for k, warning in ipairs(e.warnings) do print((k == 1 and "\n" or "") .. "warning: " .. hooke.plain(warning, true)) end
 end
 
 local function print_steps(e)
@@ -86,7 +86,7 @@ local function explain(o)
   local e, message = hooke.explain(o.path, o.given, { trust = o.trust })
   if not e then return fail(message) end
   if o.json then
-    print(json.encode(e))
+    command_line.print_json(json.encode(e))
   else
     print_loaded(e)
     print_solver(e)
@@ -147,7 +147,7 @@ local function explain_cost(o)
   local text = table.concat(parts)
   if text == "" then return 1 end
   if o.json then
-    print(text)
+    command_line.print_json(text)
   else
     draw(o, json.decode(text))
   end

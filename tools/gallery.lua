@@ -42,18 +42,70 @@ local function pictures_of(folder)
   return list
 end
 
+-- The name of an item's folder below --out: that of its scene's file.
+local function folder_of(item) return (item[1]:match("[^/]*$"):gsub("%.lua$", "")) end
+
+-- The words of `hooke run`, with whose confinement the scene runs.
+local function command_of(item, path, out, draft)
+  local words = { shell(lfs.symlinkattributes("/proc/self/exe", "target")), "run", shell(path:gsub("^%-", "./-")) }
+  for name, value in pairs(item.param or {}) do words[#words + 1] = shell(("%s=%s"):format(name, value)) end
+  words[#words + 1] = ("--quiet --until %.17g --out %s"):format(item.at, shell(out))
+  if draft then words[#words + 1] = "--draft" end
+  return table.concat(words, " ")
+end
+
 -- Runs the scene of an item; the folder of its pictures and how many there are; or nil and why not.
 local function run(item, o, folder, draft)
   local path = path_of(item[1], folder)
   if not path then return nil, ("there is no scene '%s' beside the list"):format(item[1]) end
-  local out = ("%s/%s"):format(o.out, item[1])
-  local scene, why = hooke.load(path, item.param or {}, { ["until"] = item.at, out = out, output = true, draft = draft })
-  if not scene then return nil, why end
-  local fine, broken = pcall(scene.run, scene, {})
-  if not fine then return nil, tostring(broken) end
+  local out = ("%s/%s"):format(o.out, folder_of(item))
+  local _, how, code = os.execute(command_of(item, path, out, draft))
+  if how ~= "exit" or code ~= 0 and code ~= 5 then return nil, ("%s did not come to t = %g s"):format(path, item.at) end
   local list = pictures_of(out .. "/frames")
   if #list == 0 then return nil, ("%s made no pictures in %s/frames: does it have the output frames?"):format(path, out) end
   return out .. "/frames", list
+end
+
+-- ---- the list, which may be a stranger's ----
+
+local function is_size(value) return math.type(value) == "integer" and value >= 1 and value <= 16384 end
+
+-- What is wrong with an item, or nil.
+local function fault_of(item)
+  if type(item) ~= "table" or type(item[1]) ~= "string" then return "an item is { \"SCENE\", at = SECONDS }" end
+  local name = folder_of(item)
+  if name == "" or name == "." or name == ".." then return ("'%s' is no scene"):format(item[1]) end
+  if type(item.at) ~= "number" or not (item.at >= 0 and item.at < math.huge) then
+    return ("%s: at is a time, s"):format(item[1])
+  end
+  if item.param ~= nil and type(item.param) ~= "table" then return ("%s: param is a table"):format(item[1]) end
+  for key, value in pairs(item.param or {}) do
+    if not tostring(key):find("^[%a_][%w_]*$") or type(value) == "table" then
+      return ("%s: param '%s' is no name = value"):format(item[1], tostring(key))
+    end
+  end
+end
+
+-- The list in the file, read as scenes are, in their sandbox and under their limits; or nil and why not.
+local function read_list(path)
+  local plan, why = hooke.definition(path)
+  if not plan then return nil, why end
+  local seen = {}
+  for _, item in ipairs(plan) do
+    why = why or fault_of(item) or seen[folder_of(item)] and ("%s stands twice in it"):format(folder_of(item))
+    if not why then seen[folder_of(item)] = true end
+  end
+  local film = plan.film
+  if film ~= nil then
+    why = why or fault_of(film)
+    if not why and not (is_size(film.width) and type(film.fps) == "number" and film.fps > 0) then
+      why = "film: width is a number of pixels, fps one of frames a second"
+    end
+  end
+  if not (is_size(plan.width) and is_size(plan.height) and is_size(plan.columns)) then
+    why = why or "width, height and columns are whole numbers from 1 on"
+  end
+  return not why and plan or nil, why
 end
 
 -- Runs ffmpeg; nil, or what it says.
@@ -123,12 +175,12 @@ end
 local function stills(plan, o, folder)
   local pictures, shown = {}, {}
   for _, item in ipairs(chosen(plan, o.only)) do
-    io.stderr:write(("%s, %g s\n"):format(item[1], item.at))
+    io.stderr:write(("%s, %g s\n"):format(hooke.plain(item[1], true), item.at))
     local frames, list = run(item, o, folder, true)
     if not frames then return nil, list end
     pictures[#pictures + 1] = ("%s/%s"):format(frames, list[#list])
     shown[#shown + 1] = { name = item[1], at = item.at, path = path_of(item[1], folder),
-      picture = ("%s/frames/%s"):format(item[1], list[#list]) }
+      picture = ("%s/frames/%s"):format(folder_of(item), list[#list]) }
   end
   if #pictures == 0 then return nil, ("'%s' is not in the list"):format(o.only or "") end
   return pictures, shown
@@ -137,12 +189,9 @@ end
 local o = command_line.parse("gallery", parser_of())
 if not o then return 1 end
 local list = o.list or hooke.library:gsub("/lib$", "") .. "/gallery.lua"
-local chunk, why = loadfile(list, "t", {})
-if not chunk then return fail(why) end
-local ran, plan = pcall(chunk)
-if not ran or type(plan) ~= "table" then
-  return fail(("%s is no list of scenes%s; see scripts/gallery.lua for one"):format(list, ran and "" or " (" .. tostring(plan) .. ")"))
-end
+local plan, why = read_list(list)
+if not plan then return fail(("%s is no list of scenes (%s); see scripts/gallery.lua for one"):format(list, why)) end
+if not files.make_folder(o.out) then return fail(("the folder %s cannot be made"):format(o.out), 4) end
 local folder = list:match("^(.*)/[^/]*$") or "."
 local pictures, shown = stills(plan, o, folder)
 if not pictures then return fail(shown) end

@@ -7,6 +7,7 @@
 local argparse = require("argparse")
 local case_process = require("common.run.case_process")
 local command_line = require("common.run.command_line")
+local csv = require("common.run.csv")
 local files = require("common.run.file")
 local split = require("common.bench.methods").split
 local plot = require("common.run.plot")
@@ -163,12 +164,12 @@ local function print_rows(o, rows)
   end
 end
 
-local function csv(rows)
+local function table_of(rows)
   local lines = { "method,value,particles,threads,steps,dt_s,simulated_s,wall_s,cost_s" }
   for _, row in ipairs(rows) do
     local r, case = row.result, row.case
     if r.cost then
-      lines[#lines + 1] = ('"%s",%s,%d,%d,%d,%.9g,%.9g,%.9g,%.9g'):format(case.method.label:gsub('"', '""'), case.value,
+      lines[#lines + 1] = ('%s,%s,%d,%d,%d,%.9g,%.9g,%.9g,%.9g'):format(csv.text(case.method.label, true), csv.cell(case.value),
         r.particles, case.threads, r.steps, r.dt, r.simulated, r.seconds, r.cost)
     end
   end
@@ -193,7 +194,7 @@ local function curves_of(o, rows)
 end
 
 local function write_all(o, rows)
-  local fine, why = files.write(o.out .. "/scaling.csv", csv(rows))
+  local fine, why = files.write(o.out .. "/scaling.csv", table_of(rows))
   if not fine then return refuse_file(why) end
   fine, why = plot.draw(o.out .. "/scaling", { title = ("Cost against size: %s"):format(o.scene:match("[^/]+$")),
     x = { label = "particles", log = true }, y = { label = "time per particle and simulated second, us", log = true },

@@ -4,6 +4,7 @@
 -- The methods of measurement are described in stability_region.lua, largest_step.lua and hard.lua of common/stability.
 local argparse = require("argparse")
 local command_line = require("common.run.command_line")
+local csv = require("common.run.csv")
 local files = require("common.run.file")
 local json = require("cjson").new()
 local lfs = require("lfs")
@@ -84,18 +85,11 @@ end
 
 -- ---- writing ----
 
-local function csv_text(value)
-  if value == nil then return "" end
-  if math.type(value) == "float" then return ("%.9g"):format(value) end
-  local text = tostring(value)
-  return text:find('[,"\r\n]') and '"' .. text:gsub('"', '""') .. '"' or text
-end
-
 local function csv_of(columns, rows)
   local lines = { table.concat(columns, ",") }
   for _, row in ipairs(rows) do
     local cells = {}
-    for k, column in ipairs(columns) do cells[k] = csv_text(row[column]) end
+    for k, column in ipairs(columns) do cells[k] = csv.cell(row[column], "%.9g") end
     lines[#lines + 1] = table.concat(cells, ",")
   end
   return table.concat(lines, "\n") .. "\n"
@@ -199,7 +193,7 @@ local function run_hard(o)
   local bar = progress.new { what = "hard cases", total = #cells, quiet = o.quiet or o.json }
   hard.run(cells, o.jobs, function(cell) bar:add { failed = cell.failed } end, function() bar:tick() end)
   bar:finish()
-  if o.json then print(hard.json(cells)) else print_hard(o, hard, cases, names, cells) end
+  if o.json then command_line.print_json(hard.json(cells)) else print_hard(o, hard, cases, names, cells) end
   local rows = {}
   for k, cell in ipairs(cells) do rows[k] = hard.row(cell) end
   if o.csv then
@@ -232,7 +226,7 @@ end
 local function write_rows(o, name, columns, rows)
   local fine, refused = ready_folder(o.out)
   if fine then fine, refused = files.write(o.csv or o.out .. "/" .. name .. ".csv", csv_of(columns, rows)) end
-  if o.json then print(json.encode(rows)) end
+  if o.json then command_line.print_json(json.encode(rows)) end
   if not fine then return report_write_error(refused) end
 end
 

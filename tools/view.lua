@@ -152,7 +152,9 @@ local function make_page(o, folders)
   runs, why = open_runs(recording, folders, found)
   if not runs then return refuse_file(why) end
   for _, one in ipairs(runs) do
-    if is_same(path, one.file) then return complain("--page: %s is what is to be shown; name another file", path) end
+    for _, read in ipairs { one.file, folder_of(one.file) .. "/summary.json", folder_of(one.file) .. "/bench.json" } do
+      if is_same(path, read) then return complain("--page: %s is what is to be shown; name another file", path) end
+    end
   end
   local frames = 0
   for _, one in ipairs(runs) do frames = frames + one.recording.frames end

@@ -19,7 +19,7 @@ local PUBLISH_EVERY = 0.03 -- s, the least time between two versions of the stat
 local LONGEST = 5 -- s, that a run may take to end in order; then it is ended at once
 
 local function complain(text)
-  io.stderr:write("hooke: ", text, "\n")
+  io.stderr:write("hooke: ", hooke.plain(text), "\n")
   return 1
 end
 

@@ -1,6 +1,7 @@
 /* A table of the motion, comma-separated: one line per frame with time, energies, momentum and the scene's measures, in
  * 17 significant digits, which restore every double. Each line is written to the file before the next step. */
 #include "core/plugin.h"
+#include "plugins/common/frame_data/csv_name.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -35,17 +36,6 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   return HK_OK;
 }
 
-/* Writes a name, in quotes when it contains a character that would end the field. */
-static void write_name(FILE *file, const char *name) {
-  bool quoted = name[strcspn(name, ",\"\r\n")] != 0;
-  if (quoted) putc('"', file);
-  for (; *name; name++) {
-    if (*name == '"') putc('"', file);
-    putc(*name, file);
-  }
-  if (quoted) putc('"', file);
-}
-
 static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
   table *t = self;
   (void)view;
@@ -58,7 +48,7 @@ static hk_status open(void *self, const hk_view *view, const hk_frame *frame) {
       t->file);
   for (size_t k = 0; k < frame->measures; k++) {
     putc(',', t->file);
-    write_name(t->file, frame->measure_name[k]);
+    hk_put_csv_name(t->file, "", frame->measure_name[k], "", false);
   }
   putc('\n', t->file);
   return fflush(t->file) == 0 ? HK_OK : io_error(t, "write");

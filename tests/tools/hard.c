@@ -1,30 +1,12 @@
-/* The corpus of hard cases, tests/hard: every integrator reaches a case's bound or says that it did not, and those that
- * have to reach it do. Runs of at most 15,000 steps; `make study` holds the long ones. Sanitizers look for other faults
- * than wrong verdicts, which are the same in their builds, so they see every fourth run. */
-#include "tests/support/command.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
+/* Every sixteenth run of the corpus of hard cases (hard_corpus.h); hard_long.c takes all. And a hooke that cannot run
+ * all. */
+#include "tests/tools/hard_corpus.h"
 
 static test_result r;
 
 static void no_run_says_ok_beyond_its_bound(void **state) {
   (void)state;
-  char arguments[512];
-  snprintf(arguments, sizeof arguments, "stability --hard %s/tests/hard --trust --quiet --timeout 300%s", HK_ROOT,
-           strstr(HK_BUILD, "sanitize") ? " --part 1/4" : "");
-  test_hooke(&r, NULL, arguments);
-  const char *counts = strstr(r.out, "\nslowest");
-  print_message("%s", counts ? counts : r.out);
-  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
-  assert_non_null(strstr(r.out, " 0 failed"));
-  assert_null(strstr(r.err, "left out"));
+  hard_corpus_holds("--part 1/16");
 }
 
 /* A hooke that was built without the plugins for tests, here a copy: cases that need them are left out, with a word. */

@@ -150,6 +150,9 @@ static void wrong_names_and_values_are_refused_before_the_first_case(void **stat
   refused("s.lua --trust k=0..1:random:5 m=1..2:latin:6", "the numbers must be the same");
   refused("s.lua --trust k=1 --resum", "did you mean '--resume'?");
   refused("nothing.lua k=1", "nothing.lua: No such file");
+  refused("s.lua --trust k=1 --csv ./s.lua", "--csv: ./s.lua is what is to be run");
+  refused("s.lua --trust k=1 --db s.lua", "--db: s.lua is what is to be run");
+  refused("s.lua --trust k=1 --csv twice --db ./twice", "--csv: twice is the file of --db as well");
   assert_int_equal(lines("runs.log"), 0);
 }
 

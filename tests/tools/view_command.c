@@ -89,6 +89,7 @@ static void a_run_that_is_over_and_two_of_them(void **state) {
   assert_true(holds("cp -r out/rope killed && rm killed/summary.json")); /* as a run that was killed leaves it */
   view(NULL, "killed --quiet", 0, "wrote killed/page.html");
   view(NULL, "killed --quiet --page ./killed/trajectory.h5", 1, "is what is to be shown");
+  view(NULL, "out/rope --quiet --page out/rope/summary.json", 1, "is what is to be shown");
 }
 
 static void a_run_that_diverges_is_shown_with_its_code(void **state) {

@@ -111,6 +111,28 @@ function tests.nonsense_and_half_requests_do_no_harm()
   end)
 end
 
+-- Two hundred connections that begin a request and go on with a letter a second, so that none is idle: a page does not
+-- wait for them.
+function tests.half_open_connections_keep_no_page_out()
+  with("--no-output", function(w)
+    local file = assert(io.open(w.folder .. "/hold.sh", "w"))
+    file:write(([[trap "" PIPE
+echo $$ >holder
+for k in $(seq 200); do
+  exec {fd}<>/dev/tcp/127.0.0.1/%s && fds="$fds $fd" && printf 'GET / HTTP/1.1\r\nA: ' >&$fd
+done
+>ready
+while sleep 1; do for fd in $fds; do printf x >&$fd; done; done
+]]):format(w.host:match("%d+$")))
+    file:close()
+    os.execute(("cd '%s' && bash hold.sh </dev/null >/dev/null 2>&1 & while ! [ -e '%s/ready' ]; do sleep 0.1; done")
+      :format(w.folder, w.folder))
+    for _ = 1, 3 do equal(w:curl("", ""), 200, "the page") end
+    os.execute(("kill $(cat '%s/holder')"):format(w.folder))
+    ended(w)
+  end)
+end
+
 function tests.the_run_is_the_same_as_without_a_page()
   with("--state watched.csv --json", function(w)
     ended(w)

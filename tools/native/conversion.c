@@ -6,10 +6,10 @@
 #include "tools/native/formats/pc2.h"
 #include "plugins/common/frame_data/gatherer.h"
 
-#include <errno.h>
 #include <lauxlib.h>
 #include <lua.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct conversion {
   hk_recording *recording;
@@ -87,6 +87,11 @@ static int open_conversion(lua_State *L) {
   return 1;
 }
 
+static bool cannot_write(conversion *c, const char *path, const char *why) {
+  snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
+  return false;
+}
+
 /* c:sequence(format, folder): files 000000.FORMAT and so on -> number of files; or nil, reason */
 static int sequence(lua_State *L) {
   static const hk_sequence_format *const formats[] = {&hk_sequence_ply, &hk_sequence_obj, &hk_sequence_vtk};
@@ -100,20 +105,11 @@ static int sequence(lua_State *L) {
     char path[4096], why[256] = "";
     snprintf(path, sizeof path, "%s/%06lld.%s", folder, (long long)written, format->name);
     fine = shoot(c, k);
-    if (fine && !hk_sequence_write(format, &c->gatherer.data, path, why, sizeof why)) {
-      snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
-      fine = false;
-    }
+    if (fine && !hk_sequence_write(format, &c->gatherer.data, path, why, sizeof why))
+      fine = cannot_write(c, path, why);
     written += fine;
   }
   return answer(L, c, fine, written);
-}
-
-static bool end_file(conversion *c, FILE *file, const char *path) {
-  char why[256] = "";
-  if (hk_sequence_file_close(file, why, sizeof why)) return true;
-  snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
-  return false;
 }
 
 /* c:table(path, {id, ...}): the particles with these ids, or all -> number of frames; or nil, reason */
@@ -126,18 +122,20 @@ static int table(lua_State *L) {
     lua_rawgeti(L, 3, (lua_Integer)k + 1);
     ids[k] = (uint32_t)lua_tointeger(L, -1);
   }
-  FILE *file = hk_sequence_file(path, "w");
-  if (!file) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, strerror(errno));
-  bool fine = file != NULL;
+  char why[256] = "";
+  hk_whole_file file;
+  bool fine = hk_whole_open(&file, path, why, sizeof why), read = fine;
   lua_Integer written = 0;
-  for (size_t k = c->from; k <= c->to && fine; k += c->every, written++) {
-    fine = shoot(c, k);
-    if (fine && count) keep(&c->gatherer.data, ids, count);
-    if (fine && written == 0) hk_csv_head(file, &c->gatherer.data);
-    if (fine) hk_csv_rows(file, &c->gatherer.data);
+  for (size_t k = c->from; k <= c->to && fine && read; k += c->every, written++) {
+    read = shoot(c, k);
+    if (read && count) keep(&c->gatherer.data, ids, count);
+    if (read && written == 0) hk_csv_head(file.stream, &c->gatherer.data);
+    if (read) hk_csv_rows(file.stream, &c->gatherer.data);
+    fine = hk_whole_check(&file);
   }
-  if (file && !(fine ? end_file(c, file, path) : (fclose(file), false))) fine = false;
-  return answer(L, c, fine, written);
+  if (!hk_whole_close(&file, read, why, sizeof why)) fine = false;
+  if (*why) cannot_write(c, path, why);
+  return answer(L, c, fine && read, written);
 }
 
 static bool add_sample(conversion *c, hk_pc2 *cache, size_t k) {
@@ -152,8 +150,15 @@ static bool add_sample(conversion *c, hk_pc2 *cache, size_t k) {
     return false;
   }
   if (hk_pc2_add(cache, &c->gatherer.data, why, sizeof why)) return true;
-  snprintf(c->why, sizeof c->why, "cannot write the point cache: %s", why);
-  return false;
+  return cannot_write(c, cache->file.path, why);
+}
+
+static bool write_cache(conversion *c, const char *path, lua_Integer *written) {
+  char why[256] = "";
+  hk_pc2 cache = {0};
+  bool fine = hk_pc2_open(&cache, path, &c->gatherer.data, why, sizeof why) || cannot_write(c, path, why);
+  for (size_t k = c->from; k <= c->to && fine; k += c->every, ++*written) fine = add_sample(c, &cache, k);
+  return hk_pc2_close(&cache, fine, why, sizeof why) ? fine : cannot_write(c, path, why);
 }
 
 /* c:point_cache(pc2, obj): the mesh of the first frame and the positions at all -> number of frames; or nil, reason */
@@ -161,17 +166,10 @@ static int point_cache(lua_State *L) {
   conversion *c = at(L);
   const char *path = luaL_checkstring(L, 2), *mesh = luaL_checkstring(L, 3);
   char why[256] = "";
-  hk_pc2 cache = {0};
   lua_Integer written = 0;
-  if (!shoot(c, c->from)) return answer(L, c, false, 0);
-  bool fine = hk_sequence_write(&hk_sequence_obj, &c->gatherer.data, mesh, why, sizeof why) &&
-              hk_pc2_open(&cache, path, &c->gatherer.data, why, sizeof why);
-  if (!fine) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
-  for (size_t k = c->from; k <= c->to && fine; k += c->every, written++) fine = add_sample(c, &cache, k);
-  if (!hk_pc2_close(&cache, why, sizeof why) && fine) {
-    snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", path, why);
-    fine = false;
-  }
+  bool fine = shoot(c, c->from) && write_cache(c, path, &written) && shoot(c, c->from);
+  if (fine && !hk_sequence_write(&hk_sequence_obj, &c->gatherer.data, mesh, why, sizeof why))
+    fine = cannot_write(c, mesh, why);
   return answer(L, c, fine, written);
 }
 
@@ -228,7 +226,11 @@ static int record(lua_State *L) {
     part = r->frame[k].part;
   }
   if (recorder && !hk_recorder_close(recorder, fine && read ? r->verdict : NULL, why, sizeof why)) fine = false;
-  if (!fine) snprintf(c->why, sizeof c->why, "cannot write %.200s: %s", h5, why);
+  if (!fine) cannot_write(c, h5, why);
+  if (!fine || !read) { /* a part of the motion is none */
+    unlink(h5);
+    unlink(xdmf);
+  }
   return answer(L, c, fine && read, written);
 }
 

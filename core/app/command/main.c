@@ -236,11 +236,12 @@ static const char *confine(const hk_options *o, const hk_registry *registry, con
 
 /* Before the scene's script, which may take its time. */
 static hk_status try_targets(const hk_options *o, hk_error *error) {
-  const char *const written[][2] = {{"--state", o->state}, {"--summary", o->summary}};
+  const char *const option[] = {"--state", "--summary"}, *const path[] = {o->state, o->summary};
   const char *const read[] = {o->scene, o->run.resume};
   hk_status status = o->state && !o->help ? hk_target_file("--state", o->state, error) : HK_OK;
   for (size_t k = 0; k < 4 && status == HK_OK; k++)
-    status = hk_target_spares(written[k / 2][0], written[k / 2][1], read[k % 2], error);
+    status = hk_target_spares(option[k / 2], path[k / 2], read[k % 2], error);
+  if (status == HK_OK) status = hk_target_differs(option, path, error);
   bool writes = o->run.out && !o->run.no_output && !o->help;
   return status == HK_OK && writes ? hk_target_folder("--out", o->run.out, error) : status;
 }

@@ -13,8 +13,8 @@ static void print_limits(const hk_param_declared *p) {
 
 static void print_row(const hk_param_declared *p) {
   char name[256], initial[256];
-  hk_plain_copy(name, sizeof name, p->name);
-  hk_plain_copy(initial, sizeof initial, p->initial);
+  hk_plain_line(name, sizeof name, p->name);
+  hk_plain_line(initial, sizeof initial, p->initial);
   printf("  %-12s %-12s ", name, initial);
   hk_print_plain(stdout, p->help ? p->help : "");
   print_limits(p);

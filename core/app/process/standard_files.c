@@ -1,7 +1,8 @@
 /* Standard input, output and error, where the caller has closed them or stops reading. The number of a closed one could
  * go to a file that is opened later, into which the summary would then be printed: it is taken by /dev/null instead,
  * opened such that reading or writing fails. A pipe whose reader has gone is an error of writing like any other: it
- * neither ends a run before its files are complete nor goes unnoticed. */
+ * neither ends a run before its files are complete nor goes unnoticed; and so is a file that reaches the limit of its
+ * size (ulimit -f). */
 #include "core/app/process/process.h"
 
 #include <errno.h>
@@ -21,6 +22,7 @@ hk_status hk_standard_files_open(hk_error *error) {
   for (int k = STDIN_FILENO; k <= STDERR_FILENO; k++)
     if (fcntl(k, F_GETFD) < 0) open("/dev/null", k == STDIN_FILENO ? O_WRONLY : O_RDONLY); /* the lowest free number */
   signal(SIGPIPE, SIG_IGN);
+  signal(SIGXFSZ, SIG_IGN);
   if (getrlimit(RLIMIT_NOFILE, &most) != 0 || most.rlim_cur >= FEWEST) return HK_OK;
   return hk_error_set(error, HK_IO, "%d files may be open at once (ulimit -n), and hooke needs %d", (int)most.rlim_cur,
                       FEWEST);

@@ -1,6 +1,7 @@
-/* hooke.definition(path, name): the table that a script returns through hooke.NAME{}. The script only describes
- * something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their sandbox and
- * limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans and tables. */
+/* hooke.definition(path [, name]): the table that a script returns, with a name through hooke.NAME{}. The script only
+ * describes something, a sweep for example, so it runs as untrusted scenes do, in a Lua state of its own with their
+ * sandbox and limits, where hooke has nothing but that function. What comes out is copied: texts, numbers, booleans
+ * and tables. */
 #include "core/app/tools/tools.h"
 
 #include <lauxlib.h>
@@ -9,7 +10,7 @@ static const char marked; /* its address is the key of the table in the registry
 
 typedef struct definition {
   lua_State *to; /* the tool's, in which the table is put on the stack */
-  const char *path, *name;
+  const char *path, *name; /* name NULL: the table as it is */
 } definition;
 
 static int mark(lua_State *L) {
@@ -20,18 +21,28 @@ static int mark(lua_State *L) {
   return 1;
 }
 
-static int run(lua_State *L) {
-  definition *d = lua_touserdata(L, 1);
-  lua_createtable(L, 0, 2); /* in the place of hooke: no scene is made here */
+/* In the place of hooke: no scene is made here. */
+static void open_hooke(lua_State *L, const char *name) {
+  lua_createtable(L, 0, 2);
   lua_getglobal(L, "hooke");
   lua_getfield(L, -1, "version");
   lua_setfield(L, -3, "version");
   lua_pop(L, 1);
-  lua_pushcfunction(L, mark);
-  lua_setfield(L, -2, d->name);
+  if (name) lua_pushcfunction(L, mark);
+  if (name) lua_setfield(L, -2, name);
   lua_setglobal(L, "hooke");
-  const char *what = lua_pushfstring(L, "%s: the table of hooke.%s{}", d->path, d->name);
+}
+
+static int run(lua_State *L) {
+  definition *d = lua_touserdata(L, 1);
+  open_hooke(L, d->name);
+  const char *what = lua_pushfstring(L, d->name ? "%s: the table of hooke.%s{}" : "%s: its table", d->path, d->name);
   hk_lua_run_file(L);
+  if (!d->name) {
+    if (!lua_istable(L, -1)) hk_lua_fail(L, HK_SCRIPT, "%s: it has to return a table", d->path);
+    hk_tool_copy(d->to, L, what);
+    return 0;
+  }
   lua_rawgetp(L, LUA_REGISTRYINDEX, &marked);
   if (!lua_istable(L, -1) || !lua_rawequal(L, -1, -2))
     hk_lua_fail(L, HK_SCRIPT, "%s: a %s script ends with return hooke.%s { ... }", d->path, d->name, d->name);
@@ -40,7 +51,7 @@ static int run(lua_State *L) {
 }
 
 int hk_tool_definition(lua_State *L) {
-  definition d = {.to = L, .path = luaL_checkstring(L, 1), .name = luaL_checkstring(L, 2)};
+  definition d = {.to = L, .path = luaL_checkstring(L, 1), .name = luaL_optstring(L, 2, NULL)};
   hk_script_options options = *hk_script_asked(hk_lua_script(L));
   hk_error error = {0};
   int top = lua_gettop(L);

@@ -24,10 +24,25 @@ static int nearest(lua_State *L) {
   return 1;
 }
 
-/* hooke.plain(text): as text.h says, for people, at most 4 kB of it. */
+/* hooke.plain(text [, line]): as text.h says, for people, at most 4 kB of it; true: in one line. */
 static int plain(lua_State *L) {
-  hk_lua_push_plain(L, luaL_checkstring(L, 1));
+  char text[4096];
+  bool line = lua_toboolean(L, 2);
+  (line ? hk_plain_line : hk_plain_copy)(text, sizeof text, luaL_checkstring(L, 1));
+  lua_pushstring(L, text);
   return 1;
+}
+
+/* print: as Lua's, but what a tool prints may be names from scenes, files and folders of others. */
+static int print(lua_State *L) {
+  int count = lua_gettop(L);
+  for (int k = 1; k <= count; k++) {
+    if (k > 1) fputc('\t', stdout);
+    hk_print_plain(stdout, luaL_tolstring(L, k, NULL));
+    lua_pop(L, 1);
+  }
+  fputc('\n', stdout);
+  return 0;
 }
 
 /* hooke.chosen(integrator, dt, tol): the choice that tools/auto.lua made; dt and tol may be nil. */
@@ -132,6 +147,8 @@ static void open_functions(lua_State *L, tool *t) {
   hk_tool_set_text(L, "folder", hk_script_folder(s));
   lua_pop(L, 1);
   hk_tool_open_verify(L);
+  lua_pushcfunction(L, print);
+  lua_setglobal(L, "print");
 }
 
 static void open_arguments(lua_State *L, const tool *t) {

@@ -27,10 +27,10 @@ bool hk_commands_terminal(uint32_t code) {
 }
 
 /* Writes the next character into `piece`; returns the bytes read. */
-static size_t next(const char *text, char piece[16]) {
+static size_t next(const char *text, char piece[16], bool line) {
   uint32_t code;
   size_t length = hk_utf8_next(text, &code);
-  if (length && !hk_commands_terminal(code)) {
+  if (length && !hk_commands_terminal(code) && !(line && code < ' ')) {
     memcpy(piece, text, length);
     piece[length] = 0;
     return length;
@@ -43,16 +43,16 @@ static size_t next(const char *text, char piece[16]) {
 void hk_print_plain(FILE *file, const char *text) {
   char piece[16];
   while (*text) {
-    text += next(text, piece);
+    text += next(text, piece, false);
     fputs(piece, file);
   }
 }
 
-void hk_plain_copy(char *into, size_t size, const char *text) {
+static void copy(char *into, size_t size, const char *text, bool line) {
   char piece[16];
   size_t at = 0;
   while (*text) {
-    text += next(text, piece);
+    text += next(text, piece, line);
     size_t length = strlen(piece);
     if (at + length >= size) break;
     memcpy(into + at, piece, length);
@@ -60,3 +60,6 @@ void hk_plain_copy(char *into, size_t size, const char *text) {
   }
   into[at] = 0;
 }
+
+void hk_plain_copy(char *into, size_t size, const char *text) { copy(into, size, text, false); }
+void hk_plain_line(char *into, size_t size, const char *text) { copy(into, size, text, true); }

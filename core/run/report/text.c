@@ -18,10 +18,10 @@ static bool known(const hk_summary *s, const hk_figure *f) {
   return text_of(s, f) && *text_of(s, f);
 }
 
-/* Labels and names may hold anything. */
+/* Labels and names may hold anything, line breaks too, and none of them makes a line of the summary. */
 static void print_text(FILE *out, const char *format, const char *text) {
   char plain[1024];
-  hk_plain_copy(plain, sizeof plain, text);
+  hk_plain_line(plain, sizeof plain, text);
   fprintf(out, format, plain);
 }
 
@@ -61,7 +61,7 @@ static void begin_line(FILE *out, const hk_summary *s, const hk_figure *f, const
   if (f->offset == offsetof(hk_summary, wall_s)) print_measures(out, s);
   if (f->offset == offsetof(hk_summary, verdict_name)) {
     print_times(out, s);
-    if (folder) fprintf(out, "  output            %s\n", folder);
+    if (folder) print_text(out, "  output            %s\n", folder);
   }
   if (*f->label) fprintf(out, "  %-17s ", f->label);
 }

@@ -5,6 +5,7 @@
  * a scene is so stiff that an explicit method takes tens of millions of steps, some of an implicit one are timed, too,
  * whose steps are as long as it likes. */
 #include "core/engine/contract/contract.h"
+#include "core/engine/text/text.h"
 #include "core/numerics/step_choice/step_choice.h"
 #include "core/run/run/run.h"
 
@@ -99,7 +100,7 @@ static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *
   const hk_step_choice *step = whole->step;
   const hk_plugin *implicit = NULL;
   hk_error why = {0};
-  char now[32], then[32];
+  char now[32], then[32], stiffest[128];
   double w, next, steps = steps_to_come(whole, step->length.dt);
   double each = time_steps(loader, first, first->integrator, first->dt, EXPLICIT_STEPS, &next);
   if (!isfinite(each)) return;
@@ -107,7 +108,8 @@ static void foretell_stiff(const hk_scene_loader *loader, const hk_run_options *
   whole->progress.foretold = steps * each;
   fprintf(stderr, "hooke: %.2g steps of %.2g s are to come, which take about %s", steps,
           fmin(step->length.dt, 1 / step->fps), duration(steps * each, now, sizeof now));
-  if (label) fprintf(stderr, "; the fastest swings, of %.2g s, are those of '%s'", 2 * acos(-1) / w, label);
+  if (label) hk_plain_line(stiffest, sizeof stiffest, label);
+  if (label) fprintf(stderr, "; the fastest swings, of %.2g s, are those of '%s'", 2 * acos(-1) / w, stiffest);
   fprintf(stderr, "\n");
   if (hk_registry_prefer(whole->scene->registry, HK_INTEGRATOR, suits, whole, &implicit, &why) != HK_OK) return;
   double frames = (hk_run_end(whole) - whole->state.t) * step->fps;

@@ -10,15 +10,14 @@ static hk_status failed(hk_error *error) {
   return hk_error_set(error, errno == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot write measures.csv: %s", strerror(errno));
 }
 
-/* In quotes where the text has a comma, a quote or a line break (RFC 4180, section 2). */
+/* In quotes where the text has a comma, a quote or a line break (RFC 4180, section 2). Spreadsheets compute what begins
+ * with = + - @ or a tab; an apostrophe ahead makes it a text. */
 static void write_field(FILE *file, const char *text) {
-  if (!strpbrk(text, ",\"\r\n")) {
-    fputs(text, file);
-    return;
-  }
-  fputc('"', file);
+  bool quoted = strpbrk(text, ",\"\r\n") != NULL;
+  if (quoted) fputc('"', file);
+  if (*text && strchr("=+-@\t\r", *text)) fputc('\'', file);
   for (; *text; text++) fputs(*text == '"' ? "\"\"" : (char[]){*text, 0}, file);
-  fputc('"', file);
+  if (quoted) fputc('"', file);
 }
 
 hk_status hk_measures_open(hk_folder *folder, const hk_scene *scene, FILE **file, hk_error *error) {

@@ -21,12 +21,16 @@ typedef struct table {
   row *row; /* by rising id; NULL: that is their order */
 } table;
 
-/* "id,x,y,z,vx,vy,vz,mass,heat,dye[1],dye[2]" */
+/* "id,x,y,z,vx,vy,vz,mass,heat,dye[1],dye[2]". Spreadsheets compute a name that begins with = + - @ unless there is an
+ * apostrophe ahead. */
 static void write_head(FILE *file, const hk_model *m) {
   fputs(head, file);
   for (size_t k = 0; k < m->channels; k++)
-    for (size_t c = 0; c < m->channel[k].size; c++)
-      fprintf(file, m->channel[k].size > 1 ? ",%s[%zu]" : ",%s", m->channel[k].name, c + 1);
+    for (size_t c = 0; c < m->channel[k].size; c++) {
+      const char *name = m->channel[k].name;
+      fputs(*name && strchr("=+-@\t\r", *name) ? ",'" : ",", file);
+      fprintf(file, m->channel[k].size > 1 ? "%s[%zu]" : "%s", name, c + 1);
+    }
 }
 
 static void write_row(FILE *file, const hk_snapshot *s, const hk_model *m, size_t i) {

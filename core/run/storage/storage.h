@@ -29,6 +29,8 @@ hk_status hk_folder_path(hk_folder *, const char *owner, const char *name, char 
 hk_status hk_target_file(const char *option, const char *path, hk_error *error);
 /* Refuses to write over a file that the run reads. Either may be NULL, and need not exist. */
 hk_status hk_target_spares(const char *option, const char *path, const char *source, hk_error *error);
+/* Refuses one file for two options, of which one would be lost; by whatever paths, and whether it exists or not. */
+hk_status hk_target_differs(const char *const option[2], const char *const path[2], hk_error *error);
 /* A folder, or one that can be made; looks, and makes nothing. */
 hk_status hk_target_folder(const char *option, const char *path, hk_error *error);
 /* ---- write_file.c ---- */

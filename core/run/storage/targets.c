@@ -45,6 +45,34 @@ hk_status hk_target_spares(const char *option, const char *path, const char *sou
   return hk_error_set(error, HK_BAD_PARAM, "%s: %s is what is to be run; name another file", option, path);
 }
 
+/* The name of the file that a path would make, and its folder. */
+static const char *split(const char *path, struct stat *folder) {
+  char above[PATH_MAX];
+  const char *slash = strrchr(path, '/');
+  int length = slash == path ? 1 : slash ? (int)(slash - path) : 0;
+  if (snprintf(above, sizeof above, "%.*s", length, path) >= (int)sizeof above) return NULL;
+  return stat(slash ? above : ".", folder) == 0 ? path + (slash ? slash - path + 1 : 0) : NULL;
+}
+
+static bool is_same(const struct stat *a, const struct stat *b) {
+  return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
+}
+
+hk_status hk_target_differs(const char *const option[2], const char *const path[2], hk_error *error) {
+  struct stat info[2];
+  if (!path[0] || !path[1]) return HK_OK;
+  bool exists[2] = {stat(path[0], &info[0]) == 0, stat(path[1], &info[1]) == 0}, same = false;
+  if (exists[0] && exists[1]) {
+    same = is_same(&info[0], &info[1]) && S_ISREG(info[0].st_mode); /* into a device or a pipe both may go */
+  } else if (!exists[0] && !exists[1]) {
+    const char *name[2] = {split(path[0], &info[0]), split(path[1], &info[1])};
+    same = name[0] && name[1] && strcmp(name[0], name[1]) == 0 && is_same(&info[0], &info[1]);
+  }
+  if (!same) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s is the file of %s as well, and one would be lost; name another file",
+                      option[1], path[1], option[0]);
+}
+
 /* The path is cut to the part that exists. */
 static bool existing_part(char *path, struct stat *info) {
   while (stat(path, info) != 0) {

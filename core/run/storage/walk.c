@@ -3,8 +3,11 @@
 #include "core/run/storage/walk.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 enum { LANES = 8 };
 
@@ -71,8 +74,21 @@ bool hk_walk_open(hk_walk *w, const hk_checkpoint *c, size_t first) {
   return sum_of(w->at, w->left) == stated;
 }
 
+/* A plain file: a pipe has no end that could be known, and may never say a word. */
+static FILE *open_plain(const char *path) {
+  struct stat info;
+  int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return NULL;
+  bool plain = fstat(descriptor, &info) == 0 && S_ISREG(info.st_mode);
+  FILE *file = plain ? fdopen(descriptor, "rb") : NULL;
+  int cause = plain ? errno : ENOTBLK;
+  if (!file) close(descriptor);
+  errno = cause;
+  return file;
+}
+
 bool hk_walk_read_file(hk_checkpoint *c, const char *path) {
-  FILE *file = fopen(path, "rb");
+  FILE *file = open_plain(path);
   if (!file) return false;
   long end = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
   bool fine = end >= 0 && fseek(file, 0, SEEK_SET) == 0;

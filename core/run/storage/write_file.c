@@ -10,7 +10,7 @@
 
 hk_status hk_io_error(hk_error *error, const char *doing, const char *path) {
   return hk_error_set(error, errno == ENOMEM ? HK_NO_MEMORY : HK_IO, "cannot %s %s: %s", doing, path,
-                      errno ? strerror(errno) : "the file ends early");
+                      errno ? hk_file_reason(errno) : "the file ends early");
 }
 
 /* Devices and pipes cannot be renamed onto; they are written directly. */

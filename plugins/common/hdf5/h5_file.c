@@ -16,8 +16,10 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #if H5_VERSION_GE(1, 13, 0)
 #include <H5FDdevelop.h>
@@ -31,6 +33,7 @@ typedef struct write_ahead {
 struct hk_h5_file {
   hid_t id, driver;
   int file;
+  char *path, *part; /* its name, and what it is called until it is sealed: PATH.part; NULL then */
   int cause;
   haddr_t end, committed; /* of the addresses in use; of what is on file */
   size_t count, room, size, capacity;
@@ -205,6 +208,9 @@ static const H5FD_class_t driver = {
 static void release(hk_h5_file *f) {
   if (f->driver > 0) H5FDunregister(f->driver);
   if (f->file >= 0) close(f->file);
+  if (f->file >= 0 && f->part) unlink(f->part);
+  free(f->path);
+  free(f->part);
   free(f->ahead);
   free(f->bytes);
   free(f);
@@ -219,12 +225,30 @@ static hid_t access_by(hk_h5_file *f) {
   return -1;
 }
 
+/* Under the name of its part, and past no link; what has that name was left by a process that was killed. A device is
+ * written directly. */
+static bool open_part(hk_h5_file *f, const char *path) {
+  size_t size = strlen(path) + sizeof ".part";
+  struct stat info;
+  if (lstat(path, &info) == 0 && (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode))) {
+    f->file = open(path, O_RDWR | O_NOFOLLOW | O_CLOEXEC);
+    return f->file >= 0;
+  }
+  f->path = strdup(path);
+  f->part = malloc(size);
+  if (!f->path || !f->part) return false;
+  snprintf(f->part, size, "%s.part", path);
+  unlink(f->part);
+  f->file = open(f->part, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  return f->file >= 0;
+}
+
 hk_h5_file *hk_h5_create(const char *path) {
   hk_h5_file *f = calloc(1, sizeof *f);
   if (!f) return NULL;
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* messages are made here */
-  f->id = -1;
-  f->file = open(path, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
+  f->id = f->file = -1;
+  open_part(f, path);
   int cause = errno;
   if (f->file >= 0) {
     f->driver = H5FDregister(&driver);
@@ -248,7 +272,21 @@ static bool library(hk_h5_file *f, herr_t result) {
   return result >= 0;
 }
 
-bool hk_h5_seal(hk_h5_file *f) { return library(f, H5Fstart_swmr_write(f->id)) && hk_h5_commit(f); }
+/* The file gets its name when it is one. */
+static bool give_name(hk_h5_file *f) {
+  if (!f->part) return true;
+  if (rename(f->part, f->path) != 0) {
+    f->cause = errno;
+    return false;
+  }
+  free(f->part);
+  f->part = NULL;
+  return true;
+}
+
+bool hk_h5_seal(hk_h5_file *f) {
+  return library(f, H5Fstart_swmr_write(f->id)) && hk_h5_commit(f) && give_name(f);
+}
 
 bool hk_h5_commit(hk_h5_file *f) { return library(f, H5Fflush(f->id, H5F_SCOPE_LOCAL)) && apply_all(f); }
 

@@ -10,7 +10,8 @@
 
 typedef struct hk_h5_file hk_h5_file;
 
-/* Creates the file, or empties it; past no link. NULL with errno. */
+/* Creates the file, under its name only when it is sealed: no moment has an empty one, and what has the name until
+ * then, a link or a pipe perhaps, makes room. NULL with errno. */
 hk_h5_file *hk_h5_create(const char *path);
 hid_t hk_h5_id(const hk_h5_file *);
 /* From here on no group, dataset or attribute is added, and the order of the library's writes is safe. */

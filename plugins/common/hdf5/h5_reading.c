@@ -34,20 +34,57 @@ hid_t hk_h5_open_group(hid_t at, const char *path) {
   return hk_h5_has(at, path) ? H5Gopen2(at, path, H5P_DEFAULT) : H5I_INVALID_HID;
 }
 
-/* Deflate, the strongest of HDF5's own filters, makes of a byte at most 1032 (zlib's technical notes). */
-enum { MOST_FROM_A_BYTE = 1100 };
+enum {
+  MOST_FROM_A_BYTE = 1100, /* deflate makes of one at most 1032 (zlib's technical notes) */
+  UNSTORED = 1 << 16       /* bytes that may be fill values, of which nothing is stored */
+};
 
-static bool is_stored(hid_t set, size_t item) {
-  hid_t space = H5Dget_space(set);
-  hssize_t count = space >= 0 ? H5Sget_simple_extent_npoints(space) : -1;
-  if (space >= 0) H5Sclose(space);
-  return count >= 0 && (hsize_t)count / MOST_FROM_A_BYTE * item <= H5Dget_storage_size(set);
+hsize_t hk_h5_stored(hid_t set) {
+  hsize_t stored = H5Dget_storage_size(set), whole = 0;
+  hid_t file = H5Iget_file_id(set);
+  if (file >= 0 && H5Fget_filesize(file, &whole) < 0) whole = 0;
+  if (file >= 0) H5Fclose(file);
+  return stored <= whole ? stored : 0; /* what it says of itself may be anything */
 }
 
-/* Whether the bytes are in this file. */
-static bool is_own(hid_t set) {
-  hid_t made = H5Dget_create_plist(set);
-  bool own = made >= 0 && H5Pget_external_count(made) == 0 && H5Pget_layout(made) != H5D_VIRTUAL;
+/* Whether as many bytes can come of what is stored. */
+static bool is_stored(hid_t set, hsize_t count, size_t item) {
+  hsize_t stored = hk_h5_stored(set), most = INT64_MAX / MOST_FROM_A_BYTE - UNSTORED;
+  return count <= (MOST_FROM_A_BYTE * (stored < most ? stored : most) + UNSTORED) / item;
+}
+
+/* Each filter multiplies what a byte may become, and others than hooke's are more code of which a file makes use. */
+static bool has_plain_filters(hid_t made) {
+  int count = H5Pget_nfilters(made);
+  unsigned seen = 0, flags, what;
+  for (int k = 0; k < count; k++) {
+    size_t numbers = 0;
+    H5Z_filter_t filter = H5Pget_filter2(made, (unsigned)k, &flags, &numbers, NULL, 0, NULL, &what);
+    bool known = filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE || filter == H5Z_FILTER_FLETCHER32;
+    if (!known || seen & 1u << filter) return false;
+    seen |= 1u << filter;
+  }
+  return count >= 0;
+}
+
+/* A chunk is unpacked whole, however few of its numbers are asked for. */
+static bool has_stored_chunks(hid_t set, hid_t made, size_t item) {
+  hsize_t size[2] = {1, 1}, count;
+  if (H5Pget_layout(made) != H5D_CHUNKED) return true;
+  int rank = H5Pget_chunk(made, 2, size);
+  if (rank < 1 || rank > 2) return false;
+  count = rank == 2 ? size[0] * size[1] : size[0]; /* each below 2^32 (File Format Specification 3.0, IV.A.2.i) */
+  return is_stored(set, count, item);
+}
+
+/* The bytes are in this file, as hooke writes them, and as many as the dataset claims. */
+static bool is_own(hid_t set, size_t item) {
+  hid_t made = H5Dget_create_plist(set), space = H5Dget_space(set);
+  hssize_t count = space >= 0 ? H5Sget_simple_extent_npoints(space) : -1;
+  bool own = made >= 0 && H5Pget_external_count(made) == 0 && H5Pget_layout(made) != H5D_VIRTUAL && count >= 0 &&
+             has_plain_filters(made) && is_stored(set, (hsize_t)count, item) &&
+             (count == 0 || has_stored_chunks(set, made, item));
+  if (space >= 0) H5Sclose(space);
   if (made >= 0) H5Pclose(made);
   return own;
 }
@@ -65,7 +102,7 @@ hid_t hk_h5_open_set(hid_t at, const char *path) {
   if (set < 0) return set;
   hid_t type = H5Dget_type(set);
   size_t item;
-  bool fine = is_own(set) && is_plain(type, &item) && is_stored(set, item);
+  bool fine = is_plain(type, &item) && item > 0 && is_own(set, item);
   if (type >= 0) H5Tclose(type);
   if (fine) return set;
   H5Dclose(set);
@@ -124,6 +161,7 @@ static size_t text_length(hid_t type, hid_t space) {
 
 char *hk_h5_get_long_text(hid_t at, const char *path) {
   hid_t set = hk_h5_open_set(at, path), type = set >= 0 ? H5Dget_type(set) : H5I_INVALID_HID;
+  if (set < 0 && H5Lexists(at, path, H5P_DEFAULT) > 0) return NULL;
   hid_t space = set >= 0 ? H5Dget_space(set) : H5I_INVALID_HID;
   size_t length = text_length(type, space);
   char *text = calloc(1, length + 1);

@@ -91,6 +91,14 @@ static bool rows_fit(const hk_recording *r) {
   return true;
 }
 
+/* Names for the same bytes, of which each would take its memory, are none of a recording: one may have a hundred
+ * thousand. */
+static bool has_bytes_of_its_own(hk_recording *r, hid_t set) {
+  hsize_t whole = 0;
+  r->stored += hk_h5_stored(set);
+  return H5Fget_filesize(r->file, &whole) >= 0 && r->stored <= whole;
+}
+
 /* 0: it is none of the scene's; -1: it cannot be what a recording has. */
 static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, void *context) {
   enum { MOST = 64 }; /* numbers of a particle */
@@ -102,7 +110,7 @@ static herr_t add_array(hid_t group, const char *name, const H5L_info_t *info, v
   if (a.set < 0) return -1;
   bool ours = H5Aexists(a.set, "kind") > 0, named = hk_h5_get_text(a.set, "kind", kind, sizeof kind) &&
                                                     hk_h5_get_text(a.set, "label", a.name, sizeof a.name);
-  bool fits = hk_h5_size(a.set, size) && size[1] >= 1 && size[1] <= MOST;
+  bool fits = hk_h5_size(a.set, size) && size[1] >= 1 && size[1] <= MOST && has_bytes_of_its_own(r, a.set);
   hk_recorded_array *more = named && fits ? realloc(r->array, (r->arrays + 1) * sizeof *more) : NULL;
   if (more) {
     a.width = (size_t)size[1], a.force = strcmp(kind, "force") == 0;
@@ -132,7 +140,7 @@ static herr_t add_series(hid_t group, const char *name, const H5L_info_t *info, 
   hk_recording *r = context;
   hid_t set = hk_h5_open_set(group, name);
   hsize_t size[2];
-  bool fine = hk_h5_size(set, size) && size[1] <= 3;
+  bool fine = hk_h5_size(set, size) && size[1] <= 3 && has_bytes_of_its_own(r, set);
   size_t width = fine && size[1] == 3 ? 3 : 1;
   double *value = calloc(r->frames * width + 1, sizeof *value);
   char kind[16];

@@ -44,6 +44,7 @@ typedef struct hk_recording {
   hk_recorded_part *part;
   size_t arrays;
   hk_recorded_array *array;
+  uint64_t stored; /* bytes that arrays and series take in the file */
   size_t series;
   hk_recorded_series *serie;
   hid_t points, velocity, strain, id, mass, pin, connectivity, cell_strain; /* negative: the file has none */

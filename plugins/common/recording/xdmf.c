@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 struct hk_xdmf {
@@ -74,16 +75,38 @@ static bool put_text(hk_xdmf *x, off_t keep) {
   return true;
 }
 
+/* What the file is called until it is one; a device has its name. */
+static char *part_of(const char *path) {
+  struct stat info;
+  bool device = lstat(path, &info) == 0 && (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode));
+  size_t size = strlen(path) + sizeof ".part";
+  char *part = malloc(size);
+  if (part) snprintf(part, size, device ? "%s" : "%s.part", path);
+  return part;
+}
+
+/* Writes the head and gives the file its name. */
+static bool begin(hk_xdmf *x, const char *path, const char *part) {
+  bool device = strcmp(part, path) == 0;
+  if (!device) unlink(part);
+  x->file = open(part, O_WRONLY | O_NOFOLLOW | O_CLOEXEC | (device ? 0 : O_CREAT | O_EXCL), 0666);
+  say(x, "%s%s", head, tail);
+  if (x->file < 0) return false;
+  if (put_text(x, (off_t)strlen(tail)) && (device || rename(part, path) == 0)) return true;
+  int cause = errno;
+  if (!device) unlink(part);
+  errno = cause;
+  return false;
+}
+
 hk_xdmf *hk_xdmf_create(const char *path, const char *h5, unsigned bytes) {
   hk_xdmf *x = calloc(1, sizeof *x);
-  if (!x) return NULL;
-  x->bytes = bytes;
-  x->file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-  x->h5 = malloc(strlen(h5) + 1);
-  if (x->h5) strcpy(x->h5, h5);
-  say(x, "%s%s", head, tail);
-  if (x->file >= 0 && x->h5 && put_text(x, (off_t)strlen(tail))) return x;
+  char *part = part_of(path);
+  if (x) *x = (hk_xdmf){.bytes = bytes, .file = -1, .h5 = strdup(h5)};
+  bool fine = x && part && x->h5 && begin(x, path, part);
   int cause = errno;
+  free(part);
+  if (fine) return x;
   hk_xdmf_close(x);
   errno = cause;
   return NULL;

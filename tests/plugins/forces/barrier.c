@@ -218,8 +218,8 @@ static void open_falling(test_engine *e, const char *method, double h, int threa
 }
 
 /* Way 1 has three threads, way 2 goes on from where way 0 was at half of the time. Implicit methods go on bit by bit
- * from the frames of the output `checkpoint` alone, where they drop their factors (tests/core/run/storage/going_on.c).
- */
+ * from the frames of the output `checkpoint` alone, where they drop their factors
+ * (tests/core/run/storage/going_on_long.c). */
 static void compare(const char *method, double h, int ways) {
   char path[] = "/tmp/hooke-barrier-XXXXXX";
   int file = mkstemp(path);

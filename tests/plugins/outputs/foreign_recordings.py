@@ -100,6 +100,74 @@ def more_frames_than_bytes(file):
     file["VTKHDF/Steps"].attrs["NSteps"] = 1 << 40
 
 
+def written_again(file, path, prepare):
+    """The dataset with the same numbers, made with properties of its own."""
+    numbers = file[path][...]
+    kept = dict(file[path].attrs)
+
+    def make(group, name):
+        properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+        prepare(properties, numbers.shape)
+        space = h5py.h5s.create_simple(numbers.shape, (h5py.h5s.UNLIMITED,) * numbers.ndim)
+        made = h5py.Dataset(h5py.h5d.create(group.id, name.encode(), h5py.h5t.py_create(numbers.dtype), space, properties))
+        made[...] = numbers
+        for key, value in kept.items():
+            made.attrs[key] = value
+
+    replaced(file, path, make)
+
+
+def deflated_twice(file):
+    def prepare(properties, shape):
+        properties.set_chunk(shape)
+        properties.set_deflate(1)
+        properties.set_deflate(9)
+
+    written_again(file, "VTKHDF/PointData/velocity", prepare)
+
+
+def filter_of_others(file):
+    def prepare(properties, shape):
+        properties.set_chunk(shape)
+        properties.set_filter(h5py.h5z.FILTER_NBIT, 0, ())
+
+    written_again(file, "VTKHDF/PointData/velocity", prepare)
+
+
+def chunk_of_gigabytes(file):
+    def prepare(properties, shape):
+        properties.set_chunk((1 << 27,) + shape[1:])
+        properties.set_alloc_time(h5py.h5d.ALLOC_TIME_INCR)
+
+    rows = file["VTKHDF/PointData/mass"].shape[0]
+    properties = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    prepare(properties, (rows,))
+    del file["VTKHDF/PointData/mass"]
+    space = h5py.h5s.create_simple((rows,), (h5py.h5s.UNLIMITED,))
+    h5py.h5d.create(file["VTKHDF/PointData"].id, b"mass", h5py.h5t.IEEE_F64LE, space, properties)
+
+
+def text_of_gigabytes(file):
+    kind = h5py.h5t.C_S1.copy()
+    kind.set_size(4000000000)
+    del file["hooke/origin"]
+    h5py.h5d.create(file["hooke"].id, b"origin", kind, h5py.h5s.create(h5py.h5s.SCALAR))
+
+
+def names_for_the_same_bytes(file):
+    for k in range(5000):
+        file["VTKHDF/PointData/heat%d" % k] = file["VTKHDF/PointData/heat"]
+
+
+def names_for_the_same_series(file):
+    for k in range(5000):
+        file["VTKHDF/FieldData/work%d" % k] = file["VTKHDF/FieldData/work"]
+
+
+def group_in_itself(file):
+    file["VTKHDF/PointData/again"] = file["VTKHDF"]
+
+
 def more_frames_than_rows(file):
     file["VTKHDF/Steps"].attrs["NSteps"] = file["VTKHDF/Steps/Values"].shape[0] + 1
 
@@ -131,7 +199,8 @@ def part_that_does_not_exist(file):
 kinds = [array_of_texts, array_of_labels, array_of_numbers, external_storage, external_link, external_group, soft_link,
          virtual, compound, texts_for_numbers, three_dimensions, too_wide, more_particles_than_bytes,
          more_frames_than_bytes, more_frames_than_rows, negative_frames, more_particles_than_rows, rows_before_the_first,
-         cells_that_do_not_exist, corners_that_do_not_exist, part_that_does_not_exist]
+         cells_that_do_not_exist, corners_that_do_not_exist, part_that_does_not_exist, deflated_twice, filter_of_others,
+         chunk_of_gigabytes, text_of_gigabytes, names_for_the_same_bytes, names_for_the_same_series, group_in_itself]
 good, secret, name, target = sys.argv[1:]
 if name == "list":
     print("\n".join(kind.__name__ for kind in kinds))

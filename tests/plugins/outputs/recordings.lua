@@ -275,6 +275,14 @@ refused("has no trajectory.h5", "convert %s --to ply", folder)
 refused("no whole HDF5 file", "convert damaged.h5 --to ply", files.write(at("damaged.h5"),
   files.read(at("sheet/trajectory.h5")):sub(1, 20000)))
 refused("no whole HDF5 file", "convert sheet.lua --to ply")
+-- A limit of the size of files, 512 or 1024 bytes, is as a full disk: it is said by its name, and no half of a file stays.
+for _, format in ipairs { "csv", "pc2", "vtkhdf", "xdmf", "ply", "vtk" } do
+  assert(shell("cd %s && rm -rf full && mkdir full", folder))
+  local fine = shell("cd %s && (ulimit -f 1; %s/hooke convert sheet --to %s --out full/x >log 2>&1)", folder, build, format)
+  assert(not fine and files.read(at("log")):find("cannot write full/x[^:]*: File too large\n"), files.read(at("log")))
+  assert(shell("test -z \"$(find %s/full -type f)\"", folder), format)
+end
+assert(must("convert sheet --to csv --out \"$(printf 'x\\033[2Jy')\""):find("11 frames: x\\x1b[2Jy.csv", 1, true)) -- tools print so
 refused("has the frames 1 to 11", "convert sheet --to csv --from-frame 12")
 refused("particles were born or died", "convert births --to pc2")
 assert(must("run births.lua --out births --quiet"))

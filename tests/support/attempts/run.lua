@@ -163,14 +163,17 @@ local function complaint(t)
   end
 end
 
--- Runs the attempts of the themes (files beside this one), those whose name contains `only`; returns whether all held.
-return function(themes, only)
-  local count, wrong = 0, 0
+-- Runs the attempts of the themes (files beside this one), those whose name contains `only`, and of these every so many;
+-- returns whether all held.
+return function(themes, only, every)
+  local met, count, wrong = 0, 0, 0
   io.stdout:setvbuf("line")
   for _, theme in ipairs(themes) do
     for _, t in ipairs(require("attempts." .. theme)) do
       local needs_confinement = t.environment and sanitized -- such builds are not confined
-      if t[1]:find(only or "", 1, true) and not needs_confinement then
+      local meant = t[1]:find(only or "", 1, true) and not needs_confinement
+      met = met + (meant and 1 or 0)
+      if meant and (met - 1) % (every or 1) == 0 then
         count = count + 1
         local why, said = complaint(t)
         if why then

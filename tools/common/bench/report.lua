@@ -3,6 +3,7 @@
 local axes = require("common.run.axes")
 local methods = require("common.bench.methods")
 local plot = require("common.run.plot")
+local csv = require("common.run.csv")
 local files = require("common.run.file")
 local journal = require("common.bench.journal")
 
@@ -210,10 +211,7 @@ local digits = { dt = "%.17g" }
 local function cell(flat, column)
   local value = flat[column]
   if value == nil and flat[column .. "_below"] then return ("<%.3g"):format(flat[column .. "_below"]) end
-  if value == nil then return "" end
-  if math.type(value) == "float" then return (digits[column] or "%.9g"):format(value) end
-  local text = tostring(value)
-  return text:find('[,"\n]') and '"' .. text:gsub('"', '""'):gsub("\n", " ") .. '"' or text
+  return csv.cell(type(value) == "string" and value:gsub("\n", " ") or value, digits[column] or "%.9g")
 end
 
 function report.csv(list, goal, path)
@@ -222,7 +220,9 @@ function report.csv(list, goal, path)
   for name in pairs(goal.supports.measure) do measures[#measures + 1] = "error_" .. name end
   table.sort(measures)
   table.move(measures, 1, #measures, #names + 1, names)
-  lines[1] = table.concat(names, ",")
+  local heads = {}
+  for k, name in ipairs(names) do heads[k] = csv.text(name) end
+  lines[1] = table.concat(heads, ",")
   for _, row in ipairs(all_rows(list)) do
     local flat, cells = report.flat(row, goal), {}
     for k, name in ipairs(names) do cells[k] = cell(flat, name) end

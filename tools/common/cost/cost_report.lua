@@ -54,6 +54,9 @@ end
 
 -- ---- tables ----
 
+-- Labels and names may hold line breaks.
+local function line(text) return hooke.plain(text, true) end
+
 local function saved(figure)
   return figure and figure.saved and ("%s +- %s"):format(percent(figure.saved), percent(figure.spread)) or "-"
 end
@@ -78,7 +81,7 @@ local function print_table(study)
   for _, part in ipairs(study.parts) do
     local same, own = part.same, part.own
     if same and same.steps ~= study.whole.steps then same = nil end
-    print(row:format(part.label, part.kind, saved(same), saved(own), own and ("%d"):format(own.steps) or "-",
+    print(row:format(line(part.label), part.kind, saved(same), saved(own), own and ("%d"):format(own.steps) or "-",
       own and ("%d"):format(own.force_evaluations) or "-", part.x and ("%.3g"):format(part.x) or "-"))
   end
 end
@@ -97,7 +100,7 @@ local function print_measures(study)
   for _, part in ipairs(study.parts) do
     for _, name in ipairs(sorted_names(part.measures or {})) do
       local m = part.measures[name]
-      print(row:format(part.label, name, ("%.6g"):format(m.with), ("%.6g"):format(m.without),
+      print(row:format(line(part.label), line(name), ("%.6g"):format(m.with), ("%.6g"):format(m.without),
         ("%.3g"):format(m.change), m.relative and percent(m.relative) or "-",
         m.by_chance and m.change ~= 0 and "  (by chance, too)" or ""))
     end
@@ -106,7 +109,7 @@ end
 
 local function print_sentences(study)
   print("")
-  for _, part in ipairs(study.parts) do print(sentence(study, part)) end
+  for _, part in ipairs(study.parts) do print(line(sentence(study, part))) end
 end
 
 -- The data printed as JSON: the study without states and cases.

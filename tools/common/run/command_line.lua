@@ -7,6 +7,14 @@ function command_line.complain(tool, text)
   return 1
 end
 
+-- A text of JSON as a line on standard output: what could command a terminal is written as \u, which JSON means the same.
+function command_line.print_json(text)
+  io.write(text:gsub("[\xC2-\xF4][\x80-\xBF]+", function(character)
+    if hooke.plain(character) == character or not utf8.len(character) then return character end
+    return ("\\u%04x"):format(utf8.codepoint(character))
+  end), "\n")
+end
+
 -- argparse's words as one sentence. It takes a number below 0 for an option.
 local function sentence(text)
   local number = text:match("^unknown option '(%-%d[^']*)'")

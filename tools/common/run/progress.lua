@@ -57,7 +57,7 @@ end
 function bar:draw()
   if self.quiet then return end
   self.drawn_at = process.clock()
-  local text = self:text()
+  local text = hooke.plain(self:text(), true)
   if self.terminal then
     self.out:write("\r\27[K", text:sub(1, width() - 1))
     self.shown = true
@@ -89,7 +89,7 @@ end
 function bar:say(text)
   if self.quiet then return end
   clear(self)
-  self.out:write(text, "\n")
+  self.out:write(hooke.plain(text), "\n")
   self.out:flush()
   if self.terminal then self:draw() end
 end

@@ -1,4 +1,5 @@
 -- The command line of hooke sweep: one table of options drives parsing and help.
+local lfs = require("lfs")
 local plan = require("common.sweep.plan")
 local ranges = require("ranges")
 local script = require("common.sweep.script")
@@ -64,6 +65,24 @@ local function convert(o, text)
   return value
 end
 
+local function is_same(one, other)
+  local a, b = lfs.attributes(one), lfs.attributes(other)
+  if a and b then return a.mode == "file" and a.dev == b.dev and a.ino == b.ino end
+  return not a and not b and one:gsub("^%./+", "") == other:gsub("^%./+", "")
+end
+
+-- What is written is neither the sweep nor written twice.
+local function refuse_the_same_file(asked)
+  local csv, db = asked.given["--csv"], asked.given["--db"]
+  if csv and db and is_same(csv, db) then plan.refuse("--csv: %s is the file of --db as well; name another file", csv) end
+  for _, option in ipairs { "--csv", "--db", "--part" } do
+    local path = asked.given[option]
+    if path and asked.path and is_same(path, asked.path) then
+      plan.refuse("%s: %s is what is to be run; name another file", option, path)
+    end
+  end
+end
+
 -- The arguments after "hooke sweep" -> { path, params = { name = values }, given = { [option] = value } }
 function command.parse(arguments)
   local asked, k = { params = {}, given = {} }, 1
@@ -94,6 +113,7 @@ function command.parse(arguments)
     end
     k = k + 1
   end
+  refuse_the_same_file(asked)
   return asked
 end
 

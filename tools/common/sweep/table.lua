@@ -1,4 +1,5 @@
 -- Results of a sweep as rows: a printed table, and CSV (RFC 4180, numbers with 17 digits).
+local csv = require("common.run.csv")
 local files = require("common.run.file")
 local store = require("common.sweep.store")
 
@@ -69,12 +70,7 @@ local function columns_of(the)
   return list
 end
 
-local function cell(value)
-  if value == nil or value ~= value then return "" end
-  if math.type(value) == "float" then return ("%.17g"):format(value) end
-  local text = tostring(value)
-  return text:find('[",\r\n]') and '"' .. text:gsub('"', '""') .. '"' or text
-end
+local function cell(value) return value == value and csv.cell(value) or "" end
 
 function rows.write_csv(the, path)
   local columns, lines, line = columns_of(the), {}, {}
@@ -92,7 +88,7 @@ end
 
 local function short(value)
   if value == nil then return "-" end
-  return math.type(value) == "float" and ("%.4g"):format(value) or tostring(value)
+  return math.type(value) == "float" and ("%.4g"):format(value) or hooke.plain(tostring(value), true)
 end
 
 local most = 40
@@ -104,7 +100,8 @@ function rows.show(the)
   for _, name in ipairs(the.definition.measures or { "steps", "step_wall_s", table.unpack(rows.measures(the)) }) do
     names[#names + 1] = name
   end
-  local lines, width = { names }, {}
+  local lines, width = { {} }, {}
+  for k, name in ipairs(names) do lines[1][k] = hooke.plain(name, true) end
   for _, case in ipairs(the.cases) do
     local line = {}
     for k, name in ipairs(names) do line[k] = case.result and short(rows.value(case, name)) or "" end

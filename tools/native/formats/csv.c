@@ -2,14 +2,13 @@
  */
 #include "tools/native/formats/csv.h"
 
+#include "plugins/common/frame_data/csv_name.h"
+
 static void put_name(FILE *file, const hk_frame_array *a, size_t c) {
-  fputs(a->force ? ",\"force " : ",\"", file);
-  for (const char *name = a->name; *name; name++) {
-    if (*name == '"') putc('"', file);
-    putc(*name, file);
-  }
-  if (a->width > 1) fprintf(file, " %zu", c + 1);
-  putc('"', file);
+  char component[24] = "";
+  if (a->width > 1) snprintf(component, sizeof component, " %zu", c + 1);
+  putc(',', file);
+  hk_put_csv_name(file, a->force ? "force " : "", a->name, component, true);
 }
 
 void hk_csv_head(FILE *file, const hk_frame_data *s) {

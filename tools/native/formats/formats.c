@@ -7,29 +7,48 @@
 #include <string.h>
 #include <unistd.h>
 
-FILE *hk_sequence_file(const char *path, const char *mode) {
-  int file = open(path, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-  FILE *stream = file < 0 ? NULL : fdopen(file, mode);
-  if (file >= 0 && !stream) close(file);
-  return stream;
+static bool failed(int cause, char *why, size_t size) {
+  snprintf(why, size, "%s", strerror(cause ? cause : EIO));
+  return false;
 }
 
-bool hk_sequence_file_close(FILE *file, char *why, size_t size) {
-  errno = 0;
-  bool fine = fflush(file) == 0 && !ferror(file);
+bool hk_whole_open(hk_whole_file *f, const char *path, char *why, size_t size) {
+  f->stream = NULL, f->cause = 0;
+  if (snprintf(f->path, sizeof f->path, "%s", path) >= (int)sizeof f->path) return failed(ENAMETOOLONG, why, size);
+  snprintf(f->part, sizeof f->part, "%s.part", path);
+  unlink(f->part);
+  int file = open(f->part, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (file >= 0) f->stream = fdopen(file, "wb");
   int cause = errno;
-  if (fclose(file) != 0 && fine) fine = false, cause = errno;
-  if (!fine) snprintf(why, size, "%s", strerror(cause ? cause : EIO));
-  return fine;
+  if (file >= 0 && !f->stream) {
+    close(file);
+    unlink(f->part);
+  }
+  return f->stream || failed(cause, why, size);
+}
+
+bool hk_whole_check(hk_whole_file *f) {
+  if (ferror(f->stream) && !f->cause) f->cause = errno ? errno : EIO;
+  return f->cause == 0;
+}
+
+bool hk_whole_close(hk_whole_file *f, bool keep, char *why, size_t size) {
+  if (!f->stream) return true;
+  if (fflush(f->stream) != 0 && !f->cause) f->cause = errno;
+  hk_whole_check(f);
+  if (fclose(f->stream) != 0 && !f->cause) f->cause = errno;
+  f->stream = NULL;
+  if (keep && !f->cause && rename(f->part, f->path) == 0) return true;
+  if (keep && !f->cause) f->cause = errno;
+  unlink(f->part);
+  return f->cause == 0 || failed(f->cause, why, size);
 }
 
 bool hk_sequence_write(const hk_sequence_format *format, const hk_frame_data *data, const char *path, char *why,
                        size_t size) {
-  FILE *file = hk_sequence_file(path, "wb");
-  if (!file) {
-    snprintf(why, size, "%s", strerror(errno));
-    return false;
-  }
-  format->write(file, data);
-  return hk_sequence_file_close(file, why, size);
+  hk_whole_file file;
+  if (!hk_whole_open(&file, path, why, size)) return false;
+  format->write(file.stream, data);
+  hk_whole_check(&file);
+  return hk_whole_close(&file, true, why, size);
 }

@@ -1,8 +1,7 @@
-/* Frames are added behind the head, and then counted in it. */
+/* Frames are added behind the head, and counted in it at the end. */
 #include "tools/native/formats/pc2.h"
 
 #include "tools/native/formats/bytes.h"
-#include "tools/native/formats/formats.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -10,25 +9,24 @@
 
 enum { SAMPLES_AT = 28 };
 
-static bool failed(char *why, size_t size) {
-  snprintf(why, size, "%s", strerror(errno ? errno : EIO));
+static bool failed(int cause, char *why, size_t size) {
+  snprintf(why, size, "%s", strerror(cause));
   return false;
 }
 
 bool hk_pc2_open(hk_pc2 *p, const char *path, const hk_frame_data *first, char *why, size_t size) {
   *p = (hk_pc2){.n = first->n, .id = malloc((first->n + 1) * sizeof *p->id)};
-  if (!p->id) return failed(why, size);
+  if (!p->id) return failed(ENOMEM, why, size);
   memcpy(p->id, first->id, first->n * sizeof *p->id);
-  errno = 0;
-  p->file = hk_sequence_file(path, "wb");
-  if (!p->file) return failed(why, size);
-  fwrite("POINTCACHE2", 1, 12, p->file);
-  hk_put_little(p->file, 1, 4);
-  hk_put_little(p->file, first->n, 4);
-  hk_put_little(p->file, hk_bits_single(0), 4);
-  hk_put_little(p->file, hk_bits_single(1), 4);
-  hk_put_little(p->file, 0, 4);
-  return fflush(p->file) == 0 || failed(why, size);
+  if (!hk_whole_open(&p->file, path, why, size)) return false;
+  FILE *file = p->file.stream;
+  fwrite("POINTCACHE2", 1, 12, file);
+  hk_put_little(file, 1, 4);
+  hk_put_little(file, first->n, 4);
+  hk_put_little(file, hk_bits_single(0), 4);
+  hk_put_little(file, hk_bits_single(1), 4);
+  hk_put_little(file, 0, 4);
+  return hk_whole_check(&p->file) || failed(p->file.cause, why, size);
 }
 
 bool hk_pc2_fits(const hk_pc2 *p, const hk_frame_data *s) {
@@ -36,17 +34,17 @@ bool hk_pc2_fits(const hk_pc2 *p, const hk_frame_data *s) {
 }
 
 bool hk_pc2_add(hk_pc2 *p, const hk_frame_data *s, char *why, size_t size) {
-  errno = 0;
-  fseek(p->file, 0, SEEK_END);
-  for (size_t k = 0; k < 3 * s->n; k++) hk_put_little(p->file, hk_bits_single((float)s->x[k]), 4);
-  if (fflush(p->file) != 0 || ferror(p->file)) return failed(why, size);
-  fseek(p->file, SAMPLES_AT, SEEK_SET);
-  hk_put_little(p->file, ++p->samples, 4);
-  return (fflush(p->file) == 0 && !ferror(p->file)) || failed(why, size);
+  for (size_t k = 0; k < 3 * s->n; k++) hk_put_little(p->file.stream, hk_bits_single((float)s->x[k]), 4);
+  p->samples++;
+  return hk_whole_check(&p->file) || failed(p->file.cause, why, size);
 }
 
-bool hk_pc2_close(hk_pc2 *p, char *why, size_t size) {
-  bool fine = !p->file || hk_sequence_file_close(p->file, why, size);
+bool hk_pc2_close(hk_pc2 *p, bool keep, char *why, size_t size) {
+  if (p->file.stream && keep) {
+    if (fseek(p->file.stream, SAMPLES_AT, SEEK_SET) != 0 && !p->file.cause) p->file.cause = errno; /* it writes, too */
+    hk_put_little(p->file.stream, p->samples, 4);
+  }
+  bool fine = hk_whole_close(&p->file, keep, why, size);
   free(p->id);
   *p = (hk_pc2){0};
   return fine;

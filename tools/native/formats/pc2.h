@@ -5,22 +5,20 @@
 #ifndef HK_PC2_H
 #define HK_PC2_H
 
-#include "plugins/common/frame_data/frame_data.h"
-
-#include <stdio.h>
+#include "tools/native/formats/formats.h"
 
 typedef struct hk_pc2 {
-  FILE *file;
+  hk_whole_file file;
   size_t n, samples;
   uint32_t *id; /* n: the particles have to stay the same */
 } hk_pc2;
 
 /* Whether the frame has the particles of the cache. */
 bool hk_pc2_fits(const hk_pc2 *, const hk_frame_data *);
-/* False with a sentence in `why`. `add` is for frames that fit. The file's head says how many frames are whole, after
- * each. */
+/* False with a sentence in `why`. `add` is for frames that fit. */
 bool hk_pc2_open(hk_pc2 *, const char *path, const hk_frame_data *first, char *why, size_t size);
 bool hk_pc2_add(hk_pc2 *, const hk_frame_data *, char *why, size_t size);
-bool hk_pc2_close(hk_pc2 *, char *why, size_t size); /* a zeroed one is allowed */
+/* A zeroed one is allowed. Without `keep` there is no file then. */
+bool hk_pc2_close(hk_pc2 *, bool keep, char *why, size_t size);
 
 #endif

@@ -111,12 +111,13 @@ static unsigned refuse(const hk_answers *s, struct MHD_Connection *c, const char
 
 static enum MHD_Result handle(void *context, struct MHD_Connection *c, const char *path, const char *method,
                               const char *version, const char *data, size_t *size, void **state) {
-  const hk_answers *s = context;
+  hk_answers *s = context;
   request *q = *state;
   (void)version;
   if (!q) { /* the headers are there */
     unsigned refused = refuse(s, c, path, method);
     if (refused) return answer_empty(s, c, refused);
+    hk_strangers_leave(&s->strangers, c);
     *state = calloc(1, sizeof *q);
     return *state ? MHD_YES : MHD_NO;
   }
@@ -139,6 +140,15 @@ static void completed(void *context, struct MHD_Connection *c, void **state, enu
   *state = NULL;
 }
 
+static void connected(void *context, struct MHD_Connection *c, void **own, enum MHD_ConnectionNotificationCode what) {
+  hk_answers *s = context;
+  (void)own;
+  if (what == MHD_CONNECTION_NOTIFY_STARTED)
+    hk_strangers_enter(&s->strangers, c);
+  else
+    hk_strangers_leave(&s->strangers, c);
+}
+
 /* ---- opening and closing ---- */
 
 static bool draw_token(char token[HK_TOKEN + 1]) {
@@ -159,7 +169,7 @@ static void start(hk_answers *s, uint16_t port) {
                                MHD_OPTION_SOCK_ADDR, (struct sockaddr *)&address, MHD_OPTION_CONNECTION_LIMIT,
                                (unsigned)HK_CONNECTIONS, MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)SECONDS,
                                MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)MEMORY, MHD_OPTION_NOTIFY_COMPLETED,
-                               completed, NULL, MHD_OPTION_END);
+                               completed, NULL, MHD_OPTION_NOTIFY_CONNECTION, connected, s, MHD_OPTION_END);
   pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 

@@ -14,6 +14,7 @@ enum {
   HK_COMMAND = 4096,    /* bytes, the longest */
   HK_COMMANDS = 256,    /* that wait to be taken; more are refused, as is a page that posts without end */
   HK_CONNECTIONS = 128, /* ten pages hold some 60 */
+  HK_STRANGERS = 32,    /* of these, without the token so far */
   HK_PATIENCE = 10      /* s, the longest wait for a new version */
 };
 
@@ -53,11 +54,22 @@ bool hk_documents_command(hk_documents *, const char *text); /* false: too many 
 char *hk_documents_take(hk_documents *);                     /* the next command in malloc's memory; NULL: none */
 double hk_serving_now(void);                                 /* s */
 
+/* ---- strangers.c: connections without the token, from their begin to their first request with it or their end ---- */
+
+typedef struct hk_strangers {
+  struct MHD_Connection *connection[HK_STRANGERS]; /* in the order in which they came */
+  size_t count;
+} hk_strangers;
+
+void hk_strangers_enter(hk_strangers *, struct MHD_Connection *); /* the one that came first may have to go */
+void hk_strangers_leave(hk_strangers *, const struct MHD_Connection *);
+
 /* ---- answers.c ---- */
 
 typedef struct hk_answers {
   struct MHD_Daemon *daemon; /* NULL: there is none */
   hk_documents *documents;
+  hk_strangers strangers;
   const char *policy; /* of contents, in every answer */
   char token[HK_TOKEN + 1], host[2][32];
 } hk_answers;

@@ -190,6 +190,31 @@ static void a_run_writes_over_nothing_that_it_reads(void **state) {
          "is what is to be run");
 }
 
+/* Whether it is there or not, and by whatever path. Into a device both may go. */
+static void one_file_for_two_options_is_refused(void **state) {
+  (void)state;
+  test_write("ball.lua", BALL END);
+  test_write("there.txt", "mine");
+  expect("run ball.lua --quiet --state both --summary ./both", 1, "--summary: ./both is the file of --state as well");
+  assert_true(!test_exists("both"));
+  expect("run ball.lua --quiet --summary there.txt --state ./there.txt", 1, "one would be lost; name another file");
+  test_hooke(&r, "test \"$(cat there.txt)\" = mine || exit 9;", "--version");
+  assert_int_equal(r.code, 0);
+  test_hooke(&r, "ln -s there.txt other.txt;", "run ball.lua --quiet --summary there.txt --state other.txt");
+  assert_int_equal(r.code, 1);
+  expect("run ball.lua --quiet --summary /dev/null --state /dev/null", 0, "");
+  expect("run ball.lua --quiet --summary one --state two", 0, "");
+}
+
+/* Nobody writes to it: whoever opens it would wait for ever. */
+static void a_pipe_is_no_checkpoint(void **state) {
+  (void)state;
+  test_write("ball.lua", BALL END);
+  test_hooke(&r, "mkfifo silent.checkpoint; timeout -s KILL 60", "run ball.lua --quiet --resume silent.checkpoint");
+  assert_int_equal(r.code, 4);
+  assert_non_null(strstr(r.err, "cannot read silent.checkpoint: it is not a plain file"));
+}
+
 /* Its output folder is hidden as well; the names that stand for folders are refused. */
 static void a_scene_may_have_a_hidden_name(void **state) {
   (void)state;
@@ -276,6 +301,8 @@ int main(void) {
       cmocka_unit_test(files_that_cannot_be_written_are_named),
       cmocka_unit_test(files_of_others_are_never_touched),
       cmocka_unit_test(a_run_writes_over_nothing_that_it_reads),
+      cmocka_unit_test(one_file_for_two_options_is_refused),
+      cmocka_unit_test(a_pipe_is_no_checkpoint),
       cmocka_unit_test(a_scene_may_have_a_hidden_name),
       cmocka_unit_test(a_run_that_diverges_says_where_and_keeps_the_last_good_state),
       cmocka_unit_test(an_interrupted_run_keeps_its_state_and_closes_outputs),

@@ -101,6 +101,17 @@ static void too_few_open_files_are_said(void **state) {
   assert_int_equal(r.code, 0);
 }
 
+/* By the system's signal the process would end without a word. The limit is 512 or 1024 bytes, and a table of 100
+ * particles longer. */
+static void files_that_reach_the_limit_of_their_size_are_said(void **state) {
+  (void)state;
+  test_write("sheet.lua", "local scene = hooke.scene { duration = 0.1, fps = 10, integrator = 'leapfrog' }\n"
+                          "scene:grid { nx = 10, ny = 10, width = 1, height = 1, mass = 1 }\nreturn scene\n");
+  test_hooke(&r, "ulimit -f 1;", "run sheet.lua --quiet --no-output --state x.csv");
+  if (r.code != 4 || !strstr(r.err, "cannot write x.csv: File too large")) fail_msg("exit %d: %s", r.code, r.err);
+  assert_true(!test_exists("x.csv") && !test_exists("x.csv.part"));
+}
+
 /* Whatever the limit, hooke ends by itself, and not in silence. The loader of programs has a code of its own, 127. */
 static void little_memory_is_said(void **state) {
   (void)state;
@@ -125,6 +136,7 @@ int main(void) {
       cmocka_unit_test(files_are_whole_where_standard_files_are_closed),
       cmocka_unit_test(a_run_survives_readers_that_go),
       cmocka_unit_test(too_few_open_files_are_said),
+      cmocka_unit_test(files_that_reach_the_limit_of_their_size_are_said),
       cmocka_unit_test(little_memory_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

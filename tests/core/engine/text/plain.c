@@ -21,6 +21,13 @@ static void letters_and_line_breaks_stay(void **state) {
   shows("Größe µ 力 \U0001F600", "Größe µ 力 \U0001F600");
 }
 
+static void in_one_line_line_breaks_are_shown(void **state) {
+  (void)state;
+  char plain[64];
+  hk_plain_line(plain, sizeof plain, "x\n  verdict\tok\033 µ");
+  assert_string_equal(plain, "x\\x0a  verdict\\x09ok\\x1b µ");
+}
+
 static void commands_are_shown(void **state) {
   (void)state;
   shows("\033[2J\a\b\r\x7f", "\\x1b[2J\\x07\\x08\\x0d\\x7f");
@@ -59,6 +66,7 @@ static void a_copy_fits(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(letters_and_line_breaks_stay),
+      cmocka_unit_test(in_one_line_line_breaks_are_shown),
       cmocka_unit_test(commands_are_shown),
       cmocka_unit_test(what_is_no_utf8_is_shown_byte_by_byte),
       cmocka_unit_test(a_copy_fits),

@@ -139,6 +139,26 @@ static void wide_tables_come_back(void **state) {
   if (r.code != 0) fail_msg("the table changed: %s", r.out);
 }
 
+/* Spreadsheets would compute them. */
+static void names_of_formulas_begin_with_an_apostrophe_and_come_back(void **state) {
+  (void)state;
+  char path[512], line[256];
+  static const char channel[] = "scene:channel('=1+1', { initial = 1, rate = -1 })\n"
+                                "scene:measure('sum', function(s) return s:channel('=1+1', 1) end)\n";
+  write_scene("formula.lua", "", channel);
+  run("run formula.lua --json --quiet --out f --state formula.csv", 0);
+  double sum = test_json(r.out, "sum");
+  snprintf(path, sizeof path, "%s/formula.csv", test_folder());
+  FILE *file = fopen(path, "r");
+  assert_non_null(file);
+  assert_non_null(fgets(line, sizeof line, file));
+  fclose(file);
+  assert_string_equal(line, HEAD ",heat,dye[1],dye[2],'=1+1\n");
+  write_scene("formula.lua", "formula.csv", channel);
+  run("run formula.lua --json --quiet --out f --until 0", 0);
+  assert_true(test_json(r.out, "sum") == sum && sum < 1);
+}
+
 static void names_that_would_break_a_head_are_refused(void **state) {
   (void)state;
   static const char *const names[] = {"a,b", "a\\nb", "a\\\"b", ""};
@@ -156,6 +176,7 @@ int main(void) {
       cmocka_unit_test(channels_are_written_and_read_back),
       cmocka_unit_test(wide_tables_come_back),
       cmocka_unit_test(names_that_would_break_a_head_are_refused),
+      cmocka_unit_test(names_of_formulas_begin_with_an_apostrophe_and_come_back),
       cmocka_unit_test(a_table_without_channels_is_said_to_have_none),
       cmocka_unit_test(a_table_with_other_channels_is_refused),
       cmocka_unit_test(a_scene_of_time_is_said_to_begin_at_zero),

@@ -1,5 +1,5 @@
-/* A process that ends at any write of a recording leaves all frames that were whole: this program's pwrite and
- * ftruncate end a child process, or fail, at the k-th call, for every k. */
+/* A process that ends at any write of a recording leaves all frames that were whole, and before the first no file:
+ * this program's pwrite and ftruncate end a child process, or fail, at the k-th call, for every k. */
 #define _GNU_SOURCE
 #include "plugins/common/recording/reader.h"
 #include "plugins/common/recording/recording.h"
@@ -10,7 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/sysmacros.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -112,8 +114,13 @@ static void set_up(void) {
 }
 
 static void tear_down(void) {
-  remove(h5);
-  remove(xdmf);
+  char part[80];
+  const char *const made[] = {h5, xdmf};
+  for (int k = 0; k < 2; k++) {
+    snprintf(part, sizeof part, "%s.part", made[k]);
+    remove(made[k]);
+    remove(part);
+  }
 }
 
 static void what_is_written_is_read(void **state) {
@@ -148,6 +155,7 @@ static void a_process_that_ends_at_any_write_leaves_the_frames_before(void **sta
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 9);
     int frames = frames_on_file();
+    if (frames < 0 && access(h5, F_OK) == 0) fail_msg("ended at write %ld of %ld: the file is none yet", k, all);
     if (frames < last) fail_msg("ended at write %ld of %ld: %d frames, %d before", k, all, frames, last);
     last = frames;
     if (frames >= 0) seen[frames]++;
@@ -177,11 +185,37 @@ static void a_full_disk_is_said_at_any_write(void **state) {
   tear_down();
 }
 
+/* A link that has the name makes room; a device, here one like /dev/full, stays and says what it is. */
+static void links_make_room_and_devices_stay(void **state) {
+  char why[256] = "", victim[80];
+  struct stat info;
+  (void)state;
+  set_up();
+  snprintf(victim, sizeof victim, "%s.victim", h5);
+  FILE *file = fopen(victim, "w");
+  assert_non_null(file);
+  fputs("mine", file);
+  fclose(file);
+  assert_int_equal(symlink(victim, h5), 0);
+  assert_true(record(why, sizeof why));
+  assert_int_equal(frames_on_file(), FRAMES);
+  assert_true(stat(victim, &info) == 0 && info.st_size == 4);
+  remove(victim);
+  remove(h5);
+  if (mknod(h5, S_IFCHR | 0600, makedev(1, 7)) == 0) { /* as root */
+    assert_false(record(why, sizeof why));
+    assert_string_equal(why, strerror(ENOSPC));
+    assert_true(stat(h5, &info) == 0 && S_ISCHR(info.st_mode));
+  }
+  tear_down();
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_written_is_read),
       cmocka_unit_test(a_process_that_ends_at_any_write_leaves_the_frames_before),
       cmocka_unit_test(a_full_disk_is_said_at_any_write),
+      cmocka_unit_test(links_make_room_and_devices_stay),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

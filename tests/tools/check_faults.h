@@ -1,0 +1,65 @@
+/* Faults that are put into plugins which are right, and the sentences in which `hooke check` has to name them. The
+ * wrong plugins are compiled here, as a user compiles one. */
+#ifndef HK_TEST_CHECK_FAULTS_H
+#define HK_TEST_CHECK_FAULTS_H
+
+#include "tests/support/command.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static test_result r;
+
+/* ---- faults: tests/fixtures/wrong/NAME.c is a plugin that is right with -DBUG=NONE, and NAME.txt has a line for each
+ * fault: its BUG, the property that finds it, and the sentence that names it ---- */
+
+static inline void compile_and_check(const char *name, const char *bug, const char *options) {
+  char before[1024], arguments[512];
+  snprintf(before, sizeof before,
+           "cc -O1 -w -shared -fPIC -DBUG=%s $(%s/hooke --cflags) %s/tests/fixtures/wrong/%s.c -o %s.so -lm && ", bug,
+           HK_BUILD, HK_ROOT, name, name);
+  snprintf(arguments, sizeof arguments, "check %s.so %s", name, options);
+  test_hooke(&r, before, arguments);
+}
+
+/* Whether a line that starts with WRONG has the sentence in it. */
+static inline bool says(const char *out, const char *sentence) {
+  for (const char *at = out; (at = strstr(at, "  WRONG ")); at++) {
+    const char *end = strchr(at, '\n'), *found = strstr(at, sentence);
+    if (found && end && found < end) return true;
+  }
+  return false;
+}
+
+static inline void right_and_wrong(const char *name, size_t least) {
+  char path[512], line[512], options[256];
+  size_t count = 0;
+  compile_and_check(name, "NONE", "");
+  if (r.code != 0) fail_msg("%s without a fault: exit %d: %s%s", name, r.code, r.out, r.err);
+  snprintf(path, sizeof path, "%s/tests/fixtures/wrong/%s.txt", HK_ROOT, name);
+  FILE *table = fopen(path, "r");
+  assert_non_null(table);
+  while (fgets(line, sizeof line, table)) {
+    char *bug = strtok(line, " "), *property = strtok(NULL, "|"), *sentence = strtok(NULL, "\n");
+    assert_non_null(sentence);
+    sentence += strspn(sentence, " ");
+    property += strspn(property, " ");
+    property[strcspn(property, "|") - 1] = 0;
+    snprintf(options, sizeof options, "--seconds 3 --only '%s'", property);
+    compile_and_check(name, bug, options);
+    if (r.code != 1 || !says(r.out, sentence))
+      fail_msg("%s, %s: exit %d, not '%s': %s%s", name, bug, r.code, sentence, r.out, r.err);
+    count++;
+  }
+  fclose(table);
+  assert_true(count >= least);
+}
+
+#endif

@@ -1,0 +1,49 @@
+/* hooke check: every force and integrator of the build passes, and the faults of forces and explicit methods are
+ * named. */
+#include "tests/tools/check_faults.h"
+
+#include <dirent.h>
+
+static void check_all(const char *kind, size_t least) {
+  char folder[512], arguments[1024];
+  size_t count = 0;
+  snprintf(folder, sizeof folder, "%s/plugins/%s", HK_BUILD, kind);
+  DIR *directory = opendir(folder);
+  assert_non_null(directory);
+  for (struct dirent *entry; (entry = readdir(directory));) {
+    if (!strstr(entry->d_name, ".so")) continue;
+    snprintf(arguments, sizeof arguments, "check %s/%s", folder, entry->d_name);
+    test_hooke(&r, NULL, arguments);
+    if (r.code != 0) fail_msg("%s: exit %d: %s%s", entry->d_name, r.code, r.out, r.err);
+    count++;
+  }
+  closedir(directory);
+  assert_true(count >= least);
+}
+
+static void every_force_passes(void **state) {
+  (void)state;
+  check_all("forces", 9);
+}
+
+static void every_integrator_passes(void **state) {
+  (void)state;
+  check_all("integrators", 24);
+}
+
+static void faults_of_forces_are_named(void **state) {
+  (void)state;
+  right_and_wrong("force", 59);
+}
+
+static void faults_of_explicit_methods_are_named(void **state) {
+  (void)state;
+  right_and_wrong("integrator", 40);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(every_force_passes), cmocka_unit_test(every_integrator_passes),
+                                     cmocka_unit_test(faults_of_forces_are_named),
+                                     cmocka_unit_test(faults_of_explicit_methods_are_named)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
