@@ -1,7 +1,7 @@
 /* Replacements for functions of Lua's library with which a scene could evade its limits: pcall, xpcall and
- * coroutine.resume pass on the error of a script that exceeded a limit, long loops inside C functions, which no hook can
- * end, are refused, and so are more results than the stack has slots. What remains, such as patterns whose time grows
- * exponentially with the length of the text, is ended by the watchdog (hk_pulse). */
+ * coroutine.resume pass on the error of a script that exceeded a limit, long loops inside C functions, which no hook
+ * can end, are refused, and so are more results than the stack has slots. What remains, such as patterns whose time
+ * grows exponentially with the length of the text, is ended by the watchdog (hk_pulse). */
 #include "core/app/lua/internal.h"
 
 static int original(lua_State *L) {
@@ -123,7 +123,7 @@ static int guarded_length(lua_State *L) {
 /* ---- more values than the stack has slots (script/stack.c) ---- */
 
 static void check_results(lua_State *L, const char *name, double count) {
-  int slots = hk_stack_slots(L);
+  int slots = hk_stack_slots(hk_lua_script(L), L);
   if (count > slots)
     hk_lua_fail(L, HK_SCRIPT, "%s: %.9g results are more than a call may give here, %d", name, count, slots);
 }

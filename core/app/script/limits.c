@@ -182,7 +182,9 @@ void hk_limits_resume(hk_script *s, double used) {
 }
 
 void hk_limits_coroutine(lua_State *L, lua_State *coroutine) {
-  if (!hk_stack_reserve(hk_lua_script(L), coroutine)) hk_lua_fail(L, HK_NO_MEMORY, "no memory for a coroutine");
+  hk_script *s = hk_lua_script(L);
+  s->memory_spent = !hk_stack_reserve(s, coroutine);
+  if (s->memory_spent) raise_limit(L, s);
   lua_sethook(coroutine, count_instructions, LUA_MASKCOUNT, COROUTINE_COUNT);
   hk_limits_count(L, COROUTINE_COUNT);
 }

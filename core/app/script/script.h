@@ -117,7 +117,7 @@ void hk_limits_resume(hk_script *, double used);
 bool hk_stack_reserve(hk_script *, lua_State *);
 bool hk_stack_overflows(const hk_script *, size_t size); /* whether a full stack asks for these bytes */
 /* What a C function may put on the stack at once. */
-int hk_stack_slots(lua_State *);
+int hk_stack_slots(const hk_script *, const lua_State *);
 int hk_stack_coroutine_slots(void);
 
 /* errors.c */

@@ -1,9 +1,9 @@
 /* The stack of an untrusted script is as large from the start as it may become, and so it never moves. In Lua 5.4.4
- * (Debian 12; mended in later ones) luaV_concat goes on at an address in the old stack when a __concat has made the stack
- * move: a crash, or a wrong value without a word. lua_settop has the same mistake there with variables that are closed.
- * No mistake of this kind, in any version of Lua, does harm in a stack that stays where it is. Lua's limit of 200 calls
- * through C in each other (LUAI_MAXCCALLS) is no help, since each metamethod among them may call Lua functions, whose
- * depth nobody counts.
+ * (Debian 12; mended in later ones) luaV_concat goes on at an address in the old stack when a __concat has made the
+ * stack move: a crash, or a wrong value without a word. lua_settop has the same mistake there with variables that are
+ * closed. No mistake of this kind, in any version of Lua, does harm in a stack that stays where it is. Lua's limit of
+ * 200 calls through C in each other (LUAI_MAXCCALLS) is no help, since each metamethod among them may call Lua
+ * functions, whose depth nobody counts.
  *
  * A stack that is full asks for twice its slots, and the allocator knows it by that number of bytes. It would ask for
  * more only where a C function wants more slots at once than there are: lua/guards.c refuses that. */
@@ -25,6 +25,6 @@ bool hk_stack_overflows(const hk_script *s, size_t size) {
   return size == s->doubled_stack[0] || size == s->doubled_stack[1];
 }
 
-int hk_stack_slots(lua_State *L) { return L == hk_lua_script(L)->L ? MAIN_SLOTS : COROUTINE_SLOTS; }
+int hk_stack_slots(const hk_script *s, const lua_State *L) { return L == s->L ? MAIN_SLOTS : COROUTINE_SLOTS; }
 
 int hk_stack_coroutine_slots(void) { return COROUTINE_SLOTS; }
