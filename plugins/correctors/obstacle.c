@@ -55,7 +55,7 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    {"history", .array = HK_AT(obstacle, history), .width = sizeof(hk_pose)},
+    {"history", .array = HK_AT(obstacle, history), .width = sizeof(hk_pose), .flags = HK_COUNTED},
     {"warned", .integer = HK_AT(obstacle, warned)},
     {"divisions", .integer = HK_AT(obstacle, divisions)},
     {"divided", .number = HK_AT(obstacle, divided)},

@@ -28,6 +28,7 @@ typedef struct barrier {
   hk_barrier_contacts contacts;
   hk_barrier_friction friction;
   int64_t began;                            /* whether a step was accepted */
+  bool checked;                             /* what a checkpoint may have given was looked at */
   int64_t survey_due;                       /* whether the stiffness was not looked at since the last accepted step */
   double chosen, density;                   /* Pa; kg/m^2 */
   double closest, impulse, lost, stiffened; /* m, since the last report; N s; J; J, that a rising stiffness gave */
@@ -183,9 +184,27 @@ static void follow_speeds(barrier *b, const hk_view *from, const double *x_to) {
   b->stiffened += s.energy * (b->chosen / before - 1);
 }
 
+static bool is_pair(const hk_feature_pair *p, size_t n) {
+  return p->vertex[0] < n && p->vertex[1] < n && p->vertex[2] < n && p->vertex[3] < n;
+}
+
+/* Indices that come from a checkpoint, which may be damaged. */
+static hk_status check_pairs(const barrier *b, const hk_view *view) {
+  const hk_feature_pair *named = b->contacts.named.item;
+  const hk_barrier_touch *touch = b->friction.touches.item;
+  bool fine = true;
+  for (size_t k = 0; k < b->contacts.named.count; k++) fine = fine && is_pair(&named[k], view->n);
+  for (size_t k = 0; k < b->friction.touches.count; k++) fine = fine && is_pair(&touch[k].pair, view->n);
+  return fine ? HK_OK
+              : view->host->fail(view->host, HK_FAILED, "its contacts name particles that are not there: the checkpoint "
+                                                        "is damaged");
+}
+
 static hk_status update(void *self, const hk_view *from, const double *x_to, bool *changed) {
   barrier *b = self;
-  hk_status status = hk_friction_list(&b->friction, from->host);
+  hk_status status = b->checked ? HK_OK : check_pairs(b, from);
+  b->checked = true;
+  if (status == HK_OK) status = hk_friction_list(&b->friction, from->host);
   if (status == HK_OK)
     status = hk_barrier_find(&b->contacts, from, x_to, b->friction.pairs.item, b->friction.pairs.count, changed);
   if (status == HK_OK) status = refuse_contact(b, from);

@@ -29,7 +29,7 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    {"turned", .array = HK_AT(hinges, turned), .width = sizeof(double)},
+    {"turned", .array = HK_AT(hinges, turned), .width = sizeof(double), .flags = HK_COUNTED},
     {0},
 };
 

@@ -61,7 +61,7 @@ static const hk_param params[] = {
 };
 
 static const hk_field fields[] = {
-    {"frames", .array = HK_AT(hk_rods, frames), .width = sizeof(hk_rod_frame)},
+    {"frames", .array = HK_AT(hk_rods, frames), .width = sizeof(hk_rod_frame), .flags = HK_COUNTED},
     {"turned", .number = HK_AT(hk_rods, turned)},
     {0},
 };

@@ -306,6 +306,9 @@ static hk_status births_by(const emitter *e, const hk_host *host, double t, doub
 /* Makes room for all births of the step, to which pointers are given away. */
 static hk_status reserve(emitter *e, const hk_host *host, double births) {
   double kept = (double)e->kept, wanted = kept + fmin(births, (double)e->capacity + kept);
+  if (e->oldest < 0 || e->kept < 0 || (uint64_t)e->oldest > e->list.count ||
+      (uint64_t)e->kept > e->list.count - (uint64_t)e->oldest)
+    return host->fail(host, HK_FAILED, "the list of its particles is not whole: the checkpoint is damaged");
   if (e->soonest && (double)e->oldest + wanted <= (double)e->list.count) return HK_OK;
   if (e->kept > 0) memmove(e->list.item, particles(e), (size_t)e->kept * sizeof(particle));
   e->oldest = 0;

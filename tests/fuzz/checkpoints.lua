@@ -26,6 +26,13 @@ local scenes = {
   stoermer = [[s:channel("heat", { initial = 1, rate = -2 }) s:measure("z", function(state) return state.t end)]],
   rk4 = [[s:source("spout", {}) s:corrector("floor", {})]],
   cvode = [[s:force("drag", { rate = 1 }) s:constraint("bar", { edges = { { 1, 2 } } })]],
+  midpoint = [[local g = s:grid { nx = 3, ny = 3 } s:force("springs", { edges = g:edges(), k = 100, damping = 1 })
+s:force("hinges", { triangles = g:triangles(), rigidity = 1e-3 }) s:corrector("obstacle", { radius = 0.05 })]],
+  dopri5 = [[s:force("soft_spheres", { radius = 0.6, stiffness = 100, friction = 0.5 })]],
+  symplectic_euler = [[s:source("emitter", { rate = 100, speed = 1, lifetime = 0.02 })]],
+  trapezoid = [[local g = s:grid { nx = 3, ny = 3, origin = { 0, 0, 1.5 } }
+s:force("springs", { edges = g:edges(), k = 100, damping = 1 }) s:force("barrier", { d_hat = 0.1, friction = 0.5, radius = 0.05 })]],
+  imex = [[s:force("rods", { edges = { { 1, 2 }, { 2, 3 } }, EI = 1e-2, GJ = 1e-2 })]],
 }
 
 local scene = [[

@@ -272,6 +272,7 @@ static int run_command(int argc, char **argv, hk_registry *registry, const hk_in
     /* A script with full rights may write files: it is not run again unasked. */
     o.run.compare = o.verify ? HK_COMPARE_ALWAYS : o.trust ? HK_COMPARE_ASKED : HK_COMPARE_SMALL;
     o.run.acting = hk_faults_watch(registry);
+    o.run.disturbed = hk_settings_watch();
     if (o.state) hk_keep_begin(o.state);
     o.run.kept = hk_keep_frame;
     o.run.progress = o.quiet ? 0 : isatty(STDERR_FILENO) ? 2 : 1;

@@ -1,8 +1,15 @@
 /* Replacements for functions of Lua's library with which a scene could evade its limits: pcall, xpcall and
- * coroutine.resume pass on the error of a script that exceeded a limit, and long loops inside C functions, which no
- * hook can end, are refused. What remains, such as patterns whose
- * time grows exponentially with the length of the text, is ended by the watchdog (hk_pulse). */
+ * coroutine.resume pass on the error of a script that exceeded a limit, long loops inside C functions, which no hook
+ * can end, are refused, and so are more results than the stack has slots. What remains, such as patterns whose time
+ * grows exponentially with the length of the text, is ended by the watchdog (hk_pulse). */
 #include "core/app/lua/internal.h"
+
+static int original(lua_State *L) {
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
+  return lua_gettop(L);
+}
 
 /* ---- calls that catch errors ---- */
 
@@ -42,8 +49,16 @@ static int guarded_xpcall(lua_State *L) {
   return caught(L, lua_pcallk(L, count - 2, LUA_MULTRET, 2, 2, caught), 2);
 }
 
+/* A coroutine whose stack grew for its arguments would have one that moves. */
+static void check_arguments(lua_State *L, int count) {
+  int slots = hk_stack_coroutine_slots();
+  if (count >= slots)
+    hk_lua_fail(L, HK_SCRIPT, "%d arguments are more than a coroutine may be given, %d", count, slots);
+}
+
 /* resume, close */
 static int guarded_resume(lua_State *L) {
+  check_arguments(L, lua_gettop(L) - 1);
   lua_pushvalue(L, lua_upvalueindex(1));
   lua_insert(L, 1);
   lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
@@ -59,6 +74,11 @@ static int guarded_create(lua_State *L) {
   return 1;
 }
 
+static int guarded_wrapped(lua_State *L) {
+  check_arguments(L, lua_gettop(L));
+  return original(L);
+}
+
 /* The first upvalue of the function that coroutine.wrap makes is its coroutine. */
 static int guarded_wrap(lua_State *L) {
   lua_pushvalue(L, lua_upvalueindex(1));
@@ -68,6 +88,7 @@ static int guarded_wrap(lua_State *L) {
     if (lua_isthread(L, -1)) hk_limits_coroutine(L, lua_tothread(L, -1));
     lua_pop(L, 1);
   }
+  lua_pushcclosure(L, guarded_wrapped, 1);
   return 1;
 }
 
@@ -77,13 +98,6 @@ static int guarded_wrap(lua_State *L) {
 static void check_turns(lua_State *L, const char *name, double turns) {
   if (turns > (double)hk_lua_script(L)->memory_limit / 16)
     hk_lua_fail(L, HK_SCRIPT, "%s: %g is beyond what the script's memory holds", name, turns);
-}
-
-static int original(lua_State *L) {
-  lua_pushvalue(L, lua_upvalueindex(1));
-  lua_insert(L, 1);
-  lua_call(L, lua_gettop(L) - 1, LUA_MULTRET);
-  return lua_gettop(L);
 }
 
 static int guarded_rep(lua_State *L) {
@@ -106,6 +120,36 @@ static int guarded_length(lua_State *L) {
   return original(L);
 }
 
+/* ---- more values than the stack has slots (script/stack.c) ---- */
+
+static void check_results(lua_State *L, const char *name, double count) {
+  int slots = hk_stack_slots(hk_lua_script(L), L);
+  if (count > slots)
+    hk_lua_fail(L, HK_SCRIPT, "%s: %.9g results are more than a call may give here, %d", name, count, slots);
+}
+
+static int guarded_unpack(lua_State *L) {
+  lua_settop(L, 3);
+  if (lua_isnil(L, 3)) {
+    lua_pushinteger(L, luaL_len(L, 1));
+    lua_replace(L, 3);
+  }
+  check_results(L, "table.unpack", (double)luaL_checkinteger(L, 3) - (double)luaL_optinteger(L, 2, 1) + 1);
+  return original(L);
+}
+
+/* string.byte and utf8.codepoint: of a text, from one place to another, which count from the end where negative. */
+static int guarded_bytes(lua_State *L) {
+  size_t length;
+  luaL_checklstring(L, 1, &length);
+  lua_Integer given = luaL_optinteger(L, 2, 1);
+  double first = (double)given, last = (double)luaL_optinteger(L, 3, given);
+  double from = first < 0 ? fmax(first + (double)length + 1, 1) : first;
+  double to = last < 0 ? last + (double)length + 1 : fmin(last, (double)length);
+  check_results(L, "a text's part", to - from + 1);
+  return original(L);
+}
+
 /* ---- installing the guards: the environment is on top of the stack ---- */
 
 void hk_lua_replace(lua_State *L, const char *name, lua_CFunction by) {
@@ -125,10 +169,15 @@ void hk_lua_guard(lua_State *L) {
   lua_pop(L, 1);
   lua_getfield(L, -1, "string");
   hk_lua_replace(L, "rep", guarded_rep);
+  hk_lua_replace(L, "byte", guarded_bytes);
   lua_pop(L, 1);
   lua_getfield(L, -1, "table");
   hk_lua_replace(L, "move", guarded_move);
   hk_lua_replace(L, "insert", guarded_length);
   hk_lua_replace(L, "remove", guarded_length);
+  hk_lua_replace(L, "unpack", guarded_unpack);
+  lua_pop(L, 1);
+  lua_getfield(L, -1, "utf8");
+  hk_lua_replace(L, "codepoint", guarded_bytes);
   lua_pop(L, 1);
 }

@@ -58,10 +58,36 @@ static void end(int code) {
   _exit(code);
 }
 
-static void crashed(int number) {
+/* Nothing that a plugin's file holds can be run or read any more, its functions for the end of the process neither. */
+static void end_overwritten(void) {
+  const char *path = hk_registry_overwritten(loading);
+  if (!path) return;
+  say("hooke: the plugin ");
+  say(path);
+  say(" was written over while it was loaded, and its code is gone: start again, and put a new file in place by "
+      "renaming it\n");
+  end(2);
+}
+
+/* What an earlier call of a plugin has left switched on. */
+static void end_trapped(int number, int code) {
+  if (number != SIGFPE || code < FPE_FLTDIV || code > FPE_FLTSUB) return;
+  say("hooke: a plugin has left floating-point traps switched on (feenableexcept), and one has ended hooke: it has to "
+      "switch them off before it returns\n");
+  end(2);
+}
+
+void hk_faults_check_files(void) {
+  if (getpid() == watched) end_overwritten();
+}
+
+static void crashed(int number, siginfo_t *info, void *context) {
   const hk_instance *plugin = hk_acting_here ? hk_acting_here : acting;
   const char *file = loading->opening;
   int k = 0;
+  (void)context;
+  if (getpid() == watched && number != SIGABRT) end_overwritten();
+  if (getpid() == watched && !plugin) end_trapped(number, info->si_code);
   if ((!plugin && !file) || getpid() != watched) {
     raise(number); /* its action is the default one again */
     return;
@@ -69,7 +95,8 @@ static void crashed(int number) {
   while (k < FAULTS - 1 && faults[k].number != number) k++;
   name(plugin, file);
   say(" crashed (");
-  say(faults[k].what);
+  say(number == SIGFPE && info->si_code != FPE_INTDIV && info->si_code > 0 ? "SIGFPE, a floating-point trap"
+                                                                          : faults[k].what);
   say("): the error is in the plugin; mend it or leave it out\n");
   end(2);
 }
@@ -142,14 +169,14 @@ static int take_stack(void) {
 }
 
 const hk_instance *volatile *hk_faults_watch(const hk_registry *registry) {
-  struct sigaction action = {.sa_handler = crashed}, clock = {.sa_handler = check_overdue, .sa_flags = SA_RESTART},
+  struct sigaction action = {.sa_sigaction = crashed}, clock = {.sa_handler = check_overdue, .sa_flags = SA_RESTART},
                    before;
   watched = getpid();
   loading = registry;
   sigemptyset(&clock.sa_mask);
   sigaction(SIGALRM, &clock, NULL);
   sigemptyset(&action.sa_mask);
-  action.sa_flags = (int)((unsigned)SA_RESETHAND | SA_NODEFER);
+  action.sa_flags = (int)((unsigned)SA_RESETHAND | SA_NODEFER | SA_SIGINFO);
   for (int k = 0; k < FAULTS; k++) {
     if (sigaction(faults[k].number, NULL, &before) != 0 || before.sa_handler != SIG_DFL) continue;
     if (!(action.sa_flags & SA_ONSTACK)) action.sa_flags |= take_stack();

@@ -50,10 +50,18 @@ const hk_instance *volatile *hk_faults_watch(const hk_registry *);
 /* From a signal handler: the user asks to stop. The process ends if the plugin is in the same call 5 s later, or at a
  * second interruption. */
 void hk_faults_interrupt(void);
+/* Ends the process where a plugin's file was written over in its place. */
+void hk_faults_check_files(void);
 void hk_faults_returned(void); /* the steps have ended: no call is waited for any more */
 /* Called last, with all files closed: ends the process by force if libraries hang in exit(), waiting for threads of
  * their own, for some seconds. Returns the code. */
 int hk_faults_leave(int code);
+
+/* ---- settings.c: what a plugin may not change, since it holds for all of the process ---- */
+
+/* Notes what is set now, after hk_faults_watch: the returned function compares, puts right what differs and says it
+ * (hk_run_options.disturbed). Files it leaves to faults.c. */
+const char *(*hk_settings_watch(void))(void);
 
 /* ---- keep.c: the last good state of a run, in a file without a name, from which a new process writes the state table
  * after a crash ---- */

@@ -9,11 +9,6 @@
 static const size_t default_memory = (size_t)512 << 20; /* bytes */
 static const uint64_t default_instructions = 500000000; /* 1.1 to 1.7 s of a processor */
 static const double default_seconds = 3;                /* twice that: instructions may call what takes long */
-/* Lua 5.4.4 reads a stale pointer when the stack moves inside a __concat of a chain, a .. b .. c, which scripts use to
- * join edges. Slots reserved at the bottom of the stack are never released, so the stack does not move at ordinary
- * depths. */
-enum { STACK_SLOTS = 4000 };
-
 enum { HOOK_COUNT = 10000, BYTES_PER_INSTRUCTION = 16, LARGE = 65536 };
 /* A coroutine counts from 0: what it does between two calls of the hook is charged when it is made, so it is less. */
 enum { COROUTINE_COUNT = 1000 };
@@ -54,6 +49,21 @@ static void set_limit_error(hk_script *s, const char *place, int line) {
                  line, (int)(s->instruction_limit / 1000000));
 }
 
+/* A stack that may not grow (stack.c); where there is no memory yet, `old` is a type, and a stack has none. Nothing
+ * catches the error: the script could call itself without end once more. */
+static bool overflows(hk_script *s, const void *memory, size_t old, size_t size) {
+  lua_Debug ar;
+  if ((!memory && old) || !hk_stack_overflows(s, size)) return false;
+  s->spent = true;
+  if (s->limit.status != HK_OK) return true;
+  bool known = false; /* the innermost line of the script; of a coroutine, where it was called */
+  for (int level = 0; !known && lua_getstack(s->current, level, &ar); level++)
+    known = lua_getinfo(s->current, "Sl", &ar) && ar.currentline > 0;
+  hk_error_set(&s->limit, HK_SCRIPT, "%s:%d: stack overflow: calls are nested too deeply: is there one without end?",
+               known ? ar.short_src : s->name, known ? ar.currentline : 1);
+  return true;
+}
+
 static double processor_time(void) {
   struct timespec t = {0};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
@@ -88,10 +98,11 @@ static void *allocate(void *context, void *memory, size_t old, size_t size) {
     s->memory -= before;
     return NULL;
   }
-  if (size > before && refused(s, memory, size, size - before)) return NULL;
+  if (size > before && (overflows(s, memory, old, size) || refused(s, memory, size, size - before))) return NULL;
   if (size > before + LARGE && too_slow(s)) return NULL;
   void *grown = realloc(memory, size);
   if (grown) s->memory += size - before;
+  s->last_size = size;
   s->refused_by_system = !grown;
   return grown;
 }
@@ -136,8 +147,10 @@ bool hk_limits_open(hk_script *s) {
   s->current = s->L;
   lua_sethook(s->L, count_instructions, LUA_MASKCOUNT, HOOK_COUNT);
   lua_gc(s->L, LUA_GCGEN, 0, 0);
-  lua_checkstack(s->L, STACK_SLOTS);
-  return true;
+  if (hk_stack_reserve(s, s->L)) return true;
+  lua_close(s->L);
+  s->L = NULL;
+  return false;
 }
 
 /* Raises the error of a limit that was exceeded in C code. */
@@ -169,6 +182,9 @@ void hk_limits_resume(hk_script *s, double used) {
 }
 
 void hk_limits_coroutine(lua_State *L, lua_State *coroutine) {
+  hk_script *s = hk_lua_script(L);
+  s->memory_spent = !hk_stack_reserve(s, coroutine);
+  if (s->memory_spent) raise_limit(L, s);
   lua_sethook(coroutine, count_instructions, LUA_MASKCOUNT, COROUTINE_COUNT);
   hk_limits_count(L, COROUTINE_COUNT);
 }

@@ -75,6 +75,7 @@ struct hk_script {
   double started, seconds_limit;            /* s, processor time: at the current call's first look at it; of one call */
   const void *refused;                      /* the last request for memory that was refused, see allocate() */
   size_t refused_size;
+  size_t last_size, doubled_stack[2]; /* bytes: the last request; what a full stack, a coroutine's one, would ask for */
   bool finished, driving;   /* the script itself has ended; the script is inside scene:run */
   bool spent, memory_spent; /* the script exceeded a limit (that of memory) */
   bool refused_by_system;   /* the last allocation, not by the limit */
@@ -103,13 +104,21 @@ int hk_limits_call(lua_State *L, int arguments, int results);
  * the limit when that is exceeded. */
 void hk_limits_count(lua_State *L, size_t instructions);
 void hk_limits_take(lua_State *L, size_t bytes);
-/* Makes the instructions of a new coroutine count, which has a counter of its own. */
+/* Puts a new coroutine under the limits: it has a counter of instructions and a stack of its own. */
 void hk_limits_coroutine(lua_State *L, lua_State *coroutine);
 /* The engine works for the script, or no longer; returns what was. While it does the watchdog sees no standstill. */
 bool hk_limits_inside(hk_script *, bool inside);
 /* The engine's time is not the script's: what the call has used, and its clock set to that. */
 double hk_limits_pause(hk_script *);
 void hk_limits_resume(hk_script *, double used);
+
+/* stack.c: the stack of a script never moves. */
+/* Gives a new stack all the slots that it may have; false: no memory. */
+bool hk_stack_reserve(hk_script *, lua_State *);
+bool hk_stack_overflows(const hk_script *, size_t size); /* whether a full stack asks for these bytes */
+/* What a C function may put on the stack at once. */
+int hk_stack_slots(const hk_script *, const lua_State *);
+int hk_stack_coroutine_slots(void);
 
 /* errors.c */
 /* Raises an error prefixed by the script's file and line. */

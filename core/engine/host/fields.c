@@ -54,7 +54,7 @@ static bool visit_array(hk_instance *instance, const hk_field *f, bool (*visit)(
                         void *context) {
   hk_array *array = field_at(instance, f);
   uint64_t count = array->count;
-  if (!visit(context, &count, sizeof count)) return false;
+  if (!visit(context, &count, sizeof count) || (count != array->count && f->flags & HK_COUNTED)) return false;
   if (count != array->count && (count > SIZE_MAX / (f->width + 1) || !visit(context, NULL, (size_t)count * f->width) ||
                                 instance->host.resize(&instance->host, array, (size_t)count) != HK_OK))
     return false;

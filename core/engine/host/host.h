@@ -14,6 +14,7 @@ typedef struct hk_loaded {
   const hk_plugin *plugin; /* the registry's copy, with a table of this host's length; NULL: the load failed */
   char *reason;            /* why */
   void *handle;
+  uint64_t file[4]; /* device, node, bytes and time of the last change (ns), when it was loaded */
 } hk_loaded;
 
 typedef struct hk_registry {
@@ -34,6 +35,9 @@ hk_status hk_registry_find(hk_registry *, hk_kind kind, const char *name, bool t
 const hk_loaded *hk_registry_load(hk_registry *, const char *path, bool trusted, hk_error *error);
 /* The registry's copy of a plugin that is a constant of this program, which keeps the contract; NULL: no memory. */
 const hk_plugin *hk_registry_add(hk_registry *, const hk_plugin *constant, hk_error *error);
+/* The first file that was written over in its place since it was loaded, by which the plugin's code is another one;
+ * NULL: none. It may be called by a signal handler. */
+const char *hk_registry_overwritten(const hk_registry *);
 hk_status hk_registry_load_all(hk_registry *, hk_error *error); /* loads all plugins, for the catalogue */
 /* The first plugin of a kind for which `suits` is true: first those that the installation names in KIND/default, in
  * that order, then all. They are opened one by one. HK_FAILED: there is none. */
@@ -129,7 +133,13 @@ typedef struct hk_shared {
   const void *(*query)(void *context, const char *service);
   void *context;                              /* of path and query */
   const struct hk_instance *volatile *acting; /* who is at work, for whoever has to say why the process ends; NULL */
-  int lanes;                                  /* hk_host.lanes; below 2: 2. Tests try fewer than the processor has */
+  /* What a plugin has changed that belongs to the process, in words ("has ..."), put right by now; NULL: nothing. It is
+   * asked after each of the next `surveys` calls; without it that is 0. */
+  const char *(*disturbed)(void);
+  int surveys;
+  const struct hk_instance *disturber; /* who did, and what; the next call that has a status fails. NULL: nobody */
+  const char *disturbance;
+  int lanes; /* hk_host.lanes; below 2: 2. Tests try fewer than the processor has */
   long allocations_left;                      /* negative: no limit; tests make the k-th allocation fail */
 } hk_shared;
 
@@ -165,18 +175,23 @@ static inline const hk_instance *hk_enter(const hk_instance *instance) {
   return outer;
 }
 
-static inline void hk_leave(const hk_instance *instance, const hk_instance *outer) {
+/* Sets `disturber` where the plugin's call has changed what belongs to the process; whether there is one. */
+bool hk_survey(const hk_instance *);
+
+static inline bool hk_leave(const hk_instance *instance, const hk_instance *outer) {
   if (instance->shared->acting) *instance->shared->acting = outer;
+  return instance->shared->surveys > 0 && hk_survey(instance);
 }
 
 /* A failure of a plugin's function that came without a message gets one. Returns the status, HK_FAILED for what is
  * none. */
 hk_status hk_failure_explained(const hk_instance *, const char *function, hk_status status);
+hk_status hk_disturbed(const hk_shared *); /* the error of what the disturber has done */
 
 /* hk_leave after a call of the plugin's `function` that returned `status`. */
 static inline hk_status hk_leave_with(const hk_instance *instance, const hk_instance *outer, const char *function,
                                       hk_status status) {
-  hk_leave(instance, outer);
+  if (hk_leave(instance, outer)) return hk_disturbed(instance->shared);
   return status == HK_OK ? HK_OK : hk_failure_explained(instance, function, status);
 }
 

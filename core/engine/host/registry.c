@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char *const kind_name[HK_KINDS] = {"force",      "constraint", "corrector", "source",
@@ -42,9 +43,31 @@ void hk_registry_close(hk_registry *registry) {
   *registry = (hk_registry){0};
 }
 
+/* False: it is not there. */
+static bool look_at_file(const char *path, uint64_t file[4]) {
+  struct stat now;
+  if (stat(path, &now) != 0) return false;
+  file[0] = now.st_dev, file[1] = now.st_ino, file[2] = (uint64_t)now.st_size;
+  file[3] = (uint64_t)now.st_mtim.tv_sec * 1000000000u + (uint64_t)now.st_mtim.tv_nsec;
+  return true;
+}
+
+/* A file that was put in its place by renaming has another node, and the old one is still what is loaded. */
+const char *hk_registry_overwritten(const hk_registry *registry) {
+  uint64_t now[4];
+  for (size_t k = 0; k < registry->count; k++) {
+    const hk_loaded *item = &registry->item[k];
+    if (!item->handle || !look_at_file(item->path, now)) continue;
+    bool same_node = now[0] == item->file[0] && now[1] == item->file[1];
+    if (same_node && (now[2] != item->file[2] || now[3] != item->file[3])) return item->path;
+  }
+  return NULL;
+}
+
 static void open_file(hk_registry *registry, hk_loaded *item) {
   hk_reason_text why = {""};
   const hk_plugin *plugin = NULL;
+  look_at_file(item->path, item->file);
   registry->opening = item->path; /* constructors run now */
   /* RTLD_NODELETE: some libraries that plugins load (threads of a BLAS, the compiler of a graphics driver) crash when
    * they are unloaded. */

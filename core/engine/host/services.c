@@ -41,6 +41,21 @@ hk_status hk_failure_explained(const hk_instance *instance, const char *function
                       instance->where, *instance->where ? ": " : "", instance->label, function, why);
 }
 
+bool hk_survey(const hk_instance *instance) {
+  hk_shared *shared = instance->shared;
+  if (shared->disturber) return true;
+  shared->surveys--;
+  shared->disturbance = shared->disturbed();
+  shared->disturber = shared->disturbance ? instance : NULL;
+  return shared->disturber;
+}
+
+hk_status hk_disturbed(const hk_shared *shared) {
+  const hk_instance *plugin = shared->disturber;
+  return hk_error_set(shared->error, HK_FAILED, "%s%s%s: the plugin %s", plugin->where, *plugin->where ? ": " : "",
+                      plugin->label, shared->disturbance);
+}
+
 static void host_warn(const hk_host *host, const char *format, ...) {
   hk_instance *instance = instance_of(host);
   char text[900];

@@ -11,6 +11,7 @@ struct hk_moment {
 };
 
 static const size_t most_numbers = (size_t)1 << 24; /* 128 MiB */
+static const size_t most_stride = (size_t)1 << 40;  /* more frames than there will ever be */
 
 static hk_status no_memory(hk_error *error) {
   return hk_error_set(error, HK_NO_MEMORY,
@@ -61,7 +62,7 @@ hk_status hk_trajectory_note(hk_trajectory *a, const hk_state *s, size_t frame, 
   size_t n = s->model.n, size = (4 + s->width) * n;
   if (a->stride == 0) a->stride = 1;
   a->width = 4 + s->width;
-  while (a->moments > 1 && a->size + size > most_numbers) drop_half(a);
+  while (a->moments > 1 && a->size + size > most_numbers && a->stride < most_stride) drop_half(a);
   if (!always && frame % a->stride) return HK_OK;
   if (a->moments && a->moment[a->moments - 1].t == s->t) return HK_OK;
   if (!reserve(a, size + 1)) return no_memory(error); /* the arrays exist without particles, too */
@@ -93,16 +94,18 @@ static bool are_ids(const double *id, size_t n, uint32_t next_id) {
   return true;
 }
 
+/* The stride doubles, and so does not become 0; frames do not fall, or none of them would be dropped. */
 static bool plausible(const hk_trajectory *a, uint32_t next_id) {
-  size_t begin = 0;
+  size_t begin = 0, frame = 0;
   double before = -INFINITY;
-  bool fine = true;
+  bool fine = a->moments == 0 || (a->stride > 0 && a->stride <= most_stride);
   for (size_t k = 0; k < a->moments && fine; k++) {
     const struct hk_moment *m = &a->moment[k];
     fine = m->begin == begin && m->size <= a->size - begin && m->n == m->size / a->width &&
-           m->n * a->width == m->size && isfinite(m->t) && m->t > before && are_ids(a->value + begin, m->n, next_id);
+           m->n * a->width == m->size && m->frame >= frame && isfinite(m->t) && m->t > before && are_ids(a->value + begin, m->n, next_id);
     begin += fine ? m->size : 0;
     before = m->t;
+    frame = m->frame;
   }
   return fine && begin == a->size;
 }
@@ -118,8 +121,7 @@ bool hk_trajectory_restore(hk_trajectory *a, bool keep, const hk_trajectory *sta
   read.moment = malloc(read.room * sizeof *read.moment);
   read.value = malloc(read.capacity * sizeof *read.value);
   bool fine = read.moment && read.value && get(from, read.moment, moments * sizeof *read.moment) &&
-              get(from, read.value, size * sizeof *read.value) && plausible(&read, next_id) &&
-              (moments == 0 || read.stride > 0);
+              get(from, read.value, size * sizeof *read.value) && plausible(&read, next_id);
   if (fine && keep && moments > 0) {
     hk_trajectory_free(a);
     *a = read;

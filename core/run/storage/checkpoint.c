@@ -212,6 +212,13 @@ static void restore_progress(hk_loop *loop, const progress *p) {
   c->growth_expected = p->growth_expected;
 }
 
+/* Times that are not finite, or of cells that are not, would be looked for without end. */
+static bool plausible_times(const hk_evaluations *e, double t) {
+  bool fine = e->pending <= HK_PENDING && e->cell > 0 && isfinite(e->cell) && !(e->last > t);
+  for (size_t k = 0; k < e->pending && fine; k++) fine = isfinite(e->time[k]);
+  return fine;
+}
+
 /* Kept where the run is to be compared with others. */
 static bool read_history(hk_walk *w, hk_loop *loop, hk_judgement *j, const header *h) {
   hk_evaluations *e = &loop->dynamics->evaluations, then;
@@ -224,7 +231,7 @@ static bool read_history(hk_walk *w, hk_loop *loop, hk_judgement *j, const heade
   if (h->cells != HK_CELLS) return false;
   if (!e->distance) return hk_walk_skip(w, HK_CELLS * sizeof *e->distance + sizeof *e);
   if (!hk_walk_get(w, e->distance, HK_CELLS * sizeof *e->distance) || !hk_walk_get(w, &then, sizeof then) ||
-      then.pending > HK_PENDING || !(then.cell > 0))
+      !plausible_times(&then, h->t))
     return false;
   then.distance = e->distance;
   *e = then;
@@ -242,8 +249,10 @@ static bool are_truths(const void *data, const size_t *at, size_t count) {
 static bool read_figures(hk_record *r, hk_walk *w, size_t forces) {
   static const size_t truths[] = {offsetof(hk_record, moved), offsetof(hk_record, corrected),
                                   offsetof(hk_record, sourced), offsetof(hk_record, by_hand),
-                                  offsetof(hk_record, growth_expected)};
+                                  offsetof(hk_record, growth_expected),
+                                  offsetof(hk_record, contact.repairs)};
   if (!hk_walk_get(w, r, sizeof *r) || !are_truths(r, truths, sizeof truths / sizeof *truths)) return false;
+  if (!memchr(r->contact.first, 0, sizeof r->contact.first)) return false; /* it is printed */
   bool none_passed = r->passed[0] == 0 && r->passed[1] == 0 && r->passed[2] == 0;
   return r->passed_force < forces || (forces == 0 && none_passed);
 }

@@ -4,12 +4,17 @@
 
 #include <string.h>
 
+/* A damaged checkpoint may state more than there are. */
+static int64_t stated(const hk_grain_history *h) {
+  return h->count >= 0 && (uint64_t)h->count <= h->touches.count ? h->count : 0;
+}
+
 static bool lives(const hk_model *m, uint32_t id) { return hk_model_find(m, id) < m->n; }
 
 static void forget_the_dead(hk_grain_history *h, const hk_model *m, bool others_die) {
   hk_grain_touch *touch = h->touches.item;
-  int64_t kept = 0;
-  for (int64_t k = 0; k < h->count; k++)
+  int64_t kept = 0, count = stated(h);
+  for (int64_t k = 0; k < count; k++)
     if (lives(m, touch[k].self) && (!others_die || lives(m, touch[k].other))) touch[kept++] = touch[k];
   h->count = kept;
 }
@@ -30,7 +35,7 @@ hk_status hk_grain_history_adapt(hk_grain_history *h, const hk_view *view, bool 
 /* The touches are in the order of the particles, which births and deaths keep. */
 void hk_grain_history_index(hk_grain_history *h, const hk_view *view) {
   const hk_grain_touch *touch = h->touches.item;
-  size_t k = 0, count = (size_t)h->count;
+  size_t k = 0, count = (size_t)stated(h);
   if (h->indexed && h->indexed == touch && h->indexed_count == h->count) return;
   for (size_t i = 0; i < view->n; i++) {
     h->row[i] = k;

@@ -12,6 +12,20 @@ end
 
 local runs = "for i = 1, 2000 do s:particle { position = {i, 0, 0} } end s:run()"
 
+-- A chain whose __concat is the script's, here one that calls itself through 150 calls of C.
+local joined = [[
+local mt, depth = {}, 0
+local t = setmetatable({}, mt)
+local function join() depth = 0 local r = "x" .. t .. "y" .. t .. t .. "z" assert(r == t or type(r) ~= "table") end
+]]
+local nest = [[
+mt.__concat = function()
+  depth = depth + 1
+  if depth < 150 then local _ = "a" .. t .. "b" .. t end
+  return t
+end
+]]
+
 local list = {
   { "a grid's structural called with memory as handle", says = "functions of a handle are called with a colon",
     scene = chain .. 'h.structural(string.rep("\\0\\1\\2\\3AAAA", 100))' },
@@ -114,6 +128,31 @@ s:force(n)]] },
     's:on_frame(function() coroutine.yield() end)\nlocal co = coroutine.create(function() s:run() end)\n' ..
     "coroutine.resume(co) co = nil\nfor i = 1, 100 do local t = string.rep('x', 2^20) end\nreturn s" },
   { "recursion without end", scene = "local function f() return 1 + f() end f()", says = "stack overflow" },
+  { "recursion without end in a coroutine, caught again and again", says = "f.lua:3: stack overflow", name = "f.lua",
+    scene = "local function f() return 1 + f() end\nlocal co = coroutine.wrap(function() for k = 1, 9 do pcall(f) end end)\nco()" },
+  { "a deep __concat", scene = joined .. nest .. "join()" .. end_it, says = "end" },
+  { "a deep __concat in a coroutine", scene = joined .. nest .. "coroutine.wrap(join)()" .. end_it, says = "end" },
+  { "a __concat in a deep call", says = "end", scene = joined .. nest ..
+    "local function deep(n) if n == 0 then join() return 0 end return 1 + deep(n - 1) end\nfor n = 200, 400, 7 do deep(n) end" ..
+    end_it },
+  { "a __concat that calls deeply", says = "end", scene = joined .. [[
+local function deep(n) if n == 0 then return 0 end return 1 + deep(n - 1) end
+mt.__concat = function() deep(3000) return t end
+for _ = 1, 20 do join() end]] .. end_it },
+  { "a __concat that calls without end and catches it", says = "stack overflow", scene = joined .. [[
+local function f() return 1 + f() end
+mt.__concat = function() pcall(f) return t end
+join()]] },
+  { "a __concat of many results", says = "hooke:", scene = joined .. [[
+for i = 1, 7000 do t[i] = t end
+mt.__concat = function(a, b) return (select(-1, table.unpack(t))) end
+coroutine.wrap(join)()
+mt.__concat = table.unpack
+coroutine.wrap(join)()]] .. end_it },
+  { "a coroutine whose stack grows for its arguments", says = "20000 arguments are more", scene = joined ..
+    "local many = {} for i = 1, 20000 do many[i] = i end\ncoroutine.wrap(join)(table.unpack(many))" },
+  { "more results than slots", says = "table.unpack: 50000 results are more", scene = "return table.unpack({}, 1, 50000)" },
+  { "more bytes than slots", says = "a text's part: 49999 results are more", scene = 'return ("x"):rep(50000):byte(-50000, -2)' },
   { "recursion through C", says = "hooke:", scene = 'local function f(s) return s:gsub(".", f) end f("x")' },
   { "recursion through metamethods", says = "hooke:",
     scene = "local t = {} setmetatable(t, { __index = function(t, k) return t[k .. 'x'] end }) return t.a" },
