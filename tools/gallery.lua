@@ -134,15 +134,42 @@ local function stills(plan, o, folder)
   return pictures, shown
 end
 
+-- What is wrong with the list; nil: nothing.
+local function wrong_in(plan)
+  if type(plan) ~= "table" then return "it returns a " .. type(plan) .. ", not a table" end
+  for _, key in ipairs { "width", "height", "columns" } do
+    if math.type(plan[key]) ~= "integer" or plan[key] < 1 then return ("%s has to be a whole number above 0"):format(key) end
+  end
+  if #plan == 0 then return "it names no scene" end
+  local items = table.move(plan, 1, #plan, 1, {})
+  if plan.film ~= nil then items[#items + 1] = plan.film end
+  for _, item in ipairs(items) do
+    if type(item) ~= "table" or type(item[1]) ~= "string" then return "each of its scenes is a table that begins with a name" end
+    if type(item.at) ~= "number" then return ("'%s' has no moment: at = SECONDS"):format(item[1]) end
+    if item == plan.film and not (type(item.width) == "number" and type(item.fps) == "number") then
+      return "film needs a width and fps, numbers"
+    end
+  end
+end
+
+-- The list at the path; nil and why not. It knows no functions: who names one has a scene in hand.
+local function read(path)
+  local names = setmetatable({}, { __index = function(_, name) error(("it uses '%s'"):format(name), 0) end })
+  local chunk, broken = loadfile(path, "t", names)
+  if not chunk then return nil, broken end
+  local ran, plan = pcall(chunk)
+  local wrong
+  if ran then wrong = wrong_in(plan) else wrong = tostring(plan) end
+  if not wrong then return plan end
+  return nil, ("%s is no list of scenes: %s; scripts/gallery.lua is one, and a scene is run by hooke run or hooke view"):format(
+    path, wrong)
+end
+
 local o = command_line.parse("gallery", parser_of())
 if not o then return 1 end
 local list = o.list or hooke.library:gsub("/lib$", "") .. "/gallery.lua"
-local chunk, why = loadfile(list, "t", {})
-if not chunk then return fail(why) end
-local ran, plan = pcall(chunk)
-if not ran or type(plan) ~= "table" then
-  return fail(("%s is no list of scenes%s; see scripts/gallery.lua for one"):format(list, ran and "" or " (" .. tostring(plan) .. ")"))
-end
+local plan, why = read(list)
+if not plan then return fail(why) end
 local folder = list:match("^(.*)/[^/]*$") or "."
 local pictures, shown = stills(plan, o, folder)
 if not pictures then return fail(shown) end
