@@ -10,6 +10,8 @@
 
 typedef struct surfaces {
   bool joined;
+  const char *plugin[8]; /* that have joined */
+  size_t plugins;
   hk_surface_request request; /* `leave` is not used: ids last longer */
   uint32_t *left_id;          /* rising */
   size_t left_count;
@@ -120,9 +122,21 @@ static hk_status keep_left(surfaces *s, const hk_tuples *leave) {
   return HK_OK;
 }
 
+/* A second one of the same plugin would do again, and in another way, what the first does for all surfaces. */
+static hk_status note_plugin(surfaces *s, const hk_host *host, const char *plugin) {
+  const size_t room = sizeof s->plugin / sizeof *s->plugin;
+  for (size_t k = 0; plugin && k < s->plugins; k++)
+    if (strcmp(s->plugin[k], plugin) == 0)
+      return host->fail(host, HK_BAD_PARAM, "the scene has a %s already, which treats all of its surfaces: leave one out",
+                        plugin);
+  if (plugin && s->plugins < room) s->plugin[s->plugins++] = plugin;
+  return HK_OK;
+}
+
 static hk_status join(void *self, const hk_surface_request *request, const hk_view *view) {
   surfaces *s = self;
   hk_status status = check_request(view->host, request);
+  if (status == HK_OK) status = note_plugin(s, view->host, request->plugin);
   if (status != HK_OK) return status;
   if (s->joined) return compare(s, view->host, request);
   s->request = *request;
