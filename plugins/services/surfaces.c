@@ -127,8 +127,8 @@ static hk_status note_plugin(surfaces *s, const hk_host *host, const char *plugi
   const size_t room = sizeof s->plugin / sizeof *s->plugin;
   for (size_t k = 0; plugin && k < s->plugins; k++)
     if (strcmp(s->plugin[k], plugin) == 0)
-      return host->fail(host, HK_BAD_PARAM, "the scene has a %s already, which treats all of its surfaces: leave one out",
-                        plugin);
+      return host->fail(host, HK_BAD_PARAM,
+                        "the scene has a %s already, which treats all of its surfaces: leave one out", plugin);
   if (plugin && s->plugins < room) s->plugin[s->plugins++] = plugin;
   return HK_OK;
 }

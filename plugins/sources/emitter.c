@@ -59,8 +59,8 @@ enum { BLOCK = 256 }; /* particles that are looked at together for deaths */
 /* clang-format on */
 
 static const hk_param params[] = {
-    {"rate", "1/s", "births per second; left out: 100", .number = HK_AT(emitter, flow.rate), .limits = HK_WITHIN(0, 1e9),
-     .flags = HK_OPTIONAL},
+    {"rate", "1/s", "births per second; left out: 100", .number = HK_AT(emitter, flow.rate),
+     .limits = HK_WITHIN(0, 1e9), .flags = HK_OPTIONAL},
     {"rate_of_time", "1/s", "births per second as a function of time, in the place of `rate`",
      .function = HK_AT(emitter, flow.of_time), .signature = "function(t) -> rate"},
     {"rate_every", "s", "how often that function is asked: the rate is straight between, and a shorter pulse is missed",
@@ -80,7 +80,7 @@ static const hk_param params[] = {
     {"extent", "m", "radius of disc, sphere and ball", .number = HK_AT(emitter, outlet.radius), .initial = {0.1},
      .limits = HK_AT_LEAST(0)},
     {"triangles", "", "triangles of the scene to emit from, uniformly by area",
-     .triangles = HK_AT(emitter, outlet.triangles), .flags = HK_OPTIONAL},
+     .triangles = HK_AT(emitter, outlet.triangles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"direction", "", "in which particles leave; on spheres and triangles they leave along the normal",
      .vector = HK_AT(emitter, outlet.direction), .initial = {0, 0, 1}},
     {"cone", "degrees", "largest angle about that direction, uniform by solid angle",

@@ -70,11 +70,13 @@ static void explain_leaves_an_integrator_that_is_to_be_chosen_open(void **state)
 static void a_list_that_is_none_of_the_gallery_is_explained(void **state) {
   (void)state;
   static const char *const wrong[][2] = {
-      {"return hooke.scene {}\n", "list.lua is no list of scenes: it uses 'hooke'; scripts/gallery.lua is one, and a scene"},
+      {"return hooke.scene {}\n",
+       "list.lua is no list of scenes: it uses 'hooke'; scripts/gallery.lua is one, and a scene"},
       {"return 3\n", "list.lua is no list of scenes: it returns a number, not a table"},
       {"return { width = 8, height = 8 }\n", "columns has to be a whole number above 0"},
       {"return { width = 8, height = 8, columns = 1 }\n", "it names no scene"},
-      {"return { width = 8, height = 8, columns = 1, 'flag' }\n", "each of its scenes is a table that begins with a name"},
+      {"return { width = 8, height = 8, columns = 1, 'flag' }\n",
+       "each of its scenes is a table that begins with a name"},
       {"return { width = 8, height = 8, columns = 1, { 'flag' } }\n", "'flag' has no moment: at = SECONDS"},
       {"return { width = 8, height = 8, columns = 1, { 'flag', at = 1 }, film = { 'flag', at = 1 } }\n",
        "film needs a width and fps"},

@@ -26,8 +26,8 @@ static void read_sphere(lua_State *L, hk_scene *scene, int on, hk_skin *skin) {
     lua_pop(L, 2);
   else
     hk_lua_warn(L, scene,
-                "hair: on: {} names no surface, so that it is a sphere with a radius of 1 m: give { radius = 1 } of one, "
-                "{ u =, v = } of a patch, scene:surface{}, or a mesh");
+                "hair: on: {} names no surface, so that it is a sphere with a radius of 1 m: give { radius = 1 } of "
+                "one, { u =, v = } of a patch, scene:surface{}, or a mesh");
   skin->axis[2] = 1;
   hk_lua_field_vector(L, on, "hair: on", "centre", skin->centre);
   hk_lua_field_vector(L, on, "hair: on", "axis", skin->axis);

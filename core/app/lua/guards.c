@@ -108,7 +108,7 @@ static int guarded_length(lua_State *L) {
 
 /* ---- lists ---- */
 
-/* What a number or nil is gone through as a list for: a function that gives one value alone, or a name that is wrong. */
+/* Where what is no list is gone through as one: the result of a function that gives one value, or a wrong name. */
 static int guarded_pairs(lua_State *L) {
   int type = lua_type(L, 1);
   const char *name = lua_tostring(L, lua_upvalueindex(2));

@@ -290,7 +290,8 @@ static void check_channel_name(lua_State *L, hk_scene *scene, const char *name) 
   for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
     if (strcmp(name, columns[k]) == 0)
       hk_lua_warn(L, scene,
-                  "channel '%s': tables of states have a column of this name already, and two then: choose another name",
+                  "channel '%s': tables of states have a column of this name already, and two then: choose another "
+                  "name",
                   name);
 }
 

@@ -276,14 +276,13 @@ static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_e
                       tuples->count, list->name);
 }
 
-/* Left out, many lists of tuples mean all of the scene: an empty one would mean them as well. */
+/* For the plugin an empty list is as one that is left out, which may mean all. */
 static hk_status check_list(const hk_plugin_spec *spec, const hk_param *p, hk_error *error) {
   const hk_tuples *list = hk_param_in(p, spec->values);
   bool given = spec->given[p - spec->plugin->params];
-  if (!given || list->count > 0 || !(p->flags & HK_OPTIONAL) || list->arity < 2) return HK_OK;
-  return hk_error_set(error, HK_BAD_PARAM,
-                      "%s: %s is an empty list, on which it cannot act: name some %s, or leave the plugin out",
-                      spec->label, p->name, p->name);
+  if (!given || list->count > 0 || !(p->flags & HK_NOT_EMPTY)) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s is an empty list: name some; where it is left out, all are meant",
+                      spec->label, p->name);
 }
 
 hk_status hk_spec_check(const hk_plugin_spec *spec, hk_error *error) {

@@ -125,7 +125,7 @@ static void mark(bool *marked, const hk_tuples *list) {
   for (size_t k = 0; list->arity > 1 && k < list->count * list->arity; k++) marked[list->index[k]] = true;
 }
 
-/* A force between any particles that are near, or between all: it needs no list, and keeps none apart as contact does. */
+/* A force between any particles that are near, or between all: it needs no list, and does not only keep them apart. */
 static bool joins_any(const hk_plugin *plugin) {
   bool listed = false;
   if (plugin->kind != HK_FORCE || !(plugin->force->flags & HK_CONSERVES_MOMENTUM)) return false;
@@ -143,7 +143,8 @@ static bool mark_held(const hk_run *run, bool *held) {
       for (const hk_param *p = instance->plugin->params; p && p->name; p++)
         if (hk_param_arity(p) > 1) mark(held, hk_param_in(p, instance->self));
     }
-  for (size_t k = 0; k < run->state.model.element_lists; k++) mark(held, &run->state.model.element_list[k].elements.node);
+  const hk_model *m = &run->state.model;
+  for (size_t k = 0; k < m->element_lists; k++) mark(held, &m->element_list[k].elements.node);
   return acts > 0;
 }
 
@@ -174,9 +175,9 @@ static void warn_of_loose(hk_run *run) {
   free(joined);
   if (loose > 0)
     hk_warn(&run->warnings,
-            "%s: nothing holds together %zu particles of a mesh, grid or strand, such as particle %u, so that each moves "
-            "by itself: name its edges or triangles in a force or constraint, scene:force(NAME, { edges = mesh:edges(), "
-            "... })",
+            "%s: nothing holds together %zu particles of a mesh, grid or strand, such as particle %u, so that each "
+            "moves by itself: name its edges or triangles in a force or constraint, scene:force(NAME, { edges = "
+            "mesh:edges(), ... })",
             hk_scene_place_of(run->scene, first), loose, first);
 }
 

@@ -1,5 +1,5 @@
-/* Lines of the script: where particles were added, for messages about those that the run finds something about. Builders
- * that stand in one line, as in a loop, are one place. */
+/* Lines of the script: where particles were added, for what a run finds to say about them. Builders that stand in one
+ * line, as in a loop, are one place. */
 #include "core/engine/base/base.h"
 #include "core/engine/text/text.h"
 #include "core/scene/scene/scene.h"

@@ -71,8 +71,10 @@ static void a_pair_that_is_joined_twice_is_named(void **state) {
 static void particles_that_nothing_holds_together_are_named(void **state) {
   (void)state;
   static const warned list[] = {
-      {GRID "scene:force('gravity')\n", "scene.lua:2: " LOOSE "9 particles of a mesh, grid or strand, such as particle 1, so"},
-      {SCENE "scene:block { nx = 3, ny = 3, nz = 3, density = 1 }\nscene:force('gravity')\n", "scene.lua:2: " LOOSE "26 "},
+      {GRID "scene:force('gravity')\n",
+       "scene.lua:2: " LOOSE "9 particles of a mesh, grid or strand, such as particle 1, so"},
+      {SCENE "scene:block { nx = 3, ny = 3, nz = 3, density = 1 }\nscene:force('gravity')\n",
+       "scene.lua:2: " LOOSE "26 "},
       {CHAIN "local g = scene:grid { nx = 2, ny = 2, origin = { 9, 0, 0 } }\nscene:force('gravity')\n"
              "scene:force('springs', { edges = s:edges(), k = 1 })\n",
        "scene.lua:3: " LOOSE "4 particles of a mesh, grid or strand, such as particle 5, so"},
@@ -106,7 +108,7 @@ static void what_is_guessed_is_said(void **state) {
        "scene.lua:2: strand: the section has a radius and no density, so that the mass is 1 kg"},
       {SCENE "scene:channel('vx')\nscene:particle {}\n", "scene.lua:2: channel 'vx': tables of states have a column"},
       {GRID "scene:pin(g)\nscene:force('rods', { edges = g:edges(), EI = 1 })\n",
-       "scene.lua:4: rods: edges: 6 of them have no effect, such as number 7, from particle 1 to 4: nothing follows it"},
+       "scene.lua:4: rods: edges: 6 of them have no effect, such as number 7, from particle 1 to 4: nothing"},
   };
   expect_warnings(list, sizeof list / sizeof *list);
 }
