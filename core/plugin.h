@@ -88,7 +88,8 @@ typedef struct hk_range {
 enum {                  /* hk_param.flags */
        HK_REQUIRED = 1, /* the user must give a value */
        HK_OPTIONAL = 2, /* when not given: NAN, a vector of NAN, an empty list */
-       HK_TIMED = 4     /* the user may give a Lua function of t (number, vector); updated before every evaluation */
+       HK_TIMED = 4,    /* the user may give a Lua function of t (number, vector); updated before every evaluation */
+       HK_NOT_EMPTY = 8 /* of lists of which left out means all: the user may not give an empty one */
 };
 
 /* One parameter. A table ends with {0}.

@@ -131,8 +131,17 @@ local function folder_of(path) return path:match("^(.*)/[^/]*$") or "." end
 -- Whether the page can be written; before a scene is run for it.
 local function has_place(path)
   local folder = folder_of(path)
-  if lfs.attributes(folder == "" and "/" or folder, "mode") == "directory" then return true end
-  return nil, ("--page: there is no folder %s for %s: create it first"):format(folder, path)
+  if lfs.attributes(folder == "" and "/" or folder, "mode") ~= "directory" then
+    return nil, ("--page: there is no folder %s for %s: create it first"):format(folder, path)
+  end
+  local mode = lfs.attributes(path, "mode")
+  if mode == "directory" then return nil, ("--page: %s is a folder: name a file in it, such as %s/page.html"):format(path, path) end
+  if mode and mode ~= "file" then return true end -- a device or a pipe
+  local file, why = io.open(path, "a") -- which changes nothing that is there
+  if not file then return nil, ("--page: cannot write %s; name another file"):format(why) end
+  file:close()
+  if not mode then os.remove(path) end
+  return true
 end
 
 local function make_page(o, folders)

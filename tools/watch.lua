@@ -37,8 +37,9 @@ local function parameters_of(own)
   process.close(from)
   local how, code = process.wait(pid)
   local got = cjson.decode(table.concat(text))
-  if how ~= "exit" or code ~= 0 or type(got) ~= "table" then return nil, how == "exit" and code ~= 0 and code or 2 end
-  return got.parameters
+  if how == "exit" and code == 0 and type(got) == "table" then return got.parameters end
+  if how == "exit" and code ~= 0 then return nil, code end -- it has said why
+  return nil, complain("--watch: there is no scene to run: name its script, as in hooke run SCENE.lua --watch")
 end
 
 -- ---- the session: one run after the other, and what pages see of them ----

@@ -71,7 +71,7 @@ static hk_status topology(void *self, const hk_view *view) {
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   contact *s = self;
-  hk_status status = hk_impulse_contact_create(&s->base, host, view);
+  hk_status status = hk_impulse_contact_create(&s->base, "contact", host, view);
   s->base.candidates.slack = slack * hk_contact_scale(&s->base.params);
   return status == HK_OK ? topology(self, view) : status;
 }

@@ -60,7 +60,7 @@ static hk_status topology(void *self, const hk_view *view) {
 
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   impact_zones *s = self;
-  hk_status status = hk_impulse_contact_create(&s->base, host, view);
+  hk_status status = hk_impulse_contact_create(&s->base, "impact_zones", host, view);
   return status == HK_OK ? topology(self, view) : status;
 }
 

@@ -98,6 +98,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (!c->surfaces) return host->fail(host, HK_FAILED, "no service '%s' is installed", HK_SURFACES_INTERFACE);
   if (b->closest == 0) b->closest = INFINITY; /* 0: the run does not go on from a checkpoint */
   b->request.leave = &b->leave;
+  b->request.plugin = "barrier";
   return c->surfaces->join(c->surfaces->self, &b->request, view);
 }
 

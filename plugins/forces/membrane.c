@@ -15,7 +15,7 @@ typedef struct membrane {
 
 static const hk_param params[] = {
     {"triangles", "", "of the sheet; left out: those of the scene's grids and meshes",
-     .triangles = HK_AT(membrane, given.triangles), .flags = HK_OPTIONAL},
+     .triangles = HK_AT(membrane, given.triangles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"model", "", "of the energy: conditions of stretch and shear, Green's strains, rubber",
      .choice = HK_AT(membrane, given.model), .choices = "baraff_witkin|stvk|neo_hookean"},
     {"stiffness", "N/m", "membrane stiffness along the warp: Young's modulus times thickness",

@@ -34,7 +34,7 @@ static const hk_param params[] = {
     {"softening", "m", "added to distances in quadrature; 0: point masses", .number = HK_AT(nbody, softening),
      .limits = HK_WITHIN(0, 1e150)},
     {"sources", "", "only pairs with one of these or two act; left out: all pairs", .particles = HK_AT(nbody, sources),
-     .flags = HK_OPTIONAL},
+     .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"among", "", "whether the sources attract each other as well", .boolean = HK_AT(nbody, among), .initial = {1}},
     {"method", "", "sum over all pairs, or an octree; auto: by the number of bodies", .choice = HK_AT(nbody, method),
      .choices = "auto|direct|tree"},

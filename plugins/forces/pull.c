@@ -30,7 +30,7 @@ typedef struct pull {
 
 static const hk_param params[] = {
     {"particles", "", "ids of the particles that are pulled; left out: all on which the force acts; not with by_hand",
-     .particles = HK_AT(pull, particles), .flags = HK_OPTIONAL},
+     .particles = HK_AT(pull, particles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"target", "m", "the point that they are pulled to; not with by_hand", .vector = HK_AT(pull, target),
      .flags = HK_TIMED},
     {"k", "N/m", "stiffness; required without by_hand, and else chosen for the particle that is held",

@@ -83,7 +83,7 @@ static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   if (isnan(s->law.reach)) s->law.reach = s->params.thickness / 2;
   s->sums.closest = INFINITY;
   memcpy(s->start, view->x, 3 * view->n * sizeof *s->start);
-  s->surfaces = hk_contact_join(&s->params, host, view, &status);
+  s->surfaces = hk_contact_join(&s->params, "repulsion", host, view, &status);
   return status == HK_OK ? topology(self, view) : status;
 }
 

@@ -23,9 +23,9 @@ typedef struct volume {
 
 static const hk_param params[] = {
     {"triangles", "", "closed surfaces, each piece of which keeps its volume", .triangles = HK_AT(volume, triangles),
-     .flags = HK_OPTIONAL},
+     .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"tetrahedra", "", "in their place: each keeps its volume", .tetrahedra = HK_AT(volume, tetrahedra),
-     .flags = HK_OPTIONAL},
+     .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"k", "Pa", "bulk modulus of what is enclosed; of tetrahedra one number or one each", .per_tuple = HK_AT(volume, k),
      .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED, .list = "tetrahedra"},
     {"damping", "Pa s", "the same for the rate of the volume", .per_tuple = HK_AT(volume, damping),

@@ -59,8 +59,8 @@ enum { BLOCK = 256 }; /* particles that are looked at together for deaths */
 /* clang-format on */
 
 static const hk_param params[] = {
-    {"rate", "1/s", "births per second", .number = HK_AT(emitter, flow.rate), .initial = {100},
-     .limits = HK_WITHIN(0, 1e9)},
+    {"rate", "1/s", "births per second; left out: 100", .number = HK_AT(emitter, flow.rate),
+     .limits = HK_WITHIN(0, 1e9), .flags = HK_OPTIONAL},
     {"rate_of_time", "1/s", "births per second as a function of time, in the place of `rate`",
      .function = HK_AT(emitter, flow.of_time), .signature = "function(t) -> rate"},
     {"rate_every", "s", "how often that function is asked: the rate is straight between, and a shorter pulse is missed",
@@ -80,7 +80,7 @@ static const hk_param params[] = {
     {"extent", "m", "radius of disc, sphere and ball", .number = HK_AT(emitter, outlet.radius), .initial = {0.1},
      .limits = HK_AT_LEAST(0)},
     {"triangles", "", "triangles of the scene to emit from, uniformly by area",
-     .triangles = HK_AT(emitter, outlet.triangles), .flags = HK_OPTIONAL},
+     .triangles = HK_AT(emitter, outlet.triangles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},
     {"direction", "", "in which particles leave; on spheres and triangles they leave along the normal",
      .vector = HK_AT(emitter, outlet.direction), .initial = {0, 0, 1}},
     {"cone", "degrees", "largest angle about that direction, uniform by solid angle",
@@ -123,6 +123,21 @@ static particle *particles(const emitter *e) { return (particle *)e->list.item +
 
 /* ---- the start ---- */
 
+/* Births per second: one of the two, or what nobody has asked for. */
+static void choose_rate(emitter *e, const hk_host *host) {
+  const double by_default = 100;
+  bool given = !isnan(e->flow.rate);
+  if (given && e->flow.of_time)
+    host->warn(host, "rate, %g/s, has no effect: the function rate_of_time takes its place; leave one of them out",
+               e->flow.rate);
+  if (given || e->flow.of_time) return;
+  e->flow.rate = by_default;
+  host->warn(host,
+             "no rate is given, so that %g particles a second are born: give rate, or rate_of_time, or rate = 0 for "
+             "bursts alone",
+             by_default);
+}
+
 static hk_status check_times(const emitter *e, const hk_host *host) {
   for (size_t k = 1; k < e->burst_at.count; k++)
     if (e->burst_at.value[k] < e->burst_at.value[k - 1])
@@ -130,6 +145,8 @@ static hk_status check_times(const emitter *e, const hk_host *host) {
                         e->burst_at.value[k], e->burst_at.value[k - 1]);
   if (e->burst > 0 && e->burst_at.count == 0)
     return host->fail(host, HK_BAD_PARAM, "burst: when? burst_at = { 0.5, 1 } says it, in s");
+  if (e->burst == 0 && e->burst_at.count > 0)
+    return host->fail(host, HK_BAD_PARAM, "burst_at: how many are born then? burst = 100 says it");
   if (e->flow.to <= e->flow.from)
     return host->fail(host, HK_BAD_PARAM, "to: %g s is not after from: %g s", e->flow.to, e->flow.from);
   return HK_OK;
@@ -168,6 +185,7 @@ static hk_status find_channels(emitter *e, const hk_host *host, const hk_model *
 static hk_status create(void *self, const hk_host *host, const hk_view *view) {
   emitter *e = self;
   e->seed = (int64_t)(host->random(host) * 0x1p53);
+  choose_rate(e, host);
   hk_status status = check_times(e, host);
   if (status == HK_OK) status = check_capacity(e, host);
   if (status == HK_OK) status = check_radius(e, host);

@@ -72,6 +72,17 @@ static const char *with_boaster(void) {
   return boasting;
 }
 
+/* Seventeen stages grow so fast beyond the limit that a run of several oscillators ends before its last step. */
+static void a_run_that_diverges_is_measured_in_parts(void **state) {
+  (void)state;
+  test_hooke(&r, NULL, "stability --quiet --out many_stages --integrators kahan_li8");
+  if (r.code != 0) fail_msg("exit %d: %s", r.code, r.err);
+  if (strstr(r.out, ".lua:")) fail_msg("a line of the tool: %s", r.out);
+  read_file("many_stages/linear.csv");
+  near(column("kahan_li8,0,", 2), column("kahan_li8,0,", 3), 1e-4);
+  near(column("kahan_li8,10,", 2), column("kahan_li8,10,", 3), 1e-4);
+}
+
 static void a_method_that_states_too_much_is_named(void **state) {
   (void)state;
   test_hooke(&r, with_boaster(), "stability --quiet --out boast --integrators boaster");
@@ -174,6 +185,7 @@ static void a_case_that_is_not_described_is_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(linear_limits_are_those_of_theory),
+      cmocka_unit_test(a_run_that_diverges_is_measured_in_parts),
       cmocka_unit_test(a_method_that_states_too_much_is_named),
       cmocka_unit_test(the_limit_on_a_scene_is_that_of_its_frequency),
       cmocka_unit_test(an_estimate_above_the_limit_is_named),

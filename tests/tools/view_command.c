@@ -121,6 +121,19 @@ static void what_cannot_be_shown_is_refused_with_a_remedy(void **state) {
   view(NULL, "", 1, "what");
 }
 
+/* The scene would take its time. */
+static void a_page_that_cannot_be_written_is_said_before_the_run(void **state) {
+  (void)state;
+  skip_without_pages();
+  assert_true(holds("rm -rf out/rope && mkdir -p pages && echo old >pages/old.html"));
+  view(NULL, "rope.lua --page nowhere/page.html", 4, "--page: there is no folder nowhere for nowhere/page.html");
+  view(NULL, "rope.lua --page pages", 4, "--page: pages is a folder: name a file in it, such as pages/page.html");
+  view(NULL, "rope.lua --page /proc/page.html", 4, "--page: cannot write /proc/page.html: No such file or directory");
+  assert_true(holds("test ! -e out/rope"));
+  view(NULL, "rope.lua --page pages/new.html k=none", 1, "k: 'none' is not a number");
+  assert_true(holds("test ! -e pages/new.html && test \"$(cat pages/old.html)\" = old"));
+}
+
 static void a_full_disk_is_said_and_leaves_the_page_that_was_there(void **state) {
   (void)state;
   skip_without_pages();
@@ -140,6 +153,7 @@ int main(void) {
       cmocka_unit_test(names_become_text),
       cmocka_unit_test(what_cannot_be_shown_is_refused_with_a_remedy),
       cmocka_unit_test(a_full_disk_is_said_and_leaves_the_page_that_was_there),
+      cmocka_unit_test(a_page_that_cannot_be_written_is_said_before_the_run),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

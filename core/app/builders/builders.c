@@ -3,6 +3,8 @@
  */
 #include "core/app/builders/builders.h"
 
+#include <string.h>
+
 uint32_t hk_lua_group(lua_State *L, hk_scene *scene, int table, const char *what) {
   hk_error error = {0};
   uint32_t group = 0;
@@ -29,6 +31,10 @@ uint32_t hk_lua_add(lua_State *L, hk_scene *scene, const char *what, size_t coun
     hk_limits_take(L, count * scene->particles.channel[k].size * sizeof(double));
   if (hk_scene_add_particles(scene, count, x, v, mass, common, group, &first, &error) != HK_OK)
     hk_lua_raise_for(L, what, &error);
+  const char *where = hk_lua_where(L);
+  hk_limits_take(L, strlen(where));
+  if (hk_scene_note_place(scene, first, where, &error) != HK_OK) hk_lua_raise_for(L, what, &error);
+  lua_pop(L, 1);
   return first;
 }
 

@@ -48,7 +48,16 @@ static void read_radius(lua_State *L, int table, const char *what, double half_a
   lua_pop(L, 1);
 }
 
-hk_lua_material hk_lua_read_material(lua_State *L, int table, const char *what) {
+/* Of a section one expects the mass of its material. */
+static void warn_of_mass(lua_State *L, int table, hk_scene *scene, const char *what) {
+  if (hk_lua_given(L, table, "mass") || hk_lua_given(L, table, "density")) return;
+  hk_lua_warn(L, scene,
+              "%s: the section has a radius and no density, so that the mass is 1 kg, which it is where nothing is "
+              "given: give density (kg/m^3), or mass (kg)",
+              what);
+}
+
+hk_lua_material hk_lua_read_material(lua_State *L, int table, hk_scene *scene, const char *what) {
   hk_error error = {0};
   hk_lua_material m = {.there = hk_lua_given(L, table, "radius")};
   static const char *const of_section[] = {"E", "nu", "density", NULL};
@@ -61,6 +70,7 @@ hk_lua_material hk_lua_read_material(lua_State *L, int table, const char *what) 
     hk_lua_fail(L, HK_BAD_PARAM, "%s: give mass or density, not both", what);
   m.mass = hk_lua_field_number(L, table, what, "mass", 1);
   if (!m.there) return m;
+  warn_of_mass(L, table, scene, what);
   read_radius(L, table, what, m.section.half_axis);
   m.section.E = hk_lua_field_number(L, table, what, "E", NAN);
   m.section.nu = hk_lua_field_number(L, table, what, "nu", NAN);

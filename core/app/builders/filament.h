@@ -18,7 +18,8 @@ typedef struct hk_lua_material {
   double mass;                /* kg, of the whole chain, where there is no density */
 } hk_lua_material;
 
-hk_lua_material hk_lua_read_material(lua_State *L, int table, const char *what);
+/* It may leave a warning with the scene. */
+hk_lua_material hk_lua_read_material(lua_State *L, int table, hk_scene *scene, const char *what);
 /* The masses of n particles of a chain `length` long. With a section the ends carry half of what the others do; a first
  * segment in a wall has none. */
 void hk_lua_share_mass(const hk_lua_material *, uint32_t n, bool wall, double length, double *mass);

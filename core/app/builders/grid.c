@@ -59,7 +59,7 @@ int hk_build_grid(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_lua_check_table(L, 2, "grid", "scene:grid { ... }");
   lua_settop(L, 2);
-  hk_lua_take_material(L, 2, "grid");
+  hk_lua_take_material(L, scene, 2, "grid");
   hk_lua_check_keys(L, 2, "grid", keys);
   hk_lua_handle h = {.nx = hk_lua_count(L, 2, "grid", "nx", 1),
                      .ny = hk_lua_count(L, 2, "grid", "ny", 1),

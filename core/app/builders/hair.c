@@ -18,9 +18,16 @@ enum { MOST = 20000000 }; /* particles; a script's memory is full before */
 
 /* ---- the surface ---- */
 
-static void read_sphere(lua_State *L, int on, hk_skin *skin) {
+static void read_sphere(lua_State *L, hk_scene *scene, int on, hk_skin *skin) {
   static const char *const keys[] = {"centre", "radius", "axis", "cap", NULL};
   hk_lua_check_keys(L, on, "hair: on", keys);
+  lua_pushnil(L);
+  if (lua_next(L, on))
+    lua_pop(L, 2);
+  else
+    hk_lua_warn(L, scene,
+                "hair: on: {} names no surface, so that it is a sphere with a radius of 1 m: give { radius = 1 } of "
+                "one, { u =, v = } of a patch, scene:surface{}, or a mesh");
   skin->axis[2] = 1;
   hk_lua_field_vector(L, on, "hair: on", "centre", skin->centre);
   hk_lua_field_vector(L, on, "hair: on", "axis", skin->axis);
@@ -89,7 +96,7 @@ static void read_handle(lua_State *L, const hk_scene *scene, int on, hk_skin *sk
                     .triangle = (const uint32_t(*)[3])triangle};
 }
 
-static hk_skin read_skin(lua_State *L, const hk_scene *scene) {
+static hk_skin read_skin(lua_State *L, hk_scene *scene) {
   static const hk_skin none = {0};
   hk_skin skin = none;
   int type = hk_lua_field(L, 2, "on"), on = lua_gettop(L);
@@ -103,7 +110,7 @@ static hk_skin read_skin(lua_State *L, const hk_scene *scene) {
   else if (hk_lua_given(L, on, "u") || hk_lua_given(L, on, "v"))
     read_patch(L, on, &skin);
   else
-    read_sphere(L, on, &skin);
+    read_sphere(L, scene, on, &skin);
   if (skin.axis[0] == 0 && skin.axis[1] == 0 && skin.axis[2] == 0 && skin.triangles == 0)
     hk_lua_fail(L, HK_BAD_PARAM, "hair: on: the surface has no triangles");
   return skin;
@@ -170,7 +177,7 @@ static double below(lua_State *L, const char *key, double most) {
   return value;
 }
 
-static void read(lua_State *L, const hk_scene *scene, hair *h) {
+static void read(lua_State *L, hk_scene *scene, hair *h) {
   h->wall = hk_lua_flag(L, 2, "hair", "clamped", true);
   h->n = hk_lua_count(L, 2, "hair", "n", h->wall ? 3 : 2);
   h->strands = hk_lua_count(L, 2, "hair", "strands", 1);
@@ -181,7 +188,7 @@ static void read(lua_State *L, const hk_scene *scene, hair *h) {
   h->spread = below(L, "spread", pi);
   h->vary_length = below(L, "vary_length", 0.99);
   h->vary_curl = below(L, "vary_curl", 0.99);
-  h->material = hk_lua_read_material(L, 2, "hair");
+  h->material = hk_lua_read_material(L, 2, scene, "hair");
   h->curl = hk_lua_read_curl(L, 2, "hair");
   hk_random_seed(h->random, hk_lua_field_whole(L, 2, "hair", "seed", scene->seed, 9007199254740992.0)); /* 2^53 */
 }

@@ -79,7 +79,7 @@ int hk_build_mesh(lua_State *L) {
   hk_scene *scene = hk_lua_scene(L, 1);
   hk_lua_check_table(L, 2, "mesh", "scene:mesh { ... }");
   lua_settop(L, 2);
-  hk_lua_take_material(L, 2, "mesh");
+  hk_lua_take_material(L, scene, 2, "mesh");
   hk_lua_check_keys(L, 2, "mesh", keys);
   hk_mesh *m = hk_mesh_new(L);
   read_mesh(L, m);

@@ -141,7 +141,7 @@ int hk_build_strand(lua_State *L) {
   s.n = hk_lua_count(L, 2, "strand", "n", s.wall ? 3 : 2);
   s.x = lua_newuserdatauv(L, s.n * sizeof *s.x, 0);
   s.mass = lua_newuserdatauv(L, s.n * sizeof *s.mass, 0);
-  s.material = hk_lua_read_material(L, 2, "strand");
+  s.material = hk_lua_read_material(L, 2, scene, "strand");
   if (hk_lua_field(L, 2, "curve") != LUA_TNIL) {
     refuse_two_shapes(L);
     lay_on_curve(L, &s, lua_gettop(L));

@@ -43,12 +43,14 @@ hk_status hk_auto_choose(hk_options *o, const hk_scene *scene, const char *tools
                          hk_choice *choice, hk_error *error) {
   double accuracy = isnan(o->run.accuracy) ? scene->accuracy : o->run.accuracy;
   char path[PATH_MAX + 16];
+  const char *line = o->run.integrator ? NULL : scene->auto_where;
   words w;
   int code = 0;
   if (!(accuracy > 0))
     return hk_error_set(error, HK_BAD_PARAM,
-                        "integrator 'auto' needs to know the accuracy that is asked for: accuracy = 1e-3 (m) in "
-                        "hooke.scene{}, or --accuracy 1e-3");
+                        "%s%sintegrator 'auto' needs to know the accuracy that is asked for: accuracy = 1e-3 (m) in "
+                        "hooke.scene{}, or --accuracy 1e-3",
+                        line ? line : "", line ? ": " : "");
   snprintf(path, sizeof path, "%s/auto.lua", tools);
   hk_run_options run = {.dt = NAN, .tol = NAN, .until = NAN, .accuracy = NAN, .interrupted = o->run.interrupted};
   run.acting = o->run.acting;

@@ -150,6 +150,26 @@ static int guarded_bytes(lua_State *L) {
   return original(L);
 }
 
+/* ---- lists ---- */
+
+/* Where what is no list is gone through as one: the result of a function that gives one value, or a wrong name. */
+static int guarded_pairs(lua_State *L) {
+  int type = lua_type(L, 1);
+  const char *name = lua_tostring(L, lua_upvalueindex(2));
+  bool list = type == LUA_TTABLE || type == LUA_TUSERDATA;
+  if (!list && luaL_getmetafield(L, 1, "__pairs") == LUA_TNIL)
+    return hk_lua_fail(L, HK_SCRIPT, "%s goes through a table, and this is %s%s", name, hk_lua_kind(L, 1),
+                       type == LUA_TNUMBER ? ": use it as it is" : "");
+  return original(L);
+}
+
+static void guard_pairs(lua_State *L, const char *name) {
+  lua_getfield(L, -1, name);
+  lua_pushstring(L, name);
+  lua_pushcclosure(L, guarded_pairs, 2);
+  lua_setfield(L, -2, name);
+}
+
 /* ---- installing the guards: the environment is on top of the stack ---- */
 
 void hk_lua_replace(lua_State *L, const char *name, lua_CFunction by) {
@@ -161,6 +181,8 @@ void hk_lua_replace(lua_State *L, const char *name, lua_CFunction by) {
 void hk_lua_guard(lua_State *L) {
   hk_lua_replace(L, "pcall", guarded_pcall);
   hk_lua_replace(L, "xpcall", guarded_xpcall);
+  guard_pairs(L, "pairs");
+  guard_pairs(L, "ipairs");
   lua_getfield(L, -1, "coroutine");
   hk_lua_replace(L, "resume", guarded_resume);
   hk_lua_replace(L, "close", guarded_resume);

@@ -68,11 +68,32 @@ static void convert(lua_State *L, const char *name, const char *text) {
     lua_pushstring(L, text);
 }
 
+/* The name; what stands beside it is checked, too. */
+static const char *name_of(lua_State *L) {
+  static const char usage[] = "param(\"k\", 1000, \"stiffness, N/m\", { min = 0 })";
+  if (lua_type(L, 1) != LUA_TSTRING)
+    hk_lua_fail(L, HK_BAD_PARAM, "param: expected a name and a default, as in %s", usage);
+  const char *name = lua_tostring(L, 1);
+  int type = lua_type(L, 2);
+  if (type == LUA_TNIL)
+    hk_lua_fail(L, HK_BAD_PARAM, "param: '%s' has no default, which says its type, too: give one, as in %s", name,
+                usage);
+  if (type != LUA_TNUMBER && type != LUA_TSTRING && type != LUA_TBOOLEAN)
+    hk_lua_fail(L, HK_BAD_PARAM, "param: the default of '%s' is %s: expected a number, a text, or true or false",
+                name, hk_lua_kind(L, 2));
+  if (!lua_isnil(L, 3) && lua_type(L, 3) != LUA_TSTRING)
+    hk_lua_fail(L, HK_BAD_PARAM, "param: the help of '%s' is %s: expected a text, as in %s", name,
+                hk_lua_kind(L, 3), usage);
+  if (!lua_isnil(L, 4) && !lua_istable(L, 4))
+    hk_lua_fail(L, HK_BAD_PARAM, "param: the limits of '%s' are %s: expected { min =, max = }, as in %s", name,
+                hk_lua_kind(L, 4), usage);
+  return name;
+}
+
 int hk_lua_param(lua_State *L) {
   hk_script *s = hk_lua_script(L);
-  const char *name = luaL_checkstring(L, 1), *help = luaL_optstring(L, 3, "");
-  luaL_checkany(L, 2);
   lua_settop(L, 4);
+  const char *name = name_of(L), *help = lua_isnil(L, 3) ? "" : lua_tostring(L, 3);
   lua_pushvalue(L, 2);
   for (size_t k = 0; k < s->options.given_count; k++) {
     if (strcmp(s->options.given[k].name, name) != 0) continue;

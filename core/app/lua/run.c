@@ -116,7 +116,7 @@ static int save(lua_State *L) {
   hk_error error = {0};
   if (!hk_lua_script(L)->options.trust)
     return hk_lua_fail(L, HK_SCRIPT, "run:save writes a file: run with --trust to allow it");
-  if (hk_run_save(run, luaL_checkstring(L, 2), &error) != HK_OK) return hk_lua_raise(L, &error);
+  if (hk_run_save(run, hk_lua_text(L, 2, "run:save(\"state.csv\")"), &error) != HK_OK) return hk_lua_raise(L, &error);
   return 0;
 }
 

@@ -88,7 +88,7 @@ static void mark_module(lua_State *L, const char *name, const void *mark) {
 static int require_module(lua_State *L) {
   static const char loading;
   const hk_script *s = hk_lua_script(L);
-  const char *name = luaL_checkstring(L, 1);
+  const char *name = hk_lua_text(L, 1, "require(\"drape\")");
   if (lua_getfield(L, lua_upvalueindex(2), name) != LUA_TNIL && lua_touserdata(L, -1) != &loading) return 1;
   if (!lua_isnil(L, -1)) return hk_lua_fail(L, HK_SCRIPT, "require: '%s' requires itself, in a circle", name);
   if (strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") != strlen(name))

@@ -18,6 +18,15 @@ static void check(lua_State *L, hk_status status, const hk_error *error) {
   if (status != HK_OK) hk_lua_raise(L, error);
 }
 
+/* *line: the script's line of the call, for messages of the run. */
+static void note_line(lua_State *L, char **line) {
+  hk_error error = {0};
+  const char *where = hk_lua_where(L);
+  hk_limits_take(L, strlen(where));
+  check(L, hk_scene_set_where(line, where, &error), &error);
+  lua_pop(L, 1);
+}
+
 /* ---- plugins ---- */
 
 /* "auto": the scene names no plugin of the kind. The run chooses the solver by its forces and its size; the integrator
@@ -28,7 +37,9 @@ static void clear_choice(lua_State *L, hk_scene *scene, hk_kind kind, int params
   if (params && lua_istable(L, params) && lua_next(L, params))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: auto has no parameters; name one to set its own", hk_kind_name(kind));
   if (list->count) hk_scene_drop(scene, list->item[0]);
-  if (kind == HK_INTEGRATOR) scene->integrator_auto = true;
+  if (kind != HK_INTEGRATOR) return;
+  scene->integrator_auto = true;
+  note_line(L, &scene->auto_where);
 }
 
 static bool has_param(const hk_plugin *plugin, const char *name) {
@@ -41,7 +52,8 @@ static bool has_param(const hk_plugin *plugin, const char *name) {
  * name. */
 static int set_params(lua_State *L) {
   hk_plugin_spec *spec = lua_touserdata(L, 2);
-  if (lua_istable(L, 3) && !has_param(spec->plugin, "material")) hk_lua_take_material(L, 3, spec->plugin->name);
+  if (lua_istable(L, 3) && !has_param(spec->plugin, "material"))
+    hk_lua_take_material(L, lua_touserdata(L, 1), 3, spec->plugin->name);
   hk_lua_set_params(L, lua_touserdata(L, 1), spec, 3);
   return 0;
 }
@@ -268,13 +280,29 @@ static size_t initial_values(lua_State *L, double *into, size_t room) {
   return count;
 }
 
+/* Keys of scene:particle{} cannot be told from those of particles; columns of tables can, by their order alone. */
+static void check_channel_name(lua_State *L, hk_scene *scene, const char *name) {
+  static const char *const keys[] = {"mass", "position", "velocity", "group", "id"};
+  static const char *const columns[] = {"x", "y", "z", "vx", "vy", "vz"};
+  for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+    if (strcmp(name, keys[k]) == 0)
+      hk_lua_fail(L, HK_BAD_PARAM, "channel '%s': a particle's %s is its own already: choose another name", name, name);
+  for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+    if (strcmp(name, columns[k]) == 0)
+      hk_lua_warn(L, scene,
+                  "channel '%s': tables of states have a column of this name already, and two then: choose another "
+                  "name",
+                  name);
+}
+
 static int channel(lua_State *L) {
   static const char *const keys[] = {"size", "initial", "rate", "accuracy", NULL};
   hk_scene *target = editable(L);
   hk_error error = {0};
-  const char *name = luaL_checkstring(L, 2);
+  const char *name = hk_lua_text(L, 2, "scene:channel(\"heat\", { initial = 0 })");
   double initial[16] = {0}, decay = NAN;
   hk_function rate = {0};
+  check_channel_name(L, target, name);
   lua_settop(L, 3);
   if (lua_isnil(L, 3)) {
     lua_newtable(L);
@@ -332,7 +360,12 @@ static int on_frame(lua_State *L) {
 
 static int exact(lua_State *L) {
   hk_scene *target = editable(L);
+  if (lua_type(L, 2) != LUA_TFUNCTION)
+    return hk_lua_fail(L, HK_BAD_PARAM,
+                       "exact: expected a function, scene:exact(function(t) return x, y, z end), got %s",
+                       hk_lua_kind(L, 2));
   target->exact = hk_lua_function(L, 2);
+  note_line(L, &target->exact_where);
   return 0;
 }
 
@@ -344,6 +377,7 @@ static int start(lua_State *L) {
   if (hk_lua_field(L, 2, "file") != LUA_TSTRING) return hk_lua_fail(L, HK_BAD_PARAM, "start: file is required");
   free(target->start_file);
   target->start_file = hk_string_copy(lua_tostring(L, -1));
+  note_line(L, &target->start_where);
   hk_lua_note_file(L, "the start file", lua_tostring(L, -1), lua_tostring(L, -1));
   return 0;
 }

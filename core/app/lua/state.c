@@ -62,7 +62,7 @@ static int mass(lua_State *L) {
 
 static int channel(lua_State *L) {
   hk_run *run = run_of(L);
-  const char *name = luaL_checkstring(L, 2);
+  const char *name = hk_lua_text(L, 2, "state:channel(\"heat\", id)");
   const hk_view *view = hk_run_view(run);
   size_t i = index_of(L, run, 3);
   for (size_t k = 0; k < view->model->channels; k++) {
@@ -103,8 +103,9 @@ static int force(lua_State *L) {
   hk_run *run = run_of(L);
   hk_error error = {0};
   double f[3];
+  const char *label = hk_lua_text(L, 2, "state:force(LABEL, id)");
   uint32_t id = hk_run_view(run)->model->id[index_of(L, run, 3)];
-  if (hk_run_force(run, luaL_checkstring(L, 2), id, f, &error) != HK_OK) return hk_lua_raise(L, &error);
+  if (hk_run_force(run, label, id, f, &error) != HK_OK) return hk_lua_raise(L, &error);
   push_numbers(L, f, 3);
   return 1;
 }
@@ -113,7 +114,7 @@ static int force(lua_State *L) {
  */
 static int constraint_forces(lua_State *L) {
   hk_run *run = run_of(L);
-  const char *label = luaL_checkstring(L, 2);
+  const char *label = hk_lua_text(L, 2, "state:constraint_forces(LABEL)");
   hk_error error = {0};
   size_t count = 0;
   if (hk_run_equations(run, label, &count, &error) != HK_OK) return hk_lua_raise(L, &error);
@@ -126,7 +127,9 @@ static int constraint_forces(lua_State *L) {
 static int strain(lua_State *L) {
   hk_error error = {0};
   double largest;
-  if (hk_run_strain(run_of(L), luaL_optstring(L, 2, NULL), &largest, &error) != HK_OK) return hk_lua_raise(L, &error);
+  hk_run *run = run_of(L);
+  const char *label = lua_isnoneornil(L, 2) ? NULL : hk_lua_text(L, 2, "state:strain(LABEL)");
+  if (hk_run_strain(run, label, &largest, &error) != HK_OK) return hk_lua_raise(L, &error);
   lua_pushnumber(L, largest);
   return 1;
 }

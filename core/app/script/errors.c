@@ -4,6 +4,8 @@
  * that catches errors cannot hide that it exceeded a limit. */
 #include "core/app/script/script.h"
 
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,6 +45,17 @@ int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) {
   hk_error_setv(&error, status, format, arguments);
   va_end(arguments);
   hk_lua_raise(L, &error);
+}
+
+void hk_lua_warn(lua_State *L, hk_scene *scene, const char *format, ...) {
+  char text[900];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  hk_limits_take(L, sizeof text);
+  hk_warn(&scene->warnings, "%s: %s", hk_lua_where(L), text);
+  lua_pop(L, 1);
 }
 
 static hk_status take_error(lua_State *L, hk_error *error) {

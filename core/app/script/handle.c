@@ -75,9 +75,15 @@ int hk_lua_push_structural(lua_State *L, const hk_lua_handle *h) {
 
 static hk_lua_handle *self(lua_State *L) { return hk_lua_self(L, handle_type, "handle:at(1)"); }
 
+/* Left out: 1. */
+static lua_Integer place(lua_State *L, int index, const char *form) {
+  return lua_isnoneornil(L, index) ? 1 : hk_lua_integer(L, index, form);
+}
+
 static int at(lua_State *L) {
   const hk_lua_handle *h = self(L);
-  lua_Integer i = luaL_checkinteger(L, 2), j = luaL_optinteger(L, 3, 1), k = luaL_optinteger(L, 4, 1);
+  const char *form = h->nz > 0 ? "block:at(1, 1, 1)" : h->grid ? "grid:at(1, 1)" : "strand:at(1)";
+  lua_Integer i = hk_lua_integer(L, 2, form), j = place(L, 3, form), k = place(L, 4, form);
   if (h->nz > 0 && (i < 1 || i > h->nx || j < 1 || j > h->ny || k < 1 || k > h->nz))
     return hk_lua_fail(L, HK_BAD_PARAM, "at(%lld, %lld, %lld) is outside the block of %d x %d x %d", (long long)i,
                        (long long)j, (long long)k, (int)h->nx, (int)h->ny, (int)h->nz);
@@ -139,7 +145,7 @@ static void push_numbers_of(lua_State *L, lua_Integer k, lua_Integer edges) {
 /* The k-th of several chains. */
 static int strand(lua_State *L) {
   const hk_lua_handle *h = self(L);
-  lua_Integer k = luaL_checkinteger(L, 2);
+  lua_Integer k = hk_lua_integer(L, 2, "hair:strand(1)");
   lua_settop(L, 2);
   if (!h->chain) return hk_lua_fail(L, HK_BAD_PARAM, "only strands and hair have strands");
   if (k < 1 || k > h->ny)

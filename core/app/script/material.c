@@ -82,20 +82,23 @@ static void find_values(lua_State *L, const char *what, const char *name) {
   hk_lua_fail(L, HK_BAD_PARAM, "%s: material: '%s' has nothing for it, but for %s", what, name, push_list(L, &list));
 }
 
-/* Copies the fields of the table at `from` to that on top of the stack where it has none. */
-static void merge(lua_State *L, int from) {
+/* Copies the fields of the table at `from` to that on top of the stack where it has none; false: it has them all. */
+static bool merge(lua_State *L, int from) {
+  bool copied = false;
   for (lua_pushnil(L); lua_next(L, from); lua_pop(L, 1)) {
     lua_pushvalue(L, -2);
     if (lua_rawget(L, -4) == LUA_TNIL) {
       lua_pushvalue(L, -3);
       lua_pushvalue(L, -3);
       lua_rawset(L, -6);
+      copied = true;
     }
     lua_pop(L, 1);
   }
+  return copied;
 }
 
-void hk_lua_take_material(lua_State *L, int table, const char *what) {
+void hk_lua_take_material(lua_State *L, hk_scene *scene, int table, const char *what) {
   int top = lua_gettop(L);
   if (hk_lua_field(L, table, "material") == LUA_TNIL) {
     lua_settop(L, top);
@@ -110,7 +113,11 @@ void hk_lua_take_material(lua_State *L, int table, const char *what) {
   int values = lua_gettop(L);
   lua_newtable(L);
   merge(L, table);
-  merge(L, values);
+  if (!merge(L, values))
+    hk_lua_warn(L, scene,
+                "%s: material '%s' has no effect, since all of its numbers are given beside it: leave one or the other "
+                "out",
+                what, name);
   lua_pushnil(L);
   lua_setfield(L, -2, "material");
   lua_replace(L, table);

@@ -25,3 +25,25 @@ void hk_lua_check_table(lua_State *L, int index, const char *what, const char *f
   if (!lua_istable(L, index))
     hk_lua_fail(L, HK_BAD_PARAM, "%s: expected a table, %s, got a %s", what, form, luaL_typename(L, index));
 }
+
+const char *hk_lua_kind(lua_State *L, int index) {
+  static const char *const kinds[] = {"nothing", "true or false", "something of C", "a number",   "a text",
+                                      "a table", "a function",    "an object",      "a coroutine"};
+  int type = lua_type(L, index);
+  return kinds[type < 0 ? LUA_TNIL : type];
+}
+
+const char *hk_lua_text(lua_State *L, int index, const char *form) {
+  if (lua_type(L, index) != LUA_TSTRING)
+    hk_lua_fail(L, HK_BAD_PARAM, "expected a text, as in %s, got %s", form, hk_lua_kind(L, index));
+  return lua_tostring(L, index);
+}
+
+lua_Integer hk_lua_integer(lua_State *L, int index, const char *form) {
+  int whole = 0;
+  lua_Integer value = lua_type(L, index) == LUA_TNUMBER ? lua_tointegerx(L, index, &whole) : 0;
+  if (whole) return value;
+  if (lua_type(L, index) == LUA_TNUMBER)
+    hk_lua_fail(L, HK_BAD_PARAM, "expected a whole number, as in %s, got %g", form, lua_tonumber(L, index));
+  hk_lua_fail(L, HK_BAD_PARAM, "expected a whole number, as in %s, got %s", form, hk_lua_kind(L, index));
+}

@@ -124,6 +124,8 @@ int hk_stack_coroutine_slots(void);
 /* Raises an error prefixed by the script's file and line. */
 int hk_lua_fail(lua_State *L, hk_status status, const char *format, ...) HK_PRINTF(3, 4) __attribute__((noreturn));
 int hk_lua_raise(lua_State *L, const hk_error *error) __attribute__((noreturn));
+/* Leaves a warning with the scene, which its runs say, with the script's file and line. */
+void hk_lua_warn(lua_State *L, hk_scene *, const char *format, ...) HK_PRINTF(3, 4);
 /* "file.lua:12", the place of the calling function of the script; also pushed on the stack. */
 const char *hk_lua_where(lua_State *L);
 /* Calls the function below its arguments under the script's limits; a raised error is stored in `error`. */
@@ -136,6 +138,10 @@ const char *hk_lua_method_name(const void *methods, size_t k); /* hk_name_at of 
 /* Raises that `what` has no member of the name at 2; it names the one that may be meant, or says what there is. */
 int hk_lua_no_member(lua_State *L, const char *what, hk_name_at *, const void *context, const char *otherwise);
 void hk_lua_check_table(lua_State *L, int index, const char *what, const char *form);
+const char *hk_lua_kind(lua_State *L, int index); /* what an argument is, in words: "a number", "nothing" */
+/* Arguments of a function, or an error that shows the form of its call. */
+const char *hk_lua_text(lua_State *L, int index, const char *form);
+lua_Integer hk_lua_integer(lua_State *L, int index, const char *form); /* 16.0 is one */
 
 /* chunk.c */
 /* Pushes the compiled script at `path`, or the text of the error. LUA_ERRFILE: the file cannot be read (errno), and
@@ -227,8 +233,9 @@ bool hk_lua_field_function(lua_State *L, int table, const char *what, const char
 void hk_lua_set_params(lua_State *L, hk_scene *scene, hk_plugin_spec *spec, int table);
 
 /* material.c: puts a copy in the place of the table at the positive index `table`, in which the key "material" is
- * replaced by what the module of that name has for `what`, a builder or a plugin. Without the key nothing changes. */
-void hk_lua_take_material(lua_State *L, int table, const char *what);
+ * replaced by what the module of that name has for `what`, a builder or a plugin. Without the key nothing changes. A
+ * material that gives nothing, since all of it stands in the table, leaves a warning with the scene. */
+void hk_lua_take_material(lua_State *L, hk_scene *, int table, const char *what);
 #define HK_LUA_REQUIRE "hooke.require" /* the script's `require` in the registry */
 
 #endif

@@ -119,6 +119,9 @@ static bool one_param(const hk_plugin *plugin, const hk_param *p, hk_reason_text
   if (p->flags & HK_TIMED && !p->number && !p->vector)
     return hk_wrong(reason, "the parameter '%s' is HK_TIMED: only a number or a vector can be a function of t",
                     p->name);
+  if (p->flags & HK_NOT_EMPTY && !p->particles && !p->edges && !p->triangles && !p->tetrahedra)
+    return hk_wrong(reason, "the parameter '%s' is HK_NOT_EMPTY: only a list of particles or tuples can be empty",
+                    p->name);
   return text_of_param(plugin, p, reason);
 }
 

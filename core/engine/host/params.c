@@ -276,12 +276,23 @@ static hk_status check_count(const hk_plugin_spec *spec, const hk_param *p, hk_e
                       tuples->count, list->name);
 }
 
+/* For the plugin an empty list is as one that is left out, which may mean all. */
+static hk_status check_list(const hk_plugin_spec *spec, const hk_param *p, hk_error *error) {
+  const hk_tuples *list = hk_param_in(p, spec->values);
+  bool given = spec->given[p - spec->plugin->params];
+  if (!given || list->count > 0 || !(p->flags & HK_NOT_EMPTY)) return HK_OK;
+  return hk_error_set(error, HK_BAD_PARAM, "%s: %s is an empty list: name some; where it is left out, all are meant",
+                      spec->label, p->name);
+}
+
 hk_status hk_spec_check(const hk_plugin_spec *spec, hk_error *error) {
   for (const hk_param *p = spec->plugin->params; p && p->name; p++) {
     if ((p->flags & HK_REQUIRED) && !spec->given[p - spec->plugin->params])
       return hk_error_set(error, HK_BAD_PARAM, "%s: the parameter '%s' (%s) is required", spec->label, p->name,
                           p->help);
-    hk_status status = p->per_tuple ? check_count(spec, p, error) : HK_OK;
+    hk_status status = p->per_tuple         ? check_count(spec, p, error)
+                       : hk_param_arity(p) ? check_list(spec, p, error)
+                                           : HK_OK;
     if (status != HK_OK) return status;
   }
   return HK_OK;

@@ -63,7 +63,9 @@ static void host_warn(const hk_host *host, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(text, sizeof text, format, arguments);
   va_end(arguments);
-  if (instance->shared->warnings) hk_warn(instance->shared->warnings, "%s: %s", instance->label, text);
+  if (instance->shared->warnings)
+    hk_warn(instance->shared->warnings, "%s%s%s: %s", instance->where, *instance->where ? ": " : "", instance->label,
+            text);
 }
 
 static void *host_allocate(const hk_host *host, size_t bytes) {

@@ -99,7 +99,9 @@ hk_status hk_figures_exact(const hk_scene *scene, hk_loop *loop, double *error, 
   hk_status status = exact->call(exact, NULL, &t, 1, known, room, &got, cause);
   if (status == HK_OK && got % 3 != 0)
     status = hk_error_set(cause, HK_BAD_PARAM,
-                          "exact gave %zu numbers at t = %g s, which are not x, y, z of whole particles", got, t);
+                          "%s: exact gave %zu numbers at t = %g s, which are not x, y, z of whole particles: return "
+                          "three for each, in the order of their ids",
+                          scene->exact_where ? scene->exact_where : scene->name, got, t);
   for (size_t k = 0; k < got; k++) {
     double off = loop->state->X[3 * hk_model_nth(&loop->state->model, k / 3) + k % 3] - known[k];
     sum += off * off;

@@ -19,19 +19,22 @@ static const hk_instance *find_one_sided(const hk_instances *constraints) {
   return NULL;
 }
 
+/* Between the line of the script and what is said of it; of what the command line adds there is none. */
+static const char *before_text(const hk_instance *instance) { return *instance->where ? ": " : ""; }
+
 static hk_status check_constraints(const hk_dynamics *d, const hk_plugin *method) {
   const hk_instances *constraints = &d->plugins->kind[HK_CONSTRAINT];
   const char *refused = hk_integrator_of(method)->constrained.refused;
   if (constraints->count > 0 && refused)
-    return hk_error_set(d->error, HK_BAD_PARAM, "%s takes no constraints ('%s'): %s", method->name,
-                        constraints->item[0]->label, refused);
+    return hk_error_set(d->error, HK_BAD_PARAM, "%s%s%s takes no constraints ('%s'): %s", constraints->item[0]->where,
+                        before_text(constraints->item[0]), method->name, constraints->item[0]->label, refused);
   const hk_instance *one_sided = find_one_sided(constraints);
   if (one_sided && method->integrator->flags & HK_SPLITS_FORCES)
     return hk_error_set(
         d->error, HK_BAD_PARAM,
-        "%s takes no one-sided constraints ('%s'): it splits the forces, and which constraints push is a "
+        "%s%s%s takes no one-sided constraints ('%s'): it splits the forces, and which constraints push is a "
         "matter of their sum; choose another implicit method",
-        method->name, one_sided->label);
+        one_sided->where, before_text(one_sided), method->name, one_sided->label);
   return HK_OK;
 }
 

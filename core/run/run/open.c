@@ -232,6 +232,7 @@ static hk_status build(hk_run *run, hk_scene *scene) {
   if (status == HK_OK) status = hk_run_start_plugins(run);
   if (status == HK_OK) status = hk_install_solvers(&run->dynamics, run->loop.integrator, run->overrides.solver);
   if (status == HK_OK) status = hk_publications_list(&run->dynamics); /* services have come */
+  if (status == HK_OK) hk_warn_of_no_effect(run);
   hk_warn_of_unused_services(run);
   hk_warn_of_unused_options(run);
   if (status == HK_OK) status = hk_run_begin_saving(run);

@@ -121,6 +121,8 @@ void hk_warn_of_unused_services(hk_run *run) {
   for (size_t k = 0; k < named->count; k++) {
     bool asked = false;
     for (size_t j = 0; j < used->count; j++) asked |= used->item[j]->spec == named->item[k];
-    if (!asked) hk_warn(&run->warnings, "%s: no plugin of the scene asks for this service", named->item[k]->label);
+    if (!asked)
+      hk_warn(&run->warnings, "%s%s%s: no plugin of the scene asks for this service", named->item[k]->where,
+              *named->item[k]->where ? ": " : "", named->item[k]->label);
   }
 }

@@ -213,6 +213,10 @@ bool hk_reference_take(const hk_scene_loader *, const hk_run_options *first, con
 
 void hk_warn_of_unused_options(hk_run *); /* which have no effect on this run */
 
+/* ---- no_effect.c ---- */
+
+void hk_warn_of_no_effect(hk_run *); /* parts of the scene; once the plugins have started */
+
 /* ---- runtime_estimate.c: how long a run will take ---- */
 
 /* To be called before the first step. Prints, where a run will take longer than 10 s, how long, by steps that another

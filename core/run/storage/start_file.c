@@ -16,8 +16,8 @@ static FILE *open_start(const hk_scene *scene, const hk_folder *output, const ch
   return hk_file_read(path, within);
 }
 
-hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path,
-                             const char *origin, bool *resumed) {
+static hk_status read_start(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path,
+                            const char *origin, bool *resumed) {
   char line[4096] = "";
   errno = 0;
   *resumed = false;
@@ -37,4 +37,15 @@ hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *ou
                           "%s is neither a checkpoint nor a table that begins with id,x,y,z,vx,vy,vz,mass", path);
   fclose(file);
   return status;
+}
+
+/* What is wrong with a file that the script names is said with the script's line. */
+hk_status hk_start_file_read(hk_loop *loop, hk_judgement *j, const hk_folder *output, const char *path,
+                             const char *origin, bool *resumed) {
+  const char *where = origin ? NULL : j->scene->start_where;
+  hk_status status = read_start(loop, j, output, path, origin, resumed);
+  if (status == HK_OK || !where) return status;
+  hk_error cause = *loop->error;
+  *loop->error = (hk_error){0};
+  return hk_error_set(loop->error, status, "%s: start: %s", where, cause.text);
 }

@@ -31,6 +31,7 @@ hk_scene *hk_scene_create(const char *script, hk_registry *registry) {
   scene->dt = NAN;
   scene->tol = NAN;
   scene->accuracy = NAN;
+  scene->warnings.silent = true; /* a run says them */
   uint32_t group;
   if (!scene->name || !scene->script || hk_scene_add_group(scene, "default", &group, NULL) != HK_OK) {
     hk_scene_destroy(scene);
@@ -85,6 +86,12 @@ void hk_scene_destroy(hk_scene *scene) {
   free(scene->particles.channel);
   free(scene->particles.pin);
   free(scene->measure);
+  for (size_t k = 0; k < scene->places.count; k++) free(scene->places.item[k].where);
+  free(scene->places.item);
+  hk_warnings_clear(&scene->warnings);
+  free(scene->exact_where);
+  free(scene->start_where);
+  free(scene->auto_where);
   free(scene->start_file);
   free(scene->origin);
   free(scene->name);

@@ -23,6 +23,17 @@ typedef struct hk_stand_in {
   const char *force, *path; /* the force's name in scripts; the substitute's file; NULL: none. Both outlive the scene */
 } hk_stand_in;
 
+/* Where in the script particles were added: those from `first`, an index, on. */
+typedef struct hk_scene_place {
+  uint32_t first;
+  char *where; /* "cloth.lua:12" */
+} hk_scene_place;
+
+typedef struct hk_scene_places_list {
+  size_t count;
+  hk_scene_place *item; /* by rising `first`; no two in succession are alike */
+} hk_scene_places_list;
+
 typedef struct hk_scene {
   char *name;           /* the script's file name without folder and ".lua" */
   char *script;         /* its path as given */
@@ -47,6 +58,10 @@ typedef struct hk_scene {
   bool trusted;         /* plugins may be files anywhere, and files be read from anywhere */
   hk_stand_in stand_in; /* of the command line */
   char *start_file;     /* CSV of --state or a checkpoint; NULL: none */
+  /* The script's lines of exact, start_file and integrator_auto; NULL: not known. */
+  char *exact_where, *start_where, *auto_where;
+  hk_scene_places_list places; /* of builders */
+  hk_warnings warnings;        /* what the script says and has no effect, or not the one that may be meant; for runs */
   char *origin;         /* origin.c: its script, modules, meshes and parameters; NULL: not known */
   bool spent;           /* hk_scene_spend() has freed positions, velocities, masses, groups, edges and triangles */
   bool frozen;          /* a run was made of the scene, or the script has ended: builders refuse it */
@@ -91,6 +106,13 @@ const hk_plugin_spec *hk_scene_one(const hk_scene *,
 
 /* param.c: the plugin's parameter by name; NULL: unknown, and `error` suggests the nearest name. */
 const hk_param *hk_scene_param(const hk_scene *, const hk_plugin_spec *, const char *name, hk_error *error);
+
+/* ---- place.c: lines of the script, for messages ---- */
+
+hk_status hk_scene_note_place(hk_scene *, uint32_t first_id, const char *where, hk_error *error);
+const char *hk_scene_place_of(const hk_scene *, uint32_t id); /* the script's name where no line is known */
+/* *where becomes a copy of the text. */
+hk_status hk_scene_set_where(char **where, const char *text, hk_error *error);
 
 /* ---- order.c: an order of the particles in which joined ones have close indices ---- */
 

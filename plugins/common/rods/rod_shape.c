@@ -75,6 +75,22 @@ static hk_status join_edges(hk_rods *r, const hk_view *view) {
   return HK_OK;
 }
 
+/* Edges of which each is a rod by itself: of a list that does not go along its rods. */
+static void warn_of_single(const hk_rods *r, const hk_view *view) {
+  size_t single = 0, first = 0;
+  for (size_t e = 0; e < r->edges.count; e++) {
+    bool follows = e > 0 && r->next[e - 1] == e;
+    if (follows || r->next[e] != HK_ROD_NONE) continue;
+    if (single++ == 0) first = e;
+  }
+  const uint32_t *end = single > 0 ? hk_tuple(&r->edges, first) : NULL;
+  if (single > 0)
+    r->host->warn(r->host,
+                  "edges: %zu of them have no effect, such as number %zu, from particle %u to %u: nothing follows it, "
+                  "and an edge alone has no joint to bend; list the edges of a rod one after the other",
+                  single, first + 1, view->model->id[end[0]], view->model->id[end[1]]);
+}
+
 /* ---- the start ---- */
 
 /* A director of a rod's first edge: the axis as far as it is across, or any. */
@@ -211,6 +227,7 @@ hk_status hk_rods_open(hk_rods *r, const hk_host *host, const hk_view *view) {
   r->count = r->edges.count;
   for (size_t e = 0; e < r->count && status == HK_OK; e++) status = measure_edge(r, view, e);
   if (status == HK_OK) status = join_edges(r, view);
+  if (status == HK_OK) warn_of_single(r, view);
   size_t head = 0;
   for (size_t e = 0; e < r->count && status == HK_OK; e++) {
     if (r->next[e] == e + 1) continue;

@@ -19,10 +19,10 @@ typedef struct hk_bending_params {
 /* The rows of a parameter table for the member `given` of `type`. */
 #define HK_BENDING_PARAMS(type, given)                                                                                 \
   {"triangles", "", "of which neighbours are joined; left out: those of the scene's grids and meshes",                 \
-     .triangles = HK_AT(type, given.triangles), .flags = HK_OPTIONAL},                                                 \
+     .triangles = HK_AT(type, given.triangles), .flags = HK_OPTIONAL | HK_NOT_EMPTY},                                  \
   {"hinges", "",                                                                                                       \
      "in their place, by hand: quadruples {a, b, c, d} of the edge a b and the corners c, d opposite to it",           \
-     .tetrahedra = HK_AT(type, given.hinges), .flags = HK_OPTIONAL},                                                   \
+     .tetrahedra = HK_AT(type, given.hinges), .flags = HK_OPTIONAL | HK_NOT_EMPTY},                                    \
   {"rigidity", "N m", "bending rigidity B of the surface, E h^3/(12 (1 - nu^2)) of a plate of thickness h",            \
      .per_tuple = HK_AT(type, given.rigidity), .limits = HK_AT_LEAST(0), .flags = HK_REQUIRED, .list = "hinges"}
 /* clang-format on */

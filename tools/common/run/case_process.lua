@@ -47,13 +47,20 @@ local function advance(scene, case, states)
   return run
 end
 
+-- The cause without the line of this tool that asked for the run; the lines of the scene's own script stay.
+local function without_tool(message)
+  local text = tostring(message)
+  local tool = hooke.folder .. "/"
+  return text:sub(1, #tool) == tool and text:gsub("^.-%.lua:%d+: ", "", 1) or text
+end
+
 -- Runs the case in the process of the caller, which a crash would end. The second result is the list of states.
 function case_process.execute(case)
   local scene, refused = hooke.load(case.scene, case.params, options_of(case))
   if not scene then return { failed = refused, fits = false } end
   local states = {}
   local begun, first = pcall(scene.run, scene, { to = 0 })
-  if not begun then return { failed = first, fits = false } end
+  if not begun then return { failed = without_tool(first), fits = false } end
   local fine, message = pcall(advance, scene, case, states)
   local result = first:summary()
   if fine and (result.accuracies > 0 or case.verify) then
@@ -61,7 +68,7 @@ function case_process.execute(case)
     result, again = first:verify()
     result.second_failed = again
   end
-  if not fine then result.failed = message end
+  if not fine then result.failed = without_tool(message) end
   if not fine and result.steps == 0 and result.verdict ~= "diverged" then result.fits = false end
   if case.finish then case.finish(result, states) end
   return result, states

@@ -168,6 +168,18 @@ local function sequences_of(list, points)
   return all
 end
 
+-- Of a run that has diverged, the growth of each half of its points: a point that diverges by itself grows without end.
+local function halves(plugin, points)
+  if #points == 1 then return { math.huge } end
+  local middle, growth = #points // 2, {}
+  for _, half in ipairs { { 1, middle }, { middle + 1, #points } } do
+    local list, why = stability_region.measure(plugin, table.move(points, half[1], half[2], 1, {}))
+    if not list then return nil, why end
+    table.move(list, 1, #list, #growth + 1, growth)
+  end
+  return growth
+end
+
 -- Measured growth factors at points {hw, hg}; nil and the reason when the run failed. `false` in place of a number: the
 -- method is not linear at this point, or changes its step.
 function stability_region.measure(plugin, points)
@@ -175,6 +187,7 @@ function stability_region.measure(plugin, points)
   for k, point in ipairs(points) do text[k] = ("%.17g %.17g"):format(point[1], point[2]) end
   local result, list = case_process.execute { scene = hooke.folder .. "/common/stability/region_scene.lua",
     integrator = with_small_tolerance(plugin), params = { points = table.concat(text, " "), steps = steps }, frames = true }
+  if result.failed and result.verdict == "diverged" then return halves(plugin, points) end
   if result.failed then return nil, result.failed end
   if result.steps ~= steps then return nil, ("it took %d steps where %d were given"):format(result.steps, steps) end
   local growth = {}

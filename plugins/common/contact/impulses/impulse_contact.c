@@ -3,12 +3,13 @@
 
 #include <string.h>
 
-hk_status hk_impulse_contact_create(hk_impulse_contact *s, const hk_host *host, const hk_view *view) {
+hk_status hk_impulse_contact_create(hk_impulse_contact *s, const char *plugin, const hk_host *host,
+                                    const hk_view *view) {
   hk_status status;
   s->host = host;
   s->settled.closest = s->last.closest = INFINITY;
   s->last_t = view->t;
-  s->surfaces = hk_contact_join(&s->params, host, view, &status);
+  s->surfaces = hk_contact_join(&s->params, plugin, host, view, &status);
   s->candidates.cache = &s->cache;
   s->candidates.restitution = s->restitution;
   return status;

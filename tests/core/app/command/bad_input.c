@@ -92,6 +92,95 @@ static void slips_in_scripts_are_explained(void **state) {
   test_refused(BALL "scene:on_frame(1)\n" END, "", 1, "bad.lua:3: on_frame: expected a function");
 }
 
+/* What has no effect as it is written, or contradicts itself, and cannot be meant. */
+static void what_cannot_be_meant_is_refused(void **state) {
+  (void)state;
+#define GRID SCENE "local g = scene:grid { nx = 3, ny = 3 }\n"
+  static const struct {
+    const char *scene, *text;
+  } wrong[] = {
+      {GRID "scene:force('membrane', { triangles = {} })\n",
+       "bad.lua:3: membrane: triangles is an empty list: name some; where it is left out, all are meant"},
+      {GRID "scene:force('hinges', { triangles = {}, rigidity = 1 })\n",
+       "bad.lua:3: hinges: triangles is an empty list"},
+      {BALL "scene:force('nbody', { sources = {} })\n", "bad.lua:3: nbody: sources is an empty list: name some"},
+      {BALL "scene:force('pull', { particles = {}, k = 1 })\n", "bad.lua:3: pull: particles is an empty list"},
+      {BALL "scene:output('trajectory', { only = {} })\n", "bad.lua:3: trajectory: only is an empty list"},
+      {GRID "scene:corrector('contact', { friction = 0.3 })\nscene:corrector('contact', { friction = 0.8 })\n",
+       "bad.lua:4: contact#2: the scene already has another 'contact', which treats all of its surfaces: leave one"},
+      {GRID "scene:force('barrier')\nscene:force('barrier', { friction = 1 })\n",
+       "bad.lua:4: barrier#2: the scene already has another 'barrier'"},
+      {SCENE "scene:source('emitter', { rate = 0, burst_at = { 0.05 } })\n", "bad.lua:2: emitter: burst_at: how many"},
+      {SCENE "scene:channel('mass', { initial = 1 })\n",
+       "bad.lua:2: channel 'mass': a particle's mass is its own already: choose another name"},
+      {SCENE "scene:channel('id')\n", "bad.lua:2: channel 'id': a particle's id is its own already"},
+  };
+  char scene[1024];
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    snprintf(scene, sizeof scene, "%s" END, wrong[k].scene);
+    test_refused(scene, "", 1, wrong[k].text);
+  }
+}
+
+/* Not in Lua's words, which know neither the function nor what it is for. */
+static void wrong_arguments_show_the_call(void **state) {
+  (void)state;
+  static const struct {
+    const char *lines, *text;
+  } wrong[] = {
+      {"param('k')\n",
+       "bad.lua:3: param: 'k' has no default, which says its type, too: give one, as in param(\"k\", 1000"},
+      {"param(3, 1)\n", "bad.lua:3: param: expected a name and a default, as in param("},
+      {"param('k', {})\n",
+       "bad.lua:3: param: the default of 'k' is a table: expected a number, a text, or true or false"},
+      {"param('k', 1, 2)\n", "bad.lua:3: param: the help of 'k' is a number: expected a text"},
+      {"param('k', 1, 'stiffness', 0)\n",
+       "bad.lua:3: param: the limits of 'k' are a number: expected { min =, max = }"},
+      {"scene:exact(3)\n", "bad.lua:3: exact: expected a function, scene:exact(function(t) return x, y, z end), got a"},
+      {"scene:channel()\n", "bad.lua:3: expected a text, as in scene:channel(\"heat\", { initial = 0 }), got nothing"},
+      {"for _, v in ipairs(3) do end\n",
+       "bad.lua:3: ipairs goes through a table, and this is a number: use it as it is"},
+      {"for k in pairs(nil) do end\n", "bad.lua:3: pairs goes through a table, and this is nothing"},
+      {"scene:strand { n = 3 }:at('x')\n", "bad.lua:3: expected a whole number, as in strand:at(1), got a text"},
+      {"scene:grid { nx = 3, ny = 3 }:at(1.5, 1)\n",
+       "bad.lua:3: expected a whole number, as in grid:at(1, 1), got 1.5"},
+      {"require()\n", "bad.lua:3: expected a text, as in require(\"drape\"), got nothing"},
+      {"scene:measure('m', function(s) return s:force() end)\n",
+       "bad.lua:3: expected a text, as in state:force(LABEL, id), got nothing"},
+      {"scene:measure('m', function(s) for _, e in ipairs(s:energy()) do end return 1 end)\n",
+       "bad.lua:3: ipairs goes through a table, and this is a number"},
+  };
+  char scene[1024];
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    snprintf(scene, sizeof scene, BALL "%s" END, wrong[k].lines);
+    test_refused(scene, "", 1, wrong[k].text);
+  }
+  test_refused(BALL "for k = 1, 2 do scene:strand { n = 3, mass = 1 }:at(2.0) end\nparam('k', 1, nil, nil)\n"
+                    "for _, e in ipairs(scene:grid { nx = 3, ny = 3 }:edges()) do assert(e[1]) end\nerror('end')\n",
+               "", 1, "end"); /* and what is right is not refused */
+}
+
+static void errors_of_the_run_name_the_line(void **state) {
+  (void)state;
+  test_refused(PAIR "scene:constraint('bars', { edges = {{1, 2}} })\n" END, "--integrator xpbd", 1,
+               "bad.lua:4: xpbd takes no constraints ('bars')");
+  test_refused(PAIR "scene:exact(function(t) return 1, 2 end)\n" END, "", 1,
+               "bad.lua:4: exact gave 2 numbers at t = 0.1 s, which are not x, y, z of whole particles: return three");
+  test_refused(BALL "scene:start { file = 'none.csv' }\n" END, "", 4,
+               "bad.lua:3: start: cannot read none.csv: No such file or directory");
+  test_write("empty.csv", "");
+  test_refused(BALL "scene:start { file = 'empty.csv' }\n" END, "", 4, "bad.lua:3: start: empty.csv is empty");
+  test_refused("local scene = hooke.scene { integrator = 'auto' }\nscene:particle {}\n" END, "", 1,
+               "bad.lua:1: integrator 'auto' needs to know the accuracy that is asked for");
+  test_refused(BALL END, "--integrator auto", 1, "hooke: integrator 'auto' needs to know the accuracy");
+}
+
+static void a_watch_without_a_scene_says_so(void **state) {
+  (void)state;
+  expect("run --watch", 1, "--watch: there is no scene to run: name its script, as in hooke run SCENE.lua --watch");
+  expect("watch", 1, "there is no scene to run");
+}
+
 static void zero_mass_is_fine_when_pinned(void **state) {
   (void)state;
   test_write(
@@ -294,6 +383,10 @@ int main(void) {
       cmocka_unit_test(unknown_names_offer_the_nearest),
       cmocka_unit_test(wrong_values_are_refused),
       cmocka_unit_test(slips_in_scripts_are_explained),
+      cmocka_unit_test(what_cannot_be_meant_is_refused),
+      cmocka_unit_test(wrong_arguments_show_the_call),
+      cmocka_unit_test(errors_of_the_run_name_the_line),
+      cmocka_unit_test(a_watch_without_a_scene_says_so),
       cmocka_unit_test(zero_mass_is_fine_when_pinned),
       cmocka_unit_test(scripts_are_kept_in_their_sandbox),
       cmocka_unit_test(bad_plugins_are_refused_with_the_reason),

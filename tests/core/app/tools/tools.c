@@ -67,6 +67,27 @@ static void explain_leaves_an_integrator_that_is_to_be_chosen_open(void **state)
   says("explain open.lua", 0, "with auto");
 }
 
+static void a_list_that_is_none_of_the_gallery_is_explained(void **state) {
+  (void)state;
+  static const char *const wrong[][2] = {
+      {"return hooke.scene {}\n",
+       "list.lua is no list of scenes: it uses 'hooke'; scripts/gallery.lua is one, and a scene"},
+      {"return 3\n", "list.lua is no list of scenes: it returns a number, not a table"},
+      {"return { width = 8, height = 8 }\n", "columns has to be a whole number above 0"},
+      {"return { width = 8, height = 8, columns = 1 }\n", "it names no scene"},
+      {"return { width = 8, height = 8, columns = 1, 'flag' }\n",
+       "each of its scenes is a table that begins with a name"},
+      {"return { width = 8, height = 8, columns = 1, { 'flag' } }\n", "'flag' has no moment: at = SECONDS"},
+      {"return { width = 8, height = 8, columns = 1, { 'flag', at = 1 }, film = { 'flag', at = 1 } }\n",
+       "film needs a width and fps"},
+  };
+  for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
+    test_write("list.lua", wrong[k][0]);
+    test_hooke(&r, NULL, "gallery list.lua");
+    if (r.code != 1 || !strstr(r.err, wrong[k][1])) fail_msg("exit %d, no '%s' in: %s", r.code, wrong[k][1], r.err);
+  }
+}
+
 static void verify_prints_a_difference(void **state) {
   (void)state;
   char arguments[512];
@@ -84,6 +105,7 @@ int main(void) {
       cmocka_unit_test(failed_loads_are_listed_with_the_reason),
       cmocka_unit_test(explain_tells_the_stable_steps),
       cmocka_unit_test(explain_leaves_an_integrator_that_is_to_be_chosen_open),
+      cmocka_unit_test(a_list_that_is_none_of_the_gallery_is_explained),
       cmocka_unit_test(verify_prints_a_difference),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

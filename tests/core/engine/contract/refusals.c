@@ -94,6 +94,8 @@ static void every_fault_of_a_constant_is_one_sentence(void **state) {
       {ROW(B ".per_tuple=HK_AT(wrong,k),.list=\"triangles\""), "a number per tuple of 'triangles', which is no list"},
       {ROW(B ".choice=HK_AT(wrong,way),.flags=HK_TIMED,.choices=\"up|down\""),
        "only a number or a vector can be a function of t"},
+      {ROW(B ".choice=HK_AT(wrong,way),.flags=HK_NOT_EMPTY,.choices=\"up|down\""),
+       "only a list of particles or tuples can be empty"},
       {"'-DFIELD={\"next\",.width=1},'", "the field 'next' keeps no member of the instance, or several"},
       {"'-DFIELD={\"next\",.state=" AT("1<<20") ",.width=1},'", "the field 'next' lies outside the instance"},
       {"'-DFIELD={\"next\",.state=(double**)HK_AT(wrong,next)},'", "the field 'next' has the width 0"},

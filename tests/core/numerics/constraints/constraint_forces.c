@@ -168,7 +168,7 @@ static void a_wrong_label_is_an_error_with_the_line(void **state) {
   test_refused(BODY "scene:measure('T', function(s) return s:constraint_forces('bar')[1] end)\nreturn scene\n",
                "--quiet", 1, "bad.lua:4: there is no constraint 'bar'; did you mean 'bars'?");
   test_refused(BODY "scene:measure('T', function(s) return s:constraint_forces()[1] end)\nreturn scene\n", "--quiet", 1,
-               "bad.lua:4: bad argument #1 to 'constraint_forces'");
+               "bad.lua:4: expected a text, as in state:constraint_forces(LABEL), got nothing");
   test_refused(BODY "scene:measure('T', function(s) return s:constraint_forces('bars')[3] end)\nreturn scene\n",
                "--quiet", 1, "bad.lua:4: this function returned nil");
   test_refused(BODY "scene:measure('T', function(s) return s:force('bars', 4)[3] end)\nreturn scene\n", "--quiet", 1,
