@@ -122,6 +122,21 @@ static void faults_of_implicit_methods_are_named(void **state) {
   right_and_wrong("implicit", 5);
 }
 
+static void faults_of_neighbours_are_named(void **state) {
+  (void)state;
+  right_and_wrong("neighbours", 13);
+}
+
+static void faults_of_octrees_are_named(void **state) {
+  (void)state;
+  right_and_wrong("octree", 10);
+}
+
+static void faults_of_trees_of_boxes_are_named(void **state) {
+  (void)state;
+  right_and_wrong("bvh", 5);
+}
+
 static void what_cannot_be_checked_is_said(void **state) {
   (void)state;
   char arguments[1024];
@@ -153,6 +168,9 @@ int main(void) {
       cmocka_unit_test(faults_of_histories_are_named),
       cmocka_unit_test(faults_of_adaptive_methods_are_named),
       cmocka_unit_test(faults_of_implicit_methods_are_named),
+      cmocka_unit_test(faults_of_neighbours_are_named),
+      cmocka_unit_test(faults_of_octrees_are_named),
+      cmocka_unit_test(faults_of_trees_of_boxes_are_named),
       cmocka_unit_test(what_cannot_be_checked_is_said),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
